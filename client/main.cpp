@@ -12,12 +12,12 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
-#include "viewer/study/force_study.h"
 #include "viewer/runs/headset_run.h"
 #include "viewer/runs/offscreen_run.h"
 #include "viewer/runs/replay_run.h"
 #include "viewer/runs/spectate_run.h"
 #include "viewer/runs/window_run.h"
+#include "viewer/study/force_study.h"
 #include "xr/window_display.h"
 
 namespace {
@@ -47,12 +47,14 @@ bool parse_size(const std::string& text, livegs::PictureSize& size) {
          size.height >= 1 && size.height <= 16384;
 }
 
-// What was asked for and is not done there, by name and with where it is. `of`: openxr, window, offscreen, or "a recording" or
-// "publications", to which nobody does anything; `display`: where it is shown.
-std::string what_is_not_done(const std::string& of, const std::string& display, const std::function<bool(const char*)>& asked) {
+// What was asked for and is not done there, by name and with where it is. `of`: openxr, window, offscreen, or
+// "a recording" or "publications", to which nobody does anything; `display`: where it is shown.
+std::string what_is_not_done(const std::string& of, const std::string& display,
+                             const std::function<bool(const char*)>& asked) {
   const bool watched = of == "a recording" || of == "publications";
   for (const char* option : {"--script", "--poke", "--force", "--select"}) {
-    if (watched && asked(option)) return std::string(option) + ": who watches " + of + " does nothing to the scene; leave it out";
+    if (watched && asked(option))
+      return std::string(option) + ": who watches " + of + " does nothing to the scene; leave it out";
   }
   const bool headset = display == "openxr", window = display == "window", offscreen = display == "offscreen";
   struct Undone {
@@ -61,18 +63,27 @@ std::string what_is_not_done(const std::string& of, const std::string& display, 
     const char* remedy;
   };
   const Undone options[] = {
-      {"--script", !offscreen, "moves hands offscreen; in a window and in a headset a person does. Give --display offscreen"},
-      {"--poke", headset, "is done in a window or offscreen, not in a headset; give --display window or --display offscreen"},
+      {"--script", !offscreen,
+       "moves hands offscreen; in a window and in a headset a person does. Give --display offscreen"},
+      {"--poke", headset,
+       "is done in a window or offscreen, not in a headset; give --display window or --display offscreen"},
       {"--force", !window, "is recorded in a window; give --display window, where there is one"},
       {"--select", !window, "is about the window's panel; give --display window, where there is one"},
-      {"--output", headset, "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
-      {"--every", headset, "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
+      {"--output", headset,
+       "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
+      {"--every", headset,
+       "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
       {"--size", headset, "is for a headset to say; leave it out"},
-      {"--full-size", !window, "is about a window's pictures; offscreen and in a headset leave it out, or give --display window"},
-      {"--no-video", !offscreen, "is about the video that --display offscreen makes; leave it out or give that"},
-      {"--video-rate", !offscreen, "is about the video that --display offscreen makes; leave it out or give that"},
-      {"--output", of == "a recording" && window, "is for pictures in files; a recording in a window leaves none. Give --display offscreen"},
-      {"--every", of == "a recording" && window, "is for pictures in files; a recording in a window leaves none. Give --display offscreen"},
+      {"--full-size", !window,
+       "is about a window's pictures; offscreen and in a headset leave it out, or give --display window"},
+      {"--no-video", !offscreen,
+       "is about the video that --display offscreen makes; leave it out or give that"},
+      {"--video-rate", !offscreen,
+       "is about the video that --display offscreen makes; leave it out or give that"},
+      {"--output", of == "a recording" && window,
+       "is for pictures in files; a recording in a window leaves none. Give --display offscreen"},
+      {"--every", of == "a recording" && window,
+       "is for pictures in files; a recording in a window leaves none. Give --display offscreen"},
   };
   for (const Undone& one : options) {
     if (one.there && asked(one.option)) return std::string(one.option) + ": " + one.remedy;
@@ -112,10 +123,12 @@ int main(int argc, char** argv) {
       ->check(CLI::NonNegativeNumber)
       ->needs(replay);
   app.add_option("--subscribe", subscribe,
-                 "tcp://127.0.0.1:PORT: only watch, by the frames that the server publishes there (livegs-server --publish)")
+                 "tcp://127.0.0.1:PORT: only watch, by the frames that the server publishes there "
+                 "(livegs-server --publish)")
       ->excludes(replay);
   app.add_option("--display", display,
-                 "auto: a window where one can be opened, else offscreen; window: a desktop window; offscreen: pictures become "
+                 "auto: a window where one can be opened, else offscreen; window: a desktop window; "
+                 "offscreen: pictures become "
                  "files; openxr: a headset, or a window where there is none")
       ->check(CLI::IsMember({"auto", "window", "offscreen", "openxr"}))
       ->capture_default_str();
@@ -132,44 +145,56 @@ int main(int argc, char** argv) {
   app.add_option("--size", size, "WxH in pixels; 640x480, or the camera file's, when left out");
   app.add_option("--camera", options.camera_file,
                  "A camera file; all objects from a little above when left out");
-  auto* script =
-      app.add_option("--script", options.script_file, "What the hands do, offscreen: a file of InputScript's JSON form");
+  auto* script = app.add_option("--script", options.script_file,
+                                "What the hands do, offscreen: a file of InputScript's JSON form");
   app.add_option("--poke", options.poke, "Poke the object of this name: a pull by the ray, then two balls")
       ->excludes(script);
   app.add_option("--select", select, "The object that the window's panel is about at first");
-  app.add_option("--force", forces,
-                 "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS, newtons on a point of the object at rest: the window applies it once, "
-                 "records it to a video with its sentence beside it, and ends. Given again: several points at once")
+  app.add_option(
+         "--force", forces,
+         "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS, newtons on a point of the object at rest: the window applies it "
+         "once, "
+         "records it to a video with its sentence beside it, and ends. Given again: several points at once")
       ->allow_extra_args(false);
   app.add_option("--video-rate", options.video_rate_hz, "Pictures a second of video")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str();
-  app.add_option("--every", options.png_every, "Keep every so many pictures as a PNG; 0: none, or with a window one a second")
+  app.add_option("--every", options.png_every,
+                 "Keep every so many pictures as a PNG; 0: none, or with a window one a second")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   app.add_flag("--no-video", no_video, "PNGs only");
-  app.add_flag("--full-size", full_size, "Of a window: draw every picture at its size, where one that is late is drawn smaller otherwise");
+  app.add_flag(
+      "--full-size", full_size,
+      "Of a window: draw every picture at its size, where one that is late is drawn smaller otherwise");
   app.add_option("--cache", options.cache,
                  "Where fetched assets are kept; $XDG_CACHE_HOME/livegs when left out");
   app.add_option("--connect-timeout", options.connect_timeout_s, "Seconds to wait for a server to be ready")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  auto* reconnect = app.add_option("--reconnect", options.reconnect_s,
-                                   "Seconds to look for a server that went away; 10, or with a window no end, when left out")
-                        ->check(CLI::Range(0.0, 1e6));
+  auto* reconnect =
+      app.add_option(
+             "--reconnect", options.reconnect_s,
+             "Seconds to look for a server that went away; 10, or with a window no end, when left out")
+          ->check(CLI::Range(0.0, 1e6));
   app.add_option("--most-mbit-s", options.most_mbit_s,
-                 "What the link can take, megabits a second: the server sends no more, what matters most first. As much as it gives when left out")
+                 "What the link can take, megabits a second: the server sends no more, what matters most "
+                 "first. As much as it gives when left out")
       ->check(CLI::Range(0.1, 1e5));
   app.add_option("--rate", options.rate_hz,
-                 "Frames a second that there is a use for: the server sends every n-th tick, no fewer than that; each when left out")
+                 "Frames a second that there is a use for: the server sends every n-th tick, no fewer than "
+                 "that; each when left out")
       ->check(CLI::Range(5.0, 1000.0));
-  app.add_option("--position-bits", options.position_bits,
-                 "Of elastic objects' positions along their longest side: 18 or 20 for finer steps and more bytes")
+  app.add_option(
+         "--position-bits", options.position_bits,
+         "Of elastic objects' positions along their longest side: 18 or 20 for finer steps and more bytes")
       ->check(CLI::IsMember({16, 18, 20}))
       ->capture_default_str();
   app.add_option("--encoding", encoding,
-                 "What frames hold: what drives the kernels, each frame against those before (drivers) or as floats (drivers-raw); "
-                 "or, a hundred to a thousand times as many bytes, kernels that the server has moved, packed (kernels) or as "
+                 "What frames hold: what drives the kernels, each frame against those before (drivers) or as "
+                 "floats (drivers-raw); "
+                 "or, a hundred to a thousand times as many bytes, kernels that the server has moved, packed "
+                 "(kernels) or as "
                  "floats (kernels-exact)")
       ->check(CLI::IsMember({"drivers", "drivers-raw", "kernels", "kernels-exact"}))
       ->capture_default_str();
@@ -192,7 +217,8 @@ int main(int argc, char** argv) {
   if (!std::isfinite(options.rate_hz)) return report(livegs::invalid_argument("--rate: is not a number"));
   if (!std::isfinite(from_s)) return report(livegs::invalid_argument("--from: is not a number"));
   if (options.address.empty() && replay_file.empty())
-    return report(livegs::invalid_argument("HOST:PORT: is required; where does the server listen? Or give --replay FILE"));
+    return report(livegs::invalid_argument(
+        "HOST:PORT: is required; where does the server listen? Or give --replay FILE"));
   livegs::PictureSize parsed;
   if (!size.empty()) {
     if (!parse_size(size, parsed))
@@ -211,15 +237,18 @@ int main(int argc, char** argv) {
     return forgotten ? 0 : report(forgotten.error());
   }
   if (display == "auto") {
-    const bool of_files = !options.script_file.empty() || !subscribe.empty() || no_video || app.count("--video-rate") > 0 ||
+    const bool of_files = !options.script_file.empty() || !subscribe.empty() || no_video ||
+                          app.count("--video-rate") > 0 ||
                           (!replay_file.empty() && app.count("--output") + app.count("--every") > 0);
     const bool of_window = !forces.empty() || !select.empty() || full_size;
     display = of_window || (!of_files && livegs::WindowDisplay::is_possible()) ? "window" : "offscreen";
   }
   const std::string of = !replay_file.empty() ? "a recording" : !subscribe.empty() ? "publications" : display;
-  const std::string not_done = what_is_not_done(of, display, [&](const char* option) { return app.count(option) > 0; });
+  const std::string not_done =
+      what_is_not_done(of, display, [&](const char* option) { return app.count(option) > 0; });
   if (!replay_file.empty() && display == "openxr")
-    return report(livegs::invalid_argument("--replay: plays in a window or into files, not in a headset; leave --display openxr out"));
+    return report(livegs::invalid_argument(
+        "--replay: plays in a window or into files, not in a headset; leave --display openxr out"));
   if (!not_done.empty()) return report(livegs::invalid_argument(not_done));
   if (!replay_file.empty()) {
     livegs::ReplayOptions replayed;

@@ -22,16 +22,16 @@
 #include "core/parallel_for.h"
 #include "scene/scene.h"
 #include "service_notice.h"
+#include "session/access/server_security.h"
 #include "session/live/analysis_controller.h"
 #include "session/live/run_controller.h"
-#include "session/rpc/grpc_server.h"
 #include "session/metrics/metrics.h"
 #include "session/metrics/run_summary.h"
-#include "session/support/scene_memory.h"
-#include "session/access/server_security.h"
 #include "session/recording/session_recorder.h"
+#include "session/rpc/grpc_server.h"
 #include "session/sessions/session_table.h"
 #include "session/simulation/simulation_loop.h"
+#include "session/support/scene_memory.h"
 #include "trust/fingerprint.h"
 #include "trust/state_folder.h"
 
@@ -68,7 +68,8 @@ int report(const livegs::Error& error) {
 // What the server needs to let other machines in; null when it listens in the clear.
 livegs::Result<std::unique_ptr<livegs::ServerSecurity>> open_security(const Options& options) {
   using namespace livegs;
-  const bool on = options.tls == "on" || (options.tls == "auto" && !check_listen_address(options.listen, false));
+  const bool on =
+      options.tls == "on" || (options.tls == "auto" && !check_listen_address(options.listen, false));
   if (auto checked = check_listen_address(options.listen, on); !checked) return checked.error();
   if (!on) return std::unique_ptr<ServerSecurity>();
   auto folder = state_folder(options.state_dir);
@@ -175,13 +176,15 @@ int run(const Options& options) {
       });
   loop.record_with((*server)->recorder());
   if (!options.record.empty()) {
-    if (auto begun = (*server)->recorder().start(options.record, options.recording); !begun) return report(begun.error());
+    if (auto begun = (*server)->recorder().start(options.record, options.recording); !begun)
+      return report(begun.error());
   }
   // Before clients are let in: a port in use ends it while nobody can ask for what goes with this.
   std::unique_ptr<Metrics> metrics;
   if (options.metrics_port) {
-    auto served = Metrics::serve(*options.metrics_port, {(*server)->session_table(), [&] { return loop.summary(); },
-                                                         [&] { return (*server)->published(); }});
+    auto served = Metrics::serve(
+        *options.metrics_port,
+        {(*server)->session_table(), [&] { return loop.summary(); }, [&] { return (*server)->published(); }});
     if (!served) return report(served.error());
     metrics = std::move(*served);
     log_info("metrics: http://127.0.0.1:%d/metrics", metrics->port());
@@ -208,7 +211,8 @@ int run(const Options& options) {
 
   std::string reason;
   if (options.wait_for_client) {
-    reason = wait_for_signal(signals, [&] { return (*server)->streaming_count() > 0 || !drain_reason().empty(); });
+    reason =
+        wait_for_signal(signals, [&] { return (*server)->streaming_count() > 0 || !drain_reason().empty(); });
     if (reason.empty()) reason = drain_reason();
   }
   if (reason.empty()) {
@@ -226,7 +230,8 @@ int run(const Options& options) {
   notice.say("STOPPING=1");
   (*server)->shut_down(reason);
   loop.stop();
-  if (const auto recorded = (*server)->recorder().stop(); !recorded && recorded.error().code != ErrorCode::NotFound)
+  if (const auto recorded = (*server)->recorder().stop();
+      !recorded && recorded.error().code != ErrorCode::NotFound)
     log_warn("%s", recorded.error().message.c_str());
   std::fputs(run_summary(loop.scene(), loop.summary(), (*server)->published(), (*server)->sessions()).c_str(),
              stdout);
@@ -239,8 +244,9 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Simulates a scene of Gaussian splats and streams it to livegs-client", "livegs-server");
   app.add_option("SCENE", options.scene, "A *.scene.json file, or a folder of assets")->required();
-  app.add_option("--listen", options.listen,
-                 "HOST:PORT; port 0 lets the system choose. 0.0.0.0 lets other machines in, with TLS and a token")
+  app.add_option(
+         "--listen", options.listen,
+         "HOST:PORT; port 0 lets the system choose. 0.0.0.0 lets other machines in, with TLS and a token")
       ->capture_default_str();
   app.add_option("--tls", options.tls,
                  "auto: unless it listens on this machine only; on; off: refused for other machines")
@@ -256,49 +262,61 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 1024));
   app.add_option("--seconds", options.seconds, "Stop after so long; 0: when it is told to")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--metrics", options.metrics_port,
-                 "Serve metrics for Prometheus on 127.0.0.1:PORT; 0 lets the system choose; none when left out")
+  app.add_option(
+         "--metrics", options.metrics_port,
+         "Serve metrics for Prometheus on 127.0.0.1:PORT; 0 lets the system choose; none when left out")
       ->check(CLI::Range(0, 65535));
   app.add_option("--client-mbit-s", options.client_mbit_s,
-                 "What a client is sent at most, megabits a second; what matters least to it waits. No limit when left out")
+                 "What a client is sent at most, megabits a second; what matters least to it waits. No limit "
+                 "when left out")
       ->check(CLI::Range(0.1, 1e5));
-  app.add_option("--clients", options.clients, "How many may be there at once; who was cut off keeps a place for half a minute")
+  app.add_option("--clients", options.clients,
+                 "How many may be there at once; who was cut off keeps a place for half a minute")
       ->check(CLI::Range(size_t{1}, livegs::kMaxSessions))
       ->capture_default_str();
-  app.add_option("--publish", options.publish,
-                 "tcp://127.0.0.1:PORT: publish frames to livegs-client --subscribe and others on this machine, without "
-                 "tokens; port 0 lets the system choose; none when left out");
+  app.add_option(
+      "--publish", options.publish,
+      "tcp://127.0.0.1:PORT: publish frames to livegs-client --subscribe and others on this machine, without "
+      "tokens; port 0 lets the system choose; none when left out");
   app.add_option("--record", options.record,
-                 "Record the session into this new file, *.lvgrec, from the first tick on; livegs ctl record does it later");
+                 "Record the session into this new file, *.lvgrec, from the first tick on; livegs ctl record "
+                 "does it later");
   app.add_flag("--record-inputs-only", options.recording.inputs_only,
                "Without frames: it can be simulated again, not watched");
-  app.add_flag("--record-assets", options.recording.assets, "With assets and files, so that it can be watched and simulated again anywhere");
+  app.add_flag("--record-assets", options.recording.assets,
+               "With assets and files, so that it can be watched and simulated again anywhere");
   app.add_option("--log-format", options.log_format, "text, or json: an object a line")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   app.add_flag("--print-port", options.print_port, "Print the port on standard output once clients may join");
   app.add_flag("--wait-for-client", options.wait_for_client,
                "Let the first tick wait until a client streams");
-  app.add_option("--endpoint", options.endpoint.url,
-                 "A server that speaks OpenAI's chat completions, to be asked what things are made of; default: "
-                 "OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY. Without one, offline estimates are used");
+  app.add_option(
+      "--endpoint", options.endpoint.url,
+      "A server that speaks OpenAI's chat completions, to be asked what things are made of; default: "
+      "OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY. Without one, offline estimates are used");
   app.add_option("--model", options.endpoint.model, "The model to ask for, instead of LIVEGS_MODEL");
-  app.add_option("--recorded", options.endpoint.recorded, "Replay the answers of this folder instead of asking")
+  app.add_option("--recorded", options.endpoint.recorded,
+                 "Replay the answers of this folder instead of asking")
       ->check(CLI::ExistingDirectory);
-  app.add_option("--record-answers", options.endpoint.record, "Keep the answers in this folder, for --recorded");
+  app.add_option("--record-answers", options.endpoint.record,
+                 "Keep the answers in this folder, for --recorded");
   app.add_option("--prompts", options.endpoint.prompts,
                  "A folder of prompts: its files take the place of those of the same names that are built in")
       ->check(CLI::ExistingDirectory);
   app.add_option("--price", options.endpoint.price,
-                 "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: LIVEGS_PRICE");
+                 "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: "
+                 "LIVEGS_PRICE");
   app.add_option("--model-deadline", options.endpoint.deadline_s,
-                 "The longest that one question may take with all its repeats, 1 to 3600 s; default: LIVEGS_MODEL_DEADLINE_S, "
+                 "The longest that one question may take with all its repeats, 1 to 3600 s; default: "
+                 "LIVEGS_MODEL_DEADLINE_S, "
                  "else 60, or 300 where the server is Ollama or llama.cpp")
       ->check(CLI::Range(1.0, 3600.0))
       ->type_name("SECONDS");
   app.add_flag("--web-search", options.endpoint.web_search,
                "Let the endpoint search the web once an object, where it can; off otherwise");
-  app.add_option("--views", options.views, "Looks at each object; 3 are put to the vote")->check(CLI::IsMember({1, 3}));
+  app.add_option("--views", options.views, "Looks at each object; 3 are put to the vote")
+      ->check(CLI::IsMember({1, 3}));
   app.add_flag("--offline", options.endpoint.offline, "Ask nobody, whatever is set");
   app.add_flag("--verbose", options.verbose, "Log what the simulation does every second");
   app.set_version_flag("--version", LIVEGS_VERSION);

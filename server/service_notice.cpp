@@ -14,7 +14,9 @@ namespace livegs {
 
 ServiceNotice::ServiceNotice() {
   const char* name = std::getenv("NOTIFY_SOCKET");
-  if (name == nullptr || (name[0] != '/' && name[0] != '@') || std::strlen(name) >= sizeof(sockaddr_un::sun_path)) return;
+  if (name == nullptr || (name[0] != '/' && name[0] != '@') ||
+      std::strlen(name) >= sizeof(sockaddr_un::sun_path))
+    return;
   address_ = name;
   if (address_[0] == '@') address_[0] = '\0';
   ::unsetenv("NOTIFY_SOCKET");
@@ -36,7 +38,8 @@ void ServiceNotice::say(const std::string& state) const {
   to.sun_family = AF_UNIX;
   std::memcpy(to.sun_path, address_.data(), address_.size());
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size());
-  (void)::sendto(socket_, state.data(), state.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&to), size);
+  (void)::sendto(socket_, state.data(), state.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&to),
+                 size);
 }
 
 void ServiceNotice::feed(uint64_t ticks, int64_t now_ns) {

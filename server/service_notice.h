@@ -6,8 +6,8 @@
 
 namespace livegs {
 
-// What systemd is told of a service of Type=notify: a datagram to the socket NOTIFY_SOCKET names (sd_notify(3)). Does
-// nothing where there is none.
+// What systemd is told of a service of Type=notify: a datagram to the socket NOTIFY_SOCKET names
+// (sd_notify(3)). Does nothing where there is none.
 class ServiceNotice {
  public:
   ServiceNotice();  // reads NOTIFY_SOCKET and WATCHDOG_USEC, and takes the first out of the environment
@@ -16,7 +16,8 @@ class ServiceNotice {
   ServiceNotice& operator=(const ServiceNotice&) = delete;
 
   void say(const std::string& state) const;  // "READY=1", "STOPPING=1", "STATUS=…"
-  // Feeds the watchdog, twice in its time, as long as `ticks` rises: a server that stands still is started anew.
+  // Feeds the watchdog, twice in its time, as long as `ticks` rises: a server that stands still is started
+  // anew.
   void feed(uint64_t ticks, int64_t now_ns);
 
  private:

@@ -10,8 +10,8 @@
 #include <set>
 #include <string>
 
-// Figures that miss their bar. tests/known_gaps.csv holds the bar and the reached figure of each; the gate does not judge
-// them. With LIVEGS_GAPS_OUT set, each figure is appended to that file for tests/compare_gaps.
+// Figures that miss their bar. tests/known_gaps.csv holds the bar and the reached figure of each; the gate
+// does not judge them. With LIVEGS_GAPS_OUT set, each figure is appended to that file for tests/compare_gaps.
 
 namespace livegs {
 
@@ -28,8 +28,8 @@ inline const std::set<std::string>& gap_ids() {
   return ids;
 }
 
-// Reports a figure of a gap; of several reports the worst counts. Fails on an id that the table lacks and on a value that is
-// not finite.
+// Reports a figure of a gap; of several reports the worst counts. Fails on an id that the table lacks and on
+// a value that is not finite.
 inline void report_gap(const std::string& id, double value) {
   EXPECT_TRUE(gap_ids().contains(id)) << id << ": not in tests/known_gaps.csv; add a row";
   EXPECT_TRUE(std::isfinite(value)) << id;

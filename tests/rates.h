@@ -7,11 +7,13 @@
 #include <utility>
 #include <vector>
 
-// The size of the test sets. The gate takes one tick rate and few seeds; `deploy/test nightly` sets both variables.
+// The size of the test sets. The gate takes one tick rate and few seeds; `deploy/test nightly` sets both
+// variables.
 
 namespace livegs {
 
-// Tick rates, Hz: those of LIVEGS_TEST_RATES, as in "60,90"; 90 by default. For parameterised tests, which are made before main.
+// Tick rates, Hz: those of LIVEGS_TEST_RATES, as in "60,90"; 90 by default. For parameterised tests, which
+// are made before main.
 inline std::vector<double> rates_hz() {
   const char* text = std::getenv("LIVEGS_TEST_RATES");
   std::vector<double> rates;
@@ -43,6 +45,8 @@ std::vector<T> gate_or_full(std::vector<T> gate, std::vector<T> full) {
 }
 
 // Name of a parameterised test by its rate: "90Hz".
-inline std::string rate_name(double rate_hz) { return std::to_string(static_cast<int>(rate_hz + 0.5)) + "Hz"; }
+inline std::string rate_name(double rate_hz) {
+  return std::to_string(static_cast<int>(rate_hz + 0.5)) + "Hz";
+}
 
 }  // namespace livegs

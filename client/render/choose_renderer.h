@@ -16,7 +16,8 @@ enum class RendererChoice {
 Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice);
 
 // The same on a display's own device, in software too.
-Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice, std::shared_ptr<VulkanDevice> device);
+Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice,
+                                                       std::shared_ptr<VulkanDevice> device);
 
 // What was made of a device by its name; with Auto, where that failed, the CPU, whose notice says why.
 Result<std::unique_ptr<SplatRenderer>> made_or_cpu(RendererChoice choice, const std::string& device,

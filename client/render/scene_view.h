@@ -9,10 +9,10 @@
 
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
-#include "render/view/bound_object.h"
 #include "render/splat_renderer.h"
-#include "skin/driver_frame.h"
+#include "render/view/bound_object.h"
 #include "skin/bind/kernel_reach.h"
+#include "skin/driver_frame.h"
 #include "skin/skin_kernels.h"
 
 namespace livegs {
@@ -20,9 +20,10 @@ namespace livegs {
 // Behind a scene without walls, as `livegs render` has it.
 inline const Eigen::Vector3f kBackground{0.08f, 0.08f, 0.1f};
 
-// The objects of a scene as a client holds them, and how they look for a given frame of drivers, or of kernels. A renderer that skins
-// (Vulkan's) is given drivers; kernels are skinned here only for who asks where they are, object by object, and only if
-// its drivers are not bit for bit those they were last skinned for. Not locked, const or not.
+// The objects of a scene as a client holds them, and how they look for a given frame of drivers, or of
+// kernels. A renderer that skins (Vulkan's) is given drivers; kernels are skinned here only for who asks
+// where they are, object by object, and only if its drivers are not bit for bit those they were last skinned
+// for. Not locked, const or not.
 class SceneView {
  public:
   explicit SceneView(std::unique_ptr<SplatRenderer> renderer = create_cpu_renderer())
@@ -39,27 +40,30 @@ class SceneView {
   void add(uint32_t object_id, BoundObject object);
   void change(uint32_t object_id, BoundObject object);
   bool has(uint32_t object_id, uint32_t revision) const;
-  // The same revision of an object with more of its kernels, as they come; posed as it is. Nothing happens to one that is not
-  // there.
+  // The same revision of an object with more of its kernels, as they come; posed as it is. Nothing happens to
+  // one that is not there.
   void refine(uint32_t object_id, BoundObject object);
   void remove(uint32_t object_id);
 
-  // An image an eye, of one eye or two. Objects of the frame that were never added are left out; one whose drivers are of a
-  // revision that is yet to come stands as it did; drivers that do not fit their object are an error. A renderer that fails (a lost device, one that cannot hold the scene)
-  // is replaced by the CPU's, with a warning and a notice.
+  // An image an eye, of one eye or two. Objects of the frame that were never added are left out; one whose
+  // drivers are of a revision that is yet to come stands as it did; drivers that do not fit their object are
+  // an error. A renderer that fails (a lost device, one that cannot hold the scene) is replaced by the CPU's,
+  // with a warning and a notice.
   Result<void> draw(const DriverFrame& frame, std::span<const Camera> eyes, std::vector<Image>& images);
 
   // The same into an image on the renderer's device; where it cannot, into `images`, which are empty else.
   Result<void> draw_into(const DriverFrame& frame, std::span<const Camera> eyes, const DeviceImage& image,
                          std::vector<Image>& images);
 
-  // Kernels that add less to a picture are left out from now on (RenderOptions); 0, as at first: none. Then, too, one that is
-  // seen larger than the longer side of the picture is shrunk to that, else to twice as much: from outside of captured assets
-  // neither changes a bit, from inside the first leaves 42 dB and more and the second 56 (cap.csv).
+  // Kernels that add less to a picture are left out from now on (RenderOptions); 0, as at first: none. Then,
+  // too, one that is seen larger than the longer side of the picture is shrunk to that, else to twice as
+  // much: from outside of captured assets neither changes a bit, from inside the first leaves 42 dB and more
+  // and the second 56 (cap.csv).
   void set_min_contribution(float min_contribution_px) { min_contribution_px_ = min_contribution_px; }
 
   // The last picture's moment by another renderer: the CPU's, to hold the picture against.
-  Result<void> draw_again(SplatRenderer& renderer, std::span<const Camera> eyes, std::vector<Image>& images) const;
+  Result<void> draw_again(SplatRenderer& renderer, std::span<const Camera> eyes,
+                          std::vector<Image>& images) const;
 
   struct Times {
     double skin_ms = 0;                             // of kernels skinned here since the last pose()
@@ -71,7 +75,8 @@ class SceneView {
   const std::string& renderer_name() const { return renderer_->name(); }
   std::string notice() const { return renderer_->notice(); }  // as SplatRenderer has it
 
-  // What the last picture shows, or pose() posed, as far as kernels of it may be within a box; one object of it, if shown.
+  // What the last picture shows, or pose() posed, as far as kernels of it may be within a box; one object of
+  // it, if shown.
   std::vector<DrawnObject> drawn_near(const Eigen::AlignedBox3f& box_m) const;
   std::optional<DrawnObject> drawn_object(uint32_t object_id) const;
 

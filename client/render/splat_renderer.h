@@ -28,7 +28,8 @@ struct SkinnedBy {
 
 // One object of a picture, and what of it a renderer may keep from the last picture.
 struct RenderedObject {
-  DrawnObject drawn;  // drawn.kernels may be null where `skinned_by` is given and the renderer skins that kind
+  DrawnObject
+      drawn;  // drawn.kernels may be null where `skinned_by` is given and the renderer skins that kind
   // Equal numbers, equal kernels: of where they are, and of what asset they are. Never 0.
   uint64_t posed_version = 0;
   uint64_t asset_version = 0;
@@ -37,7 +38,8 @@ struct RenderedObject {
 
 struct RenderOptions {
   Eigen::Vector3f background{0, 0, 0};
-  DepthOrder order = DepthOrder::ViewZ;  // of two eyes Distance is from between them, ViewZ along what both look along
+  DepthOrder order =
+      DepthOrder::ViewZ;  // of two eyes Distance is from between them, ViewZ along what both look along
   int max_sh_degree = 3;
   float max_radius_px = 0;        // as eye_view has it; 0: none
   float min_contribution_px = 0;  // as eye_view has it; 0: all are drawn
@@ -49,18 +51,18 @@ struct DeviceTimes {
   double total_ms() const { return skin_ms + project_ms + sort_ms + draw_ms + resolve_ms; }
 };
 
-// By the caller's clock: what it waited for. Without separate_times a Vulkan device does all of it in draw_ms. What it
-// skins is skinned in project_ms.
+// By the caller's clock: what it waited for. Without separate_times a Vulkan device does all of it in
+// draw_ms. What it skins is skinned in project_ms.
 struct RenderTimes {
   double upload_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0;
-  std::optional<DeviceTimes> device;  // where it has a clock
+  std::optional<DeviceTimes> device;             // where it has a clock
   uint64_t uploaded_bytes = 0, submissions = 0;  // to a device, of this picture
-  int eyes_a_draw = 1;  // 2: one draw covered both eyes
+  int eyes_a_draw = 1;                           // 2: one draw covered both eyes
   double total_ms() const { return upload_ms + project_ms + sort_ms + draw_ms; }
 };
 
-// Draws objects, each with an id of its own, in one sorted set, for one eye or two of one size. One thread at a
-// time.
+// Draws objects, each with an id of its own, in one sorted set, for one eye or two of one size. One thread at
+// a time.
 class SplatRenderer {
  public:
   virtual ~SplatRenderer() = default;
@@ -71,7 +73,8 @@ class SplatRenderer {
   virtual Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                             const RenderOptions& options, std::vector<Image>& images) = 0;
   // The same into a layer an eye of an image on the renderer's own device; Unsupported by one that has none.
-  virtual Result<void> draw_into(std::span<const RenderedObject>, std::span<const Camera>, const RenderOptions&, const DeviceImage&) {
+  virtual Result<void> draw_into(std::span<const RenderedObject>, std::span<const Camera>,
+                                 const RenderOptions&, const DeviceImage&) {
     return unsupported(name() + ": draws into no device's image");
   }
   // Whether it skins kernels of this kind itself, from `skinned_by` alone.
@@ -90,7 +93,7 @@ struct VulkanRendererOptions {
   BlendPrecision precision = BlendPrecision::Auto;
   bool separate_times = false;  // waits between the steps, so that last_times tells them apart
   bool read_blended = false;    // images as they were blended, before 8 bits a channel: for measuring
-  uint32_t max_part_rows = 0;  // as FrameSplats has it; 0: what the device binds
+  uint32_t max_part_rows = 0;   // as FrameSplats has it; 0: what the device binds
 };
 // Unavailable where the device cannot draw.
 Result<std::unique_ptr<SplatRenderer>> create_vulkan_renderer(std::shared_ptr<VulkanDevice> device,

@@ -14,7 +14,7 @@ class Buffer {
   Buffer(Buffer&& other) noexcept;
   Buffer& operator=(Buffer&& other) noexcept;
 
-  void reset();  // destroys the buffer, if any
+  void reset();                        // destroys the buffer, if any
   BufferId id() const { return id_; }  // BufferId{} of an empty one
   size_t bytes() const { return bytes_; }
   explicit operator bool() const { return id_ != BufferId{}; }

@@ -27,8 +27,8 @@ struct Pass {
   uint32_t buffer_count = 0;     // 1..kMaxPassBuffers
   uint32_t constants_bytes = 0;  // a multiple of 4, up to kMaxPassConstantsBytes
   std::span<const uint32_t> spirv;
-  // Items [begin, end), on any thread; begin is a multiple of kMaxPassGroupSize, so that no group of a power of two is
-  // divided.
+  // Items [begin, end), on any thread; begin is a multiple of kMaxPassGroupSize, so that no group of a power
+  // of two is divided.
   void (*run)(const PassArguments& arguments, size_t begin, size_t end) = nullptr;
 };
 

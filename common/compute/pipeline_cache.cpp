@@ -36,21 +36,25 @@ bool is_of(const VkPhysicalDeviceProperties& device, std::span<const std::byte> 
 }
 
 Result<std::vector<std::byte>> read_data(const VulkanHandles& handles) {
-  if (std::error_code ignored; !std::filesystem::exists(handles.pipeline_cache_file, ignored)) return std::vector<std::byte>();
+  if (std::error_code ignored; !std::filesystem::exists(handles.pipeline_cache_file, ignored))
+    return std::vector<std::byte>();
   const auto file = read_file(handles.pipeline_cache_file, kMaxCacheBytes);
   if (!file) return file.error();
   auto data = decode_pipeline_cache(handles.properties, *file);
-  if (!data) return Error{data.error().code, handles.pipeline_cache_file.string() + ": " + data.error().message};
+  if (!data)
+    return Error{data.error().code, handles.pipeline_cache_file.string() + ": " + data.error().message};
   return data;
 }
 
 }  // namespace
 
-std::filesystem::path pipeline_cache_file(const std::filesystem::path& folder, const VkPhysicalDeviceProperties& device) {
+std::filesystem::path pipeline_cache_file(const std::filesystem::path& folder,
+                                          const VkPhysicalDeviceProperties& device) {
   return folder / format_text("%04x-%04x.pipelines", device.vendorID, device.deviceID);
 }
 
-std::vector<std::byte> encode_pipeline_cache(const VkPhysicalDeviceProperties& device, std::span<const std::byte> data) {
+std::vector<std::byte> encode_pipeline_cache(const VkPhysicalDeviceProperties& device,
+                                             std::span<const std::byte> data) {
   FileHeader header;
   header.driver_version = device.driverVersion;
   content_hash(data).copy(header.data_hash, sizeof header.data_hash);
@@ -69,8 +73,10 @@ Result<std::vector<std::byte>> decode_pipeline_cache(const VkPhysicalDevicePrope
   const auto data = file.subspan(sizeof header);
   if (std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0 || header.version != kVersion)
     return not_usable("the file is of another format");
-  if (header.driver_version != device.driverVersion) return not_usable("the file is of another driver version");
-  if (content_hash(data) != std::string_view(header.data_hash, sizeof header.data_hash)) return not_usable("the file is damaged");
+  if (header.driver_version != device.driverVersion)
+    return not_usable("the file is of another driver version");
+  if (content_hash(data) != std::string_view(header.data_hash, sizeof header.data_hash))
+    return not_usable("the file is damaged");
   if (!is_of(device, data)) return not_usable("the file is of another device");
   return std::vector<std::byte>(data.begin(), data.end());
 }
@@ -88,7 +94,8 @@ Result<void> create_pipeline_cache(VulkanHandles& handles, const std::filesystem
   auto info = vulkan_info<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
   info.initialDataSize = data.size();
   info.pInitialData = data.data();
-  if (const VkResult made = handles.vk.CreatePipelineCache(handles.device, &info, nullptr, &handles.pipeline_cache);
+  if (const VkResult made =
+          handles.vk.CreatePipelineCache(handles.device, &info, nullptr, &handles.pipeline_cache);
       made != VK_SUCCESS) {
     handles.pipeline_cache = VK_NULL_HANDLE;
     return vulkan_error("vkCreatePipelineCache", made);
@@ -101,15 +108,20 @@ void save_pipeline_cache(const VulkanHandles& handles) {
   if (handles.pipeline_cache_file.empty() || !handles.pipeline_cache) return;
   size_t bytes = 0;
   std::vector<std::byte> data;
-  if (handles.vk.GetPipelineCacheData(handles.device, handles.pipeline_cache, &bytes, nullptr) != VK_SUCCESS) return;
+  if (handles.vk.GetPipelineCacheData(handles.device, handles.pipeline_cache, &bytes, nullptr) != VK_SUCCESS)
+    return;
   data.resize(bytes);
-  if (handles.vk.GetPipelineCacheData(handles.device, handles.pipeline_cache, &bytes, data.data()) != VK_SUCCESS) return;
+  if (handles.vk.GetPipelineCacheData(handles.device, handles.pipeline_cache, &bytes, data.data()) !=
+      VK_SUCCESS)
+    return;
   data.resize(bytes);
   if (content_hash(data) == handles.pipeline_cache_hash) return;
   std::error_code ignored;
   std::filesystem::create_directories(handles.pipeline_cache_file.parent_path(), ignored);
-  const auto written = write_file_atomically(handles.pipeline_cache_file, encode_pipeline_cache(handles.properties, data));
-  if (!written) log_debug("pipeline cache: %s; pipelines are compiled again next time", written.error().message.c_str());
+  const auto written =
+      write_file_atomically(handles.pipeline_cache_file, encode_pipeline_cache(handles.properties, data));
+  if (!written)
+    log_debug("pipeline cache: %s; pipelines are compiled again next time", written.error().message.c_str());
 }
 
 }  // namespace livegs

@@ -12,21 +12,25 @@
 
 namespace livegs {
 
-// The compiled pipelines of one device, in a file between runs. A file is a 76-byte header and the driver's data:
+// The compiled pipelines of one device, in a file between runs. A file is a 76-byte header and the driver's
+// data:
 //   "LGPC", version 1, driver version (uint32 each), SHA-256 of the data as 64 hexadecimal digits.
-// The data begins with Vulkan's own header of vendor, device and pipelineCacheUUID. Drivers need not survive damaged data,
-// and many ignore their own version, hence the header (Kapoulkine 2019, Creating a robust pipeline cache with Vulkan).
+// The data begins with Vulkan's own header of vendor, device and pipelineCacheUUID. Drivers need not survive
+// damaged data, and many ignore their own version, hence the header (Kapoulkine 2019, Creating a robust
+// pipeline cache with Vulkan).
 
 // FOLDER/VENDOR-DEVICE.pipelines, in hexadecimal.
-std::filesystem::path pipeline_cache_file(const std::filesystem::path& folder, const VkPhysicalDeviceProperties& device);
+std::filesystem::path pipeline_cache_file(const std::filesystem::path& folder,
+                                          const VkPhysicalDeviceProperties& device);
 
-std::vector<std::byte> encode_pipeline_cache(const VkPhysicalDeviceProperties& device, std::span<const std::byte> data);
+std::vector<std::byte> encode_pipeline_cache(const VkPhysicalDeviceProperties& device,
+                                             std::span<const std::byte> data);
 // The driver's data. InvalidData for damaged bytes and for those of another device or driver version.
 Result<std::vector<std::byte>> decode_pipeline_cache(const VkPhysicalDeviceProperties& device,
                                                      std::span<const std::byte> file);
 
-// Creates handles.pipeline_cache, filled from the device's file in `folder`. An unusable file is ignored and logged at debug
-// level. An empty `folder`: no file.
+// Creates handles.pipeline_cache, filled from the device's file in `folder`. An unusable file is ignored and
+// logged at debug level. An empty `folder`: no file.
 Result<void> create_pipeline_cache(VulkanHandles& handles, const std::filesystem::path& folder);
 // Writes the file atomically, if its content has changed. A failure is logged at debug level.
 void save_pipeline_cache(const VulkanHandles& handles);

@@ -114,7 +114,8 @@ Result<void> VulkanBackend::initialise() {
   if (const VkResult made = vk_.CreateFence(handles_.device, &fence, nullptr, &fence_); made != VK_SUCCESS) {
     return vulkan_error("vkCreateFence", made);
   }
-  return staging_.create(handles_, kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+  return staging_.create(handles_, kStagingBytes,
+                         VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT);
 }
 
 Result<BufferId> VulkanBackend::create_buffer(size_t bytes) {
@@ -218,8 +219,8 @@ Result<void> VulkanBackend::record_copy(VkBuffer from, VkBuffer to, const VkBuff
   return {};
 }
 
-// Copies are recorded like dispatches, so that a frame's drivers and passes are one submission; only when the staging
-// buffer is full does what is recorded run first.
+// Copies are recorded like dispatches, so that a frame's drivers and passes are one submission; only when the
+// staging buffer is full does what is recorded run first.
 Result<void> VulkanBackend::upload(BufferId buffer, std::span<const std::byte> bytes) {
   const auto found = buffers_.find(buffer);
   if (found == buffers_.end()) return unknown_buffer(buffer);
@@ -230,7 +231,8 @@ Result<void> VulkanBackend::upload(BufferId buffer, std::span<const std::byte> b
     }
     const size_t part = std::min<size_t>(kStagingBytes - staged_, bytes.size() - offset);
     std::memcpy(staging_.bytes() + staged_, bytes.data() + offset, part);
-    if (auto copied = record_copy(staging_.buffer(), found->second.buffer, {staged_, offset, part}); !copied) return copied;
+    if (auto copied = record_copy(staging_.buffer(), found->second.buffer, {staged_, offset, part}); !copied)
+      return copied;
     staged_ += part;
     offset += part;
   }
@@ -245,7 +247,8 @@ Result<void> VulkanBackend::read(BufferId buffer, std::span<std::byte> bytes) {
   if (auto done = finish(); !done) return done;
   for (size_t offset = 0; offset < bytes.size(); offset += kStagingBytes) {
     const size_t part = std::min<size_t>(kStagingBytes, bytes.size() - offset);
-    if (auto copied = record_copy(found->second.buffer, staging_.buffer(), {offset, 0, part}); !copied) return copied;
+    if (auto copied = record_copy(found->second.buffer, staging_.buffer(), {offset, 0, part}); !copied)
+      return copied;
     barrier();
     if (auto done = finish(); !done) return done;
     std::memcpy(bytes.data() + offset, staging_.bytes(), part);

@@ -13,7 +13,8 @@ class VulkanCommands {
   virtual ~VulkanCommands() = default;
 
   // The command buffer that dispatches are recorded into, after a barrier on everything in it. It runs at the
-  // next submit, read or destroy_buffer of the backend, which wait for it, or when an upload finds no more room.
+  // next submit, read or destroy_buffer of the backend, which wait for it, or when an upload finds no more
+  // room.
   virtual Result<VkCommandBuffer> record() = 0;
 
   // Since the backend was made.

@@ -22,7 +22,8 @@ namespace livegs {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-constexpr const char* kDriverRemedy = "install the GPU's driver, or the package mesa-vulkan-drivers for a device in software";
+constexpr const char* kDriverRemedy =
+    "install the GPU's driver, or the package mesa-vulkan-drivers for a device in software";
 
 // The loader is never closed: drivers leave threads and thread-local destructors behind.
 PFN_vkGetInstanceProcAddr open_loader() {
@@ -57,7 +58,8 @@ bool wants_validation(const VulkanDeviceOptions& options) {
 VkDeviceSize memory_limit(const VulkanDeviceOptions& options) {
   const char* variable = std::getenv("LIVEGS_VULKAN_MEMORY_MB");
   const double megabytes = variable ? std::atof(variable) : 0;
-  return megabytes > 0 && megabytes < 1e9 ? static_cast<VkDeviceSize>(megabytes * 1e6) : options.memory_limit_bytes;
+  return megabytes > 0 && megabytes < 1e9 ? static_cast<VkDeviceSize>(megabytes * 1e6)
+                                          : options.memory_limit_bytes;
 }
 
 Result<void> check_validation_layer(PFN_vkGetInstanceProcAddr get) {
@@ -81,8 +83,10 @@ Result<void> check_validation_layer(PFN_vkGetInstanceProcAddr get) {
 Error no_instance(VkResult why) {
   const Error error = vulkan_error("vkCreateInstance", why);
   if (error.code != ErrorCode::Unavailable) return error;
-  const std::string what = why == VK_ERROR_INCOMPATIBLE_DRIVER ? "vulkan: no driver can be opened"
-                                                               : "vulkan: no instance, vkCreateInstance failed with VkResult " + std::to_string(why);
+  const std::string what =
+      why == VK_ERROR_INCOMPATIBLE_DRIVER
+          ? "vulkan: no driver can be opened"
+          : "vulkan: no instance, vkCreateInstance failed with VkResult " + std::to_string(why);
   return Error{ErrorCode::Unavailable, what + "; " + kDriverRemedy};
 }
 
@@ -90,7 +94,8 @@ Result<void> create_instance(VulkanHandles& handles, const VulkanDeviceOptions& 
   const PFN_vkGetInstanceProcAddr get = open_loader();
   if (!get) {
     return Error{ErrorCode::Unavailable,
-                 "vulkan: no loader (libvulkan.so.1); install the package libvulkan1, and " + std::string(kDriverRemedy)};
+                 "vulkan: no loader (libvulkan.so.1); install the package libvulkan1, and " +
+                     std::string(kDriverRemedy)};
   }
   handles.get = get;
   const bool validation = wants_validation(options);
@@ -271,7 +276,8 @@ Result<void> create_device(VulkanHandles& handles, VulkanMaker* maker) {
 }  // namespace
 
 std::filesystem::path user_pipeline_cache_folder() {
-  if (const char* folder = std::getenv("LIVEGS_PIPELINE_CACHE"); folder != nullptr && *folder != '\0') return folder;
+  if (const char* folder = std::getenv("LIVEGS_PIPELINE_CACHE"); folder != nullptr && *folder != '\0')
+    return folder;
   const auto folder = user_cache_folder();
   return folder ? *folder : std::filesystem::path();
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// For the .cpp files of this room, of client/render, which draws, and of client/xr: no other header shows Vulkan's.
+// For the .cpp files of this room, of client/render, which draws, and of client/xr: no other header shows
+// Vulkan's.
 
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan.h>
@@ -67,12 +68,13 @@ struct VulkanHandles {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // every pipeline of the device is made with it
-  std::filesystem::path pipeline_cache_file;  // empty: it is not kept between runs
+  std::filesystem::path pipeline_cache_file;        // empty: it is not kept between runs
   std::string pipeline_cache_hash;  // content_hash of the data that the file holds; empty: none
   uint32_t queue_family = 0;
-  bool draws = false;  // the queue draws as well, and multiview and dynamic rendering are on
+  bool draws = false;           // the queue draws as well, and multiview and dynamic rendering are on
   uint32_t timestamp_bits = 0;  // that count, of the queue's clock; 0: it has none
-  VkDeviceSize memory_limit = 0;  // bytes of device memory that VulkanMemory takes at most; 0: what the device grants
+  VkDeviceSize memory_limit =
+      0;  // bytes of device memory that VulkanMemory takes at most; 0: what the device grants
   mutable std::atomic<VkDeviceSize> memory_used{0};
   std::string name;
 };

@@ -34,7 +34,7 @@ class VulkanMemory {
   struct Block {
     VkDeviceMemory memory = VK_NULL_HANDLE;
     uint32_t type = 0;
-    VkDeviceSize bytes = 0;  // 0 when it was given back
+    VkDeviceSize bytes = 0;                     // 0 when it was given back
     std::map<VkDeviceSize, VkDeviceSize> free;  // offset to bytes; no two touch
   };
 
@@ -47,8 +47,8 @@ class VulkanMemory {
   std::vector<Block> blocks_;
 };
 
-// A buffer in memory that the host sees, mapped, coherent, and cached where there is such: for copies to and from the
-// device. It has an allocation of its own.
+// A buffer in memory that the host sees, mapped, coherent, and cached where there is such: for copies to and
+// from the device. It has an allocation of its own.
 class HostBuffer {
  public:
   HostBuffer() = default;

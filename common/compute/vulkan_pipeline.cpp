@@ -72,7 +72,8 @@ Result<void> VulkanPipeline::build(const Pass& pass) {
   info.stage.pName = "main";
   info.stage.pSpecializationInfo = &specialization;
   info.layout = layout_;
-  const VkResult made = vk.CreateComputePipelines(device, handles_->pipeline_cache, 1, &info, nullptr, &pipeline_);
+  const VkResult made =
+      vk.CreateComputePipelines(device, handles_->pipeline_cache, 1, &info, nullptr, &pipeline_);
   vk.DestroyShaderModule(device, module, nullptr);
   if (made != VK_SUCCESS) {
     pipeline_ = VK_NULL_HANDLE;

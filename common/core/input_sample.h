@@ -23,8 +23,8 @@ struct HandSample {
 // so that a message that is skipped loses no button edge.
 struct InputSample {
   uint64_t sequence = 0;
-  int64_t sampled_ns = 0;           // the moment that the poses are for, by the client's clock; several may be for one
-  uint64_t for_tick = 0;            // the server's tick it is meant for; 0: the next
+  int64_t sampled_ns = 0;  // the moment that the poses are for, by the client's clock; several may be for one
+  uint64_t for_tick = 0;   // the server's tick it is meant for; 0: the next
   std::array<HandSample, 2> hands;  // left, right
 };
 

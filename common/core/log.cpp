@@ -16,7 +16,8 @@ namespace {
 
 bool json = false;
 
-// As the inside of a JSON string; what is no UTF-8 has to come as something, so every byte above ASCII stays as it is.
+// As the inside of a JSON string; what is no UTF-8 has to come as something, so every byte above ASCII stays
+// as it is.
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -57,7 +58,8 @@ void write(spdlog::level::level_enum level, const char* format, va_list argument
     text = escaped(text.c_str());
   } else {
     // A name of an object or a file may hold what ends a line or moves a terminal's cursor.
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   }
   logger().log(level, spdlog::string_view_t(text.data(), text.size()));
 }
@@ -66,7 +68,8 @@ void write(spdlog::level::level_enum level, const char* format, va_list argument
 
 void log_as_json() {
   json = true;
-  logger().set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","message":"%v"})", spdlog::pattern_time_type::utc);
+  logger().set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","message":"%v"})",
+                       spdlog::pattern_time_type::utc);
 }
 
 void set_log_level(LogLevel level) {

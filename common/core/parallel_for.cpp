@@ -22,8 +22,8 @@ std::unique_ptr<tbb::global_control> control;
 thread_local bool serial_here = false;
 
 #if defined(__SANITIZE_THREAD__)
-// TBB is not built for the thread sanitizer, which would take each of its hand-overs for a race. Plain threads, relaxed
-// so that nothing is ordered but by their start and end.
+// TBB is not built for the thread sanitizer, which would take each of its hand-overs for a race. Plain
+// threads, relaxed so that nothing is ordered but by their start and end.
 template <class Run>
 void run_blocks(size_t blocks, const Run& run) {
   std::atomic<size_t> next{0};
@@ -42,7 +42,8 @@ void run_blocks(size_t blocks, const Run& run) {
     }
   };
   std::vector<std::thread> helpers;
-  for (size_t k = 1; k < std::min(blocks, static_cast<size_t>(thread_count())); ++k) helpers.emplace_back(work);
+  for (size_t k = 1; k < std::min(blocks, static_cast<size_t>(thread_count())); ++k)
+    helpers.emplace_back(work);
   work();
   for (std::thread& helper : helpers) helper.join();
   if (thrown) std::rethrow_exception(thrown);

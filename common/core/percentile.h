@@ -9,12 +9,14 @@
 
 namespace livegs {
 
-// The number at the nearest rank, without interpolation: of n sorted numbers the one at index round(share (n - 1)), halves
-// up. 0 is the smallest, 1 the largest, 0.5 of an even count the upper one of the middle two. 0 for no numbers.
+// The number at the nearest rank, without interpolation: of n sorted numbers the one at index round(share (n
+// - 1)), halves up. 0 is the smallest, 1 the largest, 0.5 of an even count the upper one of the middle two. 0
+// for no numbers.
 template <class Number>
 Number percentile(std::vector<Number> numbers, double share) {
   if (numbers.empty()) return Number{};
-  const auto rank = numbers.begin() + static_cast<std::ptrdiff_t>(std::lround(share * static_cast<double>(numbers.size() - 1)));
+  const auto rank = numbers.begin() +
+                    static_cast<std::ptrdiff_t>(std::lround(share * static_cast<double>(numbers.size() - 1)));
   std::nth_element(numbers.begin(), rank, numbers.end());
   return *rank;
 }

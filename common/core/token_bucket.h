@@ -7,11 +7,12 @@
 
 namespace livegs {
 
-// Token bucket: an account that starts full, grows at a rate up to its capacity and pays for what passes. Times are of
-// now_ns(); a time before the last one adds nothing. Not locked.
+// Token bucket: an account that starts full, grows at a rate up to its capacity and pays for what passes.
+// Times are of now_ns(); a time before the last one adds nothing. Not locked.
 class TokenBucket {
  public:
-  TokenBucket(double rate_per_s, double capacity) : rate_per_s_(rate_per_s), capacity_(capacity), tokens_(capacity) {}
+  TokenBucket(double rate_per_s, double capacity)
+      : rate_per_s_(rate_per_s), capacity_(capacity), tokens_(capacity) {}
 
   // Keeps the tokens saved so far, up to the new capacity.
   void set_rate(double rate_per_s, double capacity) {

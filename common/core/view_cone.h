@@ -7,7 +7,8 @@
 
 namespace livegs {
 
-// What somebody looks at, world frame. `forward` has length 1; half_angle_rad is 0 to pi, which is everything.
+// What somebody looks at, world frame. `forward` has length 1; half_angle_rad is 0 to pi, which is
+// everything.
 struct ViewCone {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d forward = -Eigen::Vector3d::UnitZ();

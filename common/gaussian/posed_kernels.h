@@ -13,12 +13,13 @@ namespace livegs {
 // xx, xy, xz, yy, yz, zz of a symmetric matrix.
 using Symmetric3f = std::array<float, 6>;
 
-// The kernels of one asset where they are now, in the world frame, in metres: what skinning writes and drawing reads.
-// Opacity and colour stay in the asset; all arrays have its length.
+// The kernels of one asset where they are now, in the world frame, in metres: what skinning writes and
+// drawing reads. Opacity and colour stay in the asset; all arrays have its length.
 struct PosedKernels {
   std::vector<Eigen::Vector3f> positions_m;
   std::vector<Symmetric3f> covariances_m2;
-  std::vector<Eigen::Quaternionf> world_from_asset;  // rotation only; SH are evaluated at its inverse times the view direction
+  std::vector<Eigen::Quaternionf>
+      world_from_asset;  // rotation only; SH are evaluated at its inverse times the view direction
 
   void resize(size_t count) {
     positions_m.resize(count);

@@ -21,7 +21,8 @@ struct ObjectHash {
 // The hashes of a run, tick by tick. Not locked.
 class DriverHashes {
  public:
-  // Of the frame's objects those whose hash is not as it was, by ascending id. An object that went is forgotten.
+  // Of the frame's objects those whose hash is not as it was, by ascending id. An object that went is
+  // forgotten.
   std::vector<ObjectHash> take(const DriverFrame& frame);
 
  private:

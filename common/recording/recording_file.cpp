@@ -48,7 +48,8 @@ Result<RecordingFile> RecordingFile::open(const std::filesystem::path& path) {
   }
   struct stat about {};
   RecordingFile file(path, descriptor);
-  if (::fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode)) return invalid_argument(path.string() + ": is no file");
+  if (::fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode))
+    return invalid_argument(path.string() + ": is no file");
   return file;
 }
 
@@ -81,7 +82,8 @@ Result<void> RecordingFile::read(uint64_t offset, std::span<std::byte> bytes) co
   while (!bytes.empty()) {
     const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return Error{ErrorCode::Internal, path_.string() + ": cannot be read: " + std::strerror(errno)};
+    if (got < 0)
+      return Error{ErrorCode::Internal, path_.string() + ": cannot be read: " + std::strerror(errno)};
     if (got == 0) return invalid_data(path_.string() + ": is cut short");
     offset += static_cast<uint64_t>(got);
     bytes = bytes.subspan(static_cast<size_t>(got));

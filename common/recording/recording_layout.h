@@ -14,7 +14,15 @@ inline constexpr std::array<uint8_t, 8> kMagic{'L', 'V', 'G', 'R', 'E', 'C', 1, 
 inline constexpr std::array<uint8_t, 8> kIndexMagic{'L', 'V', 'G', 'I', 'N', 'D', 'E', 'X'};
 inline constexpr size_t kTrailerBytes = 16;
 
-enum class ChunkKind : uint8_t { Start = 1, Object = 2, Objects = 3, Tick = 4, Asset = 5, Index = 6, File = 7 };
+enum class ChunkKind : uint8_t {
+  Start = 1,
+  Object = 2,
+  Objects = 3,
+  Tick = 4,
+  Asset = 5,
+  Index = 6,
+  File = 7
+};
 inline constexpr size_t kChunkHeadBytes = 9;
 inline constexpr size_t kMaxPayloadBytes = (64u << 20) + (64u << 10);
 inline constexpr size_t kAssetPieceBytes = 1u << 20;  // of a file, too

@@ -70,9 +70,9 @@ Result<void> RecordingReader::read_start() {
   std::array<std::byte, kMagic.size()> magic;
   if (file_.size() < magic.size()) return bad("is no recording: it is too short");
   if (auto read = file_.read(0, magic); !read) return read;
-  const auto differs = std::mismatch(magic.begin(), magic.end(), kMagic.begin(), [](std::byte byte, uint8_t wanted) {
-    return std::to_integer<uint8_t>(byte) == wanted;
-  });
+  const auto differs =
+      std::mismatch(magic.begin(), magic.end(), kMagic.begin(),
+                    [](std::byte byte, uint8_t wanted) { return std::to_integer<uint8_t>(byte) == wanted; });
   if (differs.first == magic.begin() + 6) {
     return unsupported(file_.path().string() + ": is a recording of version " +
                        std::to_string(std::to_integer<int>(magic[6])) + ", this build reads version " +
@@ -102,7 +102,8 @@ Result<void> RecordingReader::read_index() {
   const std::span<const std::byte> payload((*chunk)->payload);
   ByteReader in(payload);
   const auto size = read_varint(in);
-  if (!size || *size > in.remaining() || !parse(totals_, payload.subspan(in.offset(), *size))) return bad("has no index");
+  if (!size || *size > in.remaining() || !parse(totals_, payload.subspan(in.offset(), *size)))
+    return bad("has no index");
   in.skip(*size);
   const auto count = read_varint(in);
   if (!count || *count > in.remaining()) return bad("has no index");
@@ -204,9 +205,11 @@ Result<std::vector<uint64_t>> RecordingReader::read_objects(const Chunk& chunk) 
 }
 
 Result<std::vector<v1::ObjectDescription>> RecordingReader::seek(int64_t simulated_ns) {
-  if (keys_.empty()) return not_found(file_.path().string() + ": has no key tick; it broke off at its beginning");
-  auto after = std::upper_bound(keys_.begin(), keys_.end(), simulated_ns,
-                                [](int64_t moment_ns, const KeyTick& key) { return moment_ns < key.simulated_ns; });
+  if (keys_.empty())
+    return not_found(file_.path().string() + ": has no key tick; it broke off at its beginning");
+  auto after =
+      std::upper_bound(keys_.begin(), keys_.end(), simulated_ns,
+                       [](int64_t moment_ns, const KeyTick& key) { return moment_ns < key.simulated_ns; });
   const KeyTick& key = after == keys_.begin() ? *after : *std::prev(after);
   auto listed = read_chunk(key.offset);
   if (!listed) return listed.error();
@@ -223,8 +226,8 @@ Result<std::vector<v1::ObjectDescription>> RecordingReader::seek(int64_t simulat
     v1::SessionEvent& described = event->event;
     if (!described.has_object_added() && !described.has_object_changed())
       return bad("describes no object where it should");
-    v1::ObjectDescription& object =
-        described.has_object_added() ? *described.mutable_object_added() : *described.mutable_object_changed();
+    v1::ObjectDescription& object = described.has_object_added() ? *described.mutable_object_added()
+                                                                 : *described.mutable_object_changed();
     if (!objects.empty() && object.object_id() <= objects.back().object_id())
       return bad("lists objects out of order");
     objects.push_back(std::move(object));
@@ -263,7 +266,8 @@ Result<std::vector<std::byte>> RecordingReader::asset(const std::string& hash) {
   return not_found(file_.path().string() + ": does not hold the asset " + hash.substr(0, 12));
 }
 
-Result<void> RecordingReader::files(const std::function<Result<void>(const RecordedFilePiece& piece)>& take) const {
+Result<void> RecordingReader::files(
+    const std::function<Result<void>(const RecordedFilePiece& piece)>& take) const {
   std::string name;  // of the file that is to go on, at `next` of `total`
   uint64_t next = 0, total = 0;
   for (uint64_t at = first_;;) {
@@ -279,7 +283,8 @@ Result<void> RecordingReader::files(const std::function<Result<void>(const Recor
       const std::span<const std::byte> payload((*chunk)->payload);
       ByteReader in(payload);
       const auto length = read_varint(in);
-      if (!length || *length == 0 || *length > kMaxFileNameBytes || *length > in.remaining()) return bad("holds a file without a name");
+      if (!length || *length == 0 || *length > kMaxFileNameBytes || *length > in.remaining())
+        return bad("holds a file without a name");
       RecordedFilePiece piece;
       piece.name.assign(reinterpret_cast<const char*>(payload.data()) + in.offset(), *length);
       in.skip(*length);
@@ -288,8 +293,8 @@ Result<void> RecordingReader::files(const std::function<Result<void>(const Recor
       if (in.failed()) return bad("holds a piece of a file that cannot be read");
       piece.bytes = payload.subspan(in.offset());
       const bool goes_on = next < total;
-      if (piece.offset != next || (goes_on && (piece.name != name || piece.total != total)) || piece.bytes.size() > piece.total - next ||
-          (piece.bytes.empty() && piece.total > 0)) {
+      if (piece.offset != next || (goes_on && (piece.name != name || piece.total != total)) ||
+          piece.bytes.size() > piece.total - next || (piece.bytes.empty() && piece.total > 0)) {
         return bad("holds the pieces of a file out of order");
       }
       if (auto taken = take(piece); !taken) return taken;

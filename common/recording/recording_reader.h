@@ -33,8 +33,8 @@ struct RecordedFilePiece {
   std::span<const std::byte> bytes;
 };
 
-// Reads a recording, proto/recording_format.md, from its beginning or from any key tick; any bytes, with an error for
-// those that are none. Memory is bounded by the largest chunk and the index. One thread.
+// Reads a recording, proto/recording_format.md, from its beginning or from any key tick; any bytes, with an
+// error for those that are none. Memory is bounded by the largest chunk and the index. One thread.
 class RecordingReader {
  public:
   // By its index, or, where it has none because it was cut, or is being written, by a look at every chunk.
@@ -48,18 +48,18 @@ class RecordingReader {
   uint64_t bytes() const { return file_.size(); }
   const std::filesystem::path& path() const { return file_.path(); }
 
-  // The events and ticks in their order. Nothing at the end, also where the file breaks off; an error for bytes that were
-  // changed, which leaves seek().
+  // The events and ticks in their order. Nothing at the end, also where the file breaks off; an error for
+  // bytes that were changed, which leaves seek().
   Result<std::optional<RecordedItem>> next();
   void rewind();
-  // To the last key tick that is not after the moment, or the first: the objects that are there then; next() goes on with
-  // that tick. NotFound in a recording without one.
+  // To the last key tick that is not after the moment, or the first: the objects that are there then; next()
+  // goes on with that tick. NotFound in a recording without one.
   Result<std::vector<v1::ObjectDescription>> seek(int64_t simulated_ns);
-  // The bytes of an asset, whole, as proto/asset_format.md has them; NotFound when the recording has none of this name (64
-  // hexadecimal digits). Whether they are it is for the caller to check.
+  // The bytes of an asset, whole, as proto/asset_format.md has them; NotFound when the recording has none of
+  // this name (64 hexadecimal digits). Whether they are it is for the caller to check.
   Result<std::vector<std::byte>> asset(const std::string& hash);
-  // Each piece of the files that it holds: one file after the other, each from its beginning to its end. Stops at an error of
-  // `take`. A file that breaks off is left out if nothing of it came.
+  // Each piece of the files that it holds: one file after the other, each from its beginning to its end.
+  // Stops at an error of `take`. A file that breaks off is left out if nothing of it came.
   Result<void> files(const std::function<Result<void>(const RecordedFilePiece& piece)>& take) const;
 
  private:

@@ -17,7 +17,8 @@ int64_t tick_time_ns(uint64_t tick, double rate_hz);
 class RecordingCount {
  public:
   void take(const v1::SessionEvent& event);
-  // `simulated_ns`: of its frame, or where it would be. Ticks before the first key tick lie before the recording.
+  // `simulated_ns`: of its frame, or where it would be. Ticks before the first key tick lie before the
+  // recording.
   void take(const TickRecord& record, int64_t simulated_ns);
   const v1::RecordingTotals& totals() const { return totals_; }
 

@@ -34,12 +34,14 @@ uint8_t hexadecimal(char digit) {
 RecordingWriter::RecordingWriter(RecordingFile file, const v1::RecordingStart& start)
     : file_(std::move(file)), inputs_only_(start.inputs_only()), rate_hz_(start.rate_hz()) {}
 
-Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& path, const v1::RecordingStart& start) {
+Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& path,
+                                                const v1::RecordingStart& start) {
   auto file = RecordingFile::create(path);
   if (!file) return file.error();
   if (auto begun = file->append(std::as_bytes(std::span(kMagic))); !begun) return begun.error();
   RecordingWriter writer(std::move(*file), start);
-  if (auto added = writer.append(static_cast<uint8_t>(ChunkKind::Start), bytes_of(start.SerializeAsString())); !added)
+  if (auto added = writer.append(static_cast<uint8_t>(ChunkKind::Start), bytes_of(start.SerializeAsString()));
+      !added)
     return added.error();
   return writer;
 }
@@ -51,7 +53,8 @@ Result<void> RecordingWriter::append(uint8_t kind, std::span<const std::byte> pa
     return *failed_;
   }
   uint32_t check = static_cast<uint32_t>(crc32_z(0, &kind, 1));
-  check = static_cast<uint32_t>(crc32_z(check, reinterpret_cast<const Bytef*>(payload.data()), payload.size()));
+  check =
+      static_cast<uint32_t>(crc32_z(check, reinterpret_cast<const Bytef*>(payload.data()), payload.size()));
   ByteWriter head;
   head.reserve(kChunkHeadBytes + payload.size());
   head.write(static_cast<uint32_t>(payload.size()));
@@ -73,8 +76,8 @@ Result<void> RecordingWriter::add_event(uint64_t tick, const v1::SessionEvent& e
   if (event.has_object_removed())
     described_at_.erase(event.object_removed().object_id());
   else
-    described_at_[event.has_object_added() ? event.object_added().object_id() : event.object_changed().object_id()] =
-        offset;
+    described_at_[event.has_object_added() ? event.object_added().object_id()
+                                           : event.object_changed().object_id()] = offset;
   return {};
 }
 
@@ -105,7 +108,8 @@ Result<void> RecordingWriter::add_file(const std::string& name, std::span<const 
     for (const char letter : name) head.write(static_cast<uint8_t>(letter));
     head.write(offset);
     head.write(static_cast<uint64_t>(bytes.size()));
-    if (auto added = append(static_cast<uint8_t>(ChunkKind::File), joined(std::move(head), piece)); !added) return added;
+    if (auto added = append(static_cast<uint8_t>(ChunkKind::File), joined(std::move(head), piece)); !added)
+      return added;
     offset += piece.size();
   } while (offset < bytes.size());
   return {};

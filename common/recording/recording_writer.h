@@ -24,8 +24,8 @@ struct KeyTick {
   uint64_t offset = 0;  // of its objects chunk
 };
 
-// Writes a recording, proto/recording_format.md, chunk by chunk. After the first that the disk does not take, every call
-// answers with the same error, and the file is whole up to there. One thread.
+// Writes a recording, proto/recording_format.md, chunk by chunk. After the first that the disk does not take,
+// every call answers with the same error, and the file is whole up to there. One thread.
 class RecordingWriter {
  public:
   static Result<RecordingWriter> create(const std::filesystem::path& path, const v1::RecordingStart& start);

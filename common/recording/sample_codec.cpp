@@ -40,17 +40,20 @@ void write_sample(ByteWriter& out, const InputSample& sample, uint64_t tick, Sam
       sample,
       [&](double value) {
         const auto narrow = static_cast<float>(value);
-        exact = exact || std::bit_cast<uint64_t>(static_cast<double>(narrow)) != std::bit_cast<uint64_t>(value);
+        exact =
+            exact || std::bit_cast<uint64_t>(static_cast<double>(narrow)) != std::bit_cast<uint64_t>(value);
         bits[at++] = std::bit_cast<uint32_t>(narrow);
       },
       [&](float value) { bits[at++] = std::bit_cast<uint32_t>(value); });
   uint8_t flags = exact ? kExact : 0;
   for (size_t i = 0; i < sample.hands.size(); ++i) {
-    flags |= static_cast<uint8_t>((sample.hands[i].active ? 1 : 0) << i | (sample.hands[i].shoot ? 4 : 0) << i);
+    flags |=
+        static_cast<uint8_t>((sample.hands[i].active ? 1 : 0) << i | (sample.hands[i].shoot ? 4 : 0) << i);
   }
   out.write(flags);
   if (exact) {
-    each_value(sample, [&](double value) { out.write(value); }, [&](float value) { out.write(value); });
+    each_value(
+        sample, [&](double value) { out.write(value); }, [&](float value) { out.write(value); });
     bits = {};
   } else {
     uint32_t differ = 0;
@@ -80,7 +83,8 @@ std::optional<InputSample> read_sample(ByteReader& in, uint64_t tick, SampleBefo
   bool finite = true;
   if ((flags & kExact) != 0) {
     each_value(
-        sample, [&](double& value) { value = in.read<double>(); }, [&](float& value) { value = in.read<float>(); });
+        sample, [&](double& value) { value = in.read<double>(); },
+        [&](float& value) { value = in.read<float>(); });
   } else {
     bits = before.bits;
     const auto differ = in.read<uint32_t>();

@@ -12,8 +12,8 @@
 
 namespace livegs {
 
-// The numbers of a sample: of each hand aim position and orientation x, y, z, w, then grip's; then trigger and squeeze of
-// each.
+// The numbers of a sample: of each hand aim position and orientation x, y, z, w, then grip's; then trigger
+// and squeeze of each.
 inline constexpr size_t kPoseValues = 28, kSampleValues = 32;
 
 // The sample of a session before this one; as it is made: none.

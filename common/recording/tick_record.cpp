@@ -84,7 +84,8 @@ bool read_samples(ByteReader& in, TickActions& actions, uint64_t tick, SamplesBe
   return sessions.has_value();
 }
 
-bool read_actions(ByteReader& in, std::span<const std::byte> bytes, TickRecord& record, SamplesBefore& before) {
+bool read_actions(ByteReader& in, std::span<const std::byte> bytes, TickRecord& record,
+                  SamplesBefore& before) {
   TickActions& actions = record.actions;
   const auto changes = read_count(in);
   for (size_t i = 0; changes && i < *changes; ++i) {
@@ -130,7 +131,8 @@ Result<TickRecord> decode_tick(std::span<const std::byte> bytes, SamplesBefore& 
   if (record.key) before.clear();
   record.actions.stepped = (flags & kStepped) != 0;
   if ((flags & kScene) != 0 && !read_message(in, bytes, record.scene.emplace())) return bad("names no scene");
-  if ((flags & kActions) != 0 && !read_actions(in, bytes, record, before)) return bad("has actions that cannot be read");
+  if ((flags & kActions) != 0 && !read_actions(in, bytes, record, before))
+    return bad("has actions that cannot be read");
   const auto hashes = read_count(in);
   if (!hashes) return bad("is cut short");
   uint64_t id = 0;

@@ -24,8 +24,8 @@ struct SessionSamples {
   std::vector<InputSample> samples;  // oldest first
 };
 
-// What one tick took from outside, in the order in which it is applied. From the same scene, the same actions give the same
-// bits.
+// What one tick took from outside, in the order in which it is applied. From the same scene, the same actions
+// give the same bits.
 struct TickActions {
   std::vector<v1::SceneChange> changes;
   std::vector<uint64_t> over;           // sessions

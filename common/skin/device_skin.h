@@ -9,9 +9,9 @@
 
 namespace livegs {
 
-// The kernels of one object where passes run, tied to their drivers: what skin_kernels does, on the device. 40 bytes a
-// kernel, 32 a cell and 64 a node of a lattice or a body of a rigid object; of these the last alone are uploaded when the
-// drivers move.
+// The kernels of one object where passes run, tied to their drivers: what skin_kernels does, on the device.
+// 40 bytes a kernel, 32 a cell and 64 a node of a lattice or a body of a rigid object; of these the last
+// alone are uploaded when the drivers move.
 class DeviceSkin {
  public:
   // Whether a pass skins kernels of this kind; those of particles (livegs-v1) are skin_kernels' alone.
@@ -22,11 +22,13 @@ class DeviceSkin {
   static Result<DeviceSkin> create(Backend& backend, const RestBody& rest, const KernelBindings& bindings,
                                    std::span<const uint32_t> kept = {});
 
-  // Where the drivers are now: uploads 64 bytes each. Preconditions: as skin_kernels, of what the skin was made with.
+  // Where the drivers are now: uploads 64 bytes each. Preconditions: as skin_kernels, of what the skin was
+  // made with.
   Result<void> move(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers);
 
-  // Records the pass that writes PosedKernelRow of the kept kernels [first, first + count) to the front of `posed`.
-  // Precondition: move() was called; the range is within size() and crosses no multiple of kMaxPartKernels.
+  // Records the pass that writes PosedKernelRow of the kept kernels [first, first + count) to the front of
+  // `posed`. Precondition: move() was called; the range is within size() and crosses no multiple of
+  // kMaxPartKernels.
   Result<void> pose(uint32_t first, uint32_t count, BufferId posed) const;
 
   uint32_t size() const { return size_; }
@@ -38,7 +40,8 @@ class DeviceSkin {
   explicit DeviceSkin(Backend& backend) : backend_(&backend) {}
   Result<void> make_rest_rows(const KernelBindings& bindings, std::span<const uint32_t> kept);
   Result<void> move_bodies(const RestBody& rest, const ObjectDrivers& drivers);
-  Result<void> move_lattice(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers);
+  Result<void> move_lattice(const RestBody& rest, const KernelBindings& bindings,
+                            const ObjectDrivers& drivers);
 
   // What the passes are told besides which kernels.
   struct Lattice {

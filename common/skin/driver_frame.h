@@ -20,20 +20,20 @@ enum class DriverKind : uint8_t {
   Particles = 3,  // particles with rotations: the livegs-v1 baseline
 };
 
-// The drivers of one object now, in the world frame. Only the arrays of its kind are filled, in the order of its
-// RestBody.
+// The drivers of one object now, in the world frame. Only the arrays of its kind are filled, in the order of
+// its RestBody.
 struct ObjectDrivers {
   uint32_t object_id = 0;
   DriverKind kind = DriverKind::Rigid;
   uint32_t revision = 0;  // of the RestBody these go with
   bool asleep = false;
-  std::vector<Pose> poses;                     // Rigid: world_from_body; the body's origin is its centre of mass
-  std::vector<Eigen::Vector3f> positions_m;    // Lattice, Particles
-  std::vector<Eigen::Quaternionf> rotations;   // Particles: world_from_object turn since rest
+  std::vector<Pose> poses;  // Rigid: world_from_body; the body's origin is its centre of mass
+  std::vector<Eigen::Vector3f> positions_m;   // Lattice, Particles
+  std::vector<Eigen::Quaternionf> rotations;  // Particles: world_from_object turn since rest
   // Lattice: who stands beside whom at rest, from which a stream predicts. Null: not told.
   NodeNeighboursPtr neighbours{};
-  // The kernels of the asset themselves, of a stream of kernels: then no array above is filled, and `kind` says nothing. Null
-  // else. What skins, binds or encodes drivers takes none of these.
+  // The kernels of the asset themselves, of a stream of kernels: then no array above is filled, and `kind`
+  // says nothing. Null else. What skins, binds or encodes drivers takes none of these.
   std::shared_ptr<const PosedKernels> kernels{};
 };
 

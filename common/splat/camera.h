@@ -7,8 +7,8 @@
 
 namespace livegs {
 
-// A pinhole camera. Its frame is OpenXR's: x right, y up, looking along -z. Pixel (0, 0) is the top left one and its
-// centre is (0.5, 0.5).
+// A pinhole camera. Its frame is OpenXR's: x right, y up, looking along -z. Pixel (0, 0) is the top left one
+// and its centre is (0.5, 0.5).
 struct Camera {
   Pose world_from_camera;
   int width = 640;
@@ -24,7 +24,8 @@ struct Camera {
 Camera look_at(const Eigen::Vector3d& position_m, const Eigen::Vector3d& target_m, const Eigen::Vector3d& up,
                double vertical_fov_rad, int width, int height);
 
-// The asymmetric frustum of a headset's eye: angles from the view axis, radians, left and down negative (XrFovf).
+// The asymmetric frustum of a headset's eye: angles from the view axis, radians, left and down negative
+// (XrFovf).
 Camera camera_from_fov(const Pose& world_from_camera, double left_rad, double right_rad, double up_rad,
                        double down_rad, int width, int height);
 

@@ -22,7 +22,8 @@ struct PictureChoice {
   std::optional<Camera> camera;
   PictureSize size;
 };
-Result<PictureChoice> picture_choice(const std::filesystem::path& camera_file, std::optional<PictureSize> size);
+Result<PictureChoice> picture_choice(const std::filesystem::path& camera_file,
+                                     std::optional<PictureSize> size);
 
 // Writes a file for read_camera_file. An asymmetric frustum is not kept.
 Result<void> write_camera_file(const std::filesystem::path& path, const Camera& camera);

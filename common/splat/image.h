@@ -11,7 +11,8 @@
 
 namespace livegs {
 
-// RGBA, row by row from the top, 0..1, in the colour space the kernels were trained in (display-encoded sRGB).
+// RGBA, row by row from the top, 0..1, in the colour space the kernels were trained in (display-encoded
+// sRGB).
 struct Image {
   int width = 0;
   int height = 0;
@@ -31,7 +32,8 @@ Result<Image> decode_png(std::span<const std::byte> bytes);
 // 8 bits a channel, RGB, rounded to nearest: what a PNG or a video frame holds.
 std::vector<uint8_t> rgb_bytes(const Image& image);
 
-// Peak signal-to-noise ratio over the colour channels, in dB; infinity for equal images, 0 for different sizes.
+// Peak signal-to-noise ratio over the colour channels, in dB; infinity for equal images, 0 for different
+// sizes.
 double psnr_db(const Image& a, const Image& b);
 
 }  // namespace livegs

@@ -38,8 +38,8 @@ std::string code_digits(std::string_view code) {
 }  // namespace
 
 Result<std::string> certificate_fingerprint(std::string_view pem) {
-  const std::unique_ptr<BIO, decltype(&BIO_free)> text(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())),
-                                                       &BIO_free);
+  const std::unique_ptr<BIO, decltype(&BIO_free)> text(
+      BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), &BIO_free);
   const std::unique_ptr<X509, decltype(&X509_free)> certificate(
       PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr), &X509_free);
   unsigned char* der = nullptr;
@@ -70,7 +70,8 @@ std::string pairing_code(std::string_view fingerprint) {
 Result<void> check_pairing_code(std::string_view code) {
   if (!code_digits(code).empty()) return {};
   return invalid_argument(
-      "the pairing code is not five groups of five letters and digits, as the server shows it when it starts");
+      "the pairing code is not five groups of five letters and digits, as the server shows it when it "
+      "starts");
 }
 
 bool fits_pairing_code(std::string_view fingerprint, std::string_view code) {

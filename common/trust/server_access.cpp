@@ -44,8 +44,8 @@ struct ServerAccess::Pin {
 class ServerAccess::Verifier final : public grpc::experimental::ExternalCertificateVerifier {
  public:
   explicit Verifier(std::shared_ptr<Pin> pin) : pin_(std::move(pin)) {}
-  bool Verify(grpc::experimental::TlsCustomVerificationCheckRequest* request, std::function<void(grpc::Status)>,
-              grpc::Status* status) override {
+  bool Verify(grpc::experimental::TlsCustomVerificationCheckRequest* request,
+              std::function<void(grpc::Status)>, grpc::Status* status) override {
     const grpc::string_ref pem = request->peer_cert();
     *status = pin_->take({pem.data(), pem.size()})
                   ? grpc::Status::OK
@@ -78,14 +78,18 @@ Result<void> ServerAccess::refused() const {
   std::lock_guard lock(pin_->mutex);
   if (pin_->shown.empty()) return {};
   if (pin_->fingerprint.empty()) {
-    return Error{ErrorCode::PermissionDenied,
-                 address_ + ": its certificate does not fit the pairing code: the code is another server's or mistyped, "
-                            "or somebody is in between. Nothing was sent"};
+    return Error{
+        ErrorCode::PermissionDenied,
+        address_ +
+            ": its certificate does not fit the pairing code: the code is another server's or mistyped, "
+            "or somebody is in between. Nothing was sent"};
   }
-  return Error{ErrorCode::PermissionDenied,
-               address_ + ": its certificate is not the one paired with: somebody is in between, or the server was set up "
-                          "anew. Nothing was sent. If you know that it was, pair again with --pair CODE (known " +
-                   pin_->fingerprint.substr(0, 16) + "…, shown " + pin_->shown.substr(0, 16) + "…)"};
+  return Error{
+      ErrorCode::PermissionDenied,
+      address_ +
+          ": its certificate is not the one paired with: somebody is in between, or the server was set up "
+          "anew. Nothing was sent. If you know that it was, pair again with --pair CODE (known " +
+          pin_->fingerprint.substr(0, 16) + "…, shown " + pin_->shown.substr(0, 16) + "…)"};
 }
 
 Result<void> ServerAccess::remember() const {
@@ -111,7 +115,8 @@ Result<std::string> given_token(const AccessOptions& options) {
     auto text = read_text_file(options.token_file, 4096);
     if (!text) return text.error();
     token = text->substr(0, text->find_first_of("\r\n"));
-    if (token.empty()) return invalid_argument(options.token_file.string() + ": its first line holds no token");
+    if (token.empty())
+      return invalid_argument(options.token_file.string() + ": its first line holds no token");
   } else if (const char* set = std::getenv("LIVEGS_TOKEN"); set != nullptr) {
     token = set;
   }
@@ -123,7 +128,8 @@ Result<std::string> given_token(const AccessOptions& options) {
 
 }  // namespace
 
-Result<std::shared_ptr<ServerAccess>> choose_access(const std::string& address, const AccessOptions& options) {
+Result<std::shared_ptr<ServerAccess>> choose_access(const std::string& address,
+                                                    const AccessOptions& options) {
   const auto parsed = parse_host_port(address);
   if (!parsed) return parsed.error();
   auto token = given_token(options);
@@ -142,8 +148,9 @@ Result<std::shared_ptr<ServerAccess>> choose_access(const std::string& address, 
   }
   if (options.pairing_code.empty() && !known) {
     if (parsed->loopback) return std::shared_ptr<ServerAccess>();
-    return invalid_argument(address + ": is not this machine and not known yet; pair with it: --pair CODE, which the "
-                                      "server shows when it starts");
+    return invalid_argument(address +
+                            ": is not this machine and not known yet; pair with it: --pair CODE, which the "
+                            "server shows when it starts");
   }
   ServerAccess::Keys keys;
   if (options.pairing_code.empty()) keys.fingerprint = known->fingerprint;

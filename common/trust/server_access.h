@@ -14,9 +14,9 @@ class ChannelCredentials;
 
 namespace livegs {
 
-// How a client reaches one server over TLS: the certificate it insists on and the token it shows. The certificate is
-// looked at in the handshake, before anything is sent, so that a token goes to nobody else. Who signed it, its names and
-// its dates do not matter: it is the one, or it is not. Any thread.
+// How a client reaches one server over TLS: the certificate it insists on and the token it shows. The
+// certificate is looked at in the handshake, before anything is sent, so that a token goes to nobody else.
+// Who signed it, its names and its dates do not matter: it is the one, or it is not. Any thread.
 class ServerAccess {
  public:
   struct Keys {
@@ -50,9 +50,9 @@ struct AccessOptions {
   std::filesystem::path state_dir;   // empty: the user's
 };
 
-// What to reach a server with: as it was paired with, or by a pairing code. Null, which is in the clear, for an address
-// of this machine that was never paired with. An error, and nothing is sent, for any other. A token is never taken from
-// a command line, which every process may read.
+// What to reach a server with: as it was paired with, or by a pairing code. Null, which is in the clear, for
+// an address of this machine that was never paired with. An error, and nothing is sent, for any other. A
+// token is never taken from a command line, which every process may read.
 Result<std::shared_ptr<ServerAccess>> choose_access(const std::string& address, const AccessOptions& options);
 
 // Takes back what was remembered of a server.

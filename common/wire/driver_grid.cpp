@@ -56,7 +56,9 @@ std::pair<Eigen::Array3f, Eigen::Array3f> bounds_of(std::span<const Eigen::Vecto
       high[lane] = std::max(high[lane], at[lane]);
     }
   }
-  const auto fold = [](const std::array<float, kLanes>& lanes) { return Eigen::Map<const Eigen::Array<float, 3, kTogether>>(lanes.data()); };
+  const auto fold = [](const std::array<float, kLanes>& lanes) {
+    return Eigen::Map<const Eigen::Array<float, 3, kTogether>>(lanes.data());
+  };
   Eigen::Array3f least = fold(low).rowwise().minCoeff(), most = fold(high).rowwise().maxCoeff();
   for (; i < positions_m.size(); ++i) {
     least = least.min(positions_m[i].array());
@@ -79,7 +81,8 @@ int lattice_exponent(const ObjectDrivers& drivers, const DriverGrid* before, con
   if (!before) return fitting;
   const int kept = before->exponent;
   if (kept < fitting) return fitting;
-  const bool shrunk = kept > precision.finest_exponent && side < kMaxShrinkage * steps * kStepPart * std::ldexp(1.0, kept);
+  const bool shrunk =
+      kept > precision.finest_exponent && side < kMaxShrinkage * steps * kStepPart * std::ldexp(1.0, kept);
   return shrunk ? fitting : kept;
 }
 
@@ -159,7 +162,8 @@ DriverGrid to_grid(const ObjectDrivers& drivers, const DriverGrid* before, const
       (before->kind != grid.kind || before->count != grid.count || before->revision != grid.revision))
     before = nullptr;
   if (drivers.kind == DriverKind::Lattice && drivers.neighbours && drivers.neighbours->before.size() == n) {
-    const bool as_before = before && before->neighbours && same_neighbours(before->neighbours, drivers.neighbours);
+    const bool as_before =
+        before && before->neighbours && same_neighbours(before->neighbours, drivers.neighbours);
     grid.neighbours = as_before ? before->neighbours : drivers.neighbours;
   }
   grid.values = GridValues(grid.channels() * n);

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "core/assert.h"
-#include "wire/header.h"
-#include "wire/little_endian.h"
 #include "wire/coding/packed_quaternion.h"
 #include "wire/coding/quantised_box.h"
+#include "wire/header.h"
+#include "wire/little_endian.h"
 
 namespace livegs {
 namespace {
@@ -108,13 +108,16 @@ Eigen::Quaternionf read_raw_rotation(ByteReader& in) {
   for (int d = 0; d < 4; ++d) rotation.coeffs()[d] = in.read<float>();
   return rotation;
 }
-bool is_rotation(const Eigen::Quaternionf& rotation) { return std::abs(rotation.norm() - 1.0f) <= kUnitTolerance; }  // not NaN
+bool is_rotation(const Eigen::Quaternionf& rotation) {
+  return std::abs(rotation.norm() - 1.0f) <= kUnitTolerance;
+}  // not NaN
 
 size_t raw_driver_bytes(DriverKind kind) {
   return kRawPositionBytes + (kind == DriverKind::Lattice ? 0 : kRawRotationBytes);
 }
 
-void write_object(ByteWriter& out, const QuantisedBox& frame_box, const ObjectDrivers& object, DriverEncoding encoding) {
+void write_object(ByteWriter& out, const QuantisedBox& frame_box, const ObjectDrivers& object,
+                  DriverEncoding encoding) {
   const bool rigid = object.kind == DriverKind::Rigid;
   const size_t count = rigid ? object.poses.size() : object.positions_m.size();
   out.write(object.object_id);
@@ -175,11 +178,13 @@ Result<ObjectDrivers> read_raw_drivers(ByteReader& in, size_t index, size_t coun
   const bool rigid = object.kind == DriverKind::Rigid;
   for (size_t i = 0; i < count; ++i) {
     const Eigen::Vector3f position_m = read_raw_position(in);
-    if (!position_m.allFinite()) return bad_object(index, id, "has a position that is not finite: driver " + std::to_string(i));
+    if (!position_m.allFinite())
+      return bad_object(index, id, "has a position that is not finite: driver " + std::to_string(i));
     if (!rigid) object.positions_m.push_back(position_m);
     if (object.kind == DriverKind::Lattice) continue;
     const Eigen::Quaternionf rotation = read_raw_rotation(in);
-    if (!is_rotation(rotation)) return bad_object(index, id, "has a rotation that is none: driver " + std::to_string(i));
+    if (!is_rotation(rotation))
+      return bad_object(index, id, "has a rotation that is none: driver " + std::to_string(i));
     if (rigid)
       object.poses.push_back({position_m.cast<double>(), rotation.cast<double>().normalized()});
     else
@@ -201,7 +206,8 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
   if (kind < static_cast<uint8_t>(DriverKind::Rigid) || kind > static_cast<uint8_t>(DriverKind::Particles)) {
     return bad_object(index, id, "has unknown kind " + std::to_string(kind));
   }
-  if (encoding > static_cast<uint8_t>(DriverEncoding::Raw)) return bad_object(index, id, "has unknown encoding " + std::to_string(encoding));
+  if (encoding > static_cast<uint8_t>(DriverEncoding::Raw))
+    return bad_object(index, id, "has unknown encoding " + std::to_string(encoding));
   object.kind = static_cast<DriverKind>(kind);
   if ((flags & ~kAsleep) != 0 || (revision != 0 && object.kind != DriverKind::Rigid)) {
     return bad_object(index, id, "sets a reserved bit");

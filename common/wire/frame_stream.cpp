@@ -30,7 +30,8 @@ struct Entry {
 Prediction choose(const Entry& entry, GridPast& past) {
   const DriverGrid& grid = entry.after->now;
   if (!entry.before || !same_form(entry.before->now, grid)) return Prediction::Intra;
-  const bool linear = has_line(*entry.before, entry.after->tick), curve = has_curve(*entry.before, entry.after->tick);
+  const bool linear = has_line(*entry.before, entry.after->tick),
+             curve = has_curve(*entry.before, entry.after->tick);
   if (curve && grid.neighbours) {
     fit_curve(grid, past);
     return Prediction::Curve;
@@ -41,7 +42,8 @@ Prediction choose(const Entry& entry, GridPast& past) {
   return costs.linear < costs.last ? Prediction::Linear : Prediction::Last;
 }
 
-void write_object(RiceWriter& bits, const Entry& entry, uint32_t id_step, GridScales& scales, GridScratch& scratch) {
+void write_object(RiceWriter& bits, const Entry& entry, uint32_t id_step, GridScales& scales,
+                  GridScratch& scratch) {
   DriverGrid& grid = entry.after->now;
   GridPast past = past_of(entry.before, entry.after->tick);
   const Prediction prediction = choose(entry, past);
@@ -74,12 +76,13 @@ bool same_state(const StreamBaseline& a, const StreamBaseline& b) {
   const auto rests = [&](const GridHistory& object) { return a.tick - object.tick >= kMaxGap; };
   const auto alike = [&](const auto& one, const auto& other) {
     if (one == other) return true;  // both streams were sent it in one frame
-    return one->now == other->now &&
-           ((rests(*one) && rests(*other)) ||
-            (one->tick == other->tick && one->earlier_tick == other->earlier_tick && one->earliest_tick == other->earliest_tick &&
-             one->earlier == other->earlier && one->earliest == other->earliest));
+    return one->now == other->now && ((rests(*one) && rests(*other)) ||
+                                      (one->tick == other->tick && one->earlier_tick == other->earlier_tick &&
+                                       one->earliest_tick == other->earliest_tick &&
+                                       one->earlier == other->earlier && one->earliest == other->earliest));
   };
-  return a.tick == b.tick && std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(), alike);
+  return a.tick == b.tick &&
+         std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(), alike);
 }
 
 DriverFrame frame_of(const StreamBaseline& baseline) {
@@ -150,8 +153,8 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
   const std::span<const std::byte> body = bits.written();
 
   // By ticks alone, so that streams with the same state take the same bytes.
-  const bool hashed = options.hash_interval > 0 &&
-                      (!baseline || frame.tick / options.hash_interval != baseline->tick / options.hash_interval);
+  const bool hashed = options.hash_interval > 0 && (!baseline || frame.tick / options.hash_interval !=
+                                                                     baseline->tick / options.hash_interval);
   ByteWriter out;
   out.reserve(body.size() + 40);
   kHeader.write(out);

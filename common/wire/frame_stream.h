@@ -32,9 +32,11 @@ struct EncodedStreamFrame {
 
 struct StreamOptions {
   GridPrecision precision;
-  // Of so many ticks, the first that the stream is sent carries a hash of everything the reader should have. 0: none.
+  // Of so many ticks, the first that the stream is sent carries a hash of everything the reader should have.
+  // 0: none.
   uint32_t hash_interval = 32;
-  // Whether a key frame tells who stands beside whom in a lattice, where that is known: what a stream saves by in every frame.
+  // Whether a key frame tells who stands beside whom in a lattice, where that is known: what a stream saves
+  // by in every frame.
   bool tell_neighbours = true;
   // Object ids to leave as the reader has them although they moved; new ones are never left out.
   std::function<bool(uint32_t object_id)> leave_out;
@@ -48,8 +50,8 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
 // The frame as the reader of the stream sees it, objects by ascending id.
 DriverFrame frame_of(const StreamBaseline& baseline);
 uint64_t tick_of(const StreamBaseline& baseline);
-// Whether readers that have the one and the other can read the same next frames. Streams that were sent different frames
-// are alike again once two of the same have brought everything that moves.
+// Whether readers that have the one and the other can read the same next frames. Streams that were sent
+// different frames are alike again once two of the same have brought everything that moves.
 bool same_state(const StreamBaseline& a, const StreamBaseline& b);
 
 // Simulated time of the frame, by its head alone.

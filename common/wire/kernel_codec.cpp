@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "core/assert.h"
+#include "wire/coding/packed_quaternion.h"
+#include "wire/coding/quantised_box.h"
 #include "wire/frame_codec.h"
 #include "wire/header.h"
 #include "wire/little_endian.h"
-#include "wire/coding/packed_quaternion.h"
-#include "wire/coding/quantised_box.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs {
@@ -30,7 +30,8 @@ constexpr double kLastDeviation = (1 << kDeviationBits) - 1;
 
 uint32_t quantised_deviation(double variance_m2) {
   const double log2_m = 0.5 * std::log2(std::max(variance_m2, 1e-30));
-  return static_cast<uint32_t>(std::lround(std::clamp((log2_m - kMinDeviationLog2) / kDeviationOctaves, 0.0, 1.0) * kLastDeviation));
+  return static_cast<uint32_t>(
+      std::lround(std::clamp((log2_m - kMinDeviationLog2) / kDeviationOctaves, 0.0, 1.0) * kLastDeviation));
 }
 double deviation_m(uint32_t steps) {
   return std::exp2(kMinDeviationLog2 + kDeviationOctaves * steps / kLastDeviation);
@@ -47,7 +48,8 @@ void write_shape(ByteWriter& out, const Symmetric3f& covariance_m2) {
   Eigen::Matrix3d turn = axes.eigenvectors();
   if (turn.determinant() < 0) turn.col(0) = -turn.col(0);
   uint32_t deviations = 0;
-  for (int d = 0; d < 3; ++d) deviations |= quantised_deviation(axes.eigenvalues()[d]) << (kDeviationBits * d);
+  for (int d = 0; d < 3; ++d)
+    deviations |= quantised_deviation(axes.eigenvalues()[d]) << (kDeviationBits * d);
   out.write_bits(deviations, kDeviationBytes);
   out.write_bits(pack_quaternion(Eigen::Quaterniond(turn).normalized(), kComponentBits), kRotationBytes);
 }
@@ -80,10 +82,12 @@ void write_quantised(ByteWriter& out, const PosedKernels& kernels) {
   for (int d = 0; d < 3; ++d) out.write(box.min_m[d]);
   for (int d = 0; d < 3; ++d) out.write(box.edge_m[d]);
   for (size_t k = 0; k < kernels.positions_m.size(); ++k) {
-    const Eigen::Matrix<uint32_t, 3, 1> steps = box.quantise(kernels.positions_m[k].cast<double>(), kPositionBits);
+    const Eigen::Matrix<uint32_t, 3, 1> steps =
+        box.quantise(kernels.positions_m[k].cast<double>(), kPositionBits);
     for (int d = 0; d < 3; ++d) out.write(static_cast<uint16_t>(steps[d]));
     write_shape(out, kernels.covariances_m2[k]);
-    out.write_bits(pack_quaternion(kernels.world_from_asset[k].cast<double>(), kComponentBits), kRotationBytes);
+    out.write_bits(pack_quaternion(kernels.world_from_asset[k].cast<double>(), kComponentBits),
+                   kRotationBytes);
   }
 }
 
@@ -128,13 +132,15 @@ Result<void> read_quantised(ByteReader& in, PosedKernels& kernels) {
 }  // namespace
 
 size_t kernel_bytes(size_t kernels, KernelEncoding encoding) {
-  return kObjectHeaderBytes + kBoxBytes + kernels * (encoding == KernelEncoding::Exact ? kExactBytes : kQuantisedBytes);
+  return kObjectHeaderBytes + kBoxBytes +
+         kernels * (encoding == KernelEncoding::Exact ? kExactBytes : kQuantisedBytes);
 }
 
 std::vector<std::byte> encode_kernels(const KernelFrame& frame, KernelEncoding encoding) {
   const bool exact = encoding == KernelEncoding::Exact;
   size_t size = kKernelFrameHeaderBytes;
-  for (const ObjectKernels& object : frame.objects) size += kernel_bytes(object.kernels.positions_m.size(), encoding);
+  for (const ObjectKernels& object : frame.objects)
+    size += kernel_bytes(object.kernels.positions_m.size(), encoding);
   ByteWriter out;
   out.reserve(size);
   kHeader.write(out);
@@ -161,18 +167,22 @@ std::vector<std::byte> encode_kernels(const KernelFrame& frame, KernelEncoding e
 
 Result<KernelFrame> decode_kernels(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxFrameBytes)
-    return Error{ErrorCode::TooLarge, "kernel frame: over the limit of " + std::to_string(kMaxFrameBytes) + " bytes"};
+    return Error{ErrorCode::TooLarge,
+                 "kernel frame: over the limit of " + std::to_string(kMaxFrameBytes) + " bytes"};
   ByteReader in(bytes);
-  const uint8_t magic = in.read<uint8_t>(), version = in.read<uint8_t>(), encoding = in.read<uint8_t>(), reserved = in.read<uint8_t>();
+  const uint8_t magic = in.read<uint8_t>(), version = in.read<uint8_t>(), encoding = in.read<uint8_t>(),
+                reserved = in.read<uint8_t>();
   KernelFrame frame;
   frame.tick = in.read<uint64_t>();
   frame.simulated_ns = in.read<int64_t>();
   const size_t object_count = in.read<uint32_t>();
   if (auto known = kHeader.check(magic, version, in.failed()); !known) return known.error();
-  if (encoding > static_cast<uint8_t>(KernelEncoding::Quantised)) return bad("has unknown encoding " + std::to_string(encoding));
+  if (encoding > static_cast<uint8_t>(KernelEncoding::Quantised))
+    return bad("has unknown encoding " + std::to_string(encoding));
   if (reserved != 0) return bad("sets a reserved bit");
   const bool exact = encoding == static_cast<uint8_t>(KernelEncoding::Exact);
-  if (object_count > in.remaining() / kObjectHeaderBytes) return bad("claims objects that its bytes cannot hold");
+  if (object_count > in.remaining() / kObjectHeaderBytes)
+    return bad("claims objects that its bytes cannot hold");
   for (size_t i = 0; i < object_count; ++i) {
     ObjectKernels& object = frame.objects.emplace_back();
     object.object_id = in.read<uint32_t>();
@@ -182,9 +192,11 @@ Result<KernelFrame> decode_kernels(std::span<const std::byte> bytes) {
     if (count == 0) continue;
     const size_t box = exact ? 0 : kBoxBytes;
     if (in.remaining() < box || count > (in.remaining() - box) / (exact ? kExactBytes : kQuantisedBytes))
-      return bad("object " + std::to_string(object.object_id) + " claims " + std::to_string(count) + " kernels but is cut short");
+      return bad("object " + std::to_string(object.object_id) + " claims " + std::to_string(count) +
+                 " kernels but is cut short");
     object.kernels.resize(count);
-    if (auto read = exact ? read_exact(in, object.kernels) : read_quantised(in, object.kernels); !read) return read.error();
+    if (auto read = exact ? read_exact(in, object.kernels) : read_quantised(in, object.kernels); !read)
+      return read.error();
   }
   if (in.remaining() != 0) return bad(std::to_string(in.remaining()) + " bytes left over");
   return frame;

@@ -15,7 +15,8 @@ namespace livegs {
 // No rest body is larger; a decoder refuses more. A lattice of a million nodes has 38 MB.
 inline constexpr size_t kMaxRestBodyBytes = 64u << 20;
 
-// Of RestBody::revision: a frame has one byte for it. An object has at most 256 bodies, so it breaks less often.
+// Of RestBody::revision: a frame has one byte for it. An object has at most 256 bodies, so it breaks less
+// often.
 inline constexpr uint32_t kMaxRevision = 255;
 
 // Preconditions: values are finite, quaternions unit, scale and cell width positive, and cells name nodes

@@ -8,12 +8,14 @@
 
 namespace livegs {
 
-std::vector<ObjectLag> lag_behind(const DriverFrame& frame, const StreamBaseline& baseline, const GridPrecision& precision) {
+std::vector<ObjectLag> lag_behind(const DriverFrame& frame, const StreamBaseline& baseline,
+                                  const GridPrecision& precision) {
   std::vector<ObjectLag> lags;
   for (const ObjectDrivers& object : frame.objects) {
     const auto* known = baseline.find(object.object_id);
     const size_t count = std::max(object.poses.size(), object.positions_m.size());
-    if (!known || (*known)->now.kind != object.kind || (*known)->now.revision != object.revision || (*known)->now.count != count)
+    if (!known || (*known)->now.kind != object.kind || (*known)->now.revision != object.revision ||
+        (*known)->now.count != count)
       continue;
     if (to_grid(object, &(*known)->now, precision) == (*known)->now) continue;
     const ObjectDrivers has = from_grid((*known)->now);
@@ -23,7 +25,8 @@ std::vector<ObjectLag> lag_behind(const DriverFrame& frame, const StreamBaseline
     lag.integers = count * (*known)->now.channels();
     for (size_t i = 0; i < object.poses.size(); ++i) {
       lag.moved_m = std::max(lag.moved_m, (object.poses[i].position_m - has.poses[i].position_m).norm());
-      lag.turned_rad = std::max(lag.turned_rad, object.poses[i].orientation.angularDistance(has.poses[i].orientation));
+      lag.turned_rad =
+          std::max(lag.turned_rad, object.poses[i].orientation.angularDistance(has.poses[i].orientation));
     }
     float moved_m2 = 0;
     for (size_t i = 0; i < object.positions_m.size(); ++i)

@@ -29,7 +29,8 @@ bool has_line(const GridHistory& before, uint64_t tick) {
 }
 
 bool has_curve(const GridHistory& before, uint64_t tick) {
-  return !before.earliest.empty() && has_line(before, tick) && tick - before.tick == before.tick - before.earlier_tick &&
+  return !before.earliest.empty() && has_line(before, tick) &&
+         tick - before.tick == before.tick - before.earlier_tick &&
          tick - before.tick == before.earlier_tick - before.earliest_tick;
 }
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "wire/driver_grid.h"
 #include "wire/coding/grid_coder.h"
+#include "wire/driver_grid.h"
 #include "wire/header.h"
 #include "wire/little_endian.h"
 #include "wire/varint.h"
@@ -53,7 +53,8 @@ namespace stream_layout {
 
 uint32_t hash_of(const StreamBaseline& baseline);
 
-// Whether a straight line through the last two frames may be used, and a curve through the last three; both ends decide it alike.
+// Whether a straight line through the last two frames may be used, and a curve through the last three; both
+// ends decide it alike.
 bool has_line(const GridHistory& before, uint64_t tick);
 bool has_curve(const GridHistory& before, uint64_t tick);
 // Keeps what was, where the next frame may be predicted from it too.
@@ -61,8 +62,8 @@ void remember(GridHistory& after, const GridHistory* before);
 // What there is to predict from; null: nothing.
 GridPast past_of(const GridHistory* before, uint64_t tick);
 
-// Places for the objects of one frame. Few bodies share a piece of memory, of which each costs as much as a body's integers;
-// no more than these stay because of one that moves no more.
+// Places for the objects of one frame. Few bodies share a piece of memory, of which each costs as much as a
+// body's integers; no more than these stay because of one that moves no more.
 class HistoryPlaces {
  public:
   std::shared_ptr<GridHistory> take(size_t drivers);

@@ -72,7 +72,8 @@ Result<DriverGrid> read_form(RiceReader& bits) {
   grid.count = bits.code(0, kDriverCountBits);
   if (kind < static_cast<uint32_t>(DriverKind::Rigid)) return bad("an object has unknown kind 0");
   grid.kind = static_cast<DriverKind>(kind);
-  if (grid.exponent < kMinExponent || grid.exponent > kMaxExponent) return bad("an object's step is out of range");
+  if (grid.exponent < kMinExponent || grid.exponent > kMaxExponent)
+    return bad("an object's step is out of range");
   if (grid.revision != 0 && grid.kind != DriverKind::Rigid) return bad("sets a reserved bit");
   const bool told = grid.kind == DriverKind::Lattice && bits.bits(0, 1) != 0;
   if (bits.failed() || grid.count > bits.remaining_bits() / kMinIntraDriverBits)
@@ -91,7 +92,8 @@ int32_t read_weight(RiceReader& bits) {
   return raw >= 1 << (kWeightBits - 1) ? raw - (1 << kWeightBits) : raw;
 }
 
-Result<std::shared_ptr<GridHistory>> read_object(RiceReader& bits, GridScratch& scratch, uint32_t id, const StreamBaseline* baseline, uint64_t tick,
+Result<std::shared_ptr<GridHistory>> read_object(RiceReader& bits, GridScratch& scratch, uint32_t id,
+                                                 const StreamBaseline* baseline, uint64_t tick,
                                                  HistoryPlaces& places, GridScales& scales) {
   const auto prediction = static_cast<Prediction>(bits.bits(0, 2));
   const bool asleep = bits.bits(0, 1) != 0;
@@ -124,7 +126,8 @@ Result<std::shared_ptr<GridHistory>> read_object(RiceReader& bits, GridScratch& 
   grid.object_id = id;
   grid.asleep = asleep;
   grid.values = GridValues(grid.channels() * grid.count);
-  if (!code_values(bits, grid, prediction, past, scales, scratch) || bits.failed()) return bad("an object is cut short");
+  if (!code_values(bits, grid, prediction, past, scales, scratch) || bits.failed())
+    return bad("an object is cut short");
   std::shared_ptr<GridHistory> after = places.take(grid.count);
   after->now = std::move(grid);
   after->tick = tick;
@@ -146,9 +149,9 @@ Result<std::vector<uint32_t>> read_gone(RiceReader& bits, uint32_t count, const 
 }
 
 // The objects of the frame after it, from those before and those that are in it.
-std::vector<std::shared_ptr<const GridHistory>> joined(const StreamBaseline* baseline,
-                                                       const std::vector<uint32_t>& gone,
-                                                       const std::vector<std::shared_ptr<GridHistory>>& entries) {
+std::vector<std::shared_ptr<const GridHistory>> joined(
+    const StreamBaseline* baseline, const std::vector<uint32_t>& gone,
+    const std::vector<std::shared_ptr<GridHistory>>& entries) {
   std::vector<std::shared_ptr<const GridHistory>> objects;
   objects.reserve((baseline ? baseline->objects.size() : 0) + entries.size());
   size_t next = 0;

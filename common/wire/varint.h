@@ -28,7 +28,9 @@ inline std::optional<uint64_t> read_varint(ByteReader& in) {
 }
 
 // Signed integers as unsigned ones that are small when they are near zero.
-inline uint64_t zigzag(int64_t value) { return static_cast<uint64_t>(value) << 1 ^ static_cast<uint64_t>(value >> 63); }
+inline uint64_t zigzag(int64_t value) {
+  return static_cast<uint64_t>(value) << 1 ^ static_cast<uint64_t>(value >> 63);
+}
 inline int64_t unzigzag(uint64_t value) { return static_cast<int64_t>(value >> 1 ^ (~(value & 1) + 1)); }
 
 }  // namespace livegs

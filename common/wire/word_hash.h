@@ -5,8 +5,8 @@
 
 namespace livegs {
 
-// A mixing of 64-bit words in order (constants of splitmix64); proto/frame_format.md, "Frame". Tells states apart, keeps
-// nobody out.
+// A mixing of 64-bit words in order (constants of splitmix64); proto/frame_format.md, "Frame". Tells states
+// apart, keeps nobody out.
 class WordHash {
  public:
   void add(uint64_t word) {

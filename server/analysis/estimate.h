@@ -33,12 +33,12 @@ struct ObjectFacts {
   MeshFacts mesh;
   AppearanceFacts appearance;
   bool scale_known = false;  // metric, rather than guessed
-  bool solid = false;        // given as what takes up room (a shape, a list of points), not captured from outside
+  bool solid = false;  // given as what takes up room (a shape, a list of points), not captured from outside
 };
 
-// The confidence of an estimate whose name states the material but not the object. An estimate by looks alone has at most
-// 0.35 and is never held against an author's or a model's material; one of at least this is. Smaller: looks
-// overrule authors. Larger: a named material is ignored.
+// The confidence of an estimate whose name states the material but not the object. An estimate by looks alone
+// has at most 0.35 and is never held against an author's or a model's material; one of at least this is.
+// Smaller: looks overrule authors. Larger: a named material is ignored.
 inline constexpr double kMaterialNamedConfidence = 0.4;
 // How much of an estimate's confidence a guessed scale leaves.
 inline constexpr double kGuessedScaleTrust = 0.8;
@@ -48,19 +48,21 @@ inline constexpr double kGuessedVolumeRatio = 8.0;
 // Always answers. Every value carries low <= best <= high, its source and a reason. Pure; any thread.
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts);
 
-// What can be said of an author's words without the object: every number finite and within its physical range, no
-// contradictions. The message begins with the field's name and holds its range.
+// What can be said of an author's words without the object: every number finite and within its physical
+// range, no contradictions. The message begins with the field's name and holds its range.
 Result<void> check_scene_physics(const v1::Physics& written);
-// What the author gave that is possible, but far from what the object was taken for or from any material: a pillow of
-// 2 GPa. It is used all the same; each line names the field and the range.
-std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estimated, const v1::Physics& written,
-                                          const v1::PhysicalParameters& merged, const ObjectFacts& facts);
+// What the author gave that is possible, but far from what the object was taken for or from any material: a
+// pillow of 2 GPa. It is used all the same; each line names the field and the range.
+std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estimated,
+                                             const v1::Physics& written, const v1::PhysicalParameters& merged,
+                                             const ObjectFacts& facts);
 
 // What a scene's author wrote wins over what was estimated, value by value (source SCENE), and what depends
 // on it is worked out again (mass from density and fill, E from d_R, …). Fails when the author's words
-// contradict each other or leave the physical ranges; the message names the field. `by` PERSON: they are edits.
-Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters& estimated, const v1::Physics& written,
-                                                   const ObjectFacts& facts,
+// contradict each other or leave the physical ranges; the message names the field. `by` PERSON: they are
+// edits.
+Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters& estimated,
+                                                   const v1::Physics& written, const ObjectFacts& facts,
                                                    v1::EstimatedValue::Source by = v1::EstimatedValue::SCENE);
 
 // To what a body is made with.

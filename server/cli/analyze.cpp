@@ -16,8 +16,8 @@
 
 #include "analysis/gate/answer.h"
 #include "analysis/model/endpoint_choice.h"
-#include "analysis/run/explain_page.h"
 #include "analysis/physics_file.h"
+#include "analysis/run/explain_page.h"
 #include "cli/commands.h"
 #include "cli/decide_physics.h"
 #include "cli/parameters_table.h"
@@ -65,8 +65,9 @@ std::string shown_message(const std::string& message) { return shown_text(messag
 // While the rest of the scene is loaded and a model is asked.
 void tell_first(const SceneObject& object) {
   const v1::EstimatedValue& mass = object.physics.mass_kg();
-  std::fprintf(stderr, "%s: at first %.4g g (%.4g to %.4g) of %s, %s\n", shown(object.name).c_str(), 1e3 * mass.best(),
-               1e3 * mass.low(), 1e3 * mass.high(), shown(object.physics.material()).c_str(),
+  std::fprintf(stderr, "%s: at first %.4g g (%.4g to %.4g) of %s, %s\n", shown(object.name).c_str(),
+               1e3 * mass.best(), 1e3 * mass.low(), 1e3 * mass.high(),
+               shown(object.physics.material()).c_str(),
                v1::Physics::Behavior_Name(object.physics.behavior()).c_str());
 }
 
@@ -146,7 +147,8 @@ Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& upd
     return {};
   }
   if (update.judgement.verdict == Verdict::NeedsReview) {
-    std::fprintf(stderr, "%s: kept as a proposal; take it with --accept \"%s\"\n", name.c_str(), name.c_str());
+    std::fprintf(stderr, "%s: kept as a proposal; take it with --accept \"%s\"\n", name.c_str(),
+                 name.c_str());
     return log_proposal(object.physics_file, update.judgement.proposal, update.record);
   }
   if (update.judgement.verdict != Verdict::Accepted) {
@@ -188,7 +190,8 @@ Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object
                      const AnalysisUpdate& update, const Result<std::vector<TargetView>>& views) {
   std::error_code made;
   fs::create_directories(folder, made);
-  if (!views) log_warn("%s: no views: %s", shown(object.name).c_str(), shown_message(views.error().message).c_str());
+  if (!views)
+    log_warn("%s: no views: %s", shown(object.name).c_str(), shown_message(views.error().message).c_str());
   const fs::path page = folder / (object_file_name(object.name) + ".html");
   return write_file_atomically(
       page, explain_page(object.target, update, views ? *views : std::vector<TargetView>{}));
@@ -228,7 +231,8 @@ Result<void> check_options(const AnalyzeCommand& options) {
                                              {"--scale", "scale", options.scale > 0},
                                              {"--up", "up", !options.up.empty()}}) {
     if (given) {
-      return invalid_argument(std::string(option) + ": is for one asset; in a scene file give an object its \"" + field + "\"");
+      return invalid_argument(std::string(option) +
+                              ": is for one asset; in a scene file give an object its \"" + field + "\"");
     }
   }
   return {};
@@ -368,15 +372,19 @@ void add_analyze(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({1, 3}));
   command->add_flag("--offline", options->endpoint.offline, "Ask nobody, whatever is set");
   command->add_flag("--no-cache", options->no_cache, "Ask also what was answered before");
-  command->add_option("--explain", options->explain,
-                      "Write one HTML page an object, NAME.html with other bytes than letters, digits, - and _ as %20: "
-                      "views, prompt, raw answer, what the gate did, values");
+  command->add_option(
+      "--explain", options->explain,
+      "Write one HTML page an object, NAME.html with other bytes than letters, digits, - and _ as %20: "
+      "views, prompt, raw answer, what the gate did, values");
   command->add_flag("--write", options->write, "Keep the values beside the assets, as NAME.physics.json");
   CLI::Option* accept = command->add_option(
-      "--accept", options->decision.accept, "Apply what the last --write found for this OBJECT and kept for review; asks nobody");
-  CLI::Option* decline = command->add_option("--decline", options->decision.decline,
-                                             "What --accept would apply waits no longer; the OBJECT keeps its values");
-  CLI::Option* undo = command->add_option("--undo", options->decision.undo, "Take back the last change of this OBJECT's values");
+      "--accept", options->decision.accept,
+      "Apply what the last --write found for this OBJECT and kept for review; asks nobody");
+  CLI::Option* decline =
+      command->add_option("--decline", options->decision.decline,
+                          "What --accept would apply waits no longer; the OBJECT keeps its values");
+  CLI::Option* undo = command->add_option("--undo", options->decision.undo,
+                                          "Take back the last change of this OBJECT's values");
   CLI::Option* redo = command->add_option("--redo", options->decision.redo, "Do again what --undo took back");
   decline->excludes(accept);
   undo->excludes(accept)->excludes(decline);

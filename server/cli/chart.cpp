@@ -26,7 +26,8 @@ int run(const ChartCommand& options) {
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (error) {
-    return report({ErrorCode::PermissionDenied, options.output.string() + ": cannot be made: " + error.message()});
+    return report(
+        {ErrorCode::PermissionDenied, options.output.string() + ": cannot be made: " + error.message()});
   }
   // Thousands of runs beyond what a solver can do are the point here; each would say so.
   set_log_level(LogLevel::Error);
@@ -35,9 +36,9 @@ int run(const ChartCommand& options) {
   const auto progress = [&](size_t done, size_t of, const study::PlannedRun& run) {
     if (now_ns() - told_ns < 2'000'000'000 && done != of) return;
     told_ns = now_ns();
-    std::fprintf(stderr, "%3zu %%  %zu of %zu runs, %.0f s; %s, %s at %d substeps\n", 100 * done / of, done, of,
-                 seconds_from_ns(told_ns - start_ns), run.scene->name.c_str(), study::solver_name(run.setup).c_str(),
-                 run.setup.substeps);
+    std::fprintf(stderr, "%3zu %%  %zu of %zu runs, %.0f s; %s, %s at %d substeps\n", 100 * done / of, done,
+                 of, seconds_from_ns(told_ns - start_ns), run.scene->name.c_str(),
+                 study::solver_name(run.setup).c_str(), run.setup.substeps);
   };
   const study::ChartPlan plan{options.only, options.quick};
   const auto rows = study::run_all(study::plan_runs(plan), progress);
@@ -46,32 +47,36 @@ int run(const ChartCommand& options) {
                                   const study::RigidSetup& setup) {
     if (now_ns() - told_ns < 2'000'000'000) return;
     told_ns = now_ns();
-    std::fprintf(stderr, "%3zu %%  %zu of %zu rigid runs, %.0f s; %s, %s at %d substeps\n", 100 * done / of, done, of,
-                 seconds_from_ns(told_ns - start_ns), scene.name.c_str(), study::engine_name(setup.engine).c_str(),
-                 setup.substeps);
+    std::fprintf(stderr, "%3zu %%  %zu of %zu rigid runs, %.0f s; %s, %s at %d substeps\n", 100 * done / of,
+                 done, of, seconds_from_ns(told_ns - start_ns), scene.name.c_str(),
+                 study::engine_name(setup.engine).c_str(), setup.substeps);
   };
   const auto rigid_rows = study::run_rigid_scenes(plan, rigid_progress);
 
-  if (auto written = write_file_atomically(options.output / "chart.csv", study::chart_csv(rows) + study::rigid_csv(rigid_rows)); !written) {
+  if (auto written = write_file_atomically(options.output / "chart.csv",
+                                           study::chart_csv(rows) + study::rigid_csv(rigid_rows));
+      !written) {
     return report(written.error());
   }
   const std::string how = options.quick ? "--quick" : "";
   const std::string page = study::chart_page(rows, how, LIVEGS_VERSION) + study::rigid_page(rigid_rows);
-  if (auto written = write_file_atomically(options.output / "chart.md", page); !written) return report(written.error());
+  if (auto written = write_file_atomically(options.output / "chart.md", page); !written)
+    return report(written.error());
   for (const study::ChartScene& scene : study::chart_scenes()) {
     for (const std::string& quantity : scene.quantities) {
       const auto panels = study::panels_of(scene, quantity, rows);
       if (panels.empty()) continue;
       const std::filesystem::path svg = options.output / scene.figure(quantity);
-      if (auto drawn = draw_figure(study::elastic_figure(scene, panels), svg); !drawn) return report(drawn.error());
+      if (auto drawn = draw_figure(study::elastic_figure(scene, panels), svg); !drawn)
+        return report(drawn.error());
     }
   }
   for (const study::RigidChartScene& scene : study::rigid_chart_scenes()) {
     const std::filesystem::path svg = options.output / scene.figure();
     if (auto drawn = draw_figure(rigid_figure(scene, rigid_rows), svg); !drawn) return report(drawn.error());
   }
-  std::printf("%s: %zu runs in %.0f s\n", (options.output / "chart.md").c_str(), rows.size() + rigid_rows.size(),
-              seconds_from_ns(now_ns() - start_ns));
+  std::printf("%s: %zu runs in %.0f s\n", (options.output / "chart.md").c_str(),
+              rows.size() + rigid_rows.size(), seconds_from_ns(now_ns() - start_ns));
   return 0;
 }
 
@@ -79,15 +84,17 @@ int run(const ChartCommand& options) {
 
 void add_chart(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ChartCommand>();
-  CLI::App* command = app.add_subcommand(
-      "chart", "Run the canonical scenes, elastic and rigid, over substeps, cells and stiffness and draw error against cost");
+  CLI::App* command = app.add_subcommand("chart",
+                                         "Run the canonical scenes, elastic and rigid, over substeps, cells "
+                                         "and stiffness and draw error against cost");
   std::vector<std::string> names;
   for (const study::ChartScene& scene : study::chart_scenes()) names.push_back(scene.name);
   for (const study::RigidChartScene& scene : study::rigid_chart_scenes()) names.push_back(scene.name);
   command->add_option("--output,-o", options->output, "Folder for chart.csv, chart.md and an SVG a scene")
       ->capture_default_str();
   command->add_option("--only", options->only, "One scene")->check(CLI::IsMember(names));
-  command->add_flag("--quick", options->quick, "Few substeps, one cell width, soft bodies: seconds instead of minutes");
+  command->add_flag("--quick", options->quick,
+                    "Few substeps, one cell width, soft bodies: seconds instead of minutes");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -46,7 +46,8 @@ Result<std::shared_ptr<ServerAccess>> access_for(const Options& options) {
     const auto local = find_local_server(*folder);
     if (!local && local.error().code != ErrorCode::NotFound) return local.error();
     if (local && local->port == address->port)
-      return std::make_shared<ServerAccess>(options.server, ServerAccess::Keys{local->fingerprint, "", local->token});
+      return std::make_shared<ServerAccess>(options.server,
+                                            ServerAccess::Keys{local->fingerprint, "", local->token});
   }
   return choose_access(options.server, options.access);
 }
@@ -63,7 +64,8 @@ class Server {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
     server.channel_ = grpc::CreateCustomChannel(
-        options.server, server.access_ ? server.access_->credentials() : grpc::InsecureChannelCredentials(), arguments);
+        options.server, server.access_ ? server.access_->credentials() : grpc::InsecureChannelCredentials(),
+        arguments);
     server.admin_ = v1::Admin::NewStub(server.channel_);
     return server;
   }
@@ -79,7 +81,8 @@ class Server {
     return reply;
   }
 
-  // Whether it serves, by the standard health service: its request for the whole server is empty, and so is the name.
+  // Whether it serves, by the standard health service: its request for the whole server is empty, and so is
+  // the name.
   Result<bool> healthy() {
     grpc::GenericStub stub(channel_);
     grpc::ClientContext context;
@@ -97,7 +100,8 @@ class Server {
     if (!status.ok()) return error_from(status);
     grpc::Slice bytes;
     const bool whole = reply.DumpToSingleSlice(&bytes).ok();
-    return whole && bytes.size() == 2 && bytes.begin()[0] == 0x08 && bytes.begin()[1] == 1;  // status: SERVING
+    return whole && bytes.size() == 2 && bytes.begin()[0] == 0x08 &&
+           bytes.begin()[1] == 1;  // status: SERVING
   }
 
  private:
@@ -109,9 +113,12 @@ class Server {
                         status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
     const bool theirs = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT ||
                         status.error_code() == grpc::StatusCode::NOT_FOUND;
-    return {absent ? ErrorCode::Unavailable : theirs ? ErrorCode::InvalidArgument : ErrorCode::PermissionDenied,
+    return {absent   ? ErrorCode::Unavailable
+            : theirs ? ErrorCode::InvalidArgument
+                     : ErrorCode::PermissionDenied,
             address_ + ": " +
-                (absent ? "no server answers; --server HOST:PORT says where it is, and one whose --state-dir is its own "
+                (absent ? "no server answers; --server HOST:PORT says where it is, and one whose --state-dir "
+                          "is its own "
                           "needs that here too"
                         : status.error_message())};
   }
@@ -126,7 +133,8 @@ void print_json(const google::protobuf::Message& message) {
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = options.preserve_proto_field_names = options.always_print_primitive_fields = true;
   std::string text;
-  if (google::protobuf::util::MessageToJsonString(message, &text, options).ok()) std::fputs(text.c_str(), stdout);
+  if (google::protobuf::util::MessageToJsonString(message, &text, options).ok())
+    std::fputs(text.c_str(), stdout);
 }
 
 std::string day(int64_t unix_s) {
@@ -143,20 +151,21 @@ void print_tokens(const v1::TokenList& list) {
     std::printf("%-10s%-20s%-10s%-18s%-18s%s\n", token.id().c_str(), token.name().c_str(),
                 scope_name(token.scope()).c_str(), day(token.made_unix_s()).c_str(),
                 day(token.expires_unix_s()).c_str(),
-                token.revoked()                                    ? "revoked"
+                token.revoked()                                   ? "revoked"
                 : token.expires_unix_s() <= system_wall_clock()() ? "expired"
-                                                                   : "holds");
+                                                                  : "holds");
   }
 }
 
 void print_clients(const v1::ServerStatus& status) {
-  std::printf("%-10s%-18s%-26s%-16s%-10s%-11s%9s%9s%10s%10s%9s\n", "session", "name", "from", "token", "scope", "state",
-              "for s", "frames", "replaced", "MB", "trip ms");
+  std::printf("%-10s%-18s%-26s%-16s%-10s%-11s%9s%9s%10s%10s%9s\n", "session", "name", "from", "token",
+              "scope", "state", "for s", "frames", "replaced", "MB", "trip ms");
   for (const v1::ClientStatus& client : status.clients()) {
-    std::printf("%-10s%-18.17s%-26.25s%-16.15s%-10s%-11s%9.0f%9llu%10llu%10.1f%9.1f\n", client.session().c_str(),
-                client.name().c_str(), client.peer().c_str(),
-                client.token_name().empty() ? "-" : client.token_name().c_str(), scope_name(client.scope()).c_str(),
-                client.state().c_str(), client.joined_s(), static_cast<unsigned long long>(client.frames_sent()),
+    std::printf("%-10s%-18.17s%-26.25s%-16.15s%-10s%-11s%9.0f%9llu%10llu%10.1f%9.1f\n",
+                client.session().c_str(), client.name().c_str(), client.peer().c_str(),
+                client.token_name().empty() ? "-" : client.token_name().c_str(),
+                scope_name(client.scope()).c_str(), client.state().c_str(), client.joined_s(),
+                static_cast<unsigned long long>(client.frames_sent()),
                 static_cast<unsigned long long>(client.frames_replaced()),
                 static_cast<double>(client.bytes_sent()) * 1e-6, client.acknowledged_ms());
   }
@@ -177,8 +186,9 @@ void print_status(const v1::ServerStatus& status) {
     const v1::RecordingStatus& recording = status.recording();
     std::printf("recording     %s: %s, %llu ticks, %.1f MB%s%s\n", recording.path().c_str(),
                 recording.recording() ? "is being written" : "has ended",
-                static_cast<unsigned long long>(recording.ticks()), static_cast<double>(recording.bytes()) * 1e-6,
-                recording.message().empty() ? "" : "; ", recording.message().c_str());
+                static_cast<unsigned long long>(recording.ticks()),
+                static_cast<double>(recording.bytes()) * 1e-6, recording.message().empty() ? "" : "; ",
+                recording.message().c_str());
   }
   std::printf("clients       %d here, %llu sessions so far\n", status.clients_size(),
               static_cast<unsigned long long>(status.sessions()));
@@ -209,9 +219,9 @@ int add_token(const Options& options) {
   request.set_days(options.days);
   return ask_and_print(options, &v1::Admin::Stub::AddToken, request, [](const v1::AddTokenReply& reply) {
     // The token alone on standard output, so that it can go to a file without passing anybody's eyes.
-    std::fprintf(stderr, "token %s for %s, scope %s, until %s UTC; it is shown this once\n", reply.token().id().c_str(),
-                 reply.token().name().c_str(), scope_name(reply.token().scope()).c_str(),
-                 day(reply.token().expires_unix_s()).c_str());
+    std::fprintf(stderr, "token %s for %s, scope %s, until %s UTC; it is shown this once\n",
+                 reply.token().id().c_str(), reply.token().name().c_str(),
+                 scope_name(reply.token().scope()).c_str(), day(reply.token().expires_unix_s()).c_str());
     std::printf("%s\n", reply.secret().c_str());
   });
 }
@@ -227,18 +237,19 @@ int start_recording(const Options& options) {
   request.set_path(recording_path(options));
   request.set_inputs_only(options.inputs_only);
   request.set_assets(options.with_assets);
-  return ask_and_print(options, &v1::Admin::Stub::StartRecording, request, [](const v1::RecordingStatus& status) {
-    std::printf("recording %s\n", status.path().c_str());
-  });
+  return ask_and_print(
+      options, &v1::Admin::Stub::StartRecording, request,
+      [](const v1::RecordingStatus& status) { std::printf("recording %s\n", status.path().c_str()); });
 }
 
 int stop_recording(const Options& options) {
-  return ask_and_print(
-      options, &v1::Admin::Stub::StopRecording, v1::StopRecordingRequest(), [](const v1::RecordingStatus& status) {
-        std::printf("recorded %s: %llu ticks, %.1f MB%s%s\n", status.path().c_str(),
-                    static_cast<unsigned long long>(status.ticks()), static_cast<double>(status.bytes()) * 1e-6,
-                    status.message().empty() ? "" : "; ", status.message().c_str());
-      });
+  return ask_and_print(options, &v1::Admin::Stub::StopRecording, v1::StopRecordingRequest(),
+                       [](const v1::RecordingStatus& status) {
+                         std::printf("recorded %s: %llu ticks, %.1f MB%s%s\n", status.path().c_str(),
+                                     static_cast<unsigned long long>(status.ticks()),
+                                     static_cast<double>(status.bytes()) * 1e-6,
+                                     status.message().empty() ? "" : "; ", status.message().c_str());
+                       });
 }
 
 int health(const Options& options) {
@@ -297,25 +308,31 @@ void add_ctl(CLI::App& app, int& exit_code) {
   });
   drain->add_option("--reason", options->reason, "What clients are told");
 
-  auto* record = ctl->add_subcommand("record", "Record the session into a file, to watch it or simulate it again");
+  auto* record =
+      ctl->add_subcommand("record", "Record the session into a file, to watch it or simulate it again");
   record->require_subcommand(1);
   record->fallthrough();
   auto* begun = add(record, "start", "From the next tick on", start_recording);
   begun->add_option("FILE", options->file, "A new file on the server's machine, *.lvgrec")->required();
-  begun->add_flag("--inputs-only", options->inputs_only, "Without frames: it can be simulated again, not watched");
-  begun->add_flag("--assets", options->with_assets, "With assets and files, so that it can be watched and simulated again anywhere");
+  begun->add_flag("--inputs-only", options->inputs_only,
+                  "Without frames: it can be simulated again, not watched");
+  begun->add_flag("--assets", options->with_assets,
+                  "With assets and files, so that it can be watched and simulated again anywhere");
   add(record, "stop", "End it in order", stop_recording);
 
-  auto* replayed = add(ctl, "replay", "What a recording holds; no server is needed", [](const Options& given) {
-    ReplayOptions replaying = given.replaying;
-    replaying.json = given.json;
-    return replay(replaying);
-  });
+  auto* replayed =
+      add(ctl, "replay", "What a recording holds; no server is needed", [](const Options& given) {
+        ReplayOptions replaying = given.replaying;
+        replaying.json = given.json;
+        return replay(replaying);
+      });
   replayed->add_option("FILE", options->replaying.file, "A recording, *.lvgrec")->required();
-  replayed->add_flag("--verify", options->replaying.verify,
-                     "Simulate it again, and tell whether every frame is equal to the bit; exit code 0 if so");
-  replayed->add_option("--scene", options->replaying.folder,
-                       "The folder of the scene's files, if it holds none and they are not where they were")
+  replayed->add_flag(
+      "--verify", options->replaying.verify,
+      "Simulate it again, and tell whether every frame is equal to the bit; exit code 0 if so");
+  replayed
+      ->add_option("--scene", options->replaying.folder,
+                   "The folder of the scene's files, if it holds none and they are not where they were")
       ->check(CLI::ExistingDirectory);
 
   auto* tokens = ctl->add_subcommand("tokens", "Who may do what");
@@ -323,19 +340,21 @@ void add_ctl(CLI::App& app, int& exit_code) {
   tokens->fallthrough();
   auto* made = add(tokens, "add", "Make a token, and print it: the only time", add_token);
   made->add_option("NAME", options->token_name, "Who or what it is for")->required();
-  made->add_option("--scope", options->scope, "view, interact, author or admin; each allows what those before do")
+  made->add_option("--scope", options->scope,
+                   "view, interact, author or admin; each allows what those before do")
       ->capture_default_str();
   made->add_option("--days", options->days, "That it holds")->capture_default_str();
   add(tokens, "list", "All there are, and were in the last month", [](const Options& given) {
     return ask_and_print(given, &v1::Admin::Stub::ListTokens, v1::ListTokensRequest(), print_tokens);
   });
-  auto* revoked = add(tokens, "revoke", "End a token, and the sessions it opened, now", [](const Options& given) {
-    v1::RevokeTokenRequest request;
-    request.set_id(given.token_id);
-    return ask_and_print(given, &v1::Admin::Stub::RevokeToken, request, [](const v1::Token& token) {
-      std::printf("token %s (%s) is revoked\n", token.id().c_str(), token.name().c_str());
-    });
-  });
+  auto* revoked =
+      add(tokens, "revoke", "End a token, and the sessions it opened, now", [](const Options& given) {
+        v1::RevokeTokenRequest request;
+        request.set_id(given.token_id);
+        return ask_and_print(given, &v1::Admin::Stub::RevokeToken, request, [](const v1::Token& token) {
+          std::printf("token %s (%s) is revoked\n", token.id().c_str(), token.name().c_str());
+        });
+      });
   revoked->add_option("ID", options->token_id, "As `tokens list` shows it")->required();
 }
 

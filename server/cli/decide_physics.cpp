@@ -37,7 +37,8 @@ std::string held_text(const v1::PhysicsFile& file) {
     const v1::EstimatedValue& mass_kg = file.physics().mass_kg();
     std::snprintf(mass, sizeof mass, "%.4g g (%.4g to %.4g) of ", 1e3 * mass_kg.best(), 1e3 * mass_kg.low(),
                   1e3 * mass_kg.high());
-    text += mass + shown(file.physics().material()) + ", " + v1::Physics::Behavior_Name(file.physics().behavior());
+    text += mass + shown(file.physics().material()) + ", " +
+            v1::Physics::Behavior_Name(file.physics().behavior());
     text += file.analysis().model().empty() ? ", offline" : ", of " + shown(file.analysis().model());
   } else {
     text += "nothing was analysed, estimates hold";
@@ -47,8 +48,8 @@ std::string held_text(const v1::PhysicsFile& file) {
 
 }  // namespace
 
-int decide_physics(const PhysicsDecision& decision, const v1::Scene& scene, const std::filesystem::path& folder,
-                   const std::string& scene_name) {
+int decide_physics(const PhysicsDecision& decision, const v1::Scene& scene,
+                   const std::filesystem::path& folder, const std::string& scene_name) {
   const std::string& name = !decision.accept.empty()    ? decision.accept
                             : !decision.decline.empty() ? decision.decline
                             : !decision.undo.empty()    ? decision.undo
@@ -61,7 +62,8 @@ int decide_physics(const PhysicsDecision& decision, const v1::Scene& scene, cons
                                                 : redo_physics(*path);
   if (!file) return report(file.error());
   std::printf("%s: %s\n", shown(name).c_str(), held_text(*file).c_str());
-  std::fprintf(stderr, "kept in %s; a server that runs takes it up when it loads the scene anew\n", path->c_str());
+  std::fprintf(stderr, "kept in %s; a server that runs takes it up when it loads the scene anew\n",
+               path->c_str());
   return 0;
 }
 

@@ -6,11 +6,11 @@
 
 #include "cli/commands.h"
 #include "geometry/fracture/fracture_seeds.h"
+#include "geometry/fracture/piece_kernels.h"
+#include "geometry/fracture/voronoi_pieces.h"
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/mesh/mesh_topology.h"
-#include "geometry/fracture/piece_kernels.h"
 #include "geometry/reconstruct_surface.h"
-#include "geometry/fracture/voronoi_pieces.h"
 #include "scene/build/place_asset.h"
 #include "skin/skin_kernels.h"
 #include "splat/frame_bounds.h"
@@ -37,8 +37,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 // Kernels with each piece moved away from the middle by `apart` of its distance.
-PosedKernels posed(const PieceKernels& kernels, const Similarity& object_from_asset, const VoronoiPieces& pieces,
-                   double apart, const Eigen::Vector3d& middle) {
+PosedKernels posed(const PieceKernels& kernels, const Similarity& object_from_asset,
+                   const VoronoiPieces& pieces, double apart, const Eigen::Vector3d& middle) {
   RestBody rest;
   rest.object_from_asset = object_from_asset;
   rest.bodies = {Pose{}};
@@ -109,8 +109,9 @@ int run(const FractureCommand& options) {
   std::printf("pieces       %zu of %zu seeds, %.6g m3 (%+.1e of the whole), in %.3f s\n", cut->pieces.size(),
               seeds->size(), volume_m3, volume_m3 / whole_m3 - 1.0, cut_s);
   std::printf("bonds        %zu, %.6g m2\n", cut->bonds.size(), area_m2);
-  std::printf("kernels      %zu: %zu cut, %zu parts added, %zu on cut faces, in %.3f s\n", kernels->asset.size(),
-              kernels->changed.size(), kernels->interior_begin - kernels->original_count,
+  std::printf("kernels      %zu: %zu cut, %zu parts added, %zu on cut faces, in %.3f s\n",
+              kernels->asset.size(), kernels->changed.size(),
+              kernels->interior_begin - kernels->original_count,
               kernels->asset.size() - kernels->interior_begin, split_s);
   if (options.output.empty()) return 0;
 
@@ -131,10 +132,10 @@ int run(const FractureCommand& options) {
   for (size_t k = 0; k < coloured.size(); ++k) coloured.sh_dc[k] = piece_colour(kernels->piece[k]);
   const PosedKernels whole = posed(*kernels, placement, *cut, 0.0, bounds.center());
   const PosedKernels apart = posed(*kernels, placement, *cut, options.apart, bounds.center());
-  for (const auto& [asset, pose, name] : {std::tuple(&kernels->asset, &whole, "whole.png"),
-                                          std::tuple(&kernels->asset, &apart, "apart.png"),
-                                          std::tuple(&coloured, &whole, "pieces_whole.png"),
-                                          std::tuple(&coloured, &apart, "pieces_apart.png")}) {
+  for (const auto& [asset, pose, name] :
+       {std::tuple(&kernels->asset, &whole, "whole.png"), std::tuple(&kernels->asset, &apart, "apart.png"),
+        std::tuple(&coloured, &whole, "pieces_whole.png"),
+        std::tuple(&coloured, &apart, "pieces_apart.png")}) {
     if (auto drawn = draw(*asset, *pose, camera, options.output / name); !drawn) return report(drawn.error());
     std::printf("written      %s\n", (options.output / name).c_str());
   }
@@ -152,8 +153,10 @@ void add_fracture(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(size_t{1}, kMaxSeeds))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Another seed, other pieces")->capture_default_str();
-  command->add_option("--impact", options->impact_m, "Where the blow falls: x y z in metres, +Y up")->expected(3);
-  command->add_flag("--coarse", options->coarse, "Cut the coarse surface of a rigid body instead of the fine one");
+  command->add_option("--impact", options->impact_m, "Where the blow falls: x y z in metres, +Y up")
+      ->expected(3);
+  command->add_flag("--coarse", options->coarse,
+                    "Cut the coarse surface of a rigid body instead of the fine one");
   command->add_option("--scale", options->scale, "Metres per unit of the asset; guessed when left out");
   command->add_option("--up", options->up, "The asset's up axis: x -x y -y z -z")->default_str("-y");
   command->add_option("--apart", options->apart, "How far pieces are drawn apart, in parts of their distance")
@@ -161,7 +164,8 @@ void add_fracture(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--width", options->width)->check(CLI::Range(1, 16384))->capture_default_str();
   command->add_option("--height", options->height)->check(CLI::Range(1, 16384))->capture_default_str();
-  command->add_option("--azimuth", options->azimuth_deg, "Degrees around, to the right")->capture_default_str();
+  command->add_option("--azimuth", options->azimuth_deg, "Degrees around, to the right")
+      ->capture_default_str();
   command->add_option("--elevation", options->elevation_deg, "Degrees up")
       ->check(CLI::Range(-89.0, 89.0))
       ->capture_default_str();

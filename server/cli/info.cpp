@@ -45,8 +45,9 @@ int print_scene(const std::filesystem::path& path) {
     if (object.fragility && object.fragility->pieces == 0) {
       std::printf("fragile      %s: does not break\n", name);
     } else if (object.fragility) {
-      std::printf("fragile      %s: %u pieces, breaks at %.3g N s, a drop of %.2f m\n", name, object.fragility->pieces,
-                  object.fragility->break_impulse_n_s, object.fragility->drop_height_m);
+      std::printf("fragile      %s: %u pieces, breaks at %.3g N s, a drop of %.2f m\n", name,
+                  object.fragility->pieces, object.fragility->break_impulse_n_s,
+                  object.fragility->drop_height_m);
     }
     for (const std::string& warning : object.all_warnings())
       std::printf("warning      %s: %s\n", name, warning.c_str());

@@ -47,7 +47,8 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
     }
     const auto commands = at->get_subcommands([](const CLI::App*) { return true; });
     if (commands.empty()) return "";
-    const auto known = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* one) { return one->get_name() == word; });
+    const auto known = std::find_if(commands.begin(), commands.end(),
+                                    [&](const CLI::App* one) { return one->get_name() == word; });
     if (known == commands.end()) {
       std::string names;
       for (const CLI::App* one : commands) names += (names.empty() ? "" : ", ") + one->get_name();
@@ -92,7 +93,8 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (const std::string unknown = error.get_exit_code() == 0 ? "" : unknown_command(app, argc, argv); !unknown.empty()) {
+    if (const std::string unknown = error.get_exit_code() == 0 ? "" : unknown_command(app, argc, argv);
+        !unknown.empty()) {
       std::fprintf(stderr, "%s\n", unknown.c_str());
       return 2;
     }

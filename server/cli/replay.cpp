@@ -51,7 +51,8 @@ void print_json(const RecordingReader& recording) {
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = options.preserve_proto_field_names = options.always_print_primitive_fields = true;
   std::string text;
-  if (google::protobuf::util::MessageToJsonString(recording.totals(), &text, options).ok()) std::fputs(text.c_str(), stdout);
+  if (google::protobuf::util::MessageToJsonString(recording.totals(), &text, options).ok())
+    std::fputs(text.c_str(), stdout);
 }
 
 int verify(RecordingReader& recording, const ReplayOptions& options) {
@@ -66,7 +67,8 @@ int verify(RecordingReader& recording, const ReplayOptions& options) {
   if (options.json) {
     std::printf("{\"ticks\": %llu, \"frames\": %llu, \"equal\": %s", count(seen->ticks), count(seen->frames),
                 difference ? "false" : "true");
-    if (difference) std::printf(", \"tick\": %llu, \"object_id\": %u", count(difference->tick), difference->object_id);
+    if (difference)
+      std::printf(", \"tick\": %llu, \"object_id\": %u", count(difference->tick), difference->object_id);
     std::printf("}\n");
   } else if (difference) {
     std::printf("not equal: at tick %llu (%.3f s) object %u (%s) %s\n", count(difference->tick),
@@ -89,7 +91,8 @@ int replay(const ReplayOptions& options) {
   else
     print_summary(*recording);
   if (auto read = read_through(*recording); !read) return report(read.error());
-  if (!options.json) std::printf("whole      every check sum%s\n", recording->ended_in_order() ? "" : " up to there");
+  if (!options.json)
+    std::printf("whole      every check sum%s\n", recording->ended_in_order() ? "" : " up to there");
   return 0;
 }
 

@@ -11,7 +11,8 @@ struct ReplayOptions {
   bool verify = false, json = false;
 };
 
-// livegs ctl replay: what a recording holds, or whether it comes out the same again. An exit code: 0 it does, 1 it does not.
+// livegs ctl replay: what a recording holds, or whether it comes out the same again. An exit code: 0 it does,
+// 1 it does not.
 int replay(const ReplayOptions& options);
 
 }  // namespace livegs

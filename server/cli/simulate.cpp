@@ -274,9 +274,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--every", options->every, "Draw every n-th frame")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command
-      ->add_option("--seed", options->seed,
-                   "Of the cuts that fragile objects break along")
+  command->add_option("--seed", options->seed, "Of the cuts that fragile objects break along")
       ->capture_default_str();
   command->add_flag("--no-sleep", options->no_sleep, "Keep simulating what has come to rest");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -24,8 +24,8 @@ const char* event_name(WorldEventKind kind) {
   return "";
 }
 
-// Of a kernel of the object's first asset, and of each of its parts once the object is broken. Kernels of cut faces
-// follow, in their own order.
+// Of a kernel of the object's first asset, and of each of its parts once the object is broken. Kernels of cut
+// faces follow, in their own order.
 size_t kernel_id(const SceneObject& object, size_t kernel) {
   if (object.rest.revision == 0) return kernel;
   const uint32_t source = object.broken->source[kernel];

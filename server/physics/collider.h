@@ -18,25 +18,27 @@ struct RidgePoints;
 
 struct PlaneShape {};  // the half-space y <= 0 of the collider's frame is solid
 struct BoxShape {
-  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();            // full edge lengths, centred
+  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();              // full edge lengths, centred
   std::shared_ptr<const ConvexPolyhedron> polyhedron = nullptr;  // the same; the World makes it
 };
 struct SphereShape {
   double radius_m = 0.5;
 };
 struct FieldShape {
-  std::shared_ptr<const DistanceField> field;  // a mesh or the captured background; immutable, shared by threads
+  std::shared_ptr<const DistanceField>
+      field;  // a mesh or the captured background; immutable, shared by threads
   std::shared_ptr<const RidgePoints> ridges = nullptr;  // what of it sticks out; none are felt without
-  // Of a surface that has no inside: the field is the distance to it on either side, the triangles give it near by, and
-  // what is nearer than this is solid.
+  // Of a surface that has no inside: the field is the distance to it on either side, the triangles give it
+  // near by, and what is nearer than this is solid.
   std::shared_ptr<const TriangleTree> sheet = nullptr;
   double half_thickness_m = 0.0;
 };
 // What a point can jump over without being seen inside.
 double min_thickness_m(const FieldShape& shape);
 
-// A sphere trace advances by this part of a field's distance. Beyond its grid a field's distance is the way to the grid
-// and on from there, which may exceed the straight line by a factor of sqrt(2). Larger: a trace may pass through a wall.
+// A sphere trace advances by this part of a field's distance. Beyond its grid a field's distance is the way
+// to the grid and on from there, which may exceed the straight line by a factor of sqrt(2). Larger: a trace
+// may pass through a wall.
 inline constexpr double kFieldMarchFactor = 0.7;
 
 struct Collider {
@@ -46,8 +48,8 @@ struct Collider {
   double restitution = 0.2;
 };
 
-// Signed distance from a world point to the collider's surface (negative inside) and the unit normal there, world
-// frame, pointing out of the solid.
+// Signed distance from a world point to the collider's surface (negative inside) and the unit normal there,
+// world frame, pointing out of the solid.
 struct SurfaceSample {
   double distance_m;
   Eigen::Vector3d normal;

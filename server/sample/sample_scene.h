@@ -28,7 +28,7 @@ GaussianAsset make_cup(uint64_t seed = 1);     // glazed stoneware, hollow, hand
 GaussianAsset make_pillow(uint64_t seed = 1);  // striped linen with piping; 0.45 m square, 0.15 m high, lying
 GaussianAsset make_felt_hat(uint64_t seed = 1);  // hollow felt with a ribbon; brim 0.30 m across, 0.13 m high
 GaussianAsset make_potted_plant(uint64_t seed = 1);  // arching striped blades in terracotta; 0.50 m high
-GaussianAsset make_toy_duck(uint64_t seed = 1);      // bath duck of soft vinyl, facing the viewer; 0.12 m high
+GaussianAsset make_toy_duck(uint64_t seed = 1);  // bath duck of soft vinyl, facing the viewer; 0.12 m high
 GaussianAsset make_wooden_stool(uint64_t seed = 1);  // four turned legs, stretchers; 0.45 m high
 
 // Floor 3 m x 3 m at y = 0, centred at x = z = 0, and two walls 2.4 m high: one at z = +1.5 (before a viewer

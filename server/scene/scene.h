@@ -19,8 +19,8 @@
 #include "livegs/v1/scene.pb.h"
 #include "physics/world.h"
 #include "scene/build/body_type_lock.h"
-#include "scene/scene_object.h"
 #include "scene/run/scripted_grabs.h"
+#include "scene/scene_object.h"
 #include "skin/rest_body.h"
 
 // From a scene file, or a folder of assets, to a world that can be stepped and objects that can be drawn.
@@ -70,20 +70,20 @@ class Scene {
   static const std::shared_ptr<const GaussianAsset>& ball_asset();
   static constexpr size_t kMaxBalls = 16;
 
-  // A force as the file's events have it, from the next tick on. Precondition: check_force() was content with it. Nothing
-  // happens when there is no such object.
+  // A force as the file's events have it, from the next tick on. Precondition: check_force() was content with
+  // it. Nothing happens when there is no such object.
   void apply_force(const v1::Event::Force& force);
 
-  // What an object is made of from the next tick on. It goes on as the kind of body it was built as: what of this holds
-  // only once the scene is loaded anew is told, a line each (lock_body_type).
+  // What an object is made of from the next tick on. It goes on as the kind of body it was built as: what of
+  // this holds only once the scene is loaded anew is told, a line each (lock_body_type).
   Result<std::vector<std::string>> set_physics(uint32_t object_id, v1::PhysicalParameters physics);
   BodyTypeLock body_type_lock(const SceneObject& object) const;
 
   // Pieces of these objects, in this order, before the next step; waits for those that are still being made.
   void take_cuts(std::span<const uint32_t> object_ids);
 
-  // Ids of objects that came, went or changed (broke, were cut, had their physics set) since the last call, for clients
-  // that are connected.
+  // Ids of objects that came, went or changed (broke, were cut, had their physics set) since the last call,
+  // for clients that are connected.
   struct Changes {
     std::vector<uint32_t> added, removed, changed;
     std::vector<uint32_t> cut;  // those whose pieces were done, in the order in which a step took them
@@ -113,14 +113,15 @@ class Scene {
   uint32_t next_id_ = 1;
   Eigen::AlignedBox3d bounds_m_;
   size_t next_event_ = 0;
-  uint64_t next_force_ = 0;  // of apply_force
+  uint64_t next_force_ = 0;                                    // of apply_force
   std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id; in the order they began
-  std::map<size_t, GrabPath> paths_;  // by the index of the event
+  std::map<size_t, GrabPath> paths_;                           // by the index of the event
   ScriptedGrabs grabs_;
-  std::deque<uint32_t> balls_;                                 // oldest first
+  std::deque<uint32_t> balls_;  // oldest first
   Changes changes_;
   std::vector<FragileTask> cutting_;
-  // Of rigid objects: the surface that is cut and the one that kernels lie on, and what they were last cut into.
+  // Of rigid objects: the surface that is cut and the one that kernels lie on, and what they were last cut
+  // into.
   struct Cuttable {
     std::shared_ptr<const TriangleMesh> mesh, fine;
     unsigned pieces = 0;
@@ -129,7 +130,8 @@ class Scene {
   std::map<uint32_t, Cuttable> cuttable_;
 };
 
-// What a path means, a scene file or a folder: what is to be built, what its paths are relative to, and what it is called.
+// What a path means, a scene file or a folder: what is to be built, what its paths are relative to, and what
+// it is called.
 struct SceneText {
   v1::Scene file;
   std::filesystem::path folder;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How clamp_stiffening's figures are made: the same bar on lattices of 4, 8 and 16 layers, at Courant numbers so small
-// that the lattice is the only error left, extrapolated to none by the rate at which it falls (Aitken: stress is singular
-// along the clamped edge, so the rate is nearer 1.4 than the element's 2).
+// How clamp_stiffening's figures are made: the same bar on lattices of 4, 8 and 16 layers, at Courant numbers
+// so small that the lattice is the only error left, extrapolated to none by the rate at which it falls
+// (Aitken: stress is singular along the clamped edge, so the rate is nearer 1.4 than the element's 2).
 #include <cstdio>
 
 #include "accuracy/scene_checks.h"

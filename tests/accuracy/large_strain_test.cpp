@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 24 and 27, affine boundary motions and two materials. References: closed forms of the material itself
-// (uniaxial.h, plastic_set.h), the boundary's own matrix, stress over each part's E.
+// Scenes 24 and 27, affine boundary motions and two materials. References: closed forms of the material
+// itself (uniaxial.h, plastic_set.h), the boundary's own matrix, stress over each part's E.
 #include "accuracy/scene_checks.h"
 #include "known_gaps.h"
-#include "study/harness/affine_ramp.h"
 #include "study/elastic_scenes/plastic_set.h"
 #include "study/elastic_scenes/squash.h"
 #include "study/elastic_scenes/two_materials.h"
+#include "study/harness/affine_ramp.h"
 
 namespace livegs::study {
 namespace {
@@ -14,7 +14,8 @@ namespace {
 TEST(Squash, LosesTheVolumeThatItsMaterialLoses) {
   // 30 % between frictionless plates at nu 0.45: V / V0 = 0.954, bar 1 % at Courant numbers up to 0.28.
   for (const double rate_hz : kRates_hz) {
-    for (const study::Setup& setup : {setup_of(1e4, 0.45, rate_hz, 8, 0.025), setup_of(1e5, 0.45, rate_hz, 32, 0.025)}) {
+    for (const study::Setup& setup :
+         {setup_of(1e4, 0.45, rate_hz, 8, 0.025), setup_of(1e5, 0.45, rate_hz, 32, 0.025)}) {
       const Outcome outcome = run(squash(setup));
       ASSERT_LE(outcome.accuracy.courant, 0.28);
       EXPECT_NEAR(outcome["volume_ratio"].reference, 0.954, 0.001);
@@ -24,7 +25,8 @@ TEST(Squash, LosesTheVolumeThatItsMaterialLoses) {
 }
 
 TEST(Squash, LosesAFewPerCentMoreAtTheChosenSubsteps) {
-  // A squashed cell is stiffer than its rest, and what a substep leaves undone grows with the square of its length.
+  // A squashed cell is stiffer than its rest, and what a substep leaves undone grows with the square of its
+  // length.
   for (const double rate_hz : kRates_hz) {
     const study::Setup setup = chosen(1e5, 0.45, rate_hz, 0.025);
     const Outcome outcome = run(squash(setup));
@@ -84,38 +86,42 @@ TEST(TwoMaterials, ShareTheStrainByTheirModuli) {
   }
 }
 
-// Of a block that keeps its volume while it is stretched: 0.128, 0.108 and 0.099 at these three, by set_of_stretch. Strain minus
-// yield, 0.2 - 0.1, is that of simple tension (below): at the same stretch along, sides that give way by 1/sqrt(l) strain it more.
+// Of a block that keeps its volume while it is stretched: 0.128, 0.108 and 0.099 at these three, by
+// set_of_stretch. Strain minus yield, 0.2 - 0.1, is that of simple tension (below): at the same stretch
+// along, sides that give way by 1/sqrt(l) strain it more.
 TEST(PlasticSet, KnowsNeitherSubstepsNorTheRateOfLoading) {
   for (const double poisson_ratio : gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45})) {
     for (const double speed : {1.0, 10.0}) {
-      for (const double rate_hz : kRates_hz) for (const int substeps : {4, 16}) {
-        const study::Setup setup = setup_of(1e4, poisson_ratio, rate_hz, substeps, 0.025);
-        const Outcome outcome = run(plastic_set(setup, speed));
-        expect_within_bar(outcome, "set", setup);
-        expect_within_bar(outcome, "volume_ratio", setup);
-      }
+      for (const double rate_hz : kRates_hz)
+        for (const int substeps : {4, 16}) {
+          const study::Setup setup = setup_of(1e4, poisson_ratio, rate_hz, substeps, 0.025);
+          const Outcome outcome = run(plastic_set(setup, speed));
+          expect_within_bar(outcome, "set", setup);
+          expect_within_bar(outcome, "volume_ratio", setup);
+        }
     }
   }
 }
 
 TEST(PlasticSet, IsStrainMinusYieldInTension) {
-  // The volume term resists what has set less across than along: BarSetsAtStrainMinusYield (plastic_flow_test.cpp).
+  // The volume term resists what has set less across than along: BarSetsAtStrainMinusYield
+  // (plastic_flow_test.cpp).
   constexpr double kBar = 0.02;
   for (const double yield : {0.05, 0.1}) {
     for (const double poisson_ratio : gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45})) {
       const bool missed = yield > 0.09 && poisson_ratio > 0.4;
       for (const double speed : {1.0, 10.0}) {
-        for (const double rate_hz : kRates_hz) for (const int substeps : {4, 16}) {
-          const study::Setup setup = setup_of(1e4, poisson_ratio, rate_hz, substeps, 0.025);
-          const Outcome outcome = run(plastic_set_in_tension(setup, speed, yield));
-          if (missed) {
-            report_gap("plastic.set_in_tension", outcome["set"].error);
-          } else {
-            EXPECT_LE(outcome["set"].error, kBar) << "yield " << yield << "; " << text_of(setup, outcome);
+        for (const double rate_hz : kRates_hz)
+          for (const int substeps : {4, 16}) {
+            const study::Setup setup = setup_of(1e4, poisson_ratio, rate_hz, substeps, 0.025);
+            const Outcome outcome = run(plastic_set_in_tension(setup, speed, yield));
+            if (missed) {
+              report_gap("plastic.set_in_tension", outcome["set"].error);
+            } else {
+              EXPECT_LE(outcome["set"].error, kBar) << "yield " << yield << "; " << text_of(setup, outcome);
+            }
+            expect_within_bar(outcome, "volume_ratio", setup);
           }
-          expect_within_bar(outcome, "volume_ratio", setup);
-        }
       }
     }
   }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 8 and 23 and the pulse in a thin bar, all undamped. References: the axial mode and the wave of a bar at nu 0,
-// sqrt(E / rho); the physical pendulum.
+// Scenes 8 and 23 and the pulse in a thin bar, all undamped. References: the axial mode and the wave of a bar
+// at nu 0, sqrt(E / rho); the physical pendulum.
 #include <cmath>
 
 #include "accuracy/scene_checks.h"
 #include "known_gaps.h"
 #include "study/elastic_scenes/pendulum.h"
-#include "study/harness/pulse.h"
 #include "study/elastic_scenes/ring_down.h"
+#include "study/harness/pulse.h"
 
 namespace livegs::study {
 namespace {
@@ -27,8 +27,8 @@ TEST(RingDown, KeepsFrequencyAndAmplitudeAtTheChosenSubsteps) {
 TEST(RingDown, LosesLittleMoreWithTwoCellsAcross) {
   // Bars as above. Eight cells of 50 mm along the bar have a dispersion of (pi/8)²/24 = 0.6 % of their own.
   for (const double rate_hz : kRates_hz) {
-    for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz), chosen(1e5, 0.0, rate_hz), chosen(1e6, 0.0, rate_hz),
-                               chosen(1e6, 0.0, rate_hz, 0.05)}) {
+    for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz), chosen(1e5, 0.0, rate_hz),
+                                      chosen(1e6, 0.0, rate_hz), chosen(1e6, 0.0, rate_hz, 0.05)}) {
       const Outcome outcome = run(ring_down(setup));
       EXPECT_FALSE(outcome.accuracy.clipped);
       report_gap("ring_down.frequency_of_two_cells", outcome["frequency"].error);
@@ -40,7 +40,8 @@ TEST(RingDown, LosesLittleMoreWithTwoCellsAcross) {
 
 TEST(Pulse, TravelsAtTheSpeedOfSoundInABarWhenTheStepResolvesIt) {
   for (const double rate_hz : kRates_hz) {
-    for (const study::Setup& setup : {setup_of(1e4, 0.0, rate_hz, 8, 0.025), chosen(1e5, 0.0, rate_hz, 0.025)}) {
+    for (const study::Setup& setup :
+         {setup_of(1e4, 0.0, rate_hz, 8, 0.025), chosen(1e5, 0.0, rate_hz, 0.025)}) {
       expect_within_bar(run(pulse(setup)), "speed", setup);
     }
   }
@@ -57,8 +58,9 @@ TEST(Pendulum, KeepsItsEnergy) {
 }
 
 TEST(Pendulum, SwingsInTimeButForTheInertiaOfLumpedMasses) {
-  // A lattice's masses stand at the corners of its cells, so a body turns as if its moment of inertia were m a² / 3
-  // larger. With that in the reference the bar is 0.1 %; without it the period is 0.2 % too long at 25 mm, 0.9 % at 50.
+  // A lattice's masses stand at the corners of its cells, so a body turns as if its moment of inertia were m
+  // a² / 3 larger. With that in the reference the bar is 0.1 %; without it the period is 0.2 % too long at 25
+  // mm, 0.9 % at 50.
   for (const double width_m : {0.025, 0.05}) {
     const study::Setup setup = chosen(1e6, 0.3, 60.0, width_m);
     const Outcome outcome = run(pendulum(setup));

@@ -14,7 +14,6 @@
 
 namespace livegs::study {
 
-
 // The outcome of a scene that must be runnable.
 inline RigidOutcome run(Result<RigidOutcome> outcome) {
   if (outcome) return std::move(*outcome);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 2, 3, 6, 9, 16, 29 and breaking at 4 substeps: each bar is the catalogue's, each reference the closed
-// form that study/rigid_scenes.h names. Tests of single settings and of single bodies are with the solver's
-// own tests.
+// Scenes 2, 3, 6, 9, 16, 29 and breaking at 4 substeps: each bar is the catalogue's, each reference the
+// closed form that study/rigid_scenes.h names. Tests of single settings and of single bodies are with the
+// solver's own tests.
 #include "accuracy/rigid_checks.h"
 #include "known_gaps.h"
 

@@ -12,8 +12,8 @@
 #include "rates.h"
 #include "study/harness/setup.h"
 
-// The canonical scenes as tests: each runs through the seam that the world uses, each bar stands beside its closed form
-// or converged reference.
+// The canonical scenes as tests: each runs through the seam that the world uses, each bar stands beside its
+// closed form or converged reference.
 
 namespace livegs::study {
 
@@ -43,7 +43,8 @@ inline Setup setup_of(double youngs_modulus_pa, double poisson_ratio, double rat
 }
 
 // The scene's 4 substeps; the body takes what more it needs, and its own cells where no width is given.
-inline Setup chosen(double youngs_modulus_pa, double poisson_ratio, double rate_hz, double cell_width_m = 0.0) {
+inline Setup chosen(double youngs_modulus_pa, double poisson_ratio, double rate_hz,
+                    double cell_width_m = 0.0) {
   Setup setup = setup_of(youngs_modulus_pa, poisson_ratio, rate_hz, 4, cell_width_m);
   setup.cells.choose = true;
   return setup;
@@ -53,7 +54,8 @@ inline Setup chosen(double youngs_modulus_pa, double poisson_ratio, double rate_
 inline std::string text_of(const Setup& setup, const Outcome& outcome) {
   char text[240];
   std::snprintf(text, sizeof text,
-                "E %g Pa, nu %g, %g Hz, %d substeps%s, cells %g m: took %d of %g m, Courant %.2f, says %s, %.3f to %.3f",
+                "E %g Pa, nu %g, %g Hz, %d substeps%s, cells %g m: took %d of %g m, Courant %.2f, says %s, "
+                "%.3f to %.3f",
                 setup.youngs_modulus_pa, setup.poisson_ratio, setup.rate_hz, setup.substeps,
                 setup.cells.choose ? " or more" : "", setup.cell_width_m, outcome.accuracy.substeps,
                 outcome.accuracy.cell_width_m, outcome.accuracy.courant, name_of(outcome.accuracy.band),

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "accuracy/scene_checks.h"
+#include "study/elastic_scenes/tension.h"
 #include "study/harness/block.h"
 #include "study/harness/stage.h"
-#include "study/elastic_scenes/tension.h"
 
 namespace livegs::study {
 namespace {

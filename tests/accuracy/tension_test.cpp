@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene 20: Young's modulus and Poisson's ratio that a bar shows against those asked for, by the closed form of the
-// material under uniaxial stress (uniaxial.h). Over every setting that the program itself calls exact 5 % and 0.02;
-// elsewhere inside the band that it states, and 10 % about the ceiling of what it clipped.
+// Scene 20: Young's modulus and Poisson's ratio that a bar shows against those asked for, by the closed form
+// of the material under uniaxial stress (uniaxial.h). Over every setting that the program itself calls exact
+// 5 % and 0.02; elsewhere inside the band that it states, and 10 % about the ceiling of what it clipped.
 #include "study/elastic_scenes/tension.h"
 
 #include <limits>
@@ -13,8 +13,9 @@
 namespace livegs::study {
 namespace {
 
-// What is announced before running holds: exact, a band with 1 % for the measurement, a ceiling within 10 %. Goal: one ceiling,
-// within 10 %; a body that chooses for itself keeps that, at cells and substeps given by hand the ceiling has a range.
+// What is announced before running holds: exact, a band with 1 % for the measurement, a ceiling within 10 %.
+// Goal: one ceiling, within 10 %; a body that chooses for itself keeps that, at cells and substeps given by
+// hand the ceiling has a range.
 void expect_as_described(const study::Setup& setup, const Outcome& outcome) {
   const ElasticAccuracy& accuracy = outcome.accuracy;
   const double modulus = outcome["youngs_modulus"].measured;
@@ -71,25 +72,29 @@ TEST_P(Tension, IsWhatTheBodySays) {
       EXPECT_NEAR(shown_pa / accuracy.reached_youngs_modulus_pa, 1.0, 0.1) << text_of(setup, outcome);
     }
   }
-  // Independent of substeps, cells, rate and spacing of particles: figures that are called exact differ by 5 % at most.
+  // Independent of substeps, cells, rate and spacing of particles: figures that are called exact differ by 5
+  // % at most.
   if (youngs_modulus_pa > 1e7) {
     EXPECT_TRUE(exact_of_spacing.empty());
     return;
   }
-  for (const double spacing_m : {0.0125, 0.025, 0.05}) EXPECT_GE(exact_of_spacing[spacing_m], full_sets() ? 4 : 1) << spacing_m;
+  for (const double spacing_m : {0.0125, 0.025, 0.05})
+    EXPECT_GE(exact_of_spacing[spacing_m], full_sets() ? 4 : 1) << spacing_m;
   EXPECT_LE(most / least - 1.0, 0.05) << least << " to " << most;
 }
-INSTANTIATE_TEST_SUITE_P(Cells, Tension,
-                         testing::Combine(testing::ValuesIn(gate_or_full<double>({1e4, 1e6, 1e8}, {1e4, 1e5, 1e6, 1e8})),
-                                          testing::ValuesIn(gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45}))),
-                         [](const auto& tested) {
-                           char name[64];  // "E10000Pa_nu30"
-                           std::snprintf(name, sizeof name, "E%.0fPa_nu%.0f", std::get<0>(tested.param),
-                                         100 * std::get<1>(tested.param));
-                           return std::string(name);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Cells, Tension,
+    testing::Combine(testing::ValuesIn(gate_or_full<double>({1e4, 1e6, 1e8}, {1e4, 1e5, 1e6, 1e8})),
+                     testing::ValuesIn(gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45}))),
+    [](const auto& tested) {
+      char name[64];  // "E10000Pa_nu30"
+      std::snprintf(name, sizeof name, "E%.0fPa_nu%.0f", std::get<0>(tested.param),
+                    100 * std::get<1>(tested.param));
+      return std::string(name);
+    });
 
-// Blocks and cubes of few cells, given and chosen: what pulls at them pulls at nodes that no other cell holds.
+// Blocks and cubes of few cells, given and chosen: what pulls at them pulls at nodes that no other cell
+// holds.
 class TensionOfBlocks : public testing::TestWithParam<std::tuple<int, int>> {};
 
 TEST_P(TensionOfBlocks, IsWhatTheBodySays) {
@@ -120,7 +125,8 @@ TEST_P(TensionOfBlocks, IsWhatTheBodySays) {
             most = std::max(most, modulus);
           }
           if (accuracy.clipped) {
-            EXPECT_NEAR(modulus * youngs_modulus_pa / accuracy.reached_youngs_modulus_pa, 1.0, 0.1) << text_of(setup, outcome);
+            EXPECT_NEAR(modulus * youngs_modulus_pa / accuracy.reached_youngs_modulus_pa, 1.0, 0.1)
+                << text_of(setup, outcome);
           }
         }
       }
@@ -129,14 +135,15 @@ TEST_P(TensionOfBlocks, IsWhatTheBodySays) {
   EXPECT_GE(exact, full_sets() ? 10 * static_cast<int>(kRates_hz.size()) : 1);  // of 54 a rate
   EXPECT_LE(most / least - 1.0, 0.05) << least << " to " << most;
 }
-INSTANTIATE_TEST_SUITE_P(Cells, TensionOfBlocks,
-                         testing::ValuesIn(gate_or_full<std::tuple<int, int>>(
-                             {{1, 1}, {2, 1}, {3, 3}, {8, 4}},
-                             {{1, 1}, {2, 1}, {2, 2}, {3, 1}, {3, 3}, {4, 2}, {4, 4}, {6, 2}, {6, 6}, {8, 4}})),
-                         [](const auto& tested) {
-                           return std::to_string(std::get<0>(tested.param)) + "Along" +
-                                  std::to_string(std::get<1>(tested.param)) + "Across";
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Cells, TensionOfBlocks,
+    testing::ValuesIn(gate_or_full<std::tuple<int, int>>(
+        {{1, 1}, {2, 1}, {3, 3}, {8, 4}},
+        {{1, 1}, {2, 1}, {2, 2}, {3, 1}, {3, 3}, {4, 2}, {4, 4}, {6, 2}, {6, 6}, {8, 4}})),
+    [](const auto& tested) {
+      return std::to_string(std::get<0>(tested.param)) + "Along" + std::to_string(std::get<1>(tested.param)) +
+             "Across";
+    });
 
 // What is called exact is no corner: all of 1e4 to 1e6 Pa, with cells and substeps left to the program.
 TEST(TensionChosen, IsExactUpToAMegapascal) {

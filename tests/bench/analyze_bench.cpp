@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // How long a person waits for an analysis with a model that answers in four seconds: one object, and twenty.
 //   analyze_bench SCENE OUTPUT_FOLDER
-// loads the scene, draws its views, asks a made-up model in a process of its own over HTTP, as `livegs analyze` asks a real one,
-// and writes analyze.csv: wall time from the start of the load to the values of the first object and of the last, and from the
-// first question to the end of the last object, which has to be within the bar, or it ends with 1. The objects are the scene's, again and again. Requests leave at the default
-// rate: four a second after a burst of eight.
+// loads the scene, draws its views, asks a made-up model in a process of its own over HTTP, as `livegs
+// analyze` asks a real one, and writes analyze.csv: wall time from the start of the load to the values of the
+// first object and of the last, and from the first question to the end of the last object, which has to be
+// within the bar, or it ends with 1. The objects are the scene's, again and again. Requests leave at the
+// default rate: four a second after a burst of eight.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -64,11 +65,13 @@ Result<Waited> wait_for(const std::filesystem::path& path, size_t count, const s
   AnalysisOptions options;
   options.behind = false;
   const int64_t asked_ns = now_ns();
-  const AnalysisSummary summary = analyze_scene(*targets, endpoint->get(), analysis->views(), options, [](const auto&) {});
+  const AnalysisSummary summary =
+      analyze_scene(*targets, endpoint->get(), analysis->views(), options, [](const auto&) {});
   waited.all_s = seconds_from_ns(now_ns() - asked_ns);
   waited.views_s = summary.slowest_views_s;
   waited.answered = summary.accepted + summary.review;
-  if (waited.answered != count) return Error{ErrorCode::Internal, "not all were answered: " + summary.failure};
+  if (waited.answered != count)
+    return Error{ErrorCode::Internal, "not all were answered: " + summary.failure};
   return waited;
 }
 
@@ -88,7 +91,8 @@ int main(int argc, char** argv) {
   }
   std::filesystem::create_directories(argv[2]);
   std::ofstream csv(std::filesystem::path(argv[2]) / "analyze.csv");
-  csv << "objects,answered,answer_s,load_1min,first_values_s,values_of_all_s,all_s,all_bar_s,slowest_views_s\n";
+  csv << "objects,answered,answer_s,load_1min,first_values_s,values_of_all_s,all_s,all_bar_s,slowest_views_"
+         "s\n";
   bool within = true;
   for (const auto& [count, bar_s] : {std::pair(size_t{1}, 6), {size_t{20}, 30}}) {
     double load = 0;
@@ -100,8 +104,8 @@ int main(int argc, char** argv) {
     }
     char line[160];
     std::snprintf(line, sizeof line, "%zu,%zu,%.0f,%.1f,%.2f,%.2f,%.2f,%d,%.2f", count, waited->answered,
-                  1e-3 * static_cast<double>(kAnswer.count()), load, waited->first_s, waited->loaded_s, waited->all_s, bar_s,
-                  waited->views_s);
+                  1e-3 * static_cast<double>(kAnswer.count()), load, waited->first_s, waited->loaded_s,
+                  waited->all_s, bar_s, waited->views_s);
     csv << line << std::endl;
     std::printf("%s\n", line);
     within = within && waited->all_s <= bar_s;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What sending an asset takes, and what is seen of it meanwhile (proto/asset_format.md). Of each asset: bytes of its lossless .ply,
-// that of zstd over it, and of what is sent; processor time to encode and to decode on one core; when the first kernels can be
-// drawn; and of the first 5, 10, 25 and 50 % of the bytes, how many kernels have come and how their picture compares with that of
-// the whole (mean of four sides, 640x480), beside a .ply sent from front to back, as far as it has come. Run by hand:
+// What sending an asset takes, and what is seen of it meanwhile (proto/asset_format.md). Of each asset: bytes
+// of its lossless .ply, that of zstd over it, and of what is sent; processor time to encode and to decode on
+// one core; when the first kernels can be drawn; and of the first 5, 10, 25 and 50 % of the bytes, how many
+// kernels have come and how their picture compares with that of the whole (mean of four sides, 640x480),
+// beside a .ply sent from front to back, as far as it has come. Run by hand:
 //   asset_bench [ASSET...] > tests/bench/results/<processor>/asset.csv
-// With --pictures FOLDER the pictures of the first asset are written there. Captures of the shared data come after the assets named.
+// With --pictures FOLDER the pictures of the first asset are written there. Captures of the shared data come
+// after the assets named.
 #include <zstd.h>
 
 #include <cmath>
@@ -67,7 +69,8 @@ std::vector<Image> pictures(const GaussianAsset& asset, const Stand& stand) {
 
 double mean_psnr_db(const std::vector<Image>& a, const std::vector<Image>& b) {
   double sum = 0;
-  for (int side = 0; side < kSides; ++side) sum += psnr_db(a[static_cast<size_t>(side)], b[static_cast<size_t>(side)]);
+  for (int side = 0; side < kSides; ++side)
+    sum += psnr_db(a[static_cast<size_t>(side)], b[static_cast<size_t>(side)]);
   return sum / kSides;
 }
 
@@ -87,9 +90,10 @@ void measure(const std::string& name, const GaussianAsset& asset, const std::fil
   size_t first_bytes = 0;
   ProgressiveDecoder beginning;
   while (beginning.arrived() == 0 && beginning.take(std::span(sent).subspan(first_bytes, 1))) ++first_bytes;
-  std::printf("%s,%zu,%d,%zu,%zu,%zu,%.3f,%.3f,%.1f,%.1f,%zu", name.c_str(), asset.size(), asset.sh_degree, ply.size(), zstd,
-              sent.size(), static_cast<double>(zstd) / static_cast<double>(ply.size()),
-              static_cast<double>(sent.size()) / static_cast<double>(ply.size()), encode.cpu_ms, decode.cpu_ms, first_bytes);
+  std::printf("%s,%zu,%d,%zu,%zu,%zu,%.3f,%.3f,%.1f,%.1f,%zu", name.c_str(), asset.size(), asset.sh_degree,
+              ply.size(), zstd, sent.size(), static_cast<double>(zstd) / static_cast<double>(ply.size()),
+              static_cast<double>(sent.size()) / static_cast<double>(ply.size()), encode.cpu_ms,
+              decode.cpu_ms, first_bytes);
   const Stand stand = stand_of(asset);
   const std::vector<Image> whole = pictures(asset, stand);
   for (const double share : kShares) {
@@ -97,15 +101,18 @@ void measure(const std::string& name, const GaussianAsset& asset, const std::fil
     const auto bytes = static_cast<size_t>(share * static_cast<double>(sent.size()));
     (void)decoder.take(std::span(sent).first(bytes));
     const AssetPart part = decoder.part();
-    const std::vector<Image> coarse = part.asset.size() > 0 ? pictures(part.asset, stand) : std::vector<Image>();
+    const std::vector<Image> coarse =
+        part.asset.size() > 0 ? pictures(part.asset, stand) : std::vector<Image>();
     // As many bytes of the .ply.
     const size_t plain = std::max<size_t>(1, asset.size() * bytes / ply.size());
     const std::vector<Image> front = pictures(first_kernels(asset, plain), stand);
     std::printf(",%.3f,%.1f,%.1f", static_cast<double>(part.asset.size()) / static_cast<double>(asset.size()),
                 coarse.empty() ? 0 : mean_psnr_db(coarse, whole), mean_psnr_db(front, whole));
     if (folder.empty() || coarse.empty()) continue;
-    (void)write_png(folder / (name + "_" + std::to_string(static_cast<int>(100 * share)) + ".png"), coarse[0]);
-    (void)write_png(folder / (name + "_" + std::to_string(static_cast<int>(100 * share)) + "_ply.png"), front[0]);
+    (void)write_png(folder / (name + "_" + std::to_string(static_cast<int>(100 * share)) + ".png"),
+                    coarse[0]);
+    (void)write_png(folder / (name + "_" + std::to_string(static_cast<int>(100 * share)) + "_ply.png"),
+                    front[0]);
   }
   if (!folder.empty()) (void)write_png(folder / (name + ".png"), whole[0]);
   std::printf("\n");
@@ -125,12 +132,15 @@ int run(int argc, char** argv) {
     }
   }
   const std::filesystem::path data = std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "splats";
-  for (const char* file : {"guitar/guitar.compressed.ply", "ponytail_palm/ponytail_palm.splat", "lego_house/fourth_st.spz",
-                           "lego_house/lego_house_50k.ply", "statues/angel.sog", "statues/narcissus.sog", "statues/massa.sog",
-                           "camera_leica/leica-sofort-top8192.ply", "playbot/sog_lod2", "fur_block"}) {
+  for (const char* file :
+       {"guitar/guitar.compressed.ply", "ponytail_palm/ponytail_palm.splat", "lego_house/fourth_st.spz",
+        "lego_house/lego_house_50k.ply", "statues/angel.sog", "statues/narcissus.sog", "statues/massa.sog",
+        "camera_leica/leica-sofort-top8192.ply", "playbot/sog_lod2", "fur_block"}) {
     assets.push_back(data / file);
   }
-  std::printf("asset,kernels,sh_degree,ply_bytes,zstd_ply_bytes,sent_bytes,zstd_ply_share,sent_share,encode_ms,decode_ms,first_drawn_bytes");
+  std::printf(
+      "asset,kernels,sh_degree,ply_bytes,zstd_ply_bytes,sent_bytes,zstd_ply_share,sent_share,encode_ms,"
+      "decode_ms,first_drawn_bytes");
   for (const double share : kShares) {
     const int percent = static_cast<int>(100 * share + 0.5);
     std::printf(",kernels_at_%d,psnr_db_at_%d,front_of_ply_psnr_db_at_%d", percent, percent, percent);
@@ -142,7 +152,9 @@ int run(int argc, char** argv) {
       std::fprintf(stderr, "%s: left out: %s\n", path.c_str(), file.error().message.c_str());
       continue;
     }
-    const std::string name = std::filesystem::is_directory(path) && path.filename() == "sog_lod2" ? "playbot" : path.stem().string();
+    const std::string name = std::filesystem::is_directory(path) && path.filename() == "sog_lod2"
+                                 ? "playbot"
+                                 : path.stem().string();
     measure(name, file->asset, path == assets.front() ? folder : std::filesystem::path());
   }
   return 0;

@@ -17,13 +17,13 @@
 #include "bench/support/time_of.h"
 #include "core/parallel_for.h"
 #include "gaussian/asset_file.h"
-#include "geometry/surface/alpha_complex.h"
 #include "geometry/field/distance_field.h"
+#include "geometry/field/sample_particles.h"
 #include "geometry/mesh/mass_properties.h"
-#include "geometry/surface/mesh_facts.h"
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/reconstruct_surface.h"
-#include "geometry/field/sample_particles.h"
+#include "geometry/surface/alpha_complex.h"
+#include "geometry/surface/mesh_facts.h"
 #include "geometry/surface/voxel_thinning.h"
 
 using namespace livegs;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame in which a thing breaks, beside an ordinary one. Prints CSV: `break_bench > results/<machine>/break.csv`.
-// A cup of 300 000 kernels, cut into 64 pieces when it was loaded, falls on a floor so fast that it comes apart into all of
-// them. Processor time of all threads, which says what the work costs on a machine that is shared; median, least and most
-// over the runs. 11 ms are allowed for the frame: `step` and `tell` of `breaking` together.
+// The frame in which a thing breaks, beside an ordinary one. Prints CSV: `break_bench >
+// results/<machine>/break.csv`. A cup of 300 000 kernels, cut into 64 pieces when it was loaded, falls on a
+// floor so fast that it comes apart into all of them. Processor time of all threads, which says what the work
+// costs on a machine that is shared; median, least and most over the runs. 11 ms are allowed for the frame:
+// `step` and `tell` of `breaking` together.
 //   step    Scene::step: the world, and the new body of each kernel
 //   tell    what the server sends: the drivers as a frame, and the object's new description
 //   rebind  what the client does then: the driver of each kernel
-// `before` is the tick before the floor is reached, `breaking` the one in which it breaks, `after_N` the Nth after it.
+// `before` is the tick before the floor is reached, `breaking` the one in which it breaks, `after_N` the Nth
+// after it.
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -18,8 +20,8 @@
 #include "core/parallel_for.h"
 #include "gaussian/asset_file.h"
 #include "scene/build/fragile_object.h"
-#include "scene/scene.h"
 #include "scene/build/shape_asset.h"
+#include "scene/scene.h"
 #include "scratch_folder.h"
 #include "server/geometry/fracture/fracture_shapes.h"
 #include "session/assets/describe_object.h"
@@ -92,7 +94,8 @@ void run(const std::filesystem::path& folder, Costs& costs, size_t& kernels, siz
       costs["breaking,tell"].push_back(tell_ms);
       costs["breaking,rebind"].push_back(cost_of([&] { (void)bind_kernels(*cup.asset, cup.rest); }));
     } else if (after > 0) {
-      costs["after_" + std::string(after < 10 ? "0" : "") + std::to_string(after) + ",step"].push_back(step_ms);
+      costs["after_" + std::string(after < 10 ? "0" : "") + std::to_string(after) + ",step"].push_back(
+          step_ms);
     }
     last_step_ms = step_ms;
   }
@@ -105,7 +108,8 @@ void run(const std::filesystem::path& folder, Costs& costs, size_t& kernels, siz
 int main() {
   set_log_level(LogLevel::Warn);
   const ScratchFolder folder;
-  const auto written = write_asset(folder / "cup.ply", mesh_asset(testing::cup_mesh(128, 39), {0.8f, 0.8f, 0.75f}, kKernels));
+  const auto written =
+      write_asset(folder / "cup.ply", mesh_asset(testing::cup_mesh(128, 39), {0.8f, 0.8f, 0.75f}, kKernels));
   if (!written) return 1;
   std::printf("threads,kernels,bodies,tick,part,median_ms,least_ms,most_ms\n");
   for (const int threads : {1, 2}) {
@@ -115,8 +119,8 @@ int main() {
     for (int i = 0; i < kRuns; ++i) run(folder.path(), costs, kernels, bodies);
     for (auto& [name, ms] : costs) {
       std::sort(ms.begin(), ms.end());
-      std::printf("%d,%zu,%zu,%s,%.3f,%.3f,%.3f\n", threads, kernels, bodies, name.c_str(), ms[ms.size() / 2], ms.front(),
-                  ms.back());
+      std::printf("%d,%zu,%zu,%s,%.3f,%.3f,%.3f\n", threads, kernels, bodies, name.c_str(), ms[ms.size() / 2],
+                  ms.front(), ms.back());
     }
     std::fflush(stdout);
   }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame of real motion takes on the wire, and how far off it is, in every encoding. Prints CSV: `codec_bench >
-// results/<machine>/codec.csv`; codec_chart.gnuplot draws it. Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) are
-// torn to and fro by springs whose targets jump about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor
-// among them; 6 s at 90 Hz, the first not counted. Then all are let be until they sleep, or for 12 s. Errors of drivers are the
-// largest of all frames. A million kernels ride in the blocks, skinned from the server's drivers and from those that were read,
-// in every 45th frame; encodings of kernels are of these frames alone. One row has 200 fragments of boxes that were broken in place of the
-// boxes; three are of blocks whose cells are smaller.
+// What a frame of real motion takes on the wire, and how far off it is, in every encoding. Prints CSV:
+// `codec_bench > results/<machine>/codec.csv`; codec_chart.gnuplot draws it. Four elastic blocks of 28 cm
+// (1e4 Pa, 10 x 10 x 10 cells each) are torn to and fro by springs whose targets jump about, up to 0.3 m
+// twice a second, while 200 boxes of 4 cm fall onto a floor among them; 6 s at 90 Hz, the first not counted.
+// Then all are let be until they sleep, or for 12 s. Errors of drivers are the largest of all frames. A
+// million kernels ride in the blocks, skinned from the server's drivers and from those that were read, in
+// every 45th frame; encodings of kernels are of these frames alone. One row has 200 fragments of boxes that
+// were broken in place of the boxes; three are of blocks whose cells are smaller.
 #include <zstd.h>
 
 #include <algorithm>
@@ -21,10 +22,10 @@
 #include "bench/support/arguments.h"
 #include "bench/support/dragged_blocks.h"
 #include "bench/support/kernel_errors.h"
-#include "wire/frame_codec.h"
-#include "wire/driver_grid.h"
-#include "wire/frame_stream.h"
 #include "wire/coding/grid_coder.h"
+#include "wire/driver_grid.h"
+#include "wire/frame_codec.h"
+#include "wire/frame_stream.h"
 #include "wire/kernel_codec.h"
 
 using namespace livegs;
@@ -35,8 +36,8 @@ namespace {
 constexpr size_t kFirst = 90, kDragged = 540, kEvery = 45;
 constexpr size_t kKernels = 1'000'000 / kBlocks;
 
-// Of what is dragged: bytes p95, Mbit/s, and how far off and turned the worst kernel may be. Asleep nothing, but for tick
-// and time.
+// Of what is dragged: bytes p95, Mbit/s, and how far off and turned the worst kernel may be. Asleep nothing,
+// but for tick and time.
 constexpr const char *kGoals = "12000,8,0.05,0.1", *kGoalsAsleep = "0,0,,", *kGoalsOfErrors = ",,0.05,0.1";
 
 struct Sent {
@@ -60,7 +61,8 @@ struct Tally {
         metres = std::max(metres, static_cast<double>((a.positions_m[k] - b.positions_m[k]).norm()));
       for (size_t k = 0; k < a.poses.size(); ++k) {
         metres = std::max(metres, (a.poses[k].position_m - b.poses[k].position_m).norm());
-        degrees = std::max(degrees, 180.0 / M_PI * a.poses[k].orientation.angularDistance(b.poses[k].orientation));
+        degrees =
+            std::max(degrees, 180.0 / M_PI * a.poses[k].orientation.angularDistance(b.poses[k].orientation));
       }
     }
   }
@@ -73,10 +75,10 @@ void print(const std::string& encoding, const char* phase, Tally& tally, const c
   const double mean = sum / static_cast<double>(tally.sizes.size());
   const Percentiles &mm = tally.kernels.position_mm, &deg = tally.kernels.rotation_deg;
   std::printf("\"%s\",%s,%zu,%zu,%zu,%.0f,%.2f,%.4f,%.4f", encoding.c_str(), phase, tally.sizes.size(),
-              tally.sizes[tally.sizes.size() / 2], tally.sizes[tally.sizes.size() * 95 / 100], mean, mean * 8 * 90 * 1e-6,
-              1e3 * tally.metres, tally.degrees);
-  std::printf(",%.5f,%.5f,%.5f,%.5f,%.5f,%.3f,%s\n", mm.percentile(0.99), mm.largest, deg.percentile(0.99), deg.percentile(0.999),
-              deg.largest, 100 * deg.share_above(0.1), goals);
+              tally.sizes[tally.sizes.size() / 2], tally.sizes[tally.sizes.size() * 95 / 100], mean,
+              mean * 8 * 90 * 1e-6, 1e3 * tally.metres, tally.degrees);
+  std::printf(",%.5f,%.5f,%.5f,%.5f,%.5f,%.3f,%s\n", mm.percentile(0.99), mm.largest, deg.percentile(0.99),
+              deg.percentile(0.999), deg.largest, 100 * deg.share_above(0.1), goals);
   std::fflush(stdout);
 }
 
@@ -103,9 +105,10 @@ Encoding stream(const std::string& name, const GridPrecision& precision, bool ne
           }};
 }
 
-// What Rice codes are measured against: the same integers less the same prediction from frames before, nodes in Morton order,
-// each channel of all objects as planes of bytes, low ones first and those of zeros left out, and zstd over all. What says which objects
-// they are, and how they are predicted, is left out: it would come on top.
+// What Rice codes are measured against: the same integers less the same prediction from frames before, nodes
+// in Morton order, each channel of all objects as planes of bytes, low ones first and those of zeros left
+// out, and zstd over all. What says which objects they are, and how they are predicted, is left out: it would
+// come on top.
 class BytePlanes {
  public:
   explicit BytePlanes(int level) : level_(level) {}
@@ -150,16 +153,19 @@ class BytePlanes {
     return order;
   }
 
-  static void add(const DriverGrid& grid, const Past& past, std::array<std::vector<uint32_t>, kMaxGridChannels>& left) {
+  static void add(const DriverGrid& grid, const Past& past,
+                  std::array<std::vector<uint32_t>, kMaxGridChannels>& left) {
     const auto usable = [&](const std::optional<DriverGrid>& one) { return one && same_form(grid, *one); };
-    const bool has_last = usable(past.last), has_linear = has_last && usable(past.earlier), has_curve = has_linear && usable(past.earliest);
+    const bool has_last = usable(past.last), has_linear = has_last && usable(past.earlier),
+               has_curve = has_linear && usable(past.earliest);
     GridPast from;
     if (has_last) from.last = past.last->values.data();
     if (has_linear) from.earlier = past.earlier->values.data();
     if (has_curve) from.earliest = past.earliest->values.data();
     PredictionCosts costs{0, 0, 0};
     if (has_last) costs = prediction_costs(grid, from, has_linear, has_curve);
-    const bool curve = has_curve && costs.curve <= std::min(costs.linear, costs.last), linear = has_linear && !curve && costs.linear < costs.last;
+    const bool curve = has_curve && costs.curve <= std::min(costs.linear, costs.last),
+               linear = has_linear && !curve && costs.linear < costs.last;
     if (curve && grid.kind == DriverKind::Lattice) fit_curve(grid, from);
     for (size_t channel = 0; channel < grid.channels(); ++channel) {
       for (const uint32_t node : past.order) {
@@ -181,7 +187,8 @@ class BytePlanes {
     for (const std::vector<uint32_t>& channel : left) {
       for (int byte = 0; byte < 4; ++byte) {
         const auto of = [&](uint32_t value) { return static_cast<std::byte>(value >> 8 * byte); };
-        const bool any = std::any_of(channel.begin(), channel.end(), [&](uint32_t value) { return of(value) != std::byte{0}; });
+        const bool any = std::any_of(channel.begin(), channel.end(),
+                                     [&](uint32_t value) { return of(value) != std::byte{0}; });
         planes.push_back(static_cast<std::byte>(any));
         for (size_t i = 0; any && i < channel.size(); ++i) planes.push_back(of(channel[i]));
       }
@@ -210,7 +217,8 @@ std::string steps_of(int finest) {
 std::vector<Encoding> encodings() {
   std::vector<Encoding> all = {self_contained("drivers raw", DriverEncoding::Raw),
                                self_contained("drivers self-contained", DriverEncoding::Quantised)};
-  for (const int finest : {-12, -13, -14, -15, -16, -17, -18}) all.push_back(stream(steps_of(finest), {2 - std::min(finest, -14), finest, -18}));
+  for (const int finest : {-12, -13, -14, -15, -16, -17, -18})
+    all.push_back(stream(steps_of(finest), {2 - std::min(finest, -14), finest, -18}));
   all.push_back(stream("drivers without neighbours in steps of 57.2 um", {}, false));
   for (const int level : {1, 3}) all.push_back(byte_planes(level));
   return all;
@@ -219,7 +227,8 @@ std::vector<Encoding> encodings() {
 // Other things that are dragged, in some encodings.
 void print_dragged(World world, double side_m, const std::vector<Encoding>& all, const char* goals) {
   std::vector<BoundKernels> bound;
-  for (uint32_t block = 1; block <= kBlocks; ++block) bound.emplace_back(world.rest_body(block), kKernels, block);
+  for (uint32_t block = 1; block <= kBlocks; ++block)
+    bound.emplace_back(world.rest_body(block), kKernels, block);
   std::vector<Tally> tallies(all.size());
   for (size_t i = 0; i < kDragged; ++i) {
     drag(world, world.tick(), side_m);
@@ -233,7 +242,8 @@ void print_dragged(World world, double side_m, const std::vector<Encoding>& all,
       if (i < kFirst) continue;
       tallies[e].sizes.push_back(sent.bytes.size());
       tallies[e].add(frame, sent.read);
-      for (size_t k = 0; k < kernels.size(); ++k) add_errors(kernels[k], bound[k].pose(sent.read.objects[k]), tallies[e].kernels);
+      for (size_t k = 0; k < kernels.size(); ++k)
+        add_errors(kernels[k], bound[k].pose(sent.read.objects[k]), tallies[e].kernels);
     }
   }
   for (size_t e = 0; e < all.size(); ++e) print(all[e].name, "dragged", tallies[e], goals);
@@ -243,28 +253,36 @@ void print_fragments() {
   World world = blocks_and_fragments();
   size_t poses = 0;
   for (const ObjectDrivers& one : world.drivers().objects) poses += one.poses.size();
-  print_dragged(std::move(world), kSide_m, {stream(std::to_string(poses) + " fragments of 4 boxes: " + steps_of(-14), {})}, kGoals);
+  print_dragged(std::move(world), kSide_m,
+                {stream(std::to_string(poses) + " fragments of 4 boxes: " + steps_of(-14), {})}, kGoals);
 }
 
-// The same blocks with a side of 10 cm, so that their cells are of 10 mm: turns go with a step over a cell's width.
+// The same blocks with a side of 10 cm, so that their cells are of 10 mm: turns go with a step over a cell's
+// width.
 void print_small_cells() {
   constexpr double kSmallSide_m = 0.1;
   std::vector<Encoding> all;
-  for (const int finest : {-14, -15, -16}) all.push_back(stream("cells of 10 mm: " + steps_of(finest), {2 - std::min(finest, -14), finest, -18}));
+  for (const int finest : {-14, -15, -16})
+    all.push_back(stream("cells of 10 mm: " + steps_of(finest), {2 - std::min(finest, -14), finest, -18}));
   print_dragged(dragged_blocks(kSmallSide_m), kSmallSide_m, all, kGoalsOfErrors);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("What frames of real motion take on the wire, and how far off they are; CSV on standard output", "codec_bench");
+  CLI::App app(
+      "What frames of real motion take on the wire, and how far off they are; CSV on standard output",
+      "codec_bench");
   read_arguments(app, argc, argv);
   World world = dragged_blocks();
   std::vector<BoundKernels> bound;
-  for (uint32_t block = 1; block <= kBlocks; ++block) bound.emplace_back(world.rest_body(block), kKernels, block);
+  for (uint32_t block = 1; block <= kBlocks; ++block)
+    bound.emplace_back(world.rest_body(block), kKernels, block);
   std::printf(
-      "encoding,phase,frames,bytes_p50,bytes_p95,bytes_mean,mbit_s_at_90_hz,driver_largest_mm,driver_largest_deg,"
-      "kernel_p99_mm,kernel_largest_mm,kernel_p99_deg,kernel_p999_deg,kernel_largest_deg,kernels_over_0.1_deg_percent,"
+      "encoding,phase,frames,bytes_p50,bytes_p95,bytes_mean,mbit_s_at_90_hz,driver_largest_mm,driver_largest_"
+      "deg,"
+      "kernel_p99_mm,kernel_largest_mm,kernel_p99_deg,kernel_p999_deg,kernel_largest_deg,kernels_over_0.1_"
+      "deg_percent,"
       "goal_bytes_p95,goal_mbit_s,goal_kernel_largest_mm,goal_kernel_largest_deg\n");
 
   const std::vector<Encoding> all = encodings();
@@ -277,7 +295,8 @@ int main(int argc, char** argv) {
     frame = world.drivers();
     KernelFrame kernels;
     const bool looked_at = i >= kFirst && i % kEvery == 0;
-    for (size_t k = 0; looked_at && k < kBlocks; ++k) kernels.objects.push_back({frame.objects[k].object_id, 0, bound[k].pose(frame.objects[k])});
+    for (size_t k = 0; looked_at && k < kBlocks; ++k)
+      kernels.objects.push_back({frame.objects[k].object_id, 0, bound[k].pose(frame.objects[k])});
     for (size_t e = 0; e < all.size(); ++e) {
       const Sent sent = all[e].send(frame);
       if (i < kFirst) continue;
@@ -287,7 +306,8 @@ int main(int argc, char** argv) {
         add_errors(kernels.objects[k].kernels, bound[k].pose(sent.read.objects[k]), tallies[e].kernels);
     }
     if (!looked_at) continue;
-    for (const auto& [encoding, tally] : {std::pair{KernelEncoding::Exact, &exact}, {KernelEncoding::Quantised, &quantised}}) {
+    for (const auto& [encoding, tally] :
+         {std::pair{KernelEncoding::Exact, &exact}, {KernelEncoding::Quantised, &quantised}}) {
       const std::vector<std::byte> bytes = encode_kernels(kernels, encoding);
       tally->sizes.push_back(bytes.size());
       const auto read = decode_kernels(bytes);
@@ -301,7 +321,8 @@ int main(int argc, char** argv) {
 
   for (uint32_t i = 0; i < kBlocks; ++i) world.clear_spring(i);
   const auto all_asleep = [&] {
-    return std::all_of(frame.objects.begin(), frame.objects.end(), [](const ObjectDrivers& o) { return o.asleep; });
+    return std::all_of(frame.objects.begin(), frame.objects.end(),
+                       [](const ObjectDrivers& o) { return o.asleep; });
   };
   const Encoding left_alone = stream("drivers in steps of 57.2 um", {});
   const auto step = [&] {

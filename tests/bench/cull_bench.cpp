@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // What leaving out kernels that contribute little costs and saves. Prints a CSV: a row an asset, a view and a
-// threshold, with the kernels drawn, what is lost against all of them (decibels), and the processor time of a frame
-// on the CPU, of all threads, best of three. Views: afar at three times the size, front, close and inside as
-// posed_assets.h has them. Run by hand; with "lean", the frames of a camera that moves into an asset, with neither,
-// one and both of resolution and contribution held to a budget, and the radius of kernels held as well, wall time; with "cap", what holding the radius of a kernel
-// costs and saves, as for the threshold:
+// threshold, with the kernels drawn, what is lost against all of them (decibels), and the processor time of a
+// frame on the CPU, of all threads, best of three. Views: afar at three times the size, front, close and
+// inside as posed_assets.h has them. Run by hand; with "lean", the frames of a camera that moves into an
+// asset, with neither, one and both of resolution and contribution held to a budget, and the radius of
+// kernels held as well, wall time; with "cap", what holding the radius of a kernel costs and saves, as for
+// the threshold:
 //   cull_bench > tests/bench/results/<processor>/cull.csv
 //   cull_bench cap > tests/bench/results/<processor>/cap.csv
-//   cull_bench order > tests/bench/results/<processor>/order.csv: what the order in which kernels are blended changes
-//   cull_bench lean > tests/bench/results/<processor>/lean.csv, cull_bench lean vulkan > .../lean_vulkan.csv
+//   cull_bench order > tests/bench/results/<processor>/order.csv: what the order in which kernels are blended
+//   changes cull_bench lean > tests/bench/results/<processor>/lean.csv, cull_bench lean vulkan >
+//   .../lean_vulkan.csv
 #include <time.h>
 
 #include <algorithm>
@@ -42,8 +44,8 @@ struct Drawn {
   size_t kernels = 0;
 };
 
-Drawn draw(Rasteriser& rasteriser, const DrawnObject& object, const Camera& camera, float min_contribution_px, float max_radius_px,
-           RasterisedView& view) {
+Drawn draw(Rasteriser& rasteriser, const DrawnObject& object, const Camera& camera, float min_contribution_px,
+           float max_radius_px, RasterisedView& view) {
   RasteriseOptions options;
   options.background = kBackground;
   options.order = DepthOrder::Distance;
@@ -64,8 +66,8 @@ struct Thing {
 std::vector<Thing> things() {
   std::vector<Thing> all;
   const std::filesystem::path captured = std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "splats";
-  for (const char* file : {"ponytail_palm/ponytail_palm.ply", "lego_house/lego_house_50k.ply", "guitar/guitar.ply",
-                           "playbot/playbot_31k.ply", "statues/massa.sog"}) {
+  for (const char* file : {"ponytail_palm/ponytail_palm.ply", "lego_house/lego_house_50k.ply",
+                           "guitar/guitar.ply", "playbot/playbot_31k.ply", "statues/massa.sog"}) {
     auto read = read_asset(captured / file);
     if (!read) {
       std::fprintf(stderr, "%s: left out\n", read.error().message.c_str());
@@ -82,8 +84,8 @@ std::vector<Thing> things() {
 
 Camera seen_from(const CloudExtent& extent, double distance, int width, int height) {
   const Eigen::Vector3d toward = Eigen::Vector3d(0.3, 0.25, 1.0).normalized();
-  return look_at(extent.centre_m + distance * extent.size_m * toward, extent.centre_m, Eigen::Vector3d::UnitY(), 0.8,
-                 width, height);
+  return look_at(extent.centre_m + distance * extent.size_m * toward, extent.centre_m,
+                 Eigen::Vector3d::UnitY(), 0.8, width, height);
 }
 
 std::vector<std::pair<const char*, Camera>> named_views(const CloudExtent& extent) {
@@ -104,15 +106,17 @@ void measure_thresholds() {
       for (const float threshold_px : {0.0f, 0.5f, 1.0f, 2.0f, 4.0f, 8.0f, 16.0f, 32.0f}) {
         Drawn best;
         for (int i = 0; i < 3; ++i) {
-          const Drawn once = draw(rasteriser, thing.drawn(), camera, threshold_px, 0, threshold_px == 0 ? all : some);
+          const Drawn once =
+              draw(rasteriser, thing.drawn(), camera, threshold_px, 0, threshold_px == 0 ? all : some);
           if (i == 0 || once.cpu_ms < best.cpu_ms) best = once;
         }
         if (threshold_px == 0) whole = best;
-        std::printf("%s,%zu,%s,%d,%d,%g,%zu,%.3f,%.1f,%.1f,%.2f\n", thing.name.c_str(), thing.asset.size(), name,
-                    kWidth, kHeight, threshold_px, best.kernels,
-                    1.0 - static_cast<double>(best.kernels) / static_cast<double>(std::max<size_t>(1, whole.kernels)),
-                    threshold_px == 0 ? 999.0 : psnr_db(some.image, all.image), best.cpu_ms,
-                    best.cpu_ms / whole.cpu_ms);
+        std::printf(
+            "%s,%zu,%s,%d,%d,%g,%zu,%.3f,%.1f,%.1f,%.2f\n", thing.name.c_str(), thing.asset.size(), name,
+            kWidth, kHeight, threshold_px, best.kernels,
+            1.0 - static_cast<double>(best.kernels) / static_cast<double>(std::max<size_t>(1, whole.kernels)),
+            threshold_px == 0 ? 999.0 : psnr_db(some.image, all.image), best.cpu_ms,
+            best.cpu_ms / whole.cpu_ms);
       }
       std::fflush(stdout);
     }
@@ -134,17 +138,19 @@ void measure_caps() {
           if (i == 0 || once.cpu_ms < best.cpu_ms) best = once;
         }
         if (cap == 0) whole_ms = best.cpu_ms;
-        std::printf("%s,%zu,%s,%d,%d,%g,%.1f,%.1f,%.2f\n", thing.name.c_str(), thing.asset.size(), name, kWidth, kHeight, cap,
-                    cap == 0 ? 999.0 : std::min(999.0, psnr_db(some.image, all.image)), best.cpu_ms, best.cpu_ms / whole_ms);
+        std::printf("%s,%zu,%s,%d,%d,%g,%.1f,%.1f,%.2f\n", thing.name.c_str(), thing.asset.size(), name,
+                    kWidth, kHeight, cap, cap == 0 ? 999.0 : std::min(999.0, psnr_db(some.image, all.image)),
+                    best.cpu_ms, best.cpu_ms / whole_ms);
       }
       std::fflush(stdout);
     }
   }
 }
 
-// Decibels against the picture by depth of a camera that looks at the thing, as those did that its capture was trained with: by
-// distance from the eye; by distance from 32 mm aside, in a thing of 0.3 m, as two eyes share it; and by depth in the very same
-// picture for a head that is turned by 5 and by 30 degrees, where by distance nothing changes.
+// Decibels against the picture by depth of a camera that looks at the thing, as those did that its capture
+// was trained with: by distance from the eye; by distance from 32 mm aside, in a thing of 0.3 m, as two eyes
+// share it; and by depth in the very same picture for a head that is turned by 5 and by 30 degrees, where by
+// distance nothing changes.
 void measure_orders() {
   std::printf("asset,kernels,view,distance_db,distance_aside_db,turned_5_degrees_db,turned_30_degrees_db\n");
   for (const Thing& thing : things()) {
@@ -165,34 +171,41 @@ void measure_orders() {
       };
       // By depth is by distance from far behind.
       const auto by_depth = [&](double turned_rad) {
-        const Eigen::Vector3d back = eye.orientation * Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitY()) * Eigen::Vector3d::UnitZ();
+        const Eigen::Vector3d back = eye.orientation *
+                                     Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitY()) *
+                                     Eigen::Vector3d::UnitZ();
         return drawn(eye.position_m + 300 * extent.size_m * back);
       };
       const Image depth = by_depth(0), distance = drawn(eye.position_m);
-      const Image aside = drawn(eye.position_m + eye.orientation * Eigen::Vector3d(0.032 / 0.3 * extent.size_m, 0, 0));
-      std::printf("%s,%zu,%s,%.1f,%.1f,%.1f,%.1f\n", thing.name.c_str(), thing.asset.size(), name_of(view), psnr_db(distance, depth),
-                  psnr_db(aside, depth), psnr_db(by_depth(5 * M_PI / 180), depth), psnr_db(by_depth(30 * M_PI / 180), depth));
+      const Image aside =
+          drawn(eye.position_m + eye.orientation * Eigen::Vector3d(0.032 / 0.3 * extent.size_m, 0, 0));
+      std::printf("%s,%zu,%s,%.1f,%.1f,%.1f,%.1f\n", thing.name.c_str(), thing.asset.size(), name_of(view),
+                  psnr_db(distance, depth), psnr_db(aside, depth), psnr_db(by_depth(5 * M_PI / 180), depth),
+                  psnr_db(by_depth(30 * M_PI / 180), depth));
       std::fflush(stdout);
     }
   }
 }
 
-// A camera that comes from three times the size away into the middle of a thing, and stays there a while, in the
-// window's size and with its budget.
+// A camera that comes from three times the size away into the middle of a thing, and stays there a while, in
+// the window's size and with its budget.
 constexpr int kLeanWidth = 1280, kLeanHeight = 800;
 constexpr double kBudget_ms = 30;
 struct LeanPictures {
   int coming, staying;
 };
-constexpr LeanPictures kManyPictures{60, 15}, kFewPictures{16, 6};  // the second of a device in software, a second each at worst
+constexpr LeanPictures kManyPictures{60, 15},
+    kFewPictures{16, 6};  // the second of a device in software, a second each at worst
 
 struct Mode {
   const char* name;
   bool scales, leaves_out, holds;
 };
 // The last as SceneView draws.
-constexpr Mode kModes[] = {
-    {"neither", false, false, false}, {"resolution", true, false, false}, {"both", true, true, false}, {"radius too", true, true, true}};
+constexpr Mode kModes[] = {{"neither", false, false, false},
+                           {"resolution", true, false, false},
+                           {"both", true, true, false},
+                           {"radius too", true, true, true}};
 
 void lean_into(SplatRenderer& renderer, const Thing& thing, const Mode& mode, const LeanPictures& pictures) {
   const CloudExtent extent = extent_of(thing.posed);
@@ -210,7 +223,9 @@ void lean_into(SplatRenderer& renderer, const Thing& thing, const Mode& mode, co
     const int width = mode.scales ? scale.of(kLeanWidth) : kLeanWidth;
     const int height = mode.scales ? scale.of(kLeanHeight) : kLeanHeight;
     options.min_contribution_px = mode.leaves_out ? scale.min_contribution_px() : 0.0f;
-    if (mode.holds) options.max_radius_px = static_cast<float>((options.min_contribution_px > 0 ? 1 : 2) * std::max(width, height));
+    if (mode.holds)
+      options.max_radius_px =
+          static_cast<float>((options.min_contribution_px > 0 ? 1 : 2) * std::max(width, height));
     const Camera camera = seen_from(extent, distance, width, height);
     if (auto drawn = renderer.draw({&object, 1}, {&camera, 1}, options, images); !drawn) {
       std::fprintf(stderr, "%s: %s\n", renderer.name().c_str(), drawn.error().message.c_str());
@@ -232,7 +247,8 @@ int measure_lean(bool vulkan) {
   if (vulkan) {
     auto device = VulkanDevice::create();
     if (device && (*device)->is_software()) pictures = kFewPictures;
-    auto made = device ? create_vulkan_renderer(*device) : Result<std::unique_ptr<SplatRenderer>>(device.error());
+    auto made =
+        device ? create_vulkan_renderer(*device) : Result<std::unique_ptr<SplatRenderer>>(device.error());
     if (!made) {
       std::fprintf(stderr, "cull_bench: %s\n", made.error().message.c_str());
       return 1;
@@ -253,8 +269,11 @@ int measure_lean(bool vulkan) {
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what == "lean") return livegs::measure_lean(argc > 2 && std::string(argv[2]) == "vulkan");
-  if (what == "order") livegs::measure_orders();
-  else if (what == "cap") livegs::measure_caps();
-  else livegs::measure_thresholds();
+  if (what == "order")
+    livegs::measure_orders();
+  else if (what == "cap")
+    livegs::measure_caps();
+  else
+    livegs::measure_thresholds();
   return 0;
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cost of the `cells` solver by size, on one core. Prints CSV: `elastic_bench > results/<machine>/elastic.csv`.
-// A block of cells drops 5 mm on a floor and rests there with sleep off, so that contact and the momentum ledger are
-// in the figure; 30 frames warm up (while it lands; 300 for what has settled, which its own weight strains: the larger blocks
-// by half and more, which makes them take first-order steps and be watched for energy), then windows of 2 ms or of one frame are timed for a second and the least is given,
-// because the machine is shared. How fast the machine is in the same run is given by `peak`: eight-lane fused multiply-adds a
-// second on one core, measured before and after each row; `peaks_per_node_substep` is the cost in their number, which
-// means the same on any machine. (20 ns at the 97 GFLOP/s of the study's machine are 121.)
-// With --table: contact with a rigid body beside that with the floor.
+// Cost of the `cells` solver by size, on one core. Prints CSV: `elastic_bench >
+// results/<machine>/elastic.csv`. A block of cells drops 5 mm on a floor and rests there with sleep off, so
+// that contact and the momentum ledger are in the figure; 30 frames warm up (while it lands; 300 for what has
+// settled, which its own weight strains: the larger blocks by half and more, which makes them take
+// first-order steps and be watched for energy), then windows of 2 ms or of one frame are timed for a second
+// and the least is given, because the machine is shared. How fast the machine is in the same run is given by
+// `peak`: eight-lane fused multiply-adds a second on one core, measured before and after each row;
+// `peaks_per_node_substep` is the cost in their number, which means the same on any machine. (20 ns at the 97
+// GFLOP/s of the study's machine are 121.) With --table: contact with a rigid body beside that with the
+// floor.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -34,7 +36,8 @@ double peak_per_s() {
       for (Lanes8& value : chain) value = value * 0.999999f + 1e-7f;
     }
     asm volatile("" : : "m"(chain) : "memory");
-    best_s = std::min(best_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    best_s =
+        std::min(best_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
   return 2e6 / best_s;
 }
@@ -47,10 +50,12 @@ double seconds_of(Stage& stage, int frames) {
 
 enum class By { Cells, Bullet };
 
-// What was asked for: a node's substep at 3000 nodes with contact, a frame of a paper-size object, the memory of a node.
+// What was asked for: a node's substep at 3000 nodes with contact, a frame of a paper-size object, the memory
+// of a node.
 constexpr double kGoal_ns = 20.0, kGoal_bytes = 300.0;
 constexpr const char* kGoal_ms = "0.25";
-constexpr int kMaxSettledCells = 36;  // cells along an edge; the largest has 1.1 times its modulus of weight on it
+constexpr int kMaxSettledCells =
+    36;  // cells along an edge; the largest has 1.1 times its modulus of weight on it
 
 // Returns the cost of a frame, ms. With a table there is that in place of the floor.
 double report(const char* name, const ElasticBodyDescription& description, bool floor, By by = By::Cells,
@@ -65,9 +70,9 @@ double report(const char* name, const ElasticBodyDescription& description, bool 
       stage.add_floor();
     }
   }
-  auto made = by == By::Bullet
-                  ? study::make_bullet_body(description, stage.rate_hz, stage.substeps)
-                  : make_elastic_body(description, ElasticSolver::Cells, stage.rate_hz, stage.substeps, false);
+  auto made = by == By::Bullet ? study::make_bullet_body(description, stage.rate_hz, stage.substeps)
+                               : make_elastic_body(description, ElasticSolver::Cells, stage.rate_hz,
+                                                   stage.substeps, false);
   if (!made) {
     std::fprintf(stderr, "%s: %s\n", name, made.error().message.c_str());
     return 0.0;
@@ -82,10 +87,11 @@ double report(const char* name, const ElasticBodyDescription& description, bool 
   double best_s = 1e300, peak = peak_per_s();
   for (int part = 0; part < windows; ++part) best_s = std::min(best_s, seconds_of(stage, frames) / frames);
   peak = std::max(peak, peak_per_s());
-  std::printf("%s,%zu,%zu,%zu,%d,%.3f,%.4f,%.2f,%.0f,%.2f,%.0f,%g,%s,%g\n", name, accuracy.nodes, accuracy.cells,
-              accuracy.particles, accuracy.substeps, accuracy.courant, 1e3 * best_s, 1e9 * best_s / work,
-              static_cast<double>(accuracy.bytes) / static_cast<double>(accuracy.nodes), 1e-9 * peak,
-              best_s / work * peak, kGoal_ns, std::string(name).starts_with("paper") ? kGoal_ms : "", kGoal_bytes);
+  std::printf("%s,%zu,%zu,%zu,%d,%.3f,%.4f,%.2f,%.0f,%.2f,%.0f,%g,%s,%g\n", name, accuracy.nodes,
+              accuracy.cells, accuracy.particles, accuracy.substeps, accuracy.courant, 1e3 * best_s,
+              1e9 * best_s / work, static_cast<double>(accuracy.bytes) / static_cast<double>(accuracy.nodes),
+              1e-9 * peak, best_s / work * peak, kGoal_ns,
+              std::string(name).starts_with("paper") ? kGoal_ms : "", kGoal_bytes);
   std::fflush(stdout);
   return 1e3 * best_s;
 }
@@ -98,8 +104,8 @@ ElasticBodyDescription block(int cells, double cell_m, double youngs_modulus_pa)
   return description;
 }
 
-// The same block on a rigid table as wide as it is, which hardly gives way, and on the static floor: what contact with
-// a moving body costs more.
+// The same block on a rigid table as wide as it is, which hardly gives way, and on the static floor: what
+// contact with a moving body costs more.
 void report_table(int cells) {
   const RigidShape shape = mesh_shape(box_mesh({0.5, 0.1, 0.5}), Vector3d::Zero());
   RigidProxy table;
@@ -109,10 +115,13 @@ void report_table(int cells) {
   table.inverse_mass = 1e-9;
   const std::string size = "block " + std::to_string(cells) + "^3";
   const double on_floor = report((size + " on floor").c_str(), block(cells, 0.02, 1e4), true);
-  const double on_table = report((size + " on table").c_str(), block(cells, 0.02, 1e4), true, By::Cells, &table);
+  const double on_table =
+      report((size + " on table").c_str(), block(cells, 0.02, 1e4), true, By::Cells, &table);
   const double free = report((size + " free").c_str(), block(cells, 0.02, 1e4), false);
-  std::fprintf(stderr, "%s: a frame costs %.2f as much on a rigid body as on the floor, its contact %.1f times as much\n",
-               size.c_str(), on_table / on_floor, (on_table - free) / std::max(1e-6, on_floor - free));
+  std::fprintf(
+      stderr,
+      "%s: a frame costs %.2f as much on a rigid body as on the floor, its contact %.1f times as much\n",
+      size.c_str(), on_table / on_floor, (on_table - free) / std::max(1e-6, on_floor - free));
 }
 
 }  // namespace
@@ -122,16 +131,19 @@ int main(int argc, char** argv) {
     for (const int cells : {7, 14}) report_table(cells);
     return 0;
   }
-  std::printf("scene,nodes,cells,particles,substeps,courant,ms_per_frame,ns_per_node_substep,bytes_per_node,peak_per_ns,"
-              "peaks_per_node_substep,goal_ns,goal_ms,goal_bytes\n");
+  std::printf(
+      "scene,nodes,cells,particles,substeps,courant,ms_per_frame,ns_per_node_substep,bytes_per_node,peak_per_"
+      "ns,"
+      "peaks_per_node_substep,goal_ns,goal_ms,goal_bytes\n");
   for (const int cells : {3, 5, 7, 14, 24, 36, 58}) {
     const std::string size = "block " + std::to_string(cells) + "^3";
     report((size + " free").c_str(), block(cells, 0.02, 1e4), false);
     report((size + " on floor").c_str(), block(cells, 0.02, 1e4), true);
-    if (cells <= kMaxSettledCells) report((size + " settled").c_str(), block(cells, 0.02, 1e4), true, By::Cells, nullptr, 300);
+    if (cells <= kMaxSettledCells)
+      report((size + " settled").c_str(), block(cells, 0.02, 1e4), true, By::Cells, nullptr, 300);
   }
-  // The bar of the studies, 16 x 4 x 4 cells, swinging freely; Bullet's deformable body on the same nodes beside it
-  // (bullet_body.h: five tetrahedra a cell, implicit, its solver as it comes).
+  // The bar of the studies, 16 x 4 x 4 cells, swinging freely; Bullet's deformable body on the same nodes
+  // beside it (bullet_body.h: five tetrahedra a cell, implicit, its solver as it comes).
   ElasticBodyDescription bar = describe_bar(1e4, 0.3, 0.025);
   bar.initial_deformation.diagonal() = Vector3d(1.02, 1, 1);
   report("bar cells", bar, false);
@@ -141,7 +153,8 @@ int main(int argc, char** argv) {
   report("quarter shell thin", describe_quarter(5.0, 0.3, true), false);
   // LIVE-GS: at most about 15^3 particles an object; the body chooses its own cells and substeps.
   for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
-    ElasticBodyDescription object = describe(particle_grid(Vector3d::Constant(0.3), 0.02), youngs_modulus_pa, 0.3);
+    ElasticBodyDescription object =
+        describe(particle_grid(Vector3d::Constant(0.3), 0.02), youngs_modulus_pa, 0.3);
     object.material.loss_factor = 0.1;
     object.world_from_object.position_m.y() = 0.155;
     char name[64];

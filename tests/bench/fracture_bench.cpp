@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What making a body ready to break costs, and what is left for the frame in which it breaks. Prints CSV:
-// `fracture_bench > results/<machine>/fracture.csv`. A ball and a cup of 20 480 triangles each, 16 and 64 pieces;
-// 300 000 kernels on the surface. Median of five runs after one that does not count, on one core and on all; `cpu_ms`
-// is processor time, which says what the work costs on a machine that is shared. Stages `seeds` to `graph` run in the
-// background at load. `blow`, which says what a blow of twice the threshold breaks, is all that is computed here in the
-// frame in which a thing breaks; 11 ms are allowed. `items`: seeds, pieces, kernels, bonds, bonds broken.
+// `fracture_bench > results/<machine>/fracture.csv`. A ball and a cup of 20 480 triangles each, 16 and 64
+// pieces; 300 000 kernels on the surface. Median of five runs after one that does not count, on one core and
+// on all; `cpu_ms` is processor time, which says what the work costs on a machine that is shared. Stages
+// `seeds` to `graph` run in the background at load. `blow`, which says what a blow of twice the threshold
+// breaks, is all that is computed here in the frame in which a thing breaks; 11 ms are allowed. `items`:
+// seeds, pieces, kernels, bonds, bonds broken.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -59,7 +60,8 @@ GaussianAsset kernels_on(const TriangleMesh& mesh, size_t count) {
 
 void report(const char* shape, size_t pieces, int threads, const char* stage, const bench::Times& times,
             size_t items) {
-  std::printf("%s,%zu,%d,%s,%zu,%.3f,%.3f\n", shape, pieces, threads, stage, items, times.median_ms, times.cpu_ms);
+  std::printf("%s,%zu,%d,%s,%zu,%.3f,%.3f\n", shape, pieces, threads, stage, items, times.median_ms,
+              times.cpu_ms);
   std::fflush(stdout);
 }
 

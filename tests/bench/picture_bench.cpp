@@ -2,10 +2,10 @@
 // How near the device's pictures of captured assets come to the oracle's. Prints a CSV, a row a picture:
 // decibels of the picture on the screen as the client draws it, 8 bits a channel; of the same blended in
 // 16-bit floats, and the mean of what that is too bright by; and blended in 32-bit floats, before 8 bits a
-// channel. Answers 1 when a picture as the client draws it is under 50 dB, 77 when there was nothing to draw. At night
-// it is a test; with a folder, it leaves pictures there, of one asset alone when one is named:
-//   picture_bench > tests/bench/results/<processor>/picture.csv   # another device, chosen by VK_ICD_FILENAMES, is added below
-//   picture_bench FOLDER NAME_OR_FILE
+// channel. Answers 1 when a picture as the client draws it is under 50 dB, 77 when there was nothing to draw.
+// At night it is a test; with a folder, it leaves pictures there, of one asset alone when one is named:
+//   picture_bench > tests/bench/results/<processor>/picture.csv   # another device, chosen by
+//   VK_ICD_FILENAMES, is added below picture_bench FOLDER NAME_OR_FILE
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -41,7 +41,8 @@ constexpr const char* kAssets[] = {"camera_leica/leica-sofort-top8192.ply",
                                    "statues/trumpet.sog",
                                    "statues/trumpet_statue_only.ply"};
 
-// Of pictures blended in 16-bit floats there, which it rounds towards zero: 44.8 found; goal kBar_db, which SwiftShader meets.
+// Of pictures blended in 16-bit floats there, which it rounds towards zero: 44.8 found; goal kBar_db, which
+// SwiftShader meets.
 constexpr double kLavapipeHalf_db = 44;
 
 struct Renderers {
@@ -118,7 +119,8 @@ Result<Renderers> make_renderers() {
   auto floats = create_vulkan_renderer(*device, {.precision = BlendPrecision::Full, .read_blended = true});
   if (!floats) return floats.error();
   const bool on_lavapipe = (*screen)->name().find("llvmpipe") != std::string::npos;
-  return Renderers{create_cpu_renderer(), *std::move(screen), *std::move(halves), *std::move(floats), on_lavapipe};
+  return Renderers{create_cpu_renderer(), *std::move(screen), *std::move(halves), *std::move(floats),
+                   on_lavapipe};
 }
 
 int run(const std::filesystem::path& folder, const std::string& only) {

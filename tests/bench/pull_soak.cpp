@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A room of eight objects that hands pull at without end: `pull_soak [MINUTES] > results/<machine>/pull_soak.csv`, an hour
-// (simulated) if not told. The sample scene's six objects, a box and a soft block; every half second on average a hand
-// takes a random point of a random object and draws it somewhere else in the room for up to a second: by turns with the ray
-// and with the grip that people have, and with a spring of 20 to 200 N/m and up to 50 N, which is three to thirty times as
-// fierce. Now and then a ball is shot. One row a simulated minute; fixed seed, so the motion is the same every time, the times are not. `tick_cpu`: of
-// all threads, milliseconds; `tick_wall`: by the clock, which says whether a tick is within its frame of 11.1 ms, on a machine that does nothing else.
-// `object_most_j`: motion and shape of one elastic object, the most of every tenth tick. `lowest_m`: the lowest centre of any
-// body over the floor, of every tick; below zero it is under it. Leaves with 1 at the first number that is not finite, at
-// more energy than hands can give, when a centre is more than 5 cm below the floor, or when memory grows. Progress goes to the error stream.
+// A room of eight objects that hands pull at without end: `pull_soak [MINUTES] >
+// results/<machine>/pull_soak.csv`, an hour (simulated) if not told. The sample scene's six objects, a box
+// and a soft block; every half second on average a hand takes a random point of a random object and draws it
+// somewhere else in the room for up to a second: by turns with the ray and with the grip that people have,
+// and with a spring of 20 to 200 N/m and up to 50 N, which is three to thirty times as fierce. Now and then a
+// ball is shot. One row a simulated minute; fixed seed, so the motion is the same every time, the times are
+// not. `tick_cpu`: of all threads, milliseconds; `tick_wall`: by the clock, which says whether a tick is
+// within its frame of 11.1 ms, on a machine that does nothing else. `object_most_j`: motion and shape of one
+// elastic object, the most of every tenth tick. `lowest_m`: the lowest centre of any body over the floor, of
+// every tick; below zero it is under it. Leaves with 1 at the first number that is not finite, at more energy
+// than hands can give, when a centre is more than 5 cm below the floor, or when memory grows. Progress goes
+// to the error stream.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,8 +26,8 @@
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 #include "sample/sample_scene.h"
-#include "scene/scene.h"
 #include "scene/run/scripted_grabs.h"
+#include "scene/scene.h"
 #include "scratch_folder.h"
 
 using namespace livegs;
@@ -34,10 +37,11 @@ namespace {
 
 constexpr int kRate_hz = 90;
 constexpr double kHand_m_s = 4.0;  // a thrower's
-constexpr int kEarly_minutes = 5;   // by then the room has its balls and sherds
+constexpr int kEarly_minutes = 5;  // by then the room has its balls and sherds
 constexpr double kGrown_mb = 5.0;  // more since then is not flat
 constexpr double kSunk_m = 0.05;   // a centre this far below the floor went through it
-// What hands can give one object: 200 N/m across the room's 2.8 m, and the grip's 20 weights along its diagonal of 4.2 m.
+// What hands can give one object: 200 N/m across the room's 2.8 m, and the grip's 20 weights along its
+// diagonal of 4.2 m.
 double most_j_of(double mass_kg) { return 784.0 + 20.0 * 9.81 * 4.2 * mass_kg; }
 // Pulls stay within these walls.
 const Vector3d kRoomMin(-1.4, 0.1, -1.4), kRoomMax(1.4, 1.4, 1.4);
@@ -71,7 +75,9 @@ double resident_mb() {
 // Median, p99, p99.9 and the most, as four columns; sorts them.
 std::string columns(std::vector<double>& ms) {
   std::sort(ms.begin(), ms.end());
-  const auto part = [&](double of) { return ms[std::min(ms.size() - 1, static_cast<size_t>(of * static_cast<double>(ms.size())))]; };
+  const auto part = [&](double of) {
+    return ms[std::min(ms.size() - 1, static_cast<size_t>(of * static_cast<double>(ms.size())))];
+  };
   return format_text("%.2f,%.2f,%.2f,%.2f", part(0.5), part(0.99), part(0.999), ms.back());
 }
 
@@ -107,10 +113,15 @@ class Hands {
         spring.rest_point_m = hit->rest_point_m;
         spring.piece = hit->piece;
         spring.target_m = place();
-        Pull pull{++last_, tick, tick + 9 + static_cast<int>(random() * kRate_hz), kind == Kind::Grip,
-                  from + hit->distance_m * (middle - from).normalized(), spring.target_m};
+        Pull pull{++last_,
+                  tick,
+                  tick + 9 + static_cast<int>(random() * kRate_hz),
+                  kind == Kind::Grip,
+                  from + hit->distance_m * (middle - from).normalized(),
+                  spring.target_m};
         const double way_m = (pull.to_m - pull.from_m).norm();
-        if (pull.grip) pull.until = std::max(pull.until, tick + static_cast<int>(kRate_hz * way_m / kHand_m_s));
+        if (pull.grip)
+          pull.until = std::max(pull.until, tick + static_cast<int>(kRate_hz * way_m / kHand_m_s));
         if (!pull.grip) world.set_spring(pull.id, hit->object_id, spring);
         if (pull.grip && !world.grab(pull.id, hit->object_id, pull.hand_at(tick), hand_grip(mass_kg))) return;
         pulls_.push_back(pull);
@@ -134,7 +145,8 @@ class Hands {
     Vector3d from_m, to_m;
 
     Pose hand_at(int tick) const {
-      return {from_m + static_cast<double>(tick - since) / (until - since) * (to_m - from_m), Eigen::Quaterniond::Identity()};
+      return {from_m + static_cast<double>(tick - since) / (until - since) * (to_m - from_m),
+              Eigen::Quaterniond::Identity()};
     }
     Vector3d hand_m_s() const { return static_cast<double>(kRate_hz) / (until - since) * (to_m - from_m); }
   };
@@ -163,17 +175,19 @@ double object_most_j(const Scene& scene, bool& over) {
     static double told_j = 500.0;
     if (has_j > 1.2 * told_j) {
       told_j = has_j;
-      std::fprintf(stderr, "%s of %.2g kg has %.0f J: %.0f of motion, %.0f of shape\n", object.name.c_str(), body->mass_kg(), has_j,
-                   energy.kinetic_j, energy.elastic_j);
+      std::fprintf(stderr, "%s of %.2g kg has %.0f J: %.0f of motion, %.0f of shape\n", object.name.c_str(),
+                   body->mass_kg(), has_j, energy.kinetic_j, energy.elastic_j);
     }
     if (has_j <= most_j_of(body->mass_kg())) continue;
     over = true;
-    std::fprintf(stderr, "%s of %.2g kg has %.0f J, which no hand gave it\n", object.name.c_str(), body->mass_kg(), has_j);
+    std::fprintf(stderr, "%s of %.2g kg has %.0f J, which no hand gave it\n", object.name.c_str(),
+                 body->mass_kg(), has_j);
   }
   return most_j;
 }
 
-// The farthest that anything is from the middle of the room; infinite when a number is not finite, and says whose.
+// The farthest that anything is from the middle of the room; infinite when a number is not finite, and says
+// whose.
 double reach_m(const Scene& scene, int tick) {
   double reach = 0;
   const auto see = [&](const Vector3d& point) {
@@ -195,9 +209,11 @@ double reach_m(const Scene& scene, int tick) {
 // The lowest centre of what moves; a broken object's every fragment counts.
 double lowest_centre_m(const Scene& scene) {
   double lowest = INFINITY;
-  for (const BodyState& body : scene.world().bodies()) lowest = std::min(lowest, body.world_from_body.position_m.y());
+  for (const BodyState& body : scene.world().bodies())
+    lowest = std::min(lowest, body.world_from_body.position_m.y());
   for (const SceneObject& object : scene.objects()) {
-    if (const ElasticBody* body = scene.world().elastic_body(object.id)) lowest = std::min(lowest, body->centre_m().y());
+    if (const ElasticBody* body = scene.world().elastic_body(object.id))
+      lowest = std::min(lowest, body->centre_m().y());
   }
   return lowest;
 }
@@ -206,7 +222,10 @@ double lowest_centre_m(const Scene& scene) {
 
 int main(int argc, char** argv) {
   int minutes = 60;
-  CLI::App app("Random pulls on a room of eight objects; CSV on standard output, a row a simulated minute and one of all", "pull_soak");
+  CLI::App app(
+      "Random pulls on a room of eight objects; CSV on standard output, a row a simulated minute and one of "
+      "all",
+      "pull_soak");
   app.add_option("MINUTES", minutes, "Simulated")->check(bench::between(1, 1000))->capture_default_str();
   bench::read_arguments(app, argc, argv);
   set_log_level(LogLevel::Warn);
@@ -220,12 +239,15 @@ int main(int argc, char** argv) {
     return 1;
   }
   Hands hands(*scene);
-  std::printf("minute,pulls,tick_cpu_p50_ms,tick_cpu_p99_ms,tick_cpu_p999_ms,tick_cpu_most_ms,"
-              "tick_wall_p50_ms,tick_wall_p99_ms,tick_wall_p999_ms,tick_wall_most_ms,resident_mb,asleep,objects,bodies,energy_j,object_most_j,reach_m,lowest_m,finite\n");
+  std::printf(
+      "minute,pulls,tick_cpu_p50_ms,tick_cpu_p99_ms,tick_cpu_p999_ms,tick_cpu_most_ms,"
+      "tick_wall_p50_ms,tick_wall_p99_ms,tick_wall_p999_ms,tick_wall_most_ms,resident_mb,asleep,objects,"
+      "bodies,energy_j,object_most_j,reach_m,lowest_m,finite\n");
   int tick = 0;
   std::vector<double> all_cpu_ms, all_wall_ms;
   double early_mb = 0;
-  for (std::vector<double>* all : {&all_cpu_ms, &all_wall_ms}) {  // written to once, so that they do not look like growth
+  for (std::vector<double>* all :
+       {&all_cpu_ms, &all_wall_ms}) {  // written to once, so that they do not look like growth
     all->resize(static_cast<size_t>(minutes) * 60 * kRate_hz);
     all->clear();
   }
@@ -248,8 +270,10 @@ int main(int argc, char** argv) {
       if (!std::isfinite(reach) || !std::isfinite(most_j) || over || lowest < -kSunk_m) break;
       if (i % (5 * kRate_hz) == 0) {
         const BodyEnergy energy = scene->world().energy();
-        std::fprintf(stderr, "%d s: last tick %.1f ms, %zu bodies, kinetic %.3g J, elastic %.3g J, reach %.2f m\n", tick / kRate_hz,
-                     wall_ms.back(), scene->world().bodies().size(), energy.kinetic_j, energy.elastic_j, reach);
+        std::fprintf(stderr,
+                     "%d s: last tick %.1f ms, %zu bodies, kinetic %.3g J, elastic %.3g J, reach %.2f m\n",
+                     tick / kRate_hz, wall_ms.back(), scene->world().bodies().size(), energy.kinetic_j,
+                     energy.elastic_j, reach);
       }
     }
     all_cpu_ms.insert(all_cpu_ms.end(), cpu_ms.begin(), cpu_ms.end());
@@ -259,8 +283,9 @@ int main(int argc, char** argv) {
     for (const ObjectDrivers& object : drivers.objects) asleep += object.asleep;
     const BodyEnergy energy = scene->world().energy();
     const bool finite = std::isfinite(reach);
-    std::printf("%d,%d,%s,%s,%.1f,%zu,%zu,%zu,%.3g,%.0f,%.2f,%.4f,%d\n", minute, hands.pulled, columns(cpu_ms).c_str(),
-                columns(wall_ms).c_str(), resident_mb(), asleep, drivers.objects.size(), scene->world().bodies().size(),
+    std::printf("%d,%d,%s,%s,%.1f,%zu,%zu,%zu,%.3g,%.0f,%.2f,%.4f,%d\n", minute, hands.pulled,
+                columns(cpu_ms).c_str(), columns(wall_ms).c_str(), resident_mb(), asleep,
+                drivers.objects.size(), scene->world().bodies().size(),
                 energy.kinetic_j + energy.elastic_j + energy.gravity_j, most_j, reach, lowest, finite);
     std::fflush(stdout);
     if (lowest < -kSunk_m) std::fprintf(stderr, "a centre is %.3f m below the floor\n", -lowest);
@@ -271,5 +296,6 @@ int main(int argc, char** argv) {
       return 1;
     }
   }
-  std::printf("all,%d,%s,%s,,,,,,,,,\n", hands.pulled, columns(all_cpu_ms).c_str(), columns(all_wall_ms).c_str());
+  std::printf("all,%d,%s,%s,,,,,,,,,\n", hands.pulled, columns(all_cpu_ms).c_str(),
+              columns(all_wall_ms).c_str());
 }

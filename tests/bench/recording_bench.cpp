@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How large a recording is, and how long it takes to get to any moment of it. Prints CSV: `recording_bench [MINUTES] >
-// results/<machine>/recording.csv`. Four elastic blocks and 200 boxes (bench/dragged_blocks.h) move for a tenth of the time,
-// six seconds at a time, or always, and stand still else; one person's two tracked hands are recorded all the time. The six
-// seconds are simulated once and played forwards and backwards. A seek is to a random moment: objects and the frame there,
-// ready to be drawn; 200 of them, in wall time and in
-// processor time, which says what it takes where nothing else runs. goal_seek_ms_max is what it should take at most. The file is read from the page cache.
+// How large a recording is, and how long it takes to get to any moment of it. Prints CSV: `recording_bench
+// [MINUTES] > results/<machine>/recording.csv`. Four elastic blocks and 200 boxes (bench/dragged_blocks.h)
+// move for a tenth of the time, six seconds at a time, or always, and stand still else; one person's two
+// tracked hands are recorded all the time. The six seconds are simulated once and played forwards and
+// backwards. A seek is to a random moment: objects and the frame there, ready to be drawn; 200 of them, in
+// wall time and in processor time, which says what it takes where nothing else runs. goal_seek_ms_max is what
+// it should take at most. The file is read from the page cache.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -32,7 +33,8 @@ void move_hands(InputSample& sample, std::mt19937_64& random) {
   for (HandSample& hand : sample.hands) {
     hand.active = true;
     for (Pose* pose : {&hand.aim, &hand.grip}) {
-      for (int k = 0; k < 3; ++k) pose->position_m[k] = static_cast<float>(pose->position_m[k] + step(random));
+      for (int k = 0; k < 3; ++k)
+        pose->position_m[k] = static_cast<float>(pose->position_m[k] + step(random));
       Eigen::Vector4d turned = pose->orientation.coeffs();
       for (int k = 0; k < 4; ++k) turned[k] += step(random);
       turned.normalize();
@@ -62,8 +64,8 @@ void check(const Result<void>& result) {
   std::exit(1);
 }
 
-void report(const std::vector<DriverFrame>& motion, const std::vector<v1::SessionEvent>& objects, double activity,
-            double minutes, bool inputs_only) {
+void report(const std::vector<DriverFrame>& motion, const std::vector<v1::SessionEvent>& objects,
+            double activity, double minutes, bool inputs_only) {
   const ScratchFolder folder;
   v1::RecordingStart start;
   start.set_rate_hz(kRate_hz);
@@ -118,10 +120,11 @@ void report(const std::vector<DriverFrame>& motion, const std::vector<v1::Sessio
   }
   std::filesystem::resize_file(folder / "a.lvgrec", std::filesystem::file_size(folder / "a.lvgrec") - 8);
   opened(open_cut_ms);
-  std::printf("%.0f,%.1f,%s,%.1f,%.1f,%.3f,%.3f,%.2f,%.0f,%.1f,%.1f,%s,%.1f,%.1f,%.0f\n", 100 * activity, minutes,
-              inputs_only ? "inputs" : "frames and inputs", megabytes, megabytes / minutes * 60, share_of(write_ms, 0.5),
-              share_of(write_ms, 0.99), open_ms, open_cut_ms, share_of(seek_ms, 0.5), share_of(seek_ms, 1.0), inputs_only ? "" : "200",
-              share_of(seek_cpu_ms, 0.5), share_of(seek_cpu_ms, 1.0), share_of(decoded, 1.0));
+  std::printf("%.0f,%.1f,%s,%.1f,%.1f,%.3f,%.3f,%.2f,%.0f,%.1f,%.1f,%s,%.1f,%.1f,%.0f\n", 100 * activity,
+              minutes, inputs_only ? "inputs" : "frames and inputs", megabytes, megabytes / minutes * 60,
+              share_of(write_ms, 0.5), share_of(write_ms, 0.99), open_ms, open_cut_ms, share_of(seek_ms, 0.5),
+              share_of(seek_ms, 1.0), inputs_only ? "" : "200", share_of(seek_cpu_ms, 0.5),
+              share_of(seek_cpu_ms, 1.0), share_of(decoded, 1.0));
   std::fflush(stdout);
 }
 
@@ -129,8 +132,11 @@ void report(const std::vector<DriverFrame>& motion, const std::vector<v1::Sessio
 
 int main(int argc, char** argv) {
   double minutes = 10;
-  CLI::App app("How large recordings are, and how long a seek takes; CSV on standard output", "recording_bench");
-  app.add_option("MINUTES", minutes, "Of each recording")->check(bench::between(0.1, 600))->capture_default_str();
+  CLI::App app("How large recordings are, and how long a seek takes; CSV on standard output",
+               "recording_bench");
+  app.add_option("MINUTES", minutes, "Of each recording")
+      ->check(bench::between(0.1, 600))
+      ->capture_default_str();
   bench::read_arguments(app, argc, argv);
   World world = bench::dragged_blocks();
   std::vector<DriverFrame> motion;
@@ -148,7 +154,8 @@ int main(int argc, char** argv) {
     object.set_rest_body(rest.data(), rest.size());
   }
   std::printf(
-      "activity_percent,minutes,holds,mb,mb_an_hour,write_ms_p50,write_ms_p99,open_ms,open_cut_ms,seek_ms_p50,seek_ms_max,goal_seek_ms_max,"
+      "activity_percent,minutes,holds,mb,mb_an_hour,write_ms_p50,write_ms_p99,open_ms,open_cut_ms,seek_ms_"
+      "p50,seek_ms_max,goal_seek_ms_max,"
       "seek_cpu_ms_p50,seek_cpu_ms_max,frames_decoded_max\n");
   report(motion, objects, 0.1, minutes, false);
   report(motion, objects, 1.0, minutes, false);

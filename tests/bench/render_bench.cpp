@@ -37,7 +37,9 @@ struct Percentiles {
   double median, p99;
 };
 
-Percentiles percentiles(const std::vector<double>& values) { return {percentile(values, 0.5), percentile(values, 0.99)}; }
+Percentiles percentiles(const std::vector<double>& values) {
+  return {percentile(values, 0.5), percentile(values, 0.99)};
+}
 
 // The camera stands `distance_m` from the centre, on a circle a little above it.
 void measure(const char* name, const synthetic::Object& object, const Eigen::Vector3d& centre_m,

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long until frames and pictures come again: after a network of so many seconds of cut heals; after a server is back, in this
-// process and as a process of its own that was killed. CSV on standard output, a row a trial:
+// How long until frames and pictures come again: after a network of so many seconds of cut heals; after a
+// server is back, in this process and as a process of its own that was killed. CSV on standard output, a row
+// a trial:
 //   resume_bench [TRIALS] > results/<machine>/resume.csv       10 of each when left out
-// back_ms: from starting the process anew until it says that clients may join. The other times count from then, frames_again_ms
-// to the first frame, picture_ms until that is drawn, 320 x 240 on the CPU; `none` where none came within a minute; goal_picture_ms: what picture_ms should be at most. objects_told:
-// of which the client heard that they are others; assets_fetched: again. longest_gap_ms: between frames of the three seconds after the
-// first, of a server that is killed and whose scene has something break in its first second.
+// back_ms: from starting the process anew until it says that clients may join. The other times count from
+// then, frames_again_ms to the first frame, picture_ms until that is drawn, 320 x 240 on the CPU; `none`
+// where none came within a minute; goal_picture_ms: what picture_ms should be at most. objects_told: of which
+// the client heard that they are others; assets_fetched: again. longest_gap_ms: between frames of the three
+// seconds after the first, of a server that is killed and whose scene has something break in its first
+// second.
 #include <signal.h>
 
 #include <algorithm>
@@ -19,9 +22,9 @@
 #include "client/stream/session/sink_log.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
-#include "system/support/fault_proxy.h"
-#include "system/programs/programs_fixture.h"
 #include "scenes/served_scene.h"
+#include "system/programs/programs_fixture.h"
+#include "system/support/fault_proxy.h"
 #include "viewer/live/scene_loader.h"
 
 using namespace livegs;
@@ -45,7 +48,8 @@ class Watcher {
     options.address = "127.0.0.1:" + std::to_string(port);
     options.cache = folder_ / "cache";
     options.connect_timeout_s = 60;
-    SceneLoader loading(options, [] { return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer()); });
+    SceneLoader loading(options,
+                        [] { return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer()); });
     auto joined = loading.take();
     if (!joined) give_up(joined.error().message);
     live_ = std::move(*joined);
@@ -61,12 +65,15 @@ class Watcher {
 
   void draw(const DriverFrame& drivers) {
     std::vector<Image> images;
-    if (auto drawn = live_->view.draw(drivers, {&*camera_, 1}, images); !drawn) give_up(drawn.error().message);
+    if (auto drawn = live_->view.draw(drivers, {&*camera_, 1}, images); !drawn)
+      give_up(drawn.error().message);
   }
 
   // Waits for the first frame after the outage, draws it and prints the row.
-  void report(const char* fault, int trial, double outage_s, std::optional<double> start_ms, int64_t back_ns, bool gaps = false) {
-    std::printf("%s,%d,%.1f,%s,", fault, trial, outage_s, start_ms ? std::to_string(std::lround(*start_ms)).c_str() : "");
+  void report(const char* fault, int trial, double outage_s, std::optional<double> start_ms, int64_t back_ns,
+              bool gaps = false) {
+    std::printf("%s,%d,%.1f,%s,", fault, trial, outage_s,
+                start_ms ? std::to_string(std::lround(*start_ms)).c_str() : "");
     if (!sink_.wait_resumed(1)) {
       std::printf("none,none,%d,,,\n", goal_ms(fault));
     } else {
@@ -74,8 +81,9 @@ class Watcher {
       const ReceivedFrame& frame = state.frames.at(state.resumed_at.front());
       draw(*frame.drivers);
       const double picture_ms = milliseconds_from_ns(now_ns() - back_ns);
-      std::printf("%.0f,%.0f,%d,%zu,%zu,%s\n", milliseconds_from_ns(frame.received_ns - back_ns), picture_ms, goal_ms(fault),
-                  state.added.size() + state.changed.size() + state.removed.size(), live_->assets.totals().fetched - fetched_,
+      std::printf("%.0f,%.0f,%d,%zu,%zu,%s\n", milliseconds_from_ns(frame.received_ns - back_ns), picture_ms,
+                  goal_ms(fault), state.added.size() + state.changed.size() + state.removed.size(),
+                  live_->assets.totals().fetched - fetched_,
                   gaps ? std::to_string(std::lround(longest_gap_ms(state.resumed_at.front()))).c_str() : "");
     }
     std::fflush(stdout);
@@ -119,7 +127,8 @@ void restart(int trial, double outage_s) {
   proxy.set_server(kNobody);
   proxy.reset();
   sleep_until_ns(begun_ns + static_cast<int64_t>(outage_s * 1e9));
-  served = std::make_unique<ServedScene>(box_scene());  // takes a while to build, and longer to end the old one
+  served =
+      std::make_unique<ServedScene>(box_scene());  // takes a while to build, and longer to end the old one
   proxy.set_server(served->port());
   watcher.report("restart", trial, outage_s, std::nullopt, now_ns());
 }
@@ -160,10 +169,15 @@ void kill_server(int trial, double outage_s, bool fragile) {
 int main(int argc, char** argv) {
   set_log_level(LogLevel::Error);
   int trials = 10;
-  CLI::App app("How long after an outage frames and pictures come again; CSV on standard output", "resume_bench");
-  app.add_option("TRIALS", trials, "Of each kind of outage")->check(bench::between(1, 1000))->capture_default_str();
+  CLI::App app("How long after an outage frames and pictures come again; CSV on standard output",
+               "resume_bench");
+  app.add_option("TRIALS", trials, "Of each kind of outage")
+      ->check(bench::between(1, 1000))
+      ->capture_default_str();
   bench::read_arguments(app, argc, argv);
-  std::printf("fault,trial,outage_s,back_ms,frames_again_ms,picture_ms,goal_picture_ms,objects_told,assets_fetched,longest_gap_ms\n");
+  std::printf(
+      "fault,trial,outage_s,back_ms,frames_again_ms,picture_ms,goal_picture_ms,objects_told,assets_fetched,"
+      "longest_gap_ms\n");
   for (int trial = 1; trial <= trials; ++trial) {
     cut(trial, 5.0);
     restart(trial, 2.0);

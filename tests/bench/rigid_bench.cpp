@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cost of rigid scenes on one and two threads, and of Bullet in the same run. Prints CSV:
-// `rigid_bench > results/<machine>/rigid.csv`. Sleep is off; 90 frames of 1/60 s go before, in which things fall and
-// settle, then 60 are timed. Bullet (single precision, 10 iterations) runs twice: one step a frame, as games use it, and
-// four as ours do. `ratio` is processor time over that of Bullet with as many steps.
+// `rigid_bench > results/<machine>/rigid.csv`. Sleep is off; 90 frames of 1/60 s go before, in which things
+// fall and settle, then 60 are timed. Bullet (single precision, 10 iterations) runs twice: one step a frame,
+// as games use it, and four as ours do. `ratio` is processor time over that of Bullet with as many steps.
 //   pyramid           465 boxes
-//   pile of sherds    eight cups cut into 25 pieces each and taken apart, in a bin. To Bullet a fragment is its convex hull,
+//   pile of sherds    eight cups cut into 25 pieces each and taken apart, in a bin. To Bullet a fragment is
+//   its convex hull,
 //                     which is less to do
-//   mixed objects     balls, boxes, the pieces of a cup and soft blocks, in a bin. To Bullet a soft block is a rigid box, so
+//   mixed objects     balls, boxes, the pieces of a cup and soft blocks, in a bin. To Bullet a soft block is
+//   a rigid box, so
 //                     this ratio has the price of softness in it
 #include <Eigen/Eigenvalues>
 #include <cstdio>
@@ -18,8 +20,8 @@
 #include "bench/support/time_of.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
-#include "geometry/mesh/mass_properties.h"
 #include "geometry/field/sample_particles.h"
+#include "geometry/mesh/mass_properties.h"
 #include "geometry/surface/shape_mesh.h"
 #include "physics/breakable_pieces.h"
 #include "physics/world.h"
@@ -104,7 +106,8 @@ BenchScene pile_of_sherds() {
   const auto pieces = cut_cup(25);
   for (int i = 0; i < 8; ++i) {
     Cup cup{{}, pieces};
-    cup.world_from_object.position_m = {0.15 * (i % 2) - 0.075, 0.15 + 0.16 * (i / 4), 0.15 * (i / 2 % 2) - 0.075};
+    cup.world_from_object.position_m = {0.15 * (i % 2) - 0.075, 0.15 + 0.16 * (i / 4),
+                                        0.15 * (i / 2 % 2) - 0.075};
     cup.world_from_object.orientation = any_turn(random);
     scene.cups.push_back(cup);
   }
@@ -144,7 +147,8 @@ std::vector<Pose> planes_of(const BenchScene& scene) {
   std::vector<Pose> planes{Pose{}};
   for (int side = 0; scene.bin && side < 4; ++side) {
     const Vector3d inwards = Eigen::AngleAxisd(0.5 * M_PI * side, Vector3d::UnitY()) * Vector3d::UnitX();
-    planes.push_back({-0.5 * kBin_m * inwards, Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), inwards)});
+    planes.push_back(
+        {-0.5 * kBin_m * inwards, Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), inwards)});
   }
   return planes;
 }
@@ -258,9 +262,10 @@ std::unique_ptr<RigidSolver> bullet(const BenchScene& scene, int substeps) {
 }
 
 void report(const BenchScene& scene) {
-  const auto row = [&](const char* engine, int substeps, int threads, const bench::Times& times, double ratio) {
-    std::printf("%s,%zu,%s,%d,%d,%.3f,%.3f,%.3f,%.2f\n", scene.name, scene.bodies(), engine, substeps, threads,
-                times.median_ms, times.p99_ms, times.cpu_ms, ratio);
+  const auto row = [&](const char* engine, int substeps, int threads, const bench::Times& times,
+                       double ratio) {
+    std::printf("%s,%zu,%s,%d,%d,%.3f,%.3f,%.3f,%.2f\n", scene.name, scene.bodies(), engine, substeps,
+                threads, times.median_ms, times.p99_ms, times.cpu_ms, ratio);
     std::fflush(stdout);
   };
   set_thread_count(1);

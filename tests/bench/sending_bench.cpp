@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a cap costs a client in what it sees, and what looking elsewhere saves. Prints CSV: `sending_bench >
-// results/<machine>/sending.csv`. The motion of codec_bench (dragged_blocks.h), 6 s at 90 Hz, the first second not counted. A
-// client stands 0.8 m before the first of the four blocks: the fourth is 1.6 m farther off. How far off it sees things is the
-// angle, at its eye, between where the farthest-off driver of an object is and where the client has it, of objects in its cone;
-// a pixel of a headset with 25 a degree is 0.7 mrad. `awake_mrad`: of those that are awake alone, since most boxes soon lie still.
-// `frames`: the whole frame or none, the yardstick; `objects`: what matters most. Encoding is processor time of the one thread it takes.
+// results/<machine>/sending.csv`. The motion of codec_bench (dragged_blocks.h), 6 s at 90 Hz, the first
+// second not counted. A client stands 0.8 m before the first of the four blocks: the fourth is 1.6 m farther
+// off. How far off it sees things is the angle, at its eye, between where the farthest-off driver of an
+// object is and where the client has it, of objects in its cone; a pixel of a headset with 25 a degree is 0.7
+// mrad. `awake_mrad`: of those that are awake alone, since most boxes soon lie still. `frames`: the whole
+// frame or none, the yardstick; `objects`: what matters most. Encoding is processor time of the one thread it
+// takes.
 #include <time.h>
 
 #include <algorithm>
@@ -13,9 +15,9 @@
 #include "bench/support/arguments.h"
 #include "bench/support/dragged_blocks.h"
 #include "core/percentile.h"
+#include "session/frames/send_budget.h"
 #include "session/frames/shared_frame_payload.h"
 #include "session/frames/tick_encodings.h"
-#include "session/frames/send_budget.h"
 
 using namespace livegs;
 using namespace livegs::bench;
@@ -56,7 +58,8 @@ void run(const std::vector<DriverFrame>& motion, const Client& client, double ca
       TickEncodings tick(motion[i], nullptr);
       tick.reaches = reaches;
       const double begun_us = processor_us();
-      const EncodedFrame frame = whole_frames ? tick.for_client(baseline, who) : tick.for_client(baseline, who, available);
+      const EncodedFrame frame =
+          whole_frames ? tick.for_client(baseline, who) : tick.for_client(baseline, who, available);
       if (i >= kFirst) encode_us.push_back(processor_us() - begun_us);
       baseline = frame.next;
       budget.pay(static_cast<double>(frame.bytes));
@@ -76,7 +79,8 @@ void run(const std::vector<DriverFrame>& motion, const Client& client, double ca
       double off_m = 0;
       for (size_t d = 0; d < is.positions_m.size(); ++d)
         off_m = std::max(off_m, static_cast<double>((is.positions_m[d] - has.positions_m[d]).norm()));
-      for (size_t d = 0; d < is.poses.size(); ++d) off_m = std::max(off_m, (is.poses[d].position_m - has.poses[d].position_m).norm());
+      for (size_t d = 0; d < is.poses.size(); ++d)
+        off_m = std::max(off_m, (is.poses[d].position_m - has.poses[d].position_m).norm());
       off_mrad.push_back(1e3 * off_m / std::max(0.25, (ball.centre_m - eye).norm()));
       if (!is.asleep) awake_mrad.push_back(off_mrad.back());
     }
@@ -90,10 +94,12 @@ void run(const std::vector<DriverFrame>& motion, const Client& client, double ca
   }
   const double seconds = static_cast<double>(motion.size() - kFirst) / 90;
   std::printf("%s,%s,%s,%.1f,%.2f,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.0f,%.0f\n", client.looks,
-              cap_mbit_s > 0 ? std::to_string(static_cast<int>(cap_mbit_s)).c_str() : "none", whole_frames ? "frames" : "objects",
-              static_cast<double>(sent) / seconds, 8e-6 * static_cast<double>(total) / seconds,
-              8e-6 * static_cast<double>(most_a_second), percentile(off_mrad, 0.5), percentile(off_mrad, 0.95),
-              percentile(off_mrad, 0.99), percentile(awake_mrad, 0.5), percentile(awake_mrad, 0.75), percentile(awake_mrad, 0.95), percentile(encode_us, 0.5), percentile(encode_us, 0.99));
+              cap_mbit_s > 0 ? std::to_string(static_cast<int>(cap_mbit_s)).c_str() : "none",
+              whole_frames ? "frames" : "objects", static_cast<double>(sent) / seconds,
+              8e-6 * static_cast<double>(total) / seconds, 8e-6 * static_cast<double>(most_a_second),
+              percentile(off_mrad, 0.5), percentile(off_mrad, 0.95), percentile(off_mrad, 0.99),
+              percentile(awake_mrad, 0.5), percentile(awake_mrad, 0.75), percentile(awake_mrad, 0.95),
+              percentile(encode_us, 0.5), percentile(encode_us, 0.99));
   std::fflush(stdout);
 }
 
@@ -110,7 +116,8 @@ int main(int argc, char** argv) {
     motion.push_back(world.drivers());
   }
   std::printf(
-      "looks,cap_mbit_s,leaves_out,frames_a_second,mbit_s,most_mbit_s_over_a_second,off_mrad_p50,off_mrad_p95,off_mrad_p99,"
+      "looks,cap_mbit_s,leaves_out,frames_a_second,mbit_s,most_mbit_s_over_a_second,off_mrad_p50,off_mrad_"
+      "p95,off_mrad_p99,"
       "awake_mrad_p50,awake_mrad_p75,awake_mrad_p95,encode_us_p50,encode_us_p99\n");
   const Eigen::Vector3d eye(0, 0.3, 1.0);
   const Client everywhere{"everywhere", std::nullopt};

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// How old a frame is when a client has it and has decoded it, and for how many clients: from the end of its tick's step, over
-// loopback, 90 frames a second. The server is this process, the clients are another, and both share the machine's cores. What
-// decoding costs 64 clients, 64 machines would bear; so there are whole clients and light ones (bench/stream_clients.h). CSV:
+// How old a frame is when a client has it and has decoded it, and for how many clients: from the end of its
+// tick's step, over loopback, 90 frames a second. The server is this process, the clients are another, and
+// both share the machine's cores. What decoding costs 64 clients, 64 machines would bear; so there are whole
+// clients and light ones (bench/stream_clients.h). CSV:
 //   stream_bench [SECONDS [SCENE...]] > results/<machine>/stream.csv       20 s when left out
-// Frames of noise (bytes as given, nothing compresses) to one client in the clear and over TLS by turns; to 1 … 64 clients, and
-// to more that only acknowledge until p99 is over 5 ms; of as many bytes in 64 objects, by turns, to 64 that say nothing of what they look at,
-// to 64 that look each another way, and to 64 that do and have a cap; to 63 with and without one that is stopped, by turns; through links that are
-// narrow, long or stall (system/fault_proxy.h), three times as long. With scenes, files or folders of assets, instead: each to 1 and
-// 8 clients. --links: the links alone; --views: the 64 objects alone; --tls: 32 kB to one client alone; --clients N...: noise to so many alone. The first second never counts. The halves are those
-// of a measurement's time: flat is where they are alike.
-// goal_ms_p99 is what decoded_ms_p99 should be at most: 5 for 64 clients, 3 for one over TLS at 32 kB, 60 over 8 Mbit/s;
-// goal_of_note: what the note should say at most.
-// others_cpu_percent is what the rest of the machine did meanwhile: 100 is one core; the links' proxy is in the server's.
+// Frames of noise (bytes as given, nothing compresses) to one client in the clear and over TLS by turns; to 1
+// … 64 clients, and to more that only acknowledge until p99 is over 5 ms; of as many bytes in 64 objects, by
+// turns, to 64 that say nothing of what they look at, to 64 that look each another way, and to 64 that do and
+// have a cap; to 63 with and without one that is stopped, by turns; through links that are narrow, long or
+// stall (system/fault_proxy.h), three times as long. With scenes, files or folders of assets, instead: each
+// to 1 and 8 clients. --links: the links alone; --views: the 64 objects alone; --tls: 32 kB to one client
+// alone; --clients N...: noise to so many alone. The first second never counts. The halves are those of a
+// measurement's time: flat is where they are alike. goal_ms_p99 is what decoded_ms_p99 should be at most: 5
+// for 64 clients, 3 for one over TLS at 32 kB, 60 over 8 Mbit/s; goal_of_note: what the note should say at
+// most. others_cpu_percent is what the rest of the machine did meanwhile: 100 is one core; the links' proxy
+// is in the server's.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -25,11 +28,11 @@
 #include "bench/support/stream_clients.h"
 #include "core/log.h"
 #include "core/percentile.h"
+#include "scenes/served_scene.h"
 #include "session/access/server_security.h"
 #include "session/sessions/session_table.h"
-#include "system/support/fault_proxy.h"
 #include "system/stream/noise_server.h"
-#include "scenes/served_scene.h"
+#include "system/support/fault_proxy.h"
 
 using namespace livegs;
 using namespace livegs::bench;
@@ -42,7 +45,8 @@ constexpr double kBar_ms = 5;  // for p99 at 64 clients; Measured::goal() has th
 int64_t own_cpu_ns() {
   rusage used{};
   ::getrusage(RUSAGE_SELF, &used);
-  return (used.ru_utime.tv_sec + used.ru_stime.tv_sec) * kSecond_ns + (used.ru_utime.tv_usec + used.ru_stime.tv_usec) * 1000;
+  return (used.ru_utime.tv_sec + used.ru_stime.tv_sec) * kSecond_ns +
+         (used.ru_utime.tv_usec + used.ru_stime.tv_usec) * 1000;
 }
 
 // Of all cores, by whoever.
@@ -107,7 +111,8 @@ struct Measured {
       if (frame.stepped_ns < window.begin_ns || frame.stepped_ns >= window.end_ns) continue;
       received_ms.push_back(milliseconds_from_ns(frame.received_ns - frame.stepped_ns));
       decoded_ms.push_back(milliseconds_from_ns(frame.decoded_ns - frame.stepped_ns));
-      half_ms[frame.stepped_ns - window.begin_ns < window.end_ns - frame.stepped_ns ? 0 : 1].push_back(decoded_ms.back());
+      half_ms[frame.stepped_ns - window.begin_ns < window.end_ns - frame.stepped_ns ? 0 : 1].push_back(
+          decoded_ms.back());
       bytes.push_back(frame.bytes);
       first = count == 0 ? frame.tick : std::min(first, frame.tick);
       last = std::max(last, frame.tick);
@@ -126,29 +131,37 @@ struct Measured {
   std::string goal() {
     if (what == "noise over 8 Mbit/s") return "60";
     if (what.starts_with("noise") && clients == 64) return "5";
-    return what == "noise" && transport == "tls" && clients == 1 && percentile(bytes, 0.5) > 20'000 ? "3" : "";
+    return what == "noise" && transport == "tls" && clients == 1 && percentile(bytes, 0.5) > 20'000 ? "3"
+                                                                                                    : "";
   }
   // What the note should say at most.
   const char* goal_of_note() const {
-    if (what == "noise beside a frozen client") return "p99 1.10 of that without; dropped after 2.5 s; server grows by 5 MB";
+    if (what == "noise beside a frozen client")
+      return "p99 1.10 of that without; dropped after 2.5 s; server grows by 5 MB";
     return what.ends_with("stall") || what.ends_with("stalls") ? "2 old frames after each stall" : "";
   }
   double decoded_p99_ms() { return percentile(decoded_ms, 0.99); }
 
   static void print_head() {
     std::printf(
-        "what,transport,clients,client,seconds,frame_bytes_p50,received_hz,missed_frames,encoded_per_frame,received_ms_p50,received_ms_p99,decoded_ms_p50,"
-        "decoded_ms_p95,decoded_ms_p99,goal_ms_p99,decoded_ms_p999,first_half_ms_p99,second_half_ms_p99,server_cpu_percent,clients_cpu_percent,others_cpu_percent,goal_of_note,note\n");
+        "what,transport,clients,client,seconds,frame_bytes_p50,received_hz,missed_frames,encoded_per_frame,"
+        "received_ms_p50,received_ms_p99,decoded_ms_p50,"
+        "decoded_ms_p95,decoded_ms_p99,goal_ms_p99,decoded_ms_p999,first_half_ms_p99,second_half_ms_p99,"
+        "server_cpu_percent,clients_cpu_percent,others_cpu_percent,goal_of_note,note\n");
   }
   void print() {
     const auto percent = [&](int64_t cpu_ns) { return 100 * seconds_from_ns(cpu_ns) / seconds; };
-    std::printf("%s,%s,%d,%s,%.0f,%.0f,%.2f,%llu,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%s,%.3f,%.3f,%.3f,%.1f,%.1f,%.1f,%s,%s\n", what.c_str(), transport.c_str(),
-                clients, kind_name(kind), seconds, percentile(bytes, 0.5),
-                static_cast<double>(decoded_ms.size()) / seconds / static_cast<double>(clients),
-                static_cast<unsigned long long>(missed), static_cast<double>(encoded) / static_cast<double>(frames), percentile(received_ms, 0.5), percentile(received_ms, 0.99),
-                percentile(decoded_ms, 0.5), percentile(decoded_ms, 0.95), decoded_p99_ms(), goal().c_str(), percentile(decoded_ms, 0.999),
-                percentile(half_ms[0], 0.99), percentile(half_ms[1], 0.99), percent(server_cpu_ns),
-                percent(clients_cpu_ns), percent(machine_cpu_ns - server_cpu_ns - clients_cpu_ns), goal_of_note(), note.c_str());
+    std::printf(
+        "%s,%s,%d,%s,%.0f,%.0f,%.2f,%llu,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%s,%.3f,%.3f,%.3f,%.1f,%.1f,%.1f,%s,%"
+        "s\n",
+        what.c_str(), transport.c_str(), clients, kind_name(kind), seconds, percentile(bytes, 0.5),
+        static_cast<double>(decoded_ms.size()) / seconds / static_cast<double>(clients),
+        static_cast<unsigned long long>(missed), static_cast<double>(encoded) / static_cast<double>(frames),
+        percentile(received_ms, 0.5), percentile(received_ms, 0.99), percentile(decoded_ms, 0.5),
+        percentile(decoded_ms, 0.95), decoded_p99_ms(), goal().c_str(), percentile(decoded_ms, 0.999),
+        percentile(half_ms[0], 0.99), percentile(half_ms[1], 0.99), percent(server_cpu_ns),
+        percent(clients_cpu_ns), percent(machine_cpu_ns - server_cpu_ns - clients_cpu_ns), goal_of_note(),
+        note.c_str());
     std::fflush(stdout);
   }
 };
@@ -173,8 +186,9 @@ struct Secured {
 // Noise at `nodes` a frame, to `clients`; added to `measured`. `boxes`: in so many objects.
 void noise(Measured& measured, size_t nodes, Secured* secured, double seconds, size_t boxes = 0) {
   NoiseServer server(nodes, secured ? secured->security.get() : nullptr, kMaxSessions, boxes);
-  StreamClients clients({server.port(), secured ? secured->security->fingerprint() : "", secured ? secured->token : ""},
-                        measured.clients, measured.kind);
+  StreamClients clients(
+      {server.port(), secured ? secured->security->fingerprint() : "", secured ? secured->token : ""},
+      measured.clients, measured.kind);
   sleep_until_ns(now_ns() + kSecond_ns);
   const Window window = watch_for(*server.server, clients, seconds);
   measured.add(window, clients.stop());
@@ -197,7 +211,8 @@ void plain_and_tls(size_t nodes, double seconds) {
 void looking_around(size_t nodes, double seconds) {
   constexpr int kTurns = 4;
   std::vector<Measured> all;
-  for (const ClientKind kind : {ClientKind::Light, ClientKind::Looking, ClientKind::Capped}) all.emplace_back("noise in 64 objects", "plain", 64, kind);
+  for (const ClientKind kind : {ClientKind::Light, ClientKind::Looking, ClientKind::Capped})
+    all.emplace_back("noise in 64 objects", "plain", 64, kind);
   for (int turn = 0; turn < kTurns; ++turn) {
     for (Measured& measured : all) noise(measured, nodes, nullptr, seconds / kTurns, 64);
   }
@@ -207,7 +222,8 @@ void looking_around(size_t nodes, double seconds) {
 // 63 clients, and for as long as it takes the server to drop it, one more that is frozen; by turns.
 void frozen_among_63(size_t nodes, double seconds) {
   NoiseServer server(nodes);
-  Measured alone("noise", "plain", 63, ClientKind::Light), beside("noise beside a frozen client", "plain", 63, ClientKind::Light);
+  Measured alone("noise", "plain", 63, ClientKind::Light),
+      beside("noise beside a frozen client", "plain", 63, ClientKind::Light);
   StreamClients clients({server.port(), "", ""}, 63, ClientKind::Light);
   std::vector<Window> windows[2];
   double longest_s = 0, most_grown_mb = 0;
@@ -234,7 +250,8 @@ void frozen_among_63(size_t nodes, double seconds) {
   for (const Window& window : windows[0]) alone.add(window, got);
   for (const Window& window : windows[1]) beside.add(window, got);
   char note[160];
-  std::snprintf(note, sizeof note, "p99 %.2f of that without; dropped after %.2f s at most; server grew by %.1f MB at most",
+  std::snprintf(note, sizeof note,
+                "p99 %.2f of that without; dropped after %.2f s at most; server grew by %.1f MB at most",
                 beside.decoded_p99_ms() / alone.decoded_p99_ms(), longest_s, most_grown_mb);
   beside.note = note;
   alone.print();
@@ -262,7 +279,8 @@ void through(const char* what, const Link& link, bool stalls, size_t nodes, doub
         healed_ns.push_back(now_ns() + static_cast<int64_t>(1e9 * kStall_s));
         stall_ns += kStallEvery_ns;
       }
-      for (const auto& session : server.server->session_table().sessions_now()) ++window_frames[session->window()];
+      for (const auto& session : server.server->session_table().sessions_now())
+        ++window_frames[session->window()];
       sleep_until_ns(now_ns() + 10'000'000);
     }
   });
@@ -278,9 +296,12 @@ void through(const char* what, const Link& link, bool stalls, size_t nodes, doub
     }
     most_old = std::max(most_old, old);
   }
-  const size_t usual = static_cast<size_t>(std::max_element(window_frames, window_frames + 5) - window_frames);
+  const size_t usual =
+      static_cast<size_t>(std::max_element(window_frames, window_frames + 5) - window_frames);
   measured.note = "window " + std::to_string(usual) + " most of the time";
-  if (stalls) measured.note += "; " + std::to_string(healed_ns.size()) + " stalls; at most " + std::to_string(most_old) + " old frames after each";
+  if (stalls)
+    measured.note += "; " + std::to_string(healed_ns.size()) + " stalls; at most " +
+                     std::to_string(most_old) + " old frames after each";
   measured.print();
 }
 
@@ -307,8 +328,8 @@ void scene(const char* path, int count, double seconds) {
   measured.add(window, clients.stop());
   char note[160];
   std::snprintf(note, sizeof note, "%.2f ticks a second; step p50 %.3f and p99 %.3f ms; encoding p50 %.3f ms",
-                static_cast<double>(after.ticks - before.ticks) / measured.seconds, after.step_ms_p50, after.step_ms_p99,
-                served.server->published().encode_ms_p50);
+                static_cast<double>(after.ticks - before.ticks) / measured.seconds, after.step_ms_p50,
+                after.step_ms_p99, served.server->published().encode_ms_p50);
   measured.note = note;
   measured.print();
 }
@@ -322,20 +343,27 @@ int main(int argc, char** argv) {
   std::vector<std::string> scenes;
   std::vector<int> counts;
   bool links_only = false, views_only = false, tls_only = false;
-  CLI::App app("How old frames are when clients have them, and for how many clients; CSV on standard output", "stream_bench");
+  CLI::App app("How old frames are when clients have them, and for how many clients; CSV on standard output",
+               "stream_bench");
   app.add_option("SECONDS", seconds, "Of each measurement")->check(between(1, 3600))->capture_default_str();
-  auto* of_scenes = app.add_option("SCENE", scenes, "Scene files or folders of assets, each to 1 and 8 clients, in place of noise")
-                        ->check(CLI::ExistingPath);
-  auto* of_clients = app.add_option("--clients", counts, "Noise to so many clients alone, each number to light and to whole ones")
+  auto* of_scenes =
+      app.add_option("SCENE", scenes,
+                     "Scene files or folders of assets, each to 1 and 8 clients, in place of noise")
+          ->check(CLI::ExistingPath);
+  auto* of_clients = app.add_option("--clients", counts,
+                                    "Noise to so many clients alone, each number to light and to whole ones")
                          ->check(between(1, static_cast<double>(kMaxSessions)))
                          ->excludes(of_scenes);
   app.add_flag("--links", links_only, "Noise through links that are narrow, long or stall, alone")
       ->excludes(of_scenes)
       ->excludes(of_clients);
-  app.add_flag("--views", views_only, "Noise in 64 objects to 64 clients, alone: to such as look each another way, too")
+  app.add_flag("--views", views_only,
+               "Noise in 64 objects to 64 clients, alone: to such as look each another way, too")
       ->excludes(of_scenes)
       ->excludes(of_clients);
-  app.add_flag("--tls", tls_only, "32 kB of noise to one client in the clear and over TLS, alone")->excludes(of_scenes)->excludes(of_clients);
+  app.add_flag("--tls", tls_only, "32 kB of noise to one client in the clear and over TLS, alone")
+      ->excludes(of_scenes)
+      ->excludes(of_clients);
   read_arguments(app, argc, argv);
   Measured::print_head();
   // A node of noise takes 5.98 bytes: of frames of 16 384 and 32 768.

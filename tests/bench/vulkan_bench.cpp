@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each step of a picture costs on the Vulkan device found, one after the other, the queue empty between them. Prints a
-// CSV: medians and the slowest of `frames` frames in which the camera walks around a shell of kernels with three bands that ride
-// in a twisted lattice of 9, 14 and 25 cells across, after a warm-up: of seven, or where the first tells that seven would take over
-// a minute, of as many as a minute holds, at least three. skin: the pass that skins them, alone, and skin_rigid the one
-// for kernels of a thousand rigid bodies; upload: drivers, 64 bytes a node; project, with skinning, sort and draw as RenderTimes
-// has them, draw with resolve and reading back; device_...: the passes alone, by the device's clock. Bytes are those of a kernel
-// on the device with its share of cells and nodes, pictures left out. On a GPU, skinning, projecting and sorting a million kernels
-// for both eyes takes 4 ms of its clock at the median, or the program says so and ends with 1; one in software is not held to it. A kernel takes at most 256 bytes on any device.
-// Run by hand; a number of kernels measures that alone:
+// What each step of a picture costs on the Vulkan device found, one after the other, the queue empty between
+// them. Prints a CSV: medians and the slowest of `frames` frames in which the camera walks around a shell of
+// kernels with three bands that ride in a twisted lattice of 9, 14 and 25 cells across, after a warm-up: of
+// seven, or where the first tells that seven would take over a minute, of as many as a minute holds, at least
+// three. skin: the pass that skins them, alone, and skin_rigid the one for kernels of a thousand rigid
+// bodies; upload: drivers, 64 bytes a node; project, with skinning, sort and draw as RenderTimes has them,
+// draw with resolve and reading back; device_...: the passes alone, by the device's clock. Bytes are those of
+// a kernel on the device with its share of cells and nodes, pictures left out. On a GPU, skinning, projecting
+// and sorting a million kernels for both eyes takes 4 ms of its clock at the median, or the program says so
+// and ends with 1; one in software is not held to it. A kernel takes at most 256 bytes on any device. Run by
+// hand; a number of kernels measures that alone:
 //   vulkan_bench > tests/bench/results/<processor>/vulkan.csv
 #include <algorithm>
 #include <cmath>
@@ -30,7 +32,7 @@ namespace livegs {
 namespace {
 
 constexpr int kMaxFrames = 7, kMinFrames = 3, kWarmUpFrames = 2;
-constexpr double kMaxTime_s = 60;         // for a row's frames, if the fewest allow it
+constexpr double kMaxTime_s = 60;           // for a row's frames, if the fewest allow it
 constexpr int kWidth = 640, kHeight = 480;  // of an eye
 constexpr uint32_t kBodies = 1000;
 constexpr double kBarBytes = 256;  // of a kernel with three bands, for two eyes
@@ -56,7 +58,8 @@ struct Samples {
   double slowest() const { return *std::max_element(ms.begin(), ms.end()); }
 };
 
-// The object as a client holds it: each kernel in a lattice that is twisted, or with one of many rigid bodies.
+// The object as a client holds it: each kernel in a lattice that is twisted, or with one of many rigid
+// bodies.
 struct Ridden {
   RestBody rest;
   KernelBindings bindings;
@@ -105,7 +108,8 @@ Samples skin_times(const std::shared_ptr<VulkanDevice>& device, const Ridden& ri
   for (int frame = -kWarmUpFrames; frame < kMaxFrames; ++frame) {
     const int64_t begun_ns = now_ns();
     for (uint32_t first = 0, count = 0; first < skin.size(); first += count) {
-      count = std::min({at_once, skin.size() - first, DeviceSkin::kMaxPartKernels - first % DeviceSkin::kMaxPartKernels});
+      count = std::min(
+          {at_once, skin.size() - first, DeviceSkin::kMaxPartKernels - first % DeviceSkin::kMaxPartKernels});
       take(skin.pose(first, count, posed));
     }
     take(backend->submit());
@@ -115,14 +119,15 @@ Samples skin_times(const std::shared_ptr<VulkanDevice>& device, const Ridden& ri
 }
 
 // Of the kernels themselves, of their drivers, and of what a frame keeps of each.
-double bytes_a_kernel(const std::shared_ptr<VulkanDevice>& device, const GaussianAsset& asset, const Ridden& ridden,
-                      size_t eyes) {
+double bytes_a_kernel(const std::shared_ptr<VulkanDevice>& device, const GaussianAsset& asset,
+                      const Ridden& ridden, size_t eyes) {
   const auto backend = take(create_vulkan_backend(device));
   const DeviceKernels kernels = take(DeviceKernels::create(*backend, asset));
   DeviceSkin skin = take(DeviceSkin::create(*backend, ridden.rest, ridden.bindings));
   take(skin.move(ridden.rest, ridden.bindings, ridden.drivers));
-  const FrameSplats::Object one{
-      &kernels, [&](uint32_t first, uint32_t count, BufferId posed) { return skin.pose(first, count, posed); }};
+  const FrameSplats::Object one{&kernels, [&](uint32_t first, uint32_t count, BufferId posed) {
+                                  return skin.pose(first, count, posed);
+                                }};
   const std::vector<Camera> cameras(eyes);
   FrameSplats frame(*backend);
   take(frame.project({&one, 1}, cameras, {}));
@@ -144,8 +149,8 @@ std::vector<Camera> eyes_at(double angle_rad, int count) {
 }
 
 // Whether it holds the bar that is set for it.
-bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Object& object, const Ridden& lattice,
-             const Ridden& bodies, int eye_count, BlendPrecision precision) {
+bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Object& object,
+             const Ridden& lattice, const Ridden& bodies, int eye_count, BlendPrecision precision) {
   const auto renderer =
       take(create_vulkan_renderer(device, {.precision = precision, .separate_times = true}));
   Samples upload, project, sort, draw, device_skin, device_project, device_sort, device_draw, device_resolve;
@@ -191,15 +196,19 @@ bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
   std::printf(",%.1f,%.0f\n", bytes, kBarBytes);
   std::fflush(stdout);
   // Without a clock of the device, what the host waited for.
-  const double passes_ms = device_project.median() > 0 ? device_skin.median() + device_project.median() + device_sort.median()
-                                                       : project.median() + sort.median();
+  const double passes_ms = device_project.median() > 0
+                               ? device_skin.median() + device_project.median() + device_sort.median()
+                               : project.median() + sort.median();
   if (bytes > kBarBytes) {
     std::fprintf(stderr, "vulkan_bench: %.1f bytes a kernel; the bar is %.0f\n", bytes, kBarBytes);
     return false;
   }
-  if (object.size() != kBarKernels || eye_count < 2 || device->is_software() || passes_ms <= kBar_ms) return true;
-  std::fprintf(stderr, "vulkan_bench: %s skins, projects and sorts %zu kernels for both eyes in %.2f ms; the bar is %.0f ms\n",
-               device->name().c_str(), object.size(), passes_ms, kBar_ms);
+  if (object.size() != kBarKernels || eye_count < 2 || device->is_software() || passes_ms <= kBar_ms)
+    return true;
+  std::fprintf(
+      stderr,
+      "vulkan_bench: %s skins, projects and sorts %zu kernels for both eyes in %.2f ms; the bar is %.0f ms\n",
+      device->name().c_str(), object.size(), passes_ms, kBar_ms);
   return false;
 }
 
@@ -207,8 +216,10 @@ int measure_all(size_t only) {
   const auto device = take(VulkanDevice::create());
   std::printf("# %s\n", device->name().c_str());
   std::printf(
-      "kernels,eyes,width,height,blend_bits,frames,skin_ms,skin_max_ms,skin_rigid_ms,skin_rigid_max_ms,upload_ms,upload_max_ms,"
-      "project_ms,project_max_ms,sort_ms,sort_max_ms,draw_ms,draw_max_ms,device_skin_ms,device_project_ms,device_sort_ms,"
+      "kernels,eyes,width,height,blend_bits,frames,skin_ms,skin_max_ms,skin_rigid_ms,skin_rigid_max_ms,"
+      "upload_ms,upload_max_ms,"
+      "project_ms,project_max_ms,sort_ms,sort_max_ms,draw_ms,draw_max_ms,device_skin_ms,device_project_ms,"
+      "device_sort_ms,"
       "device_draw_ms,device_resolve_ms,bytes_a_kernel,bar_bytes\n");
   bool held = true;
   for (const size_t count : only > 0 ? std::vector{only} : std::vector<size_t>{50'000, 200'000, 1'000'000}) {
@@ -216,7 +227,8 @@ int measure_all(size_t only) {
     const synthetic::Object object =
         synthetic::shell(count, 3, 0.9 / std::sqrt(static_cast<double>(count)), 1);
     const Ridden lattice = ride_lattice(object.asset), bodies = ride_bodies(object.asset);
-    for (const int eyes : {1, 2}) held = measure(device, object, lattice, bodies, eyes, BlendPrecision::Half) && held;
+    for (const int eyes : {1, 2})
+      held = measure(device, object, lattice, bodies, eyes, BlendPrecision::Half) && held;
     held = measure(device, object, lattice, bodies, 1, BlendPrecision::Full) && held;
   }
   return held ? 0 : 1;
@@ -225,4 +237,6 @@ int measure_all(size_t only) {
 }  // namespace
 }  // namespace livegs
 
-int main(int argc, char** argv) { return livegs::measure_all(argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 0); }
+int main(int argc, char** argv) {
+  return livegs::measure_all(argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 0);
+}

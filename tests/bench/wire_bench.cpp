@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Time and bytes to encode and decode driver frames. Prints CSV: `wire_bench > results/<machine>/wire.csv`.
-// Nodes of lattices stand in rows, with their neighbours told, particles anywhere. Objects move as a twisted ball does. Ten runs warm up, 200 count. One thread: the codec uses no other.
+// Nodes of lattices stand in rows, with their neighbours told, particles anywhere. Objects move as a twisted
+// ball does. Ten runs warm up, 200 count. One thread: the codec uses no other.
 #include <cmath>
 #include <cstdio>
 #include <string_view>
@@ -87,7 +88,8 @@ int main(int argc, char** argv) {
       {"lattice", DriverKind::Lattice, 10, 5000},   {"particles", DriverKind::Particles, 1, 500},
       {"particles", DriverKind::Particles, 4, 3000}};
   std::printf(
-      "kind,objects,drivers,stage,median_ms,p99_ms,ns_per_driver,goal_ns_per_driver,bytes,bytes_per_driver,mbit_s_at_90_hz\n");
+      "kind,objects,drivers,stage,median_ms,p99_ms,ns_per_driver,goal_ns_per_driver,bytes,bytes_per_driver,"
+      "mbit_s_at_90_hz\n");
   for (const Case& one : cases) {
     const DriverFrame frame = frame_of(one.driver_kind, one.objects, one.drivers, 1);
     const std::vector<std::byte> bytes = encode_frame(frame);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// An asset as it comes (proto/asset_format.md). An even first byte: the rest is what was sent, in pieces. An odd one: the rest are a
-// head and columns of blocks, which are given the zstd frames that would else keep what is spoilt from the decoders behind them.
+// An asset as it comes (proto/asset_format.md). An even first byte: the rest is what was sent, in pieces. An
+// odd one: the rest are a head and columns of blocks, which are given the zstd frames that would else keep
+// what is spoilt from the decoders behind them.
 #include <zstd.h>
 
 #include "fuzz/fuzz_target.h"
-#include "gaussian/progressive_asset.h"
 #include "gaussian/progressive/progressive_layout.h"
+#include "gaussian/progressive_asset.h"
 
 namespace livegs::fuzz::asset_fuzz {
 namespace {
@@ -29,7 +30,8 @@ Bytes framed(std::span<const std::byte> input) {
     const auto columns = part.subspan(std::min<size_t>(4, part.size()));
     Bytes frame(ZSTD_compressBound(columns.size()));
     frame.resize(ZSTD_compress(frame.data(), frame.size(), columns.data(), columns.size(), 1));
-    frame.resize(std::max(frame.size(), min_payload_bytes(3 * 15, std::min<size_t>(kernels, kMaxBlockKernels))));
+    frame.resize(
+        std::max(frame.size(), min_payload_bytes(3 * 15, std::min<size_t>(kernels, kMaxBlockKernels))));
     ByteWriter block;
     block.write(static_cast<uint32_t>(frame.size()));
     block.write(kernels);
@@ -45,7 +47,8 @@ void use(std::span<const std::byte> sent) {
     const size_t length = std::min<size_t>(4096, sent.size() - at);
     const bool taken = decoder.take(sent.subspan(at, length)).has_value();
     at += length;
-    check(decoder.arrived() <= decoder.kernel_count() && decoder.arrived_harmonics() <= decoder.arrived(), "no more comes than there is");
+    check(decoder.arrived() <= decoder.kernel_count() && decoder.arrived_harmonics() <= decoder.arrived(),
+          "no more comes than there is");
     if (!taken) {
       check(!decoder.complete() && !decoder.take({}), "what is spoilt stays so");
       return;
@@ -54,11 +57,14 @@ void use(std::span<const std::byte> sent) {
   const AssetPart part = decoder.part();
   check(part.indices.size() == part.asset.size(), "each kernel has a number");
   for (size_t i = 0; i < part.asset.size(); ++i) {
-    check(part.asset.positions[i].allFinite() && part.asset.log_scales[i].allFinite() && part.asset.sh_dc[i].allFinite(),
+    check(part.asset.positions[i].allFinite() && part.asset.log_scales[i].allFinite() &&
+              part.asset.sh_dc[i].allFinite(),
           "what is drawn is finite");
-    check(part.indices[i] < decoder.kernel_count() && (i == 0 || part.indices[i] >= part.indices[i - 1]), "numbers ascend");
+    check(part.indices[i] < decoder.kernel_count() && (i == 0 || part.indices[i] >= part.indices[i - 1]),
+          "numbers ascend");
   }
-  if (const auto whole = decoder.whole()) check(whole->size() == decoder.kernel_count(), "a whole asset has all kernels");
+  if (const auto whole = decoder.whole())
+    check(whole->size() == decoder.kernel_count(), "a whole asset has all kernels");
 }
 
 GaussianAsset made_up(size_t count, int degree) {
@@ -73,7 +79,8 @@ GaussianAsset made_up(size_t count, int degree) {
     asset.opacity_logits[i] = static_cast<float>(i % 11) - 4.0f;
     asset.sh_dc[i] = {0.1f, 0.2f, static_cast<float>(i % 2)};
   }
-  for (size_t i = 0; i < asset.sh_rest.size(); ++i) asset.sh_rest[i] = {0.0f, 0.01f * static_cast<float>(i % 13), 0.0f};
+  for (size_t i = 0; i < asset.sh_rest.size(); ++i)
+    asset.sh_rest[i] = {0.0f, 0.01f * static_cast<float>(i % 13), 0.0f};
   return asset;
 }
 
@@ -86,7 +93,8 @@ Bytes columns_of(std::span<const std::byte> sent) {
     part.write(kernels);
     Bytes block = std::move(part).take(), columns(max_raw_bytes(3 * 15, kernels));
     const auto frame = sent.subspan(at + kBlockHeadBytes, size);
-    columns.resize(ZSTD_decompress(columns.data(), columns.size(), frame.data(), ZSTD_findFrameCompressedSize(frame.data(), frame.size())));
+    columns.resize(ZSTD_decompress(columns.data(), columns.size(), frame.data(),
+                                   ZSTD_findFrameCompressedSize(frame.data(), frame.size())));
     append(block, columns);
     parts.push_back(std::move(block));
     at += kBlockHeadBytes + size;

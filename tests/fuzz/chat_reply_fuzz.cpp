@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a chat-completions server sends back. The first byte tells of what kind the rest is (odd: an event stream) and where
-// the stream is cut: its events do not depend on that.
+// What a chat-completions server sends back. The first byte tells of what kind the rest is (odd: an event
+// stream) and where the stream is cut: its events do not depend on that.
 #include <nlohmann/json.hpp>
 
 #include "analysis/model/chat/chat_reply.h"
@@ -50,34 +50,42 @@ void look_at(std::span<const std::byte> bytes) {
   const auto reply = decode_chat_reply(body, stream);
   if (reply) {
     check(reply->tool_calls.size() <= kMaxCalls, "tool calls are bounded");
-    check(reply->prompt_tokens >= 0 && reply->completion_tokens >= 0 && reply->cost_usd >= 0, "counts are counts");
+    check(reply->prompt_tokens >= 0 && reply->completion_tokens >= 0 && reply->cost_usd >= 0,
+          "counts are counts");
     check(reply->content.size() <= body.size() * 2 + 64, "text is not made up");
   } else {
     check(reply.error().message.find('\n') == std::string::npos, "an error is one line");
   }
   check(brief(body).find('\n') == std::string::npos, "what is shown of it is one line");
-  if (stream) check(events_of(body, 1 + kind / 2) == events_of(body, bytes.size()), "events do not depend on the cuts");
+  if (stream)
+    check(events_of(body, 1 + kind / 2) == events_of(body, bytes.size()), "events do not depend on the cuts");
 }
 
 std::vector<Bytes> seeds() {
   using nlohmann::json;
-  const json call = {{"index", 0}, {"id", "a"}, {"function", {{"name", "shell_mass"}, {"arguments", "{\"area_m2\":2}"}}}};
-  const json says = {{"content", "{\"mass_g\": 330, \"name\": \"tasse \u00e0 caf\u00e9\"}"}}, calls = {{"tool_calls", {call, call}}};
+  const json call = {
+      {"index", 0}, {"id", "a"}, {"function", {{"name", "shell_mass"}, {"arguments", "{\"area_m2\":2}"}}}};
+  const json says = {{"content", "{\"mass_g\": 330, \"name\": \"tasse \u00e0 caf\u00e9\"}"}},
+             calls = {{"tool_calls", {call, call}}};
   const json refuses = {{"content", nullptr}, {"refusal", "no"}};
   std::vector<Bytes> seeds;
   for (const json& message : {says, calls, refuses}) {
     seeds.push_back(input(0, reply_with(message, "message").dump()));
     std::string stream = ": ping\r\n\r\n";
-    for (int i = 0; i < 3; ++i) stream += "data: " + reply_with(message, "delta").dump() + (i ? "\n\n" : "\r\n\r\n");
+    for (int i = 0; i < 3; ++i)
+      stream += "data: " + reply_with(message, "delta").dump() + (i ? "\n\n" : "\r\n\r\n");
     seeds.push_back(input(7, stream + "data: [DONE]\n\n"));
   }
-  seeds.push_back(input(0, R"({"error":{"code":"insufficient_quota","message":"no credit","type":"t","param":"p"}})"));
+  seeds.push_back(
+      input(0, R"({"error":{"code":"insufficient_quota","message":"no credit","type":"t","param":"p"}})"));
   seeds.push_back(input(0, R"({"object":"error","message":"too long","code":400})"));
   // Spoilt as answers are.
   for (uint64_t seed = 0; seed < 40; ++seed) {
     AnswerMutator mutator(seed);
-    seeds.push_back(input(static_cast<uint8_t>(2 * seed), mutator.mutate(reply_with(seed % 2 ? says : calls, "message"))));
-    seeds.push_back(input(static_cast<uint8_t>(2 * seed + 1), "data: " + mutator.mutate(reply_with(says, "delta")) + "\n\n"));
+    seeds.push_back(input(static_cast<uint8_t>(2 * seed),
+                          mutator.mutate(reply_with(seed % 2 ? says : calls, "message"))));
+    seeds.push_back(input(static_cast<uint8_t>(2 * seed + 1),
+                          "data: " + mutator.mutate(reply_with(says, "delta")) + "\n\n"));
   }
   return seeds;
 }

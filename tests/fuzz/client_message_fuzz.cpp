@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A livegs.v1.ClientMessage as the server takes it: what passes its check goes into the simulation and into recordings.
+// A livegs.v1.ClientMessage as the server takes it: what passes its check goes into the simulation and into
+// recordings.
 #include <cmath>
 
 #include "fuzz/fuzz_target.h"
@@ -12,17 +13,20 @@ namespace {
 
 bool same(const Pose& a, const Pose& b) {
   // A quaternion that is sent as floats is normalised again by who reads it.
-  return a.position_m == b.position_m && (a.orientation.coeffs() - b.orientation.coeffs()).cwiseAbs().maxCoeff() < 2e-7;
+  return a.position_m == b.position_m &&
+         (a.orientation.coeffs() - b.orientation.coeffs()).cwiseAbs().maxCoeff() < 2e-7;
 }
 
 void check_sample(const InputSample& sample) {
   for (const HandSample& hand : sample.hands) {
     if (!hand.active) continue;
     for (const Pose* pose : {&hand.aim, &hand.grip}) {
-      check(pose->position_m.allFinite() && pose->position_m.cwiseAbs().maxCoeff() <= kMaxHandPosition_m, "hands are near");
+      check(pose->position_m.allFinite() && pose->position_m.cwiseAbs().maxCoeff() <= kMaxHandPosition_m,
+            "hands are near");
       check(std::abs(pose->orientation.norm() - 1.0) < 1e-6, "hands are turned by rotations");
     }
-    for (const float value : {hand.trigger, hand.squeeze}) check(value >= 0 && value <= 1, "a trigger is between 0 and 1");
+    for (const float value : {hand.trigger, hand.squeeze})
+      check(value >= 0 && value <= 1, "a trigger is between 0 and 1");
   }
 }
 
@@ -34,10 +38,12 @@ void check_sent_again(const std::vector<InputSample>& samples) {
   check(again && again->size() == samples.size(), "what passed can be sent");
   for (size_t i = 0; i < samples.size(); ++i) {
     const InputSample &a = samples[i], &b = (*again)[i];
-    check(a.sequence == b.sequence && a.sampled_ns == b.sampled_ns && a.for_tick == b.for_tick, "samples keep their numbers");
+    check(a.sequence == b.sequence && a.sampled_ns == b.sampled_ns && a.for_tick == b.for_tick,
+          "samples keep their numbers");
     for (size_t hand = 0; hand < 2; ++hand) {
       check(a.hands[hand].active == b.hands[hand].active, "hands are there or not");
-      check(same(a.hands[hand].aim, b.hands[hand].aim) && same(a.hands[hand].grip, b.hands[hand].grip), "hands stay");
+      check(same(a.hands[hand].aim, b.hands[hand].aim) && same(a.hands[hand].grip, b.hands[hand].grip),
+            "hands stay");
     }
   }
 }
@@ -52,13 +58,15 @@ void check_recorded(const std::vector<InputSample>& samples) {
   for (const InputSample& sample : samples) {
     const auto again = read_sample(in, 7, read);
     check(again.has_value(), "a sample that was recorded is read");
-    check(again->sequence == sample.sequence && again->sampled_ns == sample.sampled_ns, "and has its numbers");
+    check(again->sequence == sample.sequence && again->sampled_ns == sample.sampled_ns,
+          "and has its numbers");
     for (size_t hand = 0; hand < 2; ++hand) {
       const HandSample &a = sample.hands[hand], &b = again->hands[hand];
       check(a.active == b.active && a.aim.position_m == b.aim.position_m &&
                 a.aim.orientation.coeffs() == b.aim.orientation.coeffs() &&
-                a.grip.position_m == b.grip.position_m && a.grip.orientation.coeffs() == b.grip.orientation.coeffs() &&
-                a.trigger == b.trigger && a.squeeze == b.squeeze && a.shoot == b.shoot,
+                a.grip.position_m == b.grip.position_m &&
+                a.grip.orientation.coeffs() == b.grip.orientation.coeffs() && a.trigger == b.trigger &&
+                a.squeeze == b.squeeze && a.shoot == b.shoot,
             "and its hands to the bit");
     }
   }
@@ -71,7 +79,8 @@ void look_at(std::span<const std::byte> input) {
   v1::ClientMessage message;
   if (!message.ParseFromArray(input.data(), static_cast<int>(input.size()))) return;
   if (const auto view = check_view(message); view && *view) {
-    check((*view)->position_m.allFinite() && std::abs((*view)->forward.norm() - 1.0) < 1e-9, "a view is a place and a direction");
+    check((*view)->position_m.allFinite() && std::abs((*view)->forward.norm() - 1.0) < 1e-9,
+          "a view is a place and a direction");
     check((*view)->half_angle_rad >= 0 && (*view)->half_angle_rad < 3.15, "and a cone");
     v1::ClientMessage again;
     write_view(**view, *again.mutable_view());
@@ -100,7 +109,8 @@ std::vector<Bytes> seeds() {
       for (size_t hand = 0; hand < 2; ++hand) {
         sample.hands[hand].active = (hands >> hand & 1) != 0;
         sample.hands[hand].aim.position_m = {0.25, 1.5, -0.125 * static_cast<double>(i)};
-        sample.hands[hand].grip.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
+        sample.hands[hand].grip.orientation =
+            Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
         sample.hands[hand].trigger = 0.5f;
         sample.hands[hand].shoot = i == 2;
       }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is read by itself: frames, publications, rest bodies and kernels (proto/frame_format.md). The first byte says which.
+// What is read by itself: frames, publications, rest bodies and kernels (proto/frame_format.md). The first
+// byte says which.
 #include <algorithm>
 #include <cmath>
 
@@ -24,9 +25,11 @@ void look_at_rest_body(std::span<const std::byte> bytes) {
   const auto rest = decode_rest_body(bytes);
   if (!rest) return;
   for (const auto& cell : rest->cells) {
-    for (const uint32_t node : cell) check(node < rest->node_coordinates.size(), "cells name nodes that there are");
+    for (const uint32_t node : cell)
+      check(node < rest->node_coordinates.size(), "cells name nodes that there are");
   }
-  for (const RestBody::KernelRun& run : rest->kernel_runs) check(run.body < rest->bodies.size(), "runs name bodies that there are");
+  for (const RestBody::KernelRun& run : rest->kernel_runs)
+    check(run.body < rest->bodies.size(), "runs name bodies that there are");
   // The writer takes the smallest widths, the reader any: what was written once stays as it is.
   const Bytes again = encode_rest_body(*rest);
   const auto same = decode_rest_body(again);
@@ -55,9 +58,11 @@ void look_at(std::span<const std::byte> input) {
     case What::Kernels:
       if (const auto kernels = decode_kernels(bytes)) {
         for (const ObjectKernels& object : kernels->objects) {
-          for (const Eigen::Vector3f& position : object.kernels.positions_m) check(position.allFinite(), "kernels are finite");
+          for (const Eigen::Vector3f& position : object.kernels.positions_m)
+            check(position.allFinite(), "kernels are finite");
           for (const Symmetric3f& s : object.kernels.covariances_m2)
-            check(std::all_of(s.begin(), s.end(), [](float entry) { return std::isfinite(entry); }), "covariances are finite");
+            check(std::all_of(s.begin(), s.end(), [](float entry) { return std::isfinite(entry); }),
+                  "covariances are finite");
         }
       }
       break;
@@ -71,11 +76,13 @@ std::vector<Bytes> seeds() {
   for (uint64_t tick = 1; tick < 4; ++tick) {
     seeds.push_back(with(What::Frame, encode_frame(frame_at(tick))));
     seeds.push_back(with(What::Frame, encode_frame(frame_at(tick), DriverEncoding::Raw)));
-    seeds.push_back(with(What::Publication, encode_publication({"00112233445566778899aabbccddeeff", tick, 5, frame_at(tick)})));
+    seeds.push_back(with(What::Publication,
+                         encode_publication({"00112233445566778899aabbccddeeff", tick, 5, frame_at(tick)})));
   }
   KernelFrame kernels{3, 5, {{7, 2, {}}, {8, 0, {}}}};
   kernels.objects[0].kernels.positions_m = {{1, 2, 3}, {-1, 0, 0.5f}};
-  kernels.objects[0].kernels.covariances_m2 = {{1e-4f, 0, 1e-5f, 2e-4f, 0, 1e-6f}, {1e-2f, 0, 0, 1e-2f, 0, 1e-2f}};
+  kernels.objects[0].kernels.covariances_m2 = {{1e-4f, 0, 1e-5f, 2e-4f, 0, 1e-6f},
+                                               {1e-2f, 0, 0, 1e-2f, 0, 1e-2f}};
   kernels.objects[0].kernels.world_from_asset.assign(2, Eigen::Quaternionf(0.5f, 0.5f, -0.5f, 0.5f));
   for (const KernelEncoding encoding : {KernelEncoding::Exact, KernelEncoding::Quantised})
     seeds.push_back(with(What::Kernels, encode_kernels(kernels, encoding)));

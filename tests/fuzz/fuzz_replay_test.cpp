@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replay of the fuzz targets without libFuzzer: the committed corpus, the seeds, and truncations and bit flips of three seeds.
+// Replay of the fuzz targets without libFuzzer: the committed corpus, the seeds, and truncations and bit
+// flips of three seeds.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -30,7 +31,8 @@ const std::filesystem::path kCorpus = std::filesystem::path(LIVEGS_TESTS_DIR) / 
 char current_input[512];
 
 void name_input(const Target& target, const std::string& what, const char* change, size_t at) {
-  std::snprintf(current_input, sizeof current_input, "%s: %s, %s %zu\n", target.name, what.c_str(), change, at);
+  std::snprintf(current_input, sizeof current_input, "%s: %s, %s %zu\n", target.name, what.c_str(), change,
+                at);
 }
 
 void print_input(int signal) {
@@ -49,7 +51,8 @@ Bytes read_file(const std::filesystem::path& path) {
 std::vector<std::filesystem::path> corpus_of(const std::string& target) {
   std::vector<std::filesystem::path> files;
   if (!std::filesystem::is_directory(kCorpus / target)) return files;
-  for (const auto& entry : std::filesystem::directory_iterator(kCorpus / target)) files.push_back(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(kCorpus / target))
+    files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -58,11 +61,13 @@ void replay_changed(const Target& target, const Bytes& seed, const std::string& 
   const size_t cut_step = 1 + seed.size() / kMaxTruncations;
   for (size_t length = 0; length < seed.size(); length += cut_step) {
     name_input(target, what, "cut to bytes", length);
-    const Bytes cut(seed.begin(), seed.begin() + static_cast<std::ptrdiff_t>(length));  // its own memory, for the address sanitizer
+    const Bytes cut(seed.begin(), seed.begin() + static_cast<std::ptrdiff_t>(
+                                                     length));  // its own memory, for the address sanitizer
     target.look_at(cut);
   }
   Bytes flipped = seed;
-  const size_t flip_step = (1 + seed.size() * 8 / kMaxFlips) | 1;  // odd: each of the eight places in a byte has its turn
+  const size_t flip_step =
+      (1 + seed.size() * 8 / kMaxFlips) | 1;  // odd: each of the eight places in a byte has its turn
   for (size_t bit = 0; bit < seed.size() * 8; bit += flip_step) {
     const std::byte mask{static_cast<uint8_t>(1u << bit % 8)};
     name_input(target, what, "flipped bit", bit);
@@ -98,15 +103,18 @@ TEST_P(FuzzReplay, CorpusSeedsAndSmallChanges) {
     name_input(target, "seed " + std::to_string(i), "whole", 0);
     target.look_at(seeds[i]);
   }
-  for (const size_t i : {size_t{0}, seeds.size() / 2, seeds.size() - 1}) replay_changed(target, seeds[i], "seed " + std::to_string(i));
+  for (const size_t i : {size_t{0}, seeds.size() / 2, seeds.size() - 1})
+    replay_changed(target, seeds[i], "seed " + std::to_string(i));
 }
 
-INSTANTIATE_TEST_SUITE_P(Targets, FuzzReplay, ::testing::ValuesIn(targets()), [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(Targets, FuzzReplay, ::testing::ValuesIn(targets()),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST(FuzzCorpus, EveryCorpusFolderHasATarget) {
   std::set<std::string> names;
   for (const Target& target : targets()) EXPECT_TRUE(names.insert(target.name).second) << target.name;
-  for (const auto& entry : std::filesystem::directory_iterator(kCorpus)) EXPECT_TRUE(names.contains(entry.path().filename())) << entry.path();
+  for (const auto& entry : std::filesystem::directory_iterator(kCorpus))
+    EXPECT_TRUE(names.contains(entry.path().filename())) << entry.path();
 }
 
 }  // namespace

@@ -10,7 +10,8 @@
 
 #include "wire/little_endian.h"
 
-// The list of fuzz targets of this program, and their common parts. A libFuzzer program has one, fuzz_replay_test all.
+// The list of fuzz targets of this program, and their common parts. A libFuzzer program has one,
+// fuzz_replay_test all.
 
 namespace livegs::fuzz {
 
@@ -41,7 +42,8 @@ inline void check(bool holds, const char* what) {
   std::abort();
 }
 
-// An input of several parts: each a u16 length, then its bytes. Any bytes are such an input; the last part may be short.
+// An input of several parts: each a u16 length, then its bytes. Any bytes are such an input; the last part
+// may be short.
 inline std::vector<std::span<const std::byte>> parts_of(std::span<const std::byte> input) {
   std::vector<std::span<const std::byte>> parts;
   while (input.size() >= 2) {

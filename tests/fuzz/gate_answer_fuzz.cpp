@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A model's answer through the acceptance gate. The first byte chooses the object it is about; the rest is the answer.
-// Nothing leaves the hard ranges, and nothing but an accepted answer changes anything, nor that what a person has told.
+// A model's answer through the acceptance gate. The first byte chooses the object it is about; the rest is
+// the answer. Nothing leaves the hard ranges, and nothing but an accepted answer changes anything, nor that
+// what a person has told.
 #include <cmath>
 
 #include "fuzz/fuzz_target.h"
@@ -20,7 +21,8 @@ struct Object {
 const std::vector<Object>& objects() {
   static const std::vector<Object> all = [] {
     std::vector<Object> made;
-    for (const ObjectFacts& facts : {mug_facts(), pillow_facts()}) made.push_back({facts, estimate_offline(facts)});
+    for (const ObjectFacts& facts : {mug_facts(), pillow_facts()})
+      made.push_back({facts, estimate_offline(facts)});
     made.push_back(made[0]);
     made.back().before.mutable_mass_kg()->set_source(EstimatedValue::PERSON);
     made.back().before.mutable_friction()->set_source(EstimatedValue::SCENE);
@@ -73,8 +75,10 @@ void look_at(std::span<const std::byte> bytes) {
   const Judgement judgement = judge_answer(text, object.facts, object.before);
   check_ranges(judgement.parameters);
   if (judgement.verdict != Verdict::Refused) check_ranges(judgement.proposal);
-  if (judgement.verdict != Verdict::Accepted) check(same(judgement.parameters, object.before), "it changes nothing");
-  check(judgement.message.find('\n') == std::string::npos && judgement.message.size() <= 600, "a message is one line");
+  if (judgement.verdict != Verdict::Accepted)
+    check(same(judgement.parameters, object.before), "it changes nothing");
+  check(judgement.message.find('\n') == std::string::npos && judgement.message.size() <= 600,
+        "a message is one line");
   if (object.before.mass_kg().source() == EstimatedValue::PERSON) {
     check(same(judgement.parameters.mass_kg(), object.before.mass_kg()), "what a person told stays");
     check(same(judgement.parameters.friction(), object.before.friction()), "what the scene told stays");

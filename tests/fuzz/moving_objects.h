@@ -51,7 +51,8 @@ inline void check_finite(const DriverFrame& frame) {
       check(pose.position_m.allFinite(), "poses are finite");
       check(std::abs(pose.orientation.norm() - 1.0) < 1e-9, "orientations are rotations");
     }
-    for (const Eigen::Vector3f& position : object.positions_m) check(position.allFinite(), "positions are finite");
+    for (const Eigen::Vector3f& position : object.positions_m)
+      check(position.allFinite(), "positions are finite");
     for (const Eigen::Quaternionf& rotation : object.rotations)
       check(std::abs(rotation.norm() - 1.0f) < 1e-5f, "rotations are rotations");
   }
@@ -60,7 +61,8 @@ inline void check_finite(const DriverFrame& frame) {
 inline std::vector<RestBody> rest_bodies() {
   RestBody rigid;
   for (int i = 0; i < 3; ++i)
-    rigid.bodies.push_back({Eigen::Vector3d(i, 0.5, -1), Eigen::Quaterniond(Eigen::AngleAxisd(i, Eigen::Vector3d::UnitX()))});
+    rigid.bodies.push_back(
+        {Eigen::Vector3d(i, 0.5, -1), Eigen::Quaterniond(Eigen::AngleAxisd(i, Eigen::Vector3d::UnitX()))});
   RestBody broken = rigid;
   broken.revision = 2;
   broken.kernel_runs = {{0, 5}, {2, 7}, {1, 1}};

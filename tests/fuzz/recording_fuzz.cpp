@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording as its reader sees it (proto/recording_format.md). An even first byte: the rest is the file. An odd one: the rest
-// are chunks, each with its kind before it, that are given the check sums and the trailer which would else keep what is spoilt
-// from the decoders behind them.
+// A recording as its reader sees it (proto/recording_format.md). An even first byte: the rest is the file. An
+// odd one: the rest are chunks, each with its kind before it, that are given the check sums and the trailer
+// which would else keep what is spoilt from the decoders behind them.
 #include <sys/mman.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -20,8 +20,10 @@ using namespace recording_layout;
 // A file in memory, with a name.
 class MemoryFile {
  public:
-  explicit MemoryFile(std::span<const std::byte> bytes = {}) : descriptor_(::memfd_create("fuzz", MFD_CLOEXEC)) {
-    check(descriptor_ >= 0 && ::write(descriptor_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()),
+  explicit MemoryFile(std::span<const std::byte> bytes = {})
+      : descriptor_(::memfd_create("fuzz", MFD_CLOEXEC)) {
+    check(descriptor_ >= 0 &&
+              ::write(descriptor_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()),
           "memory can be written");
   }
   ~MemoryFile() { ::close(descriptor_); }
@@ -31,7 +33,9 @@ class MemoryFile {
   const int descriptor_;
 };
 
-void append(Bytes& file, std::span<const std::byte> bytes) { file.insert(file.end(), bytes.begin(), bytes.end()); }
+void append(Bytes& file, std::span<const std::byte> bytes) {
+  file.insert(file.end(), bytes.begin(), bytes.end());
+}
 
 Bytes file_of_chunks(std::span<const std::byte> input) {
   Bytes file;
@@ -90,14 +94,16 @@ void use(RecordingReader& reader) {
       if (const auto frame = stream.read(tick->frame)) check_finite(*frame);
       for (const SessionSamples& session : tick->actions.samples) {
         for (const InputSample& sample : session.samples) {
-          for (const HandSample& hand : sample.hands) check(hand.aim.position_m.allFinite(), "samples are finite");
+          for (const HandSample& hand : sample.hands)
+            check(hand.aim.position_m.allFinite(), "samples are finite");
         }
       }
     }
   }
   (void)reader.asset(std::string(64, 'a'));
   (void)reader.files([](const RecordedFilePiece& piece) -> Result<void> {
-    check(!piece.name.empty() && piece.offset + piece.bytes.size() <= piece.total, "a piece lies in its file");
+    check(!piece.name.empty() && piece.offset + piece.bytes.size() <= piece.total,
+          "a piece lies in its file");
     return {};
   });
 }
@@ -137,7 +143,8 @@ std::vector<Bytes> seeds() {
       InputSample sample;
       sample.sequence = number;
       sample.hands[number % 2].active = true;
-      sample.hands[number % 2].aim.position_m = Eigen::Vector3f(0.1f * static_cast<float>(number), 1, 0).cast<double>();
+      sample.hands[number % 2].aim.position_m =
+          Eigen::Vector3f(0.1f * static_cast<float>(number), 1, 0).cast<double>();
       tick.actions.samples.push_back({7, {sample}});
       if (number == 5) tick.actions.cuts = {9, 12};
       if (number == 6) tick.actions.changes.emplace_back().mutable_force()->set_object("thing");

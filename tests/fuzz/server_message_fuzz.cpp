@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a client takes from a server: a livegs.v1.JoinReply, then messages of the stream with events and frames.
+// What a client takes from a server: a livegs.v1.JoinReply, then messages of the stream with events and
+// frames.
 #include "fuzz/moving_objects.h"
 #include "livegs/v1/session.pb.h"
 #include "stream/received/known_objects.h"
@@ -23,9 +24,11 @@ bool parse(Message& message, std::span<const std::byte> bytes) {
 
 void check_object(const StreamedObject& object) {
   // They become names of files.
-  check(object.asset_hash.size() == 64 && object.asset_hash.find_first_not_of("0123456789abcdef") == std::string::npos,
+  check(object.asset_hash.size() == 64 &&
+            object.asset_hash.find_first_not_of("0123456789abcdef") == std::string::npos,
         "a hash is one");
-  check(object.broken_asset_hash.empty() || object.broken_asset_hash.size() == 64, "a broken asset has a hash or is not");
+  check(object.broken_asset_hash.empty() || object.broken_asset_hash.size() == 64,
+        "a broken asset has a hash or is not");
 }
 
 }  // namespace
@@ -45,7 +48,8 @@ void look_at(std::span<const std::byte> input) {
       if (!difference) return;
       for (const StreamedObject& object : difference->added) check_object(object);
       const auto again = objects.replace(described);
-      check(again && again->added.empty() && again->changed.empty() && again->removed.empty(), "told twice, nothing is new");
+      check(again && again->added.empty() && again->changed.empty() && again->removed.empty(),
+            "told twice, nothing is new");
       continue;
     }
     v1::ServerMessage message;
@@ -53,7 +57,8 @@ void look_at(std::span<const std::byte> input) {
     for (const v1::SessionEvent& event : message.events()) {
       if (event.has_object_removed()) objects.remove(event.object_removed().object_id());
       if (!event.has_object_added() && !event.has_object_changed()) continue;
-      const auto object = objects.take(event.has_object_added() ? event.object_added() : event.object_changed());
+      const auto object =
+          objects.take(event.has_object_added() ? event.object_added() : event.object_changed());
       if (!object) return;  // ends the session
       check_object(*object);
     }
@@ -80,7 +85,8 @@ std::vector<Bytes> seeds() {
     object.set_rest_body(bytes.data(), bytes.size());
   };
   const std::vector<RestBody> rests = rest_bodies();
-  for (uint32_t id = 1; id <= 3; ++id) describe(3 * id, rests[id % 2 == 0 ? 4 : id - 1], *reply.add_objects());
+  for (uint32_t id = 1; id <= 3; ++id)
+    describe(3 * id, rests[id % 2 == 0 ? 4 : id - 1], *reply.add_objects());
   std::vector<Bytes> messages{bytes_of(reply)};
   seeds.push_back(joined(messages));
   StreamBaselinePtr baseline;

@@ -8,7 +8,8 @@ void look_at(std::span<const std::byte> input) {
   StreamReader reader;
   for (const auto part : parts_of(input)) {
     const auto frame = reader.read(part);
-    check(reader.needs_key_frame() == !frame, "who could not read a frame asks for a key frame, and nobody else");
+    check(reader.needs_key_frame() == !frame,
+          "who could not read a frame asks for a key frame, and nobody else");
     if (!frame) continue;
     check_finite(*frame);
     const auto time_ns = stream_frame_time_ns(part);

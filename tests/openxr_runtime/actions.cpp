@@ -8,29 +8,37 @@
 namespace livegs::simulated {
 namespace {
 
-// What a profile has on either hand, in one string; "l:" and "r:" on that hand alone. The first of these profiles that there
-// are controllers of, and that the application suggests bindings for, is in use.
+// What a profile has on either hand, in one string; "l:" and "r:" on that hand alone. The first of these
+// profiles that there are controllers of, and that the application suggests bindings for, is in use.
 struct Profile {
   const char* path;
   const char* components;
 };
 constexpr Profile kProfiles[] = {
     {"/interaction_profiles/meta/touch_controller_plus",
-     " input/grip/pose input/aim/pose input/trigger/value input/trigger/touch input/squeeze/value input/thumbstick/x"
-     " input/thumbstick/y input/thumbstick/click l:input/x/click l:input/y/click l:input/menu/click r:input/a/click"
+     " input/grip/pose input/aim/pose input/trigger/value input/trigger/touch input/squeeze/value "
+     "input/thumbstick/x"
+     " input/thumbstick/y input/thumbstick/click l:input/x/click l:input/y/click l:input/menu/click "
+     "r:input/a/click"
      " r:input/b/click r:input/system/click output/haptic "},
     {"/interaction_profiles/oculus/touch_controller",
-     " input/grip/pose input/aim/pose input/trigger/value input/trigger/touch input/squeeze/value input/thumbstick/x"
-     " input/thumbstick/y input/thumbstick/click input/thumbrest/touch l:input/x/click l:input/y/click l:input/menu/click"
+     " input/grip/pose input/aim/pose input/trigger/value input/trigger/touch input/squeeze/value "
+     "input/thumbstick/x"
+     " input/thumbstick/y input/thumbstick/click input/thumbrest/touch l:input/x/click l:input/y/click "
+     "l:input/menu/click"
      " r:input/a/click r:input/b/click r:input/system/click output/haptic "},
-    {"/interaction_profiles/khr/simple_controller", " input/grip/pose input/aim/pose input/select/click input/menu/click output/haptic "},
+    {"/interaction_profiles/khr/simple_controller",
+     " input/grip/pose input/aim/pose input/select/click input/menu/click output/haptic "},
     {"/interaction_profiles/htc/vive_controller",
-     " input/grip/pose input/aim/pose input/squeeze/click input/menu/click input/trigger/value input/trigger/click output/haptic "},
+     " input/grip/pose input/aim/pose input/squeeze/click input/menu/click input/trigger/value "
+     "input/trigger/click output/haptic "},
     {"/interaction_profiles/valve/index_controller",
-     " input/grip/pose input/aim/pose input/squeeze/value input/squeeze/force input/trigger/value input/a/click input/b/click"
+     " input/grip/pose input/aim/pose input/squeeze/value input/squeeze/force input/trigger/value "
+     "input/a/click input/b/click"
      " output/haptic "},
     {"/interaction_profiles/microsoft/motion_controller",
-     " input/grip/pose input/aim/pose input/squeeze/click input/menu/click input/trigger/value output/haptic "},
+     " input/grip/pose input/aim/pose input/squeeze/click input/menu/click input/trigger/value "
+     "output/haptic "},
 };
 
 // The component a binding names, completed where it may be left out; empty where the profile has none.
@@ -51,8 +59,13 @@ std::string component_of(const Profile& profile, const std::string& path) {
 // The timeline's track of a component: "left.trigger".
 std::string track_of(const std::string& path) {
   const std::string hand = path.starts_with("/user/hand/left/") ? "left." : "right.";
-  for (const auto& [part, track] : {std::pair("/trigger/", "trigger"), {"/select/", "trigger"}, {"/squeeze/", "squeeze"},
-                                    {"/x/", "primary"}, {"/a/", "primary"}, {"/y/", "secondary"}, {"/b/", "secondary"},
+  for (const auto& [part, track] : {std::pair("/trigger/", "trigger"),
+                                    {"/select/", "trigger"},
+                                    {"/squeeze/", "squeeze"},
+                                    {"/x/", "primary"},
+                                    {"/a/", "primary"},
+                                    {"/y/", "secondary"},
+                                    {"/b/", "secondary"},
                                     {"/menu/", "menu"}}) {
     if (path.find(part) != std::string::npos) return hand + track;
   }
@@ -65,11 +78,15 @@ bool is_input_of(XrActionType type, const std::string& component) {
   return type == XR_ACTION_TYPE_BOOLEAN_INPUT || type == XR_ACTION_TYPE_FLOAT_INPUT;
 }
 
-std::string hand_of(const std::string& path) { return path.starts_with("/user/hand/left") ? "/user/hand/left" : "/user/hand/right"; }
+std::string hand_of(const std::string& path) {
+  return path.starts_with("/user/hand/left") ? "/user/hand/left" : "/user/hand/right";
+}
 
 void use_profile(Session& session) {
   for (const Profile& profile : kProfiles) {
-    if (!session.profile.empty() || !the_instance().suggested.contains(profile.path) || !has_controllers(profile.path)) continue;
+    if (!session.profile.empty() || !the_instance().suggested.contains(profile.path) ||
+        !has_controllers(profile.path))
+      continue;
     session.profile = profile.path;
     runtime().record->profile(timeline_s(now()), session.profile);
     push_event(XrEventDataInteractionProfileChanged{XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED, nullptr,
@@ -99,13 +116,16 @@ void read_inputs(Session& session) {
       InputState state;
       if (focused && bindings != instance.suggested.end()) {
         for (const Binding& binding : bindings->second) {
-          if (binding.action != handle || (subaction != XR_NULL_PATH && path_string(subaction) != hand_of(binding.path))) continue;
+          if (binding.action != handle ||
+              (subaction != XR_NULL_PATH && path_string(subaction) != hand_of(binding.path)))
+            continue;
           state.known = true;
           state.value = std::max(state.value, value_of(binding, action.type, timeline_s(at)));
         }
       }
       const auto last = before.find({handle, subaction});
-      state.changed = last != before.end() && last->second.known && state.known && last->second.value != state.value;
+      state.changed =
+          last != before.end() && last->second.known && state.known && last->second.value != state.value;
       state.changed_at = state.changed || last == before.end() ? at : last->second.changed_at;
       session.inputs[{handle, subaction}] = state;
     }
@@ -113,44 +133,58 @@ void read_inputs(Session& session) {
 }
 
 // Finds what a getter asks for; a code where it may not.
-XrResult look_up(XrSession handle, const XrActionStateGetInfo* info, XrActionType type, const char* call, InputState& state) {
+XrResult look_up(XrSession handle, const XrActionStateGetInfo* info, XrActionType type, const char* call,
+                 InputState& state) {
   Session* session = find(handle);
   if (const auto refused = refuse(session, call)) return *refused;
   if (!info || info->type != XR_TYPE_ACTION_STATE_GET_INFO)
     return misuse(XR_ERROR_VALIDATION_FAILURE, std::string(call) + ": not an XrActionStateGetInfo");
   const Instance& instance = the_instance();
   const auto action = instance.actions.find(info->action);
-  if (action == instance.actions.end()) return misuse(XR_ERROR_HANDLE_INVALID, std::string(call) + ": no such action");
-  if (action->second.type != type) return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, std::string(call) + ": " + action->second.name + " is of another type");
+  if (action == instance.actions.end())
+    return misuse(XR_ERROR_HANDLE_INVALID, std::string(call) + ": no such action");
+  if (action->second.type != type)
+    return misuse(XR_ERROR_ACTION_TYPE_MISMATCH,
+                  std::string(call) + ": " + action->second.name + " is of another type");
   if (!instance.sets.at(action->second.set).attached)
-    return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, std::string(call) + ": the set of " + action->second.name + " is not attached");
+    return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED,
+                  std::string(call) + ": the set of " + action->second.name + " is not attached");
   if (info->subactionPath != XR_NULL_PATH && !action->second.subactions.contains(info->subactionPath))
-    return misuse(XR_ERROR_PATH_UNSUPPORTED, std::string(call) + ": " + action->second.name + " has no such subaction");
+    return misuse(XR_ERROR_PATH_UNSUPPORTED,
+                  std::string(call) + ": " + action->second.name + " has no such subaction");
   const auto found = session->inputs.find({info->action, info->subactionPath});
   if (found != session->inputs.end()) state = found->second;
   return success(*session);
 }
 
 bool is_top_level(const std::string& path) {
-  return path == "/user/hand/left" || path == "/user/hand/right" || path == "/user/head" || path == "/user/gamepad";
+  return path == "/user/hand/left" || path == "/user/hand/right" || path == "/user/head" ||
+         path == "/user/gamepad";
 }
 
 // Whether an action that gives back can be spoken to; a code where it may not.
-std::optional<XrResult> refuse_output(const Session* session, const XrHapticActionInfo* info, const char* call) {
+std::optional<XrResult> refuse_output(const Session* session, const XrHapticActionInfo* info,
+                                      const char* call) {
   if (const auto refused = refuse(session, call)) return refused;
-  if (!info || info->type != XR_TYPE_HAPTIC_ACTION_INFO) return misuse(XR_ERROR_VALIDATION_FAILURE, std::string(call) + ": not an XrHapticActionInfo");
+  if (!info || info->type != XR_TYPE_HAPTIC_ACTION_INFO)
+    return misuse(XR_ERROR_VALIDATION_FAILURE, std::string(call) + ": not an XrHapticActionInfo");
   const auto action = the_instance().actions.find(info->action);
-  if (action == the_instance().actions.end()) return misuse(XR_ERROR_HANDLE_INVALID, std::string(call) + ": no such action");
-  if (action->second.type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, std::string(call) + ": no output");
+  if (action == the_instance().actions.end())
+    return misuse(XR_ERROR_HANDLE_INVALID, std::string(call) + ": no such action");
+  if (action->second.type != XR_ACTION_TYPE_VIBRATION_OUTPUT)
+    return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, std::string(call) + ": no output");
   if (!the_instance().sets.at(action->second.set).attached)
-    return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, std::string(call) + ": the set of " + action->second.name + " is not attached");
+    return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED,
+                  std::string(call) + ": the set of " + action->second.name + " is not attached");
   if (info->subactionPath != XR_NULL_PATH && !action->second.subactions.contains(info->subactionPath))
-    return misuse(XR_ERROR_PATH_UNSUPPORTED, std::string(call) + ": " + action->second.name + " has no such subaction");
+    return misuse(XR_ERROR_PATH_UNSUPPORTED,
+                  std::string(call) + ": " + action->second.name + " has no such subaction");
   return std::nullopt;
 }
 
 bool is_name(const char* name) {
-  return name[0] && std::string(name).find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_.") == std::string::npos;
+  return name[0] &&
+         std::string(name).find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_.") == std::string::npos;
 }
 
 }  // namespace
@@ -168,11 +202,15 @@ XrResult xrCreateActionSet(XrInstance instance, const XrActionSetCreateInfo* inf
   std::lock_guard lock(runtime().mutex);
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrCreateActionSet: no such instance");
-  if (!info || !is_name(info->actionSetName)) return misuse(XR_ERROR_NAME_INVALID, "xrCreateActionSet: no name");
-  if (!info->localizedActionSetName[0]) return misuse(XR_ERROR_LOCALIZED_NAME_INVALID, "xrCreateActionSet: no localized name");
+  if (!info || !is_name(info->actionSetName))
+    return misuse(XR_ERROR_NAME_INVALID, "xrCreateActionSet: no name");
+  if (!info->localizedActionSetName[0])
+    return misuse(XR_ERROR_LOCALIZED_NAME_INVALID, "xrCreateActionSet: no localized name");
   for (const auto& [handle, other] : found->sets) {
-    if (other.name == info->actionSetName) return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateActionSet: a name twice");
-    if (other.localized == info->localizedActionSetName) return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateActionSet: a localized name twice");
+    if (other.name == info->actionSetName)
+      return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateActionSet: a name twice");
+    if (other.localized == info->localizedActionSetName)
+      return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateActionSet: a localized name twice");
   }
   *set = new_handle<XrActionSet>();
   ++found->sets_made;
@@ -182,7 +220,8 @@ XrResult xrCreateActionSet(XrInstance instance, const XrActionSetCreateInfo* inf
 
 XrResult xrDestroyActionSet(XrActionSet set) {
   std::lock_guard lock(runtime().mutex);
-  if (runtime().instances.empty() || !the_instance().sets.erase(set)) return misuse(XR_ERROR_HANDLE_INVALID, "xrDestroyActionSet: no such set");
+  if (runtime().instances.empty() || !the_instance().sets.erase(set))
+    return misuse(XR_ERROR_HANDLE_INVALID, "xrDestroyActionSet: no such set");
   std::erase_if(the_instance().actions, [&](const auto& action) { return action.second.set == set; });
   return XR_SUCCESS;
 }
@@ -192,13 +231,17 @@ XrResult xrCreateAction(XrActionSet set, const XrActionCreateInfo* info, XrActio
   Instance& instance = the_instance();
   const auto found = instance.sets.find(set);
   if (found == instance.sets.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrCreateAction: no such set");
-  if (found->second.attached) return misuse(XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, "xrCreateAction: its set is attached");
+  if (found->second.attached)
+    return misuse(XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, "xrCreateAction: its set is attached");
   if (!info || !is_name(info->actionName)) return misuse(XR_ERROR_NAME_INVALID, "xrCreateAction: no name");
-  if (!info->localizedActionName[0]) return misuse(XR_ERROR_LOCALIZED_NAME_INVALID, "xrCreateAction: no localized name");
+  if (!info->localizedActionName[0])
+    return misuse(XR_ERROR_LOCALIZED_NAME_INVALID, "xrCreateAction: no localized name");
   for (const auto& [handle, other] : instance.actions) {
     if (other.set != set) continue;
-    if (other.name == info->actionName) return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateAction: a name twice");
-    if (other.localized == info->localizedActionName) return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateAction: a localized name twice");
+    if (other.name == info->actionName)
+      return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateAction: a name twice");
+    if (other.localized == info->localizedActionName)
+      return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateAction: a localized name twice");
   }
   Action made{set, info->actionType, info->actionName, info->localizedActionName, {}};
   for (uint32_t i = 0; i < info->countSubactionPaths; ++i) {
@@ -216,29 +259,35 @@ XrResult xrCreateAction(XrActionSet set, const XrActionCreateInfo* info, XrActio
 
 XrResult xrDestroyAction(XrAction action) {
   std::lock_guard lock(runtime().mutex);
-  if (runtime().instances.empty() || !the_instance().actions.erase(action)) return misuse(XR_ERROR_HANDLE_INVALID, "xrDestroyAction: no such action");
+  if (runtime().instances.empty() || !the_instance().actions.erase(action))
+    return misuse(XR_ERROR_HANDLE_INVALID, "xrDestroyAction: no such action");
   return XR_SUCCESS;
 }
 
-XrResult xrSuggestInteractionProfileBindings(XrInstance instance, const XrInteractionProfileSuggestedBinding* info) {
+XrResult xrSuggestInteractionProfileBindings(XrInstance instance,
+                                             const XrInteractionProfileSuggestedBinding* info) {
   std::lock_guard lock(runtime().mutex);
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrSuggestInteractionProfileBindings: no such instance");
   const std::string path = path_string(info->interactionProfile);
-  const auto profile = std::find_if(std::begin(kProfiles), std::end(kProfiles), [&](const Profile& one) { return path == one.path; });
-  if (profile == std::end(kProfiles) ||
-      (path.find("plus") != std::string::npos && !found->extensions.contains("XR_META_touch_controller_plus")))
+  const auto profile = std::find_if(std::begin(kProfiles), std::end(kProfiles),
+                                    [&](const Profile& one) { return path == one.path; });
+  if (profile == std::end(kProfiles) || (path.find("plus") != std::string::npos &&
+                                         !found->extensions.contains("XR_META_touch_controller_plus")))
     return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrSuggestInteractionProfileBindings: no profile " + path);
   std::vector<Binding> bindings;
   for (uint32_t i = 0; i < info->countSuggestedBindings; ++i) {
     const auto action = found->actions.find(info->suggestedBindings[i].action);
-    if (action == found->actions.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrSuggestInteractionProfileBindings: no such action");
+    if (action == found->actions.end())
+      return misuse(XR_ERROR_HANDLE_INVALID, "xrSuggestInteractionProfileBindings: no such action");
     if (found->sets.at(action->second.set).attached)
-      return misuse(XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, "xrSuggestInteractionProfileBindings: after xrAttachSessionActionSets");
+      return misuse(XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
+                    "xrSuggestInteractionProfileBindings: after xrAttachSessionActionSets");
     const std::string bound = path_string(info->suggestedBindings[i].binding);
     const std::string component = component_of(*profile, bound);
     if (component.empty() || !is_input_of(action->second.type, component))
-      return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrSuggestInteractionProfileBindings: " + path + " has no " + bound + " for " + action->second.name);
+      return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrSuggestInteractionProfileBindings: " + path + " has no " +
+                                                   bound + " for " + action->second.name);
     bindings.push_back({action->first, hand_of(bound) + "/" + component});
   }
   found->suggested[path] = std::move(bindings);
@@ -249,12 +298,14 @@ XrResult xrAttachSessionActionSets(XrSession session, const XrSessionActionSetsA
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrAttachSessionActionSets")) return *refused;
-  if (found->attached) return misuse(XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, "xrAttachSessionActionSets: twice");
+  if (found->attached)
+    return misuse(XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, "xrAttachSessionActionSets: twice");
   if (!info || info->type != XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO || info->countActionSets == 0)
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrAttachSessionActionSets: no sets");
   for (uint32_t i = 0; i < info->countActionSets; ++i) {
     const auto set = the_instance().sets.find(info->actionSets[i]);
-    if (set == the_instance().sets.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrAttachSessionActionSets: no such set");
+    if (set == the_instance().sets.end())
+      return misuse(XR_ERROR_HANDLE_INVALID, "xrAttachSessionActionSets: no such set");
     set->second.attached = true;
   }
   found->attached = true;
@@ -265,9 +316,13 @@ XrResult xrGetCurrentInteractionProfile(XrSession session, XrPath user, XrIntera
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrGetCurrentInteractionProfile")) return *refused;
-  if (!found->attached) return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, "xrGetCurrentInteractionProfile: no set is attached");
-  if (path_string(user).empty()) return misuse(XR_ERROR_PATH_INVALID, "xrGetCurrentInteractionProfile: no such path");
-  if (!is_top_level(path_string(user))) return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrGetCurrentInteractionProfile: " + path_string(user) + " is no user's hand");
+  if (!found->attached)
+    return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, "xrGetCurrentInteractionProfile: no set is attached");
+  if (path_string(user).empty())
+    return misuse(XR_ERROR_PATH_INVALID, "xrGetCurrentInteractionProfile: no such path");
+  if (!is_top_level(path_string(user)))
+    return misuse(XR_ERROR_PATH_UNSUPPORTED,
+                  "xrGetCurrentInteractionProfile: " + path_string(user) + " is no user's hand");
   state->interactionProfile = XR_NULL_PATH;
   if (!found->profile.empty()) take_path(found->profile, state->interactionProfile);
   return success(*found);
@@ -277,11 +332,15 @@ XrResult xrSyncActions(XrSession session, const XrActionsSyncInfo* info) {
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrSyncActions")) return *refused;
-  if (!info || info->type != XR_TYPE_ACTIONS_SYNC_INFO) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrSyncActions: not an XrActionsSyncInfo");
+  if (!info || info->type != XR_TYPE_ACTIONS_SYNC_INFO)
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrSyncActions: not an XrActionsSyncInfo");
   for (uint32_t i = 0; i < info->countActiveActionSets; ++i) {
     const auto set = the_instance().sets.find(info->activeActionSets[i].actionSet);
-    if (set == the_instance().sets.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrSyncActions: no such set");
-    if (!set->second.attached) return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, "xrSyncActions: " + set->second.name + " is not attached");
+    if (set == the_instance().sets.end())
+      return misuse(XR_ERROR_HANDLE_INVALID, "xrSyncActions: no such set");
+    if (!set->second.attached)
+      return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED,
+                    "xrSyncActions: " + set->second.name + " is not attached");
   }
   use_profile(*found);
   read_inputs(*found);
@@ -289,10 +348,12 @@ XrResult xrSyncActions(XrSession session, const XrActionsSyncInfo* info) {
   return success(*found);
 }
 
-XrResult xrGetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info, XrActionStateBoolean* read) {
+XrResult xrGetActionStateBoolean(XrSession session, const XrActionStateGetInfo* info,
+                                 XrActionStateBoolean* read) {
   std::lock_guard lock(runtime().mutex);
   InputState state;
-  const XrResult result = look_up(session, info, XR_ACTION_TYPE_BOOLEAN_INPUT, "xrGetActionStateBoolean", state);
+  const XrResult result =
+      look_up(session, info, XR_ACTION_TYPE_BOOLEAN_INPUT, "xrGetActionStateBoolean", state);
   if (XR_FAILED(result)) return result;
   read->currentState = state.value > 0.5f;
   read->changedSinceLastSync = state.changed;
@@ -301,7 +362,8 @@ XrResult xrGetActionStateBoolean(XrSession session, const XrActionStateGetInfo* 
   return result;
 }
 
-XrResult xrGetActionStateFloat(XrSession session, const XrActionStateGetInfo* info, XrActionStateFloat* read) {
+XrResult xrGetActionStateFloat(XrSession session, const XrActionStateGetInfo* info,
+                               XrActionStateFloat* read) {
   std::lock_guard lock(runtime().mutex);
   InputState state;
   const XrResult result = look_up(session, info, XR_ACTION_TYPE_FLOAT_INPUT, "xrGetActionStateFloat", state);
@@ -313,10 +375,12 @@ XrResult xrGetActionStateFloat(XrSession session, const XrActionStateGetInfo* in
   return result;
 }
 
-XrResult xrGetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info, XrActionStateVector2f* read) {
+XrResult xrGetActionStateVector2f(XrSession session, const XrActionStateGetInfo* info,
+                                  XrActionStateVector2f* read) {
   std::lock_guard lock(runtime().mutex);
   InputState state;
-  const XrResult result = look_up(session, info, XR_ACTION_TYPE_VECTOR2F_INPUT, "xrGetActionStateVector2f", state);
+  const XrResult result =
+      look_up(session, info, XR_ACTION_TYPE_VECTOR2F_INPUT, "xrGetActionStateVector2f", state);
   if (XR_FAILED(result)) return result;
   read->currentState = {0, 0};
   read->changedSinceLastSync = XR_FALSE;
@@ -333,13 +397,15 @@ XrResult xrGetActionStatePose(XrSession session, const XrActionStateGetInfo* inf
   return result;
 }
 
-XrResult xrEnumerateBoundSourcesForAction(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info, uint32_t capacity,
-                                          uint32_t* count, XrPath* sources) {
+XrResult xrEnumerateBoundSourcesForAction(XrSession session, const XrBoundSourcesForActionEnumerateInfo* info,
+                                          uint32_t capacity, uint32_t* count, XrPath* sources) {
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrEnumerateBoundSourcesForAction")) return *refused;
-  if (!found->attached) return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, "xrEnumerateBoundSourcesForAction: no set is attached");
-  if (!the_instance().actions.contains(info->action)) return misuse(XR_ERROR_HANDLE_INVALID, "xrEnumerateBoundSourcesForAction: no such action");
+  if (!found->attached)
+    return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, "xrEnumerateBoundSourcesForAction: no set is attached");
+  if (!the_instance().actions.contains(info->action))
+    return misuse(XR_ERROR_HANDLE_INVALID, "xrEnumerateBoundSourcesForAction: no such action");
   std::vector<XrPath> paths;
   for (const Binding& binding : the_instance().suggested[found->profile]) {
     if (binding.action == info->action) take_path(binding.path, paths.emplace_back());
@@ -347,8 +413,8 @@ XrResult xrEnumerateBoundSourcesForAction(XrSession session, const XrBoundSource
   return fill(capacity, count, sources, paths);
 }
 
-XrResult xrGetInputSourceLocalizedName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info, uint32_t capacity, uint32_t* count,
-                                       char* text) {
+XrResult xrGetInputSourceLocalizedName(XrSession session, const XrInputSourceLocalizedNameGetInfo* info,
+                                       uint32_t capacity, uint32_t* count, char* text) {
   std::lock_guard lock(runtime().mutex);
   if (const auto refused = refuse(find(session), "xrGetInputSourceLocalizedName")) return *refused;
   const std::string path = path_string(info->sourcePath);
@@ -356,11 +422,13 @@ XrResult xrGetInputSourceLocalizedName(XrSession session, const XrInputSourceLoc
   return fill(capacity, count, text, path + '\0');
 }
 
-XrResult xrApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* feedback) {
+XrResult xrApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info,
+                               const XrHapticBaseHeader* feedback) {
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse_output(found, info, "xrApplyHapticFeedback")) return *refused;
-  if (!feedback || feedback->type != XR_TYPE_HAPTIC_VIBRATION) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrApplyHapticFeedback: no vibration");
+  if (!feedback || feedback->type != XR_TYPE_HAPTIC_VIBRATION)
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrApplyHapticFeedback: no vibration");
   const auto& vibration = *reinterpret_cast<const XrHapticVibration*>(feedback);
   if (!(vibration.amplitude >= 0 && vibration.amplitude <= 1))
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrApplyHapticFeedback: an amplitude that is not from 0 to 1");

@@ -37,9 +37,11 @@ void Graphics::close() {
   *this = Graphics();
 }
 
-bool Graphics::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags, VkDeviceMemory& made) {
+bool Graphics::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags,
+                        VkDeviceMemory& made) {
   for (uint32_t type = 0; type < memory.memoryTypeCount; ++type) {
-    if (!(needs.memoryTypeBits & (1u << type)) || (memory.memoryTypes[type].propertyFlags & flags) != flags) continue;
+    if (!(needs.memoryTypeBits & (1u << type)) || (memory.memoryTypes[type].propertyFlags & flags) != flags)
+      continue;
     const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, needs.size, type};
     return AllocateMemory(device, &info, nullptr, &made) == VK_SUCCESS;
   }
@@ -62,7 +64,8 @@ bool Graphics::run() {
   return QueueSubmit(queue, 1, &info, VK_NULL_HANDLE) == VK_SUCCESS && QueueWaitIdle(queue) == VK_SUCCESS;
 }
 
-void Graphics::barrier(VkImage image, VkImageLayout from, VkImageLayout to, VkAccessFlags before, VkAccessFlags after) {
+void Graphics::barrier(VkImage image, VkImageLayout from, VkImageLayout to, VkAccessFlags before,
+                       VkAccessFlags after) {
   VkImageMemoryBarrier barrier{};
   barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
   barrier.srcAccessMask = before;
@@ -71,9 +74,10 @@ void Graphics::barrier(VkImage image, VkImageLayout from, VkImageLayout to, VkAc
   barrier.newLayout = to;
   barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
   barrier.image = image;
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS};
-  CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr, 0,
-                     nullptr, 1, &barrier);
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, VK_REMAINING_MIP_LEVELS, 0,
+                              VK_REMAINING_ARRAY_LAYERS};
+  CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0,
+                     nullptr, 0, nullptr, 1, &barrier);
 }
 
 bool Graphics::make_image(const XrSwapchainCreateInfo& info, SwapchainImage& made) {
@@ -87,13 +91,15 @@ bool Graphics::make_image(const XrSwapchainCreateInfo& info, SwapchainImage& mad
   create.samples = VK_SAMPLE_COUNT_1_BIT;
   create.tiling = VK_IMAGE_TILING_OPTIMAL;
   create.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-  if (info.usageFlags & XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT) create.usage |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+  if (info.usageFlags & XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT)
+    create.usage |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
   if (info.usageFlags & XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT) create.usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   if (info.usageFlags & XR_SWAPCHAIN_USAGE_SAMPLED_BIT) create.usage |= VK_IMAGE_USAGE_SAMPLED_BIT;
   if (CreateImage(device, &create, nullptr, &made.image) != VK_SUCCESS) return false;
   VkMemoryRequirements needs;
   GetImageMemoryRequirements(device, made.image, &needs);
-  if (!allocate(needs, 0, made.memory) || BindImageMemory(device, made.image, made.memory, 0) != VK_SUCCESS || !begin())
+  if (!allocate(needs, 0, made.memory) || BindImageMemory(device, made.image, made.memory, 0) != VK_SUCCESS ||
+      !begin())
     return false;
   barrier(made.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, 0,
           VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT);
@@ -106,7 +112,8 @@ void Graphics::destroy(SwapchainImage& image) {
 }
 
 bool Graphics::read(VkImage image, uint32_t layer, const XrRect2Di& rect, std::vector<uint8_t>& read) {
-  const VkDeviceSize wanted = VkDeviceSize{4} * static_cast<uint32_t>(rect.extent.width) * static_cast<uint32_t>(rect.extent.height);
+  const VkDeviceSize wanted =
+      VkDeviceSize{4} * static_cast<uint32_t>(rect.extent.width) * static_cast<uint32_t>(rect.extent.height);
   if (wanted > capacity) {
     if (buffer) DestroyBuffer(device, buffer, nullptr);
     if (buffer_memory) FreeMemory(device, buffer_memory, nullptr);
@@ -120,24 +127,27 @@ bool Graphics::read(VkImage image, uint32_t layer, const XrRect2Di& rect, std::v
     VkMemoryRequirements needs;
     GetBufferMemoryRequirements(device, buffer, &needs);
     void* mapped = nullptr;
-    if (!allocate(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, buffer_memory) ||
+    if (!allocate(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+                  buffer_memory) ||
         BindBufferMemory(device, buffer, buffer_memory, 0) != VK_SUCCESS ||
         MapMemory(device, buffer_memory, 0, VK_WHOLE_SIZE, 0, &mapped) != VK_SUCCESS)
       return false;
     bytes = static_cast<uint8_t*>(mapped);
   }
   if (!begin()) return false;
-  barrier(image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_ACCESS_MEMORY_WRITE_BIT,
-          VK_ACCESS_TRANSFER_READ_BIT);
+  barrier(image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+          VK_ACCESS_MEMORY_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT);
   VkBufferImageCopy copy{};
   copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1};
   copy.imageOffset = {rect.offset.x, rect.offset.y, 0};
   copy.imageExtent = {static_cast<uint32_t>(rect.extent.width), static_cast<uint32_t>(rect.extent.height), 1};
   CmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer, 1, &copy);
-  barrier(image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_ACCESS_TRANSFER_READ_BIT,
-          VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT);
-  VkMemoryBarrier host{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_HOST_READ_BIT};
-  CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &host, 0, nullptr, 0, nullptr);
+  barrier(image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+          VK_ACCESS_TRANSFER_READ_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT);
+  VkMemoryBarrier host{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_TRANSFER_WRITE_BIT,
+                       VK_ACCESS_HOST_READ_BIT};
+  CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &host, 0,
+                     nullptr, 0, nullptr);
   if (!run()) return false;
   read.assign(bytes, bytes + wanted);
   return true;
@@ -147,24 +157,28 @@ bool Graphics::read(VkImage image, uint32_t layer, const XrRect2Di& rect, std::v
 
 using namespace livegs::simulated;
 
-XrResult xrGetVulkanGraphicsRequirements2KHR(XrInstance instance, XrSystemId system, XrGraphicsRequirementsVulkanKHR* requirements) {
+XrResult xrGetVulkanGraphicsRequirements2KHR(XrInstance instance, XrSystemId system,
+                                             XrGraphicsRequirementsVulkanKHR* requirements) {
   std::lock_guard lock(runtime().mutex);
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrGetVulkanGraphicsRequirements2KHR: no such instance");
-  if (system != kSystem) return misuse(XR_ERROR_SYSTEM_INVALID, "xrGetVulkanGraphicsRequirements2KHR: no such system");
+  if (system != kSystem)
+    return misuse(XR_ERROR_SYSTEM_INVALID, "xrGetVulkanGraphicsRequirements2KHR: no such system");
   requirements->minApiVersionSupported = XR_MAKE_VERSION(1, 0, 0);
   requirements->maxApiVersionSupported = XR_MAKE_VERSION(1, 3, 999);
   found->requirements_asked = true;
   return XR_SUCCESS;
 }
 
-XrResult xrCreateVulkanInstanceKHR(XrInstance instance, const XrVulkanInstanceCreateInfoKHR* info, VkInstance* made, VkResult* result) {
+XrResult xrCreateVulkanInstanceKHR(XrInstance instance, const XrVulkanInstanceCreateInfoKHR* info,
+                                   VkInstance* made, VkResult* result) {
   std::lock_guard lock(runtime().mutex);
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrCreateVulkanInstanceKHR: no such instance");
   if (!info || info->systemId != kSystem || !info->pfnGetInstanceProcAddr || !info->vulkanCreateInfo)
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateVulkanInstanceKHR: the info is incomplete");
-  const auto create = reinterpret_cast<PFN_vkCreateInstance>(info->pfnGetInstanceProcAddr(VK_NULL_HANDLE, "vkCreateInstance"));
+  const auto create = reinterpret_cast<PFN_vkCreateInstance>(
+      info->pfnGetInstanceProcAddr(VK_NULL_HANDLE, "vkCreateInstance"));
   *result = create(info->vulkanCreateInfo, info->vulkanAllocator, made);
   if (*result == VK_SUCCESS) {
     found->vulkan = *made;
@@ -173,24 +187,29 @@ XrResult xrCreateVulkanInstanceKHR(XrInstance instance, const XrVulkanInstanceCr
   return XR_SUCCESS;
 }
 
-XrResult xrGetVulkanGraphicsDevice2KHR(XrInstance instance, const XrVulkanGraphicsDeviceGetInfoKHR* info, VkPhysicalDevice* device) {
+XrResult xrGetVulkanGraphicsDevice2KHR(XrInstance instance, const XrVulkanGraphicsDeviceGetInfoKHR* info,
+                                       VkPhysicalDevice* device) {
   std::lock_guard lock(runtime().mutex);
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrGetVulkanGraphicsDevice2KHR: no such instance");
   if (!info || info->systemId != kSystem || !found->vulkan || info->vulkanInstance != found->vulkan)
-    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrGetVulkanGraphicsDevice2KHR: not of the instance made by xrCreateVulkanInstanceKHR");
-  const auto enumerate =
-      reinterpret_cast<PFN_vkEnumeratePhysicalDevices>(found->vulkan_of(found->vulkan, "vkEnumeratePhysicalDevices"));
+    return misuse(XR_ERROR_VALIDATION_FAILURE,
+                  "xrGetVulkanGraphicsDevice2KHR: not of the instance made by xrCreateVulkanInstanceKHR");
+  const auto enumerate = reinterpret_cast<PFN_vkEnumeratePhysicalDevices>(
+      found->vulkan_of(found->vulkan, "vkEnumeratePhysicalDevices"));
   uint32_t count = 1;
   const VkResult result = enumerate(found->vulkan, &count, device);
-  return (result == VK_SUCCESS || result == VK_INCOMPLETE) && count == 1 ? XR_SUCCESS : XR_ERROR_RUNTIME_FAILURE;
+  return (result == VK_SUCCESS || result == VK_INCOMPLETE) && count == 1 ? XR_SUCCESS
+                                                                         : XR_ERROR_RUNTIME_FAILURE;
 }
 
-XrResult xrCreateVulkanDeviceKHR(XrInstance instance, const XrVulkanDeviceCreateInfoKHR* info, VkDevice* made, VkResult* result) {
+XrResult xrCreateVulkanDeviceKHR(XrInstance instance, const XrVulkanDeviceCreateInfoKHR* info, VkDevice* made,
+                                 VkResult* result) {
   std::lock_guard lock(runtime().mutex);
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrCreateVulkanDeviceKHR: no such instance");
-  if (!info || info->systemId != kSystem || !info->pfnGetInstanceProcAddr || !info->vulkanPhysicalDevice || !info->vulkanCreateInfo)
+  if (!info || info->systemId != kSystem || !info->pfnGetInstanceProcAddr || !info->vulkanPhysicalDevice ||
+      !info->vulkanCreateInfo)
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateVulkanDeviceKHR: the info is incomplete");
   const auto create = reinterpret_cast<PFN_vkCreateDevice>(found->vulkan_of(found->vulkan, "vkCreateDevice"));
   *result = create(info->vulkanPhysicalDevice, info->vulkanCreateInfo, info->vulkanAllocator, made);

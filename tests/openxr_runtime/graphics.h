@@ -22,7 +22,8 @@ struct SwapchainImage {
   X(ResetCommandBuffer) X(DeviceWaitIdle)
 // clang-format on
 
-// The application's Vulkan device as the runtime uses it: swapchain images are plain images of it, on its queue.
+// The application's Vulkan device as the runtime uses it: swapchain images are plain images of it, on its
+// queue.
 struct Graphics {
 #define SIMULATED_MEMBER(name) PFN_vk##name name = nullptr;
   SIMULATED_VULKAN_CALLS(SIMULATED_MEMBER)
@@ -47,7 +48,8 @@ struct Graphics {
 
  private:
   bool allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags, VkDeviceMemory& memory);
-  void barrier(VkImage image, VkImageLayout from, VkImageLayout to, VkAccessFlags before, VkAccessFlags after);
+  void barrier(VkImage image, VkImageLayout from, VkImageLayout to, VkAccessFlags before,
+               VkAccessFlags after);
   bool begin();
   bool run();
 };

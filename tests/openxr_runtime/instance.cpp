@@ -90,7 +90,8 @@ constexpr Extension kExtensions[] = {
 
 // The newest controllers are an extension, of a runtime that has them.
 bool has(const Extension& extension) {
-  return std::strcmp(extension.name, kTouchPlus) != 0 || has_controllers("/interaction_profiles/meta/touch_controller_plus");
+  return std::strcmp(extension.name, kTouchPlus) != 0 ||
+         has_controllers("/interaction_profiles/meta/touch_controller_plus");
 }
 
 XrResult check_system(XrInstance instance, XrSystemId system, const char* call) {
@@ -102,7 +103,8 @@ XrResult check_system(XrInstance instance, XrSystemId system, const char* call) 
 
 }  // namespace
 
-XrResult xrEnumerateInstanceExtensionProperties(const char* layer, uint32_t capacity, uint32_t* count, XrExtensionProperties* properties) {
+XrResult xrEnumerateInstanceExtensionProperties(const char* layer, uint32_t capacity, uint32_t* count,
+                                                XrExtensionProperties* properties) {
   if (layer) return XR_ERROR_API_LAYER_NOT_PRESENT;
   std::vector<XrExtensionProperties> all;
   for (const Extension& extension : kExtensions) {
@@ -122,7 +124,8 @@ XrResult xrCreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateInstance: not an XrInstanceCreateInfo");
   if (!all.instances.empty()) return misuse(XR_ERROR_LIMIT_REACHED, "xrCreateInstance: there is one already");
   if (XR_VERSION_MAJOR(info->applicationInfo.apiVersion) != 1) return XR_ERROR_API_VERSION_UNSUPPORTED;
-  if (info->applicationInfo.applicationName[0] == 0) return misuse(XR_ERROR_NAME_INVALID, "xrCreateInstance: no application name");
+  if (info->applicationInfo.applicationName[0] == 0)
+    return misuse(XR_ERROR_NAME_INVALID, "xrCreateInstance: no application name");
   Instance made;
   for (uint32_t i = 0; i < info->enabledExtensionCount; ++i) {
     bool known = false;
@@ -152,7 +155,8 @@ XrResult xrDestroyInstance(XrInstance instance) {
   runtime().record->handles("instance", "action set", found->sets_made, found->sets.size());
   runtime().record->handles("instance", "action", found->actions_made, found->actions.size());
   if (!runtime().sessions.empty())
-    misuse(XR_ERROR_CALL_ORDER_INVALID, "xrDestroyInstance: a session is left");  // allowed, but a leak of the application's
+    misuse(XR_ERROR_CALL_ORDER_INVALID,
+           "xrDestroyInstance: a session is left");  // allowed, but a leak of the application's
   for (auto& [handle, session] : runtime().sessions) session.graphics.close();
   runtime().sessions.clear();
   Runtime& all = runtime();
@@ -181,7 +185,8 @@ XrResult xrPollEvent(XrInstance instance, XrEventDataBuffer* event) {
   std::lock_guard lock(runtime().mutex);
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrPollEvent: no such instance");
-  if (event->type != XR_TYPE_EVENT_DATA_BUFFER) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrPollEvent: type is not EVENT_DATA_BUFFER");
+  if (event->type != XR_TYPE_EVENT_DATA_BUFFER)
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrPollEvent: type is not EVENT_DATA_BUFFER");
   play_timeline();
   if (found->dead) return XR_ERROR_INSTANCE_LOST;
   if (found->events.empty()) return XR_EVENT_UNAVAILABLE;
@@ -195,7 +200,8 @@ XrResult xrGetSystem(XrInstance instance, const XrSystemGetInfo* info, XrSystemI
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrGetSystem: no such instance");
   if (found->dead) return XR_ERROR_INSTANCE_LOST;
-  if (!info || info->type != XR_TYPE_SYSTEM_GET_INFO) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrGetSystem: not an XrSystemGetInfo");
+  if (!info || info->type != XR_TYPE_SYSTEM_GET_INFO)
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrGetSystem: not an XrSystemGetInfo");
   if (info->formFactor != XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY) return XR_ERROR_FORM_FACTOR_UNSUPPORTED;
   if (now() < found->no_headset_until) return XR_ERROR_FORM_FACTOR_UNAVAILABLE;
   *system = kSystem;
@@ -204,7 +210,8 @@ XrResult xrGetSystem(XrInstance instance, const XrSystemGetInfo* info, XrSystemI
 
 XrResult xrGetSystemProperties(XrInstance instance, XrSystemId system, XrSystemProperties* properties) {
   std::lock_guard lock(runtime().mutex);
-  if (const XrResult wrong = check_system(instance, system, "xrGetSystemProperties"); wrong != XR_SUCCESS) return wrong;
+  if (const XrResult wrong = check_system(instance, system, "xrGetSystemProperties"); wrong != XR_SUCCESS)
+    return wrong;
   properties->systemId = kSystem;
   properties->vendorId = 0;
   std::snprintf(properties->systemName, sizeof properties->systemName, "simulated headset");
@@ -213,46 +220,60 @@ XrResult xrGetSystemProperties(XrInstance instance, XrSystemId system, XrSystemP
   return XR_SUCCESS;
 }
 
-XrResult xrEnumerateEnvironmentBlendModes(XrInstance instance, XrSystemId system, XrViewConfigurationType type, uint32_t capacity,
-                                          uint32_t* count, XrEnvironmentBlendMode* modes) {
+XrResult xrEnumerateEnvironmentBlendModes(XrInstance instance, XrSystemId system,
+                                          XrViewConfigurationType type, uint32_t capacity, uint32_t* count,
+                                          XrEnvironmentBlendMode* modes) {
   std::lock_guard lock(runtime().mutex);
-  if (const XrResult wrong = check_system(instance, system, "xrEnumerateEnvironmentBlendModes"); wrong != XR_SUCCESS) return wrong;
+  if (const XrResult wrong = check_system(instance, system, "xrEnumerateEnvironmentBlendModes");
+      wrong != XR_SUCCESS)
+    return wrong;
   if (type != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO) return XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED;
   return fill(capacity, count, modes, std::vector{XR_ENVIRONMENT_BLEND_MODE_OPAQUE});
 }
 
-XrResult xrEnumerateViewConfigurations(XrInstance instance, XrSystemId system, uint32_t capacity, uint32_t* count,
-                                       XrViewConfigurationType* types) {
+XrResult xrEnumerateViewConfigurations(XrInstance instance, XrSystemId system, uint32_t capacity,
+                                       uint32_t* count, XrViewConfigurationType* types) {
   std::lock_guard lock(runtime().mutex);
-  if (const XrResult wrong = check_system(instance, system, "xrEnumerateViewConfigurations"); wrong != XR_SUCCESS) return wrong;
+  if (const XrResult wrong = check_system(instance, system, "xrEnumerateViewConfigurations");
+      wrong != XR_SUCCESS)
+    return wrong;
   return fill(capacity, count, types, std::vector{XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO});
 }
 
-XrResult xrGetViewConfigurationProperties(XrInstance instance, XrSystemId system, XrViewConfigurationType type,
+XrResult xrGetViewConfigurationProperties(XrInstance instance, XrSystemId system,
+                                          XrViewConfigurationType type,
                                           XrViewConfigurationProperties* properties) {
   std::lock_guard lock(runtime().mutex);
-  if (const XrResult wrong = check_system(instance, system, "xrGetViewConfigurationProperties"); wrong != XR_SUCCESS) return wrong;
+  if (const XrResult wrong = check_system(instance, system, "xrGetViewConfigurationProperties");
+      wrong != XR_SUCCESS)
+    return wrong;
   if (type != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO) return XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED;
   properties->viewConfigurationType = type;
   properties->fovMutable = XR_FALSE;
   return XR_SUCCESS;
 }
 
-XrResult xrEnumerateViewConfigurationViews(XrInstance instance, XrSystemId system, XrViewConfigurationType type, uint32_t capacity,
-                                           uint32_t* count, XrViewConfigurationView* views) {
+XrResult xrEnumerateViewConfigurationViews(XrInstance instance, XrSystemId system,
+                                           XrViewConfigurationType type, uint32_t capacity, uint32_t* count,
+                                           XrViewConfigurationView* views) {
   std::lock_guard lock(runtime().mutex);
-  if (const XrResult wrong = check_system(instance, system, "xrEnumerateViewConfigurationViews"); wrong != XR_SUCCESS) return wrong;
+  if (const XrResult wrong = check_system(instance, system, "xrEnumerateViewConfigurationViews");
+      wrong != XR_SUCCESS)
+    return wrong;
   if (type != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO) return XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED;
   unsigned width = 128, height = 144;
   if (const char* size = std::getenv("LIVEGS_XR_EYE_SIZE")) std::sscanf(size, "%ux%u", &width, &height);
-  const XrViewConfigurationView view{XR_TYPE_VIEW_CONFIGURATION_VIEW, nullptr, width, 4096, height, 4096, 1, 1};
+  const XrViewConfigurationView view{
+      XR_TYPE_VIEW_CONFIGURATION_VIEW, nullptr, width, 4096, height, 4096, 1, 1};
   return fill(capacity, count, views, std::vector{view, view});
 }
 
 XrResult xrStringToPath(XrInstance instance, const char* text, XrPath* path) {
   std::lock_guard lock(runtime().mutex);
   if (!find(instance)) return misuse(XR_ERROR_HANDLE_INVALID, "xrStringToPath: no such instance");
-  return take_path(text, *path) ? XR_SUCCESS : misuse(XR_ERROR_PATH_FORMAT_INVALID, std::string("xrStringToPath: ") + text);
+  return take_path(text, *path)
+             ? XR_SUCCESS
+             : misuse(XR_ERROR_PATH_FORMAT_INVALID, std::string("xrStringToPath: ") + text);
 }
 
 XrResult xrPathToString(XrInstance instance, XrPath path, uint32_t capacity, uint32_t* count, char* text) {
@@ -265,7 +286,10 @@ XrResult xrPathToString(XrInstance instance, XrPath path, uint32_t capacity, uin
 
 XrResult xrResultToString(XrInstance, XrResult value, char buffer[XR_MAX_RESULT_STRING_SIZE]) {
   switch (value) {
-#define SIMULATED_RESULT(name, number) case name: std::snprintf(buffer, XR_MAX_RESULT_STRING_SIZE, "%s", #name); return XR_SUCCESS;
+#define SIMULATED_RESULT(name, number)                             \
+  case name:                                                       \
+    std::snprintf(buffer, XR_MAX_RESULT_STRING_SIZE, "%s", #name); \
+    return XR_SUCCESS;
     XR_LIST_ENUM_XrResult(SIMULATED_RESULT)
 #undef SIMULATED_RESULT
   }
@@ -275,7 +299,10 @@ XrResult xrResultToString(XrInstance, XrResult value, char buffer[XR_MAX_RESULT_
 
 XrResult xrStructureTypeToString(XrInstance, XrStructureType value, char buffer[XR_MAX_STRUCTURE_NAME_SIZE]) {
   switch (value) {
-#define SIMULATED_TYPE(name, number) case name: std::snprintf(buffer, XR_MAX_STRUCTURE_NAME_SIZE, "%s", #name); return XR_SUCCESS;
+#define SIMULATED_TYPE(name, number)                                \
+  case name:                                                        \
+    std::snprintf(buffer, XR_MAX_STRUCTURE_NAME_SIZE, "%s", #name); \
+    return XR_SUCCESS;
     XR_LIST_ENUM_XrStructureType(SIMULATED_TYPE)
 #undef SIMULATED_TYPE
   }
@@ -285,7 +312,8 @@ XrResult xrStructureTypeToString(XrInstance, XrStructureType value, char buffer[
 
 XrResult xrConvertTimeToTimespecTimeKHR(XrInstance instance, XrTime time, timespec* converted) {
   std::lock_guard lock(runtime().mutex);
-  if (!find(instance)) return misuse(XR_ERROR_HANDLE_INVALID, "xrConvertTimeToTimespecTimeKHR: no such instance");
+  if (!find(instance))
+    return misuse(XR_ERROR_HANDLE_INVALID, "xrConvertTimeToTimespecTimeKHR: no such instance");
   const int64_t ns = time - kClockAhead_ns;
   *converted = {static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
   return XR_SUCCESS;
@@ -293,7 +321,8 @@ XrResult xrConvertTimeToTimespecTimeKHR(XrInstance instance, XrTime time, timesp
 
 XrResult xrConvertTimespecTimeToTimeKHR(XrInstance instance, const timespec* time, XrTime* converted) {
   std::lock_guard lock(runtime().mutex);
-  if (!find(instance)) return misuse(XR_ERROR_HANDLE_INVALID, "xrConvertTimespecTimeToTimeKHR: no such instance");
+  if (!find(instance))
+    return misuse(XR_ERROR_HANDLE_INVALID, "xrConvertTimespecTimeToTimeKHR: no such instance");
   *converted = kClockAhead_ns + time->tv_sec * 1'000'000'000 + time->tv_nsec;
   return XR_SUCCESS;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one function that is seen from outside: how the OpenXR loader gets at all others (its header
-// openxr_loader_negotiation.h is not in Debian's package; "Runtime Interface Negotiation" of the loader's specification).
+// openxr_loader_negotiation.h is not in Debian's package; "Runtime Interface Negotiation" of the loader's
+// specification).
 #include <cstring>
 
 #include "runtime.h"
@@ -24,7 +25,8 @@ constexpr uint32_t kLoaderInfo = 1, kRuntimeRequest = 3, kVersion = 1;
 
 XrResult XRAPI_CALL get_instance_proc_addr(XrInstance, const char* name, PFN_xrVoidFunction* function) {
   *function = nullptr;
-  if (std::strcmp(name, "xrGetInstanceProcAddr") == 0) *function = reinterpret_cast<PFN_xrVoidFunction>(get_instance_proc_addr);
+  if (std::strcmp(name, "xrGetInstanceProcAddr") == 0)
+    *function = reinterpret_cast<PFN_xrVoidFunction>(get_instance_proc_addr);
 #define SIMULATED_FIND(call) \
   if (std::strcmp(name, #call) == 0) *function = reinterpret_cast<PFN_xrVoidFunction>(call);
   OPENXR_CALLS(SIMULATED_FIND)
@@ -37,8 +39,8 @@ XrResult XRAPI_CALL get_instance_proc_addr(XrInstance, const char* name, PFN_xrV
 extern "C" __attribute__((visibility("default"))) XrResult XRAPI_CALL
 xrNegotiateLoaderRuntimeInterface(const NegotiateLoaderInfo* info, NegotiateRuntimeRequest* request) {
   if (!info || info->structType != kLoaderInfo || info->structSize != sizeof *info || !request ||
-      request->structType != kRuntimeRequest || request->structSize != sizeof *request || info->minInterfaceVersion > kVersion ||
-      info->maxInterfaceVersion < kVersion)
+      request->structType != kRuntimeRequest || request->structSize != sizeof *request ||
+      info->minInterfaceVersion > kVersion || info->maxInterfaceVersion < kVersion)
     return XR_ERROR_INITIALIZATION_FAILED;
   request->runtimeInterfaceVersion = kVersion;
   request->runtimeApiVersion = XR_CURRENT_API_VERSION;

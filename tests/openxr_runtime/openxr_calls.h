@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// OpenXR's and Vulkan's headers as this folder needs them. Each call of OpenXR is a function of its own name, hidden in
-// the library; negotiate.cpp hands them out.
+// OpenXR's and Vulkan's headers as this folder needs them. Each call of OpenXR is a function of its own name,
+// hidden in the library; negotiate.cpp hands them out.
 
 #define XR_USE_GRAPHICS_API_VULKAN
 #define XR_USE_TIMESPEC

@@ -45,9 +45,11 @@ std::string PlainApplication::open_vulkan() {
   if (!library) return "no Vulkan";
   get_ = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
   auto asked = openxr<XrGraphicsRequirementsVulkanKHR>(XR_TYPE_GRAPHICS_REQUIREMENTS_VULKAN_KHR);
-  if (call<PFN_xrGetVulkanGraphicsRequirements2KHR>(instance, "xrGetVulkanGraphicsRequirements2KHR")(instance, system, &asked) != XR_SUCCESS)
+  if (call<PFN_xrGetVulkanGraphicsRequirements2KHR>(instance, "xrGetVulkanGraphicsRequirements2KHR")(
+          instance, system, &asked) != XR_SUCCESS)
     return "xrGetVulkanGraphicsRequirements2KHR";
-  VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "test", 1, "test", 1, VK_API_VERSION_1_1};
+  VkApplicationInfo application{
+      VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "test", 1, "test", 1, VK_API_VERSION_1_1};
   VkInstanceCreateInfo vulkan{};
   vulkan.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
   vulkan.pApplicationInfo = &application;
@@ -56,13 +58,15 @@ std::string PlainApplication::open_vulkan() {
   create.pfnGetInstanceProcAddr = get_;
   create.vulkanCreateInfo = &vulkan;
   VkResult result = VK_SUCCESS;
-  if (call<PFN_xrCreateVulkanInstanceKHR>(instance, "xrCreateVulkanInstanceKHR")(instance, &create, &vulkan_, &result) != XR_SUCCESS)
+  if (call<PFN_xrCreateVulkanInstanceKHR>(instance, "xrCreateVulkanInstanceKHR")(instance, &create, &vulkan_,
+                                                                                 &result) != XR_SUCCESS)
     return "xrCreateVulkanInstanceKHR";
   if (result != VK_SUCCESS) return "no Vulkan";
   auto which = openxr<XrVulkanGraphicsDeviceGetInfoKHR>(XR_TYPE_VULKAN_GRAPHICS_DEVICE_GET_INFO_KHR);
   which.systemId = system;
   which.vulkanInstance = vulkan_;
-  if (call<PFN_xrGetVulkanGraphicsDevice2KHR>(instance, "xrGetVulkanGraphicsDevice2KHR")(instance, &which, &physical_) != XR_SUCCESS)
+  if (call<PFN_xrGetVulkanGraphicsDevice2KHR>(instance, "xrGetVulkanGraphicsDevice2KHR")(
+          instance, &which, &physical_) != XR_SUCCESS)
     return "no Vulkan";
   const float priority = 1;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, 0, 1, &priority};
@@ -75,7 +79,9 @@ std::string PlainApplication::open_vulkan() {
   make.pfnGetInstanceProcAddr = get_;
   make.vulkanPhysicalDevice = physical_;
   make.vulkanCreateInfo = &device;
-  if (call<PFN_xrCreateVulkanDeviceKHR>(instance, "xrCreateVulkanDeviceKHR")(instance, &make, &device_, &result) != XR_SUCCESS || result != VK_SUCCESS)
+  if (call<PFN_xrCreateVulkanDeviceKHR>(instance, "xrCreateVulkanDeviceKHR")(instance, &make, &device_,
+                                                                             &result) != XR_SUCCESS ||
+      result != VK_SUCCESS)
     return "xrCreateVulkanDeviceKHR";
   return "";
 }
@@ -134,11 +140,13 @@ std::string PlainApplication::open() {
     if (xrCreateAction(set, &action_info, action) != XR_SUCCESS) return std::string("xrCreateAction ") + name;
     bindings.push_back({*action, path(bound)});
   }
-  auto suggested = openxr<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
+  auto suggested =
+      openxr<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
   suggested.interactionProfile = path("/interaction_profiles/oculus/touch_controller");
   suggested.countSuggestedBindings = static_cast<uint32_t>(bindings.size());
   suggested.suggestedBindings = bindings.data();
-  if (xrSuggestInteractionProfileBindings(instance, &suggested) != XR_SUCCESS) return "xrSuggestInteractionProfileBindings";
+  if (xrSuggestInteractionProfileBindings(instance, &suggested) != XR_SUCCESS)
+    return "xrSuggestInteractionProfileBindings";
   if (const std::string missing = open_session(); !missing.empty()) return missing;
   for (const XrSessionState wanted : {XR_SESSION_STATE_IDLE, XR_SESSION_STATE_READY}) {
     if (next_state() != wanted) return "the session does not become ready";
@@ -172,7 +180,8 @@ bool PlainApplication::take_image() const {
   uint32_t index = 0;
   auto wait = openxr<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
   wait.timeout = XR_INFINITE_DURATION;
-  return xrAcquireSwapchainImage(swapchain, nullptr, &index) == XR_SUCCESS && xrWaitSwapchainImage(swapchain, &wait) == XR_SUCCESS &&
+  return xrAcquireSwapchainImage(swapchain, nullptr, &index) == XR_SUCCESS &&
+         xrWaitSwapchainImage(swapchain, &wait) == XR_SUCCESS &&
          xrReleaseSwapchainImage(swapchain, nullptr) == XR_SUCCESS;
 }
 
@@ -206,7 +215,8 @@ bool PlainApplication::run_until(XrSessionState wanted) {
     }
     XrFrameState state;
     Ending ending;
-    if (wait(state) != XR_SUCCESS || xrBeginFrame(session, nullptr) != XR_SUCCESS || !take_image()) return false;
+    if (wait(state) != XR_SUCCESS || xrBeginFrame(session, nullptr) != XR_SUCCESS || !take_image())
+      return false;
     fill(ending, state.predictedDisplayTime);
     if (xrEndFrame(session, &ending.info) != XR_SUCCESS) return false;
   }

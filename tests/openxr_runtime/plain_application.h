@@ -14,8 +14,8 @@
 
 namespace livegs {
 
-// An application of nothing but OpenXR's and Vulkan's own calls, none of them checked by a layer: it can call whatever is
-// wrong. One action set with an action of each type for both hands, one swapchain, LOCAL.
+// An application of nothing but OpenXR's and Vulkan's own calls, none of them checked by a layer: it can call
+// whatever is wrong. One action set with an action of each type for both hands, one swapchain, LOCAL.
 class PlainApplication {
  public:
   PlainApplication() = default;
@@ -23,7 +23,8 @@ class PlainApplication {
   PlainApplication(const PlainApplication&) = delete;
   PlainApplication& operator=(const PlainApplication&) = delete;
 
-  // As far as a session that is READY and has not begun; what is missing, or empty. "no Vulkan" is a reason to skip.
+  // As far as a session that is READY and has not begun; what is missing, or empty. "no Vulkan" is a reason
+  // to skip.
   std::string open();
   // The next state change that is announced within a second; UNKNOWN without one.
   XrSessionState next_state();

@@ -11,11 +11,13 @@ Record::Record() {
   const char* folder = std::getenv("LIVEGS_XR_OUTPUT");
   folder_ = folder ? folder : "";
   frames_ = open("frames.csv",
-                 "frame,waited_s,ended_s,displayed_s,eye,hash,px,py,pz,qw,qx,qy,qz,left_rad,right_rad,up_rad,down_rad,png");
+                 "frame,waited_s,ended_s,displayed_s,eye,hash,px,py,pz,qw,qx,qy,qz,left_rad,right_rad,up_rad,"
+                 "down_rad,png");
   haptics_ = open("haptics.csv", "time_s,hand,amplitude,duration_ns");
   states_ = open("states.csv", "time_s,state");
   profiles_ = open("profiles.csv", "time_s,profile");
-  views_ = open("views.csv", "frame,eye,answers,first_lead_s,first_x,first_y,first_z,last_lead_s,last_x,last_y,last_z");
+  views_ = open("views.csv",
+                "frame,eye,answers,first_lead_s,first_x,first_y,first_z,last_lead_s,last_x,last_y,last_z");
   handles_ = open("handles.csv", "destroyed,kind,made,left");
   misuse_ = open("misuse.txt", nullptr);
 }
@@ -33,10 +35,12 @@ std::FILE* Record::open(const char* name, const char* header) const {
   return file;
 }
 
-void Record::frame(uint64_t index, double time_s, double ended_s, double displayed_s, const std::vector<EyeRecord>& eyes, bool keep) {
+void Record::frame(uint64_t index, double time_s, double ended_s, double displayed_s,
+                   const std::vector<EyeRecord>& eyes, bool keep) {
   if (!frames_ || !views_) return;
   if (eyes.empty())
-    std::fprintf(frames_, "%lu,%.6f,%.6f,%.6f,,,,,,,,,,,,,,\n", static_cast<unsigned long>(index), time_s, ended_s, displayed_s);
+    std::fprintf(frames_, "%lu,%.6f,%.6f,%.6f,,,,,,,,,,,,,,\n", static_cast<unsigned long>(index), time_s,
+                 ended_s, displayed_s);
   for (size_t e = 0; e < eyes.size(); ++e) {
     const EyeRecord& eye = eyes[e];
     char name[64] = "";
@@ -52,13 +56,16 @@ void Record::frame(uint64_t index, double time_s, double ended_s, double display
       png_image_write_to_file(&image, (folder_ + "/" + name).c_str(), 0, rgb.data(), 0, nullptr);
     }
     const XrPosef& p = eye.pose;
-    std::fprintf(frames_, "%lu,%.6f,%.6f,%.6f,%zu,%016lx,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s\n",
-                 static_cast<unsigned long>(index), time_s, ended_s, displayed_s, e, static_cast<unsigned long>(eye.hash),
-                 p.position.x, p.position.y, p.position.z, p.orientation.w, p.orientation.x, p.orientation.y, p.orientation.z,
-                 eye.fov.angleLeft, eye.fov.angleRight, eye.fov.angleUp, eye.fov.angleDown, name);
+    std::fprintf(frames_,
+                 "%lu,%.6f,%.6f,%.6f,%zu,%016lx,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s\n",
+                 static_cast<unsigned long>(index), time_s, ended_s, displayed_s, e,
+                 static_cast<unsigned long>(eye.hash), p.position.x, p.position.y, p.position.z,
+                 p.orientation.w, p.orientation.x, p.orientation.y, p.orientation.z, eye.fov.angleLeft,
+                 eye.fov.angleRight, eye.fov.angleUp, eye.fov.angleDown, name);
     const EyeForetold& told = eye.foretold;
-    std::fprintf(views_, "%lu,%zu,%d,%.6f,%.9g,%.9g,%.9g,%.6f,%.9g,%.9g,%.9g\n", static_cast<unsigned long>(index), e, told.answers,
-                 told.first_lead_s, told.first.x, told.first.y, told.first.z, told.last_lead_s, told.last.x, told.last.y, told.last.z);
+    std::fprintf(views_, "%lu,%zu,%d,%.6f,%.9g,%.9g,%.9g,%.6f,%.9g,%.9g,%.9g\n",
+                 static_cast<unsigned long>(index), e, told.answers, told.first_lead_s, told.first.x,
+                 told.first.y, told.first.z, told.last_lead_s, told.last.x, told.last.y, told.last.z);
   }
   std::fflush(frames_);
   std::fflush(views_);
@@ -66,7 +73,8 @@ void Record::frame(uint64_t index, double time_s, double ended_s, double display
 
 void Record::haptic(double time_s, const std::string& hand, const XrHapticVibration& vibration) {
   if (!haptics_) return;
-  std::fprintf(haptics_, "%.6f,%s,%.4f,%ld\n", time_s, hand.c_str(), vibration.amplitude, static_cast<long>(vibration.duration));
+  std::fprintf(haptics_, "%.6f,%s,%.4f,%ld\n", time_s, hand.c_str(), vibration.amplitude,
+               static_cast<long>(vibration.duration));
   std::fflush(haptics_);
 }
 

@@ -18,14 +18,16 @@
 #include "record.h"
 #include "timeline.h"
 
-// A runtime without a headset: a timeline moves the head and the hands, pictures are read back, hashed and recorded, and
-// every call that OpenXR 1.0 forbids is refused and noted. One instance and one session at a time. A mutex guards all state;
-// the calls of one application may come from any thread.
+// A runtime without a headset: a timeline moves the head and the hands, pictures are read back, hashed and
+// recorded, and every call that OpenXR 1.0 forbids is refused and noted. One instance and one session at a
+// time. A mutex guards all state; the calls of one application may come from any thread.
 //   LIVEGS_XR_TIMELINE   the timeline; without it nothing moves and nothing happens
 //   LIVEGS_XR_OUTPUT     the folder of the record; without it there is none
 //   LIVEGS_XR_EYE_SIZE   WxH recommended for an eye; 128x144 without it
-//   LIVEGS_XR_CONTROLLERS  the end of the path of the controllers' profile: touch_controller_plus, touch_controller,
-//                          simple_controller; without it, the first that the application knows of actions.cpp's kProfiles
+//   LIVEGS_XR_CONTROLLERS  the end of the path of the controllers' profile: touch_controller_plus,
+//   touch_controller,
+//                          simple_controller; without it, the first that the application knows of
+//                          actions.cpp's kProfiles
 namespace livegs::simulated {
 
 struct Action {
@@ -80,7 +82,7 @@ struct Session {
   std::array<EyeForetold, 2> foretold;
   XrTime last_display_time = 0;
   std::set<XrTime> waited_for;  // display times handed out and not yet ended
-  double waited_s = 0;  // when the last wait ended
+  double waited_s = 0;          // when the last wait ended
   bool keep_next = false;
   std::map<XrSpace, Space> spaces;
   std::map<XrSwapchain, Swapchain> swapchains;
@@ -114,7 +116,7 @@ struct Runtime {
   // The timeline: second anchor_s was at anchor_ns, when a frame last ended; 0 before the first picture.
   XrTime anchor_ns = 0;
   double anchor_s = 0;
-  double played_s = -1;   // the timeline's events up to here have happened
+  double played_s = -1;  // the timeline's events up to here have happened
   Pose stage_from_local = kStageFromLocal;
   double refresh_hz = 90, compositor_s = 0, misjudged_m_s = 0;
   uint64_t frames = 0, last_handle = 0;
@@ -126,7 +128,8 @@ constexpr XrSystemId kSystem = 7;
 // Time: a clock of its own, so that none who takes it for the system's goes unnoticed.
 constexpr XrTime kClockAhead_ns = 1'234'567'890'123;
 XrTime now();
-// It passes with the clock, but by no more than kMaxFrameWait_s a frame: what a slow application does not see does not happen.
+// It passes with the clock, but by no more than kMaxFrameWait_s a frame: what a slow application does not see
+// does not happen.
 constexpr double kMaxFrameWait_s = 0.1;
 double timeline_s(XrTime time);
 
@@ -169,7 +172,8 @@ void play_timeline();
 Pose hand_pose(const std::string& hand, bool aim, XrTime time);
 Pose head_pose(XrTime time, XrTime asked);  // as it is foretold at `asked`, for a time to come
 XrPosef to_xr(const Pose& pose);
-bool from_xr(const XrPosef& pose, Pose& read);  // false where the quaternion is not unit or a number not finite
+bool from_xr(const XrPosef& pose,
+             Pose& read);  // false where the quaternion is not unit or a number not finite
 // The stage from a space; false where it is not known: a hand that has no focus or is bound to nothing.
 bool locate(const Session& session, const Space& space, XrTime time, Pose& stage_from_space);
 

@@ -6,7 +6,8 @@ namespace livegs::simulated {
 namespace {
 
 const char* name_of(XrSessionState state) {
-  constexpr const char* kNames[] = {"unknown", "idle", "ready", "synchronized", "visible", "focused", "stopping", "loss pending", "exiting"};
+  constexpr const char* kNames[] = {"unknown", "idle",     "ready",        "synchronized", "visible",
+                                    "focused", "stopping", "loss pending", "exiting"};
   return kNames[state];
 }
 
@@ -15,12 +16,15 @@ void move_to(Session& session, XrSessionState state) {
   session.state = state;
   session.frames_in_state = 0;
   all.record->state(timeline_s(now()), name_of(state));
-  push_event(XrEventDataSessionStateChanged{XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED, nullptr, all.sessions.begin()->first, state, now()});
+  push_event(XrEventDataSessionStateChanged{XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED, nullptr,
+                                            all.sessions.begin()->first, state, now()});
 }
 
 // One step towards where the session should be; states are never skipped.
 void step_towards(Session& session, XrSessionState wanted) {
-  if (!session.running || session.state < XR_SESSION_STATE_SYNCHRONIZED || session.state > XR_SESSION_STATE_FOCUSED) return;
+  if (!session.running || session.state < XR_SESSION_STATE_SYNCHRONIZED ||
+      session.state > XR_SESSION_STATE_FOCUSED)
+    return;
   while (session.state > wanted) move_to(session, static_cast<XrSessionState>(session.state - 1));
 }
 
@@ -47,8 +51,8 @@ void recentre(const Timeline::Event& event) {
 void refresh(double hz) {
   const auto from = static_cast<float>(std::exchange(runtime().refresh_hz, hz));
   if (!the_instance().extensions.contains(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME)) return;
-  push_event(XrEventDataDisplayRefreshRateChangedFB{XR_TYPE_EVENT_DATA_DISPLAY_REFRESH_RATE_CHANGED_FB, nullptr, from,
-                                                    static_cast<float>(hz)});
+  push_event(XrEventDataDisplayRefreshRateChangedFB{XR_TYPE_EVENT_DATA_DISPLAY_REFRESH_RATE_CHANGED_FB,
+                                                    nullptr, from, static_cast<float>(hz)});
 }
 
 void happen(Session& session, const Timeline::Event& event) {
@@ -104,7 +108,9 @@ void play_timeline() {
     happen(session, event);
   }
   // A frame in each state on the way up, so that the application sees every one.
-  if (session.loss != Session::Loss::None || the_instance().dead || session.exiting || session.frames_in_state == 0) return;
+  if (session.loss != Session::Loss::None || the_instance().dead || session.exiting ||
+      session.frames_in_state == 0)
+    return;
   if (session.state == XR_SESSION_STATE_SYNCHRONIZED && !session.hidden)
     move_to(session, XR_SESSION_STATE_VISIBLE);
   else if (session.state == XR_SESSION_STATE_VISIBLE && !session.unfocused && !session.hidden)
@@ -125,7 +131,9 @@ std::optional<XrResult> refuse(const Session* session, const char* call) {
   return std::nullopt;
 }
 
-XrResult success(const Session& session) { return session.loss == Session::Loss::Pending ? XR_SESSION_LOSS_PENDING : XR_SUCCESS; }
+XrResult success(const Session& session) {
+  return session.loss == Session::Loss::Pending ? XR_SESSION_LOSS_PENDING : XR_SUCCESS;
+}
 
 }  // namespace livegs::simulated
 
@@ -137,14 +145,16 @@ XrResult xrCreateSession(XrInstance instance, const XrSessionCreateInfo* info, X
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrCreateSession: no such instance");
   if (found->dead) return XR_ERROR_INSTANCE_LOST;
-  if (!info || info->type != XR_TYPE_SESSION_CREATE_INFO) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateSession: not an XrSessionCreateInfo");
+  if (!info || info->type != XR_TYPE_SESSION_CREATE_INFO)
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateSession: not an XrSessionCreateInfo");
   if (info->systemId != kSystem) return misuse(XR_ERROR_SYSTEM_INVALID, "xrCreateSession: no such system");
   if (!all.sessions.empty()) return misuse(XR_ERROR_LIMIT_REACHED, "xrCreateSession: there is one already");
   const auto* binding = static_cast<const XrGraphicsBindingVulkan2KHR*>(info->next);
   if (!binding || binding->type != XR_TYPE_GRAPHICS_BINDING_VULKAN2_KHR || !binding->device)
     return misuse(XR_ERROR_GRAPHICS_DEVICE_INVALID, "xrCreateSession: no XrGraphicsBindingVulkan2KHR");
   if (!found->requirements_asked)
-    return misuse(XR_ERROR_GRAPHICS_REQUIREMENTS_CALL_MISSING, "xrCreateSession: before xrGetVulkanGraphicsRequirements2KHR");
+    return misuse(XR_ERROR_GRAPHICS_REQUIREMENTS_CALL_MISSING,
+                  "xrCreateSession: before xrGetVulkanGraphicsRequirements2KHR");
   if (now() < found->no_headset_until) return XR_ERROR_FORM_FACTOR_UNAVAILABLE;
   Session made;
   if (!made.graphics.open(found->vulkan_of, *binding)) return XR_ERROR_RUNTIME_FAILURE;
@@ -177,7 +187,8 @@ XrResult xrBeginSession(XrSession session, const XrSessionBeginInfo* info) {
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrBeginSession")) return *refused;
   if (found->running) return misuse(XR_ERROR_SESSION_RUNNING, "xrBeginSession: it is running");
-  if (found->state != XR_SESSION_STATE_READY) return misuse(XR_ERROR_SESSION_NOT_READY, "xrBeginSession: the state is not READY");
+  if (found->state != XR_SESSION_STATE_READY)
+    return misuse(XR_ERROR_SESSION_NOT_READY, "xrBeginSession: the state is not READY");
   if (!info || info->primaryViewConfigurationType != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO)
     return misuse(XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED, "xrBeginSession: not for stereo");
   found->running = true;
@@ -190,7 +201,8 @@ XrResult xrEndSession(XrSession session) {
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrEndSession")) return *refused;
   if (!found->running) return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrEndSession: it is not running");
-  if (found->state != XR_SESSION_STATE_STOPPING) return misuse(XR_ERROR_SESSION_NOT_STOPPING, "xrEndSession: the state is not STOPPING");
+  if (found->state != XR_SESSION_STATE_STOPPING)
+    return misuse(XR_ERROR_SESSION_NOT_STOPPING, "xrEndSession: the state is not STOPPING");
   found->running = false;
   found->waited = found->begun = false;
   move_to(*found, XR_SESSION_STATE_IDLE);
@@ -211,7 +223,8 @@ namespace {
 constexpr float kRates[] = {72, 80, 90, 120};
 }
 
-XrResult xrEnumerateDisplayRefreshRatesFB(XrSession session, uint32_t capacity, uint32_t* count, float* rates) {
+XrResult xrEnumerateDisplayRefreshRatesFB(XrSession session, uint32_t capacity, uint32_t* count,
+                                          float* rates) {
   std::lock_guard lock(runtime().mutex);
   if (const auto refused = refuse(find(session), "xrEnumerateDisplayRefreshRatesFB")) return *refused;
   return fill(capacity, count, rates, kRates);

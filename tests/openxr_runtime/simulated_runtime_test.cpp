@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The simulated runtime with programs that are not ours: Debian's hello_xr and the core validation layer, which judge it
-// from both sides, and calls that break the rules, which it has to refuse.
+// The simulated runtime with programs that are not ours: Debian's hello_xr and the core validation layer,
+// which judge it from both sides, and calls that break the rules, which it has to refuse.
 #include <gtest/gtest.h>
 #include <openxr/openxr.h>
 
@@ -28,9 +28,10 @@ class HelloXr : public ::testing::Test {
   }
   // It ends when its standard input does, so it is given one that lasts.
   std::unique_ptr<Program> run(const std::string& timeline, std::vector<std::string> variables = {}) {
-    std::vector<std::string> words = {"/usr/bin/env", std::string("XR_RUNTIME_JSON=") + LIVEGS_SIMULATED_OPENXR,
-                                      "LIVEGS_XR_TIMELINE=" + folder_.write("timeline.txt", timeline).string(),
-                                      "LIVEGS_XR_OUTPUT=" + (folder_ / "").string()};
+    std::vector<std::string> words = {
+        "/usr/bin/env", std::string("XR_RUNTIME_JSON=") + LIVEGS_SIMULATED_OPENXR,
+        "LIVEGS_XR_TIMELINE=" + folder_.write("timeline.txt", timeline).string(),
+        "LIVEGS_XR_OUTPUT=" + (folder_ / "").string()};
     words.insert(words.end(), variables.begin(), variables.end());
     words.insert(words.end(), {"/bin/sh", "-c", "tail -f /dev/null --pid=$$ | /usr/bin/hello_xr -g Vulkan2"});
     return std::make_unique<Program>(words);
@@ -53,23 +54,27 @@ constexpr const char* kTimeline = R"(# a look around, a squeeze, a menu, and the
 )";
 
 TEST_F(HelloXr, RunsToItsEndUnderBothValidationLayers) {
-  const auto hello = run(kTimeline, {"XR_ENABLE_API_LAYERS=XR_APILAYER_LUNARG_core_validation", "XR_CORE_VALIDATION_EXPORT_TYPE=text",
-                                     "XR_CORE_VALIDATION_FILE_NAME=" + (folder_ / "core.txt").string(),
-                                     "VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation",
-                                     "VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT"});
+  const auto hello =
+      run(kTimeline,
+          {"XR_ENABLE_API_LAYERS=XR_APILAYER_LUNARG_core_validation", "XR_CORE_VALIDATION_EXPORT_TYPE=text",
+           "XR_CORE_VALIDATION_FILE_NAME=" + (folder_ / "core.txt").string(),
+           "VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation",
+           "VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT"});
   EXPECT_EQ(hello->wait(), 0) << hello->err();
   const std::string said = hello->out() + hello->err();
   EXPECT_EQ(text(folder_ / "misuse.txt"), "");
   // It says that it is there, and no more.
   EXPECT_NE(said.find("Core Validation output type: text"), std::string::npos) << said.substr(0, 4000);
-  EXPECT_EQ(text(folder_ / "core.txt").find("VUID"), std::string::npos) << text(folder_ / "core.txt").substr(0, 2000);
+  EXPECT_EQ(text(folder_ / "core.txt").find("VUID"), std::string::npos)
+      << text(folder_ / "core.txt").substr(0, 2000);
   EXPECT_EQ(said.find("Validation Error"), std::string::npos) << said.substr(0, 4000);
   EXPECT_EQ(said.find("VUID"), std::string::npos) << said.substr(0, 4000);
 
   std::vector<std::string> states;
   for (const auto& row : rows(folder_ / "states.csv")) states.push_back(row.at(1));
-  EXPECT_EQ(states, (std::vector<std::string>{"idle", "ready", "synchronized", "visible", "focused", "visible", "focused", "visible",
-                                              "synchronized", "stopping", "idle", "exiting"}));
+  EXPECT_EQ(states,
+            (std::vector<std::string>{"idle", "ready", "synchronized", "visible", "focused", "visible",
+                                      "focused", "visible", "synchronized", "stopping", "idle", "exiting"}));
   // Both eyes differ from each other, and pictures differ as the head turns.
   std::map<std::string, std::vector<std::string>> hashes;
   std::set<std::string> kept;
@@ -154,9 +159,12 @@ TEST(SimulatedRuntime, RefusesCallsThatBreakTheRules) {
   EXPECT_EQ(suggest(touch, "/user/hand/right/input/a/click"), XR_SUCCESS);
   EXPECT_EQ(suggest(touch, "/user/hand/right/input/a"), XR_SUCCESS);  // the component may be left out
   EXPECT_EQ(suggest(touch, "/user/hand/left/input/a/click"), XR_ERROR_PATH_UNSUPPORTED);
-  EXPECT_EQ(suggest(touch, "/user/hand/right/input/grip/pose"), XR_ERROR_PATH_UNSUPPORTED);  // of another type
-  EXPECT_EQ(suggest("/interaction_profiles/nobody/has_this", "/user/hand/right/input/a/click"), XR_ERROR_PATH_UNSUPPORTED);
-  EXPECT_EQ(suggest("/interaction_profiles/meta/touch_controller_plus", "/user/hand/right/input/a/click"), XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(suggest(touch, "/user/hand/right/input/grip/pose"),
+            XR_ERROR_PATH_UNSUPPORTED);  // of another type
+  EXPECT_EQ(suggest("/interaction_profiles/nobody/has_this", "/user/hand/right/input/a/click"),
+            XR_ERROR_PATH_UNSUPPORTED);
+  EXPECT_EQ(suggest("/interaction_profiles/meta/touch_controller_plus", "/user/hand/right/input/a/click"),
+            XR_ERROR_PATH_UNSUPPORTED);
   EXPECT_EQ(xrDestroyInstance(instance), XR_SUCCESS);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where things are. The stage is the root: LOCAL stands in it until a recentre, the timeline's poses are in it.
+// Where things are. The stage is the root: LOCAL stands in it until a recentre, the timeline's poses are in
+// it.
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +20,8 @@ constexpr XrTime kMaxLookahead_ns = 1'000'000'000;
 XrPosef to_xr(const Pose& pose) {
   const auto f = [](double value) { return static_cast<float>(value); };
   const Eigen::Quaterniond& q = pose.orientation;
-  return {{f(q.x()), f(q.y()), f(q.z()), f(q.w())}, {f(pose.position_m.x()), f(pose.position_m.y()), f(pose.position_m.z())}};
+  return {{f(q.x()), f(q.y()), f(q.z()), f(q.w())},
+          {f(pose.position_m.x()), f(pose.position_m.y()), f(pose.position_m.z())}};
 }
 
 bool from_xr(const XrPosef& pose, Pose& read) {
@@ -31,7 +33,8 @@ bool from_xr(const XrPosef& pose, Pose& read) {
 Pose head_pose(XrTime time, XrTime asked) {
   Pose pose{{0, 1.6, 0}, Eigen::Quaterniond::Identity()};
   if (runtime().timeline.has("head")) pose = runtime().timeline.pose("head", timeline_s(time));
-  pose.position_m.x() += runtime().misjudged_m_s * 1e-9 * static_cast<double>(std::max<XrTime>(0, time - asked));
+  pose.position_m.x() +=
+      runtime().misjudged_m_s * 1e-9 * static_cast<double>(std::max<XrTime>(0, time - asked));
   return pose;
 }
 
@@ -55,7 +58,8 @@ bool locate(const Session& session, const Space& space, XrTime time, Pose& stage
     if (*space.reference == XR_REFERENCE_SPACE_TYPE_VIEW) stage_from_root = head_pose(time, now());
   } else {
     const auto state = session.inputs.find({space.action, space.subaction});
-    if (session.state != XR_SESSION_STATE_FOCUSED || state == session.inputs.end() || !state->second.known) return false;
+    if (session.state != XR_SESSION_STATE_FOCUSED || state == session.inputs.end() || !state->second.known)
+      return false;
     const std::string hand = path_string(space.subaction) == "/user/hand/left" ? "left" : "right";
     if (!runtime().timeline.has(hand)) return false;
     bool aim = false;
@@ -72,11 +76,13 @@ bool locate(const Session& session, const Space& space, XrTime time, Pose& stage
 using namespace livegs;
 using namespace livegs::simulated;
 
-XrResult xrEnumerateReferenceSpaces(XrSession session, uint32_t capacity, uint32_t* count, XrReferenceSpaceType* types) {
+XrResult xrEnumerateReferenceSpaces(XrSession session, uint32_t capacity, uint32_t* count,
+                                    XrReferenceSpaceType* types) {
   std::lock_guard lock(runtime().mutex);
   if (const auto refused = refuse(find(session), "xrEnumerateReferenceSpaces")) return *refused;
   return fill(capacity, count, types,
-              std::vector{XR_REFERENCE_SPACE_TYPE_VIEW, XR_REFERENCE_SPACE_TYPE_LOCAL, XR_REFERENCE_SPACE_TYPE_STAGE});
+              std::vector{XR_REFERENCE_SPACE_TYPE_VIEW, XR_REFERENCE_SPACE_TYPE_LOCAL,
+                          XR_REFERENCE_SPACE_TYPE_STAGE});
 }
 
 XrResult xrCreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo* info, XrSpace* space) {
@@ -84,10 +90,13 @@ XrResult xrCreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateI
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrCreateReferenceSpace")) return *refused;
   Space made;
-  if (!info || info->type != XR_TYPE_REFERENCE_SPACE_CREATE_INFO || !from_xr(info->poseInReferenceSpace, made.offset))
+  if (!info || info->type != XR_TYPE_REFERENCE_SPACE_CREATE_INFO ||
+      !from_xr(info->poseInReferenceSpace, made.offset))
     return misuse(XR_ERROR_POSE_INVALID, "xrCreateReferenceSpace: its pose is none");
-  if (info->referenceSpaceType < XR_REFERENCE_SPACE_TYPE_VIEW || info->referenceSpaceType > XR_REFERENCE_SPACE_TYPE_STAGE)
-    return misuse(XR_ERROR_REFERENCE_SPACE_UNSUPPORTED, "xrCreateReferenceSpace: a space that was not enumerated");
+  if (info->referenceSpaceType < XR_REFERENCE_SPACE_TYPE_VIEW ||
+      info->referenceSpaceType > XR_REFERENCE_SPACE_TYPE_STAGE)
+    return misuse(XR_ERROR_REFERENCE_SPACE_UNSUPPORTED,
+                  "xrCreateReferenceSpace: a space that was not enumerated");
   made.reference = info->referenceSpaceType;
   *space = new_handle<XrSpace>();
   ++found->spaces_made;
@@ -107,11 +116,14 @@ XrResult xrCreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* i
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrCreateActionSpace")) return *refused;
   Space made;
-  if (!info || info->type != XR_TYPE_ACTION_SPACE_CREATE_INFO || !from_xr(info->poseInActionSpace, made.offset))
+  if (!info || info->type != XR_TYPE_ACTION_SPACE_CREATE_INFO ||
+      !from_xr(info->poseInActionSpace, made.offset))
     return misuse(XR_ERROR_POSE_INVALID, "xrCreateActionSpace: its pose is none");
   const auto action = the_instance().actions.find(info->action);
-  if (action == the_instance().actions.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrCreateActionSpace: no such action");
-  if (action->second.type != XR_ACTION_TYPE_POSE_INPUT) return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, "xrCreateActionSpace: no action of poses");
+  if (action == the_instance().actions.end())
+    return misuse(XR_ERROR_HANDLE_INVALID, "xrCreateActionSpace: no such action");
+  if (action->second.type != XR_ACTION_TYPE_POSE_INPUT)
+    return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, "xrCreateActionSpace: no action of poses");
   if (info->subactionPath != XR_NULL_PATH && !action->second.subactions.contains(info->subactionPath))
     return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrCreateActionSpace: the action has no such subaction");
   made.action = info->action;
@@ -134,21 +146,27 @@ XrResult xrLocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation
   std::lock_guard lock(runtime().mutex);
   Session* session = session_of(space);
   if (const auto refused = refuse(session, "xrLocateSpace")) return *refused;
-  if (session_of(base) != session) return misuse(XR_ERROR_HANDLE_INVALID, "xrLocateSpace: the base is no space of the session");
-  if (!location || location->type != XR_TYPE_SPACE_LOCATION) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateSpace: not an XrSpaceLocation");
-  if (time <= 0 || time > now() + kMaxLookahead_ns) return misuse(XR_ERROR_TIME_INVALID, "xrLocateSpace: no moment that can be known");
+  if (session_of(base) != session)
+    return misuse(XR_ERROR_HANDLE_INVALID, "xrLocateSpace: the base is no space of the session");
+  if (!location || location->type != XR_TYPE_SPACE_LOCATION)
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateSpace: not an XrSpaceLocation");
+  if (time <= 0 || time > now() + kMaxLookahead_ns)
+    return misuse(XR_ERROR_TIME_INVALID, "xrLocateSpace: no moment that can be known");
   location->locationFlags = 0;
   location->pose = to_xr({});
   Pose stage_from_space, stage_from_base;
-  if (locate(*session, session->spaces[space], time, stage_from_space) && locate(*session, session->spaces[base], time, stage_from_base)) {
+  if (locate(*session, session->spaces[space], time, stage_from_space) &&
+      locate(*session, session->spaces[base], time, stage_from_base)) {
     location->locationFlags = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT |
-                              XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT | XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
+                              XR_SPACE_LOCATION_ORIENTATION_TRACKED_BIT |
+                              XR_SPACE_LOCATION_POSITION_TRACKED_BIT;
     location->pose = to_xr(stage_from_base.inverse() * stage_from_space);
   }
   return success(*session);
 }
 
-XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity, uint32_t* count, XrView* views) {
+XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity,
+                       uint32_t* count, XrView* views) {
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrLocateViews")) return *refused;
@@ -156,7 +174,8 @@ XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewSt
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateViews: not an XrViewLocateInfo and an XrViewState");
   if (info->viewConfigurationType != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO)
     return misuse(XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED, "xrLocateViews: not for stereo");
-  if (info->displayTime <= 0) return misuse(XR_ERROR_TIME_INVALID, "xrLocateViews: no moment that can be known");
+  if (info->displayTime <= 0)
+    return misuse(XR_ERROR_TIME_INVALID, "xrLocateViews: no moment that can be known");
   const auto base = found->spaces.find(info->space);
   if (base == found->spaces.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrLocateViews: no such space");
   *count = 2;
@@ -174,7 +193,8 @@ XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewSt
   const Pose stage_from_head = head_pose(info->displayTime, asked);
   if (std::exchange(found->foretold_for, info->displayTime) != info->displayTime) found->foretold = {};
   for (size_t eye = 0; eye < 2; ++eye) {
-    if (views[eye].type != XR_TYPE_VIEW) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateViews: not an XrView");
+    if (views[eye].type != XR_TYPE_VIEW)
+      return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateViews: not an XrView");
     const double side_m = (static_cast<double>(eye) - 0.5) * kEyeDistance_m;
     const Pose stage_from_eye = stage_from_head * Pose{{side_m, 0, 0}, Eigen::Quaterniond::Identity()};
     views[eye].pose = to_xr(stage_from_base.inverse() * stage_from_eye);
@@ -182,7 +202,9 @@ XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewSt
     told.last = to_xr(stage_from_eye).position;
     told.last_lead_s = lead_s;
     if (told.answers++ == 0) told.first = told.last, told.first_lead_s = lead_s;
-    views[eye].fov = eye == 0 ? kLeftFov : XrFovf{-kLeftFov.angleRight, -kLeftFov.angleLeft, kLeftFov.angleUp, kLeftFov.angleDown};
+    views[eye].fov =
+        eye == 0 ? kLeftFov
+                 : XrFovf{-kLeftFov.angleRight, -kLeftFov.angleLeft, kLeftFov.angleUp, kLeftFov.angleDown};
   }
   return success(*found);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the simulated runtime refuses of an application that has a session, each with the code that OpenXR 1.0 has for it, and
-// what it must not refuse.
+// What the simulated runtime refuses of an application that has a session, each with the code that OpenXR 1.0
+// has for it, and what it must not refuse.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -96,13 +96,15 @@ class StrictRuntime : public ::testing::Test {
     auto vibration = openxr<XrHapticVibration>(XR_TYPE_HAPTIC_VIBRATION);
     vibration.amplitude = amplitude;
     vibration.duration = XR_MIN_HAPTIC_DURATION;
-    return xrApplyHapticFeedback(app_.session, &info, reinterpret_cast<const XrHapticBaseHeader*>(&vibration));
+    return xrApplyHapticFeedback(app_.session, &info,
+                                 reinterpret_cast<const XrHapticBaseHeader*>(&vibration));
   }
   XrResult profile_of(const char* user) const {
     auto state = openxr<XrInteractionProfileState>(XR_TYPE_INTERACTION_PROFILE_STATE);
     return xrGetCurrentInteractionProfile(app_.session, app_.path(user), &state);
   }
-  XrResult views_at(XrTime time, XrViewConfigurationType type = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO) const {
+  XrResult views_at(XrTime time,
+                    XrViewConfigurationType type = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO) const {
     auto info = openxr<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
     info.viewConfigurationType = type;
     info.displayTime = time;
@@ -134,12 +136,18 @@ TEST_F(StrictRuntime, RefusesWhatASessionThatDoesNotRunMayNotDo) {
       {"a frame is ended", XR_ERROR_SESSION_NOT_RUNNING, [&] { return xrEndFrame(session, &nothing); }},
       {"it is ended", XR_ERROR_SESSION_NOT_RUNNING, [&] { return xrEndSession(session); }},
       {"its exit is asked for", XR_ERROR_SESSION_NOT_RUNNING, [&] { return xrRequestExitSession(session); }},
-      {"it begins with one eye", XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED, [&] { return xrBeginSession(session, &mono); }},
-      {"no sets are attached", XR_ERROR_VALIDATION_FAILURE, [&] { return xrAttachSessionActionSets(session, &none); }},
-      {"a set that is not attached is read", XR_ERROR_ACTIONSET_NOT_ATTACHED, [&] { return xrSyncActions(session, &sync); }},
-      {"an action that is not attached is read", XR_ERROR_ACTIONSET_NOT_ATTACHED, [&] { return read_button(of_action(app_.shoot)); }},
-      {"an action that is not attached vibrates", XR_ERROR_ACTIONSET_NOT_ATTACHED, [&] { return vibrate(app_.feel, 0.5f); }},
-      {"a profile is asked for before", XR_ERROR_ACTIONSET_NOT_ATTACHED, [&] { return profile_of("/user/hand/left"); }},
+      {"it begins with one eye", XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
+       [&] { return xrBeginSession(session, &mono); }},
+      {"no sets are attached", XR_ERROR_VALIDATION_FAILURE,
+       [&] { return xrAttachSessionActionSets(session, &none); }},
+      {"a set that is not attached is read", XR_ERROR_ACTIONSET_NOT_ATTACHED,
+       [&] { return xrSyncActions(session, &sync); }},
+      {"an action that is not attached is read", XR_ERROR_ACTIONSET_NOT_ATTACHED,
+       [&] { return read_button(of_action(app_.shoot)); }},
+      {"an action that is not attached vibrates", XR_ERROR_ACTIONSET_NOT_ATTACHED,
+       [&] { return vibrate(app_.feel, 0.5f); }},
+      {"a profile is asked for before", XR_ERROR_ACTIONSET_NOT_ATTACHED,
+       [&] { return profile_of("/user/hand/left"); }},
       {"a second session", XR_ERROR_LIMIT_REACHED,
        [&] {
          auto info = openxr<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
@@ -171,8 +179,10 @@ TEST_F(StrictRuntime, RefusesFramesThatAreOutOfOrderOrWrong) {
   const auto unknown = openxr<XrCompositionLayerBaseHeader>(XR_TYPE_COMPOSITION_LAYER_CUBE_KHR);
   const uint64_t frames_before = rows(folder_ / "frames.csv").size();
   expect_refused({
-      {"begun without being waited for", XR_ERROR_CALL_ORDER_INVALID, [&] { return xrBeginFrame(session, nullptr); }},
-      {"ended without being begun", XR_ERROR_CALL_ORDER_INVALID, [&] { return xrEndFrame(session, &nothing); }},
+      {"begun without being waited for", XR_ERROR_CALL_ORDER_INVALID,
+       [&] { return xrBeginFrame(session, nullptr); }},
+      {"ended without being begun", XR_ERROR_CALL_ORDER_INVALID,
+       [&] { return xrEndFrame(session, &nothing); }},
       {"ended between waiting and beginning", XR_ERROR_CALL_ORDER_INVALID,
        [&] {
          EXPECT_EQ(app_.wait(state), XR_SUCCESS);
@@ -200,18 +210,21 @@ TEST_F(StrictRuntime, RefusesFramesThatAreOutOfOrderOrWrong) {
        }},
       {"blended as was not enumerated", XR_ERROR_ENVIRONMENT_BLEND_MODE_UNSUPPORTED,
        with([](Ending& ending) { ending.info.environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_ADDITIVE; })},
-      {"no array of layers", XR_ERROR_LAYER_INVALID, with([](Ending& ending) { ending.info.layers = nullptr; })},
+      {"no array of layers", XR_ERROR_LAYER_INVALID,
+       with([](Ending& ending) { ending.info.layers = nullptr; })},
       {"no layer", XR_ERROR_LAYER_INVALID, with([](Ending& ending) { ending.layers[0] = nullptr; })},
-      {"a layer of a type that is not there", XR_ERROR_LAYER_INVALID, with([&](Ending& ending) { ending.layers[0] = &unknown; })},
-      {"more layers than there can be", XR_ERROR_LAYER_LIMIT_EXCEEDED,
-       with([](Ending& ending) {
+      {"a layer of a type that is not there", XR_ERROR_LAYER_INVALID,
+       with([&](Ending& ending) { ending.layers[0] = &unknown; })},
+      {"more layers than there can be", XR_ERROR_LAYER_LIMIT_EXCEEDED, with([](Ending& ending) {
          ending.layers.resize(XR_MIN_COMPOSITION_LAYERS_SUPPORTED + 1, ending.layers[0]);
          ending.info.layers = ending.layers.data();
          ending.info.layerCount = static_cast<uint32_t>(ending.layers.size());
        })},
       {"one eye", XR_ERROR_VALIDATION_FAILURE, with([](Ending& ending) { ending.layer.viewCount = 1; })},
-      {"a view of no type", XR_ERROR_VALIDATION_FAILURE, with([](Ending& ending) { ending.views[1].type = XR_TYPE_UNKNOWN; })},
-      {"a space that is gone", XR_ERROR_HANDLE_INVALID, with([&](Ending& ending) { ending.layer.space = gone_space; })},
+      {"a view of no type", XR_ERROR_VALIDATION_FAILURE,
+       with([](Ending& ending) { ending.views[1].type = XR_TYPE_UNKNOWN; })},
+      {"a space that is gone", XR_ERROR_HANDLE_INVALID,
+       with([&](Ending& ending) { ending.layer.space = gone_space; })},
       {"a swapchain that is gone", XR_ERROR_HANDLE_INVALID,
        with([&](Ending& ending) { ending.views[1].subImage.swapchain = gone_swapchain; })},
       {"a swapchain of which nothing was released", XR_ERROR_LAYER_INVALID,
@@ -226,7 +239,8 @@ TEST_F(StrictRuntime, RefusesFramesThatAreOutOfOrderOrWrong) {
        with([](Ending& ending) { ending.views[0].subImage.imageRect.extent.height = -4; })},
       {"a layer that the image has not", XR_ERROR_VALIDATION_FAILURE,
        with([](Ending& ending) { ending.views[0].subImage.imageArrayIndex = 2; })},
-      {"a pose that is none", XR_ERROR_POSE_INVALID, with([](Ending& ending) { ending.views[0].pose.orientation.w = 0.5f; })},
+      {"a pose that is none", XR_ERROR_POSE_INVALID,
+       with([](Ending& ending) { ending.views[0].pose.orientation.w = 0.5f; })},
       {"a field of view that is empty", XR_ERROR_VALIDATION_FAILURE,
        with([](Ending& ending) { ending.views[0].fov.angleRight = ending.views[0].fov.angleLeft; })},
   });
@@ -244,8 +258,10 @@ TEST_F(StrictRuntime, RefusesSwapchainsOutOfOrderOrWrong) {
   wait.timeout = XR_INFINITE_DURATION;
   uint32_t index = 0;
   expect_refused({
-      {"waited for without being acquired", XR_ERROR_CALL_ORDER_INVALID, [&] { return xrWaitSwapchainImage(swapchain, &wait); }},
-      {"released without being acquired", XR_ERROR_CALL_ORDER_INVALID, [&] { return xrReleaseSwapchainImage(swapchain, nullptr); }},
+      {"waited for without being acquired", XR_ERROR_CALL_ORDER_INVALID,
+       [&] { return xrWaitSwapchainImage(swapchain, &wait); }},
+      {"released without being acquired", XR_ERROR_CALL_ORDER_INVALID,
+       [&] { return xrReleaseSwapchainImage(swapchain, nullptr); }},
       {"released without being waited for", XR_ERROR_CALL_ORDER_INVALID,
        [&] {
          EXPECT_EQ(xrAcquireSwapchainImage(swapchain, nullptr, &index), XR_SUCCESS);
@@ -264,14 +280,24 @@ TEST_F(StrictRuntime, RefusesSwapchainsOutOfOrderOrWrong) {
        }},
       {"of a format that was not enumerated", XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED,
        [&] { return swapchain_with([](auto& info) { info.format = VK_FORMAT_R8_UINT; }); }},
-      {"of no width", XR_ERROR_VALIDATION_FAILURE, [&] { return swapchain_with([](auto& info) { info.width = 0; }); }},
-      {"of two faces", XR_ERROR_VALIDATION_FAILURE, [&] { return swapchain_with([](auto& info) { info.faceCount = 2; }); }},
-      {"of no layers", XR_ERROR_VALIDATION_FAILURE, [&] { return swapchain_with([](auto& info) { info.arraySize = 0; }); }},
-      {"a cube", XR_ERROR_FEATURE_UNSUPPORTED, [&] { return swapchain_with([](auto& info) { info.faceCount = 6; }); }},
+      {"of no width", XR_ERROR_VALIDATION_FAILURE,
+       [&] { return swapchain_with([](auto& info) { info.width = 0; }); }},
+      {"of two faces", XR_ERROR_VALIDATION_FAILURE,
+       [&] { return swapchain_with([](auto& info) { info.faceCount = 2; }); }},
+      {"of no layers", XR_ERROR_VALIDATION_FAILURE,
+       [&] { return swapchain_with([](auto& info) { info.arraySize = 0; }); }},
+      {"a cube", XR_ERROR_FEATURE_UNSUPPORTED,
+       [&] { return swapchain_with([](auto& info) { info.faceCount = 6; }); }},
       {"protected", XR_ERROR_FEATURE_UNSUPPORTED,
-       [&] { return swapchain_with([](auto& info) { info.createFlags = XR_SWAPCHAIN_CREATE_PROTECTED_CONTENT_BIT; }); }},
+       [&] {
+         return swapchain_with(
+             [](auto& info) { info.createFlags = XR_SWAPCHAIN_CREATE_PROTECTED_CONTENT_BIT; });
+       }},
       {"for depth", XR_ERROR_FEATURE_UNSUPPORTED,
-       [&] { return swapchain_with([](auto& info) { info.usageFlags = XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT; }); }},
+       [&] {
+         return swapchain_with(
+             [](auto& info) { info.usageFlags = XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT; });
+       }},
       {"destroyed twice", XR_ERROR_HANDLE_INVALID,
        [&] {
          XrSwapchain made = XR_NULL_HANDLE;
@@ -314,32 +340,43 @@ TEST_F(StrictRuntime, RefusesSpacesViewsAndActionsThatAreWrong) {
   std::snprintf(late_action.localizedActionName, XR_MAX_LOCALIZED_ACTION_NAME_SIZE, "Late");
   XrAction action = XR_NULL_HANDLE;
   XrActionSuggestedBinding binding{app_.shoot, app_.path("/user/hand/right/input/a/click")};
-  auto suggested = openxr<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
+  auto suggested =
+      openxr<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
   suggested.interactionProfile = app_.path("/interaction_profiles/oculus/touch_controller");
   suggested.countSuggestedBindings = 1;
   suggested.suggestedBindings = &binding;
   expect_refused({
       {"it begins again", XR_ERROR_SESSION_RUNNING, [&] { return xrBeginSession(session, &begin); }},
-      {"it ends before it is told to stop", XR_ERROR_SESSION_NOT_STOPPING, [&] { return xrEndSession(session); }},
-      {"a space whose pose is none", XR_ERROR_POSE_INVALID, [&] { return reference(XR_REFERENCE_SPACE_TYPE_LOCAL, 0.5f); }},
+      {"it ends before it is told to stop", XR_ERROR_SESSION_NOT_STOPPING,
+       [&] { return xrEndSession(session); }},
+      {"a space whose pose is none", XR_ERROR_POSE_INVALID,
+       [&] { return reference(XR_REFERENCE_SPACE_TYPE_LOCAL, 0.5f); }},
       {"a space that was not enumerated", XR_ERROR_REFERENCE_SPACE_UNSUPPORTED,
        [&] { return reference(XR_REFERENCE_SPACE_TYPE_UNBOUNDED_MSFT, 1); }},
-      {"a space of a button", XR_ERROR_ACTION_TYPE_MISMATCH, [&] { return of_hand(app_.shoot, "/user/hand/right"); }},
-      {"a space of a hand that the action has not", XR_ERROR_PATH_UNSUPPORTED, [&] { return of_hand(app_.grip, "/user/head"); }},
+      {"a space of a button", XR_ERROR_ACTION_TYPE_MISMATCH,
+       [&] { return of_hand(app_.shoot, "/user/hand/right"); }},
+      {"a space of a hand that the action has not", XR_ERROR_PATH_UNSUPPORTED,
+       [&] { return of_hand(app_.grip, "/user/head"); }},
       {"a place at no time", XR_ERROR_TIME_INVALID, [&] { return located(0); }},
       {"views at no time", XR_ERROR_TIME_INVALID, [&] { return views_at(-1); }},
       {"views of one eye", XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
        [&] { return views_at(1, XR_VIEW_CONFIGURATION_TYPE_PRIMARY_MONO); }},
-      {"sets attached twice", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, [&] { return xrAttachSessionActionSets(session, &attached); }},
-      {"an action made after", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, [&] { return xrCreateAction(app_.set, &late_action, &action); }},
+      {"sets attached twice", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
+       [&] { return xrAttachSessionActionSets(session, &attached); }},
+      {"an action made after", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
+       [&] { return xrCreateAction(app_.set, &late_action, &action); }},
       {"bindings suggested after", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
        [&] { return xrSuggestInteractionProfileBindings(app_.instance, &suggested); }},
-      {"a pose read as a button", XR_ERROR_ACTION_TYPE_MISMATCH, [&] { return read_button(of_action(app_.grip)); }},
-      {"a hand that the action has not", XR_ERROR_PATH_UNSUPPORTED, [&] { return read_button(of_action(app_.shoot, "/user/gamepad")); }},
+      {"a pose read as a button", XR_ERROR_ACTION_TYPE_MISMATCH,
+       [&] { return read_button(of_action(app_.grip)); }},
+      {"a hand that the action has not", XR_ERROR_PATH_UNSUPPORTED,
+       [&] { return read_button(of_action(app_.shoot, "/user/gamepad")); }},
       {"a button that vibrates", XR_ERROR_ACTION_TYPE_MISMATCH, [&] { return vibrate(app_.shoot, 0.5f); }},
       {"too strong a vibration", XR_ERROR_VALIDATION_FAILURE, [&] { return vibrate(app_.feel, 1.5f); }},
-      {"a head that vibrates", XR_ERROR_PATH_UNSUPPORTED, [&] { return vibrate(app_.feel, 0.5f, "/user/head"); }},
-      {"the profile of a button", XR_ERROR_PATH_UNSUPPORTED, [&] { return profile_of("/user/hand/right/input/a/click"); }},
+      {"a head that vibrates", XR_ERROR_PATH_UNSUPPORTED,
+       [&] { return vibrate(app_.feel, 0.5f, "/user/head"); }},
+      {"the profile of a button", XR_ERROR_PATH_UNSUPPORTED,
+       [&] { return profile_of("/user/hand/right/input/a/click"); }},
   });
   EXPECT_EQ(vibrate(app_.feel, 1.0f), XR_SUCCESS);
   EXPECT_EQ(read_button(of_action(app_.shoot, "/user/hand/right")), XR_SUCCESS);

@@ -25,7 +25,8 @@ Session* session_of(XrSwapchain swapchain) {
 
 using namespace livegs::simulated;
 
-XrResult xrEnumerateSwapchainFormats(XrSession session, uint32_t capacity, uint32_t* count, int64_t* formats) {
+XrResult xrEnumerateSwapchainFormats(XrSession session, uint32_t capacity, uint32_t* count,
+                                     int64_t* formats) {
   std::lock_guard lock(runtime().mutex);
   if (const auto refused = refuse(find(session), "xrEnumerateSwapchainFormats")) return *refused;
   return fill(capacity, count, formats, kFormats);
@@ -39,14 +40,20 @@ XrResult xrCreateSwapchain(XrSession session, const XrSwapchainCreateInfo* info,
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateSwapchain: not an XrSwapchainCreateInfo");
   bool known = false;
   for (const int64_t format : kFormats) known = known || format == info->format;
-  if (!known) return misuse(XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED, "xrCreateSwapchain: a format that was not enumerated");
-  if (info->width == 0 || info->height == 0 || info->width > 4096 || info->height > 4096 || info->sampleCount == 0 || info->arraySize == 0 ||
-      info->mipCount == 0 || (info->faceCount != 1 && info->faceCount != 6))
+  if (!known)
+    return misuse(XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED,
+                  "xrCreateSwapchain: a format that was not enumerated");
+  if (info->width == 0 || info->height == 0 || info->width > 4096 || info->height > 4096 ||
+      info->sampleCount == 0 || info->arraySize == 0 || info->mipCount == 0 ||
+      (info->faceCount != 1 && info->faceCount != 6))
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateSwapchain: no size of an image");
   constexpr XrSwapchainUsageFlags kUsages =
-      XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT;
-  if (info->sampleCount != 1 || info->faceCount != 1 || info->mipCount != 1 || info->createFlags != 0 || (info->usageFlags & ~kUsages) != 0)
-    return misuse(XR_ERROR_FEATURE_UNSUPPORTED, "xrCreateSwapchain: samples, faces, mips, flags or usages that are not there");
+      XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT |
+      XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT;
+  if (info->sampleCount != 1 || info->faceCount != 1 || info->mipCount != 1 || info->createFlags != 0 ||
+      (info->usageFlags & ~kUsages) != 0)
+    return misuse(XR_ERROR_FEATURE_UNSUPPORTED,
+                  "xrCreateSwapchain: samples, faces, mips, flags or usages that are not there");
   Swapchain made{*info, {}, {}, false, 0, {}};
   made.info.next = nullptr;
   for (uint32_t i = 0; i < kImages; ++i) {
@@ -62,12 +69,14 @@ XrResult xrDestroySwapchain(XrSwapchain swapchain) {
   std::lock_guard lock(runtime().mutex);
   Session* session = session_of(swapchain);
   if (!session) return misuse(XR_ERROR_HANDLE_INVALID, "xrDestroySwapchain: no such swapchain");
-  for (SwapchainImage& image : session->swapchains.find(swapchain)->second.images) session->graphics.destroy(image);
+  for (SwapchainImage& image : session->swapchains.find(swapchain)->second.images)
+    session->graphics.destroy(image);
   session->swapchains.erase(swapchain);
   return XR_SUCCESS;
 }
 
-XrResult xrEnumerateSwapchainImages(XrSwapchain swapchain, uint32_t capacity, uint32_t* count, XrSwapchainImageBaseHeader* images) {
+XrResult xrEnumerateSwapchainImages(XrSwapchain swapchain, uint32_t capacity, uint32_t* count,
+                                    XrSwapchainImageBaseHeader* images) {
   std::lock_guard lock(runtime().mutex);
   if (const auto refused = refuse(session_of(swapchain), "xrEnumerateSwapchainImages")) return *refused;
   const Swapchain& found = *find(swapchain);
@@ -77,7 +86,8 @@ XrResult xrEnumerateSwapchainImages(XrSwapchain swapchain, uint32_t capacity, ui
   auto* made = reinterpret_cast<XrSwapchainImageVulkan2KHR*>(images);
   for (uint32_t i = 0; i < kImages; ++i) {
     if (made[i].type != XR_TYPE_SWAPCHAIN_IMAGE_VULKAN2_KHR)
-      return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEnumerateSwapchainImages: not XrSwapchainImageVulkan2KHR");
+      return misuse(XR_ERROR_VALIDATION_FAILURE,
+                    "xrEnumerateSwapchainImages: not XrSwapchainImageVulkan2KHR");
     made[i].image = found.images[i].image;
   }
   return XR_SUCCESS;
@@ -88,7 +98,8 @@ XrResult xrAcquireSwapchainImage(XrSwapchain swapchain, const XrSwapchainImageAc
   Session* session = session_of(swapchain);
   if (const auto refused = refuse(session, "xrAcquireSwapchainImage")) return *refused;
   Swapchain& found = *find(swapchain);
-  if (found.acquired.size() == kImages) return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrAcquireSwapchainImage: all images are acquired");
+  if (found.acquired.size() == kImages)
+    return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrAcquireSwapchainImage: all images are acquired");
   *index = found.next;
   found.next = (found.next + 1) % kImages;
   found.acquired.push_back(*index);
@@ -102,7 +113,8 @@ XrResult xrWaitSwapchainImage(XrSwapchain swapchain, const XrSwapchainImageWaitI
   if (!info || info->type != XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO)
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrWaitSwapchainImage: not an XrSwapchainImageWaitInfo");
   Swapchain& found = *find(swapchain);
-  if (found.acquired.empty() || found.waited) return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrWaitSwapchainImage: no image to wait for");
+  if (found.acquired.empty() || found.waited)
+    return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrWaitSwapchainImage: no image to wait for");
   found.waited = true;
   return success(*session);
 }
@@ -112,7 +124,8 @@ XrResult xrReleaseSwapchainImage(XrSwapchain swapchain, const XrSwapchainImageRe
   Session* session = session_of(swapchain);
   if (const auto refused = refuse(session, "xrReleaseSwapchainImage")) return *refused;
   Swapchain& found = *find(swapchain);
-  if (!found.waited) return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrReleaseSwapchainImage: no image was waited for");
+  if (!found.waited)
+    return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrReleaseSwapchainImage: no image was waited for");
   found.waited = false;
   found.released = found.acquired.front();
   found.acquired.pop_front();

@@ -11,26 +11,26 @@ namespace {
 
 // By name, the numbers each has.
 const std::map<std::string, size_t> kEvents = {
-    {"hide", 0},         // another application covers this one
-    {"show", 0},
-    {"take-focus", 0},   // a menu of the system has the hands
-    {"give-focus", 0},
-    {"lose-session", 0}, // announced by LOSS_PENDING, then gone
-    {"cut-session", 0},  // gone without a word
-    {"vanish", 0},       // the runtime says that it is going away
-    {"die", 0},          // the runtime is gone without a word: all calls but those that destroy answer INSTANCE_LOST
-    {"recentre", 4},     // X Y Z of the new LOCAL space in the stage, and its turn about +Y in degrees
-    {"refresh", 1},      // Hz
-    {"compositor", 1},   // seconds it takes longer from now on
-    {"misjudge", 1},     // m/s: from now on a head is foretold that much too far to the right for each second ahead
-    {"picture", 0},      // keeps the next submitted frame as PNGs
-    {"exit", 0},         // asks the application to end
+    {"hide", 0},                              // another application covers this one
+    {"show", 0},        {"take-focus", 0},    // a menu of the system has the hands
+    {"give-focus", 0},  {"lose-session", 0},  // announced by LOSS_PENDING, then gone
+    {"cut-session", 0},                       // gone without a word
+    {"vanish", 0},                            // the runtime says that it is going away
+    {"die", 0},  // the runtime is gone without a word: all calls but those that destroy answer INSTANCE_LOST
+    {"recentre", 4},    // X Y Z of the new LOCAL space in the stage, and its turn about +Y in degrees
+    {"refresh", 1},     // Hz
+    {"compositor", 1},  // seconds it takes longer from now on
+    {"misjudge", 1},    // m/s: from now on a head is foretold that much too far to the right for each second
+                        // ahead
+    {"picture", 0},     // keeps the next submitted frame as PNGs
+    {"exit", 0},        // asks the application to end
 };
 
 Result<std::vector<double>> numbers(std::istringstream& words, size_t count) {
   std::vector<double> values;
   for (double value = 0; words >> value;) values.push_back(value);
-  if (!words.eof() || values.size() != count || !std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
+  if (!words.eof() || values.size() != count ||
+      !std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
     return invalid_data("expected " + std::to_string(count) + " numbers");
   return values;
 }
@@ -53,7 +53,8 @@ Result<Timeline> Timeline::read(const std::string& path) {
     if (!(words >> time_s >> kind >> name)) return wrong("is not SECONDS pose|input|do NAME ...");
     const auto event = kEvents.find(name);
     if (kind == "do" && event == kEvents.end()) return wrong("there is no event " + name);
-    if (kind != "do" && kind != "pose" && kind != "input") return wrong("begins with neither pose, input nor do");
+    if (kind != "do" && kind != "pose" && kind != "input")
+      return wrong("begins with neither pose, input nor do");
     const auto values = numbers(words, kind == "do" ? event->second : kind == "pose" ? 7 : 1);
     if (!values) return wrong(values.error().message);
     const std::vector<double>& v = *values;
@@ -62,7 +63,8 @@ Result<Timeline> Timeline::read(const std::string& path) {
     } else if (kind == "input") {
       timeline.inputs_[name][time_s] = v[0];
     } else {
-      timeline.poses_[name][time_s] = {{v[0], v[1], v[2]}, Eigen::Quaterniond(v[3], v[4], v[5], v[6]).normalized()};
+      timeline.poses_[name][time_s] = {{v[0], v[1], v[2]},
+                                       Eigen::Quaterniond(v[3], v[4], v[5], v[6]).normalized()};
     }
   }
   std::stable_sort(timeline.events_.begin(), timeline.events_.end(),

@@ -42,7 +42,8 @@ inline Scene box_scene(double rate_hz = 90, double box_size_m = 0.2, uint32_t fi
         "physics": { "behavior": "ELASTIC", "density_kg_m3": 300, "youngs_modulus_pa": 2e4 } } ] })",
                                                                   &file);
   EXPECT_TRUE(parsed.ok()) << parsed.message();
-  for (int i = 0; i < 3; ++i) file.mutable_objects(0)->mutable_shape()->mutable_box()->set_size_m(i, box_size_m);
+  for (int i = 0; i < 3; ++i)
+    file.mutable_objects(0)->mutable_shape()->mutable_box()->set_size_m(i, box_size_m);
   SceneOptions options;
   options.rate_hz = rate_hz;
   options.first_object_id = first_object_id;

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "physics/breakable_pieces.h"
-#include "server/geometry/fracture/fracture_shapes.h"
 #include "scenes/rigid_fixtures.h"
+#include "server/geometry/fracture/fracture_shapes.h"
 
 // A small cup of a quarter of a kilogram that breaks, for tests of breaking.
 

@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include "physics/elastic_body.h"
 #include "physics/elastic/make_elastic_body.h"
 #include "physics/elastic/rigid_proxy.h"
+#include "physics/elastic_body.h"
 #include "rates.h"
 
 // Bodies of the elastic tests: regular grids of particles, and the bar of physics.md section 2.
@@ -31,7 +31,8 @@ inline ParticleSet particle_grid(const Vector3d& size_m, double spacing_m) {
   for (int k = 0; k < n.z(); ++k) {
     for (int j = 0; j < n.y(); ++j) {
       for (int i = 0; i < n.x(); ++i) {
-        set.positions_m.push_back(Vector3d(i + 0.5, j + 0.5, k + 0.5) * spacing_m - 0.5 * n.cast<double>() * spacing_m);
+        set.positions_m.push_back(Vector3d(i + 0.5, j + 0.5, k + 0.5) * spacing_m -
+                                  0.5 * n.cast<double>() * spacing_m);
       }
     }
   }
@@ -57,10 +58,10 @@ inline ElasticBodyDescription describe(ParticleSet particles, double youngs_modu
 
 inline constexpr double kBarLength_m = 0.4, kBarWidth_m = 0.1;
 
-inline ElasticBodyDescription describe_bar(double youngs_modulus_pa, double poisson_ratio, double cell_width_m,
-                                           double spacing_m = 0.025) {
-  return describe(particle_grid({kBarLength_m, kBarWidth_m, kBarWidth_m}, spacing_m), youngs_modulus_pa, poisson_ratio,
-                  cell_width_m);
+inline ElasticBodyDescription describe_bar(double youngs_modulus_pa, double poisson_ratio,
+                                           double cell_width_m, double spacing_m = 0.025) {
+  return describe(particle_grid({kBarLength_m, kBarWidth_m, kBarWidth_m}, spacing_m), youngs_modulus_pa,
+                  poisson_ratio, cell_width_m);
 }
 
 // A body with what acts on it and the scene's clock.
@@ -142,7 +143,8 @@ inline double rms_distance_from_rest_shape(const ElasticBody& body, const Partic
 
 inline bool all_finite(const ElasticBody& body) {
   for (const ParticleState& p : body.particles()) {
-    if (!p.position_m.allFinite() || !p.velocity_m_s.allFinite() || !p.deformation_gradient.allFinite()) return false;
+    if (!p.position_m.allFinite() || !p.velocity_m_s.allFinite() || !p.deformation_gradient.allFinite())
+      return false;
   }
   return true;
 }

@@ -18,10 +18,11 @@ class ServedScene {
     auto listening = GrpcServer::listen("127.0.0.1:0");
     EXPECT_TRUE(listening) << listening.error().message;
     server = std::move(*listening);
-    loop = std::make_unique<SimulationLoop>(std::move(scene), server->ticks(), [this, observe](const Scene& now) {
-      tick = now.world().tick();
-      if (observe) observe(now);
-    });
+    loop = std::make_unique<SimulationLoop>(std::move(scene), server->ticks(),
+                                            [this, observe](const Scene& now) {
+                                              tick = now.world().tick();
+                                              if (observe) observe(now);
+                                            });
     server->open(loop->scene(), *loop);
     loop->start();
   }

@@ -12,8 +12,9 @@ using namespace rigid_fixtures;
 using Eigen::Vector3d;
 
 // A block of full edges `size_m` about its centre.
-inline ElasticBodyDescription soft_block(uint32_t id, const Vector3d& size_m, double mass_kg, double youngs_modulus_pa,
-                                         double spacing_m, double poisson_ratio = 0.3, double cell_width_m = 0.0) {
+inline ElasticBodyDescription soft_block(uint32_t id, const Vector3d& size_m, double mass_kg,
+                                         double youngs_modulus_pa, double spacing_m,
+                                         double poisson_ratio = 0.3, double cell_width_m = 0.0) {
   ElasticBodyDescription description =
       test::describe(test::particle_grid(size_m, spacing_m), youngs_modulus_pa, poisson_ratio, cell_width_m);
   description.object_id = id;
@@ -24,7 +25,8 @@ inline ElasticBodyDescription soft_block(uint32_t id, const Vector3d& size_m, do
   return description;
 }
 
-inline World world_with(ElasticSolver solver, double rate_hz, const Vector3d& gravity = {0, -kGravity, 0}, int substeps = 4) {
+inline World world_with(ElasticSolver solver, double rate_hz, const Vector3d& gravity = {0, -kGravity, 0},
+                        int substeps = 4) {
   WorldSettings settings;
   settings.substeps = substeps;
   settings.rate_hz = rate_hz;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "physics/lattice/lattice.h"
 #include "physics/elastic/cells/plate_cell.h"
+#include "physics/lattice/lattice.h"
 #include "server/physics/lattice/lattice_statics.h"
 
 // Sheets and cords of small cubes in a lattice turned against them, and what beams say of them.
@@ -48,7 +48,8 @@ inline std::vector<StripPoint> strip_points(const Strip& strip) {
 }
 
 // The lattice is turned against the strip and shifted by a part of a cell.
-inline BodyExtent strip_extent(const std::vector<StripPoint>& points, const Eigen::Quaterniond& object_from_lattice,
+inline BodyExtent strip_extent(const std::vector<StripPoint>& points,
+                               const Eigen::Quaterniond& object_from_lattice,
                                const Eigen::Vector3d& shift_m) {
   BodyExtent extent;
   extent.object_from_lattice = object_from_lattice;

@@ -16,7 +16,8 @@ Result<std::unique_ptr<SplatRenderer>> made_or_cpu(RendererChoice choice, const 
   return made;
 }
 
-Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice, std::shared_ptr<VulkanDevice> device) {
+Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice,
+                                                       std::shared_ptr<VulkanDevice> device) {
   if (choice == RendererChoice::Cpu) return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer());
   const std::string name = "vulkan: " + device->name();
   return made_or_cpu(choice, name, create_vulkan_renderer(std::move(device)));
@@ -29,10 +30,12 @@ Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice) {
   auto device = VulkanDevice::create(options);
   if (!device && choice == RendererChoice::Vulkan) return device.error();
   // A machine without a GPU has nothing to say to its person; one whose GPU has no memory left has.
-  if (!device && device.error().code == ErrorCode::TooLarge) return made_or_cpu(choice, "vulkan", device.error());
+  if (!device && device.error().code == ErrorCode::TooLarge)
+    return made_or_cpu(choice, "vulkan", device.error());
   if (choice == RendererChoice::Auto && (!device || (*device)->is_software())) {
     const std::string why = !device ? device.error().message
-                                    : "vulkan: " + (*device)->name() + " is software; --renderer vulkan draws with it all the same";
+                                    : "vulkan: " + (*device)->name() +
+                                          " is software; --renderer vulkan draws with it all the same";
     log_info("drawing with the cpu: %s", why.c_str());
     return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer());
   }

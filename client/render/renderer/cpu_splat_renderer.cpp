@@ -17,9 +17,11 @@ class CpuSplatRenderer final : public SplatRenderer {
     times_ = {};
     images.resize(eyes.size());
     Eigen::Vector3d between_m = Eigen::Vector3d::Zero();
-    for (const Camera& eye : eyes) between_m += eye.world_from_camera.position_m / static_cast<double>(eyes.size());
-    const RasteriseOptions rasterised{options.background,          options.order,         options.max_sh_degree,
-                                      options.min_contribution_px, options.max_radius_px, between_m};
+    for (const Camera& eye : eyes)
+      between_m += eye.world_from_camera.position_m / static_cast<double>(eyes.size());
+    const RasteriseOptions rasterised{options.background,    options.order,
+                                      options.max_sh_degree, options.min_contribution_px,
+                                      options.max_radius_px, between_m};
     for (size_t e = 0; e < eyes.size(); ++e) {
       rasteriser_.draw(drawn, eyes[e], rasterised, view_);
       std::swap(images[e], view_.image);
@@ -43,10 +45,13 @@ class CpuSplatRenderer final : public SplatRenderer {
 
 }  // namespace
 
-std::unique_ptr<SplatRenderer> create_cpu_renderer() { return std::make_unique<CpuSplatRenderer>(std::string()); }
+std::unique_ptr<SplatRenderer> create_cpu_renderer() {
+  return std::make_unique<CpuSplatRenderer>(std::string());
+}
 
 std::unique_ptr<SplatRenderer> create_cpu_renderer_instead_of(const std::string& device, const Error& why) {
-  return std::make_unique<CpuSplatRenderer>(device + " cannot draw this: " + why.message + "; the processor draws from here on");
+  return std::make_unique<CpuSplatRenderer>(device + " cannot draw this: " + why.message +
+                                            "; the processor draws from here on");
 }
 
 }  // namespace livegs

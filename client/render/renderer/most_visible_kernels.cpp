@@ -14,10 +14,14 @@ std::vector<uint32_t> most_visible_kernels(const GaussianAsset& asset, size_t co
   std::vector<double> shows(asset.size());  // its logarithm
   for (size_t i = 0; i < shows.size(); ++i) {
     const Eigen::Vector3f& size = asset.log_scales[i];
-    shows[i] = size.sum() - size.minCoeff() - std::log1p(std::exp(-static_cast<double>(asset.opacity_logits[i])));
+    shows[i] =
+        size.sum() - size.minCoeff() - std::log1p(std::exp(-static_cast<double>(asset.opacity_logits[i])));
   }
-  const auto more = [&](uint32_t a, uint32_t b) { return shows[a] != shows[b] ? shows[a] > shows[b] : a < b; };
-  std::nth_element(kernels.begin(), kernels.begin() + static_cast<std::ptrdiff_t>(count), kernels.end(), more);
+  const auto more = [&](uint32_t a, uint32_t b) {
+    return shows[a] != shows[b] ? shows[a] > shows[b] : a < b;
+  };
+  std::nth_element(kernels.begin(), kernels.begin() + static_cast<std::ptrdiff_t>(count), kernels.end(),
+                   more);
   kernels.resize(count);
   std::sort(kernels.begin(), kernels.end());
   return kernels;

@@ -5,9 +5,12 @@
 
 namespace livegs {
 
-Result<BoundObject> bind_object(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest, bool environment) {
+Result<BoundObject> bind_object(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
+                                bool environment) {
   auto bindings = bind_kernels(*asset, rest);
-  if (!bindings) return Error{bindings.error().code, "object " + std::to_string(object_id) + ": " + bindings.error().message};
+  if (!bindings)
+    return Error{bindings.error().code,
+                 "object " + std::to_string(object_id) + ": " + bindings.error().message};
   KernelReach reach = kernel_reach(rest, *bindings);
   return BoundObject{std::move(asset), std::move(rest), *std::move(bindings), std::move(reach), environment};
 }

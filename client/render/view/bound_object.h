@@ -22,6 +22,7 @@ struct BoundObject {
 };
 
 // What takes long of SceneView::add and change, about 0.1 s for 300k kernels, apart: on any thread.
-Result<BoundObject> bind_object(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest, bool environment);
+Result<BoundObject> bind_object(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
+                                bool environment);
 
 }  // namespace livegs

@@ -50,7 +50,8 @@ Eigen::Vector3d nearest_position(const std::vector<Eigen::Vector3d>& points,
 
 }  // namespace
 
-Camera choose_camera(const SceneView& view, int width, int height, const std::optional<PictureColumns>& free) {
+Camera choose_camera(const SceneView& view, int width, int height,
+                     const std::optional<PictureColumns>& free) {
   Eigen::AlignedBox3d all;
   std::vector<Eigen::Vector3d> corners;
   for (const Eigen::AlignedBox3d& box : view.object_boxes()) {
@@ -74,10 +75,10 @@ Camera choose_camera(const SceneView& view, int width, int height, const std::op
   const double half_width_px = kFillShare * 0.5 * (columns.right_px - columns.left_px);
   const double tangent_y = kFillShare * 0.5 * height / camera.focal_y_px;
   Pose& pose = camera.world_from_camera;
-  pose.position_m = nearest_position(
-      corners, pose.orientation,
-      {Tangents{(half_width_px - offset_px) / camera.focal_x_px, (half_width_px + offset_px) / camera.focal_x_px},
-       Tangents{tangent_y, tangent_y}});
+  pose.position_m = nearest_position(corners, pose.orientation,
+                                     {Tangents{(half_width_px - offset_px) / camera.focal_x_px,
+                                               (half_width_px + offset_px) / camera.focal_x_px},
+                                      Tangents{tangent_y, tangent_y}});
   return camera;
 }
 

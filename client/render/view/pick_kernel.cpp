@@ -10,9 +10,9 @@
 namespace livegs {
 namespace {
 
-constexpr float kReach = 3.0f;           // standard deviations
-constexpr float kMinOpacity = 0.02f;   // of what counts
-constexpr float kMinTrace = 1e-6f;       // of the trace, added so that a flat kernel has an inverse
+constexpr float kReach = 3.0f;        // standard deviations
+constexpr float kMinOpacity = 0.02f;  // of what counts
+constexpr float kMinTrace = 1e-6f;    // of the trace, added so that a flat kernel has an inverse
 
 struct Crossing {
   float distance_m, opacity;

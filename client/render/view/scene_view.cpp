@@ -34,7 +34,8 @@ Result<void> fits(size_t kernels, const RestBody& rest, const ObjectDrivers& dri
 }
 
 // Whether a ray enters a box: the stretches of it between each pair of faces have something in common.
-bool meets(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction, const Eigen::AlignedBox3d& box) {
+bool meets(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+           const Eigen::AlignedBox3d& box) {
   if (box.isEmpty()) return false;
   double enters = 0, leaves = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
@@ -181,8 +182,8 @@ Result<void> SceneView::draw(const DriverFrame& frame, std::span<const Camera> e
   return draw(eyes, nullptr, images);
 }
 
-Result<void> SceneView::draw_into(const DriverFrame& frame, std::span<const Camera> eyes, const DeviceImage& image,
-                                  std::vector<Image>& images) {
+Result<void> SceneView::draw_into(const DriverFrame& frame, std::span<const Camera> eyes,
+                                  const DeviceImage& image, std::vector<Image>& images) {
   images.clear();
   if (auto posed = pose(frame); !posed) return posed;
   return draw(eyes, &image, images);
@@ -225,26 +226,32 @@ RenderOptions SceneView::options_for(std::span<const Camera> eyes) const {
   const Camera& eye = eyes.front();
   RenderOptions options;
   options.background = kBackground;
-  // A head turns all the time: by distance from between the eyes that changes no kernel's place in the order, so that none pops,
-  // and one order holds for eyes that look apart. It leaves 36 to 50 dB of the picture by depth of a camera that looks at the thing,
-  // as captures are trained with; by depth of one that looks 30 degrees past it 34 to 44 are left, from inside about as many
-  // (order.csv). One eye goes by depth, as `livegs render` does.
+  // A head turns all the time: by distance from between the eyes that changes no kernel's place in the order,
+  // so that none pops, and one order holds for eyes that look apart. It leaves 36 to 50 dB of the picture by
+  // depth of a camera that looks at the thing, as captures are trained with; by depth of one that looks 30
+  // degrees past it 34 to 44 are left, from inside about as many (order.csv). One eye goes by depth, as
+  // `livegs render` does.
   options.order = eyes.size() == 2 ? DepthOrder::Distance : DepthOrder::ViewZ;
   options.min_contribution_px = min_contribution_px_;
-  options.max_radius_px = static_cast<float>((min_contribution_px_ > 0 ? 1 : 2) * std::max(eye.width, eye.height));
+  options.max_radius_px =
+      static_cast<float>((min_contribution_px_ > 0 ? 1 : 2) * std::max(eye.width, eye.height));
   return options;
 }
 
-Result<void> SceneView::draw_again(SplatRenderer& renderer, std::span<const Camera> eyes, std::vector<Image>& images) const {
+Result<void> SceneView::draw_again(SplatRenderer& renderer, std::span<const Camera> eyes,
+                                   std::vector<Image>& images) const {
   return renderer.draw(rendered(renderer), eyes, options_for(eyes), images);
 }
 
-Result<void> SceneView::draw(std::span<const Camera> eyes, const DeviceImage* image, std::vector<Image>& images) {
+Result<void> SceneView::draw(std::span<const Camera> eyes, const DeviceImage* image,
+                             std::vector<Image>& images) {
   std::vector<RenderedObject> objects = rendered(*renderer_);
   int64_t begun_ns = now_ns();
   const RenderOptions options = options_for(eyes);
-  auto done = image ? renderer_->draw_into(objects, eyes, options, *image) : renderer_->draw(objects, eyes, options, images);
-  if (image && !done && done.error().code == ErrorCode::Unsupported) done = renderer_->draw(objects, eyes, options, images);
+  auto done = image ? renderer_->draw_into(objects, eyes, options, *image)
+                    : renderer_->draw(objects, eyes, options, images);
+  if (image && !done && done.error().code == ErrorCode::Unsupported)
+    done = renderer_->draw(objects, eyes, options, images);
   if (!done && !draws_on_cpu_) {
     renderer_ = create_cpu_renderer_instead_of(renderer_->name(), done.error());
     log_warn("%s", renderer_->notice().c_str());
@@ -278,7 +285,8 @@ std::optional<SceneView::Picked> SceneView::pick(const Eigen::Vector3d& origin_m
   std::vector<DrawnObject> in_the_way;
   for (uint32_t id : visible_) {
     const Object& object = *shown(id);
-    if (meets(origin_m, direction, box_of_kernels(object.reach, *object.posed_by).cast<double>())) in_the_way.push_back(drawn(id));
+    if (meets(origin_m, direction, box_of_kernels(object.reach, *object.posed_by).cast<double>()))
+      in_the_way.push_back(drawn(id));
   }
   const auto met = pick_kernel(in_the_way, origin_m, direction);
   if (!met) return std::nullopt;
@@ -288,15 +296,17 @@ std::optional<SceneView::Picked> SceneView::pick(const Eigen::Vector3d& origin_m
                 object.rest.object_from_asset * object.asset->positions[met->kernel].cast<double>()};
 }
 
-std::optional<size_t> SceneView::nearest_kernel(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const {
+std::optional<size_t> SceneView::nearest_kernel(uint32_t object_id,
+                                                const Eigen::Vector3d& rest_point_m) const {
   const Object* object = shown(object_id);
   if (!object || object->asset->size() == 0) return std::nullopt;
   const auto distance = [&](const Eigen::Vector3f& position) {
     return (object->rest.object_from_asset * position.cast<double>() - rest_point_m).squaredNorm();
   };
   const auto& positions = object->asset->positions;
-  const auto nearest = std::min_element(positions.begin(), positions.end(),
-                                        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  const auto nearest =
+      std::min_element(positions.begin(), positions.end(),
+                       [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
   return static_cast<size_t>(nearest - positions.begin());
 }
 

@@ -6,7 +6,8 @@
 
 namespace livegs {
 
-std::vector<SurfaceKernel> surface_within(std::span<const DrawnObject> objects, const Eigen::AlignedBox3f& box, size_t most) {
+std::vector<SurfaceKernel> surface_within(std::span<const DrawnObject> objects,
+                                          const Eigen::AlignedBox3f& box, size_t most) {
   std::vector<SurfaceKernel> found;
   for (const DrawnObject& object : objects) {
     const std::vector<Eigen::Vector3f>& middles = object.kernels->positions_m;

@@ -145,8 +145,8 @@ Result<void> DrawPipeline::create_pipeline(const Description& description, VkSha
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
   info.layout = layout_;
-  const VkResult made = handles_.vk.CreateGraphicsPipelines(handles_.device, handles_.pipeline_cache, 1, &info,
-                                                            nullptr, &pipelines_[eyes - 1]);
+  const VkResult made = handles_.vk.CreateGraphicsPipelines(handles_.device, handles_.pipeline_cache, 1,
+                                                            &info, nullptr, &pipelines_[eyes - 1]);
   if (made != VK_SUCCESS) {
     pipelines_[eyes - 1] = VK_NULL_HANDLE;
     return vulkan_error("vkCreateGraphicsPipelines", made);

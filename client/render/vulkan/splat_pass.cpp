@@ -198,7 +198,8 @@ Result<void> VulkanSplatPainter::paint(const FrameSplats& frame, int width, int 
   buffers[0] = {commands_.buffer_of(frame.order()), 0, VK_WHOLE_SIZE};
   for (int e = 0; e < 2; ++e) {
     for (int part = 0; part < FrameSplats::kRowParts; ++part)
-      buffers[1 + e * FrameSplats::kRowParts + part] = {commands_.buffer_of(frame.rows(e, part)), 0, VK_WHOLE_SIZE};
+      buffers[1 + e * FrameSplats::kRowParts + part] = {commands_.buffer_of(frame.rows(e, part)), 0,
+                                                        VK_WHOLE_SIZE};
   }
   auto write = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
   write.dstSet = draw_.set();
@@ -275,18 +276,24 @@ Result<void> VulkanSplatPainter::read(std::vector<Image>& images) {
 }
 
 Result<void> VulkanSplatPainter::copy_into(const DeviceImage& image) {
-  LIVEGS_ASSERT(images_ && image.layers == images_->eyes() && image.width >= images_->width() && image.height >= images_->height());
+  LIVEGS_ASSERT(images_ && image.layers == images_->eyes() && image.width >= images_->width() &&
+                image.height >= images_->height());
   auto commands = commands_.record();
   if (!commands) return commands.error();
-  transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-  transition(*commands, image.image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+             VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+  transition(*commands, image.image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   VkImageBlit region{};  // a blit, since the image may have its channels in another order
-  region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint32_t>(images_->eyes())};
+  region.srcSubresource =
+      region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint32_t>(images_->eyes())};
   region.srcOffsets[1] = region.dstOffsets[1] = {images_->width(), images_->height(), 1};
   handles_.vk.CmdBlitImage(*commands, images_->resolved(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.image,
                            VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, VK_FILTER_NEAREST);
-  transition(*commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-  transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  transition(*commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
   return backend_.submit();
 }
 
@@ -308,7 +315,7 @@ Result<void> VulkanSplatPainter::read_blended(std::vector<Image>& images) {
 }  // namespace
 
 Result<std::unique_ptr<SplatPass>> SplatPass::create(Backend& backend, const VulkanHandles& handles,
-                                                           const Options& options) {
+                                                     const Options& options) {
   VulkanCommands* commands = vulkan_commands(backend);
   LIVEGS_ASSERT(commands != nullptr);
   if (!handles.draws) {

@@ -8,8 +8,8 @@
 #include "compute/backend.h"
 #include "compute/device_image.h"
 #include "render/renderer/blend_precision.h"
-#include "splat/raster/frame_splats.h"
 #include "splat/image.h"
+#include "splat/raster/frame_splats.h"
 
 namespace livegs {
 
@@ -25,7 +25,7 @@ class SplatPass {
   };
   // `backend` is a Vulkan one of a device that can draw, and outlives the painter.
   static Result<std::unique_ptr<SplatPass>> create(Backend& backend, const VulkanHandles& handles,
-                                                      const Options& options);
+                                                   const Options& options);
   virtual ~SplatPass() = default;
 
   // Records the draw. All eyes have the images' size.

@@ -8,17 +8,17 @@
 #include "core/clock.h"
 #include "core/format_text.h"
 #include "core/log.h"
-#include "render/vulkan/device_timer.h"
 #include "render/renderer/most_visible_kernels.h"
-#include "render/vulkan/splat_pass.h"
 #include "render/splat_renderer.h"
+#include "render/vulkan/device_timer.h"
+#include "render/vulkan/splat_pass.h"
 #include "skin/device_skin.h"
 #include "splat/raster/frame_splats.h"
 
 namespace livegs {
 namespace {
 
-constexpr double kKernelBackoff = 0.7;             // of the kernels, where memory has ended
+constexpr double kKernelBackoff = 0.7;        // of the kernels, where memory has ended
 constexpr double kMinKernelShare = 1.0 / 64;  // with fewer, the CPU draws better
 
 class VulkanSplatRenderer final : public SplatRenderer {
@@ -44,10 +44,10 @@ class VulkanSplatRenderer final : public SplatRenderer {
 
  private:
   using TakeOut = std::function<Result<void>()>;  // of what was painted and resolved
-  Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes, const RenderOptions& options,
-                    const TakeOut& take_out);
-  Result<void> draw_once(std::span<const RenderedObject> objects, std::span<const Camera> eyes, const RenderOptions& options,
-                         const TakeOut& take_out);
+  Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                    const RenderOptions& options, const TakeOut& take_out);
+  Result<void> draw_once(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                         const RenderOptions& options, const TakeOut& take_out);
   struct Held {
     DeviceKernels kernels;
     std::optional<DeviceSkin> skin;  // of what a pass skins
@@ -63,9 +63,9 @@ class VulkanSplatRenderer final : public SplatRenderer {
   std::unique_ptr<Backend> backend_;
   DeviceTimer timer_;
   std::unique_ptr<SplatPass> painter_;  // runs what is recorded before the timer goes
-  std::map<uint32_t, Held> held_;  // by object id
-  // Of each object's kernels, those that are drawn because no more fit into the device's memory, or into the buffers that it can
-  // bind; and how many there were when that was found.
+  std::map<uint32_t, Held> held_;       // by object id
+  // Of each object's kernels, those that are drawn because no more fit into the device's memory, or into the
+  // buffers that it can bind; and how many there were when that was found.
   double share_ = 1;
   bool binds_no_more_ = false;  // the second
   uint64_t kernels_then_ = 0;
@@ -84,7 +84,8 @@ Result<VulkanSplatRenderer::Held> VulkanSplatRenderer::make_held(const RenderedO
   const GaussianAsset& asset = *object.drawn.asset;
   std::vector<uint32_t> kept;
   if (share_ < 1 && asset.size() > 0)
-    kept = most_visible_kernels(asset, 1 + static_cast<size_t>(share_ * static_cast<double>(asset.size() - 1)));
+    kept =
+        most_visible_kernels(asset, 1 + static_cast<size_t>(share_ * static_cast<double>(asset.size() - 1)));
   std::optional<DeviceSkin> skin;
   if (is_skinned_here(object)) {
     auto made = DeviceSkin::create(*backend_, *object.skinned_by.rest, *object.skinned_by.bindings, kept);
@@ -100,7 +101,8 @@ Result<void> VulkanSplatRenderer::hold(std::span<const RenderedObject> objects) 
   std::map<uint32_t, Held> drawn;
   for (const RenderedObject& object : objects) {
     const uint32_t id = object.drawn.object_id;
-    if (const auto found = held_.find(id); found != held_.end() && found->second.asset_version == object.asset_version &&
+    if (const auto found = held_.find(id); found != held_.end() &&
+                                           found->second.asset_version == object.asset_version &&
                                            found->second.skin.has_value() == is_skinned_here(object)) {
       drawn.insert(held_.extract(found));
     }
@@ -111,13 +113,15 @@ Result<void> VulkanSplatRenderer::hold(std::span<const RenderedObject> objects) 
     auto found = held_.find(id);
     if (found == held_.end()) {
       auto made = make_held(object);
-      if (!made) return Error{made.error().code, "object " + std::to_string(id) + ": " + made.error().message};
+      if (!made)
+        return Error{made.error().code, "object " + std::to_string(id) + ": " + made.error().message};
       found = held_.emplace(id, *std::move(made)).first;
     }
     Held& held = found->second;
     if (held.posed_version == object.posed_version) continue;
     const SkinnedBy& by = object.skinned_by;
-    auto posed = held.skin ? held.skin->move(*by.rest, *by.bindings, *by.drivers) : held.kernels.pose(*object.drawn.kernels);
+    auto posed = held.skin ? held.skin->move(*by.rest, *by.bindings, *by.drivers)
+                           : held.kernels.pose(*object.drawn.kernels);
     if (!posed) return posed;
     held.posed_version = object.posed_version;
   }
@@ -145,20 +149,24 @@ Result<double> VulkanSplatRenderer::step_ms() {
 
 Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                                        const RenderOptions& options, std::vector<Image>& images) {
-  return draw(objects, eyes, options,
-              [&] { return options_.read_blended ? painter_->read_blended(images) : painter_->read(images); });
+  return draw(objects, eyes, options, [&] {
+    return options_.read_blended ? painter_->read_blended(images) : painter_->read(images);
+  });
 }
 
-Result<void> VulkanSplatRenderer::draw_into(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
-                                            const RenderOptions& options, const DeviceImage& image) {
+Result<void> VulkanSplatRenderer::draw_into(std::span<const RenderedObject> objects,
+                                            std::span<const Camera> eyes, const RenderOptions& options,
+                                            const DeviceImage& image) {
   return draw(objects, eyes, options, [&] { return painter_->copy_into(image); });
 }
 
 std::string VulkanSplatRenderer::notice() const {
   if (share_ == 1) return {};
   if (binds_no_more_)
-    return format_text("the buffers that %s can bind hold %.0f %% of the kernels; the rest is not drawn", device_->name().c_str(), 100 * share_);
-  return format_text("the memory of %s holds %.0f %% of the kernels; the rest is not drawn", device_->name().c_str(), 100 * share_);
+    return format_text("the buffers that %s can bind hold %.0f %% of the kernels; the rest is not drawn",
+                       device_->name().c_str(), 100 * share_);
+  return format_text("the memory of %s holds %.0f %% of the kernels; the rest is not drawn",
+                     device_->name().c_str(), 100 * share_);
 }
 
 // With fewer kernels where memory ends.
@@ -166,14 +174,16 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
                                        const RenderOptions& options, const TakeOut& take_out) {
   uint64_t kernels = 0;
   for (const RenderedObject& object : objects) kernels += object.drawn.asset->size();
-  if (share_ < 1 && static_cast<double>(kernels) <= share_ * static_cast<double>(kernels_then_)) {  // so many fit
+  if (share_ < 1 &&
+      static_cast<double>(kernels) <= share_ * static_cast<double>(kernels_then_)) {  // so many fit
     share_ = 1;
     binds_no_more_ = false;
     held_.clear();
     log_info("%s: all kernels are drawn again", name_.c_str());
   }
   std::optional<Error> ended;
-  if (share_ * static_cast<double>(kernels) > static_cast<double>(frame_.max_kernels()) && frame_.max_kernels() > objects.size()) {
+  if (share_ * static_cast<double>(kernels) > static_cast<double>(frame_.max_kernels()) &&
+      frame_.max_kernels() > objects.size()) {
     // Each object may have one more than its share.
     share_ = static_cast<double>(frame_.max_kernels() - objects.size()) / static_cast<double>(kernels);
     binds_no_more_ = true;
@@ -196,8 +206,9 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
   return done;
 }
 
-Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
-                                            const RenderOptions& options, const TakeOut& take_out) {
+Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> objects,
+                                            std::span<const Camera> eyes, const RenderOptions& options,
+                                            const TakeOut& take_out) {
   LIVEGS_ASSERT(eyes.size() == 1 || eyes.size() == 2);
   LIVEGS_ASSERT(eyes.front().width == eyes.back().width && eyes.front().height == eyes.back().height);
   // What a picture that failed left recorded runs now: nothing below may change what it names.
@@ -213,8 +224,10 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
   };
   if (auto done = timed(hold(objects), times_.upload_ms); !done) return done;
   std::vector<FrameSplats::Object> kernels;
-  for (const RenderedObject& object : objects) kernels.push_back(frame_object(held_.find(object.drawn.object_id)->second));
-  const FrameSplats::Options splats{options.order, options.max_sh_degree, options.max_radius_px, options.min_contribution_px};
+  for (const RenderedObject& object : objects)
+    kernels.push_back(frame_object(held_.find(object.drawn.object_id)->second));
+  const FrameSplats::Options splats{options.order, options.max_sh_degree, options.max_radius_px,
+                                    options.min_contribution_px};
   const auto project = [&]() -> Result<void> {
     if (auto done = frame_.prepare(kernels, eyes, splats); !done) return done;
     if (auto done = timer_.begin(); !done) return done;
@@ -229,9 +242,13 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
     return timer_.mark(DevicePass::None);
   };
   if (auto done = timed(project(), times_.project_ms); !done) return done;
-  if (auto done = timed(between_moments(DevicePass::Sort, [&] { return frame_.sort(); }), times_.sort_ms); !done) return done;
+  if (auto done = timed(between_moments(DevicePass::Sort, [&] { return frame_.sort(); }), times_.sort_ms);
+      !done)
+    return done;
   const auto paint = [&]() -> Result<void> {
-    const auto draws = [&] { return painter_->paint(frame_, eyes[0].width, eyes[0].height, static_cast<int>(eyes.size())); };
+    const auto draws = [&] {
+      return painter_->paint(frame_, eyes[0].width, eyes[0].height, static_cast<int>(eyes.size()));
+    };
     if (auto done = between_moments(DevicePass::Draw, draws); !done) return done;
     const auto resolves = [&] { return painter_->resolve(options.background); };
     if (auto done = between_moments(DevicePass::Resolve, resolves); !done) return done;
@@ -245,8 +262,8 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
   times_.device.reset();
   if (std::array<double, 6> ms{}; timer_.read(ms)) {
     const auto of = [&](DevicePass pass) { return ms[static_cast<size_t>(pass)]; };
-    times_.device = DeviceTimes{of(DevicePass::Skin), of(DevicePass::Project), of(DevicePass::Sort), of(DevicePass::Draw),
-                                of(DevicePass::Resolve)};
+    times_.device = DeviceTimes{of(DevicePass::Skin), of(DevicePass::Project), of(DevicePass::Sort),
+                                of(DevicePass::Draw), of(DevicePass::Resolve)};
   }
   return {};
 }

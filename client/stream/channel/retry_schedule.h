@@ -5,9 +5,10 @@
 
 namespace livegs {
 
-// When a client that lost its server opens the next connection: every 150 ms at first, so that a network that heals
-// shows pictures again within 300 ms; every 400 ms after a minute, so that a server that comes back does within 500.
-// Each pause is up to a fifth shorter, by `random`, so that the clients of one server do not come in step.
+// When a client that lost its server opens the next connection: every 150 ms at first, so that a network that
+// heals shows pictures again within 300 ms; every 400 ms after a minute, so that a server that comes back
+// does within 500. Each pause is up to a fifth shorter, by `random`, so that the clients of one server do not
+// come in step.
 inline constexpr int64_t kRetryPause_ns = 150'000'000;
 inline constexpr int64_t kLongRetryPause_ns = 400'000'000;
 inline constexpr int64_t kLongRetryAfter_ns = 60'000'000'000;

@@ -42,8 +42,8 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& address, const Se
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 1000);  // the server permits 500
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 3000);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  return grpc::CreateCustomChannel(address, access ? access->credentials() : grpc::InsecureChannelCredentials(),
-                                   arguments);
+  return grpc::CreateCustomChannel(
+      address, access ? access->credentials() : grpc::InsecureChannelCredentials(), arguments);
 }
 
 std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, const ServerAccess* access,
@@ -78,16 +78,16 @@ std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, const
 
 bool may_pass(const grpc::Status& status) {
   switch (status.error_code()) {
-    case grpc::StatusCode::UNAVAILABLE:         // the server is not there, going, or builds its scene
-    case grpc::StatusCode::CANCELLED:           // it took us for silent
-    case grpc::StatusCode::DEADLINE_EXCEEDED:   // an answer was lost
-    case grpc::StatusCode::NOT_FOUND:           // it forgot the session
+    case grpc::StatusCode::UNAVAILABLE:        // the server is not there, going, or builds its scene
+    case grpc::StatusCode::CANCELLED:          // it took us for silent
+    case grpc::StatusCode::DEADLINE_EXCEEDED:  // an answer was lost
+    case grpc::StatusCode::NOT_FOUND:          // it forgot the session
     case grpc::StatusCode::ALREADY_EXISTS:
     case grpc::StatusCode::ABORTED:
     case grpc::StatusCode::RESOURCE_EXHAUSTED:  // others were quicker
     case grpc::StatusCode::INTERNAL:            // how gRPC calls a connection that broke inside a frame
     case grpc::StatusCode::UNKNOWN:
-    case grpc::StatusCode::OK:                  // a stream that ended without a word
+    case grpc::StatusCode::OK:  // a stream that ended without a word
       return true;
     default:
       return false;

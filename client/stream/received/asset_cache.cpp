@@ -37,7 +37,9 @@ class PartFile {
       if (file.descriptor_ < 0) return system_error(path, "cannot be written");
       while (::flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0) {
         if (errno != EINTR && errno != EWOULDBLOCK) return system_error(path, "cannot be locked");
-        if (stop.stop_requested()) return Error{ErrorCode::Unavailable, path.string() + ": another client fetches it; no longer waited for"};
+        if (stop.stop_requested())
+          return Error{ErrorCode::Unavailable,
+                       path.string() + ": another client fetches it; no longer waited for"};
         sleep_until_ns(now_ns() + kPollInterval_ns);
       }
       struct stat held {
@@ -79,8 +81,9 @@ class PartFile {
 
 }  // namespace
 
-Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_t asset_bytes, const Fetch& fetch,
-                                                const Progress& progress, std::stop_token stop) const {
+Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_t asset_bytes,
+                                                const Fetch& fetch, const Progress& progress,
+                                                std::stop_token stop) const {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) {
@@ -143,11 +146,13 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
       std::vector<std::byte> bytes = asset ? encode_ply(*asset) : std::vector<std::byte>();
       if (asset && content_hash(bytes) == hash) {
         if (auto written = write_file_atomically(whole, bytes); !written)
-          return Error{written.error().code, written.error().message + "; choose another folder with --cache DIR"};
+          return Error{written.error().code,
+                       written.error().message + "; choose another folder with --cache DIR"};
         std::filesystem::remove(part_path, error);
         return Obtained{std::move(bytes), fetched};
       }
-      spoilt = invalid_data("asset: " + std::string(asset ? "the bytes that came have another hash" : "breaks off"));
+      spoilt = invalid_data("asset: " +
+                            std::string(asset ? "the bytes that came have another hash" : "breaks off"));
     }
     if (!part->truncate()) return system_error(part_path, "cannot be truncated");
     if (!resumed) break;
@@ -157,7 +162,8 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
 
 Result<std::filesystem::path> AssetCache::default_folder() {
   auto folder = user_cache_folder();
-  if (!folder) return Error{folder.error().code, folder.error().message + "; choose a folder with --cache DIR"};
+  if (!folder)
+    return Error{folder.error().code, folder.error().message + "; choose a folder with --cache DIR"};
   return folder;
 }
 

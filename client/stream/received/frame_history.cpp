@@ -14,8 +14,9 @@ Quaternion nlerp(const Quaternion& a, const Quaternion& b, typename Quaternion::
 }
 
 bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
-  return !a.kernels && !b.kernels && a.kind == b.kind && a.revision == b.revision && a.poses.size() == b.poses.size() &&
-         a.positions_m.size() == b.positions_m.size() && a.rotations.size() == b.rotations.size();
+  return !a.kernels && !b.kernels && a.kind == b.kind && a.revision == b.revision &&
+         a.poses.size() == b.poses.size() && a.positions_m.size() == b.positions_m.size() &&
+         a.rotations.size() == b.rotations.size();
 }
 
 // What rests keeps its bits, so that it is not skinned again.
@@ -61,7 +62,8 @@ DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share
 
 DriverFrame extrapolate(const DriverFrame& a, const DriverFrame& b, double share) {
   DriverFrame beyond = b;
-  beyond.simulated_ns += static_cast<int64_t>((share - 1) * static_cast<double>(b.simulated_ns - a.simulated_ns));
+  beyond.simulated_ns +=
+      static_cast<int64_t>((share - 1) * static_cast<double>(b.simulated_ns - a.simulated_ns));
   auto other = a.objects.begin();
   for (ObjectDrivers& object : beyond.objects) {
     other = find(other, a.objects.end(), object.object_id);

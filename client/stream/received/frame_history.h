@@ -27,10 +27,10 @@ class FrameHistory {
   static constexpr int64_t kFramesAhead = 2;
 
   // Positions are interpolated linearly, rotations by normalised lerp along the shorter way, between the two
-  // frames around the moment. Before the oldest that stands still; after the newest things go on as between the last
-  // two for at most kFramesAhead, and then stand. An object that is in the later frame only has not come yet; one in
-  // the earlier only is there until the later; one that broke between the two is whole until the later, and stands
-  // after it. Nothing while empty.
+  // frames around the moment. Before the oldest that stands still; after the newest things go on as between
+  // the last two for at most kFramesAhead, and then stand. An object that is in the later frame only has not
+  // come yet; one in the earlier only is there until the later; one that broke between the two is whole until
+  // the later, and stands after it. Nothing while empty.
   std::optional<DriverFrame> at(int64_t simulated_ns) const;
   // Drops frames that at(t) for t >= simulated_ns does not need.
   void drop_before(int64_t simulated_ns);
@@ -42,10 +42,11 @@ class FrameHistory {
   std::deque<DriverFrame> frames_;
 };
 
-// `share` of the way from a to b, 0..1. Objects whose kind, revision or count differ, and kernels, are taken from a.
+// `share` of the way from a to b, 0..1. Objects whose kind, revision or count differ, and kernels, are taken
+// from a.
 DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share);
-// Beyond b, `share` of the way from a, 1 or more. Objects that sleep in b, or whose kind, revision or count differ, or
-// that a has not, and kernels, stand as in b.
+// Beyond b, `share` of the way from a, 1 or more. Objects that sleep in b, or whose kind, revision or count
+// differ, or that a has not, and kernels, stand as in b.
 DriverFrame extrapolate(const DriverFrame& a, const DriverFrame& b, double share);
 
 }  // namespace livegs

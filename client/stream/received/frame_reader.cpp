@@ -16,7 +16,8 @@ DriverFrame as_drivers(KernelFrame frame) {
   for (ObjectKernels& object : frame.objects) {
     for (Eigen::Quaternionf& turn : object.kernels.world_from_asset) {
       const float length = turn.norm();
-      turn = length > kMinRotationLength ? Eigen::Quaternionf(turn.coeffs() / length) : Eigen::Quaternionf::Identity();
+      turn = length > kMinRotationLength ? Eigen::Quaternionf(turn.coeffs() / length)
+                                         : Eigen::Quaternionf::Identity();
     }
     ObjectDrivers& one = drivers.objects.emplace_back();
     one.object_id = object.object_id;

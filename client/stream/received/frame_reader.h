@@ -22,8 +22,8 @@ class FrameReader {
 
   // Accepts any bytes. Kernels come as objects that have `kernels`, which can be drawn, and no drivers.
   Result<DriverFrame> read(std::span<const std::byte> bytes);
-  // Only a key frame helps (ask for one): before the first, and after a frame that could not be read. Never where each frame
-  // is by itself.
+  // Only a key frame helps (ask for one): before the first, and after a frame that could not be read. Never
+  // where each frame is by itself.
   bool needs_key_frame() const { return encoding_ == v1::JoinRequest::DRIVERS && stream_.needs_key_frame(); }
 
  private:

@@ -11,8 +11,8 @@
 
 namespace livegs {
 
-// The objects of a server as it last described them, so that a client that comes back learns only what is not as it
-// was. Not locked.
+// The objects of a server as it last described them, so that a client that comes back learns only what is not
+// as it was. Not locked.
 class KnownObjects {
  public:
   // As read_description(), and remembered.

@@ -50,8 +50,8 @@ struct HeldByHand {
   uint32_t hand = 0;  // 0 left, 1 right
   uint32_t object_id = 0;
   Eigen::Vector3f point_m, force_n;
-  bool grabbed = false;             // in the hand, not on the ray
-  float contact_impulse_n_s = 0.0f; // that contacts gave the object in this tick, for haptics
+  bool grabbed = false;              // in the hand, not on the ray
+  float contact_impulse_n_s = 0.0f;  // that contacts gave the object in this tick, for haptics
 };
 
 // A driver frame as it came.
@@ -59,14 +59,16 @@ struct ReceivedFrame {
   uint64_t tick = 0;
   std::shared_ptr<const DriverFrame> drivers;  // never null
   size_t bytes = 0;                            // that it took on the wire
-  // The moments of its way, the server's clock: its step was done, this client's turn came, it was encoded and handed on.
+  // The moments of its way, the server's clock: its step was done, this client's turn came, it was encoded
+  // and handed on.
   int64_t stepped_ns = 0;
   int64_t encode_begun_ns = 0;
   int64_t sent_ns = 0;
   // This machine's clock: it came, and it was decoded.
   int64_t received_ns = 0;
   int64_t decoded_ns = 0;
-  // The server's clock minus this one's, and how far off that may be. Nothing before an answer to a message of ours.
+  // The server's clock minus this one's, and how far off that may be. Nothing before an answer to a message
+  // of ours.
   std::optional<ClockOffset::Estimate> clock;
   double step_ms = 0;
   uint64_t input_sequence = 0;
@@ -76,8 +78,8 @@ struct ReceivedFrame {
 
 // A session that goes on after its stream broke.
 struct ResumedSession {
-  // False: the server was started anew. Ticks begin again, and an id may be another object than before; those that are
-  // not as they were are added or removed before the next frame.
+  // False: the server was started anew. Ticks begin again, and an id may be another object than before; those
+  // that are not as they were are added or removed before the next frame.
   bool same_server = true;
   double outage_s = 0;  // since something last came
 };
@@ -93,8 +95,8 @@ class StreamSink {
   virtual void on_frame(ReceivedFrame frame) = 0;
   // An id that is there already is replaced.
   virtual void on_object_added(StreamedObject object) = 0;
-  // What the server now says of an object: a new asset and rest body when it broke. Frames of the revision before may
-  // still follow.
+  // What the server now says of an object: a new asset and rest body when it broke. Frames of the revision
+  // before may still follow.
   virtual void on_object_changed(StreamedObject object) = 0;
   virtual void on_object_removed(uint32_t object_id) = 0;
   virtual void on_draining(const std::string& reason) = 0;

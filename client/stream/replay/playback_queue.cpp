@@ -12,8 +12,10 @@ size_t bytes_of(const ReceivedFrame& frame) {
   if (!frame.drivers) return bytes;
   for (const ObjectDrivers& object : frame.drivers->objects) {
     bytes += sizeof(ObjectDrivers) + object.poses.size() * sizeof(Pose) +
-             object.positions_m.size() * sizeof(Eigen::Vector3f) + object.rotations.size() * sizeof(Eigen::Quaternionf);
-    constexpr size_t kKernelBytes = sizeof(Eigen::Vector3f) + sizeof(Symmetric3f) + sizeof(Eigen::Quaternionf);
+             object.positions_m.size() * sizeof(Eigen::Vector3f) +
+             object.rotations.size() * sizeof(Eigen::Quaternionf);
+    constexpr size_t kKernelBytes =
+        sizeof(Eigen::Vector3f) + sizeof(Symmetric3f) + sizeof(Eigen::Quaternionf);
     if (object.kernels) bytes += object.kernels->positions_m.size() * kKernelBytes;
   }
   return bytes;

@@ -11,8 +11,8 @@
 
 namespace livegs {
 
-// Between the stream's reader and a drawer that may be slower: everything in the order it came. Bounded: when more than `max_bytes` of frames wait, the oldest are dropped and counted, events
-// never. Any thread.
+// Between the stream's reader and a drawer that may be slower: everything in the order it came. Bounded: when
+// more than `max_bytes` of frames wait, the oldest are dropped and counted, events never. Any thread.
 class PlaybackQueue final : public ItemSource {
  public:
   explicit PlaybackQueue(size_t max_bytes) : max_bytes_(max_bytes) {}

@@ -13,8 +13,9 @@ Result<RecordingPlayback> RecordingPlayback::open(const std::filesystem::path& p
   auto recording = RecordingReader::open(path);
   if (!recording) return recording.error();
   if (recording->start().inputs_only()) {
-    return invalid_argument(path.string() +
-                            ": was recorded without frames; livegs ctl replay --verify can simulate it, but it cannot be seen");
+    return invalid_argument(
+        path.string() +
+        ": was recorded without frames; livegs ctl replay --verify can simulate it, but it cannot be seen");
   }
   RecordingPlayback playback(std::move(*recording));
   if (auto sought = playback.seek(0); !sought) return sought.error();
@@ -25,11 +26,13 @@ double RecordingPlayback::length_s() const {
   return seconds_from_ns(recording_.totals().last_ns() - recording_.totals().first_ns());
 }
 
-void RecordingPlayback::follow(const v1::SessionEvent& event, std::map<uint32_t, v1::ObjectDescription>& described) {
+void RecordingPlayback::follow(const v1::SessionEvent& event,
+                               std::map<uint32_t, v1::ObjectDescription>& described) {
   if (event.has_object_removed()) {
     described.erase(event.object_removed().object_id());
   } else if (event.has_object_added() || event.has_object_changed()) {
-    const v1::ObjectDescription& object = event.has_object_added() ? event.object_added() : event.object_changed();
+    const v1::ObjectDescription& object =
+        event.has_object_added() ? event.object_added() : event.object_changed();
     described[object.object_id()] = object;
   }
 }
@@ -101,7 +104,9 @@ Result<void> RecordingPlayback::seek(double seconds) {
     ++decoded_;
     last = std::move(*read);
     // The next one would be after it.
-    if (last->drivers->simulated_ns + static_cast<int64_t>(1e9 / std::max(1.0, recording_.start().rate_hz())) > moment_ns)
+    if (last->drivers->simulated_ns +
+            static_cast<int64_t>(1e9 / std::max(1.0, recording_.start().rate_hz())) >
+        moment_ns)
       break;
   }
   if (!last) return invalid_data(recording_.path().string() + ": has no frame after a key tick");

@@ -14,8 +14,8 @@
 
 namespace livegs {
 
-// A recording (proto/recording_format.md) as what a stream would bring: from any moment on, objects before the frames they
-// move in. One thread.
+// A recording (proto/recording_format.md) as what a stream would bring: from any moment on, objects before
+// the frames they move in. One thread.
 class RecordingPlayback final : public ItemSource {
  public:
   // InvalidArgument for one without frames.
@@ -24,8 +24,9 @@ class RecordingPlayback final : public ItemSource {
   const v1::RecordingStart& start() const { return recording_.start(); }
   double length_s() const;  // between its first frame and its last
 
-  // What comes next is what it takes to be at this moment after the first frame: objects that came, changed and went since
-  // the last item taken, and then the last frame that is not after it. Beyond the end: the last frame.
+  // What comes next is what it takes to be at this moment after the first frame: objects that came, changed
+  // and went since the last item taken, and then the last frame that is not after it. Beyond the end: the
+  // last frame.
   Result<void> seek(double seconds);
   // Frames decoded by the last seek().
   size_t decoded() const { return decoded_; }

@@ -13,8 +13,9 @@
 
 namespace livegs {
 
-// What a person may do to a running scene besides touching it, over a connection of its own, so that no frame waits
-// behind it. Calls block, ten seconds at most; any thread. Errors are the server's one line, which names the field.
+// What a person may do to a running scene besides touching it, over a connection of its own, so that no frame
+// waits behind it. Calls block, ten seconds at most; any thread. Errors are the server's one line, which
+// names the field.
 class SceneControl {
  public:
   // `access`: null in the clear.

@@ -35,11 +35,12 @@ constexpr std::chrono::seconds kCallDeadline{10};
 // A session that is resumed asks again sooner, in case the answer was lost.
 constexpr std::chrono::seconds kRejoinDeadline{2};
 constexpr int64_t kRetryInterval_ns = 100'000'000;  // a server that builds its scene
-// A call for an asset that takes longer is made again from where it was, if anything came; else the server is given up, and
-// what has arrived is kept for the next attempt.
+// A call for an asset that takes longer is made again from where it was, if anything came; else the server is
+// given up, and what has arrived is kept for the next attempt.
 constexpr std::chrono::seconds kFetchTimeout{10};
 constexpr uint64_t kMinFetchRate_bytes_s = 1 << 20;
-// So many streams of kernels one after the other may be given up without a frame, each after twice as long as the one before.
+// So many streams of kernels one after the other may be given up without a frame, each after twice as long as
+// the one before.
 constexpr int kMaxSilentStreams = 3;
 // Streams that bring no frame are opened less and less often, down to once in so long.
 constexpr int64_t kMaxRetryPause_ns = 2'000'000'000;
@@ -68,7 +69,7 @@ struct SessionClient::Connection {
   std::string address;
   ConnectOptions options;
   JoinedScene scene;
-  KnownObjects objects;        // the session's thread only, once it runs, like the next four
+  KnownObjects objects;  // the session's thread only, once it runs, like the next four
   ClockOffset clock;
   std::string session_id, server_instance;
   double rate_hz = 0;
@@ -85,7 +86,7 @@ struct SessionClient::Connection {
   std::shared_ptr<SessionStream> stream;  // while there is one; shared with who is just sending
   std::optional<ViewCone> view;           // that was told last
   bool stopping = false, given_up = false;
-  std::set<grpc::ClientContext*> calls;   // that end when it is given up
+  std::set<grpc::ClientContext*> calls;  // that end when it is given up
   Result<void> outcome;
 
   class Call;
@@ -142,7 +143,8 @@ bool SessionClient::Connection::wait(int64_t duration_ns) {
   return changed.wait_for(lock, std::chrono::nanoseconds(duration_ns), [&] { return stopping; });
 }
 
-// Connects, and joins with the session's id if there is one. Unavailable, without a message, when nobody answered.
+// Connects, and joins with the session's id if there is one. Unavailable, without a message, when nobody
+// answered.
 Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   v1::JoinRequest request;
   request.set_protocol_version(kProtocolVersion);
@@ -155,8 +157,8 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   grpc::Status status;
   std::chrono::seconds deadline = session_id.empty() ? kCallDeadline : kRejoinDeadline;
   for (;;) {
-    const auto channel =
-        connect_channel(address, options.access.get(), give_up_ns, [this](int64_t duration_ns) { return wait(duration_ns); });
+    const auto channel = connect_channel(address, options.access.get(), give_up_ns,
+                                         [this](int64_t duration_ns) { return wait(duration_ns); });
     if (!channel) {
       if (options.access) {
         if (auto refused = options.access->refused(); !refused) return refused.error();
@@ -177,9 +179,11 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
       }
       const bool full = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
       if (!may_pass(status) || (full && session_id.empty())) return error_from(status, address);
-      if (now_ns() + kRetryInterval_ns > give_up_ns || wait(kRetryInterval_ns)) return error_from(status, address);
+      if (now_ns() + kRetryInterval_ns > give_up_ns || wait(kRetryInterval_ns))
+        return error_from(status, address);
       // The server is there but its scene is not, yet.
-    } while (status.error_code() == grpc::StatusCode::UNAVAILABLE && channel->GetState(false) == GRPC_CHANNEL_READY);
+    } while (status.error_code() == grpc::StatusCode::UNAVAILABLE &&
+             channel->GetState(false) == GRPC_CHANNEL_READY);
     deadline = std::min(2 * deadline, kCallDeadline);
   }
 }
@@ -197,16 +201,18 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
   const auto reply = connection->join(after(now_ns(), options.timeout_s));
   if (!reply) {
     if (!reply.error().message.empty()) return reply.error();
-    return Error{ErrorCode::Unavailable,
-                 "no server answers at " + address + (options.access ? " over TLS, as it was paired with," : "") +
-                     format_text(" within %.1f s; start one with livegs-server SCENE%s", options.timeout_s,
-                                 options.access ? ", or forget this one with --unpair if it is in the clear now"
-                                                : "; if it asks for TLS, pair with it: --pair CODE")};
+    return Error{
+        ErrorCode::Unavailable,
+        "no server answers at " + address + (options.access ? " over TLS, as it was paired with," : "") +
+            format_text(" within %.1f s; start one with livegs-server SCENE%s", options.timeout_s,
+                        options.access ? ", or forget this one with --unpair if it is in the clear now"
+                                       : "; if it asks for TLS, pair with it: --pair CODE")};
   }
   if (options.access) {
     if (auto remembered = options.access->remember(); !remembered) return remembered.error();
   }
-  if (reply->looks_only()) log_warn("%s: the token is of scope view: what the hands do is not taken", address.c_str());
+  if (reply->looks_only())
+    log_warn("%s: the token is of scope view: what the hands do is not taken", address.c_str());
   connection->session_id = connection->scene.session_id = reply->session_id();
   connection->server_instance = reply->server_instance();
   connection->scene.rate_hz = connection->rate_hz = reply->rate_hz();
@@ -240,8 +246,9 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     request.set_asset_hash(hash);
     request.set_offset(offset);
     Connection::Call call(connection);
-    call.context.set_deadline(Clock::now() + kFetchTimeout +
-                              std::chrono::seconds((asset_bytes - std::min(offset, asset_bytes)) / kMinFetchRate_bytes_s));
+    call.context.set_deadline(
+        Clock::now() + kFetchTimeout +
+        std::chrono::seconds((asset_bytes - std::min(offset, asset_bytes)) / kMinFetchRate_bytes_s));
     const auto reader = stub->FetchAsset(&call.context, request);
     v1::AssetChunk chunk;
     while (reader->Read(&chunk)) {
@@ -258,11 +265,14 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     if (status.ok()) return {};
     const bool over = now_ns() >= after(progress_ns, connection.options.reconnect_s);
     const bool slow = status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED && offset > from;
-    if ((!connection_broke(status) && !slow) || over || connection.wait(kRetryPause_ns)) return error_from(status, prefix);
+    if ((!connection_broke(status) && !slow) || over || connection.wait(kRetryPause_ns))
+      return error_from(status, prefix);
     log_debug("%s: %s; on from byte %llu", prefix.c_str(), status.error_message().c_str(),
               static_cast<unsigned long long>(offset));
     std::lock_guard lock(connection.mutex);
-    if (connection.asset_stub == stub) connection.asset_stub = v1::LiveGs::NewStub(make_channel(connection.address, connection.options.access.get()));
+    if (connection.asset_stub == stub)
+      connection.asset_stub =
+          v1::LiveGs::NewStub(make_channel(connection.address, connection.options.access.get()));
   }
 }
 
@@ -308,14 +318,15 @@ void SessionClient::set_view(const ViewCone& view) {
 
 int64_t SessionClient::Connection::first_silence_ns() const {
   const bool kernels = FrameReader::is_kernel_encoding(encoding);
-  const double first_s = std::ldexp(kernels ? options.first_kernels_s : seconds_from_ns(kServerTimeout_ns), std::min(silent_streams, 8));
+  const double first_s = std::ldexp(kernels ? options.first_kernels_s : seconds_from_ns(kServerTimeout_ns),
+                                    std::min(silent_streams, 8));
   return std::min(after(0, first_s), kMaxSilence_ns);
 }
 
 SessionStream::Outcome SessionClient::Connection::stream_once() {
   const auto used = stub_now();
-  const auto opened =
-      std::make_shared<SessionStream>(*used, session_id, rate_hz, encoding, first_silence_ns(), SessionStream::Ends{*sink, clock, objects});
+  const auto opened = std::make_shared<SessionStream>(
+      *used, session_id, rate_hz, encoding, first_silence_ns(), SessionStream::Ends{*sink, clock, objects});
   {
     std::lock_guard lock(mutex);
     if (stopping) opened->stop();
@@ -342,14 +353,17 @@ void SessionClient::Connection::run() {
     silent_streams = done.silent && done.frames == 0 ? silent_streams + 1 : 0;
     const bool kernels = FrameReader::is_kernel_encoding(encoding);
     if (kernels && silent_streams >= kMaxSilentStreams) {
-      return end(Error{ErrorCode::Unavailable, address + format_text(": no frame of kernels came whole in %d tries: they are larger than the "
-                                                                     "link carries; ask for --encoding drivers",
-                                                                     silent_streams)});
+      return end(Error{
+          ErrorCode::Unavailable,
+          address + format_text(": no frame of kernels came whole in %d tries: they are larger than the "
+                                "link carries; ask for --encoding drivers",
+                                silent_streams)});
     }
     if (!may_pass(done.status)) return end(error_from(done.status, address));
     log_warn("%s: %s; connecting again", address.c_str(), done.reason.c_str());
     sink->on_lost(done.reason);
-    fruitless_pause_ns = done.frames > 0 ? 0 : std::clamp(2 * fruitless_pause_ns, kRetryPause_ns, kMaxRetryPause_ns);
+    fruitless_pause_ns =
+        done.frames > 0 ? 0 : std::clamp(2 * fruitless_pause_ns, kRetryPause_ns, kMaxRetryPause_ns);
     if (fruitless_pause_ns > 0 && wait(fruitless_pause_ns)) return end({});
     if (auto resumed = resume(done); !resumed) return wait(0) ? end({}) : end(std::move(resumed));
   }
@@ -374,15 +388,16 @@ Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& los
   for (const v1::ObjectDescription& description : reply->objects()) descriptions.push_back(&description);
   auto difference = objects.replace(descriptions);
   if (!difference) return Error{difference.error().code, address + ": " + difference.error().message};
-  log_info("%s: back after %.1f s, %s; %zu objects are new, %zu changed, %zu went", address.c_str(), resumed.outage_s,
-           resumed.same_server ? "the same server" : "a server that was started anew", difference->added.size(),
-           difference->changed.size(), difference->removed.size());
+  log_info("%s: back after %.1f s, %s; %zu objects are new, %zu changed, %zu went", address.c_str(),
+           resumed.outage_s, resumed.same_server ? "the same server" : "a server that was started anew",
+           difference->added.size(), difference->changed.size(), difference->removed.size());
   sink->on_resumed(resumed);
   for (const uint32_t id : difference->removed) sink->on_object_removed(id);
   for (StreamedObject& object : difference->added) sink->on_object_added(std::move(object));
   for (StreamedObject& object : difference->changed) {
     // Revisions count breaks of one simulation only.
-    resumed.same_server ? sink->on_object_changed(std::move(object)) : sink->on_object_added(std::move(object));
+    resumed.same_server ? sink->on_object_changed(std::move(object))
+                        : sink->on_object_added(std::move(object));
   }
   return {};
 }

@@ -21,7 +21,8 @@ constexpr std::chrono::milliseconds kPollInterval{50};  // whether the server is
 constexpr int64_t kSilenceGapFactor = 5;  // of the longest time that a frame of kernels took to come
 constexpr int64_t kHalfCloseTimeout_ns = 1'000'000'000;
 constexpr size_t kSamplesPerMessage = 3;
-constexpr int64_t kKeyFrameRetryInterval_ns = 250'000'000;  // for a key frame: the one that was asked for may be spoiled too
+constexpr int64_t kKeyFrameRetryInterval_ns =
+    250'000'000;  // for a key frame: the one that was asked for may be spoiled too
 
 Eigen::Vector3f vector_of(const google::protobuf::RepeatedField<float>& numbers) {
   return numbers.size() == 3 ? Eigen::Vector3f(numbers[0], numbers[1], numbers[2]) : Eigen::Vector3f::Zero();
@@ -33,10 +34,15 @@ constexpr size_t kMaxLateKernelFrames = 3;
 
 }  // namespace
 
-SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding,
-                             int64_t first_silence_ns, Ends ends)
-    : stub_(stub), session_id_(std::move(session_id)), ends_(ends), first_silence_ns_(first_silence_ns), frames_(encoding),
-      streams_kernels_(FrameReader::is_kernel_encoding(encoding)), aim_(rate_hz) {}
+SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz,
+                             v1::JoinRequest::Encoding encoding, int64_t first_silence_ns, Ends ends)
+    : stub_(stub),
+      session_id_(std::move(session_id)),
+      ends_(ends),
+      first_silence_ns_(first_silence_ns),
+      frames_(encoding),
+      streams_kernels_(FrameReader::is_kernel_encoding(encoding)),
+      aim_(rate_hz) {}
 
 SessionStream::Outcome SessionStream::run() {
   heard_ns_ = now_ns();
@@ -60,9 +66,11 @@ SessionStream::Outcome SessionStream::run() {
       const bool silent = now - heard_ns_ > most_ns;
       if (silent && !outcome_.silent) {
         outcome_.silent = true;
-        outcome_.reason = most_ns <= kServerTimeout_ns ? "nothing came from it for a second"
-                                                           : format_text("nothing came from it for %.1f s", seconds_from_ns(most_ns));
-        if (streams_kernels_ && outcome_.frames == 0) outcome_.reason += "; frames of kernels may be larger than the link carries";
+        outcome_.reason = most_ns <= kServerTimeout_ns
+                              ? "nothing came from it for a second"
+                              : format_text("nothing came from it for %.1f s", seconds_from_ns(most_ns));
+        if (streams_kernels_ && outcome_.frames == 0)
+          outcome_.reason += "; frames of kernels may be larger than the link carries";
       }
       if (silent || (stopping_ns != 0 && now - stopping_ns > kHalfCloseTimeout_ns)) context_.TryCancel();
     }
@@ -77,7 +85,8 @@ SessionStream::Outcome SessionStream::run() {
 
 int64_t SessionStream::longest_silence_ns() const {
   if (outcome_.frames == 0) return first_silence_ns_;
-  return streams_kernels_ ? std::clamp(kSilenceGapFactor * longest_gap_ns_, kServerTimeout_ns, kMaxSilence_ns) : kServerTimeout_ns;
+  return streams_kernels_ ? std::clamp(kSilenceGapFactor * longest_gap_ns_, kServerTimeout_ns, kMaxSilence_ns)
+                          : kServerTimeout_ns;
 }
 
 void SessionStream::send(const InputSample& sample) {
@@ -160,7 +169,8 @@ Result<void> SessionStream::take(const v1::SessionEvent& event) {
       const bool added = event.has_object_added();
       auto object = ends_.objects.take(added ? event.object_added() : event.object_changed());
       if (!object) return object.error();
-      added ? ends_.sink.on_object_added(std::move(*object)) : ends_.sink.on_object_changed(std::move(*object));
+      added ? ends_.sink.on_object_added(std::move(*object))
+            : ends_.sink.on_object_changed(std::move(*object));
       break;
     }
     case v1::SessionEvent::kObjectRemoved:
@@ -195,9 +205,11 @@ void SessionStream::warn_of_late_kernels(const ReceivedFrame& frame) {
   late_kernel_frames_ = age_ms > kLateKernelFrame_ms ? late_kernel_frames_ + 1 : 0;
   if (late_kernel_frames_ < kMaxLateKernelFrames) return;
   warned_ = true;
-  log_warn("frames of kernels are %.0f ms old when they can be drawn: moving, packing and sending %.1f MB takes longer than the "
-           "ticks they are of; --encoding drivers is as current as the link",
-           age_ms, 1e-6 * static_cast<double>(frame.bytes));
+  log_warn(
+      "frames of kernels are %.0f ms old when they can be drawn: moving, packing and sending %.1f MB takes "
+      "longer than the "
+      "ticks they are of; --encoding drivers is as current as the link",
+      age_ms, 1e-6 * static_cast<double>(frame.bytes));
 }
 
 Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns) {
@@ -217,15 +229,16 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
   frame.input_sequence = message.input_sequence();
   frame.run = message.run();
   for (const v1::HandState& hand : message.hands()) {
-    frame.hands.push_back({hand.hand(), hand.object_id(), vector_of(hand.point_m()), vector_of(hand.force_n()),
-                           hand.grabbed(), hand.contact_impulse_n_s()});
+    frame.hands.push_back({hand.hand(), hand.object_id(), vector_of(hand.point_m()),
+                           vector_of(hand.force_n()), hand.grabbed(), hand.contact_impulse_n_s()});
   }
   {
     std::lock_guard lock(mutex_);
     aim_.add_frame(frame.tick, frame.stepped_ns - static_cast<int64_t>(1e6 * frame.step_ms));
   }
   const uint64_t tick = frame.tick;
-  const bool waits = frames_.needs_key_frame() && received_ns - key_frame_requested_ns_ < kKeyFrameRetryInterval_ns;
+  const bool waits =
+      frames_.needs_key_frame() && received_ns - key_frame_requested_ns_ < kKeyFrameRetryInterval_ns;
   auto drivers = frames_.read(std::as_bytes(std::span(message.frame())));
   if (drivers) {
     frame.bytes = message.frame().size();

@@ -12,10 +12,10 @@
 #include "core/assert.h"
 #include "core/clock.h"
 #include "core/log.h"
-#include "livegs/v1/spectate.grpc.pb.h"
 #include "livegs/v1/session.grpc.pb.h"
-#include "stream/received/known_objects.h"
+#include "livegs/v1/spectate.grpc.pb.h"
 #include "stream/channel/rpc_channel.h"
+#include "stream/received/known_objects.h"
 #include "wire/frame_codec.h"
 #include "wire/publication.h"
 
@@ -86,7 +86,8 @@ Result<KnownObjects::Difference> Spectator::Connection::take(const v1::SceneDesc
 
 bool Spectator::Connection::follow(const Publication& publication) {
   const bool same_server = publication.server_instance == server_instance;
-  if (same_server && publication.event_number <= event_number) return publication.event_number == event_number;
+  if (same_server && publication.event_number <= event_number)
+    return publication.event_number == event_number;
   const auto described = describe();
   if (!described) {
     log_debug("%s", described.error().message.c_str());
@@ -153,13 +154,16 @@ void Spectator::Connection::run() {
 Spectator::Spectator(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
 Spectator::~Spectator() { stop(); }
 
-Result<std::unique_ptr<Spectator>> Spectator::subscribe(const std::string& server, const std::string& published,
-                                                        std::shared_ptr<const ServerAccess> access, double timeout_s) {
+Result<std::unique_ptr<Spectator>> Spectator::subscribe(const std::string& server,
+                                                        const std::string& published,
+                                                        std::shared_ptr<const ServerAccess> access,
+                                                        double timeout_s) {
   auto connection = std::make_unique<Connection>();
   connection->address = server;
   connection->access = std::move(access);
   try {
-    connection->frames.set(zmq::sockopt::conflate, 1);  // before it connects: the newest frame and no other waits
+    connection->frames.set(zmq::sockopt::conflate,
+                           1);  // before it connects: the newest frame and no other waits
     connection->frames.set(zmq::sockopt::maxmsgsize, static_cast<int64_t>(kMaxFrameBytes) + 64);
     connection->frames.set(zmq::sockopt::rcvtimeo, static_cast<int>(kPollInterval.count()));
     connection->frames.set(zmq::sockopt::linger, 0);
@@ -188,7 +192,8 @@ Result<std::unique_ptr<Spectator>> Spectator::subscribe(const std::string& serve
 
 const JoinedScene& Spectator::scene() const { return connection_->scene; }
 
-Result<void> Spectator::fetch_asset(const std::string& hash, uint64_t, uint64_t offset, const TakeChunk& take) {
+Result<void> Spectator::fetch_asset(const std::string& hash, uint64_t, uint64_t offset,
+                                    const TakeChunk& take) {
   v1::FetchAssetRequest request;
   request.set_asset_hash(hash);
   request.set_offset(offset);

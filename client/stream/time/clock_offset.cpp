@@ -27,7 +27,8 @@ void ClockOffset::add(const ClockSample& sample) {
   if (const auto known = at(sample.received_ns)) {
     const int64_t upper_ns = known->offset_ns + known->uncertainty_ns;
     const int64_t lower_ns = known->offset_ns - known->uncertainty_ns;
-    if (up.value_ns < lower_ns - kMaxBoundContradiction_ns || -down.value_ns > upper_ns + kMaxBoundContradiction_ns) {
+    if (up.value_ns < lower_ns - kMaxBoundContradiction_ns ||
+        -down.value_ns > upper_ns + kMaxBoundContradiction_ns) {
       upper_.clear();
       lower_.clear();
     }
@@ -38,7 +39,8 @@ void ClockOffset::add(const ClockSample& sample) {
 
 std::optional<ClockOffset::Estimate> ClockOffset::at(int64_t client_ns) const {
   if (upper_.empty() || lower_.empty()) return std::nullopt;
-  const int64_t upper_ns = loosened(upper_.front(), client_ns), lower_ns = -loosened(lower_.front(), client_ns);
+  const int64_t upper_ns = loosened(upper_.front(), client_ns),
+                lower_ns = -loosened(lower_.front(), client_ns);
   return Estimate{(upper_ns + lower_ns) / 2, std::max<int64_t>(0, (upper_ns - lower_ns) / 2)};
 }
 

@@ -11,8 +11,8 @@ namespace livegs {
 namespace {
 
 constexpr int64_t kMinRateSpan_ns = 1'000'000'000;  // that a rate is taken from
-constexpr double kRateNoise = 0.05;               // what jitter makes of it
-constexpr double kCorrection_ns = 400e6;          // an error goes with this time constant
+constexpr double kRateNoise = 0.05;                 // what jitter makes of it
+constexpr double kCorrection_ns = 400e6;            // an error goes with this time constant
 
 }  // namespace
 
@@ -48,7 +48,8 @@ double PlayoutClock::wanted_ns(int64_t drawn_ns) const {
     needed.push_back(late(arrivals_[i].received_ns, arrivals_[i - 1].simulated_ns));
     quickest = std::min(quickest, late(arrivals_[i].received_ns, arrivals_[i].simulated_ns));
   }
-  const double delay = std::min(percentile(std::move(needed), kOnTimeShare), quickest + static_cast<double>(kMaxJitter_ns));
+  const double delay =
+      std::min(percentile(std::move(needed), kOnTimeShare), quickest + static_cast<double>(kMaxJitter_ns));
   return rate * (static_cast<double>(drawn_ns - newest.received_ns) - delay);
 }
 
@@ -63,7 +64,9 @@ int64_t PlayoutClock::at(int64_t now_ns, int64_t displayed_ns) {
   const double passed = rate() * static_cast<double>(std::max<int64_t>(0, drawn_ns - last_drawn_ns_));
   const double error = newest + wanted_ns(drawn_ns) - (shown_ns_ + passed);
   const bool jumps = !shows_ || std::abs(error) > static_cast<double>(kMaxPlayoutError_ns);
-  shown_ns_ += jumps ? passed + error : passed * (1 + std::clamp(error / kCorrection_ns, -kMaxRateDeviation, kMaxRateDeviation));
+  shown_ns_ += jumps
+                   ? passed + error
+                   : passed * (1 + std::clamp(error / kCorrection_ns, -kMaxRateDeviation, kMaxRateDeviation));
   if (arrivals_.size() < 2) shown_ns_ = std::min(shown_ns_, newest);
   shows_ = true;
   last_drawn_ns_ = std::max(last_drawn_ns_, drawn_ns);

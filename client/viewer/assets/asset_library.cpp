@@ -8,7 +8,8 @@ namespace livegs {
 
 void AssetLibrary::request(const StreamedObject& object) {
   request(object.asset_hash, object.asset_bytes, object.name);
-  if (!object.broken_asset_hash.empty()) request(object.broken_asset_hash, object.broken_asset_bytes, object.name + ", broken");
+  if (!object.broken_asset_hash.empty())
+    request(object.broken_asset_hash, object.broken_asset_bytes, object.name + ", broken");
 }
 
 void AssetLibrary::request(const std::string& hash, uint64_t bytes, const std::string& object) {
@@ -35,7 +36,8 @@ void AssetLibrary::request(const std::string& hash, uint64_t bytes, const std::s
   }));
 }
 
-Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_t bytes, RequestedAsset& asked) {
+Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_t bytes,
+                                                RequestedAsset& asked) {
   AssetCache::Progress progress;
   if (shows_parts_) {
     // A part costs who draws it as much as it holds: they double.
@@ -47,16 +49,18 @@ Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_
     };
   }
   const auto fetch = [&](uint64_t from, const TakeChunk& take) {
-    return fetch_(hash, bytes, from, [&](uint64_t offset, uint64_t total, std::span<const std::byte> chunk) -> Result<void> {
-      if (auto taken = take(offset, total, chunk); !taken) return taken;
-      std::lock_guard lock(mutex_);
-      asked.arrived_bytes = offset + chunk.size();
-      return {};
-    });
+    return fetch_(hash, bytes, from,
+                  [&](uint64_t offset, uint64_t total, std::span<const std::byte> chunk) -> Result<void> {
+                    if (auto taken = take(offset, total, chunk); !taken) return taken;
+                    std::lock_guard lock(mutex_);
+                    asked.arrived_bytes = offset + chunk.size();
+                    return {};
+                  });
   };
   auto obtained = cache_.obtain(hash, bytes, fetch, progress, stop_);
   if (!obtained) return obtained.error();
-  if (stop_.stop_requested()) return Error{ErrorCode::Unavailable, "asset " + hash.substr(0, 12) + ": no longer wanted"};
+  if (stop_.stop_requested())
+    return Error{ErrorCode::Unavailable, "asset " + hash.substr(0, 12) + ": no longer wanted"};
   auto file = decode_asset(obtained->bytes, hash.substr(0, 12) + ".ply");
   if (!file) return file.error();
   return Loaded{std::make_shared<const GaussianAsset>(std::move(file->asset)), obtained->fetched_bytes};

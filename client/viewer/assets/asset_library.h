@@ -19,21 +19,23 @@
 
 namespace livegs {
 
-// The assets of a session or a recording, decoded, each once however many objects share it. Asking for one starts its fetch
-// on a thread of its own, so that a stream's reader never waits for a file. Any thread.
+// The assets of a session or a recording, decoded, each once however many objects share it. Asking for one
+// starts its fetch on a thread of its own, so that a stream's reader never waits for a file. Any thread.
 class AssetLibrary {
  public:
   // The bytes of an asset that the cache has not, from `offset` on; several at a time, on any thread.
-  using FetchAsset =
-      std::function<Result<void>(const std::string& hash, uint64_t bytes, uint64_t offset, const TakeChunk& take)>;
-  // The cache outlives the library, and so does what `fetch` needs. Its end waits for fetches that are under way: request
-  // `stop`, which `fetch` heeds as well, where nobody needs them any more.
+  using FetchAsset = std::function<Result<void>(const std::string& hash, uint64_t bytes, uint64_t offset,
+                                                const TakeChunk& take)>;
+  // The cache outlives the library, and so does what `fetch` needs. Its end waits for fetches that are under
+  // way: request `stop`, which `fetch` heeds as well, where nobody needs them any more.
   AssetLibrary(FetchAsset fetch, const AssetCache& cache, std::stop_token stop = {})
       : fetch_(std::move(fetch)), cache_(cache), stop_(std::move(stop)) {}
   AssetLibrary(SessionClient& client, const AssetCache& cache, std::stop_token stop = {})
-      : AssetLibrary([&client](const std::string& hash, uint64_t bytes, uint64_t offset,
-                               const TakeChunk& take) { return client.fetch_asset(hash, bytes, offset, take); },
-                     cache, std::move(stop)) {}
+      : AssetLibrary(
+            [&client](const std::string& hash, uint64_t bytes, uint64_t offset, const TakeChunk& take) {
+              return client.fetch_asset(hash, bytes, offset, take);
+            },
+            cache, std::move(stop)) {}
 
   using Asset = std::shared_ptr<const GaussianAsset>;
   // From now on, what has come of assets that are asked for can be had before they are whole.
@@ -49,8 +51,8 @@ class AssetLibrary {
     std::shared_ptr<const AssetPart> part;  // of which `asset` is the kernels; null: it is whole
     size_t step = 0;                        // grows with what has come
   };
-  // Waits until there is more than of this step, 0 being nothing; until all is there unless parts are shown. Precondition: it
-  // was asked for.
+  // Waits until there is more than of this step, 0 being nothing; until all is there unless parts are shown.
+  // Precondition: it was asked for.
   Result<Arrived> wait_for_more(const std::string& hash, size_t than_step);
   // Whether that would return at once.
   bool has_more(const std::string& hash, size_t than_step) const;
@@ -65,8 +67,10 @@ class AssetLibrary {
   // How far those are that were asked for.
   struct Progress {
     size_t assets = 0, ready = 0;
-    uint64_t bytes = 0, arrived_bytes = 0;  // of all of them; of one in the cache all have arrived once it is read
-    // The first, in the order they were asked for, that is not ready: an object that has it. Empty when all are.
+    uint64_t bytes = 0,
+             arrived_bytes = 0;  // of all of them; of one in the cache all have arrived once it is read
+    // The first, in the order they were asked for, that is not ready: an object that has it. Empty when all
+    // are.
     std::string object;
     uint64_t object_bytes = 0, object_arrived_bytes = 0;
   };
@@ -98,7 +102,7 @@ class AssetLibrary {
   Totals totals_;
   std::map<std::string, std::shared_ptr<RequestedAsset>> assets_;
   std::vector<std::shared_ptr<const RequestedAsset>> in_order_;  // they were asked for in
-  std::vector<std::future<void>> threads_;  // last: they use all of the above
+  std::vector<std::future<void>> threads_;                       // last: they use all of the above
 };
 
 }  // namespace livegs

@@ -25,13 +25,15 @@ RestBody rest_of_part(const RestBody& rest, std::span<const uint32_t> indices) {
     }
     if (run == rest.kernel_runs.size()) break;  // also of an object that is not broken
     const uint32_t body = rest.kernel_runs[run].body;
-    if (part.kernel_runs.empty() || part.kernel_runs.back().body != body) part.kernel_runs.push_back({body, 0});
+    if (part.kernel_runs.empty() || part.kernel_runs.back().body != body)
+      part.kernel_runs.push_back({body, 0});
     ++part.kernel_runs.back().count;
   }
   return part;
 }
 
-std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind_more(const StreamedObject& object, size_t than_step) {
+std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind_more(const StreamedObject& object,
+                                                                               size_t than_step) {
   return std::async(std::launch::async, [&assets = assets_, object, than_step]() -> Result<Binding> {
     const auto arrived = assets.wait_for_more(object.asset_hash, than_step);
     if (!arrived) return arrived.error();
@@ -42,7 +44,9 @@ std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind_more(c
   });
 }
 
-std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind(const StreamedObject& object) { return bind_more(object, 0); }
+std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind(const StreamedObject& object) {
+  return bind_more(object, 0);
+}
 
 void ProgressiveObjects::remove_coarse(uint32_t object_id) {
   const auto known = coarse_.find(object_id);
@@ -54,7 +58,8 @@ void ProgressiveObjects::remove_coarse(uint32_t object_id) {
 void ProgressiveObjects::show(Binding binding, SceneView& view, bool added) {
   const uint32_t id = binding.object.id;
   remove_coarse(id);
-  if (!binding.whole) coarse_[id] = {std::move(binding.object), binding.bound.asset->size(), binding.step, {}};
+  if (!binding.whole)
+    coarse_[id] = {std::move(binding.object), binding.bound.asset->size(), binding.step, {}};
   added ? view.add(id, std::move(binding.bound)) : view.change(id, std::move(binding.bound));
 }
 

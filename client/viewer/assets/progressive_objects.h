@@ -13,12 +13,13 @@
 
 namespace livegs {
 
-// Shows objects with what has come of their assets, coarse at first, and anew when there is more: a person sees the scene while
-// it is still being fetched. Kernels are tied to their drivers on threads of their own. The drawer's thread, except for
-// request().
+// Shows objects with what has come of their assets, coarse at first, and anew when there is more: a person
+// sees the scene while it is still being fetched. Kernels are tied to their drivers on threads of their own.
+// The drawer's thread, except for request().
 class ProgressiveObjects {
  public:
-  // The library outlives this; objects come coarse if it shows parts. The end waits for kernels that are being tied.
+  // The library outlives this; objects come coarse if it shows parts. The end waits for kernels that are
+  // being tied.
   explicit ProgressiveObjects(AssetLibrary& assets) : assets_(assets) {}
 
   // Any thread.
@@ -39,8 +40,8 @@ class ProgressiveObjects {
   Result<void> add(const StreamedObject& object, SceneView& view);
   void remove(uint32_t object_id, SceneView& view);
 
-  // Shows what has come since and is tied by now; the ids of the objects that have other kernels now, under other numbers.
-  // Waits for nothing.
+  // Shows what has come since and is tied by now; the ids of the objects that have other kernels now, under
+  // other numbers. Waits for nothing.
   Result<std::vector<uint32_t>> refine(SceneView& view);
 
   // Of the objects that are not whole yet.

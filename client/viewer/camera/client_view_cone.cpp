@@ -14,7 +14,8 @@ constexpr double kTurnMargin_rad = 0.35;
 constexpr double kMotionMargin_m = 0.2;
 
 Eigen::Vector3d direction(const Camera& eye, double x_px, double y_px) {
-  const Eigen::Vector3d ahead((x_px - eye.centre_x_px) / eye.focal_x_px, (eye.centre_y_px - y_px) / eye.focal_y_px, -1.0);
+  const Eigen::Vector3d ahead((x_px - eye.centre_x_px) / eye.focal_x_px,
+                              (eye.centre_y_px - y_px) / eye.focal_y_px, -1.0);
   return eye.world_from_camera.orientation * ahead.normalized();
 }
 
@@ -32,7 +33,8 @@ ViewCone client_view_cone(std::span<const Camera> eyes) {
   cone.half_angle_rad = 0;
   double apart_m = kMotionMargin_m;
   for (const Camera& eye : eyes) {
-    apart_m = std::max(apart_m, kMotionMargin_m + (eye.world_from_camera.position_m - cone.position_m).norm());
+    apart_m =
+        std::max(apart_m, kMotionMargin_m + (eye.world_from_camera.position_m - cone.position_m).norm());
     for (const double x_px : {0.0, static_cast<double>(eye.width)}) {
       for (const double y_px : {0.0, static_cast<double>(eye.height)}) {
         const double cosine = std::clamp(direction(eye, x_px, y_px).dot(cone.forward), -1.0, 1.0);

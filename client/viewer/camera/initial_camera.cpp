@@ -3,8 +3,9 @@
 
 namespace livegs {
 
-Result<Camera> initial_camera(const SceneView& view, PictureSize size, const std::filesystem::path& camera_file,
-                            const std::optional<PictureColumns>& free) {
+Result<Camera> initial_camera(const SceneView& view, PictureSize size,
+                              const std::filesystem::path& camera_file,
+                              const std::optional<PictureColumns>& free) {
   if (!camera_file.empty()) return read_camera_file(camera_file, size);
   return choose_camera(view, size.width, size.height, free);
 }

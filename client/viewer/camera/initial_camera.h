@@ -11,9 +11,11 @@
 
 namespace livegs {
 
-// Where one looks from at first: as the file says, or so that all of the posed scene is seen, in columns that nothing covers.
-Result<Camera> initial_camera(const SceneView& view, PictureSize size, const std::filesystem::path& camera_file,
-                            const std::optional<PictureColumns>& free = {});
+// Where one looks from at first: as the file says, or so that all of the posed scene is seen, in columns that
+// nothing covers.
+Result<Camera> initial_camera(const SceneView& view, PictureSize size,
+                              const std::filesystem::path& camera_file,
+                              const std::optional<PictureColumns>& free = {});
 // That camera about the middle of the scene.
 OrbitCamera orbit_of(const SceneView& view, const Camera& camera);
 

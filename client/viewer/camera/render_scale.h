@@ -7,9 +7,9 @@
 
 namespace livegs {
 
-// What a window's picture may take, by the refreshes a second of its monitor (0: not known, taken for 60): nine tenths of two
-// refreshes, 30 ms at 60 Hz. No less than 8 ms, of which a picture's way through main memory alone takes some, and no more than
-// 40, beyond which a slow monitor hides less than a slow hand sees.
+// What a window's picture may take, by the refreshes a second of its monitor (0: not known, taken for 60):
+// nine tenths of two refreshes, 30 ms at 60 Hz. No less than 8 ms, of which a picture's way through main
+// memory alone takes some, and no more than 40, beyond which a slow monitor hides less than a slow hand sees.
 inline double window_budget_ms(double refresh_hz) {
   return std::clamp(0.9 * 2000.0 / (refresh_hz > 0 ? refresh_hz : 60.0), 8.0, 40.0);
 }
@@ -17,12 +17,12 @@ inline double window_budget_ms(double refresh_hz) {
 // Of pictures that are drawn at full size however long they take.
 inline constexpr double kUnlimitedBudget_ms = std::numeric_limits<double>::infinity();
 
-// How much smaller than its window a picture is drawn, and which kernels are left out of it, so that it is drawn in
-// time. Cost is taken to go with the number of pixels; steps of an eighth, and a dead zone, keep the size from
-// flickering. Both go together: at half the size, kernels that add less than a pixel of the window are left out, at a
-// quarter, the least size, less than three, and never more than four: that leaves captured assets 34 dB and more, which
-// is no less than the size does. Beyond that pictures are late rather than empty: where each of a million kernels adds
-// little, a threshold that went on would leave out all of them.
+// How much smaller than its window a picture is drawn, and which kernels are left out of it, so that it is
+// drawn in time. Cost is taken to go with the number of pixels; steps of an eighth, and a dead zone, keep the
+// size from flickering. Both go together: at half the size, kernels that add less than a pixel of the window
+// are left out, at a quarter, the least size, less than three, and never more than four: that leaves captured
+// assets 34 dB and more, which is no less than the size does. Beyond that pictures are late rather than
+// empty: where each of a million kernels adds little, a threshold that went on would leave out all of them.
 class RenderScale {
  public:
   explicit RenderScale(double budget_ms) : budget_ms_(budget_ms) {}

@@ -8,8 +8,8 @@
 namespace livegs {
 namespace {
 
-constexpr double kWeightLength = 0.4;           // of the object's size
-constexpr double kUnknownLength_m_n = 0.01;     // of what has no weight
+constexpr double kWeightLength = 0.4;                                        // of the object's size
+constexpr double kUnknownLength_m_n = 0.01;                                  // of what has no weight
 constexpr double kShaftWidth = 0.10, kHeadWidth = 0.28, kHeadLength = 0.32;  // of the length
 constexpr double kMinArrowLength_px = 4;
 
@@ -21,7 +21,7 @@ double arrow_metres_per_newton(double mass_kg, double size_m) {
 }
 
 std::optional<ProjectedArrow> project_arrow(const Camera& camera, const Eigen::Vector3d& point_m,
-                                   const Eigen::Vector3d& force_n, double metres_per_newton) {
+                                            const Eigen::Vector3d& force_n, double metres_per_newton) {
   const Eigen::Vector3d along = metres_per_newton * force_n;
   const double length_m = along.norm();
   if (!(length_m > 0)) return std::nullopt;
@@ -32,10 +32,13 @@ std::optional<ProjectedArrow> project_arrow(const Camera& camera, const Eigen::V
   const auto corner = [&](double forward, double width) -> Eigen::Vector3d {
     return point_m + forward * along + 0.5 * width * length_m * side;
   };
-  const std::array<Eigen::Vector3d, 7> corners = {
-      corner(0, -kShaftWidth), corner(1 - kHeadLength, -kShaftWidth), corner(1 - kHeadLength, -kHeadWidth),
-      corner(1, 0),            corner(1 - kHeadLength, kHeadWidth),   corner(1 - kHeadLength, kShaftWidth),
-      corner(0, kShaftWidth)};
+  const std::array<Eigen::Vector3d, 7> corners = {corner(0, -kShaftWidth),
+                                                  corner(1 - kHeadLength, -kShaftWidth),
+                                                  corner(1 - kHeadLength, -kHeadWidth),
+                                                  corner(1, 0),
+                                                  corner(1 - kHeadLength, kHeadWidth),
+                                                  corner(1 - kHeadLength, kShaftWidth),
+                                                  corner(0, kShaftWidth)};
   ProjectedArrow seen;
   for (size_t i = 0; i < corners.size(); ++i) {
     const auto pixel = pixel_of(camera, corners[i]);

@@ -14,7 +14,8 @@ constexpr float kRayWidth_m = 0.0012f, kBall_m = 0.008f, kBead_m = 0.004f;  // s
 const Eigen::Vector3f kRayColour{0.85f, 0.9f, 1.0f}, kForceColour{1.0f, 0.59f, 0.12f};
 constexpr float kShBand0 = 0.28209479f;
 
-void add_kernel(GaussianAsset& asset, const Eigen::Vector3f& at, const Eigen::Vector3f& size, float opacity, const Eigen::Vector3f& colour) {
+void add_kernel(GaussianAsset& asset, const Eigen::Vector3f& at, const Eigen::Vector3f& size, float opacity,
+                const Eigen::Vector3f& colour) {
   asset.positions.push_back(at);
   asset.log_scales.push_back(size.array().log());
   asset.rotations.push_back(Eigen::Quaternionf::Identity());
@@ -29,7 +30,8 @@ GaussianAsset hand_asset() {
   for (size_t i = 0; i < kRayKernels; ++i) {
     const auto share = static_cast<float>(i) / kRayKernels;
     add_kernel(asset, {0, 0, static_cast<float>(-step_m * (static_cast<double>(i) + 0.5))},
-               {kRayWidth_m, kRayWidth_m, static_cast<float>(0.6 * step_m)}, 0.7f * (1 - share) + 0.02f, kRayColour);
+               {kRayWidth_m, kRayWidth_m, static_cast<float>(0.6 * step_m)}, 0.7f * (1 - share) + 0.02f,
+               kRayColour);
   }
   add_kernel(asset, {0, 0, 0}, Eigen::Vector3f::Constant(kBall_m), 0.95f, kRayColour);
   for (size_t i = 0; i < kBeads; ++i) {
@@ -55,7 +57,8 @@ Result<void> HandMarkers::add_to(SceneView& view) {
 
 bool HandMarkers::is_marker(uint32_t object_id) { return object_id >= kFirstId; }
 
-void HandMarkers::append(const std::array<HandSample, 2>& hands, std::span<const Force> forces, DriverFrame& drivers) {
+void HandMarkers::append(const std::array<HandSample, 2>& hands, std::span<const Force> forces,
+                         DriverFrame& drivers) {
   for (uint32_t hand = 0; hand < 2; ++hand) {
     if (!hands[hand].active) continue;
     ObjectDrivers& marks = drivers.objects.emplace_back();

@@ -11,8 +11,8 @@
 
 namespace livegs {
 
-// What is seen of the hands in a headset: a ball where each is, its ray, and a row of beads from the point it holds along
-// the force there. They are kernels as all else, sorted with the scene.
+// What is seen of the hands in a headset: a ball where each is, its ray, and a row of beads from the point it
+// holds along the force there. They are kernels as all else, sorted with the scene.
 class HandMarkers {
  public:
   // Once. Their ids are the last two there are; a server counts from 1.
@@ -25,7 +25,8 @@ class HandMarkers {
     Eigen::Vector3d point_m, arrow_m;  // from there to its tip
   };
   // Adds the hands that are active to what a picture shows.
-  static void append(const std::array<HandSample, 2>& hands, std::span<const Force> forces, DriverFrame& drivers);
+  static void append(const std::array<HandSample, 2>& hands, std::span<const Force> forces,
+                     DriverFrame& drivers);
 };
 
 }  // namespace livegs

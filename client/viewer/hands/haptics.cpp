@@ -7,13 +7,14 @@
 namespace livegs {
 namespace {
 
-constexpr float kMinImpulse_n_s = 0.02f;  // less is not felt
-constexpr float kFullAmplitudeImpulse_n_s = 1.0f;   // as strong as the controller can
-constexpr float kRepeatRatio = 3.0f;      // times the usual
+constexpr float kMinImpulse_n_s = 0.02f;           // less is not felt
+constexpr float kFullAmplitudeImpulse_n_s = 1.0f;  // as strong as the controller can
+constexpr float kRepeatRatio = 3.0f;               // times the usual
 constexpr double kContact_s = 0.02, kTake_s = 0.015;
 constexpr float kTakeAmplitude = 0.3f;
 constexpr double kFullAmplitudeSpeed_m_s = 1.5;  // a hand that goes as fast is felt in full
-constexpr int64_t kContactMatchWindow_ns = 300'000'000;  // what the server tells within it of a foreseen touch is that touch
+constexpr int64_t kContactMatchWindow_ns =
+    300'000'000;  // what the server tells within it of a foreseen touch is that touch
 constexpr int64_t kContactTimeout_ns = 100'000'000;
 
 }  // namespace
@@ -33,7 +34,8 @@ std::optional<Haptics::Pulse> Haptics::foreseen(size_t hand, bool touches, doubl
   h.touches = touches;
   if (!begins || (h.impulse_ns && now_ns - *h.impulse_ns < kContactMatchWindow_ns)) return std::nullopt;
   h.predicted_ns = now_ns;
-  return Pulse{static_cast<float>(std::clamp(std::sqrt(speed_m_s / kFullAmplitudeSpeed_m_s), 0.1, 1.0)), kContact_s};
+  return Pulse{static_cast<float>(std::clamp(std::sqrt(speed_m_s / kFullAmplitudeSpeed_m_s), 0.1, 1.0)),
+               kContact_s};
 }
 
 std::optional<Haptics::Pulse> Haptics::told(size_t hand, float impulse_n_s, int64_t now_ns) {
@@ -42,7 +44,8 @@ std::optional<Haptics::Pulse> Haptics::told(size_t hand, float impulse_n_s, int6
   const bool goes_on = h.impulse_ns && now_ns - *h.impulse_ns < kContactTimeout_ns;
   const bool knocks = goes_on && impulse_n_s > kRepeatRatio * h.contact_impulse_n_s;
   const bool same = !goes_on && h.predicted_ns && now_ns - *h.predicted_ns < kContactMatchWindow_ns;
-  h.contact_impulse_n_s = goes_on ? std::max(impulse_n_s, 0.8f * h.contact_impulse_n_s + 0.2f * impulse_n_s) : impulse_n_s;
+  h.contact_impulse_n_s =
+      goes_on ? std::max(impulse_n_s, 0.8f * h.contact_impulse_n_s + 0.2f * impulse_n_s) : impulse_n_s;
   h.impulse_ns = now_ns;
   if (same || (goes_on && !knocks)) return std::nullopt;
   return Pulse{std::min(1.0f, std::sqrt(impulse_n_s / kFullAmplitudeImpulse_n_s)), kContact_s};

@@ -9,23 +9,27 @@ namespace livegs {
 namespace {
 
 constexpr double kLookahead_s = 0.025;  // about two pictures
-constexpr int kSteps = 4;           // looked at on the way: 12 mm apart at 2 m/s
-constexpr float kHandRadius_m = 0.01f;    // the hand's ball
-constexpr float kContactDistance_m = 0.003f;   // kernels of two things come no closer than that where the server lets them touch
+constexpr int kSteps = 4;               // looked at on the way: 12 mm apart at 2 m/s
+constexpr float kHandRadius_m = 0.01f;  // the hand's ball
+constexpr float kContactDistance_m =
+    0.003f;  // kernels of two things come no closer than that where the server lets them touch
 constexpr float kReleaseDistance_m = 0.015f;  // more than this is needed to end a touch
 constexpr size_t kProbes = 64, kMaxSurfaceKernels = 4096;
 constexpr int64_t kMaxPictureInterval_ns = 500'000'000;  // between pictures
 
 }  // namespace
 
-std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const HandSample& sample, uint32_t held_id,
-                                                          const SceneView& view, int64_t displayed_ns) {
+std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const HandSample& sample,
+                                                          uint32_t held_id, const SceneView& view,
+                                                          int64_t displayed_ns) {
   const std::optional<Last> last = last_[hand];
   last_[hand].reset();
   if (!sample.active) return std::nullopt;
   const Eigen::Vector3d place_m = sample.grip.position_m;
   last_[hand] = Last{place_m, displayed_ns, last && last->touches};
-  if (!last || displayed_ns <= last->displayed_ns || displayed_ns - last->displayed_ns > kMaxPictureInterval_ns) return std::nullopt;
+  if (!last || displayed_ns <= last->displayed_ns ||
+      displayed_ns - last->displayed_ns > kMaxPictureInterval_ns)
+    return std::nullopt;
   const Eigen::Vector3f velocity_m_s =
       ((place_m - last->place_m) / seconds_from_ns(displayed_ns - last->displayed_ns)).cast<float>();
 
@@ -34,7 +38,8 @@ std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const Han
     probes.push_back(place_m.cast<float>());
   } else if (const auto held = view.drawn_object(held_id)) {
     const Eigen::AlignedBox3f all(Eigen::Vector3f::Constant(-1e6f), Eigen::Vector3f::Constant(1e6f));
-    for (const SurfaceKernel& point : surface_within({&*held, 1}, all, kProbes)) probes.push_back(point.middle_m);
+    for (const SurfaceKernel& point : surface_within({&*held, 1}, all, kProbes))
+      probes.push_back(point.middle_m);
   }
   const float reach_m = held_id == 0 ? kHandRadius_m : kContactDistance_m;
   const float end_m = last->touches ? reach_m + kReleaseDistance_m : reach_m;
@@ -44,7 +49,8 @@ std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const Han
   if (!probes.empty()) {
     const Eigen::Vector3f ahead = static_cast<float>(kLookahead_s) * velocity_m_s;
     box.extend(Eigen::AlignedBox3f(box.min() + ahead, box.max() + ahead));
-    const Eigen::Vector3f wider = Eigen::Vector3f::Constant(end_m + 0.05f);  // middles of large kernels are farther away
+    const Eigen::Vector3f wider =
+        Eigen::Vector3f::Constant(end_m + 0.05f);  // middles of large kernels are farther away
     const Eigen::AlignedBox3f looked_at(box.min() - wider, box.max() + wider);
     std::vector<DrawnObject> others = view.drawn_near(looked_at);
     std::erase_if(others, [&](const DrawnObject& object) {

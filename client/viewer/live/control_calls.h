@@ -14,8 +14,9 @@
 
 namespace livegs {
 
-// Calls to the server that a drawer makes without waiting: they are made one after the other on threads of their
-// own, analyses on another than what is quick, and answers are fetched when it is convenient. Any thread.
+// Calls to the server that a drawer makes without waiting: they are made one after the other on threads of
+// their own, analyses on another than what is quick, and answers are fetched when it is convenient. Any
+// thread.
 class ControlCalls {
  public:
   explicit ControlCalls(SceneControl& control);  // which outlives this
@@ -37,7 +38,7 @@ class ControlCalls {
     std::optional<v1::AnalysisProgress> progress;
     std::optional<Error> refused;
     uint64_t tick = 0;  // of Force: the newest when it was taken
-    bool last = true;  // no further answer of this call comes
+    bool last = true;   // no further answer of this call comes
   };
   std::vector<Answer> take();  // since the last call, in the order they came
 

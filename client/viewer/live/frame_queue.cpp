@@ -78,10 +78,12 @@ void FrameQueue::take_event(Event event, const SceneView& view) {
   if (pending.event.object) {
     const StreamedObject& object = *pending.event.object;
     const auto binds_it = [&](const Pending& one) {
-      return one.bound.valid() && one.event.id == object.id && one.event.object->rest.revision == object.rest.revision;
+      return one.bound.valid() && one.event.id == object.id &&
+             one.event.object->rest.revision == object.rest.revision;
     };
     // A description also comes when somebody changed a mass.
-    const bool is_there = view.has(object.id, object.rest.revision) || std::any_of(pending_.begin(), pending_.end(), binds_it);
+    const bool is_there =
+        view.has(object.id, object.rest.revision) || std::any_of(pending_.begin(), pending_.end(), binds_it);
     if (pending.event.added || !is_there) pending.bound = objects_.bind(object);
   }
   pending_.push_back(std::move(pending));
@@ -106,11 +108,13 @@ Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
   StreamUpdate update;
   {
     std::lock_guard lock(mutex_);
-    const auto ready = holds_ ? events_.begin() + static_cast<std::ptrdiff_t>(events_to_take_) : events_.end();
+    const auto ready =
+        holds_ ? events_.begin() + static_cast<std::ptrdiff_t>(events_to_take_) : events_.end();
     for (auto event = events_.begin(); event != ready; ++event) take_event(std::move(*event), view);
     events_.erase(events_.begin(), ready);
     events_to_take_ = 0;
-    const bool all_there = std::all_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.ready(); });
+    const bool all_there =
+        std::all_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.ready(); });
     if (update_.anew && !all_there) {
       update.goodbye = std::exchange(update_.goodbye, std::nullopt);
       update.lost = std::exchange(update_.lost, std::nullopt);
@@ -120,12 +124,14 @@ Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
   }
   std::deque<Pending> later;
   const auto waits = [&](const Pending& one) {
-    return std::any_of(later.begin(), later.end(), [&](const Pending& before) { return before.event.id == one.event.id; });
+    return std::any_of(later.begin(), later.end(),
+                       [&](const Pending& before) { return before.event.id == one.event.id; });
   };
   for (Pending& one : std::exchange(pending_, {})) {
     if (!one.event.object) {
       for (Pending& before : later) {
-        if (before.event.id == one.event.id && before.bound.valid()) unwanted_.push_back(std::move(before.bound));
+        if (before.event.id == one.event.id && before.bound.valid())
+          unwanted_.push_back(std::move(before.bound));
       }
       std::erase_if(later, [&](const Pending& before) { return before.event.id == one.event.id; });
     } else if (!one.ready() || waits(one)) {
@@ -135,7 +141,9 @@ Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
     if (auto shown = show(std::move(one), view, update); !shown) return shown.error();
   }
   pending_ = std::move(later);
-  std::erase_if(unwanted_, [](const auto& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  std::erase_if(unwanted_, [](const auto& one) {
+    return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  });
   auto refined = objects_.refine(view);
   if (!refined) return refined.error();
   update.refined = std::move(*refined);

@@ -14,8 +14,8 @@
 
 namespace livegs {
 
-// What a stream brought, for a drawer that shows the present: of frames that were not taken in time the oldest are
-// dropped, events never.
+// What a stream brought, for a drawer that shows the present: of frames that were not taken in time the
+// oldest are dropped, events never.
 class FrameQueue final : public StreamSink {
  public:
   explicit FrameQueue(ProgressiveObjects& objects) : objects_(objects) {}
@@ -29,16 +29,17 @@ class FrameQueue final : public StreamSink {
   void on_object_removed(uint32_t object_id) override;
   void on_draining(const std::string& reason) override;
 
-  // On the drawer's: what came since the last call, events first, and more of assets that are being fetched. It waits for
-  // nothing: an object that is new, or broke, is fetched and tied to its drivers on a thread of its own and comes, with its
-  // first kernels, with a later call; until then a new one is not seen, and one that broke stands as it was. A server that was
-  // started anew shows itself when its first frame and all of its objects are there, so that the last picture can still be drawn.
+  // On the drawer's: what came since the last call, events first, and more of assets that are being fetched.
+  // It waits for nothing: an object that is new, or broke, is fetched and tied to its drivers on a thread of
+  // its own and comes, with its first kernels, with a later call; until then a new one is not seen, and one
+  // that broke stands as it was. A server that was started anew shows itself when its first frame and all of
+  // its objects are there, so that the last picture can still be drawn.
   struct StreamUpdate {
     std::vector<ReceivedFrame> frames;      // oldest first
     bool anew = false;                      // they are of a server that was started anew
     std::vector<StreamedObject> described;  // added or changed
     std::vector<uint32_t> removed;
-    std::vector<uint32_t> refined;          // more of their kernels have come: kernels have other numbers
+    std::vector<uint32_t> refined;  // more of their kernels have come: kernels have other numbers
     std::optional<std::string> goodbye;
     std::optional<std::string> lost;  // why the stream is gone
     bool back = false;                // the frames are the first of a stream that came back
@@ -67,8 +68,9 @@ class FrameQueue final : public StreamSink {
   Result<void> show(Pending pending, SceneView& view, StreamUpdate& update);
 
   ProgressiveObjects& objects_;
-  std::deque<Pending> pending_;                         // the drawer's, in the order of events
-  std::vector<std::future<Result<Binding>>> unwanted_;  // its as well: of objects that went before they were there
+  std::deque<Pending> pending_;  // the drawer's, in the order of events
+  std::vector<std::future<Result<Binding>>>
+      unwanted_;      // its as well: of objects that went before they were there
   std::mutex mutex_;  // guards everything below
   std::vector<Event> events_;
   size_t events_to_take_ = 0;  // those of before such a server

@@ -15,7 +15,8 @@ namespace {
 // "3.1 of 12.4 MB", "8 of 40 kB".
 std::string share_text(uint64_t arrived_bytes, uint64_t bytes) {
   const auto arrived = static_cast<double>(arrived_bytes), all = static_cast<double>(bytes);
-  return bytes < 1'000'000 ? format_text("%.0f of %.0f kB", 1e-3 * arrived, 1e-3 * all) : format_text("%.1f of %.1f MB", 1e-6 * arrived, 1e-6 * all);
+  return bytes < 1'000'000 ? format_text("%.0f of %.0f kB", 1e-3 * arrived, 1e-3 * all)
+                           : format_text("%.1f of %.1f MB", 1e-6 * arrived, 1e-6 * all);
 }
 
 std::string text_of(const AssetLibrary::Progress& progress) {
@@ -56,7 +57,8 @@ SceneLoader::Progress SceneLoader::progress() const {
   std::lock_guard lock(mutex_);
   if (!loading_) return {"connecting to " + options_.address, 0};
   const AssetLibrary::Progress assets = loading_->assets.progress();
-  const double share = assets.bytes > 0 ? static_cast<double>(assets.arrived_bytes) / static_cast<double>(assets.bytes) : 0;
+  const double share =
+      assets.bytes > 0 ? static_cast<double>(assets.arrived_bytes) / static_cast<double>(assets.bytes) : 0;
   return {text_of(assets), share};
 }
 
@@ -97,7 +99,8 @@ Result<std::unique_ptr<ConnectedScene>> SceneLoader::load() {
   }
   auto renderer = make_renderer_();
   if (!renderer) return renderer.error();
-  auto live = std::make_unique<ConnectedScene>(stop_, std::move(*joined), std::move(*cache), std::move(*renderer));
+  auto live =
+      std::make_unique<ConnectedScene>(stop_, std::move(*joined), std::move(*cache), std::move(*renderer));
   {
     std::lock_guard lock(mutex_);
     loading_ = live.get();

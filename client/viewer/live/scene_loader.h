@@ -15,8 +15,9 @@
 
 namespace livegs {
 
-// Joins a server and loads what its scene shows, whole or until there is a first picture of each object (JoinOptions), on a
-// thread of its own, so that whoever waits can show how far it is and give up. The functions are for the thread that made it.
+// Joins a server and loads what its scene shows, whole or until there is a first picture of each object
+// (JoinOptions), on a thread of its own, so that whoever waits can show how far it is and give up. The
+// functions are for the thread that made it.
 class SceneLoader {
  public:
   using MakeRenderer = std::function<Result<std::unique_ptr<SplatRenderer>>()>;

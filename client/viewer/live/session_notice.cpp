@@ -19,7 +19,8 @@ void SessionNotice::take(const FrameQueue::StreamUpdate& update, SessionClient& 
     say("the server says goodbye: " + *update.goodbye);
     said_by_server_ = true;
   }
-  if (update.lost && !said_by_server_) say("the server has gone: " + *update.lost + "; looking for it");  // what it said itself stays
+  if (update.lost && !said_by_server_)
+    say("the server has gone: " + *update.lost + "; looking for it");  // what it said itself stays
   if (client.ended() && !over_) {
     over_ = true;
     const auto stopped = client.stop();

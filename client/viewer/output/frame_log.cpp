@@ -29,10 +29,10 @@ std::optional<double> age_ms(const ReceivedFrame& frame) {
 }
 
 Result<ReceivedLog> ReceivedLog::create(const std::filesystem::path& path) {
-  auto file =
-      open(path,
-           "tick,stepped_ns,encode_begun_ns,sent_ns,received_ns,decoded_ns,clock_offset_ns,clock_uncertainty_ns,age_ms,"
-           "bytes,server_step_ms,input_sequence,held_hands");
+  auto file = open(path,
+                   "tick,stepped_ns,encode_begun_ns,sent_ns,received_ns,decoded_ns,clock_offset_ns,clock_"
+                   "uncertainty_ns,age_ms,"
+                   "bytes,server_step_ms,input_sequence,held_hands");
   if (!file) return cannot_write(path);
   return ReceivedLog(std::move(file));
 }
@@ -81,8 +81,9 @@ ReceivedLog::Summary ReceivedLog::summary() const {
 
 Result<DrawnLog> DrawnLog::create(const std::filesystem::path& path) {
   auto file =
-      open(path, "picture,simulated_s,tick,received_ns,age_ms,lag_ms,skin_ms,raster_ms,bytes,server_step_ms,"
-                 "device_skin_ms,device_project_ms,device_sort_ms,device_draw_ms,device_resolve_ms");
+      open(path,
+           "picture,simulated_s,tick,received_ns,age_ms,lag_ms,skin_ms,raster_ms,bytes,server_step_ms,"
+           "device_skin_ms,device_project_ms,device_sort_ms,device_draw_ms,device_resolve_ms");
   if (!file) return cannot_write(path);
   return DrawnLog(std::move(file));
 }

@@ -15,12 +15,12 @@
 
 namespace livegs {
 
-// How long before it came the frame's step was done, by the server's clock as far as it is known; nothing before the
-// first estimate of it.
+// How long before it came the frame's step was done, by the server's clock as far as it is known; nothing
+// before the first estimate of it.
 std::optional<double> age_ms(const ReceivedFrame& frame);
 
-// frames.csv, a row a received frame, and what the rows come to. stepped_ns, encode_begun_ns and sent_ns are of the
-// server's clock, received_ns and decoded_ns of ours, which is clock_offset_ns behind it, give or take
+// frames.csv, a row a received frame, and what the rows come to. stepped_ns, encode_begun_ns and sent_ns are
+// of the server's clock, received_ns and decoded_ns of ours, which is clock_offset_ns behind it, give or take
 // clock_uncertainty_ns. One thread.
 class ReceivedLog {
  public:

@@ -130,7 +130,8 @@ bool OffscreenSink::wait_done(double seconds) {
   changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return done_; });
   if (done_ || seconds_ == 0) return done_;
   gave_up_ = first_ns_ == 0 && seconds_from_ns(now_ns() - made_ns_) >= patience_s();
-  done_ = gave_up_ || (first_ns_ != 0 && seconds_from_ns(now_ns() - first_ns_) >= seconds_ + kLastFrameTimeout_s);
+  done_ =
+      gave_up_ || (first_ns_ != 0 && seconds_from_ns(now_ns() - first_ns_) >= seconds_ + kLastFrameTimeout_s);
   return done_;
 }
 

@@ -21,9 +21,10 @@ namespace livegs {
 // against it, and puts it into the queue of the thread that draws.
 class OffscreenSink final : public StreamSink {
  public:
-  // All outlive the recorder's last call. `seconds` after the first frame the recording is done, or a little later where none
-  // comes then; and so it is when there was none for patience_s(). 0: never.
-  OffscreenSink(SessionClient& client, AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log, double seconds)
+  // All outlive the recorder's last call. `seconds` after the first frame the recording is done, or a little
+  // later where none comes then; and so it is when there was none for patience_s(). 0: never.
+  OffscreenSink(SessionClient& client, AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log,
+                double seconds)
       : client_(client), assets_(assets), queue_(queue), log_(std::move(log)), seconds_(seconds) {}
 
   void on_lost(const std::string& reason) override;
@@ -48,8 +49,9 @@ class OffscreenSink final : public StreamSink {
   std::string draining_reason() const;
   // How often the stream was gone, and the time until it was joined again.
   struct Outages {
-    uint64_t count = 0, resumed = 0, restarted = 0;  // restarted: of the resumed, with a server that was started anew
-    double seconds = 0;                              // of the resumed
+    uint64_t count = 0, resumed = 0,
+             restarted = 0;  // restarted: of the resumed, with a server that was started anew
+    double seconds = 0;      // of the resumed
     std::string last_reason;
   };
   Outages outages() const;
@@ -70,10 +72,10 @@ class OffscreenSink final : public StreamSink {
   ReceivedLog log_;
   const double seconds_;
   int64_t first_ns_ = 0;
-  int64_t first_tick_ = 0;           // in ticks of the server that is there now
-  int64_t last_ns_ = 0;              // when the newest frame came
-  double last_time_s_ = 0;           // and its time_s()
-  bool ticks_reset_ = false;   // with the next frame
+  int64_t first_tick_ = 0;    // in ticks of the server that is there now
+  int64_t last_ns_ = 0;       // when the newest frame came
+  double last_time_s_ = 0;    // and its time_s()
+  bool ticks_reset_ = false;  // with the next frame
   Outages outages_;
   const int64_t made_ns_ = now_ns();
   bool done_ = false, gave_up_ = false;

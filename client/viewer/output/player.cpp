@@ -51,7 +51,8 @@ void Player::take(const ResumedSession& resumed) {
   resets_ = (resets_ || !resumed.same_server) && !history_.empty();
 }
 
-// Frames of before the outage and after it are not interpolated: the last of before is shown until shortly before.
+// Frames of before the outage and after it are not interpolated: the last of before is shown until shortly
+// before.
 Result<void> Player::hold_until(const ReceivedFrame& frame) {
   DriverFrame held = history_.newest();
   if (resets_) {
@@ -102,9 +103,9 @@ Result<void> Player::draw(const DriverFrame& frame) {
   if (!first_picture_) first_picture_ = pictures_.front();
   if (auto submitted = display_.submit(*planned_, pictures_); !submitted) return submitted;
   log_.add({planned_->index, seconds_from_ns(frame.simulated_ns), last_.tick, last_.received_ns,
-            age_ms(last_).value_or(0),
-            milliseconds_from_ns(now_ns() - last_.received_ns), view_.last_times().skin_ms,
-            view_.last_times().raster_ms, last_.bytes, last_.step_ms, view_.last_times().device});
+            age_ms(last_).value_or(0), milliseconds_from_ns(now_ns() - last_.received_ns),
+            view_.last_times().skin_ms, view_.last_times().raster_ms, last_.bytes, last_.step_ms,
+            view_.last_times().device});
   planned_.reset();
   return {};
 }

@@ -14,9 +14,10 @@
 
 namespace livegs {
 
-// Takes what comes from a stream or a recording and draws it at the display's times, on one thread. A display time is shown
-// as the moment of the simulation that lies as long after the first frame; the video is even, whatever the
-// network and the drawing did, because simulated time is. While the stream is gone, the last picture stays.
+// Takes what comes from a stream or a recording and draws it at the display's times, on one thread. A display
+// time is shown as the moment of the simulation that lies as long after the first frame; the video is even,
+// whatever the network and the drawing did, because simulated time is. While the stream is gone, the last
+// picture stays.
 class Player {
  public:
   // Called with the view posed by the first frame, before the first picture.
@@ -61,10 +62,11 @@ class Player {
   static constexpr size_t kFramesKept = 8;
   FrameHistory history_{kFramesKept};
   ReceivedFrame last_;  // the newest taken
-  // The history's time is simulated time plus this: it goes on when a server that was started anew begins at zero.
+  // The history's time is simulated time plus this: it goes on when a server that was started anew begins at
+  // zero.
   int64_t shift_ns_ = 0;
   bool holds_ = false, resets_ = false;  // with the next frame
-  std::vector<StreamItem> postponed_;          // until then: objects of a server that was started anew
+  std::vector<StreamItem> postponed_;    // until then: objects of a server that was started anew
   std::optional<int64_t> first_simulated_ns_;
   std::optional<PlannedFrame> planned_;
   std::vector<Image> pictures_;  // an eye each, of the last moment drawn

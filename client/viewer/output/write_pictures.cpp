@@ -16,7 +16,9 @@ Result<void> write_pictures(const Player& player, const std::filesystem::path& f
   if (player.last_picture()) {
     if (auto written = write_png(folder / "last.png", *player.last_picture()); !written) return written;
     const std::vector<ObjectDrivers>& objects = player.last_frame()->objects;
-    if (std::any_of(objects.begin(), objects.end(), [](const ObjectDrivers& one) { return one.kernels != nullptr; })) return {};
+    if (std::any_of(objects.begin(), objects.end(),
+                    [](const ObjectDrivers& one) { return one.kernels != nullptr; }))
+      return {};
     return write_file_atomically(folder / "last_frame.bin", encode_frame(*player.last_frame()));
   }
   return {};

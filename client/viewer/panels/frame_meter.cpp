@@ -21,7 +21,8 @@ void FrameMeter::sampled(uint64_t sequence, int64_t sampled_ns) {
   if (samples_.size() > kMaxSamples) samples_.pop_front();
 }
 
-void FrameMeter::shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms, const std::optional<DeviceTimes>& device) {
+void FrameMeter::shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms,
+                       const std::optional<DeviceTimes>& device) {
   second_.push_back({shown_ns, frame.tick});
   while (second_.size() > 2 && second_.front().shown_ns < shown_ns - kSecond_ns) second_.pop_front();
   add(graph_.picture_ms, picture_ms);
@@ -36,7 +37,8 @@ void FrameMeter::shown(const ReceivedFrame& frame, int64_t shown_ns, double pict
 
 double FrameMeter::pictures_a_second() const {
   if (second_.size() < 2) return 0;
-  return static_cast<double>(second_.size() - 1) / seconds_from_ns(second_.back().shown_ns - second_.front().shown_ns);
+  return static_cast<double>(second_.size() - 1) /
+         seconds_from_ns(second_.back().shown_ns - second_.front().shown_ns);
 }
 
 double FrameMeter::ticks_a_second() const {

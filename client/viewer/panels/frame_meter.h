@@ -17,13 +17,15 @@ class FrameMeter {
   // A sample of the hands was sent.
   void sampled(uint64_t sequence, int64_t sampled_ns);
   // A picture of this frame was shown; it took `picture_ms` from the picture before, and its passes so long.
-  void shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms, const std::optional<DeviceTimes>& device = {});
+  void shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms,
+             const std::optional<DeviceTimes>& device = {});
 
   FrameGraph graph() const { return graph_; }
   // Of the last second of pictures: how many, and how many ticks passed on the server.
   double pictures_a_second() const;
   double ticks_a_second() const;
-  // From the newest sample of the hands that is in the last picture to that picture; nothing before there is one.
+  // From the newest sample of the hands that is in the last picture to that picture; nothing before there is
+  // one.
   std::optional<double> hand_to_picture_ms() const { return hand_to_picture_ms_; }
 
  private:

@@ -51,7 +51,8 @@ std::string stiffness_text(const v1::ElasticAccuracy& elastic) {
     case v1::ElasticAccuracy::EXACT:
       return asked + " is simulated to 5 %";
     case v1::ElasticAccuracy::BAND:
-      return asked + format_text(" is simulated as %.2f to %.2f of it", elastic.modulus_ratio_low(), elastic.modulus_ratio_high());
+      return asked + format_text(" is simulated as %.2f to %.2f of it", elastic.modulus_ratio_low(),
+                                 elastic.modulus_ratio_high());
     case v1::ElasticAccuracy::CLIPPED:
       return asked + " is out of reach at this rate; " +
              quantity_text(elastic.reached_youngs_modulus_pa(), Unit::Pascal) + " is simulated";
@@ -80,7 +81,8 @@ std::vector<const StreamedObject*> listed(const ObjectPanel::Objects& objects) {
 ObjectsPanel::Entry list_entry(const StreamedObject& object) {
   std::string kind = behavior_text(object.physics.behavior());
   if (!object.physics.material().empty()) kind = object.physics.material() + ", " + kind;
-  if (object.fragility && object.fragility->bodies() > 1) kind += format_text(", in %u", object.fragility->bodies());
+  if (object.fragility && object.fragility->bodies() > 1)
+    kind += format_text(", in %u", object.fragility->bodies());
   return {object.name, kind, object.mass_kg > 0 ? quantity_text(object.mass_kg, Unit::Kilogram) : ""};
 }
 
@@ -101,15 +103,17 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
     facts.push_back(format_text("Broken into %u", object.fragility->bodies()));
   } else if (object.fragility && physics.fragile()) {  // what was fragile keeps its pieces
     facts.push_back(format_text("Breaks into up to %u when it falls %.2f m", object.fragility->pieces(),
-                         object.fragility->drop_height_m()));
+                                object.fragility->drop_height_m()));
   }
   return facts;
 }
 
 std::string proposal_text(const v1::PhysicalParameters& proposal) {
   const v1::EstimatedValue& mass = proposal.mass_kg();
-  return quantity_text(mass.best(), Unit::Kilogram) + " (" + range_text(mass.low(), mass.high(), Unit::Kilogram) + ")" +
-         (proposal.material().empty() ? "" : " of " + proposal.material()) + ", " + behavior_text(proposal.behavior());
+  return quantity_text(mass.best(), Unit::Kilogram) + " (" +
+         range_text(mass.low(), mass.high(), Unit::Kilogram) + ")" +
+         (proposal.material().empty() ? "" : " of " + proposal.material()) + ", " +
+         behavior_text(proposal.behavior());
 }
 
 ValueRow value_row(SliderParameter field, const v1::PhysicalParameters& physics) {
@@ -138,13 +142,17 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
   const StreamedObject* object = named(objects, selected_);
   if (!object) return panel;
   panel.facts = object_facts(*object);
-  for (const SliderParameter field : slider_parameters(object->physics)) panel.rows.push_back(value_row(field, object->physics));
+  for (const SliderParameter field : slider_parameters(object->physics))
+    panel.rows.push_back(value_row(field, object->physics));
   if (object->physics.behavior() == v1::Physics::RIGID) panel.fragile = object->physics.fragile();
-  if (const std::string proposal = open_proposal(*object); !proposal.empty()) panel.proposal = "Proposed: " + proposal;
+  if (const std::string proposal = open_proposal(*object); !proposal.empty())
+    panel.proposal = "Proposed: " + proposal;
   if (const auto said = messages_.find(selected_); said != messages_.end()) panel.messages = said->second;
   for (const std::string& warning : object->warnings) {
     // Why a proposal needs review its analysis has said too, where it was asked for in this window.
-    std::erase_if(panel.messages, [&](const auto& one) { return !one.refusal && !one.text.empty() && warning.ends_with(": " + one.text); });
+    std::erase_if(panel.messages, [&](const auto& one) {
+      return !one.refusal && !one.text.empty() && warning.ends_with(": " + one.text);
+    });
     panel.messages.push_back({false, shortened(warning)});
   }
   return panel;
@@ -184,7 +192,8 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
             : refuse(selected_, std::string(parameter_name(field)) + ": " + value.error().message);
     }
     if (actions.fragile) set(edit_of_fragile(*actions.fragile));
-    if (const std::string proposal = open_proposal(*object); (actions.accept || actions.decline) && !proposal.empty()) {
+    if (const std::string proposal = open_proposal(*object);
+        (actions.accept || actions.decline) && !proposal.empty()) {
       answered_[selected_] = proposal;
       calls.push_back(AcceptProposalCall{selected_, !actions.accept});
       messages_[selected_].clear();
@@ -223,7 +232,8 @@ void ObjectPanel::refuse(const std::string& object, const std::string& why) {
 
 void ObjectPanel::take_progress(const v1::AnalysisProgress& progress) {
   if (progress.stage() != v1::AnalysisProgress::FINISHED) {
-    progress_ = "Analysing " + progress.object() + (progress.stage() == v1::AnalysisProgress::ASKED ? ": the model is asked" : "");
+    progress_ = "Analysing " + progress.object() +
+                (progress.stage() == v1::AnalysisProgress::ASKED ? ": the model is asked" : "");
     return;
   }
   progress_ = format_text("Analysed %u of %u: ", progress.finished(), progress.objects()) + progress.object();

@@ -38,8 +38,8 @@ struct AnalyzeCall {
 };
 using ObjectCall = std::variant<SetPhysicsCall, AcceptProposalCall, UndoPhysicsCall, AnalyzeCall>;
 
-// The objects panel over time: which object is selected, what the server said of it. It makes no calls itself. On the
-// drawer's thread.
+// The objects panel over time: which object is selected, what the server said of it. It makes no calls
+// itself. On the drawer's thread.
 class ObjectPanel {
  public:
   using Objects = std::map<uint32_t, StreamedObject>;  // by id
@@ -59,7 +59,8 @@ class ObjectPanel {
 
  private:
   void refuse(const std::string& object, const std::string& why);
-  std::string open_proposal(const StreamedObject& object) const;  // in words; empty when there is none to answer
+  std::string open_proposal(
+      const StreamedObject& object) const;  // in words; empty when there is none to answer
 
   std::string selected_;  // by name, which a reset does not change
   std::map<std::string, std::vector<ObjectsPanel::Message>> messages_;

@@ -28,12 +28,12 @@ std::string object_summary(const StreamedObject& object) {
     if (!object.fragility) return line;
     const v1::Fragility& fragility = *object.fragility;
     if (object.rest.revision > 0) return line + format_text(", broken into %u", fragility.bodies());
-    return line + format_text(", fragile: breaks at %.3g N s, a drop of %.2f m", fragility.break_impulse_n_s(),
-                       fragility.drop_height_m());
+    return line + format_text(", fragile: breaks at %.3g N s, a drop of %.2f m",
+                              fragility.break_impulse_n_s(), fragility.drop_height_m());
   }
   const v1::ElasticAccuracy& elastic = *object.elastic;
   line += format_text(": elastic, %.3g kg, E %.3g Pa %s", object.mass_kg, elastic.youngs_modulus_pa(),
-               band_name(elastic.band()));
+                      band_name(elastic.band()));
   if (elastic.band() == v1::ElasticAccuracy::CLIPPED) {
     line += format_text(" to %.3g Pa", elastic.reached_youngs_modulus_pa());
   }
@@ -45,9 +45,9 @@ std::string object_summary(const StreamedObject& object) {
     line += ')';
   }
   return line + format_text("; cells %.3g mm, %u substeps, Courant %.2f, %llu nodes, %.0f kB",
-                     1e3 * elastic.cell_width_m(), elastic.substeps(), elastic.courant(),
-                     static_cast<unsigned long long>(elastic.nodes()),
-                     1e-3 * static_cast<double>(elastic.bytes()));
+                            1e3 * elastic.cell_width_m(), elastic.substeps(), elastic.courant(),
+                            static_cast<unsigned long long>(elastic.nodes()),
+                            1e-3 * static_cast<double>(elastic.bytes()));
 }
 
 }  // namespace livegs

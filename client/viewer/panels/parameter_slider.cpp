@@ -36,7 +36,8 @@ std::vector<SliderParameter> slider_parameters(const v1::PhysicalParameters& phy
     case v1::Physics::STATIC:
       return {SliderParameter::Friction};
     default:
-      if (physics.fragile()) return {SliderParameter::Mass, SliderParameter::BreakImpulse, SliderParameter::Friction};
+      if (physics.fragile())
+        return {SliderParameter::Mass, SliderParameter::BreakImpulse, SliderParameter::Friction};
       return {SliderParameter::Mass, SliderParameter::Friction};
   }
 }

@@ -11,9 +11,9 @@ namespace livegs {
 namespace {
 
 struct Prefix {
-  double factor;     // SI of one
+  double factor;  // SI of one
   const char* name;
-  double from;       // values of at least this are written so
+  double from;  // values of at least this are written so
 };
 
 std::span<const Prefix> prefixes_of(Unit unit) {
@@ -100,7 +100,8 @@ std::string range_text(double low, double high, Unit unit) {
 Result<double> parse_quantity(std::string_view text, Unit unit) {
   const std::string plain = trimmed(text);
   std::string names;
-  for (const Prefix& prefix : prefixes_of(unit)) names += (names.empty() ? "" : ", ") + std::string(prefix.name);
+  for (const Prefix& prefix : prefixes_of(unit))
+    names += (names.empty() ? "" : ", ") + std::string(prefix.name);
   const auto refuse = [&] {
     return invalid_argument("\"" + plain + "\" is no number" +
                             (names.empty() ? std::string() : "; give one, alone or with " + names));

@@ -16,8 +16,8 @@ std::string quantity_text(double value, Unit unit);
 // "5 to 20 kPa": the unit once where both ends share it.
 std::string range_text(double low, double high, Unit unit);
 
-// What a person types, in SI: a number in the unit itself, or with one of the prefixes above ("10 kPa", "85g").
-// The error says what may be typed.
+// What a person types, in SI: a number in the unit itself, or with one of the prefixes above ("10 kPa",
+// "85g"). The error says what may be typed.
 Result<double> parse_quantity(std::string_view text, Unit unit);
 
 // To three significant digits.

@@ -11,29 +11,30 @@
 #include "core/percentile.h"
 #include "splat/camera_file.h"
 #include "stream/session/session_client.h"
-#include "viewer/camera/initial_camera.h"
-#include "viewer/hands/force_arrow.h"
-#include "viewer/output/frame_log.h"
-#include "viewer/panels/frame_meter.h"
-#include "viewer/hands/hand_markers.h"
-#include "viewer/live/scene_loader.h"
-#include "viewer/live/frame_queue.h"
-#include "viewer/live/playout.h"
-#include "viewer/camera/render_scale.h"
 #include "viewer/camera/client_view_cone.h"
-#include "viewer/live/session_notice.h"
+#include "viewer/camera/initial_camera.h"
+#include "viewer/camera/render_scale.h"
+#include "viewer/hands/force_arrow.h"
+#include "viewer/hands/hand_markers.h"
 #include "viewer/hands/haptics.h"
 #include "viewer/hands/touch_prediction.h"
+#include "viewer/live/frame_queue.h"
+#include "viewer/live/playout.h"
+#include "viewer/live/scene_loader.h"
+#include "viewer/live/session_notice.h"
+#include "viewer/output/frame_log.h"
+#include "viewer/panels/frame_meter.h"
 
 namespace livegs {
 namespace {
 
-constexpr double kDrawBudgetShare = 0.8;      // for drawing
+constexpr double kDrawBudgetShare = 0.8;  // for drawing
 constexpr size_t kMaxLatencies = 1 << 20;
 
 class HeadsetRun {
  public:
-  HeadsetRun(const HeadsetRunOptions& options, SessionClient& client, ProgressiveObjects& arriving, SceneView& view, HeadsetDisplay& display)
+  HeadsetRun(const HeadsetRunOptions& options, SessionClient& client, ProgressiveObjects& arriving,
+             SceneView& view, HeadsetDisplay& display)
       : options_(options), client_(client), stream_(arriving), view_(view), display_(display) {
     for (const StreamedObject& object : client.scene().objects) masses_kg_[object.id] = object.mass_kg;
   }
@@ -87,8 +88,8 @@ Result<void> HeadsetRun::place() {
   const Camera& camera = *first;
   const Eigen::Vector3d ahead = camera.world_from_camera.orientation * -Eigen::Vector3d::UnitZ();
   const double turn_rad = std::hypot(ahead.x(), ahead.z()) > 1e-6 ? std::atan2(-ahead.x(), -ahead.z()) : 0.0;
-  display_.set_scene_from_local(
-      {camera.world_from_camera.position_m, Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()))});
+  display_.set_scene_from_local({camera.world_from_camera.position_m,
+                                 Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()))});
   if (options_.marks) {
     if (auto added = HandMarkers::add_to(view_); !added) return added;
   }
@@ -128,8 +129,8 @@ void HeadsetRun::send_hands(int64_t displayed_ns) {
   client_.send(sample_);
 }
 
-// Looked at once a picture, a hand that moves waits for the next: half a picture, and a whole one at worst. So it is looked at
-// after each thing that takes its time.
+// Looked at once a picture, a hand that moves waits for the next: half a picture, and a whole one at worst.
+// So it is looked at after each thing that takes its time.
 void HeadsetRun::send_hands_again(int64_t displayed_ns) {
   if (display_.update_input()) send_hands(displayed_ns);
 }
@@ -148,7 +149,8 @@ void HeadsetRun::feel(const ReceivedFrame& frame) {
   }
   for (size_t hand = 0; hand < held.size(); ++hand) vibrate(hand, feel_.holds(hand, held[hand]));
   for (const HeldByHand& one : frame.hands) {
-    if (one.hand < held.size()) vibrate(one.hand, feel_.told(one.hand, one.contact_impulse_n_s, frame.received_ns));
+    if (one.hand < held.size())
+      vibrate(one.hand, feel_.told(one.hand, one.contact_impulse_n_s, frame.received_ns));
   }
 }
 
@@ -219,7 +221,8 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   const ReceivedFrame& shown = *playout_.shown();
   meter_.shown(shown, std::max(drawn_ns, planned.display_time_ns), milliseconds_from_ns(drawn_ns - last_ns_));
   last_ns_ = drawn_ns;
-  if (shown.input_sequence > measured_sequence_ && meter_.hand_to_picture_ms() && latencies_ms_.size() < kMaxLatencies) {
+  if (shown.input_sequence > measured_sequence_ && meter_.hand_to_picture_ms() &&
+      latencies_ms_.size() < kMaxLatencies) {
     measured_sequence_ = shown.input_sequence;
     latencies_ms_.push_back(*meter_.hand_to_picture_ms());
   }
@@ -242,9 +245,13 @@ Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
     if (auto taken = poll_updates(); !taken) return taken;  // what came while it waited
     display_.set_notice(notice_.text(run_message_.empty() ? view_.notice() : run_message_));
     if (placed_) send_hands(planned->display_time_ns);
-    if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned); !done) return done;
+    if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned);
+        !done)
+      return done;
     const double shown_s = seconds_from_ns(now_ns() - (placed_ ? placed_ns_ : begun_ns));
-    if (options_.seconds > 0 && shown_s >= (placed_ ? options_.seconds : std::max(options_.seconds, kFirstFrameTimeout_s))) break;
+    if (options_.seconds > 0 &&
+        shown_s >= (placed_ ? options_.seconds : std::max(options_.seconds, kFirstFrameTimeout_s)))
+      break;
   }
   return {};
 }
@@ -263,7 +270,8 @@ HeadsetRunSummary HeadsetRun::summary() const {
 }
 
 // Null when the runtime ended the session, or it was interrupted.
-Result<std::unique_ptr<ConnectedScene>> load_in_headset(SceneLoader& loading, HeadsetDisplay& display, const std::atomic<bool>& interrupted) {
+Result<std::unique_ptr<ConnectedScene>> load_in_headset(SceneLoader& loading, HeadsetDisplay& display,
+                                                        const std::atomic<bool>& interrupted) {
   while (!loading.wait(0)) {
     const auto planned = display.wait_frame();  // sleeps
     if (!planned || interrupted) return std::unique_ptr<ConnectedScene>();
@@ -303,11 +311,13 @@ Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetD
 
 std::string summary_text(const HeadsetRunSummary& summary) {
   const auto count = [](uint64_t value) { return static_cast<unsigned long long>(value); };
-  return format_text("%llu pictures to %s by %s; %llu sessions, %llu lost, %llu recentred\n", count(summary.counts.pictures),
-                     summary.runtime.c_str(), summary.renderer.c_str(), count(summary.counts.sessions), count(summary.counts.losses),
+  return format_text("%llu pictures to %s by %s; %llu sessions, %llu lost, %llu recentred\n",
+                     count(summary.counts.pictures), summary.runtime.c_str(), summary.renderer.c_str(),
+                     count(summary.counts.sessions), count(summary.counts.losses),
                      count(summary.counts.recentres)) +
-         format_text("hand to picture p50 %.0f ms, p95 %.0f ms; drawing p50 %.1f ms, p95 %.1f ms\n", summary.hand_to_picture_ms_p50,
-                     summary.hand_to_picture_ms_p95, summary.draw_ms_p50, summary.draw_ms_p95);
+         format_text("hand to picture p50 %.0f ms, p95 %.0f ms; drawing p50 %.1f ms, p95 %.1f ms\n",
+                     summary.hand_to_picture_ms_p50, summary.hand_to_picture_ms_p95, summary.draw_ms_p50,
+                     summary.draw_ms_p95);
 }
 
 }  // namespace livegs

@@ -14,11 +14,11 @@
 
 namespace livegs {
 
-struct HeadsetRunOptions : JoinOptions {       // `renderer` Cpu: drawn there and uploaded
-  double seconds = 0;                 // after the first frame; 0: until the runtime ends the session
+struct HeadsetRunOptions : JoinOptions {  // `renderer` Cpu: drawn there and uploaded
+  double seconds = 0;                     // after the first frame; 0: until the runtime ends the session
   std::filesystem::path camera_file;  // where one stands at the start; empty: all objects from a little above
-  bool scales = true;                                            // draws smaller when it takes too long
-  bool marks = true;                                             // hands, rays and forces are seen
+  bool scales = true;                 // draws smaller when it takes too long
+  bool marks = true;                  // hands, rays and forces are seen
   // Called with each picture that was submitted, and what it shows.
   std::function<void(const PlannedFrame& picture, const SceneView& view)> on_picture;
 };
@@ -26,15 +26,15 @@ struct HeadsetRunOptions : JoinOptions {       // `renderer` Cpu: drawn there an
 struct HeadsetRunSummary {
   std::string runtime, renderer;
   HeadsetDisplay::Counts counts;
-  // Of a sample of the hands until the first picture of a tick that has it is seen; and what of it drawing took. Medians,
-  // and what 95 of 100 stay below.
+  // Of a sample of the hands until the first picture of a tick that has it is seen; and what of it drawing
+  // took. Medians, and what 95 of 100 stay below.
   double hand_to_picture_ms_p50 = 0, hand_to_picture_ms_p95 = 0, draw_ms_p50 = 0, draw_ms_p95 = 0;
   size_t vibrations = 0;
 };
 
-// Joins and shows the scene in a headset, whose hands pull, grab and shoot and feel what the held object meets. When the
-// server goes, the scene stays as it was last and it is looked for; when the headset goes, that is looked for. Until the
-// runtime ends the session, the time is up or `interrupted`.
+// Joins and shows the scene in a headset, whose hands pull, grab and shoot and feel what the held object
+// meets. When the server goes, the scene stays as it was last and it is looked for; when the headset goes,
+// that is looked for. Until the runtime ends the session, the time is up or `interrupted`.
 Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetDisplay& display,
                                       const std::atomic<bool>& interrupted);
 

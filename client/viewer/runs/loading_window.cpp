@@ -8,7 +8,8 @@ constexpr double kPictureInterval_s = 1.0 / 30;  // a display that nobody looks 
 
 }  // namespace
 
-Result<std::unique_ptr<ConnectedScene>> load_in_window(SceneLoader& loading, WindowDisplay& display, const std::atomic<bool>& interrupted) {
+Result<std::unique_ptr<ConnectedScene>> load_in_window(SceneLoader& loading, WindowDisplay& display,
+                                                       const std::atomic<bool>& interrupted) {
   const Image dark{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}};
   while (!loading.wait(kPictureInterval_s)) {
     const auto planned = display.wait_frame();

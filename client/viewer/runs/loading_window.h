@@ -9,8 +9,9 @@
 
 namespace livegs {
 
-// Shows in the window how far a loading is, until it is done. Null when the window was closed or it was `interrupted`: the
-// loading is to be given up.
-Result<std::unique_ptr<ConnectedScene>> load_in_window(SceneLoader& loading, WindowDisplay& display, const std::atomic<bool>& interrupted);
+// Shows in the window how far a loading is, until it is done. Null when the window was closed or it was
+// `interrupted`: the loading is to be given up.
+Result<std::unique_ptr<ConnectedScene>> load_in_window(SceneLoader& loading, WindowDisplay& display,
+                                                       const std::atomic<bool>& interrupted);
 
 }  // namespace livegs

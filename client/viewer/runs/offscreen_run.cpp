@@ -11,10 +11,10 @@
 #include "render/choose_camera.h"
 #include "stream/session/session_client.h"
 #include "viewer/live/scene_loader.h"
-#include "viewer/panels/object_summary.h"
-#include "viewer/output/player.h"
 #include "viewer/output/offscreen_sink.h"
+#include "viewer/output/player.h"
 #include "viewer/output/write_pictures.h"
+#include "viewer/panels/object_summary.h"
 #include "xr/offscreen_display.h"
 
 namespace livegs {
@@ -122,9 +122,8 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   PlaybackQueue queue(kMaxBacklogBytes);
   OffscreenSink recorder(client, assets, queue, std::move(*received_log), options.seconds);
   const auto on_first_frame = [&](const SceneView& posed) -> Result<void> {
-    const Camera camera =
-        prepared->picture.camera.value_or(
-            choose_camera(posed, prepared->picture.size.width, prepared->picture.size.height));
+    const Camera camera = prepared->picture.camera.value_or(
+        choose_camera(posed, prepared->picture.size.width, prepared->picture.size.height));
     (*display)->set_camera(camera);
     if (prepared->script.actions_size() > 0) {
       recorder.begin_script(
@@ -178,7 +177,8 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   else if (!streamed)
     summary.stream_error = streamed.error();
   else if (recorder.gave_up())
-    summary.stream_error = Error{ErrorCode::Unavailable, options.address + ": no frame came within " + format_text("%.0f s", recorder.patience_s())};
+    summary.stream_error = Error{ErrorCode::Unavailable, options.address + ": no frame came within " +
+                                                             format_text("%.0f s", recorder.patience_s())};
   return summary;
 }
 
@@ -186,32 +186,36 @@ std::string summary_text(const OffscreenRunSummary& summary) {
   std::string text;
   const auto count = [](uint64_t value) { return static_cast<unsigned long long>(value); };
   text += format_text("client of %s: %zu objects, %zu kernels; %zu of %zu assets fetched, %.1f MB\n",
-         summary.scene_address.c_str(), summary.objects, summary.kernels, summary.assets.fetched,
-         summary.assets.assets, static_cast<double>(summary.assets.fetched_bytes) * 1e-6);
+                      summary.scene_address.c_str(), summary.objects, summary.kernels, summary.assets.fetched,
+                      summary.assets.assets, static_cast<double>(summary.assets.fetched_bytes) * 1e-6);
   for (const std::string& line : summary.object_summaries) text += "  " + line + "\n";
   const ReceivedLog::Summary& received = summary.received;
   text += format_text("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n",
-         count(received.frames), received.seconds, received.rate_hz, summary.server_rate_hz,
-         count(received.missed_ticks));
+                      count(received.frames), received.seconds, received.rate_hz, summary.server_rate_hz,
+                      count(received.missed_ticks));
   if (summary.outages.count > 0) {
-    text += format_text("  the stream was gone %llu times and came back %llu times, after %.1f s in all, %llu of them from a server that "
-           "was started anew; last reason: %.80s\n",
-           count(summary.outages.count), count(summary.outages.resumed), summary.outages.seconds,
-           count(summary.outages.restarted), summary.outages.last_reason.c_str());
+    text += format_text(
+        "  the stream was gone %llu times and came back %llu times, after %.1f s in all, %llu of them from a "
+        "server that "
+        "was started anew; last reason: %.80s\n",
+        count(summary.outages.count), count(summary.outages.resumed), summary.outages.seconds,
+        count(summary.outages.restarted), summary.outages.last_reason.c_str());
   }
   text += format_text(
-      "  staleness p50 %.2f ms, p99 %.2f ms, known to %.2f ms; %.0f bytes a frame p50, %.0f p99; server tick p50 %.2f ms, p99 "
+      "  staleness p50 %.2f ms, p99 %.2f ms, known to %.2f ms; %.0f bytes a frame p50, %.0f p99; server tick "
+      "p50 %.2f ms, p99 "
       "%.2f ms\n",
-      received.age_ms_p50, received.age_ms_p99, received.clock_uncertainty_ms, received.bytes_p50, received.bytes_p99, received.step_ms_p50,
-      received.step_ms_p99);
+      received.age_ms_p50, received.age_ms_p99, received.clock_uncertainty_ms, received.bytes_p50,
+      received.bytes_p99, received.step_ms_p50, received.step_ms_p99);
   const DrawnLog::Summary& drawn = summary.drawn;
-  text += format_text("drawn: %llu pictures by %s; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",
-         count(drawn.pictures), summary.renderer.c_str(), drawn.skin_ms_p50, drawn.skin_ms_p99,
-         drawn.raster_ms_p50, drawn.raster_ms_p99);
+  text += format_text(
+      "drawn: %llu pictures by %s; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",
+      count(drawn.pictures), summary.renderer.c_str(), drawn.skin_ms_p50, drawn.skin_ms_p99,
+      drawn.raster_ms_p50, drawn.raster_ms_p99);
   if (!summary.notice.empty()) text += "  " + summary.notice + "\n";
   if (summary.dropped_frames > 0) {
     text += format_text("  %llu frames were dropped from a full backlog: the video skips\n",
-           count(summary.dropped_frames));
+                        count(summary.dropped_frames));
   }
   return text;
 }

@@ -10,8 +10,8 @@
 #include "core/result.h"
 #include "splat/camera_file.h"
 #include "viewer/assets/asset_library.h"
-#include "viewer/output/frame_log.h"
 #include "viewer/live/connected_scene.h"
+#include "viewer/output/frame_log.h"
 #include "viewer/output/offscreen_sink.h"
 
 namespace livegs {
@@ -33,8 +33,8 @@ struct OffscreenRunOptions : JoinOptions {
 
 struct OffscreenRunSummary {
   std::string scene_address;
-  std::string renderer;  // "cpu", or the Vulkan device
-  std::string notice;    // what was out of order with the last picture; empty: nothing
+  std::string renderer;       // "cpu", or the Vulkan device
+  std::string notice;         // what was out of order with the last picture; empty: nothing
   double server_rate_hz = 0;  // frames a second that it is to send
   size_t objects = 0, kernels = 0;
   std::vector<std::string> object_summaries;  // one an object: what it is, and how far its numbers hold
@@ -52,11 +52,12 @@ inline constexpr size_t kMaxBacklogBytes = 512u << 20;
 // Joins, fetches, records the stream for its time and draws it, into `output`:
 //   out.mp4, frame_NNNNN.png    the video, and some of its pictures
 //   first.png, last.png         the first picture, and one of the very last frame
-//   last_frame.bin, camera.json that frame's bytes (not of kernels) and the camera: `livegs render SCENE --frame --camera`
-//   draws it again frames.csv, timings.csv     a row a received frame; a row a drawn picture
+//   last_frame.bin, camera.json that frame's bytes (not of kernels) and the camera: `livegs render SCENE
+//   --frame --camera` draws it again frames.csv, timings.csv     a row a received frame; a row a drawn
+//   picture
 // The stream is taken at its full rate while drawing follows as fast as it can, from a bounded backlog of
-// encoded frames; after the time is up the session ends and the rest is drawn. Fails when it could not start, or was
-// interrupted before; a stream that breaks later is in the summary.
+// encoded frames; after the time is up the session ends and the rest is drawn. Fails when it could not start,
+// or was interrupted before; a stream that breaks later is in the summary.
 Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
                                           const std::atomic<bool>& interrupted);
 

@@ -18,7 +18,8 @@ namespace {
 // A stretch of a recording, its assets asked for as they come.
 class Stretch final : public ItemSource {
  public:
-  Stretch(RecordingPlayback& playback, AssetLibrary& assets, double seconds, const std::atomic<bool>& interrupted)
+  Stretch(RecordingPlayback& playback, AssetLibrary& assets, double seconds,
+          const std::atomic<bool>& interrupted)
       : playback_(playback), assets_(assets), seconds_(seconds), interrupted_(interrupted) {}
 
   std::optional<StreamItem> take() override {
@@ -61,17 +62,20 @@ AssetLibrary::FetchAsset assets_of_recording(const std::filesystem::path& file) 
     auto bytes = held->reader->asset(hash);
     if (!bytes && bytes.error().code == ErrorCode::NotFound) {
       return not_found("asset " + hash.substr(0, 12) + ": is neither in the cache nor in " + file.string() +
-                       "; join its server once, or record with assets (livegs ctl record start --assets, livegs-server --record-assets)");
+                       "; join its server once, or record with assets (livegs ctl record start --assets, "
+                       "livegs-server --record-assets)");
     }
     if (!bytes) return bytes.error();
-    if (bytes->size() != total || offset > total) return invalid_data(file.string() + ": holds another asset than it says");
+    if (bytes->size() != total || offset > total)
+      return invalid_data(file.string() + ": holds another asset than it says");
     return take(offset, total, std::span(*bytes).subspan(offset));
   };
 }
 
 Result<void> check_from(const ReplayOptions& options, double length_s) {
   if (options.from_s <= length_s) return {};
-  return invalid_argument(format_text("--from %g: %s is %.3f s long", options.from_s, options.file.c_str(), length_s));
+  return invalid_argument(
+      format_text("--from %g: %s is %.3f s long", options.from_s, options.file.c_str(), length_s));
 }
 
 Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic<bool>& interrupted) {
@@ -100,11 +104,12 @@ Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic
   ReplaySummary summary;
   summary.frames_decoded_to_seek = playback->decoded();
   Stretch stretch(*playback, assets, options.seconds, interrupted);
-  Player player(view, assets, stretch, **display, std::move(*drawn_log), [&](const SceneView& posed) -> Result<void> {
-    const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
-    (*display)->set_camera(chosen);
-    return write_camera_file(options.output / "camera.json", chosen);
-  });
+  Player player(view, assets, stretch, **display, std::move(*drawn_log),
+                [&](const SceneView& posed) -> Result<void> {
+                  const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
+                  (*display)->set_camera(chosen);
+                  return write_camera_file(options.output / "camera.json", chosen);
+                });
   const auto played = player.play();
   if (auto finished = (*display)->finish(); !finished) log_warn("%s", finished.error().message.c_str());
   if (!played) return played.error();
@@ -123,11 +128,13 @@ Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic
 
 std::string summary_text(const ReplaySummary& summary) {
   return format_text(
-      "replay of %s: %s, %.1f s, from %.1f s; %zu frames decoded to get there; %zu assets, %zu of them out of the recording\n"
-      "drawn: %llu pictures by %s; skinning p50 %.2f ms; render p50 %.2f ms\n",
-      summary.file.c_str(), summary.scene.c_str(), summary.length_s, summary.from_s, summary.frames_decoded_to_seek,
-      summary.assets.assets, summary.assets.fetched, static_cast<unsigned long long>(summary.drawn.pictures),
-      summary.renderer.c_str(), summary.drawn.skin_ms_p50, summary.drawn.raster_ms_p50) +
+             "replay of %s: %s, %.1f s, from %.1f s; %zu frames decoded to get there; %zu assets, %zu of "
+             "them out of the recording\n"
+             "drawn: %llu pictures by %s; skinning p50 %.2f ms; render p50 %.2f ms\n",
+             summary.file.c_str(), summary.scene.c_str(), summary.length_s, summary.from_s,
+             summary.frames_decoded_to_seek, summary.assets.assets, summary.assets.fetched,
+             static_cast<unsigned long long>(summary.drawn.pictures), summary.renderer.c_str(),
+             summary.drawn.skin_ms_p50, summary.drawn.raster_ms_p50) +
          (summary.notice.empty() ? "" : "  " + summary.notice + "\n");
 }
 

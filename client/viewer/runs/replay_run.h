@@ -19,8 +19,8 @@ namespace livegs {
 // Of a recording (proto/recording_format.md) that is watched; no server is needed.
 struct ReplayOptions {
   std::filesystem::path file;
-  double from_s = 0;   // after its first frame
-  double seconds = 0;  // of it; 0: to its end
+  double from_s = 0;            // after its first frame
+  double seconds = 0;           // of it; 0: to its end
   std::filesystem::path cache;  // of assets; empty: the user's
   std::filesystem::path output = "out/replay";
   std::optional<PictureSize> size;
@@ -35,7 +35,8 @@ struct ReplayOptions {
     double shown_s = 0;  // after the first frame
     bool paused = false, at_end = false;
   };
-  std::function<void(const Image& shown, const Moment& moment)> on_picture;  // called with each, panels included
+  std::function<void(const Image& shown, const Moment& moment)>
+      on_picture;  // called with each, panels included
 };
 
 struct ReplaySummary {
@@ -54,14 +55,14 @@ AssetLibrary::FetchAsset assets_of_recording(const std::filesystem::path& file);
 // InvalidArgument, with the length, where it has no such moment.
 Result<void> check_from(const ReplayOptions& options, double length_s);
 
-// Draws it into `output`: out.mp4, frame_NNNNN.png, first.png, last.png, last_frame.bin, camera.json and timings.csv as
-// run_offscreen() does, every moment of it, however long drawing takes.
+// Draws it into `output`: out.mp4, frame_NNNNN.png, first.png, last.png, last_frame.bin, camera.json and
+// timings.csv as run_offscreen() does, every moment of it, however long drawing takes.
 Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic<bool>& interrupted);
 std::string summary_text(const ReplaySummary& summary);
 
-// Shows it in a window: the mouse turns the view, P halts, the full stop steps, the arrow keys go five seconds back and on,
-// Home goes to its beginning. Until the window is closed or `interrupted`; at its end it halts, or with `seconds` the
-// window is closed.
+// Shows it in a window: the mouse turns the view, P halts, the full stop steps, the arrow keys go five
+// seconds back and on, Home goes to its beginning. Until the window is closed or `interrupted`; at its end it
+// halts, or with `seconds` the window is closed.
 Result<void> run_replay_window(const ReplayOptions& options, const std::atomic<bool>& interrupted);
 
 }  // namespace livegs

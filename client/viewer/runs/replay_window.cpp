@@ -7,8 +7,8 @@
 #include "stream/received/frame_history.h"
 #include "stream/replay/recording_playback.h"
 #include "viewer/camera/initial_camera.h"
-#include "viewer/live/connected_scene.h"
 #include "viewer/camera/render_scale.h"
+#include "viewer/live/connected_scene.h"
 #include "viewer/runs/replay_run.h"
 #include "xr/window/draw_panels.h"
 #include "xr/window_display.h"
@@ -18,14 +18,20 @@ namespace {
 
 constexpr double kJump_s = 5;
 constexpr const char* kHelp =
-    "right: turn   middle: shift\nwheel: nearer   WASDQE: fly\nP: pause   full stop: step\narrows: 5 s back and on\n"
+    "right: turn   middle: shift\nwheel: nearer   WASDQE: fly\nP: pause   full stop: step\narrows: 5 s back "
+    "and on\n"
     "Home: to the start   H: hide panels";
 
 class ReplayWindow {
  public:
-  ReplayWindow(const ReplayOptions& options, RecordingPlayback& playback, AssetLibrary& assets, SceneView& view,
-               WindowDisplay& display)
-      : options_(options), playback_(playback), assets_(assets), view_(view), display_(display), scale_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {}
+  ReplayWindow(const ReplayOptions& options, RecordingPlayback& playback, AssetLibrary& assets,
+               SceneView& view, WindowDisplay& display)
+      : options_(options),
+        playback_(playback),
+        assets_(assets),
+        view_(view),
+        display_(display),
+        scale_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {}
 
   Result<void> run(const std::atomic<bool>& interrupted) {
     if (auto begun = go_to(options_.from_s); !begun) return begun;
@@ -42,7 +48,9 @@ class ReplayWindow {
       display_.set_overlay(overlay());
       if (options_.on_picture) display_.keep_next(screenshot_);
       if (auto submitted = display_.submit(*planned, pictures_); !submitted) return submitted;
-      if (options_.on_picture) options_.on_picture(screenshot_, {shown_s(), paused_, at_end_ && moment_ns_ >= history_.newest().simulated_ns});
+      if (options_.on_picture)
+        options_.on_picture(screenshot_,
+                            {shown_s(), paused_, at_end_ && moment_ns_ >= history_.newest().simulated_ns});
       if (options_.seconds > 0 && shown_s() >= options_.from_s + options_.seconds) break;
       if (options_.seconds > 0 && at_end_ && moment_ns_ >= history_.newest().simulated_ns) break;
     }
@@ -56,8 +64,9 @@ class ReplayWindow {
     const Eigen::Vector2i size = display_.size_px();
     if (auto posed = view_.pose(history_.newest()); !posed) return posed;
     const auto free = columns_beside_panels(size.x(), true);
-    const auto camera = initial_camera(view_, {size.x(), size.y()}, options_.camera_file,
-                                     free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
+    const auto camera =
+        initial_camera(view_, {size.x(), size.y()}, options_.camera_file,
+                       free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
     if (!camera) return camera.error();
     camera_ = orbit_of(view_, *camera);
     return {};
@@ -144,9 +153,9 @@ class ReplayWindow {
     overlay.panels.run.paused = paused_;
     overlay.panels.run.notice = playback_.error() ? playback_.error()->message : view_.notice();
     overlay.panels.run.lines.push_back("recording " + options_.file.filename().string());
-    overlay.panels.run.lines.push_back(format_text("%.2f s of %.1f s, tick %llu%s%s", shown_s(), playback_.length_s(),
-                                                   static_cast<unsigned long long>(tick_), paused_ ? ", paused" : "",
-                                                   at_end_ ? ", the end" : ""));
+    overlay.panels.run.lines.push_back(format_text(
+        "%.2f s of %.1f s, tick %llu%s%s", shown_s(), playback_.length_s(),
+        static_cast<unsigned long long>(tick_), paused_ ? ", paused" : "", at_end_ ? ", the end" : ""));
     overlay.panels.run.lines.push_back(view_.renderer_name());
     overlay.panels.run.lines.push_back(format_text("drawn at %.0f %%", 100.0 * scale_.value()));
     overlay.panels.run.help = kHelp;

@@ -82,13 +82,17 @@ class Watcher final : public StreamSink {
 // Whoever subscribes where nobody publishes hears nothing, and no error either.
 Error nothing_came(const std::string& published, double waited_s) {
   constexpr std::string_view kTcp = "tcp://";
-  const auto where = published.starts_with(kTcp) ? parse_host_port(published.substr(kTcp.size()))
-                                                 : Result<HostPort>(invalid_argument("begins not with tcp://"));
+  const auto where = published.starts_with(kTcp)
+                         ? parse_host_port(published.substr(kTcp.size()))
+                         : Result<HostPort>(invalid_argument("begins not with tcp://"));
   const bool elsewhere = where && !where->loopback;
-  return {ErrorCode::Unavailable,
-          format_text("--subscribe %s: nothing was published there within %.1f s; %s", published.c_str(), waited_s,
-                      elsewhere ? "a server publishes on its own machine only: from others join it with livegs-client HOST:PORT"
-                                : "give what livegs-server --publish says when it starts")};
+  return {
+      ErrorCode::Unavailable,
+      format_text(
+          "--subscribe %s: nothing was published there within %.1f s; %s", published.c_str(), waited_s,
+          elsewhere
+              ? "a server publishes on its own machine only: from others join it with livegs-client HOST:PORT"
+              : "give what livegs-server --publish says when it starts")};
 }
 
 }  // namespace
@@ -101,13 +105,16 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   const PictureSize size = picture->size;
   const auto cache = asset_cache(options.cache);
   if (!cache) return cache.error();
-  auto spectator = Spectator::subscribe(options.address, published, options.access, options.connect_timeout_s);
+  auto spectator =
+      Spectator::subscribe(options.address, published, options.access, options.connect_timeout_s);
   if (!spectator) return spectator.error();
   auto renderer = choose_renderer(options.renderer);
   if (!renderer) return renderer.error();
-  AssetLibrary assets([&](const std::string& hash, uint64_t bytes, uint64_t offset,
-                          const TakeChunk& take) { return (*spectator)->fetch_asset(hash, bytes, offset, take); },
-                      *cache);
+  AssetLibrary assets(
+      [&](const std::string& hash, uint64_t bytes, uint64_t offset, const TakeChunk& take) {
+        return (*spectator)->fetch_asset(hash, bytes, offset, take);
+      },
+      *cache);
   SceneView view(*std::move(renderer));
   if (auto loaded = load_scene((*spectator)->scene(), assets, view); !loaded) return loaded.error();
   auto display = OffscreenDisplay::open(
@@ -120,11 +127,12 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
 
   PlaybackQueue queue(kMaxBacklogBytes);
   Watcher watcher(assets, queue, std::move(*received_log));
-  Player player(view, assets, queue, **display, std::move(*drawn_log), [&](const SceneView& posed) -> Result<void> {
-    const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
-    (*display)->set_camera(chosen);
-    return write_camera_file(options.output / "camera.json", chosen);
-  });
+  Player player(view, assets, queue, **display, std::move(*drawn_log),
+                [&](const SceneView& posed) -> Result<void> {
+                  const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
+                  (*display)->set_camera(chosen);
+                  return write_camera_file(options.output / "camera.json", chosen);
+                });
   Result<void> played;
   std::atomic<bool> play_ended{false};
   std::thread drawer([&] {
@@ -133,9 +141,11 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   });
   std::optional<Error> ended;
   const int64_t begun_ns = now_ns();
-  const double patience_s = options.seconds > 0 ? std::min(options.seconds, options.connect_timeout_s) : options.connect_timeout_s;
+  const double patience_s =
+      options.seconds > 0 ? std::min(options.seconds, options.connect_timeout_s) : options.connect_timeout_s;
   // Nothing comes between two frames, however healthy the server is.
-  const double silence_s = std::max({options.reconnect_s, 1.0, 3 / std::max((*spectator)->scene().rate_hz, 0.1)});
+  const double silence_s =
+      std::max({options.reconnect_s, 1.0, 3 / std::max((*spectator)->scene().rate_hz, 0.1)});
   (*spectator)->start(watcher);
   for (; !interrupted && !play_ended; std::this_thread::sleep_for(kPollInterval)) {
     const int64_t now = now_ns();
@@ -146,8 +156,9 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
     } else if (options.seconds > 0 && seconds_from_ns(now - heard.first_ns) >= options.seconds) {
       break;
     } else if (seconds_from_ns(now - heard.last_ns) >= silence_s) {
-      ended = Error{ErrorCode::Unavailable, format_text("--subscribe %s: the server went away: nothing was published for %.1f s",
-                                                        published.c_str(), seconds_from_ns(now - heard.last_ns))};
+      ended = Error{ErrorCode::Unavailable,
+                    format_text("--subscribe %s: the server went away: nothing was published for %.1f s",
+                                published.c_str(), seconds_from_ns(now - heard.last_ns))};
     }
     if (ended) break;
   }
@@ -179,14 +190,16 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
 std::string summary_text(const SpectateSummary& summary) {
   const auto count = [](uint64_t value) { return static_cast<unsigned long long>(value); };
   return format_text(
-      "spectator of %s: %zu objects, scene asked for %llu times; %zu of %zu assets fetched\n"
-      "received: %llu frames in %.1f s, %.1f a second; %llu ticks missed, %llu frames left out; staleness p50 %.2f ms, p99 "
-      "%.2f ms; %.0f bytes a frame p50\n"
-      "drawn: %llu pictures by %s\n",
-      summary.published.c_str(), summary.objects, count(summary.spectated.described), summary.assets.fetched,
-      summary.assets.assets, count(summary.received.frames), summary.received.seconds, summary.received.rate_hz,
-      count(summary.received.missed_ticks), count(summary.spectated.left_out), summary.received.age_ms_p50,
-      summary.received.age_ms_p99, summary.received.bytes_p50, count(summary.drawn.pictures), summary.renderer.c_str()) +
+             "spectator of %s: %zu objects, scene asked for %llu times; %zu of %zu assets fetched\n"
+             "received: %llu frames in %.1f s, %.1f a second; %llu ticks missed, %llu frames left out; "
+             "staleness p50 %.2f ms, p99 "
+             "%.2f ms; %.0f bytes a frame p50\n"
+             "drawn: %llu pictures by %s\n",
+             summary.published.c_str(), summary.objects, count(summary.spectated.described),
+             summary.assets.fetched, summary.assets.assets, count(summary.received.frames),
+             summary.received.seconds, summary.received.rate_hz, count(summary.received.missed_ticks),
+             count(summary.spectated.left_out), summary.received.age_ms_p50, summary.received.age_ms_p99,
+             summary.received.bytes_p50, count(summary.drawn.pictures), summary.renderer.c_str()) +
          (summary.notice.empty() ? "" : "  " + summary.notice + "\n");
 }
 

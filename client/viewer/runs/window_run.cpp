@@ -10,19 +10,19 @@
 #include "stream/session/scene_control.h"
 #include "stream/session/scripted_hands.h"
 #include "stream/session/session_client.h"
-#include "viewer/live/control_calls.h"
-#include "viewer/camera/initial_camera.h"
-#include "viewer/hands/force_arrow.h"
-#include "viewer/study/force_study.h"
-#include "viewer/panels/frame_meter.h"
-#include "viewer/live/frame_queue.h"
-#include "viewer/runs/loading_window.h"
-#include "viewer/panels/object_panel.h"
-#include "viewer/camera/orbit_camera.h"
-#include "viewer/live/playout.h"
-#include "viewer/camera/render_scale.h"
 #include "viewer/camera/client_view_cone.h"
+#include "viewer/camera/initial_camera.h"
+#include "viewer/camera/orbit_camera.h"
+#include "viewer/camera/render_scale.h"
+#include "viewer/hands/force_arrow.h"
+#include "viewer/live/control_calls.h"
+#include "viewer/live/frame_queue.h"
+#include "viewer/live/playout.h"
 #include "viewer/live/session_notice.h"
+#include "viewer/panels/frame_meter.h"
+#include "viewer/panels/object_panel.h"
+#include "viewer/runs/loading_window.h"
+#include "viewer/study/force_study.h"
 #include "viewer/study/study_recording.h"
 #include "xr/window/draw_panels.h"
 #include "xr/window_display.h"
@@ -32,14 +32,21 @@ namespace {
 
 constexpr size_t kRightHand = 1;
 constexpr const char* kHelp =
-    "left: pull   right: turn   middle: shift\nwheel: nearer   WASDQE: fly   space: shoot\nP: pause   full stop: step   "
+    "left: pull   right: turn   middle: shift\nwheel: nearer   WASDQE: fly   space: shoot\nP: pause   full "
+    "stop: step   "
     "H: hide panels";
 
 class WindowRun {
  public:
-  WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, ProgressiveObjects& arriving,
-            SceneView& view, WindowDisplay& display)
-      : options_(options), client_(client), calls_(control), arriving_(arriving), stream_(arriving), view_(view), display_(display),
+  WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control,
+            ProgressiveObjects& arriving, SceneView& view, WindowDisplay& display)
+      : options_(options),
+        client_(client),
+        calls_(control),
+        arriving_(arriving),
+        stream_(arriving),
+        view_(view),
+        display_(display),
         scale_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
   }
@@ -92,8 +99,8 @@ class WindowRun {
   ObjectPanel panel_;
   ForceStudy study_;
   std::optional<StudyRecording> recording_;
-  bool records_options_ = false;  // recording_ is of the forces that were given at the start
-  std::string recorded_;  // where the last recording is
+  bool records_options_ = false;              // recording_ is of the forces that were given at the start
+  std::string recorded_;                      // where the last recording is
   std::optional<SceneView::Picked> pointed_;  // what the mouse is over
   bool was_left_ = false, panels_shown_ = true;
   uint64_t force_until_tick_ = 0;  // of the panel's force
@@ -117,8 +124,9 @@ Result<void> WindowRun::first_frame() {
   const Eigen::Vector2i size = display_.size_px();
   if (auto posed = view_.pose(*frame_->drivers); !posed) return posed;
   const auto free = columns_beside_panels(size.x(), false);
-  const auto camera = initial_camera(view_, {size.x(), size.y()}, options_.camera_file,
-                                   free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
+  const auto camera =
+      initial_camera(view_, {size.x(), size.y()}, options_.camera_file,
+                     free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
   if (!camera) return camera.error();
   camera_.emplace(orbit_of(view_, *camera));
   const Eigen::Vector3d eye = camera->world_from_camera.position_m;
@@ -230,7 +238,8 @@ void WindowRun::send_script() {
 Result<void> WindowRun::begin_recording(std::vector<ForceStudy> studies) {
   const Eigen::Vector2i size = display_.size_px();
   const std::filesystem::path folder = options_.screenshots.empty() ? "out/study" : options_.screenshots;
-  auto begun = StudyRecording::begin(folder, std::move(studies), camera_->camera(size.x(), size.y()), client_.scene().rate_hz);
+  auto begun = StudyRecording::begin(folder, std::move(studies), camera_->camera(size.x(), size.y()),
+                                     client_.scene().rate_hz);
   if (!begun) return begun.error();
   recording_.emplace(std::move(*begun));
   stream_.record_frames(true);
@@ -309,7 +318,8 @@ Result<void> WindowRun::take_answers() {
     const std::string why = answer.refused ? answer.refused->message : "";
     switch (answer.kind) {
       case ControlCalls::Answer::Kind::Physics:
-        answer.physics ? panel_.take_reply(answer.object, *answer.physics) : panel_.take_refusal(answer.object, why);
+        answer.physics ? panel_.take_reply(answer.object, *answer.physics)
+                       : panel_.take_refusal(answer.object, why);
         break;
       case ControlCalls::Answer::Kind::Analysis:
         answer.progress ? panel_.take_progress(*answer.progress) : panel_.take_analysis_end(why);
@@ -325,7 +335,8 @@ Result<void> WindowRun::take_answers() {
           if (records_options_) return Error{ErrorCode::Unavailable, "--force: " + why};
           break;
         }
-        force_until_tick_ = answer.tick + static_cast<uint64_t>(study_.duration_s() * client_.scene().rate_hz);
+        force_until_tick_ =
+            answer.tick + static_cast<uint64_t>(study_.duration_s() * client_.scene().rate_hz);
         if (recording_) recording_->force_taken(answer.tick);
         break;
     }
@@ -366,25 +377,30 @@ WindowPanels WindowRun::panels() const {
   run.lines.push_back(view_.renderer_name());
   // Short enough to stand on one line: what is longer is broken behind the number's point.
   run.lines.push_back(format_text("drawn at %.0f %%", 100.0 * scale_.value()) +
-                      (scale_.min_contribution_px() > 0 ? format_text(", leaving out under %.1g px", scale_.min_contribution_px()) : ""));
-  run.lines.push_back(format_text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(), meter_.ticks_a_second()));
+                      (scale_.min_contribution_px() > 0
+                           ? format_text(", leaving out under %.1g px", scale_.min_contribution_px())
+                           : ""));
+  run.lines.push_back(format_text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(),
+                                  meter_.ticks_a_second()));
   if (frame_) {
-    run.lines.push_back(format_text("tick %llu, %.1f s simulated%s", static_cast<unsigned long long>(frame_->tick),
-                             frame_->run.simulated_s(), run.paused ? ", paused" : ""));
+    run.lines.push_back(format_text("tick %llu, %.1f s simulated%s",
+                                    static_cast<unsigned long long>(frame_->tick), frame_->run.simulated_s(),
+                                    run.paused ? ", paused" : ""));
   }
   if (const auto coming = arriving_.progress(); coming.objects > 0) {
-    run.lines.push_back(format_text("%zu objects are still coming: %.0f %% of their kernels", coming.objects,
-                                    100.0 * static_cast<double>(coming.kernels) / static_cast<double>(std::max<uint64_t>(coming.of, 1))));
+    run.lines.push_back(format_text(
+        "%zu objects are still coming: %.0f %% of their kernels", coming.objects,
+        100.0 * static_cast<double>(coming.kernels) / static_cast<double>(std::max<uint64_t>(coming.of, 1))));
   }
   run.graph = meter_.graph();
   if (const auto latency_ms = meter_.hand_to_picture_ms()) {
-    run.latency = format_text("hand to picture %.0f ms\nskin %.1f ms, render %.1f ms", *latency_ms, view_.last_times().skin_ms,
-                       view_.last_times().raster_ms);
+    run.latency = format_text("hand to picture %.0f ms\nskin %.1f ms, render %.1f ms", *latency_ms,
+                              view_.last_times().skin_ms, view_.last_times().raster_ms);
   }
   if (const auto& device = view_.last_times().device) {
     run.latency += format_text("%sdevice: skin %.1f, project %.1f, sort %.1f, draw %.1f, resolve %.1f ms",
-                               run.latency.empty() ? "" : "\n", device->skin_ms, device->project_ms, device->sort_ms,
-                               device->draw_ms, device->resolve_ms);
+                               run.latency.empty() ? "" : "\n", device->skin_ms, device->project_ms,
+                               device->sort_ms, device->draw_ms, device->resolve_ms);
   }
   run.help = kHelp;
   panels.force = study_.shown(recording_ ? recording_->progress() : std::string());
@@ -494,7 +510,8 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
     }
     if (!drawn) return drawn;
     const bool second_is_over = now_ns() - second_ns >= 1'000'000'000;
-    const bool due = options_.screenshot_every > 0 ? planned->index % options_.screenshot_every == 0 : second_is_over;
+    const bool due =
+        options_.screenshot_every > 0 ? planned->index % options_.screenshot_every == 0 : second_is_over;
     const bool keeps = due && !options_.screenshots.empty() && camera_ && !records;
     const bool looked_at = options_.on_picture && camera_ && !records;
     if (keeps || looked_at) display_.keep_next(screenshot_);
@@ -516,7 +533,8 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
       }
     }
     // Counted from the first frame, if there is to be one.
-    const bool counts = options_.seconds > 0 && (camera_ || client_.ended() || seconds_from_ns(now - begun_ns_) >= kFirstFrameTimeout_s);
+    const bool counts = options_.seconds > 0 && (camera_ || client_.ended() ||
+                                                 seconds_from_ns(now - begun_ns_) >= kFirstFrameTimeout_s);
     if (counts && seconds_from_ns(now - begun_ns_) >= options_.seconds) break;
   }
   return {};
@@ -542,7 +560,7 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   SceneControl control(options.address, options.access);
   WindowRun run(options, *(*live)->client, control, (*live)->objects, (*live)->view, **display);
   const auto done = run.run(interrupted);
-  (*live)->stop.request_stop();  // nor does anybody wait for what is being fetched
+  (*live)->stop.request_stop();                  // nor does anybody wait for what is being fetched
   const auto stopped = (*live)->client->stop();  // before the run's stream goes, which its reader calls
   if (!stopped) log_warn("%s", stopped.error().message.c_str());
   return done;

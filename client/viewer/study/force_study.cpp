@@ -45,8 +45,10 @@ std::string sentence_of(std::span<const ForceStudy> studies) {
   std::vector<std::pair<std::string, int>> told;  // what, at how many points
   for (const ForceStudy& study : studies) {
     const std::string what = "a force of " + in_words(study.force_n().norm(), "newton") + " to the " +
-                             (study.target() ? study.target()->object : "thing") + " for " + in_words(study.duration_s(), "second");
-    const auto same = std::find_if(told.begin(), told.end(), [&](const auto& one) { return one.first == what; });
+                             (study.target() ? study.target()->object : "thing") + " for " +
+                             in_words(study.duration_s(), "second");
+    const auto same =
+        std::find_if(told.begin(), told.end(), [&](const auto& one) { return one.first == what; });
     same == told.end() ? void(told.emplace_back(what, 1)) : void(++same->second);
   }
   std::string sentence = "Apply ";
@@ -95,8 +97,8 @@ Result<v1::Event::Force> parse_force(const std::string& text) {
   double p[3], f[3], seconds = 0;
   int used = 0;
   const std::string numbers = text.substr(at + 1);
-  if (std::sscanf(numbers.c_str(), "%lf,%lf,%lf:%lf,%lf,%lf:%lf%n", &p[0], &p[1], &p[2], &f[0], &f[1], &f[2], &seconds,
-                  &used) != 7 ||
+  if (std::sscanf(numbers.c_str(), "%lf,%lf,%lf:%lf,%lf,%lf:%lf%n", &p[0], &p[1], &p[2], &f[0], &f[1], &f[2],
+                  &seconds, &used) != 7 ||
       used != static_cast<int>(numbers.size()) || at == 0) {
     return refuse();
   }

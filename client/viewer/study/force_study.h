@@ -12,8 +12,8 @@
 
 namespace livegs {
 
-// A force of chosen size and direction on a chosen point for a chosen time, as the elastic study of LIVE-GS asks
-// people to compare. What is chosen; the server is asked elsewhere. One thread.
+// A force of chosen size and direction on a chosen point for a chosen time, as the elastic study of LIVE-GS
+// asks people to compare. What is chosen; the server is asked elsewhere. One thread.
 class ForceStudy {
  public:
   struct Target {
@@ -50,12 +50,12 @@ class ForceStudy {
   PanelActions::Force chosen_{5, 1, 0, 90};
 };
 
-// Of several at once: "Apply a force of 5 newtons to the pillow for 1 second at 2 points, and a force of ...". Those that read
-// alike are told once. Precondition: there is one.
+// Of several at once: "Apply a force of 5 newtons to the pillow for 1 second at 2 points, and a force of
+// ...". Those that read alike are told once. Precondition: there is one.
 std::string sentence_of(std::span<const ForceStudy> studies);
 
-// "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS", the point in the object's rest coordinates, for at most a minute, as the server has it. The
-// error says what is wrong.
+// "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS", the point in the object's rest coordinates, for at most a minute, as the
+// server has it. The error says what is wrong.
 Result<v1::Event::Force> parse_force(const std::string& text);
 
 // Yaw about +Y from +Z, pitch upwards; degrees.

@@ -17,8 +17,9 @@ constexpr int64_t ns(double seconds) { return static_cast<int64_t>(seconds * 1e9
 
 }  // namespace
 
-Result<StudyRecording> StudyRecording::begin(const std::filesystem::path& folder, std::vector<ForceStudy> studies,
-                                             const Camera& camera, double tick_rate_hz) {
+Result<StudyRecording> StudyRecording::begin(const std::filesystem::path& folder,
+                                             std::vector<ForceStudy> studies, const Camera& camera,
+                                             double tick_rate_hz) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return invalid_argument(folder.string() + ": cannot be made: " + error.message());
@@ -36,22 +37,28 @@ Result<StudyRecording> StudyRecording::begin(const std::filesystem::path& folder
     json += (json.empty() ? "" : ",\n") + one;
   }
   if (studies.size() > 1) json = "[\n" + json + "]\n";
-  for (const auto& [ending, text] : {std::pair(".txt", sentence_of(studies) + "\n"), std::pair(".json", json)}) {
-    if (auto written = write_file_atomically(stem.string() + ending, std::string_view(text)); !written) return written.error();
+  for (const auto& [ending, text] :
+       {std::pair(".txt", sentence_of(studies) + "\n"), std::pair(".json", json)}) {
+    if (auto written = write_file_atomically(stem.string() + ending, std::string_view(text)); !written)
+      return written.error();
   }
-  if (auto written = write_camera_file(stem.string() + "_camera.json", camera); !written) return written.error();
+  if (auto written = write_camera_file(stem.string() + "_camera.json", camera); !written)
+    return written.error();
   return StudyRecording(stem, std::move(studies), tick_rate_hz);
 }
 
 void StudyRecording::add(const ReceivedFrame& frame) {
   frames_.add(*frame.drivers);
   newest_tick_ = frame.tick;
-  const auto over = [&](const Span& span) { return frames_.newest().simulated_ns >= span.end_ns + ns(kTail_s); };
+  const auto over = [&](const Span& span) {
+    return frames_.newest().simulated_ns >= span.end_ns + ns(kTail_s);
+  };
   if (taken_.size() == studies_.size() && std::all_of(taken_.begin(), taken_.end(), over)) drawing_ = true;
 }
 
 bool StudyRecording::wants_force() {
-  if (asked_ || frames_.empty() || frames_.newest().simulated_ns < frames_.oldest().simulated_ns + ns(kLead_s)) {
+  if (asked_ || frames_.empty() ||
+      frames_.newest().simulated_ns < frames_.oldest().simulated_ns + ns(kLead_s)) {
     return false;
   }
   return asked_ = true;
@@ -97,25 +104,30 @@ Result<void> StudyRecording::finish() { return video_ ? video_->finish() : Resul
 
 void StudyRecording::abandon() {
   std::error_code ignored;
-  for (const char* ending : {".txt", ".json", "_camera.json"}) std::filesystem::remove(stem_.string() + ending, ignored);
+  for (const char* ending : {".txt", ".json", "_camera.json"})
+    std::filesystem::remove(stem_.string() + ending, ignored);
 }
 
 std::string StudyRecording::progress() const {
   if (!drawing_) {
     const double passed_s =
-        frames_.empty() ? 0 : 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
+        frames_.empty()
+            ? 0
+            : 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
     return format_text("Recording: %.1f of %.1f s", passed_s, kLead_s + longest_s() + kTail_s);
   }
   return format_text("Drawing picture %d of %d", drawn_ + 1, pictures());
 }
 
 int StudyRecording::pictures() const {
-  const double seconds = 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
+  const double seconds =
+      1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
   return 1 + static_cast<int>(std::floor(kRate_hz * seconds));
 }
 
 std::string StudyRecording::drawn() const {
-  return format_text("%d of %d pictures, %.1f of %.1f s", drawn_, pictures(), drawn_ / kRate_hz, pictures() / kRate_hz);
+  return format_text("%d of %d pictures, %.1f of %.1f s", drawn_, pictures(), drawn_ / kRate_hz,
+                     pictures() / kRate_hz);
 }
 
 }  // namespace livegs

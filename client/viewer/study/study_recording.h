@@ -13,22 +13,23 @@
 
 namespace livegs {
 
-// A force on a thing, or several at once, as a video with its sentence beside it. First the frames are collected, from a moment before the
-// force to a while after it; then they are drawn one after the other, evenly in simulated time, however slow drawing
-// is. One thread.
+// A force on a thing, or several at once, as a video with its sentence beside it. First the frames are
+// collected, from a moment before the force to a while after it; then they are drawn one after the other,
+// evenly in simulated time, however slow drawing is. One thread.
 class StudyRecording {
  public:
   static constexpr double kLead_s = 0.5, kTail_s = 1.5, kRate_hz = 30;
 
-  // The folder is made. Writes NAME.mp4, NAME.txt (the sentence), NAME.json (the force as a scene file's event, or an array of
-  // them) and NAME_camera.json, NAME being study_001 or the next that is free. Precondition: there is a study, each has a target.
+  // The folder is made. Writes NAME.mp4, NAME.txt (the sentence), NAME.json (the force as a scene file's
+  // event, or an array of them) and NAME_camera.json, NAME being study_001 or the next that is free.
+  // Precondition: there is a study, each has a target.
   static Result<StudyRecording> begin(const std::filesystem::path& folder, std::vector<ForceStudy> studies,
                                       const Camera& camera, double tick_rate_hz);
 
   // While it collects.
   void add(const ReceivedFrame& frame);
-  bool wants_force();              // once, when the server is to be asked for all of them, in order
-  void force_taken(uint64_t tick); // what it answered to the next of them
+  bool wants_force();               // once, when the server is to be asked for all of them, in order
+  void force_taken(uint64_t tick);  // what it answered to the next of them
   bool collecting() const { return !drawing_; }
 
   // An object's kernels have other numbers now.

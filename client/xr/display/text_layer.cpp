@@ -50,7 +50,8 @@ TextPlate::Picture TextPlate::draw(const std::string& text, std::array<uint8_t, 
   }
   Picture picture;
   picture.width_px = kWidth_px;
-  picture.height_px = 2 * kMargin_px + static_cast<int>(kLine_px * static_cast<float>(std::max<size_t>(1, lines.size())));
+  picture.height_px =
+      2 * kMargin_px + static_cast<int>(kLine_px * static_cast<float>(std::max<size_t>(1, lines.size())));
   picture.rgba.resize(size_t{4} * picture.width_px * picture.height_px);
   for (size_t i = 0; i < picture.rgba.size(); i += 4) {
     std::copy(kPlate.begin(), kPlate.end(), &picture.rgba[i]);
@@ -59,7 +60,8 @@ TextPlate::Picture TextPlate::draw(const std::string& text, std::array<uint8_t, 
   const auto blend = [&](int x, int y, uint8_t coverage) {
     if (x < 0 || x >= picture.width_px || y < 0 || y >= picture.height_px) return;
     uint8_t* pixel = &picture.rgba[4 * (static_cast<size_t>(y) * picture.width_px + x)];
-    for (size_t c = 0; c < 3; ++c) pixel[c] = static_cast<uint8_t>((pixel[c] * (255 - coverage) + ink[c] * coverage + 127) / 255);
+    for (size_t c = 0; c < 3; ++c)
+      pixel[c] = static_cast<uint8_t>((pixel[c] * (255 - coverage) + ink[c] * coverage + 127) / 255);
   };
   for (size_t line = 0; line < lines.size(); ++line) {
     auto pen_x = static_cast<float>(kMargin_px);
@@ -69,14 +71,18 @@ TextPlate::Picture TextPlate::draw(const std::string& text, std::array<uint8_t, 
       at += std::max(1, ImTextCharFromUtf8(&code, at, lines[line].second));
       const ImFontGlyph* glyph = font.FindGlyph(static_cast<ImWchar>(code));
       if (!glyph) continue;
-      const int left = static_cast<int>(std::lround(pen_x + glyph->X0)), first = static_cast<int>(std::lround(top + glyph->Y0));
+      const int left = static_cast<int>(std::lround(pen_x + glyph->X0)),
+                first = static_cast<int>(std::lround(top + glyph->Y0));
       const int u = static_cast<int>(std::lround(glyph->U0 * static_cast<float>(font_->width)));
       const int v = static_cast<int>(std::lround(glyph->V0 * static_cast<float>(font_->height)));
-      const int wide = static_cast<int>(std::lround((glyph->U1 - glyph->U0) * static_cast<float>(font_->width)));
-      const int high = static_cast<int>(std::lround((glyph->V1 - glyph->V0) * static_cast<float>(font_->height)));
+      const int wide =
+          static_cast<int>(std::lround((glyph->U1 - glyph->U0) * static_cast<float>(font_->width)));
+      const int high =
+          static_cast<int>(std::lround((glyph->V1 - glyph->V0) * static_cast<float>(font_->height)));
       for (int y = 0; y < high; ++y) {
         for (int x = 0; x < wide; ++x)
-          blend(left + x, first + y, font_->coverage[static_cast<size_t>(v + y) * font_->width + static_cast<size_t>(u + x)]);
+          blend(left + x, first + y,
+                font_->coverage[static_cast<size_t>(v + y) * font_->width + static_cast<size_t>(u + x)]);
       }
       pen_x += glyph->AdvanceX;
     }

@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// Text on an opaque dark plate as a picture, for where there are no panels: in a headset. In DejaVu Sans where it is installed
-// (package fonts-dejavu-core), else in Dear ImGui's own font. One thread.
+// Text on an opaque dark plate as a picture, for where there are no panels: in a headset. In DejaVu Sans
+// where it is installed (package fonts-dejavu-core), else in Dear ImGui's own font. One thread.
 class TextPlate {
  public:
   TextPlate();
@@ -20,7 +20,8 @@ class TextPlate {
     int width_px = 0, height_px = 0;
     std::vector<uint8_t> rgba;  // display-encoded, rows from the top
   };
-  // As high as the text's lines, which are broken at the plate's width; what does not fit is left out. `ink`: 0..255.
+  // As high as the text's lines, which are broken at the plate's width; what does not fit is left out. `ink`:
+  // 0..255.
   Picture draw(const std::string& text, std::array<uint8_t, 3> ink) const;
   static constexpr int kWidth_px = 640, kMaxHeight_px = 256;
 

@@ -10,8 +10,8 @@
 #include "xr/headset_display.h"
 #include "xr/openxr/openxr_hands.h"
 #include "xr/openxr/openxr_instance.h"
-#include "xr/openxr/openxr_text_layer.h"
 #include "xr/openxr/openxr_swapchain.h"
+#include "xr/openxr/openxr_text_layer.h"
 
 namespace livegs {
 namespace {
@@ -106,22 +106,27 @@ Result<void> OpenXrDisplay::create(VulkanDeviceOptions options) {
   instance_ = *std::move(instance);
   auto system = instance_->find_headset();
   if (!system) return system.error();
-  if (!*system) return Error{ErrorCode::Unavailable, "openxr: " + instance_->name() + " has no headset; connect one and put it on"};
+  if (!*system)
+    return Error{ErrorCode::Unavailable,
+                 "openxr: " + instance_->name() + " has no headset; connect one and put it on"};
   OpenXrVulkanMaker maker(*instance_, **system);
   options.maker = &maker;
   auto device = VulkanDevice::create(options);
   if (!device) return device.error();
   device_ = *std::move(device);
   if (!device_->can_draw())
-    return Error{ErrorCode::Unavailable, "openxr: " + device_->name() + ", which the headset is at, does not draw"};
+    return Error{ErrorCode::Unavailable,
+                 "openxr: " + device_->name() + ", which the headset is at, does not draw"};
   plate_.emplace(device_->handles());
   hands_ = std::make_unique<OpenXrHands>(*instance_);
   if (auto made = hands_->create(); !made) return made;
 
-  std::vector<XrViewConfigurationView> views(2, openxr_info<XrViewConfigurationView>(XR_TYPE_VIEW_CONFIGURATION_VIEW));
+  std::vector<XrViewConfigurationView> views(
+      2, openxr_info<XrViewConfigurationView>(XR_TYPE_VIEW_CONFIGURATION_VIEW));
   uint32_t count = 0;
-  if (auto done = instance_->check(xrEnumerateViewConfigurationViews(instance_->handle(), **system, kStereo, 2, &count, views.data()),
-                                   "xrEnumerateViewConfigurationViews");
+  if (auto done = instance_->check(
+          xrEnumerateViewConfigurationViews(instance_->handle(), **system, kStereo, 2, &count, views.data()),
+          "xrEnumerateViewConfigurationViews");
       !done)
     return done;
   for (const XrViewConfigurationView& view : views) {
@@ -129,13 +134,15 @@ Result<void> OpenXrDisplay::create(VulkanDeviceOptions options) {
     height_ = std::max(height_, static_cast<int>(view.recommendedImageRectHeight));
   }
   std::vector<XrEnvironmentBlendMode> modes(8);
-  if (XR_SUCCEEDED(xrEnumerateEnvironmentBlendModes(instance_->handle(), **system, kStereo, static_cast<uint32_t>(modes.size()), &count,
+  if (XR_SUCCEEDED(xrEnumerateEnvironmentBlendModes(instance_->handle(), **system, kStereo,
+                                                    static_cast<uint32_t>(modes.size()), &count,
                                                     modes.data())) &&
       count > 0)
     blend_mode_ = modes[0];  // the runtime's favourite
   for (XrView& view : views_) view = openxr_info<XrView>(XR_TYPE_VIEW);
   if (auto begun = begin_session(**system); !begun) return begun;
-  log_info("openxr: %s, %d x %d an eye, on %s", instance_->name().c_str(), width_, height_, device_->name().c_str());
+  log_info("openxr: %s, %d x %d an eye, on %s", instance_->name().c_str(), width_, height_,
+           device_->name().c_str());
   return {};
 }
 
@@ -152,7 +159,8 @@ Result<void> OpenXrDisplay::begin_session(XrSystemId system) {
   auto info = openxr_info<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
   info.next = &binding;
   info.systemId = system;
-  if (auto made = instance_->check(xrCreateSession(instance_->handle(), &info, &session_), "xrCreateSession"); !made) {
+  if (auto made = instance_->check(xrCreateSession(instance_->handle(), &info, &session_), "xrCreateSession");
+      !made) {
     session_ = XR_NULL_HANDLE;
     return made;
   }
@@ -161,7 +169,10 @@ Result<void> OpenXrDisplay::begin_session(XrSystemId system) {
   auto space = openxr_info<XrReferenceSpaceCreateInfo>(XR_TYPE_REFERENCE_SPACE_CREATE_INFO);
   space.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL;
   space.poseInReferenceSpace.orientation.w = 1;
-  if (auto made = instance_->check(xrCreateReferenceSpace(session_, &space, &local_), "xrCreateReferenceSpace"); !made) return made;
+  if (auto made =
+          instance_->check(xrCreateReferenceSpace(session_, &space, &local_), "xrCreateReferenceSpace");
+      !made)
+    return made;
   swapchain_.emplace(vulkan);
   return instance_->check(swapchain_->create(session_, width_, height_), "xrCreateSwapchain");
 }
@@ -243,7 +254,8 @@ void OpenXrDisplay::take_events() {
       ++counts_.recentres;
     } else if (event.type == XR_TYPE_EVENT_DATA_DISPLAY_REFRESH_RATE_CHANGED_FB) {
       const auto& changed = reinterpret_cast<const XrEventDataDisplayRefreshRateChangedFB&>(event);
-      log_info("openxr: %.0f pictures a second, %.0f before", changed.toDisplayRefreshRate, changed.fromDisplayRefreshRate);
+      log_info("openxr: %.0f pictures a second, %.0f before", changed.toDisplayRefreshRate,
+               changed.fromDisplayRefreshRate);
       ++counts_.refresh_changes;
     }
   }
@@ -319,8 +331,9 @@ std::vector<Camera> OpenXrDisplay::cameras() const {
   std::vector<Camera> made;
   for (const XrView& view : views_) {
     const XrFovf& fov = view.fov;
-    made.push_back(camera_from_fov(scene_from_local_ * pose_from_openxr(view.pose), fov.angleLeft, fov.angleRight, fov.angleUp,
-                                   fov.angleDown, std::min(width, width_), std::min(height, height_)));
+    made.push_back(camera_from_fov(scene_from_local_ * pose_from_openxr(view.pose), fov.angleLeft,
+                                   fov.angleRight, fov.angleUp, fov.angleDown, std::min(width, width_),
+                                   std::min(height, height_)));
   }
   return made;
 }

@@ -19,7 +19,8 @@ OpenXrHands::~OpenXrHands() {
   if (set_) xrDestroyActionSet(set_);
 }
 
-Result<void> OpenXrHands::make_action(XrActionType type, const char* name, const char* shown, XrAction& action) {
+Result<void> OpenXrHands::make_action(XrActionType type, const char* name, const char* shown,
+                                      XrAction& action) {
   auto info = openxr_info<XrActionCreateInfo>(XR_TYPE_ACTION_CREATE_INFO);
   std::snprintf(info.actionName, XR_MAX_ACTION_NAME_SIZE, "%s", name);
   std::snprintf(info.localizedActionName, XR_MAX_LOCALIZED_ACTION_NAME_SIZE, "%s", shown);
@@ -34,8 +35,11 @@ Result<void> OpenXrHands::create() {
   auto info = openxr_info<XrActionSetCreateInfo>(XR_TYPE_ACTION_SET_CREATE_INFO);
   std::snprintf(info.actionSetName, XR_MAX_ACTION_SET_NAME_SIZE, "touch");
   std::snprintf(info.localizedActionSetName, XR_MAX_LOCALIZED_ACTION_SET_NAME_SIZE, "Touching things");
-  if (auto made = instance_.check(xrCreateActionSet(instance_.handle(), &info, &set_), "xrCreateActionSet"); !made) return made;
-  for (auto made : {make_action(XR_ACTION_TYPE_POSE_INPUT, "aim", "Aim", aim_), make_action(XR_ACTION_TYPE_POSE_INPUT, "grip", "Hand", grip_),
+  if (auto made = instance_.check(xrCreateActionSet(instance_.handle(), &info, &set_), "xrCreateActionSet");
+      !made)
+    return made;
+  for (auto made : {make_action(XR_ACTION_TYPE_POSE_INPUT, "aim", "Aim", aim_),
+                    make_action(XR_ACTION_TYPE_POSE_INPUT, "grip", "Hand", grip_),
                     make_action(XR_ACTION_TYPE_FLOAT_INPUT, "pull", "Pull by the ray", trigger_),
                     make_action(XR_ACTION_TYPE_FLOAT_INPUT, "grab", "Grab", squeeze_),
                     make_action(XR_ACTION_TYPE_BOOLEAN_INPUT, "shoot", "Shoot a ball", shoot_),
@@ -43,18 +47,21 @@ Result<void> OpenXrHands::create() {
     if (!made) return made;
   }
   suggest("/interaction_profiles/khr/simple_controller", "menu/click", "menu/click", "select/click", nullptr);
-  suggest("/interaction_profiles/oculus/touch_controller", "x/click", "a/click", "trigger/value", "squeeze/value");
+  suggest("/interaction_profiles/oculus/touch_controller", "x/click", "a/click", "trigger/value",
+          "squeeze/value");
   if (instance_.has_touch_plus())
-    suggest("/interaction_profiles/meta/touch_controller_plus", "x/click", "a/click", "trigger/value", "squeeze/value");
+    suggest("/interaction_profiles/meta/touch_controller_plus", "x/click", "a/click", "trigger/value",
+            "squeeze/value");
   return {};
 }
 
-void OpenXrHands::suggest(const char* profile, const char* shoot_left, const char* shoot_right, const char* trigger,
-                          const char* squeeze) {
+void OpenXrHands::suggest(const char* profile, const char* shoot_left, const char* shoot_right,
+                          const char* trigger, const char* squeeze) {
   std::vector<XrActionSuggestedBinding> bindings;
   for (size_t hand = 0; hand < 2; ++hand) {
     const auto bind = [&](XrAction action, const char* part, const char* component) {
-      if (component) bindings.push_back({action, instance_.path((std::string(kUsers[hand]) + part + component).c_str())});
+      if (component)
+        bindings.push_back({action, instance_.path((std::string(kUsers[hand]) + part + component).c_str())});
     };
     bind(aim_, "/input/", "aim/pose");
     bind(grip_, "/input/", "grip/pose");
@@ -63,11 +70,13 @@ void OpenXrHands::suggest(const char* profile, const char* shoot_left, const cha
     bind(shoot_, "/input/", hand == 0 ? shoot_left : shoot_right);
     bind(haptic_, "/output/", "haptic");
   }
-  auto info = openxr_info<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
+  auto info =
+      openxr_info<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
   info.interactionProfile = instance_.path(profile);
   info.countSuggestedBindings = static_cast<uint32_t>(bindings.size());
   info.suggestedBindings = bindings.data();
-  const auto taken = instance_.check(xrSuggestInteractionProfileBindings(instance_.handle(), &info), "xrSuggestInteractionProfileBindings");
+  const auto taken = instance_.check(xrSuggestInteractionProfileBindings(instance_.handle(), &info),
+                                     "xrSuggestInteractionProfileBindings");
   if (!taken) log_warn("%s: %s; these controllers are left out", profile, taken.error().message.c_str());
 }
 
@@ -106,7 +115,8 @@ XrResult OpenXrHands::read(XrSpace space, XrTime time, std::array<HandSample, 2>
   auto info = openxr_info<XrActionsSyncInfo>(XR_TYPE_ACTIONS_SYNC_INFO);
   info.countActiveActionSets = 1;
   info.activeActionSets = &active;
-  if (const XrResult result = xrSyncActions(session_, &info); result != XR_SUCCESS) return result;  // NOT_FOCUSED is one
+  if (const XrResult result = xrSyncActions(session_, &info); result != XR_SUCCESS)
+    return result;  // NOT_FOCUSED is one
   for (size_t hand = 0; hand < 2; ++hand) {
     if (const XrResult result = read_hand(hand, space, time, hands[hand]); XR_FAILED(result)) return result;
   }
@@ -128,7 +138,8 @@ XrResult OpenXrHands::read_hand(size_t hand, XrSpace space, XrTime time, HandSam
   const auto locate = [&](XrSpace located, Pose& pose) {
     auto location = openxr_info<XrSpaceLocation>(XR_TYPE_SPACE_LOCATION);
     const XrResult result = xrLocateSpace(located, space, time, &location);
-    constexpr XrSpaceLocationFlags kBoth = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
+    constexpr XrSpaceLocationFlags kBoth =
+        XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
     tracked = tracked && (location.locationFlags & kBoth) == kBoth;
     if (tracked) pose = pose_from_openxr(location.pose);
     return result;
@@ -137,9 +148,10 @@ XrResult OpenXrHands::read_hand(size_t hand, XrSpace space, XrTime time, HandSam
   get.action = shoot_;
   get.subactionPath = paths_[hand];
   auto shoot = openxr_info<XrActionStateBoolean>(XR_TYPE_ACTION_STATE_BOOLEAN);
-  for (const XrResult result : {locate(aim_spaces_[hand], sample.aim), locate(grip_spaces_[hand], sample.grip),
-                                read_float(trigger_, hand, sample.trigger), read_float(squeeze_, hand, sample.squeeze),
-                                xrGetActionStateBoolean(session_, &get, &shoot)}) {
+  for (const XrResult result :
+       {locate(aim_spaces_[hand], sample.aim), locate(grip_spaces_[hand], sample.grip),
+        read_float(trigger_, hand, sample.trigger), read_float(squeeze_, hand, sample.squeeze),
+        xrGetActionStateBoolean(session_, &get, &shoot)}) {
     if (XR_FAILED(result)) return result;
   }
   if (!tracked) {

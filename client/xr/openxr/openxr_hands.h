@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// The controllers: what of each profile means what, and what they do now. The action set belongs to the instance and is
-// attached to every session anew. One thread.
+// The controllers: what of each profile means what, and what they do now. The action set belongs to the
+// instance and is attached to every session anew. One thread.
 class OpenXrHands {
  public:
   explicit OpenXrHands(const OpenXrInstance& instance) : instance_(instance) {}
@@ -17,28 +17,30 @@ class OpenXrHands {
   OpenXrHands(const OpenXrHands&) = delete;
   OpenXrHands& operator=(const OpenXrHands&) = delete;
 
-  // Once: the actions, and bindings for each profile. One that the runtime does not take is logged and left out.
+  // Once: the actions, and bindings for each profile. One that the runtime does not take is logged and left
+  // out.
   Result<void> create();
   // For a session that is new, before its first frame.
   XrResult attach(XrSession session);
   void detach();  // before the session is destroyed
 
-  // The hands at a moment, in `space`. Those without focus or that are not tracked are not active. SESSION_LOST is the
-  // only failure that has a meaning.
+  // The hands at a moment, in `space`. Those without focus or that are not tracked are not active.
+  // SESSION_LOST is the only failure that has a meaning.
   XrResult read(XrSpace space, XrTime time, std::array<HandSample, 2>& hands);
   // amplitude 0..1; hand 0 left, 1 right.
   XrResult vibrate(size_t hand, float amplitude, double seconds);
 
  private:
   Result<void> make_action(XrActionType type, const char* name, const char* shown, XrAction& action);
-  void suggest(const char* profile, const char* shoot_left, const char* shoot_right, const char* trigger, const char* squeeze);
+  void suggest(const char* profile, const char* shoot_left, const char* shoot_right, const char* trigger,
+               const char* squeeze);
   XrResult read_hand(size_t hand, XrSpace space, XrTime time, HandSample& sample);
   XrResult read_float(XrAction action, size_t hand, float& value);
 
   const OpenXrInstance& instance_;
   XrActionSet set_ = XR_NULL_HANDLE;
-  XrAction aim_ = XR_NULL_HANDLE, grip_ = XR_NULL_HANDLE, trigger_ = XR_NULL_HANDLE, squeeze_ = XR_NULL_HANDLE,
-           shoot_ = XR_NULL_HANDLE, haptic_ = XR_NULL_HANDLE;
+  XrAction aim_ = XR_NULL_HANDLE, grip_ = XR_NULL_HANDLE, trigger_ = XR_NULL_HANDLE,
+           squeeze_ = XR_NULL_HANDLE, shoot_ = XR_NULL_HANDLE, haptic_ = XR_NULL_HANDLE;
   std::array<XrPath, 2> paths_{};
   XrSession session_ = XR_NULL_HANDLE;
   std::array<XrSpace, 2> aim_spaces_{}, grip_spaces_{};

@@ -47,7 +47,8 @@ class OpenXrInstance {
   Result<std::optional<XrSystemId>> find_headset();
   // Why all is over when the runtime goes, announced or not; with the remedy.
   Error gone() const;
-  // OK, or the call and what OpenXR calls its result; gone() where that means that there is no runtime any more.
+  // OK, or the call and what OpenXR calls its result; gone() where that means that there is no runtime any
+  // more.
   Result<void> check(XrResult result, const char* call) const;
   // A moment of OpenXR's clock by now_ns().
   int64_t moment_ns(XrTime time) const;
@@ -74,11 +75,13 @@ class OpenXrInstance {
 // The device that the headset's pictures are made on.
 class OpenXrVulkanMaker final : public VulkanMaker {
  public:
-  OpenXrVulkanMaker(const OpenXrInstance& instance, XrSystemId system) : instance_(instance), system_(system) {}
-  VkResult create_instance(PFN_vkGetInstanceProcAddr get, const VkInstanceCreateInfo& info, VkInstance* instance) override;
+  OpenXrVulkanMaker(const OpenXrInstance& instance, XrSystemId system)
+      : instance_(instance), system_(system) {}
+  VkResult create_instance(PFN_vkGetInstanceProcAddr get, const VkInstanceCreateInfo& info,
+                           VkInstance* instance) override;
   VkPhysicalDevice choose(VkInstance instance) override;
-  VkResult create_device(PFN_vkGetInstanceProcAddr get, VkPhysicalDevice physical, const VkDeviceCreateInfo& info,
-                         VkDevice* device) override;
+  VkResult create_device(PFN_vkGetInstanceProcAddr get, VkPhysicalDevice physical,
+                         const VkDeviceCreateInfo& info, VkDevice* device) override;
 
  private:
   const OpenXrInstance& instance_;

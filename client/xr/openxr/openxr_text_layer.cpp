@@ -4,7 +4,8 @@
 namespace livegs {
 namespace {
 
-// 44 degrees wide: inside what every headset shows to both eyes, and a line is two degrees high. What is looked at stays free.
+// 44 degrees wide: inside what every headset shows to both eyes, and a line is two degrees high. What is
+// looked at stays free.
 constexpr float kDistance_m = 1.0f, kBelow_m = 0.2f, kWidth_m = 0.8f;
 constexpr std::array<uint8_t, 3> kInk{255, 138, 120};  // as the window's panels have what is out of order
 

@@ -5,13 +5,14 @@
 #include <string>
 
 #include "compute/vulkan_memory.h"
+#include "xr/display/text_layer.h"
 #include "xr/openxr/openxr_instance.h"
 #include "xr/openxr/openxr_swapchain.h"
-#include "xr/display/text_layer.h"
 
 namespace livegs {
 
-// Text that stays before the eyes wherever the head turns: a quad in VIEW space, a little below where one looks. One thread.
+// Text that stays before the eyes wherever the head turns: a quad in VIEW space, a little below where one
+// looks. One thread.
 class OpenXrTextLayer {
  public:
   explicit OpenXrTextLayer(const VulkanHandles& handles) : handles_(handles) {}

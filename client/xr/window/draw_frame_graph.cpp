@@ -50,7 +50,8 @@ void draw_frame_graph(const FrameGraph& graph) {
     std::vector<ImVec2> points(count);
     for (size_t i = 0; i < count; ++i) {
       const float along = count > 1 ? static_cast<float>(i) / static_cast<float>(count - 1) : 0.0f;
-      points[i] = {from.x + along * width, to.y - 2 - (kHeight_px - 4) * std::min(1.0f, line.values_ms[i] / most)};
+      points[i] = {from.x + along * width,
+                   to.y - 2 - (kHeight_px - 4) * std::min(1.0f, line.values_ms[i] / most)};
     }
     list.AddPolyline(points.data(), static_cast<int>(count), line.colour, 0, 1.5f);
   }

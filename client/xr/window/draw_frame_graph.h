@@ -5,8 +5,8 @@
 
 namespace livegs {
 
-// Three lines over one scale from 0 to the largest value, with the last value of each beneath. In the panel that is
-// being drawn, over its whole width.
+// Three lines over one scale from 0 to the largest value, with the last value of each beneath. In the panel
+// that is being drawn, over its whole width.
 void draw_frame_graph(const FrameGraph& graph);
 
 }  // namespace livegs

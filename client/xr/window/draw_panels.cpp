@@ -11,7 +11,8 @@
 namespace livegs {
 namespace {
 
-constexpr float kMargin_px = 10, kGap_px = 4, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84, kValueWidth_px = 64;
+constexpr float kMargin_px = 10, kGap_px = 4, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84,
+                kValueWidth_px = 64;
 
 void coloured(ImU32 colour, const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
@@ -30,18 +31,22 @@ bool button(const char* name, bool possible = true, float width_px = 0) {
 void same_line_if_it_fits(const char* button) {
   const ImGuiStyle& style = ImGui::GetStyle();
   const float needed = style.ItemSpacing.x + ImGui::CalcTextSize(button).x + 2 * style.FramePadding.x;
-  if (ImGui::GetItemRectMax().x + needed <= ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x) ImGui::SameLine();
+  if (ImGui::GetItemRectMax().x + needed <= ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x)
+    ImGui::SameLine();
 }
 
 }  // namespace
 
 std::optional<std::pair<double, double>> columns_beside_panels(double width_px, bool recorded) {
   constexpr double kMinPanelShare = 0.3;
-  const double left_px = kMargin_px + kLeftWidth_px, right_px = recorded ? width_px : width_px - kRightWidth_px - kMargin_px;
-  return right_px - left_px >= kMinPanelShare * width_px ? std::optional(std::pair(left_px, right_px)) : std::nullopt;
+  const double left_px = kMargin_px + kLeftWidth_px,
+               right_px = recorded ? width_px : width_px - kRightWidth_px - kMargin_px;
+  return right_px - left_px >= kMinPanelShare * width_px ? std::optional(std::pair(left_px, right_px))
+                                                         : std::nullopt;
 }
 
-void PanelDrawer::place(Panel panel, float left_px, float top_px, float width_px, float height_px, float max_px) {
+void PanelDrawer::place(Panel panel, float left_px, float top_px, float width_px, float height_px,
+                        float max_px) {
   ImGui::SetNextWindowPos({left_px, top_px}, stacked_ || resized_ ? ImGuiCond_Always : ImGuiCond_Once);
   if (stacked_)
     ImGui::SetNextWindowCollapsed(open_ != panel, ImGuiCond_Always);
@@ -91,10 +96,12 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   ImGui::End();
   if (panels.run.recorded) return actions;
 
-  const float right_px = std::min(kRightWidth_px, stacked_ ? across_px : width_px - kLeftWidth_px - 3 * kMargin_px);
-  // With an object open it takes the whole height: a panel that fits itself to what it holds is a picture late.
-  place(Panel::Objects, stacked_ ? kMargin_px : width_px - right_px - kMargin_px, stacked_ ? below_px : kMargin_px, right_px,
-        panels.objects.selected ? max_px : 0, max_px);
+  const float right_px =
+      std::min(kRightWidth_px, stacked_ ? across_px : width_px - kLeftWidth_px - 3 * kMargin_px);
+  // With an object open it takes the whole height: a panel that fits itself to what it holds is a picture
+  // late.
+  place(Panel::Objects, stacked_ ? kMargin_px : width_px - right_px - kMargin_px,
+        stacked_ ? below_px : kMargin_px, right_px, panels.objects.selected ? max_px : 0, max_px);
   ImGui::Begin("Objects", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Objects);
   draw_objects(panels.objects, actions);
@@ -105,7 +112,8 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
 void PanelDrawer::draw_loading(const LoadingPanel& loading, float width_px, float height_px) {
   ImGui::SetNextWindowPos({0.5f * width_px, 0.5f * height_px}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({std::min(kRightWidth_px, width_px - 2 * kMargin_px), 0});
-  ImGui::Begin("Loading", nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
+  ImGui::Begin("Loading", nullptr,
+               ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kPictureInk);
   ImGui::ProgressBar(static_cast<float>(loading.share), {-1, 0});
   ImGui::PopStyleColor();
@@ -119,7 +127,10 @@ void PanelDrawer::draw_run(const RunPanel& run, PanelActions& actions) {
   ImGui::SameLine();
   actions.step = button("Step", true, third);
   ImGui::SameLine();
-  actions.reset = button(run.recorded ? "To the start" : run.loading ? "Loading" : "Reset", !run.loading, third);
+  actions.reset = button(run.recorded  ? "To the start"
+                         : run.loading ? "Loading"
+                                       : "Reset",
+                         !run.loading, third);
   if (!run.notice.empty()) coloured(kRefusalInk, run.notice);
   for (const std::string& line : run.lines) coloured(kDimInk, line);
   if (!run.recorded) draw_frame_graph(run.graph);
@@ -139,8 +150,9 @@ void PanelDrawer::draw_force(const ForcePanel& force, PanelActions& actions) {
     ImGui::TextUnformatted(name);
     ImGui::SameLine(kTextWidth_px);
     ImGui::SetNextItemWidth(-kValueWidth_px);
-    changed |= ImGui::SliderScalar((std::string("##") + name).c_str(), ImGuiDataType_Double, &value, &low, &high, "",
-                                   flags | ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
+    changed |=
+        ImGui::SliderScalar((std::string("##") + name).c_str(), ImGuiDataType_Double, &value, &low, &high, "",
+                            flags | ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
     ImGui::SameLine();  // beside it: the grab would stand on it
     ImGui::Text(format, value);
   };
@@ -227,14 +239,17 @@ void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& acti
   ImGui::SetNextItemWidth(0.55f * width - kTextWidth_px - ImGui::GetStyle().ItemSpacing.x +
                           ImGui::GetStyle().WindowPadding.x);
   const ImVec2 from = ImGui::GetCursorScreenPos();
-  ImGui::SliderFloat("##slider", &position, 0, 1, "", ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
+  ImGui::SliderFloat("##slider", &position, 0, 1, "",
+                     ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
   const bool active = ImGui::IsItemActive(), released = ImGui::IsItemDeactivatedAfterEdit();
   const ImVec2 size = ImGui::GetItemRectSize();
   if (row.range_high > row.range_low) {  // the estimate's range
     const float inside = size.x - 4;
     ImGui::GetWindowDrawList()->AddRectFilled(
         {from.x + 2 + inside * static_cast<float>(row.range_low), from.y + size.y - 4},
-        {from.x + 2 + std::max(inside * static_cast<float>(row.range_high), inside * static_cast<float>(row.range_low) + 2),
+        {from.x + 2 +
+             std::max(inside * static_cast<float>(row.range_high),
+                      inside * static_cast<float>(row.range_low) + 2),
          from.y + size.y - 1},
         kPictureInk, 1);
   }

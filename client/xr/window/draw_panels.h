@@ -9,15 +9,17 @@
 
 namespace livegs {
 
-// The columns of a window between its panels, or, of a recording, beside Run; none where too little is left to show a scene in.
+// The columns of a window between its panels, or, of a recording, beside Run; none where too little is left
+// to show a scene in.
 std::optional<std::pair<double, double>> columns_beside_panels(double width_px, bool recorded);
 
 // Draws the panels of a window with Dear ImGui and says what a person did to them. It keeps where a slider
 // that is held stands. Between ImGui's NewFrame and Render.
 //
-// Run stands on the left and Objects on the right, where a person may move them until the window changes its size. In one of
-// less than kMinSideBySideWidth_px they stand one above the other, and at most one is open: what opens one closes the other. The
-// first thing that is selected opens Objects, and what is out of order Run.
+// Run stands on the left and Objects on the right, where a person may move them until the window changes its
+// size. In one of less than kMinSideBySideWidth_px they stand one above the other, and at most one is open:
+// what opens one closes the other. The first thing that is selected opens Objects, and what is out of order
+// Run.
 class PanelDrawer {
  public:
   PanelActions draw(const WindowPanels& panels, float width_px, float height_px);

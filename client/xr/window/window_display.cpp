@@ -113,8 +113,8 @@ double GlfwWindowDisplay::refresh_hz() const {
     const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]);
     if (!mode) continue;
     glfwGetMonitorPos(monitors[i], &left, &top);
-    const Eigen::AlignedBox2i seen =
-        window.intersection({Eigen::Vector2i(left, top), Eigen::Vector2i(left + mode->width, top + mode->height)});
+    const Eigen::AlignedBox2i seen = window.intersection(
+        {Eigen::Vector2i(left, top), Eigen::Vector2i(left + mode->width, top + mode->height)});
     const int64_t px = seen.isEmpty() ? 0 : int64_t{seen.sizes().x()} * seen.sizes().y();
     if (px <= max_px) continue;
     max_px = px;

@@ -8,16 +8,16 @@
 
 namespace livegs {
 
-// What the panels of a window show, as plain data: the window knows nothing of scenes and servers. Texts are ready to
-// be read.
+// What the panels of a window show, as plain data: the window knows nothing of scenes and servers. Texts are
+// ready to be read.
 
 struct ValueRow {
   std::string name, value;  // "Mass", "0.35 kg"
   std::string origin;       // "estimate, 0.2 to 0.6 kg"
   std::string reason;
-  double position = 0;                                // on the slider, 0..1
-  double range_low = 0, range_high = 0;               // the band under it, 0..1; empty when equal
-  std::function<std::string(double)> text_at;         // of a position, while the slider is drawn
+  double position = 0;                         // on the slider, 0..1
+  double range_low = 0, range_high = 0;        // the band under it, 0..1; empty when equal
+  std::function<std::string(double)> text_at;  // of a position, while the slider is drawn
 };
 
 struct ObjectsPanel {
@@ -55,12 +55,12 @@ struct RunPanel {
 
 // A force of chosen size and direction for a chosen time.
 struct ForcePanel {
-  std::string target;    // what it acts on, or how to choose it
-  bool ready = false;    // a point is chosen
+  std::string target;  // what it acts on, or how to choose it
+  bool ready = false;  // a point is chosen
   double size_n = 5, duration_s = 1;
   double yaw_deg = 0, pitch_deg = 90;  // of the direction: about +Y from +Z, and upwards
-  std::string sentence;  // what is done, in words
-  std::string progress;  // of a recording; empty when there is none
+  std::string sentence;                // what is done, in words
+  std::string progress;                // of a recording; empty when there is none
 };
 
 // In place of all others, before there is anything to show.

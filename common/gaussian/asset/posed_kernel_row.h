@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Where a kernel is, as passes pass it on: skinning writes it, projection reads it. For C++ and GLSL alike, scalars only,
-// so that std430 and C++ lay the members out in the same way.
+// Where a kernel is, as passes pass it on: skinning writes it, projection reads it. For C++ and GLSL alike,
+// scalars only, so that std430 and C++ lay the members out in the same way.
 
 #ifdef __cplusplus
 #pragma once

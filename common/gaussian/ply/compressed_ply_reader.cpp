@@ -3,10 +3,10 @@
 // four 32-bit words a kernel; SH of degree 1 and up in an element of their own, a byte a coefficient.
 #include <optional>
 
-#include "gaussian/opacity.h"
-#include "gaussian/ply/ply_rows.h"
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset/smallest_three.h"
+#include "gaussian/opacity.h"
+#include "gaussian/ply/ply_rows.h"
 
 namespace livegs {
 namespace {

@@ -5,8 +5,8 @@
 #include <charconv>
 #include <optional>
 
-#include "gaussian/ply/ply_rows.h"
 #include "gaussian/asset/readers.h"
+#include "gaussian/ply/ply_rows.h"
 
 namespace livegs {
 namespace {

@@ -2,8 +2,8 @@
 #include <string>
 
 #include "core/assert.h"
-#include "gaussian/asset_file.h"
 #include "gaussian/asset/bytes.h"
+#include "gaussian/asset_file.h"
 
 namespace livegs {
 namespace {

@@ -3,8 +3,8 @@
 // opacity as four bytes, the quaternion w x y z as four more.
 #include <cmath>
 
-#include "gaussian/opacity.h"
 #include "gaussian/asset/readers.h"
+#include "gaussian/opacity.h"
 
 namespace livegs {
 namespace {

@@ -32,7 +32,8 @@ std::vector<uint32_t> differences_of(std::span<const uint32_t> words) {
 double entropy_bytes(std::span<const uint32_t> words, int width) {
   std::array<std::array<uint32_t, 256>, 4> counts{};
   for (const uint32_t word : words) {
-    for (int plane = 0; plane < width; ++plane) ++counts[static_cast<size_t>(plane)][word >> (8 * plane) & 0xFF];
+    for (int plane = 0; plane < width; ++plane)
+      ++counts[static_cast<size_t>(plane)][word >> (8 * plane) & 0xFF];
   }
   double bits = 0;
   const double total = static_cast<double>(words.size());
@@ -54,7 +55,8 @@ void append_planes(ColumnBytes& out, std::span<const uint32_t> words, int width)
 // The distinct values, ascending; nothing where they are too many to be worth it.
 std::vector<uint32_t> palette_of(std::span<const uint32_t> words) {
   constexpr size_t kLook = 1024;
-  std::vector<uint32_t> values(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(std::min(kLook, words.size())));
+  std::vector<uint32_t> values(words.begin(),
+                               words.begin() + static_cast<std::ptrdiff_t>(std::min(kLook, words.size())));
   const auto keep_distinct = [&] {
     std::sort(values.begin(), values.end(), [](uint32_t a, uint32_t b) { return ordered(a) < ordered(b); });
     values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -72,7 +74,8 @@ std::vector<uint32_t> palette_of(std::span<const uint32_t> words) {
 int index_width(size_t palette) { return palette <= 256 ? 1 : 2; }
 
 void take_plane(Bytes& bytes, std::span<uint32_t> words, int plane) {
-  for (size_t i = 0; i < words.size(); ++i) words[i] |= static_cast<uint32_t>(byte_at(bytes, i)) << (8 * plane);
+  for (size_t i = 0; i < words.size(); ++i)
+    words[i] |= static_cast<uint32_t>(byte_at(bytes, i)) << (8 * plane);
   bytes = bytes.subspan(words.size());
 }
 
@@ -110,7 +113,8 @@ ColumnBytes encode_column(std::span<const uint32_t> words) {
       indices[i] = static_cast<uint32_t>(found - palette.begin());
     }
     steps = differences_of(palette);
-    if (entropy_bytes(steps, 4) + entropy_bytes(indices, index_width(palette.size())) < least) way = Way::Palette;
+    if (entropy_bytes(steps, 4) + entropy_bytes(indices, index_width(palette.size())) < least)
+      way = Way::Palette;
   }
   ColumnBytes out;
   out.bytes.reserve(max_column_bytes(words.size()));

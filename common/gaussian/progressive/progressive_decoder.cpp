@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "gaussian/asset/establish_invariants.h"
-#include "gaussian/progressive_asset.h"
 #include "gaussian/progressive/progressive_layout.h"
+#include "gaussian/progressive_asset.h"
 
 namespace livegs {
 namespace {
@@ -57,13 +57,15 @@ GaussianAsset ProgressiveDecoder::gathered(std::span<const uint32_t> order, int 
     to.opacity_logits[i] = asset_.opacity_logits[at];
     to.sh_dc[i] = asset_.sh_dc[at];
     if (at < with_harmonics_)
-      std::copy_n(harmonics_.begin() + static_cast<std::ptrdiff_t>(at) * rest, rest, to.sh_rest.begin() + static_cast<std::ptrdiff_t>(i) * rest);
+      std::copy_n(harmonics_.begin() + static_cast<std::ptrdiff_t>(at) * rest, rest,
+                  to.sh_rest.begin() + static_cast<std::ptrdiff_t>(i) * rest);
   }
   return to;
 }
 
 bool ProgressiveDecoder::complete() const {
-  return !failed_ && has_head_ && indices_.size() == count_ && (degree_ == 0 || with_harmonics_ == count_) && waiting_.empty();
+  return !failed_ && has_head_ && indices_.size() == count_ && (degree_ == 0 || with_harmonics_ == count_) &&
+         waiting_.empty();
 }
 
 Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
@@ -83,7 +85,8 @@ Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
   const size_t harmonics = harmonic_columns(degree_);
   while (!left.empty()) {
     const bool brings_kernels = indices_.size() < count_;
-    if (!brings_kernels && (degree_ == 0 || with_harmonics_ == count_)) return fail(bad("bytes follow its last block"));
+    if (!brings_kernels && (degree_ == 0 || with_harmonics_ == count_))
+      return fail(bad("bytes follow its last block"));
     if (left.size() < kBlockHeadBytes) break;
     const auto size = load<uint32_t>(left, 0), kernels = load<uint32_t>(left, 4);
     const size_t columns = brings_kernels ? kKernelColumns : harmonics;
@@ -94,7 +97,8 @@ Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
     if (size < min_payload_bytes(columns, kernels) || size > max_payload_bytes(columns, kernels))
       return fail(bad("a block is shorter or longer than its kernels can be"));
     if (left.size() - kBlockHeadBytes < size) break;
-    if (auto taken = take_block(left.subspan(kBlockHeadBytes, size), kernels); !taken) return fail(taken.error());
+    if (auto taken = take_block(left.subspan(kBlockHeadBytes, size), kernels); !taken)
+      return fail(taken.error());
     left = left.subspan(kBlockHeadBytes + size);
   }
   waiting_.erase(waiting_.begin(), waiting_.end() - static_cast<std::ptrdiff_t>(left.size()));
@@ -111,7 +115,8 @@ Result<void> ProgressiveDecoder::take_head(Bytes head) {
   const unsigned flags = byte_at(head, 13);
   if (count_ == 0 || degree_ > 3 || flags > kAntialiased || load<uint16_t>(head, 14) != 0)
     return bad("has no kernels, or more harmonics or flags than there are");
-  if (count_ * sizeof(float) * (kFloatColumns + harmonic_columns(degree_)) > kMaxDecodedBytes) return bad("is over 4 GiB");
+  if (count_ * sizeof(float) * (kFloatColumns + harmonic_columns(degree_)) > kMaxDecodedBytes)
+    return bad("is over 4 GiB");
   asset_.antialiased = flags != 0;
   has_head_ = true;
   return {};
@@ -124,11 +129,13 @@ Result<void> ProgressiveDecoder::take_block(Bytes payload, uint32_t count) {
   const Bytes padding = payload.subspan(frame);
   if (std::any_of(padding.begin(), padding.end(), [](std::byte byte) { return byte != std::byte{0}; }))
     return bad("bytes follow the zstd frame of a block");
-  std::vector<std::byte> raw(max_raw_bytes(brings_kernels ? kKernelColumns : harmonic_columns(degree_), count));
+  std::vector<std::byte> raw(
+      max_raw_bytes(brings_kernels ? kKernelColumns : harmonic_columns(degree_), count));
   const size_t size = ZSTD_decompress(raw.data(), raw.size(), payload.data(), frame);
   if (ZSTD_isError(size)) return bad("a block is damaged");
   const Bytes columns = Bytes(raw).first(size);
-  if (brings_kernels ? !take_kernels(columns, count) : !take_harmonics(columns, count)) return bad("a block's columns are damaged");
+  if (brings_kernels ? !take_kernels(columns, count) : !take_harmonics(columns, count))
+    return bad("a block's columns are damaged");
   ++blocks_;
   return {};
 }
@@ -146,11 +153,15 @@ bool ProgressiveDecoder::take_kernels(Bytes raw, size_t count) {
     indices_[first + i] = static_cast<uint32_t>(next);
     ++next;
   });
-  for (int k = 0; k < 3; ++k) columns.each_float([&](size_t i, float value) { asset_.positions[first + i][k] = value; });
-  for (int k = 0; k < 3; ++k) columns.each_float([&](size_t i, float value) { asset_.log_scales[first + i][k] = value; });
-  for (int k = 0; k < 4; ++k) columns.each_float([&](size_t i, float value) { asset_.rotations[first + i].coeffs()[k] = value; });
+  for (int k = 0; k < 3; ++k)
+    columns.each_float([&](size_t i, float value) { asset_.positions[first + i][k] = value; });
+  for (int k = 0; k < 3; ++k)
+    columns.each_float([&](size_t i, float value) { asset_.log_scales[first + i][k] = value; });
+  for (int k = 0; k < 4; ++k)
+    columns.each_float([&](size_t i, float value) { asset_.rotations[first + i].coeffs()[k] = value; });
   columns.each_float([&](size_t i, float value) { asset_.opacity_logits[first + i] = value; });
-  for (int k = 0; k < 3; ++k) columns.each_float([&](size_t i, float value) { asset_.sh_dc[first + i][k] = value; });
+  for (int k = 0; k < 3; ++k)
+    columns.each_float([&](size_t i, float value) { asset_.sh_dc[first + i][k] = value; });
   block_counts_.push_back(static_cast<uint32_t>(count));
   return in_range && columns.at_end();
 }
@@ -181,7 +192,8 @@ AssetPart ProgressiveDecoder::part() const {
   for (uint32_t i = 0; !failed_ && i < indices_.size(); ++i) {
     if (drawable(i)) order.push_back(i);
   }
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return indices_[a] < indices_[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](uint32_t a, uint32_t b) { return indices_[a] < indices_[b]; });
   AssetPart part;
   part.asset = gathered(order, with_harmonics_ > 0 ? degree_ : 0);
   part.indices.reserve(order.size());

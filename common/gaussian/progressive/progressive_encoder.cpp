@@ -9,8 +9,8 @@
 
 #include "core/assert.h"
 #include "gaussian/opacity.h"
-#include "gaussian/progressive_asset.h"
 #include "gaussian/progressive/progressive_layout.h"
+#include "gaussian/progressive_asset.h"
 
 namespace livegs {
 namespace {
@@ -23,7 +23,8 @@ constexpr int kZstdLevel = 3;
 // Opacity times the mean area of its shadow, up to a factor that all have in common.
 double contribution(const GaussianAsset& asset, size_t kernel) {
   const Eigen::Array3d s = asset.log_scales[kernel].cast<double>().array().exp();
-  return static_cast<double>(opacity_of_logit(asset.opacity_logits[kernel])) * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]);
+  return static_cast<double>(opacity_of_logit(asset.opacity_logits[kernel])) *
+         (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]);
 }
 
 std::vector<uint32_t> by_contribution(const GaussianAsset& asset) {
@@ -65,7 +66,9 @@ class FrameWriter {
   }
 
  private:
-  void set(ZSTD_cParameter parameter, int value) { LIVEGS_ASSERT(!ZSTD_isError(ZSTD_CCtx_setParameter(context_.get(), parameter, value))); }
+  void set(ZSTD_cParameter parameter, int value) {
+    LIVEGS_ASSERT(!ZSTD_isError(ZSTD_CCtx_setParameter(context_.get(), parameter, value)));
+  }
   void compress(Bytes bytes, ZSTD_EndDirective how) {
     ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
     ZSTD_outBuffer out{frame_.data(), frame_.size(), size_};
@@ -89,10 +92,11 @@ class Encoder {
     append(out_, static_cast<uint8_t>(asset_.antialiased ? kAntialiased : 0));
     append(out_, uint16_t{0});
     std::vector<std::span<uint32_t>> blocks;
-    for (size_t at = 0, size = kFirstBlockKernels; at < order_.size(); size = std::min(2 * size, kMaxBlockKernels)) {
+    for (size_t at = 0, size = kFirstBlockKernels; at < order_.size();
+         size = std::min(2 * size, kMaxBlockKernels)) {
       const auto block = std::span(order_).subspan(at, std::min(size, order_.size() - at));
-      // Inside a block kernels stand as in the asset: neighbours there are often neighbours in space, and gaps between
-      // ascending numbers are small.
+      // Inside a block kernels stand as in the asset: neighbours there are often neighbours in space, and
+      // gaps between ascending numbers are small.
       std::sort(block.begin(), block.end());
       blocks.push_back(block);
       at += block.size();
@@ -118,7 +122,8 @@ class Encoder {
     frame_.add(column_);
     for (int k = 0; k < 3; ++k) add_column(block, [&](uint32_t i) { return asset_.positions[i][k]; });
     for (int k = 0; k < 3; ++k) add_column(block, [&](uint32_t i) { return asset_.log_scales[i][k]; });
-    for (int k = 0; k < 4; ++k) add_column(block, [&](uint32_t i) { return asset_.rotations[i].coeffs()[k]; });
+    for (int k = 0; k < 4; ++k)
+      add_column(block, [&](uint32_t i) { return asset_.rotations[i].coeffs()[k]; });
     add_column(block, [&](uint32_t i) { return asset_.opacity_logits[i]; });
     for (int k = 0; k < 3; ++k) add_column(block, [&](uint32_t i) { return asset_.sh_dc[i][k]; });
     add_block(block.size(), kKernelColumns);

@@ -15,7 +15,8 @@ inline constexpr std::array<uint8_t, 8> kMagic{'L', 'V', 'G', 'A', 'S', 'T', 1, 
 inline constexpr size_t kHeadBytes = 16, kBlockHeadBytes = 8;
 inline constexpr uint8_t kAntialiased = 1;
 
-// The first block is small, so that something can be drawn soon; each next one is twice as large, up to these.
+// The first block is small, so that something can be drawn soon; each next one is twice as large, up to
+// these.
 inline constexpr size_t kFirstBlockKernels = 1024, kMaxBlockKernels = 32768;
 
 // Index, position, log-scale, rotation, opacity, colour.
@@ -23,8 +24,12 @@ inline constexpr size_t kFloatColumns = 14, kKernelColumns = 1 + kFloatColumns;
 inline constexpr size_t kMaxBlockRatio = 1024;
 inline constexpr uint64_t kMaxDecodedBytes = uint64_t{4} << 30;
 
-inline constexpr size_t harmonic_columns(int degree) { return 3 * static_cast<size_t>((degree + 1) * (degree + 1) - 1); }
-inline constexpr size_t max_raw_bytes(size_t columns, size_t kernels) { return columns * max_column_bytes(kernels); }
+inline constexpr size_t harmonic_columns(int degree) {
+  return 3 * static_cast<size_t>((degree + 1) * (degree + 1) - 1);
+}
+inline constexpr size_t max_raw_bytes(size_t columns, size_t kernels) {
+  return columns * max_column_bytes(kernels);
+}
 inline constexpr size_t min_payload_bytes(size_t columns, size_t kernels) {
   return (columns * kernels * sizeof(float) + kMaxBlockRatio - 1) / kMaxBlockRatio;
 }

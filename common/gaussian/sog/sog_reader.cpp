@@ -2,9 +2,9 @@
 // PlayCanvas SOG: a property an image, a kernel a pixel; SH of degree 1 and up as an index into a palette.
 #include <cmath>
 
-#include "gaussian/opacity.h"
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset/smallest_three.h"
+#include "gaussian/opacity.h"
 #include "gaussian/sog/sog_files.h"
 #include "gaussian/sog/sog_meta.h"
 #include "gaussian/sog/webp_plane.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "gaussian/opacity.h"
 #include "gaussian/asset/smallest_three.h"
+#include "gaussian/opacity.h"
 
 namespace livegs {
 namespace {

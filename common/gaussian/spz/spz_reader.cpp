@@ -3,8 +3,8 @@
 // clear, a table of sizes, then a zstd frame a plane.
 #include "gaussian/asset/decompress.h"
 #include "gaussian/asset/readers.h"
-#include "gaussian/spz/spz_planes.h"
 #include "gaussian/asset/y_up.h"
+#include "gaussian/spz/spz_planes.h"
 
 namespace livegs {
 namespace {

@@ -3,13 +3,13 @@
 #include <cmath>
 #include <limits>
 
-#include "gaussian/asset_file.h"
 #include "gaussian/asset/bytes.h"
 #include "gaussian/asset/decompress.h"
-#include "gaussian/opacity.h"
 #include "gaussian/asset/smallest_three.h"
-#include "gaussian/spz/spz_planes.h"
 #include "gaussian/asset/y_up.h"
+#include "gaussian/asset_file.h"
+#include "gaussian/opacity.h"
+#include "gaussian/spz/spz_planes.h"
 
 namespace livegs {
 namespace {

@@ -13,24 +13,28 @@ namespace livegs {
 
 // One kernel's tie to the drivers of its object. Built once from the rest state by bind_kernels.
 struct KernelBinding {
-  std::array<uint32_t, 4> drivers{};  // Lattice: [0] is the cell. Particles: the four nearest. Rigid: [0] is the body
-  std::array<float, 4> weights{};     // Lattice: [0..2] local coordinates, 0..1 inside the cell. Particles: sum to 1
+  std::array<uint32_t, 4>
+      drivers{};  // Lattice: [0] is the cell. Particles: the four nearest. Rigid: [0] is the body
+  std::array<float, 4>
+      weights{};  // Lattice: [0..2] local coordinates, 0..1 inside the cell. Particles: sum to 1
 };
 
-// One term of the gradient of a lattice node: column `axis` += weight_per_m * (position of neighbour - of node).
+// One term of the gradient of a lattice node: column `axis` += weight_per_m * (position of neighbour - of
+// node).
 struct NodeGradientTerm {
   uint32_t neighbour = 0;
   uint32_t axis = 0;
   float weight_per_m = 0.0f;
 };
 
-// Besides the ties, what skinning needs of the rest state, worked out once: a rigid kernel takes 145 ns to bind, most
-// of it its covariance, and 10 ns to skin.
+// Besides the ties, what skinning needs of the rest state, worked out once: a rigid kernel takes 145 ns to
+// bind, most of it its covariance, and 10 ns to skin.
 struct KernelBindings {
   DriverKind kind = DriverKind::Rigid;
   std::vector<KernelBinding> kernels;
 
-  // Each kernel at rest. Lattice: along the lattice's axes. Particles: in the object frame. Rigid: in its body's.
+  // Each kernel at rest. Lattice: along the lattice's axes. Particles: in the object frame. Rigid: in its
+  // body's.
   std::vector<Symmetric3f> rest_covariances_m2;
   std::vector<Eigen::Vector3f> rest_positions_m;  // Particles and Rigid, the same frames; empty for Lattice
 

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// How far kernels may be from their drivers, three standard deviations included, however they move: worked out once, so
-// that whoever looks for kernels at a place can leave out an object without skinning it.
+// How far kernels may be from their drivers, three standard deviations included, however they move: worked
+// out once, so that whoever looks for kernels at a place can leave out an object without skinning it.
 struct KernelReach {
   std::vector<float> bodies_m;  // Rigid: of each body, from its origin
   float drivers_m = 0;          // Lattice, Particles: from the box about all drivers

@@ -11,7 +11,9 @@ constexpr uint64_t kAxisBits = 21;
 
 // z, y, x from the highest bits down; a step along an axis never carries into the next.
 uint64_t key_of(const Eigen::Vector3i& c) {
-  const auto part = [&](int axis) { return static_cast<uint64_t>(c[axis] + kMaxNodeCoordinate + 1) << (kAxisBits * axis); };
+  const auto part = [&](int axis) {
+    return static_cast<uint64_t>(c[axis] + kMaxNodeCoordinate + 1) << (kAxisBits * axis);
+  };
   return part(0) | part(1) | part(2);
 }
 
@@ -22,7 +24,8 @@ NodeNeighboursPtr find_node_neighbours(std::vector<Eigen::Vector3i> coordinates)
   std::vector<std::pair<uint64_t, uint32_t>> places(n);
   for (uint32_t i = 0; i < n; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      if (coordinates[i][axis] < -kMaxNodeCoordinate || coordinates[i][axis] > kMaxNodeCoordinate) return nullptr;
+      if (coordinates[i][axis] < -kMaxNodeCoordinate || coordinates[i][axis] > kMaxNodeCoordinate)
+        return nullptr;
     }
     places[i] = {key_of(coordinates[i]), i};
   }

@@ -15,8 +15,9 @@
 
 namespace livegs {
 
-// Where a node is and how the body deforms there, in the lanes of two AVX registers, or of four vec4 (skin_lattice_layout.h):
-// x y z 0 | dx/dX 0, then dx/dY 0 | dx/dZ 0, with X Y Z along the lattice's axes. One cache line.
+// Where a node is and how the body deforms there, in the lanes of two AVX registers, or of four vec4
+// (skin_lattice_layout.h): x y z 0 | dx/dX 0, then dx/dY 0 | dx/dZ 0, with X Y Z along the lattice's axes.
+// One cache line.
 struct alignas(64) NodeState {
   Eigen::Array<float, 8, 1> position_and_x;
   Eigen::Array<float, 8, 1> y_and_z;
@@ -24,7 +25,8 @@ struct alignas(64) NodeState {
 static_assert(sizeof(NodeState) == 64);
 
 // Of each node, for drivers that fit `rest`.
-std::vector<NodeState> node_states(const KernelBindings& bindings, const std::vector<Eigen::Vector3f>& positions_m);
+std::vector<NodeState> node_states(const KernelBindings& bindings,
+                                   const std::vector<Eigen::Vector3f>& positions_m);
 
 // What the kernels of a body share.
 struct LatticeBody {
@@ -47,7 +49,7 @@ struct LatticeLanes {
   LimitedDeformations deformations;  // world from lattice
 };
 // The first `count` of them.
-void skin_lanes(std::span<const NodeState> states, std::span<const std::array<uint32_t, 8>> cells, const LatticeBody& body,
-                LatticeLanes& lanes, size_t count);
+void skin_lanes(std::span<const NodeState> states, std::span<const std::array<uint32_t, 8>> cells,
+                const LatticeBody& body, LatticeLanes& lanes, size_t count);
 
 }  // namespace livegs

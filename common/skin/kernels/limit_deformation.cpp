@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Polar factor: Newton's iteration, Higham 1986, Computing the polar decomposition. Singular values: Hestenes 1958,
-// Inversion of matrices by biorthogonalization.
+// Polar factor: Newton's iteration, Higham 1986, Computing the polar decomposition. Singular values: Hestenes
+// 1958, Inversion of matrices by biorthogonalization.
 #include "skin/kernels/limit_deformation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "skin/skin_kernels.h"
 #include "skin/passes/skin_lattice_layout.h"
+#include "skin/skin_kernels.h"
 
 namespace livegs {
 namespace {
@@ -34,8 +34,8 @@ static_assert(kMaxKernelStretch == kKernelStretchLimit && kMinKernelStretch * kK
 // From three columns of any angles; convergence is quadratic, and four sweeps were the most seen.
 constexpr int kJacobiSweeps = 6;
 
-// A stretch below which its direction is no longer known: the nodes of a cell of 10 mm, as floats some metres from the
-// origin, are that much off.
+// A stretch below which its direction is no longer known: the nodes of a cell of 10 mm, as floats some metres
+// from the origin, are that much off.
 constexpr float kMinKnownStretch = 1e-4f;
 
 struct Vector {
@@ -72,8 +72,8 @@ void order_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {  // the longe
   std::swap(v[p], v[q]);
 }
 
-// The twin of limit_by_singular_values in limit_deformation.glsl, step by step. In plain floats, so that both crush a cell
-// in the same way where rounding decides which.
+// The twin of limit_by_singular_values in limit_deformation.glsl, step by step. In plain floats, so that both
+// crush a cell in the same way where rounding decides which.
 void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rotation) {
   const float scale = gradient.cwiseAbs().maxCoeff();
   if (scale < kMinKnownStretch) {
@@ -96,8 +96,8 @@ void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rot
   v[1] = unit(v[1] - dot(v[0], v[1]) * v[0]);
   v[2] = cross(v[0], v[1]);
 
-  // Left singular vectors. A body crushed to a plane keeps its third axis along the plane's normal; one crushed to a line
-  // turns as the line did, by the shortest way.
+  // Left singular vectors. A body crushed to a plane keeps its third axis along the plane's normal; one
+  // crushed to a line turns as the line did, by the shortest way.
   Vector u[3];
   u[0] = unit(b[0]);
   const Vector second = b[1] - dot(u[0], b[1]) * u[0];

@@ -15,9 +15,9 @@
 #include "core/assert.h"
 #include "core/parallel_for.h"
 #include "skin/bind/cell_fill.h"
+#include "skin/bind/nearest_cubes.h"
 #include "skin/kernels/driver_skinning.h"
 #include "skin/kernels/lattice_skinning.h"
-#include "skin/bind/nearest_cubes.h"
 
 namespace livegs {
 namespace {
@@ -180,7 +180,8 @@ Result<void> bind_lattice(const RestKernels& kernels, const RestBody& rest, Kern
   return {};
 }
 
-std::vector<NodeState> node_states(const KernelBindings& bindings, const std::vector<Eigen::Vector3f>& positions_m) {
+std::vector<NodeState> node_states(const KernelBindings& bindings,
+                                   const std::vector<Eigen::Vector3f>& positions_m) {
   std::vector<NodeState> states(positions_m.size());
   parallel_for(states.size(), kNodeBlock, [&](size_t begin, size_t end) {
     for (size_t n = begin; n < end; ++n) {
@@ -203,15 +204,17 @@ LatticeBody lattice_body_of(const RestBody& rest, std::span<const NodeState> sta
   whole_body.gradients.fill(mean_gradient(rest, states));
   limit_deformations(whole_body);
   const Eigen::Quaterniond lattice_from_object = rest.object_from_lattice.orientation.conjugate();
-  return {whole_body.gradients[0], (lattice_from_object * rest.object_from_asset.rotation).normalized().cast<float>(),
+  return {whole_body.gradients[0],
+          (lattice_from_object * rest.object_from_asset.rotation).normalized().cast<float>(),
           static_cast<float>(rest.cell_width_m)};
 }
 
-void skin_lanes(std::span<const NodeState> states, std::span<const std::array<uint32_t, 8>> cells, const LatticeBody& body,
-                LatticeLanes& lanes, size_t count) {
+void skin_lanes(std::span<const NodeState> states, std::span<const std::array<uint32_t, 8>> cells,
+                const LatticeBody& body, LatticeLanes& lanes, size_t count) {
   lanes.deformations.gradients.fill(Eigen::Matrix3f::Identity());
   for (size_t lane = 0; lane < count; ++lane) {
-    const NodeState here = interpolate(states, cells[lanes.cells[lane]], lanes.local[lane].max(0.0f).min(1.0f));
+    const NodeState here =
+        interpolate(states, cells[lanes.cells[lane]], lanes.local[lane].max(0.0f).min(1.0f));
     const Eigen::Array<float, 8, 1>&x = here.position_and_x, &yz = here.y_and_z;
     lanes.positions_m[lane] << x[0], x[1], x[2];
     lanes.deformations.gradients[lane] << x[4], yz[0], yz[4], x[5], yz[1], yz[5], x[6], yz[2], yz[6];
@@ -224,7 +227,8 @@ void skin_lanes(std::span<const NodeState> states, std::span<const std::array<ui
     if ((beyond != 0.0f).any()) {
       const Eigen::Vector3f offset = (beyond * body.cell_width_m).matrix();
       const float near_share = std::min(1.0f, body.cell_width_m / offset.norm());
-      lanes.positions_m[lane] += gradient * (near_share * offset) + body.gradient * ((1.0f - near_share) * offset);
+      lanes.positions_m[lane] +=
+          gradient * (near_share * offset) + body.gradient * ((1.0f - near_share) * offset);
     }
     lanes.covariances_m2[lane] = transformed(gradient, lanes.rest_covariances_m2[lane]);
     lanes.world_from_asset[lane] = lanes.deformations.rotations[lane] * body.lattice_from_asset;
@@ -256,7 +260,8 @@ void skin_lattice(const RestBody& rest, const KernelBindings& bindings, const Ob
         kernels.positions_m[k] = lanes.positions_m[lane];
         kernels.covariances_m2[k] = lanes.covariances_m2[lane];
         kernels.world_from_asset[k] = lanes.world_from_asset[lane];
-        if (deformation_gradients) (*deformation_gradients)[k] = lanes.deformations.gradients[lane] * lattice_from_object;
+        if (deformation_gradients)
+          (*deformation_gradients)[k] = lanes.deformations.gradients[lane] * lattice_from_object;
       }
     }
   });

@@ -4,8 +4,8 @@
 
 #include "core/assert.h"
 #include "core/parallel_for.h"
-#include "skin/kernels/driver_skinning.h"
 #include "skin/bind/nearest_cubes.h"
+#include "skin/kernels/driver_skinning.h"
 
 namespace livegs {
 
@@ -35,8 +35,8 @@ Result<void> bind_rigid(const RestKernels& kernels, const RestBody& rest, Kernel
     body_of.insert(body_of.end(), run.count, run.body);
   }
   if (!rest.kernel_runs.empty() && body_of.size() != kernels.positions_m.size()) {
-    return invalid_argument("rest body: its runs have " + std::to_string(body_of.size()) + " of the asset's " +
-                            std::to_string(kernels.positions_m.size()) + " kernels");
+    return invalid_argument("rest body: its runs have " + std::to_string(body_of.size()) +
+                            " of the asset's " + std::to_string(kernels.positions_m.size()) + " kernels");
   }
   const NearestCubes bodies(origins_m, 0.0f);
 

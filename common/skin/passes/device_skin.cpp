@@ -27,7 +27,8 @@ Result<DeviceSkin> DeviceSkin::create(Backend& backend, const RestBody& rest, co
     auto cells = Buffer::create(backend, rest.cells.size() * sizeof(rest.cells[0]));
     if (!cells) return cells.error();
     skin.cells_ = *std::move(cells);
-    if (auto done = backend.upload(skin.cells_.id(), std::as_bytes(std::span(rest.cells))); !done) return done.error();
+    if (auto done = backend.upload(skin.cells_.id(), std::as_bytes(std::span(rest.cells))); !done)
+      return done.error();
     driver_bytes = rest.node_coordinates.size() * sizeof(NodeState);
   }
   auto drivers = Buffer::create(backend, driver_bytes);
@@ -52,8 +53,16 @@ Result<void> DeviceSkin::make_rest_rows(const KernelBindings& bindings, std::spa
         const size_t k = kept.empty() ? first + i : kept[first + i];
         const KernelBinding& binding = bindings.kernels[k];
         const Symmetric3f& s = bindings.rest_covariances_m2[k];
-        rows[i] = {binding.drivers[0], binding.weights[0], binding.weights[1], binding.weights[2],
-                   s[0], s[1], s[2], s[3], s[4], s[5]};
+        rows[i] = {binding.drivers[0],
+                   binding.weights[0],
+                   binding.weights[1],
+                   binding.weights[2],
+                   s[0],
+                   s[1],
+                   s[2],
+                   s[3],
+                   s[4],
+                   s[5]};
         if (kind_ == DriverKind::Rigid) {
           const Eigen::Vector3f& x = bindings.rest_positions_m[k];
           rows[i].at_x = x.x();
@@ -70,7 +79,8 @@ Result<void> DeviceSkin::make_rest_rows(const KernelBindings& bindings, std::spa
   return {};
 }
 
-Result<void> DeviceSkin::move(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers) {
+Result<void> DeviceSkin::move(const RestBody& rest, const KernelBindings& bindings,
+                              const ObjectDrivers& drivers) {
   LIVEGS_ASSERT(rest.kind == kind_ && drivers.kind == kind_);
   return kind_ == DriverKind::Rigid ? move_bodies(rest, drivers) : move_lattice(rest, bindings, drivers);
 }
@@ -84,18 +94,19 @@ Result<void> DeviceSkin::move_bodies(const RestBody& rest, const ObjectDrivers& 
     const Eigen::Matrix3f& r = body.world_from_body;
     const Eigen::Vector3f& x = body.position_m;
     const Eigen::Quaternionf& q = body.world_from_asset;
-    rows.push_back({r(0, 0), r(0, 1), r(0, 2), x.x(), r(1, 0), r(1, 1), r(1, 2), x.y(),
-                    r(2, 0), r(2, 1), r(2, 2), x.z(), q.x(),   q.y(),   q.z(),   q.w()});
+    rows.push_back({r(0, 0), r(0, 1), r(0, 2), x.x(), r(1, 0), r(1, 1), r(1, 2), x.y(), r(2, 0), r(2, 1),
+                    r(2, 2), x.z(), q.x(), q.y(), q.z(), q.w()});
   }
   return backend_->upload(drivers_.id(), std::as_bytes(std::span(rows)));
 }
 
-Result<void> DeviceSkin::move_lattice(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers) {
+Result<void> DeviceSkin::move_lattice(const RestBody& rest, const KernelBindings& bindings,
+                                      const ObjectDrivers& drivers) {
   LIVEGS_ASSERT(drivers.positions_m.size() == rest.node_coordinates.size());
   const std::vector<NodeState> states = node_states(bindings, drivers.positions_m);
   const LatticeBody body = lattice_body_of(rest, states);
-  lattice_ = {static_cast<uint32_t>(rest.cells.size()), static_cast<uint32_t>(states.size()), body.cell_width_m,
-              body.lattice_from_asset, body.gradient};
+  lattice_ = {static_cast<uint32_t>(rest.cells.size()), static_cast<uint32_t>(states.size()),
+              body.cell_width_m, body.lattice_from_asset, body.gradient};
   return backend_->upload(drivers_.id(), std::as_bytes(std::span(states)));
 }
 
@@ -107,15 +118,30 @@ Result<void> DeviceSkin::pose(uint32_t first, uint32_t count, BufferId posed) co
     LIVEGS_ASSERT(body_count_ > 0);
     const PoseRigidKernelsConstants constants{count, within, body_count_};
     const std::array buffers{rest_[part].id(), drivers_.id(), posed};
-    return backend_->dispatch(pose_rigid_kernels_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
+    return backend_->dispatch(pose_rigid_kernels_pass(), buffers, std::as_bytes(std::span(&constants, 1)),
+                              count);
   }
   LIVEGS_ASSERT(lattice_.node_count > 0);
   const Eigen::Quaternionf& q = lattice_.lattice_from_asset;
   const Eigen::Matrix3f& f = lattice_.body_gradient;
-  const SkinLatticeConstants constants{count,   within,  lattice_.cell_count, lattice_.node_count, lattice_.cell_width_m,
-                                       q.x(),   q.y(),   q.z(),               q.w(),               f(0, 0),
-                                       f(0, 1), f(0, 2), f(1, 0),             f(1, 1),             f(1, 2),
-                                       f(2, 0), f(2, 1), f(2, 2)};
+  const SkinLatticeConstants constants{count,
+                                       within,
+                                       lattice_.cell_count,
+                                       lattice_.node_count,
+                                       lattice_.cell_width_m,
+                                       q.x(),
+                                       q.y(),
+                                       q.z(),
+                                       q.w(),
+                                       f(0, 0),
+                                       f(0, 1),
+                                       f(0, 2),
+                                       f(1, 0),
+                                       f(1, 1),
+                                       f(1, 2),
+                                       f(2, 0),
+                                       f(2, 1),
+                                       f(2, 2)};
   const std::array buffers{rest_[part].id(), cells_.id(), drivers_.id(), posed};
   return backend_->dispatch(skin_lattice_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
 }

@@ -26,8 +26,18 @@ PosedKernelRow posed_row(const RestKernelRow& kernel, const RigidPoseRow& p) {
   const auto entry = [&](int i, int j) {
     return rs[i][0] * r[j][0] + rs[i][1] * r[j][1] + rs[i][2] * r[j][2];
   };
-  return {turned(0) + p.x_m, turned(1) + p.y_m, turned(2) + p.z_m, entry(0, 0), entry(0, 1), entry(0, 2),
-          entry(1, 1),       entry(1, 2),       entry(2, 2),       p.qx,        p.qy,        p.qz,
+  return {turned(0) + p.x_m,
+          turned(1) + p.y_m,
+          turned(2) + p.z_m,
+          entry(0, 0),
+          entry(0, 1),
+          entry(0, 2),
+          entry(1, 1),
+          entry(1, 2),
+          entry(2, 2),
+          p.qx,
+          p.qy,
+          p.qz,
           p.qw};
 }
 

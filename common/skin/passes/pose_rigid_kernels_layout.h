@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the pass pose_rigid_kernels reads besides RestKernelRow, for C++ and GLSL alike; it writes PosedKernelRow. Scalars
-// only, so that std430 and C++ lay the members out in the same way.
+// What the pass pose_rigid_kernels reads besides RestKernelRow, for C++ and GLSL alike; it writes
+// PosedKernelRow. Scalars only, so that std430 and C++ lay the members out in the same way.
 
 #ifdef __cplusplus
 #pragma once

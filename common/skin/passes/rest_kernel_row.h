@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the passes of skinning read of a kernel, for C++ and GLSL alike. Scalars only, so that std430 and C++ lay the
-// members out in the same way.
+// What the passes of skinning read of a kernel, for C++ and GLSL alike. Scalars only, so that std430 and C++
+// lay the members out in the same way.
 
 #ifdef __cplusplus
 #pragma once

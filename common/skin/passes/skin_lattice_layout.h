@@ -2,9 +2,9 @@
 
 // What the pass skin_lattice reads besides RestKernelRow, for C++ and GLSL alike; it writes PosedKernelRow.
 //
-// Cells are eight uints each, the nodes at their corners; bit 0 of a corner is +x, bit 1 +y, bit 2 +z. Nodes are four
-// vec4 each: where the node is, m; then how the body deforms there, dx/dX, dx/dY and dx/dZ with X Y Z along the lattice's
-// axes. The fourth lanes are spare, 0.
+// Cells are eight uints each, the nodes at their corners; bit 0 of a corner is +x, bit 1 +y, bit 2 +z. Nodes
+// are four vec4 each: where the node is, m; then how the body deforms there, dx/dX, dx/dY and dx/dZ with X Y
+// Z along the lattice's axes. The fourth lanes are spare, 0.
 
 #ifdef __cplusplus
 #pragma once

@@ -29,8 +29,8 @@ void skin_lattice_rows(const PassArguments& arguments, size_t begin, size_t end)
   LIVEGS_ASSERT(constants.node_count * sizeof(NodeState) <= buffers[2].size());
   LIVEGS_ASSERT(end * sizeof(PosedKernelRow) <= buffers[3].size());
   LatticeBody body;
-  body.gradient << constants.body_xx, constants.body_xy, constants.body_xz, constants.body_yx, constants.body_yy,
-      constants.body_yz, constants.body_zx, constants.body_zy, constants.body_zz;
+  body.gradient << constants.body_xx, constants.body_xy, constants.body_xz, constants.body_yx,
+      constants.body_yy, constants.body_yz, constants.body_zx, constants.body_zy, constants.body_zz;
   body.lattice_from_asset = {constants.qw, constants.qx, constants.qy, constants.qz};
   body.cell_width_m = constants.cell_width_m;
   LatticeLanes lanes;
@@ -42,12 +42,14 @@ void skin_lattice_rows(const PassArguments& arguments, size_t begin, size_t end)
       const auto rest = row_at<RestKernelRow>(buffers[0], constants.first_kernel + group + lane);
       lanes.cells[lane] = lane;
       lanes.local[lane] = {rest.at_x, rest.at_y, rest.at_z};
-      lanes.rest_covariances_m2[lane] = {rest.sxx_m2, rest.sxy_m2, rest.sxz_m2, rest.syy_m2, rest.syz_m2, rest.szz_m2};
+      lanes.rest_covariances_m2[lane] = {rest.sxx_m2, rest.sxy_m2, rest.sxz_m2,
+                                         rest.syy_m2, rest.syz_m2, rest.szz_m2};
       const auto corners =
           row_at<std::array<uint32_t, 8>>(buffers[1], std::min(rest.driver, constants.cell_count - 1));
       for (uint32_t corner = 0; corner < 8; ++corner) {
         cells[lane][corner] = 8 * lane + corner;
-        nodes[8 * lane + corner] = state_of(row_at<NodeFloats>(buffers[2], std::min(corners[corner], constants.node_count - 1)));
+        nodes[8 * lane + corner] =
+            state_of(row_at<NodeFloats>(buffers[2], std::min(corners[corner], constants.node_count - 1)));
       }
     }
     skin_lanes(nodes, cells, body, lanes, count);
@@ -56,7 +58,8 @@ void skin_lattice_rows(const PassArguments& arguments, size_t begin, size_t end)
       const Symmetric3f& s = lanes.covariances_m2[lane];
       const Eigen::Quaternionf& q = lanes.world_from_asset[lane];
       set_row(buffers[3], group + lane,
-              PosedKernelRow{x.x(), x.y(), x.z(), s[0], s[1], s[2], s[3], s[4], s[5], q.x(), q.y(), q.z(), q.w()});
+              PosedKernelRow{x.x(), x.y(), x.z(), s[0], s[1], s[2], s[3], s[4], s[5], q.x(), q.y(), q.z(),
+                             q.w()});
     }
   }
 }

@@ -32,7 +32,8 @@ Result<Eigen::Vector3d> vector_of(const Numbers& numbers, const std::string& fie
     return invalid_data(field + ": has " + std::to_string(numbers.size()) + " numbers; give 3");
   }
   for (int i = 0; i < 3; ++i) {
-    const auto number = number_of(numbers[i], -kMaxCoordinate_m, kMaxCoordinate_m, field + "[" + std::to_string(i) + "]");
+    const auto number =
+        number_of(numbers[i], -kMaxCoordinate_m, kMaxCoordinate_m, field + "[" + std::to_string(i) + "]");
     if (!number) return number.error();
   }
   return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
@@ -67,8 +68,8 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
   if ((*target - *position).cross(*up).norm() < 1e-9) {
     return invalid_data(name + ": up is along the view direction, or look_at_m is position_m");
   }
-  const auto fov_deg = number_of(file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0, kMinFov_deg, kMaxFov_deg,
-                                 name + ": vertical_fov_deg");
+  const auto fov_deg = number_of(file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0, kMinFov_deg,
+                                 kMaxFov_deg, name + ": vertical_fov_deg");
   if (!fov_deg) return fov_deg.error();
   const PictureSize own{file.has_width() ? file.width() : 640, file.has_height() ? file.height() : 480};
   const PictureSize used = size.value_or(own);
@@ -77,7 +78,8 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
   return look_at(*position, *target, *up, *fov_deg * std::numbers::pi / 180.0, used.width, used.height);
 }
 
-Result<PictureChoice> picture_choice(const std::filesystem::path& camera_file, std::optional<PictureSize> size) {
+Result<PictureChoice> picture_choice(const std::filesystem::path& camera_file,
+                                     std::optional<PictureSize> size) {
   if (camera_file.empty()) return PictureChoice{std::nullopt, size.value_or(PictureSize{})};
   auto read = read_camera_file(camera_file, size);
   if (!read) return read.error();

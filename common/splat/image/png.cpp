@@ -86,8 +86,9 @@ Result<std::vector<std::byte>> encode_png(const Image& image, bool with_alpha, i
   }
   if (image.width <= 0 || image.height <= 0 ||
       image.pixels.size() != 4 * static_cast<size_t>(image.width) * image.height) {
-    return invalid_argument("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                            " pixels with " + std::to_string(image.pixels.size()) + " values is not written as PNG");
+    return invalid_argument("an image of " + std::to_string(image.width) + " x " +
+                            std::to_string(image.height) + " pixels with " +
+                            std::to_string(image.pixels.size()) + " values is not written as PNG");
   }
   const std::vector<uint8_t> rows = with_alpha ? rgba_bytes(image) : rgb_bytes(image);
   std::vector<std::byte> bytes;
@@ -98,7 +99,8 @@ Result<std::vector<std::byte>> encode_png(const Image& image, bool with_alpha, i
   return bytes;
 }
 
-Result<void> write_png(const std::filesystem::path& path, const Image& image, bool with_alpha, int compression) {
+Result<void> write_png(const std::filesystem::path& path, const Image& image, bool with_alpha,
+                       int compression) {
   const auto bytes = encode_png(image, with_alpha, compression);
   if (!bytes) return Error{bytes.error().code, path.string() + ": " + bytes.error().message};
   return write_file_atomically(path, *bytes);

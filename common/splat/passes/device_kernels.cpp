@@ -23,7 +23,8 @@ float log2_opacity(float logit) {
 
 }  // namespace
 
-Result<DeviceKernels> DeviceKernels::create(Backend& backend, const GaussianAsset& asset, std::vector<uint32_t> kept) {
+Result<DeviceKernels> DeviceKernels::create(Backend& backend, const GaussianAsset& asset,
+                                            std::vector<uint32_t> kept) {
   if (asset.size() > UINT32_MAX) {
     return Error{ErrorCode::TooLarge, std::to_string(asset.size()) + " kernels; a device draws 2^32 at most"};
   }

@@ -9,12 +9,13 @@
 namespace livegs {
 
 // The kernels of one asset where passes run. They lie in parts, so that no buffer is larger than a device
-// binds: 128 MiB on lavapipe, which is 1.4 million kernels with three bands. 16 bytes a kernel, up to 92 for its
-// bands, and 52 if it is the host that poses them.
+// binds: 128 MiB on lavapipe, which is 1.4 million kernels with three bands. 16 bytes a kernel, up to 92 for
+// its bands, and 52 if it is the host that poses them.
 class DeviceKernels {
  public:
   // `backend` outlives the kernels. `kept`: which of the asset's kernels, ascending; empty: all.
-  static Result<DeviceKernels> create(Backend& backend, const GaussianAsset& asset, std::vector<uint32_t> kept = {});
+  static Result<DeviceKernels> create(Backend& backend, const GaussianAsset& asset,
+                                      std::vector<uint32_t> kept = {});
 
   // Where the asset's kernels are now, those that are not kept as well: for kernels that no pass skins.
   Result<void> pose(const PosedKernels& kernels);

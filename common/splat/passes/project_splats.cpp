@@ -10,10 +10,10 @@
 #include "core/assert.h"
 #include "project_splats.spv.h"
 #include "splat/half_float.h"
-#include "splat/raster/precise.h"
-#include "splat/raster/project_kernels.h"
 #include "splat/passes/radix_sort.h"
 #include "splat/passes/sort_keys_layout.h"
+#include "splat/raster/precise.h"
+#include "splat/raster/project_kernels.h"
 #include "splat/raster/spherical_harmonics.h"
 
 namespace livegs {

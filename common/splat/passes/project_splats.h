@@ -19,9 +19,9 @@ const Pass& project_splats_pass();
 
 // max_radius_px > 0: an ellipse that reaches further is shrunk as a whole until it reaches that far, low-pass
 // included, so that a kernel before the eye does not cover the screen. 0: none is.
-// min_contribution_px > 0: a kernel that adds less to the picture is left out of it. What it adds at most is its
-// opacity summed over the pixels, opacity * 2 pi sqrt(det) of its ellipse, of a kernel that nothing covers. Each
-// eye decides for itself. 0: none is left out.
+// min_contribution_px > 0: a kernel that adds less to the picture is left out of it. What it adds at most is
+// its opacity summed over the pixels, opacity * 2 pi sqrt(det) of its ellipse, of a kernel that nothing
+// covers. Each eye decides for itself. 0: none is left out.
 EyeView eye_view(const Camera& camera, float max_radius_px, float min_contribution_px = 0);
 
 }  // namespace livegs

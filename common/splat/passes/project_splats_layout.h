@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the pass project_splats reads and writes, for C++ and GLSL alike. Scalars only, so that std430 and C++ lay the
-// members out in the same way.
+// What the pass project_splats reads and writes, for C++ and GLSL alike. Scalars only, so that std430 and C++
+// lay the members out in the same way.
 
 #ifdef __cplusplus
 #pragma once
@@ -11,8 +11,8 @@
 namespace livegs {
 #endif
 
-// What of a kernel does not move. Its bands above the first lie in a buffer of their own as half floats, two a word,
-// coefficient by coefficient, three channels each.
+// What of a kernel does not move. Its bands above the first lie in a buffer of their own as half floats, two
+// a word, coefficient by coefficient, three channels each.
 struct KernelLookRow {
   float log2_opacity;
   float dc_red;
@@ -45,11 +45,12 @@ struct EyeView {
   float near_m;
   float width_px;
   float height_px;
-  float max_radius_px;  // 0: none
+  float max_radius_px;          // 0: none
   float min_log2_contribution;  // of opacity * 2 pi sqrt(det), in px; kCulled_log2: none
 };
 
-// The eyes, and what orders kernels for all of them: depth along `axis` from `origin`, or the distance from it.
+// The eyes, and what orders kernels for all of them: depth along `axis` from `origin`, or the distance from
+// it.
 struct FrameViews {
   EyeView eye[2];
   float origin_x_m;
@@ -77,13 +78,13 @@ struct SplatRow {
 
 struct ProjectSplatsConstants {
   uint kernel_count;
-  uint first_kernel;    // where their looks and bands begin
-  uint first_posed;     // where their posed rows begin
-  uint first_key;       // where the keys of these kernels begin
-  uint first_row;       // where their rows begin
-  uint sh_degree;       // to evaluate, 0..3
-  uint sh_row_words;    // from one kernel's bands to the next's
-  uint antialiased;     // 1: opacity makes up for the low-pass
+  uint first_kernel;  // where their looks and bands begin
+  uint first_posed;   // where their posed rows begin
+  uint first_key;     // where the keys of these kernels begin
+  uint first_row;     // where their rows begin
+  uint sh_degree;     // to evaluate, 0..3
+  uint sh_row_words;  // from one kernel's bands to the next's
+  uint antialiased;   // 1: opacity makes up for the low-pass
 };
 
 const uint kProjectGroup = 128;

@@ -9,15 +9,15 @@ namespace livegs {
 using uint = uint32_t;
 #endif
 
-const uint kSortGroup = 256;         // invocations; one group a tile
-const uint kSortKeysPerThread = 8;   // consecutive ones
-const uint kSortTile = 2048;         // keys
-const uint kSortDigits = 16;         // of a pass: 4 bits
+const uint kSortGroup = 256;               // invocations; one group a tile
+const uint kSortKeysPerThread = 8;         // consecutive ones
+const uint kSortTile = 2048;               // keys
+const uint kSortDigits = 16;               // of a pass: 4 bits
 const uint kSortDroppedKey = 0xffffffffu;  // of no float but a NaN
 
-const uint kSortFirstPass = 1u;     // the count stands in the constants, not yet in the drawn row
-const uint kSortIndexValues = 2u;   // values are the keys' own places; none are read
-const uint kSortDropsKeys = 4u;     // kSortDroppedKey and its value are left out
+const uint kSortFirstPass = 1u;    // the count stands in the constants, not yet in the drawn row
+const uint kSortIndexValues = 2u;  // values are the keys' own places; none are read
+const uint kSortDropsKeys = 4u;    // kSortDroppedKey and its value are left out
 
 struct SortKeysConstants {
   uint key_count;      // before the first pass

@@ -36,7 +36,9 @@ FrameViews frame_views(std::span<const Camera> eyes, const FrameSplats::Options&
 }
 
 // Of kernels that passes pose: an eighth of the frame takes little memory and still fills a device.
-uint32_t rows_posed_at_once(uint32_t kernels) { return std::min(kernels, std::max(kernels / 8, kMinPoseBatch)); }
+uint32_t rows_posed_at_once(uint32_t kernels) {
+  return std::min(kernels, std::max(kernels / 8, kMinPoseBatch));
+}
 
 // How many more than are wanted a buffer may hold: beyond that it is made anew.
 uint32_t most_spare(uint32_t wanted) { return std::max(wanted / 16, 256u); }
@@ -60,17 +62,21 @@ void FrameSplats::release() {
 }
 
 Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
-  const uint32_t wanted[4] = {kernels, kernels, eyes == 2 ? kernels : 1, poses ? rows_posed_at_once(kernels) : 0};
+  const uint32_t wanted[4] = {kernels, kernels, eyes == 2 ? kernels : 1,
+                              poses ? rows_posed_at_once(kernels) : 0};
   const uint32_t held[4] = {sorter_ ? sorter_->capacity() : 0, rows_held_[0], rows_held_[1], posed_held_};
   bool fits = true;
-  for (int i = 0; i < 4; ++i) fits = fits && held[i] >= wanted[i] && held[i] <= wanted[i] + most_spare(wanted[i]);
+  for (int i = 0; i < 4; ++i)
+    fits = fits && held[i] >= wanted[i] && held[i] <= wanted[i] + most_spare(wanted[i]);
   if (fits) return {};
-  // A little more than asked for where something grows, so that a ball more is room enough. All goes before anything
-  // is made: the old and the new together might not fit.
+  // A little more than asked for where something grows, so that a ball more is room enough. All goes before
+  // anything is made: the old and the new together might not fit.
   const bool grows = sorter_.has_value();
   release();
   const auto with_spare = [&](uint32_t count) {
-    return count > 1 && grows ? static_cast<uint32_t>(std::min<uint64_t>(count + most_spare(count) / 2, max_kernels())) : count;
+    return count > 1 && grows
+               ? static_cast<uint32_t>(std::min<uint64_t>(count + most_spare(count) / 2, max_kernels()))
+               : count;
   };
   const auto failed = [&](const Error& error) {
     release();
@@ -87,7 +93,8 @@ Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
   for (int e = 0; e < 2; ++e) {
     const uint32_t count = with_spare(wanted[1 + e]);
     for (uint32_t part = 0, first = 0; first < count; ++part, first += part_rows_) {
-      if (auto made = make(rows_[e][part], std::min(part_rows_, count - first) * sizeof(SplatRow)); !made) return made;
+      if (auto made = make(rows_[e][part], std::min(part_rows_, count - first) * sizeof(SplatRow)); !made)
+        return made;
     }
     rows_held_[e] = count;
   }
@@ -118,7 +125,8 @@ Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<con
     poses = poses || object.pose;
   }
   if (total > max_kernels()) {
-    return Error{ErrorCode::TooLarge, "a frame of " + std::to_string(total) + " kernels; the device's buffers hold " +
+    return Error{ErrorCode::TooLarge, "a frame of " + std::to_string(total) +
+                                          " kernels; the device's buffers hold " +
                                           std::to_string(max_kernels())};
   }
   kernel_count_ = static_cast<uint32_t>(total);
@@ -128,7 +136,8 @@ Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<con
 }
 
 Result<void> FrameSplats::project_rows(const Object& object, const Options& options, BufferId posed,
-                                       const DeviceKernels::Part& part, uint32_t first, uint32_t count, uint32_t first_place) {
+                                       const DeviceKernels::Part& part, uint32_t first, uint32_t count,
+                                       uint32_t first_place) {
   const DeviceKernels& kernels = *object.kernels;
   const int degree = std::clamp(options.max_sh_degree, 0, std::min(kernels.sh_degree(), kMaxShDegree));
   const auto row_part = static_cast<int>(first_place / part_rows_);
@@ -140,7 +149,9 @@ Result<void> FrameSplats::project_rows(const Object& object, const Options& opti
                                          .sh_degree = static_cast<uint32_t>(degree),
                                          .sh_row_words = kernels.sh_row_words(),
                                          .antialiased = kernels.antialiased() ? 1u : 0u};
-  const std::array buffers{views_.id(), posed, part.looks.id(), part.bands.id(), rows(0, row_part), rows(1, row_part), sorter_->keys()};
+  const std::array buffers{
+      views_.id(),       posed,          part.looks.id(), part.bands.id(), rows(0, row_part),
+      rows(1, row_part), sorter_->keys()};
   return backend_->dispatch(project_splats_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
 }
 
@@ -150,11 +161,14 @@ Result<void> FrameSplats::project_prepared(std::span<const Object> objects, cons
     for (const DeviceKernels::Part& part : object.kernels->parts()) {
       const uint32_t at_once = object.pose ? posed_held_ : part.count;
       for (uint32_t first = 0, count = 0; first < part.count; first += count) {
-        count = std::min({at_once, part.count - first, part_rows_ - place % part_rows_});  // of one part of either
+        count = std::min(
+            {at_once, part.count - first, part_rows_ - place % part_rows_});  // of one part of either
         if (object.pose) {
           if (auto done = object.pose(part.first + first, count, posed_.id()); !done) return done;
         }
-        if (auto done = project_rows(object, options, object.pose ? posed_.id() : part.posed.id(), part, first, count, place); !done)
+        if (auto done = project_rows(object, options, object.pose ? posed_.id() : part.posed.id(), part,
+                                     first, count, place);
+            !done)
           return done;
         place += count;
       }

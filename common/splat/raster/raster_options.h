@@ -23,13 +23,16 @@ struct RasteriseOptions {
   int max_sh_degree = 3;
   float min_contribution_px = 0;  // as eye_view (project_splats.h) has it
   float max_radius_px = 0;        // as well; 0: none
-  std::optional<Eigen::Vector3d> distance_from_m = {};  // in Distance order, of a point between two eyes; none: from the camera
+  std::optional<Eigen::Vector3d> distance_from_m =
+      {};  // in Distance order, of a point between two eyes; none: from the camera
 };
 
 struct RasterisedView {
-  Image image;                      // colour over the background; alpha is coverage
-  std::vector<float> depth_m;       // along the view axis where transmittance first falls under 0.5; infinity where it never does
-  std::vector<uint32_t> object_id;  // of the object with the largest share of the pixel's opacity; kNoObject where coverage < 0.5
+  Image image;  // colour over the background; alpha is coverage
+  std::vector<float>
+      depth_m;  // along the view axis where transmittance first falls under 0.5; infinity where it never does
+  std::vector<uint32_t> object_id;  // of the object with the largest share of the pixel's opacity; kNoObject
+                                    // where coverage < 0.5
 };
 inline constexpr uint32_t kNoObject = ~0u;
 

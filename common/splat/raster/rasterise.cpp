@@ -6,10 +6,10 @@
 #include "core/assert.h"
 #include "core/clock.h"
 #include "core/parallel_for.h"
+#include "splat/passes/radix_sort.h"
 #include "splat/raster/bin_tiles.h"
 #include "splat/raster/blend_tiles.h"
 #include "splat/raster/project_kernels.h"
-#include "splat/passes/radix_sort.h"
 
 namespace livegs {
 namespace {

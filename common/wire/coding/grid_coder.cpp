@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adaptive Rice codes whose parameter comes of what was left at the neighbours, as in LOCO-I (Weinberger, Seroussi and Sapiro
-// 2000); the layout is proto/frame_format.md, "Integers". What each step saved of four torn blocks of 1331 nodes, bytes a frame,
-// mean: at steps of 30.5 um and a straight line 14.5 k; less what was left at the node before 13.8 k in rows and 13.4 k in Morton
-// order, at the three nodes below 12.8 k, for which any order that goes up along the axes does, so nodes stay in the lattice's own; between
-// coarser nodes all around, from coarse to fine, 12.6 k. At 57.2 um the three nodes below leave 11.1 k, with scales by what was left at them
-// 10.3 k, with a fitted curve for the line 9.6 k. The Laplacian of the velocities as a third term would leave 9.0 k; it costs six more looks a node.
+// Adaptive Rice codes whose parameter comes of what was left at the neighbours, as in LOCO-I (Weinberger,
+// Seroussi and Sapiro 2000); the layout is proto/frame_format.md, "Integers". What each step saved of four
+// torn blocks of 1331 nodes, bytes a frame, mean: at steps of 30.5 um and a straight line 14.5 k; less what
+// was left at the node before 13.8 k in rows and 13.4 k in Morton order, at the three nodes below 12.8 k, for
+// which any order that goes up along the axes does, so nodes stay in the lattice's own; between coarser nodes
+// all around, from coarse to fine, 12.6 k. At 57.2 um the three nodes below leave 11.1 k, with scales by what
+// was left at them 10.3 k, with a fitted curve for the line 9.6 k. The Laplacian of the velocities as a third
+// term would leave 9.0 k; it costs six more looks a node.
 #include "wire/coding/grid_coder.h"
 
 #include <algorithm>
@@ -15,19 +17,22 @@
 namespace livegs {
 namespace {
 
-// Four integers that are added at once: what is left of x, y and z before it is predicted from nodes beside, and its magnitude.
+// Four integers that are added at once: what is left of x, y and z before it is predicted from nodes beside,
+// and its magnitude.
 using Lanes = uint32_t __attribute__((vector_size(16)));
 
-constexpr uint32_t kMaxMagnitude = 1u << 20;  // counted of an integer
+constexpr uint32_t kMaxMagnitude = 1u << 20;             // counted of an integer
 constexpr uint64_t kPart[4] = {0, 65536, 32768, 21845};  // of a sum over so many neighbours
 constexpr uint64_t kMagnitudeAlone = 255;  // taken for four times the mean where there is no neighbour
-constexpr uint32_t kCoordinateStep = 4;  // expected of three of a node's, before anything is known
+constexpr uint32_t kCoordinateStep = 4;    // expected of three of a node's, before anything is known
 constexpr size_t kFitStride = 5, kCostStride = 8, kFewDrivers = 16;
 
 uint32_t bits_of(int32_t value) { return static_cast<uint32_t>(value); }
 uint32_t zigzag(uint32_t value) { return (value << 1) ^ (0u - (value >> 31)); }
 uint32_t from_zigzag(uint32_t value) { return (value >> 1) ^ (0u - (value & 1u)); }
-uint32_t magnitude(uint32_t zigzagged) { return std::min((zigzagged >> 1) + (zigzagged & 1u), kMaxMagnitude); }
+uint32_t magnitude(uint32_t zigzagged) {
+  return std::min((zigzagged >> 1) + (zigzagged & 1u), kMaxMagnitude);
+}
 
 // Half octaves of four times the mean magnitude of a neighbour.
 size_t magnitude_class(uint64_t sum, uint32_t count) {
@@ -62,9 +67,11 @@ void predict(Prediction prediction, const GridPast& past, size_t count, int32_t*
       break;
     case Prediction::Linear:
       if (past.ahead == past.behind) {
-        for (size_t i = 0; i < count; ++i) to[i] = static_cast<int32_t>(2u * bits_of(past.last[i]) - bits_of(past.earlier[i]));
+        for (size_t i = 0; i < count; ++i)
+          to[i] = static_cast<int32_t>(2u * bits_of(past.last[i]) - bits_of(past.earlier[i]));
       } else {
-        for (size_t i = 0; i < count; ++i) to[i] = static_cast<int32_t>(line(past.last[i], past.earlier[i], past));
+        for (size_t i = 0; i < count; ++i)
+          to[i] = static_cast<int32_t>(line(past.last[i], past.earlier[i], past));
       }
       break;
     case Prediction::Curve:
@@ -93,7 +100,8 @@ bool failed(const Bits& bits) {
 }
 
 template <class Bits>
-bool code_nodes(Bits& stream, DriverGrid& grid, Prediction prediction, const GridPast& past, GridScales& scales, GridScratch& scratch) {
+bool code_nodes(Bits& stream, DriverGrid& grid, Prediction prediction, const GridPast& past,
+                GridScales& scales, GridScratch& scratch) {
   Bits bits = stream;
   const size_t n = grid.count;
   scratch.predicted.resize(3 * n);
@@ -121,7 +129,8 @@ bool code_nodes(Bits& stream, DriverGrid& grid, Prediction prediction, const Gri
     const int k = std::max(least, scale.k());
     std::array<uint32_t, 3> expected, left;
     for (size_t c = 0; c < 3; ++c) {
-      const auto mean = static_cast<uint32_t>((static_cast<int64_t>(static_cast<int32_t>(sum[c])) * part) >> 16);
+      const auto mean =
+          static_cast<uint32_t>((static_cast<int64_t>(static_cast<int32_t>(sum[c])) * part) >> 16);
       expected[c] = bits_of(p[c * n + i]) + mean;
       if constexpr (!Bits::kReads) left[c] = zigzag(bits_of(x[c * n + i]) - expected[c]);
     }
@@ -141,7 +150,8 @@ bool code_nodes(Bits& stream, DriverGrid& grid, Prediction prediction, const Gri
   return true;
 }
 
-// One integer's prediction. `turned`: how many frames back, 1 to 3, the component left out was another; 0: in none.
+// One integer's prediction. `turned`: how many frames back, 1 to 3, the component left out was another; 0: in
+// none.
 uint32_t predicted_at(Prediction prediction, const GridPast& past, size_t at, int turned) {
   if (turned == 1) return 0;
   const bool as_last = prediction == Prediction::Last || turned > 1;
@@ -166,7 +176,8 @@ void code_left_out(Bits& bits, Prediction prediction, int32_t was, int32_t& left
 }
 
 template <class Bits>
-bool code_drivers(Bits& bits, DriverGrid& grid, Prediction prediction, const GridPast& past, GridScales& scales) {
+bool code_drivers(Bits& bits, DriverGrid& grid, Prediction prediction, const GridPast& past,
+                  GridScales& scales) {
   const size_t n = grid.count;
   int32_t* const x = grid.values.data();
   const bool turns = grid.channels() > 3, intra = prediction == Prediction::Intra;
@@ -191,8 +202,9 @@ bool code_drivers(Bits& bits, DriverGrid& grid, Prediction prediction, const Gri
       uint32_t magnitudes = 0;
       for (size_t c = 3 * group; c < 3 * group + 3; ++c) {
         const size_t at = c * n + i;
-        const uint32_t predicted = !intra ? predicted_at(prediction, past, at, group == 1 ? turned : 0)
-                                   : i > 0 ? bits_of(x[at - 1]) : 0u;
+        const uint32_t predicted = !intra  ? predicted_at(prediction, past, at, group == 1 ? turned : 0)
+                                   : i > 0 ? bits_of(x[at - 1])
+                                           : 0u;
         magnitudes += magnitude(code_integer(bits, predicted, k, x[at]));
       }
       scale.add(magnitudes);
@@ -213,7 +225,8 @@ GridScales::GridScales() {
 }
 
 template <class Bits>
-bool code_values(Bits& bits, DriverGrid& grid, Prediction prediction, const GridPast& past, GridScales& scales, GridScratch& scratch) {
+bool code_values(Bits& bits, DriverGrid& grid, Prediction prediction, const GridPast& past,
+                 GridScales& scales, GridScratch& scratch) {
   if (grid.neighbours) return code_nodes(bits, grid, prediction, past, scales, scratch);
   return code_drivers(bits, grid, prediction, past, scales);
 }
@@ -225,7 +238,8 @@ bool code_coordinates(Bits& bits, std::vector<Eigen::Vector3i>& coordinates) {
   for (Eigen::Vector3i& place : coordinates) {
     const int k = scale.k();
     uint32_t magnitudes = 0;
-    for (int d = 0; d < 3; ++d) magnitudes += magnitude(code_integer(bits, bits_of(expected[d]), k, place[d]));
+    for (int d = 0; d < 3; ++d)
+      magnitudes += magnitude(code_integer(bits, bits_of(expected[d]), k, place[d]));
     scale.add(magnitudes);
     // Nodes stand in rows along x.
     expected = place;
@@ -267,7 +281,8 @@ void fit_curve(const DriverGrid& grid, GridPast& past) {
   past.weight_a = weight((at * vv - vt * va) / determinant);
 }
 
-PredictionCosts prediction_costs(const DriverGrid& grid, const GridPast& past, bool has_linear, bool has_curve) {
+PredictionCosts prediction_costs(const DriverGrid& grid, const GridPast& past, bool has_linear,
+                                 bool has_curve) {
   constexpr uint64_t kNever = std::numeric_limits<uint64_t>::max();
   PredictionCosts costs{0, has_linear ? 0 : kNever, has_curve ? 0 : kNever};
   const size_t n = grid.count, stride = n > kFewDrivers ? kCostStride : 1;
@@ -277,7 +292,8 @@ PredictionCosts prediction_costs(const DriverGrid& grid, const GridPast& past, b
       const uint32_t value = bits_of(grid.values[i]);
       costs.last += zigzag(value - bits_of(past.last[i]));
       if (has_linear) costs.linear += zigzag(value - line(past.last[i], past.earlier[i], past));
-      if (has_curve) costs.curve += zigzag(value - curve(past.last[i], past.earlier[i], past.earliest[i], past));
+      if (has_curve)
+        costs.curve += zigzag(value - curve(past.last[i], past.earlier[i], past.earliest[i], past));
     }
   }
   return costs;

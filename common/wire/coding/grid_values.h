@@ -9,8 +9,9 @@
 
 namespace livegs {
 
-// The integers of one object. Written once, by who makes it, then shared: copies of many are the same memory, copies of few
-// (a single body has seven) their own, since each piece of memory costs as much as a hundred integers.
+// The integers of one object. Written once, by who makes it, then shared: copies of many are the same memory,
+// copies of few (a single body has seven) their own, since each piece of memory costs as much as a hundred
+// integers.
 class GridValues {
  public:
   GridValues() = default;
@@ -24,7 +25,8 @@ class GridValues {
   int32_t* data() { return count_ > kFew ? many_.get() : few_.data(); }  // before it is shared only
   int32_t operator[](size_t i) const { return data()[i]; }
   bool operator==(const GridValues& other) const {
-    return count_ == other.count_ && (data() == other.data() || std::equal(data(), data() + count_, other.data()));
+    return count_ == other.count_ &&
+           (data() == other.data() || std::equal(data(), data() + count_, other.data()));
   }
 
  private:

@@ -10,20 +10,21 @@
 #include <span>
 #include <vector>
 
-// Integers as Rice codes in a stream of bits, the lowest of a byte first; proto/frame_format.md, "Bits". Writer and reader have
-// the same face, so that what codes a grid is written once: code() takes what is to be written and returns what is read.
+// Integers as Rice codes in a stream of bits, the lowest of a byte first; proto/frame_format.md, "Bits".
+// Writer and reader have the same face, so that what codes a grid is written once: code() takes what is to be
+// written and returns what is read.
 
 namespace livegs {
 
-inline constexpr int kMaxZeros = 24;   // of a code; then 32 bits as they are
+inline constexpr int kMaxZeros = 24;  // of a code; then 32 bits as they are
 inline constexpr int kMaxRiceBits = 24;
 
 inline uint64_t little_endian(uint64_t word) {
   return std::endian::native == std::endian::little ? word : __builtin_bswap64(word);
 }
 
-// Both are some registers' worth over memory that others hold: a loop takes a copy and gives it back, since what it writes
-// could otherwise be the reader itself, for all the compiler knows.
+// Both are some registers' worth over memory that others hold: a loop takes a copy and gives it back, since
+// what it writes could otherwise be the reader itself, for all the compiler knows.
 class RiceWriter {
  public:
   static constexpr bool kReads = false;
@@ -59,7 +60,9 @@ class RiceWriter {
     put(value, count);
     return value;
   }
-  std::span<const std::byte> written() const { return {begin_, static_cast<size_t>(at_ - begin_) + (count_ > 0 ? 1u : 0u)}; }
+  std::span<const std::byte> written() const {
+    return {begin_, static_cast<size_t>(at_ - begin_) + (count_ > 0 ? 1u : 0u)};
+  }
 
  private:
   static constexpr uint32_t kMaxBits = 56;
@@ -79,8 +82,8 @@ class RiceWriter {
   int count_ = 0;
 };
 
-// Behind the end it reads zeros. Who reads asks failed() before it takes what it read for true, and after a driver's codes at
-// least: no more than kSlack bytes are there behind the end.
+// Behind the end it reads zeros. Who reads asks failed() before it takes what it read for true, and after a
+// driver's codes at least: no more than kSlack bytes are there behind the end.
 class RiceReader {
  public:
   static constexpr bool kReads = true;
@@ -99,7 +102,8 @@ class RiceReader {
       return static_cast<uint32_t>(word >> kMaxZeros);
     }
     at_ += static_cast<uint64_t>(zeros + 1 + k);
-    return static_cast<uint32_t>(zeros) << k | (static_cast<uint32_t>(word >> (zeros + 1)) & ((uint32_t{1} << k) - 1));
+    return static_cast<uint32_t>(zeros) << k |
+           (static_cast<uint32_t>(word >> (zeros + 1)) & ((uint32_t{1} << k) - 1));
   }
   // As three calls of code(), from one look at the bits while they suffice.
   void three(std::array<uint32_t, 3>& values, int k) {
@@ -126,7 +130,8 @@ class RiceReader {
   uint64_t remaining_bits() const { return end_ - std::min(end_, at_); }
   // Whether what is left are fewer than 8 bits, all of them 0.
   bool at_end() const {
-    return at_ <= end_ && end_ - at_ < 8 && (at_ == end_ || std::to_integer<unsigned>(data_[at_ / 8]) >> (at_ % 8) == 0);
+    return at_ <= end_ && end_ - at_ < 8 &&
+           (at_ == end_ || std::to_integer<unsigned>(data_[at_ / 8]) >> (at_ % 8) == 0);
   }
 
  private:
@@ -154,7 +159,9 @@ class RiceScale {
   }
 
  private:
-  void choose() { k_ = std::min(kMaxRiceBits, static_cast<int>(std::bit_width((mean_ - (mean_ > 0)) >> (kMeanShift + 1)))); }
+  void choose() {
+    k_ = std::min(kMaxRiceBits, static_cast<int>(std::bit_width((mean_ - (mean_ > 0)) >> (kMeanShift + 1))));
+  }
 
   uint32_t mean_;  // times 2^kMeanShift
   int k_;

@@ -48,7 +48,8 @@ Result<void> check_scene_physics(const Physics& written) {
       {"plasticity", written.has_plasticity(), written.plasticity(), 0, 1},
       {"damping", written.has_damping(), written.damping(), 0, 2},
       {"break_impulse_n_s", written.has_break_impulse_n_s(), written.break_impulse_n_s(), 1e-6, 1e6},
-      {"fracture_pieces", written.has_fracture_pieces(), static_cast<double>(written.fracture_pieces()), 2, 64},
+      {"fracture_pieces", written.has_fracture_pieces(), static_cast<double>(written.fracture_pieces()), 2,
+       64},
       {"friction", written.has_friction(), written.friction(), 0, 2},
       {"restitution", written.has_restitution(), written.restitution(), 0, 1},
   };
@@ -85,7 +86,7 @@ Result<void> check_scene_physics(const Physics& written) {
 }
 
 std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estimated, const Physics& written,
-                                          const v1::PhysicalParameters& merged, const ObjectFacts& facts) {
+                                             const v1::PhysicalParameters& merged, const ObjectFacts& facts) {
   std::vector<std::string> doubts;
   const auto far_from = [](double value, double low, double high) {
     return value < low / kImplausibleRatio || value > high * kImplausibleRatio;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "analysis/text/message_templates.h"
 #include "analysis/knowledge/value_ranges.h"
+#include "analysis/text/message_templates.h"
 #include "core/format_text.h"
 
 namespace livegs {
@@ -29,7 +29,9 @@ constexpr double kGuessedSizeSd = 0.7;
 
 const MessageTemplates& reasons() { return MessageTemplates::reasons(); }
 
-double log_sd(const Span3& span) { return std::max(0.01, std::log(span.high / span.low) / kRange90Deviations); }
+double log_sd(const Span3& span) {
+  return std::max(0.01, std::log(span.high / span.low) / kRange90Deviations);
+}
 
 bool walled(const ObjectRow& row) {
   return row.fill == v1::Physics::SHELL || row.fill == v1::Physics::OPEN_SHELL;
@@ -160,8 +162,11 @@ ClassMass kind_mass(const ObjectClass& kind, const ObjectFacts& facts) {
 
 MassEstimate mass_of_classes(const ObjectClasses& kinds, const ObjectFacts& facts) {
   std::vector<WeightedLogNormal> mixture;
-  for (const ObjectClass& kind : kinds.kinds) mixture.push_back({kind.probability, kind_mass(kind, facts).mass});
-  const auto kilograms = [](double ln) { return std::clamp(std::exp(ln), kMassRange_kg.low, kMassRange_kg.high); };
+  for (const ObjectClass& kind : kinds.kinds)
+    mixture.push_back({kind.probability, kind_mass(kind, facts).mass});
+  const auto kilograms = [](double ln) {
+    return std::clamp(std::exp(ln), kMassRange_kg.low, kMassRange_kg.high);
+  };
   MassEstimate estimate;
   estimate.mass_kg = {kilograms(mixture_quantile_ln(mixture, 0.05)), kilograms(mixture_mean_ln(mixture)),
                       kilograms(mixture_quantile_ln(mixture, 0.95))};
@@ -172,7 +177,9 @@ MassEstimate mass_of_classes(const ObjectClasses& kinds, const ObjectFacts& fact
   } else if (kinds.match.row) {
     const std::string& label = first.row->label;
     const std::string kind =
-        first.material ? reasons().say("reason_of_material", {{"kind", label}, {"material", first.material->name}}) : label;
+        first.material
+            ? reasons().say("reason_of_material", {{"kind", label}, {"material", first.material->name}})
+            : label;
     estimate.reason = reasons().say("reason_usual", {{"kind", kind},
                                                      {"usual", grams_or_kg(mass.usual_kg)},
                                                      {"physics", grams_or_kg(mass.physics_kg)},

@@ -4,15 +4,15 @@
 
 #include "analysis/estimate.h"
 #include "analysis/estimate/class_mass.h"
-#include "analysis/knowledge/tables.h"
 #include "analysis/estimate/object_classes.h"
 #include "analysis/estimate/physics_values.h"
 #include "analysis/estimate/stiffness_classes.h"
+#include "analysis/knowledge/tables.h"
 #include "core/format_text.h"
 
 // Label first, then geometry, then colour: a name with written priors halves the error that geometry alone
-// leaves, and hollowness matters more than density. object_classes and kind_mass are in that order; each value
-// says why.
+// leaves, and hollowness matters more than density. object_classes and kind_mass are in that order; each
+// value says why.
 
 namespace livegs {
 namespace {
@@ -85,9 +85,10 @@ Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   guess.reason = format_text("no name tells; of things of its size and shape, like a %s, %.0f %% are of it",
                              guess.kind.row->label.c_str(), 100 * best);
   if (kinds.match.row) {
-    guess.reason = format_text("a \"%s\" is not known, \"%s\" is only part of its name; of things of its size and shape, "
-                               "like a %s, %.0f %% are of it",
-                               facts.name.c_str(), kinds.match.alias.c_str(), guess.kind.row->label.c_str(), 100 * best);
+    guess.reason = format_text(
+        "a \"%s\" is not known, \"%s\" is only part of its name; of things of its size and shape, "
+        "like a %s, %.0f %% are of it",
+        facts.name.c_str(), kinds.match.alias.c_str(), guess.kind.row->label.c_str(), 100 * best);
   }
   if (kinds.material.row && guess.material->material_class == kinds.material.row->material_class) {
     guess.confidence = kMaterialNamedConfidence;
@@ -133,7 +134,8 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   const bool rigid = stiffness.best > kRigidStiffness_pa || (stiffness.best > kStiffStiffness_pa && !soft);
   answer.set_behavior(rigid ? v1::Physics::RIGID : v1::Physics::ELASTIC);
   answer.set_behavior_reason(
-      format_text("E* = s E = %.3g %s, %s", stiffness.best * (stiffness.best < 1e9 ? 1e-6 : 1e-9), stiffness.best < 1e9 ? "MPa" : "GPa",
+      format_text("E* = s E = %.3g %s, %s", stiffness.best * (stiffness.best < 1e9 ? 1e-6 : 1e-9),
+                  stiffness.best < 1e9 ? "MPa" : "GPa",
                   rigid ? "too stiff to deform visibly" : "soft enough to deform visibly"));
 
   set(*answer.mutable_wall_thickness_m(), wall_m,

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/text/message_templates.h"
 #include "analysis/knowledge/value_ranges.h"
+#include "analysis/text/message_templates.h"
 #include "core/format_text.h"
 
 namespace livegs {
@@ -40,13 +40,13 @@ MassEstimate estimate_mass(const Span3& density_kg_m3, v1::Physics::Fill fill, c
 
 std::string wall_factors(double density_kg_m3, double wall_m, double area_m2) {
   return MessageTemplates::reasons().say("reason_wall", {{"density", format_text("%.4g", density_kg_m3)},
-                                                    {"wall", format_text("%.3g", wall_m * 1e3)},
-                                                    {"area", format_text("%.4g", area_m2)}});
+                                                         {"wall", format_text("%.3g", wall_m * 1e3)},
+                                                         {"area", format_text("%.4g", area_m2)}});
 }
 
 std::string volume_factors(double density_kg_m3, double volume_m3) {
   return MessageTemplates::reasons().say("reason_enclosed", {{"density", format_text("%.4g", density_kg_m3)},
-                                                        {"volume", format_text("%.4g", volume_m3)}});
+                                                             {"volume", format_text("%.4g", volume_m3)}});
 }
 
 }  // namespace livegs

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/estimate.h"
-#include "analysis/knowledge/tables.h"
 #include "analysis/estimate/mass_model.h"
+#include "analysis/knowledge/tables.h"
 #include "analysis/text/message_templates.h"
 
 namespace livegs {
@@ -13,15 +13,16 @@ using v1::Physics;
 // Whose words they are, and how reasons speak of that.
 struct Author {
   EstimatedValue::Source source;
-  const char* whose;  // "the scene's"
-  std::string written;  // "written in the scene"
+  const char* whose;                 // "the scene's"
+  std::string written;               // "written in the scene"
   const char *by_density, *by_fill;  // lines of mass_reasons.json
 };
 Author author_of(EstimatedValue::Source by) {
   const MessageTemplates& reasons = MessageTemplates::reasons();
   if (by == EstimatedValue::PERSON)
     return {by, "a person's", reasons.say("reason_person"), "reason_person_density", "reason_person_fill"};
-  return {EstimatedValue::SCENE, "the scene's", reasons.say("reason_scene"), "reason_scene_density", "reason_scene_fill"};
+  return {EstimatedValue::SCENE, "the scene's", reasons.say("reason_scene"), "reason_scene_density",
+          "reason_scene_fill"};
 }
 
 }  // namespace
@@ -90,7 +91,8 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
     const MassEstimate mass = estimate_mass(density, merged.fill(), {wall, wall, wall}, known);
     EstimatedValue& value = *merged.mutable_mass_kg();
     if (written.has_density_kg_m3()) {
-      told_as(value, mass.mass_kg.best, MessageTemplates::reasons().say(author.by_density, {{"reason", mass.reason}}));
+      told_as(value, mass.mass_kg.best,
+              MessageTemplates::reasons().say(author.by_density, {{"reason", mass.reason}}));
     } else {
       value.set_low(mass.mass_kg.low);
       value.set_best(mass.mass_kg.best);

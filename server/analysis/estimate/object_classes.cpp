@@ -86,8 +86,8 @@ void kinds_by_name(const ObjectFacts& facts, ObjectClasses& found) {
   normalise(found.kinds);
 }
 
-// How far a name is believed whose last word is not in the table: it may be a place or a person, and a "mug tuesday" is a
-// mug. Where that word makes another thing of it, next to nothing is left. Judgements.
+// How far a name is believed whose last word is not in the table: it may be a place or a person, and a "mug
+// tuesday" is a mug. Where that word makes another thing of it, next to nothing is left. Judgements.
 constexpr double kTailUnknown = 0.5, kTailOther = 0.05;
 
 // How much oftener than another kind it stands in a room or is captured. A judgement.

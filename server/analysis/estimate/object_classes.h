@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "analysis/estimate.h"
-#include "analysis/knowledge/tables.h"
 #include "analysis/knowledge/name_match.h"
+#include "analysis/knowledge/tables.h"
 
 // What kinds of things an object may be, each with a probability: from its name, and where that leaves
 // several (a mug may be of stoneware or of enamelled steel) or none, from its size, its shape and last its
@@ -21,9 +21,10 @@ struct ObjectClass {
 };
 
 struct ObjectClasses {
-  std::vector<ObjectClass> kinds;  // most probable first, of equal ones the table's first; probabilities sum to 1
-  NameMatch match;          // of the name; its row is null when the name says nothing
-  MaterialMatch material;   // that the name tells
+  std::vector<ObjectClass>
+      kinds;               // most probable first, of equal ones the table's first; probabilities sum to 1
+  NameMatch match;         // of the name; its row is null when the name says nothing
+  MaterialMatch material;  // that the name tells
 };
 
 // Never empty. Pure.
@@ -37,8 +38,8 @@ double kind_likelihood(const ObjectRow& row, const ObjectFacts& facts);
 // The edges of the smallest box around the object, longest first; those along its axes where only they are
 // known.
 Eigen::Vector3d sorted_box_m(const MeshFacts& mesh);
-// The thinnest mean wall, 2 V / A, that LIVE-GS's alpha shape draws of a thing of this size, whatever it really is: 0.03 of
-// the diagonal, its radius.
+// The thinnest mean wall, 2 V / A, that LIVE-GS's alpha shape draws of a thing of this size, whatever it
+// really is: 0.03 of the diagonal, its radius.
 double min_drawn_wall_m(const MeshFacts& mesh);
 
 }  // namespace livegs

@@ -30,8 +30,8 @@ bool is_locked(const v1::EstimatedValue& value) {
   return value.source() == v1::EstimatedValue::SCENE || value.source() == v1::EstimatedValue::PERSON;
 }
 
-void add_material_part(v1::PhysicalParameters& parameters, const std::string& name, const std::string& material,
-                       double mass_share) {
+void add_material_part(v1::PhysicalParameters& parameters, const std::string& name,
+                       const std::string& material, double mass_share) {
   v1::MaterialPart& part = *parameters.add_parts();
   part.set_name(name);
   part.set_material(material);

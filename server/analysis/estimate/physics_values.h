@@ -25,8 +25,8 @@ bool is_locked(const v1::EstimatedValue& value);
 inline Span3 span_of(const v1::EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
 
 // `mass_share`: of the object's mass, 0 to 1.
-void add_material_part(v1::PhysicalParameters& parameters, const std::string& name, const std::string& material,
-                       double mass_share);
+void add_material_part(v1::PhysicalParameters& parameters, const std::string& name,
+                       const std::string& material, double mass_share);
 
 // Who said a value, in a word for a person: "offline" (the offline estimator), "model", "scene", "person",
 // "default", "unknown".

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/gate/prior_check.h"
 #include "analysis/estimate/physics_values.h"
+#include "analysis/gate/prior_check.h"
 #include "core/format_text.h"
 #include "physics/material.h"
 
@@ -80,7 +80,8 @@ void set_parts(const Answer& answer, v1::PhysicalParameters& result) {
   }
 }
 
-// How far friction (as a factor), restitution and plasticity of a thing are from its material's: finish and wear.
+// How far friction (as a factor), restitution and plasticity of a thing are from its material's: finish and
+// wear.
 constexpr double kFrictionReach = 2.0, kRestitutionReach = 0.3, kPlasticityReach = 0.4;
 
 // What is told of a value, brought within reach of the material's.
@@ -88,8 +89,8 @@ double within_reach(double told, double low, double high, const char* field, con
                     std::vector<std::string>& changes) {
   const double kept = std::clamp(told, low, high);
   if (kept != told)
-    changes.push_back(format_text("%s: %.3g was brought to %.3g, as near as %s comes to it", field, told, kept,
-                                  material.name.c_str()));
+    changes.push_back(format_text("%s: %.3g was brought to %.3g, as near as %s comes to it", field, told,
+                                  kept, material.name.c_str()));
   return kept;
 }
 
@@ -146,15 +147,15 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   EstimatedValue& structure = *result.mutable_structure_coefficient();
   if (!is_locked(structure) && answer.structure_coefficient) {
     const Span3& told = *answer.structure_coefficient;
-    const Span3 spread =
-        told.high > told.low ? told : Span3{told.best / 1.5, told.best, told.best * 1.5};
+    const Span3 spread = told.high > told.low ? told : Span3{told.best / 1.5, told.best, told.best * 1.5};
     set(structure, spread, kStructureRange,
         told.best < 1 ? "the model's: thin or hollow things bend more easily than their material" : "bulk");
   }
   if (!is_locked(result.plasticity())) {
     if (answer.plasticity) {
-      const double kept = within_reach(*answer.plasticity, material.plasticity - kPlasticityReach,
-                                       material.plasticity + kPlasticityReach, "plasticity", material, changes);
+      const double kept =
+          within_reach(*answer.plasticity, material.plasticity - kPlasticityReach,
+                       material.plasticity + kPlasticityReach, "plasticity", material, changes);
       set(*result.mutable_plasticity(), around(kept), kUnitRange, "by the model");
     } else if (!same_class)
       set(*result.mutable_plasticity(), around(material.plasticity), kUnitRange, material.name);
@@ -165,8 +166,9 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
     set(*result.mutable_friction(), around(kept), kFrictionRange, "by the model");
   }
   if (!is_locked(result.restitution()) && answer.restitution) {
-    const double kept = within_reach(*answer.restitution, material.restitution - kRestitutionReach,
-                                     material.restitution + kRestitutionReach, "restitution", material, changes);
+    const double kept =
+        within_reach(*answer.restitution, material.restitution - kRestitutionReach,
+                     material.restitution + kRestitutionReach, "restitution", material, changes);
     set(*result.mutable_restitution(), around(kept), kUnitRange, "by the model");
   }
   if (!same_class && !is_locked(result.poisson_ratio())) {
@@ -199,8 +201,8 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   if (answer.fragile && !is_locked(result.break_impulse_n_s())) {
     // Falls of 0.2, 0.5 and 1.2 m, as the offline estimate has them.
     const double kg = result.mass_kg().best();
-    set(*result.mutable_break_impulse_n_s(), {2.0 * kg, 3.1 * kg, 4.9 * kg}, {0, 5 * std::max(kg, kMassRange_kg.high)},
-        "a fall of about half a metre");
+    set(*result.mutable_break_impulse_n_s(), {2.0 * kg, 3.1 * kg, 4.9 * kg},
+        {0, 5 * std::max(kg, kMassRange_kg.high)}, "a fall of about half a metre");
   }
   return result;
 }
@@ -214,9 +216,11 @@ std::vector<std::string> remarks_of(const Answer& answer, const ObjectFacts& fac
   remarks.push_back(std::move(name));
   const double stands_m = facts.mesh.size_m.maxCoeff();
   if (answer.longest_side_m && stands_m > 0) {
-    std::string size = format_text("it took it to be %.3g m long; it stands %.3g m long", *answer.longest_side_m, stands_m);
+    std::string size =
+        format_text("it took it to be %.3g m long; it stands %.3g m long", *answer.longest_side_m, stands_m);
     if (std::abs(std::log(*answer.longest_side_m / stands_m)) > std::log(kMaxSizeRatio)) {
-      size += facts.scale_known ? ", which was measured" : ", which is a guess: if the model is right, give the object a scale";
+      size += facts.scale_known ? ", which was measured"
+                                : ", which is a guess: if the model is right, give the object a scale";
     }
     remarks.push_back(std::move(size));
   }

@@ -11,30 +11,32 @@ namespace {
 
 using v1::Physics;
 
-// Nothing that stands is lighter than air; the thinnest films that are sold (cling film, rescue blankets, balloons) weigh more
-// than this.
+// Nothing that stands is lighter than air; the thinnest films that are sold (cling film, rescue blankets,
+// balloons) weigh more than this.
 constexpr double kAir_kg_m3 = 1.0, kFilm_kg_m2 = 5e-3;
 // A hull, or a density of the table, is that much too small at most.
 constexpr double kRoomSlack = 4.0, kFoamSlack = 2.0;
 // A surface is a lump's where it is compact and thicker than the reconstruction draws it anyway.
 constexpr double kCompactSolidity = 0.7, kCompactOpenness = 0.15, kMinResolvedRatio = 1.5;
-// People call solid what is of one stuff: a bed, a wheel, a shell of the sea, a candlestick. A surface around its members
-// holds up to that much air, and no member is thinner than sheet metal. What fills its box least in objects.csv and is drawn
-// true, a ladle, holds 32 times its stuff.
+// People call solid what is of one stuff: a bed, a wheel, a shell of the sea, a candlestick. A surface around
+// its members holds up to that much air, and no member is thinner than sheet metal. What fills its box least
+// in objects.csv and is drawn true, a ladle, holds 32 times its stuff.
 constexpr double kAirSlack = 64.0, kMinMemberThickness_m = 1e-4;
-// A wall is told in round millimetres, of its thickest place, and may be pierced; rubber that was blown up, as it was before:
-// five times as long and wide.
+// A wall is told in round millimetres, of its thickest place, and may be pierced; rubber that was blown up,
+// as it was before: five times as long and wide.
 constexpr double kWallSlack = 12.0, kBlownSlack = 25.0;
 // A part of less than this share of the mass names nothing.
 constexpr double kMinNamedShare = 0.1;
 
 bool of_class(const MaterialRow& material, std::initializer_list<const char*> classes) {
-  return std::any_of(classes.begin(), classes.end(), [&](const char* one) { return material.material_class == one; });
+  return std::any_of(classes.begin(), classes.end(),
+                     [&](const char* one) { return material.material_class == one; });
 }
 
 // Cloth, stuffing, paper, leaves and wickerwork hold air between themselves, machines within.
 bool airy(const MaterialRow& material) {
-  return of_class(material, {"textile", "stuffed", "paper", "plant", "assembly"}) || material.name == "wicker";
+  return of_class(material, {"textile", "stuffed", "paper", "plant", "assembly"}) ||
+         material.name == "wicker";
 }
 
 // Whether it comes as films, foils, threads and veneers.
@@ -42,15 +44,17 @@ bool comes_thin(const MaterialRow& material) {
   return !of_class(material, {"ceramic", "glass", "stone", "food", "stuffed", "assembly", "other"});
 }
 
-bool drawn_true(const MeshFacts& mesh) { return mesh.mean_wall_m >= kMinResolvedRatio * min_drawn_wall_m(mesh); }
+bool drawn_true(const MeshFacts& mesh) {
+  return mesh.mean_wall_m >= kMinResolvedRatio * min_drawn_wall_m(mesh);
+}
 
 double box_area_m2(const MeshFacts& mesh) {
   const Eigen::Vector3d box_m = sorted_box_m(mesh);
   return 2 * (box_m[0] * box_m[1] + box_m[1] * box_m[2] + box_m[2] * box_m[0]);
 }
 
-// Of the stuff that it names, how much there must be by what it says of the filling; 0: nothing is said. What is filled or put
-// together may hold what it does not name, and a surface may enclose air.
+// Of the stuff that it names, how much there must be by what it says of the filling; 0: nothing is said. What
+// is filled or put together may hold what it does not name, and a surface may enclose air.
 double least_stuff_m3(const Answer& answer, const ObjectFacts& facts) {
   const MeshFacts& mesh = facts.mesh;
   for (const AnswerPart& part : answer.parts) {
@@ -96,13 +100,15 @@ std::string mass_at_odds(const Answer& answer, const ObjectFacts& facts) {
   // What is filled may hold what it does not name.
   if (answer.fill != Physics::FILLED && holds_m3 > 0 && least_m3 > holds_m3 * kRoomSlack * scale) {
     return format_text("mass_g.best: %.4g g of %s take up %.3g cm3 at least, and the object is of %.3g cm3",
-                       answer.mass_kg.best * 1e3, materials_of(answer).c_str(), least_m3 * 1e6, holds_m3 * 1e6);
+                       answer.mass_kg.best * 1e3, materials_of(answer).c_str(), least_m3 * 1e6,
+                       holds_m3 * 1e6);
   }
   const double needed_m3 = least_stuff_m3(answer, facts) / scale;
   if (most_m3 >= needed_m3) return "";
   return format_text("mass_g.best: %.4g g of %s are %.3g cm3 at most, and %s has %.3g cm3 of it at least",
                      answer.mass_kg.best * 1e3, materials_of(answer).c_str(), most_m3 * 1e6,
-                     answer.fill == Physics::SOLID ? "a thing of this size, be it hollow," : "a wall of this thickness and area",
+                     answer.fill == Physics::SOLID ? "a thing of this size, be it hollow,"
+                                                   : "a wall of this thickness and area",
                      needed_m3 * 1e6);
 }
 

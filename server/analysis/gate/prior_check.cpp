@@ -5,10 +5,10 @@
 #include <cmath>
 #include <optional>
 
-#include "analysis/gate/mass_bounds.h"
 #include "analysis/estimate/object_classes.h"
 #include "analysis/estimate/physics_values.h"
 #include "analysis/estimate/stiffness_classes.h"
+#include "analysis/gate/mass_bounds.h"
 #include "core/format_text.h"
 
 namespace livegs {
@@ -43,7 +43,8 @@ bool means(const ObjectRow& name, const ObjectRow& thing) {
                                         [&](const auto& other) { return other.label == thing.label; });
 }
 
-// Empty where the object is not known by a name. The scale is left out of it: it moves the mass, not the material.
+// Empty where the object is not known by a name. The scale is left out of it: it moves the mass, not the
+// material.
 std::vector<KnownKind> known_kinds(const ObjectClasses& found, const ObjectFacts& facts,
                                    const v1::PhysicalParameters& offline) {
   const bool named = found.match.row && found.match.tail == NameMatch::Tail::Nothing;
@@ -77,8 +78,9 @@ std::vector<KnownKind> known_kinds(const ObjectClasses& found, const ObjectFacts
   return known;
 }
 
-// Whether what it is made of is what one of the kinds may be of. What is put together may be of anything; and that a thing
-// is of another hard or of another soft material than its name says is the model's to see, where it agrees on the thing.
+// Whether what it is made of is what one of the kinds may be of. What is put together may be of anything; and
+// that a thing is of another hard or of another soft material than its name says is the model's to see, where
+// it agrees on the thing.
 bool material_fits(const Answer& answer, const ObjectClasses& found, const std::vector<KnownKind>& known) {
   const auto fits = [&](const std::string& material_class, bool agreed) {
     for (const KnownKind& kind : known) {
@@ -99,7 +101,8 @@ bool material_fits(const Answer& answer, const ObjectClasses& found, const std::
   if (any(false)) return true;
   if (!found.match.row) return false;
   const NameMatch named = match_name(answer.name);
-  const bool agreed = named.row && (means(*found.match.row, *named.row) || means(*named.row, *found.match.row));
+  const bool agreed =
+      named.row && (means(*found.match.row, *named.row) || means(*named.row, *found.match.row));
   return agreed && any(true);
 }
 
@@ -119,8 +122,9 @@ std::string rigid_at_odds(const Answer& answer, const v1::PhysicalParameters& pr
   }
   const double stiffness = young * (answer.structure_coefficient ? answer.structure_coefficient->best : 1.0);
   if (!(stiffness < kSoftStiffness_pa)) return "";
-  return format_text("behaviour: rigid does not fit s E = %.3g MPa of %s, which a hand deforms (below %g MPa)",
-                     stiffness * 1e-6, materials_of(answer).c_str(), kSoftStiffness_pa * 1e-6);
+  return format_text(
+      "behaviour: rigid does not fit s E = %.3g MPa of %s, which a hand deforms (below %g MPa)",
+      stiffness * 1e-6, materials_of(answer).c_str(), kSoftStiffness_pa * 1e-6);
 }
 
 std::string behaviour_far(const v1::PhysicalParameters& proposal, const v1::PhysicalParameters& offline,
@@ -128,7 +132,8 @@ std::string behaviour_far(const v1::PhysicalParameters& proposal, const v1::Phys
   const bool rigid = proposal.behavior() == Physics::RIGID;
   if (proposal.behavior() == offline.behavior()) return "";
   for (const KnownKind& kind : known) {
-    if (rigid ? kind.stiffness_pa.best >= kSoftStiffness_pa : kind.stiffness_pa.best <= kRigidStiffness_pa) return "";
+    if (rigid ? kind.stiffness_pa.best >= kSoftStiffness_pa : kind.stiffness_pa.best <= kRigidStiffness_pa)
+      return "";
   }
   return format_text("behaviour: %s, where a thing called \"%s\" is %s, with s E = %.3g MPa",
                      rigid ? "rigid" : "elastic", offline.label().c_str(), rigid ? "elastic" : "rigid",
@@ -149,12 +154,14 @@ std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& pr
   };
   const double s = structure.best() > 0 ? structure.best() : 1.0;
   const double fused = young.best() * s;
-  const double told = answer.youngs_modulus_pa && !is_locked(young) ? answer.youngs_modulus_pa->best * s : fused;
+  const double told =
+      answer.youngs_modulus_pa && !is_locked(young) ? answer.youngs_modulus_pa->best * s : fused;
   for (const double one : {told, fused}) {
     if (fits(one)) continue;
-    return format_text("%s: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind suggests",
-                       answer.youngs_modulus_pa ? "young_mpa.best" : "structure_s", one * 1e-6, kMaxPriorRatio,
-                       known.front().stiffness_pa.best * 1e-6);
+    return format_text(
+        "%s: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind suggests",
+        answer.youngs_modulus_pa ? "young_mpa.best" : "structure_s", one * 1e-6, kMaxPriorRatio,
+        known.front().stiffness_pa.best * 1e-6);
   }
   return "";
 }
@@ -162,7 +169,7 @@ std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& pr
 }  // namespace
 
 std::string check_prior(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
-                           const v1::PhysicalParameters& proposal) {
+                        const v1::PhysicalParameters& proposal) {
   const EstimatedValue& mass = offline.mass_kg();
   if (!is_locked(mass)) {
     if (mass.best() > 0 && far(answer.mass_kg.best, span_of(mass))) {

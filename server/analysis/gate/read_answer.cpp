@@ -5,9 +5,9 @@
 
 #include "analysis/gate/answer.h"
 #include "analysis/gate/answer_object.h"
-#include "analysis/knowledge/tables.h"
-#include "analysis/knowledge/table_search.h"
 #include "analysis/knowledge/name_match.h"
+#include "analysis/knowledge/table_search.h"
+#include "analysis/knowledge/tables.h"
 #include "analysis/text/prompt_text.h"
 
 // Steps 1 to 4 of the gate: parse, schema, order, hard ranges. The first thing that is wrong ends the
@@ -98,7 +98,8 @@ class Reader {
     }
     if (!(numbers[0] <= numbers[1] && numbers[1] <= numbers[2])) {
       const std::string unit = unit_of(field);
-      return fail("out_of_order", {{"field", field}, {"in_unit", unit.empty() ? "" : words_.say("in_unit", {{"unit", unit}})}}),
+      return fail("out_of_order", {{"field", field},
+                                   {"in_unit", unit.empty() ? "" : words_.say("in_unit", {{"unit", unit}})}}),
              std::nullopt;
     }
     if (numbers[2] > kMaxRangeRatio * numbers[0]) {
@@ -205,7 +206,8 @@ class Reader {
     if (level->is_number()) {
       answer.plasticity = number(*level, "plasticity_level", kUnitRange);
     } else if (level->is_string()) {
-      if (const auto* one = find_plasticity_level(level->get_ref<const std::string&>())) answer.plasticity = one->plasticity;
+      if (const auto* one = find_plasticity_level(level->get_ref<const std::string&>()))
+        answer.plasticity = one->plasticity;
     }
     if (!answer.plasticity && !failed())
       answer.changes.push_back("plasticity_level: is not of the ladder, left out");
@@ -275,7 +277,8 @@ class Reader {
   }
 
   // By a line of prompts/complaints.json.
-  void fail(std::string_view line, std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
+  void fail(std::string_view line,
+            std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
     if (!error_) error_ = invalid_data(words_.say(line, slots));
   }
   bool failed() const { return error_.has_value(); }
@@ -285,7 +288,8 @@ class Reader {
 
  private:
   void other_type(const json& value, const std::string& field, const char* form) {
-    fail("other_type", {{"field", field}, {"type", std::string("JSON ") + value.type_name()}, {"form", words_.say(form)}});
+    fail("other_type",
+         {{"field", field}, {"type", std::string("JSON ") + value.type_name()}, {"form", words_.say(form)}});
   }
   // Of a field's numbers.
   std::string unit_of(const std::string& field) const {

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/gate/gate.h"
-#include "analysis/gate/mass_bounds.h"
 #include "analysis/estimate/mass_model.h"
 #include "analysis/estimate/object_classes.h"
 #include "analysis/estimate/stiffness_classes.h"
+#include "analysis/gate/gate.h"
+#include "analysis/gate/mass_bounds.h"
 #include "core/format_text.h"
 
 // What an answer says of itself, held together: units, physics, consistency (steps 5 to 7 of the gate).
@@ -103,7 +103,8 @@ void mend_units(Answer& answer, const ObjectFacts& facts, const v1::PhysicalPara
 std::string general(double value) { return format_text("%g", value); }
 std::string short_text(double value) { return format_text("%.3g", value); }
 
-std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& facts, const MessageTemplates& words) {
+std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& facts,
+                                   const MessageTemplates& words) {
   const double slack = facts.scale_known ? 1.0 : kGuessedVolumeRatio;
   const double solid_m3 = std::max(facts.mesh.volume_m3, facts.mesh.hull_volume_m3);
   const double box_m3 = sorted_box_m(facts.mesh).prod();
@@ -111,11 +112,13 @@ std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& fact
   const std::string told = general(answer.mass_kg.best * 1e3);
   if (solid_m3 > 0 && answer.mass_kg.best > most_kg) {
     return invalid_data(words.say(
-        "too_dense", {{"mass", told}, {"volume", short_text(solid_m3 * 1e6)}, {"most", short_text(most_kg * 1e3)}}));
+        "too_dense",
+        {{"mass", told}, {"volume", short_text(solid_m3 * 1e6)}, {"most", short_text(most_kg * 1e3)}}));
   }
   if (box_m3 > 0 && answer.mass_kg.best < least_kg) {
     return invalid_data(words.say(
-        "too_light", {{"mass", told}, {"volume", short_text(box_m3 * 1e6)}, {"least", short_text(least_kg * 1e3)}}));
+        "too_light",
+        {{"mass", told}, {"volume", short_text(box_m3 * 1e6)}, {"least", short_text(least_kg * 1e3)}}));
   }
   return std::nullopt;
 }
@@ -132,10 +135,11 @@ std::optional<Error> make_consistent(Answer& answer, const MessageTemplates& wor
   const Span3 material = youngs_of(answer.parts);
   const std::string& name = answer.parts.front().material->name;
   if (answer.youngs_modulus_pa && !within(answer.youngs_modulus_pa->best, material, kMaterialSlack)) {
-    return invalid_data(words.say("young_of_others", {{"young", general(answer.youngs_modulus_pa->best * 1e-6)},
-                                                      {"low", short_text(material.low * 1e-6)},
-                                                      {"high", short_text(material.high * 1e-6)},
-                                                      {"material", name}}));
+    return invalid_data(
+        words.say("young_of_others", {{"young", general(answer.youngs_modulus_pa->best * 1e-6)},
+                                      {"low", short_text(material.low * 1e-6)},
+                                      {"high", short_text(material.high * 1e-6)},
+                                      {"material", name}}));
   }
   // Where no modulus is given, the stiffest part holds the rest.
   double stiffest = 0;
@@ -166,8 +170,8 @@ std::optional<Error> make_consistent(Answer& answer, const MessageTemplates& wor
 
 }  // namespace
 
-Result<Answer> validate_answer(Answer answer, const ObjectFacts& facts,
-                              const v1::PhysicalParameters& offline, const MessageTemplates& words) {
+Result<Answer> validate_answer(Answer answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
+                               const MessageTemplates& words) {
   mend_units(answer, facts, offline);
   if (auto wrong = check_physics(answer, facts, words)) return *wrong;
   if (auto wrong = make_consistent(answer, words)) return *wrong;

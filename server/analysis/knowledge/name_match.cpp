@@ -19,7 +19,8 @@ struct Place {
 };
 Place find_words(const std::string& text, const std::string& words) {
   Place last;
-  const bool hisses = words.ends_with("sh") || words.ends_with("ch") || std::string_view("sxzo").find(words.back()) != std::string::npos;
+  const bool hisses = words.ends_with("sh") || words.ends_with("ch") ||
+                      std::string_view("sxzo").find(words.back()) != std::string::npos;
   for (size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) {
     if (at != 0 && text[at - 1] != ' ') continue;
     for (const std::string_view plural : {"", "s", "es"}) {
@@ -47,8 +48,8 @@ std::string joined(std::string words) {
   return words;
 }
 
-// Where an alias stands when its words are written together, or apart: "hotdog" for "hot dog", "bird house" for
-// "birdhouse". Short ones are left alone: chance writes them too.
+// Where an alias stands when its words are written together, or apart: "hotdog" for "hot dog", "bird house"
+// for "birdhouse". Short ones are left alone: chance writes them too.
 constexpr size_t kMinJoinedLength = 6;
 Place find_joined(const std::string& text, const std::string& alias) {
   const std::string together = joined(alias);
@@ -64,13 +65,22 @@ Place find_joined(const std::string& text, const std::string& alias) {
 }
 
 // Words people use for a whole class of materials.
-constexpr std::pair<const char*, const char*> kClassWords[] = {
-    {"fur", "plush"},
-    {"wooden", "hardwood"},        {"wood", "hardwood"},         {"metal", "aluminium"},
-    {"steel", "carbon steel"},     {"glass", "soda-lime glass"}, {"ceramic", "stoneware"},
-    {"clay", "terracotta"},        {"stone", "granite"},         {"plastic", "polypropylene"},
-    {"rubber", "natural rubber"},  {"felt", "wool felt"},        {"bronze", "brass"},
-    {"foam", "polyurethane foam"}, {"fabric", "cotton fabric"},  {"paper", "paper stack"}};
+constexpr std::pair<const char*, const char*> kClassWords[] = {{"fur", "plush"},
+                                                               {"wooden", "hardwood"},
+                                                               {"wood", "hardwood"},
+                                                               {"metal", "aluminium"},
+                                                               {"steel", "carbon steel"},
+                                                               {"glass", "soda-lime glass"},
+                                                               {"ceramic", "stoneware"},
+                                                               {"clay", "terracotta"},
+                                                               {"stone", "granite"},
+                                                               {"plastic", "polypropylene"},
+                                                               {"rubber", "natural rubber"},
+                                                               {"felt", "wool felt"},
+                                                               {"bronze", "brass"},
+                                                               {"foam", "polyurethane foam"},
+                                                               {"fabric", "cotton fabric"},
+                                                               {"paper", "paper stack"}};
 
 bool names_a_class(const std::string& alias) {
   return std::any_of(std::begin(kClassWords), std::end(kClassWords),
@@ -81,7 +91,8 @@ bool names_a_class(const std::string& alias) {
 bool names_a_material(const std::string& word) {
   const MaterialRow* row = find_material_row(word);
   if (!row) return names_a_class(word);
-  for (const char* of : {"metal", "stone", "wood", "glass", "ceramic", "plastic", "elastomer", "foam", "textile"}) {
+  for (const char* of :
+       {"metal", "stone", "wood", "glass", "ceramic", "plastic", "elastomer", "foam", "textile"}) {
     if (row->material_class == of) return true;
   }
   return false;
@@ -93,15 +104,17 @@ struct Found {
   const std::string* alias = nullptr;
   Place place;
   bool exact = true;  // else its words are written together, or apart
-  size_t part = 0;  // of the name, between prepositions; the first is the thing
+  size_t part = 0;    // of the name, between prepositions; the first is the thing
   NameMatch::Tail tail = NameMatch::Tail::Nothing;
   std::string tail_words;
 };
 
 void look_behind(const std::string& part_of_name, size_t from, Found& found) {
-  for (const std::string& word : words_of(std::string_view(part_of_name).substr(std::min(from, part_of_name.size())))) {
+  for (const std::string& word :
+       words_of(std::string_view(part_of_name).substr(std::min(from, part_of_name.size())))) {
     if (is_stop_word(word) || names_a_material(word)) continue;
-    found.tail = is_head_noun(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;  // the last one's
+    found.tail =
+        is_head_noun(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;  // the last one's
     found.tail_words += (found.tail_words.empty() ? "" : " ") + word;
   }
 }
@@ -112,7 +125,8 @@ bool better(const Found& a, const Found& b) {
     const bool ends = one.tail == NameMatch::Tail::Nothing;
     const size_t size = one.exact ? one.alias->size() : joined(*one.alias).size(), end = one.place.end;
     // "wood" alone is a block; a "wood bed" is a bed.
-    return std::tuple(!names_a_class(*one.alias), ~one.part, ends, ends ? size : end, ends ? end : size, one.exact);
+    return std::tuple(!names_a_class(*one.alias), ~one.part, ends, ends ? size : end, ends ? end : size,
+                      one.exact);
   };
   return weight(a) > weight(b);
 }
@@ -185,12 +199,14 @@ NameMatch match_name(std::string_view name) {
   // What is packed has a row of its own, which knows what it weighs: a can of tuna.
   const size_t next = thing->part + 1;
   const bool holds = holds_things(*thing->row) && thing->place.end <= parts[thing->part].end;
-  if (holds && next < parts.size() && parts[next].of && best[next].row && is_packed(*best[next].row)) thing = &best[next];
+  if (holds && next < parts.size() && parts[next].of && best[next].row && is_packed(*best[next].row))
+    thing = &best[next];
   NameMatch match{thing->row, *thing->alias, thing->tail, thing->tail_words};
   // "slice of bread": the thing stands before it, and is not known.
   if (thing->part > 0 && match.tail == NameMatch::Tail::Nothing && !best[thing->part - 1].row) {
     const Part& before = parts[thing->part - 1];
-    for (const std::string& word : words_of(std::string_view(words).substr(before.begin, before.end - before.begin))) {
+    for (const std::string& word :
+         words_of(std::string_view(words).substr(before.begin, before.end - before.begin))) {
       if (is_stop_word(word) || names_a_material(word)) continue;
       match.tail = is_head_noun(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;
       match.tail_words = word;

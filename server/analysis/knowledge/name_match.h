@@ -8,20 +8,21 @@
 
 namespace livegs {
 
-// A name as it is compared: lower case, plain letters, digits and separators to single spaces, "lego_house_50k" to "lego
-// house k".
+// A name as it is compared: lower case, plain letters, digits and separators to single spaces,
+// "lego_house_50k" to "lego house k".
 std::string normalised_name(std::string_view name);
 
-// The row of the object table a name speaks of, and by which of its names. All its words stand together in the name, a
-// plural s or es allowed, "hotdog" for "hot dog" and the other way round. The one that ends the name is the thing
-// ("kitchen scale", "curtain rod"), of several the longest; what stands behind a preposition is not ("cup with a lid"),
-// and of "can of tuna" it is the tuna that has a row of its own. A word for a class of materials ("wood", "glass") counts
-// only where nothing else does. `row` is null when there is none.
+// The row of the object table a name speaks of, and by which of its names. All its words stand together in
+// the name, a plural s or es allowed, "hotdog" for "hot dog" and the other way round. The one that ends the
+// name is the thing
+// ("kitchen scale", "curtain rod"), of several the longest; what stands behind a preposition is not ("cup
+// with a lid"), and of "can of tuna" it is the tuna that has a row of its own. A word for a class of
+// materials ("wood", "glass") counts only where nothing else does. `row` is null when there is none.
 struct NameMatch {
   const ObjectRow* row = nullptr;
   std::string alias;
-  // What stands behind it in the name, but for colours and the like. Of a "cake stand" the cake says little, of a "mug
-  // tuesday" the mug a lot.
+  // What stands behind it in the name, but for colours and the like. Of a "cake stand" the cake says little,
+  // of a "mug tuesday" the mug a lot.
   enum class Tail { Nothing, Unknown, AnotherThing };
   Tail tail = Tail::Nothing;
   std::string tail_words;  // "stand"; empty for Nothing

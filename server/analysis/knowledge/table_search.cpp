@@ -146,13 +146,15 @@ std::vector<const MaterialRow*> similar_materials(const MaterialRow& material, s
   std::vector<std::pair<double, const MaterialRow*>> others;
   for (const MaterialRow& row : material_table()) {
     if (row.name == material.name) continue;
-    const double apart = std::abs(std::log(row.density_kg_m3.best / material.density_kg_m3.best)) +
-                         kModulusWeight * std::abs(std::log(row.youngs_modulus_pa.best / material.youngs_modulus_pa.best)) +
-                         (row.material_class == material.material_class ? 0 : kOtherClass) +
-                         (row.fragile == material.fragile ? 0 : kOtherFragility);
+    const double apart =
+        std::abs(std::log(row.density_kg_m3.best / material.density_kg_m3.best)) +
+        kModulusWeight * std::abs(std::log(row.youngs_modulus_pa.best / material.youngs_modulus_pa.best)) +
+        (row.material_class == material.material_class ? 0 : kOtherClass) +
+        (row.fragile == material.fragile ? 0 : kOtherFragility);
     others.push_back({apart, &row});
   }
-  std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(others.begin(), others.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<const MaterialRow*> nearest;
   for (std::size_t i = 0; i < std::min(count, others.size()); ++i) nearest.push_back(others[i].second);
   return nearest;

@@ -23,8 +23,8 @@ struct KnowledgeHit {
 // any thread.
 std::vector<KnowledgeHit> search_knowledge(std::string_view query, std::size_t count);
 
-// The materials that are most like one, itself left out: nearest in the logarithms of density and modulus, of the same class
-// and as fragile first. `count` of them, or all others.
+// The materials that are most like one, itself left out: nearest in the logarithms of density and modulus, of
+// the same class and as fragile first. `count` of them, or all others.
 std::vector<const MaterialRow*> similar_materials(const MaterialRow& material, std::size_t count);
 
 // The row with this id, or the one whose bare name it is (materials first).

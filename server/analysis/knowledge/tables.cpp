@@ -103,7 +103,8 @@ std::vector<ObjectRow> parse_objects() {
 
 std::vector<PlasticityLevel> parse_ladder() {
   std::vector<PlasticityLevel> ladder;
-  for (const auto& row : rows_of(kPlasticityCsv, 3)) ladder.push_back({number(row[0]), row[1], split(row[2], '|')});
+  for (const auto& row : rows_of(kPlasticityCsv, 3))
+    ladder.push_back({number(row[0]), row[1], split(row[2], '|')});
   LIVEGS_ASSERT(!ladder.empty());
   return ladder;
 }
@@ -161,8 +162,8 @@ std::string PlasticityLevel::text() const {
 
 const PlasticityLevel* find_plasticity_level(std::string_view word) {
   for (const PlasticityLevel& one : plasticity_ladder()) {
-    if (!word.empty() && (one.level == word || std::find(one.references.begin(), one.references.end(), word) !=
-                                                   one.references.end())) {
+    if (!word.empty() && (one.level == word || std::find(one.references.begin(), one.references.end(),
+                                                         word) != one.references.end())) {
       return &one;
     }
   }

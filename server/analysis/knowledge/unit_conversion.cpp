@@ -75,7 +75,8 @@ const Unit* find_unit(std::string_view name) {
 
 }  // namespace
 
-Result<double> convert_unit(double value, std::string_view from, std::string_view to, const MessageTemplates& words) {
+Result<double> convert_unit(double value, std::string_view from, std::string_view to,
+                            const MessageTemplates& words) {
   const Unit* source = find_unit(from);
   const Unit* target = find_unit(to);
   if (!source) return invalid_argument(words.say("from_unknown"));

@@ -94,8 +94,8 @@ void AnswerCache::keep_failure(const std::string& key, const std::string& messag
   if (folder_.empty()) return;
   std::error_code ignored;
   std::filesystem::create_directories(folder_, ignored);
-  const std::string text = Json{{"until_ns", until_ns}, {"message", message}}.dump(
-      1, ' ', false, Json::error_handler_t::replace);
+  const std::string text =
+      Json{{"until_ns", until_ns}, {"message", message}}.dump(1, ' ', false, Json::error_handler_t::replace);
   if (auto written = write_file_atomically(failure_path(folder_, key), text); !written) {
     log_debug("analysis: the failure is not kept for later: %s", written.error().message.c_str());
   }

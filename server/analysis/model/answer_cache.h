@@ -14,9 +14,9 @@
 namespace livegs {
 
 // Answers that passed the gate, by the hash of everything that was asked: the same question is not asked
-// twice. They are kept for ever, failures for ten minutes, in `folder` if there is one, so that a program that is run
-// again does not pay for the same refusal. The answer is kept as it came, with its transcript unless that is longer than a megabyte, and judged again.
-// Any thread.
+// twice. They are kept for ever, failures for ten minutes, in `folder` if there is one, so that a program
+// that is run again does not pay for the same refusal. The answer is kept as it came, with its transcript
+// unless that is longer than a megabyte, and judged again. Any thread.
 class AnswerCache {
  public:
   static constexpr int64_t kFailureLifetime_ns = 600'000'000'000;

@@ -44,7 +44,7 @@ struct RawAnswer {
   std::string
       transcript;  // JSON lines, one a request, reply and tool call; without the key and without image bytes
   std::vector<std::string>
-      warnings;  // for people: "the prompt was cut to 4096 tokens; set OLLAMA_CONTEXT_LENGTH"
+      warnings;        // for people: "the prompt was cut to 4096 tokens; set OLLAMA_CONTEXT_LENGTH"
   bool blind = false;  // the server takes no pictures: it was asked without those of the question
 };
 
@@ -62,8 +62,8 @@ class Conversation {
 
 // For people and dashboards; holds no secret.
 struct EndpointState {
-  std::string name;   // "http://127.0.0.1:11434/v1", "recorded in DIR"
-  std::string model;  // empty until known
+  std::string name;            // "http://127.0.0.1:11434/v1", "recorded in DIR"
+  std::string model;           // empty until known
   std::string prompt_version;  // of the texts it asks with, as in RawAnswer
   bool breaker_open = false;
   std::string breaker_reason;  // one line, empty while closed
@@ -77,8 +77,8 @@ class ModelEndpoint {
   virtual ~ModelEndpoint() = default;
   // Never blocks, never fails: what is wrong with the endpoint is told by ask().
   virtual std::unique_ptr<Conversation> start(ToolBox tools) = 0;
-  // Finds out what a question's hash has to know, such as the model where none is named. Blocks for a moment; what
-  // fails here is told by ask().
+  // Finds out what a question's hash has to know, such as the model where none is named. Blocks for a moment;
+  // what fails here is told by ask().
   virtual void get_ready(std::stop_token) {}
   virtual EndpointState state() const = 0;
   // What an object's facts, complaints and tools are worded with; lives as long as this.

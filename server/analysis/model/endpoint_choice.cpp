@@ -48,7 +48,8 @@ std::string_view without_slashes(std::string_view url) {
   return url;
 }
 
-// A key belongs to one address, that of OPENAI_BASE_URL, and where that is not set to OpenAI's, as for other programs.
+// A key belongs to one address, that of OPENAI_BASE_URL, and where that is not set to OpenAI's, as for other
+// programs.
 void take_url(const std::string& url, EndpointSettings& settings) {
   const char* key = std::getenv("OPENAI_API_KEY");
   const std::string home = settings.base_url.empty() ? kOpenAiUrl : settings.base_url;
@@ -64,7 +65,8 @@ void take_url(const std::string& url, EndpointSettings& settings) {
 }
 
 // Whoever gives a folder wants to hear what is wrong with it, also where nobody is asked.
-Result<std::unique_ptr<ModelEndpoint>> unused_prompts(const EndpointChoice& choice, std::unique_ptr<ModelEndpoint> none) {
+Result<std::unique_ptr<ModelEndpoint>> unused_prompts(const EndpointChoice& choice,
+                                                      std::unique_ptr<ModelEndpoint> none) {
   if (choice.prompts.empty()) return none;
   const auto prompts = PromptSet::load(choice.prompts);
   if (!prompts) return prompts.error();
@@ -86,10 +88,12 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   const bool told = !choice.url.empty() || !choice.model.empty() || !choice.record.empty();
   if (choice.offline && (told || !choice.recorded.empty())) {
     return invalid_argument(
-        "--offline: asks nobody; leave it out, or leave out --endpoint, --model, --record-answers and --recorded");
+        "--offline: asks nobody; leave it out, or leave out --endpoint, --model, --record-answers and "
+        "--recorded");
   }
   if (!choice.recorded.empty() && told) {
-    return invalid_argument("--recorded: replays a folder; leave out --endpoint, --model and --record-answers");
+    return invalid_argument(
+        "--recorded: replays a folder; leave out --endpoint, --model and --record-answers");
   }
   std::unique_ptr<ModelEndpoint> none;
   if (choice.offline) return unused_prompts(choice, std::move(none));

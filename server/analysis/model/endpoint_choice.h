@@ -18,8 +18,9 @@ struct EndpointChoice {
   std::filesystem::path recorded;  // answers of this folder and no others
   std::filesystem::path record;    // ask, and keep the answers here
   std::filesystem::path prompts;   // a folder whose files take the place of the prompts of the same names
-  std::string price;        // "0.15,0.60": US dollars a million tokens, in and out; empty: LIVEGS_PRICE
-  double deadline_s = 0;    // of one question with all its repeats; 0: LIVEGS_MODEL_DEADLINE_S, else the endpoint's own
+  std::string price;  // "0.15,0.60": US dollars a million tokens, in and out; empty: LIVEGS_PRICE
+  double deadline_s =
+      0;  // of one question with all its repeats; 0: LIVEGS_MODEL_DEADLINE_S, else the endpoint's own
   bool web_search = false;  // one search an object before the answer, where the server has one
 };
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "analysis/knowledge/table_search.h"
 #include "analysis/estimate/object_classes.h"
 #include "analysis/estimate/physics_values.h"
+#include "analysis/knowledge/table_search.h"
 #include "analysis/text/prompt_text.h"
 #include "core/format_text.h"
 
@@ -39,7 +39,8 @@ std::string told_text(const v1::PhysicalParameters& known, Words words) {
 std::string mesh_text(const MeshFacts& mesh, Words words) {
   const Eigen::Vector3d box_cm = 100 * sorted_box_m(mesh);
   std::string more;
-  if (mesh.openness > 0.15) more += words.say("mesh_open", {{"share", format_text("%.0f", 100 * mesh.openness)}});
+  if (mesh.openness > 0.15)
+    more += words.say("mesh_open", {{"share", format_text("%.0f", 100 * mesh.openness)}});
   if (mesh.thin_sheet > 0.3) more += words.say("mesh_sheet");
   if (mesh.rod > 0.3) more += words.say("mesh_rod");
   if (mesh.piece_count > 1) more += words.say("mesh_pieces", {{"count", std::to_string(mesh.piece_count)}});
@@ -55,8 +56,8 @@ std::string mesh_text(const MeshFacts& mesh, Words words) {
 
 std::string looks_text(const AppearanceFacts& look, Words words) {
   const auto byte = [](float channel) { return static_cast<int>(255 * channel + 0.5f); };
-  return words.say("looks", {{"rgb", format_text("%02x%02x%02x", byte(look.mean_rgb.x()), byte(look.mean_rgb.y()),
-                                                 byte(look.mean_rgb.z()))},
+  return words.say("looks", {{"rgb", format_text("%02x%02x%02x", byte(look.mean_rgb.x()),
+                                                 byte(look.mean_rgb.y()), byte(look.mean_rgb.z()))},
                              {"saturation", format_text("%.2f", look.saturation)},
                              {"hue_spread", format_text("%.2f", look.hue_spread)},
                              {"opacity", format_text("%.2f", look.mean_opacity)},
@@ -69,10 +70,12 @@ std::string neighbours_text(std::span<const SceneObjectFacts> neighbours, Words 
   for (size_t i = 0; i < told; ++i) {
     const SceneObjectFacts& other = neighbours[neighbours.size() - 1 - i];  // newest first
     std::string known;
-    if (other.mass_kg > 0) known += words.say("neighbour_mass", {{"mass", format_text("%.4g", 1e3 * other.mass_kg)}});
+    if (other.mass_kg > 0)
+      known += words.say("neighbour_mass", {{"mass", format_text("%.4g", 1e3 * other.mass_kg)}});
     // A sidecar may say anything.
     for (const std::string& word : {other.material, other.behavior}) {
-      if (!word.empty()) known += words.say("neighbour_word", {{"word", line_text(word, kMaxMaterialLength)}});
+      if (!word.empty())
+        known += words.say("neighbour_word", {{"word", line_text(word, kMaxMaterialLength)}});
     }
     lines += (lines.empty() ? "" : "\n") +
              words.say("neighbour", {{"name", quoted_text(other.name)},
@@ -97,18 +100,22 @@ std::string material_line(const MaterialRow& row, Words words) {
                                 {"fragile", row.fragile ? words.say("material_fragile") : ""}});
 }
 
-// The materials of the likely kinds, likeliest first, of their parts, and then what is most like the first of them.
+// The materials of the likely kinds, likeliest first, of their parts, and then what is most like the first of
+// them.
 std::string materials_text(const ObjectClasses& kinds, Words words) {
   std::vector<const MaterialRow*> nearest;
   const auto add = [&](const MaterialRow* material) {
-    if (nearest.size() < kSimilarMaterialCount && std::find(nearest.begin(), nearest.end(), material) == nearest.end())
+    if (nearest.size() < kSimilarMaterialCount &&
+        std::find(nearest.begin(), nearest.end(), material) == nearest.end())
       nearest.push_back(material);
   };
-  for (const ObjectClass& kind : kinds.kinds) add(kind.material ? kind.material : &material_row(kind.row->material));
+  for (const ObjectClass& kind : kinds.kinds)
+    add(kind.material ? kind.material : &material_row(kind.row->material));
   for (const ObjectClass& kind : kinds.kinds) {
     for (const ObjectPart& part : kind.row->parts) add(find_material_row(part.material));
   }
-  for (const MaterialRow* material : similar_materials(*nearest.front(), kSimilarMaterialCount)) add(material);
+  for (const MaterialRow* material : similar_materials(*nearest.front(), kSimilarMaterialCount))
+    add(material);
   std::string lines;
   for (const MaterialRow* row : nearest) {
     if (!lines.empty()) lines += '\n';

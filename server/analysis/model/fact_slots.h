@@ -6,8 +6,8 @@
 #include <string>
 
 #include "analysis/estimate.h"
-#include "analysis/text/message_templates.h"
 #include "analysis/model/tool_box.h"
+#include "analysis/text/message_templates.h"
 
 namespace livegs {
 

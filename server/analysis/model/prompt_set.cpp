@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "analysis/knowledge/tables.h"
+#include "analysis/model/tool_box.h"
 #include "analysis/text/prompt_slots.h"
 #include "analysis/text/prompt_text.h"
-#include "analysis/model/tool_box.h"
 #include "answer.schema.json.h"
 #include "answer_in_text.md.h"
 #include "answer_turn.md.h"
@@ -74,7 +74,8 @@ SlotNames known_slots(std::string_view file) {
 }
 
 bool holds_lines(std::string_view file) {  // checked line by line
-  return std::find(std::begin(MessageTemplates::kFiles), std::end(MessageTemplates::kFiles), file) != std::end(MessageTemplates::kFiles);
+  return std::find(std::begin(MessageTemplates::kFiles), std::end(MessageTemplates::kFiles), file) !=
+         std::end(MessageTemplates::kFiles);
 }
 
 // A person's own text in place of a file.
@@ -82,8 +83,9 @@ Result<std::string> read_own(const std::filesystem::path& path, const BuiltIn& f
   auto text = read_text_file(path, kMaxPromptBytes);
   if (!text) return text;
   if (file.slot && text->find(file.slot) == std::string::npos) {
-    return invalid_data(path.string() + ": has no " + file.slot +
-                        ": write it where that is to stand, or delete the file so that the built-in one counts");
+    return invalid_data(
+        path.string() + ": has no " + file.slot +
+        ": write it where that is to stand, or delete the file so that the built-in one counts");
   }
   if (holds_lines(file.name)) return text;
   if (auto checked = check_slots(*text, known_slots(file.name)); !checked) {
@@ -99,7 +101,8 @@ void tell_of_strangers(const std::filesystem::path& folder) {
   std::error_code failed;
   for (const auto& entry : std::filesystem::directory_iterator(folder, failed)) {
     const std::string name = entry.path().filename().string();
-    if (names.contains(name) || name == "README.md" || name == "judged.json" || name.starts_with('.')) continue;
+    if (names.contains(name) || name == "README.md" || name == "judged.json" || name.starts_with('.'))
+      continue;
     const std::string meant = meant_word(name, names);
     log_warn("%s: is not read, no prompt has this name%s", line_text(entry.path().string(), 300).c_str(),
              meant.empty() ? "" : ("; if " + meant + " is meant, rename it").c_str());

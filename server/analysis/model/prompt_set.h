@@ -17,8 +17,8 @@ namespace livegs {
 class PromptSet {
  public:
   // What is compiled in, with the files of `folder` in place of those of the same name; an empty path: none.
-  // Fails on a file that is not what its name says: no JSON, a template without its slots or with one that nothing fills. The
-  // message has the file's path. A file of another name is told in the log and not read.
+  // Fails on a file that is not what its name says: no JSON, a template without its slots or with one that
+  // nothing fills. The message has the file's path. A file of another name is told in the log and not read.
   static Result<PromptSet> load(const std::filesystem::path& folder);
 
   const std::string& version() const { return version_; }  // "1-3f2a9c01d2e4"
@@ -28,7 +28,8 @@ class PromptSet {
   std::string tools_turn() const;
   std::string answer_turn(bool schema_in_words) const;
   std::string repair(std::string_view problem) const;
-  std::string caption(const std::string& name) const;  // of a picture: its words, or the name where there are none
+  std::string caption(
+      const std::string& name) const;  // of a picture: its words, or the name where there are none
   std::string search(const std::map<std::string, std::string>& slots) const;
 
   const MessageTemplates& words() const { return words_; }

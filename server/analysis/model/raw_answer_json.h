@@ -6,7 +6,8 @@
 #include "analysis/model/conversation.h"
 #include "analysis/text/json_text.h"
 
-// The JSON form of a RawAnswer, in the answer cache and in recordings. `blind` is written only where it is true.
+// The JSON form of a RawAnswer, in the answer cache and in recordings. `blind` is written only where it is
+// true.
 
 namespace livegs {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "analysis/text/json_text.h"
 #include "analysis/model/model_endpoint.h"
 #include "analysis/model/prompt_set.h"
-#include "analysis/text/prompt_text.h"
 #include "analysis/model/question_slots.h"
 #include "analysis/model/raw_answer_json.h"
+#include "analysis/text/json_text.h"
+#include "analysis/text/prompt_text.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -133,13 +133,15 @@ class RecordedExchange final : public Conversation {
     const Json* kept =
         parsed && text_member(*parsed, "format") == kFormat ? member(*parsed, "answer") : nullptr;
     auto answer = kept ? read_raw_answer(*kept) : std::nullopt;
-    if (!answer) return invalid_data(file.string() + ": not a recorded answer; delete it and record it again");
+    if (!answer)
+      return invalid_data(file.string() + ": not a recorded answer; delete it and record it again");
     return std::move(*answer);
   }
 
   Result<void> write(const std::filesystem::path& file, const OrderedJson& asked,
                      const RawAnswer& answer) const {
-    const OrderedJson recording = {{"format", kFormat}, {"asked", asked}, {"answer", raw_answer_json(answer)}};
+    const OrderedJson recording = {
+        {"format", kFormat}, {"asked", asked}, {"answer", raw_answer_json(answer)}};
     if (auto written = write_file_atomically(file, dump_json(recording) + "\n"); !written) return written;
     const OrderedJson head = {{"format", kFormat}, {"model", endpoint_.model()}};
     return write_file_atomically(endpoint_.folder() / "endpoint.json", dump_json(head) + "\n");

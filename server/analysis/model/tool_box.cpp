@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/text/json_text.h"
-#include "analysis/knowledge/table_search.h"
 #include "analysis/knowledge/name_match.h"
-#include "analysis/text/prompt_text.h"
+#include "analysis/knowledge/table_search.h"
 #include "analysis/knowledge/unit_conversion.h"
+#include "analysis/text/json_text.h"
+#include "analysis/text/prompt_text.h"
 #include "core/format_text.h"
 
 namespace livegs {
@@ -110,7 +110,8 @@ class Arguments {
     return nullptr;
   }
   // By a line of prompts/tool_words.json.
-  void wrong(std::string_view line, std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
+  void wrong(std::string_view line,
+             std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
     if (error_.empty()) error_ = words_.say(line, slots);
   }
   void wrong_as(std::string text) {
@@ -206,8 +207,7 @@ Answer mass_from_parts(const ToolBox& box, Arguments& in) {
     const std::optional<double> volume_cm3 = part.optional_number("volume_cm3", 0, 1e9);
     const std::optional<double> area_cm2 = part.optional_number("area_cm2", 0, 1e7);
     const std::optional<double> thickness_mm = part.optional_number("thickness_mm", 0, 1e4);
-    if (!volume_cm3 && !(area_cm2 && thickness_mm))
-      part.wrong("part_no_volume");
+    if (!volume_cm3 && !(area_cm2 && thickness_mm)) part.wrong("part_no_volume");
     if (!part.error().empty()) {
       in.wrong("part_wrong", {{"index", std::to_string(i)}, {"problem", part.error()}});
       return {};
@@ -256,7 +256,8 @@ Answer mesh_facts_of(const ToolBox& box, Arguments& in) {
     return {};
   }
   return {{"size_m", {rounded(mesh.size_m.x()), rounded(mesh.size_m.y()), rounded(mesh.size_m.z())}},
-          {"scale", box.words().say(box.object().scale_known ? "measured_scale_known" : "measured_scale_guessed")},
+          {"scale",
+           box.words().say(box.object().scale_known ? "measured_scale_known" : "measured_scale_guessed")},
           {"enclosed_volume_cm3", rounded(mesh.volume_m3 * 1e6)},
           {"hull_volume_cm3", rounded(mesh.hull_volume_m3 * 1e6)},
           {"area_cm2", rounded(mesh.area_m2 * 1e4)},

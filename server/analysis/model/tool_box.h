@@ -9,9 +9,9 @@
 #include "analysis/estimate.h"
 #include "analysis/text/message_templates.h"
 
-// The functions a language model may call while it looks at one object. Every one is total: any arguments, however
-// wrong, give a JSON object back, {"error": ...} where they make no sense. They read the tables and what is known of
-// the object and its scene; none touches a file, a shell or the network. Pure; any thread.
+// The functions a language model may call while it looks at one object. Every one is total: any arguments,
+// however wrong, give a JSON object back, {"error": ...} where they make no sense. They read the tables and
+// what is known of the object and its scene; none touches a file, a shell or the network. Pure; any thread.
 
 namespace livegs {
 

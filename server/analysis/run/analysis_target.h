@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "analysis/model/answer_cache.h"
 #include "analysis/estimate.h"
-#include "analysis/model/conversation.h"
 #include "analysis/gate/gate.h"
+#include "analysis/model/answer_cache.h"
+#include "analysis/model/conversation.h"
 
 // What the analysis of a scene (analyze_scene.h) is given of each object, and what it says of it.
 
@@ -20,8 +20,8 @@ namespace livegs {
 struct AnalysisTarget {
   uint32_t object_id = 0;
   std::shared_ptr<const ObjectFacts> facts;
-  // What it has without any model's answer: the estimate, a person's edits, the scene author's words (sources PERSON and
-  // SCENE). Answers are asked for with it and weighed against it.
+  // What it has without any model's answer: the estimate, a person's edits, the scene author's words (sources
+  // PERSON and SCENE). Answers are asked for with it and weighed against it.
   v1::PhysicalParameters offline;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
 };
@@ -35,9 +35,9 @@ struct AnalysisNeighbour {
 
 // One look at an object.
 struct TargetView {
-  std::vector<AnalysisImage> images;  // what a model is shown
-  std::string camera;                 // where it was taken from, in words, for a person
-  AnalysisImage mask = {};            // where the object is seen, for a person; may be empty
+  std::vector<AnalysisImage> images;              // what a model is shown
+  std::string camera;                             // where it was taken from, in words, for a person
+  AnalysisImage mask = {};                        // where the object is seen, for a person; may be empty
   std::map<std::string, std::string> slots = {};  // camera and object in figures, for the model: camera_slots
 };
 // Makes the looks, best first; called on threads of the analysis, for several objects at a time, while the
@@ -81,11 +81,11 @@ inline constexpr size_t kContextLag = 4;
 inline constexpr size_t kMaxNeighbours = 12;
 
 struct AnalysisOptions {
-  int views = 1;                 // 1 or 3; more than one is a vote
-  AnswerCache* cache = nullptr;  // outlives the call
+  int views = 1;                                   // 1 or 3; more than one is a vote
+  AnswerCache* cache = nullptr;                    // outlives the call
   std::vector<AnalysisNeighbour> neighbours = {};  // told to the model besides the targets themselves
-  bool behind = true;            // pictures are drawn only with what others leave of the cores
-  std::string prompt_version;    // part of what a cached answer belongs to
+  bool behind = true;          // pictures are drawn only with what others leave of the cores
+  std::string prompt_version;  // part of what a cached answer belongs to
 };
 
 }  // namespace livegs

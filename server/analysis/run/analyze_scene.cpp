@@ -26,7 +26,8 @@ void step_behind() {
   set_serial_here(true);
 }
 
-SceneObjectFacts facts_for_others(const AnalysisNeighbour& one, bool analysed, const Eigen::Vector3d& from_m) {
+SceneObjectFacts facts_for_others(const AnalysisNeighbour& one, bool analysed,
+                                  const Eigen::Vector3d& from_m) {
   SceneObjectFacts facts;
   const v1::PhysicalParameters& known = one.known;
   facts.name = one.facts->name;
@@ -61,8 +62,8 @@ class Course {
     while (first_open_ < done_.size() && done_[first_open_]) ++first_open_;
     changed_.notify_all();
   }
-  // At most kMaxNeighbours: estimates, then those that a person, the scene or a model told of before, each the nearest
-  // last; then those that are done as far back as it may see them, the newest last.
+  // At most kMaxNeighbours: estimates, then those that a person, the scene or a model told of before, each
+  // the nearest last; then those that are done as far back as it may see them, the newest last.
   std::vector<SceneObjectFacts> neighbours_of(size_t index) {
     std::lock_guard lock(mutex_);
     std::vector<SceneObjectFacts> estimated, told, analysed;

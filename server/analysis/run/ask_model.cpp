@@ -63,7 +63,8 @@ void add_to(v1::AnalysisRecord& record, const RawAnswer& answer) {
 }
 
 // Steps 1 to 7 of the gate.
-Result<Answer> read_and_examine(const std::string& json, const AnalysisTarget& target, const MessageTemplates& words) {
+Result<Answer> read_and_examine(const std::string& json, const AnalysisTarget& target,
+                                const MessageTemplates& words) {
   auto answer = read_answer(json, words);
   if (!answer) return answer.error();
   return validate_answer(std::move(*answer), *target.facts, target.offline, words);

@@ -232,7 +232,8 @@ std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& upd
   html += "<h2>Values</h2>\n" + value_table(now, asked ? &target.offline : nullptr);
   html += "<p>Behaviour: " + word(v1::Physics::Behavior_Name(now.behavior())) + "; " +
           escaped(now.behavior_reason()) + "<br>Fill: " + word(v1::Physics::Fill_Name(now.fill())) + "; " +
-          escaped(now.fill_reason()) + "<br>Fragile: " + (now.fragile() ? "yes" : "no") + parts_text(now) + "</p>\n";
+          escaped(now.fill_reason()) + "<br>Fragile: " + (now.fragile() ? "yes" : "no") + parts_text(now) +
+          "</p>\n";
   if (verdict == Verdict::NeedsReview) {
     html += "<h2>The proposal</h2>\n" + value_table(update.judgement.proposal, &target.offline);
   }

@@ -13,8 +13,8 @@
 namespace livegs {
 namespace {
 
-// One core each at most; `behind`, a small part of it while others want it. Not the idle class, which beside busy
-// programs gets nothing at all for minutes.
+// One core each at most; `behind`, a small part of it while others want it. Not the idle class, which beside
+// busy programs gets nothing at all for minutes.
 constexpr int kBackgroundNice = 15;
 void become_drawer(bool behind) {
   pthread_setname_np(pthread_self(), "views");
@@ -25,7 +25,7 @@ void become_drawer(bool behind) {
 }  // namespace
 
 ViewPrefetcher::ViewPrefetcher(std::span<const AnalysisTarget> targets, const TargetViews& views,
-                       const AnalysisOptions& options, std::stop_token stop)
+                               const AnalysisOptions& options, std::stop_token stop)
     : targets_(targets),
       views_(views),
       count_(options.views),

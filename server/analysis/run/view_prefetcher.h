@@ -22,7 +22,7 @@ class ViewPrefetcher {
 
   // `targets` and `views` outlive this.
   ViewPrefetcher(std::span<const AnalysisTarget> targets, const TargetViews& views,
-             const AnalysisOptions& options, std::stop_token stop);
+                 const AnalysisOptions& options, std::stop_token stop);
   ~ViewPrefetcher();  // stops what is being made
 
   struct Made {

@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <vector>
 
-#include "analysis/gate/answer.h"
 #include "analysis/estimate.h"
 #include "analysis/estimate/physics_values.h"
+#include "analysis/gate/answer.h"
 
 namespace livegs {
 namespace {
@@ -128,7 +128,8 @@ std::string overridden_edits(const Physics& edits, const Physics& written) {
     names += (names.empty() ? "" : ", ") + field->name();
   }
   if (names.empty()) return {};
-  return "the edit of " + names + " has no effect, because the scene file writes it; take it out of there to edit it here";
+  return "the edit of " + names +
+         " has no effect, because the scene file writes it; take it out of there to edit it here";
 }
 
 std::string physics_name(std::string_view name) { return shown_text(name, 80); }

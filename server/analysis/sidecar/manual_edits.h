@@ -17,8 +17,8 @@ void seal(v1::PhysicsFile& file);
 // field: "physics.mass_kg".
 Result<bool> take_manual_edits(v1::PhysicsFile& file);
 
-// What a person edited and the scene's author wrote too, whose words come first: one sentence that names these fields and
-// the remedy, empty where there are none.
+// What a person edited and the scene's author wrote too, whose words come first: one sentence that names
+// these fields and the remedy, empty where there are none.
 std::string overridden_edits(const v1::Physics& edits, const v1::Physics& written);
 
 // A name as it is kept: without control characters, at most 80 characters.

@@ -9,11 +9,11 @@
 #include <span>
 #include <utility>
 
+#include "analysis/estimate/physics_values.h"
 #include "analysis/gate/answer.h"
 #include "analysis/sidecar/manual_edits.h"
-#include "analysis/text/json_text.h"
 #include "analysis/sidecar/sidecar_state.h"
-#include "analysis/estimate/physics_values.h"
+#include "analysis/text/json_text.h"
 #include "core/content_hash.h"
 #include "core/format_text.h"
 
@@ -27,7 +27,8 @@ constexpr size_t kMaxLogBytes = 64 << 20;
 // Sizes that differ by more than this are not the same thing any more.
 constexpr double kMaxSizeChange = 1.05;
 
-// What counts where the file of one object is not there: mug.physics.json for mug.physics.left.json; empty for others.
+// What counts where the file of one object is not there: mug.physics.json for mug.physics.left.json; empty
+// for others.
 fs::path default_path(const fs::path& sidecar) {
   const std::string name = sidecar.stem().string();  // without .json
   const size_t dot = name.rfind('.');
@@ -45,10 +46,10 @@ std::string one_line(std::string text) {
 }
 
 Error newer(double version) {
-  return {ErrorCode::Unsupported,
-          format_text("a newer LiveGS wrote it (layout %.0f, this one reads up to %u): update this one, or move it and its .log away to "
-                      "go on without them; nothing in them is changed",
-                      version, kPhysicsLayout)};
+  return {ErrorCode::Unsupported, format_text("a newer LiveGS wrote it (layout %.0f, this one reads up to "
+                                              "%u): update this one, or move it and its .log away to "
+                                              "go on without them; nothing in them is changed",
+                                              version, kPhysicsLayout)};
 }
 
 Result<v1::PhysicsFile> parse_file(const std::string& text) {
@@ -56,7 +57,8 @@ Result<v1::PhysicsFile> parse_file(const std::string& text) {
   if (!json) return json.error();
   if (!json->is_object()) return invalid_data("must hold one JSON object");
   // Before what such a file may hold that nobody here knows.
-  if (const auto version = number_member(*json, "version"); version && *version > kPhysicsLayout) return newer(*version);
+  if (const auto version = number_member(*json, "version"); version && *version > kPhysicsLayout)
+    return newer(*version);
   v1::PhysicsFile file;
   const auto status = google::protobuf::util::JsonStringToMessage(dump_json(*json), &file);
   if (!status.ok()) {
@@ -70,8 +72,8 @@ Result<v1::PhysicsFile> parse_file(const std::string& text) {
   return file;
 }
 
-// Who deletes a sidecar forgets what its log says. The log only grows, so the next one begins with a TAKEN_OVER: of the
-// asset's sidecar, or of nothing.
+// Who deletes a sidecar forgets what its log says. The log only grows, so the next one begins with a
+// TAKEN_OVER: of the asset's sidecar, or of nothing.
 std::vector<PhysicsLogRecord> since_begun(std::vector<PhysicsLogRecord> log) {
   const auto begun = std::find_if(log.rbegin(), log.rend(), [](const PhysicsLogRecord& record) {
     return record.action() == PhysicsLogRecord::TAKEN_OVER;
@@ -99,11 +101,13 @@ fs::path log_path(const fs::path& sidecar) {
 Result<SidecarState> read_sidecar_state(const fs::path& path) {
   SidecarState kept;
   kept.log = read_physics_log(path);
-  for (const PhysicsLogRecord& record : kept.log) kept.newest = std::max(kept.newest, record.file().revision());
+  for (const PhysicsLogRecord& record : kept.log)
+    kept.newest = std::max(kept.newest, record.file().revision());
   auto text = read_text_file(path, kMaxPhysicsFileBytes);
   if (!text && text.error().code != ErrorCode::NotFound) return text.error();
   const auto in_file = [&](const Error& error) {
-    const char* remedy = error.code == ErrorCode::Unsupported ? "" : "; mend it, or delete the file to forget it";
+    const char* remedy =
+        error.code == ErrorCode::Unsupported ? "" : "; mend it, or delete the file to forget it";
     return Error{error.code, path.string() + ": " + error.message + remedy};
   };
   if (text) {
@@ -137,7 +141,8 @@ Result<SidecarState> read_sidecar_state(const fs::path& path) {
   }
   if (!newest) return kept;
   if (!kept.manually_edited) {
-    if (newest->previous() == kept.on_disk && newest->file().revision() != kept.on_disk) kept.file = newest->file();
+    if (newest->previous() == kept.on_disk && newest->file().revision() != kept.on_disk)
+      kept.file = newest->file();
     return kept;
   }
   // What was edited by hand may be in the log already, and the change that it was found by after it.
@@ -170,7 +175,8 @@ std::string object_file_name(std::string_view object) {
   constexpr char kHex[] = "0123456789ABCDEF";
   std::string name;
   for (const char c : object) {
-    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
+    const bool plain =
+        (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
     const auto byte = static_cast<unsigned char>(c);
     // "physics" itself would read as an asset's own sidecar.
     if (plain && !(name.empty() && object == "physics")) {
@@ -222,8 +228,8 @@ Result<v1::PhysicsFile> read_physics_file(const fs::path& path) {
 
 std::optional<v1::PhysicsFile> open_proposal(std::span<const PhysicsLogRecord> log) {
   for (auto record = log.rbegin(); record != log.rend(); ++record) {
-    // An edit that comes after it is another answer than the model's. One by hand comes into the log with whatever
-    // follows it, perhaps the acceptance.
+    // An edit that comes after it is another answer than the model's. One by hand comes into the log with
+    // whatever follows it, perhaps the acceptance.
     if (record->action() == PhysicsLogRecord::ANALYSIS || record->action() == PhysicsLogRecord::EDIT) break;
     if (record->action() != PhysicsLogRecord::PROPOSAL) continue;
     if (record->file().has_physics()) return record->file();

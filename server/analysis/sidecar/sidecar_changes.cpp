@@ -9,11 +9,12 @@
 #include <optional>
 #include <utility>
 
-#include "analysis/sidecar/manual_edits.h"
 #include "analysis/physics_file.h"
+#include "analysis/sidecar/manual_edits.h"
 #include "analysis/sidecar/sidecar_state.h"
 
-// How a sidecar changes: under a lock on its log, which is appended to and synced before the sidecar is replaced.
+// How a sidecar changes: under a lock on its log, which is appended to and synced before the sidecar is
+// replaced.
 
 namespace livegs {
 namespace {
@@ -172,8 +173,9 @@ Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& befor
   auto kept = read_sidecar_state(path);
   if (!kept) return kept.error();
   uint64_t newest = std::max(kept->file.revision(), kept->newest);
-  // What the log does not know: what a person wrote, what the asset's sidecar holds, that a sidecar was deleted, or one that
-  // came without its log. It becomes a revision of its own, that can be gone back to; nothing stays revision 0.
+  // What the log does not know: what a person wrote, what the asset's sidecar holds, that a sidecar was
+  // deleted, or one that came without its log. It becomes a revision of its own, that can be gone back to;
+  // nothing stays revision 0.
   std::optional<PhysicsLogRecord> found;
   const bool unknown = kept->file.revision() > 0 && !content_of(kept->log, kept->file.revision());
   if (kept->manually_edited || kept->taken_over || kept->forgotten || unknown) {
@@ -234,14 +236,14 @@ Result<v1::PhysicsFile> apply_analysis(const fs::path& path, const v1::PhysicalP
 
 Result<void> log_proposal(const fs::path& path, const v1::PhysicalParameters& physics,
                           const v1::AnalysisRecord& analysis, const WriteStep& before) {
-  auto kept = change_file(path, before,
-                          [&](const SidecarState& present, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
-                            record.set_action(PhysicsLogRecord::PROPOSAL);
-                            v1::PhysicsFile next = present.file;
-                            *next.mutable_physics() = physics;
-                            *next.mutable_analysis() = analysis;
-                            return next;
-                          });
+  auto kept = change_file(
+      path, before, [&](const SidecarState& present, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+        record.set_action(PhysicsLogRecord::PROPOSAL);
+        v1::PhysicsFile next = present.file;
+        *next.mutable_physics() = physics;
+        *next.mutable_analysis() = analysis;
+        return next;
+      });
   return kept ? Result<void>() : Result<void>(kept.error());
 }
 
@@ -270,12 +272,14 @@ Result<v1::PhysicsFile> decline_proposal(const fs::path& path, const WriteStep& 
   return change_file(path, before,
                      [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
                        record.set_action(PhysicsLogRecord::PROPOSAL);
-                       if (!open_proposal(kept.log)) return not_found(path.string() + ": nothing is proposed");
+                       if (!open_proposal(kept.log))
+                         return not_found(path.string() + ": nothing is proposed");
                        return v1::PhysicsFile();
                      });
 }
 
-Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& edits, const WriteStep& before) {
+Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& edits,
+                                     const WriteStep& before) {
   return edit_physics(path, edits, "", before);
 }
 

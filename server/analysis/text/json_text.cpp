@@ -67,12 +67,14 @@ Result<Json> parse_commented_json(std::string_view text) {
   };
   try {
     Json value = Json::parse(text, measure, true, true);
-    if (deepest > kMaxJsonDepth) return invalid_data("is nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
+    if (deepest > kMaxJsonDepth)
+      return invalid_data("is nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
     return value;
   } catch (const Json::parse_error& error) {
     std::string what = error.what();
     if (const std::size_t colon = what.find("] "); colon != std::string::npos) what = what.substr(colon + 2);
-    std::replace_if(what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+    std::replace_if(
+        what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
     return invalid_data("is not JSON: " + what);
   }
 }
@@ -113,8 +115,7 @@ std::optional<Json> find_json_object(std::string_view text, std::span<const std:
       best_count = count;
     }
   };
-  for (std::size_t at = text.find('{'); at != std::string_view::npos && attempts < kMaxAttempts;
-       ++attempts) {
+  for (std::size_t at = text.find('{'); at != std::string_view::npos && attempts < kMaxAttempts; ++attempts) {
     const std::size_t end = json_extent(text, at, kMaxJsonDepth).end;
     Json value = end == std::string_view::npos ? Json(Json::value_t::discarded)
                                                : Json::parse(text.substr(at, end - at), nullptr, false);

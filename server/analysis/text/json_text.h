@@ -33,8 +33,8 @@ struct JsonExtent {
 JsonExtent json_extent(std::string_view text, std::size_t begin, int max_depth);
 
 Result<Json> parse_json(std::string_view text);
-// Of a person's file: with comments, and the error says where the mistake stands, on one line. "is not JSON: ...", "is nested
-// deeper than 64 levels": to stand behind the file's name.
+// Of a person's file: with comments, and the error says where the mistake stands, on one line. "is not JSON:
+// ...", "is nested deeper than 64 levels": to stand behind the file's name.
 Result<Json> parse_commented_json(std::string_view text);
 
 // On one line; bytes that are not UTF-8 become U+FFFD.

@@ -15,12 +15,13 @@
 namespace livegs {
 namespace {
 
-constexpr const char* kBuiltIn[] = {kFactsPrompt, kComplaintsPrompt, kToolWordsPrompt};  // in the order of kFiles
+constexpr const char* kBuiltIn[] = {kFactsPrompt, kComplaintsPrompt,
+                                    kToolWordsPrompt};  // in the order of kFiles
 
 }  // namespace
 
 Result<MessageTemplates> MessageTemplates::read(const std::map<std::string, std::string>& texts,
-                                      const std::filesystem::path& folder) {
+                                                const std::filesystem::path& folder) {
   MessageTemplates words;
   for (size_t i = 0; i < std::size(kFiles); ++i) {
     const std::string path = (folder / kFiles[i]).string() + ": ";
@@ -63,12 +64,13 @@ const MessageTemplates& MessageTemplates::reasons() {
   return words;
 }
 
-std::string MessageTemplates::say(std::string_view line,
-                             std::initializer_list<std::pair<std::string_view, std::string_view>> slots) const {
+std::string MessageTemplates::say(
+    std::string_view line, std::initializer_list<std::pair<std::string_view, std::string_view>> slots) const {
   const auto found = lines_.find(line);
   if (found == lines_.end()) return std::string(line);
   return fill_line(found->second, [&](std::string_view slot) {
-    const auto told = std::find_if(slots.begin(), slots.end(), [&](const auto& one) { return one.first == slot; });
+    const auto told =
+        std::find_if(slots.begin(), slots.end(), [&](const auto& one) { return one.first == slot; });
     return told == slots.end() ? std::string() : std::string(told->second);
   });
 }

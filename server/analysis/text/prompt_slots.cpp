@@ -20,7 +20,8 @@ std::size_t steps_between(std::string_view a, std::string_view b) {
     now[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
       now[j] = std::min({last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) now[j] = std::min(now[j], before[j - 2] + 1);
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        now[j] = std::min(now[j], before[j - 2] + 1);
     }
     before = std::exchange(last, now);
   }
@@ -28,7 +29,8 @@ std::size_t steps_between(std::string_view a, std::string_view b) {
 }
 
 bool lower_case(std::string_view slot) {
-  return !slot.empty() && std::all_of(slot.begin(), slot.end(), [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
+  return !slot.empty() &&
+         std::all_of(slot.begin(), slot.end(), [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
 }
 
 std::string braced(std::string_view slot) { return "{{" + std::string(slot) + "}}"; }
@@ -41,7 +43,8 @@ std::string list_of(const SlotNames& known) {
 
 std::string remedy(std::string_view slot, const SlotNames& known) {
   if (known.empty()) return "nothing in this text is filled: take it out";
-  if (const std::string meant = meant_word(slot, known); !meant.empty()) return "write " + braced(meant) + " or take it out";
+  if (const std::string meant = meant_word(slot, known); !meant.empty())
+    return "write " + braced(meant) + " or take it out";
   return "take it out or write one of " + list_of(known);
 }
 
@@ -69,9 +72,11 @@ Result<void> check_slots(std::string_view text, const SlotNames& known) {
       open += 2;
       if (known.empty() && !(lower_case(slot) && close == slot.size())) continue;
       const std::string shown = line_text(slot, kMaxShownLength);
-      if (close != slot.size()) return invalid_data(at + "{{" + shown + " has no end: write it as {{slot}}, on one line");
+      if (close != slot.size())
+        return invalid_data(at + "{{" + shown + " has no end: write it as {{slot}}, on one line");
       if (slot.empty()) return invalid_data(at + "{{}} names no slot: " + remedy(slot, known));
-      if (!known.contains(slot)) return invalid_data(at + braced(shown) + " is filled by nothing: " + remedy(slot, known));
+      if (!known.contains(slot))
+        return invalid_data(at + braced(shown) + " is filled by nothing: " + remedy(slot, known));
       open += slot.size() + 2;
     }
   }

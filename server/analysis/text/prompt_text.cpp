@@ -61,11 +61,17 @@ std::string on_one_line(std::string_view text, std::size_t longest, bool own) {
 
 }  // namespace
 
-std::string quoted_text(std::string_view text, std::size_t longest) { return '"' + line_text(text, longest) + '"'; }
+std::string quoted_text(std::string_view text, std::size_t longest) {
+  return '"' + line_text(text, longest) + '"';
+}
 
-std::string line_text(std::string_view text, std::size_t longest) { return on_one_line(text, longest, false); }
+std::string line_text(std::string_view text, std::size_t longest) {
+  return on_one_line(text, longest, false);
+}
 
-std::string quoted_line(std::string_view line, std::size_t longest) { return '"' + on_one_line(line, longest, true) + '"'; }
+std::string quoted_line(std::string_view line, std::size_t longest) {
+  return '"' + on_one_line(line, longest, true) + '"';
+}
 
 std::string plain_text(std::string_view text, std::size_t longest) {
   std::string plain;
@@ -81,7 +87,8 @@ std::string plain_text(std::string_view text, std::size_t longest) {
   return plain;
 }
 
-std::string fill_line(std::string_view line, const std::function<std::string(std::string_view slot)>& value_of) {
+std::string fill_line(std::string_view line,
+                      const std::function<std::string(std::string_view slot)>& value_of) {
   std::string filled;
   for (;;) {
     const std::size_t open = line.find("{{");

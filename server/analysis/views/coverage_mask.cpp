@@ -29,8 +29,8 @@ void paint(const DrawnObject& object, size_t step, float value, GaussianAsset& a
 
 }  // namespace
 
-CoverageMaskScene::CoverageMaskScene(std::span<const DrawnObject> scene, uint32_t target_id, size_t target_kernels,
-                         size_t other_kernels) {
+CoverageMaskScene::CoverageMaskScene(std::span<const DrawnObject> scene, uint32_t target_id,
+                                     size_t target_kernels, size_t other_kernels) {
   size_t targets = 0, others = 0;
   for (const DrawnObject& object : scene) {
     (object.object_id == target_id ? targets : others) += object.asset->size();

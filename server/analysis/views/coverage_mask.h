@@ -20,8 +20,8 @@ class CoverageMaskScene {
   // At most so many kernels of the target and of everything else together: every k-th is taken, k times as
   // wide in area.
   CoverageMaskScene(std::span<const DrawnObject> scene, uint32_t target_id,
-              size_t target_kernels = std::numeric_limits<size_t>::max(),
-              size_t other_kernels = std::numeric_limits<size_t>::max());
+                    size_t target_kernels = std::numeric_limits<size_t>::max(),
+                    size_t other_kernels = std::numeric_limits<size_t>::max());
   CoverageMaskScene(const CoverageMaskScene&) = delete;
   CoverageMaskScene& operator=(const CoverageMaskScene&) = delete;
 

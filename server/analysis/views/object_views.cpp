@@ -20,10 +20,11 @@ constexpr double kFillShare =
     0.7;  // of the picture's height, by the ball around the target: what stands around it shows too
 constexpr int kThumbnail_px = 160;  // long side of the pictures by which cameras are judged
 constexpr double kUprightElevation_rad = 0.35, kSteepElevation_rad = 0.8;
-constexpr double kSteepBonus = 0.85;  // people see and photograph most things from a little above
-constexpr double kCloseRingDistance = 0.5;    // of the distance: inside what stands close around the target
-constexpr double kMinVisibleShare = 0.3;       // visible share of the best camera under which the close ring is tried
-constexpr double kMinViewSeparation_rad = 0.9;    // between views of one object
+constexpr double kSteepBonus = 0.85;        // people see and photograph most things from a little above
+constexpr double kCloseRingDistance = 0.5;  // of the distance: inside what stands close around the target
+constexpr double kMinVisibleShare =
+    0.3;  // visible share of the best camera under which the close ring is tried
+constexpr double kMinViewSeparation_rad = 0.9;  // between views of one object
 // Kernels that the thumbnails are drawn with: of the target, of everything else.
 constexpr size_t kTargetKernels = 30'000, kOtherKernels = 120'000;
 
@@ -214,13 +215,15 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
   const auto [thumb_width, thumb_height] = size(kThumbnail_px);
   const CoverageMaskScene thin(scene, object_id, kTargetKernels, kOtherKernels);
   std::vector<Candidate> tried = judge_ring(thin, ring, thumb_width, thumb_height, rasteriser, options.stop);
-  const bool hidden = std::none_of(tried.begin(), tried.end(),
-                                   [](const Candidate& c) { return c.judged.visible_share > kMinVisibleShare; });
+  const bool hidden = std::none_of(tried.begin(), tried.end(), [](const Candidate& c) {
+    return c.judged.visible_share > kMinVisibleShare;
+  });
   if (hidden) {
     const Ring close{ring.target_m, kCloseRingDistance * ring.distance_m};
     for (Candidate& candidate :
          judge_ring(thin, close, thumb_width, thumb_height, rasteriser, options.stop)) {
-      candidate.judged.score *= kCloseRingDistance * kCloseRingDistance;  // the area it would have on the wide ring
+      candidate.judged.score *=
+          kCloseRingDistance * kCloseRingDistance;  // the area it would have on the wide ring
       tried.push_back(candidate);
     }
   }

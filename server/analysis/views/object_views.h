@@ -21,9 +21,9 @@
 namespace livegs {
 
 struct ViewOptions {
-  int long_side_px = 768;   // of every picture, 32 … 4096
-  int view_count = 1;       // 1 fast, 3 for a vote; 1 … 12
-  double aspect = 4.0 / 3;  // width over height of the scene picture, 0.5 … 2
+  int long_side_px = 768;     // of every picture, 32 … 4096
+  int view_count = 1;         // 1 fast, 3 for a vote; 1 … 12
+  double aspect = 4.0 / 3;    // width over height of the scene picture, 0.5 … 2
   std::stop_token stop = {};  // looked at before every picture; once requested: Unavailable, "cancelled"
 };
 
@@ -60,8 +60,8 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
 
 // Where the camera stood, in words and metres, for a person: "from the front right, 20 degrees above, …".
 std::string describe_camera(const ObjectView& view);
-// The same in figures, for prompts/user.md: camera_position and target_position ("x, y, z", metres, world frame),
-// camera_distance (m), camera_azimuth and camera_elevation (degrees), camera_seen (percent).
+// The same in figures, for prompts/user.md: camera_position and target_position ("x, y, z", metres, world
+// frame), camera_distance (m), camera_azimuth and camera_elevation (degrees), camera_seen (percent).
 std::map<std::string, std::string> camera_slots(const ObjectView& view);
 
 }  // namespace livegs

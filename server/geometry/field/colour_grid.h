@@ -12,8 +12,8 @@
 
 namespace livegs {
 
-// The colour of what lies nearest, roughly: cells with points have their mean, others, layer by layer from those, the
-// mean of the cells beside them that came before. Immutable; any thread.
+// The colour of what lies nearest, roughly: cells with points have their mean, others, layer by layer from
+// those, the mean of the cells beside them that came before. Immutable; any thread.
 class ColourGrid {
  public:
   // Colours are finite; there is at least one point. About a hundred thousand cells.

@@ -11,9 +11,9 @@
 
 #include "core/assert.h"
 #include "geometry/field/inside_grid.h"
-#include "geometry/mesh/mesh_topology.h"
 #include "geometry/field/regular_grid.h"
 #include "geometry/field/unresolved_wall_cells.h"
+#include "geometry/mesh/mesh_topology.h"
 #include "geometry/mesh/triangle_distance.h"
 
 namespace livegs {
@@ -146,10 +146,12 @@ DistanceField::Sample DistanceField::sample(const Eigen::Vector3d& point_m) cons
     const TriangleTree::Nearest nearest = triangles_->nearest(point_m);
     const Eigen::Vector3d away = point_m - nearest.foot_m;
     // Where pieces of a mesh overlap, a face within the other one bounds nothing.
-    const bool buried = std::max({d[0], d[1], d[dy], d[dy + 1], d[dz], d[dz + 1], d[dz + dy], d[dz + dy + 1]}) < 0.0f;
+    const bool buried =
+        std::max({d[0], d[1], d[dy], d[dy + 1], d[dz], d[dz + 1], d[dz + dy], d[dz + dy + 1]}) < 0.0f;
     const double side = buried || nearest.normal.dot(away) < 0.0 ? -1.0 : 1.0;
     sample.distance_m = side * nearest.distance_m;
-    sample.gradient = nearest.distance_m > 1e-6 * cell_m_ ? Eigen::Vector3d(side / nearest.distance_m * away) : nearest.normal;
+    sample.gradient = nearest.distance_m > 1e-6 * cell_m_ ? Eigen::Vector3d(side / nearest.distance_m * away)
+                                                          : nearest.normal;
     return sample;
   }
   sample.distance_m = gz * (gy * c00 + f.y() * c10) + f.z() * (gy * c01 + f.y() * c11);

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "geometry/triangle_mesh.h"
 #include "geometry/mesh/triangle_tree.h"
+#include "geometry/triangle_mesh.h"
 
 namespace livegs {
 
@@ -15,8 +15,8 @@ namespace livegs {
 // frame. Immutable after building; any thread may sample.
 class DistanceField {
  public:
-  // What is thinner than some two cells a grid shows too thin, or not at all: there the distance to the triangles
-  // themselves may be asked for, which takes about a microsecond a sample.
+  // What is thinner than some two cells a grid shows too thin, or not at all: there the distance to the
+  // triangles themselves may be asked for, which takes about a microsecond a sample.
   enum class Thin { ByTheGrid, Exact };
   // cell_m: edge of a grid cell, widened where it would make more than 8 million nodes; margin_m: how far the
   // grid reaches beyond the mesh. Nodes within a cell of the surface hold the exact distance, those farther

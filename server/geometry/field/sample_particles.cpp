@@ -12,9 +12,9 @@
 #include "core/assert.h"
 #include "core/disjoint_sets.h"
 #include "geometry/field/inside_grid.h"
+#include "geometry/field/point_grid.h"
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/mesh/mesh_topology.h"
-#include "geometry/field/point_grid.h"
 #include "geometry/mesh/triangle_pieces.h"
 
 namespace livegs {
@@ -31,8 +31,9 @@ constexpr double kMaxVoxels = 1 << 20;
 // massless.
 constexpr double kMinVolume = 0.01;
 
-// What carries a body hangs together when the voxels about two particles nearly touch, or, where particles stand for less
-// than a voxel each, the cubes of their volume: cells are at least one and a half of those wide.
+// What carries a body hangs together when the voxels about two particles nearly touch, or, where particles
+// stand for less than a voxel each, the cubes of their volume: cells are at least one and a half of those
+// wide.
 constexpr double kJointVoxels = 1.5, kJointCubes = 2.0;
 // Points on triangles are this far apart at first, in voxels, and this much closer at each further try.
 constexpr double kCoverVoxels = 0.75, kCoverRefinement = 0.7;
@@ -91,8 +92,9 @@ std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedB
   return volumes_m3;
 }
 
-// Few points on a rod lie more on one side than on the other. Volumes change as little as it takes to have their centre where
-// the mesh's is, by a factor linear in the place; where that would take more than kMaxShift of one, by so much less.
+// Few points on a rod lie more on one side than on the other. Volumes change as little as it takes to have
+// their centre where the mesh's is, by a factor linear in the place; where that would take more than
+// kMaxShift of one, by so much less.
 void centre_volumes(const TriangleMesh& mesh, ParticleSet& particles) {
   constexpr double kMaxShift = 0.7;
   const Eigen::Vector3d wanted_m = solid_mass_properties(mesh).centre_of_mass_m;
@@ -110,7 +112,8 @@ void centre_volumes(const TriangleMesh& mesh, ParticleSet& particles) {
   }
   const Eigen::Vector3d slope = spread.completeOrthogonalDecomposition().solve(wanted_m - centre_m);
   double most = 0.0;
-  for (const Eigen::Vector3d& point : particles.positions_m) most = std::max(most, std::abs(slope.dot(point - centre_m)));
+  for (const Eigen::Vector3d& point : particles.positions_m)
+    most = std::max(most, std::abs(slope.dot(point - centre_m)));
   if (!std::isfinite(most)) return;
   const double part = most > kMaxShift ? kMaxShift / most : 1.0;
   for (size_t i = 0; i < particles.positions_m.size(); ++i) {
@@ -128,7 +131,9 @@ int piece_count(const std::vector<Eigen::Vector3d>& points_m, double joint_m) {
   struct Place {
     std::array<int, 3> cell;  // z, y, x
     uint32_t point;
-    bool operator<(const Place& other) const { return std::tie(cell, point) < std::tie(other.cell, other.point); }
+    bool operator<(const Place& other) const {
+      return std::tie(cell, point) < std::tie(other.cell, other.point);
+    }
   };
   std::vector<Place> places;
   for (uint32_t i = 0; i < points_m.size(); ++i) {
@@ -139,12 +144,14 @@ int piece_count(const std::vector<Eigen::Vector3d>& points_m, double joint_m) {
   DisjointSets sets(points_m.size());
   for (const Place& own : places) {
     for (int row = 0; row < 9; ++row) {  // cells of one row follow each other
-      const std::array<int, 3> first = {own.cell[0] + row / 3 - 1, own.cell[1] + row % 3 - 1, own.cell[2] - 1};
+      const std::array<int, 3> first = {own.cell[0] + row / 3 - 1, own.cell[1] + row % 3 - 1,
+                                        own.cell[2] - 1};
       auto other = std::lower_bound(places.begin(), places.end(), Place{first, 0});
       for (; other != places.end() && other->cell[0] == first[0] && other->cell[1] == first[1] &&
              other->cell[2] <= own.cell[2] + 1;
            ++other) {
-        if ((points_m[own.point] - points_m[other->point]).norm() <= joint_m) sets.join(own.point, other->point);
+        if ((points_m[own.point] - points_m[other->point]).norm() <= joint_m)
+          sets.join(own.point, other->point);
       }
     }
   }
@@ -153,11 +160,12 @@ int piece_count(const std::vector<Eigen::Vector3d>& points_m, double joint_m) {
   return count;
 }
 
-// In an order of its own, the same everywhere: one after another, the first face of a plate would take all the places and
-// leave none to the other.
+// In an order of its own, the same everywhere: one after another, the first face of a plate would take all
+// the places and leave none to the other.
 void shuffle(std::vector<Eigen::Vector3d>& points_m) {
   std::mt19937_64 engine(1);
-  for (size_t left = points_m.size(); left > 1; --left) std::swap(points_m[left - 1], points_m[engine() % left]);
+  for (size_t left = points_m.size(); left > 1; --left)
+    std::swap(points_m[left - 1], points_m[engine() % left]);
 }
 
 }  // namespace
@@ -189,11 +197,13 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
   for (size_t v = 0; v < mesh.vertices_m.size(); ++v) {
     among_used[v] = static_cast<uint32_t>(particles.mesh_vertices_m.size());
     if (used[v]) particles.mesh_vertices_m.push_back(mesh.vertices_m[v]);
-    if (used[v] && !taken.has_neighbour_within(mesh.vertices_m[v], least_distance_m)) take(mesh.vertices_m[v], true);
+    if (used[v] && !taken.has_neighbour_within(mesh.vertices_m[v], least_distance_m))
+      take(mesh.vertices_m[v], true);
   }
 
   for (const auto& triangle : mesh.triangles) {
-    particles.mesh_triangles.push_back({among_used[triangle[0]], among_used[triangle[1]], among_used[triangle[2]]});
+    particles.mesh_triangles.push_back(
+        {among_used[triangle[0]], among_used[triangle[1]], among_used[triangle[2]]});
   }
 
   const std::vector<int> pieces = mesh_pieces(mesh);
@@ -201,21 +211,24 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
   const bool thin = static_cast<double>(voxels) * std::pow(spacing_m, 3) < 0.5 * volume_m3;
   const auto hang_together = [&] {
     const double cube_m = std::cbrt(volume_m3 / static_cast<double>(particles.positions_m.size()));
-    const double joint_m = thin ? std::min(kJointVoxels * spacing_m, kJointCubes * cube_m) : kJointVoxels * spacing_m;
+    const double joint_m =
+        thin ? std::min(kJointVoxels * spacing_m, kJointCubes * cube_m) : kJointVoxels * spacing_m;
     return joint_m <= 0.0 || piece_count(particles.positions_m, joint_m) <= particles.piece_count;
   };
   const ParticleSet bare = particles;
-  for (double apart_m = kCoverVoxels * spacing_m; !hang_together() && particles.positions_m.size() < kMaxCoverPoints;
-       apart_m *= kCoverRefinement) {
+  for (double apart_m = kCoverVoxels * spacing_m;
+       !hang_together() && particles.positions_m.size() < kMaxCoverPoints; apart_m *= kCoverRefinement) {
     particles = bare;
     particles.surface_carries = true;
     taken = none;
     for (const Eigen::Vector3d& point : bare.positions_m) taken.insert(point);
     std::vector<Eigen::Vector3d> places;
-    for_each_triangle_piece(mesh, 0.5 * apart_m, [&](const Eigen::Vector3d& point_m, double) { places.push_back(point_m); });
+    for_each_triangle_piece(mesh, 0.5 * apart_m,
+                            [&](const Eigen::Vector3d& point_m, double) { places.push_back(point_m); });
     shuffle(places);
     for (const Eigen::Vector3d& point_m : places) {
-      if (particles.positions_m.size() < kMaxCoverPoints && !taken.has_neighbour_within(point_m, apart_m)) take(point_m, true);
+      if (particles.positions_m.size() < kMaxCoverPoints && !taken.has_neighbour_within(point_m, apart_m))
+        take(point_m, true);
     }
   }
   particles.volumes_m3 = share_volume(mesh, bounds, spacing_m, volume_m3, taken);

@@ -16,7 +16,8 @@ double volume_of(const ClippedCell& cell, const CellPart& part) {
   const Vector3d origin = cell.vertices_m[part.triangles[0][0]];
   double six = 0.0;
   for (const auto& [a, b, c] : part.triangles) {
-    six += (cell.vertices_m[a] - origin).dot((cell.vertices_m[b] - origin).cross(cell.vertices_m[c] - origin));
+    six +=
+        (cell.vertices_m[a] - origin).dot((cell.vertices_m[b] - origin).cross(cell.vertices_m[c] - origin));
   }
   return six / 6.0;
 }
@@ -28,7 +29,8 @@ double winding(const ClippedCell& cell, const CellPart& part, const Vector3d& po
     const Vector3d a = cell.vertices_m[triangle[0]] - point, b = cell.vertices_m[triangle[1]] - point,
                    c = cell.vertices_m[triangle[2]] - point;
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    angle += 2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    angle +=
+        2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
   }
   return angle / (4.0 * std::numbers::pi);
 }

@@ -17,7 +17,8 @@ struct CellPart {
   std::vector<Face> faces;
 };
 
-// In order of first face. Parts of no or negative volume that no other part encloses (rounding) go with the first.
+// In order of first face. Parts of no or negative volume that no other part encloses (rounding) go with the
+// first.
 std::vector<CellPart> connected_parts(const ClippedCell& cell, uint32_t number);
 
 }  // namespace livegs

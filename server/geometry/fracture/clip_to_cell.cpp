@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A face is the set of its directed edges, in no order; each edge runs once each way, in two faces. Cutting by a plane
-// keeps that: in each face that crosses it, the points where the boundary leaves and comes back are joined in pairs by
-// new edges, and the same edges, turned round, bound the new face that lies in the plane. So the surface is closed
-// after every cut however the points were judged, and no face, convex or not, needs a triangulation before the last.
+// A face is the set of its directed edges, in no order; each edge runs once each way, in two faces. Cutting
+// by a plane keeps that: in each face that crosses it, the points where the boundary leaves and comes back
+// are joined in pairs by new edges, and the same edges, turned round, bound the new face that lies in the
+// plane. So the surface is closed after every cut however the points were judged, and no face, convex or not,
+// needs a triangulation before the last.
 #include "geometry/fracture/clip_to_cell.h"
 
 #include <Eigen/Geometry>
@@ -195,7 +196,8 @@ class CellClipper {
     std::vector<uint8_t> used(edges.size(), 0);
     std::vector<uint32_t> corners;
     const auto local = [&](uint32_t vertex) {
-      return static_cast<uint32_t>(std::lower_bound(corners.begin(), corners.end(), vertex) - corners.begin());
+      return static_cast<uint32_t>(std::lower_bound(corners.begin(), corners.end(), vertex) -
+                                   corners.begin());
     };
     for (const Edge& edge : edges) {
       if (corners.empty() || corners.back() != edge[0]) corners.push_back(edge[0]);
@@ -213,7 +215,8 @@ class CellClipper {
         if (at < edges.size() && edges[at][0] != next) break;
       }
     }
-    const Eigen::Vector3d normal = normal_of(label), right = normal.unitOrthogonal(), up = normal.cross(right);
+    const Eigen::Vector3d normal = normal_of(label), right = normal.unitOrthogonal(),
+                          up = normal.cross(right);
     std::vector<Eigen::Vector2d> points(corners.size());
     const Eigen::Vector3d origin = out_.vertices_m[corners[0]];
     for (size_t c = 0; c < corners.size(); ++c) {

@@ -16,18 +16,21 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// All in parts of the spacing. Deviation of a kernel of the grid: its neighbours a spacing away overlap to an opacity
-// of 0.97 where three meet.
+// All in parts of the spacing. Deviation of a kernel of the grid: its neighbours a spacing away overlap to an
+// opacity of 0.97 where three meet.
 constexpr double kGridDeviation = 0.6;
 constexpr double kMinRimDistance = 0.3;  // of a kernel of the grid
-// Rows along the rim: the one nearest to it follows the walls of thin things closer in, the other is for wider faces.
+// Rows along the rim: the one nearest to it follows the walls of thin things closer in, the other is for
+// wider faces.
 constexpr double kRimStep = 0.6, kRimAlong = 0.45, kRimInsets[] = {0.2, 0.55};
 constexpr double kThickness = 0.02;
 // A kernel reaches a rim at this many deviations or more, where its opacity is a seventh.
 constexpr double kDeviationsToRim = 2.0;
 
 // The largest deviation of a kernel this far from the rim.
-double widest(double rim, double most_overhang) { return std::min(rim / kDeviationsToRim, (rim + most_overhang) / 3.0); }
+double widest(double rim, double most_overhang) {
+  return std::min(rim / kDeviationsToRim, (rim + most_overhang) / 3.0);
+}
 
 // The triangles of one bond that lie in one plane, seen from the first piece.
 struct Face {
@@ -130,8 +133,8 @@ void fit(const Face& face, double overhang, FlatKernel& kernel) {
     const Vector2d way = way_to(kernel.place, edge);
     const double distance = way.norm();
     const double along = way.dot(kernel.along), across2 = std::max(0.0, distance * distance - along * along);
-    const double deviation =
-        std::sqrt(along * along * kernel.along_m * kernel.along_m + across2 * kernel.across_m * kernel.across_m);
+    const double deviation = std::sqrt(along * along * kernel.along_m * kernel.along_m +
+                                       across2 * kernel.across_m * kernel.across_m);
     // Three deviations towards the edge, by the distance: 3 deviation / distance against distance + overhang.
     if (deviation > 0.0) share = std::min(share, distance * (distance + overhang) / (3.0 * deviation));
   }
@@ -149,7 +152,8 @@ void add_grid(const Face& face, double spacing, double overhang, std::vector<Fla
     };
     for (int j = static_cast<int>(std::ceil(low.y() / row)); j * row <= high.y(); ++j) {
       const double shift = j & 1 ? 0.5 * spacing : 0.0;
-      for (int i = static_cast<int>(std::ceil((low.x() - shift) / spacing)); i * spacing + shift <= high.x(); ++i) {
+      for (int i = static_cast<int>(std::ceil((low.x() - shift) / spacing)); i * spacing + shift <= high.x();
+           ++i) {
         const Vector2d p(i * spacing + shift, j * row);
         if (cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0) places.insert({j, i});
       }
@@ -168,12 +172,14 @@ void add_grid(const Face& face, double spacing, double overhang, std::vector<Fla
 
 void add_rim(const Face& face, double spacing, double overhang, double first_inset, bool closer,
              std::vector<FlatKernel>& out) {
-  // Steps run on from edge to edge, so that a rim of many short edges gets no more kernels than one of few long ones.
+  // Steps run on from edge to edge, so that a rim of many short edges gets no more kernels than one of few
+  // long ones.
   double walked = 0.0;
   for (const auto& [a, b] : face.rim) {
     const double length = (b - a).norm();
     if (!(length > 0.0)) continue;
-    const Vector2d along = (b - a) / length, inwards(-along.y(), along.x());  // counter-clockwise: inside is left
+    const Vector2d along = (b - a) / length,
+                   inwards(-along.y(), along.x());  // counter-clockwise: inside is left
     const double step = kRimStep * spacing;
     for (double next = (std::floor(walked / step) + 1.0) * step; next <= walked + length; next += step) {
       const Vector2d on = a + (next - walked) * along;
@@ -185,10 +191,11 @@ void add_rim(const Face& face, double spacing, double overhang, double first_ins
           break;
         }
         FlatKernel kernel{place, along, kRimAlong * spacing, widest(rim, overhang)};
-        const auto reach = [&] { return std::max(kDeviationsToRim * kernel.along_m, 3.0 * kernel.along_m - overhang); };
-        while (kernel.along_m > kernel.across_m &&
-               (rim_distance(face, place + reach() * along) < 0.0 ||
-                rim_distance(face, place - reach() * along) < 0.0)) {
+        const auto reach = [&] {
+          return std::max(kDeviationsToRim * kernel.along_m, 3.0 * kernel.along_m - overhang);
+        };
+        while (kernel.along_m > kernel.across_m && (rim_distance(face, place + reach() * along) < 0.0 ||
+                                                    rim_distance(face, place - reach() * along) < 0.0)) {
           kernel.along_m *= 0.7;
         }
         fit(face, overhang, kernel);
@@ -202,8 +209,7 @@ void add_rim(const Face& face, double spacing, double overhang, double first_ins
 
 }  // namespace
 
-std::vector<FaceKernel> face_kernels(const VoronoiPieces& pieces, double spacing_m,
-                                     double max_overhang_m) {
+std::vector<FaceKernel> face_kernels(const VoronoiPieces& pieces, double spacing_m, double max_overhang_m) {
   std::vector<std::vector<FaceKernel>> by_bond(pieces.bonds.size());
   parallel_for(pieces.bonds.size(), 1, [&](size_t begin, size_t end) {
     for (size_t b = begin; b < end; ++b) {

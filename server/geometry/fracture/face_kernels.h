@@ -19,10 +19,10 @@ struct FaceKernel {
   uint32_t bond = 0;
 };
 
-// Both sides of every bond, about spacing_m apart: a hexagonal grid, and rows along the rim whose kernels are narrow
-// across it: at the rim a kernel's opacity is down to a seventh, and at three deviations
-// it reaches no farther beyond than max_overhang_m. They lie within their piece, three
-// deviations behind its face. In order of bonds, the first piece's side before the second's; the same places on both.
+// Both sides of every bond, about spacing_m apart: a hexagonal grid, and rows along the rim whose kernels are
+// narrow across it: at the rim a kernel's opacity is down to a seventh, and at three deviations it reaches no
+// farther beyond than max_overhang_m. They lie within their piece, three deviations behind its face. In order
+// of bonds, the first piece's side before the second's; the same places on both.
 std::vector<FaceKernel> face_kernels(const VoronoiPieces& pieces, double spacing_m, double max_overhang_m);
 
 }  // namespace livegs

@@ -13,8 +13,8 @@
 namespace livegs {
 namespace {
 
-// Nodes of the grid that says what is inside, about; the candidates are jittered nodes. A wall of a 60th of the size
-// still shows at 64 nodes a side.
+// Nodes of the grid that says what is inside, about; the candidates are jittered nodes. A wall of a 60th of
+// the size still shows at 64 nodes a side.
 constexpr double kGridNodes = 64.0 * 64.0 * 64.0;
 constexpr size_t kMinInsidePoints = 4000;
 // Candidates a seed: more spread them more evenly, fewer more at random.

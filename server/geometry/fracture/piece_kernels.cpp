@@ -17,15 +17,15 @@ namespace livegs {
 namespace {
 
 constexpr size_t kBlock = 1024;
-constexpr float kShDc = 0.28209479f;  // Y_00
+constexpr float kShDc = 0.28209479f;              // Y_00
 constexpr double kDefaultOverhang = 1.0 / 200.0;  // of the diagonal
 constexpr double kMaxOpacity = 0.998;
 constexpr double kMinOpacity = 1.0 / 255.0;
 constexpr double kInteriorOpacity = 0.98;
 // A kernel says what colour the surface has from this opacity on.
 constexpr double kOpaque = 0.3;
-// Of the colour of a kernel on a cut face: the part that the surface nearest to it gives; the rest is the mean
-// of its face, which keeps a speckled glaze from running through the clay.
+// Of the colour of a kernel on a cut face: the part that the surface nearest to it gives; the rest is the
+// mean of its face, which keeps a speckled glaze from running through the clay.
 constexpr float kMinDistanceShare = 0.25f;
 // Of the largest standard deviation: a part is never flatter, so that a renderer's inverse has its digits.
 constexpr double kMinFlatness = 1e-3;
@@ -63,9 +63,9 @@ void store(GaussianAsset& asset, size_t k, const GaussianPart& part, double sour
   asset.log_scales[k] = (0.5 * variances_m2.log() - std::log(object_from_asset.scale)).matrix().cast<float>();
   asset.rotations[k] = (asset_from_object * Eigen::Quaterniond(axes)).normalized().cast<float>();
   const double opacity = std::min(part.opacity * source_opacity, std::max(kMaxOpacity, source_opacity));
-  asset.opacity_logits[k] = static_cast<float>(
-      std::clamp(std::log(opacity / (1.0 - opacity)), -static_cast<double>(kMaxOpacityLogit),
-                 static_cast<double>(kMaxOpacityLogit)));
+  asset.opacity_logits[k] = static_cast<float>(std::clamp(std::log(opacity / (1.0 - opacity)),
+                                                          -static_cast<double>(kMaxOpacityLogit),
+                                                          static_cast<double>(kMaxOpacityLogit)));
 }
 
 void copy_colour(const GaussianAsset& from, size_t source, GaussianAsset& to, size_t k) {
@@ -89,13 +89,15 @@ double interior_spacing_m(const GaussianAsset& asset, double scale, const Vorono
   double area_m2 = 0.0;
   for (const VoronoiBond& bond : pieces.bonds) area_m2 += bond.area_m2;
   // Two sides, a hexagon of 0.87 spacing² each, and as many again along rims at most.
-  const double least_m = std::sqrt(4.0 * area_m2 / (0.87 * static_cast<double>(std::max<size_t>(options.max_interior, 1))));
+  const double least_m =
+      std::sqrt(4.0 * area_m2 / (0.87 * static_cast<double>(std::max<size_t>(options.max_interior, 1))));
   if (options.interior_spacing_m > 0.0) return std::max(options.interior_spacing_m, least_m);
   std::vector<float> widths;
   for (size_t k = 0; k < asset.size(); ++k) {
     Eigen::Vector3f log_scale = asset.log_scales[k];
     std::sort(log_scale.begin(), log_scale.end());
-    if (opacity_of_logit(asset.opacity_logits[k]) >= kOpaque) widths.push_back(0.5f * (log_scale[1] + log_scale[2]));
+    if (opacity_of_logit(asset.opacity_logits[k]) >= kOpaque)
+      widths.push_back(0.5f * (log_scale[1] + log_scale[2]));
   }
   if (widths.empty()) return std::max(least_m, body_diagonal_m(pieces) / 100.0);
   const double width_m = std::exp(static_cast<double>(percentile(std::move(widths), 0.5))) * scale;
@@ -103,11 +105,13 @@ double interior_spacing_m(const GaussianAsset& asset, double scale, const Vorono
   return std::clamp(width_m / 0.6, least_m, std::max(least_m, body_diagonal_m(pieces) / 40.0));
 }
 
-void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_asset, const VoronoiPieces& pieces,
-                      const PieceKernelOptions& options, double overhang_m, PieceKernels& out) {
+void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_asset,
+                      const VoronoiPieces& pieces, const PieceKernelOptions& options, double overhang_m,
+                      PieceKernels& out) {
   const double spacing_m = interior_spacing_m(asset, object_from_asset.scale, pieces, options);
-  const std::vector<FaceKernel> faces =
-      options.max_interior > 0 && spacing_m > 0.0 ? face_kernels(pieces, spacing_m, overhang_m) : std::vector<FaceKernel>{};
+  const std::vector<FaceKernel> faces = options.max_interior > 0 && spacing_m > 0.0
+                                            ? face_kernels(pieces, spacing_m, overhang_m)
+                                            : std::vector<FaceKernel>{};
   const size_t begin = out.asset.size();
   out.interior_begin = begin;
   out.asset.resize(begin + faces.size());
@@ -148,7 +152,8 @@ void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_
     out.asset.positions[k] = (asset_from_object * (faces[f].position_m - object_from_asset.translation_m) /
                               object_from_asset.scale)
                                  .cast<float>();
-    out.asset.rotations[k] = (asset_from_object * Eigen::Quaterniond(faces[f].axes)).normalized().cast<float>();
+    out.asset.rotations[k] =
+        (asset_from_object * Eigen::Quaterniond(faces[f].axes)).normalized().cast<float>();
     out.asset.log_scales[k] =
         (faces[f].deviations_m / object_from_asset.scale).array().log().matrix().cast<float>();
     out.asset.opacity_logits[k] = static_cast<float>(std::log(kInteriorOpacity / (1.0 - kInteriorOpacity)));
@@ -180,8 +185,7 @@ Result<PieceKernels> make_piece_kernels(const GaussianAsset& asset, const Simila
       const Kernel kernel = at_rest(asset, k, object_from_asset);
       const double opacity = opacity_of_logit(asset.opacity_logits[k]);
       const SplitLimits limits{overhang_m, kMinOpacity / std::max(opacity, 1e-6)};
-      std::vector<GaussianPart> parts =
-          split_gaussian(kernel.mean_m, kernel.covariance_m2, pieces, limits);
+      std::vector<GaussianPart> parts = split_gaussian(kernel.mean_m, kernel.covariance_m2, pieces, limits);
       out.source[k] = static_cast<uint32_t>(k);
       if (parts.size() == 1 && parts[0].covariance_m2 == kernel.covariance_m2) {
         out.piece[k] = pieces.locate_in(parts[0].cell, kernel.mean_m);

@@ -14,10 +14,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A Gaussian much larger than the body would become thousands of parts; at this many they are held back instead.
+// A Gaussian much larger than the body would become thousands of parts; at this many they are held back
+// instead.
 constexpr size_t kMaxParts = 96;
-// Narrower Gaussians that stand for one are this many of their deviations apart: their sum ripples by 2 exp(-pi²/2) or
-// 1.4 %. They reach as far as this many of the one's, and are at least so wide in parts of it.
+// Narrower Gaussians that stand for one are this many of their deviations apart: their sum ripples by 2
+// exp(-pi²/2) or 1.4 %. They reach as far as this many of the one's, and are at least so wide in parts of it.
 constexpr double kNarrowSpacing = 2.0, kNarrowReach = 3.2, kMinNarrowing = 0.2;
 
 // The nearest plane that the part's ellipsoid crosses.
@@ -70,8 +71,8 @@ GaussianPart below(const GaussianPart& part, const Vector3d& normal, double devi
   return half;
 }
 
-// A Gaussian of variance 1 is one of variance w² convolved with one of 1 - w²; here the latter is sampled along the
-// normal, a spacing apart.
+// A Gaussian of variance 1 is one of variance w² convolved with one of 1 - w²; here the latter is sampled
+// along the normal, a spacing apart.
 void add_narrower(const GaussianPart& part, const Crossing& crossing, double width, double min_opacity,
                   std::vector<GaussianPart>& out) {
   const Vector3d along = part.covariance_m2 * crossing.normal / crossing.deviation_m;
@@ -91,12 +92,13 @@ void add_narrower(const GaussianPart& part, const Crossing& crossing, double wid
 
 double overhang_m(const Crossing& crossing) {
   const TruncatedNormal low = normal_below(crossing.end), high = normal_below(-crossing.end);
-  return crossing.deviation_m * std::max(kSplitDeviations * std::sqrt(low.variance) + low.mean - crossing.end,
-                                         kSplitDeviations * std::sqrt(high.variance) + high.mean + crossing.end);
+  return crossing.deviation_m *
+         std::max(kSplitDeviations * std::sqrt(low.variance) + low.mean - crossing.end,
+                  kSplitDeviations * std::sqrt(high.variance) + high.mean + crossing.end);
 }
 
-// Rounding, other planes' cuts and kMaxParts may leave a part reaching too far: it is pressed flat until it does not,
-// and grows more opaque for it.
+// Rounding, other planes' cuts and kMaxParts may leave a part reaching too far: it is pressed flat until it
+// does not, and grows more opaque for it.
 void hold_back(GaussianPart& part, const VoronoiPieces& pieces, double max_overhang_m) {
   for (uint32_t neighbour : pieces.cell_neighbours[part.cell]) {
     if (one_piece(pieces, part.cell, neighbour)) continue;

@@ -24,14 +24,15 @@ struct GaussianPart {
 
 struct SplitLimits {
   double max_overhang_m;  // across a plane, at kSplitDeviations
-  double min_opacity;    // in parts of the original's; parts below are left out, but for the first
+  double min_opacity;     // in parts of the original's; parts below are left out, but for the first
 };
 
-// An ellipsoid of this many standard deviations counts as the kernel: outside, its opacity is under a 90th of the peak.
+// An ellipsoid of this many standard deviations counts as the kernel: outside, its opacity is under a 90th of
+// the peak.
 inline constexpr double kSplitDeviations = 3.0;
 
-// The parts of a Gaussian; the first is in the cell of its mean. One part, equal to the Gaussian, if no plane between
-// two pieces crosses it, or only so that nobody sees it.
+// The parts of a Gaussian; the first is in the cell of its mean. One part, equal to the Gaussian, if no plane
+// between two pieces crosses it, or only so that nobody sees it.
 std::vector<GaussianPart> split_gaussian(const Eigen::Vector3d& mean_m, const Eigen::Matrix3d& covariance_m2,
                                          const VoronoiPieces& pieces, const SplitLimits& limits);
 

@@ -16,8 +16,8 @@ std::vector<std::vector<uint32_t>> voronoi_neighbours(std::span<const Eigen::Vec
   // A margin, so that no seed lies on a wall.
   const Eigen::Vector3d half = (0.5 * scale * box.sizes()).array() + 0.01;
   const int blocks = std::max(1, static_cast<int>(std::cbrt(static_cast<double>(seeds_m.size()) / 5.0)));
-  voro::container container(-half.x(), half.x(), -half.y(), half.y(), -half.z(), half.z(), blocks, blocks, blocks,
-                            false, false, false, 8);
+  voro::container container(-half.x(), half.x(), -half.y(), half.y(), -half.z(), half.z(), blocks, blocks,
+                            blocks, false, false, false, 8);
   for (size_t s = 0; s < seeds_m.size(); ++s) {
     const Eigen::Vector3d p = scale * (seeds_m[s] - box.center());
     container.put(static_cast<int>(s), p.x(), p.y(), p.z());
@@ -34,7 +34,8 @@ std::vector<std::vector<uint32_t>> voronoi_neighbours(std::span<const Eigen::Vec
       for (int id : ids) {
         if (id < 0) continue;  // a wall
         neighbours[seed].push_back(static_cast<uint32_t>(id));
-        neighbours[static_cast<uint32_t>(id)].push_back(seed);  // both ways, whatever rounding says of a tiny face
+        neighbours[static_cast<uint32_t>(id)].push_back(
+            seed);  // both ways, whatever rounding says of a tiny face
       }
     } while (loop.inc());
   }

@@ -9,8 +9,9 @@
 
 namespace livegs {
 
-// For each seed the seeds whose Voronoi cells share a face with its own inside `bounds_m`, nearest first (voro++).
-// Symmetric. Precondition: seeds finite and apart. Seeds outside the bounds are allowed. One thread at a time.
+// For each seed the seeds whose Voronoi cells share a face with its own inside `bounds_m`, nearest first
+// (voro++). Symmetric. Precondition: seeds finite and apart. Seeds outside the bounds are allowed. One thread
+// at a time.
 std::vector<std::vector<uint32_t>> voronoi_neighbours(std::span<const Eigen::Vector3d> seeds_m,
                                                       const Eigen::AlignedBox3d& bounds_m);
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// 1. Each cell is clipped on its own, in parallel (clip_to_cell). 2. What it holds falls into connected parts.
-// 3. Vertices of the same name, found from up to four cells, become one, so that the two sides of a cut face have the
-// same boundary. 4. Slivers join a neighbour: the faces between them are left out, and the rest closes by itself.
+// 1. Each cell is clipped on its own, in parallel (clip_to_cell). 2. What it holds falls into connected
+// parts.
+// 3. Vertices of the same name, found from up to four cells, become one, so that the two sides of a cut face
+// have the same boundary. 4. Slivers join a neighbour: the faces between them are left out, and the rest
+// closes by itself.
 #include "geometry/fracture/voronoi_pieces.h"
 
 #include <Eigen/Geometry>
@@ -15,9 +17,9 @@
 #include "core/disjoint_sets.h"
 #include "core/parallel_for.h"
 #include "geometry/fracture/cell_parts.h"
+#include "geometry/fracture/voronoi_neighbours.h"
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/mesh/triangle_distance.h"
-#include "geometry/fracture/voronoi_neighbours.h"
 #include "geometry/mesh/weld_vertices.h"
 
 namespace livegs {
@@ -36,9 +38,10 @@ struct Contact {
 };
 
 struct PartList {
-  std::vector<CellPart> parts;               // in order of cells
-  std::vector<Eigen::Vector3d> vertices_m;   // shared
-  std::vector<std::vector<uint32_t>> facing; // by part and triangle: the part on the other side of a cut face, or ~0
+  std::vector<CellPart> parts;              // in order of cells
+  std::vector<Eigen::Vector3d> vertices_m;  // shared
+  std::vector<std::vector<uint32_t>>
+      facing;  // by part and triangle: the part on the other side of a cut face, or ~0
 };
 
 struct NameHash {
@@ -139,7 +142,8 @@ double part_volume(const PartList& list, const CellPart& part) {
   const Eigen::Vector3d origin = list.vertices_m[part.triangles[0][0]];
   double six = 0.0;
   for (const auto& [a, b, c] : part.triangles) {
-    six += (list.vertices_m[a] - origin).dot((list.vertices_m[b] - origin).cross(list.vertices_m[c] - origin));
+    six +=
+        (list.vertices_m[a] - origin).dot((list.vertices_m[b] - origin).cross(list.vertices_m[c] - origin));
   }
   return six / 6.0;
 }
@@ -153,7 +157,8 @@ Eigen::Vector3d part_middle(const PartList& list, const CellPart& part) {
 }
 
 // Sets of parts that make one piece each.
-DisjointSets join_slivers(const PartList& list, const std::vector<Contact>& contacts, const CutOptions& options) {
+DisjointSets join_slivers(const PartList& list, const std::vector<Contact>& contacts,
+                          const CutOptions& options) {
   const auto count = static_cast<uint32_t>(list.parts.size());
   DisjointSets sets(count);
   std::vector<double> volumes(count);
@@ -202,8 +207,10 @@ bool is_balanced(std::span<const std::array<uint32_t, 3>> triangles) {
   for (const auto& triangle : triangles) {
     for (int k = 0; k < 3; ++k) {
       const uint32_t from = triangle[k], to = triangle[(k + 1) % 3];
-      if (from < to) forward.push_back({from, to});
-      else backward.push_back({to, from});
+      if (from < to)
+        forward.push_back({from, to});
+      else
+        backward.push_back({to, from});
     }
   }
   std::sort(forward.begin(), forward.end());
@@ -232,8 +239,9 @@ void add_pieces(const PartList& list, DisjointSets& sets, VoronoiPieces& out) {
     if (a == b) continue;
     const double sign = a < b ? 1.0 : -1.0;
     if (a > b) std::swap(a, b);
-    VoronoiBond& bond = bonds.try_emplace({a, b}, VoronoiBond{a, b, 0.0, Eigen::Vector3d::Zero(),
-                                                              Eigen::Vector3d::Zero()}).first->second;
+    VoronoiBond& bond =
+        bonds.try_emplace({a, b}, VoronoiBond{a, b, 0.0, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()})
+            .first->second;
     bond.area_m2 += contact.area_m2;
     bond.centroid_m += contact.moment;
     bond.normal += sign * contact.normal_area;
@@ -268,7 +276,8 @@ void add_pieces(const PartList& list, DisjointSets& sets, VoronoiPieces& out) {
       }
     }
     if (!inner.empty() && !is_balanced(triangles)) {
-      // The two sides of a face between joined slivers do not match: keep both, which encloses the same volume.
+      // The two sides of a face between joined slivers do not match: keep both, which encloses the same
+      // volume.
       triangles.insert(triangles.end(), inner.begin(), inner.end());
       triangle_bond.resize(triangles.size(), kNoBond);
     }
@@ -313,7 +322,8 @@ void add_pieces(const PartList& list, DisjointSets& sets, VoronoiPieces& out) {
   }
 }
 
-// Cells that hold nothing go. Kernels reach beyond the body, so neighbours are found in a box three times as wide.
+// Cells that hold nothing go. Kernels reach beyond the body, so neighbours are found in a box three times as
+// wide.
 void drop_empty_cells(VoronoiPieces& out, const Eigen::AlignedBox3d& bounds) {
   uint32_t count = 0;
   for (uint32_t c = 0; c < out.seeds_m.size(); ++c) {
@@ -364,9 +374,10 @@ Result<VoronoiPieces> cut_voronoi_pieces(const TriangleMesh& mesh, std::span<con
     welded = weld_vertices(mesh);
     const MeshTopology topology = mesh_topology(welded);
     if (!topology.closed) {
-      return invalid_data("fracture: the mesh is open (" + std::to_string(open_edge_count(welded)) +
-                          " edges lack a neighbour), so it has no inside to cut; close it, or make a closed one with "
-                          "reconstruct_surface");
+      return invalid_data(
+          "fracture: the mesh is open (" + std::to_string(open_edge_count(welded)) +
+          " edges lack a neighbour), so it has no inside to cut; close it, or make a closed one with "
+          "reconstruct_surface");
     }
     body = &welded;
   }
@@ -426,7 +437,8 @@ uint32_t VoronoiPieces::locate(const Eigen::Vector3d& point_m) const {
 uint32_t VoronoiPieces::locate_in(uint32_t cell, const Eigen::Vector3d& point_m) const {
   const std::vector<Part>& parts = cell_parts[cell];
   if (parts.size() == 1) return parts[0].piece;
-  // A way from inside one part to another part leaves the first, so the surface nearest to a point in a part is its.
+  // A way from inside one part to another part leaves the first, so the surface nearest to a point in a part
+  // is its.
   uint32_t best = parts[0].piece;
   double nearest = std::numeric_limits<double>::max();
   for (const Part& part : parts) {

@@ -28,8 +28,8 @@ bool is_flat(const std::vector<Point>& cloud) {
   return std::all_of(c, end, [&](const Point& p) { return CGAL::coplanar(a, *b, *c, p); });
 }
 
-// CGAL keeps facets in an order that follows addresses in memory: corners by their coordinates and triangles by their
-// corners give the same bits for the same cloud.
+// CGAL keeps facets in an order that follows addresses in memory: corners by their coordinates and triangles
+// by their corners give the same bits for the same cloud.
 void put_in_order(TriangleMesh& mesh) {
   std::vector<uint32_t> order(mesh.vertices_m.size()), place(order.size());
   std::iota(order.begin(), order.end(), 0u);

@@ -7,8 +7,9 @@
 
 namespace livegs {
 
-void for_each_triangle_piece(const TriangleMesh& mesh, double edge_m,
-                             const std::function<void(const Eigen::Vector3d& centre_m, double area_m2)>& visit) {
+void for_each_triangle_piece(
+    const TriangleMesh& mesh, double edge_m,
+    const std::function<void(const Eigen::Vector3d& centre_m, double area_m2)>& visit) {
   constexpr double kMaxParts = 512.0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const Eigen::Vector3d& p = mesh.vertices_m[a];

@@ -14,7 +14,8 @@ constexpr uint32_t kLeafTriangles = 4;
 // Feet nearer to each other than this part of the distance to them are one.
 constexpr double kFootTolerance = 1e-9;
 
-double squared_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
+double squared_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& min,
+                        const Eigen::Vector3d& max) {
   return (point - point.cwiseMax(min).cwiseMin(max)).squaredNorm();
 }
 
@@ -75,8 +76,8 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d& point_m) cons
     }
     for (uint32_t i = box.begin; i < box.end; ++i) {
       const Triangle& triangle = triangles_[i];
-      const Eigen::Vector3d foot =
-          closest_point_on_triangle(point_m, triangle.corner_m[0], triangle.corner_m[1], triangle.corner_m[2]);
+      const Eigen::Vector3d foot = closest_point_on_triangle(point_m, triangle.corner_m[0],
+                                                             triangle.corner_m[1], triangle.corner_m[2]);
       const Eigen::Vector3d away = point_m - foot;
       const double squared = away.squaredNorm();
       if (squared > least2 * (1.0 + 2.0 * kFootTolerance)) continue;

@@ -10,7 +10,8 @@
 
 namespace livegs {
 
-// The triangle of a mesh that is nearest to a point, by nested boxes. Immutable after building; any thread may ask.
+// The triangle of a mesh that is nearest to a point, by nested boxes. Immutable after building; any thread
+// may ask.
 class TriangleTree {
  public:
   // Triangles without area are left out.
@@ -19,8 +20,9 @@ class TriangleTree {
   struct Nearest {
     double distance_m;  // infinite where there is no triangle
     Eigen::Vector3d foot_m;
-    // Unit, of the nearest triangle. Of several that share the foot, on an edge or at a corner, of the one whose plane is
-    // farthest from the point: of a closed mesh its side is the point's (Sigg 2003, Signed distance transform, 3).
+    // Unit, of the nearest triangle. Of several that share the foot, on an edge or at a corner, of the one
+    // whose plane is farthest from the point: of a closed mesh its side is the point's (Sigg 2003, Signed
+    // distance transform, 3).
     Eigen::Vector3d normal;
   };
   Nearest nearest(const Eigen::Vector3d& point_m) const;

@@ -26,29 +26,33 @@ bool inside_loop(const Eigen::Vector2d& p, const Loop& loop, Points points) {
   return inside;
 }
 
-bool same_place(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() == b.x() && a.y() == b.y(); }
+bool same_place(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() == b.x() && a.y() == b.y();
+}
 
 // Does the segment from a to b cross an edge of the loop anywhere but at its own ends?
 bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Loop& loop, Points points) {
   for (size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
     const Eigen::Vector2d &c = points[loop[j]], &d = points[loop[i]];
     if (same_place(c, a) || same_place(c, b) || same_place(d, a) || same_place(d, b)) continue;
-    if ((cross(a, b, c) > 0) != (cross(a, b, d) > 0) && (cross(c, d, a) > 0) != (cross(c, d, b) > 0)) return true;
+    if ((cross(a, b, c) > 0) != (cross(a, b, d) > 0) && (cross(c, d, a) > 0) != (cross(c, d, b) > 0))
+      return true;
   }
   return false;
 }
 
 // Does the direction to p leave corner `at` into the polygon?
 bool opens_towards(const Loop& loop, size_t at, const Eigen::Vector2d& p, Points points) {
-  const Eigen::Vector2d &before = points[loop[(at + loop.size() - 1) % loop.size()]], &here = points[loop[at]],
-                        &after = points[loop[(at + 1) % loop.size()]];
+  const Eigen::Vector2d &before = points[loop[(at + loop.size() - 1) % loop.size()]],
+                        &here = points[loop[at]], &after = points[loop[(at + 1) % loop.size()]];
   if (cross(before, here, after) > 0) return cross(before, here, p) > 0 && cross(here, after, p) > 0;
   return cross(before, here, p) > 0 || cross(here, after, p) > 0;
 }
 
 // Joins a hole to the polygon by the shortest bridge that crosses nothing.
 void join_hole(Loop& polygon, const Loop& hole, const std::vector<Loop>& others, Points points) {
-  // From the rightmost corner of the hole: everything to its right belongs to the polygon or to holes joined already.
+  // From the rightmost corner of the hole: everything to its right belongs to the polygon or to holes joined
+  // already.
   size_t from = 0;
   for (size_t h = 1; h < hole.size(); ++h) {
     if (points[hole[h]].x() > points[hole[from]].x()) from = h;
@@ -57,7 +61,8 @@ void join_hole(Loop& polygon, const Loop& hole, const std::vector<Loop>& others,
   std::vector<size_t> order(polygon.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    const double da = (points[polygon[a]] - start).squaredNorm(), db = (points[polygon[b]] - start).squaredNorm();
+    const double da = (points[polygon[a]] - start).squaredNorm(),
+                 db = (points[polygon[b]] - start).squaredNorm();
     return da != db ? da < db : a < b;
   });
   size_t to = order[0];
@@ -94,7 +99,8 @@ bool is_ear(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
 
 double twice_area(const Loop& loop, Points points) {
   double sum = 0.0;
-  for (size_t i = 1; i + 1 < loop.size(); ++i) sum += cross(points[loop[0]], points[loop[i]], points[loop[i + 1]]);
+  for (size_t i = 1; i + 1 < loop.size(); ++i)
+    sum += cross(points[loop[0]], points[loop[i]], points[loop[i + 1]]);
   return sum;
 }
 
@@ -139,7 +145,8 @@ std::vector<std::array<uint32_t, 3>> triangulate(const PolygonRegion& region, Po
     for (uint32_t corner : loop) most = std::max(most, points[corner].x());
     return most;
   };
-  std::stable_sort(holes.begin(), holes.end(), [&](const Loop& a, const Loop& b) { return right(a) > right(b); });
+  std::stable_sort(holes.begin(), holes.end(),
+                   [&](const Loop& a, const Loop& b) { return right(a) > right(b); });
   while (!holes.empty()) {
     const Loop hole = std::move(holes.front());
     holes.erase(holes.begin());

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "gaussian/opacity.h"
-#include "geometry/reconstruct_surface.h"
 #include "geometry/field/regular_grid.h"
+#include "geometry/reconstruct_surface.h"
 
 namespace livegs {
 namespace {

@@ -27,8 +27,8 @@ constexpr double kMinComponentShare = 0.01;
 // A body with less air than this part of what its outer surface encloses is no shell, but has bubbles.
 constexpr double kMinHollowShare = 0.1;
 
-// Cubes in six tetrahedra about the diagonal (Kuhn 1960): neighbours agree on the diagonals of their faces. Corners by
-// their bits: 1 along x, 2 along y, 4 along z.
+// Cubes in six tetrahedra about the diagonal (Kuhn 1960): neighbours agree on the diagonals of their faces.
+// Corners by their bits: 1 along x, 2 along y, 4 along z.
 constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
     {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
 
@@ -40,7 +40,8 @@ struct Grid {
 
   size_t index(int x, int y, int z) const {
     return static_cast<size_t>(x) +
-           static_cast<size_t>(counts.x()) * (static_cast<size_t>(y) + static_cast<size_t>(counts.y()) * static_cast<size_t>(z));
+           static_cast<size_t>(counts.x()) *
+               (static_cast<size_t>(y) + static_cast<size_t>(counts.y()) * static_cast<size_t>(z));
   }
   Vector3d node(size_t index) const {
     const auto nx = static_cast<size_t>(counts.x()), ny = static_cast<size_t>(counts.y());
@@ -73,7 +74,8 @@ TriangleMesh level_set(const Grid& grid) {
     if (a > b) std::swap(a, b);
     const auto [at, fresh] = vertices.try_emplace({a, b}, static_cast<uint32_t>(mesh.vertices_m.size()));
     if (fresh) {
-      const double share = std::clamp(grid.values[a] / (grid.values[a] - grid.values[b]), kVertexClearance, 1.0 - kVertexClearance);
+      const double share = std::clamp(grid.values[a] / (grid.values[a] - grid.values[b]), kVertexClearance,
+                                      1.0 - kVertexClearance);
       mesh.vertices_m.push_back((1.0 - share) * grid.node(a) + share * grid.node(b));
     }
     return at->second;
@@ -98,8 +100,10 @@ TriangleMesh level_set(const Grid& grid) {
           }
           if (in.empty() || out.empty()) continue;
           const Vector3d towards = grid.node(in[0]) - grid.node(out[0]);
-          if (in.size() == 1) add(vertex(in[0], out[0]), vertex(in[0], out[1]), vertex(in[0], out[2]), towards);
-          if (out.size() == 1) add(vertex(in[0], out[0]), vertex(in[1], out[0]), vertex(in[2], out[0]), towards);
+          if (in.size() == 1)
+            add(vertex(in[0], out[0]), vertex(in[0], out[1]), vertex(in[0], out[2]), towards);
+          if (out.size() == 1)
+            add(vertex(in[0], out[0]), vertex(in[1], out[0]), vertex(in[2], out[0]), towards);
           if (in.size() == 2) {
             const uint32_t a = vertex(in[0], out[0]), b = vertex(in[0], out[1]), c = vertex(in[1], out[1]),
                            d = vertex(in[1], out[0]);
@@ -134,7 +138,8 @@ Result<TriangleMesh> hollow_mesh(const TriangleMesh& mesh, double wall_m) {
     std::snprintf(text, sizeof text, "wall_thickness_m %g of a shell %g m long %s", wall_m, longest, why);
     return invalid_argument(text);
   };
-  if (!(wall_m >= kMinWallShare * longest)) return refuse("is too thin to be cut; it needs a 64th of the length");
+  if (!(wall_m >= kMinWallShare * longest))
+    return refuse("is too thin to be cut; it needs a 64th of the length");
   const TriangleMesh inner = level_set(depth_grid(mesh, wall_m));
   if (inner.triangles.empty()) return refuse("leaves nothing hollow; call it SOLID");
   const std::vector<int> part_of = mesh_pieces(inner);

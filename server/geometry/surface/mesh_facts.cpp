@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/parallel_for.h"
-#include "geometry/mesh/convex_hull.h"
 #include "geometry/field/distance_field.h"
 #include "geometry/field/inside_grid.h"
+#include "geometry/mesh/convex_hull.h"
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/mesh/smallest_box.h"

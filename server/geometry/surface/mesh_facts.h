@@ -11,7 +11,8 @@ namespace livegs {
 // orientation (openness a little: its rays are fixed in the object frame).
 struct MeshFacts {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // edges of the bounding box along the object's axes
-  Eigen::Vector3d box_m = Eigen::Vector3d::Zero();   // of the smallest box around it however it lies, longest first
+  Eigen::Vector3d box_m =
+      Eigen::Vector3d::Zero();  // of the smallest box around it however it lies, longest first
   Eigen::Vector3d principal_size_m =
       Eigen::Vector3d::Zero();  // of the solid box with the same moments, longest first
   double volume_m3 = 0.0;       // enclosed

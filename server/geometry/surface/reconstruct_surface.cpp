@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "core/format_text.h"
-#include "geometry/surface/alpha_complex.h"
 #include "geometry/mesh/convex_hull.h"
-#include "geometry/surface/remove_small_components.h"
 #include "geometry/mesh/mesh_topology.h"
+#include "geometry/surface/alpha_complex.h"
+#include "geometry/surface/remove_small_components.h"
 #include "geometry/surface/shape_mesh.h"
 #include "geometry/surface/voxel_thinning.h"
 

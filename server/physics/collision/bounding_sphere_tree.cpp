@@ -21,7 +21,8 @@ void BoundingSphereTree::add_group(std::span<const Eigen::Vector3d> points_m, ui
   for (uint32_t i = begin; i < end; ++i) box.extend(points_m[order_[i]]);
   const Eigen::Vector3d centre = box.center();
   double squared = 0.0;
-  for (uint32_t i = begin; i < end; ++i) squared = std::max(squared, (points_m[order_[i]] - centre).squaredNorm());
+  for (uint32_t i = begin; i < end; ++i)
+    squared = std::max(squared, (points_m[order_[i]] - centre).squaredNorm());
   const size_t own = groups_.size();
   // Rounding must not leave a point outside.
   groups_.push_back({centre, (1.0 + 1e-9) * std::sqrt(squared), begin, end, 0});

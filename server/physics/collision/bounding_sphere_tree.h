@@ -9,15 +9,16 @@
 
 namespace livegs {
 
-// Points in nested groups, each within a ball, so that those far from a surface are passed over many at a time. Holds
-// indices only; immutable after building, any thread may ask.
+// Points in nested groups, each within a ball, so that those far from a surface are passed over many at a
+// time. Holds indices only; immutable after building, any thread may ask.
 class BoundingSphereTree {
  public:
   BoundingSphereTree() = default;
   explicit BoundingSphereTree(std::span<const Eigen::Vector3d> points_m);
 
-  // Appends to `found` the indices, in ascending order, of all points that may lie within `reach_m` of a surface, and of
-  // some that do not. `clearance_m(p)`, in the frame of the points, is never more than the distance to it.
+  // Appends to `found` the indices, in ascending order, of all points that may lie within `reach_m` of a
+  // surface, and of some that do not. `clearance_m(p)`, in the frame of the points, is never more than the
+  // distance to it.
   template <class Clearance>
   void near(const Clearance& clearance_m, double reach_m, std::vector<uint32_t>& found) const {
     const auto first = static_cast<std::ptrdiff_t>(found.size());
@@ -27,7 +28,8 @@ class BoundingSphereTree {
         i = group.after;
         continue;
       }
-      if (group.after == i + 1) found.insert(found.end(), order_.begin() + group.begin, order_.begin() + group.end);
+      if (group.after == i + 1)
+        found.insert(found.end(), order_.begin() + group.begin, order_.begin() + group.end);
       ++i;
     }
     std::sort(found.begin() + first, found.end());

@@ -9,8 +9,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Nearer to a sheet than this, in cells, its triangles are asked: a grid rounds off where it bends, and where it ends. Nodes
-// of the cells it goes through are up to 1.73 away from it, so that none of these is passed over.
+// Nearer to a sheet than this, in cells, its triangles are asked: a grid rounds off where it bends, and where
+// it ends. Nodes of the cells it goes through are up to 1.73 away from it, so that none of these is passed
+// over.
 constexpr double kSheetCells = 2.0;
 
 // Each works in the collider's own frame.
@@ -43,11 +44,13 @@ SurfaceSample sample(const FieldShape& shape, const Vector3d& point) {
     const TriangleTree::Nearest nearest = shape.sheet->nearest(point);
     const Vector3d away = point - nearest.foot_m;
     const bool beside = nearest.distance_m > 1e-6 * shape.field->cell_m();
-    return {nearest.distance_m - shape.half_thickness_m, beside ? Vector3d(away / nearest.distance_m) : nearest.normal};
+    return {nearest.distance_m - shape.half_thickness_m,
+            beside ? Vector3d(away / nearest.distance_m) : nearest.normal};
   }
   const double length = found.gradient.norm();
   // The gradient of an interpolated field vanishes on the medial axis.
-  return {found.distance_m - shape.half_thickness_m, length > 1e-9 ? Vector3d(found.gradient / length) : Vector3d::UnitY()};
+  return {found.distance_m - shape.half_thickness_m,
+          length > 1e-9 ? Vector3d(found.gradient / length) : Vector3d::UnitY()};
 }
 
 }  // namespace
@@ -59,8 +62,10 @@ ColliderProbe::ColliderProbe(const Collider& collider)
       plane_(std::holds_alternative<PlaneShape>(collider.shape)) {}
 
 SurfaceSample ColliderProbe::sample_shape(const Vector3d& point_m) const {
-  const Vector3d local = world_from_collider_.transpose() * (point_m - collider_.world_from_collider.position_m);
-  SurfaceSample found = std::visit([&](const auto& shape) { return livegs::sample(shape, local); }, collider_.shape);
+  const Vector3d local =
+      world_from_collider_.transpose() * (point_m - collider_.world_from_collider.position_m);
+  SurfaceSample found =
+      std::visit([&](const auto& shape) { return livegs::sample(shape, local); }, collider_.shape);
   found.normal = world_from_collider_ * found.normal;
   return found;
 }

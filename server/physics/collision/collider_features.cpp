@@ -35,7 +35,8 @@ void box_features(const BoxShape& box, const Collider& collider, const Eigen::Ve
       const double chord2 = reach * reach - du * du - dv * dv;
       if (chord2 < 0.0) continue;
       const double chord = std::sqrt(chord2);
-      const double low = std::max(-half[axis], local[axis] - chord), high = std::min(half[axis], local[axis] + chord);
+      const double low = std::max(-half[axis], local[axis] - chord),
+                   high = std::min(half[axis], local[axis] + chord);
       for (int64_t k = static_cast<int64_t>(std::ceil(low / spacing)); k * spacing <= high; ++k) {
         point[axis] = static_cast<double>(k) * spacing;
         const uint64_t id = kEdgeFeature + (static_cast<uint64_t>(axis) * 4 + side) * (uint64_t{1} << 26) +
@@ -46,8 +47,8 @@ void box_features(const BoxShape& box, const Collider& collider, const Eigen::Ve
   }
 }
 
-void ridge_features(const FieldShape& shape, const Collider& collider, const Eigen::Vector3d& centre, double reach,
-                    std::vector<ColliderFeature>& features) {
+void ridge_features(const FieldShape& shape, const Collider& collider, const Eigen::Vector3d& centre,
+                    double reach, std::vector<ColliderFeature>& features) {
   const RidgePoints& ridges = *shape.ridges;
   const Eigen::Vector3d local = collider.world_from_collider.inverse() * centre;
   std::vector<uint32_t> near;

@@ -21,11 +21,12 @@ struct CellHash {
   }
 };
 
-// Fills one triangle with a regular pattern whose step is at most `spacing_m` along each edge; corners excluded.
+// Fills one triangle with a regular pattern whose step is at most `spacing_m` along each edge; corners
+// excluded.
 void fill_triangle(const std::array<Eigen::Vector3d, 3>& corner, double spacing_m,
                    std::vector<Eigen::Vector3d>& points) {
-  const double longest = std::max({(corner[1] - corner[0]).norm(), (corner[2] - corner[1]).norm(),
-                                   (corner[0] - corner[2]).norm()});
+  const double longest = std::max(
+      {(corner[1] - corner[0]).norm(), (corner[2] - corner[1]).norm(), (corner[0] - corner[2]).norm()});
   const int steps = static_cast<int>(std::ceil(longest / spacing_m));
   for (int i = 0; i <= steps; ++i) {
     for (int j = 0; j <= steps - i; ++j) {
@@ -99,7 +100,8 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
     }
     return false;
   };
-  // The most exposed first, so that what touches first is what stays. Vertices before the filling: edges are sharp.
+  // The most exposed first, so that what touches first is what stays. Vertices before the filling: edges are
+  // sharp.
   const auto take = [&](std::vector<Eigen::Vector3d> points) {
     std::stable_sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
       return a.squaredNorm() > b.squaredNorm();
@@ -185,7 +187,8 @@ double RigidShape::sample_error_m() const {
 DistanceField::Sample RigidShape::sample(const Eigen::Vector3d& point_m) const {
   if (is_ball()) {
     const double length = point_m.norm();
-    return {length - sphere_radius_m, length > 0.0 ? Eigen::Vector3d(point_m / length) : Eigen::Vector3d::UnitY()};
+    return {length - sphere_radius_m,
+            length > 0.0 ? Eigen::Vector3d(point_m / length) : Eigen::Vector3d::UnitY()};
   }
   if (convex) {
     const ConvexPolyhedron::Sample found = convex->sample(point_m);

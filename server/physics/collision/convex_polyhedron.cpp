@@ -36,7 +36,8 @@ std::optional<Welded> weld(const TriangleMesh& mesh) {
   if (welded.vertices.size() > kMaxPolyhedronVertices) return std::nullopt;
   for (const auto& t : mesh.triangles) {
     const std::array<uint16_t, 3> corner{index_of[t[0]], index_of[t[1]], index_of[t[2]]};
-    if (corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0]) welded.triangles.push_back(corner);
+    if (corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0])
+      welded.triangles.push_back(corner);
   }
   return welded;
 }
@@ -142,7 +143,8 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh) {
     }
     const std::vector<uint16_t> loop = boundary_loop(*welded, region);
     if (loop.size() < 3 || hull.faces.size() == kMaxPolyhedronFaces) return std::nullopt;
-    hull.faces.push_back({normal, offset, static_cast<uint16_t>(hull.loops.size()), static_cast<uint16_t>(loop.size())});
+    hull.faces.push_back(
+        {normal, offset, static_cast<uint16_t>(hull.loops.size()), static_cast<uint16_t>(loop.size())});
     hull.loops.insert(hull.loops.end(), loop.begin(), loop.end());
   }
   // Vertices inside a face are of no use: what is left is renumbered.
@@ -155,7 +157,8 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh) {
   }
   if (!add_edges(hull)) return std::nullopt;
   hull.centre_m.setZero();
-  for (const Vector3d& vertex : hull.vertices_m) hull.centre_m += vertex / static_cast<double>(hull.vertices_m.size());
+  for (const Vector3d& vertex : hull.vertices_m)
+    hull.centre_m += vertex / static_cast<double>(hull.vertices_m.size());
   hull.inner_radius_m = (high - low).norm();
   for (const auto& face : hull.faces) {
     hull.inner_radius_m = std::min(hull.inner_radius_m, face.offset_m - face.normal.dot(hull.centre_m));

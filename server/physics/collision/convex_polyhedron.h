@@ -8,8 +8,8 @@
 
 #include "geometry/triangle_mesh.h"
 
-// A convex body with flat faces: boxes, wedges, tiles, fragments. Its distance and its contacts are exact, where a grid
-// would round its edges.
+// A convex body with flat faces: boxes, wedges, tiles, fragments. Its distance and its contacts are exact,
+// where a grid would round its edges.
 
 namespace livegs {
 
@@ -31,12 +31,12 @@ struct ConvexPolyhedron {
   std::vector<Face> faces;
   std::vector<uint16_t> loops;
   std::vector<Edge> edges;
-  Eigen::Vector3d centre_m;      // mean of the vertices: inside
-  double inner_radius_m = 0.0;   // of the largest ball about centre_m that fits in
+  Eigen::Vector3d centre_m;     // mean of the vertices: inside
+  double inner_radius_m = 0.0;  // of the largest ball about centre_m that fits in
 
   struct Sample {
-    double distance_m;        // negative inside
-    Eigen::Vector3d normal;   // unit, from the nearest point of the surface to the point, or its face's
+    double distance_m;       // negative inside
+    Eigen::Vector3d normal;  // unit, from the nearest point of the surface to the point, or its face's
   };
   // Exact for points outside and inside.
   Sample sample(const Eigen::Vector3d& point_m) const;
@@ -45,8 +45,8 @@ struct ConvexPolyhedron {
   }
 };
 
-// The polyhedron a closed mesh is, triangles in one plane joined to faces; nothing if the mesh is not convex to 1e-5 of
-// its size, is not closed or is beyond the limits above.
+// The polyhedron a closed mesh is, triangles in one plane joined to faces; nothing if the mesh is not convex
+// to 1e-5 of its size, is not closed or is beyond the limits above.
 std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh);
 // Precondition: positive edge lengths.
 ConvexPolyhedron box_polyhedron(const Eigen::Vector3d& size_m);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Van Oosterom and Strackee 1983, The solid angle of a plane triangle: what a mesh winds around sees all of it, 4 pi.
+// Van Oosterom and Strackee 1983, The solid angle of a plane triangle: what a mesh winds around sees all of
+// it, 4 pi.
 #include "physics/mesh_collider.h"
 
 #include <Eigen/Geometry>
@@ -35,7 +36,8 @@ double solid_angle(const TriangleMesh& mesh, const Part& part, const Eigen::Vect
   double sum = 0.0;
   for (const uint32_t t : part.triangles) {
     const auto& [i, j, k] = mesh.triangles[t];
-    const Eigen::Vector3d a = mesh.vertices_m[i] - from_m, b = mesh.vertices_m[j] - from_m, c = mesh.vertices_m[k] - from_m;
+    const Eigen::Vector3d a = mesh.vertices_m[i] - from_m, b = mesh.vertices_m[j] - from_m,
+                          c = mesh.vertices_m[k] - from_m;
     const double p = a.norm(), q = b.norm(), r = c.norm();
     sum += 2.0 * std::atan2(a.dot(b.cross(c)), p * q * r + a.dot(b) * r + b.dot(c) * p + c.dot(a) * q);
   }
@@ -53,7 +55,8 @@ TriangleMesh turned_out(TriangleMesh mesh) {
     const Eigen::Vector3d& origin = mesh.vertices_m[mesh.triangles[0][0]];
     parts[number].triangles.push_back(t);
     parts[number].volume_m3 +=
-        (mesh.vertices_m[a] - origin).dot((mesh.vertices_m[b] - origin).cross(mesh.vertices_m[c] - origin)) / 6.0;
+        (mesh.vertices_m[a] - origin).dot((mesh.vertices_m[b] - origin).cross(mesh.vertices_m[c] - origin)) /
+        6.0;
   }
   for (const Part& part : parts) {
     if (part.volume_m3 >= 0.0) continue;
@@ -109,7 +112,8 @@ RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, ConcaveEdge
     }
     is_corner[a] = is_corner[b] = 1;
     const int parts = static_cast<int>(std::ceil((at[b] - at[a]).norm() / spacing_m));
-    for (int i = 1; i < parts; ++i) ridges.points_m.push_back(at[a] + static_cast<double>(i) / parts * (at[b] - at[a]));
+    for (int i = 1; i < parts; ++i)
+      ridges.points_m.push_back(at[a] + static_cast<double>(i) / parts * (at[b] - at[a]));
   }
   for (size_t i = 0; i < at.size(); ++i) {
     if (is_corner[i]) ridges.points_m.push_back(at[i]);
@@ -122,7 +126,8 @@ FieldShape mesh_collider(const TriangleMesh& mesh) {
   const TriangleMesh solid = turned_out(weld_vertices(mesh));
   const double cell_m = mesh_bounds_m(solid).sizes().maxCoeff() / kFieldCells;
   FieldShape shape;
-  shape.field = std::make_shared<const DistanceField>(solid, cell_m, 2.0 * cell_m, DistanceField::Thin::Exact);
+  shape.field =
+      std::make_shared<const DistanceField>(solid, cell_m, 2.0 * cell_m, DistanceField::Thin::Exact);
   shape.ridges = std::make_shared<const RidgePoints>(affordable_ridges(solid, cell_m, ConcaveEdges::Skip));
   return shape;
 }
@@ -132,7 +137,8 @@ FieldShape wall_collider(const TriangleMesh& mesh) {
   const double cell_m = mesh_bounds_m(surface).sizes().maxCoeff() / kFieldCells;
   FieldShape shape;
   shape.field = std::make_shared<const DistanceField>(both_ways(surface), cell_m, 2.0 * cell_m);
-  shape.ridges = std::make_shared<const RidgePoints>(affordable_ridges(surface, cell_m, ConcaveEdges::Include));
+  shape.ridges =
+      std::make_shared<const RidgePoints>(affordable_ridges(surface, cell_m, ConcaveEdges::Include));
   shape.sheet = std::make_shared<const TriangleTree>(surface);
   shape.half_thickness_m = 0.5 * wall_thickness_m(kFieldCells * cell_m);
   return shape;

@@ -36,7 +36,8 @@ double thickness_m(const Collider& collider) {
 class VoxelMap {
  public:
   VoxelMap(const ParticleSet& particles, double edge) : particles_(particles), edge_(edge) {
-    for (size_t i = 0; i < particles.positions_m.size(); ++i) voxels_[key(particles.positions_m[i])].push_back(i);
+    for (size_t i = 0; i < particles.positions_m.size(); ++i)
+      voxels_[key(particles.positions_m[i])].push_back(i);
   }
 
   // Whether `accept` takes any of the particles within a cube.
@@ -73,9 +74,12 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
   const size_t count = particles.positions_m.size();
   double volume = 0.0;
   for (const double v : particles.volumes_m3) volume += v;
-  const double edge = particles.spacing_m > 0.0 ? particles.spacing_m : std::cbrt(volume / static_cast<double>(count));
+  const double edge =
+      particles.spacing_m > 0.0 ? particles.spacing_m : std::cbrt(volume / static_cast<double>(count));
   const VoxelMap map(particles, edge);
-  const auto on_surface = [&](size_t i) { return i < particles.on_surface.size() && particles.on_surface[i]; };
+  const auto on_surface = [&](size_t i) {
+    return i < particles.on_surface.size() && particles.on_surface[i];
+  };
 
   Vector3d middle = Vector3d::Zero();
   for (size_t i = 0; i < count; ++i) middle += particles.volumes_m3[i] / volume * particles.positions_m[i];
@@ -140,8 +144,8 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
             outermost = outermost && (side[d] ? open[d][side[d] > 0] : !open[d][0] && !open[d][1]);
           }
           if (!outermost) continue;
-          SurfacePoint& point = points.emplace_back(
-              SurfacePoint{static_cast<uint32_t>(i), on_face(p + 0.5 * edge * Vector3d(x, y, z)), 0.5 * edge, {}});
+          SurfacePoint& point = points.emplace_back(SurfacePoint{
+              static_cast<uint32_t>(i), on_face(p + 0.5 * edge * Vector3d(x, y, z)), 0.5 * edge, {}});
           for (int d = 0; d < 3; ++d) {
             if (side[d]) point.normals.push_back(side[d] * Vector3d::Unit(d));
           }
@@ -152,7 +156,8 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
   return points;
 }
 
-Vector3d contact_correction(const Vector3d& normal, double depth_m, const Vector3d& moved_m, double friction) {
+Vector3d contact_correction(const Vector3d& normal, double depth_m, const Vector3d& moved_m,
+                            double friction) {
   const Vector3d slid = moved_m - normal * normal.dot(moved_m);
   const double displacement = slid.norm(), hold = friction * depth_m;
   const double part = displacement > hold ? hold / displacement : 1.0;
@@ -160,12 +165,13 @@ Vector3d contact_correction(const Vector3d& normal, double depth_m, const Vector
 }
 
 SurfaceSample swept_surface(const ColliderProbe& collider, const Vector3d& from_m, const Vector3d& to_m,
-                                const Vector3d& side) {
+                            const Vector3d& side) {
   const SurfaceSample at = collider.sample(to_m);
   const double thickness = thickness_m(collider.collider());
   if (!(thickness < INFINITY)) return at;
   const Vector3d displacement = to_m - from_m;
-  const bool sided = side.squaredNorm() > 0.0, fast = displacement.squaredNorm() > kMaxUnsweptPart * kMaxUnsweptPart * thickness * thickness;
+  const bool sided = side.squaredNorm() > 0.0,
+             fast = displacement.squaredNorm() > kMaxUnsweptPart * kMaxUnsweptPart * thickness * thickness;
   if (!fast && (!sided || at.distance_m > 0.0 || at.normal.dot(side) > 0.0)) return at;
   const double start_m = collider.sample(from_m).distance_m;
   const double tolerance = 0.01 * thickness;

@@ -11,12 +11,12 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr int kMaxCells = 32;       // along an axis
-constexpr int kMaxNeighbours = 48;        // elements that speak for one place
-constexpr int kMaxFaces = 3;        // that meet at one place
-constexpr double kSameFaceCosine = 0.5;    // cosine between normals of one face
-constexpr double kMaxHollow = 1e-3;       // of the reach: how hollow an edge may be and still count as convex
-constexpr double kFacingCosine = -0.3;     // cosine between normals of points that look at each other
+constexpr int kMaxCells = 32;            // along an axis
+constexpr int kMaxNeighbours = 48;       // elements that speak for one place
+constexpr int kMaxFaces = 3;             // that meet at one place
+constexpr double kSameFaceCosine = 0.5;  // cosine between normals of one face
+constexpr double kMaxHollow = 1e-3;      // of the reach: how hollow an edge may be and still count as convex
+constexpr double kFacingCosine = -0.3;   // cosine between normals of points that look at each other
 constexpr int kMaxProbes = 64;
 
 bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {
@@ -52,11 +52,13 @@ PointSurface::PointSurface(const std::vector<SurfaceElement>& elements, double r
   for (uint32_t i = 0; i < elements.size(); ++i) sorted_[next[cell_of(elements[i].position_m)]++] = i;
 }
 
-std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m, std::span<const SurfaceElement> own) const {
+std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,
+                                                std::span<const SurfaceElement> own) const {
   if (elements_.empty()) return std::nullopt;
   const Vector3d low = (point_m - low_m_).array() - reach_m_, high = (point_m - low_m_).array() + reach_m_;
   const Eigen::Array3i first = (low / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().max(0);
-  const Eigen::Array3i last = (high / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().min(counts_.array() - 1);
+  const Eigen::Array3i last =
+      (high / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().min(counts_.array() - 1);
   std::array<uint32_t, kMaxNeighbours> near;
   std::array<double, kMaxNeighbours> squares;
   int count = 0, nearest = -1;
@@ -90,8 +92,8 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m, std::sp
   if (first_lead.normal.squaredNorm() < 0.5) {  // balls: the nearest one alone
     const Vector3d away = point_m - first_lead.position_m;
     const double distance = away.norm();
-    return SurfaceDepth{distance - first_lead.radius_m, distance > 0.0 ? Vector3d(away / distance) : Vector3d::UnitY(),
-                        first_lead.index};
+    return SurfaceDepth{distance - first_lead.radius_m,
+                        distance > 0.0 ? Vector3d(away / distance) : Vector3d::UnitY(), first_lead.index};
   }
   // Faces, the nearest first. Those beyond an edge that is hollow do not count.
   std::optional<SurfaceDepth> deepest, facing;
@@ -111,7 +113,8 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m, std::sp
       normal += weight * element.normal;
     }
     const Vector3d across = lead.position_m - first_lead.position_m;
-    const bool convex = across.dot(first_lead.normal) <= kMaxHollow * reach_m_ && across.dot(lead.normal) >= -kMaxHollow * reach_m_;
+    const bool convex = across.dot(first_lead.normal) <= kMaxHollow * reach_m_ &&
+                        across.dot(lead.normal) >= -kMaxHollow * reach_m_;
     if (convex) {
       const double length = normal.norm();
       SurfaceDepth found{distance / weights, normal / length, lead.index};
@@ -129,7 +132,7 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m, std::sp
 }
 
 std::optional<SurfaceDepth> PointSurface::swept_depth(const Vector3d& end_m, const Vector3d& displacement_m,
-                                                         std::span<const SurfaceElement> own) const {
+                                                      std::span<const SurfaceElement> own) const {
   const double length = displacement_m.norm();
   if (length > 0.5 * reach_m_) {
     const int probes = static_cast<int>(std::min<double>(kMaxProbes, std::ceil(length / (0.5 * reach_m_))));

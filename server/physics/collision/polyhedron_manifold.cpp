@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Separating axes with the edge pairs that can be one found on the Gauss map (Gregorius 2013, The separating axis test
-// between convex polyhedra), then the incident face cut by the sides of the reference face.
+// Separating axes with the edge pairs that can be one found on the Gauss map (Gregorius 2013, The separating
+// axis test between convex polyhedra), then the incident face cut by the sides of the reference face.
 #include "physics/collision/polyhedron_manifold.h"
 
 #include <algorithm>
@@ -73,7 +73,8 @@ EdgeAxis best_edges(const Side& a, const Side& b, double reach) {
       const double left = b.normals[eb.left].dot(along_a), right = b.normals[eb.right].dot(along_a);
       if (left * right >= 0.0) continue;
       const Vector3d along_b = b.vertices[eb.to] - b.vertices[eb.from];
-      const double other_left = a.normals[ea.left].dot(along_b), other_right = a.normals[ea.right].dot(along_b);
+      const double other_left = a.normals[ea.left].dot(along_b),
+                   other_right = a.normals[ea.right].dot(along_b);
       if (other_left * other_right >= 0.0 || left * other_right >= 0.0) continue;
       Vector3d normal = along_a.cross(along_b);
       const double length2 = normal.squaredNorm();
@@ -133,7 +134,8 @@ void cut_faces(const Side& of, size_t face_index, const Side& other, double reac
   const Face& against = other.shape.faces[incident];
   Cut cut;
   for (int k = 0; k < against.count; ++k) {
-    cut.corners[cut.count++] = {other.corner(against, k), static_cast<uint64_t>(other.shape.loops[against.first + k]),
+    cut.corners[cut.count++] = {other.corner(against, k),
+                                static_cast<uint64_t>(other.shape.loops[against.first + k]),
                                 static_cast<uint64_t>(k)};
   }
   for (int k = 0; k < face.count && cut.count > 0; ++k) {
@@ -175,8 +177,8 @@ double polyhedron_gap_m(const PlacedPolyhedron& a, const PlacedPolyhedron& b, do
   return std::max(gap, best_edges(side_a, side_b, reach_m).gap);
 }
 
-void polyhedron_contacts(const PlacedPolyhedron& a, const PlacedPolyhedron& b, double reach_m, double tolerance_m,
-                         std::vector<ContactCandidate>& candidates) {
+void polyhedron_contacts(const PlacedPolyhedron& a, const PlacedPolyhedron& b, double reach_m,
+                         double tolerance_m, std::vector<ContactCandidate>& candidates) {
   Side side_a(*a.shape), side_b(*b.shape);
   place_both(a, b, side_a, side_b);
   const FaceAxis of_a = best_face(side_a, side_b, reach_m);

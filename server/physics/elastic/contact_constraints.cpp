@@ -10,11 +10,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Sweeps end when a sweep changes the impulses by less than this part of them. More sweeps share the weight more evenly.
+// Sweeps end when a sweep changes the impulses by less than this part of them. More sweeps share the weight
+// more evenly.
 constexpr int kMaxIterations = 8;
 constexpr double kConvergence = 0.02;
 
-Vector3d relative_displacement(const ContactConstraint& row) { return row.a->displacement_m(row.anchor_a) - row.b->displacement_m(row.anchor_b); }
+Vector3d relative_displacement(const ContactConstraint& row) {
+  return row.a->displacement_m(row.anchor_a) - row.b->displacement_m(row.anchor_b);
+}
 
 void prepare(ContactConstraint& row, double step_s) {
   const Matrix3d response = row.a->response(row.anchor_a) + row.b->response(row.anchor_b);
@@ -41,7 +44,8 @@ double solve(ContactConstraint& row) {
   Vector3d friction = row.friction_impulse_n_s - slid / row.tangent_response;
   const double size = friction.norm(), limit = row.friction * normal;
   if (size > limit) friction *= limit / size;
-  const Vector3d change = (normal - row.normal_impulse_n_s) * row.normal + friction - row.friction_impulse_n_s;
+  const Vector3d change =
+      (normal - row.normal_impulse_n_s) * row.normal + friction - row.friction_impulse_n_s;
   row.normal_impulse_n_s = normal;
   row.friction_impulse_n_s = friction;
   row.a->apply_impulse(row.anchor_a, row.point_m, change);

@@ -41,7 +41,8 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
   Vector3d low = set.positions_m[0], high = low;
   double volume = 0.0;
   for (size_t i = 0; i < count; ++i) {
-    if (!finite(set.positions_m[i])) return not_physical(d, "a particle's position is not finite or beyond 1e6 m");
+    if (!finite(set.positions_m[i]))
+      return not_physical(d, "a particle's position is not finite or beyond 1e6 m");
     if (!std::isfinite(set.volumes_m3[i]) || set.volumes_m3[i] <= 0.0) {
       return not_physical(d, "a particle's volume is " + number(set.volumes_m3[i]) + "; it must be above 0");
     }
@@ -52,11 +53,13 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
   for (const Vector3d& velocity : d.particle_velocities_m_s) {
     if (!finite(velocity)) return not_physical(d, "a particle's velocity is not finite");
   }
-  if (!std::isfinite(set.spacing_m) || set.spacing_m < 0.0) return not_physical(d, "spacing_m must be 0 or above");
-  const double edge = set.spacing_m > 0.0 ? std::min(set.spacing_m, std::cbrt(volume / count))
-                                          : std::cbrt(volume / count);
+  if (!std::isfinite(set.spacing_m) || set.spacing_m < 0.0)
+    return not_physical(d, "spacing_m must be 0 or above");
+  const double edge =
+      set.spacing_m > 0.0 ? std::min(set.spacing_m, std::cbrt(volume / count)) : std::cbrt(volume / count);
   if ((high - low).maxCoeff() > kMaxExtentInEdges * edge || std::cbrt(volume) > kMaxCoordinate_m) {
-    return not_physical(d, "the particles are a million times further apart than they are wide; check the spacing");
+    return not_physical(
+        d, "the particles are a million times further apart than they are wide; check the spacing");
   }
   return {};
 }
@@ -68,8 +71,8 @@ Result<void> check_material(const ElasticBodyDescription& d) {
   }
   const double stiffness = m.effective_youngs_modulus_pa();
   if (!(stiffness > 0.0) || !std::isfinite(stiffness)) {
-    return not_physical(d, "youngs_modulus_pa times structure_coefficient is " + number(stiffness) +
-                               "; it must be above 0");
+    return not_physical(
+        d, "youngs_modulus_pa times structure_coefficient is " + number(stiffness) + "; it must be above 0");
   }
   if (!(m.poisson_ratio >= 0.0 && m.poisson_ratio <= 0.49)) {
     return not_physical(d, "poisson_ratio is " + number(m.poisson_ratio) + "; it must be 0 to 0.49");
@@ -84,8 +87,8 @@ Result<void> check_material(const ElasticBodyDescription& d) {
 }
 
 Result<void> check_motion(const ElasticBodyDescription& d) {
-  if (!finite(d.world_from_object.position_m) || !finite(d.velocity_m_s) || !finite(d.angular_velocity_rad_s) ||
-      !d.initial_deformation.allFinite()) {
+  if (!finite(d.world_from_object.position_m) || !finite(d.velocity_m_s) ||
+      !finite(d.angular_velocity_rad_s) || !d.initial_deformation.allFinite()) {
     return not_physical(d, "its pose, velocity or initial deformation is not finite");
   }
   if (!(std::abs(d.world_from_object.orientation.norm() - 1.0) < 1e-3)) {
@@ -106,10 +109,14 @@ Result<void> check_motion(const ElasticBodyDescription& d) {
 
 const char* name_of(ElasticBand band) {
   switch (band) {
-    case ElasticBand::Exact: return "exact";
-    case ElasticBand::Band: return "band";
-    case ElasticBand::Clipped: return "clipped";
-    default: return "unknown";
+    case ElasticBand::Exact:
+      return "exact";
+    case ElasticBand::Band:
+      return "band";
+    case ElasticBand::Clipped:
+      return "clipped";
+    default:
+      return "unknown";
   }
 }
 
@@ -122,9 +129,7 @@ Result<void> check_elastic_body(const ElasticBodyDescription& description) {
 
 void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, std::vector<SurfaceElement>&) const {}
 ContactAnchor ElasticBody::anchor_at(uint32_t, const Vector3d&) const { return {}; }
-ContactParticipant& ElasticBody::contact_participant(double) {
-  std::abort();
-}
+ContactParticipant& ElasticBody::contact_participant(double) { std::abort(); }
 void ElasticBody::defer_sleep(bool) {}
 
 }  // namespace livegs

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "physics/motion/free_rotation.h"
 #include "physics/collision/conservative_advancement.h"
+#include "physics/motion/free_rotation.h"
 #include "physics/motion/vector_algebra.h"
 
 namespace livegs {
@@ -23,12 +23,15 @@ void RigidProxy::begin_step(double began, double step, double substep_s) {
 }
 
 Pose RigidProxy::at_end() const {
-  return {before.position_m + step_s * (velocity_m_s + elapsed_fraction * predicted_change_m_s),
-          (rotation_exp(step_s * (spin_rad_s + elapsed_fraction * predicted_change_rad_s)) * before.orientation).normalized()};
+  return {
+      before.position_m + step_s * (velocity_m_s + elapsed_fraction * predicted_change_m_s),
+      (rotation_exp(step_s * (spin_rad_s + elapsed_fraction * predicted_change_rad_s)) * before.orientation)
+          .normalized()};
 }
 
 double RigidProxy::fastest_m_s() const {
-  return (velocity_m_s + predicted_change_m_s).norm() + (spin_rad_s + predicted_change_rad_s).norm() * shape->bounding_radius_m;
+  return (velocity_m_s + predicted_change_m_s).norm() +
+         (spin_rad_s + predicted_change_rad_s).norm() * shape->bounding_radius_m;
 }
 
 ContactAnchor RigidProxy::anchor_at(const Vector3d& point_m, const Vector3d& application_m) const {

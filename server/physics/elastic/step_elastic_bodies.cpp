@@ -43,7 +43,8 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
     }
     if (!rows.empty()) solve_contacts(rows, part.duration_s);
     for (size_t i = 0, begin = 0; i < bodies.size(); begin = row_ends[i++]) {
-      const std::span listed(rows.begin() + static_cast<std::ptrdiff_t>(begin), rows.begin() + static_cast<std::ptrdiff_t>(row_ends[i]));
+      const std::span listed(rows.begin() + static_cast<std::ptrdiff_t>(begin),
+                             rows.begin() + static_cast<std::ptrdiff_t>(row_ends[i]));
       if (bodies[i].steps > 0) bodies[i].body->read_contact_impulses(listed);
       if (!bodies[i].context.touched_ids) continue;
       for (const ContactConstraint& row : listed) {

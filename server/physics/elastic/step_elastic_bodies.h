@@ -13,9 +13,10 @@ struct SteppedBody {
   int steps = 0;  // it asked for
 };
 
-// One substep of elastic bodies that may touch each other, all neighbours of any of them included, in the order given.
-// They take as many steps as the one among them that needs most, side by side: elasticity, then contact of all at once,
-// so that neither pushes a body that has gone on already or has yet to start. One thread.
+// One substep of elastic bodies that may touch each other, all neighbours of any of them included, in the
+// order given. They take as many steps as the one among them that needs most, side by side: elasticity, then
+// contact of all at once, so that neither pushes a body that has gone on already or has yet to start. One
+// thread.
 void step_elastic_bodies(std::span<SteppedBody> bodies);
 
 }  // namespace livegs

@@ -25,7 +25,7 @@ struct LoadedGroup {
   std::vector<double> impulses;  // through each of `bonds`, over its integrity
   double area_m2 = 0.0;
   double cross_section_m2 = 0.0;  // volume by length
-  double integrity = 1.0;  // how much the integrity of bonds lowers the threshold
+  double integrity = 1.0;         // how much the integrity of bonds lowers the threshold
 };
 
 // The longest side of the solid box with the same moments.
@@ -108,8 +108,8 @@ struct Seam {
   std::vector<uint32_t> bonds;
 };
 
-// The seams in the order in which sets are joined across them, least mean load first (average linkage, Sokal and
-// Michener 1958). Ties go to the lower bond.
+// The seams in the order in which sets are joined across them, least mean load first (average linkage, Sokal
+// and Michener 1958). Ties go to the lower bond.
 std::vector<Seam> joined_seams(const BondGraph& graph, const LoadedGroup& group) {
   std::vector<Seam> open, closed;
   for (size_t k = 0; k < group.bonds.size(); ++k) {
@@ -161,7 +161,8 @@ BondGraph make_bond_graph(const VoronoiPieces& pieces, double mass_kg, double br
   for (const VoronoiPiece& piece : pieces.pieces) volume += piece.mass.volume_m3;
   for (const VoronoiPiece& piece : pieces.pieces) {
     const double piece_kg = mass_kg * piece.mass.volume_m3 / volume;
-    graph.pieces.push_back({piece_kg, piece.mass.centre_of_mass_m, piece_kg * piece.mass.inertia_m2, piece.mass.volume_m3});
+    graph.pieces.push_back(
+        {piece_kg, piece.mass.centre_of_mass_m, piece_kg * piece.mass.inertia_m2, piece.mass.volume_m3});
   }
   double least_m2 = std::numeric_limits<double>::max();
   for (const VoronoiBond& bond : pieces.bonds) {
@@ -254,8 +255,9 @@ BondGraph::Piece joined_piece(const BondGraph& graph, const std::vector<uint32_t
   for (size_t p = 0; p < graph.pieces.size(); ++p) {
     if (group_of_piece[p] != group) continue;
     const Vector3d arm = graph.pieces[p].centre_m - whole.centre_m;
-    whole.inertia += graph.pieces[p].inertia +
-                     graph.pieces[p].mass_kg * (arm.squaredNorm() * Matrix3d::Identity() - arm * arm.transpose());
+    whole.inertia +=
+        graph.pieces[p].inertia +
+        graph.pieces[p].mass_kg * (arm.squaredNorm() * Matrix3d::Identity() - arm * arm.transpose());
   }
   return whole;
 }

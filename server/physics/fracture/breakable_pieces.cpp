@@ -14,8 +14,10 @@ namespace {
 
 // Cells of a piece's distance field along its longest side: the time to prepare a body goes with the cube.
 // Sherds fit each other without a gap: exact where they are thin, they cost a third more and rest no better.
-constexpr ShapeDetail kPieceDetail{
-    .field_cells = 16.0, .point_spacing = 1.0 / 8.0, .max_points = 96, .thin = DistanceField::Thin::ByTheGrid};
+constexpr ShapeDetail kPieceDetail{.field_cells = 16.0,
+                                   .point_spacing = 1.0 / 8.0,
+                                   .max_points = 96,
+                                   .thin = DistanceField::Thin::ByTheGrid};
 constexpr size_t kOutsidePoints = 32;  // of a piece
 constexpr size_t kFacePoints = 12;     // of one cut face
 // A piece with less of the outside than this part of its share of the volume is no piece of a shell.
@@ -45,7 +47,8 @@ std::vector<Eigen::Vector3d> spread(const std::vector<Eigen::Vector3d>& points, 
   std::vector<double> distance(points.size(), 0.0);
   for (size_t i = 0; i < points.size(); ++i) distance[i] = (points[i] - centre).squaredNorm();
   while (chosen.size() < std::min(most, points.size())) {
-    const size_t best = static_cast<size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+    const size_t best =
+        static_cast<size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
     if (!chosen.empty() && distance[best] <= 0.0) break;
     chosen.push_back(points[best]);
     for (size_t i = 0; i < points.size(); ++i) {
@@ -150,9 +153,9 @@ MassProperties joined_mass(const BreakablePieces& pieces, std::span<const uint32
   for (const uint32_t member : members) {
     const BreakablePiece& piece = pieces.pieces[member];
     const Eigen::Vector3d arm = piece.mass.centre_of_mass_m - joined.centre_of_mass_m;
-    joined.inertia_m2 += piece.mass_share / share *
-                         (piece.mass.inertia_m2 + arm.squaredNorm() * Eigen::Matrix3d::Identity() -
-                          arm * arm.transpose());
+    joined.inertia_m2 +=
+        piece.mass_share / share *
+        (piece.mass.inertia_m2 + arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
   }
   return joined;
 }
@@ -174,7 +177,8 @@ RigidShape joined_shape(const BreakablePieces& pieces, std::span<const uint32_t>
     const Eigen::Vector3d offset = piece.mass.centre_of_mass_m - centre_m;
     shape.parts.push_back({piece.shape, offset});
     const auto first = static_cast<uint32_t>(shape.mesh.vertices_m.size());
-    for (const Eigen::Vector3d& vertex : cut.mesh.vertices_m) shape.mesh.vertices_m.push_back(vertex - centre_m);
+    for (const Eigen::Vector3d& vertex : cut.mesh.vertices_m)
+      shape.mesh.vertices_m.push_back(vertex - centre_m);
     for (size_t t = 0; t < cut.mesh.triangles.size(); ++t) {
       if (within(cut.triangle_bond[t])) continue;
       const auto& [a, b, c] = cut.mesh.triangles[t];

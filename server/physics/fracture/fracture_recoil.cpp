@@ -8,10 +8,10 @@
 
 namespace livegs {
 
-// With k the speed at the impact's place by unit impulse, J ended an approach of u = k J / (1 + e). An impulse x has taken
-// u x - k x² / 2 of the energy.
-double impact_energy_loss_j(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m, double borne,
-                   double restitution) {
+// With k the speed at the impact's place by unit impulse, J ended an approach of u = k J / (1 + e). An
+// impulse x has taken u x - k x² / 2 of the energy.
+double impact_energy_loss_j(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
+                            const Eigen::Vector3d& arm_m, double borne, double restitution) {
   const double size = impulse_n_s.norm();
   if (!(size > 0.0)) return 0.0;
   const Eigen::Vector3d lever = arm_m.cross(impulse_n_s) / size;
@@ -29,7 +29,8 @@ void recoil(std::span<RigidBody* const> bodies, std::span<const OpenedFace> face
     const Eigen::Vector3d impulse = face.area_m2 * face.normal;
     const auto push = [&](size_t index, const Eigen::Vector3d& by) {
       pushes[index].impulse_n_s += by;
-      pushes[index].angular_impulse += (face.centroid_m - bodies[index]->world_from_body.position_m).cross(by);
+      pushes[index].angular_impulse +=
+          (face.centroid_m - bodies[index]->world_from_body.position_m).cross(by);
     };
     push(face.first, -impulse);
     push(face.second, impulse);

@@ -10,10 +10,12 @@
 namespace livegs {
 namespace {
 
-constexpr double kLoadFilterTime_s = 0.004;  // what is passed on through a body for longer than this is a load
+constexpr double kLoadFilterTime_s =
+    0.004;  // what is passed on through a body for longer than this is a load
 
 // In world axes. Whether there is anything.
-bool add_load(ImpulseAccumulator& sum, const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
+bool add_load(ImpulseAccumulator& sum, const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
+              const Eigen::Vector3d& point_m) {
   const double size = impulse_n_s.norm();
   if (!(size > 0.0)) return false;
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
@@ -24,7 +26,8 @@ bool add_load(ImpulseAccumulator& sum, const RigidBody& body, const Eigen::Vecto
 
 }  // namespace
 
-void ImpulseAccumulator::add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
+void ImpulseAccumulator::add(double size_n_s, const Eigen::Vector3d& direction,
+                             const Eigen::Vector3d& point_m) {
   impulse_n_s += size_n_s;
   moment += size_n_s * point_m;
   push_n_s += size_n_s * direction;
@@ -45,19 +48,23 @@ void ImpulseAccumulator::add(const ImpulseAccumulator& other, double share) {
   restitution = std::max(restitution, other.restitution);
 }
 
-void ImpactRecord::record_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
+void ImpactRecord::record_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
+                                const Eigen::Vector3d& point_m) {
   if (add_load(forces_, body, impulse_n_s, point_m)) forces_.restitution = 1.0;
 }
 
-void ImpactRecord::record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
+void ImpactRecord::record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
+                                const Eigen::Vector3d& point_m) {
   add_load(contacts_, body, impulse_n_s, point_m);
 }
 
-void ImpactRecord::record_contact(const RigidBody& body, const ContactManifold& manifold, const ContactPoint& point,
-                              const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) {
+void ImpactRecord::record_contact(const RigidBody& body, const ContactManifold& manifold,
+                                  const ContactPoint& point, const Eigen::Vector3d& normal,
+                                  const Eigen::Vector3d& point_m) {
   if (point.impulse_n_s <= 0.0) return;
   const bool hard = point.impact_speed_m_s >= manifold.restitution_speed_m_s;
-  const double ended = (hard ? point.impact_speed_m_s : point.approach_speed_m_s) * (1.0 + manifold.restitution);
+  const double ended =
+      (hard ? point.impact_speed_m_s : point.approach_speed_m_s) * (1.0 + manifold.restitution);
   double share = ended > 0.0 ? ended / (ended + point.carried_speed_m_s) : 0.0;
   if (hard)
     bounce_fraction_ = std::max(bounce_fraction_, share);
@@ -77,8 +84,8 @@ void ImpactRecord::record_contact(const RigidBody& body, const ContactManifold& 
   if (manifold.other) contacts_.from_colliders = false;
 }
 
-void ImpactRecord::record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& twist,
-                               const Eigen::Vector3d& point_m) {
+void ImpactRecord::record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
+                                   const Eigen::Vector3d& twist, const Eigen::Vector3d& point_m) {
   if (!body.can_break) return;
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
   contacts_.total_n_s += body_from_world * impulse_n_s;
@@ -97,15 +104,18 @@ void ImpactRecord::end_substep(const RigidBody& body, double island_fraction, do
     // What it bore before, it bears on. What is passed on to it came from elsewhere in the island.
     const bool passed_on = impact_fraction_ == 0.0;
     if (passed_on && !sustained_force_known_) sustained_force_n_ = now_n;
-    struck = (passed_on ? island_fraction : impact_fraction_) * std::max(0.0, size - duration_s * sustained_force_n_);
-    if (passed_on) sustained_force_n_ += std::min(1.0, duration_s / kLoadFilterTime_s) * (now_n - sustained_force_n_);
+    struck = (passed_on ? island_fraction : impact_fraction_) *
+             std::max(0.0, size - duration_s * sustained_force_n_);
+    if (passed_on)
+      sustained_force_n_ += std::min(1.0, duration_s / kLoadFilterTime_s) * (now_n - sustained_force_n_);
   } else {
     sustained_force_n_ = now_n;
   }
   sustained_force_known_ = sustained_force_known_ || size > 0.0;
 
   for (RecentImpact& one : recent_) one.age_s += duration_s;
-  std::erase_if(recent_, [&](const RecentImpact& one) { return one.age_s - duration_s > kImpactWindow_s - 1e-9; });
+  std::erase_if(recent_,
+                [&](const RecentImpact& one) { return one.age_s - duration_s > kImpactWindow_s - 1e-9; });
   if (struck > 0.0) {
     recent_.push_back({fastest_approach_m_s_ > 0.0 ? duration_s - impact_time_s_ : 0.0, {}});
     recent_.back().sum.add(contacts_, struck / size);

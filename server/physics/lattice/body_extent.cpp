@@ -25,7 +25,8 @@ struct Bounds {
   double volume() const { return (max - min).prod(); }
 };
 
-// Of a mesh where its vertices are: cubes about the few particles of a slender bar lie tighter along some oblique axes.
+// Of a mesh where its vertices are: cubes about the few particles of a slender bar lie tighter along some
+// oblique axes.
 Bounds bounds_along(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
   Bounds bounds;
   for (const Vector3d& vertex : particles.mesh_vertices_m) bounds.add(lattice_from_object * vertex);
@@ -51,7 +52,8 @@ Matrix3d principal_axes(const ParticleSet& particles) {
   }
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
   Matrix3d axes = solver.eigenvectors();
-  for (int d = 0; d < 3; ++d) {  // the sign of an eigenvector is arbitrary: its largest entry is made positive
+  for (int d = 0; d < 3;
+       ++d) {  // the sign of an eigenvector is arbitrary: its largest entry is made positive
     Eigen::Index largest;
     axes.col(d).cwiseAbs().maxCoeff(&largest);
     if (axes(largest, d) < 0.0) axes.col(d) = -axes.col(d);
@@ -68,9 +70,10 @@ Bounds surface_bounds(const ParticleSet& particles, const Matrix3d& lattice_from
   return bounds;
 }
 
-// Whether the voxel centres alone describe the solid: they hold most of its volume, and reach to within a voxel of
-// every face. Then mesh vertices, which would carry mass half outside the body, are contact samples only. A potted
-// plant fails the second test: its leaves hold no voxel centre, and the pot must not be stretched over them.
+// Whether the voxel centres alone describe the solid: they hold most of its volume, and reach to within a
+// voxel of every face. Then mesh vertices, which would carry mass half outside the body, are contact samples
+// only. A potted plant fails the second test: its leaves hold no voxel centre, and the pot must not be
+// stretched over them.
 bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object,
                  const Bounds& surface) {
   if (particles.surface_carries || particles.on_surface.size() != particles.positions_m.size()) return false;
@@ -89,10 +92,10 @@ bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& la
          ((voxels.max - surface.max).cwiseAbs().array() <= reach).all();
 }
 
-// Whole voxels end before or after the true faces. Of a compact body along the object's axes the outermost are cut or
-// lengthened to them: a box is filled exactly. Volumes were shared by samples, some to an edge of a voxel: a box that has
-// about its own is taken to be full, and what that adds or takes is made up by the others. False, and nothing changed, where
-// full ones are not nearly all.
+// Whole voxels end before or after the true faces. Of a compact body along the object's axes the outermost
+// are cut or lengthened to them: a box is filled exactly. Volumes were shared by samples, some to an edge of
+// a voxel: a box that has about its own is taken to be full, and what that adds or takes is made up by the
+// others. False, and nothing changed, where full ones are not nearly all.
 bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
   constexpr double kEdgeTolerance = 0.25, kRounding = 1e-6, kMinFullShare = 0.8, kFilled = 0.999;
   // What fills its bounding box has no partial ones: its sections are as wide as they look.
@@ -127,19 +130,20 @@ bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
   return true;
 }
 
-// A bar, a rod or a plate of less than some voxels has few particles inside, and cubes about its vertices are a poor picture
-// of it: a bar of 2.4 m by 0.1 m was held by a hinge, and a plate of 3 mm got 0.3 of its load. What fills a good part of
-// its bounds is cut into boxes of its own, along the lattice axes, no longer than a voxel and some to each edge. False, and
-// nothing changed, where they do not make up its volume.
-bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object, const Bounds& surface,
-              BodyExtent& extent) {
+// A bar, a rod or a plate of less than some voxels has few particles inside, and cubes about its vertices are
+// a poor picture of it: a bar of 2.4 m by 0.1 m was held by a hinge, and a plate of 3 mm got 0.3 of its load.
+// What fills a good part of its bounds is cut into boxes of its own, along the lattice axes, no longer than a
+// voxel and some to each edge. False, and nothing changed, where they do not make up its volume.
+bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object,
+              const Bounds& surface, BodyExtent& extent) {
   constexpr double kSolid = 0.4, kVolumeTolerance = 0.1;
   constexpr int kMinEdge = 6, kMaxEdge = 64;
   const Vector3d size = surface.max - surface.min;
   if (particles.mesh_triangles.empty() || !(volume > kSolid * size.prod())) return false;
   RegularGrid grid;
   for (int d = 0; d < 3; ++d) {
-    grid.counts[d] = static_cast<int>(std::clamp(std::ceil(size[d] / particles.spacing_m), 1.0 * kMinEdge, 1.0 * kMaxEdge));
+    grid.counts[d] = static_cast<int>(
+        std::clamp(std::ceil(size[d] / particles.spacing_m), 1.0 * kMinEdge, 1.0 * kMaxEdge));
   }
   const Vector3d edge = size.cwiseQuotient(grid.counts.cast<double>());
   grid.origin_m = Vector3d::Constant(0.5);  // in edges of a box
@@ -156,7 +160,8 @@ bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& latti
     for (int j = 0; j < grid.counts.y(); ++j) {
       for (int i = 0; i < grid.counts.x(); ++i) {
         if (!inside[grid.index(i, j, k)]) continue;
-        extent.boxes.push_back({surface.min + grid.point_m(i, j, k).cwiseProduct(edge), 0.5 * edge, volume / count});
+        extent.boxes.push_back(
+            {surface.min + grid.point_m(i, j, k).cwiseProduct(edge), 0.5 * edge, volume / count});
       }
     }
   }
@@ -173,7 +178,8 @@ BodyExtent measure_extent(const ParticleSet& particles) {
   extent.of_points = particles.mesh_vertices_m.empty();
   Matrix3d lattice_from_object = Matrix3d::Identity();
   const Matrix3d principal = principal_axes(particles).transpose();
-  if (bounds_along(particles, principal).volume() < kPrincipalAxesRatio * bounds_along(particles, lattice_from_object).volume()) {
+  if (bounds_along(particles, principal).volume() <
+      kPrincipalAxesRatio * bounds_along(particles, lattice_from_object).volume()) {
     lattice_from_object = principal;
   }
   extent.object_from_lattice = Eigen::Quaterniond(Matrix3d(lattice_from_object.transpose()));
@@ -198,7 +204,8 @@ BodyExtent measure_extent(const ParticleSet& particles) {
   extent.min_m = material.min;
   extent.max_m = material.max;
   if (!voxels_only) {
-    extent.loose = !cut_mesh(particles, volume, lattice_from_object, surface, extent) && particles.surface_carries;
+    extent.loose =
+        !cut_mesh(particles, volume, lattice_from_object, surface, extent) && particles.surface_carries;
     return extent;
   }
   for (MassBox& box : extent.boxes) box.volume_m3 *= volume / used;

@@ -44,8 +44,8 @@ Eigen::Vector3d moved_point(const RegionMotion& motion, const Eigen::Vector3d& r
 
 // Every motion is affine in the rest position: one that moves none of these four moves nothing.
 bool moves_between(const RegionMotion& motion, double from_s, double to_s) {
-  for (const Eigen::Vector3d& rest_m : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0),
-                                        Eigen::Vector3d(0, 0, 1)}) {
+  for (const Eigen::Vector3d& rest_m : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0),
+                                        Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {
     if (moved_point(motion, rest_m, from_s) != moved_point(motion, rest_m, to_s)) return true;
   }
   return false;

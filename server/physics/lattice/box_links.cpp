@@ -20,7 +20,8 @@ constexpr double kMaxLinkGap = 0.5;
 class BoxGrid {
  public:
   BoxGrid(const BodyExtent& extent, double cube_m) : extent_(extent), cube_m_(cube_m) {
-    for (uint32_t i = 0; i < extent.boxes.size(); ++i) places_.push_back({cube_of(extent.boxes[i].centre_m), i});
+    for (uint32_t i = 0; i < extent.boxes.size(); ++i)
+      places_.push_back({cube_of(extent.boxes[i].centre_m), i});
     std::sort(places_.begin(), places_.end(), before);
   }
 
@@ -30,7 +31,8 @@ class BoxGrid {
     for (int z = -1; z <= 1; ++z) {
       for (int y = -1; y <= 1; ++y) {
         // Cubes of one row follow each other.
-        auto place = std::lower_bound(places_.begin(), places_.end(), Place{own + Vector3i(-1, y, z), 0}, before);
+        auto place =
+            std::lower_bound(places_.begin(), places_.end(), Place{own + Vector3i(-1, y, z), 0}, before);
         for (; place != places_.end() && place->cube.z() == own.z() + z && place->cube.y() == own.y() + y &&
                place->cube.x() <= own.x() + 1;
              ++place) {
@@ -73,7 +75,8 @@ std::vector<std::pair<uint32_t, uint32_t>> link_boxes(const BodyExtent& extent, 
     widest_half_m = std::max(widest_half_m, halves[i].maxCoeff());
   }
   const auto gap_m = [&](uint32_t i, uint32_t j) {
-    return ((extent.boxes[i].centre_m - extent.boxes[j].centre_m).cwiseAbs() - halves[i] - halves[j]).maxCoeff();
+    return ((extent.boxes[i].centre_m - extent.boxes[j].centre_m).cwiseAbs() - halves[i] - halves[j])
+        .maxCoeff();
   };
 
   std::vector<std::pair<uint32_t, uint32_t>> links;

@@ -57,7 +57,8 @@ struct Moments {
 };
 
 bool meets(const BodyExtent& extent, const BodyRegion& region) {
-  return ((region.max_m - extent.min_m).array() > 0.0).all() && ((extent.max_m - region.min_m).array() > 0.0).all();
+  return ((region.max_m - extent.min_m).array() > 0.0).all() &&
+         ((extent.max_m - region.min_m).array() > 0.0).all();
 }
 
 // Where lattice planes stand along each axis: centred on the body, or through a held region's inner face.
@@ -104,15 +105,16 @@ LatticeCell make_cell(const Moments& moments) {
   return cell;
 }
 
-// Points of an irregular list fill the cells within a body unevenly, 8 of them in one and 7 in the next, and a body of
-// uneven stiffness shows neither its modulus nor a mean strain. A cell with cells all around that is about full is; mass
-// stays where the points are.
+// Points of an irregular list fill the cells within a body unevenly, 8 of them in one and 7 in the next, and
+// a body of uneven stiffness shows neither its modulus nor a mean strain. A cell with cells all around that
+// is about full is; mass stays where the points are.
 void fill_inner_cells(Lattice& lattice) {
   constexpr double kFullTolerance = 0.3;
   const std::vector<uint8_t> cells_around = cells_around_nodes(lattice);
   const double full_m3 = std::pow(lattice.cell_width_m, 3);
   for (LatticeCell& cell : lattice.cells) {
-    const bool inner = std::all_of(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t n) { return cells_around[n] == 8; });
+    const bool inner =
+        std::all_of(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t n) { return cells_around[n] == 8; });
     if (!inner || std::abs(cell.volume_m3 - full_m3) > kFullTolerance * full_m3) continue;
     cell.volume_m3 = full_m3;
     cell.centroid.setZero();
@@ -141,7 +143,8 @@ void set_node_volumes(Lattice& lattice) {
     } else {
       lattice.material_node_volumes_m3[0][i] = kept;
     }
-    for (const auto& of_material : lattice.material_node_volumes_m3) lattice.node_volumes_m3[i] += of_material[i];
+    for (const auto& of_material : lattice.material_node_volumes_m3)
+      lattice.node_volumes_m3[i] += of_material[i];
   }
 }
 
@@ -187,7 +190,8 @@ Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<c
   lattice.object_from_lattice.orientation = extent.object_from_lattice;
   lattice.object_from_lattice.position_m =
       extent.object_from_lattice * (origin + cell_width_m * lowest.cast<double>());
-  for (const Vector3i& node : virtual_cells.node_coordinates) lattice.node_coordinates.push_back(node - lowest);
+  for (const Vector3i& node : virtual_cells.node_coordinates)
+    lattice.node_coordinates.push_back(node - lowest);
   for (size_t i = 1; i < lattice.node_coordinates.size(); ++i) {
     lattice.has_virtual_cells |= lattice.node_coordinates[i] == lattice.node_coordinates[i - 1];
   }
@@ -199,14 +203,15 @@ Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<c
     cell.coordinates = virtual_cells.cells[i].coordinates - lowest;
     cell.nodes = virtual_cells.cells[i].nodes;
     for (const auto& [material, of_material] : moments[i].materials) {
-      for (int c = 0; c < 8; ++c) lattice.material_node_volumes_m3[material][cell.nodes[c]] += of_material.corner[c];
+      for (int c = 0; c < 8; ++c)
+        lattice.material_node_volumes_m3[material][cell.nodes[c]] += of_material.corner[c];
     }
     lattice.cells.push_back(std::move(cell));
     ++lattice.colour_begin[virtual_cells.cells[i].colour + 1];
   }
   if (extent.of_points) fill_inner_cells(lattice);
-  find_thin_shapes(extent, links, entries, virtual_cells.cell_of_entry, origin + cell_width_m * lowest.cast<double>(),
-                   lattice);
+  find_thin_shapes(extent, links, entries, virtual_cells.cell_of_entry,
+                   origin + cell_width_m * lowest.cast<double>(), lattice);
   for (int colour = 0; colour < kLatticeColours; ++colour) {
     lattice.colour_begin[colour + 1] += lattice.colour_begin[colour];
   }

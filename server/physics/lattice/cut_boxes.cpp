@@ -12,15 +12,15 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// A slice of a box thinner than this part of a cell goes to the neighbouring cell, so that rounding makes no cell of
-// nearly nothing.
+// A slice of a box thinner than this part of a cell goes to the neighbouring cell, so that rounding makes no
+// cell of nearly nothing.
 constexpr double kMinSlice = 1e-3;
 // Cuts nearer than this part of a cell are one.
 constexpr double kSameCut = 1e-9;
 constexpr int kPartsOfStraddling = 4;
 
-// What of an interval lies in one cell and between two cuts: part of its length, mean and mean square of the local
-// coordinate.
+// What of an interval lies in one cell and between two cuts: part of its length, mean and mean square of the
+// local coordinate.
 struct Slice {
   int cell;
   double part, mean, mean_square;
@@ -72,8 +72,10 @@ bool straddles(const BodyExtent& extent, const MassBox& box, const BodyRegion& r
     low = low.cwiseMin(corner);
     high = high.cwiseMax(corner);
   }
-  const bool inside = (low.array() >= region.min_m.array()).all() && (high.array() <= region.max_m.array()).all();
-  const bool outside = (low.array() >= region.max_m.array()).any() || (high.array() <= region.min_m.array()).any();
+  const bool inside =
+      (low.array() >= region.min_m.array()).all() && (high.array() <= region.max_m.array()).all();
+  const bool outside =
+      (low.array() >= region.max_m.array()).any() || (high.array() <= region.min_m.array()).any();
   return !inside && !outside;
 }
 
@@ -110,10 +112,12 @@ void cut_boxes(const BodyExtent& extent, const Vector3d& origin_m, double cell_w
     const MassBox& box = extent.boxes[i];
     bool straddling = false;
     if (!aligned) {
-      for (const BodyRegion& region : regions) straddling = straddling || (matters(region) && straddles(extent, box, region));
+      for (const BodyRegion& region : regions)
+        straddling = straddling || (matters(region) && straddles(extent, box, region));
     }
     for (int d = 0; d < 3; ++d) {
-      const double centre = (box.centre_m[d] - origin_m[d]) / cell_width_m, half = box.half_m[d] / cell_width_m;
+      const double centre = (box.centre_m[d] - origin_m[d]) / cell_width_m,
+                   half = box.half_m[d] / cell_width_m;
       cuts[d].clear();
       for (int k = 1; straddling && k < kPartsOfStraddling; ++k) {
         cuts[d].push_back(centre + half * (2.0 * k / kPartsOfStraddling - 1.0));

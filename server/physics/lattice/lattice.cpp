@@ -14,7 +14,8 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// Particles outside every cell ride in the nearest one, at most this far beyond its faces (local coordinates).
+// Particles outside every cell ride in the nearest one, at most this far beyond its faces (local
+// coordinates).
 constexpr double kMaxLocal = 2.0;
 
 }  // namespace
@@ -22,8 +23,8 @@ constexpr double kMaxLocal = 2.0;
 std::array<double, 8> trilinear_weights(const Vector3d& local) {
   std::array<double, 8> weights;
   for (int c = 0; c < 8; ++c) {
-    weights[c] = 0.125 * (c & 1 ? 1.0 + local.x() : 1.0 - local.x()) * (c & 2 ? 1.0 + local.y() : 1.0 - local.y()) *
-                 (c & 4 ? 1.0 + local.z() : 1.0 - local.z());
+    weights[c] = 0.125 * (c & 1 ? 1.0 + local.x() : 1.0 - local.x()) *
+                 (c & 2 ? 1.0 + local.y() : 1.0 - local.y()) * (c & 4 ? 1.0 + local.z() : 1.0 - local.z());
   }
   return weights;
 }
@@ -74,7 +75,8 @@ EmbeddedPoint Lattice::embed(const Vector3d& object_point_m) const {
                                   [&](uint32_t i, const Vector3i& sought) {
                                     return lattice_key(cells[i].coordinates) < lattice_key(sought);
                                   });
-    for (; found != cells_by_place.end() && cells[*found].coordinates == coordinates; ++found) consider(*found);
+    for (; found != cells_by_place.end() && cells[*found].coordinates == coordinates; ++found)
+      consider(*found);
   };
   // Within reach of int and finite, or it is far outside anyway.
   if ((point.array().abs() < 1e9).all()) {

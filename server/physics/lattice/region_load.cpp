@@ -36,10 +36,12 @@ Face face_of(const Bounds& body, const BodyRegion& region) {
   return face;
 }
 
-// By the mesh itself: boxes about the particles of what is thinner than a voxel are not where the mesh is, and a plate of
-// 0.5 mm got 0.3 of its load. Each column of the region is as much of the face as of it is inside; those in a quarter of a
-// cell act as one, four on a whole face of it, so that a cell that is held by them does not turn.
-std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& lattice, const BodyRegion& region) {
+// By the mesh itself: boxes about the particles of what is thinner than a voxel are not where the mesh is,
+// and a plate of 0.5 mm got 0.3 of its load. Each column of the region is as much of the face as of it is
+// inside; those in a quarter of a cell act as one, four on a whole face of it, so that a cell that is held by
+// them does not turn.
+std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& lattice,
+                                 const BodyRegion& region) {
   Bounds body;
   for (const Vector3d& vertex : particles.mesh_vertices_m) {
     body.min_m = body.min_m.cwiseMin(vertex);
@@ -107,8 +109,8 @@ Bounds bounds_in_object_axes(const BodyExtent& extent) {
 
 }  // namespace
 
-std::vector<LoadPoint> load_points(const ParticleSet& particles, const BodyExtent& extent, const Lattice& lattice,
-                                   const BodyRegion& region) {
+std::vector<LoadPoint> load_points(const ParticleSet& particles, const BodyExtent& extent,
+                                   const Lattice& lattice, const BodyRegion& region) {
   std::vector<LoadPoint> points;
   if (!particles.mesh_triangles.empty()) points = load_mesh(particles, lattice, region);
   if (!points.empty()) return points;
@@ -121,11 +123,13 @@ std::vector<LoadPoint> load_points(const ParticleSet& particles, const BodyExten
   const Vector3d size_m = loaded.max_m - loaded.min_m;
   if ((size_m.array() <= 0.0).any()) return {};
 
-  const Vector3d origin_m = lattice.object_from_lattice.orientation.conjugate() * lattice.object_from_lattice.position_m;
+  const Vector3d origin_m =
+      lattice.object_from_lattice.orientation.conjugate() * lattice.object_from_lattice.position_m;
   cut_boxes(extent, origin_m, lattice.cell_width_m, {&loaded, 1}, [&](const BoxPiece& piece) {
     if (piece.material != 1) return;
-    Vector3d point_m = lattice.object_from_lattice *
-                       (lattice.cell_width_m * (piece.cell.cast<double>() + 0.5 * (piece.mean + Vector3d::Ones())));
+    Vector3d point_m =
+        lattice.object_from_lattice *
+        (lattice.cell_width_m * (piece.cell.cast<double>() + 0.5 * (piece.mean + Vector3d::Ones())));
     point_m[face.across] = face.at_m;
     points.push_back({lattice.embed(point_m), piece.volume_m3 / size_m[face.across]});
   });

@@ -15,7 +15,8 @@ using Eigen::Vector3d;
 constexpr double kMaxThinRatio = 0.5;
 // A cell as full as this holds no thin sheet, however it lies: sqrt(2) times the above, rounded up.
 constexpr double kMaxThinFill = 0.75;
-// The area of a flat piece over the root of the product of its two variances: 12 of a rectangle, 4 pi of an ellipse.
+// The area of a flat piece over the root of the product of its two variances: 12 of a rectangle, 4 pi of an
+// ellipse.
 constexpr double kAreaOverVariance = 12.3;
 // In cells squared: no shape is thinner, so that nothing is divided by zero.
 constexpr double kMinVariance = 1e-8;
@@ -41,7 +42,7 @@ struct Neighbours {
 
 struct Moments {
   double volume = 0.0;
-  Vector3d first = Vector3d::Zero();    // about the cube's centre
+  Vector3d first = Vector3d::Zero();  // about the cube's centre
   Matrix3d second = Matrix3d::Zero();
 
   // What of a box is in the cube; false if nothing.
@@ -72,7 +73,8 @@ std::optional<ThinShape> thin_shape(const Moments& moments, double cell_width_m)
   if (thickness_m >= kMaxThinRatio * cell_width_m) return std::nullopt;
   shape.variance_m2[0] = std::min(thickness_m * thickness_m / 12.0, shape.variance_m2[1]);
   shape.axes = solver.eigenvectors();
-  for (int k = 0; k < 3; ++k) {  // the sign of an eigenvector is arbitrary: its largest entry is made positive
+  for (int k = 0; k < 3;
+       ++k) {  // the sign of an eigenvector is arbitrary: its largest entry is made positive
     Eigen::Index largest;
     shape.axes.col(k).cwiseAbs().maxCoeff(&largest);
     if (shape.axes(largest, k) < 0.0) shape.axes.col(k) = -shape.axes.col(k);

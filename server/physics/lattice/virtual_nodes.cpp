@@ -84,10 +84,11 @@ DisjointSets share_nodes(const std::vector<uint32_t>& begin, Links links, const 
   return corners;
 }
 
-// Parity for the first material of a cell; others take what the cells about their nodes leave. Returns a material that
-// found no colour, or the number of materials.
-uint32_t colour_materials(const std::vector<Vector3i>& cells, const std::vector<std::array<uint32_t, 8>>& nodes,
-                          size_t node_count, uint32_t colour_count, std::vector<uint32_t>& colours) {
+// Parity for the first material of a cell; others take what the cells about their nodes leave. Returns a
+// material that found no colour, or the number of materials.
+uint32_t colour_materials(const std::vector<Vector3i>& cells,
+                          const std::vector<std::array<uint32_t, 8>>& nodes, size_t node_count,
+                          uint32_t colour_count, std::vector<uint32_t>& colours) {
   std::vector<uint64_t> taken(node_count, 0);  // colours at a node, as bits
   const auto take = [&](uint32_t m, uint32_t colour) {
     colours[m] = colour;
@@ -156,19 +157,22 @@ VirtualCells make_virtual_cells(std::span<const BoxInCell> entries, Links links,
     }
     std::vector<uint32_t> colours;
     if (same.empty()) {
-      const uint32_t uncoloured = colour_materials(materials.cells, nodes, roots.size(), colour_count, colours);
+      const uint32_t uncoloured =
+          colour_materials(materials.cells, nodes, roots.size(), colour_count, colours);
       if (uncoloured < count) same.emplace_back(uncoloured - 1, uncoloured);
     }
     if (!same.empty()) {
       std::vector<uint32_t> first_entry(count);
-      for (uint32_t e = static_cast<uint32_t>(entries.size()); e-- > 0;) first_entry[materials.of_entry[e]] = e;
+      for (uint32_t e = static_cast<uint32_t>(entries.size()); e-- > 0;)
+        first_entry[materials.of_entry[e]] = e;
       for (const auto& [a, b] : same) joined.join(first_entry[a], first_entry[b]);
       continue;
     }
 
     std::vector<uint32_t> order(count), place(count);
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return colours[a] < colours[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](uint32_t a, uint32_t b) { return colours[a] < colours[b]; });
     for (const uint32_t m : order) {
       place[m] = static_cast<uint32_t>(result.cells.size());
       result.cells.push_back({materials.cells[m], nodes[m], colours[m]});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// LIVE-GS (Mao et al.): the table that turns the stiffness s E into a deformation resistance. That its blend is no
-// stiffness, and the conversion that makes it one: physics.md 0.
+// LIVE-GS (Mao et al.): the table that turns the stiffness s E into a deformation resistance. That its blend
+// is no stiffness, and the conversion that makes it one: physics.md 0.
 #include "physics/material.h"
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Radial return (Wilkins 1964; Simo and Hughes, Computational Inelasticity, 3.3) on a cell's deviatoric strain.
+// Radial return (Wilkins 1964; Simo and Hughes, Computational Inelasticity, 3.3) on a cell's deviatoric
+// strain.
 #include "physics/material/return_mapping.h"
 
 #include <Eigen/Eigenvalues>
@@ -35,8 +36,9 @@ Matrix3d of_unit_volume(const Matrix3d& m) {
   return symmetric / std::cbrt(symmetric.determinant());
 }
 
-// The positive matrix deviator + beta I of determinant 1. Its mean eigenvalue is beta, which the geometric mean 1 never
-// exceeds; above 1 the determinant is convex and grows with beta, so Newton's steps come down to the one root.
+// The positive matrix deviator + beta I of determinant 1. Its mean eigenvalue is beta, which the geometric
+// mean 1 never exceeds; above 1 the determinant is convex and grows with beta, so Newton's steps come down to
+// the one root.
 Matrix3d with_unit_volume(const Matrix3d& deviator) {
   const Vector3d values = EigenSolver(deviator, Eigen::EigenvaluesOnly).eigenvalues();
   double beta = 1.0 - values[0];  // values[0] is the least: every factor is 1 or more
@@ -49,7 +51,8 @@ Matrix3d with_unit_volume(const Matrix3d& deviator) {
   return of_unit_volume(deviator + beta * Matrix3d::Identity());
 }
 
-// exp(s ln D) with the largest s <= 1 that keeps |exp(s ln D) - I| within the limit: the distance grows with s.
+// exp(s ln D) with the largest s <= 1 that keeps |exp(s ln D) - I| within the limit: the distance grows with
+// s.
 Matrix3d within_limit(const Matrix3d& plastic_part, double limit) {
   if ((plastic_part - Matrix3d::Identity()).norm() <= limit) return plastic_part;
   const EigenSolver solver(plastic_part);
@@ -67,14 +70,16 @@ Matrix3d within_limit(const Matrix3d& plastic_part, double limit) {
 
 // The width b of a bar stretched to 1 + y with free sides, by the energy of the cells (elastic-study.md 2.2):
 //   2 mu (b - 1) + lambda (det F - 1) (1 + y) b = 0,  det F = (1 + y) b²,  lambda / 2 mu = nu / (1 - 2 nu).
-// Both terms grow with b from (1 + y)^(-1/2), where the second is zero, and are convex: Newton from 1 comes down.
+// Both terms grow with b from (1 + y)^(-1/2), where the second is zero, and are convex: Newton from 1 comes
+// down.
 YieldSurface yield_surface(double plasticity, double poisson_ratio) {
   const double p = std::clamp(plasticity, 0.0, 1.0), nu = std::clamp(poisson_ratio, 0.0, 0.49);
   const double length = 1.0 + (1.0 - p), ratio = nu / (1.0 - 2.0 * nu);
   double width = 1.0;
   for (int i = 0; i < 60; ++i) {
     const double volume = length * width * width;
-    width -= (width - 1.0 + ratio * (volume - 1.0) * length * width) / (1.0 + ratio * (3.0 * volume - 1.0) * length);
+    width -= (width - 1.0 + ratio * (volume - 1.0) * length * width) /
+             (1.0 + ratio * (3.0 * volume - 1.0) * length);
   }
   return {std::sqrt(2.0 / 3.0) * (length - width), p};
 }

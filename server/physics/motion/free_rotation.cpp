@@ -8,8 +8,8 @@
 namespace livegs {
 namespace {
 
-// The part of the motion that is split off turns by no more than this in a step, rad; beyond so many steps it is faster
-// than anything that is looked at.
+// The part of the motion that is split off turns by no more than this in a step, rad; beyond so many steps it
+// is faster than anything that is looked at.
 constexpr double kMaxSplitTurn_rad = 0.05, kMaxSteps = 64.0;
 
 }  // namespace
@@ -32,7 +32,8 @@ Eigen::Matrix3d rotated_tensor(const Eigen::Quaterniond& world_from_body, const 
 PrincipalAxes principal_axes(const Eigen::Matrix3d& inertia) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solved(inertia);
   const Eigen::Vector3d inverse = solved.eigenvalues().cwiseInverse();  // falling
-  // The first and the last axis are the candidates to be unlike; columns turn in a circle, so that they stay right-handed.
+  // The first and the last axis are the candidates to be unlike; columns turn in a circle, so that they stay
+  // right-handed.
   const int first = inverse[0] - inverse[1] > inverse[1] - inverse[2] ? 0 : 2;
   Eigen::Matrix3d axes;
   PrincipalAxes principal;

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 Vector3d BodyMomentum::angular_velocity_rad_s() const { return solve_inertia(inertia, angular_momentum); }
 
 BodyMomentum body_momentum(std::span<const Vector3d> positions_m, std::span<const Vector3d> velocities_m_s,
-                       std::span<const double> masses_kg) {
+                           std::span<const double> masses_kg) {
   BodyMomentum motion;
   for (size_t i = 0; i < masses_kg.size(); ++i) {
     motion.mass_kg += masses_kg[i];
@@ -64,9 +64,11 @@ Quaterniond extract_rotation(const Matrix3d& matrix, const Quaterniond& warm) {
     const Vector3d tau(m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1));
     const Matrix3d k = m.trace() * Matrix3d::Identity() - 0.5 * (m + m.transpose());
     // A cord sixteen times as long as thick has 4e-3 here.
-    const bool upright = k(0, 0) > 1e-5 && k(0, 0) * k(1, 1) - k(0, 1) * k(0, 1) > 1e-8 && k.determinant() > 1e-12;
+    const bool upright =
+        k(0, 0) > 1e-5 && k(0, 0) * k(1, 1) - k(0, 1) * k(0, 1) > 1e-8 && k.determinant() > 1e-12;
     if (!upright && i > 0) {
-      // Far away, and perhaps slender: all at once. What has no second direction keeps the turn about its first.
+      // Far away, and perhaps slender: all at once. What has no second direction keeps the turn about its
+      // first.
       const Eigen::JacobiSVD<Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
       if (svd.singularValues()[1] > 1e-5 * svd.singularValues()[0]) {
         Matrix3d u = svd.matrixU();

@@ -20,15 +20,17 @@ struct BodyMomentum {
   Eigen::Vector3d angular_velocity_rad_s() const;
 };
 
-BodyMomentum body_momentum(std::span<const Eigen::Vector3d> positions_m, std::span<const Eigen::Vector3d> velocities_m_s,
-                       std::span<const double> masses_kg);
+BodyMomentum body_momentum(std::span<const Eigen::Vector3d> positions_m,
+                           std::span<const Eigen::Vector3d> velocities_m_s,
+                           std::span<const double> masses_kg);
 
-// The angular velocity with angular momentum `l`. Turning about an axis that all masses lie on is nothing: such
-// directions are left out.
+// The angular velocity with angular momentum `l`. Turning about an axis that all masses lie on is nothing:
+// such directions are left out.
 Eigen::Vector3d solve_inertia(const Eigen::Matrix3d& inertia, const Eigen::Vector3d& l);
 
-// The rotation of `matrix` (its polar factor; the nearest upright one for a flattened or inverted matrix), starting
-// from `warm`: Newton's form of Müller et al. 2016, A robust method to extract the rotational part of deformations.
+// The rotation of `matrix` (its polar factor; the nearest upright one for a flattened or inverted matrix),
+// starting from `warm`: Newton's form of Müller et al. 2016, A robust method to extract the rotational part
+// of deformations.
 Eigen::Quaterniond extract_rotation(const Eigen::Matrix3d& matrix, const Eigen::Quaterniond& warm);
 
 }  // namespace livegs

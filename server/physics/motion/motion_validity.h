@@ -7,9 +7,11 @@
 
 namespace livegs {
 
-// Metres per second; scenes stay below 100. Smaller: shots of balls may be stopped. Larger: divergence is seen later.
+// Metres per second; scenes stay below 100. Smaller: shots of balls may be stopped. Larger: divergence is
+// seen later.
 inline constexpr double kMaxValidSpeed_m_s = 1e6;
-// Metres from the origin, an axis; scenes stay below 1000. Beyond it a double resolves 0.1 µm, too little for contact.
+// Metres from the origin, an axis; scenes stay below 1000. Beyond it a double resolves 0.1 µm, too little for
+// contact.
 inline constexpr double kMaxValidCoordinate_m = 1e9;
 
 inline bool is_valid_position(const Eigen::Vector3d& position_m) {

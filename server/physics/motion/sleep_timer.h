@@ -12,8 +12,8 @@ class SleepTimer {
   static constexpr double kStillSpeed_m_s = 0.02;
   static constexpr double kStillTime_s = 0.5;
 
-  // Once a frame; true when the body falls asleep now. A body that is forced, or falls, is not at rest; one that waits
-  // for its company only becomes rested.
+  // Once a frame; true when the body falls asleep now. A body that is forced, or falls, is not at rest; one
+  // that waits for its company only becomes rested.
   bool tick(double frame_s, double fastest_m_s, bool supported, bool forced) {
     if (!may_sleep_ || asleep_) return false;
     still_s_ = fastest_m_s < kStillSpeed_m_s && supported && !forced ? still_s_ + frame_s : 0.0;

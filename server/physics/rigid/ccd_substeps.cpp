@@ -7,16 +7,19 @@
 namespace livegs {
 namespace {
 
-constexpr double kFastPairThicknesses = 6.0;    // in a substep, of the two thicknesses together
-constexpr double kMaxTurn_rad = 0.25;  // rad, of the smaller one when a corner of it is stopped
+constexpr double kFastPairThicknesses = 6.0;  // in a substep, of the two thicknesses together
+constexpr double kMaxTurn_rad = 0.25;         // rad, of the smaller one when a corner of it is stopped
 constexpr int kMaxCcdSubsteps = 32;
 constexpr size_t kMaxContactSubsteps = 1024;  // manifolds times parts
 
-double thickness_m(const RigidShape& shape) { return shape.convex ? 2.0 * shape.inner_radius_m : shape.wall_m; }
+double thickness_m(const RigidShape& shape) {
+  return shape.convex ? 2.0 * shape.inner_radius_m : shape.wall_m;
+}
 
 int ccd_substeps_of_pair(const RigidBody& a, const RigidBody& b, double duration_s) {
   if (a.shape.is_ball() || b.shape.is_ball()) return 1;
-  const double speed = (a.velocity_m_s - b.velocity_m_s).norm() + a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
+  const double speed = (a.velocity_m_s - b.velocity_m_s).norm() +
+                       a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
                        b.angular_velocity_rad_s.norm() * b.shape.bounding_radius_m;
   const double displacement = duration_s * speed;
   if (!(displacement > kFastPairThicknesses * (thickness_m(a.shape) + thickness_m(b.shape)))) return 1;
@@ -34,7 +37,8 @@ int ccd_substeps(const RigidIsland& island, double duration_s) {
     if (!other || other->asleep || contact.owner->asleep) continue;
     substeps = std::max(substeps, ccd_substeps_of_pair(*contact.owner, *other, duration_s));
   }
-  return std::max(1, std::min(substeps, static_cast<int>(kMaxContactSubsteps / std::max<size_t>(1, island.contacts.size()))));
+  return std::max(1, std::min(substeps, static_cast<int>(kMaxContactSubsteps /
+                                                         std::max<size_t>(1, island.contacts.size()))));
 }
 
 }  // namespace livegs

@@ -10,7 +10,8 @@ namespace {
 constexpr double kMaxMassRatio = 12.5;  // of masses, that the usual steps bear: 1:10 sags by 0.1 mm
 constexpr int kMaxStepFactor = 4;
 constexpr int kMaxManifoldSteps = 256;  // times steps
-constexpr double kSupportCosine = 0.5;   // cosine of a normal with the vertical, from which on one body lies on another
+constexpr double kSupportCosine =
+    0.5;  // cosine of a normal with the vertical, from which on one body lies on another
 
 }  // namespace
 
@@ -25,8 +26,10 @@ int mass_ratio_substeps(const RigidIsland& island, const Eigen::Vector3d& gravit
     if (std::abs(up) <= upwards) continue;
     ratio = std::max(ratio, up > 0.0 ? owner.mass_kg / other->mass_kg : other->mass_kg / owner.mass_kg);
   }
-  const int times = static_cast<int>(std::clamp(std::ceil(std::sqrt(ratio / kMaxMassRatio)), 1.0, static_cast<double>(kMaxStepFactor)));
-  return std::clamp(kMaxManifoldSteps / static_cast<int>(std::max<size_t>(1, island.contacts.size())), 1, times);
+  const int times = static_cast<int>(
+      std::clamp(std::ceil(std::sqrt(ratio / kMaxMassRatio)), 1.0, static_cast<double>(kMaxStepFactor)));
+  return std::clamp(kMaxManifoldSteps / static_cast<int>(std::max<size_t>(1, island.contacts.size())), 1,
+                    times);
 }
 
 }  // namespace livegs

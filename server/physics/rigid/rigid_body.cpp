@@ -26,7 +26,8 @@ void RigidBody::wake() {
 }
 
 void RigidBody::set_angular_velocity(const Eigen::Vector3d& velocity_rad_s) {
-  angular_momentum = rotated_tensor(world_from_body.orientation, mass_kg * unit_inertia_body) * velocity_rad_s;
+  angular_momentum =
+      rotated_tensor(world_from_body.orientation, mass_kg * unit_inertia_body) * velocity_rad_s;
   update_turning();
 }
 
@@ -44,7 +45,7 @@ void RigidBody::apply_angular_impulse(const Eigen::Vector3d& impulse) {
 
 Eigen::Vector3d RigidBody::mean_velocity(double duration_s) const {
   Eigen::Vector3d late = has_body_contact || joints ? Eigen::Vector3d(duration_s * substep_acceleration_m_s2)
-                                            : velocity_m_s - substep_velocity_m_s;
+                                                    : velocity_m_s - substep_velocity_m_s;
   for (const ContactManifold& manifold : manifolds) {
     for (int i = 0; i < manifold.point_count; ++i) {
       const ContactPoint& point = manifold.points[i];

@@ -7,20 +7,20 @@
 #include <vector>
 
 #include "core/pose.h"
-#include "physics/motion/body_id.h"
-#include "physics/rigid/contact/contact_point.h"
-#include "physics/fracture/impact_record.h"
-#include "physics/motion/free_rotation.h"
 #include "physics/collision/collision_shape.h"
+#include "physics/fracture/impact_record.h"
+#include "physics/motion/body_id.h"
+#include "physics/motion/free_rotation.h"
+#include "physics/rigid/contact/contact_point.h"
 
 namespace livegs {
 
 class JointGroup;
 struct RigidSpring;
 
-// One rigid body or ball in motion. World frame unless a name says body; the body's origin is its centre of mass.
-// One thread at a time. The velocity solver reads and writes velocity, angular velocity and angular momentum together
-// through apply_impulse; everything else reads.
+// One rigid body or ball in motion. World frame unless a name says body; the body's origin is its centre of
+// mass. One thread at a time. The velocity solver reads and writes velocity, angular velocity and angular
+// momentum together through apply_impulse; everything else reads.
 struct RigidBody {
   uint32_t object_id = 0;
   uint32_t body_index = 0;  // within the object: 0 until it breaks; under kMaxBodiesOfObject
@@ -42,8 +42,9 @@ struct RigidBody {
   // Over the tick: an elastic body bears or pushes it; and one of its company is not ready to sleep.
   bool in_elastic_contact = false, island_awake = false;
   double still_s = 0.0;  // for how long it has been slower than the sleep speed
-  uint64_t sleep_group = 0;  // bodies that fell asleep together wake together: the lowest id of them, plus one
-  uint32_t slot = 0;         // its place in the list that is being worked on
+  uint64_t sleep_group =
+      0;              // bodies that fell asleep together wake together: the lowest id of them, plus one
+  uint32_t slot = 0;  // its place in the list that is being worked on
 
   // What resists an impulse now; zero while asleep, so that a sleeper is as good as a wall.
   double inverse_mass = 0.0;
@@ -51,20 +52,21 @@ struct RigidBody {
 
   Eigen::Vector3d substep_velocity_m_s = Eigen::Vector3d::Zero();  // at the start of the substep
   Eigen::Vector3d substep_acceleration_m_s2 = Eigen::Vector3d::Zero();
-  bool pushed_by_owner = false;  // in this substep, by a manifold that another body owns
-  bool has_body_contact = false;         // in this substep, as owner or not
-  std::vector<RigidBody*> near;                // pairs this body owns: ascending id, see rigid_broad_phase.h
-  std::vector<ContactManifold> manifolds;           // where this body is the first of the pair
+  bool pushed_by_owner = false;            // in this substep, by a manifold that another body owns
+  bool has_body_contact = false;           // in this substep, as owner or not
+  std::vector<RigidBody*> near;            // pairs this body owns: ascending id, see rigid_broad_phase.h
+  std::vector<ContactManifold> manifolds;  // where this body is the first of the pair
   std::vector<ContactManifold> previous_manifolds;  // of the substep before, for warm starting
 
   std::vector<RigidSpring*> springs;  // that hands hold it by, in this substep
-  JointGroup* joints = nullptr;  // the bodies it hangs together with by joints; nullptr: none
+  JointGroup* joints = nullptr;       // the bodies it hangs together with by joints; nullptr: none
 
-  // Over the tick: from all that touches it, and, for its object's events, without what other bodies of the object gave.
+  // Over the tick: from all that touches it, and, for its object's events, without what other bodies of the
+  // object gave.
   double contact_impulse_n_s = 0.0;
   double external_contact_impulse_n_s = 0.0;
   Eigen::Vector3d external_contact_moment = Eigen::Vector3d::Zero();  // impulse times point
-  double last_tick_contact_impulse_n_s = 0.0;                           // contact_impulse_n_s of the last tick
+  double last_tick_contact_impulse_n_s = 0.0;                         // contact_impulse_n_s of the last tick
   bool can_break = false;  // it has pieces: its impacts are counted
   ImpactRecord impacts;
   double tick_energy_j = 0.0;  // of its motion and its weight, at the start of the tick
@@ -88,10 +90,10 @@ struct RigidBody {
   // An impulse at `arm_m` from the centre of mass.
   void apply_impulse(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m);
   void apply_angular_impulse(const Eigen::Vector3d& impulse);
-  // Moves by the present velocities. Where no contact held it, displacement is the mean of the velocities before and
-  // after (exact for a constant acceleration, sliding included); along the normals of contacts that pushed, it is that
-  // after. Impulses between two bodies move them by the velocity after, which keeps their angular momentum; so do the
-  // springs of hands, which reckon with it.
+  // Moves by the present velocities. Where no contact held it, displacement is the mean of the velocities
+  // before and after (exact for a constant acceleration, sliding included); along the normals of contacts
+  // that pushed, it is that after. Impulses between two bodies move them by the velocity after, which keeps
+  // their angular momentum; so do the springs of hands, which reckon with it.
   void move(double duration_s);
   // How move() would move it now.
   Eigen::Vector3d mean_velocity(double duration_s) const;  // of the centre of mass
@@ -102,13 +104,13 @@ struct RigidBody {
   }
 };
 
-// Slower than this at three points of the body for kTimeToSleep_s, and touching something: it sleeps. At a size of
-// 1 m 0.03 m/s (Jolt's value), with the square root of size below, as speeds under gravity go.
+// Slower than this at three points of the body for kTimeToSleep_s, and touching something: it sleeps. At a
+// size of 1 m 0.03 m/s (Jolt's value), with the square root of size below, as speeds under gravity go.
 inline constexpr double kSleepSpeed_m_s = 0.03;
 inline constexpr double kTimeToSleep_s = 0.5;
 double sleep_speed_m_s(const RigidShape& shape);
-// The largest speed of the centre of mass, which moves with `velocity_m_s`, and of two points at right angles on the
-// bounding sphere.
+// The largest speed of the centre of mass, which moves with `velocity_m_s`, and of two points at right angles
+// on the bounding sphere.
 double three_point_speed_m_s(const RigidBody& body, const Eigen::Vector3d& velocity_m_s);
 
 }  // namespace livegs

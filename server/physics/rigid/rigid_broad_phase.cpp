@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Wider boxes are found again less often and have more neighbours.
-constexpr double kBoxMargin = 0.05;       // of the bounding radius
+constexpr double kBoxMargin = 0.05;        // of the bounding radius
 constexpr double kExpectedSubsteps = 8.0;  // of motion at the present speed
 
 // The box the body may sweep in `time_s`, turning included.
@@ -45,7 +45,8 @@ void RigidBroadPhase::update(std::span<RigidBody* const> bodies, double gravity_
   for (size_t i = 0; good && i < bodies.size(); ++i) {
     if (bodies[i]->asleep) continue;
     Vector3d low, high;
-    body_box(*bodies[i], kContactMargin * bodies[i]->shape.bounding_radius_m, duration_s, gravity_m_s2, low, high);
+    body_box(*bodies[i], kContactMargin * bodies[i]->shape.bounding_radius_m, duration_s, gravity_m_s2, low,
+             high);
     good = (low.array() >= boxes_[i].low.array()).all() && (high.array() <= boxes_[i].high.array()).all();
   }
   if (good) return;
@@ -58,8 +59,8 @@ void RigidBroadPhase::update(std::span<RigidBody* const> bodies, double gravity_
   for (size_t i = 0; i < bodies.size(); ++i) {
     Box& box = boxes_[i];
     box.body = bodies[i];
-    body_box(*box.body, kBoxMargin * box.body->shape.bounding_radius_m, kExpectedSubsteps * duration_s, gravity_m_s2,
-             box.low, box.high);
+    body_box(*box.body, kBoxMargin * box.body->shape.bounding_radius_m, kExpectedSubsteps * duration_s,
+             gravity_m_s2, box.low, box.high);
   }
   find_pairs();
 }
@@ -84,7 +85,8 @@ void RigidBroadPhase::find_pairs() {
       const Box& second = boxes_[order_[k]];
       if (second.low[axis_] > first.high[axis_]) break;
       if (first.body->asleep && second.body->asleep) continue;
-      if ((first.low.array() > second.high.array()).any() || (second.low.array() > first.high.array()).any()) continue;
+      if ((first.low.array() > second.high.array()).any() || (second.low.array() > first.high.array()).any())
+        continue;
       if (owns_pair(*first.body, *second.body)) {
         first.body->near.push_back(second.body);
       } else {

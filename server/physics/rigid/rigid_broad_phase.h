@@ -10,13 +10,13 @@
 
 namespace livegs {
 
-// Which rigid bodies may touch: boxes around them, wider than the bodies by a margin and by some ticks' motion, sorted
-// along one axis. The pairs stay good until a body leaves its box, so that they are looked for only now and then. Pairs
-// of two sleepers are left out. One thread.
+// Which rigid bodies may touch: boxes around them, wider than the bodies by a margin and by some ticks'
+// motion, sorted along one axis. The pairs stay good until a body leaves its box, so that they are looked for
+// only now and then. Pairs of two sleepers are left out. One thread.
 class RigidBroadPhase {
  public:
-  // Fills body.near of every body: the partners it owns (a ball before a mesh, then the lower id), ascending. Does
-  // nothing while all bodies are where they were expected. `bodies` in ascending id.
+  // Fills body.near of every body: the partners it owns (a ball before a mesh, then the lower id), ascending.
+  // Does nothing while all bodies are where they were expected. `bodies` in ascending id.
   void update(std::span<RigidBody* const> bodies, double gravity_m_s2, double duration_s);
   // Bodies were added, removed, woken or sent to sleep.
   void invalidate() { known_ = false; }
@@ -29,8 +29,8 @@ class RigidBroadPhase {
   void find_pairs();
 
   bool known_ = false;
-  std::vector<Box> boxes_;      // of `bodies`, in their order
-  std::vector<uint32_t> order_; // of boxes_, by their low end along axis_
+  std::vector<Box> boxes_;       // of `bodies`, in their order
+  std::vector<uint32_t> order_;  // of boxes_, by their low end along axis_
   int axis_ = 0;
 };
 

@@ -10,14 +10,16 @@
 namespace livegs {
 
 namespace {
-// What a body would fall in a substep of a 240th of a second: a sleeper nearer than that below one that is awake is woken, since
-// nobody knows yet that something else holds it. Such two have to fall asleep together, or they take turns for good.
+// What a body would fall in a substep of a 240th of a second: a sleeper nearer than that below one that is
+// awake is woken, since nobody knows yet that something else holds it. Such two have to fall asleep together,
+// or they take turns for good.
 constexpr double kNearlyTouching_m = 2.5e-4;
 }  // namespace
 
 bool is_touching(const ContactManifold& manifold) {
   for (int i = 0; i < manifold.point_count; ++i) {
-    if (manifold.points[i].impulse_n_s > 0.0 || manifold.points[i].separation_m <= kNearlyTouching_m) return true;
+    if (manifold.points[i].impulse_n_s > 0.0 || manifold.points[i].separation_m <= kNearlyTouching_m)
+      return true;
   }
   return false;
 }
@@ -31,7 +33,8 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
     if (body->joints) sets.join(body->slot, body->joints->bodies().front()->slot);
     for (const ContactManifold& manifold : body->manifolds) {
       if (!manifold.other || manifold.other->asleep) continue;
-      if (link == IslandLink::AnyManifold || is_touching(manifold)) sets.join(body->slot, manifold.other->slot);
+      if (link == IslandLink::AnyManifold || is_touching(manifold))
+        sets.join(body->slot, manifold.other->slot);
     }
   }
   // Roots are the lowest of their sets, so islands come in ascending id.
@@ -57,7 +60,8 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
   }
   for (RigidIsland& island : islands) {
     std::stable_sort(island.bodies.begin(), island.bodies.end(), [&](const RigidBody* a, const RigidBody* b) {
-      return gravity_m_s2.dot(a->world_from_body.position_m) > gravity_m_s2.dot(b->world_from_body.position_m);
+      return gravity_m_s2.dot(a->world_from_body.position_m) >
+             gravity_m_s2.dot(b->world_from_body.position_m);
     });
     for (RigidBody* body : island.bodies) {
       for (ContactManifold& manifold : body->manifolds) island.contacts.push_back({body, &manifold});

@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// Awake bodies that touch each other directly or through others, and all their contacts. Walls and sleepers do not join
-// what they touch. Islands share nothing that is written, so that each is one thread's.
+// Awake bodies that touch each other directly or through others, and all their contacts. Walls and sleepers
+// do not join what they touch. Islands share nothing that is written, so that each is one thread's.
 struct RigidIsland {
   struct Contact {
     RigidBody* owner;
@@ -20,8 +20,8 @@ struct RigidIsland {
   std::vector<Contact> contacts;   // in the order of their owners
 };
 
-// The islands of `bodies` (ascending id), ordered by the lowest id in them. `manifolds_join`: every manifold, or those that
-// touch only (for sleep). Sleeping owners' manifolds with awake bodies count too.
+// The islands of `bodies` (ascending id), ordered by the lowest id in them. `manifolds_join`: every manifold,
+// or those that touch only (for sleep). Sleeping owners' manifolds with awake bodies count too.
 enum class IslandLink { AnyManifold, TouchingManifold };
 std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, IslandLink link,
                                        const Eigen::Vector3d& gravity_m_s2);

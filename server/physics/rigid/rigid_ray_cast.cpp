@@ -23,7 +23,8 @@ std::optional<double> ray_cast(const RigidBody& body, const Eigen::Vector3d& ori
   const Eigen::Vector3d from_centre = origin_m - body.world_from_body.position_m;
   if (body.shape.is_ball()) return sphere_distance(from_centre, direction, body.shape.sphere_radius_m);
   const double radius = body.shape.bounding_radius_m;
-  if (from_centre.cross(direction).norm() > radius || from_centre.dot(direction) > radius) return std::nullopt;
+  if (from_centre.cross(direction).norm() > radius || from_centre.dot(direction) > radius)
+    return std::nullopt;
 
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
   const Eigen::Vector3d origin = body_from_world * from_centre, ray = body_from_world * direction;

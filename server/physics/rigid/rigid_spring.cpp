@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Catto 2011, Soft constraints: a spring and damper integrated implicitly is a row with a bias and a softness.
+// Catto 2011, Soft constraints: a spring and damper integrated implicitly is a row with a bias and a
+// softness.
 #include "physics/rigid/rigid_spring.h"
 
 #include <Eigen/LU>
@@ -7,21 +8,22 @@
 #include <cmath>
 #include <numbers>
 
-#include "physics/rigid/rigid_body.h"
 #include "physics/motion/free_rotation.h"
 #include "physics/motion/vector_algebra.h"
+#include "physics/rigid/rigid_body.h"
 
 namespace livegs {
 namespace {
 
-// The mean velocity of the point over the step: with the arm's turn in it, a body that swings round the point is held on
-// its circle instead of being flung outwards.
+// The mean velocity of the point over the step: with the arm's turn in it, a body that swings round the point
+// is held on its circle instead of being flung outwards.
 Eigen::Vector3d point_velocity(const RigidBody& body, const RigidSpring& spring, double step_s) {
   const Eigen::Vector3d turned = rotation_exp(step_s * body.angular_velocity_rad_s) * spring.arm_m;
   return body.velocity_m_s + (turned - spring.arm_m) / step_s;
 }
 
-void apply(RigidBody& body, const RigidSpring& spring, const Eigen::Vector3d& impulse, const Eigen::Vector3d& turn) {
+void apply(RigidBody& body, const RigidSpring& spring, const Eigen::Vector3d& impulse,
+           const Eigen::Vector3d& turn) {
   body.apply_impulse(impulse, spring.arm_m);
   body.apply_angular_impulse(turn);
 }
@@ -44,7 +46,8 @@ void prepare_spring(RigidBody& body, RigidSpring& spring, double step_s) {
     spring.turn_rate = 2.0 * spring.turn_rad_s * inertia + step_s * spring.turn_stiffness;
   }
   const Eigen::Matrix3d cross = cross_matrix(spring.arm_m);
-  Eigen::Matrix<double, 6, 6> response;  // of the point's velocity and the spin to an impulse at it and a turn
+  Eigen::Matrix<double, 6, 6>
+      response;  // of the point's velocity and the spin to an impulse at it and a turn
   response.topLeftCorner<3, 3>() =
       body.inverse_mass * Eigen::Matrix3d::Identity() - cross * body.inverse_inertia * cross;
   response.topRightCorner<3, 3>() = -cross * body.inverse_inertia;
@@ -53,7 +56,8 @@ void prepare_spring(RigidBody& body, RigidSpring& spring, double step_s) {
   const auto critical = [&](double stiffness, double trace) {
     return trace > 0.0 ? 2.0 * std::sqrt(stiffness * 3.0 / trace) : 0.0;
   };
-  spring.rate = critical(spring.stiffness_n_m, response.topLeftCorner<3, 3>().trace()) + step_s * spring.stiffness_n_m;
+  spring.rate =
+      critical(spring.stiffness_n_m, response.topLeftCorner<3, 3>().trace()) + step_s * spring.stiffness_n_m;
   Eigen::Matrix<double, 6, 6> implicit = Eigen::Matrix<double, 6, 6>::Identity();
   implicit.topRows<3>() += step_s * spring.rate * response.topRows<3>();
   implicit.bottomRows<3>() += step_s * spring.turn_rate * response.bottomRows<3>();
@@ -61,15 +65,17 @@ void prepare_spring(RigidBody& body, RigidSpring& spring, double step_s) {
   apply(body, spring, step_s * spring.force_n, step_s * spring.torque_n_m);
 }
 
-// F = k (d + h (u - v')) + c (u - v'), u the target's velocity, v' that of the point with F in it; likewise the torque.
+// F = k (d + h (u - v')) + c (u - v'), u the target's velocity, v' that of the point with F in it; likewise
+// the torque.
 void solve_spring(RigidBody& body, RigidSpring& spring, double step_s) {
   Eigen::Matrix<double, 6, 1> missing;
   missing.head<3>() =
-      step_s * (spring.stiffness_n_m * spring.stretch_m +
-                spring.rate * (spring.target_velocity_m_s - point_velocity(body, spring, step_s)) - spring.force_n);
-  missing.tail<3>() =
-      step_s * (spring.turn_stiffness * spring.twist_rad +
-                spring.turn_rate * (spring.target_spin_rad_s - body.angular_velocity_rad_s) - spring.torque_n_m);
+      step_s *
+      (spring.stiffness_n_m * spring.stretch_m +
+       spring.rate * (spring.target_velocity_m_s - point_velocity(body, spring, step_s)) - spring.force_n);
+  missing.tail<3>() = step_s * (spring.turn_stiffness * spring.twist_rad +
+                                spring.turn_rate * (spring.target_spin_rad_s - body.angular_velocity_rad_s) -
+                                spring.torque_n_m);
   const Eigen::Matrix<double, 6, 1> change = spring.inverse * missing / step_s;
   const Eigen::Vector3d force = clamp_norm(spring.force_n + change.head<3>(), spring.max_force_n);
   const Eigen::Vector3d torque = clamp_norm(spring.torque_n_m + change.tail<3>(), spring.max_torque_n_m);

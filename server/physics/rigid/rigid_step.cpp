@@ -8,22 +8,22 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "physics/motion/motion_validity.h"
-#include "physics/rigid/contact/restitution.h"
+#include "physics/rigid/ccd_substeps.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/find_contacts.h"
-#include "physics/rigid/ccd_substeps.h"
+#include "physics/rigid/contact/restitution.h"
+#include "physics/rigid/joint/joint_group.h"
 #include "physics/rigid/mass_ratio_substeps.h"
 #include "physics/rigid/rigid_islands.h"
-#include "physics/rigid/joint/joint_group.h"
 #include "physics/rigid/rigid_spring.h"
 
 namespace livegs {
 namespace {
 
-// A substep's contacts, found once, are solved in this many short steps of one sweep each: against heavy things on light
-// ones and tall stacks that does more than as many sweeps of one step (Macklin et al. 2019, Small steps in physics
-// simulation), since the contacts may be that much stiffer. The corners of a body that strikes share the impact only after
-// some sweeps of one step.
+// A substep's contacts, found once, are solved in this many short steps of one sweep each: against heavy
+// things on light ones and tall stacks that does more than as many sweeps of one step (Macklin et al. 2019,
+// Small steps in physics simulation), since the contacts may be that much stiffer. The corners of a body that
+// strikes share the impact only after some sweeps of one step.
 constexpr int kSolverSteps = 4;
 constexpr int kPushIterations = 1;
 constexpr int kRelaxIterations = 2;  // with one, a pyramid never comes to rest
@@ -57,7 +57,8 @@ bool will_touch(const RigidBody& owner, const ContactManifold& manifold, double 
     const ContactPoint& point = manifold.points[i];
     Eigen::Vector3d velocity = owner.point_velocity(point.arm_a_m);
     if (manifold.other) {
-      const Eigen::Vector3d between = owner.world_from_body.position_m - manifold.other->world_from_body.position_m;
+      const Eigen::Vector3d between =
+          owner.world_from_body.position_m - manifold.other->world_from_body.position_m;
       velocity -= manifold.other->point_velocity(point.arm_a_m + between);
     }
     const double ahead_s = duration_s + duration_s / kSolverSteps;
@@ -71,7 +72,9 @@ bool wake_on_contact(std::span<RigidBody* const> bodies, double duration_s) {
   bool any = false;
   for (RigidBody* body : bodies) {
     for (const ContactManifold& manifold : body->manifolds) {
-      if (!manifold.other || body->asleep == manifold.other->asleep || !will_touch(*body, manifold, duration_s)) continue;
+      if (!manifold.other || body->asleep == manifold.other->asleep ||
+          !will_touch(*body, manifold, duration_s))
+        continue;
       (body->asleep ? *body : *manifold.other).wake();
       any = true;
     }
@@ -88,8 +91,9 @@ void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& g
   body.velocity_m_s += duration_s * body.substep_acceleration_m_s2;
 }
 
-void report_contact_point(RigidBody& body, const ContactManifold& manifold, const RigidBody* from, const ContactPoint& point,
-                 const Eigen::Vector3d& normal, const Eigen::Vector3d& where) {
+void report_contact_point(RigidBody& body, const ContactManifold& manifold, const RigidBody* from,
+                          const ContactPoint& point, const Eigen::Vector3d& normal,
+                          const Eigen::Vector3d& where) {
   body.contact_impulse_n_s += point.impulse_n_s;
   if (!from || from->object_id != body.object_id) {
     body.external_contact_impulse_n_s += point.impulse_n_s;
@@ -104,16 +108,19 @@ void report_contacts(RigidBody& body, ContactManifold& manifold) {
     ContactPoint& point = manifold.points[i];
     const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
     if (!body.asleep) report_contact_point(body, manifold, manifold.other, point, point.normal, where);
-    if (manifold.other && !manifold.other->asleep) report_contact_point(*manifold.other, manifold, &body, point, -point.normal, where);
+    if (manifold.other && !manifold.other->asleep)
+      report_contact_point(*manifold.other, manifold, &body, point, -point.normal, where);
     // The impulse of an impact is no forecast of the next substep's.
     if (point.impact_speed_m_s >= manifold.restitution_speed_m_s) {
       point.impulse_n_s = 0.0;
       struck = true;
     }
   }
-  const Eigen::Vector3d &rubbed = manifold.friction_impulse_n_s, twist = manifold.twist_impulse * manifold.normal;
+  const Eigen::Vector3d &rubbed = manifold.friction_impulse_n_s,
+                        twist = manifold.twist_impulse * manifold.normal;
   body.impacts.record_friction(body, rubbed, twist, manifold.arm_a_m);
-  if (manifold.other) manifold.other->impacts.record_friction(*manifold.other, -rubbed, -twist, manifold.arm_b_m);
+  if (manifold.other)
+    manifold.other->impacts.record_friction(*manifold.other, -rubbed, -twist, manifold.arm_b_m);
   if (struck) {
     manifold.friction_impulse_n_s.setZero();
     manifold.twist_impulse = 0.0;
@@ -121,7 +128,8 @@ void report_contacts(RigidBody& body, ContactManifold& manifold) {
 }
 
 void save_resting_impulses(ContactManifold& manifold) {
-  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].resting_impulse_n_s = manifold.points[i].impulse_n_s;
+  for (int i = 0; i < manifold.point_count; ++i)
+    manifold.points[i].resting_impulse_n_s = manifold.points[i].impulse_n_s;
 }
 
 void scale_restitution(ContactManifold& manifold, double part) {
@@ -135,7 +143,8 @@ void scale_restitution(ContactManifold& manifold, double part) {
 void record_held_loads(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s) {
   for (RigidBody* body : island.bodies) {
     if (!body->can_break) continue;
-    for (const RigidSpring* spring : body->springs) body->impacts.record_force(*body, step_s * spring->force_n, spring->arm_m);
+    for (const RigidSpring* spring : body->springs)
+      body->impacts.record_force(*body, step_s * spring->force_n, spring->arm_m);
   }
   const auto note = [&](RigidBody* body, const Eigen::Vector3d& force_n, const Eigen::Vector3d& anchor_m) {
     if (!body || !body->can_break || body->asleep) return;
@@ -165,18 +174,23 @@ void mark_contacts(RigidBody& body, ContactManifold& manifold) {
 
 bool has_finite_motion(const RigidBody& body) {
   const Pose& pose = body.world_from_body;
-  return body.velocity_m_s.squaredNorm() < kMaxValidSpeed_m_s * kMaxValidSpeed_m_s && is_valid_position(pose.position_m) &&
-         pose.orientation.coeffs().allFinite() && body.angular_momentum.allFinite() && body.angular_velocity_rad_s.allFinite();
+  return body.velocity_m_s.squaredNorm() < kMaxValidSpeed_m_s * kMaxValidSpeed_m_s &&
+         is_valid_position(pose.position_m) && pose.orientation.coeffs().allFinite() &&
+         body.angular_momentum.allFinite() && body.angular_velocity_rad_s.allFinite();
 }
 
 // What no longer moves finitely would take all that it touches along: the island stands still where it was.
-void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses, std::span<JointGroup* const> joints) {
+void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses,
+                              std::span<JointGroup* const> joints) {
   static std::atomic<int> warnings{0};
   const auto lost = std::find_if(island.bodies.begin(), island.bodies.end(),
                                  [](const RigidBody* body) { return !has_finite_motion(*body); });
   if (warnings.fetch_add(1) < kMaxWarnings) {
-    log_warn("object %u: its motion ran out of bounds; it and what it touches are stopped where they were. Look for parts "
-             "that overlap, or of very different mass, or raise substeps", (*lost)->object_id);
+    log_warn(
+        "object %u: its motion ran out of bounds; it and what it touches are stopped where they were. Look "
+        "for parts "
+        "that overlap, or of very different mass, or raise substeps",
+        (*lost)->object_id);
   }
   for (size_t i = 0; i < island.bodies.size(); ++i) {
     RigidBody& body = *island.bodies[i];
@@ -212,8 +226,9 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
   if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, 1.0 / times); });
   std::vector<Pose> poses;
   for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
-  const bool struck = std::any_of(island.contacts.begin(), island.contacts.end(),
-                                  [](const RigidIsland::Contact& contact) { return is_impact(*contact.manifold); });
+  const bool struck =
+      std::any_of(island.contacts.begin(), island.contacts.end(),
+                  [](const RigidIsland::Contact& contact) { return is_impact(*contact.manifold); });
   const int push_iterations = struck ? kImpactIterations : kPushIterations;
   const int relax_iterations = struck ? kImpactIterations : kRelaxIterations;
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
@@ -233,7 +248,9 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
     }
     for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
     for (int sweep = 0; sweep < push_iterations; ++sweep) {
-      each([&](RigidBody& body, ContactManifold& manifold) { solve_manifold(body, manifold, ContactPhase::Push, step_s); });
+      each([&](RigidBody& body, ContactManifold& manifold) {
+        solve_manifold(body, manifold, ContactPhase::Push, step_s);
+      });
       for (RigidBody* body : island.bodies) {
         for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
       }
@@ -250,7 +267,9 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
     each(prepare_manifold);
     for (JointGroup* group : joints) group->prepare(ContactPhase::Relax);
     for (int sweep = 0; sweep < relax_iterations; ++sweep) {
-      each([&](RigidBody& body, ContactManifold& manifold) { solve_manifold(body, manifold, ContactPhase::Relax, step_s); });
+      each([&](RigidBody& body, ContactManifold& manifold) {
+        solve_manifold(body, manifold, ContactPhase::Relax, step_s);
+      });
       for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }
     if (step + 1 == steps && (struck || !joints.empty())) {
@@ -262,24 +281,28 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
         });
         for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
       }
-      if (const double part = limiter.end(); part < 1.0) each([&](RigidBody&, ContactManifold& manifold) { scale_restitution(manifold, part); });
+      if (const double part = limiter.end(); part < 1.0)
+        each([&](RigidBody&, ContactManifold& manifold) { scale_restitution(manifold, part); });
     }
     for (JointGroup* group : joints) group->end(step_s);
     each(report_contacts);
     record_held_loads(island, joints, step_s);
   }
   if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, times); });
-  if (!std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) { return has_finite_motion(*body); })) {
+  if (!std::all_of(island.bodies.begin(), island.bodies.end(),
+                   [](const RigidBody* body) { return has_finite_motion(*body); })) {
     restore_last_valid_state(island, poses, joints);
   }
   double impact_fraction = 0.0;
-  for (const RigidBody* body : island.bodies) impact_fraction = std::max(impact_fraction, body->impacts.impact_fraction());
+  for (const RigidBody* body : island.bodies)
+    impact_fraction = std::max(impact_fraction, body->impacts.impact_fraction());
   for (RigidBody* body : island.bodies) body->impacts.end_substep(*body, impact_fraction, duration_s);
 }
 
-// The substep in `parts`, each with contacts of its own. Its bodies meet nobody but each other, colliders and sleepers: other
-// islands may be on other threads.
-void solve_ccd_substeps(RigidIsland& island, std::span<const Collider> colliders, double gravity_m_s2, double duration_s, int ccd_count) {
+// The substep in `parts`, each with contacts of its own. Its bodies meet nobody but each other, colliders and
+// sleepers: other islands may be on other threads.
+void solve_ccd_substeps(RigidIsland& island, std::span<const Collider> colliders, double gravity_m_s2,
+                        double duration_s, int ccd_count) {
   const double part_s = duration_s / ccd_count;
   std::vector<const RigidBody*> members(island.bodies.begin(), island.bodies.end());
   std::sort(members.begin(), members.end());
@@ -316,8 +339,8 @@ void solve_ccd_substeps(RigidIsland& island, std::span<const Collider> colliders
 }  // namespace
 
 void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const RigidLoad> loads,
-                       std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2, double duration_s,
-                       RigidBroadPhase& broad_phase) {
+                       std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2,
+                       double duration_s, RigidBroadPhase& broad_phase) {
   if (std::all_of(bodies.begin(), bodies.end(), [](const RigidBody* body) { return body->asleep; })) return;
   if (wake_groups(bodies)) broad_phase.invalidate();
   std::vector<char> accelerated(bodies.size(), 0);
@@ -339,7 +362,8 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
     if (!body->asleep || std::any_of(body->near.begin(), body->near.end(), awake)) active.push_back(body);
   }
   parallel_for(active.size(), 8, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) find_contacts(*active[i], colliders, gravity_m_s2.norm(), duration_s);
+    for (size_t i = begin; i < end; ++i)
+      find_contacts(*active[i], colliders, gravity_m_s2.norm(), duration_s);
   });
   if (wake_on_contact(active, duration_s)) {
     // They start with the contacts that they fell asleep with.
@@ -348,8 +372,11 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
     accelerate_awake();
     active.clear();
     for (RigidBody* body : bodies) {
-      const auto may_touch_awake = [](const ContactManifold& manifold) { return manifold.other && !manifold.other->asleep; };
-      if (!body->asleep || std::any_of(body->manifolds.begin(), body->manifolds.end(), may_touch_awake)) active.push_back(body);
+      const auto may_touch_awake = [](const ContactManifold& manifold) {
+        return manifold.other && !manifold.other->asleep;
+      };
+      if (!body->asleep || std::any_of(body->manifolds.begin(), body->manifolds.end(), may_touch_awake))
+        active.push_back(body);
     }
   }
 
@@ -372,13 +399,16 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
     if (body->asleep) continue;
     awake.push_back(body);
     bool touching = body->pushed_by_owner || body->in_elastic_contact || body->joints;
-    for (const ContactManifold& manifold : body->manifolds) touching = touching || total_impulse(manifold) > 0.0;
-    const bool still = touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
+    for (const ContactManifold& manifold : body->manifolds)
+      touching = touching || total_impulse(manifold) > 0.0;
+    const bool still =
+        touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
     body->still_s = still ? body->still_s + tick_s : 0.0;
   }
   for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingManifold, Eigen::Vector3d::Zero())) {
-    const bool still = std::all_of(island.bodies.begin(), island.bodies.end(),
-                                   [](const RigidBody* body) { return body->still_s >= kTimeToSleep_s && !body->island_awake; });
+    const bool still = std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) {
+      return body->still_s >= kTimeToSleep_s && !body->island_awake;
+    });
     if (!still) continue;
     for (RigidBody* body : island.bodies) {
       body->asleep = true;

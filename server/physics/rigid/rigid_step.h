@@ -18,14 +18,15 @@ struct RigidLoad {
   Eigen::Vector3d angular_impulse = Eigen::Vector3d::Zero();  // about the centre of mass
 };
 
-// One substep of all rigid bodies and balls (ascending id), `loads` in the same order. Contacts are found again in
-// each substep. A sleeper that is touched wakes, and with it all that fell asleep together; sleepers cost nothing.
+// One substep of all rigid bodies and balls (ascending id), `loads` in the same order. Contacts are found
+// again in each substep. A sleeper that is touched wakes, and with it all that fell asleep together; sleepers
+// cost nothing.
 void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const RigidLoad> loads,
-                       std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2, double duration_s,
-                       RigidBroadPhase& broad_phase);
+                       std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2,
+                       double duration_s, RigidBroadPhase& broad_phase);
 
-// The sleep test at the end of a tick. Bodies that touch each other sleep together, when all of them have been still for
-// long enough; sleepers lose what motion they have left.
+// The sleep test at the end of a tick. Bodies that touch each other sleep together, when all of them have
+// been still for long enough; sleepers lose what motion they have left.
 void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadPhase& broad_phase);
 
 }  // namespace livegs

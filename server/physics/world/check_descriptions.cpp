@@ -20,7 +20,8 @@ std::string number(double value) {
 
 Result<void> check_range(uint32_t id, const char* field, double value, double low, double high) {
   if (value >= low && value <= high) return {};
-  return refuse(id, std::string(field) + " " + number(value) + " is outside " + number(low) + " to " + number(high));
+  return refuse(
+      id, std::string(field) + " " + number(value) + " is outside " + number(low) + " to " + number(high));
 }
 
 Result<void> check_positive(uint32_t id, const char* field, double value) {
@@ -40,7 +41,8 @@ Result<void> check_mesh(uint32_t id, const TriangleMesh& mesh) {
   }
   for (const auto& triangle : mesh.triangles) {
     for (const uint32_t index : triangle) {
-      if (index >= mesh.vertices_m.size()) return refuse(id, "a triangle of the mesh names a vertex it does not have");
+      if (index >= mesh.vertices_m.size())
+        return refuse(id, "a triangle of the mesh names a vertex it does not have");
     }
   }
   return {};

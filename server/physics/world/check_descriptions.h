@@ -4,7 +4,8 @@
 #include "core/result.h"
 #include "physics/world.h"
 
-// What the world refuses, at its door: values that are not physical. Messages name the object, the field and the range.
+// What the world refuses, at its door: values that are not physical. Messages name the object, the field and
+// the range.
 
 namespace livegs {
 

@@ -265,7 +265,8 @@ Result<void> World::set_material(uint32_t object_id, const Material& material) {
     for (const ElasticObject* other : state_->elastic_objects) {
       if (other->object_id != object_id) left -= other->body->node_substeps();
     }
-    body.set_node_substep_budget(std::max(left, budget / static_cast<double>(state_->elastic_objects.size())));
+    body.set_node_substep_budget(
+        std::max(left, budget / static_cast<double>(state_->elastic_objects.size())));
     body.set_material(material);
   }
   object->wake();
@@ -276,7 +277,8 @@ Result<void> World::release_region(uint32_t object_id, const std::string& region
   WorldObject* object = state_->find(object_id);
   ElasticObject* elastic = object ? object->elastic() : nullptr;
   if (!elastic || !elastic->body->release_region(region)) {
-    return not_found("object " + std::to_string(object_id) + ": it holds or moves no region called " + region);
+    return not_found("object " + std::to_string(object_id) + ": it holds or moves no region called " +
+                     region);
   }
   object->wake();
   return {};

@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// What a rigid body is expected to gain in a substep is believed up to twice what gravity gives: it is right for what
-// rests, and wrong right after an impact.
+// What a rigid body is expected to gain in a substep is believed up to twice what gravity gives: it is right
+// for what rests, and wrong right after an impact.
 constexpr double kMaxPredictedGravities = 2.0;
 // Bodies within this part of an elastic one's reach are met, beyond what they move in a substep.
 constexpr double kReachMargin = 0.1;
@@ -35,7 +35,8 @@ Eigen::AlignedBox3d wider(const Eigen::AlignedBox3d& box, double by_m) {
 }
 
 // Whether surfaces come within `room_m` of each other, as far as the boxes of their parts say.
-bool may_meet(const ElasticBody& a, const ElasticBody& b, const Eigen::AlignedBox3d& bounds_of_b, double room_m) {
+bool may_meet(const ElasticBody& a, const ElasticBody& b, const Eigen::AlignedBox3d& bounds_of_b,
+              double room_m) {
   const Eigen::AlignedBox3d of_a = a.surface_bounds_m(wider(bounds_of_b, room_m));
   if (of_a.isEmpty()) return false;
   const Eigen::AlignedBox3d of_b = b.surface_bounds_m(wider(of_a, room_m));
@@ -48,7 +49,8 @@ double distance_m(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
 
 }  // namespace
 
-// The copies of rigid bodies for this substep; every elastic body's neighbours; and the groups that share any.
+// The copies of rigid bodies for this substep; every elastic body's neighbours; and the groups that share
+// any.
 std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elastic_groups(double duration_s) {
   if (elastic_objects.empty()) return {};
   const double gain_m_s = duration_s * settings.gravity_m_s2.norm();
@@ -69,7 +71,8 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     if (body.asleep) continue;
     const double limit = kMaxPredictedGravities * gain_m_s;
     copy.predicted_change_m_s = clamp_norm(velocity_changes[i].velocity_m_s, limit);
-    copy.predicted_change_rad_s = clamp_norm(velocity_changes[i].spin_rad_s, limit / body.shape.bounding_radius_m);
+    copy.predicted_change_rad_s =
+        clamp_norm(velocity_changes[i].spin_rad_s, limit / body.shape.bounding_radius_m);
   }
 
   const size_t count = elastic_objects.size();
@@ -107,7 +110,8 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
       ElasticObject& other = *elastic_objects[k];
       const bool other_asleep = other.body->asleep();
       if ((asleep && other_asleep) || !(other.body->reach_m() > 0.0)) continue;
-      const double reach = own_reach + (1.0 + kReachMargin) * other.body->reach_m() + other.body->element_reach_m() +
+      const double reach = own_reach + (1.0 + kReachMargin) * other.body->reach_m() +
+                           other.body->element_reach_m() +
                            duration_s * (other.body->velocity_m_s().norm() + gain_m_s);
       if ((other.body->centre_m() - centre).squaredNorm() > reach * reach) continue;
       const double room = reach - body.reach_m() - other.body->reach_m();
@@ -131,8 +135,8 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
   return groups;
 }
 
-// What elastic bodies gave to rigid ones in this substep. What only balances the change that is expected of gravity and
-// rigid contacts acts over the substep like these; the rest acts at its start.
+// What elastic bodies gave to rigid ones in this substep. What only balances the change that is expected of
+// gravity and rigid contacts acts over the substep like these; the rest acts at its start.
 void World::State::apply_elastic_impulses(double duration_s) {
   if (elastic_objects.empty()) return;
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
@@ -153,22 +157,27 @@ void World::State::apply_elastic_impulses(double duration_s) {
     body.external_contact_impulse_n_s += size;
     body.external_contact_moment += copy.contact_moment;
     const double struck = impact.norm();
-    // Where the copy was: impulses that came later in the substep moved it less. Those that balance come evenly.
+    // Where the copy was: impulses that came later in the substep moved it less. Those that balance come
+    // evenly.
     const double steps = copy.step_impulse_n_s / size, even = 0.5 * (steps - 1.0) / steps * duration_s;
     body.world_from_body.position_m += even * part / body.mass_kg * balance - copy.position_lag_m;
     const double turned = struck / std::max(copy.impulse_n_s.norm(), struck);
-    body.world_from_body.orientation = (rotation_exp(-turned * copy.orientation_lag_rad) * body.world_from_body.orientation).normalized();
+    body.world_from_body.orientation =
+        (rotation_exp(-turned * copy.orientation_lag_rad) * body.world_from_body.orientation).normalized();
     body.update_turning();
     // What is soft takes its time: its push is a force, however it came.
-    if (body.can_break) body.impacts.record_force(body, copy.impulse_n_s, copy.contact_moment / size - body.world_from_body.position_m);
+    if (body.can_break)
+      body.impacts.record_force(body, copy.impulse_n_s,
+                                copy.contact_moment / size - body.world_from_body.position_m);
   }
 }
 
-// Wakes a body if it sleeps, when `awake` says that one of its company is awake. Returns whether it is awake now; what is
-// no body never is.
+// Wakes a body if it sleeps, when `awake` says that one of its company is awake. Returns whether it is awake
+// now; what is no body never is.
 bool World::State::wake_body(uint64_t body_id, bool awake) {
-  const auto found = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), body_id,
-                                      [](const RigidBody* body, uint64_t id) { return body->body_id() < id; });
+  const auto found =
+      std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), body_id,
+                       [](const RigidBody* body, uint64_t id) { return body->body_id() < id; });
   if (found != rigid_bodies.end() && (*found)->body_id() == body_id) {
     if (awake && (*found)->asleep) (*found)->wake();
     return !(*found)->asleep;
@@ -197,8 +206,8 @@ void World::State::wake_islands() {
   for (RigidBody* body : rigid_bodies) body->in_elastic_contact = false;
 }
 
-// Bodies that pushed each other in this tick fall asleep together: rigid ones first, when every elastic one is rested;
-// then those.
+// Bodies that pushed each other in this tick fall asleep together: rigid ones first, when every elastic one
+// is rested; then those.
 void World::State::sleep_islands(double tick_s) {
   if (!settings.sleep) {
     for (ElasticObject* elastic : elastic_objects) elastic->contacts_this_tick.clear();
@@ -212,19 +221,24 @@ void World::State::sleep_islands(double tick_s) {
   for (const RigidBody* body : rigid_bodies) ids.push_back(body->body_id());
   for (const ElasticObject* elastic : elastic_objects) ids.push_back(body_id_of(elastic->object_id));
   std::sort(ids.begin(), ids.end());
-  const auto place_of = [&](uint64_t id) { return std::lower_bound(ids.begin(), ids.end(), id) - ids.begin(); };
+  const auto place_of = [&](uint64_t id) {
+    return std::lower_bound(ids.begin(), ids.end(), id) - ids.begin();
+  };
   DisjointSets sets(ids.size());
   for (ElasticObject* elastic : elastic_objects) {
     if (!elastic->body->asleep()) {
       std::sort(elastic->contacts_this_tick.begin(), elastic->contacts_this_tick.end());
-      elastic->contacts_this_tick.erase(std::unique(elastic->contacts_this_tick.begin(), elastic->contacts_this_tick.end()), elastic->contacts_this_tick.end());
+      elastic->contacts_this_tick.erase(
+          std::unique(elastic->contacts_this_tick.begin(), elastic->contacts_this_tick.end()),
+          elastic->contacts_this_tick.end());
       elastic->contacts_last_tick.swap(elastic->contacts_this_tick);
     }
     elastic->contacts_this_tick.clear();
     const auto own = place_of(body_id_of(elastic->object_id));
     for (const uint64_t id : elastic->contacts_last_tick) {
       const auto other = place_of(id);
-      if (other < std::ssize(ids) && ids[other] == id) sets.join(static_cast<uint32_t>(own), static_cast<uint32_t>(other));
+      if (other < std::ssize(ids) && ids[other] == id)
+        sets.join(static_cast<uint32_t>(own), static_cast<uint32_t>(other));
     }
   }
   const auto root_of = [&](uint64_t id) { return sets.find(static_cast<uint32_t>(place_of(id))); };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a rigid object becomes several. A body that breaks hands each fragment the velocity its material has at that
-// place, v + w x r, and its own share of mass and inertia: mass, linear and angular momentum are those of the whole to
-// rounding. Kinetic energy is that and what the strain of the impact gives back: see fracture_recoil.h.
+// How a rigid object becomes several. A body that breaks hands each fragment the velocity its material has at
+// that place, v + w x r, and its own share of mass and inertia: mass, linear and angular momentum are those
+// of the whole to rounding. Kinetic energy is that and what the strain of the impact gives back: see
+// fracture_recoil.h.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -95,14 +96,15 @@ Impact impact_of(const RigidObject& object, uint32_t body_index, const ImpulseAc
   return impact;
 }
 
-// Takes back what contacts gave (axes of the body), as far as the motion has no more than `most_j` then: it was given over
-// some substeps, in which the body turned.
+// Takes back what contacts gave (axes of the body), as far as the motion has no more than `most_j` then: it
+// was given over some substeps, in which the body turned.
 void undo_contact_impulse(RigidBody& body, const ImpulseAccumulator& given, double part, double most_j) {
   const Eigen::Vector3d impulse = -part * (body.world_from_body.orientation * given.total_n_s);
   const Eigen::Vector3d moment = -part * (body.world_from_body.orientation * given.total_moment);
   // kinetic + s linear + s² square <= most
   const double linear = impulse.dot(body.velocity_m_s) + moment.dot(body.angular_velocity_rad_s);
-  const double square = 0.5 * (body.inverse_mass * impulse.squaredNorm() + moment.dot(body.inverse_inertia * moment));
+  const double square =
+      0.5 * (body.inverse_mass * impulse.squaredNorm() + moment.dot(body.inverse_inertia * moment));
   const double room = std::max(0.0, most_j - body.kinetic_j());
   double share = 1.0;
   if (linear + square > room) {
@@ -155,8 +157,9 @@ void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t 
   become_fragment(broken, broken, object, *largest);
 }
 
-bool World::State::fracture_body(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
-                          const ImpulseAccumulator& given, double undone_fraction, double recoil_j) {
+bool World::State::fracture_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
+                                 const Impact& impact, const ImpulseAccumulator& given,
+                                 double undone_fraction, double recoil_j) {
   const std::vector<uint32_t> broken = broken_bonds(object.bonds, impact);
   for (const uint32_t bond : broken) object.bonds.bonds[bond].integrity = 0.0;
   const std::vector<uint32_t> group_of = connected_groups(object.bonds);
@@ -169,7 +172,8 @@ bool World::State::fracture_body(uint32_t object_id, RigidObject& object, uint32
   for (auto& [first, group] : members) groups.push_back(std::move(group));
   RigidBody& body = object.body_at(body_index);
   // Never more than it had when the tick began.
-  undo_contact_impulse(body, given, undone_fraction, body.tick_energy_j - (energy_j(body) - body.kinetic_j()));
+  undo_contact_impulse(body, given, undone_fraction,
+                       body.tick_energy_j - (energy_j(body) - body.kinetic_j()));
   if (object.piece_bodies.empty()) {
     object.piece_bodies.assign(group_of.size(), 0);
     assign_grabs_to_pieces(object_id, object);
@@ -189,7 +193,8 @@ double World::State::energy_j(const RigidBody& body) const {
 double World::State::local_energy_loss_j(const RigidBody& body) const {
   const double tick_s = 1.0 / settings.rate_hz;
   const auto reach_m = [&](const RigidBody& one) {
-    return one.shape.bounding_radius_m + tick_s * (one.velocity_m_s.norm() + tick_s * settings.gravity_m_s2.norm());
+    return one.shape.bounding_radius_m +
+           tick_s * (one.velocity_m_s.norm() + tick_s * settings.gravity_m_s2.norm());
   };
   double lost = 0.0;
   for (const auto& [id, thing] : objects) {
@@ -212,17 +217,21 @@ void World::State::process_impacts() {
     for (uint32_t index = 0; index < count; ++index) {
       RigidBody& body = object->body_at(index);
       if (!body.can_break) continue;
-      const ImpulseAccumulator sum = body.impacts.take(1.0 / settings.rate_hz), episode = body.impacts.take_ended_episode();
+      const ImpulseAccumulator sum = body.impacts.take(1.0 / settings.rate_hz),
+                               episode = body.impacts.take_ended_episode();
       if (!object->material.fragile) continue;
       const double faint_n_s = kMinImpactRatio * object->bonds.break_impulse_n_s;
-      // Only once an episode of impacts is over: while it lasts it is one impact, and has to break what is as it was before.
-      if (episode.impulse_n_s >= faint_n_s) accumulate_damage(object->bonds, impact_of(*object, index, episode));
+      // Only once an episode of impacts is over: while it lasts it is one impact, and has to break what is as
+      // it was before.
+      if (episode.impulse_n_s >= faint_n_s)
+        accumulate_damage(object->bonds, impact_of(*object, index, episode));
       if (sum.impulse_n_s < faint_n_s) continue;
       const Impact impact = impact_of(*object, index, sum);
-      const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(impact.point_m - body.rest_centre_m);
-      // What the bonds did not bear was never passed on: of an impact from the floor, fragments keep the velocity they had
-      // before it, less the part that broke them, and go on until they hit the floor themselves. Blows from other bodies are
-      // kept whole, because those have had theirs.
+      const Eigen::Vector3d where =
+          body.world_from_body * Eigen::Vector3d(impact.point_m - body.rest_centre_m);
+      // What the bonds did not bear was never passed on: of an impact from the floor, fragments keep the
+      // velocity they had before it, less the part that broke them, and go on until they hit the floor
+      // themselves. Blows from other bodies are kept whole, because those have had theirs.
       double undone_fraction = 0.0;
       const bool one_way = sum.push_n_s.norm() > kMinDirectionality * sum.impulse_n_s;
       double borne = 1.0;
@@ -231,8 +240,10 @@ void World::State::process_impacts() {
         undone_fraction = 1.0 - borne;
       }
       const Eigen::Vector3d arm = impact.point_m - body.rest_centre_m;
-      const double restitution = body.in_elastic_contact ? 1.0 : sum.restitution;  // what is soft takes no energy at once
-      const double recoil_j = kRecoilEnergyFraction * impact_energy_loss_j(body, sum.push_n_s, arm, borne, restitution);
+      const double restitution =
+          body.in_elastic_contact ? 1.0 : sum.restitution;  // what is soft takes no energy at once
+      const double recoil_j =
+          kRecoilEnergyFraction * impact_energy_loss_j(body, sum.push_n_s, arm, borne, restitution);
       if (!fracture_body(id, *object, index, impact, sum, undone_fraction, recoil_j)) continue;
       broke = true;
       events.push_back({tick, WorldEventKind::Fracture, id, sum.impulse_n_s, where});
@@ -273,7 +284,9 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   WorldObject* thing = state_->find(object_id);
   RigidObject* object = thing ? thing->rigid() : nullptr;
   if (!object) return not_found(name + ": there is no rigid object of this id to break");
-  if (!object->pieces) return invalid_argument(name + ": it has no pieces to break into; make it fragile, or wait until it is cut");
+  if (!object->pieces)
+    return invalid_argument(name +
+                            ": it has no pieces to break into; make it fragile, or wait until it is cut");
   Impact impact;
   impact.piece = object->pieces->cut.locate(rest_point_m);
   impact.point_m = rest_point_m;
@@ -284,7 +297,8 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
       inwards.norm() > 0.01 * body.shape.bounding_radius_m ? inwards.normalized() : -Eigen::Vector3d::UnitY();
   impact.impulse_n_s = direction;
   const double threshold = break_threshold_n_s(object->bonds, impact);
-  if (!std::isfinite(threshold)) return invalid_argument(name + ": the piece at this point breaks no further");
+  if (!std::isfinite(threshold))
+    return invalid_argument(name + ": the piece at this point breaks no further");
   impact.impulse_n_s = kForcedBreakFactor * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
   thing->wake();

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "geometry/mesh/triangle_distance.h"
-#include "physics/world/spring.h"
 #include "physics/world/check_descriptions.h"
+#include "physics/world/spring.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {
@@ -24,8 +24,10 @@ std::vector<GripPoint> grip_points_in_palm(const ElasticObject& elastic, const P
   const std::vector<Eigen::Vector3d>& rest = elastic.rest_particles_m;
   const Pose hand_from_world = world_from_hand.inverse();
   std::vector<Eigen::Vector3d> seen;  // in the hand's frame
-  for (const Eigen::Vector3d& point : rest) seen.push_back(hand_from_world * elastic.body->world_point(point));
-  std::vector<double> apart(seen.size());  // from the nearest that is taken; before the first, minus that from the hand
+  for (const Eigen::Vector3d& point : rest)
+    seen.push_back(hand_from_world * elastic.body->world_point(point));
+  std::vector<double> apart(
+      seen.size());  // from the nearest that is taken; before the first, minus that from the hand
   for (size_t i = 0; i < seen.size(); ++i) apart[i] = -seen[i].norm();
   std::vector<GripPoint> grip_points;
   while (grip_points.size() < kMaxGripPoints) {
@@ -44,15 +46,15 @@ std::vector<GripPoint> grip_points_in_palm(const ElasticObject& elastic, const P
   return grip_points;
 }
 
-// From the surface to a point in the shape's frame, negative within. A field knows it near the surface only: farther off it
-// tells the way to the box about a bent sherd, and takes it for nearer than what is.
+// From the surface to a point in the shape's frame, negative within. A field knows it near the surface only:
+// farther off it tells the way to the box about a bent sherd, and takes it for nearer than what is.
 double surface_distance_m(const RigidShape& shape, const Eigen::Vector3d& local_m) {
   const double told = shape.sample(local_m).distance_m;
   if (told <= 0.0 || shape.is_ball() || shape.convex) return told;
   double least = INFINITY;
   for (const auto& [a, b, c] : shape.mesh.triangles) {
-    const Eigen::Vector3d on = closest_point_on_triangle(local_m, shape.mesh.vertices_m[a], shape.mesh.vertices_m[b],
-                                                         shape.mesh.vertices_m[c]);
+    const Eigen::Vector3d on = closest_point_on_triangle(local_m, shape.mesh.vertices_m[a],
+                                                         shape.mesh.vertices_m[b], shape.mesh.vertices_m[c]);
     least = std::min(least, (on - local_m).squaredNorm());
   }
   return std::sqrt(least);
@@ -93,7 +95,8 @@ RayHit nearest_particle(uint32_t object_id, const ElasticObject& elastic, const 
 
 }  // namespace
 
-std::optional<uint32_t> RigidObject::piece_nearest_to(size_t body_index, const Eigen::Vector3d& rest_point_m) const {
+std::optional<uint32_t> RigidObject::piece_nearest_to(size_t body_index,
+                                                      const Eigen::Vector3d& rest_point_m) const {
   std::optional<uint32_t> nearest;
   double least = INFINITY;
   for (uint32_t i = 0; i < piece_bodies.size(); ++i) {
@@ -212,7 +215,8 @@ Eigen::Vector3d World::spring_force_n(uint64_t spring_id) const {
   return object && object->rigid() ? found->second.row.force_n : found->second.force_n;
 }
 
-Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand, const Grip& grip) {
+Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand,
+                         const Grip& grip) {
   release_grab(grab_id);
   const std::string name = "object " + std::to_string(object_id);
   const WorldObject* object = state_->find(object_id);
@@ -221,7 +225,8 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
   if (auto checked = check_pose(object_id, world_from_hand); !checked) return checked;
   if (!(grip.frequency_hz > 0.0 && grip.frequency_hz <= 100.0) || !(grip.max_force_n >= 0.0) ||
       !(grip.max_torque_n_m >= 0.0)) {
-    return invalid_argument("grab of " + name + ": frequency_hz is not within 0 to 100, or a bound is negative");
+    return invalid_argument("grab of " + name +
+                            ": frequency_hz is not within 0 to 100, or a bound is negative");
   }
   ActiveGrab held;
   held.object_id = object_id;
@@ -232,8 +237,8 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
     if (!nearest.index) return invalid_argument("grab of " + name + ": the hand is out of this world");
     held.rest_point_m = nearest.rest_point_m;
     held.piece = rigid->piece_nearest_to(*nearest.index, nearest.rest_point_m);
-    held.hand_from_object =
-        held.world_from_hand.orientation.conjugate() * rigid->body_at(*nearest.index).world_from_body.orientation;
+    held.hand_from_object = held.world_from_hand.orientation.conjugate() *
+                            rigid->body_at(*nearest.index).world_from_body.orientation;
   } else {
     held.grip_points = grip_points_in_palm(*object->elastic(), held.world_from_hand);
     held.rest_point_m = held.grip_points.front().rest_point_m;
@@ -264,8 +269,8 @@ std::optional<World::GrabState> World::grab_state(uint64_t grab_id) const {
   const ActiveGrab& held = found->second;
   const WorldObject* object = state_->find(held.object_id);
   if (!object) return std::nullopt;
-  GrabState state{world_point(held.object_id, held.rest_point_m, held.piece), held.force_n, Eigen::Vector3d::Zero(),
-                  held.piece};
+  GrabState state{world_point(held.object_id, held.rest_point_m, held.piece), held.force_n,
+                  Eigen::Vector3d::Zero(), held.piece};
   if (object->rigid()) {
     state.force_n = held.row.force_n;
     state.torque_n_m = held.row.torque_n_m;
@@ -277,11 +282,13 @@ double World::contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& res
                                   std::optional<uint32_t> piece) const {
   const WorldObject* object = state_->find(object_id);
   if (!object) return 0.0;
-  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m, piece).last_tick_contact_impulse_n_s;
+  if (const RigidObject* rigid = object->rigid())
+    return rigid->body_with(rest_point_m, piece).last_tick_contact_impulse_n_s;
   return object->elastic() ? object->elastic()->last_tick_contact_impulse_n_s : 0.0;
 }
 
-double World::mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece) const {
+double World::mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
+                         std::optional<uint32_t> piece) const {
   const WorldObject* object = state_->find(object_id);
   if (!object) return 0.0;
   if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m, piece).mass_kg;
@@ -300,7 +307,8 @@ std::optional<RayHit> World::nearest(const Eigen::Vector3d& point_m, double reac
       if ((elastic->body->centre_m() - point_m).norm() > 2.0 * elastic->body->reach_m() + within_m) continue;
       met = nearest_particle(id, *elastic, point_m);
     }
-    if (met && met->distance_m <= reach_m && (!nearest || met->distance_m < nearest->distance_m)) nearest = met;
+    if (met && met->distance_m <= reach_m && (!nearest || met->distance_m < nearest->distance_m))
+      nearest = met;
   }
   return nearest;
 }

@@ -53,7 +53,8 @@ Result<void> World::State::add_joint(const HingeJointDescription& description, b
       if (!other_part) return other_part.error();
       held.other_id = description.other_id;
       RigidObject& object = **other_part;
-      // Fragments have the axes of their object, so the body that holds the point follows from where it is at rest.
+      // Fragments have the axes of their object, so the body that holds the point follows from where it is at
+      // rest.
       const Pose from_world = object.body->world_from_body.inverse();
       held.other_point_m = from_world * held.other_point_m + object.body->rest_centre_m;
       held.other_axis = from_world.orientation * held.other_axis;
@@ -105,7 +106,8 @@ void World::State::link_joints() {
   joint_groups.clear();
 
   const auto index_of = [&](const RigidBody* body) {
-    return static_cast<uint32_t>(std::find(rigid_bodies.begin(), rigid_bodies.end(), body) - rigid_bodies.begin());
+    return static_cast<uint32_t>(std::find(rigid_bodies.begin(), rigid_bodies.end(), body) -
+                                 rigid_bodies.begin());
   };
   DisjointSets sets(rigid_bodies.size());
   for (const ActiveJoint& held : joints) {

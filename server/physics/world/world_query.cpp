@@ -15,9 +15,10 @@ constexpr double kSurfaceTolerance_m = 0.005;
 constexpr double kMinMarch_m = 0.001;
 constexpr int kMaxMarches = 4096;
 
-// The way to a collider, or `most_m` where it is not met before. One that holds the ray's start does not stop it: a camera
-// stands behind a wall to look into a room.
-double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction, double most_m) {
+// The way to a collider, or `most_m` where it is not met before. One that holds the ray's start does not stop
+// it: a camera stands behind a wall to look into a room.
+double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+              double most_m) {
   const ColliderProbe probe(collider);
   const SurfaceSample start = probe.sample(origin_m);
   if (!(start.distance_m > 0.0)) return most_m;
@@ -41,8 +42,8 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
   std::optional<RayHit> nearest;
   const RigidObject* met = nullptr;  // if it is a rigid one, and which body of it
   size_t met_index = 0;
-  const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point, const RigidObject* rigid = nullptr,
-                         size_t index = 0) {
+  const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point,
+                         const RigidObject* rigid = nullptr, size_t index = 0) {
     if (distance > max_distance_m || (nearest && nearest->distance_m <= distance)) return;
     nearest = RayHit{id, distance, rest_point, {}};
     met = rigid;
@@ -55,7 +56,8 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
         const auto distance = livegs::ray_cast(body, origin_m, direction);
         if (!distance) continue;
         // Of a fragment, a point just within, so that it is told from the pieces beyond its cut faces.
-        const double depth = rigid->fragments.empty() ? 0.0 : kFragmentTolerance * body.shape.bounding_radius_m;
+        const double depth =
+            rigid->fragments.empty() ? 0.0 : kFragmentTolerance * body.shape.bounding_radius_m;
         const Eigen::Vector3d point = origin_m + (*distance + depth) * direction;
         offer(id, *distance, body.world_from_body.inverse() * point + body.rest_centre_m, rigid, i);
       }
@@ -109,7 +111,8 @@ DriverFrame World::drivers() const {
     if (const ElasticObject* elastic = object.elastic()) elastic->body->write_drivers(drivers);
     if (const RigidObject* rigid = object.rigid()) {
       drivers.revision = rigid->revision;
-      for (size_t i = 0; i < rigid->body_count(); ++i) drivers.poses.push_back(rigid->body_at(i).world_from_body);
+      for (size_t i = 0; i < rigid->body_count(); ++i)
+        drivers.poses.push_back(rigid->body_at(i).world_from_body);
     }
     if (const StaticObject* fixed = object.fixed()) drivers.poses.push_back(fixed->world_from_object);
     drivers.object_id = id;

@@ -9,11 +9,11 @@
 #include <variant>
 #include <vector>
 
-#include "physics/fracture/bond_graph.h"
 #include "physics/breakable_pieces.h"
 #include "physics/elastic/rigid_proxy.h"
-#include "physics/rigid/rigid_body.h"
+#include "physics/fracture/bond_graph.h"
 #include "physics/rigid/joint/joint_group.h"
+#include "physics/rigid/rigid_body.h"
 #include "physics/rigid/rigid_spring.h"
 #include "physics/rigid/rigid_step.h"
 #include "physics/world.h"
@@ -56,8 +56,8 @@ struct RigidObject {
     if (piece_bodies.empty()) return 0;
     return body_of(piece && *piece < piece_bodies.size() ? *piece : pieces->cut.locate(rest_point_m));
   }
-  // For hands: the piece of a body whose surface is nearest to a point (object frame, at rest), by its triangles; none
-  // while the object is whole.
+  // For hands: the piece of a body whose surface is nearest to a point (object frame, at rest), by its
+  // triangles; none while the object is whole.
   std::optional<uint32_t> piece_nearest_to(size_t body_index, const Eigen::Vector3d& rest_point_m) const;
 };
 
@@ -120,15 +120,15 @@ struct ActiveGrab {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
   double extrapolation_s = 0, since_update_s = 0;  // from when it was set, and since
   Eigen::Quaterniond hand_from_object = Eigen::Quaterniond::Identity();
-  RigidSpring row;                // of a rigid object
-  std::vector<GripPoint> grip_points;  // of an elastic one
+  RigidSpring row;                                    // of a rigid object
+  std::vector<GripPoint> grip_points;                 // of an elastic one
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of an elastic one, in the last substep
 };
 
 struct ActiveJoint {
   uint32_t object_id = 0;
-  std::optional<uint32_t> other_id;  // of an object that moves
-  std::optional<uint32_t> declared_id;  // as it was given
+  std::optional<uint32_t> other_id;           // of an object that moves
+  std::optional<uint32_t> declared_id;        // as it was given
   Eigen::Vector3d point_m, axis;              // object frame, at rest
   Eigen::Vector3d other_point_m, other_axis;  // of the other object, or of the world
   RigidJoint joint;                           // as it was when groups were last made
@@ -153,8 +153,8 @@ struct World::State {
   std::vector<ElasticObject*> elastic_objects;
   std::vector<RigidLoad> loads;
   RigidBroadPhase broad_phase;
-  // Of each rigid body: its copy for elastic ones, and how its velocities changed in the last substep, without what
-  // elastic ones gave it.
+  // Of each rigid body: its copy for elastic ones, and how its velocities changed in the last substep,
+  // without what elastic ones gave it.
   std::vector<RigidProxy> rigid_proxies;
   struct VelocityChange {
     Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
@@ -176,7 +176,8 @@ struct World::State {
   void step_elastic(double start_s, double duration_s);
   void step_rigid(double duration_s);
   // world_contact.cpp
-  // Elastic bodies that may touch each other step together; groups of those that share a rigid body, one after another.
+  // Elastic bodies that may touch each other step together; groups of those that share a rigid body, one
+  // after another.
   using CoupledBodies = std::vector<ElasticObject*>;
   std::vector<std::vector<CoupledBodies>> build_elastic_groups(double duration_s);
   void apply_elastic_impulses(double duration_s);
@@ -191,11 +192,13 @@ struct World::State {
   // At the end of a tick: what was struck hard enough comes apart.
   void process_impacts();
   // Breaks what an impact on one body breaks. Returns whether the body came apart.
-  // The part `undone_fraction` of what contacts gave it is taken from it first, never beyond the energy it began the tick with;
-  // `recoil_j`, as far as it and what it met have lost ten times as much, drives the fragments apart.
+  // The part `undone_fraction` of what contacts gave it is taken from it first, never beyond the energy it
+  // began the tick with; `recoil_j`, as far as it and what it met have lost ten times as much, drives the
+  // fragments apart.
   bool fracture_body(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
-              const ImpulseAccumulator& given, double undone_fraction, double recoil_j);
-  // Makes a body of each group of pieces (at least two groups, together all of the body's); the largest keeps the index.
+                     const ImpulseAccumulator& given, double undone_fraction, double recoil_j);
+  // Makes a body of each group of pieces (at least two groups, together all of the body's); the largest keeps
+  // the index.
   void split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
                   const std::vector<std::vector<uint32_t>>& groups);
   void report_sleep();

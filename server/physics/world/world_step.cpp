@@ -23,14 +23,16 @@ void World::State::gather_loads(double duration_s) {
   std::fill(loads.begin(), loads.end(), RigidLoad{});
   for (ElasticObject* elastic : elastic_objects) elastic->forces.clear();
 
-  const auto push = [&](WorldObject& object, const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force) {
+  const auto push = [&](WorldObject& object, const Eigen::Vector3d& rest_point,
+                        const Eigen::Vector3d& force) {
     if (ElasticObject* elastic = object.elastic()) elastic->forces.push_back({rest_point, force});
     if (RigidObject* rigid = object.rigid()) {
       RigidBody& body = rigid->body_with(rest_point);
       RigidLoad& load = loads[index_of(rigid_bodies, body)];
       load.impulse_n_s += duration_s * force;
       // A sleeper bears it as it did when it fell asleep, and nobody takes the sum of its substeps.
-      if (body.can_break && !body.asleep) body.impacts.record_force(body, duration_s * force, body.arm_of(rest_point));
+      if (body.can_break && !body.asleep)
+        body.impacts.record_force(body, duration_s * force, body.arm_of(rest_point));
       load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
     }
   };
@@ -75,7 +77,8 @@ void World::State::step_rigid(double duration_s) {
     // Without what elastic bodies gave.
     const RigidBody& body = *rigid_bodies[i];
     velocity_changes[i].velocity_m_s = body.velocity_m_s + rigid_proxies[i].impulse_n_s / body.mass_kg;
-    velocity_changes[i].spin_rad_s = body.angular_velocity_rad_s + body.inverse_inertia * rigid_proxies[i].angular_impulse;
+    velocity_changes[i].spin_rad_s =
+        body.angular_velocity_rad_s + body.inverse_inertia * rigid_proxies[i].angular_impulse;
   }
   step_rigid_bodies(rigid_bodies, loads, colliders, settings.gravity_m_s2, duration_s, broad_phase);
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
@@ -106,7 +109,8 @@ void World::State::report_contacts() {
       elastic->contact_impulse_n_s += total.impulse_n_s;
       elastic->contact_moment += total.moment;
       elastic->last_tick_contact_impulse_n_s = std::exchange(elastic->contact_impulse_n_s, 0.0);
-      report(id, elastic->last_tick_contact_impulse_n_s, std::exchange(elastic->contact_moment, Eigen::Vector3d::Zero()));
+      report(id, elastic->last_tick_contact_impulse_n_s,
+             std::exchange(elastic->contact_moment, Eigen::Vector3d::Zero()));
     }
   }
 }

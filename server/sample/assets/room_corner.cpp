@@ -6,10 +6,10 @@
 #include <cmath>
 #include <functional>
 
+#include "sample/sample_scene.h"
 #include "sample/tools/baked_light.h"
 #include "sample/tools/colour.h"
 #include "sample/tools/noise.h"
-#include "sample/sample_scene.h"
 #include "sample/tools/surface_sampler.h"
 #include "sample/tools/wood.h"
 

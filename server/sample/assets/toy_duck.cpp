@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sample/sample_scene.h"
 #include "sample/tools/baked_light.h"
 #include "sample/tools/colour.h"
 #include "sample/tools/noise.h"
-#include "sample/sample_scene.h"
 #include "sample/tools/shapes.h"
 #include "sample/tools/sharp_edge.h"
 

@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 
+#include "sample/sample_scene.h"
 #include "sample/tools/baked_light.h"
 #include "sample/tools/colour.h"
 #include "sample/tools/noise.h"
-#include "sample/sample_scene.h"
 #include "sample/tools/shapes.h"
 #include "sample/tools/wood.h"
 

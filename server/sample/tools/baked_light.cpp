@@ -70,8 +70,9 @@ class Illumination {
     double weights = 0.0;
     // Never all dark: these objects are turned over, and a black underside would look like a hole.
     constexpr double kMinFloorLight = 0.45;
-    const double contact = kMinFloorLight + (1 - kMinFloorLight) *
-                           (1 - std::exp(-std::max(0.0, point_m.y()) / options_.contact_height_m));
+    const double contact =
+        kMinFloorLight +
+        (1 - kMinFloorLight) * (1 - std::exp(-std::max(0.0, point_m.y()) / options_.contact_height_m));
     for (const Vector3d& d : directions.sky) {
       const double cosine = normal.dot(d);
       if (cosine <= 0.02 || face.dot(d) <= 0.0) continue;

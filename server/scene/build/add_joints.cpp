@@ -6,8 +6,8 @@
 
 namespace livegs {
 
-Result<void> add_joints(const v1::Scene& file, const std::function<const SceneObject*(const std::string&)>& find,
-                        World& world) {
+Result<void> add_joints(const v1::Scene& file,
+                        const std::function<const SceneObject*(const std::string&)>& find, World& world) {
   for (int i = 0; i < file.joints_size(); ++i) {
     const JointParts parts = parts_of(file.joints(i));
     const std::string name = "joints[" + std::to_string(i) + "]." + parts.kind;
@@ -18,7 +18,8 @@ Result<void> add_joints(const v1::Scene& file, const std::function<const SceneOb
       // Of AUTO objects it is known only now.
       const v1::Physics::Behavior behavior = object->physics.behavior();
       if (behavior == v1::Physics::ELASTIC || (part == parts.object && behavior == v1::Physics::STATIC)) {
-        return invalid_argument(name + ": \"" + part + "\" was found to be " + v1::Physics::Behavior_Name(behavior) +
+        return invalid_argument(name + ": \"" + part + "\" was found to be " +
+                                v1::Physics::Behavior_Name(behavior) +
                                 "; joints hold rigid objects: set its physics.behavior to RIGID");
       }
       if (part == parts.object) {

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/build/build_object.h"
 
-#include "analysis/sidecar/manual_edits.h"
 #include "analysis/physics_file.h"
+#include "analysis/sidecar/manual_edits.h"
 #include "core/clock.h"
+#include "geometry/field/sample_particles.h"
+#include "geometry/reconstruct_surface.h"
 #include "geometry/surface/hollow_mesh.h"
 #include "geometry/surface/mesh_facts.h"
-#include "geometry/reconstruct_surface.h"
-#include "geometry/field/sample_particles.h"
 #include "geometry/surface/shape_mesh.h"
 #include "physics/mesh_collider.h"
-#include "scene/check/check_object.h"
+#include "scene/build/fracture_warning.h"
 #include "scene/build/place_asset.h"
+#include "scene/build/shape_asset.h"
+#include "scene/build/too_stiff_for_lattice.h"
+#include "scene/check/check_object.h"
 #include "scene/values/points_file.h"
 #include "scene/values/region_value.h"
-#include "scene/build/too_stiff_for_lattice.h"
 #include "scene/values/scene_values.h"
-#include "scene/build/shape_asset.h"
-#include "scene/build/fracture_warning.h"
 
 namespace livegs {
 namespace {
@@ -117,8 +117,8 @@ ObjectFacts facts_of(const Form& form, const std::string& name, bool captured) {
   return facts;
 }
 
-// A rigid asset collides as LIVE-GS's coarse mesh; shapes as themselves, and what can break as the fine surface that is
-// cut: its pieces have crisp edges, and their masses add up to the whole's.
+// A rigid asset collides as LIVE-GS's coarse mesh; shapes as themselves, and what can break as the fine
+// surface that is cut: its pieces have crisp edges, and their masses add up to the whole's.
 Result<TriangleMesh> rigid_mesh(const Form& form, bool fine) {
   if (fine) return form.mesh;
   auto surface = reconstruct_surface(form.points_m, rigid_surface_options());
@@ -177,8 +177,9 @@ Result<ElasticBodyDescription> elastic_description(const v1::Object& object, For
   return body;
 }
 
-// Empty, or why the spacing that the scene gives its particles is taken for a slip: so few of them say next to nothing of
-// the shape, and particles of a list that are given more than the room between them weigh more than the body.
+// Empty, or why the spacing that the scene gives its particles is taken for a slip: so few of them say next
+// to nothing of the shape, and particles of a list that are given more than the room between them weigh more
+// than the body.
 std::string doubtful_spacing(const v1::Object& object, const ParticleSet& particles, const TriangleMesh& mesh,
                              double longest_side_m) {
   constexpr double kMinCellsAlong = 4.0, kMaxVolumeRatio = 2.0;
@@ -188,17 +189,19 @@ std::string doubtful_spacing(const v1::Object& object, const ParticleSet& partic
     const double fitting_m = filling_spacing_m(particles.positions_m, mesh);
     const double ratio = std::pow(object.spacing_m() / fitting_m, 3);
     if (fitting_m > 0.0 && ratio > kMaxVolumeRatio) {
-      std::snprintf(text, sizeof text,
-                    "spacing_m: %.4g m lets its points fill %.3g times the volume they lie in; leave it out, or give "
-                    "about %.4g",
-                    object.spacing_m(), ratio, fitting_m);
+      std::snprintf(
+          text, sizeof text,
+          "spacing_m: %.4g m lets its points fill %.3g times the volume they lie in; leave it out, or give "
+          "about %.4g",
+          object.spacing_m(), ratio, fitting_m);
     }
     return text;
   }
   const double most_m = longest_side_m / kMinCellsAlong;
   if (object.spacing_m() > most_m * (1.0 + 1e-9)) {
     std::snprintf(text, sizeof text,
-                  "spacing_m: %.4g m is more than a quarter of its longest side, so that %zu particles are all it is known "
+                  "spacing_m: %.4g m is more than a quarter of its longest side, so that %zu particles are "
+                  "all it is known "
                   "by; leave it out, or give at most %.4g",
                   object.spacing_m(), particles.positions_m.size(), most_m);
   }
@@ -276,7 +279,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     auto described = elastic_description(object, *form, field);
     if (!described) return described.error();
     elastic = std::move(*described);
-    if (const std::string doubt = doubtful_spacing(object, elastic->particles, form->mesh, facts.mesh.size_m.maxCoeff());
+    if (const std::string doubt =
+            doubtful_spacing(object, elastic->particles, form->mesh, facts.mesh.size_m.maxCoeff());
         !doubt.empty()) {
       built.drawn.warnings.push_back(doubt);
     }
@@ -312,9 +316,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       break;
     }
     case Behavior::Static: {
-      built.body =
-          StaticBodyDescription{pose_value(object.pose(), field + ".pose").value(),
-                                mesh_collider(form->mesh), material.friction, material.restitution};
+      built.body = StaticBodyDescription{pose_value(object.pose(), field + ".pose").value(),
+                                         mesh_collider(form->mesh), material.friction, material.restitution};
       break;
     }
     default: {
@@ -323,7 +326,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       if (!mesh) return fail(mesh.error());
       body.mesh = std::move(*mesh);
       built.cut_mesh = std::make_shared<const TriangleMesh>(body.mesh);
-      built.fine_mesh = shape || material.fragile ? built.cut_mesh : std::make_shared<const TriangleMesh>(form->mesh);
+      built.fine_mesh =
+          shape || material.fragile ? built.cut_mesh : std::make_shared<const TriangleMesh>(form->mesh);
       // Closed all round, it is known from outside only: the wall is made for it.
       if (material.fragile && material.fill == Fill::Shell && !has_hollow(body.mesh)) {
         if (auto hollow = hollow_mesh(body.mesh, material.wall_thickness_m)) {

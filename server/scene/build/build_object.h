@@ -33,8 +33,8 @@ struct BuiltObject {
 
 // What was decided about an object.
 struct ObjectSidecar {
-  std::filesystem::path path;              // where it is kept; empty: nowhere
-  const v1::PhysicsFile* told = nullptr;   // takes the place of what stands there; null leaves that
+  std::filesystem::path path;             // where it is kept; empty: nowhere
+  const v1::PhysicsFile* told = nullptr;  // takes the place of what stands there; null leaves that
 };
 
 // Asset, shape or points to surface, facts, parameters and body. Pure but for reading files: objects of a

@@ -78,37 +78,45 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
   std::vector<std::string> warnings;
   const auto warn = [&](const MaterialAccuracy& material, const std::string& where) {
     if (!material.clipped) return;
-    warnings.push_back(where + format_text("stiffness clipped from %.3g to %.3g Pa, the most that cells of %.3g mm reach in %d "
-                                           "substeps; a higher rate or a rigid body would be stiffer",
-                                           material.youngs_modulus_pa, material.reached_youngs_modulus_pa,
-                                           1e3 * accuracy.cell_width_m, accuracy.substeps));
+    warnings.push_back(
+        where +
+        format_text("stiffness clipped from %.3g to %.3g Pa, the most that cells of %.3g mm reach in %d "
+                    "substeps; a higher rate or a rigid body would be stiffer",
+                    material.youngs_modulus_pa, material.reached_youngs_modulus_pa,
+                    1e3 * accuracy.cell_width_m, accuracy.substeps));
   };
   warn(accuracy, "");
   if (accuracy.thin_part > kMaxThinPart) {
-    warnings.push_back(format_text("%.0f %% of it is sheets or cords thinner than half a cell of %.3g mm that do not lie along the "
-                                   "cells: such things measured %.2g to %.2g of the stiffness they should have in bending",
-                                   100.0 * accuracy.thin_part, 1e3 * accuracy.cell_width_m, kThinBendsFrom, kThinBendsTo));
+    warnings.push_back(format_text(
+        "%.0f %% of it is sheets or cords thinner than half a cell of %.3g mm that do not lie along the "
+        "cells: such things measured %.2g to %.2g of the stiffness they should have in bending",
+        100.0 * accuracy.thin_part, 1e3 * accuracy.cell_width_m, kThinBendsFrom, kThinBendsTo));
   }
   if (accuracy.over_budget) {
-    warnings.push_back(format_text("so thin and wide that its %zu nodes in cells of %.3g mm are the most that a frame has time for: it bends, "
-                                   "folds and touches more coarsely than it should; make it smaller, thicker or of several objects",
-                                   accuracy.nodes, 1e3 * accuracy.cell_width_m));
+    warnings.push_back(format_text(
+        "so thin and wide that its %zu nodes in cells of %.3g mm are the most that a frame has time for: it "
+        "bends, "
+        "folds and touches more coarsely than it should; make it smaller, thicker or of several objects",
+        accuracy.nodes, 1e3 * accuracy.cell_width_m));
   }
   if (accuracy.unbudgeted_cell_width_m > 0) {
-    warnings.push_back(format_text("its part of the scene's elastic budget leaves it cells of %.3g mm and %d substeps; alone it would "
-                                   "have cells of %.3g mm and reach %.3g Pa: fewer or smaller elastic objects, or a larger "
-                                   "elastic_budget_ms, give it more",
-                                   1e3 * accuracy.cell_width_m, accuracy.substeps, 1e3 * accuracy.unbudgeted_cell_width_m,
-                                   accuracy.unbudgeted_reached_pa));
+    warnings.push_back(format_text(
+        "its part of the scene's elastic budget leaves it cells of %.3g mm and %d substeps; alone it would "
+        "have cells of %.3g mm and reach %.3g Pa: fewer or smaller elastic objects, or a larger "
+        "elastic_budget_ms, give it more",
+        1e3 * accuracy.cell_width_m, accuracy.substeps, 1e3 * accuracy.unbudgeted_cell_width_m,
+        accuracy.unbudgeted_reached_pa));
   }
   if (accuracy.sag > kMaxSag) {
-    warnings.push_back(format_text("too soft to carry itself: its own weight strains it by %.2g, and what is inside may hang through "
-                                   "what it lies on; %.2g Pa would strain it by a tenth",
-                                   accuracy.sag, 10.0 * accuracy.sag * accuracy.youngs_modulus_pa));
+    warnings.push_back(format_text(
+        "too soft to carry itself: its own weight strains it by %.2g, and what is inside may hang through "
+        "what it lies on; %.2g Pa would strain it by a tenth",
+        accuracy.sag, 10.0 * accuracy.sag * accuracy.youngs_modulus_pa));
   }
   if (accuracy.recovery_count > 0) {
-    warnings.push_back(format_text("its motion ran out of bounds: it was put back at rest, in its rest shape, %d time%s",
-                                   accuracy.recovery_count, accuracy.recovery_count == 1 ? "" : "s"));
+    warnings.push_back(
+        format_text("its motion ran out of bounds: it was put back at rest, in its rest shape, %d time%s",
+                    accuracy.recovery_count, accuracy.recovery_count == 1 ? "" : "s"));
   }
   for (const RegionAccuracy& region : accuracy.regions) warn(region, region.name + ": ");
   return warnings;

@@ -8,8 +8,8 @@
 
 #include "core/clock.h"
 #include "geometry/field/distance_field.h"
-#include "geometry/mesh/mesh_topology.h"
 #include "geometry/fracture/piece_kernels.h"
+#include "geometry/mesh/mesh_topology.h"
 
 namespace livegs {
 namespace {
@@ -26,7 +26,8 @@ std::vector<uint32_t> kernels_within(const PieceKernels& kernels, const Similari
   const DistanceField field(*surface, cell_m, 2 * cell_m);
   std::erase_if(kept, [&](uint32_t k) {
     if (k < kernels.interior_begin) return false;
-    return field.sample(object_from_asset * Eigen::Vector3d(kernels.asset.positions[k].cast<double>())).distance_m > 0.0;
+    return field.sample(object_from_asset * Eigen::Vector3d(kernels.asset.positions[k].cast<double>()))
+               .distance_m > 0.0;
   });
   return kept;
 }
@@ -62,7 +63,8 @@ BrokenAsset ordered_by_piece(const PieceKernels& kernels, std::vector<uint32_t> 
 
 }  // namespace
 
-std::vector<RestBody::KernelRun> kernel_runs(const BrokenAsset& broken, std::span<const uint32_t> piece_bodies) {
+std::vector<RestBody::KernelRun> kernel_runs(const BrokenAsset& broken,
+                                             std::span<const uint32_t> piece_bodies) {
   std::vector<RestBody::KernelRun> runs;
   for (size_t piece = 0; piece < piece_bodies.size(); ++piece) {
     if (runs.empty() || runs.back().body != piece_bodies[piece]) runs.push_back({piece_bodies[piece], 0});
@@ -83,10 +85,9 @@ Result<FragileObject> prepare_fragile(const TriangleMesh& mesh, Fill fill, const
   splitting.interior_rgb = options.interior_rgb;
   auto kernels = make_piece_kernels(asset, options.object_from_asset, fragile.pieces->cut, splitting);
   if (!kernels) return kernels.error();
-  fragile.broken =
-      std::make_shared<const BrokenAsset>(ordered_by_piece(
-          *kernels, kernels_within(*kernels, options.object_from_asset, options.fine_mesh.get()),
-          fragile.pieces->pieces.size()));
+  fragile.broken = std::make_shared<const BrokenAsset>(
+      ordered_by_piece(*kernels, kernels_within(*kernels, options.object_from_asset, options.fine_mesh.get()),
+                       fragile.pieces->pieces.size()));
   fragile.prepared_ms = milliseconds_from_ns(now_ns() - begun_ns);
   return fragile;
 }
@@ -101,7 +102,9 @@ FragileTask::FragileTask(uint32_t object_id, TriangleMesh mesh, Fill fill,
     : object_id_(object_id) {
   FragileOptions own = options;
   own.pieces.stop = stop_.get_token();
-  const auto prepare = [mesh = std::move(mesh), fill, asset = std::move(asset), own] { return prepare_fragile(mesh, fill, *asset, own); };
+  const auto prepare = [mesh = std::move(mesh), fill, asset = std::move(asset), own] {
+    return prepare_fragile(mesh, fill, *asset, own);
+  };
   // Without a thread the object does not break, and says why.
   try {
     future_ = std::async(std::launch::async, prepare);

@@ -17,13 +17,14 @@
 #include "physics/breakable_pieces.h"
 #include "skin/rest_body.h"
 
-// What a fragile object needs to break within a frame, made at load on a thread of its own: its pieces and the kernels
-// it is drawn with afterwards.
+// What a fragile object needs to break within a frame, made at load on a thread of its own: its pieces and
+// the kernels it is drawn with afterwards.
 
 namespace livegs {
 
-// The kernels of a broken object, ordered by piece: those of the original, split where a cut crosses them, and those of
-// the cut faces. The same for every break of the object; what changes is the body each piece is in.
+// The kernels of a broken object, ordered by piece: those of the original, split where a cut crosses them,
+// and those of the cut faces. The same for every break of the object; what changes is the body each piece is
+// in.
 struct BrokenAsset {
   std::shared_ptr<const GaussianAsset> asset;
   std::vector<uint32_t> piece_kernels;  // how many of each piece
@@ -31,7 +32,8 @@ struct BrokenAsset {
 };
 
 // Which kernels go with which body.
-std::vector<RestBody::KernelRun> kernel_runs(const BrokenAsset& broken, std::span<const uint32_t> piece_bodies);
+std::vector<RestBody::KernelRun> kernel_runs(const BrokenAsset& broken,
+                                             std::span<const uint32_t> piece_bodies);
 
 struct FragileObject {
   std::shared_ptr<const BreakablePieces> pieces;
@@ -42,7 +44,8 @@ struct FragileObject {
 struct FragileOptions {
   BreakableOptions pieces;
   Similarity object_from_asset;
-  // Where a coarser surface is cut, the fine one that the kernels lie on: those of cut faces outside it are left out.
+  // Where a coarser surface is cut, the fine one that the kernels lie on: those of cut faces outside it are
+  // left out.
   std::shared_ptr<const TriangleMesh> fine_mesh;
   std::optional<Eigen::Vector3f> interior_rgb;  // as Material has it
 };
@@ -63,7 +66,9 @@ class FragileTask {
   ~FragileTask() { stop_.request_stop(); }
 
   uint32_t object_id() const { return object_id_; }
-  bool ready() const { return !taken() && future_.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
+  bool ready() const {
+    return !taken() && future_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
   Result<FragileObject> take() { return future_.get(); }  // waits; once
   bool taken() const { return !future_.valid(); }
 

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "core/log.h"
-#include "physics/elastic/resolution/resolution_request.h"
 #include "physics/elastic/resolution/elastic_budget.h"
+#include "physics/elastic/resolution/resolution_request.h"
 
 namespace livegs {
 
-void share_elastic_budget(std::span<std::optional<Result<BuiltObject>>> built, const WorldSettings& settings) {
+void share_elastic_budget(std::span<std::optional<Result<BuiltObject>>> built,
+                          const WorldSettings& settings) {
   if (settings.elastic_solver != ElasticSolver::Cells) return;
   const double budget = settings.elastic_node_substeps;
   std::vector<ElasticBodyDescription*> bodies;
@@ -28,9 +29,11 @@ void share_elastic_budget(std::span<std::optional<Result<BuiltObject>>> built, c
     body->scene_node_substeps = budget;
   }
   if (share == budget) return;
-  log_warn("the elastic budget, %.3g ms a tick, does for %.3g ms of each of %zu elastic objects: some get wider cells or are less "
-           "stiff than alone. Fewer or smaller ones, or a larger elastic_budget_ms, give them more",
-           kNodeSubstep_ms * budget, kNodeSubstep_ms * share, bodies.size());
+  log_warn(
+      "the elastic budget, %.3g ms a tick, does for %.3g ms of each of %zu elastic objects: some get wider "
+      "cells or are less "
+      "stiff than alone. Fewer or smaller ones, or a larger elastic_budget_ms, give them more",
+      kNodeSubstep_ms * budget, kNodeSubstep_ms * share, bodies.size());
 }
 
 }  // namespace livegs

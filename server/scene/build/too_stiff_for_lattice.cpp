@@ -8,7 +8,7 @@
 namespace livegs {
 
 std::optional<std::string> too_stiff_for_lattice(const ElasticBodyDescription& body, double rate_hz,
-                                             int substeps) {
+                                                 int substeps) {
   const std::vector<double>& volumes_m3 = body.particles.volumes_m3;
   const double volume_m3 = std::accumulate(volumes_m3.begin(), volumes_m3.end(), 0.0);
   if (body.particles.positions_m.empty() || !(volume_m3 > 0.0)) return std::nullopt;

@@ -15,6 +15,6 @@ inline constexpr double kMaxStiffnessRatio = 10.0;
 // Why the body would better be rigid, by the cells and substeps that would be chosen for it; nothing when it
 // may well deform.
 std::optional<std::string> too_stiff_for_lattice(const ElasticBodyDescription& body, double rate_hz,
-                                             int substeps);
+                                                 int substeps);
 
 }  // namespace livegs

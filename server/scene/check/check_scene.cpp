@@ -36,8 +36,7 @@ Result<void> check_collider(const v1::Collider& collider, const std::string& fie
       LIVEGS_CHECK(check_box_shape(collider.box(), field + ".box"));
       break;
     case v1::Collider::kSphere:
-      LIVEGS_CHECK(
-          number_value(collider.sphere().radius_m(), 1e-4, kMaxSize_m, field + ".sphere.radius_m"));
+      LIVEGS_CHECK(number_value(collider.sphere().radius_m(), 1e-4, kMaxSize_m, field + ".sphere.radius_m"));
       break;
     case v1::Collider::kMesh:
       break;
@@ -119,8 +118,8 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       LIVEGS_CHECK(vector_value(event.break_().point_m(), Eigen::Vector3d::Zero(), field + ".break.point_m"));
       const v1::Physics& physics = objects.at(event.break_().object())->physics();
       if (physics.has_fragile() && !physics.fragile()) {
-        return missing(field + ".break.object", "\"" + event.break_().object() +
-                                                    "\" is not fragile; set physics.fragile to true");
+        return missing(field + ".break.object",
+                       "\"" + event.break_().object() + "\" is not fragile; set physics.fragile to true");
       }
       return {};
     }
@@ -129,7 +128,8 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
     case v1::Event::kPull:
       return check_hand(event.pull(), field + ".pull");
     case v1::Event::ACTION_NOT_SET:
-      return missing(field, "does nothing; give force, ball, grab, pull, break, set_physics or release_region");
+      return missing(field,
+                     "does nothing; give force, ball, grab, pull, break, set_physics or release_region");
   }
   return {};
 }
@@ -140,7 +140,8 @@ Result<void> check_scene(const v1::Scene& scene) {
   LIVEGS_CHECK(vector_value(scene.gravity_m_s2(), Eigen::Vector3d::Zero(), "gravity_m_s2"));
   if (scene.has_rate_hz()) LIVEGS_CHECK(number_value(scene.rate_hz(), 1, 1000, "rate_hz"));
   if (scene.has_substeps()) LIVEGS_CHECK(number_value(scene.substeps(), 1, 1024, "substeps"));
-  if (scene.has_elastic_budget_ms()) LIVEGS_CHECK(number_value(scene.elastic_budget_ms(), 0.01, 1000, "elastic_budget_ms"));
+  if (scene.has_elastic_budget_ms())
+    LIVEGS_CHECK(number_value(scene.elastic_budget_ms(), 0.01, 1000, "elastic_budget_ms"));
   const v1::Environment& environment = scene.environment();
   if (environment.has_scale())
     LIVEGS_CHECK(number_value(environment.scale(), 1e-6, 1e6, "environment.scale"));

@@ -12,9 +12,11 @@ JointParts parts_of(const v1::Joint& joint) {
   return {"ball", ball.object(), ball.other(), &ball.point_m(), nullptr};
 }
 
-Result<void> check_joint(const v1::Joint& joint, const std::function<const v1::Object*(const std::string&)>& find,
+Result<void> check_joint(const v1::Joint& joint,
+                         const std::function<const v1::Object*(const std::string&)>& find,
                          const std::string& field) {
-  if (joint.kind_case() == v1::Joint::KIND_NOT_SET) return invalid_argument(field + ": is neither; give ball or hinge");
+  if (joint.kind_case() == v1::Joint::KIND_NOT_SET)
+    return invalid_argument(field + ": is neither; give ball or hinge");
   const JointParts parts = parts_of(joint);
   const std::string name = field + "." + parts.kind;
   if (parts.object.empty()) return invalid_argument(name + ".object: is missing; name the object that moves");
@@ -22,7 +24,8 @@ Result<void> check_joint(const v1::Joint& joint, const std::function<const v1::O
   if (!object) return invalid_argument(name + ".object: no object is called \"" + parts.object + "\"");
   const v1::Object* const other = parts.other.empty() ? nullptr : find(parts.other);
   if (!parts.other.empty() && !other) {
-    return invalid_argument(name + ".other: no object is called \"" + parts.other + "\"; leave it out for the world");
+    return invalid_argument(name + ".other: no object is called \"" + parts.other +
+                            "\"; leave it out for the world");
   }
   if (object == other) return invalid_argument(name + ".other: is the object itself");
   if (object->physics().behavior() == v1::Physics::STATIC) {
@@ -31,11 +34,13 @@ Result<void> check_joint(const v1::Joint& joint, const std::function<const v1::O
   }
   for (const v1::Object* one : {object, other}) {
     if (one && one->physics().behavior() == v1::Physics::ELASTIC) {
-      return invalid_argument(name + ": \"" + (one == object ? parts.object : parts.other) +
-                              "\" is ELASTIC; joints hold rigid objects: make it RIGID, or hold it by a fixed region");
+      return invalid_argument(
+          name + ": \"" + (one == object ? parts.object : parts.other) +
+          "\" is ELASTIC; joints hold rigid objects: make it RIGID, or hold it by a fixed region");
     }
   }
-  if (auto point = vector_value(*parts.point_m, Eigen::Vector3d::Zero(), name + ".point_m"); !point) return point.error();
+  if (auto point = vector_value(*parts.point_m, Eigen::Vector3d::Zero(), name + ".point_m"); !point)
+    return point.error();
   if (!parts.axis) return {};
   if (parts.axis->empty()) return invalid_argument(name + ".axis: is missing; give [x, y, z]");
   auto axis = vector_value(*parts.axis, Eigen::Vector3d::Zero(), name + ".axis");

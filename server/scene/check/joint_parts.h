@@ -20,9 +20,10 @@ struct JointParts {
 // Precondition: the joint has a kind.
 JointParts parts_of(const v1::Joint& joint);
 
-// What can be said about a joint without opening assets. `find` gives the object of a name, or nullptr; `field` is what errors call
-// it: "joints[0]".
-Result<void> check_joint(const v1::Joint& joint, const std::function<const v1::Object*(const std::string&)>& find,
+// What can be said about a joint without opening assets. `find` gives the object of a name, or nullptr;
+// `field` is what errors call it: "joints[0]".
+Result<void> check_joint(const v1::Joint& joint,
+                         const std::function<const v1::Object*(const std::string&)>& find,
                          const std::string& field);
 
 // "hinge lid to box" or "ball lamp to the world".

@@ -25,7 +25,8 @@ fs::path beside(const v1::Object& object, const fs::path& folder, const std::str
 
 }  // namespace
 
-std::vector<fs::path> sidecar_paths(const v1::Scene& scene, const fs::path& folder, const std::string& scene_name) {
+std::vector<fs::path> sidecar_paths(const v1::Scene& scene, const fs::path& folder,
+                                    const std::string& scene_name) {
   std::map<fs::path, int> users;  // by sidecar, so that cup.ply and cup.spz share theirs
   std::vector<fs::path> paths;
   for (const v1::Object& object : scene.objects()) {

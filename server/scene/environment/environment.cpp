@@ -9,13 +9,13 @@
 #include "gaussian/asset_file.h"
 #include "geometry/mesh/mesh_io.h"
 #include "geometry/mesh/mesh_topology.h"
+#include "geometry/mesh/weld_vertices.h"
 #include "geometry/reconstruct_surface.h"
 #include "geometry/surface/shape_mesh.h"
-#include "geometry/mesh/weld_vertices.h"
 #include "physics/mesh_collider.h"
+#include "scene/build/shape_asset.h"
 #include "scene/environment/interior_collider.h"
 #include "scene/values/scene_values.h"
-#include "scene/build/shape_asset.h"
 
 namespace livegs {
 namespace {
@@ -25,7 +25,8 @@ constexpr double kFloorMargin_m = 0.8;  // how far a drawn floor reaches beyond 
 // An object is in a thing if this part of its points is: one on a rough floor has some below.
 constexpr double kInsideShare = 0.75;
 constexpr size_t kSampledPoints = 400;
-// A mesh of less volume than this part of its length cubed is a surface, as one that has each face both ways round.
+// A mesh of less volume than this part of its length cubed is a surface, as one that has each face both ways
+// round.
 constexpr double kMinSolidVolume = 1e-6;
 
 struct Standing {
@@ -64,7 +65,8 @@ std::vector<Standing> standing_objects(std::span<std::optional<Result<BuiltObjec
 }
 
 const Standing* first_in(const Collider& collider, std::span<const Standing> standing) {
-  const auto found = std::find_if(standing.begin(), standing.end(), [&](const Standing& one) { return one.is_in(collider); });
+  const auto found = std::find_if(standing.begin(), standing.end(),
+                                  [&](const Standing& one) { return one.is_in(collider); });
   return found == standing.end() ? nullptr : &*found;
 }
 
@@ -77,19 +79,23 @@ void warn_of_stuck(const Collider& collider, std::span<const Standing> standing,
 }
 
 // Gives the collider its shape. `collider` is placed already.
-Result<void> shape_mesh(const TriangleMesh& file, std::span<const Standing> standing, const std::string& field,
-                        Collider& collider) {
+Result<void> shape_mesh(const TriangleMesh& file, std::span<const Standing> standing,
+                        const std::string& field, Collider& collider) {
   const TriangleMesh mesh = weld_vertices(file);
   const double longest_m = mesh_bounds_m(mesh).sizes().maxCoeff();
   double area_m2 = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
-    area_m2 += 0.5 * (mesh.vertices_m[b] - mesh.vertices_m[a]).cross(mesh.vertices_m[c] - mesh.vertices_m[a]).norm();
+    area_m2 +=
+        0.5 * (mesh.vertices_m[b] - mesh.vertices_m[a]).cross(mesh.vertices_m[c] - mesh.vertices_m[a]).norm();
   }
-  if (!(area_m2 > 0.0)) return invalid_data(field + ": none of its triangles has an area; export it with its faces");
-  const std::string wall = format_text("a wall of %.2g mm about its surface", 1e3 * wall_thickness_m(longest_m));
+  if (!(area_m2 > 0.0))
+    return invalid_data(field + ": none of its triangles has an area; export it with its faces");
+  const std::string wall =
+      format_text("a wall of %.2g mm about its surface", 1e3 * wall_thickness_m(longest_m));
   if (const size_t open = open_edge_count(mesh); open > 0) {
-    log_info("%s: %zu of its edges are open, or have faces that look opposite ways: %s; close it to make it solid",
-             field.c_str(), open, wall.c_str());
+    log_info(
+        "%s: %zu of its edges are open, or have faces that look opposite ways: %s; close it to make it solid",
+        field.c_str(), open, wall.c_str());
     collider.shape = wall_collider(mesh);
     return {};
   }
@@ -100,7 +106,8 @@ Result<void> shape_mesh(const TriangleMesh& file, std::span<const Standing> stan
   }
   collider.shape = mesh_collider(mesh);
   if (const Standing* one = first_in(collider, standing)) {
-    log_info("%s: %s stands in it, so it is a room: %s", field.c_str(), one->drawn->name.c_str(), wall.c_str());
+    log_info("%s: %s stands in it, so it is a room: %s", field.c_str(), one->drawn->name.c_str(),
+             wall.c_str());
     collider.shape = wall_collider(mesh);
   }
   return {};
@@ -209,13 +216,14 @@ Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObjec
   return bounds;
 }
 
-Result<BuiltEnvironment> build_environment(const v1::Environment& environment, const std::filesystem::path& folder,
-                             std::span<std::optional<Result<BuiltObject>>> built) {
+Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
+                                           const std::filesystem::path& folder,
+                                           std::span<std::optional<Result<BuiltObject>>> built) {
   BuiltEnvironment scenery;
   const std::vector<Standing> standing = standing_objects(built);
   for (int i = 0; i < environment.colliders_size(); ++i) {
-    auto collider =
-        make_collider(environment.colliders(i), folder, standing, "environment.colliders[" + std::to_string(i) + "]");
+    auto collider = make_collider(environment.colliders(i), folder, standing,
+                                  "environment.colliders[" + std::to_string(i) + "]");
     if (!collider) return collider.error();
     scenery.colliders.push_back(std::move(*collider));
   }
@@ -243,7 +251,7 @@ Result<BuiltEnvironment> build_environment(const v1::Environment& environment, c
       return places;
     };
     auto shape = interior_collider(body_points(*asset, scenery.object_from_asset),
-                              pose->orientation.conjugate() * Eigen::Vector3d::UnitY(), stuck);
+                                   pose->orientation.conjugate() * Eigen::Vector3d::UnitY(), stuck);
     if (!shape) return Error{shape.error().code, "environment.asset: " + shape.error().message};
     scenery.colliders.push_back({std::move(*shape), *pose});
     warn_of_stuck(scenery.colliders.back(), standing, "environment.asset");

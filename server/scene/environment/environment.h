@@ -24,11 +24,12 @@ struct BuiltEnvironment {
   Similarity object_from_asset;
   Pose world_from_object;
 };
-// A mesh that is not closed, and one that something stands in, is a wall about its surface; a captured room is open for what
-// stands in it (interior_collider.h). An object that starts within what is solid all the same gets a warning. Precondition: all
-// objects could be built.
-Result<BuiltEnvironment> build_environment(const v1::Environment& environment, const std::filesystem::path& folder,
-                             std::span<std::optional<Result<BuiltObject>>> built);
+// A mesh that is not closed, and one that something stands in, is a wall about its surface; a captured room
+// is open for what stands in it (interior_collider.h). An object that starts within what is solid all the
+// same gets a warning. Precondition: all objects could be built.
+Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
+                                           const std::filesystem::path& folder,
+                                           std::span<std::optional<Result<BuiltObject>>> built);
 
 // World bounds of all objects as they start.
 Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObject>>> built);

@@ -56,10 +56,10 @@ Result<TriangleMesh> cut_surface(std::span<const Vector3d> points_m, const Vecto
   return all;
 }
 
-// From `place_m` straight up the room ends where what is filled does. The height between at which the fewest points lie within
-// a radius: not in a ceiling, a table or a floor, which would close the parts again.
-double cut_height(std::span<const Vector3d> points_m, const Vector3d& up, double radius_m, const FieldShape& filled,
-                  const Vector3d& place_m) {
+// From `place_m` straight up the room ends where what is filled does. The height between at which the fewest
+// points lie within a radius: not in a ceiling, a table or a floor, which would close the parts again.
+double cut_height(std::span<const Vector3d> points_m, const Vector3d& up, double radius_m,
+                  const FieldShape& filled, const Vector3d& place_m) {
   double ceiling = 0.0;
   for (int march = 0; march < kMaxMarches; ++march) {
     const double inside = -filled.field->sample(place_m + ceiling * up).distance_m;
@@ -69,7 +69,9 @@ double cut_height(std::span<const Vector3d> points_m, const Vector3d& up, double
   const double from = up.dot(place_m);
   const int steps = std::max(1, static_cast<int>(ceiling / (kHeightStep * radius_m)));
   std::vector<size_t> counts(static_cast<size_t>(steps), 0);
-  const auto height_of = [&](size_t step) { return from + (static_cast<double>(step) + 0.5) / steps * ceiling; };
+  const auto height_of = [&](size_t step) {
+    return from + (static_cast<double>(step) + 0.5) / steps * ceiling;
+  };
   for (const Vector3d& point : points_m) {
     for (size_t step = 0; step < counts.size(); ++step) {
       if (std::abs(up.dot(point) - height_of(step)) <= radius_m) ++counts[step];
@@ -80,7 +82,8 @@ double cut_height(std::span<const Vector3d> points_m, const Vector3d& up, double
 
 }  // namespace
 
-Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const Vector3d& up, const EmbeddedObjects& stuck) {
+Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const Vector3d& up,
+                                     const EmbeddedObjects& stuck) {
   auto surface = reconstruct_surface(points_m, elastic_surface_options());
   if (!surface) return surface.error();
   FieldShape shape = mesh_collider(surface->mesh);
@@ -105,7 +108,8 @@ Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const V
     places = std::move(left);
     next = 0;
   }
-  if (!cuts_m.empty()) log_info("environment: a room, opened for what stands in it (%zu cuts)", cuts_m.size());
+  if (!cuts_m.empty())
+    log_info("environment: a room, opened for what stands in it (%zu cuts)", cuts_m.size());
   return shape;
 }
 

@@ -58,7 +58,8 @@ Result<SceneText> read_scene(const std::filesystem::path& path) {
   if (const auto scene_file = only_scene_file(path)) return read_scene(*scene_file);
   auto file = scene_of_folder(path);
   if (!file) return file.error();
-  return SceneText{std::move(*file), path, std::filesystem::absolute(path).lexically_normal().filename().string()};
+  return SceneText{std::move(*file), path,
+                   std::filesystem::absolute(path).lexically_normal().filename().string()};
 }
 
 }  // namespace livegs

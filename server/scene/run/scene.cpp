@@ -12,16 +12,16 @@
 #include "physics/elastic/resolution/elastic_budget.h"
 #include "scene/build/add_joints.h"
 #include "scene/build/build_object.h"
+#include "scene/build/elastic_report.h"
+#include "scene/build/fracture_warning.h"
+#include "scene/build/fragile_object.h"
+#include "scene/build/shape_asset.h"
+#include "scene/build/share_elastic_budget.h"
 #include "scene/check/check_object.h"
 #include "scene/check/check_scene.h"
-#include "scene/build/elastic_report.h"
-#include "scene/build/fragile_object.h"
-#include "scene/values/scene_values.h"
-#include "scene/environment/environment.h"
-#include "scene/build/share_elastic_budget.h"
-#include "scene/build/shape_asset.h"
 #include "scene/check/sidecar_paths.h"
-#include "scene/build/fracture_warning.h"
+#include "scene/environment/environment.h"
+#include "scene/values/scene_values.h"
 
 namespace livegs {
 namespace {
@@ -50,7 +50,8 @@ Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& 
   settings.gravity_m_s2 = *gravity;
   settings.rate_hz = options.rate_hz.value_or(file.has_rate_hz() ? file.rate_hz() : settings.rate_hz);
   settings.substeps = options.substeps.value_or(file.has_substeps() ? file.substeps() : settings.substeps);
-  if (file.has_elastic_budget_ms()) settings.elastic_node_substeps = file.elastic_budget_ms() / kNodeSubstep_ms;
+  if (file.has_elastic_budget_ms())
+    settings.elastic_node_substeps = file.elastic_budget_ms() / kNodeSubstep_ms;
   settings.elastic_solver = options.elastic_solver;
   settings.sleep = options.sleep;
   return settings;
@@ -128,9 +129,8 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   parallel_for(count, 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const int index = static_cast<int>(i);
-      built[i] =
-          build_object(file.objects(index), folder, index, "objects[" + std::to_string(i) + "]", *settings,
-                       {kept_in[i], sidecar_of(options, file.objects(index), index)});
+      built[i] = build_object(file.objects(index), folder, index, "objects[" + std::to_string(i) + "]",
+                              *settings, {kept_in[i], sidecar_of(options, file.objects(index), index)});
       if (!*built[i]) continue;
       log_built(**built[i]);
       if (!options.built) continue;
@@ -287,11 +287,14 @@ void Scene::report_recoveries() {
     if (!object.elastic) continue;
     const ElasticBody* body = world_->elastic_body(object.id);
     const int times = body ? body->recovery_count() : 0;
-    if (times == std::exchange(object.elastic->recovery_count, times) || times > kMaxRecoveryWarnings) continue;
+    if (times == std::exchange(object.elastic->recovery_count, times) || times > kMaxRecoveryWarnings)
+      continue;
     changes_.changed.push_back(object.id);
-    log_warn("%s: its motion ran out of bounds; it is put back at rest, in its rest shape. Look for what presses or moves it by "
-             "more than its size in a frame, or raise substeps",
-             object.name.c_str());
+    log_warn(
+        "%s: its motion ran out of bounds; it is put back at rest, in its rest shape. Look for what presses "
+        "or moves it by "
+        "more than its size in a frame, or raise substeps",
+        object.name.c_str());
   }
 }
 
@@ -331,7 +334,8 @@ void Scene::step() {
 }
 
 Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters physics) {
-  // What is fragile no longer may come without a break impulse; its pieces keep the strength they were cut with.
+  // What is fragile no longer may come without a break impulse; its pieces keep the strength they were cut
+  // with.
   if (object.fragility && !physics.fragile() && !physics.has_break_impulse_n_s()) {
     *physics.mutable_break_impulse_n_s() = object.physics.break_impulse_n_s();
   }
@@ -367,7 +371,8 @@ Result<std::vector<std::string>> Scene::set_physics(uint32_t object_id, v1::Phys
 }
 
 Result<void> check_force(const v1::Event::Force& force) {
-  for (const auto& [field, numbers] : {std::pair("force.point_m", &force.point_m()), {"force.force_n", &force.force_n()}}) {
+  for (const auto& [field, numbers] :
+       {std::pair("force.point_m", &force.point_m()), {"force.force_n", &force.force_n()}}) {
     if (numbers->size() != 3) return invalid_argument(std::string(field) + ": give three numbers");
     auto value = vector_value(*numbers, Eigen::Vector3d::Zero(), field);
     if (!value) return value.error();
@@ -439,10 +444,11 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
     case v1::Event::kGrab: {
       const SceneObject* object = find(event.grab().object());
       const double now_s = static_cast<double>(world_->tick()) / world_->settings().rate_hz;
-      auto grabbed = grabs_.begin(*world_, kEventForceBit | event_id, object->id, vector_of(event.grab().point_m()),
-                                  paths_.at(event_id), now_s);
+      auto grabbed = grabs_.begin(*world_, kEventForceBit | event_id, object->id,
+                                  vector_of(event.grab().point_m()), paths_.at(event_id), now_s);
       if (!grabbed) {
-        log_warn("%s: grab at %.3f s: %s", object->name.c_str(), event.time_s(), grabbed.error().message.c_str());
+        log_warn("%s: grab at %.3f s: %s", object->name.c_str(), event.time_s(),
+                 grabbed.error().message.c_str());
       }
       break;
     }

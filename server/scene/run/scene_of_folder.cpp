@@ -7,8 +7,8 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
-#include "scene/check/check_scene.h"
 #include "scene/build/place_asset.h"
+#include "scene/check/check_scene.h"
 #include "scene/scene.h"
 
 namespace livegs {
@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxFolderDepth = 3;      // folders below the one that was named
-constexpr double kGap_m = 0.25;  // between neighbours
+constexpr int kMaxFolderDepth = 3;  // folders below the one that was named
+constexpr double kGap_m = 0.25;     // between neighbours
 
 // Things fall a little, so that something happens at once; but what is slender is set down gently, because a
 // fall on a captured, uneven base would tip it: toppling takes an energy that goes with (width / height)².

@@ -37,7 +37,8 @@ Result<Scene> Scene::build_again(const v1::SceneSource& source, const std::files
   if (source.has_rate_hz()) options.rate_hz = source.rate_hz();
   if (source.has_substeps()) options.substeps = source.substeps();
   const auto solver = kSolvers.find(source.elastic_solver());
-  if (solver == kSolvers.end()) return unsupported("elastic solver \"" + source.elastic_solver() + "\": is not known here");
+  if (solver == kSolvers.end())
+    return unsupported("elastic solver \"" + source.elastic_solver() + "\": is not known here");
   options.elastic_solver = solver->second;
   options.seed = source.seed();
   options.sleep = source.sleep();
@@ -46,7 +47,7 @@ Result<Scene> Scene::build_again(const v1::SceneSource& source, const std::files
   options.first_object_id = source.first_object_id();
   options.recorded_cuts = true;
   options.sidecars = std::make_shared<const std::map<std::string, v1::PhysicsFile>>(source.sidecars().begin(),
-                                                                                  source.sidecars().end());
+                                                                                    source.sidecars().end());
   return build(source.file(), folder, source.name(), options);
 }
 

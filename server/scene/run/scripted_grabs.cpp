@@ -11,9 +11,9 @@
 namespace livegs {
 namespace {
 
-constexpr double kMaxGripWeights = 20.0;    // times its weight, at most
+constexpr double kMaxGripWeights = 20.0;  // times its weight, at most
 constexpr double kMinGripForce_n = 5.0;
-constexpr double kGripLever_m = 0.2;     // torque of the grip: its force at this lever
+constexpr double kGripLever_m = 0.2;        // torque of the grip: its force at this lever
 constexpr double kMaxGrabDistance_m = 0.1;  // as far as a live hand reaches
 constexpr size_t kMaxPathRows = 100'000;
 constexpr uint64_t kMaxPathBytes = 64 << 20;
@@ -65,13 +65,16 @@ Result<GrabPath> read_grab_path(const std::filesystem::path& path) {
       return invalid_data(where + "time_s must rise, from 0 to 1e6");
     }
     Pose pose{{numbers[1], numbers[2], numbers[3]}, Eigen::Quaterniond::Identity()};
-    if (numbers.size() == 8) pose.orientation = Eigen::Quaterniond(numbers[4], numbers[5], numbers[6], numbers[7]);
+    if (numbers.size() == 8)
+      pose.orientation = Eigen::Quaterniond(numbers[4], numbers[5], numbers[6], numbers[7]);
     if (pose.position_m.cwiseAbs().maxCoeff() > kMaxPathCoordinate_m) {
       return invalid_data(where + "a place farther than 1000 m");
     }
-    if (std::abs(pose.orientation.norm() - 1.0) > 0.01) return invalid_data(where + "qw,qx,qy,qz is no unit quaternion");
+    if (std::abs(pose.orientation.norm() - 1.0) > 0.01)
+      return invalid_data(where + "qw,qx,qy,qz is no unit quaternion");
     pose.orientation.normalize();
-    if (result.poses.size() == kMaxPathRows) return Error{ErrorCode::TooLarge, name + ": has more than 100000 rows"};
+    if (result.poses.size() == kMaxPathRows)
+      return Error{ErrorCode::TooLarge, name + ": has more than 100000 rows"};
     result.times_s.push_back(time_s);
     result.poses.push_back(pose);
     return {};
@@ -86,10 +89,12 @@ Result<void> ScriptedGrabs::begin(World& world, uint64_t grab_id, uint32_t objec
   const Pose hand{world.world_point(object_id, rest_point_m), path.poses.front().orientation};
   const auto met = world.nearest_of(object_id, hand.position_m);
   if (met && met->distance_m > kMaxGrabDistance_m) {
-    log_warn("object %u: the grab's point_m (%.3g, %.3g, %.3g) is %.3g m from it; it is in the object's own rest coordinates, "
-             "in metres, and nearest to it there is (%.3g, %.3g, %.3g)",
-             object_id, rest_point_m.x(), rest_point_m.y(), rest_point_m.z(), met->distance_m, met->rest_point_m.x(),
-             met->rest_point_m.y(), met->rest_point_m.z());
+    log_warn(
+        "object %u: the grab's point_m (%.3g, %.3g, %.3g) is %.3g m from it; it is in the object's own rest "
+        "coordinates, "
+        "in metres, and nearest to it there is (%.3g, %.3g, %.3g)",
+        object_id, rest_point_m.x(), rest_point_m.y(), rest_point_m.z(), met->distance_m,
+        met->rest_point_m.x(), met->rest_point_m.y(), met->rest_point_m.z());
   }
   const double mass_kg = met ? world.mass_at_kg(object_id, met->rest_point_m, met->piece) : 0.0;
   if (auto grabbed = world.grab(grab_id, object_id, hand, hand_grip(mass_kg)); !grabbed) return grabbed;
@@ -97,8 +102,8 @@ Result<void> ScriptedGrabs::begin(World& world, uint64_t grab_id, uint32_t objec
   return {};
 }
 
-void ScriptedGrabs::begin_pull(World& world, uint64_t spring_id, uint32_t object_id, const Eigen::Vector3d& rest_point_m,
-                               const GrabPath& path, double now_s) {
+void ScriptedGrabs::begin_pull(World& world, uint64_t spring_id, uint32_t object_id,
+                               const Eigen::Vector3d& rest_point_m, const GrabPath& path, double now_s) {
   World::Spring spring = ray_spring(world.mass_at_kg(object_id, rest_point_m));
   spring.rest_point_m = rest_point_m;
   spring.target_m = path.poses.front().position_m;

@@ -40,7 +40,8 @@ struct GrabPath {
   Motion at(double time_s) const;
 };
 
-// CSV with the header time_s,x,y,z or time_s,x,y,z,qw,qx,qy,qz. Errors name the file, the line and what is wrong.
+// CSV with the header time_s,x,y,z or time_s,x,y,z,qw,qx,qy,qz. Errors name the file, the line and what is
+// wrong.
 Result<GrabPath> read_grab_path(const std::filesystem::path& path);
 
 // The hands of a scene file's grab and pull events.

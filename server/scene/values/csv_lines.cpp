@@ -11,8 +11,9 @@
 
 namespace livegs {
 
-Result<void> read_csv_lines(const std::filesystem::path& path, const CsvLayout& layout,
-                            const std::function<Result<void>(size_t line, std::span<const double> numbers)>& take) {
+Result<void> read_csv_lines(
+    const std::filesystem::path& path, const CsvLayout& layout,
+    const std::function<Result<void>(size_t line, std::span<const double> numbers)>& take) {
   const auto text = read_text_file(path, layout.max_bytes);
   if (!text) return text.error();
   const std::string name = path.filename().string();
@@ -27,7 +28,8 @@ Result<void> read_csv_lines(const std::filesystem::path& path, const CsvLayout& 
     if (line.empty()) continue;
     if (numbers.empty()) {
       if (line != layout.header && line != layout.longer_header) {
-        return invalid_data(name + ": line 1 must be the header " + layout.header + " or " + layout.longer_header);
+        return invalid_data(name + ": line 1 must be the header " + layout.header + " or " +
+                            layout.longer_header);
       }
       numbers.resize(1 + static_cast<size_t>(std::count(line.begin(), line.end(), ',')));
       continue;
@@ -41,8 +43,9 @@ Result<void> read_csv_lines(const std::filesystem::path& path, const CsvLayout& 
       const bool last = column + 1 == numbers.size();
       if (error != std::errc() || !std::isfinite(number) || std::abs(number) > layout.max_magnitude ||
           (last ? rest != stop : rest == stop || *rest != ',')) {
-        return invalid_data(name + ": line " + std::to_string(line_number) + ", column " + std::to_string(column + 1) +
-                            ": expected " + std::to_string(numbers.size()) + " numbers");
+        return invalid_data(name + ": line " + std::to_string(line_number) + ", column " +
+                            std::to_string(column + 1) + ": expected " + std::to_string(numbers.size()) +
+                            " numbers");
       }
       at = last ? rest : rest + 1;
     }

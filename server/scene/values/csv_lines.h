@@ -20,9 +20,10 @@ struct CsvLayout {
   uint64_t max_bytes;    // of the file
 };
 
-// Calls `take` for each row of numbers, in order; line 1 is the first. Empty lines are skipped. Errors name the file, the
-// line and the column. An error of `take` ends the reading and is returned as it is.
-Result<void> read_csv_lines(const std::filesystem::path& path, const CsvLayout& layout,
-                            const std::function<Result<void>(size_t line, std::span<const double> numbers)>& take);
+// Calls `take` for each row of numbers, in order; line 1 is the first. Empty lines are skipped. Errors name
+// the file, the line and the column. An error of `take` ends the reading and is returned as it is.
+Result<void> read_csv_lines(
+    const std::filesystem::path& path, const CsvLayout& layout,
+    const std::function<Result<void>(size_t line, std::span<const double> numbers)>& take);
 
 }  // namespace livegs

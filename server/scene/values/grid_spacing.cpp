@@ -12,12 +12,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kMinStep = 0.9, kMaxStep = 1.8;    // of the median nearest distance
-constexpr double kFirstReachSteps = 12.0;           // of that about the middle: so many steps are looked at first,
-constexpr Eigen::Index kFirstPointCount = 64;      // and so many points
-constexpr size_t kMaxRefinedPoints = 20000;          // of those that the step is refined on
-constexpr double kMinSideRatio = 2.5;                  // times the nearest distance: along a shorter side there is no grid to see
-constexpr double kMinStructureFactor = 0.12, kMinNoiseRatio = 8.0;    // least structure factor, and over that of as many points anywhere
+constexpr double kMinStep = 0.9, kMaxStep = 1.8;  // of the median nearest distance
+constexpr double kFirstReachSteps = 12.0;      // of that about the middle: so many steps are looked at first,
+constexpr Eigen::Index kFirstPointCount = 64;  // and so many points
+constexpr size_t kMaxRefinedPoints = 20000;    // of those that the step is refined on
+constexpr double kMinSideRatio =
+    2.5;  // times the nearest distance: along a shorter side there is no grid to see
+constexpr double kMinStructureFactor = 0.12,
+                 kMinNoiseRatio = 8.0;  // least structure factor, and over that of as many points anywhere
 
 // The mean over the axes of |mean exp(2 pi i x / step)|², x a column.
 double structure_factor(const Eigen::MatrixX3d& columns, const std::vector<int>& axes, double step_m) {
@@ -29,8 +31,8 @@ double structure_factor(const Eigen::MatrixX3d& columns, const std::vector<int>&
   return sum / static_cast<double>(axes.size());
 }
 
-// By least squares, each coordinate against the whole number of steps that it is nearest to. (The peak itself is pulled to longer
-// steps, for which straying is less: 3 % of the volume in 9 points a side.)
+// By least squares, each coordinate against the whole number of steps that it is nearest to. (The peak itself
+// is pulled to longer steps, for which straying is less: 3 % of the volume in 9 points a side.)
 double fitted_step(const Eigen::MatrixX3d& columns, const std::vector<int>& axes, double step_m) {
   double both = 0.0, whole = 0.0;
   for (const int axis : axes) {
@@ -77,7 +79,8 @@ Found look_along(const Eigen::MatrixX3d& along, const Eigen::VectorXd& distances
     if (best.factor < least) return {};
     // To a tenth of what was looked at, by the top of a parabola.
     const double d = 0.1 * best.step_m * best.step_m / longest;
-    const double before = structure_factor(part, axes, best.step_m - d), after = structure_factor(part, axes, best.step_m + d);
+    const double before = structure_factor(part, axes, best.step_m - d),
+                 after = structure_factor(part, axes, best.step_m + d);
     const double bend = before - 2.0 * best.factor + after;
     if (bend < 0.0) best.step_m += std::clamp(0.5 * d * (before - after) / bend, -d, d);
     if (count == along.rows() || count == static_cast<Eigen::Index>(kMaxRefinedPoints)) {
@@ -97,9 +100,10 @@ double grid_spacing_m(const std::vector<Vector3d>& points_m, double nearest_m) {
   Matrix3d spread = Matrix3d::Zero();
   for (const Vector3d& point : points_m) spread += (point - mean) * (point - mean).transpose();
   // A hollow list has nothing at its middle: the point that is nearest to it.
-  const Vector3d centre = *std::min_element(points_m.begin(), points_m.end(), [&](const Vector3d& a, const Vector3d& b) {
-    return (a - mean).squaredNorm() < (b - mean).squaredNorm();
-  });
+  const Vector3d centre =
+      *std::min_element(points_m.begin(), points_m.end(), [&](const Vector3d& a, const Vector3d& b) {
+        return (a - mean).squaredNorm() < (b - mean).squaredNorm();
+      });
   std::vector<std::pair<double, uint32_t>> order;
   for (uint32_t i = 0; i < points_m.size(); ++i) order.push_back({(points_m[i] - centre).norm(), i});
   std::sort(order.begin(), order.end());
@@ -110,7 +114,8 @@ double grid_spacing_m(const std::vector<Vector3d>& points_m, double nearest_m) {
     sorted.row(i) = (points_m[order[static_cast<size_t>(i)].second] - centre).transpose();
   }
   const Matrix3d own = Eigen::SelfAdjointEigenSolver<Matrix3d>(spread).eigenvectors();
-  const Found in_world = look_along(sorted, distances, nearest_m), in_own = look_along(sorted * own, distances, nearest_m);
+  const Found in_world = look_along(sorted, distances, nearest_m),
+              in_own = look_along(sorted * own, distances, nearest_m);
   return in_own.factor > in_world.factor ? in_own.step_m : in_world.step_m;
 }
 

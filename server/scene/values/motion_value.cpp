@@ -61,7 +61,8 @@ Result<RegionMotion> read(const v1::Motion::AffineRamp& ramp, const std::string&
 }
 
 Result<RegionMotion> read(const v1::Motion::HalfSinePulse& pulse, const std::string& field) {
-  auto displacement = needed_vector(pulse.displacement_m(), kMaxOffset_m, "metres", field + ".displacement_m");
+  auto displacement =
+      needed_vector(pulse.displacement_m(), kMaxOffset_m, "metres", field + ".displacement_m");
   if (!displacement) return displacement.error();
   if (auto start = number_value(pulse.start_s(), 0, kMaxTime_s, field + ".start_s"); !start)
     return start.error();

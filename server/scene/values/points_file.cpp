@@ -81,13 +81,14 @@ double filling_spacing_m(const std::vector<Eigen::Vector3d>& points_m,
   if (nearest.empty()) return 0.0;
   const double median = nearest[nearest.size() / 2];
   constexpr double kMaxRegularDeviation = 0.02;  // of the median, from the 10th to the 90th part of a hundred
-  if (nearest[nearest.size() * 9 / 10] - nearest[nearest.size() / 10] < kMaxRegularDeviation * median) return median;
+  if (nearest[nearest.size() * 9 / 10] - nearest[nearest.size() / 10] < kMaxRegularDeviation * median)
+    return median;
   if (const double step = grid_spacing_m(points_m, median); step > 0.0) return step;
 
-  // The mesh runs through the outermost points, half a spacing inside the body; a box or an ellipsoid that grows by g on
-  // every side grows by (1 + 2 g / size) along each axis. Points that stray push it outwards, those that stray inwards are
-  // behind it: as measured on jittered blocks of 6 to 32 points a side, by two thirds of what nearest neighbours are nearer
-  // than nine tenths of the spacing.
+  // The mesh runs through the outermost points, half a spacing inside the body; a box or an ellipsoid that
+  // grows by g on every side grows by (1 + 2 g / size) along each axis. Points that stray push it outwards,
+  // those that stray inwards are behind it: as measured on jittered blocks of 6 to 32 points a side, by two
+  // thirds of what nearest neighbours are nearer than nine tenths of the spacing.
   constexpr double kMaxStraying = 0.9, kPushed = 0.65;
   const double volume_m3 = signed_volume_m3(through_outermost);
   const Eigen::Array3d size_m = mesh_bounds_m(through_outermost).sizes().array();
@@ -95,7 +96,8 @@ double filling_spacing_m(const std::vector<Eigen::Vector3d>& points_m,
   double spacing = median;
   for (int i = 0; i < 50; ++i) {
     const double growth_m = 0.5 * spacing - kPushed * std::max(0.0, kMaxStraying * spacing - median);
-    spacing = std::cbrt(volume_m3 * (1.0 + 2.0 * growth_m / size_m).prod() / static_cast<double>(points_m.size()));
+    spacing =
+        std::cbrt(volume_m3 * (1.0 + 2.0 * growth_m / size_m).prod() / static_cast<double>(points_m.size()));
   }
   return spacing;
 }

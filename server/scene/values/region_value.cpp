@@ -90,8 +90,8 @@ Result<BodyRegion> region_value(const v1::Region& region, const std::string& fie
     if (!material) return material.error();
     body.material = *material;
   }
-  auto traction = vector_value(region.traction_pa(), Eigen::Vector3d::Zero(), field + ".traction_pa",
-                               kMaxTraction_pa);
+  auto traction =
+      vector_value(region.traction_pa(), Eigen::Vector3d::Zero(), field + ".traction_pa", kMaxTraction_pa);
   if (!traction) return traction.error();
   body.traction_pa = *traction;
   if (body.boundary && (body.material || !body.traction_pa.isZero(0.0))) {

@@ -18,8 +18,8 @@ struct SceneAnalysis::Snapshot {
 
 namespace {
 
-// As the asset stands in the scene at the start, undeformed. Not by the drivers of its body: those depend on what it is
-// made of (centre of mass, cells), and the question of an object must not depend on the answer.
+// As the asset stands in the scene at the start, undeformed. Not by the drivers of its body: those depend on
+// what it is made of (centre of mass, cells), and the question of an object must not depend on the answer.
 Result<PosedKernels> placed_kernels(const SceneObject& object, const Pose& world_from_object) {
   RestBody rest;
   rest.object_from_asset = object.rest.object_from_asset;
@@ -33,8 +33,8 @@ Result<PosedKernels> placed_kernels(const SceneObject& object, const Pose& world
   return kernels;
 }
 
-// world_from_object of everything, in the scene's order: of the file's objects as it places them, of the rest (environment,
-// balls), whose bodies depend on nothing that was found out, now.
+// world_from_object of everything, in the scene's order: of the file's objects as it places them, of the rest
+// (environment, balls), whose bodies depend on nothing that was found out, now.
 std::vector<Pose> places_of(const Scene& scene) {
   std::vector<Pose> places;
   const DriverFrame now = scene.world().drivers();
@@ -42,7 +42,8 @@ std::vector<Pose> places_of(const Scene& scene) {
   for (const SceneObject& object : scene.objects()) {
     Pose place;
     if (object.facts) {
-      place = pose_value(scene.file().objects(of_file++).pose(), "").value();  // checked when the file was read
+      place =
+          pose_value(scene.file().objects(of_file++).pose(), "").value();  // checked when the file was read
     } else {
       for (const ObjectDrivers& drivers : now.objects) {
         if (drivers.object_id == object.id) place = drivers.poses.at(0) * object.rest.bodies.at(0).inverse();
@@ -136,7 +137,8 @@ TargetViews SceneAnalysis::views() const {
   };
 }
 
-std::shared_ptr<const ObjectFacts> facts_by_name(const SceneAnalysis::Object& object, const v1::PhysicsFile& file) {
+std::shared_ptr<const ObjectFacts> facts_by_name(const SceneAnalysis::Object& object,
+                                                 const v1::PhysicsFile& file) {
   const std::string& name = file.name().empty() ? object.name : file.name();
   if (object.target.facts->name == name) return object.target.facts;
   ObjectFacts facts = *object.target.facts;
@@ -152,7 +154,7 @@ Result<v1::PhysicalParameters> layered_physics(const v1::PhysicsFile& file, cons
 }
 
 Result<v1::PhysicalParameters> offline_physics(const v1::PhysicsFile& file, const v1::Physics& written,
-                                            const ObjectFacts& facts) {
+                                               const ObjectFacts& facts) {
   v1::PhysicsFile edits;
   *edits.mutable_edits() = file.edits();
   std::string note;

@@ -13,8 +13,9 @@
 
 namespace livegs {
 
-// What an analysis needs to know of a scene: its objects when this was made, their facts, and their kernels as they stood
-// at the start, to draw. Made on the thread that owns the scene; afterwards any thread, whatever becomes of the scene.
+// What an analysis needs to know of a scene: its objects when this was made, their facts, and their kernels
+// as they stood at the start, to draw. Made on the thread that owns the scene; afterwards any thread,
+// whatever becomes of the scene.
 class SceneAnalysis {
  public:
   // Without kernels no views can be made, and nothing large is copied.
@@ -26,13 +27,14 @@ class SceneAnalysis {
   struct Object {
     std::string name;     // in the scene
     v1::Physics written;  // its author's words
-    BodyTypeLock built;        // as it runs
+    BodyTypeLock built;   // as it runs
     std::filesystem::path physics_file;
     AnalysisTarget target;
     v1::PhysicalParameters known;  // with the sidecar's answer in it, if there is one
   };
   const std::vector<Object>& objects() const;
-  // All objects but the targets, with what they had when this was made. Without kernels, all stand in the origin.
+  // All objects but the targets, with what they had when this was made. Without kernels, all stand in the
+  // origin.
   std::vector<AnalysisNeighbour> neighbours(std::span<const AnalysisTarget> targets) const;
 
   // Pictures of an object from around it: the scene with its outline, and the object alone. Outlives this.
@@ -44,15 +46,17 @@ class SceneAnalysis {
 };
 
 // What was measured of an object under the name that `file` gives it; its own where that gives none.
-std::shared_ptr<const ObjectFacts> facts_by_name(const SceneAnalysis::Object& object, const v1::PhysicsFile& file);
+std::shared_ptr<const ObjectFacts> facts_by_name(const SceneAnalysis::Object& object,
+                                                 const v1::PhysicsFile& file);
 
 // The layers of what is known of an object: the offline estimate, what its sidecar holds, the scene author's
 // words. `note` as of with_physics_file.
 Result<v1::PhysicalParameters> layered_physics(const v1::PhysicsFile& file, const v1::Physics& written,
                                                const ObjectFacts& facts, std::string& note);
-// The same without the answer that the sidecar holds: what a new answer is weighed against (AnalysisTarget::offline), so
-// that an object which is analysed twice comes out as if it were the first time.
+// The same without the answer that the sidecar holds: what a new answer is weighed against
+// (AnalysisTarget::offline), so that an object which is analysed twice comes out as if it were the first
+// time.
 Result<v1::PhysicalParameters> offline_physics(const v1::PhysicsFile& file, const v1::Physics& written,
-                                            const ObjectFacts& facts);
+                                               const ObjectFacts& facts);
 
 }  // namespace livegs

@@ -36,7 +36,10 @@ Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t 
     if (!outlined) return outlined.error();
     if (!cutout) return cutout.error();
     if (!mask) return mask.error();
-    targets.push_back({{std::move(*outlined), std::move(*cutout)}, describe_camera(view), std::move(*mask), camera_slots(view)});
+    targets.push_back({{std::move(*outlined), std::move(*cutout)},
+                       describe_camera(view),
+                       std::move(*mask),
+                       camera_slots(view)});
   }
   return targets;
 }

@@ -38,7 +38,8 @@ v1::Scope required_scope(std::string_view path) {
   return found == kRequiredScopes.end() ? v1::ADMIN : found->second;
 }
 
-grpc::Status CallAuthoriser::Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*, OutputMetadata*) {
+grpc::Status CallAuthoriser::Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*,
+                                     OutputMetadata*) {
   const auto path = metadata.find(":path");
   const v1::Scope needed =
       path == metadata.end() ? v1::ADMIN : required_scope({path->second.data(), path->second.size()});

@@ -25,7 +25,9 @@ constexpr unsigned kTcpUserTimeout_ms = 3000;
 // Descriptors are short: the next try is worth nothing before some are closed.
 constexpr useconds_t kDescriptorRetry_us = 50'000;
 
-void set(int socket, int level, int option, int value) { ::setsockopt(socket, level, option, &value, sizeof value); }
+void set(int socket, int level, int option, int value) {
+  ::setsockopt(socket, level, option, &value, sizeof value);
+}
 
 int port_of(int socket) {
   sockaddr_storage at{};
@@ -49,7 +51,8 @@ int listen_on(const addrinfo& address, int port) {
   } else {
     reinterpret_cast<sockaddr_in&>(at).sin_port = htons(static_cast<uint16_t>(port));
   }
-  if (::bind(socket, reinterpret_cast<sockaddr*>(&at), address.ai_addrlen) == 0 && ::listen(socket, kBacklog) == 0)
+  if (::bind(socket, reinterpret_cast<sockaddr*>(&at), address.ai_addrlen) == 0 &&
+      ::listen(socket, kBacklog) == 0)
     return socket;
   ::close(socket);
   return -1;
@@ -66,7 +69,8 @@ void allow_descriptors() {
 // Where a connection comes from, as text, and whether that is this machine.
 std::string address_of(const sockaddr_storage& from, socklen_t size, bool& loopback) {
   char host[NI_MAXHOST] = "";
-  ::getnameinfo(reinterpret_cast<const sockaddr*>(&from), size, host, sizeof host, nullptr, 0, NI_NUMERICHOST);
+  ::getnameinfo(reinterpret_cast<const sockaddr*>(&from), size, host, sizeof host, nullptr, 0,
+                NI_NUMERICHOST);
   const std::string text = std::string(host).starts_with("::ffff:") ? host + 7 : host;
   loopback = text == "::1" || text.starts_with("127.");
   return text;
@@ -158,7 +162,8 @@ void ConnectionLimiter::take(int listener) {
   const int socket =
       ::accept4(listener, reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
   if (socket < 0) {
-    if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) ::usleep(kDescriptorRetry_us);
+    if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM)
+      ::usleep(kDescriptorRetry_us);
     return;
   }
   bool loopback = false;
@@ -179,8 +184,10 @@ void ConnectionLimiter::take(int listener) {
 // Looks which connections are still there only when there seem to be too many.
 bool ConnectionLimiter::has_room(const std::string& address, bool loopback) {
   const auto too_many = [&] {
-    const auto same = std::count_if(admitted_.begin(), admitted_.end(), [&](const Admitted& one) { return one.address == address; });
-    return admitted_.size() >= kMaxConnections || (!loopback && static_cast<size_t>(same) >= kMaxConnectionsPerAddress);
+    const auto same = std::count_if(admitted_.begin(), admitted_.end(),
+                                    [&](const Admitted& one) { return one.address == address; });
+    return admitted_.size() >= kMaxConnections ||
+           (!loopback && static_cast<size_t>(same) >= kMaxConnectionsPerAddress);
   };
   if (!too_many()) return true;
   std::erase_if(admitted_, [](const Admitted& one) { return !one.here(); });

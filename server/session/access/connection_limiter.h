@@ -17,12 +17,12 @@ inline constexpr size_t kMaxConnections = 1024;
 // From one address that is not this machine's, so that nobody alone keeps the others out.
 inline constexpr size_t kMaxConnectionsPerAddress = 256;
 
-// Listens, and hands connections to gRPC as long as there are not too many; gRPC itself takes any number. One that is too
-// many is closed at once. On a thread of its own.
+// Listens, and hands connections to gRPC as long as there are not too many; gRPC itself takes any number. One
+// that is too many is closed at once. On a thread of its own.
 class ConnectionLimiter {
  public:
-  // Listens on every address that HOST stands for, on one port; 0 lets the system choose it. Unavailable when the port is
-  // in use or the host is none of this machine's.
+  // Listens on every address that HOST stands for, on one port; 0 lets the system choose it. Unavailable when
+  // the port is in use or the host is none of this machine's.
   static Result<std::unique_ptr<ConnectionLimiter>> listen(const std::string& host, int port);
   ~ConnectionLimiter();
   ConnectionLimiter(const ConnectionLimiter&) = delete;
@@ -35,8 +35,8 @@ class ConnectionLimiter {
   void close();
 
  private:
-  // A connection that gRPC has. It closes it when it likes, and tells nobody: it is still there as long as its
-  // descriptor is the same socket.
+  // A connection that gRPC has. It closes it when it likes, and tells nobody: it is still there as long as
+  // its descriptor is the same socket.
   struct Admitted {
     int descriptor = -1;
     unsigned long inode = 0;

@@ -55,15 +55,16 @@ Result<Identity> make_identity() {
   X509V3_set_ctx(&context, one, one, nullptr, nullptr, 0);
   const std::unique_ptr<X509_EXTENSION, decltype(&X509_EXTENSION_free)> names(
       X509V3_EXT_conf_nid(nullptr, &context, NID_subject_alt_name, "DNS:livegs"), &X509_EXTENSION_free);
-  const bool made = names && RAND_bytes(reinterpret_cast<unsigned char*>(&serial), sizeof serial) == 1 &&
-                    X509_set_version(one, X509_VERSION_3) == 1 &&
-                    ASN1_INTEGER_set_uint64(X509_get_serialNumber(one), serial >> 1) == 1 &&
-                    X509_gmtime_adj(X509_getm_notBefore(one), -86400) != nullptr &&
-                    X509_gmtime_adj(X509_getm_notAfter(one), kCertificateDays * 86400) != nullptr &&
-                    X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC,
-                                               reinterpret_cast<const unsigned char*>("livegs"), -1, -1, 0) == 1 &&
-                    X509_set_issuer_name(one, name) == 1 && X509_set_pubkey(one, key.get()) == 1 &&
-                    X509_add_ext(one, names.get(), -1) == 1 && X509_sign(one, key.get(), EVP_sha256()) > 0;
+  const bool made =
+      names && RAND_bytes(reinterpret_cast<unsigned char*>(&serial), sizeof serial) == 1 &&
+      X509_set_version(one, X509_VERSION_3) == 1 &&
+      ASN1_INTEGER_set_uint64(X509_get_serialNumber(one), serial >> 1) == 1 &&
+      X509_gmtime_adj(X509_getm_notBefore(one), -86400) != nullptr &&
+      X509_gmtime_adj(X509_getm_notAfter(one), kCertificateDays * 86400) != nullptr &&
+      X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>("livegs"),
+                                 -1, -1, 0) == 1 &&
+      X509_set_issuer_name(one, name) == 1 && X509_set_pubkey(one, key.get()) == 1 &&
+      X509_add_ext(one, names.get(), -1) == 1 && X509_sign(one, key.get(), EVP_sha256()) > 0;
   if (!made) return failed;
   Identity identity;
   identity.certificate_pem = pem_of([&](BIO* text) { return PEM_write_bio_X509(text, one); });
@@ -77,8 +78,8 @@ Result<Identity> make_identity() {
 // Whether the key is the certificate's: a server would fail at each handshake else.
 bool belong_together(const Identity& identity) {
   const auto bio = [](const std::string& text) {
-    return std::unique_ptr<BIO, decltype(&BIO_free)>(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())),
-                                                     &BIO_free);
+    return std::unique_ptr<BIO, decltype(&BIO_free)>(
+        BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), &BIO_free);
   };
   const auto certificate_text = bio(identity.certificate_pem), key_text = bio(identity.key_pem);
   const std::unique_ptr<X509, decltype(&X509_free)> certificate(
@@ -106,29 +107,33 @@ Result<Identity> identity_in(const std::filesystem::path& folder) {
   if (!key) return key.error();
   Identity identity{std::move(*certificate), std::move(*key)};
   if (!belong_together(identity)) {
-    return invalid_data(folder.string() +
-                        ": server.key and server.crt do not belong together; take both away, and clients pair anew");
+    return invalid_data(
+        folder.string() +
+        ": server.key and server.crt do not belong together; take both away, and clients pair anew");
   }
   return identity;
 }
 
 }  // namespace
 
-Result<std::unique_ptr<ServerSecurity>> ServerSecurity::open(const std::filesystem::path& folder, WallClock clock) {
+Result<std::unique_ptr<ServerSecurity>> ServerSecurity::open(const std::filesystem::path& folder,
+                                                             WallClock clock) {
   if (auto made = make_state_folder(folder); !made) return made.error();
   std::unique_ptr<ServerSecurity> security(new ServerSecurity);
   security->folder_ = folder;
   const std::filesystem::path running = folder / kRunningFile;
   security->lock_ = ::open(running.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (security->lock_ < 0) {
-    return Error{ErrorCode::PermissionDenied, running.string() + ": cannot be written: " + std::strerror(errno) +
+    return Error{ErrorCode::PermissionDenied, running.string() +
+                                                  ": cannot be written: " + std::strerror(errno) +
                                                   "; choose another folder with --state-dir DIR"};
   }
   if (::flock(security->lock_, LOCK_EX | LOCK_NB) != 0) {
     ::close(std::exchange(security->lock_, -1));
-    return Error{ErrorCode::Unavailable, folder.string() +
-                                             ": another server has its keys here; stop it, or give this one a folder of "
-                                             "its own with --state-dir DIR"};
+    return Error{ErrorCode::Unavailable,
+                 folder.string() +
+                     ": another server has its keys here; stop it, or give this one a folder of "
+                     "its own with --state-dir DIR"};
   }
   auto identity = identity_in(folder);
   if (!identity) return identity.error();
@@ -140,7 +145,8 @@ Result<std::unique_ptr<ServerSecurity>> ServerSecurity::open(const std::filesyst
   security->key_pem_ = std::move(identity->key_pem);
   security->fingerprint_ = std::move(*fingerprint);
   security->tokens_ = std::move(*tokens);
-  if (auto written = write_secret_file(folder / kAdminFile, security->tokens_->add_local_admin() + "\n"); !written)
+  if (auto written = write_secret_file(folder / kAdminFile, security->tokens_->add_local_admin() + "\n");
+      !written)
     return written.error();
   return security;
 }

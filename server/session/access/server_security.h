@@ -13,12 +13,12 @@ namespace livegs {
 // Who a server is, and whom it lets in: everything in its state folder. One server at a time has it.
 //   server.key, server.crt   a self-signed certificate of an EC key on P-256, made at the first run; key 0600
 //   tokens.json              see token_store.h; 0600
-//   admin.token              of scope admin, new at each start, for `livegs ctl` of whoever owns the folder; 0600
-//   running                  locked while a server runs; holds its port
+//   admin.token              of scope admin, new at each start, for `livegs ctl` of whoever owns the folder;
+//   0600 running                  locked while a server runs; holds its port
 class ServerSecurity {
  public:
-  // PermissionDenied when files are others' to read or the folder cannot be written, Unavailable while another server
-  // has it.
+  // PermissionDenied when files are others' to read or the folder cannot be written, Unavailable while
+  // another server has it.
   static Result<std::unique_ptr<ServerSecurity>> open(const std::filesystem::path& folder,
                                                       WallClock clock = system_wall_clock());
   ~ServerSecurity();

@@ -20,7 +20,8 @@
 namespace livegs {
 namespace {
 
-constexpr std::string_view kPrefix = "livegs_";  // so that a person, and who scans for secrets, knows what it is
+constexpr std::string_view kPrefix =
+    "livegs_";  // so that a person, and who scans for secrets, knows what it is
 constexpr size_t kSecretBytes = 32;
 constexpr size_t kMaxName = 64;
 constexpr int64_t kDay_s = 86400;
@@ -76,7 +77,8 @@ Result<v1::Scope> parse_scope(const std::string& name) {
 
 WallClock system_wall_clock() {
   return [] {
-    return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
+    return std::chrono::duration_cast<std::chrono::seconds>(
+               std::chrono::system_clock::now().time_since_epoch())
         .count();
   };
 }
@@ -109,7 +111,8 @@ Result<TokenStore::Made> TokenStore::add(const std::string& name, v1::Scope scop
       !std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isprint(c) != 0; })) {
     return invalid_argument("name: say who or what the token is for, in 1 to 64 printable characters");
   }
-  if (scope < v1::VIEW || scope > v1::ADMIN) return invalid_argument("scope: is none of view, interact, author, admin");
+  if (scope < v1::VIEW || scope > v1::ADMIN)
+    return invalid_argument("scope: is none of view, interact, author, admin");
   if (days == 0) days = kTokenDays;
   if (!(days > 0 && days <= kMaxTokenDays)) return invalid_argument("days: is not above 0 and at most 3650");
   Made made;
@@ -156,7 +159,8 @@ Result<v1::Token> TokenStore::revoke(const std::string& id) {
   std::lock_guard lock(mutex_);
   for (v1::Token& token : *tokens_.mutable_tokens()) {
     if (token.id() != id) continue;
-    token.set_revoked(true);  // also when it cannot be written: rather refused until the server ends than let in
+    token.set_revoked(
+        true);  // also when it cannot be written: rather refused until the server ends than let in
     if (auto written = write(); !written) return written.error();
     v1::Token told = token;
     told.clear_sha256();
@@ -173,7 +177,8 @@ std::vector<v1::Token> TokenStore::list() const {
 }
 
 Result<void> TokenStore::check_record(const v1::Token& token) const {
-  if (token.revoked()) return denied("the token \"" + token.name() + "\" was revoked; ask who runs the server");
+  if (token.revoked())
+    return denied("the token \"" + token.name() + "\" was revoked; ask who runs the server");
   if (token.id() != local_admin_.id() && clock_() >= token.expires_unix_s()) {
     return denied("the token \"" + token.name() + "\" has expired; ask who runs the server for a new one");
   }
@@ -182,7 +187,8 @@ Result<void> TokenStore::check_record(const v1::Token& token) const {
 
 Result<Grant> TokenStore::check(std::string_view secret) const {
   if (secret.empty()) {
-    return denied("this server asks for a token: --token-file FILE or LIVEGS_TOKEN; livegs ctl tokens add makes one");
+    return denied(
+        "this server asks for a token: --token-file FILE or LIVEGS_TOKEN; livegs ctl tokens add makes one");
   }
   const std::string hash = hash_of(secret);
   std::lock_guard lock(mutex_);
@@ -191,7 +197,8 @@ Result<Grant> TokenStore::check(std::string_view secret) const {
     if (equal_in_constant_time(token.sha256(), hash)) found = &token;
   }
   if (equal_in_constant_time(local_admin_.sha256(), hash)) found = &local_admin_;
-  if (found == nullptr) return denied("the token is none of this server's; look whether it is whole, or ask who runs it");
+  if (found == nullptr)
+    return denied("the token is none of this server's; look whether it is whole, or ask who runs it");
   if (auto good = check_record(*found); !good) return good.error();
   return grant_of(*found);
 }

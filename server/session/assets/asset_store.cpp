@@ -18,7 +18,8 @@ void measure(const GaussianAsset& asset, AssetBytes& encoded) {
   Eigen::AlignedBox3f box;
   float log_deviation = -std::numeric_limits<float>::infinity();
   for (const Eigen::Vector3f& position : asset.positions) box.extend(position);
-  for (const Eigen::Vector3f& log_scale : asset.log_scales) log_deviation = std::max(log_deviation, log_scale.maxCoeff());
+  for (const Eigen::Vector3f& log_scale : asset.log_scales)
+    log_deviation = std::max(log_deviation, log_scale.maxCoeff());
   if (!box.isEmpty()) encoded.diagonal = static_cast<double>(box.diagonal().norm());
   encoded.deviation = std::exp(static_cast<double>(log_deviation));
 }
@@ -50,7 +51,8 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const Ga
   encoding_.erase(asset.get());
   encoded_.notify_all();
   if (failed) std::rethrow_exception(failed);
-  Kept& kept = by_hash_.try_emplace(encoded->hash, encoded, std::nullopt).first->second;  // equal content is kept once
+  Kept& kept =
+      by_hash_.try_emplace(encoded->hash, encoded, std::nullopt).first->second;  // equal content is kept once
   kept.unused_since_ns.reset();
   by_asset_.emplace(asset, kept.bytes);
   return kept.bytes;

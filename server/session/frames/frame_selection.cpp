@@ -12,15 +12,18 @@ namespace livegs {
 namespace {
 
 constexpr double kMinDistance_m = 0.25;       // what is nearer counts as this near
-constexpr double kDefaultDistance_m = 1;   // to a client that says nothing of its eye
-constexpr double kOutOfViewWeight = 1.0 / 8;    // of what it would count in view
+constexpr double kDefaultDistance_m = 1;      // to a client that says nothing of its eye
+constexpr double kOutOfViewWeight = 1.0 / 8;  // of what it would count in view
 // An elastic object's kernels are farther from its nodes where it is stretched.
 constexpr double kStretchAllowance = 2;
 
-bool holds(std::span<const uint32_t> ids, uint32_t id) { return std::binary_search(ids.begin(), ids.end(), id); }
+bool holds(std::span<const uint32_t> ids, uint32_t id) {
+  return std::binary_search(ids.begin(), ids.end(), id);
+}
 
 const ObjectBall* find(std::span<const ObjectBall> balls, uint32_t id) {
-  const auto at = std::find_if(balls.begin(), balls.end(), [&](const ObjectBall& ball) { return ball.object_id == id; });
+  const auto at =
+      std::find_if(balls.begin(), balls.end(), [&](const ObjectBall& ball) { return ball.object_id == id; });
   return at == balls.end() ? nullptr : &*at;
 }
 
@@ -30,18 +33,22 @@ ObjectBall ball_around(const ObjectDrivers& drivers, double reach_m) {
   Eigen::AlignedBox3d box;
   for (const Pose& pose : drivers.poses) box.extend(pose.position_m);
   for (const Eigen::Vector3f& position : drivers.positions_m) box.extend(position.cast<double>());
-  if (box.isEmpty()) return {drivers.object_id, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity(), drivers.asleep};
+  if (box.isEmpty())
+    return {drivers.object_id, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity(),
+            drivers.asleep};
   const double stretch = drivers.kind == DriverKind::Rigid ? 1 : kStretchAllowance;
   return {drivers.object_id, box.center(), 0.5 * box.diagonal().norm() + stretch * reach_m, drivers.asleep};
 }
 
-std::vector<uint32_t> culled(std::span<const ObjectBall> balls, const ClientView& who, uint64_t tick, uint64_t tick_before) {
+std::vector<uint32_t> culled(std::span<const ObjectBall> balls, const ClientView& who, uint64_t tick,
+                             uint64_t tick_before) {
   std::vector<uint32_t> out;
   if (!who.view || who.uncongested) return out;
   for (const ObjectBall& ball : balls) {
     if (ball.asleep) continue;
     const uint64_t shift = uint64_t{4} * ball.object_id;
-    const bool its_turn = (tick + shift) / kCulledUpdateInterval != (tick_before + shift) / kCulledUpdateInterval;
+    const bool its_turn =
+        (tick + shift) / kCulledUpdateInterval != (tick_before + shift) / kCulledUpdateInterval;
     if (!its_turn && !holds(who.held, ball.object_id) && !who.view->touches(ball.centre_m, ball.radius_m))
       out.push_back(ball.object_id);
   }
@@ -49,8 +56,9 @@ std::vector<uint32_t> culled(std::span<const ObjectBall> balls, const ClientView
   return out;
 }
 
-std::vector<uint32_t> over_budget(const DriverFrame& frame, const StreamBaseline& baseline, std::span<const ObjectBall> balls,
-                                  const ClientView& who, std::span<const uint32_t> out, double whole_bytes, double budget_bytes) {
+std::vector<uint32_t> over_budget(const DriverFrame& frame, const StreamBaseline& baseline,
+                                  std::span<const ObjectBall> balls, const ClientView& who,
+                                  std::span<const uint32_t> out, double whole_bytes, double budget_bytes) {
   struct Waiting {
     uint32_t object_id;
     uint64_t integers;
@@ -68,9 +76,10 @@ std::vector<uint32_t> over_budget(const DriverFrame& frame, const StreamBaseline
       share = who.view->touches(ball->centre_m, ball->radius_m) ? 1 : kOutOfViewWeight;
     }
     const double off_rad = (lag.moved_m + radius_m * lag.turned_rad) / distance_m;
-    const double weight = holds(who.held, lag.object_id) ? std::numeric_limits<double>::infinity()
-                                                         : share * off_rad * static_cast<double>(lag.age_ticks) /
-                                                               static_cast<double>(std::max<uint64_t>(1, lag.integers));
+    const double weight = holds(who.held, lag.object_id)
+                              ? std::numeric_limits<double>::infinity()
+                              : share * off_rad * static_cast<double>(lag.age_ticks) /
+                                    static_cast<double>(std::max<uint64_t>(1, lag.integers));
     waiting.push_back({lag.object_id, lag.integers, weight});
     integers += lag.integers;
   }

@@ -12,16 +12,16 @@
 
 namespace livegs {
 
-// Where the kernels of a scene's objects are in frames of its drivers, for streams of kernels. Ties them to their drivers when
-// they are first asked for. One thread.
+// Where the kernels of a scene's objects are in frames of its drivers, for streams of kernels. Ties them to
+// their drivers when they are first asked for. One thread.
 class KernelPoser {
  public:
   // An object that came, or changed; the revision before is kept for frames that are still of it.
   void take(const SceneObject& object);
   void remove(uint32_t object_id) { objects_.erase(object_id); }
 
-  // Objects that were not told of, or do not fit what was told, are left out; so are those, the last, that a frame of this
-  // encoding has no room for, with a line in the log.
+  // Objects that were not told of, or do not fit what was told, are left out; so are those, the last, that a
+  // frame of this encoding has no room for, with a line in the log.
   KernelFrame pose(const DriverFrame& frame, KernelEncoding encoding);
 
  private:

@@ -8,8 +8,9 @@
 
 namespace livegs {
 
-// What a stream may still take; proto/frame_format.md, "What a frame leaves out". An account that grows by the cap and pays
-// for every message: any stretch of T seconds carries at most cap * (T + kBurst_s) bytes and one message more. Not locked.
+// What a stream may still take; proto/frame_format.md, "What a frame leaves out". An account that grows by
+// the cap and pays for every message: any stretch of T seconds carries at most cap * (T + kBurst_s) bytes and
+// one message more. Not locked.
 class SendBudget {
  public:
   // What is not used is kept for so long: frames of a sudden motion may be larger than those of rest.

@@ -17,7 +17,8 @@ bool SendWindow::add_event(const v1::SessionEvent& event) {
 void SendWindow::acknowledge(uint64_t tick, int64_t now_ns) {
   InFlight newest;
   size_t frames = 0;
-  for (; !in_flight_.empty() && in_flight_.front().tick <= tick; in_flight_.pop_front(), ++frames) newest = in_flight_.front();
+  for (; !in_flight_.empty() && in_flight_.front().tick <= tick; in_flight_.pop_front(), ++frames)
+    newest = in_flight_.front();
   if (frames > 0 && newest.tick == tick) size_.add({newest.written_ns, now_ns, newest.alone, frames});
 }
 

@@ -14,8 +14,9 @@ namespace livegs {
 
 // What one client is sent next, and when. gRPC's own flow control lets seconds of frames queue up before it
 // pushes back, and OnWriteDone means "handed to the transport" only; so the client acknowledges frames, and
-// no more than WindowSize says, one to four, are under way. A frame that has to wait is replaced by the next one: the
-// newest wins. Events are kept, in order, and go out with the next write even when the window is shut.
+// no more than WindowSize says, one to four, are under way. A frame that has to wait is replaced by the next
+// one: the newest wins. Events are kept, in order, and go out with the next write even when the window is
+// shut.
 //
 // Not locked; no gRPC types.
 class SendWindow {

@@ -31,7 +31,8 @@ SharedFramePayload make_frame_tail(std::span<const std::byte> frame) {
   return {grpc::Slice(slice, grpc::Slice::STEAL_REF)};
 }
 
-// A tick that is encoded so often already makes clients seem slow by itself: who has no cap shares from then on.
+// A tick that is encoded so often already makes clients seem slow by itself: who has no cap shares from then
+// on.
 constexpr size_t kMaxSharedEncodings = 8;
 
 EncodedFrame whole_frame(std::span<const std::byte> frame) {
@@ -48,13 +49,21 @@ void EncodingRecord::add(size_t bytes, double ms) {
 
 EncodingRecord::Summary EncodingRecord::summary() const {
   std::lock_guard lock(mutex_);
-  return {bytes_.percentile(0.50), bytes_.percentile(0.99), ms_.percentile(0.50), ms_.percentile(0.99),
-          ms_.count(),             bytes_.sum(),            ms_.sum()};
+  return {bytes_.percentile(0.50),
+          bytes_.percentile(0.99),
+          ms_.percentile(0.50),
+          ms_.percentile(0.99),
+          ms_.count(),
+          bytes_.sum(),
+          ms_.sum()};
 }
 
-EncodedFrame TickEncodings::against(const StreamBaselinePtr& written) const { return encoded(usable(written), {}, 16); }
+EncodedFrame TickEncodings::against(const StreamBaselinePtr& written) const {
+  return encoded(usable(written), {}, 16);
+}
 
-EncodedFrame TickEncodings::for_client(const StreamBaselinePtr& written, const ClientView& who, double budget_bytes) const {
+EncodedFrame TickEncodings::for_client(const StreamBaselinePtr& written, const ClientView& who,
+                                       double budget_bytes) const {
   const StreamBaselinePtr baseline = usable(written);
   if (!baseline) return encoded(nullptr, {}, who.position_bits);
   std::vector<uint32_t> left_out;
@@ -62,8 +71,10 @@ EncodedFrame TickEncodings::for_client(const StreamBaselinePtr& written, const C
   if (who.view && !shares) left_out = culled(balls(), who, frame_.tick, tick_of(*baseline));
   const EncodedFrame whole = encoded(baseline, left_out, who.position_bits);
   if (static_cast<double>(whole.bytes) <= budget_bytes) return whole;
-  return encoded(baseline, over_budget(frame_, *baseline, balls(), who, left_out, static_cast<double>(whole.bytes), budget_bytes),
-                 who.position_bits);
+  return encoded(
+      baseline,
+      over_budget(frame_, *baseline, balls(), who, left_out, static_cast<double>(whole.bytes), budget_bytes),
+      who.position_bits);
 }
 
 size_t TickEncodings::encodings() const {
@@ -105,7 +116,8 @@ EncodedFrame TickEncodings::encoded(const StreamBaselinePtr& baseline, const std
   std::lock_guard lock(mutex_);
   for (const Made& made : made_) {
     if (made.left_out != left_out || made.position_bits != position_bits) continue;
-    if (made.baseline == baseline || (made.baseline && baseline && same_state(*made.baseline, *baseline))) return made.frame;
+    if (made.baseline == baseline || (made.baseline && baseline && same_state(*made.baseline, *baseline)))
+      return made.frame;
   }
   const int64_t begun_ns = now_ns();
   StreamOptions options;
@@ -114,7 +126,8 @@ EncodedFrame TickEncodings::encoded(const StreamBaselinePtr& baseline, const std
     options.leave_out = [&](uint32_t id) { return std::binary_search(left_out.begin(), left_out.end(), id); };
   EncodedStreamFrame made = encode_stream_frame(frame_, baseline, options);
   if (record_) record_->add(made.bytes.size(), milliseconds_from_ns(now_ns() - begun_ns));
-  EncodedFrame frame{std::make_shared<const SharedFramePayload>(make_frame_tail(made.bytes)), std::move(made.next), made.bytes.size()};
+  EncodedFrame frame{std::make_shared<const SharedFramePayload>(make_frame_tail(made.bytes)),
+                     std::move(made.next), made.bytes.size()};
   made_.push_back({baseline, left_out, position_bits, frame});
   return frame;
 }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "livegs/v1/session.pb.h"
-#include "session/support/duration_histogram.h"
 #include "session/frames/frame_selection.h"
+#include "session/support/duration_histogram.h"
 #include "session/tick/tick_result.h"
 #include "wire/frame_stream.h"
 
@@ -48,8 +48,9 @@ struct EncodedFrame {
 // By object id, v1::ObjectDescription.reach_m.
 using ObjectReaches = std::map<uint32_t, double>;
 
-// A tick, for any number of clients: encoded when the first of those that have the same is written to. One that missed a
-// frame is encoded for by itself, and three frames later has what the others have. Immutable to who looks at it; any thread.
+// A tick, for any number of clients: encoded when the first of those that have the same is written to. One
+// that missed a frame is encoded for by itself, and three frames later has what the others have. Immutable to
+// who looks at it; any thread.
 class TickEncodings {
  public:
   TickEncodings(DriverFrame frame, std::shared_ptr<EncodingRecord> record)
@@ -60,21 +61,24 @@ class TickEncodings {
   int64_t stepped_ns = 0;
   double step_ms = 0;
   RunStatus run;
-  std::vector<SessionHands> hands;  // ascending session
+  std::vector<SessionHands> hands;               // ascending session
   std::shared_ptr<const ObjectReaches> reaches;  // null: everything is seen by everybody
 
-  // With all that moved, at 16 bits. `written`: the baseline of what a stream has been written so far; null for a key frame.
+  // With all that moved, at 16 bits. `written`: the baseline of what a stream has been written so far; null
+  // for a key frame.
   EncodedFrame against(const StreamBaselinePtr& written) const;
-  // Without what does not fit and, to a client that is not uncongested, what it does not see; proto/frame_format.md, "What a frame leaves out".
+  // Without what does not fit and, to a client that is not uncongested, what it does not see;
+  // proto/frame_format.md, "What a frame leaves out".
   EncodedFrame for_client(const StreamBaselinePtr& written, const ClientView& who,
                           double budget_bytes = std::numeric_limits<double>::infinity()) const;
-  // Whole, and to be read without any before, for those who asked for another encoding than DRIVERS. Precondition: kernels
-  // have been kept.
+  // Whole, and to be read without any before, for those who asked for another encoding than DRIVERS.
+  // Precondition: kernels have been kept.
   EncodedFrame keyframe(v1::JoinRequest::Encoding encoding) const;
   void keep(v1::JoinRequest::Encoding encoding, std::vector<std::byte> frame);
 
  private:
-  EncodedFrame encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out, int position_bits) const;
+  EncodedFrame encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out,
+                       int position_bits) const;
   size_t encodings() const;  // so far
   std::span<const ObjectBall> balls() const;
   // A stream's ticks grow; should they not, it begins anew.
@@ -90,7 +94,7 @@ class TickEncodings {
     int position_bits;
     EncodedFrame frame;
   };
-  mutable std::mutex mutex_;        // held while one is encoded: the others of that baseline wait for it
+  mutable std::mutex mutex_;  // held while one is encoded: the others of that baseline wait for it
   mutable std::once_flag balls_made_;
   mutable std::vector<ObjectBall> balls_;
   mutable std::vector<Made> made_;  // few: clients that keep up are alike

@@ -8,7 +8,8 @@
 namespace livegs {
 namespace {
 
-// A decision is taken by so many answers, or by those of so long if they are few: a stall of 300 ms delays four of them.
+// A decision is taken by so many answers, or by those of so long if they are few: a stall of 300 ms delays
+// four of them.
 constexpr size_t kAnswersPerDecision = 32, kMinAnswers = 8;
 constexpr int64_t kMaxDecisionInterval_ns = 2'000'000'000;
 // Enough to see that a size which was too large is so still.
@@ -36,10 +37,13 @@ int64_t usual_mean(std::vector<int64_t>& values) {
   return std::accumulate(values.begin(), end, int64_t{0}) / (end - values.begin());
 }
 
-double ratio(int64_t a, int64_t b) { return static_cast<double>(a) / static_cast<double>(std::max<int64_t>(b, 1)); }
+double ratio(int64_t a, int64_t b) {
+  return static_cast<double>(a) / static_cast<double>(std::max<int64_t>(b, 1));
+}
 
 size_t window_of(double intervals) {
-  return static_cast<size_t>(std::clamp(std::ceil(intervals), double{WindowSize::kMinFrames}, double{WindowSize::kMaxFrames}));
+  return static_cast<size_t>(
+      std::clamp(std::ceil(intervals), double{WindowSize::kMinFrames}, double{WindowSize::kMaxFrames}));
 }
 
 }  // namespace
@@ -60,9 +64,11 @@ void WindowSize::add(const Answer& answer) {
     return;
   }
   round_trips_ns_.push_back(round_trip_ns);
-  if (answer.written_ns < before_ns) paces_ns_.push_back((heard_ns_ - before_ns) / static_cast<int64_t>(std::max<size_t>(answer.frames, 1)));
+  if (answer.written_ns < before_ns)
+    paces_ns_.push_back((heard_ns_ - before_ns) / static_cast<int64_t>(std::max<size_t>(answer.frames, 1)));
   const size_t enough = size_ >= queued_at_ ? kTrialAnswerCount : kAnswersPerDecision;
-  const bool few = round_trips_ns_.size() >= kMinAnswers && heard_ns_ - decided_ns_ >= kMaxDecisionInterval_ns;
+  const bool few =
+      round_trips_ns_.size() >= kMinAnswers && heard_ns_ - decided_ns_ >= kMaxDecisionInterval_ns;
   if (round_trips_ns_.size() < enough && !few) return;
   decide(heard_ns_);
   forget_answers();
@@ -78,10 +84,12 @@ void WindowSize::decide(int64_t now_ns) {
   round_trip_ns_ = median(round_trips_ns_);
   const bool paced = paces_ns_.size() >= kMinAnswers / 2;
   pace_ns_ = paced ? usual_mean(paces_ns_) : 0;
-  const bool slower = size_ == 1 ? round_trip_ns_ > interval_ns_ : ratio(pace_ns_, interval_ns_) > kSlowdownRatio;
+  const bool slower =
+      size_ == 1 ? round_trip_ns_ > interval_ns_ : ratio(pace_ns_, interval_ns_) > kSlowdownRatio;
   if (!slower) {
     const double intervals = ratio(round_trip_ns_, interval_ns_);
-    const size_t grown = window_of(std::ceil(intervals) + 1), shrunk = window_of(std::ceil(intervals + kHysteresis) + 1);
+    const size_t grown = window_of(std::ceil(intervals) + 1),
+                 shrunk = window_of(std::ceil(intervals + kHysteresis) + 1);
     if (grown > size_) size_ = grown;
     if (shrunk < size_) size_ = shrunk;
     queued_at_ = kMaxFrames + 1;

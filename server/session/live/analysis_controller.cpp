@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "analysis/gate/answer.h"
-#include "analysis/sidecar/manual_edits.h"
 #include "analysis/physics_file.h"
+#include "analysis/sidecar/manual_edits.h"
 #include "core/format_text.h"
 #include "core/log.h"
 #include "session/support/redact_paths.h"
@@ -41,7 +41,8 @@ v1::AnalysisProgress::Verdict verdict_of(const AnalysisUpdate& update) {
 }
 
 constexpr const char* kDecisionRemedy =
-    "Accept in the window or livegs analyze --accept takes it; Decline, --decline or an edit of the object ends it";
+    "Accept in the window or livegs analyze --accept takes it; Decline, --decline or an edit of the object "
+    "ends it";
 
 // As a client may read it; where that leaves something out, the log has it.
 std::string told(const std::string& object, const std::string& message) {
@@ -63,7 +64,8 @@ void log_finished(const std::string& name, const v1::AnalysisProgress& progress)
     case v1::AnalysisProgress::ACCEPTED:
       return log_info("analysis: %s: accepted%s", shown.c_str(), why.c_str());
     case v1::AnalysisProgress::NEEDS_REVIEW:
-      return log_info("analysis: %s: needs review%s; kept as a proposal: %s", shown.c_str(), why.c_str(), kDecisionRemedy);
+      return log_info("analysis: %s: needs review%s; kept as a proposal: %s", shown.c_str(), why.c_str(),
+                      kDecisionRemedy);
     case v1::AnalysisProgress::REFUSED:
       return log_info("analysis: %s: refused%s", shown.c_str(), why.c_str());
     default:
@@ -73,8 +75,8 @@ void log_finished(const std::string& name, const v1::AnalysisProgress& progress)
 
 }  // namespace
 
-AnalysisController::AnalysisController(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
-                           const AnalysisControllerOptions& options)
+AnalysisController::AnalysisController(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint,
+                                       SimulationLoop& loop, const AnalysisControllerOptions& options)
     : scene_(std::move(scene)),
       endpoint_(std::move(endpoint)),
       loop_(loop),
@@ -101,8 +103,10 @@ void AnalysisController::begin() {
     const auto kept = known.decided->present();
     if (!kept || !kept->analysis().model().empty()) continue;
     if (known.decided->answer_undone()) {
-      log_info("analysis: %s: its answer was taken back or declined and it is not asked about again until somebody does",
-               name.c_str());
+      log_info(
+          "analysis: %s: its answer was taken back or declined and it is not asked about again until "
+          "somebody does",
+          name.c_str());
     } else {
       names.push_back(known.object->name);
     }
@@ -159,7 +163,8 @@ SceneAnalysis::Object AnalysisController::loaded(const Known& known) {
 void AnalysisController::replace(Scene scene) {
   std::lock_guard deciding(deciding_);
   const auto anew = SceneAnalysis::of(scene, false);
-  if (!anew) log_warn("reset: %s", anew.error().message.c_str());  // a sidecar that was spoilt since it was loaded
+  if (!anew)
+    log_warn("reset: %s", anew.error().message.c_str());  // a sidecar that was spoilt since it was loaded
   find_proposals();
   std::vector<v1::SceneChange> changes;
   for (const auto& [id, known] : known_) {
@@ -177,7 +182,7 @@ void AnalysisController::replace(Scene scene) {
 }
 
 Result<void> AnalysisController::analyze(std::vector<std::string> objects, Progress progress,
-                                   std::function<void()> ended, std::stop_token stop) {
+                                         std::function<void()> ended, std::stop_token stop) {
   auto targets = scene_.targets(objects);
   if (!targets) return targets.error();
   std::lock_guard lock(mutex_);
@@ -265,7 +270,8 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
             add_proposal(update.object_id, waiting);  // the scene stays as it is
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
-            if (const std::string note = apply_answer(update); !note.empty()) progress.set_message(told(known.object->name, note));
+            if (const std::string note = apply_answer(update); !note.empty())
+              progress.set_message(told(known.object->name, note));
           }
           if (!update.cancelled) log_finished(known.object->name, progress);
         }
@@ -273,8 +279,9 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
         std::string ignored;
         const auto present = known.decided->present();
         const SceneAnalysis::Object object = loaded(known);
-        const auto layered = present ? layered_physics(*present, object.written, *facts_by_name(object, *present), ignored)
-                                     : Result<v1::PhysicalParameters>(present.error());
+        const auto layered =
+            present ? layered_physics(*present, object.written, *facts_by_name(object, *present), ignored)
+                    : Result<v1::PhysicalParameters>(present.error());
         *progress.mutable_parameters() = layered ? *layered : update.parameters;
         if (heard) heard = request.progress(progress);
       },
@@ -303,7 +310,8 @@ std::string AnalysisController::apply_answer(const AnalysisUpdate& update) {
   return told;
 }
 
-Result<v1::PhysicsReply> AnalysisController::reply_of(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
+Result<v1::PhysicsReply> AnalysisController::reply_of(const Known& known, const v1::PhysicsFile& file,
+                                                      const std::string& note) {
   const SceneAnalysis::Object object = loaded(known);
   v1::PhysicsReply reply;
   if (!note.empty()) reply.add_warnings(redact_paths(logged(object.name, note)));
@@ -313,7 +321,8 @@ Result<v1::PhysicsReply> AnalysisController::reply_of(const Known& known, const 
   if (!size_note.empty()) reply.add_warnings(logged(object.name, size_note));
   *layered->mutable_longest_side_m() = object.target.offline.longest_side_m();
   reply.set_object(object.name);
-  for (const std::string& later : lock_body_type(object.built, *layered)) reply.add_warnings(logged(object.name, later));
+  for (const std::string& later : lock_body_type(object.built, *layered))
+    reply.add_warnings(logged(object.name, later));
   *reply.mutable_parameters() = std::move(*layered);
   return reply;
 }
@@ -325,7 +334,8 @@ v1::SceneChange AnalysisController::change_of(const v1::PhysicsReply& reply) {
   return change;
 }
 
-Result<v1::PhysicsReply> AnalysisController::apply(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
+Result<v1::PhysicsReply> AnalysisController::apply(const Known& known, const v1::PhysicsFile& file,
+                                                   const std::string& note) {
   auto reply = reply_of(known, file, note);
   if (reply) loop_.post(change_of(*reply));
   return reply;
@@ -337,8 +347,9 @@ Result<AnalysisController::Known*> AnalysisController::find(const std::string& n
   return &known_.at(targets->front().object_id);
 }
 
-Result<v1::PhysicsReply> AnalysisController::set_physics(const std::string& object, const v1::Physics& physics,
-                                                   const std::string& name) {
+Result<v1::PhysicsReply> AnalysisController::set_physics(const std::string& object,
+                                                         const v1::Physics& physics,
+                                                         const std::string& name) {
   auto known = find(object);
   if (!known) return known.error();
   if (auto checked = check_scene_physics(physics); !checked) {
@@ -350,7 +361,8 @@ Result<v1::PhysicsReply> AnalysisController::set_physics(const std::string& obje
   if (!file) return file.error();
   remove_proposal((*known)->object->target.object_id);
   if (!name.empty() && file->has_physics()) {
-    note += (note.empty() ? "" : "; ") + std::string("its values were found under another name; analyse it again");
+    note += (note.empty() ? "" : "; ") +
+            std::string("its values were found under another name; analyse it again");
   }
   const std::string unheard = overridden_edits(physics, loaded(**known).written);
   if (!unheard.empty()) note += (note.empty() ? "" : "; ") + unheard;

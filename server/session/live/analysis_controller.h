@@ -10,9 +10,9 @@
 
 #include "analysis/model/answer_cache.h"
 #include "scene/views/scene_analysis.h"
-#include "session/tick/analysis_control.h"
 #include "session/live/physics_overrides.h"
 #include "session/simulation/simulation_loop.h"
+#include "session/tick/analysis_control.h"
 
 namespace livegs {
 
@@ -28,19 +28,19 @@ class AnalysisController final : public AnalysisControl {
  public:
   // `endpoint` may be nullptr: everything stays offline. `loop` outlives this.
   AnalysisController(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
-               const AnalysisControllerOptions& options = {});
+                     const AnalysisControllerOptions& options = {});
   ~AnalysisController() override;  // cancels, within milliseconds
 
-  // Asks about every AUTO object that no model's values are kept for yet, but for those whose answer a person took back
-  // or has still to judge. Returns at once.
+  // Asks about every AUTO object that no model's values are kept for yet, but for those whose answer a person
+  // took back or has still to judge. Returns at once.
   void begin();
 
-  // Gives the loop a scene that was loaded anew. What its file says, what was measured of it and what it was built as hold
-  // from now on, and what was decided while it was loaded is applied at its first tick.
+  // Gives the loop a scene that was loaded anew. What its file says, what was measured of it and what it was
+  // built as hold from now on, and what was decided while it was loaded is applied at its first tick.
   void replace(Scene scene);
 
-  Result<void> analyze(std::vector<std::string> objects, Progress progress,
-                       std::function<void()> ended, std::stop_token stop = {}) override;
+  Result<void> analyze(std::vector<std::string> objects, Progress progress, std::function<void()> ended,
+                       std::stop_token stop = {}) override;
   Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics,
                                        const std::string& name = "") override;
   Result<v1::PhysicsReply> accept_proposal(const std::string& object) override;
@@ -75,7 +75,8 @@ class AnalysisController final : public AnalysisControl {
   // As it was loaded last.
   SceneAnalysis::Object loaded(const Known& known);
   Result<Known*> find(const std::string& name);
-  // Proposals that nobody has judged yet: the log tells of them, and whoever watches. They change nothing of the scene.
+  // Proposals that nobody has judged yet: the log tells of them, and whoever watches. They change nothing of
+  // the scene.
   void find_proposals();
   void add_proposal(uint32_t object_id, const v1::PhysicsFile& proposal);
   void remove_proposal(uint32_t object_id);
@@ -90,9 +91,9 @@ class AnalysisController final : public AnalysisControl {
 
   // Held from a decision until the loop has it, so that the scene has what was decided last. Before mutex_.
   std::mutex deciding_;
-  std::mutex mutex_;  // guards the next five
-  std::map<uint32_t, SceneAnalysis::Object> reloaded_;         // by the id it had at first
-  std::map<uint32_t, v1::PhysicsFile> proposals_;                // proposals, by object
+  std::mutex mutex_;                                    // guards the next five
+  std::map<uint32_t, SceneAnalysis::Object> reloaded_;  // by the id it had at first
+  std::map<uint32_t, v1::PhysicsFile> proposals_;       // proposals, by object
   Proposed proposed_;
   std::condition_variable_any changed_;
   std::deque<Request> requests_;

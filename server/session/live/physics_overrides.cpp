@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/live/physics_overrides.h"
 
-#include "analysis/sidecar/manual_edits.h"
 #include "analysis/physics_file.h"
+#include "analysis/sidecar/manual_edits.h"
 
 namespace livegs {
 
 template <class OnDisk, class InMemory>
 Result<v1::PhysicsFile> PhysicsOverrides::change(const OnDisk& on_disk, const InMemory& in_memory,
-                                               std::string& note) {
+                                                 std::string& note) {
   std::lock_guard lock(mutex_);
   if (!file_.empty()) {
     auto changed = on_disk();
@@ -26,7 +26,7 @@ Result<v1::PhysicsFile> PhysicsOverrides::change(const OnDisk& on_disk, const In
 }
 
 Result<v1::PhysicsFile> PhysicsOverrides::apply(const v1::PhysicalParameters& physics,
-                                              const v1::AnalysisRecord& record, std::string& note) {
+                                                const v1::AnalysisRecord& record, std::string& note) {
   return change([&] { return apply_analysis(file_, physics, record); },
                 [&]() -> Result<v1::PhysicsFile> {
                   v1::PhysicsFile next = revisions_[current_];
@@ -38,7 +38,8 @@ Result<v1::PhysicsFile> PhysicsOverrides::apply(const v1::PhysicalParameters& ph
                 note);
 }
 
-Result<v1::PhysicsFile> PhysicsOverrides::edit(const v1::Physics& edits, const std::string& name, std::string& note) {
+Result<v1::PhysicsFile> PhysicsOverrides::edit(const v1::Physics& edits, const std::string& name,
+                                               std::string& note) {
   return change([&] { return edit_physics(file_, edits, name); },
                 [&]() -> Result<v1::PhysicsFile> {
                   v1::PhysicsFile next = revisions_[current_];

@@ -24,7 +24,8 @@ class PhysicsOverrides {
   Result<v1::PhysicsFile> edit(const v1::Physics& edits, const std::string& name, std::string& note);
   Result<v1::PhysicsFile> step(bool redo, std::string& note);
   void propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record);
-  Result<v1::PhysicsFile> accept(std::string& note);  // what was proposed last; NotFound when there is nothing
+  Result<v1::PhysicsFile> accept(
+      std::string& note);  // what was proposed last; NotFound when there is nothing
   Result<v1::PhysicsFile> decline(std::string& note);  // the same
   Result<v1::PhysicsFile> present() const;
   std::optional<v1::PhysicsFile> proposal() const;  // that accept() would take; its physics and analysis

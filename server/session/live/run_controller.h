@@ -5,13 +5,13 @@
 #include <mutex>
 #include <thread>
 
-#include "session/tick/run_control.h"
 #include "session/simulation/simulation_loop.h"
+#include "session/tick/run_control.h"
 
 namespace livegs {
 
-// Halts, steps and resets a running scene for its clients. A reset loads the scene on a thread of its own while the old
-// one goes on, and puts it in its place at a tick boundary.
+// Halts, steps and resets a running scene for its clients. A reset loads the scene on a thread of its own
+// while the old one goes on, and puts it in its place at a tick boundary.
 class RunController final : public RunControl {
  public:
   // Loads the very scene that runs, its first object with this id.

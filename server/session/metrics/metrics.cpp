@@ -49,7 +49,8 @@ void add(MetricFamily& to, const Quantiles& quantiles, Labels labels = {}) {
 }
 
 Quantiles of(const DurationHistogram& histogram, double unit) {
-  return {histogram.count(), histogram.sum() * unit,
+  return {histogram.count(),
+          histogram.sum() * unit,
           {{0.5, histogram.percentile(0.5) * unit}, {0.99, histogram.percentile(0.99) * unit}}};
 }
 
@@ -68,25 +69,35 @@ void collect_simulation(const SimulationSummary& simulation, std::vector<MetricF
       families.emplace_back(family("livegs_tick_seconds", "Wall time of a tick's step", MetricType::Summary));
   add(seconds, {simulation.ticks,
                 simulation.step_ms_total * kMs,
-                {{0.5, simulation.step_ms_p50 * kMs}, {0.99, simulation.step_ms_p99 * kMs}, {1.0, simulation.step_ms_max * kMs}}});
+                {{0.5, simulation.step_ms_p50 * kMs},
+                 {0.99, simulation.step_ms_p99 * kMs},
+                 {1.0, simulation.step_ms_max * kMs}}});
 }
 
 void collect_publisher(const PublisherSummary& publisher, std::vector<MetricFamily>& families) {
-  auto& frames = families.emplace_back(family("livegs_frames_total", "Ticks offered to clients", MetricType::Counter));
+  auto& frames =
+      families.emplace_back(family("livegs_frames_total", "Ticks offered to clients", MetricType::Counter));
   add(frames, static_cast<double>(publisher.frames));
-  auto& skipped = families.emplace_back(
-      family("livegs_frames_skipped_total", "Ticks replaced by newer ones before they were offered", MetricType::Counter));
+  auto& skipped = families.emplace_back(family("livegs_frames_skipped_total",
+                                               "Ticks replaced by newer ones before they were offered",
+                                               MetricType::Counter));
   add(skipped, static_cast<double>(publisher.skipped));
-  auto& encode =
-      families.emplace_back(family("livegs_encode_seconds", "Encoding a frame against one baseline", MetricType::Summary));
-  add(encode, {publisher.encoded, publisher.encode_ms_total * kMs, {{0.5, publisher.encode_ms_p50 * kMs}, {0.99, publisher.encode_ms_p99 * kMs}}});
-  auto& bytes = families.emplace_back(family("livegs_frame_bytes", "Size of an encoded frame", MetricType::Summary));
-  add(bytes, {publisher.encoded, publisher.frame_bytes_total, {{0.5, publisher.frame_bytes_p50}, {0.99, publisher.frame_bytes_p99}}});
+  auto& encode = families.emplace_back(
+      family("livegs_encode_seconds", "Encoding a frame against one baseline", MetricType::Summary));
+  add(encode, {publisher.encoded,
+               publisher.encode_ms_total * kMs,
+               {{0.5, publisher.encode_ms_p50 * kMs}, {0.99, publisher.encode_ms_p99 * kMs}}});
+  auto& bytes =
+      families.emplace_back(family("livegs_frame_bytes", "Size of an encoded frame", MetricType::Summary));
+  add(bytes, {publisher.encoded,
+              publisher.frame_bytes_total,
+              {{0.5, publisher.frame_bytes_p50}, {0.99, publisher.frame_bytes_p99}}});
 }
 
 void collect_sessions(const SessionTable& table, std::vector<MetricFamily>& families) {
   const SessionTable::Status status = table.status();
-  auto& serving = families.emplace_back(family("livegs_serving", "Whether clients are let in", MetricType::Gauge));
+  auto& serving =
+      families.emplace_back(family("livegs_serving", "Whether clients are let in", MetricType::Gauge));
   add(serving, status.open ? 1 : 0);
   auto& sessions = families.emplace_back(family("livegs_sessions", "Sessions by state", MetricType::Gauge));
   add(sessions, static_cast<double>(status.streaming), {{"state", "streaming"}});
@@ -95,20 +106,24 @@ void collect_sessions(const SessionTable& table, std::vector<MetricFamily>& fami
   add(total, static_cast<double>(table.totals().sessions));
 
   auto sent = family("livegs_client_frames_sent_total", "Frames written to a client", MetricType::Counter);
-  auto replaced = family("livegs_client_frames_replaced_total", "Frames replaced by newer ones before they were written",
-                         MetricType::Counter);
-  auto bytes = family("livegs_client_bytes_total", "Bytes of messages written to a client", MetricType::Counter);
+  auto replaced = family("livegs_client_frames_replaced_total",
+                         "Frames replaced by newer ones before they were written", MetricType::Counter);
+  auto bytes =
+      family("livegs_client_bytes_total", "Bytes of messages written to a client", MetricType::Counter);
   auto send = family("livegs_client_send_seconds", "From handing a message to the transport to its taking it",
                      MetricType::Summary);
-  auto answer = family("livegs_client_round_trip_seconds",
-                       "From writing a frame to hearing that it was decoded: the network's round trip and the client's "
-                       "share",
-                       MetricType::Summary);
-  auto stale = family("livegs_client_staleness_seconds",
-                      "From the end of a tick's step to hearing that its frame was decoded: staleness and half a round "
-                      "trip",
-                      MetricType::Summary);
-  auto window = family("livegs_client_window_frames", "Frames that may be under way to a client", MetricType::Gauge);
+  auto answer =
+      family("livegs_client_round_trip_seconds",
+             "From writing a frame to hearing that it was decoded: the network's round trip and the client's "
+             "share",
+             MetricType::Summary);
+  auto stale = family(
+      "livegs_client_staleness_seconds",
+      "From the end of a tick's step to hearing that its frame was decoded: staleness and half a round "
+      "trip",
+      MetricType::Summary);
+  auto window =
+      family("livegs_client_window_frames", "Frames that may be under way to a client", MetricType::Gauge);
   for (const auto& session : table.sessions_now()) {
     const Labels client = {{"client", session->id.substr(0, 8)}};
     const ClientTimes times = session->times();
@@ -120,7 +135,8 @@ void collect_sessions(const SessionTable& table, std::vector<MetricFamily>& fami
     add(answer, of(times.round_trip_ms, kMs), client);
     add(stale, of(times.staleness_ms, kMs), client);
   }
-  for (MetricFamily* one : {&sent, &replaced, &bytes, &window, &send, &answer, &stale}) families.push_back(std::move(*one));
+  for (MetricFamily* one : {&sent, &replaced, &bytes, &window, &send, &answer, &stale})
+    families.push_back(std::move(*one));
 }
 
 class Collector final : public prometheus::Collectable {

@@ -11,9 +11,10 @@
 
 namespace livegs {
 
-// What a server counts, for Prometheus to fetch: GET http://127.0.0.1:PORT/metrics. Everything is gathered when it is
-// asked for, from what is counted anyway, on a thread of its own. A client's label is the first eight digits of its
-// session's id, and goes with the session. Nothing of it is secret, but it is for this machine only.
+// What a server counts, for Prometheus to fetch: GET http://127.0.0.1:PORT/metrics. Everything is gathered
+// when it is asked for, from what is counted anyway, on a thread of its own. A client's label is the first
+// eight digits of its session's id, and goes with the session. Nothing of it is secret, but it is for this
+// machine only.
 class Metrics {
  public:
   struct Sources {

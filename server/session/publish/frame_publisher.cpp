@@ -26,7 +26,8 @@ void go_before(std::vector<Happened>& older, std::vector<Happened>& newer) {
   newer = std::move(older);
 }
 
-// Ids are never used twice, so all that came, then all that changed, then all that went is the order of any number of ticks.
+// Ids are never used twice, so all that came, then all that changed, then all that went is the order of any
+// number of ticks.
 void go_before(TickResult& older, TickResult& newer) {
   go_before(older.added, newer.added);
   go_before(older.changed, newer.changed);
@@ -128,7 +129,8 @@ void FramePublisher::hold(const SceneObject& object, bool known) {
   encode(object.asset, true);
   if (!known || !last_) return;
   const auto& before = last_->drivers().objects;
-  const auto shown = std::find_if(before.begin(), before.end(), [&](const ObjectDrivers& one) { return one.object_id == object.id; });
+  const auto shown = std::find_if(before.begin(), before.end(),
+                                  [&](const ObjectDrivers& one) { return one.object_id == object.id; });
   if (shown != before.end()) held.shown = *shown;
 }
 
@@ -209,8 +211,15 @@ void FramePublisher::take(TickResult tick) {
 PublisherSummary FramePublisher::summary() const {
   const EncodingRecord::Summary encoded = record_->summary();
   std::lock_guard lock(mutex_);
-  return {frames_, skipped_, encoded.frame_bytes_p50, encoded.frame_bytes_p99, encoded.encode_ms_p50, encoded.encode_ms_p99,
-          encoded.encoded, encoded.frame_bytes_total, encoded.encode_ms_total};
+  return {frames_,
+          skipped_,
+          encoded.frame_bytes_p50,
+          encoded.frame_bytes_p99,
+          encoded.encode_ms_p50,
+          encoded.encode_ms_p99,
+          encoded.encoded,
+          encoded.frame_bytes_total,
+          encoded.encode_ms_total};
 }
 
 }  // namespace livegs

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "session/assets/asset_store.h"
-#include "session/publish/zmq_publisher.h"
-#include "session/publish/kernel_publisher.h"
 #include "session/frames/tick_encodings.h"
+#include "session/publish/kernel_publisher.h"
+#include "session/publish/zmq_publisher.h"
 #include "session/sessions/session_table.h"
 
 namespace livegs {
@@ -28,12 +28,13 @@ struct PublisherSummary {
   double frame_bytes_total = 0, encode_ms_total = 0;
 };
 
-// Between the simulation and the sessions, on a thread of its own: hands each tick to every session, so that neither encoding nor a hundred socket writes lengthen a tick. When it falls behind,
-// the newest tick wins. It also sweeps out sessions that went silent.
+// Between the simulation and the sessions, on a thread of its own: hands each tick to every session, so that
+// neither encoding nor a hundred socket writes lengthen a tick. When it falls behind, the newest tick wins.
+// It also sweeps out sessions that went silent.
 //
-// It waits for nobody, and for no asset: one that has none encoded yet, because it came or broke this moment, is told of
-// when that is done, seconds later if it is large. Until then frames have it as clients know it, at rest where it was last,
-// or not at all; everything else goes on. What is recorded is what was simulated.
+// It waits for nobody, and for no asset: one that has none encoded yet, because it came or broke this moment,
+// is told of when that is done, seconds later if it is large. Until then frames have it as clients know it,
+// at rest where it was last, or not at all; everything else goes on. What is recorded is what was simulated.
 class FramePublisher final : public TickSink {
  public:
   FramePublisher(SessionTable& table, AssetStore& assets);
@@ -61,7 +62,8 @@ class FramePublisher final : public TickSink {
     bool known = false;                  // as it was before, to clients
     std::optional<ObjectDrivers> shown;  // of that
   };
-  // What clients are told with a tick: what happened in it, without what has to wait, and with what waited long enough.
+  // What clients are told with a tick: what happened in it, without what has to wait, and with what waited
+  // long enough.
   struct Events {
     std::vector<SceneObject> added, changed;
     std::vector<uint32_t> removed;
@@ -78,8 +80,8 @@ class FramePublisher final : public TickSink {
   std::future<void> encoding_;                                  // of it
   int64_t dropped_ns_ = 0;
   // What waits for its kernels to be encoded, by id.
-  std::map<uint32_t, PendingObject> held_;        // what is drawn with them
-  std::map<uint32_t, SceneObject> cut_;  // whole; announced when the kernels of its pieces are encoded
+  std::map<uint32_t, PendingObject> held_;  // what is drawn with them
+  std::map<uint32_t, SceneObject> cut_;     // whole; announced when the kernels of its pieces are encoded
   std::shared_ptr<const TickEncodings> last_;
   KernelPublisher kernels_{table_};
   std::shared_ptr<EncodingRecord> record_ = std::make_shared<EncodingRecord>();

@@ -50,7 +50,8 @@ void KernelPublisher::take(std::span<const SceneObject> added, std::span<const S
 }
 
 void KernelPublisher::publish(std::shared_ptr<TickEncodings> tick) {
-  const bool wanted = table_.has_clients_for(v1::JoinRequest::KERNELS) || table_.has_clients_for(v1::JoinRequest::KERNELS_EXACT);
+  const bool wanted = table_.has_clients_for(v1::JoinRequest::KERNELS) ||
+                      table_.has_clients_for(v1::JoinRequest::KERNELS_EXACT);
   {
     std::lock_guard lock(mutex_);
     const bool news = std::exchange(taken_, false);
@@ -65,8 +66,10 @@ void KernelPublisher::note_time(int64_t took_ns, size_t bytes) {
   slow_ = took_ns > kSlowFrame_ns ? slow_ + 1 : 0;
   if (warned_ || slow_ < kMaxSlowFrames) return;
   warned_ = true;
-  log_warn("kernels: to move and encode a frame of %.1f MB takes %.0f ms, so that is how old it is at least; drivers are not held up",
-           1e-6 * static_cast<double>(bytes), milliseconds_from_ns(took_ns));
+  log_warn(
+      "kernels: to move and encode a frame of %.1f MB takes %.0f ms, so that is how old it is at least; "
+      "drivers are not held up",
+      1e-6 * static_cast<double>(bytes), milliseconds_from_ns(took_ns));
 }
 
 void KernelPublisher::run() {

@@ -13,9 +13,9 @@
 
 namespace livegs {
 
-// For clients that cannot skin: moves and encodes the kernels of ticks on a thread of its own, so that neither the others'
-// frames nor a tick wait for it, and hands them to those who asked for them. When it falls behind, the newest tick wins.
-// While nobody asks it does no more than keep account of what there is.
+// For clients that cannot skin: moves and encodes the kernels of ticks on a thread of its own, so that
+// neither the others' frames nor a tick wait for it, and hands them to those who asked for them. When it
+// falls behind, the newest tick wins. While nobody asks it does no more than keep account of what there is.
 class KernelPublisher {
  public:
   explicit KernelPublisher(SessionTable& table);
@@ -23,9 +23,10 @@ class KernelPublisher {
 
   // What there is before the first tick.
   void begin_with(std::span<const SceneObject* const> objects);
-  // What comes, changes and goes with the next tick that is published. What is told twice is taken once. Any thread, one at a
-  // time, as the next; both return at once.
-  void take(std::span<const SceneObject> added, std::span<const SceneObject> changed, std::span<const uint32_t> removed);
+  // What comes, changes and goes with the next tick that is published. What is told twice is taken once. Any
+  // thread, one at a time, as the next; both return at once.
+  void take(std::span<const SceneObject> added, std::span<const SceneObject> changed,
+            std::span<const uint32_t> removed);
   void publish(std::shared_ptr<TickEncodings> tick);
 
  private:
@@ -33,8 +34,8 @@ class KernelPublisher {
   void note_time(int64_t took_ns, size_t bytes);
 
   SessionTable& table_;
-  KernelPoser poser_;  // the thread's, like the next
-  size_t slow_ = 0;    // frames, one after the other, that took long
+  KernelPoser poser_;    // the thread's, like the next
+  size_t slow_ = 0;      // frames, one after the other, that took long
   bool warned_ = false;  // of them
 
   std::mutex mutex_;  // guards everything below but the thread

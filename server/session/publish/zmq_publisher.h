@@ -11,13 +11,13 @@
 
 namespace livegs {
 
-// Publishes frames to whoever listens on this machine, by ZeroMQ: each by itself (a key frame), in one part, without a
-// topic, so that a subscriber with ZMQ_CONFLATE has the newest and never an old one, however slow it is. Nobody is asked
-// who he is: that is why other machines are refused. One thread, but for address().
+// Publishes frames to whoever listens on this machine, by ZeroMQ: each by itself (a key frame), in one part,
+// without a topic, so that a subscriber with ZMQ_CONFLATE has the newest and never an old one, however slow
+// it is. Nobody is asked who he is: that is why other machines are refused. One thread, but for address().
 class ZmqPublisher {
  public:
-  // tcp://127.0.0.1:PORT, tcp://localhost:PORT or tcp://[::1]:PORT; port 0 lets the system choose. InvalidArgument for
-  // others, Unavailable when the port is in use.
+  // tcp://127.0.0.1:PORT, tcp://localhost:PORT or tcp://[::1]:PORT; port 0 lets the system choose.
+  // InvalidArgument for others, Unavailable when the port is in use.
   static Result<std::unique_ptr<ZmqPublisher>> bind(const std::string& address);
   ~ZmqPublisher();
 

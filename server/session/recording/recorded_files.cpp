@@ -82,12 +82,14 @@ std::vector<std::string> files_of(const v1::SceneSource& source) {
   return files;
 }
 
-Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& held, RecordingWriter& recording) {
+Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& held,
+                         RecordingWriter& recording) {
   for (const std::string& name : files_of(source)) {
     if (!held.insert(name).second) continue;
     const auto bytes = read_file(fs::path(source.folder()) / name);
     if (!bytes) {
-      log_warn("recording: %s; it is not in the recording, and has to be there when that is verified", bytes.error().message.c_str());
+      log_warn("recording: %s; it is not in the recording, and has to be there when that is verified",
+               bytes.error().message.c_str());
       continue;
     }
     if (auto added = recording.add_file(name, *bytes); !added) return added;
@@ -96,14 +98,17 @@ Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& h
 }
 
 UnpackedFiles::UnpackedFiles(UnpackedFiles&& other) noexcept
-    : folder_(std::exchange(other.folder_, {})), paths_(std::move(other.paths_)), folders_(std::move(other.folders_)) {}
+    : folder_(std::exchange(other.folder_, {})),
+      paths_(std::move(other.paths_)),
+      folders_(std::move(other.folders_)) {}
 
 UnpackedFiles::~UnpackedFiles() {
   std::error_code error;
   if (!folder_.empty()) fs::remove_all(folder_, error);
 }
 
-// Files of one folder come into one folder, since an asset may be several; its name stays, as an asset may be called by it.
+// Files of one folder come into one folder, since an asset may be several; its name stays, as an asset may be
+// called by it.
 Result<fs::path> UnpackedFiles::place(const std::string& name) {
   const std::string file = last_part(name), folder = fs::path(name).parent_path().string();
   if (file.empty()) return invalid_data("holds a file without a name");
@@ -115,7 +120,9 @@ Result<fs::path> UnpackedFiles::place(const std::string& name) {
   }
   std::error_code error;
   fs::create_directories(folder_ / known->second, error);
-  if (error) return Error{ErrorCode::Internal, (folder_ / known->second).string() + ": cannot be made: " + error.message()};
+  if (error)
+    return Error{ErrorCode::Internal,
+                 (folder_ / known->second).string() + ": cannot be made: " + error.message()};
   const std::string path = (fs::path(known->second) / file).string();
   paths_[name] = path;
   return folder_ / path;
@@ -129,7 +136,8 @@ Result<UnpackedFiles> UnpackedFiles::unpack(const RecordingReader& recording) {
     if (unpacked.folder_.empty()) {
       std::string made = (fs::temp_directory_path() / "livegs_replay_XXXXXX").string();
       if (::mkdtemp(made.data()) == nullptr)
-        return Error{ErrorCode::Internal, made + ": cannot be made: " + std::strerror(errno) + "; give another folder by TMPDIR"};
+        return Error{ErrorCode::Internal,
+                     made + ": cannot be made: " + std::strerror(errno) + "; give another folder by TMPDIR"};
       unpacked.folder_ = made;
     }
     if (piece.offset == 0) {
@@ -138,9 +146,11 @@ Result<UnpackedFiles> UnpackedFiles::unpack(const RecordingReader& recording) {
       path = *placed;
       out = std::ofstream(path, std::ios::binary | std::ios::trunc);
     }
-    out.write(reinterpret_cast<const char*>(piece.bytes.data()), static_cast<std::streamsize>(piece.bytes.size()));
+    out.write(reinterpret_cast<const char*>(piece.bytes.data()),
+              static_cast<std::streamsize>(piece.bytes.size()));
     out.flush();
-    if (!out) return Error{ErrorCode::Internal, path.string() + ": cannot be written; give another folder by TMPDIR"};
+    if (!out)
+      return Error{ErrorCode::Internal, path.string() + ": cannot be written; give another folder by TMPDIR"};
     return {};
   });
   if (!done) return Error{done.error().code, recording.path().string() + ": " + done.error().message};

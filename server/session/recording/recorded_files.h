@@ -14,16 +14,17 @@
 
 namespace livegs {
 
-// The files that a scene is built from, besides its own: assets, lists of points, meshes and paths of hands, named as the scene
-// names them. Those of an asset that is a folder are FOLDER/FILE.
+// The files that a scene is built from, besides its own: assets, lists of points, meshes and paths of hands,
+// named as the scene names them. Those of an asset that is a folder are FOLDER/FILE.
 std::vector<std::string> files_of(const v1::SceneSource& source);
 
-// Writes those into a recording that it does not hold yet, as they are on the disk now. One that cannot be read is told in the
-// log and left out. Fails only with the recording.
-Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& held, RecordingWriter& recording);
+// Writes those into a recording that it does not hold yet, as they are on the disk now. One that cannot be
+// read is told in the log and left out. Fails only with the recording.
+Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& held,
+                         RecordingWriter& recording);
 
-// The files that a recording holds, in a folder of their own that goes with this. What a scene calls them is never taken for a
-// path: it may be anywhere, or "../".
+// The files that a recording holds, in a folder of their own that goes with this. What a scene calls them is
+// never taken for a path: it may be anywhere, or "../".
 class UnpackedFiles {
  public:
   // Without any file when the recording holds none.

@@ -55,7 +55,8 @@ class SessionRecorder::Session {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  // Memory that is short ends the recording as a full disk does: without an index, since what it was short for may be half there.
+  // Memory that is short ends the recording as a full disk does: without an index, since what it was short
+  // for may be half there.
   template <typename Write>
   Result<void> unless_thrown(Write&& write) {
     if (thrown_) return *thrown_;
@@ -166,10 +167,12 @@ Result<void> SessionRecorder::start(const std::filesystem::path& path, const Rec
     return invalid_argument(path.string() + ": cannot be made: the server has no folder " + folder.string());
   }
   if (::access(folder.c_str(), W_OK) != 0) {
-    return invalid_argument(path.string() + ": cannot be made: the server may not write into " + folder.string());
+    return invalid_argument(path.string() + ": cannot be made: the server may not write into " +
+                            folder.string());
   }
   std::lock_guard lock(mutex_);
-  if (session_) return invalid_argument("recording: one is being written already, " + session_->path().string());
+  if (session_)
+    return invalid_argument("recording: one is being written already, " + session_->path().string());
   session_ = std::make_unique<Session>(path, options, assets_);
   ++sessions_;
   begins_ = true;
@@ -183,7 +186,8 @@ Result<void> SessionRecorder::start(const std::filesystem::path& path, const Rec
 Result<v1::RecordingStatus> SessionRecorder::stop() {
   std::unique_lock lock(mutex_);
   if (!session_) {
-    return not_found("recording: none is being written" + (status_.message().empty() ? "" : "; " + status_.message()));
+    return not_found("recording: none is being written" +
+                     (status_.message().empty() ? "" : "; " + status_.message()));
   }
   ends_ = true;
   changed_.notify_all();
@@ -200,7 +204,8 @@ size_t SessionRecorder::bytes_of(const TickResult& tick) {
   size_t bytes = sizeof(Job);
   for (const ObjectDrivers& object : tick.drivers.objects) {
     bytes += sizeof(ObjectDrivers) + object.poses.size() * sizeof(Pose) +
-             object.positions_m.size() * sizeof(Eigen::Vector3f) + object.rotations.size() * sizeof(Eigen::Quaternionf);
+             object.positions_m.size() * sizeof(Eigen::Vector3f) +
+             object.rotations.size() * sizeof(Eigen::Quaternionf);
   }
   return bytes;
 }
@@ -305,14 +310,16 @@ void SessionRecorder::run() {
       lock.unlock();
       const auto finished = session.finish();
       lock.lock();
-      if (!finished && status_.message().empty()) fail(finished.error().message + "; what it has can be read");
+      if (!finished && status_.message().empty())
+        fail(finished.error().message + "; what it has can be read");
       status_.set_bytes(session.bytes());
       status_.set_recording(false);
       if (!status_.message().empty())
         log_warn("%s", status_.message().c_str());
       else
         log_info("recorded %s: %llu ticks, %.1f MB", session.path().c_str(),
-                 static_cast<unsigned long long>(status_.ticks()), static_cast<double>(status_.bytes()) * 1e-6);
+                 static_cast<unsigned long long>(status_.ticks()),
+                 static_cast<double>(status_.bytes()) * 1e-6);
       session_.reset();
       changed_.notify_all();
     }

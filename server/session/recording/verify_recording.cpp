@@ -23,9 +23,10 @@ class Verifier {
 
   Result<Verification> run(const std::function<void(uint64_t tick)>& progress) {
     if (!recording_.start().whole()) {
-      return invalid_argument(recording_.path().string() +
-                              ": has not all that was done since its scene was built, so that it cannot be simulated "
-                              "again; record from the first tick on, with livegs-server --record");
+      return invalid_argument(
+          recording_.path().string() +
+          ": has not all that was done since its scene was built, so that it cannot be simulated "
+          "again; record from the first tick on, with livegs-server --record");
     }
     if (folder_.empty()) {
       auto unpacked = UnpackedFiles::unpack(recording_);
@@ -109,7 +110,8 @@ class Verifier {
     }
     const TickResult tick = run_->advance(record.actions);
     ++seen_.ticks;
-    if (tick.drivers.tick != record.tick) return invalid_data(recording_.path().string() + ": its ticks do not rise");
+    if (tick.drivers.tick != record.tick)
+      return invalid_data(recording_.path().string() + ": its ticks do not rise");
     begun_ = begun_ || record.key;
     if (!begun_) return {};
     for (const ObjectHash& one : record.hashes) hashes_[one.object_id] = one.hash;
@@ -139,7 +141,8 @@ class Verifier {
     written_ = encode_stream_frame(drivers, record.key ? nullptr : written_).next;
     Hashes was, now;
     for (const ObjectDrivers& object : recorded->objects) was[object.object_id] = driver_hash(object);
-    for (const ObjectDrivers& object : frame_of(*written_).objects) now[object.object_id] = driver_hash(object);
+    for (const ObjectDrivers& object : frame_of(*written_).objects)
+      now[object.object_id] = driver_hash(object);
     compare(was, now, record.tick, "has another frame");
     ++seen_.frames;
     return {};

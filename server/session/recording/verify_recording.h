@@ -24,10 +24,10 @@ struct Verification {
   std::optional<Difference> difference;
 };
 
-// Builds the scene of a recording anew, with the files in `folder` (empty: those that it holds, or, where it holds none, where
-// they were), does again what was done, and
-// compares the drivers of every tick to the last bit, and every frame. Stops at the first difference. InvalidArgument when
-// the recording has not all that was done since its scene was built, NotFound and others when that cannot be loaded.
+// Builds the scene of a recording anew, with the files in `folder` (empty: those that it holds, or, where it
+// holds none, where they were), does again what was done, and compares the drivers of every tick to the last
+// bit, and every frame. Stops at the first difference. InvalidArgument when the recording has not all that
+// was done since its scene was built, NotFound and others when that cannot be loaded.
 Result<Verification> verify_recording(RecordingReader& recording, const std::filesystem::path& folder,
                                       const std::function<void(uint64_t tick)>& progress = {});
 

@@ -27,7 +27,8 @@ bool sayable(const std::string& reason) {
          std::all_of(reason.begin(), reason.end(), [](unsigned char c) { return std::isprint(c) != 0; });
 }
 
-const grpc::Status kNotSayable(grpc::StatusCode::INVALID_ARGUMENT, "reason: is not of at most 200 printable characters");
+const grpc::Status kNotSayable(grpc::StatusCode::INVALID_ARGUMENT,
+                               "reason: is not of at most 200 printable characters");
 const grpc::Status kNoTokens(grpc::StatusCode::FAILED_PRECONDITION,
                              "this server is in the clear and asks for no tokens; start it with --tls on");
 
@@ -53,8 +54,8 @@ void AdminService::set_drain(Drainer drain) {
   drain_ = std::move(drain);
 }
 
-grpc::ServerUnaryReactor* AdminService::GetStatus(grpc::CallbackServerContext* context, const v1::GetStatusRequest*,
-                                                  v1::ServerStatus* reply) {
+grpc::ServerUnaryReactor* AdminService::GetStatus(grpc::CallbackServerContext* context,
+                                                  const v1::GetStatusRequest*, v1::ServerStatus* reply) {
   const SessionTable::Status status = table_.status();
   const int64_t now = now_ns();
   reply->set_version(kVersion);
@@ -96,8 +97,9 @@ grpc::ServerUnaryReactor* AdminService::KickClient(grpc::CallbackServerContext* 
                                                    const v1::KickClientRequest* request,
                                                    v1::KickClientReply* reply) {
   if (!sayable(request->reason())) return finish(context, kNotSayable);
-  const Error why{ErrorCode::PermissionDenied, "who runs the server ended this session" +
-                                                   (request->reason().empty() ? "" : ": " + request->reason())};
+  const Error why{
+      ErrorCode::PermissionDenied,
+      "who runs the server ended this session" + (request->reason().empty() ? "" : ": " + request->reason())};
   const auto ended = table_.end_session(request->session(), why);
   if (!ended) return finish(context, to_status(ended.error()));
   reply->set_session(ended->substr(0, 8));
@@ -105,7 +107,8 @@ grpc::ServerUnaryReactor* AdminService::KickClient(grpc::CallbackServerContext* 
 }
 
 grpc::ServerUnaryReactor* AdminService::AddToken(grpc::CallbackServerContext* context,
-                                                 const v1::AddTokenRequest* request, v1::AddTokenReply* reply) {
+                                                 const v1::AddTokenRequest* request,
+                                                 v1::AddTokenReply* reply) {
   if (!security_) return finish(context, kNoTokens);
   auto made = security_->tokens().add(request->name(), request->scope(), request->days());
   if (!made) return finish(context, to_status(made.error()));
@@ -116,8 +119,8 @@ grpc::ServerUnaryReactor* AdminService::AddToken(grpc::CallbackServerContext* co
   return finish(context, grpc::Status::OK);
 }
 
-grpc::ServerUnaryReactor* AdminService::ListTokens(grpc::CallbackServerContext* context, const v1::ListTokensRequest*,
-                                                   v1::TokenList* reply) {
+grpc::ServerUnaryReactor* AdminService::ListTokens(grpc::CallbackServerContext* context,
+                                                   const v1::ListTokensRequest*, v1::TokenList* reply) {
   if (!security_) return finish(context, kNoTokens);
   for (v1::Token& token : security_->tokens().list()) *reply->add_tokens() = std::move(token);
   return finish(context, grpc::Status::OK);
@@ -134,16 +137,18 @@ grpc::ServerUnaryReactor* AdminService::RevokeToken(grpc::CallbackServerContext*
   return finish(context, grpc::Status::OK);
 }
 
-grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* context, const v1::DrainRequest* request,
-                                              v1::DrainReply*) {
+grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* context,
+                                              const v1::DrainRequest* request, v1::DrainReply*) {
   if (!sayable(request->reason())) return finish(context, kNotSayable);
   Drainer drain;
   {
     std::lock_guard lock(mutex_);
     drain = drain_;
   }
-  if (!drain) return finish(context, {grpc::StatusCode::UNAVAILABLE, "this server is still building its scene"});
-  drain(request->reason().empty() ? "the server is being drained" : "the server is being drained: " + request->reason());
+  if (!drain)
+    return finish(context, {grpc::StatusCode::UNAVAILABLE, "this server is still building its scene"});
+  drain(request->reason().empty() ? "the server is being drained"
+                                  : "the server is being drained: " + request->reason());
   return finish(context, grpc::Status::OK);
 }
 
@@ -158,7 +163,8 @@ grpc::ServerUnaryReactor* AdminService::StartRecording(grpc::CallbackServerConte
 }
 
 grpc::ServerUnaryReactor* AdminService::StopRecording(grpc::CallbackServerContext* context,
-                                                      const v1::StopRecordingRequest*, v1::RecordingStatus* reply) {
+                                                      const v1::StopRecordingRequest*,
+                                                      v1::RecordingStatus* reply) {
   auto stopped = recorder_.stop();
   if (!stopped) return finish(context, to_status(stopped.error()));
   *reply = std::move(*stopped);

@@ -12,13 +12,13 @@
 
 namespace livegs {
 
-// livegs.v1.Admin: `livegs ctl` talks to it. Who may is the gate's business; in the clear everybody on this machine may
-// but for tokens, which would outlive this server. Every call answers at once.
+// livegs.v1.Admin: `livegs ctl` talks to it. Who may is the gate's business; in the clear everybody on this
+// machine may but for tokens, which would outlive this server. Every call answers at once.
 class AdminService final
-    : public v1::Admin::WithCallbackMethod_GetStatus<v1::Admin::WithCallbackMethod_KickClient<
-          v1::Admin::WithCallbackMethod_AddToken<v1::Admin::WithCallbackMethod_ListTokens<
-              v1::Admin::WithCallbackMethod_RevokeToken<v1::Admin::WithCallbackMethod_Drain<
-                  v1::Admin::WithCallbackMethod_StartRecording<
+    : public v1::Admin::WithCallbackMethod_GetStatus<
+          v1::Admin::WithCallbackMethod_KickClient<v1::Admin::WithCallbackMethod_AddToken<
+              v1::Admin::WithCallbackMethod_ListTokens<v1::Admin::WithCallbackMethod_RevokeToken<
+                  v1::Admin::WithCallbackMethod_Drain<v1::Admin::WithCallbackMethod_StartRecording<
                       v1::Admin::WithCallbackMethod_StopRecording<v1::Admin::Service>>>>>>>> {
  public:
   using Drainer = std::function<void(const std::string& reason)>;
@@ -27,16 +27,17 @@ class AdminService final
 
   void set_drain(Drainer drain);
 
-  grpc::ServerUnaryReactor* GetStatus(grpc::CallbackServerContext* context, const v1::GetStatusRequest* request,
-                                      v1::ServerStatus* reply) override;
-  grpc::ServerUnaryReactor* KickClient(grpc::CallbackServerContext* context, const v1::KickClientRequest* request,
+  grpc::ServerUnaryReactor* GetStatus(grpc::CallbackServerContext* context,
+                                      const v1::GetStatusRequest* request, v1::ServerStatus* reply) override;
+  grpc::ServerUnaryReactor* KickClient(grpc::CallbackServerContext* context,
+                                       const v1::KickClientRequest* request,
                                        v1::KickClientReply* reply) override;
   grpc::ServerUnaryReactor* AddToken(grpc::CallbackServerContext* context, const v1::AddTokenRequest* request,
                                      v1::AddTokenReply* reply) override;
-  grpc::ServerUnaryReactor* ListTokens(grpc::CallbackServerContext* context, const v1::ListTokensRequest* request,
-                                       v1::TokenList* reply) override;
-  grpc::ServerUnaryReactor* RevokeToken(grpc::CallbackServerContext* context, const v1::RevokeTokenRequest* request,
-                                        v1::Token* reply) override;
+  grpc::ServerUnaryReactor* ListTokens(grpc::CallbackServerContext* context,
+                                       const v1::ListTokensRequest* request, v1::TokenList* reply) override;
+  grpc::ServerUnaryReactor* RevokeToken(grpc::CallbackServerContext* context,
+                                        const v1::RevokeTokenRequest* request, v1::Token* reply) override;
   grpc::ServerUnaryReactor* Drain(grpc::CallbackServerContext* context, const v1::DrainRequest* request,
                                   v1::DrainReply* reply) override;
   grpc::ServerUnaryReactor* StartRecording(grpc::CallbackServerContext* context,

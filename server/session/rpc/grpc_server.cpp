@@ -13,13 +13,13 @@
 
 #include "core/log.h"
 #include "scene/build/fragile_object.h"
-#include "session/rpc/admin_service.h"
 #include "session/access/call_authoriser.h"
 #include "session/access/connection_limiter.h"
-#include "session/assets/describe_object.h"
-#include "session/rpc/grpc_service.h"
 #include "session/access/server_security.h"
+#include "session/assets/describe_object.h"
 #include "session/recording/session_recorder.h"
+#include "session/rpc/admin_service.h"
+#include "session/rpc/grpc_service.h"
 #include "session/rpc/spectator_service.h"
 #include "trust/host_port.h"
 
@@ -31,8 +31,10 @@ constexpr const char* kServiceName = "livegs.v1.LiveGs";
 // Everything a client sends is small.
 constexpr int kMaxRequestBytes = 16 << 10;
 constexpr int kMaxStreamsPerConnection = 16;
-static_assert(3 * kMaxSessions < kMaxConnections, "a client has three, and some room is left for who only asks");
-// What clients that still read need on a machine that is busy to hear the reason; only one that does not takes it all.
+static_assert(3 * kMaxSessions < kMaxConnections,
+              "a client has three, and some room is left for who only asks");
+// What clients that still read need on a machine that is busy to hear the reason; only one that does not
+// takes it all.
 constexpr std::chrono::seconds kShutdownTimeout{3};
 
 // Health and reflection are switched on for the process, before the first server is built; what gRPC has to
@@ -50,16 +52,16 @@ void limit(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
-  // Who opens a connection and says nothing, and who is done with it, does not keep it: three seconds for the handshake,
-  // and more than the two minutes that a client may take from Join to Stream without a call.
+  // Who opens a connection and says nothing, and who is done with it, does not keep it: three seconds for the
+  // handshake, and more than the two minutes that a client may take from Join to Stream without a call.
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 3000);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 180'000);
   // A machine that fell off the network is noticed within four seconds; sessions have their own, shorter
   // patience.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 1000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 3000);
-  // Only while a call is open: between joining and its stream a client may load assets for longer, and nothing in it
-  // answers a ping then.
+  // Only while a call is open: between joining and its stream a client may load assets for longer, and
+  // nothing in it answers a ping then.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 500);
@@ -81,15 +83,19 @@ Result<void> check_listen_address(const std::string& address, bool secure) {
   const auto parsed = parse_host_port(address);
   if (!parsed) return invalid_argument("--listen " + parsed.error().message);
   if (parsed->loopback || secure) return {};
-  return invalid_argument("--listen " + address +
-                          ": other machines are let in with TLS and tokens only; leave --tls off out, or listen on "
-                          "127.0.0.1, localhost or [::1]");
+  return invalid_argument(
+      "--listen " + address +
+      ": other machines are let in with TLS and tokens only; leave --tls off out, or listen on "
+      "127.0.0.1, localhost or [::1]");
 }
 
 struct GrpcServer::Parts {
-  explicit Parts(ServerSecurity* security) : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
+  explicit Parts(ServerSecurity* security)
+      : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
     proposals->table = &table;
-    if (security) table.check_grants_with([security](const Grant& grant) { return security->tokens().check_still(grant); });
+    if (security)
+      table.check_grants_with(
+          [security](const Grant& grant) { return security->tokens().check_still(grant); });
     publisher = std::make_unique<FramePublisher>(table, assets);  // its thread looks at the table at once
   }
   SessionTable table;
@@ -148,7 +154,8 @@ void GrpcServer::open(const std::string& scene_name, double rate_hz,
   std::vector<SessionTable::Object> described;
   for (const SceneObject* object : objects) {
     if (object->broken) (void)parts_->assets.add(object->broken->asset);
-    described.push_back(std::make_shared<const v1::ObjectDescription>(describe_object(*object, parts_->assets)));
+    described.push_back(
+        std::make_shared<const v1::ObjectDescription>(describe_object(*object, parts_->assets)));
   }
   parts_->publisher->begin_with(objects);
   parts_->table.open(scene_name, rate_hz, std::move(described), inputs);
@@ -178,7 +185,9 @@ Result<std::string> GrpcServer::publish(const std::string& address) {
 
 SessionRecorder& GrpcServer::recorder() { return parts_->recorder; }
 
-void GrpcServer::open_drain(std::function<void(const std::string&)> drain) { parts_->admin.set_drain(std::move(drain)); }
+void GrpcServer::open_drain(std::function<void(const std::string&)> drain) {
+  parts_->admin.set_drain(std::move(drain));
+}
 
 void GrpcServer::open_run(RunControl& run) { parts_->service.set_run(&run); }
 
@@ -190,10 +199,11 @@ void GrpcServer::encode_ahead(const Scene& scene) {
 }
 
 void GrpcServer::open_analysis(AnalysisControl& analysis) {
-  analysis.watch_proposals([told = parts_->proposals](const std::string& object, const v1::PhysicsFile* proposal) {
-    std::lock_guard lock(told->mutex);
-    if (told->table) told->table->propose(object, proposal);
-  });
+  analysis.watch_proposals(
+      [told = parts_->proposals](const std::string& object, const v1::PhysicsFile* proposal) {
+        std::lock_guard lock(told->mutex);
+        if (told->table) told->table->propose(object, proposal);
+      });
   parts_->service.set_analysis(&analysis);
 }
 

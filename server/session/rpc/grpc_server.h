@@ -8,8 +8,8 @@
 
 #include "core/result.h"
 #include "scene/scene.h"
-#include "session/tick/analysis_control.h"
 #include "session/publish/frame_publisher.h"
+#include "session/tick/analysis_control.h"
 #include "session/tick/run_control.h"
 #include "session/tick/tick_result.h"
 
@@ -18,8 +18,8 @@ namespace livegs {
 class ServerSecurity;
 class SessionRecorder;
 
-// HOST:PORT, checked: a port, and, unless `secure`, an address of this very machine: any other is listened on with TLS
-// and tokens only.
+// HOST:PORT, checked: a port, and, unless `secure`, an address of this very machine: any other is listened on
+// with TLS and tokens only.
 Result<void> check_listen_address(const std::string& address, bool secure);
 
 // The gRPC server with its sessions, its publisher, health and reflection. It knows a scene only as objects
@@ -31,9 +31,10 @@ Result<void> check_listen_address(const std::string& address, bool secure);
 //   loop.stop(); server->shut_down("reason");
 class GrpcServer {
  public:
-  // In the clear, or with `security` over TLS with a token for each call; it outlives the server. Fails with Unavailable
-  // when the port is in use, InvalidArgument when the address may not be listened on.
-  static Result<std::unique_ptr<GrpcServer>> listen(const std::string& address, ServerSecurity* security = nullptr);
+  // In the clear, or with `security` over TLS with a token for each call; it outlives the server. Fails with
+  // Unavailable when the port is in use, InvalidArgument when the address may not be listened on.
+  static Result<std::unique_ptr<GrpcServer>> listen(const std::string& address,
+                                                    ServerSecurity* security = nullptr);
   ~GrpcServer();
 
   int port() const;
@@ -49,7 +50,8 @@ class GrpcServer {
   void admit(size_t clients);
   // No client is sent more than this, megabits a second of messages, whatever it wishes for; before open().
   void cap_clients(double mbit_s);
-  // From now on every frame is published there, too (ZmqPublisher::bind()); before the first tick. The address as bound.
+  // From now on every frame is published there, too (ZmqPublisher::bind()); before the first tick. The
+  // address as bound.
   Result<std::string> publish(const std::string& address);
   // From now on clients may analyse and edit what things are made of. `analysis` outlives shut_down().
   void open_analysis(AnalysisControl& analysis);
@@ -57,10 +59,12 @@ class GrpcServer {
   void open_drain(std::function<void(const std::string& reason)> drain);
   // From now on clients may halt, step and reset it. `run` outlives shut_down().
   void open_run(RunControl& run);
-  // Encodes what this scene draws, on the calling thread, so that nothing waits for that when it takes the other's place.
+  // Encodes what this scene draws, on the calling thread, so that nothing waits for that when it takes the
+  // other's place.
   void encode_ahead(const Scene& scene);
 
-  // Tells every client, waits for their streams to end, at most three seconds, then ends them. More than once is fine.
+  // Tells every client, waits for their streams to end, at most three seconds, then ends them. More than once
+  // is fine.
   void shut_down(const std::string& reason);
 
   SessionTable::Totals sessions() const;

@@ -7,12 +7,12 @@
 
 #include "core/clock.h"
 #include "core/log.h"
+#include "session/access/call_authoriser.h"
 #include "session/rpc/analysis_call.h"
 #include "session/rpc/asset_call.h"
-#include "session/access/call_authoriser.h"
 #include "session/rpc/grpc_status.h"
-#include "session/simulation/hand_controls.h"
 #include "session/rpc/stream_call.h"
+#include "session/simulation/hand_controls.h"
 #include "session/support/version.h"
 #include "wire/driver_grid.h"
 #include "wire/frame_codec.h"
@@ -25,7 +25,8 @@ constexpr size_t kMaxClientName = 64;
 constexpr double kBytesPerMbit = 1e6 / 8;
 // A client that wishes for less would wait seconds for its first frame.
 constexpr double kMinMbit_s = 0.1;
-// Frames that come less often than this are no motion: the client's playout takes the next for a new beginning.
+// Frames that come less often than this are no motion: the client's playout takes the next for a new
+// beginning.
 constexpr double kMinRate_hz = 5;
 
 // A client's name goes to the log: printable ASCII only.
@@ -77,18 +78,21 @@ namespace {
 Result<void> check_encoding(v1::JoinRequest::Encoding encoding, const SessionTable::Described& scene) {
   if (!v1::JoinRequest::Encoding_IsValid(encoding)) {
     return invalid_argument("encoding: " + std::to_string(encoding) +
-                            " is none; 0 to 3 are DRIVERS, DRIVERS_RAW, KERNELS and KERNELS_EXACT, livegs.v1.JoinRequest.Encoding");
+                            " is none; 0 to 3 are DRIVERS, DRIVERS_RAW, KERNELS and KERNELS_EXACT, "
+                            "livegs.v1.JoinRequest.Encoding");
   }
   if (!is_kernel_encoding(encoding)) return {};
   size_t bytes = kKernelFrameHeaderBytes, kernels = 0;
   for (const SessionTable::Object& object : scene.objects) {
     kernels += object->kernel_count();
-    bytes += kernel_bytes(object->kernel_count(),
-                          encoding == v1::JoinRequest::KERNELS ? KernelEncoding::Quantised : KernelEncoding::Exact);
+    bytes +=
+        kernel_bytes(object->kernel_count(), encoding == v1::JoinRequest::KERNELS ? KernelEncoding::Quantised
+                                                                                  : KernelEncoding::Exact);
   }
   if (bytes <= kMaxFrameBytes) return {};
-  return invalid_argument("encoding: the scene's " + std::to_string(kernels) + " kernels take " + std::to_string(bytes >> 20) +
-                          " MiB, where a frame holds " + std::to_string(kMaxFrameBytes >> 20) + "; ask for DRIVERS" +
+  return invalid_argument("encoding: the scene's " + std::to_string(kernels) + " kernels take " +
+                          std::to_string(bytes >> 20) + " MiB, where a frame holds " +
+                          std::to_string(kMaxFrameBytes >> 20) + "; ask for DRIVERS" +
                           (encoding == v1::JoinRequest::KERNELS ? "" : ", or KERNELS, which take less"));
 }
 
@@ -104,16 +108,18 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   }
   const double wish_mbit_s = request.most_mbit_s();
   if (wish_mbit_s != 0 && !(wish_mbit_s >= kMinMbit_s)) {  // NaN too
-    return {grpc::StatusCode::INVALID_ARGUMENT, "most_mbit_s: is not 0.1 or more; leave it out, or 0, for whatever the server gives"};
+    return {grpc::StatusCode::INVALID_ARGUMENT,
+            "most_mbit_s: is not 0.1 or more; leave it out, or 0, for whatever the server gives"};
   }
   const double wish_hz = request.rate_hz();
   if (wish_hz != 0 && !(wish_hz >= kMinRate_hz)) {
-    return {grpc::StatusCode::INVALID_ARGUMENT, "rate_hz: is not 5 or more; leave it out, or 0, for a frame each tick"};
+    return {grpc::StatusCode::INVALID_ARGUMENT,
+            "rate_hz: is not 5 or more; leave it out, or 0, for a frame each tick"};
   }
   const uint32_t position_bits = request.position_bits() == 0 ? 16 : request.position_bits();
   if (!may_ask_for(position_bits)) {
-    return {grpc::StatusCode::INVALID_ARGUMENT,
-            "position_bits: " + std::to_string(position_bits) + " is neither 16, 18 nor 20; leave it out, or 0, for 16"};
+    return {grpc::StatusCode::INVALID_ARGUMENT, "position_bits: " + std::to_string(position_bits) +
+                                                    " is neither 16, 18 nor 20; leave it out, or 0, for 16"};
   }
   const auto scene = table_.described();
   if (!scene) return to_status(scene.error());
@@ -127,7 +133,8 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   terms.max_bytes_s = wish_mbit_s == 0 ? cap_bytes_s_ : std::min(cap_bytes_s_, wish_mbit_s * kBytesPerMbit);
   terms.position_bits = static_cast<int>(position_bits);
   terms.encoding = request.encoding();
-  terms.every = static_cast<uint64_t>(std::max(1.0, wish_hz == 0 ? 1.0 : std::floor(scene->rate_hz / wish_hz + 1e-9)));
+  terms.every =
+      static_cast<uint64_t>(std::max(1.0, wish_hz == 0 ? 1.0 : std::floor(scene->rate_hz / wish_hz + 1e-9)));
   terms.tick_ns = static_cast<int64_t>(1e9 / scene->rate_hz);
   auto joined = table_.join(request.resumed_session_id(), {std::move(*grant), name, peer}, terms);
   if (!joined) return to_status(joined.error());
@@ -174,8 +181,9 @@ grpc::ServerUnaryReactor* GrpcService::SetPhysics(grpc::CallbackServerContext* c
                                                   v1::PhysicsReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   AnalysisControl* analysis = analysis_;
-  reactor->Finish(answer(analysis ? analysis->set_physics(request->object(), request->physics(), request->name())
-                                  : Result<v1::PhysicsReply>(no_analysis()),
+  reactor->Finish(answer(analysis
+                             ? analysis->set_physics(request->object(), request->physics(), request->name())
+                             : Result<v1::PhysicsReply>(no_analysis()),
                          *reply));
   return reactor;
 }
@@ -185,7 +193,7 @@ grpc::ServerUnaryReactor* GrpcService::AcceptProposal(grpc::CallbackServerContex
                                                       v1::PhysicsReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   AnalysisControl* analysis = analysis_;
-  reactor->Finish(answer(!analysis              ? Result<v1::PhysicsReply>(no_analysis())
+  reactor->Finish(answer(!analysis            ? Result<v1::PhysicsReply>(no_analysis())
                          : request->decline() ? analysis->decline_proposal(request->object())
                                               : analysis->accept_proposal(request->object()),
                          *reply));
@@ -212,7 +220,8 @@ grpc::ServerUnaryReactor* GrpcService::ControlRun(grpc::CallbackServerContext* c
 
 grpc::Status GrpcService::control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const {
   RunControl* run = run_;
-  if (!run) return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server halts nothing"};
+  if (!run)
+    return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server halts nothing"};
   const auto status = run->control(request);
   if (!status) return to_status(status.error());
   write_run(*status, reply);
@@ -227,9 +236,11 @@ grpc::ServerUnaryReactor* GrpcService::ApplyForce(grpc::CallbackServerContext* c
   return reactor;
 }
 
-grpc::Status GrpcService::apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const {
+grpc::Status GrpcService::apply_force(const v1::ApplyForceRequest& request,
+                                      v1::ApplyForceReply& reply) const {
   RunControl* run = run_;
-  if (!run) return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server takes no forces"};
+  if (!run)
+    return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server takes no forces"};
   if (!table_.object(request.force().object())) return unknown_object(request.force().object());
   reply.set_tick(table_.status().tick);
   if (auto applied = run->apply_force(request.force()); !applied) return to_status(applied.error());

@@ -5,24 +5,23 @@
 #include <limits>
 
 #include "livegs/v1/session.grpc.pb.h"
-#include "session/tick/analysis_control.h"
-#include "session/assets/asset_store.h"
-#include "session/tick/run_control.h"
-#include "session/sessions/session_table.h"
 #include "session/access/token_store.h"
+#include "session/assets/asset_store.h"
+#include "session/sessions/session_table.h"
+#include "session/tick/analysis_control.h"
+#include "session/tick/run_control.h"
 
 namespace livegs {
 
 // livegs.v1.LiveGs over gRPC's callback API. Every call answers from the session table and the asset store;
 // none waits for the simulation.
 class GrpcService final
-    : public v1::LiveGs::WithRawCallbackMethod_Stream<
-          v1::LiveGs::WithCallbackMethod_GetServerInfo<v1::LiveGs::WithCallbackMethod_Join<
-              v1::LiveGs::WithCallbackMethod_FetchAsset<v1::LiveGs::WithCallbackMethod_AnalyzeObject<
-                  v1::LiveGs::WithCallbackMethod_AnalyzeScene<v1::LiveGs::WithCallbackMethod_SetPhysics<
-                      v1::LiveGs::WithCallbackMethod_UndoPhysics<v1::LiveGs::WithCallbackMethod_ControlRun<
-                          v1::LiveGs::WithCallbackMethod_AcceptProposal<
-                              v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>>> {
+    : public v1::LiveGs::WithRawCallbackMethod_Stream<v1::LiveGs::WithCallbackMethod_GetServerInfo<
+          v1::LiveGs::WithCallbackMethod_Join<v1::LiveGs::WithCallbackMethod_FetchAsset<
+              v1::LiveGs::WithCallbackMethod_AnalyzeObject<v1::LiveGs::WithCallbackMethod_AnalyzeScene<
+                  v1::LiveGs::WithCallbackMethod_SetPhysics<v1::LiveGs::WithCallbackMethod_UndoPhysics<
+                      v1::LiveGs::WithCallbackMethod_ControlRun<v1::LiveGs::WithCallbackMethod_AcceptProposal<
+                          v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>>> {
  public:
   // `tokens`: those that the gate asks for; null in the clear.
   GrpcService(SessionTable& table, const AssetStore& assets, const TokenStore* tokens)
@@ -58,7 +57,8 @@ class GrpcService final
                                        const v1::ApplyForceRequest* request,
                                        v1::ApplyForceReply* reply) override;
 
-  // What a client's stream may take, bytes a second, if it does not wish for less. Before the first one joins.
+  // What a client's stream may take, bytes a second, if it does not wish for less. Before the first one
+  // joins.
   void set_cap(double bytes_s) { cap_bytes_s_ = bytes_s; }
   // From now on clients may halt, step and reset; nullptr: no more. It outlives the calls.
   void set_run(RunControl* run) { run_ = run; }
@@ -66,7 +66,8 @@ class GrpcService final
   void set_analysis(AnalysisControl* analysis) { analysis_ = analysis; }
 
  private:
-  grpc::Status join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request, v1::JoinReply& reply);
+  grpc::Status join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request,
+                    v1::JoinReply& reply);
   grpc::Status control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const;
   grpc::Status apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const;
   grpc::Status unknown_object(const std::string& name) const;

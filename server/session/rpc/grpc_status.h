@@ -9,7 +9,8 @@
 
 namespace livegs {
 
-// The one place where an ErrorCode becomes a code of gRPC. A path of this machine is told as a name, and whole in the log.
+// The one place where an ErrorCode becomes a code of gRPC. A path of this machine is told as a name, and
+// whole in the log.
 inline grpc::Status to_status(const Error& error) {
   const auto code = [&] {
     switch (error.code) {

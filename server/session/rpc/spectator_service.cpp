@@ -18,8 +18,8 @@ grpc::ServerUnaryReactor* SpectatorService::DescribeScene(grpc::CallbackServerCo
   if (request->protocol_version() != kProtocolVersion) {
     return finish({grpc::StatusCode::FAILED_PRECONDITION,
                    "the client speaks protocol version " + std::to_string(request->protocol_version()) +
-                       " and this server, livegs " + kVersion + ", speaks " + std::to_string(kProtocolVersion) +
-                       "; update the older one"});
+                       " and this server, livegs " + kVersion + ", speaks " +
+                       std::to_string(kProtocolVersion) + "; update the older one"});
   }
   const auto scene = table_.described();
   if (!scene) return finish(to_status(scene.error()));

@@ -68,7 +68,8 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
 
 }  // namespace
 
-StreamCall* StreamCall::start(SessionTable& table, Result<Grant> grant, grpc::CallbackServerContext& context) {
+StreamCall* StreamCall::start(SessionTable& table, Result<Grant> grant,
+                              grpc::CallbackServerContext& context) {
   const std::shared_ptr<StreamCall> call(new StreamCall(table, grant ? *grant : Grant{}, context));
   call->self_ = call;
   if (grant) {
@@ -121,9 +122,11 @@ std::optional<grpc::Status> StreamCall::take_message() {
     const auto attached = session->attach(weak_from_this());
     if (!attached) {
       return session->state() == ClientSession::State::Streaming
-                 ? grpc::Status(grpc::StatusCode::ALREADY_EXISTS, "session_id: the session has a stream already")
-                 : grpc::Status(grpc::StatusCode::NOT_FOUND,
-                                "session_id: the session lost its stream; call Join with resumed_session_id first");
+                 ? grpc::Status(grpc::StatusCode::ALREADY_EXISTS,
+                                "session_id: the session has a stream already")
+                 : grpc::Status(
+                       grpc::StatusCode::NOT_FOUND,
+                       "session_id: the session lost its stream; call Join with resumed_session_id first");
     }
     stream = attached->stream;
     log_info("session %.8s: streaming to %s", session->id.c_str(), context_.peer().c_str());
@@ -148,7 +151,8 @@ std::optional<grpc::Status> StreamCall::take_message() {
     heard_ns_ = heard_ns;
     if (*view) view_ = *view;
     if (message.key_frame_wanted()) baseline_ = nullptr;
-    for (; !unacknowledged_.empty() && unacknowledged_.front().tick <= message.acknowledged_tick(); unacknowledged_.pop_front()) {
+    for (; !unacknowledged_.empty() && unacknowledged_.front().tick <= message.acknowledged_tick();
+         unacknowledged_.pop_front()) {
       if (const Written& frame = unacknowledged_.front(); frame.tick == message.acknowledged_tick()) {
         session->add_answer(milliseconds_from_ns(heard_ns - frame.written_ns),
                             milliseconds_from_ns(heard_ns - frame.stepped_ns));
@@ -187,7 +191,8 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   if (outgoing.tick) {
     header.set_encode_begun_ns(now_ns());
     const TickEncodings& tick = *outgoing.tick;
-    const ClientView who{view_, held_by(hands_of(tick, session_->number)), position_bits_, !budget_.capped() && !outgoing.slow};
+    const ClientView who{view_, held_by(hands_of(tick, session_->number)), position_bits_,
+                         !budget_.capped() && !outgoing.slow};
     const EncodedFrame frame = encoding_ == v1::JoinRequest::DRIVERS
                                    ? tick.for_client(baseline_, who, budget_.available_bytes(now_ns()))
                                    : tick.keyframe(encoding_);
@@ -195,7 +200,8 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
     slices.push_back(frame.tail->slice);  // counted, not copied
   }
   written_ns_ = now_ns();
-  if (outgoing.tick) unacknowledged_.push_back({outgoing.tick->tick(), outgoing.tick->stepped_ns, written_ns_});
+  if (outgoing.tick)
+    unacknowledged_.push_back({outgoing.tick->tick(), outgoing.tick->stepped_ns, written_ns_});
   header.set_sent_ns(written_ns_);
   header.set_echoed_ns(echoed_ns_);
   header.set_heard_ns(heard_ns_);
@@ -245,7 +251,8 @@ void StreamCall::end(const Error& why) { request_finish(to_status(why)); }
 void StreamCall::end_without_session() {
   std::lock_guard lock(mutex_);
   if (session_ || finish_status_) return;
-  finish_status_ = grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED, "no message came within 2 s; the first one names the session");
+  finish_status_ = grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED,
+                                "no message came within 2 s; the first one names the session");
   finish_if_idle(lock);
 }
 
@@ -263,14 +270,15 @@ void StreamCall::OnDone() {
     done_ = true;
     session = session_;
     stream = stream_;
-    // A message that was refused ends the session too. Not so a client that vanished, which never heard the status.
+    // A message that was refused ends the session too. Not so a client that vanished, which never heard the
+    // status.
     const bool refused = finish_status_ && finish_status_->error_code() == grpc::StatusCode::INVALID_ARGUMENT;
     in_order = refused || (finish_status_ && finish_status_->ok() && !context_.IsCancelled());
   }
   if (session) {
     table_.stream_ended(*session, stream, in_order);
-    log_info("session %.8s: its stream %s, %llu frames sent, %llu replaced by newer ones", session->id.c_str(),
-             in_order ? "ended" : "broke",
+    log_info("session %.8s: its stream %s, %llu frames sent, %llu replaced by newer ones",
+             session->id.c_str(), in_order ? "ended" : "broke",
              static_cast<unsigned long long>(session->frames_sent()),
              static_cast<unsigned long long>(session->frames_replaced()));
   }

@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "core/token_bucket.h"
-#include "session/sessions/client_session.h"
 #include "session/frames/send_budget.h"
+#include "session/sessions/client_session.h"
 #include "session/sessions/session_table.h"
 
 namespace livegs {
@@ -72,14 +72,14 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
     uint64_t tick = 0;
     int64_t stepped_ns = 0, written_ns = 0;
   };
-  std::deque<Written> unacknowledged_;          // frames, at most a window of them
+  std::deque<Written> unacknowledged_;  // frames, at most a window of them
   TokenBucket messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
   SendBudget budget_;
-  int position_bits_ = 16;                  // as the session asked for, like the next
+  int position_bits_ = 16;  // as the session asked for, like the next
   v1::JoinRequest::Encoding encoding_ = v1::JoinRequest::DRIVERS;
-  std::optional<ViewCone> view_;            // what the client said last
-  StreamBaselinePtr baseline_;              // of what was written; null: the next frame is a key frame
-  grpc::ByteBuffer outgoing_;               // of the write that is under way: it outlives OnWriteDone
+  std::optional<ViewCone> view_;  // what the client said last
+  StreamBaselinePtr baseline_;    // of what was written; null: the next frame is a key frame
+  grpc::ByteBuffer outgoing_;     // of the write that is under way: it outlives OnWriteDone
   bool writing_ = false;
   std::optional<grpc::Status> finish_when_flushed_;
   std::optional<grpc::Status> finish_status_;

@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "session/support/duration_histogram.h"
 #include "session/access/authorization.h"
 #include "session/frames/send_window.h"
+#include "session/support/duration_histogram.h"
 #include "session/tick/tick_result.h"
 
 namespace livegs {
@@ -45,8 +45,8 @@ struct JoinTerms {
   double max_bytes_s = std::numeric_limits<double>::infinity();
   int position_bits = 16;
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
-  uint64_t every = 1;             // tick
-  int64_t tick_ns = 11'111'111;   // between ticks
+  uint64_t every = 1;            // tick
+  int64_t tick_ns = 11'111'111;  // between ticks
 };
 
 inline bool is_kernel_encoding(v1::JoinRequest::Encoding encoding) {
@@ -60,16 +60,20 @@ struct ClientTimes {
   DurationHistogram staleness_ms;   // from the end of its tick's step to that
 };
 
-// One client from Join on: joined, then streaming, and parked when its stream broke, until it joins again or its time is
-// up. Events are collected from each Join, so that none is lost before its stream opens; a parked session collects
-// none, since its client is told of all objects when it comes back. Streams of one session are numbered, and what the
-// one before still says is not heard. Any thread.
+// One client from Join on: joined, then streaming, and parked when its stream broke, until it joins again or
+// its time is up. Events are collected from each Join, so that none is lost before its stream opens; a parked
+// session collects none, since its client is told of all objects when it comes back. Streams of one session
+// are numbered, and what the one before still says is not heard. Any thread.
 class ClientSession {
  public:
-  ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_at_ns, ClientIdentity identity = {},
-                const JoinTerms& terms = {})
-      : id(std::move(session_id)), number(session_number), who(std::move(identity)), joined_ns(joined_at_ns),
-        heard_ns(joined_at_ns), terms_(terms) {
+  ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_at_ns,
+                ClientIdentity identity = {}, const JoinTerms& terms = {})
+      : id(std::move(session_id)),
+        number(session_number),
+        who(std::move(identity)),
+        joined_ns(joined_at_ns),
+        heard_ns(joined_at_ns),
+        terms_(terms) {
     window_.set_interval(terms_.tick_ns * static_cast<int64_t>(terms_.every));
   }
 
@@ -86,7 +90,8 @@ class ClientSession {
     return state_;
   }
 
-  // The client joined again: as after its first Join. Returns the writer of the stream it left, to be aborted.
+  // The client joined again: as after its first Join. Returns the writer of the stream it left, to be
+  // aborted.
   std::shared_ptr<SessionWriter> rejoin(int64_t now_ns, const JoinTerms& terms = {}) {
     std::lock_guard lock(mutex_);
     heard_ns = now_ns;
@@ -148,12 +153,16 @@ class ClientSession {
     std::lock_guard lock(mutex_);
     return terms_.encoding;
   }
-  // `kernels`: which the tick has been given; without, it is for those who are sent drivers. Nothing for those who asked for
-  // something else.
-  void offer(std::shared_ptr<const TickEncodings> tick, std::optional<v1::JoinRequest::Encoding> kernels = {}) {
+  // `kernels`: which the tick has been given; without, it is for those who are sent drivers. Nothing for
+  // those who asked for something else.
+  void offer(std::shared_ptr<const TickEncodings> tick,
+             std::optional<v1::JoinRequest::Encoding> kernels = {}) {
     std::lock_guard lock(mutex_);
-    if (state_ == State::Parked || (kernels ? terms_.encoding != *kernels : is_kernel_encoding(terms_.encoding))) return;
-    // The same ticks for all of the same pace, so that they share bytes; should the one be left out, the next in its place.
+    if (state_ == State::Parked ||
+        (kernels ? terms_.encoding != *kernels : is_kernel_encoding(terms_.encoding)))
+      return;
+    // The same ticks for all of the same pace, so that they share bytes; should the one be left out, the next
+    // in its place.
     const uint64_t turn = tick->tick() / terms_.every;
     if (offered_ && turn == turn_) return;
     offered_ = true;
@@ -205,8 +214,8 @@ class ClientSession {
   uint64_t stream_ = 1;
   SendWindow window_;
   JoinTerms terms_;
-  uint64_t turn_ = 0;  // of the tick it was offered last
-  bool offered_ = false;           // one since this stream began
+  uint64_t turn_ = 0;     // of the tick it was offered last
+  bool offered_ = false;  // one since this stream began
   ClientTimes times_;
   std::weak_ptr<SessionWriter> writer_;
 };

@@ -62,7 +62,8 @@ void SessionTable::close(const std::string& reason) {
   }
 }
 
-Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, ClientIdentity who, const JoinTerms& terms) {
+Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, ClientIdentity who,
+                                                const JoinTerms& terms) {
   std::shared_ptr<SessionWriter> left;
   Joined joined;
   {
@@ -82,12 +83,15 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
           }
         }
         if (!parked_longest) {
-          return Error{ErrorCode::TooLarge,
-                       std::to_string(max_sessions_) + " clients are here already; try again later, or start the server with a larger --clients"};
+          return Error{
+              ErrorCode::TooLarge,
+              std::to_string(max_sessions_) +
+                  " clients are here already; try again later, or start the server with a larger --clients"};
         }
         remove(*parked_longest, lock);
       }
-      joined.session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns(), std::move(who), terms);
+      joined.session =
+          std::make_shared<ClientSession>(random_id(), next_number_++, now_ns(), std::move(who), terms);
       sessions_.emplace(joined.session->id, joined.session);
       ++totals_.sessions;
     }
@@ -266,7 +270,8 @@ bool SessionTable::has_clients_for(v1::JoinRequest::Encoding encoding) const {
   });
 }
 
-void SessionTable::deliver_kernels(std::shared_ptr<const TickEncodings> tick, v1::JoinRequest::Encoding encoding) {
+void SessionTable::deliver_kernels(std::shared_ptr<const TickEncodings> tick,
+                                   v1::JoinRequest::Encoding encoding) {
   for (const auto& session : sessions_now()) {
     if (session->encoding() != encoding) continue;
     session->offer(tick, encoding);
@@ -311,7 +316,8 @@ void SessionTable::sweep(int64_t now) {
       continue;
     }
     if (state == ClientSession::State::Streaming) {
-      log_info("session %.8s: silent for %.1f s, its stream ends", session->id.c_str(), seconds_from_ns(silent_ns));
+      log_info("session %.8s: silent for %.1f s, its stream ends", session->id.c_str(),
+               seconds_from_ns(silent_ns));
       // First cancelled, then parked: else a client that hangs up in between is told that all went well.
       if (writer) writer->abort();
       session->give_up(stream);
@@ -341,7 +347,8 @@ std::vector<std::string> SessionTable::object_names() const {
 }
 
 void SessionTable::on_input(const ClientSession& session, std::span<const InputSample> samples) {
-  // The lock is held until it was heard: what comes after on_session_closed() would be kept for a session that nobody ends any more.
+  // The lock is held until it was heard: what comes after on_session_closed() would be kept for a session
+  // that nobody ends any more.
   std::lock_guard lock(mutex_);
   if (inputs_ != nullptr && session.who.grant.allows(v1::INTERACT) && sessions_.contains(session.id))
     inputs_->on_input(session.number, samples);
@@ -350,7 +357,8 @@ void SessionTable::on_input(const ClientSession& session, std::span<const InputS
 SessionTable::Status SessionTable::status() const {
   std::lock_guard lock(mutex_);
   size_t streaming = 0;
-  for (const auto& [id, session] : sessions_) streaming += session->state() == ClientSession::State::Streaming ? 1 : 0;
+  for (const auto& [id, session] : sessions_)
+    streaming += session->state() == ClientSession::State::Streaming ? 1 : 0;
   return {scene_, rate_hz_, tick_, objects_.size(), sessions_.size(), streaming, open_};
 }
 

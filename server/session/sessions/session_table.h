@@ -17,9 +17,11 @@
 
 namespace livegs {
 
-// Unless it is told another number, up to kMaxSessions: a client has three connections, and kMaxConnections are let in.
+// Unless it is told another number, up to kMaxSessions: a client has three connections, and kMaxConnections
+// are let in.
 inline constexpr size_t kDefaultSessions = 64, kMaxSessions = 320;
-// A stream that sends nothing for so long is over, one that has just begun too: clients send a sign of life every 50 ms.
+// A stream that sends nothing for so long is over, one that has just begun too: clients send a sign of life
+// every 50 ms.
 inline constexpr int64_t kSilenceTimeout_ns = 2'000'000'000;
 // So long a stream that was told to end may take to write what it is writing.
 inline constexpr int64_t kEndTimeout_ns = 500'000'000;
@@ -50,37 +52,41 @@ class SessionTable {
     std::shared_ptr<ClientSession> session;
     std::vector<Object> objects;
   };
-  // `resumed_id`: of a session to go on with, if it is still there and was opened with the same token; else, and when
-  // empty, a new one. Unavailable before
-  // open and after close, TooLarge when as many as may be are there; of those the one parked longest makes room.
+  // `resumed_id`: of a session to go on with, if it is still there and was opened with the same token; else,
+  // and when empty, a new one. Unavailable before open and after close, TooLarge when as many as may be are
+  // there; of those the one parked longest makes room.
   Result<Joined> join(std::string_view resumed_id = {}, ClientIdentity who = {}, const JoinTerms& terms = {});
   std::shared_ptr<ClientSession> find(std::string_view session_id) const;
-  // A stream that has no session until its first message names one; kSilenceTimeout_ns later sweep() ends it if there was none.
+  // A stream that has no session until its first message names one; kSilenceTimeout_ns later sweep() ends it
+  // if there was none.
   void stream_begun(std::weak_ptr<SessionWriter> writer);
-  // The session's stream of this number is over: in order, and so is the session, or it broke, and the session waits
-  // for its client. Nothing if the session has gone on without that stream.
+  // The session's stream of this number is over: in order, and so is the session, or it broke, and the
+  // session waits for its client. Nothing if the session has gone on without that stream.
   void stream_ended(ClientSession& session, uint64_t stream, bool in_order);
 
-  // Whether what a session was opened with still holds; asked once a second and by end_unauthorised(). Before open().
+  // Whether what a session was opened with still holds; asked once a second and by end_unauthorised(). Before
+  // open().
   using GrantCheck = std::function<Result<void>(const Grant&)>;
   void check_grants_with(GrantCheck check) { grant_check_ = std::move(check); }
   // Ends every session whose grant does not hold any more, with the reason why.
   void end_unauthorised();
-  // Ends the one session whose id begins so; its id. NotFound for none, InvalidArgument for several or too few digits.
+  // Ends the one session whose id begins so; its id. NotFound for none, InvalidArgument for several or too
+  // few digits.
   Result<std::string> end_session(std::string_view id_begin, const Error& why);
 
   // A new tick for everybody, with what came, changed and went in it. The event number from then on.
   uint64_t deliver(std::shared_ptr<TickEncodings> tick, std::span<const Object> added,
                    std::span<const Object> changed, std::span<const uint32_t> removed);
-  // Objects of this name are described with this answer of a model, which waits for a person, and why it does among their
-  // warnings; nullptr: none waits any more. Who is there is told at once, whether there are ticks or not.
+  // Objects of this name are described with this answer of a model, which waits for a person, and why it does
+  // among their warnings; nullptr: none waits any more. Who is there is told at once, whether there are ticks
+  // or not.
   void propose(const std::string& object, const v1::PhysicsFile* proposal);
   // Whether anybody who is there asked for frames of this encoding.
   bool has_clients_for(v1::JoinRequest::Encoding encoding) const;
   // A tick whose kernels are kept in it as `encoding`, for those who asked for that. After deliver() of it.
   void deliver_kernels(std::shared_ptr<const TickEncodings> tick, v1::JoinRequest::Encoding encoding);
-  // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long; sees to it
-  // that the others on_input something.
+  // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long;
+  // sees to it that the others on_input something.
   void sweep(int64_t now_ns);
 
   // The scene, for who has no session. Unavailable before open and after close.
@@ -137,8 +143,8 @@ class SessionTable {
   uint64_t tick_ = 0;
   uint64_t event_number_ = 0;
   InputSink* inputs_ = nullptr;
-  std::vector<Object> objects_;  // the environment first
-  std::shared_ptr<const ObjectReaches> reaches_;  // of objects_
+  std::vector<Object> objects_;                       // the environment first
+  std::shared_ptr<const ObjectReaches> reaches_;      // of objects_
   std::map<std::string, v1::PhysicsFile> proposals_;  // by the object's name
   std::map<std::string, std::shared_ptr<ClientSession>, std::less<>> sessions_;
   SessionNumber next_number_ = 1;
@@ -149,7 +155,8 @@ class SessionTable {
     int64_t begun_ns = 0;
   };
   std::deque<Begun> begun_;
-  // Streams that were told to end, and when: one that is amid a write which its client does not read is cut off.
+  // Streams that were told to end, and when: one that is amid a write which its client does not read is cut
+  // off.
   struct Ending {
     std::weak_ptr<SessionWriter> writer;
     int64_t told_ns = 0;

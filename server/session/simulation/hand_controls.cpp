@@ -39,7 +39,8 @@ void HandControls::apply(Scene& scene, SessionNumber session, const InputSample&
 void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const HandSample& input) {
   const bool pressed = input.trigger > (hand.triggered ? kTriggerReleased : kTriggerPressed);
   World& world = scene.world();
-  if (pressed && !hand.triggered && !hand.grabbing) {  // cast once: a ray that is swept over things does not pick them up
+  if (pressed && !hand.triggered &&
+      !hand.grabbing) {  // cast once: a ray that is swept over things does not pick them up
     if (const auto hit = world.ray_cast(input.aim.position_m, ray_direction(input.aim), kRayReach_m)) {
       hand.holding = true;
       hand.object_id = hit->object_id;
@@ -62,8 +63,9 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
   world.set_spring(spring, hand.object_id, pull);
 }
 
-// The grip's velocity from two samples, by the client's clock as far as it is likely. Of several looks at one moment, as a
-// headset takes them while a picture is made, the last says best where the hand is, and none how fast.
+// The grip's velocity from two samples, by the client's clock as far as it is likely. Of several looks at one
+// moment, as a headset takes them while a picture is made, the last says best where the hand is, and none how
+// fast.
 void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_ns) {
   const double passed_s = 1e-9 * (static_cast<double>(sampled_ns) - static_cast<double>(hand.sampled_ns));
   const bool told = hand.tracked && std::abs(passed_s) <= kMaxSampleInterval_s;
@@ -97,7 +99,8 @@ void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const 
   World& world = scene.world();
   if (squeezed && !hand.squeezed) {  // a hand that is closed already takes nothing
     if (const auto met = world.nearest(input.grip.position_m, kGrabReach_m)) {
-      if (const double mass_kg = world.mass_at_kg(met->object_id, met->rest_point_m, met->piece); mass_kg > 0) {
+      if (const double mass_kg = world.mass_at_kg(met->object_id, met->rest_point_m, met->piece);
+          mass_kg > 0) {
         release_hand(scene, grab_id, hand);
         hand.grabbing = world.grab(grab_id, met->object_id, input.grip, hand_grip(mass_kg)).has_value();
         hand.object_id = met->object_id;
@@ -108,7 +111,8 @@ void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const 
   }
   hand.squeezed = squeezed;
   if (!squeezed && hand.grabbing) release_hand(scene, grab_id, hand);
-  if (hand.grabbing) world.move_grab(grab_id, input.grip, hand.velocity_m_s, hand.spin_rad_s, hand.extrapolation_s);
+  if (hand.grabbing)
+    world.move_grab(grab_id, input.grip, hand.velocity_m_s, hand.spin_rad_s, hand.extrapolation_s);
 }
 
 void HandControls::release_hand(Scene& scene, uint64_t spring, Hand& hand) {
@@ -120,7 +124,8 @@ void HandControls::release_hand(Scene& scene, uint64_t spring, Hand& hand) {
 void HandControls::release(Scene& scene, SessionNumber session) {
   const auto found = sessions_.find(session);
   if (found == sessions_.end()) return;
-  for (size_t i = 0; i < found->second.size(); ++i) release_hand(scene, spring_id(session, i), found->second[i]);
+  for (size_t i = 0; i < found->second.size(); ++i)
+    release_hand(scene, spring_id(session, i), found->second[i]);
 }
 
 void HandControls::on_session_closed(Scene& scene, SessionNumber session) {
@@ -138,8 +143,9 @@ void HandControls::release_object(Scene& scene, uint32_t object_id) {
 
 bool HandControls::holding(SessionNumber session) const {
   const auto found = sessions_.find(session);
-  return found != sessions_.end() && std::any_of(found->second.begin(), found->second.end(),
-                                                 [](const Hand& hand) { return hand.holding || hand.grabbing; });
+  return found != sessions_.end() &&
+         std::any_of(found->second.begin(), found->second.end(),
+                     [](const Hand& hand) { return hand.holding || hand.grabbing; });
 }
 
 std::array<HeldPoint, 2> HandControls::held_points(const Scene& scene, SessionNumber session) const {
@@ -150,7 +156,8 @@ std::array<HeldPoint, 2> HandControls::held_points(const Scene& scene, SessionNu
     const Hand& hand = found->second[i];
     const World& world = scene.world();
     const auto state = hand.grabbing ? world.grab_state(spring_id(session, i)) : std::nullopt;
-    const double felt_n_s = world.contact_impulse_n_s(hand.object_id, hand.rest_point_m, state ? state->piece : hand.piece);
+    const double felt_n_s =
+        world.contact_impulse_n_s(hand.object_id, hand.rest_point_m, state ? state->piece : hand.piece);
     if (hand.grabbing) {
       if (state) {
         points[i] = {true, hand.object_id, state->point_m, state->force_n, true, state->torque_n_m, felt_n_s};
@@ -158,8 +165,13 @@ std::array<HeldPoint, 2> HandControls::held_points(const Scene& scene, SessionNu
       continue;
     }
     if (!hand.holding) continue;
-    points[i] = {true, hand.object_id, scene.world().world_point(hand.object_id, hand.rest_point_m, hand.piece),
-                 scene.world().spring_force_n(spring_id(session, i)), false, Eigen::Vector3d::Zero(), felt_n_s};
+    points[i] = {true,
+                 hand.object_id,
+                 scene.world().world_point(hand.object_id, hand.rest_point_m, hand.piece),
+                 scene.world().spring_force_n(spring_id(session, i)),
+                 false,
+                 Eigen::Vector3d::Zero(),
+                 felt_n_s};
   }
   return points;
 }

@@ -10,7 +10,8 @@
 #include "scene/scene.h"
 #include "session/tick/tick_result.h"
 
-// What controllers do to the world: the ray's spring, the grab and the ball shooter. The simulation's thread only.
+// What controllers do to the world: the ray's spring, the grab and the ball shooter. The simulation's thread
+// only.
 
 namespace livegs {
 
@@ -26,11 +27,11 @@ inline constexpr double kRayReach_m = 20.0;
 inline constexpr double kGrabReach_m = 0.1;
 inline constexpr float kSqueezePressed = 0.5f;
 inline constexpr float kSqueezeReleased = 0.4f;
-// A thrown object goes as the hand went: its velocity is averaged over about this time, and bounded, since samples come
-// from outside.
+// A thrown object goes as the hand went: its velocity is averaged over about this time, and bounded, since
+// samples come from outside.
 inline constexpr double kHandSmoothing_s = 0.03;
-// Between samples a hand goes on as it went, for as long as the last two were apart: a client that draws slowly throws as well
-// as one that draws fast. Those further apart than this say nothing of how it moved.
+// Between samples a hand goes on as it went, for as long as the last two were apart: a client that draws
+// slowly throws as well as one that draws fast. Those further apart than this say nothing of how it moved.
 inline constexpr double kMaxSampleInterval_s = 0.3;
 inline constexpr double kMinSampleInterval_s = 0.002;  // nor do those that are closer
 inline constexpr double kMaxHandSpeed_m_s = 15.0;
@@ -71,7 +72,7 @@ class HandControls {
     uint32_t object_id = 0;
     Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();
     std::optional<uint32_t> piece;  // of the fragment the ray met
-    double distance_m = 0;  // along the ray, where the point was met
+    double distance_m = 0;          // along the ray, where the point was met
     double last_shot_s = -1e9;
   };
   using Hands = std::array<Hand, 2>;

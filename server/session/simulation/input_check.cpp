@@ -24,7 +24,8 @@ Result<Pose> checked_pose(const Floats& position, const Floats& orientation, con
   }
   pose.orientation.normalize();
   // To floats, as it came: a recording holds them to the bit in half the bytes.
-  for (double& component : pose.orientation.coeffs()) component = static_cast<double>(static_cast<float>(component));
+  for (double& component : pose.orientation.coeffs())
+    component = static_cast<double>(static_cast<float>(component));
   return pose;
 }
 
@@ -91,9 +92,11 @@ Result<std::optional<ViewCone>> check_view(const v1::ClientMessage& message) {
     view.position_m[i] = said.position_m(i);
     view.forward[i] = said.forward(i);
   }
-  if (!(std::abs(view.forward.norm() - 1.0) <= 0.01)) return invalid_argument("view.forward: is not of length 1");
+  if (!(std::abs(view.forward.norm() - 1.0) <= 0.01))
+    return invalid_argument("view.forward: is not of length 1");
   view.forward.normalize();
-  if (!(said.half_angle_rad() >= 0 && said.half_angle_rad() <= 3.1416f)) return invalid_argument("view.half_angle_rad: is outside 0..pi");
+  if (!(said.half_angle_rad() >= 0 && said.half_angle_rad() <= 3.1416f))
+    return invalid_argument("view.half_angle_rad: is outside 0..pi");
   view.half_angle_rad = said.half_angle_rad();
   return std::optional(view);
 }

@@ -20,8 +20,8 @@ inline constexpr double kMaxHandPosition_m = 1000.0;
 // by over 1 %), trigger or squeeze outside 0..1, sequences that do not rise, more samples than the bound.
 Result<std::vector<InputSample>> check_inputs(const v1::ClientMessage& message);
 
-// What the client looks at, if the message says. Refused likewise: an eye out of the bound above, a direction whose length is off
-// 1 by over 1 %, an angle outside 0..pi.
+// What the client looks at, if the message says. Refused likewise: an eye out of the bound above, a direction
+// whose length is off 1 by over 1 %, an angle outside 0..pi.
 Result<std::optional<ViewCone>> check_view(const v1::ClientMessage& message);
 
 }  // namespace livegs

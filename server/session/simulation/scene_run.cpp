@@ -21,7 +21,10 @@ void apply(Scene& scene, const v1::SceneChange& change) {
 
 }  // namespace
 
-SceneRun::SceneRun(Scene scene) : scene_(std::move(scene)), tick_(scene_.world().tick()), simulated_ns_(scene_.world().drivers().simulated_ns) {
+SceneRun::SceneRun(Scene scene)
+    : scene_(std::move(scene)),
+      tick_(scene_.world().tick()),
+      simulated_ns_(scene_.world().drivers().simulated_ns) {
   for (const SceneObject& object : scene_.objects()) known_ids_.insert(object.id);
 }
 

@@ -107,7 +107,8 @@ void SimulationLoop::set_loading(bool loading, std::string message) {
 void SimulationLoop::replace(Scene scene, std::vector<v1::SceneChange> changes) {
   std::lock_guard lock(mutex_);
   next_scene_.emplace(std::move(scene));
-  posted_.insert(posted_.end(), std::make_move_iterator(changes.begin()), std::make_move_iterator(changes.end()));
+  posted_.insert(posted_.end(), std::make_move_iterator(changes.begin()),
+                 std::make_move_iterator(changes.end()));
 }
 
 RunStatus SimulationLoop::run_status() const {
@@ -169,7 +170,8 @@ TickActions SimulationLoop::take_actions(std::vector<v1::SceneChange> changes) {
   for (auto& [session, mailbox] : mailboxes_) {
     auto samples = due(mailbox.samples, next_tick);
     if (!samples.empty()) actions.samples.push_back({session, std::move(samples)});
-    if (now_ns() - mailbox.heard_ns > kInputTimeout_ns && scene_run_.holding(session)) actions.released.push_back(session);
+    if (now_ns() - mailbox.heard_ns > kInputTimeout_ns && scene_run_.holding(session))
+      actions.released.push_back(session);
   }
   actions.stepped = !run_.paused || steps_left_ > 0;
   if (run_.paused && steps_left_ > 0) --steps_left_;

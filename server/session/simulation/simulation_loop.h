@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "scene/scene.h"
-#include "session/support/duration_histogram.h"
 #include "session/simulation/scene_run.h"
+#include "session/support/duration_histogram.h"
 #include "session/tick/tick_result.h"
 
 namespace livegs {
@@ -23,8 +23,8 @@ inline constexpr int64_t kInputTimeout_ns = 500'000'000;
 // A sample that is meant for a tick further ahead is not believed and goes into the next.
 inline constexpr uint64_t kMaxTicksAhead = 30;
 
-// Samples of one session that wait for their tick. At 90 Hz a tick sees one; more wait while ticks are late or the client
-// sends ahead.
+// Samples of one session that wait for their tick. At 90 Hz a tick sees one; more wait while ticks are late
+// or the client sends ahead.
 inline constexpr size_t kMaxWaitingSamples = 64;
 
 // A tick that starts later than this many periods gives up the schedule: time slips, and no burst of ticks
@@ -43,8 +43,8 @@ struct SimulationSummary {
 // Runs a Scene on a thread of its own, at the scene's rate against an absolute schedule. Inputs come by
 // queue, ticks go out as values: nothing in here waits for a client.
 //
-// A failed allocation ends the process: scene_memory.h refuses scenes that do not fit, and a restarted server gets its
-// clients back.
+// A failed allocation ends the process: scene_memory.h refuses scenes that do not fit, and a restarted server
+// gets its clients back.
 class SimulationLoop : public InputSink {
  public:
   // `sink` outlives the loop. `observe`, if given, sees the scene after each step, on the loop's thread.
@@ -60,8 +60,8 @@ class SimulationLoop : public InputSink {
   // From the first tick on; it outlives the loop. Before start().
   void record_with(TickRecorder& recorder) { recorder_ = &recorder; }
 
-  // Changes the scene at the beginning of the next tick, on the loop's thread, in the order of the calls. Any thread;
-  // returns at once. What is posted after the last tick is dropped.
+  // Changes the scene at the beginning of the next tick, on the loop's thread, in the order of the calls. Any
+  // thread; returns at once. What is posted after the last tick is dropped.
   void post(v1::SceneChange change);
 
   // Halted, ticks go on with the same drivers, inputs and changes are taken, and nothing moves.
@@ -69,9 +69,9 @@ class SimulationLoop : public InputSink {
   void step_paused(uint32_t ticks);  // halts after this many more ticks
   // What clients are told: a scene is being loaded, or why that failed.
   void set_loading(bool loading, std::string message);
-  // At the next tick this scene takes the place of the one that runs, before anything that was posted and before `changes`,
-  // which come after that; what is posted from now on goes to it. Its ids are all new; ticks and the clients' simulated
-  // time go on.
+  // At the next tick this scene takes the place of the one that runs, before anything that was posted and
+  // before `changes`, which come after that; what is posted from now on goes to it. Its ids are all new;
+  // ticks and the clients' simulated time go on.
   void replace(Scene scene, std::vector<v1::SceneChange> changes = {});
   RunStatus run_status() const;
 

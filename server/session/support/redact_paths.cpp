@@ -19,11 +19,13 @@ std::string redact_paths(std::string_view message) {
       continue;
     }
     size_t end = message.size();
-    for (const std::string_view stop : {": ", "; ", "\"", "'", " /"}) end = std::min(end, message.find(stop, at + 1));
+    for (const std::string_view stop : {": ", "; ", "\"", "'", " /"})
+      end = std::min(end, message.find(stop, at + 1));
     const std::string_view path = message.substr(at, end - at);
     const size_t slash = path.find_last_of('/', path.find_last_not_of('/'));
     // A slash alone is no path.
-    told += slash == std::string_view::npos || path.size() < 2 || path[1] == ' ' ? path : path.substr(slash + 1);
+    told +=
+        slash == std::string_view::npos || path.size() < 2 || path[1] == ' ' ? path : path.substr(slash + 1);
     at = end;
   }
   return told;

@@ -19,20 +19,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The constants are counted from the types, on the low side: a value that is too large refuses scenes that would fit, one that
-// is too small only lets the machine run out of memory. `pull_soak` holds 169 MB with the sample scene, without clients.
+// The constants are counted from the types, on the low side: a value that is too large refuses scenes that
+// would fit, one that is too small only lets the machine run out of memory. `pull_soak` holds 169 MB with the
+// sample scene, without clients.
 
-// Bytes for each kernel at the peak of loading: the decoded asset (236 with all bands of colour), its .ply and its
-// progressive form while it is encoded, and the points of its body.
+// Bytes for each kernel at the peak of loading: the decoded asset (236 with all bands of colour), its .ply
+// and its progressive form while it is encoded, and the points of its body.
 constexpr uint64_t kKernelBytes = 800;
 // Bytes for each body: lattice, surface and its search trees, and the kernels of a shape.
 constexpr uint64_t kBodyBytes = 8u << 20;
-// Bytes for each client: four frames of 100 kB under way, the buffers of three connections, 64 waiting events.
+// Bytes for each client: four frames of 100 kB under way, the buffers of three connections, 64 waiting
+// events.
 constexpr uint64_t kClientBytes = 1u << 20;
 // Bytes for the process without a scene: code, gRPC with its threads, tables of materials.
 constexpr uint64_t kServerBytes = 48u << 20;
 
-// The usual size of a kernel in a file, bytes. The smallest usual one, so that kernels are rather over- than undercounted.
+// The usual size of a kernel in a file, bytes. The smallest usual one, so that kernels are rather over- than
+// undercounted.
 constexpr uint64_t kSplatBytes = 32, kSpzBytes = 16, kSogBytes = 10;
 // A header of a .ply has about twenty lines a band of colour.
 constexpr size_t kMaxHeaderBytes = 16u << 10;
@@ -42,7 +45,9 @@ std::optional<uint64_t> number_after(std::string_view text, std::string_view key
   if (at == std::string_view::npos) return std::nullopt;
   const size_t digits = text.find_first_not_of(" \t", at + key.size());
   uint64_t number = 0;
-  if (digits == std::string_view::npos || std::from_chars(text.data() + digits, text.data() + text.size(), number).ec != std::errc()) return std::nullopt;
+  if (digits == std::string_view::npos ||
+      std::from_chars(text.data() + digits, text.data() + text.size(), number).ec != std::errc())
+    return std::nullopt;
   return number;
 }
 
@@ -63,7 +68,9 @@ uint64_t file_bytes(const fs::path& path) {
 uint64_t folder_bytes(const fs::path& folder) {
   std::error_code error;
   uint64_t bytes = 0;
-  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) bytes += file_bytes(at->path());
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator();
+       at.increment(error))
+    bytes += file_bytes(at->path());
   return bytes;
 }
 
@@ -72,7 +79,8 @@ uint64_t kernels_of(const fs::path& path) {
   if (fs::is_directory(path, ignored)) return folder_bytes(path) / kSogBytes;
   if (path.filename() == "meta.json") return folder_bytes(path.parent_path()) / kSogBytes;
   const std::string extension = path.extension().string();
-  if (extension == ".ply") return number_after(read_text(path, kMaxHeaderBytes), "element vertex").value_or(0);
+  if (extension == ".ply")
+    return number_after(read_text(path, kMaxHeaderBytes), "element vertex").value_or(0);
   const uint64_t each = extension == ".splat" ? kSplatBytes : extension == ".spz" ? kSpzBytes : kSogBytes;
   return file_bytes(path) / each;
 }
@@ -87,20 +95,24 @@ struct GroupFiles {
   const char* used;
   const char* reclaimable;  // a key of memory.stat: cache that counts as used and can be dropped
 };
-constexpr std::array<GroupFiles, 2> kHierarchies{{{"::", "sys/fs/cgroup", "memory.max", "memory.current", "inactive_file "},
-                                                  {":memory:", "sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file "}}};
+constexpr std::array<GroupFiles, 2> kHierarchies{
+    {{"::", "sys/fs/cgroup", "memory.max", "memory.current", "inactive_file "},
+     {":memory:", "sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
+      "total_inactive_file "}}};
 
 uint64_t left_in_group(const fs::path& group, const GroupFiles& files) {
   constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
   const auto limit = number_after(read_text(group / files.limit, kMaxStateBytes), "");  // "max" is none
   const auto used = number_after(read_text(group / files.used, kMaxStateBytes), "");
   if (!limit || !used) return kNoLimit;
-  const uint64_t reclaimable = number_after(read_text(group / "memory.stat", kMaxStateBytes), files.reclaimable).value_or(0);
+  const uint64_t reclaimable =
+      number_after(read_text(group / "memory.stat", kMaxStateBytes), files.reclaimable).value_or(0);
   const uint64_t held = *used - std::min(*used, reclaimable);
   return *limit - std::min(*limit, held);
 }
 
-// A limit of a group holds for all groups below it. In a container the group's own folder may be the root of the mount.
+// A limit of a group holds for all groups below it. In a container the group's own folder may be the root of
+// the mount.
 uint64_t left_in_groups(const fs::path& root) {
   uint64_t left = std::numeric_limits<uint64_t>::max();
   const std::string groups = read_text(root / "proc/self/cgroup", kMaxStateBytes);
@@ -120,7 +132,8 @@ uint64_t left_in_groups(const fs::path& root) {
 
 uint64_t machine_bytes() {
   struct sysinfo machine {};
-  return ::sysinfo(&machine) == 0 ? static_cast<uint64_t>(machine.totalram) * machine.mem_unit : std::numeric_limits<uint64_t>::max();
+  return ::sysinfo(&machine) == 0 ? static_cast<uint64_t>(machine.totalram) * machine.mem_unit
+                                  : std::numeric_limits<uint64_t>::max();
 }
 
 }  // namespace
@@ -147,7 +160,8 @@ Result<void> check_memory(uint64_t needed_bytes, uint64_t free_bytes) {
   if (needed_bytes <= free_bytes) return {};
   constexpr double kMb = 1e-6;
   return Error{ErrorCode::Unavailable,
-               format_text("scene: needs about %.0f MB, %.0f MB are free; use fewer or smaller assets, fewer --clients, or a machine with more memory",
+               format_text("scene: needs about %.0f MB, %.0f MB are free; use fewer or smaller assets, fewer "
+                           "--clients, or a machine with more memory",
                            kMb * static_cast<double>(needed_bytes), kMb * static_cast<double>(free_bytes))};
 }
 

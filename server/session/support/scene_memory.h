@@ -8,8 +8,8 @@
 
 #include "core/result.h"
 
-// Admission control: estimates the memory of a scene before it is loaded and compares it with the free memory. A scene that
-// does not fit is refused, since an allocation that fails later ends the process.
+// Admission control: estimates the memory of a scene before it is loaded and compares it with the free
+// memory. A scene that does not fit is refused, since an allocation that fails later ends the process.
 
 namespace livegs {
 
@@ -30,13 +30,15 @@ SceneSize scene_size(const v1::Scene& file, const std::filesystem::path& folder,
 // a million kernels add 0.8 GB.
 uint64_t scene_bytes(const SceneSize& size);
 
-// Bytes that the process may still take: MemAvailable of /proc/meminfo (the whole memory of the machine where that file is
-// hidden), or what the memory limit of a control group, v1 or v2, leaves if that is less. `root` stands in for / in tests.
+// Bytes that the process may still take: MemAvailable of /proc/meminfo (the whole memory of the machine where
+// that file is hidden), or what the memory limit of a control group, v1 or v2, leaves if that is less. `root`
+// stands in for / in tests.
 uint64_t free_bytes(const std::filesystem::path& root = "/");
 
 // Unavailable, with sizes and remedy in one line, when `needed_bytes` are more than `free_bytes`.
 Result<void> check_memory(uint64_t needed_bytes, uint64_t free_bytes);
-// The same for the scene or folder of assets at `path`. A scene that cannot be read passes: loading reports it.
+// The same for the scene or folder of assets at `path`. A scene that cannot be read passes: loading reports
+// it.
 Result<void> check_scene_memory(const std::filesystem::path& path, size_t clients);
 
 }  // namespace livegs

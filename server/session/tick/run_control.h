@@ -7,8 +7,8 @@
 
 namespace livegs {
 
-// What clients may do to the course of a running scene. Any thread; no call waits for the simulation or for a scene
-// that is loaded.
+// What clients may do to the course of a running scene. Any thread; no call waits for the simulation or for a
+// scene that is loaded.
 class RunControl {
  public:
   virtual ~RunControl() = default;

@@ -56,8 +56,9 @@ struct TickResult {
   std::vector<SceneObject> added;  // since the tick before
   std::vector<uint32_t> removed;
   std::vector<SceneObject> changed;  // broke, were cut, or had their physics set; as they are now
-  std::vector<SessionHands> hands;  // ascending session
-  std::vector<uint32_t> cuts;  // fragile objects whose pieces were done, in the order in which the step took them
+  std::vector<SessionHands> hands;   // ascending session
+  std::vector<uint32_t>
+      cuts;  // fragile objects whose pieces were done, in the order in which the step took them
 };
 
 // Takes ticks, on the simulation's thread, and returns at once.
@@ -67,14 +68,16 @@ class TickSink {
   virtual void publish(TickResult&& tick) = 0;
 };
 
-// Takes what each tick took from outside and what it left behind, on the simulation's thread, and returns at once.
+// Takes what each tick took from outside and what it left behind, on the simulation's thread, and returns at
+// once.
 class TickRecorder {
  public:
   virtual ~TickRecorder() = default;
   virtual void record(const TickActions& actions, const TickResult& tick, const Scene& scene) = 0;
 };
 
-// Takes what clients do. Any thread, one at a time; returns at once and calls nobody who asks the session table.
+// Takes what clients do. Any thread, one at a time; returns at once and calls nobody who asks the session
+// table.
 class InputSink {
  public:
   virtual ~InputSink() = default;

@@ -40,7 +40,8 @@ std::string curve_label(const ChartRow& row) {
   return label;
 }
 
-std::vector<Panel> panels_of(const ChartScene& scene, const std::string& quantity, const std::vector<ChartRow>& rows) {
+std::vector<Panel> panels_of(const ChartScene& scene, const std::string& quantity,
+                             const std::vector<ChartRow>& rows) {
   std::vector<Panel> panels;
   for (const double modulus : scene.youngs_moduli_pa) {
     Panel panel;
@@ -50,7 +51,8 @@ std::vector<Panel> panels_of(const ChartScene& scene, const std::string& quantit
     panel.name = name;
     panel.title = title;
     for (const ChartRow& row : rows) {
-      if (row.scene != scene.name || row.setup.youngs_modulus_pa != modulus || row.variant == "table") continue;
+      if (row.scene != scene.name || row.setup.youngs_modulus_pa != modulus || row.variant == "table")
+        continue;
       panel.bar = row.outcome[quantity].bar;
       panel.quantity = quantity;
       panel.unit = row.outcome[quantity].unit;

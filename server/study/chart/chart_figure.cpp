@@ -115,19 +115,22 @@ void plot_panel(std::FILE* out, const Figure& figure, size_t index, const Range&
     std::fprintf(out, "$c%zu << EOD\n", c);
     for (const CurvePoint& point : panel.curves[c].points) {
       const char* apart = std::isfinite(point.error) ? "" : "\n";  // gnuplot leaves a gap at an empty line
-      std::fprintf(out, "%s%g %g %d\n%s", apart, point.cost_ms, errors.clamp(point.error), point.substeps, apart);
+      std::fprintf(out, "%s%g %g %d\n%s", apart, point.cost_ms, errors.clamp(point.error), point.substeps,
+                   apart);
     }
     std::fprintf(out, "EOD\n");
   }
   if (panel.chosen) {
-    std::fprintf(out, "$chosen << EOD\n%g %g\nEOD\n", panel.chosen->cost_ms, errors.clamp(panel.chosen->error));
+    std::fprintf(out, "$chosen << EOD\n%g %g\nEOD\n", panel.chosen->cost_ms,
+                 errors.clamp(panel.chosen->error));
   }
   std::fprintf(out, "plot %g with lines dt 3 lw 1.2 lc rgb '#444444'", panel.bar);
   for (size_t c = 0; c < panel.curves.size(); ++c) {
     const Style style = style_of(panel.curves[c].label);
-    std::fprintf(out, ", $c%zu with linespoints lc rgb '%s' dt %d pt %d ps 0.55 lw %.1f", c, style.colour, style.dash,
-                 style.symbol, style.line);
-    if (c == 0) std::fprintf(out, ", $c0 using 1:2:3 with labels offset 0,0.7 font ',8' tc rgb '%s'", style.colour);
+    std::fprintf(out, ", $c%zu with linespoints lc rgb '%s' dt %d pt %d ps 0.55 lw %.1f", c, style.colour,
+                 style.dash, style.symbol, style.line);
+    if (c == 0)
+      std::fprintf(out, ", $c0 using 1:2:3 with labels offset 0,0.7 font ',8' tc rgb '%s'", style.colour);
   }
   if (panel.chosen) std::fprintf(out, ", $chosen with points pt 3 ps 1.3 lw 2.4 lc rgb '#B00020'");
   std::fprintf(out, "\n");
@@ -136,18 +139,21 @@ void plot_panel(std::FILE* out, const Figure& figure, size_t index, const Range&
 // A strip without axes that holds the names of the curves.
 void plot_key(std::FILE* out, const Figure& figure) {
   const Panel& panel = figure.panels.front();
-  std::fprintf(out,
-               "set lmargin at screen 0.02\nset rmargin at screen 0.98\nset tmargin at screen 0.165\n"
-               "set bmargin at screen 0.0\nunset title\nunset xlabel\nunset ylabel\nunset tics\nunset border\n"
-               "unset grid\nunset logscale\nset xrange [0:1]\nset yrange [0:1]\n"
-               "set key inside center center vertical maxrows 4 Left reverse samplen 3 spacing 1.1 width 1 font ',10.5'\nplot ");
+  std::fprintf(
+      out,
+      "set lmargin at screen 0.02\nset rmargin at screen 0.98\nset tmargin at screen 0.165\n"
+      "set bmargin at screen 0.0\nunset title\nunset xlabel\nunset ylabel\nunset tics\nunset border\n"
+      "unset grid\nunset logscale\nset xrange [0:1]\nset yrange [0:1]\n"
+      "set key inside center center vertical maxrows 4 Left reverse samplen 3 spacing 1.1 width 1 font "
+      "',10.5'\nplot ");
   for (const Curve& curve : panel.curves) {
     const Style style = style_of(curve.label);
-    std::fprintf(out, "NaN with linespoints lc rgb '%s' dt %d pt %d ps 0.6 lw %.1f title '%s', ", style.colour,
-                 style.dash, style.symbol, style.line, curve.label.c_str());
+    std::fprintf(out, "NaN with linespoints lc rgb '%s' dt %d pt %d ps 0.6 lw %.1f title '%s', ",
+                 style.colour, style.dash, style.symbol, style.line, curve.label.c_str());
   }
   if (panel.chosen) {
-    std::fprintf(out, "NaN with points pt 3 ps 1.3 lw 2.4 lc rgb '#B00020' title 'what the program chooses', ");
+    std::fprintf(out,
+                 "NaN with points pt 3 ps 1.3 lw 2.4 lc rgb '#B00020' title 'what the program chooses', ");
   }
   std::fprintf(out, "NaN with lines dt 3 lw 1.2 lc rgb '#444444' title '%s'\n",
                figure.same_axis ? bar_text(panel).c_str() : "bar");
@@ -158,7 +164,8 @@ void plot_key(std::FILE* out, const Figure& figure) {
 Figure elastic_figure(const ChartScene& scene, std::vector<Panel> panels) {
   char settings[256];
   std::snprintf(settings, sizeof settings,
-                "density 1000 kg/m^3, nu %g, 60 Hz; each curve from few substeps a frame to many, numbered on the thick one",
+                "density 1000 kg/m^3, nu %g, 60 Hz; each curve from few substeps a frame to many, numbered "
+                "on the thick one",
                 scene.poisson_ratio);
   const std::string quantity = panels.empty() ? "" : words(panels.front().quantity);
   return {scene.title + ", " + quantity, settings, std::move(panels), true};
@@ -183,15 +190,19 @@ Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg)
   const std::filesystem::path script = std::filesystem::path(path + ".gp");
   std::FILE* out = std::fopen(script.c_str(), "w");
   if (!out) return Error{ErrorCode::PermissionDenied, script.string() + ": cannot be written"};
-  std::fprintf(out, "set terminal svg size %zu,520 font 'Helvetica,12' background rgb 'white'\nset output '%s'\n",
+  std::fprintf(out,
+               "set terminal svg size %zu,520 font 'Helvetica,12' background rgb 'white'\nset output '%s'\n",
                std::max<size_t>(860, (figure.same_axis ? 260 : 200) + 290 * panels.size()), path.c_str());
-  std::fprintf(out, "set multiplot\nset logscale xy\nset grid xtics ytics lc rgb '#e4e4e4'\nunset key\n"
-                    "set tmargin at screen 0.825\nset bmargin at screen 0.285\nset tics font ',10'\n"
-                    "set format x '10^{%%T}'\nset xlabel 'ms of CPU a simulated second' offset 0,0.4\n");
-  std::fprintf(out, "set label 1 '%s' at screen 0.02,0.965 font ',14' noenhanced\n", quoted(figure.title).c_str());
+  std::fprintf(out,
+               "set multiplot\nset logscale xy\nset grid xtics ytics lc rgb '#e4e4e4'\nunset key\n"
+               "set tmargin at screen 0.825\nset bmargin at screen 0.285\nset tics font ',10'\n"
+               "set format x '10^{%%T}'\nset xlabel 'ms of CPU a simulated second' offset 0,0.4\n");
+  std::fprintf(out, "set label 1 '%s' at screen 0.02,0.965 font ',14' noenhanced\n",
+               quoted(figure.title).c_str());
   std::fprintf(out, "set label 2 '%s' at screen 0.02,0.925 font ',10' tc rgb '#555555'\n",
                quoted(figure.settings).c_str());
-  std::fprintf(out, "set label 3 '%s' at screen 0.02,0.893 font ',10' tc rgb '#555555'\n", quoted(figure.note).c_str());
+  std::fprintf(out, "set label 3 '%s' at screen 0.02,0.893 font ',10' tc rgb '#555555'\n",
+               quoted(figure.note).c_str());
   for (size_t i = 0; i < panels.size(); ++i) {
     plot_panel(out, figure, i, costs);
     std::fprintf(out, "unset label 1\nunset label 2\nunset label 3\n");
@@ -202,7 +213,8 @@ Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg)
   const bool drawn_well = run_gnuplot(script.string());
   std::error_code ignored;
   std::filesystem::remove(script, ignored);
-  if (!drawn_well) return Error{ErrorCode::Unavailable, "gnuplot did not draw " + path + "; install gnuplot-nox"};
+  if (!drawn_well)
+    return Error{ErrorCode::Unavailable, "gnuplot did not draw " + path + "; install gnuplot-nox"};
   return {};
 }
 

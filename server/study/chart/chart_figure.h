@@ -15,8 +15,9 @@ struct Figure {
   std::string note{};           // a line below the settings
 };
 
-// Draws it as SVG with gnuplot: error (log) against processor time a simulated second (log), one curve a method. Points
-// on the upper edge are beyond the axis or have no finite error; no line leads to the latter. Fails when gnuplot is not installed.
+// Draws it as SVG with gnuplot: error (log) against processor time a simulated second (log), one curve a
+// method. Points on the upper edge are beyond the axis or have no finite error; no line leads to the latter.
+// Fails when gnuplot is not installed.
 Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg);
 
 Figure elastic_figure(const ChartScene& scene, std::vector<Panel> panels);

@@ -37,14 +37,18 @@ std::string v1_spread(const std::vector<ChartRow>& rows) {
         substeps.first = std::min(substeps.first, row.setup.substeps);
         substeps.second = std::max(substeps.second, row.setup.substeps);
       }
-      if (runs > 1) each += format_text("%s %.2g to %.2g at %s", each.empty() ? "" : ",", low, high, modulus(pa).c_str());
+      if (runs > 1)
+        each += format_text("%s %.2g to %.2g at %s", each.empty() ? "" : ",", low, high, modulus(pa).c_str());
     }
     if (each.empty()) continue;
-    words += engine == Engine::LivegsV1
-                 ? "`livegs-v1` blends toward its goals by the same share every substep, so its stiffness is that of the "
-                   "substep count: over " + std::to_string(substeps.first) + " to " + std::to_string(substeps.second) +
-                       " substeps E_app / E goes from" + each + ".\n"
-                 : "`livegs-v1 steady`, whose blend is converted once to a stiffness at 1/240 s:" + each + ".\n";
+    words +=
+        engine == Engine::LivegsV1
+            ? "`livegs-v1` blends toward its goals by the same share every substep, so its stiffness is that "
+              "of the "
+              "substep count: over " +
+                  std::to_string(substeps.first) + " to " + std::to_string(substeps.second) +
+                  " substeps E_app / E goes from" + each + ".\n"
+            : "`livegs-v1 steady`, whose blend is converted once to a stiffness at 1/240 s:" + each + ".\n";
   }
   return words;
 }
@@ -52,8 +56,8 @@ std::string v1_spread(const std::vector<ChartRow>& rows) {
 const ChartRow* table_row(const std::vector<ChartRow>& rows, const char* scene, Engine engine, double rate_hz,
                           double pa) {
   for (const ChartRow& row : rows) {
-    if (row.variant == "table" && row.scene == scene && row.setup.engine == engine && row.setup.rate_hz == rate_hz &&
-        row.setup.youngs_modulus_pa == pa) {
+    if (row.variant == "table" && row.scene == scene && row.setup.engine == engine &&
+        row.setup.rate_hz == rate_hz && row.setup.youngs_modulus_pa == pa) {
       return &row;
     }
   }
@@ -70,18 +74,23 @@ std::string table(const std::vector<ChartRow>& rows) {
       if (!pulled || !rung || !baseline) continue;
       const ElasticAccuracy& a = pulled->outcome.accuracy;
       const auto& m = pulled->outcome.measurements;
-      words += format_text("| %g | %s | %.3g mm | %d | %.2f | %s | %.2f to %.2f | %.3f | %.3f | %+.1f %% | %.2f | %.3g | %.2g |\n",
-                    rate_hz, modulus(pa).c_str(), 1e3 * a.cell_width_m, a.substeps, a.courant, name_of(a.band),
-                    a.modulus_ratio_low, a.modulus_ratio_high, m[0].measured, m[1].measured,
-                    100 * (rung->outcome["frequency"].measured / rung->outcome["frequency"].reference - 1),
-                    rung->outcome["amplitude"].measured,
-                    1e-3 * pulled->outcome.cost.cpu_ns_per_simulated_s() / rate_hz, baseline->outcome.measurements[0].measured);
+      words += format_text(
+          "| %g | %s | %.3g mm | %d | %.2f | %s | %.2f to %.2f | %.3f | %.3f | %+.1f %% | %.2f | %.3g | %.2g "
+          "|\n",
+          rate_hz, modulus(pa).c_str(), 1e3 * a.cell_width_m, a.substeps, a.courant, name_of(a.band),
+          a.modulus_ratio_low, a.modulus_ratio_high, m[0].measured, m[1].measured,
+          100 * (rung->outcome["frequency"].measured / rung->outcome["frequency"].reference - 1),
+          rung->outcome["amplitude"].measured, 1e-3 * pulled->outcome.cost.cpu_ns_per_simulated_s() / rate_hz,
+          baseline->outcome.measurements[0].measured);
     }
   }
   if (words.empty()) return words;
-  return "## What each modulus gets\n\nAt the scene's 4 substeps and the default budget, cells and substeps left to the "
-         "program. The bar of 0.4 x 0.1 x 0.1 m, particles 25 mm apart, nu 0.3 in tension and 0 in ring-down.\n\n"
-         "| Hz | E asked for | cells | substeps | Courant | band | predicted E_app / E | measured | nu measured (0.3) | "
+  return "## What each modulus gets\n\nAt the scene's 4 substeps and the default budget, cells and substeps "
+         "left to the "
+         "program. The bar of 0.4 x 0.1 x 0.1 m, particles 25 mm apart, nu 0.3 in tension and 0 in "
+         "ring-down.\n\n"
+         "| Hz | E asked for | cells | substeps | Courant | band | predicted E_app / E | measured | nu "
+         "measured (0.3) | "
          "ring-down f | amplitude left | us a frame | `livegs-v1`, E_app / E |\n"
          "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
          words + "\n";
@@ -96,43 +105,65 @@ std::string pulse_remark(const std::vector<ChartRow>& rows) {
     if (row.scene != "pulse") continue;
     const ElasticAccuracy& a = row.outcome.accuracy;
     const double speed = row.outcome["speed"].measured;
-    if (!row.setup.cells.choose && a.courant < kVeryShort) tallest = std::max(tallest, row.outcome["height"].measured);
-    lines += format_text("| %s | %.3g mm | %s%d | %.2f | %s | %s | %.2f |\n", modulus(row.setup.youngs_modulus_pa).c_str(),
-                  1e3 * a.cell_width_m, row.setup.cells.choose ? "chosen: " : "", a.substeps, a.courant, name_of(a.band),
-                  std::isfinite(speed) ? format_text("%.3f", speed).c_str() : "does not arrive", row.outcome["height"].measured);
+    if (!row.setup.cells.choose && a.courant < kVeryShort)
+      tallest = std::max(tallest, row.outcome["height"].measured);
+    lines += format_text("| %s | %.3g mm | %s%d | %.2f | %s | %s | %.2f |\n",
+                         modulus(row.setup.youngs_modulus_pa).c_str(), 1e3 * a.cell_width_m,
+                         row.setup.cells.choose ? "chosen: " : "", a.substeps, a.courant, name_of(a.band),
+                         std::isfinite(speed) ? format_text("%.3f", speed).c_str() : "does not arrive",
+                         row.outcome["height"].measured);
   }
   if (lines.empty()) return lines;
-  const std::string overshoot =
-      tallest > 1.0 ? format_text(" In very short steps (Courant number under %.1f) its height overshoots, by %.0f %% at most, although the body is "
-                                  "called exact: that is said of the stiffness, not of a front.",
-                                  kVeryShort, 100.0 * (tallest - 1.0))
-                    : std::string();
-  return "## A pulse in a thin bar\n\nA bump of velocity, 0.4 m wide at its foot, in the middle of a free bar of 2.4 x 0.1 x "
-         "0.1 m at 60 Hz parts into two halves, which should travel at sqrt(E / rho) and keep their height. A sweep "
-         "carries a stress little more than one cell a substep: at a step that resolves the wave (Courant number well "
-         "under 1), in cells much narrower than the bump, the pulse is right; at the scene's 4 substeps a stiff bar's pulse "
-         "comes early or late and flat, or not at all before its echo would. The cells that this bar chooses are for its "
-         "stiffness and nearly as wide as the bump: no step makes its pulse right there, it comes late and flat. A body that hangs, stands or is pressed does not care; one that is struck shows it." +
-         overshoot + "\n\n"
-         "| E | cells | substeps | Courant | band | speed over sqrt(E / rho) | height kept |\n|---|---|---|---|---|---|---|\n" +
+  const std::string overshoot = tallest > 1.0
+                                    ? format_text(
+                                          " In very short steps (Courant number under %.1f) its height "
+                                          "overshoots, by %.0f %% at most, although the body is "
+                                          "called exact: that is said of the stiffness, not of a front.",
+                                          kVeryShort, 100.0 * (tallest - 1.0))
+                                    : std::string();
+  return "## A pulse in a thin bar\n\nA bump of velocity, 0.4 m wide at its foot, in the middle of a free "
+         "bar of 2.4 x 0.1 x "
+         "0.1 m at 60 Hz parts into two halves, which should travel at sqrt(E / rho) and keep their height. "
+         "A sweep "
+         "carries a stress little more than one cell a substep: at a step that resolves the wave (Courant "
+         "number well "
+         "under 1), in cells much narrower than the bump, the pulse is right; at the scene's 4 substeps a "
+         "stiff bar's pulse "
+         "comes early or late and flat, or not at all before its echo would. The cells that this bar chooses "
+         "are for its "
+         "stiffness and nearly as wide as the bump: no step makes its pulse right there, it comes late and "
+         "flat. A body that hangs, stands or is pressed does not care; one that is struck shows it." +
+         overshoot +
+         "\n\n"
+         "| E | cells | substeps | Courant | band | speed over sqrt(E / rho) | height kept "
+         "|\n|---|---|---|---|---|---|---|\n" +
          lines + "\n";
 }
 
 }  // namespace
 
-std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how, const std::string& version) {
+std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how,
+                       const std::string& version) {
   std::string page =
-      "# Accuracy against cost\n\nMade by `livegs chart" + (how.empty() ? std::string() : " " + how) + "`, version " +
-      version +
-      ". Every figure here was measured in this one run, in one process; `chart.csv` has all of it, one line a "
-      "measurement, with every setting. Costs are processor time of substeps and ends of frames on one core of a machine "
+      "# Accuracy against cost\n\nMade by `livegs chart" + (how.empty() ? std::string() : " " + how) +
+      "`, version " + version +
+      ". Every figure here was measured in this one run, in one process; `chart.csv` has all of it, one line "
+      "a "
+      "measurement, with every setting. Costs are processor time of substeps and ends of frames on one core "
+      "of a machine "
       "that does other things as well: compare them with each other, not with another day's.\n\n"
-      "Methods: `cells` (embedded lattice of eight-node cells, BDF2, numerical compliance taken off), the same without "
-      "either or both of these, the paper's `livegs-v1` and its steady form, and `bullet`, the deformable body of "
-      "Bullet 3 (five tetrahedra a cube, corotated linear elasticity, implicit Euler, its own Krylov solver as it "
-      "comes). On the curves nothing is chosen: cells and substeps are as given, however wrong. Only `cells` is run in three "
-      "widths. BDF1 and uncompensated cells are run in cells of 25 mm only, and Bullet, which costs a hundred times as much a "
-      "node, with cubes of 50 mm only and with at most 4 or 16 substeps: \"not within the bar\" is said of these runs, and "
+      "Methods: `cells` (embedded lattice of eight-node cells, BDF2, numerical compliance taken off), the "
+      "same without "
+      "either or both of these, the paper's `livegs-v1` and its steady form, and `bullet`, the deformable "
+      "body of "
+      "Bullet 3 (five tetrahedra a cube, corotated linear elasticity, implicit Euler, its own Krylov solver "
+      "as it "
+      "comes). On the curves nothing is chosen: cells and substeps are as given, however wrong. Only `cells` "
+      "is run in three "
+      "widths. BDF1 and uncompensated cells are run in cells of 25 mm only, and Bullet, which costs a "
+      "hundred times as much a "
+      "node, with cubes of 50 mm only and with at most 4 or 16 substeps: \"not within the bar\" is said of "
+      "these runs, and "
       "nothing of other widths or more substeps.\n\n";
   page += table(rows);
   page += pulse_remark(rows);
@@ -146,7 +177,8 @@ std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how
       for (const Panel& panel : panels) page += compare_curves(panel);
       page += "\n";
     }
-    if (scene.max_bullet_substeps == 0) page += "- Bullet is not run here: it has no plasticity, and is not connected to plates.\n";
+    if (scene.max_bullet_substeps == 0)
+      page += "- Bullet is not run here: it has no plasticity, and is not connected to plates.\n";
     if (scene.max_bullet_substeps == 0) page += "\n";
     if (scene.name == "tension") page += v1_spread(rows) + "\n";
   }

@@ -12,14 +12,14 @@ namespace livegs::study {
 
 // A scene of the chart and the settings that it is drawn at.
 struct ChartScene {
-  std::string name;           // "tension"; files are named after it
-  std::string title{};        // "Tension: E_app / E"
-  std::string what{};         // one sentence for the page: body, load, what is measured
+  std::string name;     // "tension"; files are named after it
+  std::string title{};  // "Tension: E_app / E"
+  std::string what{};   // one sentence for the page: body, load, what is measured
   Result<Outcome> (*run)(const Setup&);
   std::vector<double> youngs_moduli_pa{};  // a panel each
   double poisson_ratio = 0.3;
-  std::vector<double> cell_widths_m{};   // the first is the one that variants are shown at
-  int max_bullet_substeps = 16;         // 0: Bullet cannot run it
+  std::vector<double> cell_widths_m{};    // the first is the one that variants are shown at
+  int max_bullet_substeps = 16;           // 0: Bullet cannot run it
   std::vector<std::string> quantities{};  // measurements that are drawn, a figure each
 
   // "tension.svg" for the first, "tension_poisson_ratio.svg" for others.

@@ -8,8 +8,8 @@
 
 #include "core/result.h"
 #include "study/chart/chart_figure.h"
-#include "study/harness/rigid_setup.h"
 #include "study/chart/run_matrix.h"
+#include "study/harness/rigid_setup.h"
 
 // The rigid scenes on the chart: over substeps, ours beside Bullet's and ODE's, in one process and on one
 // thread.
@@ -24,7 +24,7 @@ struct RigidChartScene {
   Result<RigidOutcome> (*run)(const RigidSetup&);
   std::vector<std::string> quantities;  // measurements that are drawn, a panel each
   std::vector<double> parameters{0.0};  // and for each of these
-  std::string parameter_text{};         // "1:%g", or words for each of them, a bar between: "flat|on a corner"
+  std::string parameter_text{};  // "1:%g", or words for each of them, a bar between: "flat|on a corner"
   int max_exact_substeps =
       32;  // of ODE's exact solver, whose cost goes with the cube of contacts; 0: not run
   std::vector<int> quick_substeps{1, 2, 4, 8, 16, 32};

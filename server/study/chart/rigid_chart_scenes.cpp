@@ -113,9 +113,12 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .quick_substeps = {1, 2, 4, 8}},
       {.name = "break_height",
        .title = "Height that breaks",
-       .what = "A box of 0.08 x 0.1 x 0.08 m and 0.25 kg that breaks at the impulse which stops 3 m/s falls flat or "
-               "on a corner without friction: of a hundred drops from a half to one and a half of 3^2 / 2g, the one "
-               "farthest from it that broke below or held above. Bullet breaks nothing: there it counts whether all contacts of "
+       .what = "A box of 0.08 x 0.1 x 0.08 m and 0.25 kg that breaks at the impulse which stops 3 m/s falls "
+               "flat or "
+               "on a corner without friction: of a hundred drops from a half to one and a half of 3^2 / 2g, "
+               "the one "
+               "farthest from it that broke below or held above. Bullet breaks nothing: there it counts "
+               "whether all contacts of "
                "one frame gave as much. ODE is not connected.",
        .settings = "0.25 kg, flat and on a corner, no restitution",
        .run = break_height,
@@ -125,8 +128,10 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .max_exact_substeps = 0},
       {.name = "soft_depth",
        .title = "Sphere on a soft block",
-       .what = "A sphere of 5 cm and 1 kg on a block of 0.2 x 0.1 x 0.2 m, 4 kg, 20 kPa and nu 0.3, in cells that the program "
-               "chooses, of 25 and of 12.5 mm: how deep it lies in the third second, against our own solver's in cells of "
+       .what = "A sphere of 5 cm and 1 kg on a block of 0.2 x 0.1 x 0.2 m, 4 kg, 20 kPa and nu 0.3, in cells "
+               "that the program "
+               "chooses, of 25 and of 12.5 mm: how deep it lies in the third second, against our own "
+               "solver's in cells of "
                "6.25 mm. Neither peer's soft bodies are connected to its rigid ones here.",
        .settings = "1 kg, radius 5 cm, on 4 kg of 20 kPa",
        .run = soft_depth,

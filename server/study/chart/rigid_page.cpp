@@ -13,8 +13,7 @@ std::string accidents(const RigidChartScene& scene, const std::vector<RigidRow>&
     if (row.scene != &scene || row.outcome.end == RunEnd::Ok) continue;
     words += words.empty() ? "- Did not come through: " : ", ";
     words += format_text("`%s` at %d", engine_name(row.setup.engine).c_str(), row.setup.substeps);
-    if (scene.parameters.size() > 1)
-      words += " with " + scene.text_of(row.setup.parameter);
+    if (scene.parameters.size() > 1) words += " with " + scene.text_of(row.setup.parameter);
     words += format_text(" (%s)", name_of(row.outcome.end));
   }
   return words.empty() ? words : words + ".\n";

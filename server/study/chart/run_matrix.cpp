@@ -13,7 +13,8 @@ namespace {
 // Every curve of one panel: one scene at one modulus.
 void plan_panel(const ChartScene& scene, double youngs_modulus_pa, const ChartPlan& plan,
                 std::vector<PlannedRun>& runs) {
-  const std::vector<int> substeps = plan.quick ? std::vector<int>{1, 4, 16} : std::vector<int>{1, 2, 4, 8, 16, 32, 64};
+  const std::vector<int> substeps =
+      plan.quick ? std::vector<int>{1, 4, 16} : std::vector<int>{1, 2, 4, 8, 16, 32, 64};
   const auto curve = [&](Setup setup, int most) {
     setup.youngs_modulus_pa = youngs_modulus_pa;
     setup.poisson_ratio = scene.poisson_ratio;
@@ -30,9 +31,10 @@ void plan_panel(const ChartScene& scene, double youngs_modulus_pa, const ChartPl
     setup.cell_width_m = scene.cell_widths_m[i];
     curve(setup, 64);
   }
-  for (const CellsOptions options : {CellsOptions{.compensate = false, .choose = false},
-                                     CellsOptions{.second_order = false, .choose = false},
-                                     CellsOptions{.second_order = false, .compensate = false, .choose = false}}) {
+  for (const CellsOptions options :
+       {CellsOptions{.compensate = false, .choose = false},
+        CellsOptions{.second_order = false, .choose = false},
+        CellsOptions{.second_order = false, .compensate = false, .choose = false}}) {
     Setup setup;
     setup.cell_width_m = scene.cell_widths_m[0];
     setup.cells = options;
@@ -112,15 +114,17 @@ std::vector<PlannedRun> plan_runs(const ChartPlan& plan) {
   return runs;
 }
 
-std::vector<ChartRow> run_all(const std::vector<PlannedRun>& runs,
-                              const std::function<void(size_t done, size_t of, const PlannedRun&)>& progress) {
+std::vector<ChartRow> run_all(
+    const std::vector<PlannedRun>& runs,
+    const std::function<void(size_t done, size_t of, const PlannedRun&)>& progress) {
   std::vector<std::optional<ChartRow>> found(runs.size());
   std::mutex telling;  // guards `done` and the calls of `progress`
   size_t done = 0;
   parallel_for(runs.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const PlannedRun& run = runs[i];
-      if (auto outcome = run.scene->run(run.setup)) found[i] = ChartRow{run.scene->name, run.variant, run.setup, *outcome};
+      if (auto outcome = run.scene->run(run.setup))
+        found[i] = ChartRow{run.scene->name, run.variant, run.setup, *outcome};
       const std::lock_guard lock(telling);
       progress(++done, runs.size(), run);
     }

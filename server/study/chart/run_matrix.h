@@ -10,12 +10,12 @@
 namespace livegs::study {
 
 struct ChartPlan {
-  std::string only;   // a scene's name, or empty for all
-  bool quick = false; // fewer substeps, moduli and widths: seconds instead of minutes
+  std::string only;    // a scene's name, or empty for all
+  bool quick = false;  // fewer substeps, moduli and widths: seconds instead of minutes
 };
 
-// The runs of the scenes' curves, and of the table of what the program chooses by itself at the scene's 4 substeps.
-// Always the same for the same plan.
+// The runs of the scenes' curves, and of the table of what the program chooses by itself at the scene's 4
+// substeps. Always the same for the same plan.
 struct PlannedRun {
   const ChartScene* scene = nullptr;
   std::string variant;

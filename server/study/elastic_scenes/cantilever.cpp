@@ -18,14 +18,16 @@ double timoshenko_sag_m(double youngs_modulus_pa, double poisson_ratio, double w
 
 double clamp_stiffening(double poisson_ratio) {
   if (poisson_ratio < 0.15) return 1.0;
-  // 4, 8 and 16 layers gave .9680, .9751, .9778 at nu 0.3 and .9256, .9414, .9476 at nu 0.45, .9978, .9991, .9996 at 0.
+  // 4, 8 and 16 layers gave .9680, .9751, .9778 at nu 0.3 and .9256, .9414, .9476 at nu 0.45, .9978, .9991,
+  // .9996 at 0.
   return poisson_ratio < 0.375 ? 0.9795 : 0.9515;
 }
 
 Result<Outcome> cantilever(const Setup& setup) {
   // What is clamped is as long as a cell at least, and whole cells of 12.5, 25 and 50 mm.
   const double clamp_m = std::max(0.05, setup.cell_width_m), half_m = 0.5 * kBarWidth_m;
-  ElasticBodyDescription bar = describe_box(setup, {-clamp_m, -half_m, -half_m}, {kBarLength_m, half_m, half_m});
+  ElasticBodyDescription bar =
+      describe_box(setup, {-clamp_m, -half_m, -half_m}, {kBarLength_m, half_m, half_m});
   bar.material.loss_factor = 2.0;
   BodyRegion clamp = fixed_box({-clamp_m - 1, -1, -1}, {0, 1, 1});
   clamp.name = "clamp";
@@ -41,9 +43,12 @@ Result<Outcome> cantilever(const Setup& setup) {
   const double gravity_m_s2 = sag_m / unit_sag_m / setup.density_kg_m3;
   const double wave_m_s = std::sqrt(softness * setup.youngs_modulus_pa / setup.density_kg_m3);
   // The lowest bending mode of a clamped bar.
-  const double lowest_rad_s = 3.516 / std::sqrt(12.0) * kBarWidth_m / (kBarLength_m * kBarLength_m) * wave_m_s;
+  const double lowest_rad_s =
+      3.516 / std::sqrt(12.0) * kBarWidth_m / (kBarLength_m * kBarLength_m) * wave_m_s;
   const auto weigh = [&](double share) { stage.gravity_m_s2 = {0, -share * gravity_m_s2, 0}; };
-  const auto tip = [&]() -> Eigen::Vector2d { return {-stage.body().world_point({kBarLength_m, 0, 0}).y(), 0.0}; };
+  const auto tip = [&]() -> Eigen::Vector2d {
+    return {-stage.body().world_point({kBarLength_m, 0, 0}).y(), 0.0};
+  };
   const double measured_m = load_quasi_statically(stage, {weigh, tip, 2 * M_PI / lowest_rad_s})[0];
   return stage.finish({relative("deflection", measured_m / sag_m, clamp_stiffening(setup.poisson_ratio),
                                 setup.poisson_ratio > 0.0 ? 0.05 : 0.03)});

@@ -7,8 +7,8 @@
 namespace livegs::study {
 
 // Scene 21. A bar of 0.4 x 0.1 x 0.1 m clamped at one face sags under its own weight, by 1 % of its length.
-// "deflection" of the tip over Timoshenko's (shear coefficient 5/6); bar 3 % at nu 0, 5 % of the converged 3-D
-// reference at nu > 0, where the clamp stiffens: see clamp_stiffening.
+// "deflection" of the tip over Timoshenko's (shear coefficient 5/6); bar 3 % at nu 0, 5 % of the converged
+// 3-D reference at nu > 0, where the clamp stiffens: see clamp_stiffening.
 Result<Outcome> cantilever(const Setup& setup);
 
 // Deflection of the 3-D bar over Timoshenko's, extrapolated from finer and finer lattices

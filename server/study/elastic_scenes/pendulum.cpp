@@ -17,9 +17,11 @@ constexpr double kSeconds = 10.0;
 
 }  // namespace
 
-double pendulum_period_s(double hinge_m, double amplitude_rad, double youngs_modulus_pa, double density_kg_m3) {
+double pendulum_period_s(double hinge_m, double amplitude_rad, double youngs_modulus_pa,
+                         double density_kg_m3) {
   const double arm_m = 0.5 * kBarLength_m - hinge_m;
-  const double inertia = (kBarLength_m * kBarLength_m + kBarWidth_m * kBarWidth_m) / 12 + arm_m * arm_m;  // of 1 kg
+  const double inertia =
+      (kBarLength_m * kBarLength_m + kBarWidth_m * kBarWidth_m) / 12 + arm_m * arm_m;  // of 1 kg
   // 2 K(k) / pi = 1 / agm(1, cos(theta0 / 2)) with k = sin(theta0 / 2).
   double a = 1.0, b = std::cos(0.5 * amplitude_rad);
   for (int i = 0; i < 8; ++i) {
@@ -28,14 +30,16 @@ double pendulum_period_s(double hinge_m, double amplitude_rad, double youngs_mod
     a = mean;
   }
   const double rigid_s = 2 * M_PI * std::sqrt(inertia / (kGravity_m_s2 * arm_m)) / a;
-  // Hanging, the rod stretches by u = (rho g / E)(L x - x²/2): its arm grows by 2/3 rho g L / E and its inertia by 5/4
-  // of that unit, so the period by half the difference, 7/24. Tension rho g A (L - x) couples swinging with the lowest
-  // bending mode, hinged and free, of frequency 15.42 / sqrt(12) w / L² sqrt(E / rho); with that mode's mean over its
-  // root mean square, 0.31, the period grows by 0.096 (g / L) / frequency².
+  // Hanging, the rod stretches by u = (rho g / E)(L x - x²/2): its arm grows by 2/3 rho g L / E and its
+  // inertia by 5/4 of that unit, so the period by half the difference, 7/24. Tension rho g A (L - x) couples
+  // swinging with the lowest bending mode, hinged and free, of frequency 15.42 / sqrt(12) w / L² sqrt(E /
+  // rho); with that mode's mean over its root mean square, 0.31, the period grows by 0.096 (g / L) /
+  // frequency².
   const double weight = density_kg_m3 * kGravity_m_s2 * kBarLength_m / youngs_modulus_pa;
   const double bending_rad_s = 15.42 / std::sqrt(12.0) * kBarWidth_m / (kBarLength_m * kBarLength_m) *
                                std::sqrt(youngs_modulus_pa / density_kg_m3);
-  return rigid_s * (1 + 7.0 / 24.0 * weight + 0.096 * kGravity_m_s2 / (kBarLength_m * bending_rad_s * bending_rad_s));
+  return rigid_s *
+         (1 + 7.0 / 24.0 * weight + 0.096 * kGravity_m_s2 / (kBarLength_m * bending_rad_s * bending_rad_s));
 }
 
 Result<Outcome> pendulum(const Setup& given, double amplitude_rad) {
@@ -70,8 +74,10 @@ Result<Outcome> pendulum(const Setup& given, double amplitude_rad) {
     const double now = angle();
     if ((before < 0.0) != (now < 0.0)) {
       last_s = stage.time_s() - every * stage.substep_s() * now / (now - before);
-      if (first_s < 0.0) first_s = last_s;
-      else ++crossings;
+      if (first_s < 0.0)
+        first_s = last_s;
+      else
+        ++crossings;
       if (highest > 0.0) last_highest = highest;
       highest = 0.0;
     }
@@ -79,12 +85,14 @@ Result<Outcome> pendulum(const Setup& given, double amplitude_rad) {
     before = now;
   };
   stage.run(kSeconds, nullptr, watch, every);
-  const double period_s = crossings > 0 ? 2 * (last_s - first_s) / crossings : std::numeric_limits<double>::infinity();
+  const double period_s =
+      crossings > 0 ? 2 * (last_s - first_s) / crossings : std::numeric_limits<double>::infinity();
   // Energy of the last whole swing, brought from its middle to the end at the rate it was lost.
   const double left = (1 - std::cos(last_highest)) / (1 - std::cos(start));
   const double at_s = std::max(0.1, last_s - 0.25 * std::min(period_s, kSeconds));
   const double lost = 1.0 - std::pow(left, kSeconds / at_s);
-  return stage.finish({absolute("energy_lost", lost, 0.0, 0.01), relative("period", period_s, expected_s, 1e-3)});
+  return stage.finish(
+      {absolute("energy_lost", lost, 0.0, 0.01), relative("period", period_s, expected_s, 1e-3)});
 }
 
 }  // namespace livegs::study

@@ -4,10 +4,10 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "physics/material/return_mapping.h"
 #include "study/harness/block.h"
 #include "study/harness/particle_fit.h"
 #include "study/harness/stage.h"
-#include "physics/material/return_mapping.h"
 
 namespace livegs::study {
 
@@ -24,7 +24,8 @@ double set_of_stretch(double stretch, double yield, double poisson_ratio) {
 
 namespace {
 
-// Stretched to twice its yield strain along x and to `across` in y and z, held and let go; `set` is what should stay.
+// Stretched to twice its yield strain along x and to `across` in y and z, held and let go; `set` is what
+// should stay.
 Result<Outcome> stretched(const Setup& setup, double speed, double yield, double across, double set) {
   if (setup.engine == Engine::Bullet) return unsupported("Bullet's deformable bodies have no plasticity");
   const Eigen::Vector3d half(kBarWidth_m, 0.5 * kBarWidth_m, 0.5 * kBarWidth_m);
@@ -57,11 +58,13 @@ Result<Outcome> stretched(const Setup& setup, double speed, double yield, double
 
 Result<Outcome> plastic_set(const Setup& setup, double speed) {
   constexpr double kPlasticity = 0.9, kYield = 1.0 - kPlasticity, kStretch = 1.0 + 2 * kYield;
-  return stretched(setup, speed, kYield, 1 / std::sqrt(kStretch), set_of_stretch(kStretch, kYield, setup.poisson_ratio));
+  return stretched(setup, speed, kYield, 1 / std::sqrt(kStretch),
+                   set_of_stretch(kStretch, kYield, setup.poisson_ratio));
 }
 
 Result<Outcome> plastic_set_in_tension(const Setup& setup, double speed, double yield) {
-  // No force on the sides, by the energy of plastic_flow.h: b - s + lambda / 2 mu (l b² - 1) l b = 0, s the plastic part across.
+  // No force on the sides, by the energy of plastic_flow.h: b - s + lambda / 2 mu (l b² - 1) l b = 0, s the
+  // plastic part across.
   const double length = 1.0 + 2.0 * yield, side = 1.0 / std::sqrt(1.0 + yield);
   const double ratio = setup.poisson_ratio / (1.0 - 2.0 * setup.poisson_ratio);
   double low = 0.5, high = 1.0;

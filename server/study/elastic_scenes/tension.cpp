@@ -41,9 +41,9 @@ Result<Outcome> pulled(const Setup& setup, double length_m, double width_m, cons
   if (setup.engine != Engine::Bullet) stage.measure_unforced_cost();
 
   const Uniaxial exact = stretched_by(setup.youngs_modulus_pa, setup.poisson_ratio, stress_pa);
-  return stage.finish({relative("youngs_modulus", (exact.along - 1.0) / strain[0], 1.0, 0.05),
-                       absolute("poisson_ratio", -strain[1] / strain[0], (1.0 - exact.across) / (exact.along - 1.0),
-                                0.02)});
+  return stage.finish(
+      {relative("youngs_modulus", (exact.along - 1.0) / strain[0], 1.0, 0.05),
+       absolute("poisson_ratio", -strain[1] / strain[0], (1.0 - exact.across) / (exact.along - 1.0), 0.02)});
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSaintVenant = 0.1406;  // torsion constant of a square over a^4 (Timoshenko and Goodier, 109)
+constexpr double kSaintVenant =
+    0.1406;  // torsion constant of a square over a^4 (Timoshenko and Goodier, 109)
 
 // Tangential forces on a grid of points over the end at `x_m`, growing with the distance from the axis.
 void add_torque(std::vector<PointForce>& forces, double x_m, double torque_n_m, int across) {
@@ -21,7 +22,8 @@ void add_torque(std::vector<PointForce>& forces, double x_m, double torque_n_m, 
   double moment = 0.0;
   for (int j = 0; j < across; ++j) {
     for (int k = 0; k < across; ++k) {
-      points.push_back({x_m, ((j + 0.5) / across - 0.5) * kBarWidth_m, ((k + 0.5) / across - 0.5) * kBarWidth_m});
+      points.push_back(
+          {x_m, ((j + 0.5) / across - 0.5) * kBarWidth_m, ((k + 0.5) / across - 0.5) * kBarWidth_m});
       moment += points.back().tail<2>().squaredNorm();
     }
   }
@@ -108,7 +110,8 @@ Result<Outcome> torsion_release(const Setup& setup) {
   const double turns = (angles[1] - angles[0]) / (2 * M_PI);
   stage.forces.clear();
   // Ten decay times of the lowest mode, free bending.
-  const double lowest_rad_s = 22.37 / std::sqrt(12.0) * kBarWidth_m / (kBarLength_m * kBarLength_m) * wave_m_s;
+  const double lowest_rad_s =
+      22.37 / std::sqrt(12.0) * kBarWidth_m / (kBarLength_m * kBarLength_m) * wave_m_s;
   stage.run(10.0 / (0.5 * bar.material.loss_factor * lowest_rad_s));
   const double left = distance_from_rest_shape_m(stage.body(), stage.rest()) / kBarLength_m;
   return stage.finish({absolute("rest_shape", left, 0.0, 1e-3), absolute("turns", turns, 4.0, 0.2)});

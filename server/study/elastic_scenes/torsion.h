@@ -7,7 +7,8 @@
 namespace livegs::study {
 
 // Scene 22. A free bar under opposite torques at its ends, damped; the twist of its middle half.
-// "twist" over Saint-Venant's, phi = T L / (0.1406 a^4 G) for a square of edge a; bar 8 % at 4 layers, 4 % at 8.
+// "twist" over Saint-Venant's, phi = T L / (0.1406 a^4 G) for a square of edge a; bar 8 % at 4 layers, 4 %
+// at 8.
 Result<Outcome> torsion(const Setup& setup);
 
 // The same bar wound up by four full turns between its ends, then let go.

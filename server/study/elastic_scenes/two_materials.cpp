@@ -47,7 +47,8 @@ Result<Outcome> two_materials(const Setup& setup, double joint_m) {
   const double soft = stretched_by(setup.youngs_modulus_pa, setup.poisson_ratio, stress_pa).along - 1.0;
   const double hard =
       stretched_by(kTimesStiffer * setup.youngs_modulus_pa, setup.poisson_ratio, stress_pa).along - 1.0;
-  return stage.finish({relative("soft_strain", strain[0], soft, 0.1), relative("stiff_strain", strain[1], hard, 0.1)});
+  return stage.finish(
+      {relative("soft_strain", strain[0], soft, 0.1), relative("stiff_strain", strain[1], hard, 0.1)});
 }
 
 }  // namespace livegs::study

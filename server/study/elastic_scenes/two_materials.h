@@ -6,9 +6,9 @@
 
 namespace livegs::study {
 
-// A bar of two materials in series, the part x > joint twice as stiff, pulled at both ends. Stress is the same in both,
-// so strains are stress / E of each: "soft_strain" and "stiff_strain" over the middle half of each part, relative to the
-// closed form (bar 10 %). At `joint_m` 0 the parts meet on a plane between cells.
+// A bar of two materials in series, the part x > joint twice as stiff, pulled at both ends. Stress is the
+// same in both, so strains are stress / E of each: "soft_strain" and "stiff_strain" over the middle half of
+// each part, relative to the closed form (bar 10 %). At `joint_m` 0 the parts meet on a plane between cells.
 Result<Outcome> two_materials(const Setup& setup, double joint_m = 0.0);
 
 }  // namespace livegs::study

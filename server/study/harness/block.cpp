@@ -11,7 +11,8 @@ ParticleSet fill_box(const Vector3d& min_m, const Vector3d& max_m, double spacin
   const Eigen::Vector3i n = ((max_m - min_m) / spacing_m).array().round().cast<int>();
   for (int k = 0; k < n.z(); ++k) {
     for (int j = 0; j < n.y(); ++j) {
-      for (int i = 0; i < n.x(); ++i) set.positions_m.push_back(min_m + spacing_m * Vector3d(i + 0.5, j + 0.5, k + 0.5));
+      for (int i = 0; i < n.x(); ++i)
+        set.positions_m.push_back(min_m + spacing_m * Vector3d(i + 0.5, j + 0.5, k + 0.5));
     }
   }
   set.volumes_m3.assign(set.positions_m.size(), spacing_m * spacing_m * spacing_m);

@@ -13,7 +13,8 @@ inline constexpr double kBarLength_m = 0.4, kBarWidth_m = 0.1;
 ParticleSet fill_box(const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m, double spacing_m);
 
 // Undamped, at rest, nothing held.
-ElasticBodyDescription describe_box(const Setup& setup, const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m);
+ElasticBodyDescription describe_box(const Setup& setup, const Eigen::Vector3d& min_m,
+                                    const Eigen::Vector3d& max_m);
 
 // The bar of most scenes: kBarLength_m along x, kBarWidth_m square, about the origin.
 ElasticBodyDescription describe_bar(const Setup& setup);

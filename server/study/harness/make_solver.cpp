@@ -9,20 +9,24 @@
 
 namespace livegs::study {
 
-Result<std::unique_ptr<ElasticBody>> make_study_body(const Setup& setup, const ElasticBodyDescription& description) {
+Result<std::unique_ptr<ElasticBody>> make_study_body(const Setup& setup,
+                                                     const ElasticBodyDescription& description) {
   switch (setup.engine) {
     case Engine::Cells:
       return make_elastic_body(description, ElasticSolver::Cells, setup.rate_hz, setup.substeps, false);
     case Engine::LivegsV1:
       return make_elastic_body(description, ElasticSolver::LivegsV1, setup.rate_hz, setup.substeps, false);
     case Engine::LivegsV1Steady:
-      return make_elastic_body(description, ElasticSolver::LivegsV1Steady, setup.rate_hz, setup.substeps, false);
-    case Engine::Bullet: break;
+      return make_elastic_body(description, ElasticSolver::LivegsV1Steady, setup.rate_hz, setup.substeps,
+                               false);
+    case Engine::Bullet:
+      break;
   }
   return make_bullet_body(description, setup.rate_hz, setup.substeps);
 }
 
-Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup, const RigidConditions& conditions) {
+Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup,
+                                                       const RigidConditions& conditions) {
   switch (setup.engine) {
     case RigidEngine::Livegs:
       return make_livegs_rigid(setup, conditions);

@@ -11,9 +11,11 @@
 namespace livegs::study {
 
 // Fails where the engine cannot make the body, with its reason.
-Result<std::unique_ptr<ElasticBody>> make_study_body(const Setup& setup, const ElasticBodyDescription& description);
+Result<std::unique_ptr<ElasticBody>> make_study_body(const Setup& setup,
+                                                     const ElasticBodyDescription& description);
 
 // Fails where the engine cannot run the scene, with its reason.
-Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup, const RigidConditions& conditions);
+Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup,
+                                                       const RigidConditions& conditions);
 
 }  // namespace livegs::study

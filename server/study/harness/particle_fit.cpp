@@ -72,7 +72,8 @@ Vector3d face_to_face(const ElasticBody& body, const ParticleSet& rest) {
     last.min_m.array() -= layer_m;
     first.max_m[d] = low[d] + layer_m;
     last.min_m[d] = high[d] - layer_m;
-    stretches[d] = (pairs_in(body, rest, last).now_mean_m - pairs_in(body, rest, first).now_mean_m).norm() / (high[d] - low[d]);
+    stretches[d] = (pairs_in(body, rest, last).now_mean_m - pairs_in(body, rest, first).now_mean_m).norm() /
+                   (high[d] - low[d]);
   }
   return stretches;
 }
@@ -120,7 +121,8 @@ double distance_from_rest_shape_m(const ElasticBody& body, const ParticleSet& re
   const Matrix3d rotation = svd.matrixU() * mirror * svd.matrixV().transpose();
   double sum = 0.0;
   for (size_t i = 0; i < pairs.rest_m.size(); ++i) {
-    sum += (pairs.now_m[i] - pairs.now_mean_m - rotation * (pairs.rest_m[i] - pairs.rest_mean_m)).squaredNorm();
+    sum +=
+        (pairs.now_m[i] - pairs.now_mean_m - rotation * (pairs.rest_m[i] - pairs.rest_mean_m)).squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(pairs.rest_m.size()));
 }

@@ -15,7 +15,8 @@ using Eigen::Vector3d;
 constexpr double kLength_m = 2.4, kFoot_m = 0.4, kNear_m = 0.3, kFar_m = 0.8;
 constexpr double kStrain = 1e-3;  // of the pulse: bump over wave speed
 
-// The moment of the largest value of samples taken at even times: the top of the parabola through the three about it.
+// The moment of the largest value of samples taken at even times: the top of the parabola through the three
+// about it.
 class Peak {
  public:
   void sample(double time_s, double value) {
@@ -40,13 +41,14 @@ class Peak {
 
 Result<Outcome> pulse(const Setup& setup) {
   const double half_m = 0.5 * kBarWidth_m;
-  ElasticBodyDescription bar = describe_box(setup, {-0.5 * kLength_m, -half_m, -half_m}, {0.5 * kLength_m, half_m, half_m});
+  ElasticBodyDescription bar =
+      describe_box(setup, {-0.5 * kLength_m, -half_m, -half_m}, {0.5 * kLength_m, half_m, half_m});
   const double wave_m_s = std::sqrt(setup.youngs_modulus_pa / setup.density_kg_m3);
   const double bump_m_s = 2 * kStrain * wave_m_s;
   for (const Vector3d& p : bar.particles.positions_m) {
     const double s = std::cos(M_PI * p.x() / kFoot_m);
     bar.particle_velocities_m_s.push_back(std::abs(p.x()) < 0.5 * kFoot_m ? Vector3d(bump_m_s * s * s, 0, 0)
-                                                                         : Vector3d::Zero());
+                                                                          : Vector3d::Zero());
   }
   auto made = Stage::make(setup, bar);
   if (!made) return made.error();

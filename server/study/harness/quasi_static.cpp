@@ -25,13 +25,15 @@ void damp(Stage& stage, double softness) {
 
 Eigen::Vector2d load_quasi_statically(Stage& stage, const QuasiStatic& scene) {
   const double frame_s = stage.frame_s();
-  const int ramp = std::max(kMinRampFrames, static_cast<int>(std::ceil(kRampPeriods * scene.period_s / frame_s)));
+  const int ramp =
+      std::max(kMinRampFrames, static_cast<int>(std::ceil(kRampPeriods * scene.period_s / frame_s)));
   for (int i = 1; i <= ramp; ++i) {
     const double s = static_cast<double>(i) / ramp;
     scene.load(s * s * (3 - 2 * s));
     stage.frame();
   }
-  const int window = std::max(kMinWindowFrames, static_cast<int>(std::ceil(kWindowPeriods * scene.period_s / frame_s)));
+  const int window =
+      std::max(kMinWindowFrames, static_cast<int>(std::ceil(kWindowPeriods * scene.period_s / frame_s)));
   Eigen::Vector2d before = scene.observed();
   int settled = 0;
   for (int w = 0; w < kMaxWindows; ++w) {

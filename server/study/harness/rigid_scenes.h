@@ -54,14 +54,15 @@ Result<RigidOutcome> dominoes(const RigidSetup& setup);
 // where they do not part.
 Result<RigidOutcome> overlap(const RigidSetup& setup);
 
-// Breaking. A box of 0.08 x 0.1 x 0.08 m and 0.25 kg falls onto a floor, flat or, with a `parameter` of 1, on a corner without
-// friction; it is to break at what stops 3 m/s there: m v, or v / (1 / m + (r x n) . I⁻¹ (r x n)) at the corner. `height` is
-// the drop farthest from 3² / 2g, in parts of it, that broke below or held above, of a hundred from a half to one and a half.
+// Breaking. A box of 0.08 x 0.1 x 0.08 m and 0.25 kg falls onto a floor, flat or, with a `parameter` of 1, on
+// a corner without friction; it is to break at what stops 3 m/s there: m v, or v / (1 / m + (r x n) . I⁻¹ (r
+// x n)) at the corner. `height` is the drop farthest from 3² / 2g, in parts of it, that broke below or held
+// above, of a hundred from a half to one and a half.
 Result<RigidOutcome> break_height(const RigidSetup& setup);
 
-// Scene 29. A sphere of 5 cm and 1 kg on a soft block of 0.2 x 0.1 x 0.2 m, 4 kg, 20 kPa and nu 0.3, in cells of
-// `parameter` (m; 0: as the program chooses): `depth` in the last of three seconds against our own solver's in cells of
-// 6.25 mm (soft_depth_nightly_test has how it converges).
+// Scene 29. A sphere of 5 cm and 1 kg on a soft block of 0.2 x 0.1 x 0.2 m, 4 kg, 20 kPa and nu 0.3, in cells
+// of `parameter` (m; 0: as the program chooses): `depth` in the last of three seconds against our own
+// solver's in cells of 6.25 mm (soft_depth_nightly_test has how it converges).
 Result<RigidOutcome> soft_depth(const RigidSetup& setup);
 
 }  // namespace livegs::study

@@ -36,8 +36,8 @@ const char* name_of(RunEnd end);
 
 struct RigidOutcome {
   std::vector<Measurement> measurements;
-  Cost cost;                  // `substeps` are the scene's
-  size_t bodies = 0;          // that can move
+  Cost cost;                // `substeps` are the scene's
+  size_t bodies = 0;        // that can move
   RunEnd end = RunEnd::Ok;  // when not Ok, the errors are infinite
 
   const Measurement& operator[](const std::string& quantity) const;  // precondition: it is there

@@ -18,13 +18,13 @@ namespace livegs::study {
 struct RigidPart {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // of a box, full edge lengths
   double radius_m = 0.0;                             // > 0: a ball instead
-  std::vector<Eigen::Vector3d> corners_m;            // not empty: of a convex body instead, about its centre of mass
+  std::vector<Eigen::Vector3d> corners_m;  // not empty: of a convex body instead, about its centre of mass
   double mass_kg = 1.0;
   std::optional<Eigen::Vector3d>
-      moments_kg_m2;      // principal, along its own axes; otherwise those of the solid
-  double friction = 0.5;  // of a pair: the geometric mean. Nothing bounces.
+      moments_kg_m2;               // principal, along its own axes; otherwise those of the solid
+  double friction = 0.5;           // of a pair: the geometric mean. Nothing bounces.
   double break_impulse_n_s = 0.0;  // > 0: a fragile box, see RigidSolver::broken
-  Pose world_from_part;   // the origin is the centre of mass
+  Pose world_from_part;            // the origin is the centre of mass
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
 };
@@ -63,8 +63,9 @@ class RigidSolver {
   virtual void push(size_t part, const Eigen::Vector3d& force_n) = 0;
   // Elastic, and not counted among the parts. Fails where the engine's soft bodies are not connected.
   virtual Result<void> add_soft(const SoftPart& part);
-  // Whether a fragile part has come apart: ours breaks; of a peer it is whether all its contacts gave the part, in one frame,
-  // as much as its break_impulse_n_s, which is what one has to go by there. Fails where the engine does not tell.
+  // Whether a fragile part has come apart: ours breaks; of a peer it is whether all its contacts gave the
+  // part, in one frame, as much as its break_impulse_n_s, which is what one has to go by there. Fails where
+  // the engine does not tell.
   virtual Result<bool> broken(size_t part) const;
 
   virtual void frame() = 0;

@@ -17,10 +17,14 @@ double finite_or_infinity(double error) {
 
 std::string solver_name(const Setup& setup) {
   switch (setup.engine) {
-    case Engine::LivegsV1: return "livegs-v1";
-    case Engine::LivegsV1Steady: return "livegs-v1 steady";
-    case Engine::Bullet: return "bullet";
-    case Engine::Cells: break;
+    case Engine::LivegsV1:
+      return "livegs-v1";
+    case Engine::LivegsV1Steady:
+      return "livegs-v1 steady";
+    case Engine::Bullet:
+      return "bullet";
+    case Engine::Cells:
+      break;
   }
   if (setup.cells.choose) return "cells chosen";
   std::string name = "cells";
@@ -39,12 +43,12 @@ const Measurement& Outcome::operator[](const std::string& quantity) const {
 
 Measurement relative(std::string quantity, double measured, double reference, double bar) {
   return {std::move(quantity), measured, reference, finite_or_infinity(std::abs(measured / reference - 1.0)),
-          "relative", bar};
+          "relative",          bar};
 }
 
 Measurement absolute(std::string quantity, double measured, double reference, double bar, std::string unit) {
-  return {std::move(quantity), measured, reference, finite_or_infinity(std::abs(measured - reference)), std::move(unit),
-          bar};
+  return {std::move(quantity), measured, reference, finite_or_infinity(std::abs(measured - reference)),
+          std::move(unit),     bar};
 }
 
 }  // namespace livegs::study

@@ -129,7 +129,8 @@ void add_traction(std::vector<PointForce>& forces, double x_m, double width_m, c
   const Vector3d force_n = traction_pa * (width_m * width_m / (across * across));
   for (int j = 0; j < across; ++j) {
     for (int k = 0; k < across; ++k) {
-      forces.push_back({{x_m, ((j + 0.5) / across - 0.5) * width_m, ((k + 0.5) / across - 0.5) * width_m}, force_n});
+      forces.push_back(
+          {{x_m, ((j + 0.5) / across - 0.5) * width_m, ((k + 0.5) / across - 0.5) * width_m}, force_n});
     }
   }
 }

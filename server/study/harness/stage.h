@@ -9,7 +9,8 @@
 
 namespace livegs::study {
 
-// One body with what acts on it and the scene's clock. Counts the processor time of stepping, and nothing else.
+// One body with what acts on it and the scene's clock. Counts the processor time of stepping, and nothing
+// else.
 class Stage {
  public:
   // Fails where the engine cannot make the body, with its reason.
@@ -30,14 +31,16 @@ class Stage {
   void frame();
   // The whole frames that `seconds` rounds to.
   void run(double seconds);
-  // Frames until `seconds` have passed, with `before` called ahead of every substep of the scene and `after` behind each
-  // that completes a multiple of `every`.
-  void run(double seconds, const std::function<void()>& before, const std::function<void()>& after, int every = 1);
-  // Substeps of the scene between two looks at something that swings with `period_s`: 60 looks a period, or all.
+  // Frames until `seconds` have passed, with `before` called ahead of every substep of the scene and `after`
+  // behind each that completes a multiple of `every`.
+  void run(double seconds, const std::function<void()>& before, const std::function<void()>& after,
+           int every = 1);
+  // Substeps of the scene between two looks at something that swings with `period_s`: 60 looks a period, or
+  // all.
   int sampling_interval(double period_s) const;
-  // Charges the whole run at the price of frames without the point forces, which are the study's own and dear: each is
-  // found in the lattice again every substep. Runs some such frames, so measure first. Not for Bullet, whose iterations
-  // depend on what acts.
+  // Charges the whole run at the price of frames without the point forces, which are the study's own and
+  // dear: each is found in the lattice again every substep. Runs some such frames, so measure first. Not for
+  // Bullet, whose iterations depend on what acts.
   void measure_unforced_cost();
 
   bool finite() const;
@@ -58,10 +61,10 @@ class Stage {
   int64_t start_ns_ = 0;
 };
 
-// Equal forces on a regular grid of points over a face: a uniform traction. `across` points a side; as many as cells is
-// exact for eight-node cells. The face is square with the edge `width_m`, normal to x, at `x_m`.
-void add_traction(std::vector<PointForce>& forces, double x_m, double width_m, const Eigen::Vector3d& traction_pa,
-                  int across);
+// Equal forces on a regular grid of points over a face: a uniform traction. `across` points a side; as many
+// as cells is exact for eight-node cells. The face is square with the edge `width_m`, normal to x, at `x_m`.
+void add_traction(std::vector<PointForce>& forces, double x_m, double width_m,
+                  const Eigen::Vector3d& traction_pa, int across);
 // Points a side for the body as it was made.
 int points_across(const Setup& setup, const ElasticBody& body, double width_m);
 

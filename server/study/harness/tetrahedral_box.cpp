@@ -50,11 +50,14 @@ Result<TetrahedralBox> make_tetrahedral_box(const ParticleSet& particles, double
 
   for (int k = 0; k <= box.cells.z(); ++k) {
     for (int j = 0; j <= box.cells.y(); ++j) {
-      for (int i = 0; i <= box.cells.x(); ++i) box.nodes_m.push_back(box.min_m + cell_width_m * Vector3d(i, j, k));
+      for (int i = 0; i <= box.cells.x(); ++i)
+        box.nodes_m.push_back(box.min_m + cell_width_m * Vector3d(i, j, k));
     }
   }
-  // The even corners' tetrahedra and the middle one; odd cubes are mirrored along x, which swaps corners' lowest bit.
-  constexpr std::array<std::array<int, 4>, 5> kCut{{{0, 1, 2, 4}, {3, 2, 1, 7}, {5, 4, 7, 1}, {6, 7, 4, 2}, {1, 2, 4, 7}}};
+  // The even corners' tetrahedra and the middle one; odd cubes are mirrored along x, which swaps corners'
+  // lowest bit.
+  constexpr std::array<std::array<int, 4>, 5> kCut{
+      {{0, 1, 2, 4}, {3, 2, 1, 7}, {5, 4, 7, 1}, {6, 7, 4, 2}, {1, 2, 4, 7}}};
   for (int k = 0; k < box.cells.z(); ++k) {
     for (int j = 0; j < box.cells.y(); ++j) {
       for (int i = 0; i < box.cells.x(); ++i) {

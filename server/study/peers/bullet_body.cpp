@@ -15,8 +15,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/peers/bullet_convert.h"
 #include "study/harness/tetrahedral_box.h"
+#include "study/peers/bullet_convert.h"
 
 namespace livegs::study {
 namespace {
@@ -106,7 +106,8 @@ class BulletBody final : public ElasticBody {
   NodeForces forces_;
 };
 
-BulletBody::BulletBody(const ElasticBodyDescription& description, TetrahedralBox box, double rate_hz, int substeps)
+BulletBody::BulletBody(const ElasticBodyDescription& description, TetrahedralBox box, double rate_hz,
+                       int substeps)
     : material_(description.material),
       box_(std::move(box)),
       particles_m_(description.particles.positions_m),
@@ -164,14 +165,16 @@ BulletBody::BulletBody(const ElasticBodyDescription& description, TetrahedralBox
   world_.addForce(&soft_, &forces_);
 
   Vector3d centre = Vector3d::Zero();
-  for (size_t i = 0; i < masses_kg_.size(); ++i) centre += masses_kg_[i] / material_.mass_kg * box_.nodes_m[i];
+  for (size_t i = 0; i < masses_kg_.size(); ++i)
+    centre += masses_kg_[i] / material_.mass_kg * box_.nodes_m[i];
   for (int i = 0; i < soft_.m_nodes.size(); ++i) {
     btSoftBody::Node& node = soft_.m_nodes[i];
     if (node.m_im == 0) continue;
     const Vector3d r = box_.nodes_m[i] - centre;
     const Vector3d offset = description.world_from_object.orientation * (description.initial_deformation * r);
     node.m_x = node.m_q = to_bullet(description.world_from_object * centre + offset);
-    node.m_v = node.m_vn = to_bullet(description.velocity_m_s + description.angular_velocity_rad_s.cross(offset));
+    node.m_v = node.m_vn =
+        to_bullet(description.velocity_m_s + description.angular_velocity_rad_s.cross(offset));
   }
   if (!description.particle_velocities_m_s.empty()) {
     std::vector<Vector3d> sum(masses_kg_.size(), Vector3d::Zero());
@@ -228,8 +231,10 @@ std::vector<ParticleState> BulletBody::particles() const {
       Vector3d gradient = Vector3d::Constant(1.0 / box_.cell_width_m);
       for (int d = 0; d < 3; ++d) {
         for (int e = 0; e < 3; ++e) {
-          if (d == e) gradient[e] *= c >> d & 1 ? 1.0 : -1.0;
-          else gradient[e] *= c >> d & 1 ? place.local[d] : 1.0 - place.local[d];
+          if (d == e)
+            gradient[e] *= c >> d & 1 ? 1.0 : -1.0;
+          else
+            gradient[e] *= c >> d & 1 ? place.local[d] : 1.0 - place.local[d];
         }
       }
       state.deformation_gradient += at_node(place.nodes[c]) * gradient.transpose();
@@ -260,7 +265,8 @@ Pose BulletBody::centre_pose() const {
 
 Vector3d BulletBody::velocity_m_s() const {
   Vector3d momentum = Vector3d::Zero();
-  for (size_t i = 0; i < masses_kg_.size(); ++i) momentum += masses_kg_[i] * velocity_of_node(static_cast<int>(i));
+  for (size_t i = 0; i < masses_kg_.size(); ++i)
+    momentum += masses_kg_[i] * velocity_of_node(static_cast<int>(i));
   return momentum / material_.mass_kg;
 }
 
@@ -291,11 +297,12 @@ ElasticAccuracy BulletBody::accuracy() const {
 
 }  // namespace
 
-Result<std::unique_ptr<ElasticBody>> make_bullet_body(const ElasticBodyDescription& description, double rate_hz,
-                                                      int substeps) {
+Result<std::unique_ptr<ElasticBody>> make_bullet_body(const ElasticBodyDescription& description,
+                                                      double rate_hz, int substeps) {
   auto box = make_tetrahedral_box(description.particles, description.cell_width_m);
   if (!box) return box.error();
-  return std::unique_ptr<ElasticBody>(std::make_unique<BulletBody>(description, std::move(*box), rate_hz, substeps));
+  return std::unique_ptr<ElasticBody>(
+      std::make_unique<BulletBody>(description, std::move(*box), rate_hz, substeps));
 }
 
 }  // namespace livegs::study

@@ -16,17 +16,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Bullet puts a margin around a hull, 40 mm if not told: here as much as its faces are drawn in before, so that the body has
-// its own size.
+// Bullet puts a margin around a hull, 40 mm if not told: here as much as its faces are drawn in before, so
+// that the body has its own size.
 constexpr btScalar kHullMargin_m = 5e-4f;
 std::unique_ptr<btConvexHullShape> hull_around(const std::vector<Vector3d>& corners_m) {
   std::vector<btVector3> corners;
   for (const Vector3d& corner : corners_m) corners.push_back(to_bullet(corner));
   btConvexHullComputer computer;
-  const btScalar drawn_in = computer.compute(&corners[0].m_floats[0], sizeof(btVector3), static_cast<int>(corners.size()),
-                                             kHullMargin_m, 0.25f);
+  const btScalar drawn_in = computer.compute(&corners[0].m_floats[0], sizeof(btVector3),
+                                             static_cast<int>(corners.size()), kHullMargin_m, 0.25f);
   auto hull = std::make_unique<btConvexHullShape>();
-  if (drawn_in < 0) computer.compute(&corners[0].m_floats[0], sizeof(btVector3), static_cast<int>(corners.size()), 0, 0);
+  if (drawn_in < 0)
+    computer.compute(&corners[0].m_floats[0], sizeof(btVector3), static_cast<int>(corners.size()), 0, 0);
   for (int i = 0; i < computer.vertices.size(); ++i) hull->addPoint(computer.vertices[i], false);
   hull->setMargin(std::max(btScalar(0), drawn_in));
   hull->recalcLocalAabb();
@@ -148,7 +149,8 @@ class BulletRigid final : public RigidSolver {
     for (int m = 0; m < dispatcher_.getNumManifolds(); ++m) {
       const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(m);
       if (manifold.getBody0() != &body && manifold.getBody1() != &body) continue;
-      for (int p = 0; p < manifold.getNumContacts(); ++p) sum += manifold.getContactPoint(p).getAppliedImpulse();
+      for (int p = 0; p < manifold.getNumContacts(); ++p)
+        sum += manifold.getContactPoint(p).getAppliedImpulse();
     }
     return sum;
   }

@@ -10,9 +10,10 @@
 #include "physics/world.h"
 #include "scenes/elastic_bodies.h"
 
-// Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) that are torn to and fro by springs whose targets jump
-// about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them, or as many fragments. Blocks of another side
-// have as many cells and are pulled by springs as stiff for their faces.
+// Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) that are torn to and fro by springs whose
+// targets jump about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them, or as
+// many fragments. Blocks of another side have as many cells and are pulled by springs as stiff for their
+// faces.
 
 namespace livegs::bench {
 
@@ -27,8 +28,8 @@ inline World blocks_alone(double side_m = kSide_m) {
   floor.friction = 0.6;
   world.add_collider(floor);
   for (uint32_t i = 0; i < kBlocks; ++i) {
-    ElasticBodyDescription block =
-        test::describe(test::particle_grid(Eigen::Vector3d::Constant(side_m), side_m / 10), 1e4, 0.3, side_m / 10);
+    ElasticBodyDescription block = test::describe(
+        test::particle_grid(Eigen::Vector3d::Constant(side_m), side_m / 10), 1e4, 0.3, side_m / 10);
     block.object_id = i + 1;
     block.material.loss_factor = 0.1;
     block.world_from_object.position_m = {0.8 * (i % 2), 0.5, 0.8 * (i / 2)};
@@ -56,8 +57,9 @@ inline World dragged_blocks(double side_m = kSide_m) {
   return world;
 }
 
-// In place of the boxes: four boxes of 15 cm that are broken as they begin to fall, by blows at will on one piece after the other, into
-// 50 fragments each, of 4 cm and of any shape. Each broken box is one object, of as many poses.
+// In place of the boxes: four boxes of 15 cm that are broken as they begin to fall, by blows at will on one
+// piece after the other, into 50 fragments each, of 4 cm and of any shape. Each broken box is one object, of
+// as many poses.
 inline World blocks_and_fragments() {
   constexpr uint32_t kBroken = 4;
   constexpr size_t kFragmentsEach = kBoxes / kBroken;
@@ -82,7 +84,8 @@ inline World blocks_and_fragments() {
       continue;
     }
     // Of two pieces that hang together yet either may be struck; one by itself breaks no further.
-    for (const BreakablePiece& piece : (*pieces)->pieces) (void)world.break_object(body.object_id, piece.mass.centre_of_mass_m);
+    for (const BreakablePiece& piece : (*pieces)->pieces)
+      (void)world.break_object(body.object_id, piece.mass.centre_of_mass_m);
   }
   return world;
 }
@@ -92,8 +95,8 @@ inline void drag(World& world, uint64_t tick, double side_m = kSide_m) {
   for (uint32_t i = 0; i < kBlocks; ++i) {
     const uint64_t jump = tick / 45 + i;
     const Eigen::Vector3d away(0.3 * std::sin(2.1 * static_cast<double>(jump)),
-                        0.3 + 0.2 * std::sin(3.7 * static_cast<double>(jump)),
-                        0.3 * std::cos(1.3 * static_cast<double>(jump)));
+                               0.3 + 0.2 * std::sin(3.7 * static_cast<double>(jump)),
+                               0.3 * std::cos(1.3 * static_cast<double>(jump)));
     world.set_spring(i, i + 1,
                      {{0.4 * side_m, 0.4 * side_m, 0.0},
                       Eigen::Vector3d(0.8 * (i % 2), 0.3, 0.8 * (i / 2)) + away,

@@ -8,9 +8,9 @@
 #include "common/skin/bind/rest_bodies.h"
 #include "skin/skin_kernels.h"
 
-// How far off a client shows kernels that it skins from what it was sent: where they are against where the server's own
-// drivers put them, and how far their turns differ. A kernel at arm's length is seen from 0.7 m: 0.05 mm are 0.07 mrad there,
-// a tenth of a headset's pixel.
+// How far off a client shows kernels that it skins from what it was sent: where they are against where the
+// server's own drivers put them, and how far their turns differ. A kernel at arm's length is seen from 0.7 m:
+// 0.05 mm are 0.07 mrad there, a tenth of a headset's pixel.
 
 namespace livegs::bench {
 
@@ -40,7 +40,8 @@ struct Percentiles {
     for (const double count : counts) all += count;
     if (all == 0) return 0;
     for (size_t i = 0; i < kBins; ++i) {
-      if ((below += counts[i]) >= share * all) return kMinValue * std::pow(kRatio, static_cast<double>(i + 1));
+      if ((below += counts[i]) >= share * all)
+        return kMinValue * std::pow(kRatio, static_cast<double>(i + 1));
     }
     return largest;
   }
@@ -72,15 +73,18 @@ class BoundKernels {
   KernelBindings bindings_;
 };
 
-// Angles by the difference of quaternions in double: the arc cosine of a float cannot tell 0.02 degrees from none.
+// Angles by the difference of quaternions in double: the arc cosine of a float cannot tell 0.02 degrees from
+// none.
 inline double angle_deg(const Eigen::Quaternionf& a, const Eigen::Quaternionf& b) {
-  const Eigen::Vector4d p = a.coeffs().cast<double>().normalized(), q = b.coeffs().cast<double>().normalized();
+  const Eigen::Vector4d p = a.coeffs().cast<double>().normalized(),
+                        q = b.coeffs().cast<double>().normalized();
   return 4.0 * 180.0 / M_PI * std::asin(std::min(1.0, 0.5 * std::min((p - q).norm(), (p + q).norm())));
 }
 
 inline void add_errors(const PosedKernels& is, const PosedKernels& shown, KernelErrors& errors) {
   for (size_t k = 0; k < is.positions_m.size(); ++k) {
-    errors.position_mm.add(1e3 * (is.positions_m[k].cast<double>() - shown.positions_m[k].cast<double>()).norm());
+    errors.position_mm.add(1e3 *
+                           (is.positions_m[k].cast<double>() - shown.positions_m[k].cast<double>()).norm());
     errors.rotation_deg.add(angle_deg(is.world_from_asset[k], shown.world_from_asset[k]));
   }
 }

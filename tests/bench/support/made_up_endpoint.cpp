@@ -27,27 +27,29 @@ std::string agree(const std::string& request) {
   const size_t at = request.find("which may be wrong: ");
   const std::string around = at == std::string::npos ? "" : request.substr(at, 400);
   if (!std::regex_search(around, told, line)) return "";
-  const double best = std::strtod(told[3].str().c_str(), nullptr), low = std::strtod(told[4].str().c_str(), nullptr),
+  const double best = std::strtod(told[3].str().c_str(), nullptr),
+               low = std::strtod(told[4].str().c_str(), nullptr),
                high = std::strtod(told[5].str().c_str(), nullptr);
-  return json{{"description", "as estimated"},
-              {"evidence", "as estimated"},
-              {"name", told[1].str()},
-              {"name_confidence", 0.9},
-              {"is_replica", false},
-              {"fill", "assembly"},
-              {"parts", {{{"name", "all"}, {"material_id", told[2].str()}, {"share", 1}, {"thickness_mm", nullptr}}}},
-              {"behaviour", told[6] == "RIGID" ? "rigid" : "elastic"},
-              {"size_m", nullptr},
-              {"mass_g", {{"low", std::max(low, best / 4)}, {"high", std::min(high, best * 4)}, {"best", best}}},
-              {"young_mpa", nullptr},
-              {"structure_s", nullptr},
-              {"plasticity_level", nullptr},
-              {"plasticity", nullptr},
-              {"fragile", false},
-              {"friction", 0.4},
-              {"restitution", 0.3},
-              {"confidence", 0.9},
-              {"kb_ids", json::array()}}
+  return json{
+      {"description", "as estimated"},
+      {"evidence", "as estimated"},
+      {"name", told[1].str()},
+      {"name_confidence", 0.9},
+      {"is_replica", false},
+      {"fill", "assembly"},
+      {"parts", {{{"name", "all"}, {"material_id", told[2].str()}, {"share", 1}, {"thickness_mm", nullptr}}}},
+      {"behaviour", told[6] == "RIGID" ? "rigid" : "elastic"},
+      {"size_m", nullptr},
+      {"mass_g", {{"low", std::max(low, best / 4)}, {"high", std::min(high, best * 4)}, {"best", best}}},
+      {"young_mpa", nullptr},
+      {"structure_s", nullptr},
+      {"plasticity_level", nullptr},
+      {"plasticity", nullptr},
+      {"fragile", false},
+      {"friction", 0.4},
+      {"restitution", 0.3},
+      {"confidence", 0.9},
+      {"kb_ids", json::array()}}
       .dump();
 }
 

@@ -8,8 +8,8 @@
 
 #include "core/result.h"
 
-// A server of chat completions in a process of its own, which says after a while what the offline estimate said that it was
-// told: it passes the gate at once. No model.
+// A server of chat completions in a process of its own, which says after a while what the offline estimate
+// said that it was told: it passes the gate at once. No model.
 
 namespace livegs {
 

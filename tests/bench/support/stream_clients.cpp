@@ -74,22 +74,27 @@ constexpr double kTurns_rad_s = 0.5;
 // More than any of them is sent.
 constexpr double kWideCap_mbit_s = 1000;
 
-// On gRPC's own few threads, shared by all of them. `turned_rad`: where it looks at first; without, it does not say.
-class LightClient final : public Client, private grpc::ClientBidiReactor<v1::ClientMessage, v1::ServerMessage> {
+// On gRPC's own few threads, shared by all of them. `turned_rad`: where it looks at first; without, it does
+// not say.
+class LightClient final : public Client,
+                          private grpc::ClientBidiReactor<v1::ClientMessage, v1::ServerMessage> {
  public:
-  LightClient(const std::string& address, const ConnectOptions& options, uint32_t client, std::optional<double> turned_rad, bool capped)
+  LightClient(const std::string& address, const ConnectOptions& options, uint32_t client,
+              std::optional<double> turned_rad, bool capped)
       : client_(client), turned_rad_(turned_rad) {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
     stub_ = v1::LiveGs::NewStub(grpc::CreateCustomChannel(
-        address, options.access ? options.access->credentials() : grpc::InsecureChannelCredentials(), arguments));
+        address, options.access ? options.access->credentials() : grpc::InsecureChannelCredentials(),
+        arguments));
     v1::JoinRequest request;
     request.set_protocol_version(kProtocolVersion);
     if (capped) request.set_most_mbit_s(kWideCap_mbit_s);
     v1::JoinReply reply;
     grpc::ClientContext context;
-    if (const grpc::Status joined = stub_->Join(&context, request, &reply); !joined.ok()) give_up(joined.error_message());
+    if (const grpc::Status joined = stub_->Join(&context, request, &reply); !joined.ok())
+      give_up(joined.error_message());
     stub_->async()->Stream(&context_, this);
     outgoing_.set_session_id(reply.session_id());
     look();
@@ -157,10 +162,11 @@ class LightClient final : public Client, private grpc::ClientBidiReactor<v1::Cli
 }  // namespace
 
 StreamClients::StreamClients(const ServerToJoin& server, int count, ClientKind kind) {
-  if (const auto written = write_secret_file(folder_ / "token", server.token); !written) give_up(written.error().message);
-  process_ = std::make_unique<Program>(std::vector<std::string>{
-      "/proc/self/exe", kWord, std::to_string(server.port), std::to_string(count),
-      kind_name(kind), server.fingerprint, folder_.path().string()});
+  if (const auto written = write_secret_file(folder_ / "token", server.token); !written)
+    give_up(written.error().message);
+  process_ = std::make_unique<Program>(
+      std::vector<std::string>{"/proc/self/exe", kWord, std::to_string(server.port), std::to_string(count),
+                               kind_name(kind), server.fingerprint, folder_.path().string()});
   if (process_->first_line() != "streaming") give_up("the clients did not join: " + process_->err());
 }
 

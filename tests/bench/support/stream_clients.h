@@ -25,9 +25,11 @@ struct ServerToJoin {
 // How the clients of a server are made.
 enum class ClientKind {
   Whole,  // as the product's: takes frames, decodes and acknowledges them. It draws nothing
-  Light,  // acknowledges frames and does not decode them: what a server sees of clients on machines of their own
+  Light,  // acknowledges frames and does not decode them: what a server sees of clients on machines of their
+          // own
   Looking,  // as Light, and says what it looks at: stands at the origin, each turned otherwise, and turns
-  Capped,   // as Looking, with a cap that it does not reach: what it does not see is left out, so that each has bytes of its own
+  Capped,   // as Looking, with a cap that it does not reach: what it does not see is left out, so that each
+            // has bytes of its own
 };
 
 constexpr const char* kind_name(ClientKind kind) {
@@ -37,8 +39,8 @@ constexpr const char* kind_name(ClientKind kind) {
                                        : "capped";
 }
 
-// Clients of a server, in a process of their own, so that what each end costs can be told apart. From having joined to
-// destruction.
+// Clients of a server, in a process of their own, so that what each end costs can be told apart. From having
+// joined to destruction.
 class StreamClients {
  public:
   StreamClients(const ServerToJoin& server, int count, ClientKind kind);
@@ -54,7 +56,8 @@ class StreamClients {
   std::unique_ptr<Program> process_;
 };
 
-// What that process does: main() of a bench begins with `if (is_stream_clients(argc, argv)) return run_stream_clients(argv);`.
+// What that process does: main() of a bench begins with `if (is_stream_clients(argc, argv)) return
+// run_stream_clients(argv);`.
 bool is_stream_clients(int argc, char** argv);
 int run_stream_clients(char** argv);
 

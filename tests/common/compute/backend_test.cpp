@@ -119,11 +119,12 @@ TEST_P(BackendTest, ItemsPastTheCountAreLeftAlone) {
   const BufferId shifted = make_buffer_of(before);
   ASSERT_TRUE(dispatch_shift_words(*backend_, make_buffer_of(words), shifted, count));
   const auto after = read_all<uint32_t>(shifted, 2 * count);
-  for (uint32_t i = 0; i < 2 * count; ++i) EXPECT_EQ(after[i], i < count ? words[(i + 1) % count] + 1 : before[i]) << i;
+  for (uint32_t i = 0; i < 2 * count; ++i)
+    EXPECT_EQ(after[i], i < count ? words[(i + 1) % count] + 1 : before[i]) << i;
 }
 
-// Each dispatch reads what the one before wrote, more of them than one command buffer holds. A barrier left out is a data
-// race, which the layer reports as well.
+// Each dispatch reads what the one before wrote, more of them than one command buffer holds. A barrier left
+// out is a data race, which the layer reports as well.
 TEST_P(BackendTest, DispatchesSeeWhatTheOnesBeforeWrote) {
   constexpr uint32_t kRounds = 150;  // 300 dispatches; a command buffer takes 256
   const auto words = random_words(1000, 8);
@@ -134,11 +135,12 @@ TEST_P(BackendTest, DispatchesSeeWhatTheOnesBeforeWrote) {
     ASSERT_TRUE(dispatch_shift_words(*backend_, b, a, 1000));
   }
   const auto after = read_all<uint32_t>(a, words.size());
-  for (uint32_t i = 0; i < words.size(); ++i) ASSERT_EQ(after[i], words[(i + 2 * kRounds) % 1000] + 2 * kRounds) << i;
+  for (uint32_t i = 0; i < words.size(); ++i)
+    ASSERT_EQ(after[i], words[(i + 2 * kRounds) % 1000] + 2 * kRounds) << i;
 }
 
-// Uploads take their turn among dispatches: each sees what was uploaded last before it, though all of it runs at once, and
-// though the staging buffer is full many times over.
+// Uploads take their turn among dispatches: each sees what was uploaded last before it, though all of it runs
+// at once, and though the staging buffer is full many times over.
 TEST_P(BackendTest, AnUploadIsSeenByWhatComesAfterItAlone) {
   constexpr uint32_t kWords = 700'000;  // three of them fill the staging buffer
   const BufferId words = make_buffer(4 * kWords);
@@ -150,7 +152,8 @@ TEST_P(BackendTest, AnUploadIsSeenByWhatComesAfterItAlone) {
     ASSERT_TRUE(dispatch_shift_words(*backend_, words, shifted.back(), kWords));
   }
   for (uint32_t round = 0; round < 10; ++round)
-    EXPECT_EQ(read_all<uint32_t>(shifted[round], kWords), std::vector<uint32_t>(kWords, 100 * round + 1)) << round;
+    EXPECT_EQ(read_all<uint32_t>(shifted[round], kWords), std::vector<uint32_t>(kWords, 100 * round + 1))
+        << round;
 }
 
 TEST_P(BackendTest, UploadsAndDispatchesAreOneSubmission) {
@@ -178,7 +181,8 @@ TEST(VulkanDevice, SaysWhenThereIsNoDevice) {
   ASSERT_FALSE(device);
   EXPECT_EQ(device.error().code, ErrorCode::Unavailable);
   EXPECT_EQ(device.error().message.find("vulkan: no "), 0u) << device.error().message;
-  EXPECT_NE(device.error().message.find("install the GPU's driver, or the package mesa-vulkan-drivers"), std::string::npos)
+  EXPECT_NE(device.error().message.find("install the GPU's driver, or the package mesa-vulkan-drivers"),
+            std::string::npos)
       << device.error().message;
   EXPECT_EQ(device.error().message.find('\n'), std::string::npos) << device.error().message;
 }

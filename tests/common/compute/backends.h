@@ -14,8 +14,8 @@
 
 namespace livegs {
 
-// A test on one backend, by its name. All Vulkan tests of a program share one device and backend, under the validation
-// layer. Skips only where there is no Vulkan device; a missing layer fails.
+// A test on one backend, by its name. All Vulkan tests of a program share one device and backend, under the
+// validation layer. Skips only where there is no Vulkan device; a missing layer fails.
 class OnEveryBackend : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {

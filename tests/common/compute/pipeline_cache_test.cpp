@@ -24,8 +24,8 @@ VkPhysicalDeviceProperties some_device() {
 
 // Vulkan's header and a few bytes of a driver's.
 std::vector<std::byte> data_of(const VkPhysicalDeviceProperties& device) {
-  VkPipelineCacheHeaderVersionOne header{sizeof header, VK_PIPELINE_CACHE_HEADER_VERSION_ONE, device.vendorID,
-                                         device.deviceID, {}};
+  VkPipelineCacheHeaderVersionOne header{
+      sizeof header, VK_PIPELINE_CACHE_HEADER_VERSION_ONE, device.vendorID, device.deviceID, {}};
   std::memcpy(header.pipelineCacheUUID, device.pipelineCacheUUID, VK_UUID_SIZE);
   std::vector<std::byte> data(sizeof header + 20, std::byte{42});
   std::memcpy(data.data(), &header, sizeof header);

@@ -51,11 +51,12 @@ inline Result<std::shared_ptr<VulkanDevice>> create_validated_device(ValidationM
   return VulkanDevice::create(options);
 }
 
-// The one Vulkan device of a test program, and a backend on it. Created when a test first needs it, destroyed after the last
-// test; any message of the validation layer fails the test, or at the end the program.
+// The one Vulkan device of a test program, and a backend on it. Created when a test first needs it, destroyed
+// after the last test; any message of the validation layer fails the test, or at the end the program.
 class SharedVulkan final : public testing::Environment {
  public:
-  // Why there is no device: its tests skip. Nothing where there is one, or where only the validation layer is absent.
+  // Why there is no device: its tests skip. Nothing where there is one, or where only the validation layer is
+  // absent.
   const std::optional<Error>& no_device() {
     create();
     return no_device_;

@@ -14,10 +14,10 @@
 #include "common/gaussian/shared_data.h"
 #include "common/gaussian/synthetic_asset.h"
 #include "core/file.h"
-#include "gaussian/asset_file.h"
 #include "gaussian/asset/decompress.h"
 #include "gaussian/asset/establish_invariants.h"
 #include "gaussian/asset/readers.h"
+#include "gaussian/asset_file.h"
 
 namespace livegs {
 namespace {

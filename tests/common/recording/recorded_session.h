@@ -11,7 +11,8 @@
 #include "recording/recording_writer.h"
 #include "wire/rest_body_codec.h"
 
-// A session that is made up: a sphere that rolls, one that joins it at tick 400 and leaves at tick 600, and two hands.
+// A session that is made up: a sphere that rolls, one that joins it at tick 400 and leaves at tick 600, and
+// two hands.
 
 namespace livegs::testing {
 

@@ -18,7 +18,8 @@ namespace {
 using namespace livegs::testing;
 
 void write_bytes(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
 }
 
 // Everything a reader can be asked.
@@ -75,7 +76,9 @@ TEST(RecordingBytes, AnyPayloadIsReadOrRefused) {
     ByteReader head(std::span<const std::byte>(good).subspan(at, kHead));
     const auto size = head.read<uint32_t>();
     const auto kind = head.read<uint8_t>();
-    chunks.push_back({kind, {good.begin() + static_cast<long>(at + kHead), good.begin() + static_cast<long>(at + kHead + size)}});
+    chunks.push_back({kind,
+                      {good.begin() + static_cast<long>(at + kHead),
+                       good.begin() + static_cast<long>(at + kHead + size)}});
     at += kHead + size;
   }
   ASSERT_GT(chunks.size(), 300u);
@@ -90,9 +93,11 @@ TEST(RecordingBytes, AnyPayloadIsReadOrRefused) {
       std::vector<std::byte> bytes(good.begin(), good.begin() + 8);
       uint64_t index_at = 0;
       for (size_t i = 0; i < chunks.size(); ++i) {
-        const std::span<const std::byte> payload = i == chosen ? spoilt : std::span<const std::byte>(chunks[i].payload);
+        const std::span<const std::byte> payload =
+            i == chosen ? spoilt : std::span<const std::byte>(chunks[i].payload);
         uint32_t sum = static_cast<uint32_t>(crc32_z(0, &chunks[i].kind, 1));
-        sum = static_cast<uint32_t>(crc32_z(sum, reinterpret_cast<const Bytef*>(payload.data()), payload.size()));
+        sum = static_cast<uint32_t>(
+            crc32_z(sum, reinterpret_cast<const Bytef*>(payload.data()), payload.size()));
         if (chunks[i].kind == 6) index_at = bytes.size();
         ByteWriter head;
         head.write(static_cast<uint32_t>(payload.size()));

@@ -103,7 +103,8 @@ TEST(Recording, WithoutItsEndIsReadUpToTheLastWholeChunk) {
   uint64_t before = 0;
   for (size_t share = 1; share <= 10; ++share) {
     const size_t size = (bytes->size() - 40) * share / 10;
-    std::ofstream(folder / "cut.lvgrec", std::ios::binary).write(reinterpret_cast<const char*>(bytes->data()), size);
+    std::ofstream(folder / "cut.lvgrec", std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes->data()), size);
     auto cut = RecordingReader::open(folder / "cut.lvgrec");
     ASSERT_TRUE(cut) << cut.error().message;
     EXPECT_FALSE(cut->ended_in_order());

@@ -31,7 +31,9 @@ InputSample any_sample(std::mt19937_64& random, uint64_t sequence, bool floats) 
   sample.sequence = sequence;
   sample.sampled_ns = static_cast<int64_t>(random() >> 1);
   sample.for_tick = random() % 4 == 0 ? 0 : random() % 1000;
-  const auto value = [&] { return floats ? static_cast<double>(static_cast<float>(any(random))) : any(random); };
+  const auto value = [&] {
+    return floats ? static_cast<double>(static_cast<float>(any(random))) : any(random);
+  };
   for (HandSample& hand : sample.hands) {
     hand.active = random() % 2 == 0;
     hand.shoot = random() % 2 == 0;
@@ -56,7 +58,8 @@ TEST(TickRecord, CarriesEveryBitOfActions) {
     for (uint64_t session = 1; session < 4; ++session) {
       if (random() % 2 == 0) continue;
       SessionSamples one{session, {}};
-      for (size_t i = 0; i < random() % 3; ++i) one.samples.push_back(any_sample(random, 3 * tick + i, random() % 4 != 0));
+      for (size_t i = 0; i < random() % 3; ++i)
+        one.samples.push_back(any_sample(random, 3 * tick + i, random() % 4 != 0));
       record.actions.samples.push_back(std::move(one));
     }
     if (random() % 10 == 0) record.actions.over = {3, 1};
@@ -64,7 +67,8 @@ TEST(TickRecord, CarriesEveryBitOfActions) {
     if (random() % 10 == 0) record.actions.cuts = {9, 4};
     if (random() % 10 == 0) record.actions.changes.emplace_back().mutable_force()->set_object("cup");
     if (random() % 50 == 0) record.scene.emplace().set_name("again");
-    for (uint32_t id = 1; id < random() % 6; ++id) record.hashes.push_back({id * id, static_cast<uint32_t>(random())});
+    for (uint32_t id = 1; id < random() % 6; ++id)
+      record.hashes.push_back({id * id, static_cast<uint32_t>(random())});
     if (random() % 3 == 0) record.frame.assign(1 + random() % 9, std::byte{0x5A});
     const std::vector<std::byte> bytes = encode_tick(record, writing);
     const auto read = decode_tick(bytes, reading);
@@ -128,7 +132,8 @@ TEST(TickRecord, IsAsTheFormatSays) {
   sample.hands[1].trigger = 1.0f;
   record.actions.samples.push_back({1, {sample}});
   record.hashes = {{2, 0x01020304}};
-  std::vector<int> expected{0x03, 0x09, 0x00, 0x00, 0x01, 0x01, 0x01, 0x09, 0xD0, 0x0F, 0x00, 0x02, 0x40, 0x20, 0x10, 0x48};
+  std::vector<int> expected{0x03, 0x09, 0x00, 0x00, 0x01, 0x01, 0x01, 0x09,
+                            0xD0, 0x0F, 0x00, 0x02, 0x40, 0x20, 0x10, 0x48};
   for (int i = 0; i < 5; ++i) expected.insert(expected.end(), {0x80, 0x80, 0x80, 0xFC, 0x03});
   expected.insert(expected.end(), {0x00, 0x00, 0x01, 0x02, 0x04, 0x03, 0x02, 0x01});
   SamplesBefore before;
@@ -137,7 +142,8 @@ TEST(TickRecord, IsAsTheFormatSays) {
   EXPECT_EQ(bytes, expected);
 }
 
-// A hand of a headset: each value changes a little in each sample. Bytes an hour of one person with two hands at 90 Hz.
+// A hand of a headset: each value changes a little in each sample. Bytes an hour of one person with two hands
+// at 90 Hz.
 TEST(TickRecord, TwoHandsTakeFewBytes) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> step(0, 1e-3);
@@ -152,7 +158,8 @@ TEST(TickRecord, TwoHandsTakeFewBytes) {
   for (int tick = 1; tick <= kTicks; ++tick) {
     for (HandSample& hand : sample.hands) {
       for (Pose* pose : {&hand.aim, &hand.grip}) {
-        for (int k = 0; k < 3; ++k) pose->position_m[k] = static_cast<float>(pose->position_m[k] + step(random));
+        for (int k = 0; k < 3; ++k)
+          pose->position_m[k] = static_cast<float>(pose->position_m[k] + step(random));
         Eigen::Vector4d turned = pose->orientation.coeffs();
         for (int k = 0; k < 4; ++k) turned[k] += step(random);
         turned.normalize();
@@ -169,7 +176,8 @@ TEST(TickRecord, TwoHandsTakeFewBytes) {
   }
   const double megabytes_an_hour = bytes / kTicks * 90 * 3600 * 1e-6;
   RecordProperty("megabytes_an_hour", std::to_string(megabytes_an_hour));
-  EXPECT_LT(megabytes_an_hour, 60.0);  // what a recording of inputs alone should stay under, by a study of streaming
+  EXPECT_LT(megabytes_an_hour,
+            60.0);  // what a recording of inputs alone should stay under, by a study of streaming
 }
 
 }  // namespace

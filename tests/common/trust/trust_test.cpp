@@ -28,7 +28,8 @@ HwYDVR0jBBgwFoAU+wmVAXSgEtdp8nXpJL4AkWYAAtwwDwYDVR0TAQH/BAUwAwEB
 6BntUx0CIQDygEfLYwPYdVDSRXgADhXmzZJXdaTzK+O11BABJtUAhg==
 -----END CERTIFICATE-----
 )";
-constexpr const char* kCertificateFingerprint = "7d90c03b0c54d0ebc781b3688b98b39c97a4e2e80556f5e2471f1215dfda1c07";
+constexpr const char* kCertificateFingerprint =
+    "7d90c03b0c54d0ebc781b3688b98b39c97a4e2e80556f5e2471f1215dfda1c07";
 
 unsigned mode_of(const std::filesystem::path& path) {
   struct stat about {};
@@ -40,13 +41,15 @@ TEST(Fingerprint, IsWhatOpensslSays) {
   ASSERT_TRUE(fingerprint) << fingerprint.error().message;
   EXPECT_EQ(*fingerprint, kCertificateFingerprint);
   const std::string pem = kCertificate;
-  for (size_t size = 0; size + 30 < pem.size(); size += 7) EXPECT_FALSE(certificate_fingerprint(pem.substr(0, size)));
+  for (size_t size = 0; size + 30 < pem.size(); size += 7)
+    EXPECT_FALSE(certificate_fingerprint(pem.substr(0, size)));
   EXPECT_FALSE(certificate_fingerprint("no certificate"));
 }
 
 TEST(PairingCode, IsTheFirst125BitsOfTheFingerprint) {
   EXPECT_EQ(pairing_code(kFingerprint), kCode);
-  for (const std::string& code : {kCode, std::string("cfqv8 1hf8e 2gc65 a8058 0p430"), std::string("CFQV8LHF8E2GC65A8O58OP43O")}) {
+  for (const std::string& code :
+       {kCode, std::string("cfqv8 1hf8e 2gc65 a8058 0p430"), std::string("CFQV8LHF8E2GC65A8O58OP43O")}) {
     EXPECT_TRUE(check_pairing_code(code)) << code;
     EXPECT_TRUE(fits_pairing_code(kFingerprint, code)) << code;
   }
@@ -69,7 +72,8 @@ TEST(PairingCode, NoOtherDigitFits) {
 }
 
 TEST(PairingCode, AnythingElseIsNone) {
-  for (const char* text : {"", "CFQV8", "CFQV8-1HF8E-2GC65-A8058-0P43", "CFQV8-1HF8E-2GC65-A8058-0P4300", "CFQV8-1HF8E-2GC65-A8058-0P43U",
+  for (const char* text : {"", "CFQV8", "CFQV8-1HF8E-2GC65-A8058-0P43", "CFQV8-1HF8E-2GC65-A8058-0P4300",
+                           "CFQV8-1HF8E-2GC65-A8058-0P43U",
                            "63efb4062f43850618aa400a805883075e01aeb2cecc89ca4fb266960ae51ada"}) {
     EXPECT_FALSE(check_pairing_code(text)) << text;
     EXPECT_FALSE(fits_pairing_code(kFingerprint, text)) << text;
@@ -83,7 +87,8 @@ TEST(HostPort, KnowsThisMachineFromOthers) {
     ASSERT_TRUE(parsed) << text;
     EXPECT_TRUE(parsed->loopback) << text;
   }
-  for (const char* text : {"0.0.0.0:1", "[::]:1", "127.0.0.1.example.org:80", "127.1:80", "::1:80", "10.0.0.1:1", "localhost.:1"}) {
+  for (const char* text : {"0.0.0.0:1", "[::]:1", "127.0.0.1.example.org:80", "127.1:80", "::1:80",
+                           "10.0.0.1:1", "localhost.:1"}) {
     const auto parsed = parse_host_port(text);
     ASSERT_TRUE(parsed) << text;
     EXPECT_FALSE(parsed->loopback) << text;
@@ -129,7 +134,8 @@ TEST(KnownServers, AreRememberedAndForgotten) {
 TEST(KnownServers, ALineThatIsNoneIsNamed) {
   const ScratchFolder folder;
   const KnownServers servers(folder / "known_servers");
-  for (const std::string& line : {std::string("a:1"), "a:1 " + kFingerprint, "a:1 " + kFingerprint + " - more", std::string("a:1 63ef -")}) {
+  for (const std::string& line : {std::string("a:1"), "a:1 " + kFingerprint,
+                                  "a:1 " + kFingerprint + " - more", std::string("a:1 63ef -")}) {
     ASSERT_TRUE(write_secret_file(folder / "known_servers", "b:2 " + kFingerprint + " -\n" + line + "\n"));
     const auto found = servers.find("b:2");
     ASSERT_FALSE(found) << line;
@@ -162,13 +168,15 @@ TEST_F(Access, AnotherMachineIsRefusedUntilItIsPairedWith) {
   options_.pairing_code = "1234-5678";
   EXPECT_FALSE(choose_access("192.168.1.2:9780", options_));
   options_.pairing_code.clear();
-  ASSERT_TRUE(KnownServers(options_.state_dir / "known_servers").remember("192.168.1.2:9780", {kFingerprint, ""}));
+  ASSERT_TRUE(
+      KnownServers(options_.state_dir / "known_servers").remember("192.168.1.2:9780", {kFingerprint, ""}));
   EXPECT_TRUE(choose_access("192.168.1.2:9780", options_));
 }
 
 // Once paired, an address of this machine is not asked in the clear any more: that would be a way round TLS.
 TEST_F(Access, WhatWasPairedWithIsNeverAskedInTheClear) {
-  ASSERT_TRUE(KnownServers(options_.state_dir / "known_servers").remember("127.0.0.1:9780", {kFingerprint, ""}));
+  ASSERT_TRUE(
+      KnownServers(options_.state_dir / "known_servers").remember("127.0.0.1:9780", {kFingerprint, ""}));
   EXPECT_NE(*choose_access("127.0.0.1:9780", options_), nullptr);
   ASSERT_TRUE(forget_server("127.0.0.1:9780", options_.state_dir));
   EXPECT_EQ(*choose_access("127.0.0.1:9780", options_), nullptr);

@@ -75,7 +75,9 @@ struct Motion {
   }
 };
 
-double step_m(double side_m) { return 0.9375 * std::exp2(std::max(-14.0, std::ceil(std::log2(side_m / 65535.0 / 0.9375)))); }
+double step_m(double side_m) {
+  return 0.9375 * std::exp2(std::max(-14.0, std::ceil(std::log2(side_m / 65535.0 / 0.9375))));
+}
 
 void expect_same(const DriverFrame& a, const DriverFrame& b) {
   ASSERT_EQ(a.tick, b.tick);
@@ -154,9 +156,10 @@ TEST(FrameStream, WritesTheWorkedExample) {
   frame.tick = 1;
   frame.simulated_ns = 11111111;
   frame.objects.push_back({7, DriverKind::Lattice, 0, false, {}, {{0, 0, 0}, {0, 0.5f, -0.25f}}, {}});
-  const std::vector<int> expected = {0xD6, 0x02, 0x05, 0x01, 0xC7, 0x8A, 0xA9, 0,    0,    0,    0,    0,    0xF2,
-                                     0x62, 0x03, 0x9C, 0x23, 0x86, 0x00, 0xF2, 0x15, 0x04, 0x41, 0x00, 0x00, 0x00,
-                                     0x40, 0x44, 0x04, 0x00, 0x00, 0x00, 0x00, 0x10, 0x22, 0x02, 0x00, 0x00};
+  const std::vector<int> expected = {0xD6, 0x02, 0x05, 0x01, 0xC7, 0x8A, 0xA9, 0,    0,    0,
+                                     0,    0,    0xF2, 0x62, 0x03, 0x9C, 0x23, 0x86, 0x00, 0xF2,
+                                     0x15, 0x04, 0x41, 0x00, 0x00, 0x00, 0x40, 0x44, 0x04, 0x00,
+                                     0x00, 0x00, 0x00, 0x10, 0x22, 0x02, 0x00, 0x00};
   std::vector<int> bytes;
   for (const std::byte byte : encode_stream_frame(frame, nullptr).bytes)
     bytes.push_back(std::to_integer<int>(byte));
@@ -180,7 +183,8 @@ TEST(FrameStream, WritesTheWorkedExampleOfNeighbours) {
     if (tick < 4) continue;
     std::vector<int> bytes;
     for (const std::byte byte : encoded.bytes) bytes.push_back(std::to_integer<int>(byte));
-    EXPECT_EQ(bytes, (std::vector<int>{0xD6, 2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0x23, 0x5E, 0x55, 0x88, 0x40, 0x10, 0x04, 0x13}));
+    EXPECT_EQ(bytes, (std::vector<int>{0xD6, 2, 0,    4,    0,    0,    0,    0,    0,    0,   0,
+                                       0,    1, 0x23, 0x5E, 0x55, 0x88, 0x40, 0x10, 0x04, 0x13}));
   }
 }
 
@@ -280,8 +284,8 @@ TEST(FrameStream, AReaderThatWentAstrayIsFoundOut) {
   EXPECT_LE(found_out, 5);
 }
 
-// One stream misses a frame. Three frames later both have what they would have had anyway, and take the same bytes; things that
-// fell asleep in the frame that was missed take as long as a straight line is believed.
+// One stream misses a frame. Three frames later both have what they would have had anyway, and take the same
+// bytes; things that fell asleep in the frame that was missed take as long as a straight line is believed.
 TEST(FrameStream, StreamsThatMissedAFrameAreAlikeAgain) {
   for (const bool falls_asleep : {false, true}) {
     Motion motion;
@@ -303,7 +307,8 @@ TEST(FrameStream, StreamsThatMissedAFrameAreAlikeAgain) {
       if (alike_at == 0) continue;
       // From here on the reader of the one is sent what the other's is.
       ASSERT_TRUE(same_state(*whole, *gap)) << tick;
-      EXPECT_EQ(encode_stream_frame(motion.at(tick + 1), whole).bytes, encode_stream_frame(motion.at(tick + 1), gap).bytes);
+      EXPECT_EQ(encode_stream_frame(motion.at(tick + 1), whole).bytes,
+                encode_stream_frame(motion.at(tick + 1), gap).bytes);
       gap = whole;
     }
     EXPECT_GT(alike_at, 12u);

@@ -32,7 +32,9 @@ PosedKernels random_kernels(std::mt19937_64& random, size_t count) {
 
 KernelFrame frame_of(uint64_t seed, size_t count) {
   std::mt19937_64 random(seed);
-  return {17, -3, {{4, 1, random_kernels(random, count)}, {5, 0, {}}, {9, kMaxRevision, random_kernels(random, 3)}}};
+  return {17,
+          -3,
+          {{4, 1, random_kernels(random, count)}, {5, 0, {}}, {9, kMaxRevision, random_kernels(random, 3)}}};
 }
 
 Eigen::Matrix3d matrix_of(const Symmetric3f& s) {
@@ -62,8 +64,8 @@ TEST(KernelCodec, ExactKernelsComeWithTheirBits) {
   }
 }
 
-// A quantised shape is the kernel's within what its steps allow: deviations by half a step of 24/1023 octaves, axes by 0.07
-// degrees, which matters most where a needle is long.
+// A quantised shape is the kernel's within what its steps allow: deviations by half a step of 24/1023
+// octaves, axes by 0.07 degrees, which matters most where a needle is long.
 TEST(KernelCodec, QuantisedKernelsStayWithinTheirSteps) {
   const KernelFrame frame = frame_of(2, 2000);
   const std::vector<std::byte> bytes = encode_kernels(frame, KernelEncoding::Quantised);
@@ -73,7 +75,8 @@ TEST(KernelCodec, QuantisedKernelsStayWithinTheirSteps) {
   const PosedKernels &was = frame.objects[0].kernels, &is = read->objects[0].kernels;
   for (size_t k = 0; k < was.positions_m.size(); ++k) {
     EXPECT_LE((is.positions_m[k] - was.positions_m[k]).cwiseAbs().maxCoeff(), 3.0f / 65535 / 2 * 1.02f);
-    EXPECT_LE(is.world_from_asset[k].angularDistance(was.world_from_asset[k]), 0.07f * static_cast<float>(M_PI) / 180);
+    EXPECT_LE(is.world_from_asset[k].angularDistance(was.world_from_asset[k]),
+              0.07f * static_cast<float>(M_PI) / 180);
     const Eigen::Matrix3d a = matrix_of(was.covariances_m2[k]), b = matrix_of(is.covariances_m2[k]);
     const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(a).eigenvalues()[2];
     EXPECT_LE((a - b).norm(), 0.022 * largest);
@@ -91,19 +94,24 @@ TEST(KernelCodec, WritesTheWorkedExample) {
   object.kernels.covariances_m2 = {{1 / 256.0f, 0, 0, 1 / 256.0f, 0, 1 / 256.0f}};
   object.kernels.world_from_asset = {Eigen::Quaternionf::Identity()};
   const std::vector<int> expected = {
-      0xD8, 2, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0xC7, 0x8A, 0xA9, 0, 0, 0, 0, 0, 1, 0, 0, 0,         // head
-      7, 0, 0, 0, 2, 1, 0, 0, 0, 0, 0, 0x80, 0x3F, 0, 0, 0, 0x40, 0, 0, 0x40, 0x40,               // object, box
-      0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xAA, 0xAA, 0xAA, 0x2A,               // edge; position, deviations
-      0x00, 0x08, 0x80, 0x00, 0x38, 0x00, 0x08, 0x80, 0x00, 0x38};                                 // axes, rotation
+      0xD8, 2,    1,    0,    1,    0,    0,    0,    0,    0,    0, 0,
+      0xC7, 0x8A, 0xA9, 0,    0,    0,    0,    0,    1,    0,    0, 0,  // head
+      7,    0,    0,    0,    2,    1,    0,    0,    0,    0,    0, 0x80,
+      0x3F, 0,    0,    0,    0x40, 0,    0,    0x40, 0x40,  // object, box
+      0,    0,    0,    0,    0,    0,    0,    0,    0,    0,    0, 0,
+      0,    0,    0,    0,    0,    0,    0xAA, 0xAA, 0xAA, 0x2A,   // edge; position, deviations
+      0x00, 0x08, 0x80, 0x00, 0x38, 0x00, 0x08, 0x80, 0x00, 0x38};  // axes, rotation
   std::vector<int> bytes;
-  for (const std::byte byte : encode_kernels(frame, KernelEncoding::Quantised)) bytes.push_back(std::to_integer<int>(byte));
+  for (const std::byte byte : encode_kernels(frame, KernelEncoding::Quantised))
+    bytes.push_back(std::to_integer<int>(byte));
   EXPECT_EQ(bytes, expected);
 }
 
 TEST(KernelCodec, AnyBytesAreRefusedOrReadAndNeverMore) {
   for (const KernelEncoding encoding : {KernelEncoding::Exact, KernelEncoding::Quantised}) {
     const std::vector<std::byte> bytes = encode_kernels(frame_of(3, 5), encoding);
-    for (size_t length = 0; length < bytes.size(); ++length) EXPECT_FALSE(decode_kernels(std::span(bytes).first(length))) << length;
+    for (size_t length = 0; length < bytes.size(); ++length)
+      EXPECT_FALSE(decode_kernels(std::span(bytes).first(length))) << length;
     int read = 0;
     for_each_mutation(bytes, 4000, 5, [&](std::span<const std::byte> spoilt) {
       const auto frame = decode_kernels(spoilt);

@@ -19,7 +19,8 @@ Publication some() {
     ObjectDrivers drivers;
     drivers.object_id = id;
     drivers.kind = DriverKind::Lattice;
-    for (int i = 0; i < 50; ++i) drivers.positions_m.emplace_back(0.01f * static_cast<float>(i), 0.5f, static_cast<float>(id));
+    for (int i = 0; i < 50; ++i)
+      drivers.positions_m.emplace_back(0.01f * static_cast<float>(i), 0.5f, static_cast<float>(id));
     publication.frame.objects.push_back(drivers);
   }
   return publication;
@@ -35,7 +36,10 @@ TEST(Publication, IsReadByItself) {
   ASSERT_EQ(read->frame.objects.size(), 2u);
   // Half a step of 15/16 of 2^-14 m on each axis.
   for (int i = 0; i < 50; ++i)
-    EXPECT_LE((read->frame.objects[0].positions_m[i] - some().frame.objects[0].positions_m[i]).cwiseAbs().maxCoeff(), 2.87e-5f);
+    EXPECT_LE((read->frame.objects[0].positions_m[i] - some().frame.objects[0].positions_m[i])
+                  .cwiseAbs()
+                  .maxCoeff(),
+              2.87e-5f);
 }
 
 // proto/frame_format.md, "Publications".
@@ -53,7 +57,8 @@ TEST(Publication, IsAsTheFormatSays) {
 
 TEST(Publication, AnyBytesAreReadOrRefused) {
   const std::vector<std::byte> good = encode_publication(some());
-  for (size_t size = 0; size < good.size(); ++size) EXPECT_FALSE(decode_publication(std::span(good).first(size)));
+  for (size_t size = 0; size < good.size(); ++size)
+    EXPECT_FALSE(decode_publication(std::span(good).first(size)));
   testing::for_each_mutation(good, 20000, 3, [](std::span<const std::byte> spoilt) {
     const auto read = decode_publication(spoilt);
     if (!read) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `livegs analyze` prints for a person says in every cell what --json says: value, range, source and reason.
+// What `livegs analyze` prints for a person says in every cell what --json says: value, range, source and
+// reason.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +44,9 @@ std::string number(double value, const char* format = "%.4g") {
   return text;
 }
 
-double part(const json& value, const char* which, double factor = 1) { return factor * value.value(which, 0.0); }
+double part(const json& value, const char* which, double factor = 1) {
+  return factor * value.value(which, 0.0);
+}
 
 std::string source_of(const json& value) {
   const std::string source = value["source"];
@@ -56,15 +59,16 @@ std::string range_of(const json& value, double factor) {
 
 // "mass 0.3217 kg 0.3217 to 0.3217 person edited by a person"
 std::string value_line(const char* name, const json& value, double factor, const std::string& unit) {
-  const std::string line = name + (" " + number(part(value, "best", factor))) + (unit.empty() ? "" : " " + unit) +
-                           " " + range_of(value, factor) + " " + source_of(value) + " " +
-                           value["reason"].get<std::string>();
+  const std::string line = name + (" " + number(part(value, "best", factor))) +
+                           (unit.empty() ? "" : " " + unit) + " " + range_of(value, factor) + " " +
+                           source_of(value) + " " + value["reason"].get<std::string>();
   return lines_of(line).at(0);
 }
 
 // "cup cup stoneware RIGID 321.7 321.7 to 321.7 4e+04 1.000 yes person 0.49"
 std::string table_row(const std::string& object, const json& p) {
-  const double stiffness_mpa = 1e-6 * part(p["structure_coefficient"], "best") * part(p["youngs_modulus_pa"], "best");
+  const double stiffness_mpa =
+      1e-6 * part(p["structure_coefficient"], "best") * part(p["youngs_modulus_pa"], "best");
   const json& mass = p["mass_kg"];
   std::string row = object;
   for (const std::string& cell :
@@ -130,7 +134,8 @@ TEST_F(AnalyzeTable, OfASceneHasARowAnObject) {
   ASSERT_EQ(objects.size(), 6u);  // stool, plant, pillow, hat, cup and duck
   EXPECT_EQ(lines, wanted);
   const std::string cup = "cup cup stoneware RIGID 321.7 321.7 to 321.7 4e+04 1.000 yes person ";
-  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.rfind(cup, 0) == 0; }));
+  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(),
+                          [&](const std::string& line) { return line.rfind(cup, 0) == 0; }));
 }
 
 }  // namespace

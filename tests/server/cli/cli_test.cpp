@@ -247,8 +247,8 @@ TEST(Cli, AStiffPillowRunsWithAWarningAndItsReach) {
   EXPECT_EQ(object["band"], "clipped");
   EXPECT_EQ(object["youngs_modulus_pa"], 2e9);
   EXPECT_LT(object["reached_youngs_modulus_pa"], 1e8);
-  for (const char* field :
-       {"cell_width_m", "substeps", "courant", "modulus_ratio_low", "modulus_ratio_high", "modulus_ratio_across", "nodes", "bytes"}) {
+  for (const char* field : {"cell_width_m", "substeps", "courant", "modulus_ratio_low", "modulus_ratio_high",
+                            "modulus_ratio_across", "nodes", "bytes"}) {
     EXPECT_GT(object[field].get<double>(), 0) << field;
   }
   EXPECT_EQ(summary["warnings"].size(), 2u) << summary["warnings"];
@@ -367,7 +367,9 @@ TEST(Cli, ChartWritesRowsCurvesAndAPage) {
   std::map<std::string, size_t> of_solver;
   for (size_t i = 1; i < rows.size(); ++i) {
     ASSERT_EQ(rows[i].find("squash,"), 0u) << rows[i];
-    EXPECT_EQ(std::count(rows[i].begin(), rows[i].end(), ','), std::count(rows[0].begin(), rows[0].end(), ',')) << rows[i];
+    EXPECT_EQ(std::count(rows[i].begin(), rows[i].end(), ','),
+              std::count(rows[0].begin(), rows[0].end(), ','))
+        << rows[i];
     ++of_solver[rows[i].substr(7, rows[i].find(',', 7) - 7)];
   }
   EXPECT_GT(of_solver["cells"], 0u);

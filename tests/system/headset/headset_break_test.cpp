@@ -55,9 +55,13 @@ TEST_F(HeadsetSession, AHandThrowsACupAtAWallAndItBreaks) {
 6.6  do picture
 7.0  do exit
 )",
-                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu, .marks = false, .on_kept = [&](const PlannedFrame& picture, const SceneView& view, FaultProxy&) {
+                        {.eye_size = "64x72",
+                         .renderer = RendererChoice::Cpu,
+                         .marks = false,
+                         .on_kept = [&](const PlannedFrame& picture, const SceneView& view, FaultProxy&) {
                            EXPECT_TRUE(view.draw_again(**vulkan, picture.views, by_vulkan.emplace_back()));
-                           if (const auto cup = view.drawn_object(cup_id)) drawn_kernels.push_back(cup->asset->size());
+                           if (const auto cup = view.drawn_object(cup_id))
+                             drawn_kernels.push_back(cup->asset->size());
                          }});
   ASSERT_TRUE(done) << done.error().message;
   std::printf("%s", summary_text(*done).c_str());
@@ -73,7 +77,8 @@ TEST_F(HeadsetSession, AHandThrowsACupAtAWallAndItBreaks) {
     farthest_whole_m = std::min(farthest_whole_m, cup.world_from_body.position_m.z());
     speed_m_s = -cup.velocity_m_s.z();
   }
-  std::printf("%zu bodies; thrown at %.2f m/s, whole until its middle was at z = %.3f m\n", bodies, speed_m_s, farthest_whole_m);
+  std::printf("%zu bodies; thrown at %.2f m/s, whole until its middle was at z = %.3f m\n", bodies, speed_m_s,
+              farthest_whole_m);
   EXPECT_GT(bodies, 1u);
   EXPECT_GT(kMass_kg * speed_m_s, kBreakImpulse_n_s);
   EXPECT_LT(farthest_whole_m, -0.4);
@@ -92,7 +97,8 @@ TEST_F(HeadsetSession, AHandThrowsACupAtAWallAndItBreaks) {
   ASSERT_EQ(by_vulkan.size(), 2u);
   for (size_t i = 0; i < 2; ++i) {
     for (size_t eye = 0; eye < 2; ++eye) {
-      std::printf("by vulkan, %s: %.1f dB\n", i == 0 ? "whole" : "broken", psnr_db(by_vulkan[i].at(eye), kept_[i].oracle[eye]));
+      std::printf("by vulkan, %s: %.1f dB\n", i == 0 ? "whole" : "broken",
+                  psnr_db(by_vulkan[i].at(eye), kept_[i].oracle[eye]));
       EXPECT_GT(psnr_db(by_vulkan[i].at(eye), kept_[i].oracle[eye]), 50.0) << i;
     }
   }

@@ -8,9 +8,9 @@ namespace livegs {
 namespace {
 
 struct Controllers {
-  const char* profile;    // the end of its path
-  const char* shooting;   // the timeline's button
-  bool grabs;             // simple ones have nothing to squeeze
+  const char* profile;   // the end of its path
+  const char* shooting;  // the timeline's button
+  bool grabs;            // simple ones have nothing to squeeze
 };
 
 class HeadsetControllers : public HeadsetSession, public ::testing::WithParamInterface<Controllers> {};
@@ -18,7 +18,8 @@ class HeadsetControllers : public HeadsetSession, public ::testing::WithParamInt
 TEST_P(HeadsetControllers, TakePullAndShoot) {
   const Controllers& one = GetParam();
   const std::string shooting = one.shooting;
-  const auto done = run(floating({{"taken", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}, {"target", {0.4, 0, 0}}}), R"(
+  const auto done =
+      run(floating({{"taken", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}, {"target", {0.4, 0, 0}}}), R"(
 0    pose head   0 1.6 0         1 0 0 0
 0    pose left   -0.35 1.6 -0.3  1 0 0 0
 0    pose right  0 1.6 -1        1 0 0 0
@@ -36,7 +37,7 @@ TEST_P(HeadsetControllers, TakePullAndShoot) {
 2.9  input left.)" + shooting + R"( 0
 3.3  do exit
 )",
-                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu, .controllers = one.profile});
+          {.eye_size = "64x72", .renderer = RendererChoice::Cpu, .controllers = one.profile});
   ASSERT_TRUE(done) << done.error().message;
   expect_no_complaints();
   const auto profiles = rows(folder_ / "profiles.csv");
@@ -48,7 +49,8 @@ TEST_P(HeadsetControllers, TakePullAndShoot) {
     pulled_up_m = std::max(pulled_up_m, tick.bodies.at("pulled").world_from_body.position_m.y());
     target_m_s = std::max(target_m_s, -tick.bodies.at("target").velocity_m_s.z());
   }
-  std::printf("%s: taken up %.2f m, pulled up %.2f m, shot to %.2f m/s\n", one.profile, taken_up_m, pulled_up_m, target_m_s);
+  std::printf("%s: taken up %.2f m, pulled up %.2f m, shot to %.2f m/s\n", one.profile, taken_up_m,
+              pulled_up_m, target_m_s);
   if (one.grabs) {
     EXPECT_GT(taken_up_m, 0.1);
   } else {

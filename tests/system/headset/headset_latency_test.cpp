@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a controller that moves to a picture that has changed, through the simulated runtime and 4 ms of network each way.
+// From a controller that moves to a picture that has changed, through the simulated runtime and 4 ms of
+// network each way.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -14,13 +15,14 @@ namespace livegs {
 namespace {
 
 constexpr int kJumps = 40;
-// 95 of 100 on two cores that draw with the CPU, in the best of three runs: 43 found, also beside others that took three quarters of
-// the machine, 63 once beside more. Where they took half of it in all three runs, 86 must do. Whether there were any is not asked of
-// anything that this process does: a slower client leaves the others' share of the machine as it is.
+// 95 of 100 on two cores that draw with the CPU, in the best of three runs: 43 found, also beside others that
+// took three quarters of the machine, 63 once beside more. Where they took half of it in all three runs, 86
+// must do. Whether there were any is not asked of anything that this process does: a slower client leaves the
+// others' share of the machine as it is.
 constexpr int kMaxRuns = 3;
 constexpr double kBarP95_ms = 50, kUndisturbedShare = 0.5, kDisturbedP95_ms = 86;
-// Client, server, network and headset together, which other programs hardly change: 5.2 found beside some that took 77 % of the
-// machine.
+// Client, server, network and headset together, which other programs hardly change: 5.2 found beside some
+// that took 77 % of the machine.
 constexpr double kBarCpu_ms = 10;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kSanitized = true;  // times are the sanitizer's
@@ -28,8 +30,8 @@ constexpr bool kSanitized = true;  // times are the sanitizer's
 constexpr bool kSanitized = false;
 #endif
 
-// Seconds of processor time: of all processors together since the machine began, what the host kept from it included, and of
-// this process.
+// Seconds of processor time: of all processors together since the machine began, what the host kept from it
+// included, and of this process.
 struct CpuTimes {
   double all_s = 0, own_s = 0;
   static CpuTimes now() {
@@ -39,10 +41,12 @@ struct CpuTimes {
     std::array<double, 8> ticks{};  // user, nice, system, idle, iowait, irq, softirq, steal
     stat >> name;
     for (double& one : ticks) stat >> one;
-    for (size_t i = 0; i < ticks.size(); ++i) times.all_s += i == 3 || i == 4 ? 0.0 : ticks[i] / static_cast<double>(::sysconf(_SC_CLK_TCK));
+    for (size_t i = 0; i < ticks.size(); ++i)
+      times.all_s += i == 3 || i == 4 ? 0.0 : ticks[i] / static_cast<double>(::sysconf(_SC_CLK_TCK));
     rusage own{};
     ::getrusage(RUSAGE_SELF, &own);
-    for (const timeval& one : {own.ru_utime, own.ru_stime}) times.own_s += static_cast<double>(one.tv_sec) + 1e-6 * static_cast<double>(one.tv_usec);
+    for (const timeval& one : {own.ru_utime, own.ru_stime})
+      times.own_s += static_cast<double>(one.tv_sec) + 1e-6 * static_cast<double>(one.tv_usec);
     return times;
   }
 };
@@ -51,8 +55,8 @@ double at(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
 }
 
-// Drawn by the CPU, since a device in software takes ten times as long for a picture: a hand that holds a box jumps, and
-// the first picture that has changed is looked for.
+// Drawn by the CPU, since a device in software takes ten times as long for a picture: a hand that holds a box
+// jumps, and the first picture that has changed is looked for.
 class HeadsetLatency : public HeadsetSession {
  protected:
   struct Measured {
@@ -62,39 +66,55 @@ class HeadsetLatency : public HeadsetSession {
   };
 
   void measure(Measured& measured) {
-    for (const char* file : {"frames.csv", "views.csv", "handles.csv"}) std::filesystem::remove(folder_ / file);  // of a run before
+    for (const char* file : {"frames.csv", "views.csv", "handles.csv"})
+      std::filesystem::remove(folder_ / file);  // of a run before
     const CpuTimes before = CpuTimes::now();
     const int64_t began_ns = now_ns();
     const auto done = run(floating({{"held", {0, 0, 0}}}), timeline(),
-                          {.eye_size = "64x72", .renderer = RendererChoice::Cpu, .network_delay_ms = 4, .marks = false, .validates = false});
+                          {.eye_size = "64x72",
+                           .renderer = RendererChoice::Cpu,
+                           .network_delay_ms = 4,
+                           .marks = false,
+                           .validates = false});
     const CpuTimes after = CpuTimes::now();
     ASSERT_TRUE(done) << done.error().message;
     expect_no_complaints();
     measured.summary = *done;
     const double own_s = after.own_s - before.own_s;
-    const double machine_s = seconds_from_ns(now_ns() - began_ns) * static_cast<double>(::sysconf(_SC_NPROCESSORS_ONLN));
+    const double machine_s =
+        seconds_from_ns(now_ns() - began_ns) * static_cast<double>(::sysconf(_SC_NPROCESSORS_ONLN));
     measured.others_share = std::max(0.0, after.all_s - before.all_s - own_s) / machine_s;
     measured.cpu_ms = 1e3 * own_s / static_cast<double>(done->counts.pictures);
     find_pictures(measured);
     ASSERT_EQ(measured.seen_ms.size(), static_cast<size_t>(kJumps));
-    for (auto* values : {&measured.seen_ms, &measured.submitted_ms, &measured.intervals_ms}) std::sort(values->begin(), values->end());
-    std::printf("others took %.0f %% of the machine; %.1f ms of processor time a picture\n", 100 * measured.others_share, measured.cpu_ms);
-    std::printf("sample to picture seen p50 %.1f, p95 %.1f ms\n", done->hand_to_picture_ms_p50, done->hand_to_picture_ms_p95);
-    std::printf("hand to picture: submitted p50 %.1f, p95 %.1f ms; seen p50 %.1f, p95 %.1f ms; drawing p50 %.1f, p95 %.1f ms, a picture each "
-                "p50 %.1f, p95 %.1f ms\n",
-                at(measured.submitted_ms, 0.5), at(measured.submitted_ms, 0.95), at(measured.seen_ms, 0.5), at(measured.seen_ms, 0.95),
-                done->draw_ms_p50, done->draw_ms_p95, at(measured.intervals_ms, 0.5), at(measured.intervals_ms, 0.95));
+    for (auto* values : {&measured.seen_ms, &measured.submitted_ms, &measured.intervals_ms})
+      std::sort(values->begin(), values->end());
+    std::printf("others took %.0f %% of the machine; %.1f ms of processor time a picture\n",
+                100 * measured.others_share, measured.cpu_ms);
+    std::printf("sample to picture seen p50 %.1f, p95 %.1f ms\n", done->hand_to_picture_ms_p50,
+                done->hand_to_picture_ms_p95);
+    std::printf(
+        "hand to picture: submitted p50 %.1f, p95 %.1f ms; seen p50 %.1f, p95 %.1f ms; drawing p50 %.1f, p95 "
+        "%.1f ms, a picture each "
+        "p50 %.1f, p95 %.1f ms\n",
+        at(measured.submitted_ms, 0.5), at(measured.submitted_ms, 0.95), at(measured.seen_ms, 0.5),
+        at(measured.seen_ms, 0.95), done->draw_ms_p50, done->draw_ms_p95, at(measured.intervals_ms, 0.5),
+        at(measured.intervals_ms, 0.95));
   }
 
  private:
-  static double jump_s(int i) { return 1.5 + 0.5037 * i; }  // at no fixed phase of the display or of the server
+  static double jump_s(int i) {
+    return 1.5 + 0.5037 * i;
+  }  // at no fixed phase of the display or of the server
 
   static std::string timeline() {
-    std::string lines = "0 pose head 0 1.6 0 1 0 0 0\n0 pose right 0 1.6 -1 1 0 0 0\n0.5 input right.squeeze 1\n";
+    std::string lines =
+        "0 pose head 0 1.6 0 1 0 0 0\n0 pose right 0 1.6 -1 1 0 0 0\n0.5 input right.squeeze 1\n";
     for (int i = 0; i < kJumps; ++i) {
       char line[200];
-      std::snprintf(line, sizeof line, "%.5f pose right 0 %.3f -1 1 0 0 0\n%.5f pose right 0 %.3f -1 1 0 0 0\n", jump_s(i) - 1e-5,
-                    i % 2 ? 1.7 : 1.6, jump_s(i), i % 2 ? 1.6 : 1.7);
+      std::snprintf(line, sizeof line,
+                    "%.5f pose right 0 %.3f -1 1 0 0 0\n%.5f pose right 0 %.3f -1 1 0 0 0\n",
+                    jump_s(i) - 1e-5, i % 2 ? 1.7 : 1.6, jump_s(i), i % 2 ? 1.6 : 1.7);
       lines += line;
     }
     return lines + std::to_string(jump_s(kJumps - 1) + 0.6) + " do exit\n";
@@ -137,16 +157,20 @@ TEST_F(HeadsetLatency, AHandIsSeenSoon) {
     if (runs == 0 || at(measured.seen_ms, 0.95) < at(best.seen_ms, 0.95)) best = std::move(measured);
   } while (++runs < kMaxRuns && at(best.seen_ms, 0.95) >= kBarP95_ms);
   char row[300];
-  std::snprintf(row, sizeof row, "%d,4,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.2f,%.1f,%d,%.0f", kJumps, at(best.seen_ms, 0.5),
-                at(best.seen_ms, 0.95), at(best.submitted_ms, 0.5), at(best.submitted_ms, 0.95), best.summary.hand_to_picture_ms_p50,
-                best.summary.hand_to_picture_ms_p95, best.summary.draw_ms_p50, best.summary.draw_ms_p95, at(best.intervals_ms, 0.5),
-                at(best.intervals_ms, 0.95), best.others_share, best.cpu_ms, runs, kBarP95_ms);
+  std::snprintf(row, sizeof row, "%d,4,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.2f,%.1f,%d,%.0f",
+                kJumps, at(best.seen_ms, 0.5), at(best.seen_ms, 0.95), at(best.submitted_ms, 0.5),
+                at(best.submitted_ms, 0.95), best.summary.hand_to_picture_ms_p50,
+                best.summary.hand_to_picture_ms_p95, best.summary.draw_ms_p50, best.summary.draw_ms_p95,
+                at(best.intervals_ms, 0.5), at(best.intervals_ms, 0.95), best.others_share, best.cpu_ms, runs,
+                kBarP95_ms);
   add_result("LIVEGS_LATENCY_CSV",
-             "jumps,network_ms_each_way,seen_p50_ms,seen_p95_ms,submitted_p50_ms,submitted_p95_ms,sample_to_seen_p50_ms,sample_to_seen_p95_ms,draw_p50_ms,draw_p95_ms,"
+             "jumps,network_ms_each_way,seen_p50_ms,seen_p95_ms,submitted_p50_ms,submitted_p95_ms,sample_to_"
+             "seen_p50_ms,sample_to_seen_p95_ms,draw_p50_ms,draw_p95_ms,"
              "picture_p50_ms,picture_p95_ms,others_share,cpu_ms_a_picture,runs,goal_p95_ms",
              row);
   EXPECT_GT(best.seen_ms.front(), 4 + 4);  // the network alone
-  EXPECT_LT(at(best.seen_ms, 0.95), !kSanitized && quietest_share < kUndisturbedShare ? kBarP95_ms : kDisturbedP95_ms);
+  EXPECT_LT(at(best.seen_ms, 0.95),
+            !kSanitized && quietest_share < kUndisturbedShare ? kBarP95_ms : kDisturbedP95_ms);
   if (!kSanitized) {
     EXPECT_LT(best.cpu_ms, kBarCpu_ms);
   }

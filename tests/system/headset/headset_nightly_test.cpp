@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ten minutes with the headset: twenty lost sessions, lost focus, recentres, four refresh rates, stalls; of what is shown meanwhile
-// both eyes are held against the oracle, and their parallax against the distance.
+// Ten minutes with the headset: twenty lost sessions, lost focus, recentres, four refresh rates, stalls; of
+// what is shown meanwhile both eyes are held against the oracle, and their parallax against the distance.
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,15 +16,16 @@ namespace {
 
 constexpr int kLosses = 20;
 constexpr double kPart_s = 28.5;  // from one loss to the next
-// Of what is resident, the pictures that this test keeps are not counted: 332 kB each, two of 96 x 108 in floats, for the oracle.
-// Found between the third and the last: 7.4 - 6.0 = 1.4 MB at a load of 9, -0.2 at one of 12. All images of all sessions would be
-// 5 MB more.
+// Of what is resident, the pictures that this test keeps are not counted: 332 kB each, two of 96 x 108 in
+// floats, for the oracle. Found between the third and the last: 7.4 - 6.0 = 1.4 MB at a load of 9, -0.2 at
+// one of 12. All images of all sessions would be 5 MB more.
 constexpr double kMaxGrowth_mb = 2;
-// So long the simulated compositor keeps each picture waiting in a scripted stall. A gap of kGap_s may be the machine's as well:
-// half of all were, at a load of 12.
+// So long the simulated compositor keeps each picture waiting in a scripted stall. A gap of kGap_s may be the
+// machine's as well: half of all were, at a load of 12.
 constexpr double kStall_s = 0.1, kGap_s = 0.09;
 
-// Five a second, of both eyes by a device in software under both validation layers: 9391 found beside others at a load of 13.
+// Five a second, of both eyes by a device in software under both validation layers: 9391 found beside others
+// at a load of 13.
 constexpr uint64_t kMinPictures = 3000;
 
 double resident_mb() {
@@ -47,8 +48,8 @@ size_t focus_losses(const std::vector<std::string>& states) {
   return count;
 }
 
-// Between two pictures that were waited for one after the other, and when it ended, in seconds of the timeline, in which a
-// picture takes 0.1 at most. Both eyes of a picture have a row.
+// Between two pictures that were waited for one after the other, and when it ended, in seconds of the
+// timeline, in which a picture takes 0.1 at most. Both eyes of a picture have a row.
 struct Gap {
   double end_s = 0, length_s = 0;
   bool is_long() const { return length_s >= kGap_s; }
@@ -67,7 +68,9 @@ std::vector<Gap> gaps(const std::vector<std::vector<std::string>>& frames) {
 std::string ten_minutes() {
   constexpr std::array kRates = {72, 120, 80, 90};
   std::string timeline = "0 pose left -0.35 1.6 -0.3 1 0 0 0\n";
-  const auto add = [&](double at_s, const std::string& what) { timeline += std::to_string(at_s) + " " + what + "\n"; };
+  const auto add = [&](double at_s, const std::string& what) {
+    timeline += std::to_string(at_s) + " " + what + "\n";
+  };
   for (int part = 0; part <= kLosses; ++part) {
     const double at = kPart_s * part;
     add(at, "pose head 0 1.6 0 1 0 0 0");
@@ -89,7 +92,8 @@ std::string ten_minutes() {
     add(at + 18, "do compositor 0");
     if (part % 4 == 1) add(at + 19, "do hide");
     if (part % 4 == 1) add(at + 20, "do show");
-    // Every other picture has no hand in sight, so that nothing but the boxes has light; each from another place.
+    // Every other picture has no hand in sight, so that nothing but the boxes has light; each from another
+    // place.
     add(at + (part % 2 ? 22.0 : 20.6 + 0.1 * part), "do picture");
     if (part % 2 == 0) {
       add(at + 20, "pose left -0.35 1.6 -0.3 1 0 0 0");
@@ -109,12 +113,13 @@ std::string ten_minutes() {
 // LIVEGS_HEADSET_CSV names a file that gets a row.
 TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
   std::vector<double> memory_mb;
-  const auto done = run(floating({{"carried", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}}), ten_minutes(),
-                        {.keeps_ticks = false, .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy&) {
-                           double own_mb = 0;
-                           for (const Kept& kept : kept_) own_mb += kept_mb(kept.oracle);
-                           memory_mb.push_back(resident_mb() - own_mb);
-                         }});
+  const auto done =
+      run(floating({{"carried", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}}), ten_minutes(),
+          {.keeps_ticks = false, .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy&) {
+             double own_mb = 0;
+             for (const Kept& kept : kept_) own_mb += kept_mb(kept.oracle);
+             memory_mb.push_back(resident_mb() - own_mb);
+           }});
   ASSERT_TRUE(done) << done.error().message;
   std::printf("%s", summary_text(*done).c_str());
   expect_no_complaints();
@@ -127,7 +132,8 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
   EXPECT_GE(unfocused, kLosses + 1u);  // taken once a part; being hidden goes through the same state
   // In each part's scripted second, once it has begun for sure, no picture came in time.
   const std::vector<Gap> all_gaps = gaps(rows(folder_ / "frames.csv"));
-  const auto late = static_cast<size_t>(std::count_if(all_gaps.begin(), all_gaps.end(), [](const Gap& gap) { return gap.is_long(); }));
+  const auto late = static_cast<size_t>(
+      std::count_if(all_gaps.begin(), all_gaps.end(), [](const Gap& gap) { return gap.is_long(); }));
   int stalled_parts = 0;
   for (int part = 0; part <= kLosses; ++part) {
     const double from_s = kPart_s * part + 17;
@@ -140,8 +146,8 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
     stalled_parts += seen > 0 && in_time == 0;
   }
   EXPECT_EQ(stalled_parts, kLosses + 1);
-  std::printf("%zu losses of focus; %zu gaps of %.0f ms and more; %d of %d scripted stalls\n", unfocused, late, 1e3 * kGap_s, stalled_parts,
-              kLosses + 1);
+  std::printf("%zu losses of focus; %zu gaps of %.0f ms and more; %d of %d scripted stalls\n", unfocused,
+              late, 1e3 * kGap_s, stalled_parts, kLosses + 1);
   ASSERT_GE(kept_.size(), 18u);
   const double least_db = expect_oracle();
   std::vector<double> parallax;
@@ -153,26 +159,35 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
   }
   EXPECT_GE(parallax_pictures, 9u);
   ASSERT_GE(parallax.size(), 18u);
-  const double mean = std::accumulate(parallax.begin(), parallax.end(), 0.0) / static_cast<double>(parallax.size());
+  const double mean =
+      std::accumulate(parallax.begin(), parallax.end(), 0.0) / static_cast<double>(parallax.size());
   EXPECT_NEAR(mean, 1.0, 0.05);  // half a pixel of three each; parallax_test has more places and finer pixels
   const auto [least, most] = std::minmax_element(parallax.begin(), parallax.end());
-  std::printf("parallax %.3f to %.3f of what their faces ask for, %.3f in the mean, %zu times in %zu pictures\n", *least, *most, mean,
-              parallax.size(), parallax_pictures);
-  // Handles are counted above: each session's swapchain and spaces were gone before it was. Memory is what the allocator holds,
-  // less what this test does.
+  std::printf(
+      "parallax %.3f to %.3f of what their faces ask for, %.3f in the mean, %zu times in %zu pictures\n",
+      *least, *most, mean, parallax.size(), parallax_pictures);
+  // Handles are counted above: each session's swapchain and spaces were gone before it was. Memory is what
+  // the allocator holds, less what this test does.
   ASSERT_GE(memory_mb.size(), 4u);
   const double grown_mb = memory_mb.back() - memory_mb[2];
-  std::printf("at least %.1f dB; without its pictures %.1f MB resident at the third, %.1f MB at the last\n", least_db, memory_mb[2], memory_mb.back());
+  std::printf("at least %.1f dB; without its pictures %.1f MB resident at the third, %.1f MB at the last\n",
+              least_db, memory_mb[2], memory_mb.back());
   std::string renderer = done->renderer;
   std::replace(renderer.begin(), renderer.end(), ',', ';');
   char row[300];
-  std::snprintf(row, sizeof row, "%s,600,%llu,%llu,%llu,%llu,%zu,%d,%zu,%llu,%zu,%.1f,%zu,%.3f,%.3f,%.3f,%.1f,%.1f", renderer.c_str(),
-                static_cast<unsigned long long>(done->counts.sessions), static_cast<unsigned long long>(done->counts.losses),
-                static_cast<unsigned long long>(done->counts.recentres), static_cast<unsigned long long>(done->counts.refresh_changes),
-                unfocused, stalled_parts, late, static_cast<unsigned long long>(done->counts.pictures), kept_.size(), least_db,
+  std::snprintf(row, sizeof row,
+                "%s,600,%llu,%llu,%llu,%llu,%zu,%d,%zu,%llu,%zu,%.1f,%zu,%.3f,%.3f,%.3f,%.1f,%.1f",
+                renderer.c_str(), static_cast<unsigned long long>(done->counts.sessions),
+                static_cast<unsigned long long>(done->counts.losses),
+                static_cast<unsigned long long>(done->counts.recentres),
+                static_cast<unsigned long long>(done->counts.refresh_changes), unfocused, stalled_parts, late,
+                static_cast<unsigned long long>(done->counts.pictures), kept_.size(), least_db,
                 parallax_pictures, *least, mean, *most, memory_mb[2], grown_mb);
-  add_result("LIVEGS_HEADSET_CSV", "renderer,seconds,sessions,losses,recentres,refresh_changes,focus_losses,stalls,gaps_90ms,pictures,kept,"
-             "least_db,parallax_pictures,parallax_least,parallax_mean,parallax_most,resident_mb,grown_mb", row);
+  add_result("LIVEGS_HEADSET_CSV",
+             "renderer,seconds,sessions,losses,recentres,refresh_changes,focus_losses,stalls,gaps_90ms,"
+             "pictures,kept,"
+             "least_db,parallax_pictures,parallax_least,parallax_mean,parallax_most,resident_mb,grown_mb",
+             row);
   EXPECT_LT(grown_mb, kMaxGrowth_mb);
 }
 

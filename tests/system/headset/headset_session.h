@@ -14,16 +14,17 @@
 
 #include "core/clock.h"
 #include "openxr_runtime/record_files.h"
-#include "scratch_folder.h"
-#include "system/support/fault_proxy.h"
-#include "system/headset/parallax.h"
 #include "scenes/served_scene.h"
+#include "scratch_folder.h"
+#include "system/headset/parallax.h"
+#include "system/support/fault_proxy.h"
 #include "viewer/runs/headset_run.h"
 
 namespace livegs {
 
-// A server, the headset's client and the simulated runtime in one process, with both validation layers looking on. The
-// scene is 1 m before and 1.6 m below where the stage has its origin: stage (0, 1.6, -1) is its middle.
+// A server, the headset's client and the simulated runtime in one process, with both validation layers
+// looking on. The scene is 1 m before and 1.6 m below where the stage has its origin: stage (0, 1.6, -1) is
+// its middle.
 class HeadsetSession : public ::testing::Test {
  protected:
   struct Settings {
@@ -31,14 +32,15 @@ class HeadsetSession : public ::testing::Test {
     RendererChoice renderer = RendererChoice::Vulkan;
     double network_delay_ms = 0;
     bool marks = true;
-    bool scales = false;             // draws smaller what is late
-    bool validates = true;           // both layers look on; they take their time
-    double seconds = 0;              // 0: the timeline ends it
-    std::string controllers = {};    // LIVEGS_XR_CONTROLLERS; empty: those that the runtime has by itself
-    bool keeps_ticks = true;         // in seen_; some 200 kB a second
-    std::string run_message = {};    // what the server says of its run from the start
-    size_t memory_limit_bytes = 0;   // of the display's device, as VulkanDeviceOptions has it
-    std::function<void(const PlannedFrame&, const SceneView&, FaultProxy& network)> on_kept = {};  // with each picture that is kept
+    bool scales = false;            // draws smaller what is late
+    bool validates = true;          // both layers look on; they take their time
+    double seconds = 0;             // 0: the timeline ends it
+    std::string controllers = {};   // LIVEGS_XR_CONTROLLERS; empty: those that the runtime has by itself
+    bool keeps_ticks = true;        // in seen_; some 200 kB a second
+    std::string run_message = {};   // what the server says of its run from the start
+    size_t memory_limit_bytes = 0;  // of the display's device, as VulkanDeviceOptions has it
+    std::function<void(const PlannedFrame&, const SceneView&, FaultProxy& network)> on_kept =
+        {};  // with each picture that is kept
   };
 
   // Boxes that float, each named; nothing else is there. Those named `fixed` stay where they are.
@@ -46,9 +48,11 @@ class HeadsetSession : public ::testing::Test {
     std::string objects;
     for (const auto& [name, at] : boxes) {
       char text[400];
-      std::snprintf(text, sizeof text, R"(%s{ "name": "%s", "shape": { "box": { "size_m": [0.12, 0.12, 0.12] } },
+      std::snprintf(text, sizeof text,
+                    R"(%s{ "name": "%s", "shape": { "box": { "size_m": [0.12, 0.12, 0.12] } },
         "pose": { "position_m": [%g, %g, %g] }, "physics": { "behavior": "%s" } })",
-                    objects.empty() ? "" : ", ", name.c_str(), at.x(), at.y(), at.z(), name == fixed ? "STATIC" : R"(RIGID", "mass_kg": 1, "fill": "SOLID)");
+                    objects.empty() ? "" : ", ", name.c_str(), at.x(), at.y(), at.z(),
+                    name == fixed ? "STATIC" : R"(RIGID", "mass_kg": 1, "fill": "SOLID)");
       objects += text;
     }
     v1::Scene file;
@@ -90,7 +94,8 @@ class HeadsetSession : public ::testing::Test {
     set("LIVEGS_XR_TIMELINE", folder_.write("timeline.txt", timeline));
     set("LIVEGS_XR_OUTPUT", folder_ / "");
     set("LIVEGS_XR_EYE_SIZE", settings.eye_size);
-    settings.controllers.empty() ? void(::unsetenv("LIVEGS_XR_CONTROLLERS")) : set("LIVEGS_XR_CONTROLLERS", settings.controllers);
+    settings.controllers.empty() ? void(::unsetenv("LIVEGS_XR_CONTROLLERS"))
+                                 : set("LIVEGS_XR_CONTROLLERS", settings.controllers);
     set("XR_ENABLE_API_LAYERS", settings.validates ? "XR_APILAYER_LUNARG_core_validation" : "");
     set("XR_CORE_VALIDATION_EXPORT_TYPE", "text");
     set("XR_CORE_VALIDATION_FILE_NAME", folder_ / "core.txt");
@@ -106,7 +111,8 @@ class HeadsetSession : public ::testing::Test {
     HeadsetRunOptions options;
     options.address = "127.0.0.1:" + std::to_string(proxy.port());
     options.seconds = settings.seconds;
-    options.camera_file = folder_.write("camera.json", R"({ "position_m": [0, 0, 1], "look_at_m": [0, 0, 0], "vertical_fov_deg": 60 })");
+    options.camera_file = folder_.write(
+        "camera.json", R"({ "position_m": [0, 0, 1], "look_at_m": [0, 0, 0], "vertical_fov_deg": 60 })");
     options.cache = folder_ / "cache";
     options.connect_timeout_s = options.reconnect_s = 60;
     options.renderer = settings.renderer;
@@ -138,8 +144,10 @@ class HeadsetSession : public ::testing::Test {
   void expect_no_complaints() const {
     EXPECT_EQ(text(folder_ / "misuse.txt"), "");
     EXPECT_EQ(text(folder_ / "core.txt"), "");
-    EXPECT_TRUE(vulkan_messages_.empty()) << vulkan_messages_.size() << " messages, the first: " << vulkan_messages_.front();
-    // Nor a handle: all that was made was destroyed before what it was made of. Of each session two rows, of the instance three.
+    EXPECT_TRUE(vulkan_messages_.empty())
+        << vulkan_messages_.size() << " messages, the first: " << vulkan_messages_.front();
+    // Nor a handle: all that was made was destroyed before what it was made of. Of each session two rows, of
+    // the instance three.
     const auto handles = rows(folder_ / "handles.csv");
     EXPECT_GE(handles.size(), 5u);
     for (const auto& row : handles) {
@@ -163,8 +171,9 @@ class HeadsetSession : public ::testing::Test {
     return least_db;
   }
 
-  // Of each box that both eyes see with nothing else about it, as a share of what its faces ask for. None where hands
-  // have light as well. Opaque things end at whole pixels, so that one alone is known to half a pixel.
+  // Of each box that both eyes see with nothing else about it, as a share of what its faces ask for. None
+  // where hands have light as well. Opaque things end at whole pixels, so that one alone is known to half a
+  // pixel.
   std::vector<double> expect_parallax(const Kept& kept) const {
     const auto left = read_png(kept.files[0]), right = read_png(kept.files[1]);
     EXPECT_TRUE(left && right);
@@ -219,7 +228,8 @@ class HeadsetSession : public ::testing::Test {
     }
     kept.eyes = picture.views;
     for (const uint32_t hand : {0u, 1u}) {
-      const auto marks = view.drawn_object(std::numeric_limits<uint32_t>::max() - hand);  // hand_marks.h: the last two ids
+      const auto marks =
+          view.drawn_object(std::numeric_limits<uint32_t>::max() - hand);  // hand_marks.h: the last two ids
       kept.hands_in_sight = kept.hands_in_sight || (marks && is_before(*marks->kernels, kept.eyes));
     }
     for (const auto& [name, id] : ids_) {

@@ -10,10 +10,11 @@
 namespace livegs {
 namespace {
 
-const std::map<std::string, Eigen::Vector3d> kBoxes = {{"thrown", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}, {"target", {0.4, 0, 0}}};
+const std::map<std::string, Eigen::Vector3d> kBoxes = {
+    {"thrown", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}, {"target", {0.4, 0, 0}}};
 
-// Drawn by the CPU and uploaded: a device in software takes ten times as long for a picture, and hands are looked at once a
-// picture.
+// Drawn by the CPU and uploaded: a device in software takes ten times as long for a picture, and hands are
+// looked at once a picture.
 TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
   const auto done = run(floating(kBoxes), R"(
 0    pose head   0 1.6 0         1 0 0 0
@@ -50,8 +51,8 @@ TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
     target_m_s = std::max(target_m_s, -tick.bodies.at("target").velocity_m_s.z());
   }
   EXPECT_GT(thrown_up_m, 0.3);
-  // It still flies: the hand went at 0.6 m/s when it let go. Of a hand that a busy machine lost sight of for a tenth of a second
-  // nobody knows; the cup of headset_break_test is thrown on such a one, too.
+  // It still flies: the hand went at 0.6 m/s when it let go. Of a hand that a busy machine lost sight of for
+  // a tenth of a second nobody knows; the cup of headset_break_test is thrown on such a one, too.
   std::printf("thrown at %.2f m/s\n", thrown_m_s);
   if (done->hand_to_picture_ms_p95 < 100) {
     EXPECT_GT(thrown_m_s, 0.3);
@@ -66,21 +67,23 @@ TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
   expect_oracle();
 }
 
-// Of a rule that is broken the core validation layer and the simulated runtime would have told expect_no_complaints(): the same
-// session with one bad call, which goes the way of all others through the layer.
+// Of a rule that is broken the core validation layer and the simulated runtime would have told
+// expect_no_complaints(): the same session with one bad call, which goes the way of all others through the
+// layer.
 TEST_F(HeadsetSession, ABadCallIsSeenByTheValidationLayer) {
   XrPath path = XR_NULL_PATH;
   std::string before;
   XrResult refused = XR_SUCCESS;
-  const auto done = run(floating(kBoxes), R"(
+  const auto done = run(
+      floating(kBoxes), R"(
 0    pose head   0 1.6 0      1 0 0 0
 0.6  do picture
 1.2  do exit
 )",
-                        {.renderer = RendererChoice::Cpu, .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy&) {
-                           before = text(folder_ / "core.txt");
-                           refused = xrStringToPath(XR_NULL_HANDLE, "/user/hand/left", &path);
-                         }});
+      {.renderer = RendererChoice::Cpu, .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy&) {
+         before = text(folder_ / "core.txt");
+         refused = xrStringToPath(XR_NULL_HANDLE, "/user/hand/left", &path);
+       }});
   ASSERT_TRUE(done) << done.error().message;
   ASSERT_EQ(kept_.size(), 1u);
   EXPECT_EQ(before, "");
@@ -128,20 +131,22 @@ TEST_F(HeadsetSession, OutlivesLostFocusAndLostSessions) {
   EXPECT_EQ(all.back(), "exiting");
   ASSERT_EQ(kept_.size(), 4u);
   expect_oracle();
-  // Nothing but the boxes. The face of one, 0.94 m away, is seen 64 mm / 0.94 m further to the right by the left eye; of the others
-  // a side that goes back to 1.06 m is seen as well.
+  // Nothing but the boxes. The face of one, 0.94 m away, is seen 64 mm / 0.94 m further to the right by the
+  // left eye; of the others a side that goes back to 1.06 m is seen as well.
   const std::vector<double> parallax = expect_parallax(kept_[0]);
   ASSERT_EQ(parallax.size(), 3u);
   EXPECT_NEAR((parallax[0] + parallax[1] + parallax[2]) / 3, 1.0, 0.1);
   ASSERT_TRUE(kept_[0].seen.contains("thrown"));
   EXPECT_NEAR(kept_[0].seen.at("thrown").parallax, kEyesApart_m / 0.94, 1e-3 * kEyesApart_m);
-  // The recentre put LOCAL's origin, where one stands in the scene, elsewhere: what the eyes see comes from the other side.
-  const Eigen::Vector3d before = kept_[1].eyes[0].world_from_camera.position_m, after = kept_[2].eyes[0].world_from_camera.position_m;
+  // The recentre put LOCAL's origin, where one stands in the scene, elsewhere: what the eyes see comes from
+  // the other side.
+  const Eigen::Vector3d before = kept_[1].eyes[0].world_from_camera.position_m,
+                        after = kept_[2].eyes[0].world_from_camera.position_m;
   EXPECT_NEAR((after - before).norm(), std::hypot(0.05, 0.05, 0.1), 0.01);
 }
 
-// A hand that comes to a box feels it when it gets there, and once; so does it the box in its hand when that meets a wall,
-// though the server tells of the same touch a little later.
+// A hand that comes to a box feels it when it gets there, and once; so does it the box in its hand when that
+// meets a wall, though the server tells of the same touch a little later.
 TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
   const auto done = run(floating({{"box", {0, 0, 0}}, {"wall", {-0.35, 0, 0}}}, "wall"), R"(
 0    pose head   0 1.6 0         1 0 0 0
@@ -170,21 +175,24 @@ TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
     else
       met.push_back(at_s);
   }
-  // The hand's ball of 10 mm meets the face at 60 mm when it is 70 mm from the middle; kernels bulge a little. Foreseen by
-  // 25 ms and the time to a picture, which a busy machine takes longer for: hands are looked at once a picture.
+  // The hand's ball of 10 mm meets the face at 60 mm when it is 70 mm from the middle; kernels bulge a
+  // little. Foreseen by 25 ms and the time to a picture, which a busy machine takes longer for: hands are
+  // looked at once a picture.
   const double hand_a_picture_m = 0.3 * 1e-3 * done->draw_ms_p95;
   ASSERT_EQ(touched.size(), 1u);
   const double from_middle_m = 0.3 - 0.3 * (touched[0] - 1.0);
-  std::printf("touched %.1f mm from the face; a hand goes %.1f mm a picture\n", 1e3 * (from_middle_m - 0.07), 1e3 * hand_a_picture_m);
+  std::printf("touched %.1f mm from the face; a hand goes %.1f mm a picture\n", 1e3 * (from_middle_m - 0.07),
+              1e3 * hand_a_picture_m);
   EXPECT_NEAR(from_middle_m, 0.07, 0.02 + 2 * hand_a_picture_m);
   EXPECT_EQ(took, 1u);
-  // Faces meet when the hand is at -0.35 + 0.12 = -0.23 m; the box follows its hand by a spring, up to 0.1 s later.
+  // Faces meet when the hand is at -0.35 + 0.12 = -0.23 m; the box follows its hand by a spring, up to 0.1 s
+  // later.
   ASSERT_EQ(met.size(), 1u);
   EXPECT_NEAR(-0.3 * (met[0] - 3.4), -0.23, 0.05 + 2 * hand_a_picture_m);
 }
 
-// A ball that the other hand shoots at the box in a hand that keeps still: no hand moves, so nothing is foreseen, and the blow is
-// felt because the server tells of it.
+// A ball that the other hand shoots at the box in a hand that keeps still: no hand moves, so nothing is
+// foreseen, and the blow is felt because the server tells of it.
 TEST_F(HeadsetSession, ABlowToWhatAHandHoldsIsFelt) {
   const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
 0    pose head   0 1.6 0         1 0 0 0
@@ -211,21 +219,25 @@ TEST_F(HeadsetSession, ABlowToWhatAHandHoldsIsFelt) {
 
 // A runtime that goes away while it is in use: the run ends with one line that names it and the remedy.
 TEST_F(HeadsetSession, ARuntimeThatVanishesEndsTheRunWithTheRemedy) {
-  const auto done = run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do vanish\n30 do exit\n",
-                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
+  const auto done =
+      run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do vanish\n30 do exit\n",
+          {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
-  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos) << done.error().message;
+  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos)
+      << done.error().message;
   expect_no_complaints();
 }
 
 // The same without a word: from one moment on no call does anything.
 TEST_F(HeadsetSession, ARuntimeThatDiesEndsTheRunWithTheRemedy) {
-  const auto done = run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do die\n30 do exit\n",
-                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
+  const auto done =
+      run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do die\n30 do exit\n",
+          {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
-  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos) << done.error().message;
+  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos)
+      << done.error().message;
   ASSERT_FALSE(states().empty());
   EXPECT_EQ(states().back(), "dead");
   expect_no_complaints();
@@ -241,7 +253,9 @@ Writing writing(const Image& image) {
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       const float* pixel = image.at(x, y);
-      if (std::abs(255 * pixel[0] - 255) > 25 || std::abs(255 * pixel[1] - 138) > 25 || std::abs(255 * pixel[2] - 120) > 25) continue;
+      if (std::abs(255 * pixel[0] - 255) > 25 || std::abs(255 * pixel[1] - 138) > 25 ||
+          std::abs(255 * pixel[2] - 120) > 25)
+        continue;
       found.middle_px += Eigen::Vector2d(x + 0.5, y + 0.5);
       ++found.pixels;
     }
@@ -252,10 +266,13 @@ Writing writing(const Image& image) {
 
 Image upper_half(const Image& image) {
   const int height = image.height / 2;
-  return {image.width, height, {image.pixels.begin(), image.pixels.begin() + std::ptrdiff_t{4} * image.width * height}};
+  return {image.width,
+          height,
+          {image.pixels.begin(), image.pixels.begin() + std::ptrdiff_t{4} * image.width * height}};
 }
 
-// The server has gone: the wearer reads it, over the last picture and wherever the head turns, until it is back.
+// The server has gone: the wearer reads it, over the last picture and wherever the head turns, until it is
+// back.
 TEST_F(HeadsetSession, SaysBeforeTheEyesThatTheServerHasGone) {
   int kept = 0;
   const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
@@ -270,7 +287,9 @@ TEST_F(HeadsetSession, SaysBeforeTheEyesThatTheServerHasGone) {
 9.0  do picture
 9.4  do exit
 )",
-                        {.eye_size = "320x360", .renderer = RendererChoice::Cpu, .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy& network) {
+                        {.eye_size = "320x360",
+                         .renderer = RendererChoice::Cpu,
+                         .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy& network) {
                            ++kept;
                            if (kept == 1) network.cut();
                            if (kept == 3) network.heal();
@@ -312,7 +331,10 @@ TEST_F(HeadsetSession, SaysBeforeTheEyesWhyAResetFailed) {
 0.8  do picture
 1.2  do exit
 )",
-                        {.eye_size = "320x360", .renderer = RendererChoice::Cpu, .run_message = "boxes.scene.json cannot be loaded anew: object box: its asset box.ply is gone; put it back and reset once more"});
+                        {.eye_size = "320x360",
+                         .renderer = RendererChoice::Cpu,
+                         .run_message = "boxes.scene.json cannot be loaded anew: object box: its asset "
+                                        "box.ply is gone; put it back and reset once more"});
   ASSERT_TRUE(done) << done.error().message;
   expect_no_complaints();
   ASSERT_EQ(kept_.size(), 1u);
@@ -329,14 +351,15 @@ class HeadsetWithAFullDevice : public HeadsetSession {
  protected:
   // The renderer's name at the end.
   std::string draws_with(size_t bytes) {
-    const auto done = run(floating(kBoxes), R"(
+    const auto done =
+        run(floating(kBoxes), R"(
 0    pose head   0 1.6 0         1 0 0 0
 0    pose left   0 1.6 5         1 0 0 0
 0    pose right  0 1.6 5         1 0 0 0
 1.2  do picture
 1.6  do exit
 )",
-                          {.eye_size = "320x360", .renderer = RendererChoice::Auto, .memory_limit_bytes = bytes});
+            {.eye_size = "320x360", .renderer = RendererChoice::Auto, .memory_limit_bytes = bytes});
     EXPECT_TRUE(done) << done.error().message;
     if (!done) return "";
     expect_no_complaints();
@@ -355,10 +378,13 @@ TEST_F(HeadsetWithAFullDevice, SaysBeforeTheEyesThatFewerKernelsAreDrawn) {
   EXPECT_EQ(renderer.rfind("vulkan: ", 0), 0u) << renderer;
 }
 
-TEST_F(HeadsetWithAFullDevice, SaysBeforeTheEyesThatTheProcessorDraws) { EXPECT_EQ(draws_with(100'000), "cpu"); }
+TEST_F(HeadsetWithAFullDevice, SaysBeforeTheEyesThatTheProcessorDraws) {
+  EXPECT_EQ(draws_with(100'000), "cpu");
+}
 
-// Eyes that the display wants larger than they can be drawn in time, looked at twice, and once more from where there is next to
-// nothing to draw: each picture is of one size for both eyes, and as the oracle has it at that size.
+// Eyes that the display wants larger than they can be drawn in time, looked at twice, and once more from
+// where there is next to nothing to draw: each picture is of one size for both eyes, and as the oracle has it
+// at that size.
 class HeadsetScale : public HeadsetSession {
  protected:
   static constexpr int kWidth = 480, kHeight = 540;
@@ -374,7 +400,9 @@ class HeadsetScale : public HeadsetSession {
 5.0  do picture
 5.2  do exit
 )",
-                          {.eye_size = std::to_string(kWidth) + "x" + std::to_string(kHeight), .renderer = renderer, .scales = true});
+                          {.eye_size = std::to_string(kWidth) + "x" + std::to_string(kHeight),
+                           .renderer = renderer,
+                           .scales = true});
     EXPECT_TRUE(done) << done.error().message;
     expect_no_complaints();
     EXPECT_EQ(kept_.size(), 3u);
@@ -383,7 +411,8 @@ class HeadsetScale : public HeadsetSession {
     for (const Kept& kept : kept_) {
       for (int eye = 0; eye < 2; ++eye) {
         const auto shown = read_png(kept.files[eye]);
-        EXPECT_TRUE(shown && shown->width == kept.eyes[0].width && shown->height == kept.eyes[0].height) << kept.files[eye];
+        EXPECT_TRUE(shown && shown->width == kept.eyes[0].width && shown->height == kept.eyes[0].height)
+            << kept.files[eye];
       }
       // One share of both sides, or what is seen would be stretched.
       EXPECT_NEAR(kept.eyes[0].width * kHeight, kept.eyes[0].height * kWidth, kHeight);

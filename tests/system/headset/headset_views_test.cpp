@@ -7,7 +7,8 @@
 namespace livegs {
 namespace {
 
-// Wrong by 40 m for each second ahead: 40 mm a millisecond, so that what a second look gains is seen in pixels of 18 mm.
+// Wrong by 40 m for each second ahead: 40 mm a millisecond, so that what a second look gains is seen in
+// pixels of 18 mm.
 constexpr double kMisjudged_m_s = 40;
 // Two places that are nearer to each other look too alike to tell by a picture which one it was drawn from.
 constexpr double kToldApart_m = 0.006;
@@ -44,7 +45,8 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
                           Drawn one{picture.views, {}};
                           std::vector<Camera> early = picture.views;
                           for (int eye = 0; eye < 2; ++eye)
-                            early[eye].world_from_camera.position_m = scene_from_stage * point(eye_row("views.csv", eye), 4);
+                            early[eye].world_from_camera.position_m =
+                                scene_from_stage * point(eye_row("views.csv", eye), 4);
                           const auto cpu = create_cpu_renderer();
                           EXPECT_TRUE(view.draw_again(*cpu, early, one.as_first_foretold));
                           drawn.push_back(std::move(one));
@@ -52,7 +54,8 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
   ASSERT_TRUE(done) << done.error().message;
   expect_no_complaints();
 
-  // Of every submitted frame: asked for twice, submitted where the last answer was, which is not where the first was.
+  // Of every submitted frame: asked for twice, submitted where the last answer was, which is not where the
+  // first was.
   std::map<std::pair<std::string, std::string>, Eigen::Vector3d> submitted_m;  // by frame and eye
   for (const auto& row : rows(folder_ / "frames.csv")) {
     if (row.size() > 8 && !row[4].empty()) submitted_m[{row[0], row[4]}] = point(row, 6);
@@ -61,7 +64,8 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
   size_t frames = 0;
   std::map<std::pair<std::string, std::string>, double> moved_m;  // between the looks, likewise
   for (const auto& row : rows(folder_ / "views.csv")) {
-    const Eigen::Vector3d first = point(row, 4), last = point(row, 8), shown = submitted_m.at({row.at(0), row.at(1)});
+    const Eigen::Vector3d first = point(row, 4), last = point(row, 8),
+                          shown = submitted_m.at({row.at(0), row.at(1)});
     const double earlier_s = std::stod(row.at(3)) - std::stod(row.at(7));
     EXPECT_GE(std::stoi(row.at(2)), 2);
     EXPECT_GT(earlier_s, 0.0);
@@ -75,9 +79,11 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
     EXPECT_NEAR((first - last).norm(), kMisjudged_m_s * foretold_s, 1e-4) << "frame " << row[0];
   }
   ASSERT_GE(frames, 6u);
-  std::printf("the second look is %.2f ms later than the first (mean of %zu)\n", 1e3 * gained_s / static_cast<double>(frames), frames);
+  std::printf("the second look is %.2f ms later than the first (mean of %zu)\n",
+              1e3 * gained_s / static_cast<double>(frames), frames);
 
-  // And of each picture: it is what the oracle sees from where the last answer put the eyes, and not from where the first did.
+  // And of each picture: it is what the oracle sees from where the last answer put the eyes, and not from
+  // where the first did.
   ASSERT_EQ(kept_.size(), 3u);
   ASSERT_EQ(drawn.size(), 3u);
   expect_oracle();
@@ -92,10 +98,12 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
       EXPECT_LT((drawn[i].eyes[eye].world_from_camera.position_m - at).norm(), 1e-5) << name;
       if (moved_m.at({frame, std::to_string(eye)}) < kToldApart_m) continue;
       ++told_apart;
-      EXPECT_LT(psnr_db(*shown, drawn[i].as_first_foretold[eye]), psnr_db(*shown, kept_[i].oracle[eye]) - 6) << name;
+      EXPECT_LT(psnr_db(*shown, drawn[i].as_first_foretold[eye]), psnr_db(*shown, kept_[i].oracle[eye]) - 6)
+          << name;
     }
   }
-  std::printf("%d of 6 pictures were drawn from places far enough from the first to tell by the picture\n", told_apart);
+  std::printf("%d of 6 pictures were drawn from places far enough from the first to tell by the picture\n",
+              told_apart);
 }
 
 }  // namespace

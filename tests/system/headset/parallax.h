@@ -17,11 +17,12 @@
 
 namespace livegs {
 
-// Two eyes that look the same way and stand b apart see a point at depth z by b / z apart, as tangents: the left eye further to
-// the right. Both eyes of the simulated headset do (openxr_runtime/spaces.cpp). Of a body it is not so: the eyes see different
-// shares of its sides. Of an even light the middle moves as the middle of its outline's two edges does, whatever lies between
-// them: of a box seen from a corner, whose edges are at 0.94 and 1.06 m, by b times 1.004, where the mean of b / z over what
-// is seen, most of it the front at 0.94, would be up to 1.06 b. Hence light of each face, as each eye sees it.
+// Two eyes that look the same way and stand b apart see a point at depth z by b / z apart, as tangents: the
+// left eye further to the right. Both eyes of the simulated headset do (openxr_runtime/spaces.cpp). Of a body
+// it is not so: the eyes see different shares of its sides. Of an even light the middle moves as the middle
+// of its outline's two edges does, whatever lies between them: of a box seen from a corner, whose edges are
+// at 0.94 and 1.06 m, by b times 1.004, where the mean of b / z over what is seen, most of it the front at
+// 0.94, would be up to 1.06 b. Hence light of each face, as each eye sees it.
 inline constexpr double kEyesApart_m = 0.064;
 
 // A face of a box: kernels that lie flat in one plane.
@@ -31,7 +32,9 @@ struct BoxFace {
   std::vector<Eigen::Vector3d> points_m;
 };
 
-inline double light_of(const Eigen::Vector3f& colour) { return (colour.cwiseMax(0.0f).cwiseMin(1.0f) - kBackground).cwiseAbs().sum(); }
+inline double light_of(const Eigen::Vector3f& colour) {
+  return (colour.cwiseMax(0.0f).cwiseMin(1.0f) - kBackground).cwiseAbs().sum();
+}
 
 // Of kernels of one colour a face (shape_asset.h in server/scene makes such).
 inline std::vector<BoxFace> faces_of_box(const DrawnObject& box) {
@@ -43,10 +46,12 @@ inline std::vector<BoxFace> faces_of_box(const DrawnObject& box) {
     const Symmetric3f& s = box.kernels->covariances_m2[i];
     Eigen::Matrix3d covariance;
     covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-    const Eigen::Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0);  // the thinnest
+    const Eigen::Vector3d normal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0);  // the thinnest
     const Eigen::Vector3d at_m = box.kernels->positions_m[i].cast<double>();
     const auto same = [&](const BoxFace& face) {
-      return std::abs(face.normal.dot(normal)) > 0.99 && std::abs(face.normal.dot(at_m - face.points_m.front())) < kSamePlane_m;
+      return std::abs(face.normal.dot(normal)) > 0.99 &&
+             std::abs(face.normal.dot(at_m - face.points_m.front())) < kSamePlane_m;
     };
     auto face = std::find_if(faces.begin(), faces.end(), same);
     if (face == faces.end()) {
@@ -57,7 +62,8 @@ inline std::vector<BoxFace> faces_of_box(const DrawnObject& box) {
     middle_m += at_m / static_cast<double>(box.kernels->positions_m.size());
   }
   for (BoxFace& face : faces) {
-    for (const Eigen::Vector3d& point_m : face.points_m) face.middle_m += point_m / static_cast<double>(face.points_m.size());
+    for (const Eigen::Vector3d& point_m : face.points_m)
+      face.middle_m += point_m / static_cast<double>(face.points_m.size());
     if (face.normal.dot(face.middle_m - middle_m) < 0) face.normal = -face.normal;
   }
   return faces;
@@ -69,13 +75,17 @@ struct Outline {
   Eigen::Vector2d middle{0, 0};
 };
 inline Outline outline_of(std::vector<Eigen::Vector2d> points) {
-  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  };
+  std::sort(points.begin(), points.end(),
+            [](const auto& a, const auto& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
   std::vector<Eigen::Vector2d> hull;
   for (int half = 0; half < 2; ++half) {
     const size_t begun = hull.size();
     for (const Eigen::Vector2d& point : points) {
-      while (hull.size() >= begun + 2 && cross(hull.back() - hull[hull.size() - 2], point - hull.back()) <= 0) hull.pop_back();
+      while (hull.size() >= begun + 2 && cross(hull.back() - hull[hull.size() - 2], point - hull.back()) <= 0)
+        hull.pop_back();
       hull.push_back(point);
     }
     hull.pop_back();
@@ -91,7 +101,8 @@ inline Outline outline_of(std::vector<Eigen::Vector2d> points) {
   return outline;
 }
 
-// Where an eye has a box's light, as tangents of the angles from the view axis, to the right and up; nothing where it sees none.
+// Where an eye has a box's light, as tangents of the angles from the view axis, to the right and up; nothing
+// where it sees none.
 inline std::optional<Eigen::Vector2d> light_of_faces(std::span<const BoxFace> faces, const Camera& eye) {
   const Pose camera_from_world = eye.world_from_camera.inverse();
   Eigen::Vector2d sum(0, 0);
@@ -118,7 +129,8 @@ struct SeenByBothEyes {
 
 // Nothing where a part of it is not in both pictures.
 inline std::optional<SeenByBothEyes> seen_by_both(const DrawnObject& box, std::span<const Camera> eyes) {
-  constexpr double kBulge_px = 3;  // of what a kernel blurs over its middle, whole in both pictures or its light would move
+  constexpr double kBulge_px =
+      3;  // of what a kernel blurs over its middle, whole in both pictures or its light would move
   SeenByBothEyes seen;
   for (size_t e = 0; e < 2; ++e) {
     const Camera& eye = eyes[e];
@@ -127,13 +139,14 @@ inline std::optional<SeenByBothEyes> seen_by_both(const DrawnObject& box, std::s
       const Eigen::Vector3d at = camera_from_world * position_m.cast<double>();
       const double depth_m = -at.z();
       if (depth_m < eye.near_m) return std::nullopt;
-      seen.in_picture_px[e].extend(
-          Eigen::Vector2d(eye.centre_x_px + eye.focal_x_px * at.x() / depth_m, eye.centre_y_px - eye.focal_y_px * at.y() / depth_m));
+      seen.in_picture_px[e].extend(Eigen::Vector2d(eye.centre_x_px + eye.focal_x_px * at.x() / depth_m,
+                                                   eye.centre_y_px - eye.focal_y_px * at.y() / depth_m));
     }
     Eigen::AlignedBox2d& within = seen.in_picture_px[e];
     within.min().array() -= kBulge_px;
     within.max().array() += kBulge_px;
-    if (!Eigen::AlignedBox2d(Eigen::Vector2d(0, 0), Eigen::Vector2d(eye.width, eye.height)).contains(within)) return std::nullopt;
+    if (!Eigen::AlignedBox2d(Eigen::Vector2d(0, 0), Eigen::Vector2d(eye.width, eye.height)).contains(within))
+      return std::nullopt;
   }
   const std::vector<BoxFace> faces = faces_of_box(box);
   const auto left = light_of_faces(faces, eyes[0]), right = light_of_faces(faces, eyes[1]);
@@ -153,11 +166,15 @@ inline bool is_before(const PosedKernels& kernels, std::span<const Camera> eyes)
   return false;
 }
 
-// Where the light of a part of a picture lies, as the tangent of the angle to the right of the view axis; nothing where there is none.
-inline std::optional<double> light_tangent(const Image& image, const Camera& eye, const Eigen::AlignedBox2d& within_px) {
+// Where the light of a part of a picture lies, as the tangent of the angle to the right of the view axis;
+// nothing where there is none.
+inline std::optional<double> light_tangent(const Image& image, const Camera& eye,
+                                           const Eigen::AlignedBox2d& within_px) {
   double sum = 0, weight = 0;
-  for (int y = std::max(0, static_cast<int>(within_px.min().y())); y < std::min(1.0 * image.height, within_px.max().y()); ++y) {
-    for (int x = std::max(0, static_cast<int>(within_px.min().x())); x < std::min(1.0 * image.width, within_px.max().x()); ++x) {
+  for (int y = std::max(0, static_cast<int>(within_px.min().y()));
+       y < std::min(1.0 * image.height, within_px.max().y()); ++y) {
+    for (int x = std::max(0, static_cast<int>(within_px.min().x()));
+         x < std::min(1.0 * image.width, within_px.max().x()); ++x) {
       const float* pixel = image.at(x, y);
       const double light = light_of({pixel[0], pixel[1], pixel[2]});
       if (light < 0.1) continue;
@@ -168,9 +185,12 @@ inline std::optional<double> light_tangent(const Image& image, const Camera& eye
   return weight > 0 ? std::optional(sum / weight) : std::nullopt;
 }
 
-// How much further to the right the left eye's picture has the object's light than the right eye's, as a tangent.
-inline std::optional<double> parallax(const Image& left, const Image& right, std::span<const Camera> eyes, const SeenByBothEyes& seen) {
-  const auto l = light_tangent(left, eyes[0], seen.in_picture_px[0]), r = light_tangent(right, eyes[1], seen.in_picture_px[1]);
+// How much further to the right the left eye's picture has the object's light than the right eye's, as a
+// tangent.
+inline std::optional<double> parallax(const Image& left, const Image& right, std::span<const Camera> eyes,
+                                      const SeenByBothEyes& seen) {
+  const auto l = light_tangent(left, eyes[0], seen.in_picture_px[0]),
+             r = light_tangent(right, eyes[1], seen.in_picture_px[1]);
   return l && r ? std::optional(*l - *r) : std::nullopt;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What parallax.h expects of two eyes is held against the oracle's pictures, before it is asked of a headset's.
+// What parallax.h expects of two eyes is held against the oracle's pictures, before it is asked of a
+// headset's.
 #include "system/headset/parallax.h"
 
 #include <gtest/gtest.h>
@@ -15,8 +16,10 @@ namespace {
 class Parallax : public HeadsetSession {
  protected:
   void SetUp() override {
-    const Scene scene = floating({{"middle", {0, 0, 0}}, {"left", {-0.35, 0, 0}}, {"right", {0.4, 0.1, 0.2}}});
-    for (const SceneObject& object : scene.objects()) ASSERT_TRUE(view_.add(object.id, object.asset, object.rest, object.environment));
+    const Scene scene =
+        floating({{"middle", {0, 0, 0}}, {"left", {-0.35, 0, 0}}, {"right", {0.4, 0.1, 0.2}}});
+    for (const SceneObject& object : scene.objects())
+      ASSERT_TRUE(view_.add(object.id, object.asset, object.rest, object.environment));
     ids_ = {scene.find("middle")->id, scene.find("left")->id, scene.find("right")->id};
     drivers_ = scene.world().drivers();
   }
@@ -25,8 +28,10 @@ class Parallax : public HeadsetSession {
   static std::vector<Camera> eyes_of(const Pose& head, double apart_m, double toed_in_rad, int scale) {
     std::vector<Camera> eyes;
     for (const double side : {-1.0, 1.0}) {
-      const Pose eye{{0.5 * side * apart_m, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(side * toed_in_rad, Eigen::Vector3d::UnitY()))};
-      eyes.push_back(camera_from_fov(head * eye, side < 0 ? -0.90 : -0.75, side < 0 ? 0.75 : 0.90, 0.80, -0.85, 96 * scale, 108 * scale));
+      const Pose eye{{0.5 * side * apart_m, 0, 0},
+                     Eigen::Quaterniond(Eigen::AngleAxisd(side * toed_in_rad, Eigen::Vector3d::UnitY()))};
+      eyes.push_back(camera_from_fov(head * eye, side < 0 ? -0.90 : -0.75, side < 0 ? 0.75 : 0.90, 0.80,
+                                     -0.85, 96 * scale, 108 * scale));
     }
     return eyes;
   }
@@ -34,12 +39,15 @@ class Parallax : public HeadsetSession {
   // Of each box from each of so many places, as a share of what parallel eyes 64 mm apart should have.
   std::vector<double> shares(int heads, double apart_m, double toed_in_rad, int scale) {
     std::mt19937 random(7);
-    const auto between = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+    const auto between = [&](double low, double high) {
+      return std::uniform_real_distribution(low, high)(random);
+    };
     std::vector<double> found;
     for (int i = 0; i < heads; ++i) {
       const Pose head{{between(-0.15, 0.15), between(-0.1, 0.1), 1 + between(-0.1, 0.1)},
                       Eigen::Quaterniond(Eigen::AngleAxisd(between(-0.15, 0.15), Eigen::Vector3d::UnitY()))};
-      const auto told = eyes_of(head, kEyesApart_m, 0, scale), drawn = eyes_of(head, apart_m, toed_in_rad, scale);
+      const auto told = eyes_of(head, kEyesApart_m, 0, scale),
+                 drawn = eyes_of(head, apart_m, toed_in_rad, scale);
       std::vector<Image> pictures;
       EXPECT_TRUE(view_.draw(drivers_, drawn, pictures));
       for (const uint32_t id : ids_) {
@@ -72,17 +80,20 @@ TEST_F(Parallax, OfBoxesIsThatOfTheFacesThatEachEyeSees) {
   EXPECT_NEAR(mean(coarse), 1.0, 0.01);
 }
 
-// Eyes that stand 4 mm nearer to each other, or look at each other by a quarter of a degree, are told from those.
+// Eyes that stand 4 mm nearer to each other, or look at each other by a quarter of a degree, are told from
+// those.
 TEST_F(Parallax, OfEyesThatStandOrLookElsewhereIsAnother) {
   EXPECT_NEAR(mean(shares(8, 0.060, 0, 4)), 60.0 / 64.0, 0.01);
   const double toed_in_rad = 0.25 * M_PI / 180;
-  EXPECT_NEAR(mean(shares(8, kEyesApart_m, toed_in_rad, 4)), 1 - 2 * toed_in_rad / (kEyesApart_m / 0.98), 0.03);
+  EXPECT_NEAR(mean(shares(8, kEyesApart_m, toed_in_rad, 4)), 1 - 2 * toed_in_rad / (kEyesApart_m / 0.98),
+              0.03);
 }
 
 // Of a box that shows its front alone the closed form is that of a point at its depth.
 TEST_F(Parallax, OfAFaceSeenFromTheFrontIsThatOfAPoint) {
   ASSERT_TRUE(view_.pose(drivers_));
-  const auto seen = seen_by_both(*view_.drawn_object(ids_[0]), eyes_of({{0, 0, 1}, Eigen::Quaterniond::Identity()}, kEyesApart_m, 0, 1));
+  const auto seen = seen_by_both(*view_.drawn_object(ids_[0]),
+                                 eyes_of({{0, 0, 1}, Eigen::Quaterniond::Identity()}, kEyesApart_m, 0, 1));
   ASSERT_TRUE(seen);
   EXPECT_NEAR(seen->parallax, kEyesApart_m / 0.94, 1e-3 * kEyesApart_m);  // kernels are sunk by 0.3 mm
 }

@@ -37,12 +37,9 @@ class Programs : public ::testing::Test {
   }
   std::vector<std::string> client_words(const std::string& port, std::vector<std::string> more = {},
                                         const std::string& output = "view") {
-    std::vector<std::string> words = {LIVEGS_CLIENT, "127.0.0.1:" + port,
-                                      "--display",   "offscreen",
-                                      "--output",    folder_ / output,
-                                      "--cache",     folder_ / "cache",
-                                      "--size",      "160x120",
-                                      "--threads",   "1"};
+    std::vector<std::string> words = {LIVEGS_CLIENT, "127.0.0.1:" + port, "--display", "offscreen",
+                                      "--output",    folder_ / output,    "--cache",   folder_ / "cache",
+                                      "--size",      "160x120",           "--threads", "1"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }

@@ -32,20 +32,23 @@ TEST_F(Programs, StreamPokeAndEndWithoutComplaint) {
   EXPECT_NE(server.out().find("box: "), std::string::npos) << server.out();
 }
 
-// 18 000 kernels want 4 MB of the device: with less the client draws some of them and says how many, with next to nothing the
-// processor draws in its place, and it ends as it should.
+// 18 000 kernels want 4 MB of the device: with less the client draws some of them and says how many, with
+// next to nothing the processor draws in its place, and it ends as it should.
 TEST_F(Programs, AClientWhoseDeviceIsFullSaysWhatItDoesAboutIt) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
-  for (const auto& [megabytes, notice] : {std::pair("2.5", "% of the kernels; the rest is not drawn"), std::pair("0.05", "; the processor draws from here on")}) {
-    std::vector<std::string> words = client_words(port, {"--seconds", "0.5", "--no-video", "--renderer", "vulkan"}, megabytes);
+  for (const auto& [megabytes, notice] : {std::pair("2.5", "% of the kernels; the rest is not drawn"),
+                                          std::pair("0.05", "; the processor draws from here on")}) {
+    std::vector<std::string> words =
+        client_words(port, {"--seconds", "0.5", "--no-video", "--renderer", "vulkan"}, megabytes);
     words.insert(words.begin(), {"/usr/bin/env", std::string("LIVEGS_VULKAN_MEMORY_MB=") + megabytes});
     Program client(words);
     const int code = client.wait();
     if (code == 1 && client.err().find("vulkan: no") != std::string::npos) GTEST_SKIP() << client.err();
     EXPECT_EQ(code, 0) << client.err();
-    for (const std::string& said : {client.err(), client.out()}) EXPECT_NE(said.find(notice), std::string::npos) << megabytes << " MB: " << said;
+    for (const std::string& said : {client.err(), client.out()})
+      EXPECT_NE(said.find(notice), std::string::npos) << megabytes << " MB: " << said;
     EXPECT_TRUE(std::filesystem::exists(folder_ / megabytes / "last.png"));
   }
 }
@@ -79,7 +82,8 @@ TEST_F(Programs, AServerThatIsKilledEndsTheClientWithOneAndItsPicturesStay) {
   EXPECT_GT(std::filesystem::file_size(folder_ / "view" / "frames.csv"), 100u);
 }
 
-// The way of a server whose memory runs out: it aborts, a supervisor starts it again on its port, and the clients that watch resume.
+// The way of a server whose memory runs out: it aborts, a supervisor starts it again on its port, and the
+// clients that watch resume.
 TEST_F(Programs, AServerThatIsKilledAndStartedAnewIsFoundAgain) {
   auto server = std::make_unique<Program>(server_words());
   const std::string port = server->first_line();
@@ -108,7 +112,9 @@ TEST_F(Programs, AServerThatIsKilledAndStartedAnewIsFoundAgain) {
     // As it joined, so it is at the end: nothing was fetched again.
     const size_t joined = one->err().find(" assets fetched, ");
     ASSERT_NE(joined, std::string::npos) << one->err();
-    EXPECT_NE(one->out().find(one->err().substr(joined, one->err().find('\n', joined) - joined)), std::string::npos) << one->out();
+    EXPECT_NE(one->out().find(one->err().substr(joined, one->err().find('\n', joined) - joined)),
+              std::string::npos)
+        << one->out();
   }
 }
 
@@ -145,8 +151,8 @@ TEST_F(Programs, AClientThatIsKilledLeavesTheOthersAlone) {
   EXPECT_EQ(other.wait(), 0) << other.err();
   const std::vector<uint64_t> later = ticks_of("after"), own = ticks_of("view");
   ASSERT_GT(later.size(), 1u);
-  const auto shown = static_cast<size_t>(
-      std::count_if(own.begin(), own.end(), [&](uint64_t tick) { return tick >= later.front() && tick <= later.back(); }));
+  const auto shown = static_cast<size_t>(std::count_if(
+      own.begin(), own.end(), [&](uint64_t tick) { return tick >= later.front() && tick <= later.back(); }));
   EXPECT_GT(shown, 0u);
 }
 
@@ -160,7 +166,8 @@ TEST_F(Programs, AServerThatIsStoppedTellsItsClients) {
   EXPECT_EQ(server.wait(), 0) << server.err();
 }
 
-// As systemd or a person ends it: who reads is told why, who does not is not waited for, and the port is free for the next.
+// As systemd or a person ends it: who reads is told why, who does not is not waited for, and the port is free
+// for the next.
 TEST_F(Programs, ATerminatedServerTellsItsClientsWaitsForNoneThatIsStoppedAndLeavesItsPort) {
   Program server(server_words());
   const std::string port = server.first_line();
@@ -213,7 +220,8 @@ TEST_F(Programs, AMissingSceneIsOneLineAndCodeTwo) {
 
 TEST_F(Programs, ADeadlineOutsideItsRangeIsRefusedBeforeAnythingIsLoaded) {
   for (const std::string seconds : {"0", "0.5", "3601", "soon", "90"}) {
-    Program server({LIVEGS_SERVER, folder_ / "absent.scene.json", "--listen", "127.0.0.1:0", "--model-deadline", seconds});
+    Program server({LIVEGS_SERVER, folder_ / "absent.scene.json", "--listen", "127.0.0.1:0",
+                    "--model-deadline", seconds});
     EXPECT_EQ(server.wait(), 2) << seconds;
     const bool refused = server.err().find("--model-deadline") != std::string::npos;
     EXPECT_EQ(refused, seconds != "90") << server.err();
@@ -241,23 +249,24 @@ TEST_F(Programs, WhatADisplayDoesNotDoIsOneLineAndCodeTwo) {
     std::string named, remedy;
   };
   const std::string force = "cube:0,0,0:1,0,0:1";
-  const std::vector<Case> cases = {{{"--display", "openxr", "--script", script}, "--script:", "--display offscreen"},
-                                   {{"--display", "openxr", "--poke", "box"}, "--poke:", "--display window"},
-                                   {{"--display", "openxr", "--force", force}, "--force:", "--display window"},
-                                   {{"--display", "openxr", "--select", "box"}, "--select:", "--display window"},
-                                   {{"--display", "openxr", "--output", folder_ / "out"}, "--output:", "--display window"},
-                                   {{"--display", "openxr", "--every", "5"}, "--every:", "--display window"},
-                                   {{"--display", "openxr", "--size", "640x480"}, "--size:", "leave it out"},
-                                   {{"--display", "openxr", "--no-video"}, "--no-video:", "--display offscreen"},
-                                   {{"--display", "openxr", "--video-rate", "60"}, "--video-rate:", "--display offscreen"},
-                                   {{"--display", "offscreen", "--full-size"}, "--full-size:", "--display window"},
-                                   {{"--display", "window", "--no-video"}, "--no-video:", "--display offscreen"},
-                                   {{"--display", "window", "--video-rate", "60"}, "--video-rate:", "--display offscreen"},
-                                   {{"--select", "box", "--no-video"}, "--no-video:", "--display offscreen"},
-                                   {{"--display", "window", "--script", script}, "--script:", "--display offscreen"},
-                                   {{"--select", "box", "--script", script}, "--script:", "--display offscreen"},
-                                   {{"--display", "offscreen", "--select", "box"}, "--select:", "--display window"},
-                                   {{"--subscribe", "tcp://127.0.0.1:1", "--poke", "box"}, "--poke:", "leave it out"}};
+  const std::vector<Case> cases = {
+      {{"--display", "openxr", "--script", script}, "--script:", "--display offscreen"},
+      {{"--display", "openxr", "--poke", "box"}, "--poke:", "--display window"},
+      {{"--display", "openxr", "--force", force}, "--force:", "--display window"},
+      {{"--display", "openxr", "--select", "box"}, "--select:", "--display window"},
+      {{"--display", "openxr", "--output", folder_ / "out"}, "--output:", "--display window"},
+      {{"--display", "openxr", "--every", "5"}, "--every:", "--display window"},
+      {{"--display", "openxr", "--size", "640x480"}, "--size:", "leave it out"},
+      {{"--display", "openxr", "--no-video"}, "--no-video:", "--display offscreen"},
+      {{"--display", "openxr", "--video-rate", "60"}, "--video-rate:", "--display offscreen"},
+      {{"--display", "offscreen", "--full-size"}, "--full-size:", "--display window"},
+      {{"--display", "window", "--no-video"}, "--no-video:", "--display offscreen"},
+      {{"--display", "window", "--video-rate", "60"}, "--video-rate:", "--display offscreen"},
+      {{"--select", "box", "--no-video"}, "--no-video:", "--display offscreen"},
+      {{"--display", "window", "--script", script}, "--script:", "--display offscreen"},
+      {{"--select", "box", "--script", script}, "--script:", "--display offscreen"},
+      {{"--display", "offscreen", "--select", "box"}, "--select:", "--display window"},
+      {{"--subscribe", "tcp://127.0.0.1:1", "--poke", "box"}, "--poke:", "leave it out"}};
   for (const Case& one : cases) {
     std::vector<std::string> words = {LIVEGS_CLIENT, "127.0.0.1:1"};
     words.insert(words.end(), one.words.begin(), one.words.end());
@@ -275,7 +284,8 @@ TEST_F(Programs, WithoutAVulkanDriverThePackageIsNamed) {
   ASSERT_NE(port, "") << server.err();
   const auto words = [&](const char* renderer) {
     std::vector<std::string> all = {"/usr/bin/env", "VK_ICD_FILENAMES=/nowhere/driver.json"};
-    const std::vector<std::string> client = client_words(port, {"--seconds", "0.2", "--no-video", "--renderer", renderer});
+    const std::vector<std::string> client =
+        client_words(port, {"--seconds", "0.2", "--no-video", "--renderer", renderer});
     all.insert(all.end(), client.begin(), client.end());
     return all;
   };
@@ -289,7 +299,8 @@ TEST_F(Programs, WithoutAVulkanDriverThePackageIsNamed) {
 
 // The remedy for the headset, then the window's.
 TEST_F(Programs, WithoutAHeadsetAWindowIsTried) {
-  Program client({"/usr/bin/env", "DISPLAY=", "XR_RUNTIME_JSON=/nowhere/at_all.json", LIVEGS_CLIENT, "127.0.0.1:1", "--display", "openxr"});
+  Program client({"/usr/bin/env", "DISPLAY=", "XR_RUNTIME_JSON=/nowhere/at_all.json", LIVEGS_CLIENT,
+                  "127.0.0.1:1", "--display", "openxr"});
   EXPECT_EQ(client.wait(), 1);
   const std::string err = client.err();
   EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 2) << err;

@@ -41,8 +41,9 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   EXPECT_EQ(verified.out().find("equal to the bit"), 0u) << verified.out();
 
   // No server, no cache: the assets are in it.
-  Program watched({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file(), "--from", "1", "--output", folder_ / "watched", "--cache",
-                   folder_ / "empty", "--size", "160x120", "--no-video", "--every", "10", "--threads", "1"});
+  Program watched({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file(), "--from", "1", "--output",
+                   folder_ / "watched", "--cache", folder_ / "empty", "--size", "160x120", "--no-video",
+                   "--every", "10", "--threads", "1"});
   ASSERT_EQ(watched.wait(), 0) << watched.err();
   const auto last = read_png(folder_ / "watched/last.png");
   ASSERT_TRUE(last);
@@ -52,7 +53,8 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   EXPECT_NE(watched.out().find("from 1.0 s"), std::string::npos) << watched.out();
 
   EXPECT_NE(summary.out().find("whole      every check sum\n"), std::string::npos) << summary.out();
-  Program beyond({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file(), "--from", "500", "--output", folder_ / "beyond"});
+  Program beyond({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file(), "--from", "500", "--output",
+                  folder_ / "beyond"});
   EXPECT_EQ(beyond.wait(), 2);
   expect_one_line(beyond, "--from 500: " + file() + " is ");
 

@@ -27,28 +27,36 @@ size_t count_of(const std::string& what, const std::string& text) {
 class SecurePrograms : public Programs {
  protected:
   std::vector<std::string> secure_server(const std::string& state = "state", const std::string& port = "0") {
-    return {LIVEGS_SERVER,   folder_.write("boxes.scene.json", kBoxesScene),
-            "--listen",      "127.0.0.1:" + port,
-            "--tls",         "on",
-            "--state-dir",   folder_ / state,
-            "--print-port",  "--threads",
-            "1",             "--verbose"};
+    return {LIVEGS_SERVER,
+            folder_.write("boxes.scene.json", kBoxesScene),
+            "--listen",
+            "127.0.0.1:" + port,
+            "--tls",
+            "on",
+            "--state-dir",
+            folder_ / state,
+            "--print-port",
+            "--threads",
+            "1",
+            "--verbose"};
   }
   std::vector<std::string> ctl_words(const std::string& port, std::vector<std::string> more,
                                      const std::string& state = "state") {
-    std::vector<std::string> words = {LIVEGS_TOOL, "ctl", "--server", "127.0.0.1:" + port, "--state-dir",
-                                      folder_ / state};
+    std::vector<std::string> words = {LIVEGS_TOOL,         "ctl",         "--server",
+                                      "127.0.0.1:" + port, "--state-dir", folder_ / state};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  std::string ctl(const std::string& port, std::vector<std::string> more, const std::string& state = "state") {
+  std::string ctl(const std::string& port, std::vector<std::string> more,
+                  const std::string& state = "state") {
     Program program(ctl_words(port, std::move(more), state));
     EXPECT_EQ(program.wait(), 0) << program.err();
     said_ += program.err();
     return program.out();
   }
   // A token of its own in a file of its name; the token.
-  std::string make_token(const std::string& port, const std::string& name, const std::string& scope, const std::string& days = "90") {
+  std::string make_token(const std::string& port, const std::string& name, const std::string& scope,
+                         const std::string& days = "90") {
     const std::string token = ctl(port, {"tokens", "add", name, "--scope", scope, "--days", days});
     folder_.write(name, token);
     return token.substr(0, token.find('\n'));
@@ -65,10 +73,11 @@ class SecurePrograms : public Programs {
     const size_t begun = status.find("pairing code  ");
     return begun == std::string::npos ? "" : status.substr(begun + 14, 29);
   }
-  std::vector<std::string> viewer(const std::string& port, std::vector<std::string> more, const std::string& state = "pins",
-                                  const std::string& seconds = "0.3") {
-    std::vector<std::string> words = client_words(
-        port, {"--seconds", seconds, "--no-video", "--verbose", "--connect-timeout", "20", "--state-dir", folder_ / state});
+  std::vector<std::string> viewer(const std::string& port, std::vector<std::string> more,
+                                  const std::string& state = "pins", const std::string& seconds = "0.3") {
+    std::vector<std::string> words =
+        client_words(port, {"--seconds", seconds, "--no-video", "--verbose", "--connect-timeout", "20",
+                            "--state-dir", folder_ / state});
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
@@ -99,14 +108,16 @@ TEST_F(SecurePrograms, EachWrongCallerHasItsOwnAnswerAndTheRightOneGetsIn) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "pins"));  // none of them was worth remembering
   std::string other = code;
   other[0] = other[0] == 'A' ? 'B' : 'A';
-  expect_refused(viewer(port, {"--pair", other, "--token-file", folder_ / "good"}), "does not fit the pairing code");
+  expect_refused(viewer(port, {"--pair", other, "--token-file", folder_ / "good"}),
+                 "does not fit the pairing code");
 
   Program first(viewer(port, {"--pair", code, "--token-file", folder_ / "good", "--poke", "box"}));
   EXPECT_EQ(first.wait(), 0) << first.err();
   Program second(viewer(port, {}));  // it is known now
   EXPECT_EQ(second.wait(), 0) << second.err();
-  EXPECT_EQ(std::filesystem::status(folder_ / "pins" / "known_servers").permissions() & std::filesystem::perms::all,
-            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  EXPECT_EQ(
+      std::filesystem::status(folder_ / "pins" / "known_servers").permissions() & std::filesystem::perms::all,
+      std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 
   EXPECT_NE(ctl(port, {"health"}).find("serving"), std::string::npos);
   EXPECT_EQ(ctl(port, {"status", "--json"}).find(good), std::string::npos);
@@ -116,8 +127,10 @@ TEST_F(SecurePrograms, EachWrongCallerHasItsOwnAnswerAndTheRightOneGetsIn) {
 
   // Nothing secret was said by anybody, at the most talkative, in a whole session.
   const std::string key = text_of(folder_ / "state" / "server.key");
-  for (const std::string& text : {server.err() + server.out(), first.err() + first.out(), second.err() + second.out(), said_}) {
-    for (const std::string& secret : {good, lost, good.substr(10, 16), lost.substr(10, 16), key.substr(40, 60)})
+  for (const std::string& text :
+       {server.err() + server.out(), first.err() + first.out(), second.err() + second.out(), said_}) {
+    for (const std::string& secret :
+         {good, lost, good.substr(10, 16), lost.substr(10, 16), key.substr(40, 60)})
       EXPECT_EQ(text.find(secret), std::string::npos);
   }
   EXPECT_EQ(text_of(folder_ / "state" / "tokens.json").find(good), std::string::npos);
@@ -140,7 +153,8 @@ TEST_F(SecurePrograms, AServerThatIsAnotherIsRefusedAtOnceAndToldNothing) {
   EXPECT_NE(ctl(port, {"status"}, "other state").find(" 0 sessions so far"), std::string::npos);
 }
 
-// The certificate is kept, so a client whose server is started anew goes on; one that is revoked meanwhile does not.
+// The certificate is kept, so a client whose server is started anew goes on; one that is revoked meanwhile
+// does not.
 TEST_F(SecurePrograms, ARestartKeepsPairingAndTokensAndARevocationEndsAStream) {
   std::string port;
   auto words = secure_server();
@@ -173,17 +187,21 @@ TEST_F(SecurePrograms, ATokenThatExpiresEndsItsStreamAndLetsNobodyInAgain) {
   make_token(port, "good", "interact");
   const std::string code = pairing_code(port);
   make_token(port, "guest", "view", "0.00017");  // 15 s
-  auto words = viewer(port, {"--pair", code, "--token-file", folder_ / "guest", "--reconnect", "60"}, "guest's pins", "0");
+  auto words = viewer(port, {"--pair", code, "--token-file", folder_ / "guest", "--reconnect", "60"},
+                      "guest's pins", "0");
   words.erase(std::find(words.begin(), words.end(), "--verbose"));
   Program guest(words);
   ASSERT_TRUE(server.says("streaming to")) << server.err() << guest.err();
   Program host(viewer(port, {"--pair", code, "--token-file", folder_ / "good"}, "pins", "0"));
   EXPECT_EQ(guest.wait(), 1) << guest.err();
-  const std::string err = guest.err(), answer = "the token \"guest\" has expired; ask who runs the server for a new one";
+  const std::string err = guest.err(),
+                    answer = "the token \"guest\" has expired; ask who runs the server for a new one";
   EXPECT_NE(err.find(answer), std::string::npos) << err;
   EXPECT_EQ(err.find(answer), err.rfind(answer)) << err;
   // It does not try again for that. (It does when a busy machine has it wait for a second.)
-  EXPECT_EQ(count_of("connecting again", err), count_of("nothing came from it for a second; connecting again", err)) << err;
+  EXPECT_EQ(count_of("connecting again", err),
+            count_of("nothing came from it for a second; connecting again", err))
+      << err;
   for (const char* state : {"guest's pins", "nobody's pins"})
     expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "guest"}, state), answer);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "nobody's pins"));
@@ -256,8 +274,10 @@ TEST(Ctl, NamesACommandThatIsNone) {
     return program.err();
   };
   EXPECT_EQ(says({"ctl", "--server", "127.0.0.1:1", "frob"}),
-            "livegs ctl: there is no \"frob\"; there are status, clients, kick, health, drain, record, replay, tokens\n");
-  EXPECT_EQ(says({"ctl", "record", "pause"}), "livegs ctl record: there is no \"pause\"; there are start, stop\n");
+            "livegs ctl: there is no \"frob\"; there are status, clients, kick, health, drain, record, "
+            "replay, tokens\n");
+  EXPECT_EQ(says({"ctl", "record", "pause"}),
+            "livegs ctl record: there is no \"pause\"; there are start, stop\n");
   EXPECT_EQ(says({"frob"}).find("livegs: there is no \"frob\"; there are info, "), 0u);
 }
 

@@ -32,7 +32,8 @@ std::map<std::string, double> metrics_at(int port) {
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   EXPECT_EQ(::connect(connection, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
   const std::string request = "GET /metrics HTTP/1.0\r\nHost: 127.0.0.1\r\n\r\n";
-  EXPECT_EQ(::send(connection, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
+  EXPECT_EQ(::send(connection, request.data(), request.size(), MSG_NOSIGNAL),
+            static_cast<ssize_t>(request.size()));
   std::string text;
   char piece[4096];
   for (ssize_t got = 0; (got = ::recv(connection, piece, sizeof piece, 0)) > 0;) text.append(piece, got);
@@ -41,7 +42,8 @@ std::map<std::string, double> metrics_at(int port) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     const size_t space = line.rfind(' ');
-    if (line.starts_with("livegs_") && space != std::string::npos) values[line.substr(0, space)] = std::stod(line.substr(space));
+    if (line.starts_with("livegs_") && space != std::string::npos)
+      values[line.substr(0, space)] = std::stod(line.substr(space));
   }
   return values;
 }
@@ -62,7 +64,9 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
 
   auto values = metrics_at(metrics_port);
   const auto clients = [&] {
-    return std::count_if(values.begin(), values.end(), [](const auto& one) { return one.first.starts_with("livegs_client_frames_sent_total{"); });
+    return std::count_if(values.begin(), values.end(), [](const auto& one) {
+      return one.first.starts_with("livegs_client_frames_sent_total{");
+    });
   };
   for (int i = 0; i < kPatience_ms / 20 && clients() > 1; ++i) {  // until the probe is forgotten
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -82,7 +86,8 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   EXPECT_GT(value("livegs_frame_bytes_sum"), 0);
   std::string label;
   for (const auto& [name, count] : values) {
-    if (name.starts_with("livegs_client_frames_sent_total{") && count > 0) label = name.substr(name.find('{'));
+    if (name.starts_with("livegs_client_frames_sent_total{") && count > 0)
+      label = name.substr(name.find('{'));
   }
   ASSERT_NE(label, "");
   const std::string inside = label.substr(1, label.size() - 2);
@@ -92,7 +97,8 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   EXPECT_GT(value("livegs_client_round_trip_seconds_count" + label), 0);
   EXPECT_GT(value("livegs_client_send_seconds_count" + label), 0);
   // A frame is written after its step and heard of after that.
-  EXPECT_GE(value("livegs_client_staleness_seconds_sum" + label), value("livegs_client_round_trip_seconds_sum" + label));
+  EXPECT_GE(value("livegs_client_staleness_seconds_sum" + label),
+            value("livegs_client_round_trip_seconds_sum" + label));
   EXPECT_GT(value("livegs_client_staleness_seconds{" + inside + ",quantile=\"0.5\"}"), 0);
   // Frames for a client that stands still are replaced by newer ones, and the count never falls.
   const std::string replaced = "livegs_client_frames_replaced_total" + label;

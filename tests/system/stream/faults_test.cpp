@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of the network, of other clients and of the server, and what a client sees of them. tests/system/FAULTS.md lists
-// all of them; timing_test.cpp holds their times to bars.
+// Faults of the network, of other clients and of the server, and what a client sees of them.
+// tests/system/FAULTS.md lists all of them; timing_test.cpp holds their times to bars.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -17,9 +17,9 @@
 #include "server/session/rpc/raw_client.h"
 #include "session/sessions/session_table.h"
 #include "stream/received/asset_cache.h"
+#include "system/stream/noise_server.h"
 #include "system/support/connection_storm.h"
 #include "system/support/counting_sink.h"
-#include "system/stream/noise_server.h"
 #include "system/support/proxied_session.h"
 
 namespace livegs {
@@ -40,12 +40,15 @@ TEST_F(Faults, AfterAStallTheNewestFrameComesNext) {
   expect_unbroken(state);
   expect_in_order(state.frames);
   // A window is four frames at most.
-  const auto old = std::count_if(state.frames.begin(), state.frames.end(), [&](const ReceivedFrame& one) { return one.tick > from && one.tick + 2 < newest; });
+  const auto old = std::count_if(state.frames.begin(), state.frames.end(), [&](const ReceivedFrame& one) {
+    return one.tick > from && one.tick + 2 < newest;
+  });
   EXPECT_LE(old, 4);
 }
 
-// Told once, in its place between frames; and the session never knew of the stall, which begins a tick before it breaks and lasts for
-// kStall_ns after, however slow the machine is; one that is so slow that nothing comes for a second ends the stream by itself.
+// Told once, in its place between frames; and the session never knew of the stall, which begins a tick before
+// it breaks and lasts for kStall_ns after, however slow the machine is; one that is so slow that nothing
+// comes for a second ends the stream by itself.
 TEST_F(Faults, WhatBreaksDuringAStallIsToldBeforeItsFirstFrame) {
   constexpr uint64_t kStallFrom = 359;        // it breaks at 360
   constexpr int64_t kStall_ns = 300'000'000;  // less than the second after which a client gives up
@@ -81,8 +84,9 @@ TEST_F(Faults, WhatBreaksDuringAStallIsToldBeforeItsFirstFrame) {
   ASSERT_EQ(std::count_if(state.changed.begin(), state.changed.end(), is_it), 1);
   const auto told = std::find_if(state.changed.begin(), state.changed.end(), is_it) - state.changed.begin();
   EXPECT_LE(state.changed_at[static_cast<size_t>(told)], static_cast<size_t>(first - state.frames.begin()));
-  std::printf("broke %.1f ms into a stall that went on for %.0f; its first frame came %.1f ms after it\n", milliseconds_from_ns(broken_ns - stalled_ns),
-              milliseconds_from_ns(kStall_ns), milliseconds_from_ns(first->received_ns - broken_ns - kStall_ns));
+  std::printf("broke %.1f ms into a stall that went on for %.0f; its first frame came %.1f ms after it\n",
+              milliseconds_from_ns(broken_ns - stalled_ns), milliseconds_from_ns(kStall_ns),
+              milliseconds_from_ns(first->received_ns - broken_ns - kStall_ns));
 }
 
 TEST_F(Faults, JitterOf40MsNeitherBreaksNorReorders) {
@@ -93,7 +97,8 @@ TEST_F(Faults, JitterOf40MsNeitherBreaksNorReorders) {
   const SinkLog::State state = sink_.state();
   expect_unbroken(state);
   expect_in_order(state.frames);
-  // Nine tenths of an even spread of 40 ms are 36 ms, less what keeping the order takes. Other load only adds to it.
+  // Nine tenths of an even spread of 40 ms are 36 ms, less what keeping the order takes. Other load only adds
+  // to it.
   EXPECT_GE(spread_ms(std::span(state.frames).subspan(begin)), 20.0);
 }
 
@@ -124,7 +129,8 @@ TEST_F(Faults, ATickThatTakes40MsSlowsTheStreamAndNothingElse) {
   ASSERT_TRUE(client_);
   *slow = true;
   const uint64_t slow_from = served_->tick + 2;
-  ASSERT_TRUE(sink_.wait([&](const SinkLog::State& state) { return state.frames.back().tick >= slow_from + 30; }));
+  ASSERT_TRUE(
+      sink_.wait([&](const SinkLog::State& state) { return state.frames.back().tick >= slow_from + 30; }));
   const SinkLog::State state = sink_.state();
   expect_unbroken(state);
   expect_in_order(state.frames);
@@ -137,7 +143,8 @@ TEST_F(Faults, ATickThatTakes40MsSlowsTheStreamAndNothingElse) {
   }
 }
 
-// Frames of 16 kB at 90 Hz are 11.5 Mbit/s. A pipe of 2 takes 64 ms for one, so that most are left out, on a slow machine too.
+// Frames of 16 kB at 90 Hz are 11.5 Mbit/s. A pipe of 2 takes 64 ms for one, so that most are left out, on a
+// slow machine too.
 TEST(NarrowPipe, FramesThatDoNotFitAreLeftOutNotQueued) {
   NoiseServer noise(2667);
   FaultProxy proxy(noise.port());
@@ -163,8 +170,8 @@ size_t resident_bytes() {
   return resident * static_cast<size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// One of four takes nothing any more. A server that queued for it would hold 135 frames of 54 kB: 7 MB. A fifth stands still
-// altogether: it is dropped.
+// One of four takes nothing any more. A server that queued for it would hold 135 frames of 54 kB: 7 MB. A
+// fifth stands still altogether: it is dropped.
 TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
   NoiseServer noise(9000);
   std::vector<std::unique_ptr<CountingSink>> sinks;
@@ -175,7 +182,9 @@ TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
     sinks.push_back(std::make_unique<CountingSink>());
     clients.back()->start(*sinks.back());
   }
-  const auto got = [&](size_t client, uint64_t frames) { return wait_until([&] { return sinks[client]->frames >= frames; }); };
+  const auto got = [&](size_t client, uint64_t frames) {
+    return wait_until([&] { return sinks[client]->frames >= frames; });
+  };
   for (size_t i = 0; i < 4; ++i) ASSERT_TRUE(got(i, 50));
   sinks[3]->freeze(true);
   ASSERT_TRUE(got(0, sinks[0]->frames + 10));
@@ -248,7 +257,8 @@ TEST_F(Faults, AnAssetThatBreaksOffAt60PercentIsTakenUpThere) {
   EXPECT_LT(kernels.front(), 8000u);
   EXPECT_EQ(kernels.back(), 8000u);
   EXPECT_LT(room.asset_bytes, obtained->bytes.size());
-  // All of it once, and what of a piece was on its way: the pipe holds 128 kB, a piece 64 kB. (And frames, some kB.)
+  // All of it once, and what of a piece was on its way: the pipe holds 128 kB, a piece 64 kB. (And frames,
+  // some kB.)
   const uint64_t brought = proxy_->bytes_from_server() - before;
   EXPECT_LT(brought, room.asset_bytes + (256u << 10)) << room.asset_bytes;
   expect_unbroken(sink_.state());  // the stream has a connection of its own
@@ -271,10 +281,12 @@ TEST_F(Faults, AnAssetThatIsAnotherAfterTheRestartIsTold) {
   EXPECT_EQ(box->id, joined.objects.at(1).id);
   EXPECT_NE(box->asset_hash, joined.objects.at(1).asset_hash);
   // The floor is drawn as large as the scene; the cube is what it was.
-  for (const StreamedObject& object : state.added) EXPECT_TRUE(object.name == "box" || object.environment) << object.name;
+  for (const StreamedObject& object : state.added)
+    EXPECT_TRUE(object.name == "box" || object.environment) << object.name;
 }
 
-// Connections that send nothing or nonsense and close; sessions that begin and leave, more of them than there is room for.
+// Connections that send nothing or nonsense and close; sessions that begin and leave, more of them than there
+// is room for.
 TEST_F(Faults, ConnectionsThatComeAndGoDoNotDisturbASession) {
   start();
   const size_t before = sink_.state().frames.size();

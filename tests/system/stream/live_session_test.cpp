@@ -10,8 +10,8 @@
 
 #include "core/file.h"
 #include "render/scene_view.h"
-#include "scratch_folder.h"
 #include "scenes/box_scene.h"
+#include "scratch_folder.h"
 #include "server/session/simulation/tick_log.h"
 #include "session/rpc/grpc_server.h"
 #include "session/simulation/simulation_loop.h"
@@ -30,20 +30,20 @@ class SessionPrograms : public ::testing::Test {
     auto server = GrpcServer::listen("127.0.0.1:0");
     ASSERT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
-    loop_ =
-        std::make_unique<SimulationLoop>(std::move(built), server_->ticks(), [this](const Scene& scene) {
-          std::lock_guard lock(mutex_);
-          simulated_[scene.world().tick()] = scene.world().drivers();
-          newest_tick_ = scene.world().tick();
-          for (const SceneObject& object : scene.objects()) {
-            objects_.try_emplace({object.id, object.rest.revision}, object);
-          }
-          ticked_.notify_all();
-        });
+    loop_ = std::make_unique<SimulationLoop>(std::move(built), server_->ticks(), [this](const Scene& scene) {
+      std::lock_guard lock(mutex_);
+      simulated_[scene.world().tick()] = scene.world().drivers();
+      newest_tick_ = scene.world().tick();
+      for (const SceneObject& object : scene.objects()) {
+        objects_.try_emplace({object.id, object.rest.revision}, object);
+      }
+      ticked_.notify_all();
+    });
     server_->open(loop_->scene(), *loop_);
     if (!waits) return loop_->start();
     starter_ = std::jthread([this](const std::stop_token& over) {
-      while (server_->streaming_count() == 0 && !over.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      while (server_->streaming_count() == 0 && !over.stop_requested())
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
       loop_->start();
     });
   }
@@ -144,12 +144,14 @@ TEST_F(SessionPrograms, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
   EXPECT_GT(*brightest - *darkest, 0.3f);
 }
 
-// Whatever a client asked its frames to be, it draws the same: floats of drivers, and kernels that the server has moved, of a
-// scene in which something breaks and becomes another asset.
+// Whatever a client asked its frames to be, it draws the same: floats of drivers, and kernels that the server
+// has moved, of a scene in which something breaks and becomes another asset.
 TEST_F(SessionPrograms, EveryEncodingShowsTheSameAlsoOnceSomethingHasBroken) {
   start(breaking_scene(90, 1, 0.3), true);
-  for (const auto encoding : {v1::JoinRequest::KERNELS, v1::JoinRequest::DRIVERS_RAW, v1::JoinRequest::KERNELS_EXACT}) {
-    OffscreenRunOptions run = options(v1::JoinRequest::Encoding_Name(encoding), encoding == v1::JoinRequest::KERNELS ? 2.0 : 0.5);
+  for (const auto encoding :
+       {v1::JoinRequest::KERNELS, v1::JoinRequest::DRIVERS_RAW, v1::JoinRequest::KERNELS_EXACT}) {
+    OffscreenRunOptions run =
+        options(v1::JoinRequest::Encoding_Name(encoding), encoding == v1::JoinRequest::KERNELS ? 2.0 : 0.5);
     run.encoding = encoding;
     const auto summary = run_offscreen(run, interrupted_);
     ASSERT_TRUE(summary) << summary.error().message;
@@ -161,8 +163,8 @@ TEST_F(SessionPrograms, EveryEncodingShowsTheSameAlsoOnceSomethingHasBroken) {
     ASSERT_NO_FATAL_FAILURE(read_last(run, ticks.back(), last, own));
     // 50 dB as above; of floats no more than rounding to 8 bits.
     EXPECT_GE(psnr_db(last, own), encoding == v1::JoinRequest::KERNELS ? 50.0 : 57.0);
-    std::printf("%s: %.1f dB, %.0f bytes a frame\n", v1::JoinRequest::Encoding_Name(encoding).c_str(), psnr_db(last, own),
-                summary->received.bytes_p50);
+    std::printf("%s: %.1f dB, %.0f bytes a frame\n", v1::JoinRequest::Encoding_Name(encoding).c_str(),
+                psnr_db(last, own), summary->received.bytes_p50);
   }
 }
 
@@ -181,8 +183,8 @@ TEST_F(SessionPrograms, TheLastPictureByVulkanIsTheOraclesToo) {
   EXPECT_GE(psnr_db(last, own), 50.0);
 }
 
-// What is made while the session runs has its Vulkan picture held against the oracle's too: the sherds' asset with its cut faces,
-// and balls.
+// What is made while the session runs has its Vulkan picture held against the oracle's too: the sherds' asset
+// with its cut faces, and balls.
 TEST_F(SessionPrograms, SherdsAndBallsByVulkanAreTheOraclesToo) {
   if (const auto device = VulkanDevice::create(); !device) GTEST_SKIP() << device.error().message;
   Scene scene = breaking_scene(90, 1, 0.3);
@@ -191,7 +193,8 @@ TEST_F(SessionPrograms, SherdsAndBallsByVulkanAreTheOraclesToo) {
   // So often that one is on its way from the eye whenever the session ends.
   std::string shots;
   for (double time_s = 0.2; time_s < 2; time_s += 0.15)
-    shots += (shots.empty() ? "" : ", ") + (R"({ "ball": { "object": "box", "time_s": )" + std::to_string(time_s)) + " } }";
+    shots += (shots.empty() ? "" : ", ") +
+             (R"({ "ball": { "object": "box", "time_s": )" + std::to_string(time_s)) + " } }";
   std::ofstream(folder_ / "script.json") << R"({ "actions": [ )" << shots << " ] }";
   OffscreenRunOptions run = options("view", 2.0);
   run.renderer = RendererChoice::Vulkan;
@@ -237,10 +240,11 @@ TEST_F(SessionPrograms, SherdsAndBallsByVulkanAreTheOraclesToo) {
     EXPECT_TRUE(view.draw(drivers, {&*camera, 1}, picture));
     return picture.at(0);
   };
-  const double no_balls_db = psnr_db(without([](const SceneObject& one) { return one.asset == Scene::ball_asset(); }), own);
+  const double no_balls_db =
+      psnr_db(without([](const SceneObject& one) { return one.asset == Scene::ball_asset(); }), own);
   const double no_sherds_db = psnr_db(without([](const SceneObject& one) { return one.name == "box"; }), own);
-  std::printf("%s: %zu sherds and %zu balls, %.1f dB; %.1f without balls, %.1f without sherds\n", summary->renderer.c_str(), sherds, balls,
-              psnr_db(last, own), no_balls_db, no_sherds_db);
+  std::printf("%s: %zu sherds and %zu balls, %.1f dB; %.1f without balls, %.1f without sherds\n",
+              summary->renderer.c_str(), sherds, balls, psnr_db(last, own), no_balls_db, no_sherds_db);
   EXPECT_GE(psnr_db(last, own), 50.0);
   EXPECT_LT(no_sherds_db, 40.0);
   EXPECT_LT(no_balls_db, 40.0);
@@ -254,7 +258,8 @@ TEST_F(SessionPrograms, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater
     const auto summary = run_offscreen(run, interrupted_);
     ASSERT_TRUE(summary) << summary.error().message;
     ASSERT_FALSE(summary->stream_error) << summary->stream_error->message;
-    EXPECT_NE(summary->object_summaries.at(0).find("broken into"), std::string::npos) << summary->object_summaries.at(0);
+    EXPECT_NE(summary->object_summaries.at(0).find("broken into"), std::string::npos)
+        << summary->object_summaries.at(0);
     const auto bytes = read_file(run.output / "last_frame.bin");
     ASSERT_TRUE(bytes);
     const auto streamed = decode_frame(*bytes);
@@ -292,7 +297,8 @@ TEST_F(SessionPrograms, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep
   for (size_t i = 0; i < own.objects.size(); ++i) {
     ASSERT_EQ(own.objects[i].positions_m.size(), streamed->objects[i].positions_m.size());
     for (size_t n = 0; n < own.objects[i].positions_m.size(); ++n) {
-      // Half a step of the stream, 15/16 of 2^-14 m, and of the file's 16 bits over a box of less than half a metre.
+      // Half a step of the stream, 15/16 of 2^-14 m, and of the file's 16 bits over a box of less than half a
+      // metre.
       EXPECT_LT((own.objects[i].positions_m[n] - streamed->objects[i].positions_m[n]).cwiseAbs().maxCoeff(),
                 0.9375f * std::exp2(-15.0f) + 0.25f / 65535);
     }
@@ -324,11 +330,13 @@ TEST_F(SessionPrograms, AScriptGrabsAndCarriesItsObject) {
   const uint32_t box = loop_->scene().find("box")->id;
   OffscreenRunOptions run = options("view", 4.0);
   run.script_file = folder_ / "script.json";
-  const auto grab = [&](const std::string& name) {
-    std::ofstream(run.script_file) << R"({ "actions": [ { "grab": { "object": ")" << name
-                                   << R"(", "start_s": 0.3, "move_m": [0, 0.5, 0], "move_s": 0.5, "hold_s": 20 } } ] })";
-    return run_offscreen(run, interrupted_);
-  };
+  const auto grab =
+      [&](const std::string& name) {
+        std::ofstream(run.script_file)
+            << R"({ "actions": [ { "grab": { "object": ")" << name
+            << R"(", "start_s": 0.3, "move_m": [0, 0.5, 0], "move_s": 0.5, "hold_s": 20 } } ] })";
+        return run_offscreen(run, interrupted_);
+      };
   const auto unknown = grab("hat");
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().code, ErrorCode::NotFound);

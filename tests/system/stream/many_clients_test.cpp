@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// As many clients as a server takes by default, all of which read. `stream_bench` measures the age of their frames.
+// As many clients as a server takes by default, all of which read. `stream_bench` measures the age of their
+// frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <memory>
 #include <vector>
 
-#include "system/support/listener.h"
 #include "system/stream/noise_server.h"
+#include "system/support/listener.h"
 #include "system/support/proxied_session.h"
 
 namespace livegs {
@@ -18,15 +19,19 @@ TEST(ManyClients, SixtyFourGetTheirFramesAndShareTheirBytes) {
   std::vector<std::unique_ptr<Listener>> clients;
   for (size_t i = 0; i < kDefaultSessions; ++i) clients.push_back(std::make_unique<Listener>(noise.port()));
   const auto wait = [&](const std::function<bool(const Listener&)>& enough) {
-    return wait_until([&] { return std::all_of(clients.begin(), clients.end(), [&](const auto& client) { return enough(*client); }); });
+    return wait_until([&] {
+      return std::all_of(clients.begin(), clients.end(), [&](const auto& client) { return enough(*client); });
+    });
   };
   ASSERT_TRUE(wait([](const Listener& client) { return client.frames() >= 20; }));
   EXPECT_EQ(RawClient(noise.port()).join().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   const PublisherSummary before = noise.server->published();
-  ASSERT_TRUE(wait([](const Listener& client) { return client.frames() >= 50; })) << "a client is left behind";
+  ASSERT_TRUE(wait([](const Listener& client) { return client.frames() >= 50; }))
+      << "a client is left behind";
   const PublisherSummary after = noise.server->published();
   // Each client by itself would be 64 encodings a tick.
-  EXPECT_LT(static_cast<double>(after.encoded - before.encoded), 32.0 * static_cast<double>(after.frames - before.frames));
+  EXPECT_LT(static_cast<double>(after.encoded - before.encoded),
+            32.0 * static_cast<double>(after.frames - before.frames));
   const uint64_t newest = noise.newest;
   EXPECT_TRUE(wait([&](const Listener& client) { return client.tick() >= newest; }));
   EXPECT_EQ(noise.server->streaming_count(), kDefaultSessions);

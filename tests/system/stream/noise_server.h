@@ -16,12 +16,14 @@
 
 namespace livegs {
 
-// Sends frames of noise, which nothing compresses: `nodes` times six bytes and a little, 90 times a second, of no simulation.
-// They are made beforehand; making one takes as long as encoding it. `boxes`: of as many objects, in a ring 4 m around the
-// origin, in place of one that is everywhere: whoever stands there sees some of them.
+// Sends frames of noise, which nothing compresses: `nodes` times six bytes and a little, 90 times a second,
+// of no simulation. They are made beforehand; making one takes as long as encoding it. `boxes`: of as many
+// objects, in a ring 4 m around the origin, in place of one that is everywhere: whoever stands there sees
+// some of them.
 class NoiseServer {
  public:
-  explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr, size_t clients = kDefaultSessions, size_t boxes = 0)
+  explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr, size_t clients = kDefaultSessions,
+                       size_t boxes = 0)
       : scene_(box_scene()), ring_(boxes, *scene_.find("box")) {
     auto listening = GrpcServer::listen("127.0.0.1:0", security);
     EXPECT_TRUE(listening) << listening.error().message;
@@ -44,10 +46,13 @@ class NoiseServer {
         ObjectDrivers& object = objects[k];
         object.object_id = boxes > 0 ? ring_[k].id : 1;
         object.kind = DriverKind::Lattice;
-        const float angle_rad = 2 * static_cast<float>(M_PI * static_cast<double>(k) / static_cast<double>(objects.size()));
-        const Eigen::Vector3f middle = (boxes > 0 ? 4.0f : 0.0f) * Eigen::Vector3f(std::sin(angle_rad), 0, -std::cos(angle_rad));
+        const float angle_rad =
+            2 * static_cast<float>(M_PI * static_cast<double>(k) / static_cast<double>(objects.size()));
+        const Eigen::Vector3f middle =
+            (boxes > 0 ? 4.0f : 0.0f) * Eigen::Vector3f(std::sin(angle_rad), 0, -std::cos(angle_rad));
         for (size_t i = 0; i < nodes / objects.size(); ++i)
-          object.positions_m.push_back(middle + Eigen::Vector3f(place(random), place(random), place(random)) * (boxes > 0 ? 0.2f : 1.0f));
+          object.positions_m.push_back(middle + Eigen::Vector3f(place(random), place(random), place(random)) *
+                                                    (boxes > 0 ? 0.2f : 1.0f));
       }
     }
     thread_ = std::thread([this] { run(); });

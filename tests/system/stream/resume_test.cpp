@@ -30,8 +30,8 @@ TEST_F(Resume, AResetConnectionLosesNeitherSessionNorScene) {
   EXPECT_EQ(served_->server->sessions().sessions, 1u);  // it went on with the one it had
 }
 
-// Nobody is told of the cut: the client notices by the silence, the server too, and gives up the stream. The client tries one connection
-// after the other until one brings frames.
+// Nobody is told of the cut: the client notices by the silence, the server too, and gives up the stream. The
+// client tries one connection after the other until one brings frames.
 TEST_F(Resume, AfterACutTheSameSessionGoesOn) {
   start();
   const uint64_t before = proxy_->connections();
@@ -171,8 +171,8 @@ TEST_F(Resume, AGoodbyeIsOutlived) {
   EXPECT_EQ(sink_.state().draining, "maintenance");
 }
 
-// The offscreen client through a restart in which things became others: the last picture stays until the new server's
-// first frame, its objects are fetched and drawn, and the video's time goes on.
+// The offscreen client through a restart in which things became others: the last picture stays until the new
+// server's first frame, its objects are fetched and drawn, and the video's time goes on.
 TEST(OffscreenRun, GoesOnWithAServerThatWasStartedAnew) {
   auto served = std::make_unique<ServedScene>(box_scene());
   FaultProxy proxy(served->port());
@@ -208,7 +208,8 @@ TEST(OffscreenRun, GoesOnWithAServerThatWasStartedAnew) {
   EXPECT_EQ(summary->outages.resumed, 1u);
   EXPECT_EQ(summary->outages.restarted, 1u);
   EXPECT_GT(summary->outages.seconds, 0);
-  EXPECT_EQ(summary->assets.assets, 5u);  // the first three, and another box and floor; the cube is what it was
+  EXPECT_EQ(summary->assets.assets,
+            5u);  // the first three, and another box and floor; the cube is what it was
   EXPECT_NE(summary_text(*summary).find("came back 1 times"), std::string::npos) << summary_text(*summary);
   std::ifstream file(run.output / "timings.csv");
   std::string line;

@@ -156,7 +156,9 @@ TEST_F(SceneControlTest, AForceMovesWhatItIsOn) {
   ASSERT_TRUE(before);
   ASSERT_EQ(client_->scene().objects[1].name, "box");
   ASSERT_EQ(before->drivers->objects[1].object_id, client_->scene().objects[1].id);
-  const auto place = [&](const ReceivedFrame& frame) { return frame.drivers->objects[1].poses.at(0).position_m.x(); };
+  const auto place = [&](const ReceivedFrame& frame) {
+    return frame.drivers->objects[1].poses.at(0).position_m.x();
+  };
   v1::Event::Force force;
   force.set_object("box");
   for (const double number : {0.0, 0.0, 0.0}) force.add_point_m(number);

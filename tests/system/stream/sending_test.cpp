@@ -28,7 +28,8 @@ Sent sent_in(const std::vector<ReceivedFrame>& frames) {
   return sent;
 }
 
-// 16 kB at 90 Hz are 11.5 Mbit/s; one client wishes for 4, one is held to 6 by the server, which holds for all.
+// 16 kB at 90 Hz are 11.5 Mbit/s; one client wishes for 4, one is held to 6 by the server, which holds for
+// all.
 TEST(Sending, AClientIsSentNoMoreThanItsCap) {
   NoiseServer noise(2667);
   noise.server->cap_clients(6);
@@ -37,9 +38,13 @@ TEST(Sending, AClientIsSentNoMoreThanItsCap) {
   ASSERT_TRUE(modest && greedy);
   modest->start(modest_sink);
   greedy->start(greedy_sink);
-  const auto full = [](const SinkLog::State& state) { return std::count_if(state.frames.begin(), state.frames.end(), [](const auto& one) { return one.bytes > 10'000; }) >= 60; };
+  const auto full = [](const SinkLog::State& state) {
+    return std::count_if(state.frames.begin(), state.frames.end(),
+                         [](const auto& one) { return one.bytes > 10'000; }) >= 60;
+  };
   ASSERT_TRUE(modest_sink.wait(full) && greedy_sink.wait(full));
-  // What a tenth of a second saves, and what may pass between the set_view at the budget and the time stamp on a busy machine.
+  // What a tenth of a second saves, and what may pass between the set_view at the budget and the time stamp
+  // on a busy machine.
   constexpr double kSlack_s = SendBudget::kBurst_s + 0.3;
   for (const auto& [sink, mbit_s] : {std::pair{&modest_sink, 4.0}, {&greedy_sink, 6.0}}) {
     const SinkLog::State state = sink->state();
@@ -52,7 +57,8 @@ TEST(Sending, AClientIsSentNoMoreThanItsCap) {
   EXPECT_TRUE(greedy->stop());
 }
 
-// A client with room, which shares its bytes with all others. Thirty frames are too few for the server to find it slow on a busy machine.
+// A client with room, which shares its bytes with all others. Thirty frames are too few for the server to
+// find it slow on a busy machine.
 TEST(Sending, WhoLooksAwayIsSentAllOfItWhereNothingIsShort) {
   NoiseServer noise(2667);
   SinkLog sink;
@@ -66,7 +72,8 @@ TEST(Sending, WhoLooksAwayIsSentAllOfItWhereNothingIsShort) {
   EXPECT_TRUE(client->stop());
 }
 
-// No cap, but a link of 4 Mbit/s, where 16 kB a tick are 11.5: once that has shown, frames are without what is not seen, and come each tick.
+// No cap, but a link of 4 Mbit/s, where 16 kB a tick are 11.5: once that has shown, frames are without what
+// is not seen, and come each tick.
 TEST(Sending, WhoLooksAwayBehindANarrowLinkIsSentLess) {
   NoiseServer noise(2667);
   FaultProxy proxy(noise.port());
@@ -76,19 +83,22 @@ TEST(Sending, WhoLooksAwayBehindANarrowLinkIsSentLess) {
   ASSERT_TRUE(client);
   client->set_view({{0, 0, 500}, {0, 0, 1}, 0.7});
   client->start(sink);
-  ASSERT_TRUE(sink.wait([](const SinkLog::State& state) { return state.frames.size() > 1 && state.frames.back().bytes < 100; }));
+  ASSERT_TRUE(sink.wait([](const SinkLog::State& state) {
+    return state.frames.size() > 1 && state.frames.back().bytes < 100;
+  }));
   const size_t from = sink.state().frames.size();
   ASSERT_TRUE(sink.wait_frames(90));
   const SinkLog::State state = sink.state();
   size_t full = 0;
   for (size_t i = from; i < state.frames.size(); ++i) full += state.frames[i].bytes > 10'000 ? 1 : 0;
-  EXPECT_LE(static_cast<double>(full), static_cast<double>(state.frames.back().tick - state.frames[from].tick) / 9 + 2);
+  EXPECT_LE(static_cast<double>(full),
+            static_cast<double>(state.frames.back().tick - state.frames[from].tick) / 9 + 2);
   expect_unbroken(state);
   EXPECT_TRUE(client->stop());
 }
 
-// The noise is half a metre around the origin, and goes by the id of the floor, which is some metres wide. The cap is never reached, but
-// who has one is sent no more than it has a use for.
+// The noise is half a metre around the origin, and goes by the id of the floor, which is some metres wide.
+// The cap is never reached, but who has one is sent no more than it has a use for.
 TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
   NoiseServer noise(2667);
   SinkLog sink;
@@ -103,7 +113,8 @@ TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
   ASSERT_TRUE(sink.wait_frames(90));
   SinkLog::State state = sink.state();
   size_t full = 0, frames = 0;
-  for (size_t i = away_from; i < state.frames.size(); ++i, ++frames) full += state.frames[i].bytes > 10'000 ? 1 : 0;
+  for (size_t i = away_from; i < state.frames.size(); ++i, ++frames)
+    full += state.frames[i].bytes > 10'000 ? 1 : 0;
   const double ticks = static_cast<double>(state.frames.back().tick - state.frames[away_from].tick);
   EXPECT_LE(static_cast<double>(full), ticks / 9 + 2);
   EXPECT_GE(static_cast<double>(full), static_cast<double>(frames) / 9 - 2);
@@ -111,7 +122,8 @@ TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
   // Two full frames one after the other: it is seen.
   ASSERT_TRUE(sink.wait([&](const SinkLog::State& now) {
     const size_t count = now.frames.size();
-    return count > state.frames.size() + 2 && now.frames[count - 1].bytes > 10'000 && now.frames[count - 2].bytes > 10'000;
+    return count > state.frames.size() + 2 && now.frames[count - 1].bytes > 10'000 &&
+           now.frames[count - 2].bytes > 10'000;
   }));
   state = sink.state();
   const size_t back_from = state.frames.size();

@@ -87,7 +87,8 @@ class Watched final : public StreamSink {
 // A server that publishes, and steps when the test says.
 class SpectatorsTest : public ::testing::Test {
  protected:
-  void open(Scene scene, const std::string& address = "tcp://127.0.0.1:0", const std::string& listen = "127.0.0.1:0") {
+  void open(Scene scene, const std::string& address = "tcp://127.0.0.1:0",
+            const std::string& listen = "127.0.0.1:0") {
     auto listening = GrpcServer::listen(listen);
     ASSERT_TRUE(listening) << listening.error().message;
     server = std::move(*listening);
@@ -128,8 +129,8 @@ class SpectatorsTest : public ::testing::Test {
   std::atomic<uint64_t> tick{0};
 };
 
-// One that takes nothing for 300 ticks has one of the last frames next, and the other has had the last meanwhile. Without
-// ZMQ_CONFLATE hundreds wait for it.
+// One that takes nothing for 300 ticks has one of the last frames next, and the other has had the last
+// meanwhile. Without ZMQ_CONFLATE hundreds wait for it.
 TEST_F(SpectatorsTest, OneThatSleepsMakesNobodyStale) {
   open(box_scene());
   Watched quick, sleeper;
@@ -162,7 +163,8 @@ TEST_F(SpectatorsTest, ASlowOneStaysAsFarBehindAsAFrameTakes) {
   std::vector<uint64_t> ages;  // ticks that the newest was ahead of a frame that arrived
   slow.taking = [&](const ReceivedFrame& frame) {
     const uint64_t from = tick;
-    for (int i = 0; tick < from + kTakes && i < 1000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int i = 0; tick < from + kTakes && i < 1000; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::lock_guard lock(mutex);
     ages.push_back(from - frame.tick);
   };
@@ -195,7 +197,8 @@ TEST_F(SpectatorsTest, BirthsDeathsAndBreaksAreToldBeforeTheirFrames) {
   EXPECT_GT(totals.frames, 10u);
 }
 
-// A server that is started anew on the same addresses is another: its scene is asked for, and its ticks begin again.
+// A server that is started anew on the same addresses is another: its scene is asked for, and its ticks begin
+// again.
 TEST_F(SpectatorsTest, AServerThatIsStartedAnewIsFollowed) {
   open(box_scene());
   Watched watched;
@@ -211,13 +214,15 @@ TEST_F(SpectatorsTest, AServerThatIsStartedAnewIsFollowed) {
 }
 
 TEST(Publishing, IsRefusedOffThisMachineAndWhereItCannotBe) {
-  for (const std::string address : {"tcp://0.0.0.0:9782", "tcp://192.168.1.5:9782", "tcp://[::]:9782", "tcp://*:9782"}) {
+  for (const std::string address :
+       {"tcp://0.0.0.0:9782", "tcp://192.168.1.5:9782", "tcp://[::]:9782", "tcp://*:9782"}) {
     const auto bound = ZmqPublisher::bind(address);
     ASSERT_FALSE(bound) << address;
     EXPECT_EQ(bound.error().code, ErrorCode::InvalidArgument);
     EXPECT_NE(bound.error().message.find("on this machine only"), std::string::npos) << bound.error().message;
   }
-  for (const std::string address : {"127.0.0.1:9782", "ipc:///tmp/x", "tcp://127.0.0.1", "tcp://127.0.0.1:99999", ""}) {
+  for (const std::string address :
+       {"127.0.0.1:9782", "ipc:///tmp/x", "tcp://127.0.0.1", "tcp://127.0.0.1:99999", ""}) {
     const auto bound = ZmqPublisher::bind(address);
     ASSERT_FALSE(bound) << address;
     EXPECT_EQ(bound.error().code, ErrorCode::InvalidArgument);

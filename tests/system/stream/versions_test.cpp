@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A server and a client of different protocol versions, one of them the program, the other as a test has it speak.
+// A server and a client of different protocol versions, one of them the program, the other as a test has it
+// speak.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -19,11 +20,12 @@ TEST_F(OtherVersions, AClientSaysWhatTheServerToldItAndTriesOnce) {
   server.on_join = [&](int, const v1::JoinRequest& request, v1::JoinReply&) {
     ++joins;
     EXPECT_EQ(request.protocol_version(), kProtocolVersion);
-    return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "this server speaks another version; update the older one");
+    return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION,
+                        "this server speaks another version; update the older one");
   };
   server.start();
-  Program client({LIVEGS_CLIENT, server.address(), "--display", "offscreen", "--output", folder_ / "view", "--cache", folder_ / "cache",
-                  "--seconds", "1", "--no-video"});
+  Program client({LIVEGS_CLIENT, server.address(), "--display", "offscreen", "--output", folder_ / "view",
+                  "--cache", folder_ / "cache", "--seconds", "1", "--no-video"});
   EXPECT_EQ(client.wait(), 1);
   expect_one_line(client, "this server speaks another version; update the older one");
   EXPECT_EQ(joins, 1);
@@ -37,7 +39,8 @@ TEST_F(OtherVersions, AServerNamesBothVersionsAndNothingOfItsScene) {
     RawClient client(std::stoi(port));
     const grpc::Status status = client.join(version);
     EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
-    for (const std::string& named : {std::to_string(version), std::to_string(kProtocolVersion), std::string("update the older one")})
+    for (const std::string& named :
+         {std::to_string(version), std::to_string(kProtocolVersion), std::string("update the older one")})
       EXPECT_NE(status.error_message().find(named), std::string::npos) << status.error_message();
     EXPECT_EQ(status.error_message().find("boxes"), std::string::npos) << status.error_message();
     EXPECT_EQ(client.joined.ByteSizeLong(), 0u);

@@ -16,8 +16,8 @@
 
 namespace livegs {
 
-// `connections` to the server in a row: half of them send nonsense, a tenth begin sessions and leave, and some of those never stream.
-// The highest rate of twenty in a row, connections a second.
+// `connections` to the server in a row: half of them send nonsense, a tenth begin sessions and leave, and
+// some of those never stream. The highest rate of twenty in a row, connections a second.
 inline double connection_storm(int port, int connections) {
   constexpr int kCounted = 20;
   sockaddr_in address{};
@@ -39,12 +39,14 @@ inline double connection_storm(int port, int connections) {
     RawClient passer_by(port);
     // A session that has left makes room as soon as the server has noticed.
     int tries = 0;
-    for (; !passer_by.join().ok() && tries < 2000; ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    for (; !passer_by.join().ok() && tries < 2000; ++tries)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
     EXPECT_LT(tries, 2000);
     if (i % 50 == 0) continue;  // joins, and never streams
     passer_by.open();
     v1::ServerMessage heard;
-    EXPECT_TRUE(passer_by.read_any(heard));  // it has its stream; one that only joined keeps its place for two minutes
+    EXPECT_TRUE(passer_by.read_any(
+        heard));  // it has its stream; one that only joined keeps its place for two minutes
     passer_by.cancel();
     EXPECT_FALSE(passer_by.finish_reading().ok());
   }

@@ -45,7 +45,8 @@ FaultProxy::FaultProxy(int server_port, uint64_t seed) : server_port_(server_por
   listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   sockaddr_in address = loopback(0);
   socklen_t length = sizeof address;
-  if (::bind(listener_, reinterpret_cast<sockaddr*>(&address), length) != 0 || ::listen(listener_, 128) != 0 ||
+  if (::bind(listener_, reinterpret_cast<sockaddr*>(&address), length) != 0 ||
+      ::listen(listener_, 128) != 0 ||
       ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &length) != 0) {
     throw std::runtime_error("the proxy cannot listen");
   }
@@ -171,7 +172,8 @@ void FaultProxy::read(Connection& connection, bool from_client) {
 void FaultProxy::write(Connection& connection, bool to_client, int64_t now) {
   const int to = to_client ? connection.client : connection.server;
   Way& way = to_client ? connection.down : connection.up;
-  while (!connection.gone && !way.pieces.empty() && way.pieces.front().due_ns <= now && now >= stalled_until_ns_) {
+  while (!connection.gone && !way.pieces.empty() && way.pieces.front().due_ns <= now &&
+         now >= stalled_until_ns_) {
     Piece& piece = way.pieces.front();
     const size_t left = piece.bytes.size() - piece.written;
     const ssize_t count = ::send(to, piece.bytes.data() + piece.written, left, MSG_NOSIGNAL);
@@ -197,7 +199,8 @@ void FaultProxy::write(Connection& connection, bool to_client, int64_t now) {
 
 void FaultProxy::run() {
   std::vector<pollfd> polled;
-  std::vector<std::pair<Connection*, bool>> whose;  // of polled, from the third on: and whether the client's end
+  std::vector<std::pair<Connection*, bool>>
+      whose;  // of polled, from the third on: and whether the client's end
   while (!stopping_) {
     int64_t wake_ns = now_ns() + 1'000'000'000;
     {
@@ -235,7 +238,8 @@ void FaultProxy::run() {
       }
     }
     const int64_t wait_ns = std::max<int64_t>(0, wake_ns - now_ns());
-    const timespec timeout{static_cast<time_t>(wait_ns / 1'000'000'000), static_cast<long>(wait_ns % 1'000'000'000)};
+    const timespec timeout{static_cast<time_t>(wait_ns / 1'000'000'000),
+                           static_cast<long>(wait_ns % 1'000'000'000)};
     ::ppoll(polled.data(), polled.size(), &timeout, nullptr);
     std::lock_guard lock(mutex_);
     if (polled[1].revents != 0) {
@@ -244,7 +248,8 @@ void FaultProxy::run() {
     }
     for (size_t i = 2; i < polled.size(); ++i) {
       auto [connection, of_client] = whose[i - 2];
-      if (connection->gone || connection->dead || (polled[i].revents & (POLLIN | POLLHUP | POLLERR)) == 0) continue;
+      if (connection->gone || connection->dead || (polled[i].revents & (POLLIN | POLLHUP | POLLERR)) == 0)
+        continue;
       const Way& way = of_client ? connection->up : connection->down;
       if (!way.ended) read(*connection, of_client);
     }

@@ -14,14 +14,14 @@ namespace livegs {
 
 // How a network between a client and a server is.
 struct Link {
-  double delay_ms = 0;      // each way
-  double jitter_ms = 0;     // more than that, evenly distributed; bytes of one connection keep their order
-  double mbit_s = 0;        // each way, of all connections together; 0: no limit
+  double delay_ms = 0;   // each way
+  double jitter_ms = 0;  // more than that, evenly distributed; bytes of one connection keep their order
+  double mbit_s = 0;     // each way, of all connections together; 0: no limit
 };
 
-// A network that can be made to fail: takes TCP connections on a port of its own and passes their bytes on to a server's,
-// both ways, late, slowly, not at all. What the jitter draws comes from the seed. One thread; the functions may be called
-// from any other and return at once.
+// A network that can be made to fail: takes TCP connections on a port of its own and passes their bytes on to
+// a server's, both ways, late, slowly, not at all. What the jitter draws comes from the seed. One thread; the
+// functions may be called from any other and return at once.
 class FaultProxy {
  public:
   explicit FaultProxy(int server_port, uint64_t seed = 1);
@@ -35,16 +35,17 @@ class FaultProxy {
   void set_link(const Link& link);
   // Nothing gets through until it is over; then all of it does. 0 ends a stall.
   void stall(double seconds);
-  // As if a cable were pulled: nothing gets through, nobody is told, and what was sent is lost. Connections that are open
-  // or are being made then stay dead after heal(): their ends may wait for ever.
+  // As if a cable were pulled: nothing gets through, nobody is told, and what was sent is lost. Connections
+  // that are open or are being made then stay dead after heal(): their ends may wait for ever.
   void cut();
   void heal();
   // Ends every connection at both ends with RST.
   void reset();
-  // The next connections that have brought so many bytes from the server are ended with RST, each once; so many of them.
+  // The next connections that have brought so many bytes from the server are ended with RST, each once; so
+  // many of them.
   void reset_after(uint64_t bytes, int connections);
 
-  uint64_t connections() const { return connections_; }         // taken so far
+  uint64_t connections() const { return connections_; }              // taken so far
   uint64_t bytes_from_server() const { return bytes_from_server_; }  // passed on so far
 
  private:

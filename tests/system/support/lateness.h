@@ -11,19 +11,22 @@
 
 namespace livegs {
 
-// How much later than told this machine wakes a thread up, the worst of a hundred times: what a wait costs beside other work.
+// How much later than told this machine wakes a thread up, the worst of a hundred times: what a wait costs
+// beside other work.
 class Lateness {
  public:
-  // What one wait is allowed at most, so that no machine is late enough for a program that queues or pauses: two ticks of 90 Hz.
+  // What one wait is allowed at most, so that no machine is late enough for a program that queues or pauses:
+  // two ticks of 90 Hz.
   static constexpr double kMaxAllowed_ms = 2e3 / 90;
 
-  Lateness() : thread_([this] {
-    while (!stopping_) {
-      const int64_t due_ns = now_ns() + 5'000'000;
-      sleep_until_ns(due_ns);
-      late_ms_.push_back(milliseconds_from_ns(now_ns() - due_ns));
-    }
-  }) {}
+  Lateness()
+      : thread_([this] {
+          while (!stopping_) {
+            const int64_t due_ns = now_ns() + 5'000'000;
+            sleep_until_ns(due_ns);
+            late_ms_.push_back(milliseconds_from_ns(now_ns() - due_ns));
+          }
+        }) {}
   double p99_ms() {
     stopping_ = true;
     if (thread_.joinable()) thread_.join();

@@ -10,7 +10,8 @@
 
 namespace livegs {
 
-// A client that reads and acknowledges frames. It decodes none: on a real network that is other machines' work.
+// A client that reads and acknowledges frames. It decodes none: on a real network that is other machines'
+// work.
 class Listener {
  public:
   explicit Listener(int port) : raw_(port) {

@@ -81,7 +81,9 @@ std::string Program::first_line() {
 bool Program::says_often(const std::string& text, size_t times) {
   return wait_for("err", [&](const std::string& all) {
     size_t said = 0;
-    for (size_t at = all.find(text); at != std::string::npos && said < times; at = all.find(text, at + text.size())) ++said;
+    for (size_t at = all.find(text); at != std::string::npos && said < times;
+         at = all.find(text, at + text.size()))
+      ++said;
     return said >= times;
   });
 }

@@ -13,10 +13,10 @@
 #include "client/stream/session/sink_log.h"
 #include "core/clock.h"
 #include "core/percentile.h"
-#include "stream/session/session_client.h"
-#include "system/support/join_server.h"
-#include "system/support/fault_proxy.h"
 #include "scenes/served_scene.h"
+#include "stream/session/session_client.h"
+#include "system/support/fault_proxy.h"
+#include "system/support/join_server.h"
 
 namespace livegs {
 
@@ -25,7 +25,8 @@ inline constexpr int kNobody = 1;  // a port on which connections are refused at
 // A client of a served scene, with a network between them that can be made to fail.
 class ProxiedSession : public ::testing::Test {
  protected:
-  void start(Scene scene, const ConnectOptions& options = patient(), std::function<void(const Scene&)> observe = {}) {
+  void start(Scene scene, const ConnectOptions& options = patient(),
+             std::function<void(const Scene&)> observe = {}) {
     served_ = std::make_unique<ServedScene>(std::move(scene), std::move(observe));
     proxy_ = std::make_unique<FaultProxy>(served_->port());
     client_ = join(proxy_->port(), options);
@@ -53,7 +54,8 @@ inline bool wait_until(const std::function<bool()>& enough) {
 // The age of each frame when it arrived, on one machine, ms.
 inline std::vector<double> ages_ms(std::span<const ReceivedFrame> frames) {
   std::vector<double> ages;
-  for (const ReceivedFrame& frame : frames) ages.push_back(milliseconds_from_ns(frame.received_ns - frame.stepped_ns));
+  for (const ReceivedFrame& frame : frames)
+    ages.push_back(milliseconds_from_ns(frame.received_ns - frame.stepped_ns));
   return ages;
 }
 
@@ -65,7 +67,8 @@ inline double spread_ms(std::span<const ReceivedFrame> frames) {
 
 inline int64_t longest_gap_ns(std::span<const ReceivedFrame> frames) {
   int64_t gap_ns = 0;
-  for (size_t i = 1; i < frames.size(); ++i) gap_ns = std::max(gap_ns, frames[i].received_ns - frames[i - 1].received_ns);
+  for (size_t i = 1; i < frames.size(); ++i)
+    gap_ns = std::max(gap_ns, frames[i].received_ns - frames[i - 1].received_ns);
   return gap_ns;
 }
 

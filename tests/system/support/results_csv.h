@@ -10,8 +10,9 @@
 
 namespace livegs {
 
-// Appends a row to the CSV that the environment names, with the machine's load of the last minute as its last column, and the
-// header first where the file is new. Nothing where it names none: results are written when a test is run by hand.
+// Appends a row to the CSV that the environment names, with the machine's load of the last minute as its last
+// column, and the header first where the file is new. Nothing where it names none: results are written when a
+// test is run by hand.
 inline void add_result(const char* variable, const std::string& header, const std::string& row) {
   const char* path = ::getenv(variable);
   if (!path) return;

@@ -26,7 +26,8 @@ inline size_t notice_pixels(const Image& image) {
   for (int y = 10; y < std::min(400, image.height); ++y) {
     for (int x = 10; x < std::min(310, image.width); ++x) {
       const float* pixel = image.at(x, y);
-      count += pixel[0] > 0.5f && pixel[1] < 0.63f * pixel[0] && pixel[1] > 0.4f * pixel[0] && pixel[2] < 0.58f * pixel[0];
+      count += pixel[0] > 0.5f && pixel[1] < 0.63f * pixel[0] && pixel[1] > 0.4f * pixel[0] &&
+               pixel[2] < 0.58f * pixel[0];
     }
   }
   return count;

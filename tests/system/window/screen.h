@@ -14,10 +14,10 @@
 
 namespace livegs {
 
-// A display of its own for a test's windows (package xvfb, which deploy/packages.txt has). `display` is empty where none
-// started, and `program` says why. Its number is this test's alone from before it starts until after it has ended, by a lock on
-// a file: of servers that choose for themselves (-displayfd without a number) one that ends takes away the socket of another
-// that begins.
+// A display of its own for a test's windows (package xvfb, which deploy/packages.txt has). `display` is empty
+// where none started, and `program` says why. Its number is this test's alone from before it starts until
+// after it has ended, by a lock on a file: of servers that choose for themselves (-displayfd without a
+// number) one that ends takes away the socket of another that begins.
 class Screen {
  public:
   static bool there_is_one() { return std::filesystem::exists("/usr/bin/Xvfb"); }
@@ -49,10 +49,11 @@ class Screen {
   // Somebody else's display may have this number; then the server ends and says so.
   void start(int number) {
     const std::string name = ":" + std::to_string(number);
-    // Who looks whether a window is there yet is its first client and leaves again, which would make it begin anew, and
-    // refuse who comes meanwhile.
-    program = std::make_unique<Program>(std::vector<std::string>{
-        "/usr/bin/Xvfb", name, "-noreset", "-displayfd", "1", "-screen", "0", "1300x820x24", "-nolisten", "tcp"});
+    // Who looks whether a window is there yet is its first client and leaves again, which would make it begin
+    // anew, and refuse who comes meanwhile.
+    program = std::make_unique<Program>(std::vector<std::string>{"/usr/bin/Xvfb", name, "-noreset",
+                                                                 "-displayfd", "1", "-screen", "0",
+                                                                 "1300x820x24", "-nolisten", "tcp"});
     if (!program->first_line().empty()) display = name;
   }
   void release() {

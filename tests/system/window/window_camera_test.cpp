@@ -8,7 +8,8 @@
 namespace livegs {
 namespace {
 
-// Seen from +z, the orange box stands 0.4 m before the blue cube, and the middle between them is what the view turns about.
+// Seen from +z, the orange box stands 0.4 m before the blue cube, and the middle between them is what the
+// view turns about.
 class WindowCamera : public WindowClicks {
  protected:
   std::string scene_text() const override {
@@ -33,7 +34,9 @@ class WindowCamera : public WindowClicks {
     for (int y = 0; y < shown.height; ++y) {
       for (int x = left; x < right; ++x) {
         const float* pixel = shown.at(x, y);
-        if (!(near ? pixel[0] > 1.4f * pixel[2] && pixel[0] > 0.2f : pixel[2] > 1.4f * pixel[0] && pixel[2] > 0.2f)) continue;
+        if (!(near ? pixel[0] > 1.4f * pixel[2] && pixel[0] > 0.2f
+                   : pixel[2] > 1.4f * pixel[0] && pixel[2] > 0.2f))
+          continue;
         all.x += x;
         all.y += y;
         ++all.pixels;
@@ -51,7 +54,8 @@ class WindowCamera : public WindowClicks {
     constexpr int kSteps = 4;
     move(kX, kY);
     act({[this, button] { hands_->press(button); }, [] {}});
-    for (int i = 1; i <= kSteps; ++i) act({[=, this] { hands_->move(kX + i * dx / kSteps, kY + i * dy / kSteps); }});
+    for (int i = 1; i <= kSteps; ++i)
+      act({[=, this] { hands_->move(kX + i * dx / kSteps, kY + i * dy / kSteps); }});
     pictures(2);
     act({[this, button] { hands_->release(button); }, [] {}, [] {}});
   }
@@ -64,8 +68,9 @@ class WindowCamera : public WindowClicks {
   }
 };
 
-// 100 pixels of 800 turn by 180 / 8 = 22.5 degrees about the middle, which is 2.4 m off: what lies 0.4 m before it goes by
-// 0.4 sin / (2.4 - 0.4 cos) to the right, what lies behind it by 0.4 sin / (2.4 + 0.4 cos) to the left.
+// 100 pixels of 800 turn by 180 / 8 = 22.5 degrees about the middle, which is 2.4 m off: what lies 0.4 m
+// before it goes by 0.4 sin / (2.4 - 0.4 cos) to the right, what lies behind it by 0.4 sin / (2.4 + 0.4 cos)
+// to the left.
 TEST_F(WindowCamera, RightDragTurnsAndComesBack) {
   Seen near[4], far[4];
   Image before, after;
@@ -109,15 +114,16 @@ TEST_F(WindowCamera, MiddleDragShifts) {
   look(near[1], far[1]);
   close();
   run_steps();
-  // At the distance of the middle things follow the pointer; nearer ones by 2.4 / 2.0 as much, farther by 2.4 / 2.8.
+  // At the distance of the middle things follow the pointer; nearer ones by 2.4 / 2.0 as much, farther by 2.4
+  // / 2.8.
   EXPECT_NEAR(near[1].x - near[0].x, 80 * 2.4 / 2.0, 6);
   EXPECT_NEAR(near[1].y - near[0].y, 40 * 2.4 / 2.0, 6);
   EXPECT_NEAR(far[1].x - far[0].x, 80 * 2.4 / 2.8, 6);
   EXPECT_NEAR(far[1].y - far[0].y, 40 * 2.4 / 2.8, 6);
 }
 
-// A wide view of a large box. A picture flies by a tenth of 2.4 m at most, 40 pixels at the box: however late a busy machine
-// hears of a key that was let go, the box stays in sight, with the panels hidden.
+// A wide view of a large box. A picture flies by a tenth of 2.4 m at most, 40 pixels at the box: however late
+// a busy machine hears of a key that was let go, the box stays in sight, with the panels hidden.
 class WindowFlight : public WindowCamera {
  protected:
   std::string scene_text() const override {
@@ -145,7 +151,9 @@ TEST_F(WindowFlight, KeysFly) {
     act({[&] { still = 0; }});
     step("no more motion", [&](const Image& shown) {
       const Seen last = std::exchange(now, box(shown));
-      still = std::abs(now.x - last.x) < 0.5 && std::abs(now.y - last.y) < 0.5 && now.pixels == last.pixels ? still + 1 : 0;
+      still = std::abs(now.x - last.x) < 0.5 && std::abs(now.y - last.y) < 0.5 && now.pixels == last.pixels
+                  ? still + 1
+                  : 0;
       return still == 10;
     });
   };
@@ -156,7 +164,8 @@ TEST_F(WindowFlight, KeysFly) {
     act({[&, key] { hands_->key(key, false); }});
   };
   fly("w", "a larger box", [&] { return now.pixels > 1.3 * static_cast<double>(begin.pixels); });
-  fly("s", "a smaller box", [&] { return static_cast<double>(now.pixels) < 0.75 * static_cast<double>(begin.pixels); });
+  fly("s", "a smaller box",
+      [&] { return static_cast<double>(now.pixels) < 0.75 * static_cast<double>(begin.pixels); });
   fly("d", "the box farther left", [&] { return now.x < begin.x - 30; });
   fly("a", "the box farther right", [&] { return now.x > begin.x + 30; });
   fly("e", "the box lower", [&] { return now.y > begin.y + 30; });
@@ -184,7 +193,8 @@ class WindowFirstView : public WindowCamera {
 
 TEST_F(WindowFirstView, HidesNothingUnderThePanels) {
   Seen left, right;
-  step("the scene", [](const Image& shown) { return seen(shown, true).pixels > 500 && seen(shown, false).pixels > 500; });
+  step("the scene",
+       [](const Image& shown) { return seen(shown, true).pixels > 500 && seen(shown, false).pixels > 500; });
   move(595, 30);
   pictures(3);
   keep("first_view");
@@ -196,7 +206,8 @@ TEST_F(WindowFirstView, HidesNothingUnderThePanels) {
   press_key("h");
   step("no panels", [](const Image& shown) { return text_pixels(shown, 10, 310, 10, 400) == 0; });
   step("as much without them", [&](const Image& shown) {
-    const double near = static_cast<double>(seen(shown, true, 0, kWidth).pixels), far = static_cast<double>(seen(shown, false, 0, kWidth).pixels);
+    const double near = static_cast<double>(seen(shown, true, 0, kWidth).pixels),
+                 far = static_cast<double>(seen(shown, false, 0, kWidth).pixels);
     EXPECT_NEAR(static_cast<double>(left.pixels), near, 0.01 * near);
     EXPECT_NEAR(static_cast<double>(right.pixels), far, 0.01 * far);
     return true;

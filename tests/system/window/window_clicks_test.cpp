@@ -18,7 +18,9 @@ size_t force_pixels(const Image& image, int left, int right) {
 }
 
 TEST_F(WindowClicks, SelectEditResetUndo) {
-  const auto modulus_pa = [this] { return shown_value(SliderParameter::YoungsModulus, watcher_.object("cushion").physics).best(); };
+  const auto modulus_pa = [this] {
+    return shown_value(SliderParameter::YoungsModulus, watcher_.object("cushion").physics).best();
+  };
   const double before_pa = modulus_pa();
   ASSERT_GT(before_pa, 0);
   double changed_pa = 0;
@@ -29,18 +31,23 @@ TEST_F(WindowClicks, SelectEditResetUndo) {
   // Its second slider is Young's modulus; 1e2 to 1e11 Pa over its length.
   int y = 0;
   step("to find the slider", [&](const Image& shown) { return y = fields(shown).at(1), true; });
-  const auto along = [&](double share) { hands_->move(kSliderLeft + share * (kSliderRight - kSliderLeft), y); };
-  act({[&] { along(0.2); }, [] {}, [&] { hands_->press(); }, [] {}, [&] { along(0.35); }, [&] { along(0.45); }, [] {}});
+  const auto along = [&](double share) {
+    hands_->move(kSliderLeft + share * (kSliderRight - kSliderLeft), y);
+  };
+  act({[&] { along(0.2); }, [] {}, [&] { hands_->press(); }, [] {}, [&] { along(0.35); },
+       [&] { along(0.45); }, [] {}});
   keep("slider");
   act({[&] { hands_->release(); }});
-  step("the new modulus", [&](const Image&) { return changed_pa = modulus_pa(), changed_pa > 3 * before_pa; });
+  step("the new modulus",
+       [&](const Image&) { return changed_pa = modulus_pa(), changed_pa > 3 * before_pa; });
   // A scene that is loaded anew keeps what a person decided.
   step("before the reset", [&](const Image&) { return added = watcher_.seen().added, true; });
   click("Reset", [&](const Image& shown) -> std::optional<Eigen::Vector2d> {
     const auto row = run_row(shown);
     return row ? std::optional(Eigen::Vector2d(10 + 300 - 12 - 20, *row)) : std::nullopt;
   });
-  step("the scene anew", [&](const Image&) { return watcher_.seen().run.resets() == 1 && watcher_.seen().added > added; });
+  step("the scene anew",
+       [&](const Image&) { return watcher_.seen().run.resets() == 1 && watcher_.seen().added > added; });
   step("the modulus after the reset", [&](const Image&) { return modulus_pa() == changed_pa; });
   step("the panel after the reset", [&](const Image& shown) { return fields(shown).size() >= 5; });
   keep("reset");
@@ -67,11 +74,13 @@ TEST_F(WindowClicks, PauseStepShootPull) {
   };
   click("Pause", run_button(0));
   step("a halt", [&](const Image&) { return stopped_s = run().simulated_s(), run().paused(); });
-  for (int i = 0; i < 5; ++i) step("stillness", [&](const Image&) { return run().simulated_s() == stopped_s; });
+  for (int i = 0; i < 5; ++i)
+    step("stillness", [&](const Image&) { return run().simulated_s() == stopped_s; });
   keep("paused");
   click("Step", run_button(1));
   step("a step", [&](const Image&) { return run().simulated_s() > stopped_s; });
-  step("one tick and no more", [&](const Image&) { return std::abs(run().simulated_s() - stopped_s - 1.0 / 90) < 1e-6; });
+  step("one tick and no more",
+       [&](const Image&) { return std::abs(run().simulated_s() - stopped_s - 1.0 / 90) < 1e-6; });
   click("Go on", run_button(0));
   step("it going on", [&](const Image&) { return !run().paused() && run().simulated_s() > stopped_s + 0.1; });
 
@@ -95,7 +104,8 @@ TEST_F(WindowClicks, PauseStepShootPull) {
   take("after");
 
   step("before the ball", [&](const Image&) { return added = watcher_.seen().added, true; });
-  act({[&] { hands_->move(640, 300); }, [] {}, [&] { hands_->key("space", true); }, [] {}, [&] { hands_->key("space", false); }});
+  act({[&] { hands_->move(640, 300); }, [] {}, [&] { hands_->key("space", true); }, [] {},
+       [&] { hands_->key("space", false); }});
   step("a ball", [&](const Image&) { return watcher_.seen().added > added; });
   act({[] {}, [] {}});
   keep("ball");
@@ -106,18 +116,23 @@ TEST_F(WindowClicks, PauseStepShootPull) {
   }
 }
 
-// Where no OpenXR runtime answers, `--display openxr` says what to do about it and opens a window, with the scene in it.
+// Where no OpenXR runtime answers, `--display openxr` says what to do about it and opens a window, with the
+// scene in it.
 TEST_F(WindowClicks, IsOpenedWhereThereIsNoHeadset) {
-  Program client({"/usr/bin/env", "DISPLAY=" + display_, "XR_RUNTIME_JSON=/nowhere/at_all.json", LIVEGS_CLIENT, address_, "--display", "openxr",
-                  "--cache", folder_ / "cache", "--threads", "1", "--renderer", "cpu", "--camera", camera_file()});
+  Program client({"/usr/bin/env", "DISPLAY=" + display_, "XR_RUNTIME_JSON=/nowhere/at_all.json",
+                  LIVEGS_CLIENT, address_, "--display", "openxr", "--cache", folder_ / "cache", "--threads",
+                  "1", "--renderer", "cpu", "--camera", camera_file()});
   ASSERT_TRUE(client.says("; a window instead")) << client.err();
   EXPECT_NE(client.err().find("name its manifest in XR_RUNTIME_JSON"), std::string::npos) << client.err();
   const auto wait_for = [](const std::function<bool()>& happened) {
     const int64_t begun_ns = now_ns();
-    while (!happened() && seconds_from_ns(now_ns() - begun_ns) < 60) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    while (!happened() && seconds_from_ns(now_ns() - begun_ns) < 60)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
     return happened();
   };
-  ASSERT_TRUE(wait_for([&] { return (hands_ = XHands::at_window(display_, "LiveGS " + address_)) != nullptr; })) << client.err();
+  ASSERT_TRUE(wait_for([&] {
+    return (hands_ = XHands::at_window(display_, "LiveGS " + address_)) != nullptr;
+  })) << client.err();
   // The box, in its colour.
   const auto orange = [](const Image& shown) {
     size_t count = 0;

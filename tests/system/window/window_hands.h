@@ -21,8 +21,8 @@
 
 namespace livegs {
 
-// What a person does at a window of this process, step by step, on a display that nobody looks at: every click goes through
-// X, GLFW and Dear ImGui. Skips where there is no Xvfb.
+// What a person does at a window of this process, step by step, on a display that nobody looks at: every
+// click goes through X, GLFW and Dear ImGui. Skips where there is no Xvfb.
 class WindowHands : public Programs {
  protected:
   static constexpr int kWidth = 1280, kHeight = 800;
@@ -59,11 +59,14 @@ class WindowHands : public Programs {
     act({[] {}, [this] { hands_->press(); }, [] {}, [this] { hands_->release(); }, [] {}});
   }
   void press_key(const std::string& name) {
-    act({[this, name] { hands_->key(name, true); }, [] {}, [this, name] { hands_->key(name, false); }, [] {}});
+    act({[this, name] { hands_->key(name, true); }, [] {}, [this, name] { hands_->key(name, false); },
+         [] {}});
   }
   // Where LIVEGS_TEST_PICTURES says, to be looked at.
   void keep(const std::string& name) {
-    step(name, [this, name](const Image& shown) { return write_png(pictures_ / (name + ".png"), shown).has_value(); });
+    step(name, [this, name](const Image& shown) {
+      return write_png(pictures_ / (name + ".png"), shown).has_value();
+    });
   }
   void close() {
     act({[this] { hands_->close(); }});
@@ -76,14 +79,19 @@ class WindowHands : public Programs {
     if (begun_ns_ == 0) begun_ns_ = now_ns();
     if (now_ < steps_.size() && steps_[now_].done(shown)) ++now_;
     if (seconds_from_ns(now_ns() - begun_ns_) < kPatience_s) return;
-    (void)write_png(pictures_ / (std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + "_in_vain.png"), shown);
+    (void)write_png(
+        pictures_ /
+            (std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + "_in_vain.png"),
+        shown);
     interrupted = true;
   }
   void expect_all_done() const {
-    EXPECT_EQ(now_, steps_.size()) << "it waited in vain: " << (now_ < steps_.size() ? steps_[now_].name : "");
+    EXPECT_EQ(now_, steps_.size()) << "it waited in vain: "
+                                   << (now_ < steps_.size() ? steps_[now_].name : "");
   }
 
-  std::filesystem::path pictures_ = std::getenv("LIVEGS_TEST_PICTURES") ? std::getenv("LIVEGS_TEST_PICTURES") : folder_ / "";
+  std::filesystem::path pictures_ =
+      std::getenv("LIVEGS_TEST_PICTURES") ? std::getenv("LIVEGS_TEST_PICTURES") : folder_ / "";
   std::unique_ptr<Screen> screen_;
   std::string display_;
   std::unique_ptr<XHands> hands_;
@@ -100,14 +108,16 @@ class WindowHands : public Programs {
 };
 
 inline bool is_colour(const float* pixel, int r, int g, int b) {
-  return std::abs(255 * pixel[0] - static_cast<float>(r)) < 2.5f && std::abs(255 * pixel[1] - static_cast<float>(g)) < 2.5f &&
+  return std::abs(255 * pixel[0] - static_cast<float>(r)) < 2.5f &&
+         std::abs(255 * pixel[1] - static_cast<float>(g)) < 2.5f &&
          std::abs(255 * pixel[2] - static_cast<float>(b)) < 2.5f;
 }
 
 inline Image cropped(const Image& from, int left, int top, int right, int bottom) {
   Image part{right - left, bottom - top, {}};
   part.pixels.resize(size_t{4} * part.width * part.height);
-  for (int y = top; y < bottom; ++y) std::copy(from.at(left, y), from.at(left, y) + 4 * part.width, part.at(0, y - top));
+  for (int y = top; y < bottom; ++y)
+    std::copy(from.at(left, y), from.at(left, y) + 4 * part.width, part.at(0, y - top));
   return part;
 }
 
@@ -122,7 +132,8 @@ inline Image side_by_side(const std::vector<Image>& parts) {
   all.pixels.assign(size_t{4} * all.width * all.height, 1.0f);
   int left = 0;
   for (const Image& part : parts) {
-    for (int y = 0; y < part.height; ++y) std::copy(part.at(0, y), part.at(0, y) + 4 * part.width, all.at(left, y));
+    for (int y = 0; y < part.height; ++y)
+      std::copy(part.at(0, y), part.at(0, y) + 4 * part.width, all.at(left, y));
     left += part.width + kGap;
   }
   return all;
@@ -143,7 +154,8 @@ inline std::vector<int> widgets(const Image& image, int x, int r, int g, int b) 
   return middles;
 }
 
-// Of a row of buttons, from the left, the middle of each: the colour of window_style.cpp's Button, under the text.
+// Of a row of buttons, from the left, the middle of each: the colour of window_style.cpp's Button, under the
+// text.
 inline std::vector<int> buttons_along(const Image& image, int y, int left, int right) {
   std::vector<int> middles;
   int from = -1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A window that is closed, and a client that is interrupted, while the scene is still on its way over a slow network. Xvfb.
+// A window that is closed, and a client that is interrupted, while the scene is still on its way over a slow
+// network. Xvfb.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -30,17 +31,34 @@ class WhileItLoads : public Programs {
     network_ = std::make_unique<FaultProxy>(std::stoi(port));
     address_ = "127.0.0.1:" + std::to_string(network_->port());
   }
-  std::unique_ptr<Program> client(const std::string& display, std::vector<std::string> more = {}, const std::string& size = "480x320") {
-    std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + screen_->display, LIVEGS_CLIENT, address_, "--display", display,
-                                      "--cache", folder_ / "cache", "--threads", "1", "--size", size, "--renderer", "cpu",
-                                      "--connect-timeout", "600", "--output", folder_ / "view"};
+  std::unique_ptr<Program> client(const std::string& display, std::vector<std::string> more = {},
+                                  const std::string& size = "480x320") {
+    std::vector<std::string> words = {"/usr/bin/env",
+                                      "DISPLAY=" + screen_->display,
+                                      LIVEGS_CLIENT,
+                                      address_,
+                                      "--display",
+                                      display,
+                                      "--cache",
+                                      folder_ / "cache",
+                                      "--threads",
+                                      "1",
+                                      "--size",
+                                      size,
+                                      "--renderer",
+                                      "cpu",
+                                      "--connect-timeout",
+                                      "600",
+                                      "--output",
+                                      folder_ / "view"};
     words.insert(words.end(), more.begin(), more.end());
     return std::make_unique<Program>(words);
   }
   template <class Happened>
   bool wait_for(Happened happened) {
     const int64_t begun_ns = now_ns();
-    while (!happened() && seconds_from_ns(now_ns() - begun_ns) < kPatience_s) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    while (!happened() && seconds_from_ns(now_ns() - begun_ns) < kPatience_s)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
     return happened();
   }
   // Part of an asset, and by no means all, has come.
@@ -48,7 +66,8 @@ class WhileItLoads : public Programs {
     return wait_for([&] {
       std::error_code error;
       for (const auto& entry : std::filesystem::directory_iterator(folder_ / "cache", error)) {
-        if (entry.path().extension() == ".part" && std::filesystem::file_size(entry.path(), error) > 10'000) return true;
+        if (entry.path().extension() == ".part" && std::filesystem::file_size(entry.path(), error) > 10'000)
+          return true;
       }
       return false;
     });
@@ -66,7 +85,8 @@ class WhileItLoads : public Programs {
       bool blue = false;
       for (int y = image.height / 4; y < 3 * image.height / 4; ++y) {
         const float* pixel = image.at(x, y);
-        blue = blue || (std::abs(255 * pixel[0] - 110) < 12 && std::abs(255 * pixel[1] - 170) < 12 && std::abs(255 * pixel[2] - 230) < 12);
+        blue = blue || (std::abs(255 * pixel[0] - 110) < 12 && std::abs(255 * pixel[1] - 170) < 12 &&
+                        std::abs(255 * pixel[2] - 230) < 12);
       }
       filled += blue;
     }
@@ -100,7 +120,8 @@ TEST_F(WhileItLoads, TheWindowSaysHowFarItIsAndCanBeClosed) {
 // What a window says before there is a scene and once its server was killed, side by side.
 TEST_F(WhileItLoads, TheSameWindowOutlivesItsServer) {
   network_->set_link({.mbit_s = kSlow_mbit_s});
-  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.75, 0.5, 1.6], "look_at_m": [-0.75, 0.25, 0],
+  const std::string camera =
+      folder_.write("camera.json", R"({ "position_m": [-0.75, 0.5, 1.6], "look_at_m": [-0.75, 0.25, 0],
                                                               "vertical_fov_deg": 40 })");
   const auto window = client("window", {"--camera", camera}, "690x460");
   ASSERT_TRUE(has_window()) << window->err();
@@ -108,7 +129,8 @@ TEST_F(WhileItLoads, TheSameWindowOutlivesItsServer) {
   const auto orange = [](const Image& image) {
     size_t count = 0;
     for (int y = 0; y < image.height; ++y) {
-      for (int x = 315; x < image.width; ++x) count += image.at(x, y)[0] > 0.4f && image.at(x, y)[0] > 1.7f * image.at(x, y)[2];
+      for (int x = 315; x < image.width; ++x)
+        count += image.at(x, y)[0] > 0.4f && image.at(x, y)[0] > 1.7f * image.at(x, y)[2];
     }
     return count;
   };
@@ -120,7 +142,8 @@ TEST_F(WhileItLoads, TheSameWindowOutlivesItsServer) {
   ASSERT_TRUE(wait_for([&] { return notice_pixels(gone = hands_->picture()) > 100; })) << window->err();
   EXPECT_GT(orange(gone), 2000u);
   const char* folder = std::getenv("LIVEGS_TEST_PICTURES");
-  ASSERT_TRUE(write_png(std::filesystem::path(folder ? folder : folder_ / "") / "window_notices.png", side_by_side({loading, gone})));
+  ASSERT_TRUE(write_png(std::filesystem::path(folder ? folder : folder_ / "") / "window_notices.png",
+                        side_by_side({loading, gone})));
   hands_->close();
   EXPECT_EQ(window->wait(), 0) << window->err();
 }

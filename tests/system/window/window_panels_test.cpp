@@ -42,13 +42,17 @@ class WindowPanelClicks : public WindowClicks {
       v1::AnalysisRecord record;
       record.set_model("seer-1");
       record.set_review("its mass is far from what its size says");
-      const auto logged = log_proposal(physics_file_path(scene.parent_path() / scene.stem(), name), proposed, record);
+      const auto logged =
+          log_proposal(physics_file_path(scene.parent_path() / scene.stem(), name), proposed, record);
       ASSERT_TRUE(logged) << logged.error().message;
     }
   }
   // The tick box of what is rigid: its left edge, where no tick is.
-  static std::vector<int> tick_boxes(const Image& shown) { return widgets(shown, kObjectsPanel - 3, 46, 51, 61); }
-  // Buttons of the panel, row by row; Accept and Decline stand in the first of two, Undo and what is beside it in the last.
+  static std::vector<int> tick_boxes(const Image& shown) {
+    return widgets(shown, kObjectsPanel - 3, 46, 51, 61);
+  }
+  // Buttons of the panel, row by row; Accept and Decline stand in the first of two, Undo and what is beside
+  // it in the last.
   static size_t button_rows(const Image& shown) { return buttons(shown, kObjectsPanel).size(); }
   void click_button(const std::string& name, size_t place) {
     click(name, [place](const Image& shown) -> std::optional<Eigen::Vector2d> {
@@ -64,7 +68,8 @@ class WindowPanelClicks : public WindowClicks {
     move(600, 30);  // no mark on it
     pictures(3);    // a panel takes a picture to fit itself to what it holds
   }
-  const Eigen::Vector3d cushion_{-0.3, 0.12, -0.1}, crate_{0.1, 0.15, 0.05}, parcel_{-0.15, 0.1, 0.4}, cup_{0.1, 0.06, 0.345};
+  const Eigen::Vector3d cushion_{-0.3, 0.12, -0.1}, crate_{0.1, 0.15, 0.05}, parcel_{-0.15, 0.1, 0.4},
+      cup_{0.1, 0.06, 0.345};
 };
 
 TEST_F(WindowPanelClicks, FragileOffAndOnAgain) {
@@ -72,7 +77,8 @@ TEST_F(WindowPanelClicks, FragileOffAndOnAgain) {
   ASSERT_TRUE(fragile());
   const auto tick_box = [&](const Image& shown) -> std::optional<Eigen::Vector2d> {
     const auto there = tick_boxes(shown);
-    return there.size() == 1 ? std::optional(Eigen::Vector2d(kObjectsPanel + 4, there.front())) : std::nullopt;
+    return there.size() == 1 ? std::optional(Eigen::Vector2d(kObjectsPanel + 4, there.front()))
+                             : std::nullopt;
   };
   open("cup", cup_);
   step("one tick box", [&](const Image& shown) { return tick_boxes(shown).size() == 1; });
@@ -149,7 +155,10 @@ TEST_F(WindowPanelClicks, TheGraphAndTheLatencyLineShowNumbers) {
     EXPECT_GT(*std::max_element(values_ms->begin(), values_ms->end()), 0);
   }
   double hand_ms = 0, skin_ms = -1, render_ms = 0;
-  ASSERT_EQ(std::sscanf(run.latency.c_str(), "hand to picture %lf ms\nskin %lf ms, render %lf ms", &hand_ms, &skin_ms, &render_ms), 3) << run.latency;
+  ASSERT_EQ(std::sscanf(run.latency.c_str(), "hand to picture %lf ms\nskin %lf ms, render %lf ms", &hand_ms,
+                        &skin_ms, &render_ms),
+            3)
+      << run.latency;
   EXPECT_GT(hand_ms, 0);
   EXPECT_GE(skin_ms, 0);
   EXPECT_GT(render_ms, 0);
@@ -169,7 +178,9 @@ TEST_F(WindowPanelClicks, TheGraphAndTheLatencyLineShowNumbers) {
   ASSERT_GT(top, 0);
   EXPECT_NEAR(bottom - top, kGraphHeight, 6);  // without rows that a line fills
   const auto blue = [](const float* pixel) { return pixel[2] > 0.5f && pixel[2] > 1.5f * pixel[0]; };
-  const auto green = [](const float* pixel) { return pixel[1] > 0.45f && pixel[1] > 1.3f * pixel[0] && pixel[1] > 1.2f * pixel[2]; };
+  const auto green = [](const float* pixel) {
+    return pixel[1] > 0.45f && pixel[1] > 1.3f * pixel[0] && pixel[1] > 1.2f * pixel[2];
+  };
   const auto orange = [](const float* pixel) { return pixel[0] > 0.5f && pixel[0] > 1.5f * pixel[2]; };
   const int half = (kGraphRight - kGraphLeft) / 2;
   EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, top, bottom, blue), half);    // pictures
@@ -179,7 +190,9 @@ TEST_F(WindowPanelClicks, TheGraphAndTheLatencyLineShowNumbers) {
   for (const auto& hue : std::vector<std::function<bool(const float*)>>{blue, green, orange}) {
     EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, bottom + 4, bottom + 24, hue), 30);
   }
-  const auto dim = [](const float* pixel) { return pixel[0] > 0.4f && pixel[2] > 0.4f && std::abs(pixel[0] - pixel[2]) < 0.12f; };
+  const auto dim = [](const float* pixel) {
+    return pixel[0] > 0.4f && pixel[2] > 0.4f && std::abs(pixel[0] - pixel[2]) < 0.12f;
+  };
   EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, bottom + 26, bottom + 44, dim), 40);
   EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, bottom + 44, bottom + 62, dim), 40);
 }
@@ -202,7 +215,8 @@ int panel_ends(const Image& image, int left) {
   return y;
 }
 
-// Run and, side by side, Objects with an elastic, a fragile and a proposed thing selected: each another, with text to its end.
+// Run and, side by side, Objects with an elastic, a fragile and a proposed thing selected: each another, with
+// text to its end.
 TEST_F(WindowPanelClicks, EveryPanelIsSeen) {
   std::vector<Image> shown;
   const auto take = [&](const char* name) {

@@ -16,7 +16,8 @@ class WindowReplay : public WindowHands {
     Program server(server_words({"--record", file(), "--record-assets", "--wait-for-client"}));
     const std::string port = server.first_line();
     ASSERT_NE(port, "") << server.err();
-    Program client(client_words(port, {"--seconds", "7", "--poke", "box", "--no-video", "--every", "0", "--renderer", "cpu"}));
+    Program client(client_words(
+        port, {"--seconds", "7", "--poke", "box", "--no-video", "--every", "0", "--renderer", "cpu"}));
     ASSERT_EQ(client.wait(), 0) << client.err();
     server.send(SIGTERM);
     ASSERT_EQ(server.wait(), 0) << server.err();
@@ -30,7 +31,8 @@ class WindowReplay : public WindowHands {
     options.renderer = RendererChoice::Cpu;
     options.size = PictureSize{kWidth, kHeight};
     options.full_size = true;
-    options.camera_file = folder_.write("camera.json", R"({ "position_m": [-0.05, 0.5, 2.2], "look_at_m": [-0.05, 0.25, 0],
+    options.camera_file =
+        folder_.write("camera.json", R"({ "position_m": [-0.05, 0.5, 2.2], "look_at_m": [-0.05, 0.25, 0],
                                                             "vertical_fov_deg": 40 })");
     std::atomic<bool> interrupted{false};
     options.on_picture = [&](const Image& shown, const ReplayOptions::Moment& moment) {
@@ -43,7 +45,9 @@ class WindowReplay : public WindowHands {
   }
   // Until it shows this moment, in seconds.
   void wait_until(const std::string& name, double low_s, double high_s) {
-    step(name, [this, low_s, high_s](const Image&) { return moment_.shown_s >= low_s && moment_.shown_s <= high_s; });
+    step(name, [this, low_s, high_s](const Image&) {
+      return moment_.shown_s >= low_s && moment_.shown_s <= high_s;
+    });
   }
   ReplayOptions::Moment moment_;
 };
@@ -66,9 +70,7 @@ TEST_F(WindowReplay, HaltsStepsAndSeeks) {
   if (HasFatalFailure()) return;
   double at_s = 0;
   Image begin, now;
-  const auto remember = [&] {
-    step("a moment", [&](const Image&) { return at_s = moment_.shown_s, true; });
-  };
+  const auto remember = [&] { step("a moment", [&](const Image&) { return at_s = moment_.shown_s, true; }); };
   // It plays by itself. Halted, it stands still, and a step is one tick.
   step("the beginning", [&](const Image& shown) { return begin = shown, moment_.shown_s == 0; });
   wait_until("it to play", 0.3, 100);
@@ -79,7 +81,8 @@ TEST_F(WindowReplay, HaltsStepsAndSeeks) {
   pictures(5);
   step("stillness", [&](const Image&) { return moment_.shown_s == at_s; });
   press_key("period");
-  step("the tick after it", [&](const Image&) { return moment_.shown_s > at_s && moment_.shown_s < at_s + 1.001 / 90; });
+  step("the tick after it",
+       [&](const Image&) { return moment_.shown_s > at_s && moment_.shown_s < at_s + 1.001 / 90; });
   remember();
   press_key("period");
   step("one tick", [&](const Image&) { return std::abs(moment_.shown_s - at_s - 1.0 / 90) < 1e-6; });

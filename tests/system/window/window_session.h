@@ -41,7 +41,8 @@ class Watcher final : public StreamSink {
     seen_.run = frame.run;
     for (const ObjectDrivers& drivers : frame.drivers->objects) {
       const auto name = names_.find(drivers.object_id);
-      if (name != names_.end() && !drivers.poses.empty()) seen_.places[name->second] = drivers.poses[0].position_m;
+      if (name != names_.end() && !drivers.poses.empty())
+        seen_.places[name->second] = drivers.poses[0].position_m;
     }
   }
   void on_object_added(StreamedObject object) override {
@@ -132,9 +133,13 @@ class WindowClicks : public WindowHands {
   }
 
   // window_style.cpp: FrameBg and Button; the panels' places: draw_panels.cpp.
-  static constexpr int kRunPanel = 10 + 12 + 4, kObjectsPanel = kWidth - 10 - 390 + 12 + 4;  // the left ends of their first buttons
-  static constexpr double kSliderLeft = kWidth - 10 - 390 + 0.45 * 366, kSliderRight = kSliderLeft + 0.55 * 366 - 84 - 8 + 12;
-  static std::vector<int> fields(const Image& image) { return widgets(image, kWidth - 10 - 12 - 3, 46, 51, 61); }
+  static constexpr int kRunPanel = 10 + 12 + 4,
+                       kObjectsPanel = kWidth - 10 - 390 + 12 + 4;  // the left ends of their first buttons
+  static constexpr double kSliderLeft = kWidth - 10 - 390 + 0.45 * 366,
+                          kSliderRight = kSliderLeft + 0.55 * 366 - 84 - 8 + 12;
+  static std::vector<int> fields(const Image& image) {
+    return widgets(image, kWidth - 10 - 12 - 3, 46, 51, 61);
+  }
   static std::vector<int> buttons(const Image& image, int x) { return widgets(image, x, 56, 77, 99); }
   // The row of Pause, Step and Reset; one that the pointer is on has another colour.
   std::optional<int> run_row(const Image& shown) {

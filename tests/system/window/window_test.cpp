@@ -17,8 +17,8 @@
 
 #include "core/file.h"
 #include "splat/image.h"
-#include "system/window/panel_text.h"
 #include "system/programs/programs_fixture.h"
+#include "system/window/panel_text.h"
 #include "system/window/screen.h"
 
 namespace livegs {
@@ -29,9 +29,12 @@ class Window : public Programs {
   std::string size_ = "1280x800";
   std::vector<std::string> window_words(const std::string& display, const std::string& port,
                                         std::vector<std::string> more = {}) {
-    std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + display, LIVEGS_CLIENT, "127.0.0.1:" + port,
-                                      "--display",    "window",             "--size",      size_,
-                                      "--cache",      folder_ / "cache",    "--threads",   "2"};
+    std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + display,
+                                      LIVEGS_CLIENT,  "127.0.0.1:" + port,
+                                      "--display",    "window",
+                                      "--size",       size_,
+                                      "--cache",      folder_ / "cache",
+                                      "--threads",    "2"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
@@ -89,9 +92,10 @@ void expect_drawn_by_vulkan(Program& window) {
   EXPECT_EQ(window.err().find("the processor draws"), std::string::npos) << window.err();
 }
 
-// The first screenshot from number `from` on of which this is true, while they are being written; those before the newest are
-// written to their end.
-std::optional<Image> first_shot(const std::filesystem::path& folder, int from, int& newest, const std::function<bool(const Image&)>& wanted) {
+// The first screenshot from number `from` on of which this is true, while they are being written; those
+// before the newest are written to their end.
+std::optional<Image> first_shot(const std::filesystem::path& folder, int from, int& newest,
+                                const std::function<bool(const Image&)>& wanted) {
   const auto name = [&](int number) {
     char text[32];
     std::snprintf(text, sizeof text, "window_%03d.png", number);
@@ -120,9 +124,12 @@ void keep(const char* name, const Image& image) {
 TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
   const std::filesystem::path shots = folder_ / "shots";
   // The box between the panels.
-  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.3, 0.4, 1.8], "look_at_m": [-0.3, 0.3, 0],
+  const std::string camera =
+      folder_.write("camera.json", R"({ "position_m": [-0.3, 0.4, 1.8], "look_at_m": [-0.3, 0.3, 0],
                                                               "vertical_fov_deg": 40 })");
-  Program window(window_words(display_, port_, {"--poke", "box", "--output", shots.string(), "--every", "1", "--renderer", "cpu", "--camera", camera}));
+  Program window(window_words(display_, port_,
+                              {"--poke", "box", "--output", shots.string(), "--every", "1", "--renderer",
+                               "cpu", "--camera", camera}));
   int newest = 0;
   const auto before = first_shot(shots, 0, newest, [](const Image&) { return true; });
   ASSERT_TRUE(before) << window.err();
@@ -139,7 +146,9 @@ TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
     return most_changed > 2000 && most_force > 200;
   });
   EXPECT_TRUE(pulled) << window.err() << most_changed << " pixels changed, an arrow of " << most_force;
-  EXPECT_TRUE(first_shot(shots, newest + 1, newest, [](const Image& image) { return force_pixels(image) == 0; })) << window.err();
+  EXPECT_TRUE(first_shot(shots, newest + 1, newest, [](const Image& image) {
+    return force_pixels(image) == 0;
+  })) << window.err();
   window.send(SIGINT);
   EXPECT_EQ(window.wait(), 0) << window.err();
 
@@ -147,10 +156,12 @@ TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
   EXPECT_EQ(server_->wait(), 0) << server_->err();
 }
 
-// The same scene at rest by both renderers, at the size of the window, beside the one panel that it is wide enough for.
+// The same scene at rest by both renderers, at the size of the window, beside the one panel that it is wide
+// enough for.
 TEST_F(WindowOnADisplay, VulkanShowsWhatTheCpuShows) {
   size_ = "690x300";
-  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.35, 0.5, 1.5], "look_at_m": [-0.35, 0.1, 0],
+  const std::string camera =
+      folder_.write("camera.json", R"({ "position_m": [-0.35, 0.5, 1.5], "look_at_m": [-0.35, 0.1, 0],
                                                               "vertical_fov_deg": 40 })");
   const auto same = [](const Image& a, const Image& b) {
     for (int y = 0; y < a.height; ++y) {
@@ -161,7 +172,9 @@ TEST_F(WindowOnADisplay, VulkanShowsWhatTheCpuShows) {
   // One that the three after it are bit by bit: nothing moves any more.
   const auto at_rest = [&](const std::string& renderer) -> std::optional<Image> {
     const std::filesystem::path shots = folder_ / renderer;
-    Program window(window_words(display_, port_, {"--renderer", renderer, "--full-size", "--camera", camera, "--output", shots.string(), "--every", "2"}));
+    Program window(window_words(display_, port_,
+                                {"--renderer", renderer, "--full-size", "--camera", camera, "--output",
+                                 shots.string(), "--every", "2"}));
     Image last;
     int newest = 0, still = 0;
     auto rests = first_shot(shots, 0, newest, [&](const Image& image) {
@@ -200,9 +213,12 @@ TEST_F(WindowOnADisplay, VulkanShowsWhatTheCpuShows) {
 TEST_F(WindowOnADisplay, VulkanShowsAPull) {
   size_ = "690x300";
   const std::filesystem::path shots = folder_ / "shots";
-  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.6, 0.4, 1.8], "look_at_m": [-0.6, 0.3, 0],
+  const std::string camera =
+      folder_.write("camera.json", R"({ "position_m": [-0.6, 0.4, 1.8], "look_at_m": [-0.6, 0.3, 0],
                                                               "vertical_fov_deg": 40 })");
-  Program window(window_words(display_, port_, {"--poke", "box", "--renderer", "vulkan", "--camera", camera, "--output", shots.string(), "--every", "1"}));
+  Program window(window_words(display_, port_,
+                              {"--poke", "box", "--renderer", "vulkan", "--camera", camera, "--output",
+                               shots.string(), "--every", "1"}));
   int newest = 0;
   const auto before = first_shot(shots, 0, newest, [](const Image&) { return true; });
   ASSERT_TRUE(before) << window.err();
@@ -213,23 +229,28 @@ TEST_F(WindowOnADisplay, VulkanShowsAPull) {
   });
   ASSERT_TRUE(pulled) << window.err();
   keep("vulkan_pulled.png", *pulled);
-  const auto after = first_shot(shots, newest + 1, newest, [](const Image& image) { return force_pixels(image) == 0; });
+  const auto after =
+      first_shot(shots, newest + 1, newest, [](const Image& image) { return force_pixels(image) == 0; });
   EXPECT_TRUE(after) << window.err();
   window.send(SIGINT);
   EXPECT_EQ(window.wait(), 0) << window.err();
   expect_drawn_by_vulkan(window);
 }
 
-// A device without room for all kernels, and one without room for any: the window says so in the picture, and goes on.
+// A device without room for all kernels, and one without room for any: the window says so in the picture, and
+// goes on.
 TEST_F(WindowOnADisplay, SaysThatTheDeviceIsFull) {
   size_ = "690x300";
-  for (const auto& [megabytes, notice] : {std::pair("5", "% of the kernels; the rest is not drawn"), std::pair("0.05", "; the processor draws from here on")}) {
+  for (const auto& [megabytes, notice] : {std::pair("5", "% of the kernels; the rest is not drawn"),
+                                          std::pair("0.05", "; the processor draws from here on")}) {
     const std::filesystem::path shots = folder_ / megabytes;
-    std::vector<std::string> words = window_words(display_, port_, {"--renderer", "vulkan", "--output", shots.string(), "--every", "1"});
+    std::vector<std::string> words =
+        window_words(display_, port_, {"--renderer", "vulkan", "--output", shots.string(), "--every", "1"});
     words.insert(words.begin() + 1, std::string("LIVEGS_VULKAN_MEMORY_MB=") + megabytes);
     Program window(words);
     int newest = 0;
-    const auto told = first_shot(shots, 0, newest, [](const Image& image) { return notice_pixels(image) > 100; });
+    const auto told =
+        first_shot(shots, 0, newest, [](const Image& image) { return notice_pixels(image) > 100; });
     EXPECT_TRUE(told) << window.err();
     if (told) keep((std::string("full_") + megabytes + ".png").c_str(), *told);
     window.send(SIGINT);
@@ -240,12 +261,15 @@ TEST_F(WindowOnADisplay, SaysThatTheDeviceIsFull) {
 
 // The panel of an object: text from top to bottom on the right, none of it beyond the panel.
 TEST_F(WindowOnADisplay, ShowsWhatAThingIsMadeOf) {
-  const auto shown = [&](const std::string& name, std::vector<std::string> more, const std::function<bool(const Image&)>& wanted) {
+  const auto shown = [&](const std::string& name, std::vector<std::string> more,
+                         const std::function<bool(const Image&)>& wanted) {
     const std::filesystem::path shots = folder_ / name;
     more.insert(more.end(), {"--output", shots.string(), "--every", "1"});
     Program window(window_words(display_, port_, more));
     int newest = 0;
-    auto found = first_shot(shots, 0, newest, [&](const Image& image) { return text_pixels(image, 10, 310, 10, 400) > 1000 && wanted(image); });  // the other panel
+    auto found = first_shot(shots, 0, newest, [&](const Image& image) {
+      return text_pixels(image, 10, 310, 10, 400) > 1000 && wanted(image);
+    });  // the other panel
     EXPECT_TRUE(found) << window.err();
     window.send(SIGINT);
     EXPECT_EQ(window.wait(), 0) << window.err();
@@ -254,12 +278,14 @@ TEST_F(WindowOnADisplay, ShowsWhatAThingIsMadeOf) {
   const auto text = [](const Image& image) { return text_pixels(image, 880, 1270, 120, 790); };
   const auto closed = shown("plain", {}, [](const Image&) { return true; });
   ASSERT_TRUE(closed);
-  const auto open = shown("selected", {"--select", "cube"}, [&](const Image& image) { return text(image) > text(*closed) + 2000; });
+  const auto open = shown("selected", {"--select", "cube"},
+                          [&](const Image& image) { return text(image) > text(*closed) + 2000; });
   ASSERT_TRUE(open);
   EXPECT_EQ(text_pixels(*open, 1271, 1280, 0, 800), 0u);
 }
 
-// In a narrow window the panel that was asked for is open, the other a bar above it, and to their right the scene is seen.
+// In a narrow window the panel that was asked for is open, the other a bar above it, and to their right the
+// scene is seen.
 TEST_F(WindowOnADisplay, ANarrowWindowHasOnePanelOpen) {
   size_ = "640x480";
   for (const bool selects : {false, true}) {
@@ -269,14 +295,16 @@ TEST_F(WindowOnADisplay, ANarrowWindowHasOnePanelOpen) {
     Program window(window_words(display_, port_, more));
     int newest = 0;
     const auto found = first_shot(shots, 0, newest, [&](const Image& image) {
-      return text_pixels(image, 10, 310, 60, 470) > 1000 && (text_pixels(image, 311, 400, 60, 375) > 100) == selects;
+      return text_pixels(image, 10, 310, 60, 470) > 1000 &&
+             (text_pixels(image, 311, 400, 60, 375) > 100) == selects;
     });
     ASSERT_TRUE(found) << window.err();
     const Image& last = *found;
     window.send(SIGINT);
     EXPECT_EQ(window.wait(), 0) << window.err();
     if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
-      EXPECT_TRUE(write_png(std::filesystem::path(folder) / (selects ? "narrow_selected.png" : "narrow.png"), last));
+      EXPECT_TRUE(
+          write_png(std::filesystem::path(folder) / (selects ? "narrow_selected.png" : "narrow.png"), last));
     }
     // Run is 300 px wide and Objects 390; it holds the text that is there.
     EXPECT_GT(text_pixels(last, 10, 310, 60, 470), 1000u);
@@ -288,10 +316,12 @@ TEST_F(WindowOnADisplay, ANarrowWindowHasOnePanelOpen) {
 
 // The elastic study: a force of a size, in a direction, at a point, for a time, as a video with its sentence.
 TEST_F(WindowOnADisplay, RecordsAForceWithItsSentence) {
-  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
+  if (!std::filesystem::exists("/usr/bin/ffmpeg"))
+    GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
-  Program window(window_words(display_, port_, {"--force", "cube:0,0.1,0:10,0,0:0.3", "--output", study.string()}));
+  Program window(
+      window_words(display_, port_, {"--force", "cube:0,0.1,0:10,0,0:0.3", "--output", study.string()}));
   EXPECT_EQ(window.wait(), 0) << window.err();
   const auto sentence = read_file(study / "study_001.txt");
   ASSERT_TRUE(sentence) << window.err();
@@ -303,18 +333,23 @@ TEST_F(WindowOnADisplay, RecordsAForceWithItsSentence) {
   EXPECT_GT(std::filesystem::file_size(study / "study_001.mp4"), 2000u);
 }
 
-// What the video shows moves: 40 N lift a cube of 2.4 kg, and in the middle of the video it is still in the air.
+// What the video shows moves: 40 N lift a cube of 2.4 kg, and in the middle of the video it is still in the
+// air.
 TEST_F(WindowOnADisplay, TheVideoShowsTheThingThatMoves) {
-  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
+  if (!std::filesystem::exists("/usr/bin/ffmpeg"))
+    GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
-  const std::string camera = folder_.write("camera.json", R"({ "position_m": [0, 0.5, 2.4], "look_at_m": [0, 0.4, 0],
+  const std::string camera =
+      folder_.write("camera.json", R"({ "position_m": [0, 0.5, 2.4], "look_at_m": [0, 0.4, 0],
                                                               "vertical_fov_deg": 40 })");
-  Program window(window_words(display_, port_, {"--force", "cube:0,0.1,0:0,40,0:0.3", "--output", study.string(), "--renderer", "cpu",
-                                                "--camera", camera}));
+  Program window(window_words(display_, port_,
+                              {"--force", "cube:0,0.1,0:0,40,0:0.3", "--output", study.string(), "--renderer",
+                               "cpu", "--camera", camera}));
   EXPECT_EQ(window.wait(), 0) << window.err();
   // 2.3 s, 30 pictures a second; when in them the force begins hangs on how long the server took to answer.
-  Program frames({"/usr/bin/ffmpeg", "-v", "error", "-i", (study / "study_001.mp4").string(), "-vsync", "0", (study / "window_%03d.png").string()});
+  Program frames({"/usr/bin/ffmpeg", "-v", "error", "-i", (study / "study_001.mp4").string(), "-vsync", "0",
+                  (study / "window_%03d.png").string()});
   ASSERT_EQ(frames.wait(), 0) << frames.err();
   struct Cube {
     double y = 0;
@@ -354,28 +389,38 @@ TEST_F(WindowOnADisplay, TheVideoShowsTheThingThatMoves) {
 
 // Several points at once.
 TEST_F(WindowOnADisplay, RecordsForcesOnSeveralPoints) {
-  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
+  if (!std::filesystem::exists("/usr/bin/ffmpeg"))
+    GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
-  Program window(window_words(display_, port_, {"--force", "cube:0.1,0.1,0.1:10,0,0:0.3", "--force", "cube:0.1,0.1,-0.1:10,0,0:0.3",
-                                                "--force", "box:0,0.1,0:0,1,0:1", "--output", study.string()}));
+  Program window(
+      window_words(display_, port_,
+                   {"--force", "cube:0.1,0.1,0.1:10,0,0:0.3", "--force", "cube:0.1,0.1,-0.1:10,0,0:0.3",
+                    "--force", "box:0,0.1,0:0,1,0:1", "--output", study.string()}));
   EXPECT_EQ(window.wait(), 0) << window.err();
   const auto sentence = read_file(study / "study_001.txt");
   ASSERT_TRUE(sentence) << window.err();
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(sentence->data()), sentence->size()),
-            "Apply a force of 10 newtons to the cube for 0.3 seconds at 2 points, and a force of 1 newton to the box for 1 second.\n");
+            "Apply a force of 10 newtons to the cube for 0.3 seconds at 2 points, and a force of 1 newton to "
+            "the box for 1 second.\n");
   const auto json = read_file(study / "study_001.json");
   ASSERT_TRUE(json);
-  EXPECT_EQ(nlohmann::json::parse(reinterpret_cast<const char*>(json->data()), reinterpret_cast<const char*>(json->data()) + json->size()).size(), 3u);
+  EXPECT_EQ(nlohmann::json::parse(reinterpret_cast<const char*>(json->data()),
+                                  reinterpret_cast<const char*>(json->data()) + json->size())
+                .size(),
+            3u);
   EXPECT_GT(std::filesystem::file_size(study / "study_001.mp4"), 2000u);
 }
 
-// Before the first picture is drawn nothing is left; later the video has what was drawn, and a line says how much that is.
+// Before the first picture is drawn nothing is left; later the video has what was drawn, and a line says how
+// much that is.
 TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
-  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
+  if (!std::filesystem::exists("/usr/bin/ffmpeg"))
+    GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
   size_ = "640x480";
   const std::filesystem::path study = folder_ / "study";
-  const auto words = window_words(display_, port_, {"--force", "cube:0,0.1,0:1,0,0:3", "--output", study.string(), "--renderer", "cpu"});
+  const auto words = window_words(
+      display_, port_, {"--force", "cube:0,0.1,0:1,0,0:3", "--output", study.string(), "--renderer", "cpu"});
   const auto interrupt_at = [&](Program& window, const char* file, int signal_number) {
     for (int tries = 0; tries < 12'000 && !std::filesystem::exists(study / file); ++tries)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -384,7 +429,8 @@ TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
   };
   Program early(words);
   interrupt_at(early, "study_001.txt", SIGINT);
-  EXPECT_NE(early.err().find("--force: interrupted before the first picture"), std::string::npos) << early.err();
+  EXPECT_NE(early.err().find("--force: interrupted before the first picture"), std::string::npos)
+      << early.err();
   EXPECT_TRUE(std::filesystem::is_empty(study)) << early.err();
 
   Program late(words);
@@ -393,13 +439,17 @@ TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
   const size_t at = said.find("study_001.mp4 ends early, with ");
   ASSERT_NE(at, std::string::npos) << said;
   int drawn = 0, all = 0;
-  ASSERT_EQ(std::sscanf(said.c_str() + at, "study_001.mp4 ends early, with %d of %d pictures", &drawn, &all), 2) << said;
+  ASSERT_EQ(std::sscanf(said.c_str() + at, "study_001.mp4 ends early, with %d of %d pictures", &drawn, &all),
+            2)
+      << said;
   EXPECT_GE(drawn, 1);
   EXPECT_LT(drawn, all);
-  EXPECT_NEAR(all, 151, 5);  // half a second, three, one and a half, 30 a second; the force begins with the tick after it is asked for
-  for (const char* name : {"study_001.txt", "study_001.json", "study_001_camera.json"}) EXPECT_TRUE(std::filesystem::exists(study / name)) << name;
-  Program probe({"/usr/bin/ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-show_entries", "stream=nb_read_frames", "-of",
-                 "csv=p=0", (study / "study_001.mp4").string()});
+  EXPECT_NEAR(all, 151, 5);  // half a second, three, one and a half, 30 a second; the force begins with the
+                             // tick after it is asked for
+  for (const char* name : {"study_001.txt", "study_001.json", "study_001_camera.json"})
+    EXPECT_TRUE(std::filesystem::exists(study / name)) << name;
+  Program probe({"/usr/bin/ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-show_entries",
+                 "stream=nb_read_frames", "-of", "csv=p=0", (study / "study_001.mp4").string()});
   EXPECT_EQ(probe.wait(), 0) << probe.err();
   EXPECT_EQ(std::atoi(probe.out().c_str()), drawn) << probe.out();
 }
@@ -408,8 +458,9 @@ TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
 TEST_F(WindowOnADisplay, EndsWhenTheServerRefusesItsForce) {
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
-  Program window(window_words(display_, port_, {"--force", "cube:0,0.1,0:1,0,0:0.3", "--force", "cube:0,0.1,0:2e5,0,0:0.3",
-                                                "--output", study.string(), "--renderer", "cpu"}));
+  Program window(window_words(display_, port_,
+                              {"--force", "cube:0,0.1,0:1,0,0:0.3", "--force", "cube:0,0.1,0:2e5,0,0:0.3",
+                               "--output", study.string(), "--renderer", "cpu"}));
   EXPECT_EQ(window.wait(), 1);
   expect_one_line(window, "force.force_n: is too large");
   for (const auto& entry : std::filesystem::directory_iterator(study))
@@ -424,7 +475,8 @@ TEST_F(WindowOnADisplay, EndsWhenItMayOnlyWatch) {
   const std::string port = guarded.first_line();
   ASSERT_NE(port, "") << guarded.err();
   const auto ctl = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {LIVEGS_TOOL, "ctl", "--server", "127.0.0.1:" + port, "--state-dir", state};
+    std::vector<std::string> words = {LIVEGS_TOOL,         "ctl",         "--server",
+                                      "127.0.0.1:" + port, "--state-dir", state};
     words.insert(words.end(), more.begin(), more.end());
     Program program(words);
     EXPECT_EQ(program.wait(), 0) << program.err();
@@ -434,8 +486,10 @@ TEST_F(WindowOnADisplay, EndsWhenItMayOnlyWatch) {
   const std::string status = ctl({"status"});
   const size_t code = status.find("pairing code  ");
   ASSERT_NE(code, std::string::npos) << status;
-  Program window(window_words(display_, port, {"--force", "cube:0,0.1,0:1,0,0:0.3", "--output", study.string(), "--token-file", token,
-                                               "--pair", status.substr(code + 14, 29), "--state-dir", folder_ / "pins"}));
+  Program window(
+      window_words(display_, port,
+                   {"--force", "cube:0,0.1,0:1,0,0:0.3", "--output", study.string(), "--token-file", token,
+                    "--pair", status.substr(code + 14, 29), "--state-dir", folder_ / "pins"}));
   EXPECT_EQ(window.wait(), 1);
   EXPECT_NE(window.err().find("--force: "), std::string::npos) << window.err();
   EXPECT_FALSE(std::filesystem::exists(study / "study_001.txt"));
@@ -459,21 +513,27 @@ size_t changed_squares(const Image& a, const Image& b) {
           for (int c = 0; c < 3; ++c) difference[c] += (a.at(x, y)[c] - b.at(x, y)[c]) / (kSquare * kSquare);
         }
       }
-      count += std::any_of(std::begin(difference), std::end(difference), [](float one) { return std::abs(one) > 0.06f; });
+      count += std::any_of(std::begin(difference), std::end(difference),
+                           [](float one) { return std::abs(one) > 0.06f; });
     }
   }
   return count;
 }
 
-// The last picture stays, with a notice in red; a server that is started anew at its place is found, and the window ends as it
-// would have.
+// The last picture stays, with a notice in red; a server that is started anew at its place is found, and the
+// window ends as it would have.
 TEST_F(WindowOnADisplay, OutlivesItsServer) {
   const std::filesystem::path shots = folder_ / "shots";
-  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.3, 0.4, 1.8], "look_at_m": [-0.3, 0.3, 0],
+  const std::string camera =
+      folder_.write("camera.json", R"({ "position_m": [-0.3, 0.4, 1.8], "look_at_m": [-0.3, 0.3, 0],
                                                               "vertical_fov_deg": 40 })");
-  Program window(window_words(display_, port_, {"--renderer", "cpu", "--camera", camera, "--output", shots.string(), "--every", "4"}));
+  Program window(
+      window_words(display_, port_,
+                   {"--renderer", "cpu", "--camera", camera, "--output", shots.string(), "--every", "4"}));
   int newest = 0;
-  const auto shot = [&](int from, const std::function<bool(const Image&)>& wanted) { return first_shot(shots, from, newest, wanted); };
+  const auto shot = [&](int from, const std::function<bool(const Image&)>& wanted) {
+    return first_shot(shots, from, newest, wanted);
+  };
   ASSERT_TRUE(server_->says("streaming to")) << server_->err();
   const auto before = shot(5, [](const Image&) { return true; });
   ASSERT_TRUE(before) << window.err();
@@ -504,9 +564,14 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
 
 // Where nothing is said of a display it is a window where there is one to open it on, and pictures where not.
 TEST_F(WindowOnADisplay, IsOpenedWhereThereIsADisplayAndNothingIsSaid) {
-  std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + display_, LIVEGS_CLIENT, "127.0.0.1:" + port_, "--size", "320x240",
-                                    "--cache", folder_ / "cache", "--threads", "1", "--renderer", "cpu", "--seconds", "2",
-                                    "--output", folder_ / "auto"};
+  std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + display_,
+                                    LIVEGS_CLIENT,  "127.0.0.1:" + port_,
+                                    "--size",       "320x240",
+                                    "--cache",      folder_ / "cache",
+                                    "--threads",    "1",
+                                    "--renderer",   "cpu",
+                                    "--seconds",    "2",
+                                    "--output",     folder_ / "auto"};
   Program window(words);
   EXPECT_EQ(window.wait(), 0) << window.err();
   EXPECT_TRUE(std::filesystem::exists(folder_ / "auto" / "window_000.png")) << window.err();
@@ -529,15 +594,17 @@ TEST_F(WindowOnADisplay, IsOpenedWhereThereIsADisplayAndNothingIsSaid) {
 
 TEST_F(WindowOnADisplay, PlaysARecording) {
   const std::string file = folder_ / "session.lvgrec";
-  Program recording({LIVEGS_TOOL, "ctl", "--server", "127.0.0.1:" + port_, "record", "start", "--assets", file});
+  Program recording(
+      {LIVEGS_TOOL, "ctl", "--server", "127.0.0.1:" + port_, "record", "start", "--assets", file});
   ASSERT_EQ(recording.wait(), 0) << recording.err();
   Program client(client_words(port_, {"--seconds", "2", "--no-video", "--every", "0"}));
   ASSERT_EQ(client.wait(), 0) << client.err();
   server_->send(SIGTERM);
   ASSERT_EQ(server_->wait(), 0) << server_->err();
   // Ends by itself at its end, which is nearer than ten seconds.
-  Program window({"/usr/bin/env", "DISPLAY=" + display_, LIVEGS_CLIENT, "--replay", file, "--from", "0.5", "--seconds",
-                  "10", "--display", "window", "--size", "320x240", "--cache", folder_ / "empty", "--renderer", "cpu"});
+  Program window({"/usr/bin/env", "DISPLAY=" + display_, LIVEGS_CLIENT, "--replay", file, "--from", "0.5",
+                  "--seconds", "10", "--display", "window", "--size", "320x240", "--cache", folder_ / "empty",
+                  "--renderer", "cpu"});
   EXPECT_EQ(window.wait(), 0) << window.err();
   EXPECT_EQ(window.err().find("error"), std::string::npos) << window.err();
 }

@@ -97,16 +97,18 @@ void XHands::close() {
 Image XHands::picture() const {
   XWindowAttributes size{};
   // One that is not on the screen yet has none, and X would end who asks for it.
-  if (!XGetWindowAttributes(window_->display, window_->window, &size) || size.map_state != IsViewable) return {};
-  XImage* read = XGetImage(window_->display, window_->window, 0, 0, static_cast<unsigned>(size.width), static_cast<unsigned>(size.height),
-                           AllPlanes, ZPixmap);
+  if (!XGetWindowAttributes(window_->display, window_->window, &size) || size.map_state != IsViewable)
+    return {};
+  XImage* read = XGetImage(window_->display, window_->window, 0, 0, static_cast<unsigned>(size.width),
+                           static_cast<unsigned>(size.height), AllPlanes, ZPixmap);
   if (!read) return {};
   Image image{size.width, size.height, {}};
   image.pixels.assign(size_t{4} * size.width * size.height, 1.0f);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       const unsigned long pixel = XGetPixel(read, x, y);  // 24 bits: Screen has it so
-      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<float>((pixel >> (16 - 8 * c)) & 0xff) / 255.0f;
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y)[c] = static_cast<float>((pixel >> (16 - 8 * c)) & 0xff) / 255.0f;
     }
   }
   XDestroyImage(read);

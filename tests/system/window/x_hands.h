@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// The mouse and the keys of an X display, and an eye, for a test: pointer moves are real, presses are sent to one window. Each call
-// has reached that window's program when it returns.
+// The mouse and the keys of an X display, and an eye, for a test: pointer moves are real, presses are sent to
+// one window. Each call has reached that window's program when it returns.
 class XHands {
  public:
   // The window of this title on a display as ":7"; null while there is none.

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "analysis/model/chat/endpoint_quirks.h"
-#include "analysis/model/model_endpoint.h"
 #include "analysis/model/chat/model_server.h"
+#include "analysis/model/model_endpoint.h"
 #include "analysis/model/prompt_set.h"
 
 namespace livegs {

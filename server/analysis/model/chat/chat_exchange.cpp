@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "analysis/text/prompt_text.h"
 #include "analysis/model/question_slots.h"
+#include "analysis/text/prompt_text.h"
 #include "core/clock.h"
 #include "core/log.h"
 
@@ -15,8 +15,9 @@ using Kind = ServerAnswer::Kind;
 
 constexpr int kMaxToolRounds = 4;
 constexpr std::size_t kMaxToolCalls = 8;
-constexpr int kReasoningTokenFactor = 4;  // max_completion_tokens counts what a model thinks and does not show
-constexpr int kMaxRefusals = 8;     // parts of a request that are given up in one exchange
+constexpr int kReasoningTokenFactor =
+    4;                           // max_completion_tokens counts what a model thinks and does not show
+constexpr int kMaxRefusals = 8;  // parts of a request that are given up in one exchange
 constexpr std::size_t kMaxSearchLength = 1500;
 constexpr std::int64_t kContexts[] = {2048, 4096, 8192};  // Ollama's defaults, where a longer prompt is cut
 
@@ -68,8 +69,10 @@ Result<RawAnswer> ChatConversation::converse(std::stop_token stop, bool with_too
   answer_.wall_s += seconds_from_ns(now_ns() - begin_ns);
   answer_.blind = !images_.empty() && !quirks_.images;
   if (answer_.blind) {
-    warn("the model takes no pictures and is asked without them, by what was measured alone; set LIVEGS_MODEL to one "
-         "that sees");
+    warn(
+        "the model takes no pictures and is asked without them, by what was measured alone; set LIVEGS_MODEL "
+        "to one "
+        "that sees");
   }
   answer_.transcript = transcript_.lines();
   if (!found) return found.error();

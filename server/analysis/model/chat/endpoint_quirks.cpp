@@ -31,8 +31,9 @@ Enum read_name(const Json& object, const char* key, const std::array<const char*
   return fallback;
 }
 
-// Every switch by its name in the file. `images` is not among them: a server may be given eyes (a projector is loaded,
-// another model takes the name), and to go on asking it blind for a month costs more than one refusal a run.
+// Every switch by its name in the file. `images` is not among them: a server may be given eyes (a projector
+// is loaded, another model takes the name), and to go on asking it blind for a month costs more than one
+// refusal a run.
 constexpr std::pair<const char*, bool EndpointQuirks::*> kSwitches[] = {
     {"limit_key_swapped", &EndpointQuirks::limit_key_swapped},
     {"tools", &EndpointQuirks::tools},
@@ -207,7 +208,9 @@ QuirkMemory::QuirkMemory(std::filesystem::path file) : file_(std::move(file)) {
   const std::int64_t now = std::time(nullptr);
   for (const auto& [key, value] : list->items()) {
     const auto learned = static_cast<std::int64_t>(number_member(value, "learned_unix_s").value_or(0));
-    if (now - learned > kQuirkLifetime_s || learned > now + kQuirkLifetime_s || entries_.size() >= kMaxEntries) continue;
+    if (now - learned > kQuirkLifetime_s || learned > now + kQuirkLifetime_s ||
+        entries_.size() >= kMaxEntries)
+      continue;
     entries_[key] = {from_json(value), learned};
   }
 }

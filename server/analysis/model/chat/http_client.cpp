@@ -130,7 +130,8 @@ void read_end(Transfer& transfer, CURLcode code) {
       }
       return set_end(transfer, End::Cut, text);
     case CURLE_OPERATION_TIMEDOUT:
-      if (connect_us == 0 && send_us == 0) return set_end(transfer, End::NotConnected, "no connection in time");
+      if (connect_us == 0 && send_us == 0)
+        return set_end(transfer, End::NotConnected, "no connection in time");
       return set_end(transfer, End::Deadline, "no complete reply in time");
     case CURLE_COULDNT_RESOLVE_HOST:
     case CURLE_COULDNT_RESOLVE_PROXY:

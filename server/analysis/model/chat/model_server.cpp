@@ -16,7 +16,8 @@ namespace {
 
 using Kind = ServerAnswer::Kind;
 
-constexpr double kMaxLoadingPollInterval_s = 2.0;  // between looks at a server that still loads its model, at most
+constexpr double kMaxLoadingPollInterval_s =
+    2.0;  // between looks at a server that still loads its model, at most
 constexpr int kProbeBytes = 256 << 10;
 
 bool passes_by_itself(int status) {
@@ -272,7 +273,8 @@ void ModelServer::update_breaker(const Verdict& verdict) {
 }
 
 ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::int64_t deadline_ns,
-                               std::stop_token stop, const DropRequestPart& drop_request_part, Transcript& transcript) {
+                               std::stop_token stop, const DropRequestPart& drop_request_part,
+                               Transcript& transcript) {
   const auto cancelled = [&] {
     std::lock_guard lock(mutex_);
     breaker_.give_up_probe();
@@ -306,8 +308,8 @@ ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::
     update_breaker(verdict);
     ServerAnswer& answer = verdict.answer;
     if (!verdict.repeat || (!verdict.loading && attempt >= settings_.max_retries)) return std::move(answer);
-    const double cap_s =
-        verdict.loading ? std::min(kMaxLoadingPollInterval_s, settings_.max_backoff_s) : settings_.max_backoff_s;
+    const double cap_s = verdict.loading ? std::min(kMaxLoadingPollInterval_s, settings_.max_backoff_s)
+                                         : settings_.max_backoff_s;
     double delay_s = backoff_s(verdict.loading ? looks++ : attempt++, settings_.backoff_s, cap_s,
                                unit_random(), verdict.retry_after_s);
     if (verdict.loading) delay_s = std::max(delay_s, 0.5 * settings_.backoff_s);

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-// Whether and when an endpoint may be asked again; how often is a TokenBucket. Plain state machines over a clock that the caller reads;
-// not synchronised.
+// Whether and when an endpoint may be asked again; how often is a TokenBucket. Plain state machines over a
+// clock that the caller reads; not synchronised.
 
 namespace livegs {
 

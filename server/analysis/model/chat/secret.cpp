@@ -63,7 +63,8 @@ std::string Secret::redact(std::string_view text) const {
   if (size_ < kMaxChanceMatch) return std::string(text);
   const std::string_view key = reveal();
   std::set<std::string_view> stretches;
-  for (std::size_t i = 0; i + kMaxChanceMatch <= key.size(); ++i) stretches.insert(key.substr(i, kMaxChanceMatch));
+  for (std::size_t i = 0; i + kMaxChanceMatch <= key.size(); ++i)
+    stretches.insert(key.substr(i, kMaxChanceMatch));
   std::string clean;
   clean.reserve(text.size());
   std::size_t hidden_to = 0;  // the text up to here belongs to the key

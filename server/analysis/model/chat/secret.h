@@ -7,10 +7,10 @@
 
 namespace livegs {
 
-// A key. It lives in a page of its own that is zeroed when it goes; it cannot be copied or printed. libcurl copies it for
-// the length of a request, and the environment it came from keeps it, so a process that has held a key writes no core file
-// from then on, and no other process of the same user may read its memory or /proc/PID/environ (PR_SET_DUMPABLE; a debugger
-// has to start it, or run as root).
+// A key. It lives in a page of its own that is zeroed when it goes; it cannot be copied or printed. libcurl
+// copies it for the length of a request, and the environment it came from keeps it, so a process that has
+// held a key writes no core file from then on, and no other process of the same user may read its memory or
+// /proc/PID/environ (PR_SET_DUMPABLE; a debugger has to start it, or run as root).
 class Secret {
  public:
   Secret() = default;

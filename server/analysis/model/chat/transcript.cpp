@@ -5,7 +5,7 @@ namespace livegs {
 namespace {
 
 constexpr std::size_t kMaxTextLength = std::size_t{64}
-                                     << 10;  // of what a server sends; the rest is said to be cut
+                                       << 10;  // of what a server sends; the rest is said to be cut
 
 std::string cut(std::string_view text) {
   if (text.size() <= kMaxTextLength) return std::string(text);

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "analysis/text/json_text.h"
 #include "analysis/model/chat/secret.h"
+#include "analysis/text/json_text.h"
 
 namespace livegs {
 

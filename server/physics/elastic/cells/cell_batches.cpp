@@ -18,8 +18,8 @@ std::array<double, 8> of_corners(const LatticeCell& cell, std::span<const double
   return corners;
 }
 
-// Single precision; what is rounding beside `scale` is nothing, or its products are denormal, which cost a hundred
-// times as much.
+// Single precision; what is rounding beside `scale` is nothing, or its products are denormal, which cost a
+// hundred times as much.
 float significant(double value, double scale) {
   return std::abs(value) > 1e-8 * scale ? static_cast<float>(value) : 0.0f;
 }
@@ -30,11 +30,12 @@ bool movable(const std::array<double, 8>& inverse_masses) {
 
 // Full of the body's own material, between nodes of one mass.
 bool full(const LatticeCell& cell, const std::array<double, 8>& inverse_masses, double full_inverse_mass) {
-  if (cell.materials.size() > 1 || (cell.materials.size() == 1 && cell.materials[0].material != 0)) return false;
-  if (cell.centroid.cwiseAbs().maxCoeff() > kSame || (cell.spread.array() - 1.0).abs().maxCoeff() > kSame) return false;
-  return std::all_of(inverse_masses.begin(), inverse_masses.end(), [&](double w) {
-    return std::abs(w - full_inverse_mass) <= kSame * full_inverse_mass;
-  });
+  if (cell.materials.size() > 1 || (cell.materials.size() == 1 && cell.materials[0].material != 0))
+    return false;
+  if (cell.centroid.cwiseAbs().maxCoeff() > kSame || (cell.spread.array() - 1.0).abs().maxCoeff() > kSame)
+    return false;
+  return std::all_of(inverse_masses.begin(), inverse_masses.end(),
+                     [&](double w) { return std::abs(w - full_inverse_mass) <= kSame * full_inverse_mass; });
 }
 
 // Eight places on the spare nodes: a cell at rest without mass or stiffness.
@@ -113,8 +114,8 @@ IsotropicMaterial CellMaterials::of(const LatticeCell& cell) const {
 }
 
 CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> inverse_masses,
-                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, bool may_be_full,
-                              bool may_be_thin) {
+                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes,
+                              bool may_be_full, bool may_be_thin) {
   CellBatches result;
   result.places.resize(lattice.cells.size());
   result.paired = std::all_of(lattice.cells.begin(), lattice.cells.end(), [](const LatticeCell& cell) {
@@ -139,7 +140,8 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
         result.places[i] = at;
         ThinCells& eight = result.thin[at.index];
         for (int d = 0; d < 3; ++d) eight.centroid[d][at.lane] = significant(cell.centroid[d], 1.0);
-        eight.mobility[at.lane] = static_cast<float>(make_cell_block(cell, lattice.cell_width_m, inverse).mobility.trace());
+        eight.mobility[at.lane] =
+            static_cast<float>(make_cell_block(cell, lattice.cell_width_m, inverse).mobility.trace());
         eight.fold[at.lane] = static_cast<float>(thin_cell_fold(cell, lattice.cell_width_m));
         continue;
       }
@@ -185,12 +187,13 @@ static void set_thin_gains(ThinGains& eight, int lane, const LatticeCell& cell, 
       eight.gain[k][lane] = significant(gain(row, column), std::sqrt(gain(row, row) * gain(column, column)));
     }
   }
-  eight.relief[lane] = static_cast<float>(std::min(1.0, bare.topLeftCorner<6, 6>().trace() / gain.topLeftCorner<6, 6>().trace()));
+  eight.relief[lane] = static_cast<float>(
+      std::min(1.0, bare.topLeftCorner<6, 6>().trace() / gain.topLeftCorner<6, 6>().trace()));
 }
 
-static void set_cell_gains(GaussSeidelGains& gains, const Lattice& lattice, const CellBatches& batches, size_t index,
-                    std::span<const double> inverse_masses, const CellMaterials& materials, bool compensate,
-                    double step_s) {
+static void set_cell_gains(GaussSeidelGains& gains, const Lattice& lattice, const CellBatches& batches,
+                           size_t index, std::span<const double> inverse_masses,
+                           const CellMaterials& materials, bool compensate, double step_s) {
   const CellPlace& at = batches.places[index];
   if (at.kind == CellPlace::Kind::Held) return;
   const LatticeCell& cell = lattice.cells[index];
@@ -200,7 +203,8 @@ static void set_cell_gains(GaussSeidelGains& gains, const Lattice& lattice, cons
                    of_corners(cell, inverse_masses), materials.of(cell), compensate, step_s);
     return;
   }
-  const CellGains own = make_cell_gains(cell, block, lattice.cell_width_m, materials.of(cell), step_s, compensate);
+  const CellGains own =
+      make_cell_gains(cell, block, lattice.cell_width_m, materials.of(cell), step_s, compensate);
   if (at.kind == CellPlace::Kind::Full) {
     gains.full.mobility = static_cast<float>(block.mobility(0, 0));
     gains.full.shear = static_cast<float>(own.shear(0, 0));
@@ -222,8 +226,9 @@ static void set_cell_gains(GaussSeidelGains& gains, const Lattice& lattice, cons
   }
 }
 
-GaussSeidelGains make_gauss_seidel_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
-                            const CellMaterials& materials, bool compensate, double step_s) {
+GaussSeidelGains make_gauss_seidel_gains(const Lattice& lattice, const CellBatches& batches,
+                                         std::span<const double> inverse_masses,
+                                         const CellMaterials& materials, bool compensate, double step_s) {
   GaussSeidelGains result;
   CutGains nothing;
   std::memset(static_cast<void*>(&nothing), 0, sizeof nothing);

@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "physics/elastic/cells/kernels/cell_kernels.h"
 #include "physics/elastic/cells/cell_stiffness.h"
+#include "physics/elastic/cells/kernels/cell_kernels.h"
 #include "physics/lattice/lattice.h"
 
-// The cells of a lattice as the sweep wants them: eight of one parity colour at a time, so that they share no node,
-// and the many cells that are full, of the body's own material and between full nodes apart from the others, and from
-// those that hold a thin sheet or cord.
+// The cells of a lattice as the sweep wants them: eight of one parity colour at a time, so that they share no
+// node, and the many cells that are full, of the body's own material and between full nodes apart from the
+// others, and from those that hold a thin sheet or cord.
 
 namespace livegs {
 
@@ -28,9 +28,9 @@ struct CellBatches {
   std::vector<CutCells> cut;
   std::vector<ThinCells> thin;
   CellColours colours{};
-  std::vector<CellPlace> places;  // by cell of the lattice
-  double full_inverse_mass = 0.0; // of the nodes around full cells
-  bool paired = false;            // corners 2k and 2k + 1 are consecutive nodes in every cell
+  std::vector<CellPlace> places;   // by cell of the lattice
+  double full_inverse_mass = 0.0;  // of the nodes around full cells
+  bool paired = false;             // corners 2k and 2k + 1 are consecutive nodes in every cell
 
   Eigen::Quaterniond rotation(size_t cell) const;  // identity for a held cell
   void set_rotations(const Eigen::Quaterniond& rotation);
@@ -43,12 +43,12 @@ struct CellMaterials {
   IsotropicMaterial of(const LatticeCell& cell) const;
 };
 
-// `spare_nodes` is the first of eight nodes that stand at the corners of a cell and have no mass: unused places hold
-// them. `rotations` by cell are where the sweep's own rotations start. Without `may_be_full`, as when cells flow, none
-// is full; without `may_be_thin` none is thin.
+// `spare_nodes` is the first of eight nodes that stand at the corners of a cell and have no mass: unused
+// places hold them. `rotations` by cell are where the sweep's own rotations start. Without `may_be_full`, as
+// when cells flow, none is full; without `may_be_thin` none is thin.
 CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> inverse_masses,
-                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, bool may_be_full,
-                              bool may_be_thin);
+                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes,
+                              bool may_be_full, bool may_be_thin);
 
 // Gains of all cells for a step that divides by `step_s`.
 struct GaussSeidelGains {
@@ -57,7 +57,8 @@ struct GaussSeidelGains {
   std::vector<ThinGains> thin;
   size_t bytes() const { return cut.capacity() * sizeof(CutGains) + thin.capacity() * sizeof(ThinGains); }
 };
-GaussSeidelGains make_gauss_seidel_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
-                            const CellMaterials& materials, bool compensate, double step_s);
+GaussSeidelGains make_gauss_seidel_gains(const Lattice& lattice, const CellBatches& batches,
+                                         std::span<const double> inverse_masses,
+                                         const CellMaterials& materials, bool compensate, double step_s);
 
 }  // namespace livegs

@@ -23,7 +23,8 @@ void CellNodes::set_mass(size_t node, double mass_kg, double inverse_mass) {
   velocity_[node].value[3] = predicted_velocity_[node].value[3] = static_cast<float>(mass_kg);
 }
 
-void CellNodes::set_motion(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s) {
+void CellNodes::set_motion(size_t node, const Eigen::Vector3d& position_m,
+                           const Eigen::Vector3d& velocity_m_s) {
   set(position_[node], position_m);
   set(predicted_[node], position_m);
   set(velocity_[node], velocity_m_s);
@@ -35,7 +36,8 @@ void CellNodes::predict(size_t node, const Eigen::Vector3d& position_m, const Ei
   set(predicted_velocity_[node], velocity_m_s);
 }
 
-void CellNodes::push(size_t node, const Eigen::Vector3d& displacement_m, const Eigen::Vector3d& velocity_m_s) {
+void CellNodes::push(size_t node, const Eigen::Vector3d& displacement_m,
+                     const Eigen::Vector3d& velocity_m_s) {
   add(predicted_[node], displacement_m);
   add(predicted_velocity_[node], velocity_m_s);
 }
@@ -43,7 +45,8 @@ void CellNodes::push(size_t node, const Eigen::Vector3d& displacement_m, const E
 double CellNodes::move_all(const Eigen::Vector3d& by_m, const Eigen::Vector3d& centre_m) {
   NodeArrays all = arrays();
   all.count = count_ / 2 * 2;
-  double furthest = all.count > 0 ? std::sqrt(static_cast<double>(shift_nodes(all, lanes(by_m), lanes(centre_m)))) : 0.0;
+  double furthest =
+      all.count > 0 ? std::sqrt(static_cast<double>(shift_nodes(all, lanes(by_m), lanes(centre_m)))) : 0.0;
   for (size_t i = all.count; i < count_; ++i) {
     add(position_[i], by_m);
     add(predicted_[i], by_m);
@@ -52,8 +55,8 @@ double CellNodes::move_all(const Eigen::Vector3d& by_m, const Eigen::Vector3d& c
   return furthest;
 }
 
-std::array<NodeLanes, 8> CellNodes::corners_m(const std::array<uint32_t, 8>& nodes, const Eigen::AlignedBox3f& local,
-                                              bool corrected) const {
+std::array<NodeLanes, 8> CellNodes::corners_m(const std::array<uint32_t, 8>& nodes,
+                                              const Eigen::AlignedBox3f& local, bool corrected) const {
   std::array<NodeLanes, 8> corners;
   for (int c = 0; c < 8; ++c) corners[c] = place_m(nodes[c], corrected);
   for (int axis = 0; axis < 3; ++axis) {

@@ -10,15 +10,16 @@
 #include "physics/elastic/cells/kernels/node_kernels.h"
 #include "physics/lattice/node_sample.h"
 
-// The nodes of a body's lattice: single precision, relative to an origin that follows the body, so that where it
-// stands costs no precision.
+// The nodes of a body's lattice: single precision, relative to an origin that follows the body, so that where
+// it stands costs no precision.
 
 namespace livegs {
 
 class CellNodes {
  public:
   CellNodes() = default;
-  // `count` nodes and eight spare ones behind them, which stand at the corners of a cell of width `cell_width_m`.
+  // `count` nodes and eight spare ones behind them, which stand at the corners of a cell of width
+  // `cell_width_m`.
   CellNodes(size_t count, double cell_width_m);
 
   size_t count() const { return count_; }
@@ -42,13 +43,16 @@ class CellNodes {
   Eigen::Vector3d corrected_m(const NodeSample& sample) const {
     return mean(sample, [&](uint32_t node) { return predicted_[node].value + corrections_[node].value; });
   }
-  // Of a box in a cell, -1 to 1 along its axes, where the nodes take it: each point of it is a mean of these eight.
+  // Of a box in a cell, -1 to 1 along its axes, where the nodes take it: each point of it is a mean of these
+  // eight.
   std::array<NodeLanes, 8> corners_m(const std::array<uint32_t, 8>& nodes, const Eigen::AlignedBox3f& local,
                                      bool corrected) const;
   NodeLanes place_m(uint32_t node, bool corrected) const {
     return corrected ? predicted_[node].value + corrections_[node].value : position_[node].value;
   }
-  Eigen::Vector3d corrected_m(size_t node) const { return vector(predicted_[node]) + vector(corrections_[node]); }
+  Eigen::Vector3d corrected_m(size_t node) const {
+    return vector(predicted_[node]) + vector(corrections_[node]);
+  }
   void correct(size_t node, const Eigen::Vector3d& by_m) { add(corrections_[node], by_m); }
   // An impulse to a material point, times h_e.
   void pull(const NodeSample& sample, const Eigen::Vector3d& pull_kg_m) {
@@ -79,7 +83,7 @@ class CellNodes {
 
   // Now and a step ago. The largest distance from `centre_m` afterwards.
   double move_all(const Eigen::Vector3d& by_m, const Eigen::Vector3d& centre_m);
-  void stop();                                 // no velocity, and none a step ago
+  void stop();  // no velocity, and none a step ago
 
   NodeArrays arrays();
   const NodeLanes* positions() const { return &position_[0].value; }
@@ -111,7 +115,8 @@ class CellNodes {
     return NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
   }
   static void set(Node& n, const Eigen::Vector3d& v) {
-    n.value = NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), n.value[3]};
+    n.value = NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()),
+                        n.value[3]};
   }
   static void add(Node& n, const Eigen::Vector3d& v) { n.value += lanes(v); }
 

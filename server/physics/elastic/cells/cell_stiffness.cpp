@@ -13,10 +13,12 @@ using Eigen::Vector3d;
 
 // Subtracted compliance leaves at least this part of a material's own.
 constexpr double kMinComplianceRatio = 0.02;
-constexpr double kFreeVolumeCompliance = 1e12;  // alpha_lambda over A0 of a material without lambda: its row does nothing
+constexpr double kFreeVolumeCompliance =
+    1e12;  // alpha_lambda over A0 of a material without lambda: its row does nothing
 
-// One Gauss-Seidel sweep from zero multipliers leaves a cell softer by k A0, because its neighbours undo part of its
-// correction. k depends on Y, the material's compliance in units of the nodes' own: fitted on tension (study 2.4).
+// One Gauss-Seidel sweep from zero multipliers leaves a cell softer by k A0, because its neighbours undo part
+// of its correction. k depends on Y, the material's compliance in units of the nodes' own: fitted on tension
+// (study 2.4).
 double pass_compliance(double y_ratio) {
   if (y_ratio < 1.1) return std::min(y_ratio, 1.08);
   const double q = y_ratio - 0.48;
@@ -77,14 +79,19 @@ Matrix3d from_mandel(const Vector6& v) {
 double mode_sign(int mode, int corner) {
   const double x = corner & 1 ? 1.0 : -1.0, y = corner & 2 ? 1.0 : -1.0, z = corner & 4 ? 1.0 : -1.0;
   switch (mode) {
-    case 0: return y * z;
-    case 1: return x * z;
-    case 2: return x * y;
-    default: return x * y * z;
+    case 0:
+      return y * z;
+    case 1:
+      return x * z;
+    case 2:
+      return x * y;
+    default:
+      return x * y * z;
   }
 }
 
-CellBlock make_cell_block(const LatticeCell& cell, double cell_width_m, const std::array<double, 8>& inverse_masses) {
+CellBlock make_cell_block(const LatticeCell& cell, double cell_width_m,
+                          const std::array<double, 8>& inverse_masses) {
   const std::array<Vector3d, 8> gradients = trilinear_gradients(cell.centroid, cell_width_m);
   CellBlock block;
   block.mobility.setZero();
@@ -99,8 +106,8 @@ CellBlock make_cell_block(const LatticeCell& cell, double cell_width_m, const st
   return block;
 }
 
-Matrix6 compensated_modulus(const LatticeCell& cell, const CellBlock& block, const IsotropicMaterial& material,
-                            double step_s) {
+Matrix6 compensated_modulus(const LatticeCell& cell, const CellBlock& block,
+                            const IsotropicMaterial& material, double step_s) {
   const auto [shear, bulk] = compliances(cell, block, material, step_s, true);
   const double volume_step = cell.volume_m3 * step_s * step_s;
   Matrix6 modulus = Matrix6::Identity() / (shear * volume_step);
@@ -121,7 +128,9 @@ CellGains make_cell_gains(const LatticeCell& cell, const CellBlock& block, doubl
     a.col(k) = mandel(0.5 * (product + product.transpose()));
   }
   gains.shear = (a + alpha_mu * Matrix6::Identity()).inverse();
-  gains.volume_compliance = material.poisson_ratio > 0.0 && lambda_step > 0.0 ? 1.0 / lambda_step : kFreeVolumeCompliance * own_mobility;
+  gains.volume_compliance = material.poisson_ratio > 0.0 && lambda_step > 0.0
+                                ? 1.0 / lambda_step
+                                : kFreeVolumeCompliance * own_mobility;
 
   const auto stiffness = mode_stiffness(cell, cell_width_m, material);
   for (int j = 0; j < kModeCount; ++j) {
@@ -134,7 +143,8 @@ CellGains make_cell_gains(const LatticeCell& cell, const CellBlock& block, doubl
 }
 
 double cell_energy(const LatticeCell& cell, double cell_width_m, const IsotropicMaterial& material,
-                   const Matrix3d& strain, double volume_ratio, const std::array<Vector3d, kModeCount>& modes) {
+                   const Matrix3d& strain, double volume_ratio,
+                   const std::array<Vector3d, kModeCount>& modes) {
   const double change = volume_ratio - 1.0;
   double energy = cell.volume_m3 * (material.shear_modulus_pa() * strain.squaredNorm() +
                                     0.5 * material.lame_lambda_pa() * change * change);

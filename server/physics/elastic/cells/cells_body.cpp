@@ -33,9 +33,11 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
       object_id_(description.object_id),
       rate_hz_(rate_hz),
       scene_substeps_(substeps),
-      max_node_substeps_(description.cell_width_m > 0.0 ? std::numeric_limits<double>::infinity() : description.max_node_substeps),
+      max_node_substeps_(description.cell_width_m > 0.0 ? std::numeric_limits<double>::infinity()
+                                                        : description.max_node_substeps),
       scene_node_substeps_(description.scene_node_substeps),
-      world_from_object_{description.world_from_object.position_m, description.world_from_object.orientation.normalized()},
+      world_from_object_{description.world_from_object.position_m,
+                         description.world_from_object.orientation.normalized()},
       orientation_(world_from_object_.orientation),
       may_rest_(may_sleep),
       sleep_timer_(may_sleep) {
@@ -51,10 +53,13 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   choose(description.cell_width_m);
   lattice_ = build_lattice(extent_, resolution_.cell_width_m, description.regions);
   neighbours_ = find_node_neighbours(lattice_.node_coordinates);
-  if (const int pieces = piece_count(lattice_), own = description.particles.piece_count; own > 0 && pieces > own) {
-    log_warn("object %u: its cells are in %d pieces and its surface in %d: it comes apart; a smaller spacing_m than %.3g m "
-             "holds it together",
-             object_id_, pieces, own, extent_.spacing_m);
+  if (const int pieces = piece_count(lattice_), own = description.particles.piece_count;
+      own > 0 && pieces > own) {
+    log_warn(
+        "object %u: its cells are in %d pieces and its surface in %d: it comes apart; a smaller spacing_m "
+        "than %.3g m "
+        "holds it together",
+        object_id_, pieces, own, extent_.spacing_m);
   }
   for (const Vector3d& particle : particle_rest_m_) particle_points_.push_back(lattice_.embed(particle));
 
@@ -81,8 +86,8 @@ double CellsBody::asked_modulus_pa(size_t material) const {
 }
 
 void CellsBody::choose(double cell_width_m) {
-  ResolutionRequest request =
-      resolution_request(extent_, {cell_materials_.materials, densities_kg_m3_, {}}, boundary_moved_, rate_hz_, scene_substeps_);
+  ResolutionRequest request = resolution_request(extent_, {cell_materials_.materials, densities_kg_m3_, {}},
+                                                 boundary_moved_, rate_hz_, scene_substeps_);
   request.cell_width_m = cell_width_m;
   request.max_node_substeps = max_node_substeps_;
   resolution_ = choose_resolution(request);
@@ -90,7 +95,8 @@ void CellsBody::choose(double cell_width_m) {
   if (max_node_substeps_ < scene_node_substeps_) {
     request.max_node_substeps = scene_node_substeps_;
     const LatticeResolution alone = choose_resolution(request);
-    if (alone.cell_width_m != resolution_.cell_width_m || alone.substeps != resolution_.substeps) unbudgeted_ = alone;
+    if (alone.cell_width_m != resolution_.cell_width_m || alone.substeps != resolution_.substeps)
+      unbudgeted_ = alone;
   }
   if (!options_.choose) {
     resolution_.substeps = scene_substeps_;
@@ -98,7 +104,7 @@ void CellsBody::choose(double cell_width_m) {
     resolution_.clipped = false;
     resolution_.impact_substeps = 1;
     resolution_.courant = std::sqrt(request.youngs_modulus_pa / request.density_kg_m3) /
-                      (rate_hz_ * scene_substeps_ * resolution_.cell_width_m);
+                          (rate_hz_ * scene_substeps_ * resolution_.cell_width_m);
   }
   if (!resolution_.clipped) return;
   const double ceiling = resolution_.youngs_modulus_pa / request.density_kg_m3;
@@ -108,16 +114,17 @@ void CellsBody::choose(double cell_width_m) {
   }
 }
 
-// A node at the far corner of a nearly empty cell may have a millionth of its neighbours' mass. What they pass to it is
-// then rounding, and it whips about. It gets kMinNodeMassRatio of the heaviest node it shares a cell with; all are scaled so
-// that the body weighs the same (the sample plant would weigh 0.2 % more).
+// A node at the far corner of a nearly empty cell may have a millionth of its neighbours' mass. What they
+// pass to it is then rounding, and it whips about. It gets kMinNodeMassRatio of the heaviest node it shares a
+// cell with; all are scaled so that the body weighs the same (the sample plant would weigh 0.2 % more).
 void CellsBody::regularise_node_masses() {
   std::vector<uint32_t> parents(masses_kg_.size());
   for (uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
   for (const LatticeCell& cell : lattice_.cells) {
-    const uint32_t heaviest = *std::max_element(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t a, uint32_t b) {
-      return masses_kg_[a] < masses_kg_[b] || (masses_kg_[a] == masses_kg_[b] && a > b);
-    });
+    const uint32_t heaviest =
+        *std::max_element(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t a, uint32_t b) {
+          return masses_kg_[a] < masses_kg_[b] || (masses_kg_[a] == masses_kg_[b] && a > b);
+        });
     for (const uint32_t node : cell.nodes) {
       if (masses_kg_[heaviest] > masses_kg_[parents[node]]) parents[node] = heaviest;
     }
@@ -129,7 +136,8 @@ void CellsBody::regularise_node_masses() {
     before += own_kg[i];
     if (own_kg[i] < kMinNodeMassRatio * own_kg[parents[i]]) {
       masses_kg_[i] = kMinNodeMassRatio * own_kg[parents[i]];
-      light_nodes_.push_back({i, parents[i], 1.0 - own_kg[i] / masses_kg_[i], nodes_.velocity_m_s(parents[i])});
+      light_nodes_.push_back(
+          {i, parents[i], 1.0 - own_kg[i] / masses_kg_[i], nodes_.velocity_m_s(parents[i])});
     }
     after += masses_kg_[i];
   }
@@ -163,15 +171,15 @@ void CellsBody::rebuild_cells() {
   surface_mobility_.clear();
   for (const NodeSample& sample : surface_) surface_mobility_.push_back(static_cast<float>(mobility(sample)));
   predict_accuracy();
-  batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(),
-                               plastic_parts_.empty(), options_.thin);
+  batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(), plastic_parts_.empty(),
+                               options_.thin);
   own_gains_ = impact_gains_ = neighbour_gains_ = {};
   last_step_s_ = 0.0;
   if (!plastic_parts_.empty()) set_all_plastic();
 }
 
-// For second-order steps, which motion that is not yet at rest takes. Where the stiffness is clipped, what is simulated is as
-// exact as its own band says; against what was asked for it is the ratio of the two.
+// For second-order steps, which motion that is not yet at rest takes. Where the stiffness is clipped, what is
+// simulated is as exact as its own band says; against what was asked for it is the ratio of the two.
 void CellsBody::predict_accuracy() {
   const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * resolution_.substeps);
   const Vector3d cells = (extent_.max_m - extent_.min_m) / lattice_.cell_width_m;
@@ -179,9 +187,11 @@ void CellsBody::predict_accuracy() {
   thin_part_ = thin_part(lattice_, extent_.loose);
   for (size_t k = 0; k < densities_kg_m3_.size(); ++k) {
     const IsotropicMaterial& one = cell_materials_.materials[k];
-    const double courant = std::sqrt(one.youngs_modulus_pa / densities_kg_m3_[k]) * step_s / lattice_.cell_width_m;
+    const double courant =
+        std::sqrt(one.youngs_modulus_pa / densities_kg_m3_[k]) * step_s / lattice_.cell_width_m;
     ModulusBand band = band_of(
-        {.mean_pass_compliance = mean_pass_compliance(lattice_, inverse_masses_, one.youngs_modulus_pa, step_s),
+        {.mean_pass_compliance =
+             mean_pass_compliance(lattice_, inverse_masses_, one.youngs_modulus_pa, step_s),
          .poisson_ratio = one.poisson_ratio,
          .cells_across = cells.minCoeff(),
          .cells_along = cells.maxCoeff(),
@@ -205,12 +215,14 @@ void CellsBody::predict_accuracy() {
 const GaussSeidelGains& CellsBody::gains_of(double h, bool second_order) {
   const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
   const double own_s = 1.0 / (rate_hz_ * resolution_.substeps);
-  StepGains& gains = alike(own_s) ? own_gains_ : alike(own_s / resolution_.impact_substeps) ? impact_gains_ : neighbour_gains_;
+  StepGains& gains = alike(own_s)                                 ? own_gains_
+                     : alike(own_s / resolution_.impact_substeps) ? impact_gains_
+                                                                  : neighbour_gains_;
   if (!alike(gains.step_s)) gains = {h, {}};
   std::optional<GaussSeidelGains>& found = gains.of_order[second_order];
   if (!found) {
     found = make_gauss_seidel_gains(lattice_, batches_, inverse_masses_, cell_materials_, options_.compensate,
-                             second_order ? 2.0 * h / 3.0 : h);
+                                    second_order ? 2.0 * h / 3.0 : h);
   }
   return *found;
 }
@@ -223,7 +235,8 @@ void CellsBody::make_surface(const ParticleSet& particles) {
   std::vector<Point> points;
   const std::vector<SurfacePoint> sampled = surface_points(particles);
   for (const SurfacePoint& point : sampled) points.push_back({lattice_.embed(point.rest_m), &point.normals});
-  std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });
+  std::stable_sort(points.begin(), points.end(),
+                   [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });
   for (uint32_t i = 0; i < points.size(); ++i) {
     surface_.push_back(sample_at(points[i].at));
     surface_local_.push_back(points[i].at.local.cast<float>());
@@ -240,11 +253,14 @@ void CellsBody::make_surface(const ParticleSet& particles) {
   face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
 }
 
-// Of nodes, from those of particles: the best field that is linear in the place as it is, so that a body that turns, stretches
-// or shears starts as told; what is left over, as means by the share of mass.
-std::vector<Vector3d> CellsBody::node_velocities(std::span<const Vector3d> velocities_m_s, const Vector3d& rest_centre_m,
+// Of nodes, from those of particles: the best field that is linear in the place as it is, so that a body that
+// turns, stretches or shears starts as told; what is left over, as means by the share of mass.
+std::vector<Vector3d> CellsBody::node_velocities(std::span<const Vector3d> velocities_m_s,
+                                                 const Vector3d& rest_centre_m,
                                                  const Matrix3d& world_from_rest) const {
-  const auto arm = [&](const Vector3d& rest_m) -> Vector3d { return world_from_rest * (rest_m - rest_centre_m); };
+  const auto arm = [&](const Vector3d& rest_m) -> Vector3d {
+    return world_from_rest * (rest_m - rest_centre_m);
+  };
   double volume_m3 = 0.0;
   Vector3d middle = Vector3d::Zero(), mean = Vector3d::Zero();
   for (size_t p = 0; p < velocities_m_s.size(); ++p) {
@@ -300,7 +316,8 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
     velocities[i] += description.velocity_m_s + description.angular_velocity_rad_s.cross(positions[i]);
     if (description.cells.scramble > 0) {
       const Vector3d far(anywhere(), anywhere(), anywhere());
-      positions[i] = orientation_ * (extent_.object_from_lattice * far.cwiseProduct(extent_.max_m - extent_.min_m));
+      positions[i] =
+          orientation_ * (extent_.object_from_lattice * far.cwiseProduct(extent_.max_m - extent_.min_m));
     }
     if (inverse_masses_[i] == 0.0) {
       positions[i] = orientation_ * r;
@@ -312,7 +329,8 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
   momentum_before_ = motion_.momentum;
   angular_before_ = motion_.angular_momentum;
   whole_ = {centre_m(), orientation_};
-  for (const Vector3d& position : positions) reach_m_ = std::max(reach_m_, (position - motion_.centre_m).norm());
+  for (const Vector3d& position : positions)
+    reach_m_ = std::max(reach_m_, (position - motion_.centre_m).norm());
 }
 
 void CellsBody::set_node_substep_budget(double node_substeps) {
@@ -357,8 +375,8 @@ void CellsBody::wake() {
 }
 
 // Hysteretic damping loses 2 pi eta of a vibration's energy a cycle; a rate of eta omega does the same at one
-// frequency, and it is matched at the lowest: the axial or bending mode of a beam of the body's longest side and
-// smallest thickness, free at both ends or clamped at one.
+// frequency, and it is matched at the lowest: the axial or bending mode of a beam of the body's longest side
+// and smallest thickness, free at both ends or clamped at one.
 double CellsBody::damping_rate() const { return material_.loss_factor * lowest_rate_rad_s(); }
 
 double CellsBody::lowest_rate_rad_s() const {
@@ -419,7 +437,8 @@ std::vector<ParticleState> CellsBody::particles() const {
     const auto gradients = trilinear_gradients(particle_points_[p].local, lattice_.cell_width_m);
     const LatticeCell& cell = lattice_.cells[particle_points_[p].cell];
     double density = 0.0;
-    for (const MaterialShare& share : cell.materials) density += share.part * densities_kg_m3_[share.material];
+    for (const MaterialShare& share : cell.materials)
+      density += share.part * densities_kg_m3_[share.material];
     states[p].position_m = origin_m_ + nodes_.position_m(sample);
     states[p].velocity_m_s = velocity_of(sample);
     states[p].mass_kg = density * particle_volumes_m3_[p];
@@ -493,7 +512,8 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.nodes = nodes_.count();
   accuracy.cells = lattice_.cells.size();
   accuracy.particles = particle_points_.size();
-  accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
+  accuracy.bytes = nodes_.bytes() + batches_.bytes() +
+                   surface_.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
                    face_normals_.capacity() * sizeof(Eigen::Vector3f) +
                    surface_cells_.capacity() * sizeof(SurfaceCell);
   for (const StepGains* gains : {&own_gains_, &impact_gains_, &neighbour_gains_}) {
@@ -510,7 +530,8 @@ Vector3d CellsBody::point_velocity_m_s(const Vector3d& rest_point_m) const {
   return velocity_of(sample_at(lattice_.embed(rest_point_m)));
 }
 
-std::optional<ElasticBody::RayHit> CellsBody::ray_cast(const Vector3d& origin_m, const Vector3d& direction) const {
+std::optional<ElasticBody::RayHit> CellsBody::ray_cast(const Vector3d& origin_m,
+                                                       const Vector3d& direction) const {
   const double within = 0.75 * extent_.box_edge_m;  // voxels seen edge-on leave no gap
   std::optional<RayHit> hit;
   for (size_t p = 0; p < particle_points_.size(); ++p) {
@@ -535,7 +556,8 @@ NodeSample CellsBody::sample_at(const EmbeddedPoint& point) const {
 
 Vector3d CellsBody::node_velocity(size_t node) const {
   if (inverse_masses_[node] == 0.0) return nodes_.velocity_m_s(node);
-  return nodes_.velocity_m_s(node) + velocity_correction_ + spin_correction_.cross(nodes_.position_m(node) - motion_.centre_m);
+  return nodes_.velocity_m_s(node) + velocity_correction_ +
+         spin_correction_.cross(nodes_.position_m(node) - motion_.centre_m);
 }
 
 Vector3d CellsBody::velocity_of(const NodeSample& sample) const {

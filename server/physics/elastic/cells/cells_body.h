@@ -9,15 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include "physics/collision/point_contact.h"
 #include "physics/elastic/cells/cell_batches.h"
-#include "physics/elastic/resolution/lattice_resolution.h"
 #include "physics/elastic/cells/cell_nodes.h"
+#include "physics/elastic/resolution/lattice_resolution.h"
 #include "physics/elastic_body.h"
 #include "physics/lattice/lattice.h"
-#include "physics/motion/momentum.h"
-#include "physics/collision/point_contact.h"
-#include "physics/motion/sleep_timer.h"
 #include "physics/motion/free_rotation.h"
+#include "physics/motion/momentum.h"
+#include "physics/motion/sleep_timer.h"
 
 // The `cells` solver: an embedded lattice of eight-node cells, one sweep a substep, BDF2 (elastic-study.md).
 //
@@ -46,7 +46,8 @@ class CellsBody final : public ElasticBody {
 
   int begin_substep(const SubstepContext& context) override;
   void begin_step(const SubstepPart& part, const SubstepContext& context) override;
-  void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) override;
+  void list_contacts(const SubstepPart& part, const SubstepContext& context,
+                     std::vector<ContactConstraint>& rows) override;
   void read_contact_impulses(std::span<const ContactConstraint> rows) override;
   void end_step(const SubstepPart& part, const SubstepContext& context) override;
   void end_substep(const SubstepContext& context) override;
@@ -73,7 +74,8 @@ class CellsBody final : public ElasticBody {
   Eigen::AlignedBox3d bounds_m() const override;
   Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const override;
   void prepare_for_contact() override { become_elastic(); }
-  void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
+  void surface_elements(const Eigen::AlignedBox3d& within,
+                        std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Vector3d& point_m) const override;
   ContactParticipant& contact_participant(double step_s) override;
@@ -89,20 +91,21 @@ class CellsBody final : public ElasticBody {
   ElasticAccuracy accuracy() const override;
   Eigen::Vector3d world_point(const Eigen::Vector3d& rest_point_m) const override;
   Eigen::Vector3d point_velocity_m_s(const Eigen::Vector3d& rest_point_m) const override;
-  std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const override;
+  std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m,
+                                 const Eigen::Vector3d& direction) const override;
 
  private:
   // A node with more mass than its own (regularise_node_masses), and the heaviest near.
   struct LightNode {
     uint32_t node, parent;
-    double added_mass_fraction;  // part of its mass
+    double added_mass_fraction;                            // part of its mass
     Eigen::Vector3d parent_m_s = Eigen::Vector3d::Zero();  // after the last step
   };
   // A region that holds or moves some of the body.
   struct ConstrainedRegion {
     BodyRegion region;
-    std::vector<uint32_t> nodes;                // that it holds
-    std::vector<NodeSample> particles;          // that it holds by themselves
+    std::vector<uint32_t> nodes;                         // that it holds
+    std::vector<NodeSample> particles;                   // that it holds by themselves
     std::vector<Vector3d> node_rest_m, particle_rest_m;  // object frame
     bool released = false;
   };
@@ -115,8 +118,8 @@ class CellsBody final : public ElasticBody {
   };
   struct SurfaceCell {
     std::array<uint32_t, 8> nodes;
-    uint32_t begin, end;             // surface_
-    Eigen::AlignedBox3f points;      // in the cell, of those
+    uint32_t begin, end;         // surface_
+    Eigen::AlignedBox3f points;  // in the cell, of those
   };
   struct Ball {
     Vector3d centre_m;  // from the origin
@@ -148,7 +151,7 @@ class CellsBody final : public ElasticBody {
   };
   // A body that flies without deforming visibly moves as a rigid one.
   struct RigidMotion {
-    Pose world_from_body;  // of the shape frozen in shape_m
+    Pose world_from_body;                  // of the shape frozen in shape_m
     std::vector<Eigen::Vector3f> shape_m;  // nodes about the centre of mass
     PrincipalAxes axes;
     Matrix3d inverse_inertia;  // body axes
@@ -165,7 +168,8 @@ class CellsBody final : public ElasticBody {
   const GaussSeidelGains& gains_of(double h, bool second_order);
   void start_motion(const ElasticBodyDescription& description);
   std::vector<Eigen::Vector3d> node_velocities(std::span<const Eigen::Vector3d> velocities_m_s,
-                                               const Eigen::Vector3d& rest_centre_m, const Eigen::Matrix3d& world_from_rest) const;
+                                               const Eigen::Vector3d& rest_centre_m,
+                                               const Eigen::Matrix3d& world_from_rest) const;
   void make_surface(const ParticleSet& particles);
 
   void hold_regions(const ElasticBodyDescription& description);
@@ -201,18 +205,23 @@ class CellsBody final : public ElasticBody {
   bool may_touch_awake(const SubstepContext& context) const;
   double max_node_speed_m_s() const;  // no node is faster, but for few
   void find_rigid_candidates(const SubstepContext& context);
-  void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context, std::vector<ContactConstraint>& rows);
-  void collide_rigid_points(RigidProxy& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows);
-  void collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows);
+  void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
+                                  std::vector<ContactConstraint>& rows);
+  void collide_rigid_points(RigidProxy& body, ContactParticipant& participant,
+                            std::vector<ContactConstraint>& rows);
+  void collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h,
+                                    std::vector<ContactConstraint>& rows);
   // cells_impaled.cpp
   StuckContact& stuck_contact(uint64_t body_id);
   bool is_separating() const;  // any
   void update_stuck_contacts(double frame_s);
-  void separate(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows);
+  void separate(const SubstepPart& part, const SubstepContext& context, size_t begin,
+                std::vector<ContactConstraint>& rows);
   // By what it touches from this one of collider_contacts_ on, which does not move.
   void apply_rolling_resistance(size_t first_contact, double step_s);
   void apply_rolling_resistance(std::span<const ContactConstraint> rows);
-  void apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
+  void apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m,
+                              double step_s);
 
   struct CellShape {
     Matrix3d f, rotation;
@@ -243,11 +252,12 @@ class CellsBody final : public ElasticBody {
   bool has_finite_motion() const;
   bool limit_energy();
   void restore_last_valid_state();
-  double fastest_m_s(double still_m_s) const;  // or as much as tells that it is faster, or slower, than still_m_s
+  double fastest_m_s(
+      double still_m_s) const;  // or as much as tells that it is faster, or slower, than still_m_s
 
   NodeSample sample_at(const EmbeddedPoint& point) const;
   Vector3d velocity_of(const NodeSample& sample) const;
-  Vector3d node_velocity(size_t node) const;           // with what the ledger owes
+  Vector3d node_velocity(size_t node) const;  // with what the ledger owes
   double mobility(const NodeSample& sample) const;
   bool free() const { return !held_; }
   double damping_rate() const;
@@ -274,42 +284,48 @@ class CellsBody final : public ElasticBody {
   double max_node_substeps_, scene_node_substeps_;  // a frame; the first is infinite where cells were given
   LatticeResolution resolution_;
   std::optional<LatticeResolution> unbudgeted_;  // where the scene's budget left it less than this
-  std::vector<ModulusBand> bands_;  // by material, of what is simulated
-  double thin_part_ = 0.0;          // ElasticAccuracy
+  std::vector<ModulusBand> bands_;               // by material, of what is simulated
+  double thin_part_ = 0.0;                       // ElasticAccuracy
 
   CellNodes nodes_;
   std::vector<double> masses_kg_, inverse_masses_;  // inverse 0: held
   std::vector<LightNode> light_nodes_;
-  Vector3d origin_m_ = Vector3d::Zero();            // of the nodes' positions
+  Vector3d origin_m_ = Vector3d::Zero();  // of the nodes' positions
   CellBatches batches_;
-  // What steps of one length multiply by, first-order and second-order ones; each made when it is first asked for.
+  // What steps of one length multiply by, first-order and second-order ones; each made when it is first asked
+  // for.
   struct StepGains {
     double step_s = 0.0;  // h; 0: none
     std::optional<GaussSeidelGains> of_order[2];
   };
-  // Of its own steps, of those while it is struck, and of those that it last took beside bodies that need others.
+  // Of its own steps, of those while it is struck, and of those that it last took beside bodies that need
+  // others.
   StepGains own_gains_, impact_gains_, neighbour_gains_;
-  double last_step_s_ = 0.0;             // h; 0: none, or its cells were others
-  std::vector<PlasticCells> plastic_, thin_plastic_;  // as batches_.cut and .thin; empty while nothing has flowed
-  std::vector<Matrix3d> plastic_parts_;           // by cell
+  double last_step_s_ = 0.0;  // h; 0: none, or its cells were others
+  std::vector<PlasticCells> plastic_,
+      thin_plastic_;                     // as batches_.cut and .thin; empty while nothing has flowed
+  std::vector<Matrix3d> plastic_parts_;  // by cell
   std::vector<std::array<Vector3d, kModeCount>> plastic_modes_;  // amplitudes at rest, turned frame
   double plastic_work_j_ = 0.0;
 
   Pose world_from_object_;  // at the start, for regions
   std::vector<ConstrainedRegion> constrained_regions_;
   std::vector<Load> region_loads_, point_loads_;
-  bool held_ = false;   // some of it does not move, or moves as it is told
-  bool moved_ = false;  // as it is told
+  bool held_ = false;            // some of it does not move, or moves as it is told
+  bool moved_ = false;           // as it is told
   bool boundary_moved_ = false;  // all of its outside is, at first
 
   // The body as a whole, and what acted on it in this substep. Moments are about the origin.
   BodyMomentum motion_;
-  Vector3d momentum_before_ = Vector3d::Zero(), angular_before_ = Vector3d::Zero();  // of the last velocities, here
-  Vector3d velocity_correction_ = Vector3d::Zero(), spin_correction_ = Vector3d::Zero();         // to the nodes, by the ledger
+  Vector3d momentum_before_ = Vector3d::Zero(),
+           angular_before_ = Vector3d::Zero();  // of the last velocities, here
+  Vector3d velocity_correction_ = Vector3d::Zero(),
+           spin_correction_ = Vector3d::Zero();  // to the nodes, by the ledger
   ContactTotal contact_total_;
   Vector3d contact_impulse_ = Vector3d::Zero(), contact_moment_ = Vector3d::Zero();
   Vector3d between_steps_impulse_ = Vector3d::Zero();  // got between the last step and this one
-  Vector3d contact_lag_m_ = Vector3d::Zero();  // how far the centre of mass is behind what contact impulses say
+  Vector3d contact_lag_m_ =
+      Vector3d::Zero();  // how far the centre of mass is behind what contact impulses say
   Vector3d ledger_momentum_ = Vector3d::Zero(), ledger_angular_ = Vector3d::Zero();
 
   std::vector<NodeSample> surface_;  // by cell
@@ -319,13 +335,13 @@ class CellsBody final : public ElasticBody {
   double candidate_margin_m_ = 0.0;  // how far any node may still go before they are found anew
   size_t candidate_colliders_ = 0;
   std::vector<ColliderContact> collider_contacts_;  // of this step
-  std::vector<Side> sides_;     // of surface_; empty before anything is near
-  double step_contact_n_s_ = 0.0;  // sizes of impulses of this step
-  double carried_n_ = 0.0;         // force that goes through the body from one contact to another, a mean
+  std::vector<Side> sides_;                         // of surface_; empty before anything is near
+  double step_contact_n_s_ = 0.0;                   // sizes of impulses of this step
+  double carried_n_ = 0.0;  // force that goes through the body from one contact to another, a mean
   std::vector<Eigen::Vector3f> surface_local_;  // of surface_: in its cell
   std::vector<uint32_t> face_begins_;           // of surface_, and the end: its faces
   std::vector<Eigen::Vector3f> face_normals_;   // outwards, lattice axes
-  std::vector<Candidate> rigid_candidates_;  // with rigid bodies
+  std::vector<Candidate> rigid_candidates_;     // with rigid bodies
   std::vector<uint64_t> rigid_candidate_ids_;   // of those, as they were found
   double rigid_candidate_margin_m_ = 0.0;
   std::vector<DynamicContact> dynamic_contacts_;  // of this step, with what moves
@@ -343,25 +359,28 @@ class CellsBody final : public ElasticBody {
   mutable bool boxes_known_ = false;
   std::unique_ptr<ContactParticipant> participant_;
   bool second_order_ = false, is_slow_ = false, in_step_ = false;  // of the step that is being taken
-  bool first_step_ = true, strained_ = false, degenerate_ = false, recovering_ = false, touching_ = false, backward_ = false;
+  bool first_step_ = true, strained_ = false, degenerate_ = false, recovering_ = false, touching_ = false,
+       backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep
   Vector3d gravity_ = Vector3d::Zero();
-  // For its energy: the least since it was badly strained, what hands and bodies that move gave it in this frame, and whether
-  // it touched something in the last.
+  // For its energy: the least since it was badly strained, what hands and bodies that move gave it in this
+  // frame, and whether it touched something in the last.
   std::optional<double> energy_limit_j_;
   double work_j_ = 0.0;
   bool touched_last_frame_ = false;
   double impact_until_s_ = -1.0;
-  bool supported_ = false, forced_ = false, driven_ = false;  // for the sleep test: held up or in no gravity; pushed; moved
+  bool supported_ = false, forced_ = false,
+       driven_ = false;      // for the sleep test: held up or in no gravity; pushed; moved
   Quaterniond orientation_;  // world from object, of the body as a whole
   Pose whole_;               // of it, after the last frame that it moved finitely in
-  int recovery_count_ = 0;         // times
+  int recovery_count_ = 0;   // times
   std::optional<RigidMotion> rigid_;
   double unstrained_time_s_ = 0.0, degenerate_s_ = 0.0;
-  int recovered_count_ = 0;  // times
+  int recovered_count_ = 0;                                  // times
   Vector3d stationary_at_m_ = Vector3d::Constant(INFINITY);  // its centre of mass has been, for so long
   double stationary_s_ = 0.0;
-  std::vector<Vector3d> jitter_origin_m_;  // surface_, where they have been near for jitter_time_s_; empty: all are still, or it moves
+  std::vector<Vector3d> jitter_origin_m_;  // surface_, where they have been near for jitter_time_s_; empty:
+                                           // all are still, or it moves
   double jitter_time_s_ = 0.0;
   bool may_rest_;
   SleepTimer sleep_timer_;

@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 
 // Candidates are found with room for the body to move this part of a cell at least.
 constexpr double kCandidateRoom = 0.5;
-// A point of a held body has this part of its mobility at least, or none: what is left of it on free nodes would send
-// those ten times as far as the point goes, or, where it is rounding, anywhere.
+// A point of a held body has this part of its mobility at least, or none: what is left of it on free nodes
+// would send those ten times as far as the point goes, or, where it is rounding, anywhere.
 constexpr double kMinMobilityRatio = 1e-2;
 
 }  // namespace
@@ -44,7 +44,8 @@ void CellsBody::find_candidates(const SubstepContext& context) {
   candidates_.clear();
   std::vector<uint32_t> near;
   for (uint32_t k = 0; k < context.colliders.size(); ++k) {
-    if (reaches(context.colliders[k], origin_m_ + motion_.centre_m, 1.5 * reach_m_ + extent_.box_edge_m + margin)) {
+    if (reaches(context.colliders[k], origin_m_ + motion_.centre_m,
+                1.5 * reach_m_ + extent_.box_edge_m + margin)) {
       near.push_back(k);
     }
   }
@@ -52,21 +53,26 @@ void CellsBody::find_candidates(const SubstepContext& context) {
   for (uint32_t i = 0; i < surface_cells_.size(); ++i) {
     const Ball ball = ball_around(surface_cells_[i]);
     for (const uint32_t k : near) {
-      if (reaches(context.colliders[k], origin_m_ + ball.centre_m, ball.radius_m + margin)) candidates_.push_back({i, k});
+      if (reaches(context.colliders[k], origin_m_ + ball.centre_m, ball.radius_m + margin))
+        candidates_.push_back({i, k});
     }
   }
 }
 
 void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) {
-  // How far a node may have gone in this step, and a corner of the cell with it; deviations are several times their mean.
-  candidate_margin_m_ -= 1.5 * step_s * (motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_);
-  if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size()) find_candidates(context);
+  // How far a node may have gone in this step, and a corner of the cell with it; deviations are several times
+  // their mean.
+  candidate_margin_m_ -=
+      1.5 * step_s * (motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_);
+  if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size())
+    find_candidates(context);
 
   if (candidates_.empty()) return;
   if (sides_.empty()) sides_.assign(surface_.size(), Side{});
   const size_t first_contact = collider_contacts_.size();
   const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
-  const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction, uint32_t i) {
+  const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction,
+                           uint32_t i) {
     const NodeSample& sample = surface_[i];
     Side& side = sides_[i];
     const Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
@@ -111,7 +117,8 @@ double CellsBody::mobility(const NodeSample& sample) const {
   return sum > kMinMobilityRatio * unheld ? sum : 0.0;
 }
 
-void CellsBody::apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s) {
+void CellsBody::apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m,
+                                       double step_s) {
   const Vector3d impulse = pull_kg_m / step_s;
   nodes_.pull(surface_[sample], pull_kg_m);
   contact_impulse_ += impulse;

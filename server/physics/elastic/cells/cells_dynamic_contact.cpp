@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact of a `cells` body with what moves: rigid bodies, balls and other elastic bodies. After the sweep, both ways:
-// surface points of this body against the other's surface, and contact points of a rigid body against this body's own
-// surface, so that a corner, a rod or a small ball between two of its points is not missed. Of two elastic bodies each
-// brings its own points.
+// Contact of a `cells` body with what moves: rigid bodies, balls and other elastic bodies. After the sweep,
+// both ways: surface points of this body against the other's surface, and contact points of a rigid body
+// against this body's own surface, so that a corner, a rod or a small ball between two of its points is not
+// missed. Of two elastic bodies each brings its own points.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "physics/elastic/cells/cells_body.h"
-#include "physics/motion/body_id.h"
 #include "physics/elastic/rigid_proxy.h"
+#include "physics/motion/body_id.h"
 
 namespace livegs {
 namespace {
@@ -20,15 +20,17 @@ using Eigen::Vector3d;
 
 // As for colliders: room for the body to move before candidates are found anew, in cells.
 constexpr double kCandidateRoom = 0.5;
-// Points nearer than this part of a particle's edge get a row: a neighbour's push may bring them into contact.
+// Points nearer than this part of a particle's edge get a row: a neighbour's push may bring them into
+// contact.
 constexpr double kRowMargin = 0.02;
 // An element speaks for the surface this far, in edges of particles.
 constexpr double kElementReach = 1.5;
 // How far off a rigid body's surface is asked which way it looks, in spacings of its contact points.
 constexpr double kNormalConeStep = 0.02;
-// Where a surface is folded its elements are off by up to their spacing, and a corner that they say is deep may not even touch:
-// such an overlap gets no deeper, but only one up to this part of a particle's edge is pushed apart. Pushed however deep, a sheet of
-// 10 mm that was laid over a free box got up to 27 times the energy it fell with.
+// Where a surface is folded its elements are off by up to their spacing, and a corner that they say is deep
+// may not even touch: such an overlap gets no deeper, but only one up to this part of a particle's edge is
+// pushed apart. Pushed however deep, a sheet of 10 mm that was laid over a free box got up to 27 times the
+// energy it fell with.
 constexpr double kMaxFoldedPenetration = 0.15;
 // Where an anchor may lie beyond its cell, in half-widths from the middle.
 constexpr double kMaxAnchorLocal = 1.25;
@@ -39,10 +41,10 @@ constexpr float kBoxRoom = 1e-5f;
 Vector3d vector_of(NodeLanes v) { return {v[0], v[1], v[2]}; }
 Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0}; }
 
-// Which ways a rigid body's surface looks at a point of it: the directions away from it close by, `step_m` off along axes and
-// diagonals, so that an edge has those of its faces and what lies between them.
+// Which ways a rigid body's surface looks at a point of it: the directions away from it close by, `step_m`
+// off along axes and diagonals, so that an edge has those of its faces and what lies between them.
 void sample_normal_cone(const RigidShape& shape, const Vector3d& point_m, double step_m, const Matrix3d& turn,
-                   std::vector<SurfaceElement>& normal_cone) {
+                        std::vector<SurfaceElement>& normal_cone) {
   normal_cone.clear();
   for (int k = 0; k < 27; ++k) {
     const Vector3d direction(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
@@ -178,7 +180,8 @@ ContactAnchor CellsBody::anchor_at(uint32_t element, const Vector3d& point_m) co
   return anchor;
 }
 
-void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s) {
+void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m,
+                            const Vector3d& impulse_n_s) {
   if (asleep()) wake();
   for (int c = 0; c < 8; ++c) {
     const uint32_t node = anchor.sample.nodes[c];
@@ -194,7 +197,8 @@ void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m
 }
 
 // The ledger has the impulse where it acts, the nodes where the anchor is.
-void CellsBody::settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s) {
+void CellsBody::settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m,
+                              const Vector3d& impulse_n_s) {
   if (!free()) return;
   const Vector3d beside = point_m - origin_m_ - nodes_.position_m(anchor.sample);
   spin_correction_ += solve_inertia(motion_.inertia, beside.cross(impulse_n_s));
@@ -210,7 +214,9 @@ void CellsBody::record_contact_impulse(const Vector3d& point_m, double impulse_n
 template <class Visit>
 void CellsBody::visit_cells_near(const RigidProxy& body, double margin_m, const Visit& visit) const {
   const Pose body_from_world = body.before.inverse();
-  const auto distance = [&](const Vector3d& point) { return body.shape->sample(body_from_world * point).distance_m; };
+  const auto distance = [&](const Vector3d& point) {
+    return body.shape->sample(body_from_world * point).distance_m;
+  };
   if (distance(origin_m_ + motion_.centre_m) > 1.5 * reach_m_ + extent_.box_edge_m + margin_m) return;
   for (uint32_t i = 0; i < surface_cells_.size(); ++i) {
     const Ball ball = ball_around(surface_cells_[i]);
@@ -235,11 +241,14 @@ void CellsBody::find_rigid_candidates(const SubstepContext& context) {
   rigid_candidate_ids_.clear();
   rigid_candidates_.clear();
   double speed = max_node_speed_m_s() + context.gravity_m_s2.norm() / rate_hz_;
-  for (const RigidProxy* body : context.bodies) speed = std::max(speed, max_node_speed_m_s() + body->fastest_m_s());
+  for (const RigidProxy* body : context.bodies)
+    speed = std::max(speed, max_node_speed_m_s() + body->fastest_m_s());
   rigid_candidate_margin_m_ = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
   for (uint32_t k = 0; k < context.bodies.size(); ++k) {
     rigid_candidate_ids_.push_back(context.bodies[k]->body_id);
-    visit_cells_near(*context.bodies[k], rigid_candidate_margin_m_, [&](uint32_t cell) { rigid_candidates_.push_back({cell, k}); });
+    visit_cells_near(*context.bodies[k], rigid_candidate_margin_m_, [&](uint32_t cell) {
+      rigid_candidates_.push_back({cell, k});
+    });
   }
 }
 
@@ -248,7 +257,8 @@ double CellsBody::max_node_speed_m_s() const {
 }
 
 // This body's points against rigid bodies.
-void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
+void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
+                                           std::vector<ContactConstraint>& rows) {
   struct Frame {
     Matrix3d from_world_before, from_world;
     Vector3d before_m, at_m;
@@ -256,8 +266,9 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
   std::vector<Frame> frames;
   for (const RigidProxy* body : context.bodies) {
     const Pose &before = body->before, at = body->at_end();
-    frames.push_back({before.orientation.toRotationMatrix().transpose(), at.orientation.toRotationMatrix().transpose(),
-                      before.position_m - origin_m_, at.position_m - origin_m_});
+    frames.push_back({before.orientation.toRotationMatrix().transpose(),
+                      at.orientation.toRotationMatrix().transpose(), before.position_m - origin_m_,
+                      at.position_m - origin_m_});
   }
   for (const Candidate& candidate : rigid_candidates_) {
     RigidProxy& body = *context.bodies[candidate.collider];
@@ -267,7 +278,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
       const Vector3d point = nodes_.corrected_m(surface_[i]);
       const DistanceField::Sample found =
           swept_gap(*body.shape, frame.from_world_before * (nodes_.position_m(surface_[i]) - frame.before_m),
-                        frame.from_world * (point - frame.at_m));
+                    frame.from_world * (point - frame.at_m));
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
       ContactConstraint row;
       row.a = &participant;
@@ -285,7 +296,8 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
 }
 
 // A rigid body's points against this body's surface; of a ball the one that would be deepest.
-void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows) {
+void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& participant,
+                                     std::vector<ContactConstraint>& rows) {
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const Vector3d room = Vector3d::Constant(reach + radius);
@@ -295,7 +307,8 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
   };
   std::vector<Point> points;
   if (!boxes_known_) list_boxes();
-  const Matrix3d turn = at.orientation.toRotationMatrix(), turn_before = body.before.orientation.toRotationMatrix();
+  const Matrix3d turn = at.orientation.toRotationMatrix(),
+                 turn_before = body.before.orientation.toRotationMatrix();
   AlignedBox3d box;
   const auto offer = [&](const Vector3d& local) {
     const Vector3d point = at.position_m + turn * local;
@@ -313,8 +326,8 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const PointSurface grid(elements, reach + radius);
-  // Of a sheet both sides are within reach of a point, and it folds; in a pile on thick blocks the following of one side only, or
-  // overlaps that are left, kept everything awake.
+  // Of a sheet both sides are within reach of a point, and it folds; in a pile on thick blocks the following
+  // of one side only, or overlaps that are left, kept everything awake.
   const bool folds = !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * reach;
   std::vector<SurfaceElement> normal_cone;
   for (const auto& [point, displacement, local] : points) {
@@ -322,7 +335,8 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
     if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
     // A corner that is nearer to the far side of a sheet would be pushed through it.
     if (folds) {
-      sample_normal_cone(*body.shape, local, kNormalConeStep * body.shape->contact_spacing_m, turn, normal_cone);
+      sample_normal_cone(*body.shape, local, kNormalConeStep * body.shape->contact_spacing_m, turn,
+                         normal_cone);
       depth = grid.swept_depth(point, displacement, normal_cone);
       if (!depth) continue;
     }
@@ -343,7 +357,8 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
 }
 
 // This body's points against another elastic body.
-void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows) {
+void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant,
+                                             double h, std::vector<ContactConstraint>& rows) {
   const double reach = other.body->element_reach_m();
   const Vector3d displacement = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
   const Vector3d room = Vector3d::Constant(reach) + displacement.cwiseAbs();
@@ -359,7 +374,8 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
   const PointSurface grid(elements, reach);
   const double friction = mixed_friction(material_.friction, other.body->material().friction);
   for (size_t k = 0, end = 0; k < points.size(); k = end) {
-    for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {}  // one point's faces
+    for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {
+    }  // one point's faces
     const SurfaceElement& point = points[k];
     const auto depth = grid.swept_depth(point.position_m, displacement, {&point, end - k});
     if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m) continue;
@@ -368,7 +384,8 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
     row.b = &other.body->contact_participant(h);
     row.anchor_a.sample = surface_[point.index];
     row.point_m = point.position_m;
-    row.anchor_b = other.body->anchor_at(depth->element, point.position_m - depth->distance_m * depth->normal);
+    row.anchor_b =
+        other.body->anchor_at(depth->element, point.position_m - depth->distance_m * depth->normal);
     row.normal = depth->normal;
     row.gap_m = depth->distance_m;
     row.friction = friction;
@@ -377,7 +394,8 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
   }
 }
 
-void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
+void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context,
+                              std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
   ContactParticipant& participant = contact_participant(part.duration_s);
   double fastest = 0.0;
@@ -392,7 +410,8 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   collide_surface_with_rigid(participant, context, rows);
   for (RigidProxy* body : context.bodies) collide_rigid_points(*body, participant, rows);
   for (const ElasticNeighbour& other : context.others) {
-    if (!other.body->is_separating(body_id_of(object_id_))) collide_surface_with_elastic(other, participant, part.duration_s, rows);
+    if (!other.body->is_separating(body_id_of(object_id_)))
+      collide_surface_with_elastic(other, participant, part.duration_s, rows);
   }
   if (is_separating()) separate(part, context, begin, rows);
 }

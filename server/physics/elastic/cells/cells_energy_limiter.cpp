@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is strained beyond the law that the sweep was made for may gain energy: a limp sheet that spins faster than its waves
-// run, rubber of nu 0.49 that lands, leaves that a hand wrings. The body as a whole can tell: its energy never rises by more than
-// hands and bodies that move gave it, force times way; things that do not move give nothing. What it rose by is taken out of the
-// motion of its nodes against the body as a whole, which changes neither momentum nor angular momentum. Looked at once a frame,
-// and only while a cell is badly strained: about half a substep, eight cells at a time.
+// What is strained beyond the law that the sweep was made for may gain energy: a limp sheet that spins faster
+// than its waves run, rubber of nu 0.49 that lands, leaves that a hand wrings. The body as a whole can tell:
+// its energy never rises by more than hands and bodies that move gave it, force times way; things that do not
+// move give nothing. What it rose by is taken out of the motion of its nodes against the body as a whole,
+// which changes neither momentum nor angular momentum. Looked at once a frame, and only while a cell is badly
+// strained: about half a substep, eight cells at a time.
 #include <algorithm>
 #include <cmath>
 
@@ -17,17 +18,19 @@ using Eigen::Vector3d;
 constexpr double kMinStrainSquared = 0.25;  // |S - I|² of the worst cell, with bending
 // Of the energy that is not of its flight. What is pressed or held reads more for a while than it has.
 constexpr double kMaxGainFree = 0.003, kMaxGainTouching = 0.3;
-// Beyond it (steps that a study gives, none that a body chooses) it shows next to nothing of its modulus, and its energy, which
-// is reckoned with all of it, says nothing.
+// Beyond it (steps that a study gives, none that a body chooses) it shows next to nothing of its modulus, and
+// its energy, which is reckoned with all of it, says nothing.
 constexpr double kMaxCourant = 1.0;
-// Of E V, strain of the order of a hundred everywhere, and of what it gets by falling through its own length or by stopping.
+// Of E V, strain of the order of a hundred everywhere, and of what it gets by falling through its own length
+// or by stopping.
 constexpr double kMaxStrainEnergyRatio = 1e5, kMaxFallEnergyRatio = 1e3;
 
 // What a cell stores by (cell_energy), as put(shear, lambda, modes).
 template <class Put>
 void put_moduli(const LatticeCell& cell, double width_m, const IsotropicMaterial& material, const Put& put) {
   put(static_cast<float>(cell.volume_m3 * material.shear_modulus_pa()),
-      static_cast<float>(cell.volume_m3 * material.lame_lambda_pa()), mode_stiffness(cell, width_m, material));
+      static_cast<float>(cell.volume_m3 * material.lame_lambda_pa()),
+      mode_stiffness(cell, width_m, material));
 }
 
 }  // namespace
@@ -43,14 +46,16 @@ double CellsBody::elastic_f32_j() const {
     if (at.kind == CellPlace::Kind::Full) {
       a_full_one = i;
     } else if (at.kind == CellPlace::Kind::Cut && !cut.empty()) {
-      put_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell), [&](float shear_j, float lambda_j, const auto& modes) {
-        CutModuli& eight = cut[at.index];
-        eight.shear_j[at.lane] = shear_j;
-        eight.lambda_j[at.lane] = lambda_j;
-        for (int j = 0; j < kModeCount; ++j) {
-          for (int d = 0; d < 3; ++d) eight.mode_n_m[j][d][at.lane] = static_cast<float>(modes[j][d]);
-        }
-      });
+      put_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell),
+                 [&](float shear_j, float lambda_j, const auto& modes) {
+                   CutModuli& eight = cut[at.index];
+                   eight.shear_j[at.lane] = shear_j;
+                   eight.lambda_j[at.lane] = lambda_j;
+                   for (int j = 0; j < kModeCount; ++j) {
+                     for (int d = 0; d < 3; ++d)
+                       eight.mode_n_m[j][d][at.lane] = static_cast<float>(modes[j][d]);
+                   }
+                 });
     } else {
       sum += energy_of(i, shape_of(i));
     }
@@ -62,15 +67,17 @@ double CellsBody::elastic_f32_j() const {
   if (a_full_one == lattice_.cells.size()) return sum;
   FullModuli full;
   const LatticeCell& cell = lattice_.cells[a_full_one];
-  put_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell), [&](float shear_j, float lambda_j, const auto& modes) {
-    full.shear_j = shear_j;
-    full.lambda_j = lambda_j;
-    for (int j = 0; j < kModeCount; ++j) {
-      for (int d = 0; d < 3; ++d) full.mode_n_m[j][d] = static_cast<float>(modes[j][d]);
-    }
-  });
+  put_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell),
+             [&](float shear_j, float lambda_j, const auto& modes) {
+               full.shear_j = shear_j;
+               full.lambda_j = lambda_j;
+               for (int j = 0; j < kModeCount; ++j) {
+                 for (int d = 0; d < 3; ++d) full.mode_n_m[j][d] = static_cast<float>(modes[j][d]);
+               }
+             });
   const FullCells* cells = batches_.full.data();
-  return sum + full_cell_energy(cells, cells + batches_.full.size(), nodes_.positions(), full, inverse_four_widths);
+  return sum +
+         full_cell_energy(cells, cells + batches_.full.size(), nodes_.positions(), full, inverse_four_widths);
 }
 
 // Once a frame, before what else changes it between frames. False: it is lost.
@@ -82,12 +89,16 @@ bool CellsBody::limit_energy() {
     energy_limit_j_.reset();
     return true;
   }
-  const double stored_j = elastic_f32_j(), flight_j = free() ? 0.5 * motion_.momentum.squaredNorm() / mass_kg_ : 0.0;
+  const double stored_j = elastic_f32_j(),
+               flight_j = free() ? 0.5 * motion_.momentum.squaredNorm() / mass_kg_ : 0.0;
   const double inner_j = std::max(0.0, kinetic_j_ - flight_j) + stored_j;
   const double fall_j = mass_kg_ * gravity_m_s2_ * reach_m_ + flight_j;
-  if (inner_j > kMaxStrainEnergyRatio * cell_materials_.materials[0].youngs_modulus_pa * volume_m3_ + kMaxFallEnergyRatio * fall_j) return false;
+  if (inner_j > kMaxStrainEnergyRatio * cell_materials_.materials[0].youngs_modulus_pa * volume_m3_ +
+                    kMaxFallEnergyRatio * fall_j)
+    return false;
   const double energy_j = kinetic_j_ + stored_j - mass_kg_ * gravity_.dot(centre_m());
-  const double energy_limit_j = energy_limit_j_ && !unknown ? std::min(*energy_limit_j_ + work_j, energy_j) : energy_j;
+  const double energy_limit_j =
+      energy_limit_j_ && !unknown ? std::min(*energy_limit_j_ + work_j, energy_j) : energy_j;
   energy_limit_j_ = energy_limit_j;
   const double gained_j = energy_j - energy_limit_j;
   if (gained_j <= (touched || forced_ ? kMaxGainTouching : kMaxGainFree) * inner_j) return true;

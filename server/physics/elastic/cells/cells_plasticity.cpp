@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Plastic flow, once a frame: of each cell's mean deformation by return mapping (plastic_flow.h), and of its bending
-// and twisting in the same way, or a sheet of one cell's thickness would spring back from every dent.
+// Plastic flow, once a frame: of each cell's mean deformation by return mapping (plastic_flow.h), and of its
+// bending and twisting in the same way, or a sheet of one cell's thickness would spring back from every dent.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "physics/elastic/cells/cells_body.h"
-#include "physics/material/return_mapping.h"
 #include "physics/elastic/cells/plate_cell.h"
+#include "physics/material/return_mapping.h"
 
 namespace livegs {
 namespace {
 
 bool none_flowed(const std::array<Eigen::Vector3d, kModeCount>& modes) {
-  return std::all_of(modes.begin(), modes.end(), [](const Eigen::Vector3d& mode) { return mode.isZero(0.0); });
+  return std::all_of(modes.begin(), modes.end(),
+                     [](const Eigen::Vector3d& mode) { return mode.isZero(0.0); });
 }
 
 }  // namespace
@@ -55,7 +56,8 @@ void CellsBody::flow() {
     if (batches_.places[i].kind == CellPlace::Kind::Held) continue;
     const LatticeCell& cell = lattice_.cells[i];
     double plasticity = 0.0;
-    for (const MaterialShare& share : cell.materials) plasticity += share.part * plasticities_[share.material];
+    for (const MaterialShare& share : cell.materials)
+      plasticity += share.part * plasticities_[share.material];
     if (plasticity <= 0.0) continue;
     const IsotropicMaterial material = cell_materials_.of(cell);
     const Matrix3d before = plastic_parts_.empty() ? Matrix3d::Identity() : plastic_parts_[i];
@@ -64,7 +66,8 @@ void CellsBody::flow() {
       surface_plasticity = plasticity;
       surface_poisson_ratio = material.poisson_ratio;
     }
-    // A mode of amplitude q strains the faces of the cell by 4 q / a, and those of a thin sheet in it by less.
+    // A mode of amplitude q strains the faces of the cell by 4 q / a, and those of a thin sheet in it by
+    // less.
     const bool thin = batches_.places[i].kind == CellPlace::Kind::Thin;
     const double width_m = lattice_.cell_width_m, yield = 1.0 - plasticity;
     const double thickness_m = thin ? std::sqrt(12.0 * cell.thin->variance_m2[0]) : width_m;
@@ -96,7 +99,8 @@ void CellsBody::flow() {
     }
     if (!flowed.flowed && !bent) continue;
     begin_plastic();
-    // Where strain and bending are coupled one can flow at the other's cost: what would take energy does not happen.
+    // Where strain and bending are coupled one can flow at the other's cost: what would take energy does not
+    // happen.
     const double stored = energy_of(i, shape);
     const std::array<Vector3d, kModeCount> rest_before = plastic_modes_[i];
     double work = 0.0;
@@ -119,7 +123,8 @@ void CellsBody::flow() {
 void CellsBody::begin_plastic() {
   if (!plastic_parts_.empty()) return;
   plastic_parts_.assign(lattice_.cells.size(), Matrix3d::Identity());
-  plastic_modes_.assign(lattice_.cells.size(), {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()});
+  plastic_modes_.assign(lattice_.cells.size(),
+                        {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()});
   const double h = last_step_s_;
   rebuild_cells();
   last_step_s_ = h;
@@ -151,7 +156,8 @@ void CellsBody::set_plastic_lanes(size_t index) {
   const Vector6 part = mandel(plastic_parts_[index]);
   for (int k = 0; k < 6; ++k) eight.part[k][at.lane] = static_cast<float>(part[k]);
   for (int j = 0; j < kModeCount; ++j) {
-    for (int d = 0; d < 3; ++d) eight.mode_rest[j][d][at.lane] = static_cast<float>(plastic_modes_[index][j][d]);
+    for (int d = 0; d < 3; ++d)
+      eight.mode_rest[j][d][at.lane] = static_cast<float>(plastic_modes_[index][j][d]);
   }
 }
 
@@ -169,8 +175,9 @@ double CellsBody::energy_of(size_t index, const CellShape& shape) const {
     Vector18 measures;
     measures.head<6>() = mandel(0.5 * (stretch + stretch.transpose()) - rest);
     for (int j = 0; j < kModeCount; ++j) measures.segment<3>(6 + 3 * j) = modes[j];
-    return 0.5 * measures.dot(thin_cell_stiffness(cell, lattice_.cell_width_m, material, strain_modulus(material)) *
-                              measures);
+    return 0.5 *
+           measures.dot(thin_cell_stiffness(cell, lattice_.cell_width_m, material, strain_modulus(material)) *
+                        measures);
   }
   return cell_energy(cell, lattice_.cell_width_m, cell_materials_.of(cell),
                      0.5 * (stretch + stretch.transpose()) - rest, shape.f.determinant(), modes);

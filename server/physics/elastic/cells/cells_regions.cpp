@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Regions that are fixed, moved or loaded. Nodes of cells that lie wholly in a held region are held themselves; where
-// a region ends inside a cell, its particles are held one by one after the sweep, which is softer
-// (elastic-study.md 5): hence lattice planes are snapped to regions where that can be.
+// Regions that are fixed, moved or loaded. Nodes of cells that lie wholly in a held region are held
+// themselves; where a region ends inside a cell, its particles are held one by one after the sweep, which is
+// softer (elastic-study.md 5): hence lattice planes are snapped to regions where that can be.
 #include <algorithm>
 #include <cmath>
 
@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A particle with less than this of its weight on free nodes is held well enough by the others: holding it by itself
-// would hold those free nodes, a whole cell away from where the region ends.
+// A particle with less than this of its weight on free nodes is held well enough by the others: holding it by
+// itself would hold those free nodes, a whole cell away from where the region ends.
 constexpr double kFreeShare = 0.5;
 
 bool holds(const BodyRegion& region) { return region.fixed || region.motion.has_value(); }
@@ -25,7 +25,8 @@ bool holds(const BodyRegion& region) { return region.fixed || region.motion.has_
 // Whether all the material of a cell may lie in the region, by the cell cut to the body's bounds.
 bool CellsBody::in_region(const LatticeCell& cell, const BodyRegion& region) const {
   const double margin = 1e-3 * lattice_.cell_width_m;
-  const Vector3d low_m = lattice_.object_from_lattice.position_m, width = Vector3d::Constant(lattice_.cell_width_m);
+  const Vector3d low_m = lattice_.object_from_lattice.position_m,
+                 width = Vector3d::Constant(lattice_.cell_width_m);
   const Vector3d low = extent_.object_from_lattice.conjugate() * low_m +
                        lattice_.cell_width_m * cell.coordinates.cast<double>();
   const Vector3d from = low.cwiseMax(extent_.min_m), to = (low + width).cwiseMin(extent_.max_m);
@@ -51,7 +52,8 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
       held.node_rest_m.push_back(lattice_.node_position_m(node));
     };
     if (region.boundary) {
-      // All that is outside, and of a cell that is not full all nodes: those within would else meet a free surface.
+      // All that is outside, and of a cell that is not full all nodes: those within would else meet a free
+      // surface.
       for (uint32_t node = 0; node < taken.size(); ++node) {
         if (cells_around[node] < 8) take(node);
       }
@@ -79,15 +81,17 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
       if (held.nodes.empty()) hold_face(description.particles, held);
     }
     if (held.nodes.empty() && held.particles.empty()) {
-      log_warn("object %u: region \"%s\" from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m holds no material", object_id_,
-               region.name.c_str(), region.min_m.x(), region.min_m.y(), region.min_m.z(), region.max_m.x(),
-               region.max_m.y(), region.max_m.z());
+      log_warn("object %u: region \"%s\" from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m holds no material",
+               object_id_, region.name.c_str(), region.min_m.x(), region.min_m.y(), region.min_m.z(),
+               region.max_m.x(), region.max_m.y(), region.max_m.z());
       continue;
     }
     if (held.nodes.empty() && held.particles.size() < 3) {
-      log_warn("object %u: region \"%s\" holds %zu of its particles and no cell: it turns about them; a wider region or a "
-               "smaller spacing_m than %.3g m holds it as a clamp",
-               object_id_, region.name.c_str(), held.particles.size(), extent_.spacing_m);
+      log_warn(
+          "object %u: region \"%s\" holds %zu of its particles and no cell: it turns about them; a wider "
+          "region or a "
+          "smaller spacing_m than %.3g m holds it as a clamp",
+          object_id_, region.name.c_str(), held.particles.size(), extent_.spacing_m);
     }
     held_ = true;
     moved_ = moved_ || region.motion.has_value();
@@ -95,14 +99,15 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
   }
 }
 
-// A grip thinner than a voxel has the corners of the body's surface in it and little else: it is held by its face, as a
-// traction is spread. By that alone: both together are more than the nodes of one layer of cells can follow.
-// Only what goes right across the body is a grip: a line of it is a hinge.
+// A grip thinner than a voxel has the corners of the body's surface in it and little else: it is held by its
+// face, as a traction is spread. By that alone: both together are more than the nodes of one layer of cells
+// can follow. Only what goes right across the body is a grip: a line of it is a hinge.
 void CellsBody::hold_face(const ParticleSet& particles, ConstrainedRegion& held) {
   Eigen::AlignedBox3d body;
   for (const Vector3d& particle : particle_rest_m_) body.extend(particle);
   const Vector3d slack = Vector3d::Constant(1e-6 * lattice_.cell_width_m);
-  const auto over = (held.region.min_m - slack).array() <= body.min().array() && (held.region.max_m + slack).array() >= body.max().array();
+  const auto over = (held.region.min_m - slack).array() <= body.min().array() &&
+                    (held.region.max_m + slack).array() >= body.max().array();
   if (over.count() < 2) return;
   const std::vector<LoadPoint> points = load_points(particles, extent_, lattice_, held.region);
   if (points.size() <= held.particles.size()) return;
@@ -122,7 +127,8 @@ void CellsBody::load_regions(const ElasticBodyDescription& description) {
     if (region.traction_pa.isZero()) continue;
     const std::vector<LoadPoint> points = load_points(description.particles, extent_, lattice_, region);
     if (points.empty()) {
-      log_warn("object %u: region \"%s\" has a traction and holds no material", object_id_, region.name.c_str());
+      log_warn("object %u: region \"%s\" has a traction and holds no material", object_id_,
+               region.name.c_str());
     }
     for (const LoadPoint& point : points) {
       region_loads_.push_back({sample_at(point.point), point.area_m2 * region.traction_pa});
@@ -130,15 +136,18 @@ void CellsBody::load_regions(const ElasticBodyDescription& description) {
   }
 }
 
-Vector3d CellsBody::region_target_m(const ConstrainedRegion& held, const Vector3d& rest_m, double time_s) const {
+Vector3d CellsBody::region_target_m(const ConstrainedRegion& held, const Vector3d& rest_m,
+                                    double time_s) const {
   const Vector3d point = held.region.motion ? moved_point(*held.region.motion, rest_m, time_s) : rest_m;
   return world_from_object_ * point - origin_m_;
 }
 
 bool CellsBody::driven(double from_s, double to_s) const {
-  return moved_ && std::any_of(constrained_regions_.begin(), constrained_regions_.end(), [&](const ConstrainedRegion& held) {
-           return !held.released && held.region.motion && moves_between(*held.region.motion, from_s, to_s);
-         });
+  return moved_ && std::any_of(constrained_regions_.begin(), constrained_regions_.end(),
+                               [&](const ConstrainedRegion& held) {
+                                 return !held.released && held.region.motion &&
+                                        moves_between(*held.region.motion, from_s, to_s);
+                               });
 }
 
 void CellsBody::move_regions(double time_s, double h) {
@@ -158,7 +167,8 @@ void CellsBody::hold_particles(double time_s) {
       const NodeSample& sample = held.particles[i];
       const double w = mobility(sample);
       if (w <= 0.0) continue;
-      nodes_.pull(sample, (region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.corrected_m(sample)) / w);
+      nodes_.pull(sample,
+                  (region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.corrected_m(sample)) / w);
     }
   }
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rolling friction of a soft body, and of what rolls on one. What rolls is pressed flat or presses a pit, which springs back all
-// the time, and a part of that energy is lost: a couple against the spin, M = 3/16 alpha P a for a cylinder or ball that presses
-// with P on a contact of radius a, alpha the part of the strain energy that a cycle takes (Johnson 1985, Contact mechanics, 9.4).
-// The damping of the sweep sees next to nothing of it, because what rolls slowly deforms slowly; without it a soft ball on a
-// floor rocks for minutes, and a rigid one on a soft block, which is no higher in one pit than in another, rolls off.
+// Rolling friction of a soft body, and of what rolls on one. What rolls is pressed flat or presses a pit,
+// which springs back all the time, and a part of that energy is lost: a couple against the spin, M = 3/16
+// alpha P a for a cylinder or ball that presses with P on a contact of radius a, alpha the part of the strain
+// energy that a cycle takes (Johnson 1985, Contact mechanics, 9.4). The damping of the sweep sees next to
+// nothing of it, because what rolls slowly deforms slowly; without it a soft ball on a floor rocks for
+// minutes, and a rigid one on a soft block, which is no higher in one pit than in another, rolls off.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -24,7 +25,8 @@ struct Push {
 
 // The couple about a unit axis, N m s; 0 where nothing presses.
 // Each point speaks for `patch_m2` more, the mean square of what it stands for along a line.
-double rolling_resistance(const std::vector<Push>& pushes, const Vector3d& axis, double loss_factor, double patch_m2 = 0.0) {
+double rolling_resistance(const std::vector<Push>& pushes, const Vector3d& axis, double loss_factor,
+                          double patch_m2 = 0.0) {
   double pressed = 0.0;
   Vector3d push = Vector3d::Zero(), centre = Vector3d::Zero();
   for (const auto& [at_m, impulse_n_s] : pushes) {
@@ -49,22 +51,25 @@ double rolling_resistance(const std::vector<Push>& pushes, const Vector3d& axis,
 
 // On colliders; the impulses of the touches from `first_contact` on.
 void CellsBody::apply_rolling_resistance(size_t first_contact, double step_s) {
-  if (!free() || !is_slow_ || collider_contacts_.size() == first_contact) return;  // an impact is not rolled through
+  if (!free() || !is_slow_ || collider_contacts_.size() == first_contact)
+    return;  // an impact is not rolled through
   const Vector3d spin = motion_.angular_velocity_rad_s();
   const double speed = spin.norm();
   if (!(speed > 0.0)) return;
   std::vector<Push> pushes;
   for (size_t i = first_contact; i < collider_contacts_.size(); ++i) {
-    pushes.push_back({nodes_.corrected_m(surface_[collider_contacts_[i].sample]), collider_contacts_[i].impulse_n_s});
+    pushes.push_back(
+        {nodes_.corrected_m(surface_[collider_contacts_[i].sample]), collider_contacts_[i].impulse_n_s});
   }
   const Vector3d axis = spin / speed;
   const double part = std::min(1.0, step_s / kSpinDecayTime_s), inertia = axis.dot(motion_.inertia * axis);
-  contact_moment_ -= std::min(rolling_resistance(pushes, axis, material_.loss_factor), part * inertia * speed) * axis;
+  contact_moment_ -=
+      std::min(rolling_resistance(pushes, axis, material_.loss_factor), part * inertia * speed) * axis;
 }
 
-// Of balls against this one, by the rows that it listed: what has faces rests on them, and a box that leans on a block and a floor
-// would tremble between them. A body that is held takes its part. The spin ends as soon as the couple can end it: what was let to
-// go on for kSpinDecayTime_s crept off in seconds.
+// Of balls against this one, by the rows that it listed: what has faces rests on them, and a box that leans
+// on a block and a floor would tremble between them. A body that is held takes its part. The spin ends as
+// soon as the couple can end it: what was let to go on for kSpinDecayTime_s crept off in seconds.
 void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows) {
   if (!is_slow_) return;
   std::vector<RigidProxy*> met;
@@ -86,7 +91,8 @@ void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows
     const Vector3d axis = spin / speed;
     double mobility = axis.dot(rigid->inverse_inertia * axis);
     if (free()) mobility += axis.dot(solve_inertia(motion_.inertia, axis));
-    const double couple_n_m_s = std::min(rolling_resistance(pushes, axis, material_.loss_factor, patch_m2), speed / mobility);
+    const double couple_n_m_s =
+        std::min(rolling_resistance(pushes, axis, material_.loss_factor, patch_m2), speed / mobility);
     const Vector3d couple = couple_n_m_s * axis;
     rigid->turn(-couple);
     contact_moment_ += couple;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A body wound twice round an axis is in a true local minimum: every cell is upright and nearly at rest, and nothing a
-// cell can see leads out (elastic-study.md 4). A folded edge may be another. The body as a whole can tell: its best
-// affine fit is far from upright, or it is strained, alone and has come to rest all the same. Of one that lies on something
-// or has flowed only a strain beyond all proportion says so, and what flowed in a tangle is forgotten.
+// A body wound twice round an axis is in a true local minimum: every cell is upright and nearly at rest, and
+// nothing a cell can see leads out (elastic-study.md 4). A folded edge may be another. The body as a whole
+// can tell: its best affine fit is far from upright, or it is strained, alone and has come to rest all the
+// same. Of one that lies on something or has flowed only a strain beyond all proportion says so, and what
+// flowed in a tangle is forgotten.
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -20,15 +21,17 @@ using Eigen::Vector3d;
 // det A / (|A| / sqrt 3)^3 is 1 for a rotation, 0 for what is flat or wound, negative for what is mirrored.
 constexpr double kMinDeterminant = 0.1, kRecoveredDeterminant = 0.8;
 constexpr double kRecoveryDelay_s = 0.5;  // most tangles come apart by themselves
-constexpr double kBlendRate_per_s = 12.0; // of the way to the rigid shape; twice that after each kRecoveryDelay_s of pulling
+constexpr double kBlendRate_per_s =
+    12.0;  // of the way to the rigid shape; twice that after each kRecoveryDelay_s of pulling
 constexpr double kMaxDoublings = 10.0;
-constexpr double kMaxEnergyGain = 1.5;    // of its energy, in a frame of pulling
-constexpr double kMinStrainSquared = 0.01;  // |S - I|² of the worst cell
-constexpr double kOverstrainSquared = 1.0;       // of one that touches something or has flowed
-constexpr double kMinOverstrainedFraction = 0.02;        // of its volume: not a loose end of a leaf
-constexpr double kMaxSag = 0.05;       // strain by its own weight
-constexpr double kMinHoldingForce = 0.01;         // of the force that its strain takes, E eps A: less does not hold it so
-constexpr double kSettledEnergyRatio = 0.02;          // kinetic energy of the deviation over elastic energy
+constexpr double kMaxEnergyGain = 1.5;             // of its energy, in a frame of pulling
+constexpr double kMinStrainSquared = 0.01;         // |S - I|² of the worst cell
+constexpr double kOverstrainSquared = 1.0;         // of one that touches something or has flowed
+constexpr double kMinOverstrainedFraction = 0.02;  // of its volume: not a loose end of a leaf
+constexpr double kMaxSag = 0.05;                   // strain by its own weight
+constexpr double kMinHoldingForce =
+    0.01;  // of the force that its strain takes, E eps A: less does not hold it so
+constexpr double kSettledEnergyRatio = 0.02;  // kinetic energy of the deviation over elastic energy
 
 double normalised_determinant(const Matrix3d& a) {
   const double size = a.norm() / std::sqrt(3.0);
@@ -56,7 +59,9 @@ double CellsBody::overstrained_volume_fraction() const {
     const double fold = batches_.places[i].kind == CellPlace::Kind::Thin
                             ? thin_cell_fold(lattice_.cells[i], lattice_.cell_width_m)
                             : 16.0 / (lattice_.cell_width_m * lattice_.cell_width_m);
-    double squared = (0.5 * (stretch + stretch.transpose()) - (flowed ? plastic_parts_[i] : Matrix3d::Identity())).squaredNorm();
+    double squared =
+        (0.5 * (stretch + stretch.transpose()) - (flowed ? plastic_parts_[i] : Matrix3d::Identity()))
+            .squaredNorm();
     for (int j = 0; j < kModeCount; ++j) {
       const Vector3d bent = flowed ? Vector3d(shape.modes[j] - plastic_modes_[i][j]) : shape.modes[j];
       squared += fold * bent.squaredNorm();
@@ -80,12 +85,15 @@ double CellsBody::thickness_m() const {
 void CellsBody::recover_shape(double frame_s) {
   if (!degenerate_) return;
   // Not while something presses it, or it sags under its own weight: then being strained is right.
-  const double youngs_modulus_pa = cell_materials_.materials[0].youngs_modulus_pa, weight_n = mass_kg_ * gravity_m_s2_;
+  const double youngs_modulus_pa = cell_materials_.materials[0].youngs_modulus_pa,
+               weight_n = mass_kg_ * gravity_m_s2_;
   const double length_m = (extent_.max_m - extent_.min_m).norm();
   const double sag = densities_kg_m3_[0] * gravity_m_s2_ * length_m / youngs_modulus_pa;
   const double area_m2 = volume_m3_ / (extent_.max_m - extent_.min_m).maxCoeff();
-  const double holding_n = std::max(weight_n, kMinHoldingForce * youngs_modulus_pa * std::sqrt(bent_squared_) * area_m2);
-  const bool pressed = touching_ && (carried_n_ > holding_n || sag > kMaxSag), flowed = !plastic_parts_.empty();
+  const double holding_n =
+      std::max(weight_n, kMinHoldingForce * youngs_modulus_pa * std::sqrt(bent_squared_) * area_m2);
+  const bool pressed = touching_ && (carried_n_ > holding_n || sag > kMaxSag),
+             flowed = !plastic_parts_.empty();
   const bool alone = free() && !pressed && !forced_ && !is_separating() && region_loads_.empty();
   if (!alone) {
     degenerate_s_ = 0.0;
@@ -93,7 +101,8 @@ void CellsBody::recover_shape(double frame_s) {
     return;
   }
   Vector3d rest_centre = Vector3d::Zero();
-  for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  for (size_t i = 0; i < masses_kg_.size(); ++i)
+    rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
   Matrix3d match = Matrix3d::Zero(), rest = Matrix3d::Zero();
   for (size_t i = 0; i < masses_kg_.size(); ++i) {
     const Vector3d r = lattice_.node_position_m(i) - rest_centre;
@@ -105,7 +114,8 @@ void CellsBody::recover_shape(double frame_s) {
   const double upright = normalised_determinant(fit);
   // A spinning body is strained by that alone, by rho (omega L)² / E, and by L / t more where it bends.
   const double wave_squared = youngs_modulus_pa / densities_kg_m3_[0], slender = length_m / thickness_m();
-  const double spun = std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared * slender;
+  const double spun =
+      std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared * slender;
   // A mat that lies folded is as its weight has it: how upright it is says nothing.
   const bool limp = touching_ && sag * slender * slender > kMaxSag;
   const bool wild = touching_ || flowed;
@@ -113,9 +123,13 @@ void CellsBody::recover_shape(double frame_s) {
                         (!wild || overstrained_volume_fraction() > kMinOverstrainedFraction);
   if (!recovering_) {
     if ((limp || upright > kRecoveredDeterminant) && !strained) degenerate_ = false;
-    const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettledEnergyRatio * elastic_f32_j();
-    // A tangle that does not come to rest either counts half: first-order steps should have calmed it long since.
-    const double weight = (!limp && upright < kMinDeterminant) || settled ? 1.0 : strained && (wild || strained_) ? 0.5 : -1.0;
+    const bool settled =
+        strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettledEnergyRatio * elastic_f32_j();
+    // A tangle that does not come to rest either counts half: first-order steps should have calmed it long
+    // since.
+    const double weight = (!limp && upright < kMinDeterminant) || settled ? 1.0
+                          : strained && (wild || strained_)               ? 0.5
+                                                                          : -1.0;
     degenerate_s_ = std::max(0.0, degenerate_s_ + weight * frame_s);
     recovering_ = degenerate_s_ > kRecoveryDelay_s;
     if (recovering_) {
@@ -129,8 +143,9 @@ void CellsBody::recover_shape(double frame_s) {
     degenerate_s_ = 0.0;
     return;
   }
-  // Pulled together about the centre, to rest but for the motion of a rigid body with its momentum and angular momentum.
-  // What snaps back between frames, as folds of a thin sheet do, is pulled harder and harder.
+  // Pulled together about the centre, to rest but for the motion of a rigid body with its momentum and
+  // angular momentum. What snaps back between frames, as folds of a thin sheet do, is pulled harder and
+  // harder.
   degenerate_s_ += frame_s;
   const double doublings = std::min(degenerate_s_ / kRecoveryDelay_s - 1.0, kMaxDoublings);
   const double part = 1.0 - std::exp(-kBlendRate_per_s * std::exp2(doublings) * frame_s);
@@ -144,11 +159,13 @@ void CellsBody::recover_shape(double frame_s) {
       now[i] = was[i] + share * (centre + rotation * (lattice_.node_position_m(i) - rest_centre) - was[i]);
     }
     const Vector3d spin = solve_inertia(body_momentum(now, still, masses_kg_).inertia, l);
-    for (size_t i = 0; i < now.size(); ++i) nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - centre));
+    for (size_t i = 0; i < now.size(); ++i)
+      nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - centre));
   };
   const double before_j = elastic_j();
   pull(part);
-  // A sheet is squashed on the straight way to its shape, and would keep that if something came between: it is there at once.
+  // A sheet is squashed on the straight way to its shape, and would keep that if something came between: it
+  // is there at once.
   if (elastic_j() > kMaxEnergyGain * before_j) pull(1.0);
   restart_motion();
 }

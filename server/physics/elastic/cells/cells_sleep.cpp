@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Less where less will do: a body that flies without deforming visibly moves as a rigid one, a still one sleeps.
+// Less where less will do: a body that flies without deforming visibly moves as a rigid one, a still one
+// sleeps.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "physics/elastic/cells/cells_body.h"
-#include "physics/motion/motion_validity.h"
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/motion/free_rotation.h"
+#include "physics/motion/motion_validity.h"
 
 namespace livegs {
 namespace {
@@ -19,10 +20,11 @@ using Eigen::Vector3d;
 constexpr double kVisibleStrain = 1e-3;
 constexpr double kUnstrainedTime_s = 0.25;
 constexpr double kStationarySpeedFactor = 100.0;  // 0.2 mm/s in place of 20
-// Its centre of mass goes no farther than this part of its length in half a period of its slowest vibration: what bends by
-// a thousandth of it is within 1 % of where it will be.
+// Its centre of mass goes no farther than this part of its length in half a period of its slowest vibration:
+// what bends by a thousandth of it is within 1 % of where it will be.
 constexpr double kMaxStationaryDrift = 3e-6;
-// A still body's points that tremble stay this near where they were, in parts of its smallest side, for so long.
+// A still body's points that tremble stay this near where they were, in parts of its smallest side, for so
+// long.
 constexpr double kMaxJitter = 0.01, kJitterTime_s = 2.0;
 
 }  // namespace
@@ -37,7 +39,8 @@ void CellsBody::end_frame(double frame_s) {
   if (!has_finite_motion() || !limit_energy()) restore_last_valid_state();
   // A held body's origin stays where it is, so that rounding does not move what is held.
   Vector3d shift = Vector3d::Zero();
-  if (!held_ || motion_.centre_m.norm() > 4.0 * reach_m_) shift = motion_.centre_m.cast<float>().cast<double>();
+  if (!held_ || motion_.centre_m.norm() > 4.0 * reach_m_)
+    shift = motion_.centre_m.cast<float>().cast<double>();
   origin_m_ += shift;
   motion_.centre_m -= shift;
   reach_m_ = nodes_.move_all(-shift, motion_.centre_m);
@@ -53,15 +56,15 @@ void CellsBody::end_frame(double frame_s) {
 }
 
 void CellsBody::rest(double frame_s) {
-  const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && !is_separating() && region_loads_.empty() &&
-                          strain_squared_ < kVisibleStrain * kVisibleStrain;
+  const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && !is_separating() &&
+                          region_loads_.empty() && strain_squared_ < kVisibleStrain * kVisibleStrain;
   unstrained_time_s_ = unstrained ? unstrained_time_s_ + frame_s : 0.0;
   if (unstrained_time_s_ >= kUnstrainedTime_s) {
     become_rigid();
     return;
   }
-  // What is held or loaded is measured: it sleeps in equilibrium, not while it still creeps there. What lies on
-  // something is_jittering more.
+  // What is held or loaded is measured: it sleeps in equilibrium, not while it still creeps there. What lies
+  // on something is_jittering more.
   const bool measured = held_ || !region_loads_.empty();
   const bool moves = forced_ || driven_ || is_separating() || (measured && !is_stationary(frame_s));
   const double calm = measured ? kStationarySpeedFactor : 1.0;
@@ -70,8 +73,8 @@ void CellsBody::rest(double frame_s) {
   if (sleep_timer_.tick(frame_s, calm * seen_m_s, supported_, moves)) sleep();
 }
 
-// A slow vibration is slow at its farthest, twice a period, for longer than any clock: so it is the way in half a period
-// that tells. Of the centre of mass, which no rounding moves.
+// A slow vibration is slow at its farthest, twice a period, for longer than any clock: so it is the way in
+// half a period that tells. Of the centre of mass, which no rounding moves.
 bool CellsBody::is_stationary(double frame_s) {
   const Vector3d centre = centre_m();
   stationary_s_ += frame_s;
@@ -82,7 +85,8 @@ bool CellsBody::is_stationary(double frame_s) {
   return stationary_s_ >= M_PI / lowest_rate_rad_s();
 }
 
-// A corner that is folded under may snap to and fro for good while all else is still. Whether that is all that moves.
+// A corner that is folded under may snap to and fro for good while all else is still. Whether that is all
+// that moves.
 bool CellsBody::is_jittering(double seen_m_s, double frame_s) {
   const bool still = std::max(motion_.velocity_m_s().norm(), deviation_m_s_) < SleepTimer::kStillSpeed_m_s;
   if (!still || (seen_m_s < SleepTimer::kStillSpeed_m_s && jitter_origin_m_.empty())) {
@@ -98,7 +102,8 @@ bool CellsBody::is_jittering(double seen_m_s, double frame_s) {
     jitter_time_s_ += frame_s;
   } else {
     jitter_origin_m_.clear();
-    for (const NodeSample& sample : surface_) jitter_origin_m_.push_back(origin_m_ + nodes_.position_m(sample));
+    for (const NodeSample& sample : surface_)
+      jitter_origin_m_.push_back(origin_m_ + nodes_.position_m(sample));
     jitter_time_s_ = 0.0;
   }
   return jitter_time_s_ >= kJitterTime_s;
@@ -115,7 +120,8 @@ bool CellsBody::has_finite_motion() const {
 void CellsBody::restore_last_valid_state() {
   ++recovery_count_;
   Vector3d rest_centre = Vector3d::Zero();
-  for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  for (size_t i = 0; i < masses_kg_.size(); ++i)
+    rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
   orientation_ = held_ ? world_from_object_.orientation : whole_.orientation;
   origin_m_ = held_ ? world_from_object_ * rest_centre : whole_.position_m;
   const Vector3d still = Vector3d::Zero();
@@ -151,9 +157,9 @@ void CellsBody::sleep() {
   first_step_ = true;
 }
 
-// Of a point of the surface, as it is seen: a node of a cell with next to nothing in its corner may tremble unseen. Of a body
-// that moves or deforms as a whole anyway, that speed, which is cheap; and where all nodes are still, so are the points, which
-// are means of them.
+// Of a point of the surface, as it is seen: a node of a cell with next to nothing in its corner may tremble
+// unseen. Of a body that moves or deforms as a whole anyway, that speed, which is cheap; and where all nodes
+// are still, so are the points, which are means of them.
 double CellsBody::fastest_m_s(double still_m_s) const {
   const double mean = std::max(motion_.velocity_m_s().norm(), deviation_m_s_);
   if (mean >= still_m_s) return mean;
@@ -174,7 +180,8 @@ void CellsBody::become_rigid() {
   for (size_t i = 0; i < nodes_.count(); ++i) {
     rigid.shape_m.push_back((nodes_.position_m(i) - motion_.centre_m).cast<float>());
   }
-  if (!(motion_.inertia.determinant() > 0.0)) return;  // a single line of particles turns freely; it stays as it is
+  if (!(motion_.inertia.determinant() > 0.0))
+    return;  // a single line of particles turns freely; it stays as it is
   rigid.axes = principal_axes(motion_.inertia);
   rigid.inverse_inertia = motion_.inertia.inverse();
   rigid_ = std::move(rigid);

@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A soft body can get stuck on another: a hand draws it round a bar until its points are on either side, and each is
-// pushed out on the side that it is on. No contact sees a way out of that: in an hour of pulls a toy duck stayed stretched to
-// three times its length on the stretcher of a stool, squeezed by 400 N and never at rest. The body as a whole can tell:
-// what one body pushes it with cancels, and it is strained far with the pushes pointing apart (in a cup or between tongs
-// they point together) or beyond all proportion. It then has no contact with that one, and is drawn off it with its shape
-// back, until they no longer overlap. A rubber band stretched round a bar looks the same, and comes off too.
+// A soft body can get stuck on another: a hand draws it round a bar until its points are on either side, and
+// each is pushed out on the side that it is on. No contact sees a way out of that: in an hour of pulls a toy
+// duck stayed stretched to three times its length on the stretcher of a stool, squeezed by 400 N and never at
+// rest. The body as a whole can tell: what one body pushes it with cancels, and it is strained far with the
+// pushes pointing apart (in a cup or between tongs they point together) or beyond all proportion. It then has
+// no contact with that one, and is drawn off it with its shape back, until they no longer overlap. A rubber
+// band stretched round a bar looks the same, and comes off too.
 #include <algorithm>
 
 #include "core/log.h"
 #include "physics/elastic/cells/cells_body.h"
-#include "physics/motion/body_id.h"
 #include "physics/elastic/rigid_proxy.h"
+#include "physics/motion/body_id.h"
 
 namespace livegs {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStuckStrainSquared = 0.1, kOverstrainSquared = 1.0;  // |S - I|² of the worst cell, with bending
-constexpr double kMaxNetImpulseRatio = 0.5;           // of the sizes of impulses, what their sum is less than
+constexpr double kStuckStrainSquared = 0.1,
+                 kOverstrainSquared = 1.0;   // |S - I|² of the worst cell, with bending
+constexpr double kMaxNetImpulseRatio = 0.5;  // of the sizes of impulses, what their sum is less than
 constexpr double kStuckTime_s = 0.5;
 // It comes off at its own radius in this time, with no more than this.
 constexpr double kSeparationTime_s = 0.25;
@@ -39,7 +41,8 @@ bool CellsBody::is_separating(uint64_t body_id) const {
 }
 
 bool CellsBody::is_separating() const {
-  return std::any_of(stuck_contacts_.begin(), stuck_contacts_.end(), [](const StuckContact& one) { return one.separating; });
+  return std::any_of(stuck_contacts_.begin(), stuck_contacts_.end(),
+                     [](const StuckContact& one) { return one.separating; });
 }
 
 void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
@@ -62,11 +65,14 @@ void CellsBody::update_stuck_contacts(double frame_s) {
   for (StuckContact& one : stuck_contacts_) {
     if (!one.separating) {
       // Of the pushes, about the middle of the points they act at.
-      const double apart = one.pushed_n_s > 0.0 ? one.apart - one.net_n_s.dot(one.moment) / one.pushed_n_s : 0.0;
-      const bool stuck = (apart > 0.0 || bent_squared_ > kOverstrainSquared) && one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
+      const double apart =
+          one.pushed_n_s > 0.0 ? one.apart - one.net_n_s.dot(one.moment) / one.pushed_n_s : 0.0;
+      const bool stuck = (apart > 0.0 || bent_squared_ > kOverstrainSquared) &&
+                         one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
       one.separating = one.overlaps = one.stuck_s > kStuckTime_s;
-    if (one.separating) log_debug("object %u is stuck on object %u and comes off", object_id_, object_of_body(one.body_id));
+      if (one.separating)
+        log_debug("object %u is stuck on object %u and comes off", object_id_, object_of_body(one.body_id));
     } else if (!one.overlaps) {
       one.separating = false;
       one.stuck_s = 0.0;
@@ -77,7 +83,8 @@ void CellsBody::update_stuck_contacts(double frame_s) {
     one.net_n_s.setZero();
     one.moment.setZero();
   }
-  std::erase_if(stuck_contacts_, [](const StuckContact& one) { return !one.separating && one.stuck_s <= 0.0; });
+  std::erase_if(stuck_contacts_,
+                [](const StuckContact& one) { return !one.separating && one.stuck_s <= 0.0; });
 }
 
 void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s) {
@@ -102,16 +109,21 @@ void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s
 }
 
 // Takes the rows out that it listed with those it comes off, from `begin` on, and draws it away from them.
-void CellsBody::separate(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows) {
+void CellsBody::separate(const SubstepPart& part, const SubstepContext& context, size_t begin,
+                         std::vector<ContactConstraint>& rows) {
   const auto listed = rows.begin() + static_cast<std::ptrdiff_t>(begin);
   for (auto row = listed; row != rows.end(); ++row) {
-    if (row->gap_m < 0.0 && is_separating(row->other_body_id)) stuck_contact(row->other_body_id).overlaps = true;
+    if (row->gap_m < 0.0 && is_separating(row->other_body_id))
+      stuck_contact(row->other_body_id).overlaps = true;
   }
-  rows.erase(std::remove_if(listed, rows.end(), [&](const ContactConstraint& row) { return is_separating(row.other_body_id); }), rows.end());
+  rows.erase(std::remove_if(listed, rows.end(),
+                            [&](const ContactConstraint& row) { return is_separating(row.other_body_id); }),
+             rows.end());
 
   const Vector3d centre = centre_m();
   const double speed_m_s = reach_m_ / kSeparationTime_s, most_m_s = kMaxSeparation_m_s2 * part.duration_s;
-  const auto impulse = [&](const Vector3d& away, const Vector3d& other_m_s, double other_inverse_mass) -> Vector3d {
+  const auto impulse = [&](const Vector3d& away, const Vector3d& other_m_s,
+                           double other_inverse_mass) -> Vector3d {
     const double lacking = speed_m_s - away.dot(velocity_m_s() - other_m_s);
     return std::clamp(lacking, 0.0, most_m_s) / (1.0 / mass_kg_ + other_inverse_mass) * away;
   };

@@ -16,12 +16,12 @@ using Matrix6x9 = Eigen::Matrix<double, 6, 9>;
 
 // Axes of mode yz, xz, xy.
 constexpr int kModeAxes[3][2] = {{1, 2}, {0, 2}, {0, 1}};
-// Lattices exist in which two fields differ by squares alone (a sheet at exactly 45 degrees): the amplitudes are shared
-// out by least squares with this much damping.
+// Lattices exist in which two fields differ by squares alone (a sheet at exactly 45 degrees): the amplitudes
+// are shared out by least squares with this much damping.
 constexpr double kDamping = 0.003;
-// Strain that varies across a cell in the sheet's plane resists a curved sheet's bending more than it should. Where the
-// sheet is oblique it keeps this part of its stiffness; along the lattice's axes all of it, or a strip one cell wide
-// would bend sideways too easily.
+// Strain that varies across a cell in the sheet's plane resists a curved sheet's bending more than it should.
+// Where the sheet is oblique it keeps this part of its stiffness; along the lattice's axes all of it, or a
+// strip one cell wide would bend sideways too easily.
 constexpr double kObliqueInPlane = 0.2;
 // Oblique: the normal's largest component is less than one by this.
 constexpr double kObliqueBelow = 0.03;
@@ -31,10 +31,12 @@ constexpr double kThirdOrder = 0.01;
 // Second derivatives of a quadratic field: of component i by coordinates k and l, [i](k, l).
 using Quadratic = std::array<Matrix3d, 3>;
 
-// Fibres along e bend towards f: u = f s²/2 - e s t, s and t the coordinates along e and f. Strain -t along e.
+// Fibres along e bend towards f: u = f s²/2 - e s t, s and t the coordinates along e and f. Strain -t along
+// e.
 Quadratic bending(const Vector3d& e, const Vector3d& f) {
   Quadratic field;
-  for (int i = 0; i < 3; ++i) field[i] = f[i] * e * e.transpose() - e[i] * (e * f.transpose() + f * e.transpose());
+  for (int i = 0; i < 3; ++i)
+    field[i] = f[i] * e * e.transpose() - e[i] * (e * f.transpose() + f * e.transpose());
   return field;
 }
 
@@ -45,14 +47,16 @@ Quadratic warping(const Vector3d& n, const Vector3d& e, const Vector3d& f) {
   return field;
 }
 
-// The nine fields: amplitudes a cell shows of each, the strain at the centroid that it does not, and what they cost.
+// The nine fields: amplitudes a cell shows of each, the strain at the centroid that it does not, and what
+// they cost.
 struct Fields {
   Matrix9 shown = Matrix9::Zero();
   Matrix6x9 hidden = Matrix6x9::Zero();
   Matrix9 stiffness = Matrix9::Zero();
 };
 
-Fields slider_parameters(const LatticeCell& cell, double cell_width_m, const IsotropicMaterial& material, double in_plane) {
+Fields slider_parameters(const LatticeCell& cell, double cell_width_m, const IsotropicMaterial& material,
+                         double in_plane) {
   const Matrix3d& axes = cell.thin->axes;
   const Vector3d centroid_m = 0.5 * cell_width_m * cell.centroid;
   // The fuller the cell is along an axis, the less that strain may vary there.
@@ -115,8 +119,8 @@ Matrix18 thin_cell_stiffness(const LatticeCell& cell, double cell_width_m, const
   // Where several sets of fields show the same, the softest counts.
   const double scale = 0.25 * cell_width_m * cell_width_m;
   const Matrix9 softness = fields.stiffness.diagonal().minCoeff() * fields.stiffness.inverse();
-  const Matrix9 normal = fields.shown * softness * fields.shown.transpose() / (scale * scale) +
-                         kDamping * Matrix9::Identity();
+  const Matrix9 normal =
+      fields.shown * softness * fields.shown.transpose() / (scale * scale) + kDamping * Matrix9::Identity();
   const Matrix9 amplitude_of_mode = softness * fields.shown.transpose() * normal.inverse() / (scale * scale);
   const Matrix9 unexplained = Matrix9::Identity() - fields.shown * amplitude_of_mode;
 

@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 
 }  // namespace
 
-LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep,
-                           bool steady)
+LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rate_hz, int substeps,
+                           bool may_sleep, bool steady)
     : material_(description.material),
       object_id_(description.object_id),
       rate_hz_(rate_hz),
@@ -32,7 +32,8 @@ LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rat
   world_from_object_.orientation = orientation_;
   on_surface_.resize(count, false);
   for (const SurfacePoint& point : surface_points(description.particles)) {
-    if (surface_.empty() || surface_.back().particle != point.particle) surface_.push_back(point);  // a ball each
+    if (surface_.empty() || surface_.back().particle != point.particle)
+      surface_.push_back(point);  // a ball each
   }
   contact_points_ = surface_;
   std::vector<bool> outer(count, false);
@@ -77,8 +78,9 @@ double LivegsV1Body::blend(double h) const {
   return steady_ ? resistance_blend(resistance_stiffness_per_s2(resistance), h) : resistance;
 }
 
-// Measured on the bar of physics.md 0, within 1 % at any step (elastic_livegs_v1_test.cpp). Of the steady variant that
-// is rho s² / (1/omega² + h²): a step passes a pull on by one cluster, so even d_R = 1 is not rigid.
+// Measured on the bar of physics.md 0, within 1 % at any step (elastic_livegs_v1_test.cpp). Of the steady
+// variant that is rho s² / (1/omega² + h²): a step passes a pull on by one cluster, so even d_R = 1 is not
+// rigid.
 double LivegsV1Body::apparent_modulus_pa(double h) const {
   return blend(h) * material_.mass_kg / volume_m3_ * std::pow(spacing_m_ / h, 2);
 }
@@ -87,7 +89,8 @@ double LivegsV1Body::apparent_modulus_pa(double h) const {
 double LivegsV1Body::damping_rate(double h) const {
   if (!(material_.loss_factor > 0.0)) return 0.0;
   const Vector3d size = high_m_ - low_m_;
-  const double length = std::max(size.maxCoeff(), spacing_m_), thickness = std::max(size.minCoeff(), spacing_m_);
+  const double length = std::max(size.maxCoeff(), spacing_m_),
+               thickness = std::max(size.minCoeff(), spacing_m_);
   const double wave_m_s = std::sqrt(apparent_modulus_pa(h) * volume_m3_ / material_.mass_kg);
   const double axial = (anchored_ ? M_PI_2 : M_PI) / length;
   const double bending = (anchored_ ? 3.516 : 22.37) / std::sqrt(12.0) * thickness / (length * length);
@@ -143,8 +146,8 @@ std::vector<ParticleState> LivegsV1Body::particles() const {
   return states;
 }
 
-// Shape matching has no elastic energy of its own: elastic_j is what the blend would do, the squared way to the goals
-// over the step, and is zero at rest.
+// Shape matching has no elastic energy of its own: elastic_j is what the blend would do, the squared way to
+// the goals over the step, and is zero at rest.
 BodyEnergy LivegsV1Body::energy(const Vector3d& gravity_m_s2) const {
   BodyEnergy energy;
   const double h = 1.0 / (rate_hz_ * substeps_), part = blend(h);
@@ -170,9 +173,10 @@ ElasticAccuracy LivegsV1Body::accuracy() const {
   accuracy.reached_youngs_modulus_pa = apparent_modulus_pa(h);
   accuracy.clipped = accuracy.reached_youngs_modulus_pa < accuracy.youngs_modulus_pa;
   accuracy.particles = positions_m_.size();
-  accuracy.bytes = clusters_.size() * sizeof(Cluster) + members_.size() * sizeof(uint32_t) +
-                   positions_m_.size() * (5 * sizeof(Vector3d) + 2 * sizeof(double) + sizeof(uint32_t) + sizeof(int)) +
-                   (surface_.size() + contact_points_.size()) * sizeof(SurfacePoint);
+  accuracy.bytes =
+      clusters_.size() * sizeof(Cluster) + members_.size() * sizeof(uint32_t) +
+      positions_m_.size() * (5 * sizeof(Vector3d) + 2 * sizeof(double) + sizeof(uint32_t) + sizeof(int)) +
+      (surface_.size() + contact_points_.size()) * sizeof(SurfacePoint);
   return accuracy;
 }
 
@@ -199,7 +203,8 @@ Vector3d LivegsV1Body::point_velocity_m_s(const Vector3d& rest_point_m) const {
   return velocities_m_s_[nearest_particle(rest_point_m)];
 }
 
-std::optional<ElasticBody::RayHit> LivegsV1Body::ray_cast(const Vector3d& origin_m, const Vector3d& direction) const {
+std::optional<ElasticBody::RayHit> LivegsV1Body::ray_cast(const Vector3d& origin_m,
+                                                          const Vector3d& direction) const {
   const double within = 0.75 * spacing_m_;
   std::optional<RayHit> hit;
   for (size_t i = 0; i < positions_m_.size(); ++i) {

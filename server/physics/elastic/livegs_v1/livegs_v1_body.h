@@ -4,34 +4,36 @@
 #include <utility>
 #include <vector>
 
+#include "physics/collision/point_contact.h"
 #include "physics/elastic_body.h"
 #include "physics/motion/momentum.h"
-#include "physics/collision/point_contact.h"
 #include "physics/motion/sleep_timer.h"
 
-// LIVE-GS's own elastic method, the baseline of every chart: particles in overlapping shape-matching clusters (Müller
-// et al. 2005), pulled toward their goals by the same blend every substep,
+// LIVE-GS's own elastic method, the baseline of every chart: particles in overlapping shape-matching clusters
+// (Müller et al. 2005), pulled toward their goals by the same blend every substep,
 //   x = (1 - d_R) x_pre + d_R x_goal,
-// with d_R from the stiffness table. Because the blend knows no step, apparent stiffness grows with the square of the
-// substep rate and falls with the square of the spacing (physics.md 0): a known defect that charts show. The steady
-// variant blends by what d_R stands for at the paper's own step instead (material.h), and keeps all else.
+// with d_R from the stiffness table. Because the blend knows no step, apparent stiffness grows with the
+// square of the substep rate and falls with the square of the spacing (physics.md 0): a known defect that
+// charts show. The steady variant blends by what d_R stands for at the paper's own step instead (material.h),
+// and keeps all else.
 //
 // One substep:
-//   drive     held particles to where their regions are; forces, traction, gravity; damping relative to rigid motion
-//   match     clusters to their rest shapes, plastic flow, the blend
-//   contact   particles against what moves, and against colliders
-//   advance   velocities from positions
+//   drive     held particles to where their regions are; forces, traction, gravity; damping relative to rigid
+//   motion match     clusters to their rest shapes, plastic flow, the blend contact   particles against what
+//   moves, and against colliders advance   velocities from positions
 
 namespace livegs {
 
 class LivegsV1Body final : public ElasticBody {
  public:
   // Preconditions: a description that make_elastic_body has checked.
-  LivegsV1Body(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep, bool steady);
+  LivegsV1Body(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep,
+               bool steady);
 
   int begin_substep(const SubstepContext& context) override;
   void begin_step(const SubstepPart& part, const SubstepContext& context) override;
-  void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) override;
+  void list_contacts(const SubstepPart& part, const SubstepContext& context,
+                     std::vector<ContactConstraint>& rows) override;
   void end_step(const SubstepPart& part, const SubstepContext& context) override;
   void end_substep(const SubstepContext& context) override;
   void end_frame(double frame_s) override;
@@ -39,7 +41,8 @@ class LivegsV1Body final : public ElasticBody {
 
   double reach_m() const override { return reach_m_; }
   Eigen::AlignedBox3d bounds_m() const override;
-  void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
+  void surface_elements(const Eigen::AlignedBox3d& within,
+                        std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Eigen::Vector3d& point_m) const override;
   ContactParticipant& contact_participant(double step_s) override;
@@ -63,7 +66,8 @@ class LivegsV1Body final : public ElasticBody {
   ElasticAccuracy accuracy() const override;
   Eigen::Vector3d world_point(const Eigen::Vector3d& rest_point_m) const override;
   Eigen::Vector3d point_velocity_m_s(const Eigen::Vector3d& rest_point_m) const override;
-  std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const override;
+  std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m,
+                                 const Eigen::Vector3d& direction) const override;
 
  private:
   using Vector3d = Eigen::Vector3d;
@@ -76,8 +80,9 @@ class LivegsV1Body final : public ElasticBody {
     Vector3d rest_centre_m;
     Matrix3d rest_moment_inverse;  // of sum m r rᵀ, pseudo-inverse for flat clusters
     Eigen::Quaterniond rotation;
-    Matrix3d flat;         // projects on the directions a flat cluster has no particles along; zero for a full one
-    Matrix3d deformation;  // mean, world from rest, its plastic part included; turns with the cluster along `flat`
+    Matrix3d flat;  // projects on the directions a flat cluster has no particles along; zero for a full one
+    Matrix3d
+        deformation;  // mean, world from rest, its plastic part included; turns with the cluster along `flat`
     Matrix3d plastic_part = Matrix3d::Identity();  // D_p, which the goal stretches the rest shape by
     Matrix3d plastic_inverse = Matrix3d::Identity();
   };

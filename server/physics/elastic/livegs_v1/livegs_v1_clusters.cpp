@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Müller et al. 2005, Meshless deformations based on shape matching: clusters, goals, the paper's blend toward them.
+// Müller et al. 2005, Meshless deformations based on shape matching: clusters, goals, the paper's blend
+// toward them.
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -16,8 +17,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A cluster is the particles within a voxel and a half along each axis: 27 on a regular grid. Where that finds fewer
-// than four, the nearest eight.
+// A cluster is the particles within a voxel and a half along each axis: 27 on a regular grid. Where that
+// finds fewer than four, the nearest eight.
 constexpr double kClusterReach = 1.5;
 constexpr size_t kMinMembers = 4, kFallbackMembers = 8;
 
@@ -39,7 +40,8 @@ void LivegsV1Body::make_clusters() {
   using Key = std::tuple<int64_t, int64_t, int64_t>;
   const double reach = kClusterReach * spacing_m_;
   const auto key = [&](const Vector3d& p) {
-    return Key{static_cast<int64_t>(std::floor(p.x() / reach)), static_cast<int64_t>(std::floor(p.y() / reach)),
+    return Key{static_cast<int64_t>(std::floor(p.x() / reach)),
+               static_cast<int64_t>(std::floor(p.y() / reach)),
                static_cast<int64_t>(std::floor(p.z() / reach))};
   };
   std::map<Key, std::vector<uint32_t>> voxels;
@@ -61,7 +63,8 @@ void LivegsV1Body::make_clusters() {
           const auto found = voxels.find({x + dx, y + dy, z + dz});
           if (found == voxels.end()) continue;
           for (const uint32_t j : found->second) {
-            if ((rest_m_[j] - rest_m_[i]).cwiseAbs().maxCoeff() <= reach * (1.0 - 1e-9)) members_.push_back(j);
+            if ((rest_m_[j] - rest_m_[i]).cwiseAbs().maxCoeff() <= reach * (1.0 - 1e-9))
+              members_.push_back(j);
           }
         }
       }
@@ -69,7 +72,8 @@ void LivegsV1Body::make_clusters() {
     if (members_.size() - cluster.begin < kMinMembers) {
       members_.resize(cluster.begin);
       nearest.clear();
-      for (uint32_t j = 0; j < rest_m_.size(); ++j) nearest.emplace_back((rest_m_[j] - rest_m_[i]).squaredNorm(), j);
+      for (uint32_t j = 0; j < rest_m_.size(); ++j)
+        nearest.emplace_back((rest_m_[j] - rest_m_[i]).squaredNorm(), j);
       const size_t take = std::min(kFallbackMembers, nearest.size());
       std::partial_sort(nearest.begin(), nearest.begin() + static_cast<ptrdiff_t>(take), nearest.end());
       for (size_t k = 0; k < take; ++k) members_.push_back(nearest[k].second);

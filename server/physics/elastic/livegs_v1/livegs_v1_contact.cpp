@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact of the baseline with what moves: particles as balls against rigid bodies and against the particles of other
-// elastic bodies, and contact points of rigid bodies against the particles.
+// Contact of the baseline with what moves: particles as balls against rigid bodies and against the particles
+// of other elastic bodies, and contact points of rigid bodies against the particles.
 #include <algorithm>
 #include <cmath>
 
@@ -64,7 +64,8 @@ ContactParticipant& LivegsV1Body::contact_participant(double step_s) {
 void LivegsV1Body::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
   for (const SurfacePoint& point : surface_) {
     const Vector3d at = origin_m_ + (in_step_ ? predicted_m_ : positions_m_)[point.particle];
-    if (within.contains(at)) elements.push_back({at, Vector3d::Zero(), std::max(point.radius_m, 0.5 * spacing_m_), point.particle});
+    if (within.contains(at))
+      elements.push_back({at, Vector3d::Zero(), std::max(point.radius_m, 0.5 * spacing_m_), point.particle});
   }
 }
 
@@ -102,7 +103,9 @@ bool LivegsV1Body::may_touch_awake(const SubstepContext& context) const {
     if (body->asleep) continue;
     const Pose body_from_world = body->start.inverse();
     const double margin = context.duration_s * body->fastest_m_s() + kRowMargin * spacing_m_;
-    const auto gap = [&](const Vector3d& p) { return body->shape->sample(body_from_world * Vector3d(origin_m_ + p)).distance_m; };
+    const auto gap = [&](const Vector3d& p) {
+      return body->shape->sample(body_from_world * Vector3d(origin_m_ + p)).distance_m;
+    };
     if (gap(motion_.centre_m) > reach_m_ + spacing_m_ + margin) continue;
     for (const SurfacePoint& point : surface_) {
       if (gap(positions_m_[point.particle]) < point.radius_m + margin) return true;
@@ -111,7 +114,8 @@ bool LivegsV1Body::may_touch_awake(const SubstepContext& context) const {
   return false;
 }
 
-void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
+void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& context,
+                                 std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
   const double h = part.duration_s;
   ContactParticipant& participant = contact_participant(h);
@@ -119,7 +123,8 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
   const Vector3d centre = origin_m_ + motion_.centre_m, displacement = h * motion_.velocity_m_s();
   const double around = 1.1 * (reach_m_ + spacing_m_) + displacement.norm();
   AlignedBox3d box;
-  for (const SurfacePoint& point : contact_points_) box.extend(Vector3d(origin_m_ + predicted_m_[point.particle]));
+  for (const SurfacePoint& point : contact_points_)
+    box.extend(Vector3d(origin_m_ + predicted_m_[point.particle]));
 
   std::vector<SurfaceElement> own;
   for (RigidProxy* body : context.bodies) {
@@ -143,14 +148,15 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
     for (const SurfacePoint& point : contact_points_) {
       const DistanceField::Sample found =
           swept_gap(*body->shape, from_before * Vector3d(origin_m_ + positions_m_[point.particle]),
-                        from_at * Vector3d(origin_m_ + predicted_m_[point.particle]));
+                    from_at * Vector3d(origin_m_ + predicted_m_[point.particle]));
       const double gap = found.distance_m - point.radius_m;
       if (gap <= margin) add(point.particle, at.orientation * found.gradient, gap);
     }
     if (body->shape->is_ball()) continue;
     if (own.empty()) {
       for (const SurfacePoint& point : surface_) {
-        own.push_back({origin_m_ + predicted_m_[point.particle], Vector3d::Zero(), point.radius_m, point.particle});
+        own.push_back(
+            {origin_m_ + predicted_m_[point.particle], Vector3d::Zero(), point.radius_m, point.particle});
       }
     }
     const PointSurface grid(own, element_reach_m());

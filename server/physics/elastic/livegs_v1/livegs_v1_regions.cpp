@@ -44,15 +44,16 @@ void LivegsV1Body::hold_regions() {
   }
 }
 
-// A traction acts on the face across the shortest edge of the region (cut to the body's bounds), the one nearer to the
-// body's bound. Each particle's part of its voxel in the region stands for an area, and the outermost particle of its
-// column, as wide as a voxel, takes the force.
+// A traction acts on the face across the shortest edge of the region (cut to the body's bounds), the one
+// nearer to the body's bound. Each particle's part of its voxel in the region stands for an area, and the
+// outermost particle of its column, as wide as a voxel, takes the force.
 void LivegsV1Body::load_regions() {
   bool other_material = false;
   for (const BodyRegion& region : regions_) {
     other_material = other_material || region.material.has_value();
     if (region.traction_pa.squaredNorm() == 0.0) continue;
-    const Vector3d low = region.min_m.cwiseMax(low_m_), high = region.max_m.cwiseMin(high_m_), size = high - low;
+    const Vector3d low = region.min_m.cwiseMax(low_m_), high = region.max_m.cwiseMin(high_m_),
+                   size = high - low;
     int across = 0;
     for (int d = 1; d < 3; ++d) {
       if (size[d] < (1.0 - 1e-9) * size[across]) across = d;
@@ -84,7 +85,8 @@ void LivegsV1Body::load_regions() {
     }
   }
   if (other_material) {
-    log_warn("object %u: livegs-v1 has one material a body; the materials of its regions are ignored", object_id_);
+    log_warn("object %u: livegs-v1 has one material a body; the materials of its regions are ignored",
+             object_id_);
   }
 }
 

@@ -11,22 +11,24 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A substep in which gravity crosses a spacing would lay the whole body flat on the ground. It is taken as several of
-// the paper's own length, where the paper's d_R means what it meant there. No step that the baseline is for is so long
-// (2.7 mm particles at 60 Hz and one substep are the first), so its dependence on the step stays what it is.
+// A substep in which gravity crosses a spacing would lay the whole body flat on the ground. It is taken as
+// several of the paper's own length, where the paper's d_R means what it meant there. No step that the
+// baseline is for is so long (2.7 mm particles at 60 Hz and one substep are the first), so its dependence on
+// the step stays what it is.
 constexpr int kMaxSteps = 1000;
-// A particle's displacement in a step is swept if it exceeds this part of the particle spacing, or the particle would jump
-// over the ground. It differs from kMaxUnsweptPart (rigid_sweep.h): the measure is the particle's own spacing, since
-// the paper's ground has no thickness.
+// A particle's displacement in a step is swept if it exceeds this part of the particle spacing, or the
+// particle would jump over the ground. It differs from kMaxUnsweptPart (rigid_sweep.h): the measure is the
+// particle's own spacing, since the paper's ground has no thickness.
 constexpr double kMaxUnsweptSpacings = 0.5;
 constexpr int kMaxProbes = 200;
 
-// Where a point on its way first meets the collider, by sphere tracing; `gap_m` is how near counts, and the least step.
+// Where a point on its way first meets the collider, by sphere tracing; `gap_m` is how near counts, and the
+// least step.
 struct Meeting {
   Vector3d point_m, normal;
 };
-std::optional<Meeting> first_meeting(const Collider& collider, const Vector3d& start_m, const Vector3d& displacement_m,
-                                     double radius_m, double gap_m) {
+std::optional<Meeting> first_meeting(const Collider& collider, const Vector3d& start_m,
+                                     const Vector3d& displacement_m, double radius_m, double gap_m) {
   const double length = displacement_m.norm();
   double gone = 0.0;
   for (int probe = 0; probe < kMaxProbes && gone < length; ++probe) {
@@ -65,10 +67,12 @@ int LivegsV1Body::steps_of(const SubstepContext& context) {
   const double steps = std::max(2.0, std::ceil(context.duration_s / kPaperSubstep_s - 1e-9));
   const bool refused = !(steps <= kMaxSteps);
   if (!warned_of_step_) {
-    log_warn("object %u: livegs-v1 %s a substep of %g s, in which gravity alone moves it %g m and its particles are "
-             "%g m apart; raise the rate or the substeps",
-             object_id_, refused ? "stands still for" : "takes several steps in place of", context.duration_s, fall_m,
-             spacing_m_);
+    log_warn(
+        "object %u: livegs-v1 %s a substep of %g s, in which gravity alone moves it %g m and its particles "
+        "are "
+        "%g m apart; raise the rate or the substeps",
+        object_id_, refused ? "stands still for" : "takes several steps in place of", context.duration_s,
+        fall_m, spacing_m_);
     warned_of_step_ = true;
   }
   return refused ? 0 : static_cast<int>(steps);
@@ -83,7 +87,8 @@ void LivegsV1Body::begin_step(const SubstepPart& part, const SubstepContext& con
 void LivegsV1Body::end_step(const SubstepPart& part, const SubstepContext& context) {
   const double h = part.duration_s;
   resolve_contacts(context, h);
-  for (size_t i = 0; i < positions_m_.size(); ++i) velocities_m_s_[i] = (predicted_m_[i] - positions_m_[i]) / h;
+  for (size_t i = 0; i < positions_m_.size(); ++i)
+    velocities_m_s_[i] = (predicted_m_[i] - positions_m_[i]) / h;
   std::swap(positions_m_, predicted_m_);
   motion_ = body_momentum(positions_m_, velocities_m_s_, masses_kg_);
   reach_m_ = 0.0;
@@ -91,8 +96,8 @@ void LivegsV1Body::end_step(const SubstepPart& part, const SubstepContext& conte
   in_step_ = false;
 }
 
-// Damping takes from the deviation of old velocities from the body's motion as a whole, which is none for a body that
-// is held somewhere; forces are not damped, or a load would weigh less.
+// Damping takes from the deviation of old velocities from the body's motion as a whole, which is none for a
+// body that is held somewhere; forces are not damped, or a load would weigh less.
 void LivegsV1Body::drive(const SubstepContext& context, double end_s, double h) {
   const double kept = 1.0 / (1.0 + h * damping_rate(h));
   if (kept < 1.0) {
@@ -107,7 +112,8 @@ void LivegsV1Body::drive(const SubstepContext& context, double end_s, double h) 
     const size_t i = nearest_particle(force.point_m);
     velocities_m_s_[i] += h / masses_kg_[i] * force.force_n;
   }
-  for (const Load& load : loads_) velocities_m_s_[load.particle] += h / masses_kg_[load.particle] * load.force_n;
+  for (const Load& load : loads_)
+    velocities_m_s_[load.particle] += h / masses_kg_[load.particle] * load.force_n;
   for (size_t i = 0; i < positions_m_.size(); ++i) {
     predicted_m_[i] = positions_m_[i];
     if (!held(i)) predicted_m_[i] += h * (velocities_m_s_[i] + h * context.gravity_m_s2);
@@ -130,7 +136,8 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
       const auto push = [&](const Vector3d& normal, double depth_m) {
         touching_ = true;
         if (held(i)) return;
-        const Vector3d correction = contact_correction(normal, depth_m, predicted_m_[i] - positions_m_[i], friction);
+        const Vector3d correction =
+            contact_correction(normal, depth_m, predicted_m_[i] - positions_m_[i], friction);
         predicted_m_[i] += correction;
         const double impulse_n_s = masses_kg_[i] * correction.norm() / h;
         contact_total_.impulse_n_s += impulse_n_s;
@@ -138,7 +145,8 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
       };
       const Vector3d displacement = predicted_m_[i] - positions_m_[i];
       if (displacement.norm() > kMaxUnsweptSpacings * spacing_m_) {
-        const auto met = first_meeting(*collider, origin_m_ + positions_m_[i], displacement, point.radius_m, 0.01 * spacing_m_);
+        const auto met = first_meeting(*collider, origin_m_ + positions_m_[i], displacement, point.radius_m,
+                                       0.01 * spacing_m_);
         const double depth = met ? met->normal.dot(met->point_m - origin_m_ - predicted_m_[i]) : 0.0;
         if (depth > 0.0) push(met->normal, depth);
       }

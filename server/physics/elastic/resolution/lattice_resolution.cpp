@@ -8,9 +8,9 @@
 namespace livegs {
 namespace {
 
-// A compact body gets at least this many cells along its longest side and through its thinnest; with two through the
-// thickness torsion is 12 % too stiff. A sheet or a cord needs one through the thickness, since bending and twisting of a
-// single cell are exact.
+// A compact body gets at least this many cells along its longest side and through its thinnest; with two
+// through the thickness torsion is 12 % too stiff. A sheet or a cord needs one through the thickness, since
+// bending and twisting of a single cell are exact.
 constexpr double kCellsAlongCompact = 6.0, kLayersCompact = 3.0;
 constexpr double kCellsAlongThin = 8.0;
 constexpr double kThinRatio = 8.0;
@@ -21,9 +21,10 @@ constexpr double kMaxWidthOverThickness = 5.0;
 // Unless it would take more nodes times substeps a frame than it may: then they are wider still.
 constexpr double kWidthGrowth = 1.2, kMinCellsAlong = 4.0;
 
-// In a shock the sweep has to carry pressure from cell to cell, whose waves are sqrt((1 - nu) / ((1 + nu)(1 - 2 nu))) times as
-// fast as a bar's. At 0.65 of a cell a step rubber of nu 0.49 that met the floor at its sqrt(E/rho) left it with 2.6 times its
-// energy; up to 0.4 nothing gains, to twice that speed 0.3. Four steps in place of one are the most.
+// In a shock the sweep has to carry pressure from cell to cell, whose waves are sqrt((1 - nu) / ((1 + nu)(1 -
+// 2 nu))) times as fast as a bar's. At 0.65 of a cell a step rubber of nu 0.49 that met the floor at its
+// sqrt(E/rho) left it with 2.6 times its energy; up to 0.4 nothing gains, to twice that speed 0.3. Four steps
+// in place of one are the most.
 constexpr double kImpactPressureCourant = 0.3;
 constexpr int kMaxImpactSubsteps = 4;
 
@@ -40,22 +41,26 @@ int scene_multiple(double needed, int substeps) {
 }
 
 double limit_of(const ResolutionRequest& request, double width_m) {
-  return std::min(courant_limit(request.poisson_ratio, request.size_m.minCoeff() / width_m), request.max_courant);
+  return std::min(courant_limit(request.poisson_ratio, request.size_m.minCoeff() / width_m),
+                  request.max_courant);
 }
 
 Candidate score(const ResolutionRequest& request, double width_m) {
   const double longest = request.size_m.maxCoeff(), thinnest = request.size_m.minCoeff();
   const bool thin = longest >= kThinRatio * thinnest;
   Candidate candidate{width_m, false, false, 1, 1.0, 0.0};
-  // Two layers of which one is hardly entered are a hinge and a lever: a flat bar of 1.2 layers bent the stiff way by 0.81
-  // to 0.75 of what it should.
-  const double middle = request.middle_side_m > 0.0 ? request.middle_side_m : request.size_m.sum() - longest - thinnest;
+  // Two layers of which one is hardly entered are a hinge and a lever: a flat bar of 1.2 layers bent the
+  // stiff way by 0.81 to 0.75 of what it should.
+  const double middle =
+      request.middle_side_m > 0.0 ? request.middle_side_m : request.size_m.sum() - longest - thinnest;
   candidate.split = thin && middle > (1.0 + 1e-6) * width_m && middle < (kMinSplitCells - 1e-6) * width_m;
-  candidate.detailed = !candidate.split && longest / width_m > (thin ? kCellsAlongThin : kCellsAlongCompact) - 1e-6 &&
+  candidate.detailed = !candidate.split &&
+                       longest / width_m > (thin ? kCellsAlongThin : kCellsAlongCompact) - 1e-6 &&
                        (thin || thinnest / width_m > kLayersCompact - 1e-6);
   const double wave_m_s = std::sqrt(request.youngs_modulus_pa / request.density_kg_m3);
   const double limit = limit_of(request, width_m);
-  candidate.substeps_needed = scene_multiple(wave_m_s / (limit * request.rate_hz * width_m), request.substeps);
+  candidate.substeps_needed =
+      scene_multiple(wave_m_s / (limit * request.rate_hz * width_m), request.substeps);
   for (int d = 0; d < 3; ++d) candidate.nodes *= std::ceil(request.size_m[d] / width_m - 1e-6) + 1.0;
   candidate.cost = candidate.substeps_needed * candidate.nodes;
   return candidate;
@@ -67,7 +72,8 @@ std::vector<double> candidate_widths(const ResolutionRequest& request) {
   const double narrowest = 1.5 * request.particle_edge_m * (1.0 - 1e-6);
   std::vector<double> widths;  // from wide to narrow
   // Of what is so wide that sixteen cells along are wider than this.
-  if (const double widest = kMaxWidthOverThickness * thinnest; longest > 16.0 * widest && widest >= narrowest) widths.push_back(widest);
+  if (const double widest = kMaxWidthOverThickness * thinnest; longest > 16.0 * widest && widest >= narrowest)
+    widths.push_back(widest);
   for (int along = 6; along <= 16; ++along) {
     const double width = longest / along;
     if (width > thinnest * (1.0 + 1e-6) && width <= kMaxWidthOverThickness * thinnest && width >= narrowest) {
@@ -82,10 +88,10 @@ std::vector<double> candidate_widths(const ResolutionRequest& request) {
 }  // namespace
 
 double courant_limit(double poisson_ratio, double cells_across) {
-  // Statics and vibrations would allow 0.75 (0.55 at nu = .45); but a cube that lands gains energy above 0.6: dropped
-  // 0.1 m, 2 % at 0.65, 6 % at 0.69, nothing up to 0.6.
-  // Waves of pressure are faster the nearer Poisson's ratio is to a half, 4.1 times those of a bar at 0.49: there 0.26 gave a
-  // cube that landed its energy 27 times over, and 0.19 nothing.
+  // Statics and vibrations would allow 0.75 (0.55 at nu = .45); but a cube that lands gains energy above 0.6:
+  // dropped 0.1 m, 2 % at 0.65, 6 % at 0.69, nothing up to 0.6. Waves of pressure are faster the nearer
+  // Poisson's ratio is to a half, 4.1 times those of a bar at 0.49: there 0.26 gave a cube that landed its
+  // energy 27 times over, and 0.19 nothing.
   const double limit = 0.6 - std::max(0.0, poisson_ratio - 0.35) - 7.25 * std::max(0.0, poisson_ratio - 0.45);
   return cells_across < 1.5 ? std::min(limit, 0.5) : limit;
 }
@@ -100,23 +106,28 @@ LatticeResolution choose_resolution(const ResolutionRequest& request) {
   const bool over_budget = std::all_of(candidates.begin(), candidates.end(), costs_too_much);
   if (over_budget) {
     const double longest = request.size_m.maxCoeff();
-    Candidate wider = *std::max_element(candidates.begin(), candidates.end(),
-                                        [](const Candidate& a, const Candidate& b) { return a.width_m < b.width_m; });
-    while (request.cell_width_m <= 0.0 && costs_too_much(wider) && kWidthGrowth * wider.width_m <= longest / kMinCellsAlong) {
+    Candidate wider =
+        *std::max_element(candidates.begin(), candidates.end(),
+                          [](const Candidate& a, const Candidate& b) { return a.width_m < b.width_m; });
+    while (request.cell_width_m <= 0.0 && costs_too_much(wider) &&
+           kWidthGrowth * wider.width_m <= longest / kMinCellsAlong) {
       wider = score(request, kWidthGrowth * wider.width_m);
     }
     candidates = {wider};
     if (costs_too_much(wider)) {
       const double affordable = std::max(1.0, request.max_node_substeps / wider.nodes / request.substeps);
-      cap = std::min(cap, static_cast<int>(std::min<double>(affordable, kMaxBodySubsteps)) * request.substeps);
+      cap =
+          std::min(cap, static_cast<int>(std::min<double>(affordable, kMaxBodySubsteps)) * request.substeps);
     }
   }
-  std::erase_if(candidates, [&](const Candidate& candidate) { return !over_budget && costs_too_much(candidate); });
+  std::erase_if(candidates,
+                [&](const Candidate& candidate) { return !over_budget && costs_too_much(candidate); });
 
   // The cheapest with enough detail; else the finest that can be as stiff as asked; else the widest.
   const Candidate* chosen = nullptr;
   for (const Candidate& candidate : candidates) {
-    if (candidate.detailed && candidate.substeps_needed <= cap && (!chosen || candidate.cost < chosen->cost)) {
+    if (candidate.detailed && candidate.substeps_needed <= cap &&
+        (!chosen || candidate.cost < chosen->cost)) {
       chosen = &candidate;
     }
   }
@@ -132,16 +143,20 @@ LatticeResolution choose_resolution(const ResolutionRequest& request) {
   resolution.cell_width_m = chosen->width_m;
   resolution.substeps = std::min(chosen->substeps_needed, cap);
   resolution.node_substeps = chosen->nodes * resolution.substeps;
-  const double reach = limit_of(request, chosen->width_m) * request.rate_hz * resolution.substeps * chosen->width_m;
+  const double reach =
+      limit_of(request, chosen->width_m) * request.rate_hz * resolution.substeps * chosen->width_m;
   const double ceiling_pa = request.density_kg_m3 * reach * reach;
   resolution.clipped = chosen->substeps_needed > cap;
-  resolution.over_budget = over_budget && chosen->width_m > 1.0001 * kMaxWidthOverThickness * request.size_m.minCoeff();
+  resolution.over_budget =
+      over_budget && chosen->width_m > 1.0001 * kMaxWidthOverThickness * request.size_m.minCoeff();
   resolution.youngs_modulus_pa = resolution.clipped ? ceiling_pa : request.youngs_modulus_pa;
   resolution.courant = std::sqrt(resolution.youngs_modulus_pa / request.density_kg_m3) /
-                   (request.rate_hz * resolution.substeps * chosen->width_m);
+                       (request.rate_hz * resolution.substeps * chosen->width_m);
   const double nu = request.poisson_ratio;
-  const double pressure_courant = resolution.courant * std::sqrt((1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)));
-  resolution.impact_substeps = std::clamp(static_cast<int>(std::ceil(pressure_courant / kImpactPressureCourant)), 1, kMaxImpactSubsteps);
+  const double pressure_courant =
+      resolution.courant * std::sqrt((1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)));
+  resolution.impact_substeps = std::clamp(
+      static_cast<int>(std::ceil(pressure_courant / kImpactPressureCourant)), 1, kMaxImpactSubsteps);
   return resolution;
 }
 

@@ -4,25 +4,29 @@
 #include <cmath>
 #include <limits>
 
-#include "physics/elastic/resolution/lattice_resolution.h"
 #include "physics/elastic/cells/cell_stiffness.h"
+#include "physics/elastic/resolution/lattice_resolution.h"
 
 namespace livegs {
 namespace {
 
 constexpr double kMinExact = 4.0, kMinExactPerBulk = 0.9, kMinBand = 1.1;
-// Of what is predicted; with what is measured beside it, bodies called exact are within 5 % (tests/accuracy/tension_test.cpp).
+// Of what is predicted; with what is measured beside it, bodies called exact are within 5 %
+// (tests/accuracy/tension_test.cpp).
 constexpr double kExactWithin = 0.04;
 // Of the ceiling: a modulus far above it shows less than one just above it.
 constexpr double kMinCeilingRatio = 0.45, kMaxCeilingRatio = 1.1;
-// Of so many cells along a body shows up to this times more than that, measured: 1.4 at 8, 1.7 at 6, 2.1 at 4, 1.8 at 3.
+// Of so many cells along a body shows up to this times more than that, measured: 1.4 at 8, 1.7 at 6, 2.1 at
+// 4, 1.8 at 3.
 constexpr double kEndsOverCeiling = 4.5;
 // What pulls at the ends of so few cells in steps so long never lets them rest: there is nothing to tell.
-constexpr double kMinBlockCells = 4.5, kMinRowCells = 3.5, kMaxRowWidth = 1.5, kMaxRestingEndExcess = 0.25, kMaxEndCorrection = 0.5;
+constexpr double kMinBlockCells = 4.5, kMinRowCells = 3.5, kMaxRowWidth = 1.5, kMaxRestingEndExcess = 0.25,
+                 kMaxEndCorrection = 0.5;
 
-// Measured E_app / E against Ybar, with the ends of the band put on: softness from elastic-study.md 3 (each column of
-// Courant numbers turned into Ybar by its thickness), stiffness from this solver, which is stiffer than the study's
-// prototype past the exact range: at 4 cells across 1.03, 1.14, 1.37, 1.6 at Co 0.9, 1.2, 1.35, 1.7.
+// Measured E_app / E against Ybar, with the ends of the band put on: softness from elastic-study.md 3 (each
+// column of Courant numbers turned into Ybar by its thickness), stiffness from this solver, which is stiffer
+// than the study's prototype past the exact range: at 4 cells across 1.03, 1.14, 1.37, 1.6 at Co
+// 0.9, 1.2, 1.35, 1.7.
 struct Point {
   double y, ratio;
 };
@@ -39,7 +43,8 @@ double interpolate(const std::array<Point, kCount>& points, double y) {
 
 // The softest: up to nu .3, and at .45.
 constexpr std::array<Point, 4> kSoftest30 = {{{1.1, 0.84}, {1.39, 0.88}, {2.17, 0.965}, {4.0, 0.97}}};
-constexpr std::array<Point, 5> kSoftest45 = {{{1.1, 0.79}, {1.39, 0.82}, {2.17, 0.91}, {3.1, 0.95}, {6.7, 0.98}}};
+constexpr std::array<Point, 5> kSoftest45 = {
+    {{1.1, 0.79}, {1.39, 0.82}, {2.17, 0.91}, {3.1, 0.95}, {6.7, 0.98}}};
 // The stiffest: one cell across, two, and four or more.
 constexpr std::array<Point, 3> kStiffest1 = {{{1.1, 2.2}, {2.0, 1.5}, {4.5, 1.1}}};
 constexpr std::array<Point, 4> kStiffest2 = {{{1.1, 2.1}, {2.0, 1.35}, {3.0, 1.2}, {4.0, 1.08}}};
@@ -52,7 +57,8 @@ double softest(double y, double poisson_ratio) {
 }
 
 double stiffest(double y, double cells_across) {
-  const double one = interpolate(kStiffest1, y), two = interpolate(kStiffest2, y), four = interpolate(kStiffest4, y);
+  const double one = interpolate(kStiffest1, y), two = interpolate(kStiffest2, y),
+               four = interpolate(kStiffest4, y);
   if (cells_across <= 1.0) return one;
   if (cells_across <= 2.0) return one + (cells_across - 1.0) * (two - one);
   return two + std::min(0.5 * (cells_across - 2.0), 1.0) * (four - two);
@@ -61,7 +67,7 @@ double stiffest(double y, double cells_across) {
 }  // namespace
 
 double mean_pass_compliance(const Lattice& lattice, std::span<const double> inverse_masses_per_kg,
-                             double youngs_modulus_pa, double step_s) {
+                            double youngs_modulus_pa, double step_s) {
   double volume = 0.0, sum = 0.0;
   for (const LatticeCell& cell : lattice.cells) {
     std::array<double, 8> inverse;
@@ -89,7 +95,8 @@ double thin_part(const Lattice& lattice, bool loose) {
 }
 
 double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double step_s) {
-  const double fullness = static_cast<double>(lattice.cells.size()) / static_cast<double>(lattice.node_coordinates.size());
+  const double fullness =
+      static_cast<double>(lattice.cells.size()) / static_cast<double>(lattice.node_coordinates.size());
   const double speed_m_s = lattice.cell_width_m / step_s;
   // 1.85 without compensation (elastic-study.md 2.4); with it 4.4 at nu 0, 4.1 at .3, 3.9 at .45, measured.
   return 4.15 * density_kg_m3 * speed_m_s * speed_m_s * fullness;
@@ -113,7 +120,8 @@ ModulusBand band_of(const BandRequest& request) {
     return {ElasticBand::Exact, 1.0 - kExactWithin, 1.0 + kExactWithin, std::max(across, 1.0 + kExactWithin)};
   }
   const double inside = stiffest(y, request.cells_across);
-  return {ElasticBand::Band, softest(y, request.poisson_ratio), inside / (1.0 - std::min(ends, kMaxEndCorrection)), inside * across};
+  return {ElasticBand::Band, softest(y, request.poisson_ratio),
+          inside / (1.0 - std::min(ends, kMaxEndCorrection)), inside * across};
 }
 
 }  // namespace livegs

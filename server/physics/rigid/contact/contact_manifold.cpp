@@ -7,17 +7,17 @@
 namespace livegs {
 namespace {
 
-// Points whose depths differ by less than this part of the smaller bounding radius are equally deep: a box face that rests
-// is held by its corners, not by whichever point rounding made the deepest.
+// Points whose depths differ by less than this part of the smaller bounding radius are equally deep: a box
+// face that rests is held by its corners, not by whichever point rounding made the deepest.
 constexpr double kEqualDepth = 0.002;
-// Contacts of a pair that moved against each other by less than this part of the smaller bounding radius are not looked
-// for again. A tenth of the margin within which they are found.
+// Contacts of a pair that moved against each other by less than this part of the smaller bounding radius are
+// not looked for again. A tenth of the margin within which they are found.
 constexpr double kReuseTolerance = 0.1 * kContactMargin;
 
 using Chosen = std::vector<const ContactCandidate*>;
 
-// Up to four of `group` (its deepest first) that span it. Ties go to the lowest feature id, so that rounding does not
-// decide them.
+// Up to four of `group` (its deepest first) that span it. Ties go to the lowest feature id, so that rounding
+// does not decide them.
 Chosen spread_points(Chosen group, double equal_depth_m) {
   if (group.size() <= kMaxManifoldPoints) return group;
   const double deep_m = group[0]->separation_m + equal_depth_m;
@@ -93,10 +93,10 @@ double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t featur
   return 0.0;
 }
 
-// The closing speed the point will have at the moment of touch, from the constant acceleration of the substep, and the one
-// that this would give from then on.
+// The closing speed the point will have at the moment of touch, from the constant acceleration of the
+// substep, and the one that this would give from then on.
 void predict_impact(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
-                   double duration_s, ContactPoint& point) {
+                    double duration_s, ContactPoint& point) {
   Eigen::Vector3d velocity = body.point_velocity(candidate.point_m - body.world_from_body.position_m);
   Eigen::Vector3d acceleration = body.substep_acceleration_m_s2;
   if (other) {
@@ -109,7 +109,8 @@ void predict_impact(const RigidBody& body, const RigidBody* other, const Contact
   const double impact_speed = std::sqrt(std::max(0.0, closing * closing - 2.0 * normal_acceleration * gap));
   point.impact_speed_m_s = closing > 0.0 ? impact_speed : 0.0;
   point.approach_speed_m_s = std::max(0.0, closing);
-  const double time_of_impact = gap > 0.0 && closing + impact_speed > 0.0 ? 2.0 * gap / (closing + impact_speed) : 0.0;
+  const double time_of_impact =
+      gap > 0.0 && closing + impact_speed > 0.0 ? 2.0 * gap / (closing + impact_speed) : 0.0;
   point.time_of_impact_s = std::clamp(time_of_impact, 0.0, duration_s);
   point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * (duration_s - point.time_of_impact_s);
 }
@@ -143,16 +144,16 @@ void remember(const RigidBody& body, ContactManifold& manifold) {
   const Pose& other = manifold.other->world_from_body;
   manifold.lasts = true;
   manifold.normal_is_others = manifold.turns;  // points of the first body lie on a face of the other
-  const Eigen::Quaterniond& axes = manifold.normal_is_others ? other.orientation : body.world_from_body.orientation;
+  const Eigen::Quaterniond& axes =
+      manifold.normal_is_others ? other.orientation : body.world_from_body.orientation;
   manifold.found_normal = axes.conjugate() * manifold.normal;
   const Pose relative = first_from_other(body, *manifold.other);
   manifold.found_turn = relative.orientation;
   manifold.found_shift_m = relative.position_m;
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
-    point.anchor_b_m = other.orientation.conjugate() *
-                       (body.world_from_body.position_m + point.arm_a_m - point.separation_m * point.normal -
-                        other.position_m);
+    point.anchor_b_m = other.orientation.conjugate() * (body.world_from_body.position_m + point.arm_a_m -
+                                                        point.separation_m * point.normal - other.position_m);
   }
 }
 
@@ -176,7 +177,8 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s)
   manifold.friction = pair.friction;
   manifold.restitution = pair.restitution;
   const Pose& place = body.world_from_body;
-  manifold.normal = (manifold.normal_is_others ? other.world_from_body.orientation : place.orientation) * manifold.found_normal;
+  manifold.normal = (manifold.normal_is_others ? other.world_from_body.orientation : place.orientation) *
+                    manifold.found_normal;
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
     point.normal = manifold.normal;
@@ -184,7 +186,8 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s)
     const Eigen::Vector3d on_first = place.position_m + point.arm_a_m;
     point.separation_m = manifold.normal.dot(on_first - other.world_from_body * point.anchor_b_m);
     point.largest_impulse_n_s = 0.0;
-    predict_impact(body, pair.other, {point.feature_id, on_first, manifold.normal, point.separation_m}, duration_s, point);
+    predict_impact(body, pair.other, {point.feature_id, on_first, manifold.normal, point.separation_m},
+                   duration_s, point);
   }
   find_centre(body, manifold);
   body.manifolds.push_back(manifold);
@@ -192,10 +195,11 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s)
 }
 
 void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_s,
-                    std::vector<ContactCandidate>& candidates) {
+                      std::vector<ContactCandidate>& candidates) {
   // What is not finite has no order and touches nothing.
   std::erase_if(candidates, [](const ContactCandidate& candidate) {
-    return !std::isfinite(candidate.separation_m) || !candidate.point_m.allFinite() || !candidate.normal.allFinite();
+    return !std::isfinite(candidate.separation_m) || !candidate.point_m.allFinite() ||
+           !candidate.normal.allFinite();
   });
   std::sort(candidates.begin(), candidates.end(), [](const ContactCandidate& a, const ContactCandidate& b) {
     return a.separation_m != b.separation_m ? a.separation_m < b.separation_m : a.feature_id < b.feature_id;

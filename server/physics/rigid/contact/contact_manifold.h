@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "physics/collision/contact_candidate.h"
-#include "physics/rigid/rigid_body.h"
 #include "physics/rigid/contact/contact_solver.h"
+#include "physics/rigid/rigid_body.h"
 
 namespace livegs {
 
@@ -22,17 +22,17 @@ struct ContactPair {
   bool lasts = false;  // two convex bodies: the contacts stay good while the two lie still on each other
 };
 
-// Takes over the manifold of the substep before, at the bodies' present places, if it lasts and they have not moved against
-// each other since it was found by more than a thousandth of the size.
+// Takes over the manifold of the substep before, at the bodies' present places, if it lasts and they have not
+// moved against each other since it was found by more than a thousandth of the size.
 bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s);
 
 // Normals within 30 degrees of the deepest point's belong to one manifold.
 inline constexpr double kManifoldNormalCosine = 0.866;
 
-// Groups candidates into manifolds of at most four points (the deepest region first, then spread as wide as possible)
-// and appends them to body.manifolds. Impulses of the same features in body.previous_manifolds are carried over.
-// `candidates` is sorted in place.
+// Groups candidates into manifolds of at most four points (the deepest region first, then spread as wide as
+// possible) and appends them to body.manifolds. Impulses of the same features in body.previous_manifolds are
+// carried over. `candidates` is sorted in place.
 void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_s,
-                    std::vector<ContactCandidate>& candidates);
+                      std::vector<ContactCandidate>& candidates);
 
 }  // namespace livegs

@@ -28,12 +28,13 @@ struct ContactPoint {
   Eigen::Vector3d arm_a_m;     // from the first body's centre of mass, world axes
   Eigen::Vector3d arm_body_m;  // the same in its own axes
   double separation_m = 0;
-  bool turns = false;  // a point of the first body's mesh; where a ball or the other body touches stays in the substep
-  double impact_speed_m_s = 0;  // closing speed at touch, > 0 when closing
-  double approach_speed_m_s = 0;  // at the start of the substep, > 0 when closing
-  double time_of_impact_s = 0;      // from the start of the substep
-  double carried_speed_m_s = 0;  // what presses the two together would give them in the rest of the substep
-  double impulse_n_s = 0;       // of this step, >= 0; the next one starts from it
+  bool turns =
+      false;  // a point of the first body's mesh; where a ball or the other body touches stays in the substep
+  double impact_speed_m_s = 0;     // closing speed at touch, > 0 when closing
+  double approach_speed_m_s = 0;   // at the start of the substep, > 0 when closing
+  double time_of_impact_s = 0;     // from the start of the substep
+  double carried_speed_m_s = 0;    // what presses the two together would give them in the rest of the substep
+  double impulse_n_s = 0;          // of this step, >= 0; the next one starts from it
   double resting_impulse_n_s = 0;  // before restitution
   double largest_impulse_n_s = 0;
 
@@ -61,8 +62,8 @@ struct ContactManifold {
   Eigen::Vector3d normal;
   Eigen::Vector3d arm_a_m, arm_body_m;
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
-  double twist_impulse = 0;  // N m s
-  double twist_radius_m = 0; // mean distance of the points from the centre
+  double twist_impulse = 0;   // N m s
+  double twist_radius_m = 0;  // mean distance of the points from the centre
 
   Eigen::Vector3d arm_b_m;
   ContactRow tangent, bitangent;
@@ -72,9 +73,9 @@ struct ContactManifold {
 
   // As it was found, for as long as the two do not move against each other: see reuse_manifold.
   bool lasts = false;
-  bool normal_is_others = false;   // fixed in the other's axes, else in the first body's
-  Eigen::Vector3d found_normal;    // in those axes
-  Eigen::Quaterniond found_turn;   // first from other
+  bool normal_is_others = false;  // fixed in the other's axes, else in the first body's
+  Eigen::Vector3d found_normal;   // in those axes
+  Eigen::Quaterniond found_turn;  // first from other
   Eigen::Vector3d found_shift_m;
 };
 

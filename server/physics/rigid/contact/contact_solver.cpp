@@ -17,8 +17,8 @@ constexpr double kContactDamping = 10.0;  // ratio; lower parts overlaps faster 
 
 using Eigen::Vector3d;
 
-inline ContactRow row_of(const RigidBody& a, const RigidBody* b, const Vector3d& direction, const Vector3d& arm_a,
-                  const Vector3d& arm_b) {
+inline ContactRow row_of(const RigidBody& a, const RigidBody* b, const Vector3d& direction,
+                         const Vector3d& arm_a, const Vector3d& arm_b) {
   ContactRow row;
   row.direction = direction;
   row.lever_a = arm_a.cross(direction);
@@ -40,7 +40,8 @@ inline double speed_along(const RigidBody& a, const RigidBody* b, const ContactR
   return speed;
 }
 
-inline void push(RigidBody& body, double impulse, const Vector3d& direction, const Vector3d& lever, const Vector3d& turn) {
+inline void push(RigidBody& body, double impulse, const Vector3d& direction, const Vector3d& lever,
+                 const Vector3d& turn) {
   if (body.asleep) return;
   body.velocity_m_s += (impulse * body.inverse_mass) * direction;
   body.angular_momentum += impulse * lever;
@@ -63,8 +64,9 @@ inline void apply_twist(RigidBody& a, ContactManifold& manifold, double impulse)
   if (manifold.other) twist(*manifold.other, -impulse, manifold.normal, manifold.twist_turn_b);
 }
 
-// How far a turning point strays in `step_s`, along its normal, from the straight line its velocity points along. Without
-// it the next facets of a rolling body are stopped before they would land, and a body that pivots on a corner rises.
+// How far a turning point strays in `step_s`, along its normal, from the straight line its velocity points
+// along. Without it the next facets of a rolling body are stopped before they would land, and a body that
+// pivots on a corner rises.
 inline double way_off_line_m(const RigidBody& body, const ContactPoint& point, double step_s) {
   if (!point.turns) return 0.0;
   const Vector3d& spin = body.angular_velocity_rad_s;
@@ -113,7 +115,8 @@ void prepare_manifold(RigidBody& a, ContactManifold& manifold) {
 }
 
 void warm_start_manifold(RigidBody& a, ContactManifold& manifold) {
-  for (int i = 0; i < manifold.point_count; ++i) apply(a, manifold.other, manifold.points[i].row, manifold.points[i].impulse_n_s);
+  for (int i = 0; i < manifold.point_count; ++i)
+    apply(a, manifold.other, manifold.points[i].row, manifold.points[i].impulse_n_s);
   const double along = manifold.tangent.direction.dot(manifold.friction_impulse_n_s);
   const double across = manifold.bitangent.direction.dot(manifold.friction_impulse_n_s);
   manifold.friction_impulse_n_s = along * manifold.tangent.direction + across * manifold.bitangent.direction;
@@ -134,19 +137,22 @@ void solve_friction(RigidBody& a, ContactManifold& manifold) {
   double spin = manifold.normal.dot(a.angular_velocity_rad_s);
   if (manifold.other) spin -= manifold.normal.dot(manifold.other->angular_velocity_rad_s);
   const double twist_limit = limit * manifold.twist_radius_m;
-  const double wanted_twist = std::clamp(manifold.twist_impulse - manifold.twist_mass * spin, -twist_limit, twist_limit);
+  const double wanted_twist =
+      std::clamp(manifold.twist_impulse - manifold.twist_mass * spin, -twist_limit, twist_limit);
   apply_twist(a, manifold, wanted_twist - manifold.twist_impulse);
   manifold.twist_impulse = wanted_twist;
 
   const Eigen::Vector2d before(manifold.tangent.direction.dot(manifold.friction_impulse_n_s),
                                manifold.bitangent.direction.dot(manifold.friction_impulse_n_s));
-  const Eigen::Vector2d slip(speed_along(a, manifold.other, manifold.tangent), speed_along(a, manifold.other, manifold.bitangent));
+  const Eigen::Vector2d slip(speed_along(a, manifold.other, manifold.tangent),
+                             speed_along(a, manifold.other, manifold.bitangent));
   Eigen::Vector2d wanted = before - manifold.tangent_mass * slip;
   const double length = wanted.norm();
   if (length > limit) wanted *= limit / length;
   apply(a, manifold.other, manifold.tangent, wanted.x() - before.x());
   apply(a, manifold.other, manifold.bitangent, wanted.y() - before.y());
-  manifold.friction_impulse_n_s = wanted.x() * manifold.tangent.direction + wanted.y() * manifold.bitangent.direction;
+  manifold.friction_impulse_n_s =
+      wanted.x() * manifold.tangent.direction + wanted.y() * manifold.bitangent.direction;
 }
 
 void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase, double step_s) {
@@ -163,8 +169,9 @@ void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase,
       mass_scale = soft.mass_scale;
       impulse_scale = soft.impulse_scale;
     }
-    const double change = -point.row.mass_kg * mass_scale * (speed_along(a, manifold.other, point.row) + bias) -
-                          impulse_scale * point.impulse_n_s;
+    const double change =
+        -point.row.mass_kg * mass_scale * (speed_along(a, manifold.other, point.row) + bias) -
+        impulse_scale * point.impulse_n_s;
     const double impulse = std::max(0.0, point.impulse_n_s + change);
     apply(a, manifold.other, point.row, impulse - point.impulse_n_s);
     point.impulse_n_s = impulse;
@@ -175,7 +182,8 @@ void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase,
 void update_separations(RigidBody& a, ContactManifold& manifold, double step_s) {
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
-    point.separation_m += way_off_line_m(a, point, step_s) + step_s * speed_along(a, manifold.other, point.row);
+    point.separation_m +=
+        way_off_line_m(a, point, step_s) + step_s * speed_along(a, manifold.other, point.row);
   }
 }
 

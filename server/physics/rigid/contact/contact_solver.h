@@ -15,12 +15,13 @@ inline constexpr double kContactMargin = 0.01;
 struct ContactSoftness {
   double bias_rate = 0, mass_scale = 1, impulse_scale = 0;
 };
-// Contact springs at a quarter of the step rate, damping ratio 10: 240 Hz at 60 Hz, 4 substeps of 4 steps. A body at rest
-// sinks g / (2 pi f)^2 = 4 um.
+// Contact springs at a quarter of the step rate, damping ratio 10: 240 Hz at 60 Hz, 4 substeps of 4 steps. A
+// body at rest sinks g / (2 pi f)^2 = 4 um.
 ContactSoftness contact_softness(double step_s);
 
 // The parts of one solver step, in the order of use. `a` owns the manifold.
-void prepare_manifold(RigidBody& a, ContactManifold& manifold);       // masses, and the same places seen from `other`, now
+void prepare_manifold(RigidBody& a,
+                      ContactManifold& manifold);  // masses, and the same places seen from `other`, now
 void warm_start_manifold(RigidBody& a, ContactManifold& manifold);
 enum class ContactPhase {
   Push,   // overlaps are driven apart softly

@@ -5,24 +5,26 @@
 #include <cmath>
 #include <numeric>
 
-#include "physics/rigid/contact/narrow_phase.h"
 #include "physics/collision/collider_features.h"
-#include "physics/rigid/contact/contact_solver.h"
-#include "physics/rigid/joint/joint_group.h"
 #include "physics/rigid/contact/contact_manifold.h"
+#include "physics/rigid/contact/contact_solver.h"
+#include "physics/rigid/contact/narrow_phase.h"
+#include "physics/rigid/joint/joint_group.h"
 
 namespace livegs {
 namespace {
 
-constexpr double kMaxPushSpeed_m_s = 1.0;  // several in a row add up: ten boxes, three metres a second
-constexpr double kPushSizesPerSecond = 5.0;       // bounding diameters a second
-// Two of one form are in one place when their centres are nearer to each other than this part of their thinnest side and of
-// how thick they are: bowls that stand in each other are not.
+constexpr double kMaxPushSpeed_m_s = 1.0;    // several in a row add up: ten boxes, three metres a second
+constexpr double kPushSizesPerSecond = 5.0;  // bounding diameters a second
+// Two of one form are in one place when their centres are nearer to each other than this part of their
+// thinnest side and of how thick they are: bowls that stand in each other are not.
 constexpr double kCoincidentDistance = 0.25, kCoincidentWall = 0.75;
-constexpr double kDeepPenetration = 0.005;  // of the smaller bounding radius; what rests is a tenth of that deep
-constexpr double kOppositeCosine = 0.5;    // less cosine of two normals than minus this
-constexpr double kMinNetDepth = 0.3;      // depths whose sum is a smaller part of their sizes point nowhere
-constexpr double kRestitutionDrop = 0.01;         // a fall of this part of the smaller bounding radius does not bounce
+constexpr double kDeepPenetration =
+    0.005;                               // of the smaller bounding radius; what rests is a tenth of that deep
+constexpr double kOppositeCosine = 0.5;  // less cosine of two normals than minus this
+constexpr double kMinNetDepth = 0.3;     // depths whose sum is a smaller part of their sizes point nowhere
+constexpr double kRestitutionDrop =
+    0.01;  // a fall of this part of the smaller bounding radius does not bounce
 
 // The part of a sampled distance that is certainly free; the distances of other shapes are exact.
 double marching_factor(const Collider& collider) {
@@ -53,8 +55,8 @@ ContactPair pair_of(const RigidBody& body, const RigidBody* other, double fricti
 }
 
 // `motion_m`: no point of the body moves farther in the substep.
-void point_candidates(const RigidBody& body, const Collider& collider, double motion_m, const ContactSearch& search,
-                      std::vector<ContactCandidate>& candidates) {
+void point_candidates(const RigidBody& body, const Collider& collider, double motion_m,
+                      const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
   const Eigen::Matrix3d rotation = body.world_from_body.orientation.toRotationMatrix();
   // Only corners of a convex body can be the lowest over a plane.
   const bool plane = std::holds_alternative<PlaneShape>(collider.shape);
@@ -84,7 +86,8 @@ void point_candidates(const RigidBody& body, const Collider& collider, double mo
       if (here.distance_m < std::max(search.margin_m, -displacement.dot(here.normal))) {
         candidates.push_back({i, point, here.normal, here.distance_m});
       }
-    } else if (const auto found = point_candidate(i, point, sample, displacement, marching_factor(collider), search)) {
+    } else if (const auto found =
+                   point_candidate(i, point, sample, displacement, marching_factor(collider), search)) {
       candidates.push_back(*found);
     }
   }
@@ -94,10 +97,11 @@ void feature_candidates(const RigidBody& body, const Collider& collider, const C
                         std::vector<ContactCandidate>& candidates) {
   const double reach = body.shape.bounding_radius_m;
   const Eigen::Quaterniond& orientation = body.world_from_body.orientation;
-  const double motion = search.duration_s * (body.velocity_m_s.norm() + body.angular_velocity_rad_s.norm() * reach);
-  for (const ColliderFeature& feature : collider_features(collider, body.world_from_body.position_m,
-                                                          reach + motion + search.margin_m,
-                                                          body.shape.contact_spacing_m)) {
+  const double motion =
+      search.duration_s * (body.velocity_m_s.norm() + body.angular_velocity_rad_s.norm() * reach);
+  for (const ColliderFeature& feature :
+       collider_features(collider, body.world_from_body.position_m, reach + motion + search.margin_m,
+                         body.shape.contact_spacing_m)) {
     const Eigen::Vector3d arm = feature.point_m - body.world_from_body.position_m;
     const auto sample = [&](const Eigen::Vector3d& from_centre) {
       const DistanceField::Sample field = body.shape.sample(orientation.conjugate() * from_centre);
@@ -117,7 +121,8 @@ void feature_candidates(const RigidBody& body, const Collider& collider, const C
 void collider_candidates(const RigidBody& body, const Collider& collider, const ContactSearch& search,
                          std::vector<ContactCandidate>& candidates) {
   const double reach = body.shape.bounding_radius_m;
-  const double motion = search.duration_s * (body.velocity_m_s.norm() + body.angular_velocity_rad_s.norm() * reach);
+  const double motion =
+      search.duration_s * (body.velocity_m_s.norm() + body.angular_velocity_rad_s.norm() * reach);
   const double distance = sample_surface(collider, body.world_from_body.position_m).distance_m;
   if (marching_factor(collider) * distance > reach + motion + search.margin_m) return;
   const auto* box = std::get_if<BoxShape>(&collider.shape);
@@ -149,13 +154,15 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
     }
     cores.clear();
     core_candidates(
-        body, [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); }, body.velocity_m_s,
-        marching_factor(collider), search, cores);
+        body, [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); },
+        body.velocity_m_s, marching_factor(collider), search, cores);
     if (candidates.empty() && cores.empty()) continue;
-    ContactPair pair = pair_of(body, nullptr, collider.friction, collider.restitution, gravity_m_s2, duration_s);
+    ContactPair pair =
+        pair_of(body, nullptr, collider.friction, collider.restitution, gravity_m_s2, duration_s);
     pair.other_id = kColliderBit + index;
     append_manifolds(body, pair, duration_s, candidates);
-    append_manifolds(body, pair, duration_s, cores);  // of its own: among points nearer to the surface it would be passed over
+    append_manifolds(body, pair, duration_s,
+                     cores);  // of its own: among points nearer to the surface it would be passed over
   }
 }
 
@@ -163,15 +170,19 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
 void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const ContactSearch& search,
                           std::vector<ContactCandidate>& candidates) {
   const Eigen::Vector3d& centre = ball.world_from_body.position_m;
-  const Eigen::Vector3d velocity = ball.velocity_m_s - other.point_velocity(centre - other.world_from_body.position_m);
+  const Eigen::Vector3d velocity =
+      ball.velocity_m_s - other.point_velocity(centre - other.world_from_body.position_m);
   ball_candidates(
-      centre, ball.shape.sphere_radius_m, [&](const Eigen::Vector3d& point) { return sample_body(other, point); }, velocity,
-      1.0, search, candidates);
+      centre, ball.shape.sphere_radius_m,
+      [&](const Eigen::Vector3d& point) { return sample_body(other, point); }, velocity, 1.0, search,
+      candidates);
 }
 
-// Two meshes of one form in one place have all points of each on the other's surface, and where they are less than half
-// their thickness apart the nearest way out is the one back. Along the thinnest side they are parted until points are inside.
-bool separate_coincident(const RigidBody& body, const RigidBody& other, std::vector<ContactCandidate>& candidates) {
+// Two meshes of one form in one place have all points of each on the other's surface, and where they are less
+// than half their thickness apart the nearest way out is the one back. Along the thinnest side they are
+// parted until points are inside.
+bool separate_coincident(const RigidBody& body, const RigidBody& other,
+                         std::vector<ContactCandidate>& candidates) {
   const Eigen::Vector3d size = body.shape.max_m - body.shape.min_m;
   Eigen::Index thinnest;
   const double width = size.minCoeff(&thinnest);
@@ -187,11 +198,14 @@ bool separate_coincident(const RigidBody& body, const RigidBody& other, std::vec
   return true;
 }
 
-// Bodies that are deep in each other, as sherds at the moment they come apart, have points on either side that push
-// opposite ways and hold them there for good. They part one way: where most of the depth points, or away from each other's
-// centre; contacts against that are left out as long as they are so deep.
-void separate_deep_overlap(const Eigen::Vector3d& between, double size_m, std::vector<ContactCandidate>& candidates) {
-  const auto depth_m = [](const ContactCandidate& candidate) { return std::max(0.0, -candidate.separation_m); };
+// Bodies that are deep in each other, as sherds at the moment they come apart, have points on either side
+// that push opposite ways and hold them there for good. They part one way: where most of the depth points, or
+// away from each other's centre; contacts against that are left out as long as they are so deep.
+void separate_deep_overlap(const Eigen::Vector3d& between, double size_m,
+                           std::vector<ContactCandidate>& candidates) {
+  const auto depth_m = [](const ContactCandidate& candidate) {
+    return std::max(0.0, -candidate.separation_m);
+  };
   const double deep_m = kDeepPenetration * size_m;
   bool stuck = false;
   Eigen::Vector3d out = Eigen::Vector3d::Zero();
@@ -201,12 +215,14 @@ void separate_deep_overlap(const Eigen::Vector3d& between, double size_m, std::v
     out += depth_m(candidates[i]) * candidates[i].normal;
     sum_m += depth_m(candidates[i]);
     for (size_t k = 0; k < i && !stuck; ++k) {
-      stuck = depth_m(candidates[k]) > deep_m && candidates[i].normal.dot(candidates[k].normal) < -kOppositeCosine;
+      stuck = depth_m(candidates[k]) > deep_m &&
+              candidates[i].normal.dot(candidates[k].normal) < -kOppositeCosine;
     }
   }
   if (!stuck) return;
   if (out.norm() < kMinNetDepth * sum_m) out = between;
-  std::erase_if(candidates, [&](const ContactCandidate& one) { return depth_m(one) > 0.0 && one.normal.dot(out) < 0.0; });
+  std::erase_if(candidates,
+                [&](const ContactCandidate& one) { return depth_m(one) > 0.0 && one.normal.dot(out) < 0.0; });
 }
 
 void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, double duration_s,
@@ -218,7 +234,8 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
   const double motion = duration_s * ((body.velocity_m_s - other.velocity_m_s).norm() +
                                       body.angular_velocity_rad_s.norm() * body.shape.bounding_radius_m +
                                       other.angular_velocity_rad_s.norm() * other.shape.bounding_radius_m);
-  const double reach = body.shape.bounding_radius_m + other.shape.bounding_radius_m + motion + search.margin_m;
+  const double reach =
+      body.shape.bounding_radius_m + other.shape.bounding_radius_m + motion + search.margin_m;
   if (between.squaredNorm() > reach * reach) return;
 
   ContactPair pair = pair_of(body, &other, other.friction, other.restitution, gravity_m_s2, duration_s);
@@ -242,7 +259,8 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
 
 }  // namespace
 
-void find_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2, double duration_s) {
+void find_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2,
+                   double duration_s) {
   std::swap(body.manifolds, body.previous_manifolds);
   body.manifolds.clear();
   std::vector<ContactCandidate> candidates;
@@ -254,7 +272,8 @@ void find_contacts(RigidBody& body, std::span<const Collider> colliders, double 
     find_collider_contacts(body, colliders, gravity_m_s2, duration_s, candidates);
   }
   for (RigidBody* other : body.near) {
-    if (!body.asleep || !other->asleep) find_pair_contacts(body, *other, gravity_m_s2, duration_s, candidates);
+    if (!body.asleep || !other->asleep)
+      find_pair_contacts(body, *other, gravity_m_s2, duration_s, candidates);
   }
 }
 

@@ -11,7 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A face is preferred to an edge that is deeper by no more than this part of the margin: points of a face last.
+// A face is preferred to an edge that is deeper by no more than this part of the margin: points of a face
+// last.
 constexpr double kFacePreference = 0.1;
 // A pair that moves farther than this part of the smaller one's inner radius in a substep is advanced.
 constexpr double kFastDisplacement = 0.5;
@@ -26,15 +27,16 @@ double reach_m(const RigidBody& a, const RigidBody& b, const ContactSearch& sear
   return motion + search.margin_m;
 }
 
-// Whether the box of `a`, in the axes of `b`, lies farther than `reach_m` from that of `b`. So do most pairs of a heap whose
-// balls, and boxes in world axes, are near.
+// Whether the box of `a`, in the axes of `b`, lies farther than `reach_m` from that of `b`. So do most pairs
+// of a heap whose balls, and boxes in world axes, are near.
 bool boxes_apart(const RigidBody& a, const RigidBody& b, double reach_m) {
   const Eigen::Quaterniond b_axes = b.world_from_body.orientation.conjugate();
   const Eigen::Matrix3d into = (b_axes * a.world_from_body.orientation).toRotationMatrix();
   const Vector3d middle = into * (0.5 * (a.shape.min_m + a.shape.max_m)) +
                           b_axes * (a.world_from_body.position_m - b.world_from_body.position_m);
   const Vector3d half = into.cwiseAbs() * (0.5 * (a.shape.max_m - a.shape.min_m));
-  const double room = (1.0 + kRounding) * reach_m + kRounding * (a.shape.bounding_radius_m + b.shape.bounding_radius_m);
+  const double room =
+      (1.0 + kRounding) * reach_m + kRounding * (a.shape.bounding_radius_m + b.shape.bounding_radius_m);
   return ((middle - half).array() > b.shape.max_m.array() + room).any() ||
          ((middle + half).array() < b.shape.min_m.array() - room).any();
 }
@@ -76,8 +78,8 @@ void core_against(const RigidBody& from, const RigidBody& to, const ContactSearc
                   std::vector<ContactCandidate>& candidates) {
   const Vector3d between = from.world_from_body.position_m - to.world_from_body.position_m;
   core_candidates(
-      from, [&](const Vector3d& point) { return sample_body(to, point); }, from.velocity_m_s - to.point_velocity(between), 1.0,
-      search, candidates);
+      from, [&](const Vector3d& point) { return sample_body(to, point); },
+      from.velocity_m_s - to.point_velocity(between), 1.0, search, candidates);
 }
 
 PlacedPolyhedron advanced(const MovingPolyhedron& body, double time_s) {
@@ -87,9 +89,10 @@ PlacedPolyhedron advanced(const MovingPolyhedron& body, double time_s) {
   return placed;
 }
 
-// The first moment within the substep when the two are closer than the margin. Distances shrink no faster than `speed`.
+// The first moment within the substep when the two are closer than the margin. Distances shrink no faster
+// than `speed`.
 std::optional<double> time_of_impact(const MovingPolyhedron& a, const MovingPolyhedron& b, double speed_m_s,
-                                    const ContactSearch& search) {
+                                     const ContactSearch& search) {
   double time = 0.0;
   for (int i = 0; i < kMaxAdvances; ++i) {
     const double left = speed_m_s * (search.duration_s - time);
@@ -105,7 +108,8 @@ std::optional<double> time_of_impact(const MovingPolyhedron& a, const MovingPoly
 
 SurfaceSample sample_body(const RigidBody& body, const Vector3d& point_m) {
   const Pose& pose = body.world_from_body;
-  const DistanceField::Sample field = body.shape.sample(pose.orientation.conjugate() * (point_m - pose.position_m));
+  const DistanceField::Sample field =
+      body.shape.sample(pose.orientation.conjugate() * (point_m - pose.position_m));
   return {field.distance_m, pose.orientation * field.gradient};
 }
 
@@ -121,7 +125,8 @@ void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch
   });
 }
 
-std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const RigidBody& b, const ContactSearch& search) {
+std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const RigidBody& b,
+                                                      const ContactSearch& search) {
   std::vector<ContactCandidate> candidates, seen_from_other;
   core_against(a, b, search, candidates);
   core_against(b, a, search, seen_from_other);
@@ -134,7 +139,8 @@ std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const 
 }
 
 MovingPolyhedron moving_polyhedron(const RigidBody& body) {
-  return {{body.shape.convex.get(), body.world_from_body.orientation.toRotationMatrix(), body.world_from_body.position_m},
+  return {{body.shape.convex.get(), body.world_from_body.orientation.toRotationMatrix(),
+           body.world_from_body.position_m},
           body.velocity_m_s,
           body.angular_velocity_rad_s,
           body.shape.bounding_radius_m};
@@ -142,7 +148,8 @@ MovingPolyhedron moving_polyhedron(const RigidBody& body) {
 
 void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b, const ContactSearch& search,
                            std::vector<ContactCandidate>& candidates) {
-  const double speed = (a.velocity_m_s - b.velocity_m_s).norm() + a.angular_velocity_rad_s.norm() * a.reach_m +
+  const double speed = (a.velocity_m_s - b.velocity_m_s).norm() +
+                       a.angular_velocity_rad_s.norm() * a.reach_m +
                        b.angular_velocity_rad_s.norm() * b.reach_m;
   const double displacement = search.duration_s * speed;
   const double tolerance = kFacePreference * search.margin_m;
@@ -154,7 +161,8 @@ void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b,
   const auto time = time_of_impact(a, b, speed, search);
   if (!time) return;
   const PlacedPolyhedron a_then = advanced(a, *time);
-  // What else of the two may arrive in what is left of the substep is held back too: the far end of a turning rod.
+  // What else of the two may arrive in what is left of the substep is held back too: the far end of a turning
+  // rod.
   const double left = std::max(kFastDisplacement * inner, speed * (search.duration_s - *time));
   polyhedron_contacts(a_then, advanced(b, *time), search.margin_m + left, tolerance, candidates);
   // The same material points of the first body now, and how far apart they are along the normals.

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "physics/collider.h"
+#include "physics/collision/conservative_advancement.h"
 #include "physics/collision/contact_candidate.h"
 #include "physics/collision/polyhedron_manifold.h"
 #include "physics/rigid/rigid_body.h"
-#include "physics/collision/conservative_advancement.h"
 
-// Where two surfaces touch or will within one substep, as candidates for contact points. Each kind of surface has its own
-// way; normals point from the other towards the first body.
+// Where two surfaces touch or will within one substep, as candidates for contact points. Each kind of surface
+// has its own way; normals point from the other towards the first body.
 
 namespace livegs {
 
@@ -25,14 +25,15 @@ struct ContactSearch {
 inline constexpr uint64_t kBallFeature = kForeignFeature;
 inline constexpr uint64_t kAheadFeature = kBallFeature + 1;
 inline constexpr uint64_t kCoreFeature = uint64_t{1} << 30;  // added to a ball's
-inline constexpr uint64_t kOtherPoint = kForeignFeature + (uint64_t{1} << 31);  // + index of the other's contact point
+inline constexpr uint64_t kOtherPoint =
+    kForeignFeature + (uint64_t{1} << 31);  // + index of the other's contact point
 
-// A ball of `radius_m` against any surface: where it touches now, and what lies ahead if it is fast. `sample` gives the
-// signed distance at a world point, `marching` times it is never more than the true one.
+// A ball of `radius_m` against any surface: where it touches now, and what lies ahead if it is fast. `sample`
+// gives the signed distance at a world point, `marching` times it is never more than the true one.
 template <class Sample>
 void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sample& sample,
-                     const Eigen::Vector3d& relative_velocity_m_s, double marching, const ContactSearch& search,
-                     std::vector<ContactCandidate>& candidates) {
+                     const Eigen::Vector3d& relative_velocity_m_s, double marching,
+                     const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
   const Eigen::Vector3d displacement = search.duration_s * relative_velocity_m_s;
   const SurfaceSample here = sample(centre_m);
   const double gap = here.distance_m - radius_m;
@@ -56,17 +57,19 @@ void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sam
 // The surface of a body as it is in the world, at a point of the world.
 SurfaceSample sample_body(const RigidBody& body, const Eigen::Vector3d& point_m);
 
-// The ball within a body that is not one, if it goes or turns so far in a substep that its points, found at the start,
-// say nothing of the end: nothing thin gets past its centre. Appends.
+// The ball within a body that is not one, if it goes or turns so far in a substep that its points, found at
+// the start, say nothing of the end: nothing thin gets past its centre. Appends.
 template <class Sample>
-void core_candidates(const RigidBody& body, const Sample& sample, const Eigen::Vector3d& relative_velocity_m_s,
-                     double marching, const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
+void core_candidates(const RigidBody& body, const Sample& sample,
+                     const Eigen::Vector3d& relative_velocity_m_s, double marching,
+                     const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
   const double radius = body.shape.inner_radius_m;
   const double displacement = search.duration_s * relative_velocity_m_s.norm();
   const double turn = search.duration_s * body.angular_velocity_rad_s.norm();
   if (body.shape.is_ball() || !(radius > 0.0) || (displacement < 0.5 * radius && turn < 0.5)) return;
   std::vector<ContactCandidate> found;
-  ball_candidates(body.world_from_body.position_m, radius, sample, relative_velocity_m_s, marching, search, found);
+  ball_candidates(body.world_from_body.position_m, radius, sample, relative_velocity_m_s, marching, search,
+                  found);
   for (ContactCandidate& candidate : found) {
     candidate.feature_id += kCoreFeature;
     candidates.push_back(candidate);
@@ -75,9 +78,9 @@ void core_candidates(const RigidBody& body, const Sample& sample, const Eigen::V
 
 // One point that moves by `displacement_m` relative to a surface in the substep. The normal is the surface's.
 template <class Sample>
-std::optional<ContactCandidate> point_candidate(uint64_t id, const Eigen::Vector3d& point_m, const Sample& sample,
-                                                const Eigen::Vector3d& displacement_m, double marching,
-                                                const ContactSearch& search) {
+std::optional<ContactCandidate> point_candidate(uint64_t id, const Eigen::Vector3d& point_m,
+                                                const Sample& sample, const Eigen::Vector3d& displacement_m,
+                                                double marching, const ContactSearch& search) {
   const SurfaceSample here = sample(point_m);
   if (here.distance_m < search.margin_m) return ContactCandidate{id, point_m, here.normal, here.distance_m};
   if (marching * here.distance_m > displacement_m.norm()) return std::nullopt;
@@ -96,10 +99,11 @@ void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch
                      std::vector<ContactCandidate>& candidates);
 
 // The balls within two meshes, each against the other's surface.
-std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const RigidBody& b, const ContactSearch& search);
+std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const RigidBody& b,
+                                                      const ContactSearch& search);
 
-// A convex body and another, or a box collider at rest; b's velocities are zero for a collider. A fast pair is advanced
-// to where it meets first.
+// A convex body and another, or a box collider at rest; b's velocities are zero for a collider. A fast pair
+// is advanced to where it meets first.
 struct MovingPolyhedron {
   PlacedPolyhedron placed;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();

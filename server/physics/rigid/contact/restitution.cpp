@@ -24,27 +24,33 @@ void RestitutionEnergyLimiter::begin() {
 
 double RestitutionEnergyLimiter::end() {
   if (held_) return 1.0;
-  // What it had, what its weight and the loads on it gave it since; what it has without restitution, and s of it:
-  // before + s linear + s² square.
+  // What it had, what its weight and the loads on it gave it since; what it has without restitution, and s of
+  // it: before + s linear + s² square.
   double most = kinetic_j_, before = 0.0, linear = 0.0, square = 0.0;
   for (size_t i = 0; i < bodies_.size(); ++i) {
     const RigidBody& body = *bodies_[i];
     if (body.asleep) continue;
     const Motion& was = before_[i];
-    most += body.mass_kg * body.substep_acceleration_m_s2.dot(body.world_from_body.position_m - positions_m_[i]);
-    before += 0.5 * (body.mass_kg * was.velocity_m_s.squaredNorm() + was.angular_velocity_rad_s.dot(was.angular_momentum));
-    const Eigen::Vector3d change = body.velocity_m_s - was.velocity_m_s, turn = body.angular_momentum - was.angular_momentum;
+    most +=
+        body.mass_kg * body.substep_acceleration_m_s2.dot(body.world_from_body.position_m - positions_m_[i]);
+    before += 0.5 * (body.mass_kg * was.velocity_m_s.squaredNorm() +
+                     was.angular_velocity_rad_s.dot(was.angular_momentum));
+    const Eigen::Vector3d change = body.velocity_m_s - was.velocity_m_s,
+                          turn = body.angular_momentum - was.angular_momentum;
     linear += body.mass_kg * was.velocity_m_s.dot(change) + was.angular_velocity_rad_s.dot(turn);
     square += 0.5 * (body.mass_kg * change.squaredNorm() +
                      turn.dot(body.angular_velocity_rad_s - was.angular_velocity_rad_s));
   }
   const double room = std::max(0.0, most - before);
   if (linear + square <= room || !(square > 0.0)) return 1.0;
-  const double part = std::clamp((std::sqrt(linear * linear + 4.0 * square * room) - linear) / (2.0 * square), 0.0, 1.0);
+  const double part =
+      std::clamp((std::sqrt(linear * linear + 4.0 * square * room) - linear) / (2.0 * square), 0.0, 1.0);
   for (size_t i = 0; i < bodies_.size(); ++i) {
     RigidBody& body = *bodies_[i];
     if (body.asleep) continue;
-    const auto cut = [part](Eigen::Vector3d& now, const Eigen::Vector3d& was) { now = was + part * (now - was); };
+    const auto cut = [part](Eigen::Vector3d& now, const Eigen::Vector3d& was) {
+      now = was + part * (now - was);
+    };
     cut(body.velocity_m_s, before_[i].velocity_m_s);
     cut(body.angular_momentum, before_[i].angular_momentum);
     cut(body.angular_velocity_rad_s, before_[i].angular_velocity_rad_s);

@@ -7,10 +7,10 @@
 
 #include "physics/rigid/rigid_body.h"
 
-// What restitution may add. Each point of a contact leaves at e times the speed it came with (Newton), and points are taken
-// one after the other with arms that have turned since: at e = 1 a box without friction gained with nearly every bounce,
-// twenty-five times its energy in six seconds. Bodies that bounce keep what they had, so more than that is cut down, for
-// all of an island by one factor, which keeps momentum.
+// What restitution may add. Each point of a contact leaves at e times the speed it came with (Newton), and
+// points are taken one after the other with arms that have turned since: at e = 1 a box without friction
+// gained with nearly every bounce, twenty-five times its energy in six seconds. Bodies that bounce keep what
+// they had, so more than that is cut down, for all of an island by one factor, which keeps momentum.
 
 namespace livegs {
 

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/rigid/joint/joint_group.h"
 #include "physics/motion/free_rotation.h"
+#include "physics/rigid/joint/joint_group.h"
 
 namespace livegs {
 namespace {
 
-// Joints may seem to have done this part of the largest kinetic energy of late, since the steps are of second order.
+// Joints may seem to have done this part of the largest kinetic energy of late, since the steps are of second
+// order.
 constexpr double kWorkTolerance = 1e-3;
 constexpr double kEnergyMemory_s = 2.0;
 constexpr double kRounding = 1e-18;  // of the energy that what joints hold up would have had, were it free
@@ -17,7 +18,8 @@ constexpr double kRounding = 1e-18;  // of the energy that what joints hold up w
 }  // namespace
 
 JointGroup::Motion JointGroup::motion_of(const RigidBody& body) {
-  return {body.velocity_m_s, body.angular_momentum, body.angular_velocity_rad_s, body.world_from_body.position_m};
+  return {body.velocity_m_s, body.angular_momentum, body.angular_velocity_rad_s,
+          body.world_from_body.position_m};
 }
 
 void JointGroup::begin() {
@@ -41,17 +43,20 @@ void JointGroup::note_others() {
 }
 
 double JointGroup::kinetic_j(const Motion& motion, const RigidBody& body) {
-  return 0.5 * (body.mass_kg * motion.velocity_m_s.squaredNorm() + motion.spin_rad_s.dot(motion.angular_momentum));
+  return 0.5 *
+         (body.mass_kg * motion.velocity_m_s.squaredNorm() + motion.spin_rad_s.dot(motion.angular_momentum));
 }
 
-// Joints do no work: what `others` gave with the mean of the motion before and after is all that a group may gain. Where
-// it has more than that and `allowance_j`, its motion, about its own centre if it is free, is slowed until that is so. A
-// free group's angular momentum about its centre shrinks with that motion, which is wrong by as much; its linear momentum
-// is kept. Returns by which factor.
-double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j) {
+// Joints do no work: what `others` gave with the mean of the motion before and after is all that a group may
+// gain. Where it has more than that and `allowance_j`, its motion, about its own centre if it is free, is
+// slowed until that is so. A free group's angular momentum about its centre shrinks with that motion, which
+// is wrong by as much; its linear momentum is kept. Returns by which factor.
+double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts,
+                                        const std::vector<Impulses>& others, double allowance_j) {
   Eigen::Vector3d common = Eigen::Vector3d::Zero();
   double common_j = 0.0;
-  if (std::none_of(joints_.begin(), joints_.end(), [](const RigidJoint& joint) { return joint.b == nullptr; })) {
+  if (std::none_of(joints_.begin(), joints_.end(),
+                   [](const RigidJoint& joint) { return joint.b == nullptr; })) {
     double mass_kg = 0.0;
     for (const RigidBody* body : bodies_) {
       mass_kg += body->mass_kg;
@@ -66,8 +71,10 @@ double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts, const
     const RigidBody& body = *bodies_[i];
     own_j += body.kinetic_j();
     start_j += kinetic_j(starts[i], body);
-    start_j += 0.5 * (others[i].push_n_s.dot(starts[i].velocity_m_s + common) + others[i].turn.dot(starts[i].spin_rad_s));
-    gained_j += 0.5 * (others[i].push_n_s.dot(body.velocity_m_s - common) + others[i].turn.dot(body.angular_velocity_rad_s));
+    start_j += 0.5 * (others[i].push_n_s.dot(starts[i].velocity_m_s + common) +
+                      others[i].turn.dot(starts[i].spin_rad_s));
+    gained_j += 0.5 * (others[i].push_n_s.dot(body.velocity_m_s - common) +
+                       others[i].turn.dot(body.angular_velocity_rad_s));
     rounding_j += kRounding * others[i].push_n_s.squaredNorm() / body.mass_kg;
   }
   if (!(own_j > gained_j + start_j + rounding_j)) return 1.0;  // what hangs still bears what it bears
@@ -81,7 +88,8 @@ double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts, const
   return factor;
 }
 
-// Close to a straight line a joint is closed by going far across it: no faster than with twice the energy there is.
+// Close to a straight line a joint is closed by going far across it: no faster than with twice the energy
+// there is.
 void JointGroup::limit_push() {
   note_others();
   double fastest_m_s = 0.0, mass_kg = 0.0, start_j = 0.0;
@@ -90,7 +98,8 @@ void JointGroup::limit_push() {
     mass_kg += bodies_[i]->mass_kg;
     start_j += kinetic_j(starts_[i], *bodies_[i]);
   }
-  const double factor = limit_kinetic_energy(starts_, others_, start_j + 0.5 * mass_kg * fastest_m_s * fastest_m_s);
+  const double factor =
+      limit_kinetic_energy(starts_, others_, start_j + 0.5 * mass_kg * fastest_m_s * fastest_m_s);
   if (factor == 1.0) return;
   for (RigidJoint& joint : joints_) {
     joint.push.point_n_s *= factor;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Andersen 1983, RATTLE; Catto 2024, Solver2D (soft step); Cuthill and McKee 1969, reducing the bandwidth of sparse
-// symmetric matrices.
+// Andersen 1983, RATTLE; Catto 2024, Solver2D (soft step); Cuthill and McKee 1969, reducing the bandwidth of
+// sparse symmetric matrices.
 #include "physics/rigid/joint/joint_group.h"
 
 #include <algorithm>
@@ -20,24 +20,26 @@ constexpr double kMaxCorrection_m_s = 3.0;
 constexpr double kMaxCorrection_rad_s = 10.0;
 // The bend of a way is reckoned with up to this part of its length.
 constexpr double kMaxCurvature = 0.5;
-// A new measure of it is used if it differs from the last by no more than this part of the last difference; the first
-// one, of the bend or of the way itself. Within small steps measures must agree sooner.
+// A new measure of it is used if it differs from the last by no more than this part of the last difference;
+// the first one, of the bend or of the way itself. Within small steps measures must agree sooner.
 struct CurvatureLimits {
   double converges, of_displacement;
 };
 constexpr double kMinCurvatureChange = 1e-9;  // differences below this part of the way are not looked into
 constexpr CurvatureLimits kCurvatureInSubstep{0.7, 0.1}, kCurvatureInSmallStep{0.3, 0.02};
-// Small steps of a group within a substep: so many that its links neither swing under their tension nor turn by more
-// than this, in radians, within one. Above 2 the swing would grow.
+// Small steps of a group within a substep: so many that its links neither swing under their tension nor turn
+// by more than this, in radians, within one. Above 2 the swing would grow.
 constexpr double kMaxSwing = 1.0;
 constexpr double kMaxTurn = 0.25;
 constexpr int kMaxSmallSteps = 4;
 constexpr int kMaxCurvatureIterations = 3;
-// A row whose pivot is below this part of its own diagonal says what others say already (two hinges on one door).
+// A row whose pivot is below this part of its own diagonal says what others say already (two hinges on one
+// door).
 constexpr double kDependentPivot = 1e-11;
-// Rows of a group with a closed loop may say the same, or nearly: of a bridge of planks that lie in a line the way between its
-// ends is fixed twice. They give by this part of their own response (constraint force mixing, Smith 2006), a spring of
-// 1 / (kLoopSoftness h²) of the mass it holds, h of a short step: too stiff to be seen. A chain or a tree has none.
+// Rows of a group with a closed loop may say the same, or nearly: of a bridge of planks that lie in a line
+// the way between its ends is fixed twice. They give by this part of their own response (constraint force
+// mixing, Smith 2006), a spring of 1 / (kLoopSoftness h²) of the mass it holds, h of a short step: too stiff
+// to be seen. A chain or a tree has none.
 constexpr double kLoopSoftness = 1e-4;
 constexpr double kSameNode_m = 1e-3;  // joints closer than this are in one node
 
@@ -82,7 +84,8 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
   };
 
   note_nodes();
-  const bool to_world = std::any_of(joints_.begin(), joints_.end(), [](const RigidJoint& joint) { return !joint.b; });
+  const bool to_world =
+      std::any_of(joints_.begin(), joints_.end(), [](const RigidJoint& joint) { return !joint.b; });
   softness_ = joints_.size() + 1 > bodies_.size() + (to_world ? 1 : 0) ? kLoopSoftness : 0.0;
 
   int row_count = 0;
@@ -95,7 +98,9 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
     // Rows reach back to those of the first joint that shares a body.
     int first = rows.first;
     for (const Rows& earlier : rows_) {
-      const auto has = [&](size_t body) { return body != kWorld && (body == earlier.a || body == earlier.b); };
+      const auto has = [&](size_t body) {
+        return body != kWorld && (body == earlier.a || body == earlier.b);
+      };
       if (has(rows.a) || has(rows.b)) {
         first = earlier.first;
         break;
@@ -219,7 +224,8 @@ void JointGroup::factorise() {
     const auto r = static_cast<size_t>(row);
     return factor_[envelope_[r] + static_cast<size_t>(column - begin_[r])];
   };
-  const auto couple = [&](size_t i, size_t j, size_t body_index, double sign, const Eigen::Matrix<double, 5, 3>& turn_i,
+  const auto couple = [&](size_t i, size_t j, size_t body_index, double sign,
+                          const Eigen::Matrix<double, 5, 3>& turn_i,
                           const Eigen::Matrix<double, 5, 3>& turn_j) {
     const RigidBody& body = *bodies_[body_index];
     const Eigen::Matrix<double, 5, 5> block = turn_i * body.inverse_inertia * turn_j.transpose();
@@ -312,9 +318,9 @@ void JointGroup::warm_start(ContactPhase phase) {
   for (Rows& rows : rows_) rows.curvature = rows.next_curvature;
 }
 
-// Where the joints would be at the end of the substep is not where their present velocities point: arms turn. That
-// difference, which grows with the substep, is taken over from the substep before, then measured after each sweep and
-// used for as long as measures come closer: for light bodies between heavy ones they need not.
+// Where the joints would be at the end of the substep is not where their present velocities point: arms turn.
+// That difference, which grows with the substep, is taken over from the substep before, then measured after
+// each sweep and used for as long as measures come closer: for light bodies between heavy ones they need not.
 bool JointGroup::measure_curvature(double substep_s) {
   for (size_t i = 0; i < bodies_.size(); ++i) ends_[i] = bodies_[i]->orientation_after(substep_s);
   // Of gaps and of tilts: the largest bend, its largest change, the fastest way.
@@ -358,15 +364,18 @@ bool JointGroup::measure_curvature(double substep_s) {
   if (!curvature_converges_) return false;
   const CurvatureLimits& limits = in_small_steps_ ? kCurvatureInSmallStep : kCurvatureInSubstep;
   for (size_t kind : {0, 1}) {
-    const double allowed = curvature_change_[kind] == kNotMeasured
-                               ? std::max(limits.converges * largest[kind], limits.of_displacement * speed[kind] / substep_s)
-                               : limits.converges * curvature_change_[kind];
-    if (change[kind] > std::max(allowed, kMinCurvatureChange * speed[kind] / substep_s)) curvature_converges_ = false;
+    const double allowed =
+        curvature_change_[kind] == kNotMeasured
+            ? std::max(limits.converges * largest[kind], limits.of_displacement * speed[kind] / substep_s)
+            : limits.converges * curvature_change_[kind];
+    if (change[kind] > std::max(allowed, kMinCurvatureChange * speed[kind] / substep_s))
+      curvature_converges_ = false;
   }
   if (!curvature_converges_) return false;
   curvature_change_ = change;
   for (Rows& rows : rows_) rows.curvature = rows.next_curvature;
-  return change[0] > kMinCurvatureChange * speed[0] / substep_s || change[1] > kMinCurvatureChange * speed[1] / substep_s;
+  return change[0] > kMinCurvatureChange * speed[0] / substep_s ||
+         change[1] > kMinCurvatureChange * speed[1] / substep_s;
 }
 
 // How fast the joints would open on average over the substep, beyond what is wanted.
@@ -374,18 +383,22 @@ void JointGroup::push_residual(double substep_s) {
   for (size_t i = 0; i < joints_.size(); ++i) {
     const RigidJoint& joint = joints_[i];
     Rows& rows = rows_[i];
-    Eigen::Vector3d opening = joint.a->mean_velocity(substep_s) + joint.a->angular_velocity_rad_s.cross(rows.arm_a_m);
+    Eigen::Vector3d opening =
+        joint.a->mean_velocity(substep_s) + joint.a->angular_velocity_rad_s.cross(rows.arm_a_m);
     Eigen::Vector3d turning = joint.a->angular_velocity_rad_s;
     if (joint.b) {
       opening -= joint.b->mean_velocity(substep_s) + joint.b->angular_velocity_rad_s.cross(rows.arm_b_m);
       turning -= joint.b->angular_velocity_rad_s;
     }
-    const Eigen::Vector3d correction_m_s = reduced_error(rows.start_gap_m, substep_s, kMaxCorrection_m_s) / substep_s;
+    const Eigen::Vector3d correction_m_s =
+        reduced_error(rows.start_gap_m, substep_s, kMaxCorrection_m_s) / substep_s;
     rows.correction_m_s = correction_m_s.norm();
     residual_.segment<3>(rows.first) = -(opening + substep_s * rows.curvature.gap_m_s2 + correction_m_s);
     if (!joint.hinge) continue;
     const Eigen::Vector2d tilt_correction = reduced_error(rows.start_tilt, substep_s, kMaxCorrection_rad_s);
-    residual_.segment<2>(rows.first + 3) = -(rows.across.transpose() * turning + substep_s * rows.curvature.tilt_rad_s2 + tilt_correction / substep_s);
+    residual_.segment<2>(rows.first + 3) =
+        -(rows.across.transpose() * turning + substep_s * rows.curvature.tilt_rad_s2 +
+          tilt_correction / substep_s);
   }
 }
 
@@ -441,7 +454,8 @@ void JointGroup::solve_residual(ContactPhase phase) {
   }
 }
 
-// Tension turns a link back like a spring: -[f][r] for each force at its arm. The fastest swing sets the step.
+// Tension turns a link back like a spring: -[f][r] for each force at its arm. The fastest swing sets the
+// step.
 int JointGroup::small_steps(double substep_s) {
   std::vector<Eigen::Matrix3d> stiffness(bodies_.size(), Eigen::Matrix3d::Zero());
   double turn = 0.0;
@@ -457,7 +471,8 @@ int JointGroup::small_steps(double substep_s) {
   }
   double fastest = 0.0;  // (h omega)^2
   for (size_t i = 0; i < bodies_.size(); ++i) {
-    mass_factors_[i] = substep_s * (bodies_[i]->inverse_inertia * stiffness[i]).norm() / (kMaxSwing * kMaxSwing);
+    mass_factors_[i] =
+        substep_s * (bodies_[i]->inverse_inertia * stiffness[i]).norm() / (kMaxSwing * kMaxSwing);
     fastest = std::max(fastest, mass_factors_[i]);
   }
   const double wanted = std::max(std::sqrt(fastest), turn * substep_s / kMaxTurn);
@@ -480,10 +495,12 @@ void JointGroup::reset_impulses() {
   for (Rows& rows : rows_) rows.next_curvature = {};
 }
 
-// Links that would swing too fast even so are heavier meanwhile, the forces on them the same: of a chain that bears
-// many times its weight the links count for little, and the small steps keep what they gain small beside its end.
+// Links that would swing too fast even so are heavier meanwhile, the forces on them the same: of a chain that
+// bears many times its weight the links count for little, and the small steps keep what they gain small
+// beside its end.
 //
-// What else acted in the substep is spread over the small steps; each is a push, a move and a relax pass of its own.
+// What else acted in the substep is spread over the small steps; each is a push, a move and a relax pass of
+// its own.
 void JointGroup::move(double substep_s) {
   note_others();
   const int steps = small_steps(substep_s);

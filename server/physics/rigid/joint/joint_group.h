@@ -8,22 +8,24 @@
 #include <utility>
 #include <vector>
 
-#include "physics/rigid/rigid_body.h"
 #include "physics/rigid/contact/contact_solver.h"
+#include "physics/rigid/rigid_body.h"
 
 // Ball joints and hinges between rigid bodies, or of one to the world.
 //
-// Bodies that are joined form a group, and the rows of a group are solved together: the blocks J M^-1 J^T of joints
-// that share a body, in an order that keeps them near the diagonal, factorised once before the push and once before
-// the relax pass. A sweep is one Newton step. So a chain holds whatever the ratio of its masses.
+// Bodies that are joined form a group, and the rows of a group are solved together: the blocks J M^-1 J^T of
+// joints that share a body, in an order that keeps them near the diagonal, factorised once before the push
+// and once before the relax pass. A sweep is one Newton step. So a chain holds whatever the ratio of its
+// masses.
 //
-// In time it is RATTLE (Andersen 1983): the push finds the impulse, along the rows at the start of the substep, with
-// which the joint is closed at its end, where the bodies will be; the relax pass takes out the velocity across the
-// rows there. Second order and without loss of energy. What error is left, from contacts that push the other way, is
-// taken back softly, as with contacts.
+// In time it is RATTLE (Andersen 1983): the push finds the impulse, along the rows at the start of the
+// substep, with which the joint is closed at its end, where the bodies will be; the relax pass takes out the
+// velocity across the rows there. Second order and without loss of energy. What error is left, from contacts
+// that push the other way, is taken back softly, as with contacts.
 //
-// In a closed loop rows may say the same twice, or nearly, when bodies lie in a line: there every row gives a little, and
-// the impulses stay bounded. Joints do no work: a group is slowed where it has more energy than what else acted gave it.
+// In a closed loop rows may say the same twice, or nearly, when bodies lie in a line: there every row gives a
+// little, and the impulses stay bounded. Joints do no work: a group is slowed where it has more energy than
+// what else acted gave it.
 
 namespace livegs {
 
@@ -32,7 +34,8 @@ struct RigidJoint {
   RigidBody* a = nullptr;
   RigidBody* b = nullptr;  // nullptr: the world
   bool hinge = false;      // otherwise a ball joint
-  // From the centres of mass in the bodies' own axes; of the world: a point and a direction. Axes are unit vectors.
+  // From the centres of mass in the bodies' own axes; of the world: a point and a direction. Axes are unit
+  // vectors.
   Eigen::Vector3d anchor_a_m = Eigen::Vector3d::Zero(), anchor_b_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis_a = Eigen::Vector3d::UnitX(), axis_b = Eigen::Vector3d::UnitX();
 
@@ -43,19 +46,21 @@ struct RigidJoint {
   };
   Impulse push, relax;
   Eigen::Vector3d load_n_s = Eigen::Vector3d::Zero();  // until the relax pass
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();    // on a, over the last substep
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();   // on a, over the last substep
 
   int row_count() const { return hinge ? 5 : 3; }
   Eigen::Vector3d world_anchor_a() const { return a->world_from_body * anchor_a_m; }
-  Eigen::Vector3d world_anchor_b() const { return b ? Eigen::Vector3d(b->world_from_body * anchor_b_m) : anchor_b_m; }
+  Eigen::Vector3d world_anchor_b() const {
+    return b ? Eigen::Vector3d(b->world_from_body * anchor_b_m) : anchor_b_m;
+  }
   Eigen::Vector3d world_axis_a() const { return a->world_from_body.orientation * axis_a; }
   Eigen::Vector3d world_axis_b() const {
     return b ? Eigen::Vector3d(b->world_from_body.orientation * axis_b) : axis_b;
   }
 };
 
-// Bodies that hang together by joints, and their joints. They belong to one island, sleep and wake together, and one
-// thread at a time works on them.
+// Bodies that hang together by joints, and their joints. They belong to one island, sleep and wake together,
+// and one thread at a time works on them.
 class JointGroup {
  public:
   explicit JointGroup(std::vector<RigidJoint> joints);  // not empty
@@ -67,18 +72,18 @@ class JointGroup {
   void wake_together();  // if some are awake, all are
   bool share_joint(const RigidBody& a, const RigidBody& b) const;
 
-  // The parts of one substep, in the order of use: begin before contacts act, prepare and solve (some sweeps), move,
-  // prepare and solve again as the relax pass, end.
+  // The parts of one substep, in the order of use: begin before contacts act, prepare and solve (some
+  // sweeps), move, prepare and solve again as the relax pass, end.
   void begin();
   void prepare(ContactPhase phase);  // at the present poses; starts with the impulses of the substep before
   void solve(ContactPhase phase, double substep_s);
   void move(double substep_s);  // of its bodies
-  void end(double substep_s);    // when contacts are done too: sees to it that joints did no work
-  void reset_impulses();                 // what it starts the next substep from
+  void end(double substep_s);   // when contacts are done too: sees to it that joints did no work
+  void reset_impulses();        // what it starts the next substep from
 
  private:
-  // How ways of the joint's points and axes bend: by how much mean velocities of a substep differ from the present
-  // ones, for each second of it.
+  // How ways of the joint's points and axes bend: by how much mean velocities of a substep differ from the
+  // present ones, for each second of it.
   struct CurvatureCorrection {
     Eigen::Vector3d gap_m_s2 = Eigen::Vector3d::Zero();
     Eigen::Vector2d tilt_rad_s2 = Eigen::Vector2d::Zero();  // across the axis
@@ -92,7 +97,7 @@ class JointGroup {
     // World: the two directions across a hinge's axis.
     Eigen::Matrix<double, 3, 2> across = Eigen::Matrix<double, 3, 2>::Zero();
     Eigen::Vector3d start_gap_m = Eigen::Vector3d::Zero();
-    double correction_m_s = 0.0;  // how fast the push takes the gap back
+    double correction_m_s = 0.0;                    // how fast the push takes the gap back
     CurvatureCorrection curvature, next_curvature;  // what this substep reckons with; the last measure
     Eigen::Vector2d start_tilt = Eigen::Vector2d::Zero();
   };
@@ -121,7 +126,8 @@ class JointGroup {
   static Motion motion_of(const RigidBody& body);
   static double kinetic_j(const Motion& motion, const RigidBody& body);
   void note_others();
-  double limit_kinetic_energy(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j);
+  double limit_kinetic_energy(const std::vector<Motion>& starts, const std::vector<Impulses>& others,
+                              double allowance_j);
   void limit_push();
   void move_in_small_steps(double substep_s, int steps);
 
@@ -130,7 +136,8 @@ class JointGroup {
 
   std::vector<RigidJoint> joints_;
   std::vector<RigidBody*> bodies_;
-  std::vector<std::pair<const RigidBody*, const RigidBody*>> joined_pairs_;  // in a joint or a node of joints, ascending
+  std::vector<std::pair<const RigidBody*, const RigidBody*>>
+      joined_pairs_;        // in a joint or a node of joints, ascending
   std::vector<Rows> rows_;  // one a joint
   // Lower triangle row by row from the first entry that is not zero: L of L D L^T, and 1 / D.
   std::vector<size_t> envelope_;  // where row r begins in factor_; one more than rows
@@ -141,10 +148,11 @@ class JointGroup {
   Eigen::VectorXd residual_, compliance_;  // compliance_: speed that a row gives way by for an impulse
   bool in_small_steps_ = false;
   bool curvature_converges_ = true;
-  std::array<double, 2> curvature_change_{kNotMeasured, kNotMeasured};  // of gaps and tilts, between the last two measures
+  std::array<double, 2> curvature_change_{kNotMeasured,
+                                          kNotMeasured};  // of gaps and tilts, between the last two measures
   std::vector<Eigen::Quaterniond> ends_;  // of bodies_: at the end of the substep, as they turn now
-  // Of bodies_: at the start of the substep and since what other than joints is noted; what its joints gave since then;
-  // what all else gave in the substep.
+  // Of bodies_: at the start of the substep and since what other than joints is noted; what its joints gave
+  // since then; what all else gave in the substep.
   std::vector<Motion> starts_, before_;
   std::vector<Impulses> given_, others_;
   // What its joints seem to have done and the group still has; its kinetic energy, forgotten slowly.

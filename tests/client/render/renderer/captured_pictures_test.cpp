@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Captured assets by the device as the client draws them, beside the oracle: small ones, small pictures. All sixteen at
-// 480 x 360 are picture_bench's, at night.
+// Captured assets by the device as the client draws them, beside the oracle: small ones, small pictures. All
+// sixteen at 480 x 360 are picture_bench's, at night.
 #include "client/render/renderer/posed_assets.h"
 #include "client/render/renderer/renderer_fixture.h"
 #include "common/gaussian/shared_data.h"
@@ -37,17 +37,20 @@ TEST_P(CapturedPictures, AgreeFromTheFrontCloseInsideAndDeformed) {
   ASSERT_TRUE(file) << file.error().message;
   const PosedKernels still = pose_asset(file->asset), twisted = pose_asset(file->asset, kTwist_rad_m);
   // As this device would be drawn on, and blended in 16-bit floats, as on every GPU.
-  for (const VulkanRendererOptions& options : {VulkanRendererOptions{}, VulkanRendererOptions{.precision = BlendPrecision::Half}}) {
+  for (const VulkanRendererOptions& options :
+       {VulkanRendererOptions{}, VulkanRendererOptions{.precision = BlendPrecision::Half}}) {
     make_renderer(options);
-    for (const View view : {View::Front, View::Close, View::Inside}) expect_parity(file->asset, still, view, name_of(view));
+    for (const View view : {View::Front, View::Close, View::Inside})
+      expect_parity(file->asset, still, view, name_of(view));
     expect_parity(file->asset, twisted, View::Front, "deformed");
   }
 }
 
 // Three bands, none, two, none; 8 to 59 thousand kernels.
 INSTANTIATE_TEST_SUITE_P(Assets, CapturedPictures,
-                         testing::Values("camera_leica/leica-sofort-top8192.ply", "ponytail_palm/ponytail_palm.ply",
-                                         "playbot/playbot_31k.ply", "statues/massa.sog"));
+                         testing::Values("camera_leica/leica-sofort-top8192.ply",
+                                         "ponytail_palm/ponytail_palm.ply", "playbot/playbot_31k.ply",
+                                         "statues/massa.sog"));
 
 }  // namespace
 }  // namespace livegs

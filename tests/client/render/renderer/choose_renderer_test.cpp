@@ -13,7 +13,8 @@ TEST(ChooseRenderer, TheProcessorInAGpusPlaceSaysSo) {
   const auto chosen = made_or_cpu(RendererChoice::Auto, "vulkan: Some Card", kNoMemory);
   ASSERT_TRUE(chosen) << chosen.error().message;
   EXPECT_EQ((*chosen)->name(), "cpu");
-  EXPECT_EQ((*chosen)->notice(), "vulkan: Some Card cannot draw this: " + kNoMemory.message + "; the processor draws from here on");
+  EXPECT_EQ((*chosen)->notice(), "vulkan: Some Card cannot draw this: " + kNoMemory.message +
+                                     "; the processor draws from here on");
 }
 
 TEST(ChooseRenderer, AskedForVulkanItIsVulkanOrNothing) {
@@ -34,7 +35,8 @@ TEST(ChooseRenderer, AProcessorThatIsAllThereIsSaysNothing) {
   EXPECT_EQ((*chosen)->name(), "cpu");
   EXPECT_EQ((*chosen)->notice(), "");
   if (!device) GTEST_SKIP() << device.error().message;
-  const auto on_display = choose_renderer(RendererChoice::Auto, *device);  // a headset's is used, whatever it is
+  const auto on_display =
+      choose_renderer(RendererChoice::Auto, *device);  // a headset's is used, whatever it is
   ASSERT_TRUE(on_display) << on_display.error().message;
   EXPECT_EQ((*on_display)->name(), "vulkan: " + (*device)->name());
 }

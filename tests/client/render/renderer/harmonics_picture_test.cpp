@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The colour of a kernel that drivers turn, from skinning to the picture, against closed forms: each coefficient of each
-// band, for kernels posed outright, of a rigid body and of an elastic one, drawn by the oracle and by the device.
+// The colour of a kernel that drivers turn, from skinning to the picture, against closed forms: each
+// coefficient of each band, for kernels posed outright, of a rigid body and of an elastic one, drawn by the
+// oracle and by the device.
 #include "client/render/renderer/renderer_fixture.h"
 #include "common/skin/bind/rest_bodies.h"
 #include "common/splat/raster/real_harmonics.h"
@@ -23,8 +24,8 @@ void skin(const RestBody& rest, const ObjectDrivers& drivers, Turned& turned) {
   skin_kernels(turned.asset, rest, *bindings, drivers, turned.kernels);
 }
 
-// A kernel of one coefficient whose asset is turned by what it rides in, each time another way. Elastic ones are stretched as
-// well, which turns nothing: what turns is the rotation nearest to their deformation.
+// A kernel of one coefficient whose asset is turned by what it rides in, each time another way. Elastic ones
+// are stretched as well, which turns nothing: what turns is the rotation nearest to their deformation.
 Turned turned_by(Ride ride, int k, uint64_t seed) {
   std::mt19937_64 random(seed);
   const Eigen::Quaterniond turn = testing::random_rotation(random);
@@ -51,8 +52,8 @@ Turned turned_by(Ride ride, int k, uint64_t seed) {
     at_rest_m = testing::points_inside(rest, 1, seed)[0];
   }
   const Similarity& to_object = rest.object_from_asset;
-  turned.asset =
-      synthetic::one_harmonic(k, to_object.rotation.conjugate() * ((at_rest_m - to_object.translation_m) / to_object.scale));
+  turned.asset = synthetic::one_harmonic(
+      k, to_object.rotation.conjugate() * ((at_rest_m - to_object.translation_m) / to_object.scale));
   turned.world_from_asset = turn * rest.object_from_asset.rotation;
   if (ride == Ride::Rigid) {
     const Pose world_from_object{shift_m, turn};
@@ -65,7 +66,10 @@ Turned turned_by(Ride ride, int k, uint64_t seed) {
     stretch << 1.2, 0.1, -0.05, 0.1, 0.9, 0.08, -0.05, 0.08, 1.1;
     const Eigen::Matrix3d f = turn.toRotationMatrix() * stretch;
     turned.position_m = f * at_rest_m + shift_m;
-    skin(rest, testing::moved_drivers(rest, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return f * x + shift_m; }), turned);
+    skin(rest,
+         testing::moved_drivers(rest,
+                                [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return f * x + shift_m; }),
+         turned);
   }
   return turned;
 }
@@ -86,13 +90,16 @@ void expect_closed_forms(SplatRenderer& renderer, Ride ride) {
       ASSERT_TRUE(drawn) << drawn.error().message;
       const Eigen::Vector3d expected = synthetic::one_harmonic_shows(k, turned.world_from_asset, towards);
       for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(images[0].at(16, 12)[c], expected[c], 1e-4) << "coefficient " << k << ", turn " << turn << ", channel " << c;
+        EXPECT_NEAR(images[0].at(16, 12)[c], expected[c], 1e-4)
+            << "coefficient " << k << ", turn " << turn << ", channel " << c;
     }
   }
 }
 
 TEST(HarmonicsPictures, OfARigidBodyByTheOracle) { expect_closed_forms(*create_cpu_renderer(), Ride::Rigid); }
-TEST(HarmonicsPictures, OfAnElasticBodyByTheOracle) { expect_closed_forms(*create_cpu_renderer(), Ride::Lattice); }
+TEST(HarmonicsPictures, OfAnElasticBodyByTheOracle) {
+  expect_closed_forms(*create_cpu_renderer(), Ride::Lattice);
+}
 
 class HarmonicsOnTheDevice : public VulkanPictures {
  protected:

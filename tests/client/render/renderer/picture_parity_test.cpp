@@ -68,8 +68,8 @@ TEST_F(PictureParity, InFullFloatsEightyDecibels) {
   }
 }
 
-// Parallel eyes order kernels alike by depth, so that one sort is exact for both. By distance from between them, as a headset is
-// drawn, the order is one for any two eyes, here such as look 6 degrees apart.
+// Parallel eyes order kernels alike by depth, so that one sort is exact for both. By distance from between
+// them, as a headset is drawn, the order is one for any two eyes, here such as look 6 degrees apart.
 TEST_F(PictureParity, BothEyesOfAHeadsetFromOneSort) {
   const Object object = synthetic::shell(4000, 3, 0.02, 12);
   const RenderedObject one = rendered(object.drawn());
@@ -91,7 +91,8 @@ TEST_F(PictureParity, BothEyesOfAHeadsetFromOneSort) {
     const auto made_apart = draw({&one, 1}, apart, by_distance);
     const auto expected_apart = oracle({&one, 1}, apart, by_distance);
     ASSERT_EQ(made_apart.size(), 2u);
-    for (int e = 0; e < 2; ++e) EXPECT_GE(psnr_db(made_apart[e], expected_apart[e]), kBar_db) << e << " " << distance_m;
+    for (int e = 0; e < 2; ++e)
+      EXPECT_GE(psnr_db(made_apart[e], expected_apart[e]), kBar_db) << e << " " << distance_m;
     // By one draw, which lavapipe of Mesa 22.3 gets wrong and so is not asked for.
     if (device_->name().find("llvmpipe") == std::string::npos) {
       EXPECT_EQ(renderer_->last_times().eyes_a_draw, 2) << device_->name();

@@ -10,7 +10,8 @@
 
 namespace livegs {
 
-// Forwards to a renderer that the tests of a program share. When it is destroyed, the other one releases all objects.
+// Forwards to a renderer that the tests of a program share. When it is destroyed, the other one releases all
+// objects.
 class BorrowedRenderer final : public SplatRenderer {
  public:
   explicit BorrowedRenderer(SplatRenderer& shared) : shared_(shared) {}
@@ -21,12 +22,12 @@ class BorrowedRenderer final : public SplatRenderer {
     (void)shared_.draw({}, {&eye, 1}, {}, images);
   }
   const std::string& name() const override { return shared_.name(); }
-  Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes, const RenderOptions& options,
-                    std::vector<Image>& images) override {
+  Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                    const RenderOptions& options, std::vector<Image>& images) override {
     return shared_.draw(objects, eyes, options, images);
   }
-  Result<void> draw_into(std::span<const RenderedObject> objects, std::span<const Camera> eyes, const RenderOptions& options,
-                         const DeviceImage& image) override {
+  Result<void> draw_into(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                         const RenderOptions& options, const DeviceImage& image) override {
     return shared_.draw_into(objects, eyes, options, image);
   }
   bool skins(DriverKind kind) const override { return shared_.skins(kind); }
@@ -37,11 +38,13 @@ class BorrowedRenderer final : public SplatRenderer {
   SplatRenderer& shared_;
 };
 
-// The renderers of a test program on its shared device, one for each set of options; destroyed before the device.
+// The renderers of a test program on its shared device, one for each set of options; destroyed before the
+// device.
 class SharedRenderers final : public testing::Environment {
  public:
   Result<std::unique_ptr<SplatRenderer>> borrow(const VulkanRendererOptions& options) {
-    auto& renderer = renderers_[{options.precision, options.separate_times, options.read_blended, options.max_part_rows}];
+    auto& renderer =
+        renderers_[{options.precision, options.separate_times, options.read_blended, options.max_part_rows}];
     if (!renderer) {
       auto made = create_vulkan_renderer(*shared_vulkan.device(), options);
       if (!made) return made.error();
@@ -59,8 +62,9 @@ class SharedRenderers final : public testing::Environment {
 inline SharedRenderers& shared_renderers =
     *static_cast<SharedRenderers*>(testing::AddGlobalTestEnvironment(new SharedRenderers));
 
-// Pictures of the device found, lavapipe in CI, compared with the oracle's. Device and renderers are shared by the program's
-// tests, under the validation layer; any message of it fails the test. Skips only where there is no device.
+// Pictures of the device found, lavapipe in CI, compared with the oracle's. Device and renderers are shared
+// by the program's tests, under the validation layer; any message of it fails the test. Skips only where
+// there is no device.
 class VulkanPictures : public testing::Test {
  protected:
   void SetUp() override {

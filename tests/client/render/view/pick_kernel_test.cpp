@@ -51,8 +51,8 @@ TEST(PickKernel, OpacityFallsOffBesideTheMiddle) {
   EXPECT_FALSE(row.pick({0.109, 0, 0}, {0, 0, -1}));
 }
 
-// A ray that is slanted by 45 degrees in the x-z plane meets Σ = diag(0.01, ., 0.04) where its density is highest:
-// t = dᵀ Σ⁻¹ p / dᵀ Σ⁻¹ d.
+// A ray that is slanted by 45 degrees in the x-z plane meets Σ = diag(0.01, ., 0.04) where its density is
+// highest: t = dᵀ Σ⁻¹ p / dᵀ Σ⁻¹ d.
 TEST(PickKernel, DepthIsThatOfTheHighestDensity) {
   const Row row({{-3, 0.99f}});
   const Eigen::Vector3d from(-3.05, 0, 0), along = Eigen::Vector3d(1, 0, -1).normalized(), to(3.05, 0, -3);

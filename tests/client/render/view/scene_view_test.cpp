@@ -115,10 +115,13 @@ TEST(SceneView, TheCpuTakesOverFromADeviceThatIsLost) {
     EXPECT_EQ(picture.at(0).pixels, first.at(0).pixels);
   }
   EXPECT_EQ(view.renderer_name(), "cpu");
-  EXPECT_EQ(view.notice(), "lost cannot draw this: vulkan: vkQueueSubmit2 failed with VkResult -4; the processor draws from here on");
+  EXPECT_EQ(view.notice(),
+            "lost cannot draw this: vulkan: vkQueueSubmit2 failed with VkResult -4; the processor draws from "
+            "here on");
 }
 
-// For a headset: what cannot be drawn into its images comes as pictures, from the same renderer or from the CPU.
+// For a headset: what cannot be drawn into its images comes as pictures, from the same renderer or from the
+// CPU.
 TEST(SceneView, WhatCannotBeDrawnIntoADevicesImageComesAsPictures) {
   const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
   SceneView view(std::make_unique<LostRenderer>());
@@ -140,7 +143,8 @@ class AskedRenderer final : public SplatRenderer {
  public:
   const std::string& name() const override { return name_; }
   const RenderTimes& last_times() const override { return times_; }
-  Result<void> draw(std::span<const RenderedObject>, std::span<const Camera>, const RenderOptions& options, std::vector<Image>&) override {
+  Result<void> draw(std::span<const RenderedObject>, std::span<const Camera>, const RenderOptions& options,
+                    std::vector<Image>&) override {
     asked = options;
     return {};
   }
@@ -169,8 +173,8 @@ TEST(SceneView, KernelsBeforeTheEyeAreHeldTighterWhilePicturesAreLate) {
   EXPECT_EQ(again.asked.min_contribution_px, 0.5f);
 }
 
-// Red lies 26 degrees to the left of blue and is 7 % farther away: along the view axis it is the nearer of the two until the head
-// turns to it. Two eyes see blue before red all the while.
+// Red lies 26 degrees to the left of blue and is 7 % farther away: along the view axis it is the nearer of
+// the two until the head turns to it. Two eyes see blue before red all the while.
 TEST(SceneView, WhatIsBeforeWhatStaysSoWhenTheHeadTurns) {
   const auto wide_kernel = [](const Eigen::Vector3f& dc) {
     auto asset = std::make_shared<GaussianAsset>();
@@ -191,7 +195,8 @@ TEST(SceneView, WhatIsBeforeWhatStaysSoWhenTheHeadTurns) {
     const Pose head{{0, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitY()))};
     std::vector<Camera> eyes;
     for (const double side_m : {-0.032, 0.032})
-      eyes.push_back(camera_from_fov(head * Pose{{side_m, 0, 0}, Eigen::Quaterniond::Identity()}, -0.8, 0.8, 0.8, -0.8, 96, 96));
+      eyes.push_back(camera_from_fov(head * Pose{{side_m, 0, 0}, Eigen::Quaterniond::Identity()}, -0.8, 0.8,
+                                     0.8, -0.8, 96, 96));
     std::vector<Image> pictures, middle;
     ASSERT_TRUE(view.draw(frame, eyes, pictures));
     const auto blue_over_red = [&](const Image& picture, const Camera& eye) {
@@ -200,7 +205,8 @@ TEST(SceneView, WhatIsBeforeWhatStaysSoWhenTheHeadTurns) {
                                       static_cast<int>(eye.centre_y_px + eye.focal_y_px * at.y() / at.z()));
       return pixel[2] / pixel[0];
     };
-    for (size_t e = 0; e < 2; ++e) EXPECT_GT(blue_over_red(pictures.at(e), eyes[e]), 1.5f) << e << " turned by " << turned_rad;
+    for (size_t e = 0; e < 2; ++e)
+      EXPECT_GT(blue_over_red(pictures.at(e), eyes[e]), 1.5f) << e << " turned by " << turned_rad;
     // One eye goes by depth, as captures are trained.
     const Camera one = camera_from_fov(head, -0.8, 0.8, 0.8, -0.8, 96, 96);
     ASSERT_TRUE(view.draw(frame, {&one, 1}, middle));
@@ -283,13 +289,15 @@ TEST(ChooseCamera, HasAllObjectsInThePictureAndTheEnvironmentBehind) {
   EXPECT_GT(camera.world_from_camera.position_m.y(), 0.4);
 }
 
-// 10 % of the columns' half width is room for what moves; the edges of what is left are reached on both sides.
+// 10 % of the columns' half width is room for what moves; the edges of what is left are reached on both
+// sides.
 TEST(ChooseCamera, HasAllObjectsInTheColumnsThatAreFree) {
   SceneView view;
   ASSERT_TRUE(view.add(2, cube_asset(0.4f, {1, 0, 0}), rigid_rest(), false));
   ASSERT_TRUE(view.add(3, cube_asset(0.4f, {0, 1, 0}), rigid_rest(), false));
   ASSERT_TRUE(view.pose(frame_of({{2, {-0.9, 0.2, 0.3}}, {3, {0.9, 0.2, 0}}})));
-  for (const PictureColumns free : {PictureColumns{310, 880}, PictureColumns{310, 1280}, PictureColumns{0, 300}}) {
+  for (const PictureColumns free :
+       {PictureColumns{310, 880}, PictureColumns{310, 1280}, PictureColumns{0, 300}}) {
     SCOPED_TRACE(free.left_px);
     const Camera camera = choose_camera(view, 1280, 800, free);
     double left = 1280, right = 0;

@@ -30,10 +30,12 @@ TEST(SurfaceNear, IsOneStandardDeviationFromAKernel) {
 TEST(SurfaceNear, IsOfOpaqueKernelsInTheBoxAndNoMoreThanAsked) {
   synthetic::Object object;
   object.id = 5;
-  for (int i = 0; i < 100; ++i) synthetic::add_ball(object, {0.01 * i, 0, 0}, 0.01, i % 2 ? 0.9 : 0.3, {1, 1, 1});
+  for (int i = 0; i < 100; ++i)
+    synthetic::add_ball(object, {0.01 * i, 0, 0}, 0.01, i % 2 ? 0.9 : 0.3, {1, 1, 1});
   const DrawnObject drawn = object.drawn();
   EXPECT_EQ(surface_within({&drawn, 1}, kAll, 1000).size(), 50u);
-  const auto some = surface_within({&drawn, 1}, {Eigen::Vector3f(-1, -1, -1), Eigen::Vector3f(0.495f, 1, 1)}, 5);
+  const auto some =
+      surface_within({&drawn, 1}, {Eigen::Vector3f(-1, -1, -1), Eigen::Vector3f(0.495f, 1, 1)}, 5);
   ASSERT_EQ(some.size(), 5u);
   for (const SurfaceKernel& kernel : some) {
     EXPECT_EQ(kernel.object_id, 5u);

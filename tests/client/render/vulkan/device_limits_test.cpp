@@ -14,10 +14,10 @@ using synthetic::Object;
 TEST(MostVisibleKernels, AreTheLargeAndOpaque) {
   Object object;
   const Eigen::Quaterniond upright = Eigen::Quaterniond::Identity();
-  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.1, 0.1, 0.001}, 0.9, {1, 1, 1});   // 9e-3
-  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.1, 0.1, 0.1}, 0.05, {1, 1, 1});    // 5e-4
-  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.01, 0.01, 0.01}, 0.99, {1, 1, 1}); // 1e-4
-  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.5, 0.002, 0.002}, 0.9, {1, 1, 1}); // 9e-4
+  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.1, 0.1, 0.001}, 0.9, {1, 1, 1});    // 9e-3
+  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.1, 0.1, 0.1}, 0.05, {1, 1, 1});     // 5e-4
+  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.01, 0.01, 0.01}, 0.99, {1, 1, 1});  // 1e-4
+  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.5, 0.002, 0.002}, 0.9, {1, 1, 1});  // 9e-4
   EXPECT_EQ(most_visible_kernels(object.asset, 1), (std::vector<uint32_t>{0}));
   EXPECT_EQ(most_visible_kernels(object.asset, 2), (std::vector<uint32_t>{0, 3}));
   EXPECT_EQ(most_visible_kernels(object.asset, 3), (std::vector<uint32_t>{0, 1, 3}));
@@ -38,8 +38,8 @@ class DeviceLimits : public VulkanPictures {
   }
 };
 
-// 40 000 kernels want 212 bytes each and three pictures: 9 MB. With half of that the largest are drawn, it is said, and
-// once fewer are there, all of them.
+// 40 000 kernels want 212 bytes each and three pictures: 9 MB. With half of that the largest are drawn, it is
+// said, and once fewer are there, all of them.
 TEST_F(DeviceLimits, WhereMemoryEndsFewerKernelsAreDrawnAndItIsSaid) {
   const Object many = synthetic::shell(40'000, 3, 0.006, 3);
   Object few = synthetic::shell(2'000, 1, 0.02, 4);
@@ -50,7 +50,8 @@ TEST_F(DeviceLimits, WhereMemoryEndsFewerKernelsAreDrawnAndItIsSaid) {
   EXPECT_EQ(renderer_->notice(), "");
   limit_memory(5'000'000);
   const Image thinned = draw(both, {&eye, 1})[0];
-  EXPECT_NE(renderer_->notice().find("% of the kernels; the rest is not drawn"), std::string::npos) << renderer_->notice();
+  EXPECT_NE(renderer_->notice().find("% of the kernels; the rest is not drawn"), std::string::npos)
+      << renderer_->notice();
   EXPECT_GT(psnr_db(thinned, whole), 20.0);  // nothing would be 11 dB
   EXPECT_LT(psnr_db(thinned, whole), 60.0);  // it is not the same
   EXPECT_EQ(draw(both, {&eye, 1})[0].pixels, thinned.pixels);
@@ -77,7 +78,8 @@ TEST_F(DeviceLimits, WithNoMemoryAtAllTheProcessorDrawsAndItIsSaid) {
   const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
   SceneView cramped(std::move(renderer_)), roomy;
   std::vector<Image> picture, expected;
-  for (SceneView* view : {&cramped, &roomy}) ASSERT_TRUE(view->add(1, std::make_shared<GaussianAsset>(many.asset), rest, false));
+  for (SceneView* view : {&cramped, &roomy})
+    ASSERT_TRUE(view->add(1, std::make_shared<GaussianAsset>(many.asset), rest, false));
   ASSERT_TRUE(cramped.draw(frame, {&eye, 1}, picture));
   ASSERT_TRUE(roomy.draw(frame, {&eye, 1}, expected));
   EXPECT_EQ(picture.at(0).pixels, expected.at(0).pixels);
@@ -99,8 +101,9 @@ TEST_F(DeviceLimits, WithNoMemoryAtAllItIsAnError) {
   EXPECT_EQ(done.error().code, ErrorCode::TooLarge);
 }
 
-// What is told of an eye's kernels lies in as many buffers as the device needs: the same bits, whoever poses them, and whichever
-// eye sees them. Beyond those, fewer are drawn, and what is said is not that memory has ended.
+// What is told of an eye's kernels lies in as many buffers as the device needs: the same bits, whoever poses
+// them, and whichever eye sees them. Beyond those, fewer are drawn, and what is said is not that memory has
+// ended.
 TEST_F(DeviceLimits, RowsInSeveralBuffersDrawTheSamePicture) {
   const Object shell = synthetic::shell(2'500, 3, 0.02, 3);
   Object other = synthetic::shell(400, 1, 0.02, 4);
@@ -121,7 +124,8 @@ TEST_F(DeviceLimits, RowsInSeveralBuffersDrawTheSamePicture) {
   const Object many = synthetic::shell(4'000, 3, 0.02, 3);
   const RenderedObject more = rendered(many.drawn(), 3);
   const Image fewer = draw({&more, 1}, {&eye, 1})[0];
-  EXPECT_EQ(renderer_->notice(), "the buffers that " + device_->name() + " can bind hold 75 % of the kernels; the rest is not drawn");
+  EXPECT_EQ(renderer_->notice(), "the buffers that " + device_->name() +
+                                     " can bind hold 75 % of the kernels; the rest is not drawn");
   EXPECT_GT(psnr_db(fewer, oracle({&more, 1}, {&eye, 1})[0]), 20.0);  // nothing would be 11 dB
   EXPECT_EQ(draw({&both[1], 1}, {&eye, 1}).size(), 1u);
   EXPECT_EQ(renderer_->notice(), "");
@@ -136,7 +140,8 @@ TEST_F(DeviceLimits, ItsClockTellsEachPassAlone) {
     draw(object, eye);
     const RenderTimes& times = renderer_->last_times();
     ASSERT_TRUE(times.device.has_value());
-    for (const double ms : {times.device->project_ms, times.device->sort_ms, times.device->draw_ms, times.device->resolve_ms})
+    for (const double ms :
+         {times.device->project_ms, times.device->sort_ms, times.device->draw_ms, times.device->resolve_ms})
       EXPECT_GT(ms, 0.0);
     EXPECT_LE(times.device->project_ms, times.project_ms);
     EXPECT_LE(times.device->sort_ms, times.sort_ms);

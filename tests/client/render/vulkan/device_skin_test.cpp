@@ -9,8 +9,8 @@
 #include "gaussian/asset_file.h"
 #include "render/scene_view.h"
 #include "skin/device_skin.h"
-#include "splat/raster/frame_splats.h"
 #include "splat/passes/project_splats_layout.h"
+#include "splat/raster/frame_splats.h"
 
 namespace livegs {
 namespace {
@@ -45,7 +45,8 @@ struct Things {
     lattice = lattice_body(6, 6, 6, kCellWidth_m, nullptr, {-3, -3, -3});
     particles.kind = DriverKind::Particles;
     std::mt19937_64 random(1);
-    for (int p = 0; p < 100; ++p) particles.particles_m.push_back(uniform3(random, -0.15, 0.15).cast<float>());
+    for (int p = 0; p < 100; ++p)
+      particles.particles_m.push_back(uniform3(random, -0.15, 0.15).cast<float>());
   }
 
   void add_to(SceneView& view, size_t kernels = 1500) const {
@@ -67,11 +68,13 @@ struct Things {
     }
     frame.objects.push_back(apart);
     frame.objects.push_back(moved_drivers(lattice, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
-      return Eigen::AngleAxisd(4 * moment * x.y(), Eigen::Vector3d::UnitY()) * Eigen::Vector3d(x.x(), (1 + moment) * x.y(), x.z());
+      return Eigen::AngleAxisd(4 * moment * x.y(), Eigen::Vector3d::UnitY()) *
+             Eigen::Vector3d(x.x(), (1 + moment) * x.y(), x.z());
     }));
     const Eigen::AngleAxisd turn(third, Eigen::Vector3d::UnitY());
     frame.objects.push_back(moved_drivers(
-        particles, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return Eigen::Vector3d(0.5, 0, 0) + turn * x; },
+        particles,
+        [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return Eigen::Vector3d(0.5, 0, 0) + turn * x; },
         Eigen::Quaterniond(turn)));
     for (uint32_t i = 0; i < 3; ++i) frame.objects[i].object_id = i + 1;
     return frame;
@@ -105,8 +108,8 @@ TEST_F(DeviceSkinning, WhatMovesIsSkinnedThereAndIsTheOraclesPicture) {
   }
 }
 
-// A captured asset as an elastic body: upright, 0.5 m across, in a lattice about it that is twisted and stretched, as
-// captured_pictures_test does it on the CPU.
+// A captured asset as an elastic body: upright, 0.5 m across, in a lattice about it that is twisted and
+// stretched, as captured_pictures_test does it on the CPU.
 TEST_F(DeviceSkinning, ACapturedAssetThatIsDeformedIsTheOraclesPicture) {
   LIVEGS_NEEDS_SHARED_DATA();
   const auto file = read_asset(shared_data() / "splats" / "camera_leica/leica-sofort-top8192.ply");
@@ -118,8 +121,10 @@ TEST_F(DeviceSkinning, ACapturedAssetThatIsDeformedIsTheOraclesPicture) {
   RestBody rest = lattice_body(kCells, kCells, kCells, kCellWidth_m);
   rest.object_from_lattice.position_m.setConstant(-0.5 * kCells * kCellWidth_m);
   rest.object_from_asset.scale = 0.5 / bounds.sizes().maxCoeff();
-  rest.object_from_asset.rotation = Eigen::Quaterniond(0, 1, 0, 0);  // half a turn about x: -Y is up in the file
-  rest.object_from_asset.translation_m = -(rest.object_from_asset.rotation * (rest.object_from_asset.scale * bounds.center()));
+  rest.object_from_asset.rotation =
+      Eigen::Quaterniond(0, 1, 0, 0);  // half a turn about x: -Y is up in the file
+  rest.object_from_asset.translation_m =
+      -(rest.object_from_asset.rotation * (rest.object_from_asset.scale * bounds.center()));
   SceneView device(std::move(renderer_)), host;
   for (SceneView* view : {&device, &host}) {
     const auto added = view->add(1, asset, rest, false);
@@ -130,7 +135,8 @@ TEST_F(DeviceSkinning, ACapturedAssetThatIsDeformedIsTheOraclesPicture) {
   for (const double moment : {0.0, 0.5, 1.0}) {
     DriverFrame frame;
     frame.objects.push_back(moved_drivers(rest, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
-      return Eigen::AngleAxisd(3 * moment * x.y(), Eigen::Vector3d::UnitY()) * Eigen::Vector3d(x.x(), (1 + 0.2 * moment) * x.y(), x.z());
+      return Eigen::AngleAxisd(3 * moment * x.y(), Eigen::Vector3d::UnitY()) *
+             Eigen::Vector3d(x.x(), (1 + 0.2 * moment) * x.y(), x.z());
     }));
     frame.objects[0].object_id = 1;
     std::vector<Image> made, expected;
@@ -155,7 +161,8 @@ TEST_F(DeviceSkinning, ACapturedAssetThatIsDeformedIsTheOraclesPicture) {
   }
 }
 
-// However many buffers the rows of a frame lie in: bodies and lattices are posed by passes, particles on the host.
+// However many buffers the rows of a frame lie in: bodies and lattices are posed by passes, particles on the
+// host.
 TEST_F(DeviceSkinning, RowsInSeveralBuffersAreTheSamePicture) {
   SceneView whole(std::move(renderer_));
   things_.add_to(whole);
@@ -164,7 +171,8 @@ TEST_F(DeviceSkinning, RowsInSeveralBuffersAreTheSamePicture) {
   std::vector<Image> expected, made;
   ASSERT_TRUE(whole.draw(frame, {&eye_, 1}, expected));
   for (uint32_t id = 1; id <= 3; ++id) kernels += whole.drawn_object(id)->asset->size();
-  make_renderer({.precision = BlendPrecision::Half, .max_part_rows = static_cast<uint32_t>(kernels / 2 - 300)});
+  make_renderer(
+      {.precision = BlendPrecision::Half, .max_part_rows = static_cast<uint32_t>(kernels / 2 - 300)});
   SceneView parted(std::move(renderer_));
   things_.add_to(parted);
   ASSERT_TRUE(parted.draw(frame, {&eye_, 1}, made));
@@ -172,7 +180,8 @@ TEST_F(DeviceSkinning, RowsInSeveralBuffersAreTheSamePicture) {
   EXPECT_EQ(made[0].pixels, expected[0].pixels);
 }
 
-// Who asks where kernels are gets the answer of a view that draws on the CPU, and only what he may ask about is skinned.
+// Who asks where kernels are gets the answer of a view that draws on the CPU, and only what he may ask about
+// is skinned.
 TEST_F(DeviceSkinning, AskingWhereKernelsAreSkinsOnlyWhatIsAskedAbout) {
   SceneView device(std::move(renderer_)), host;
   things_.add_to(device);
@@ -190,7 +199,8 @@ TEST_F(DeviceSkinning, AskingWhereKernelsAreSkinsOnlyWhatIsAskedAbout) {
   EXPECT_EQ(there->point_m, expected->point_m);
   EXPECT_EQ(device.last_times().objects_skinned, 1u);
   EXPECT_FALSE(device.pick({0, 5, 1.5}, along));
-  const Eigen::AlignedBox3f at_the_end(Eigen::Vector3f(-0.75f, -0.1f, -0.1f), Eigen::Vector3f(-0.7f, 0.1f, 0.1f));
+  const Eigen::AlignedBox3f at_the_end(Eigen::Vector3f(-0.75f, -0.1f, -0.1f),
+                                       Eigen::Vector3f(-0.7f, 0.1f, 0.1f));
   ASSERT_EQ(device.drawn_near(at_the_end).size(), 1u);
   EXPECT_EQ(device.drawn_near(at_the_end)[0].object_id, 1u);
   EXPECT_EQ(device.last_times().objects_skinned, 1u);
@@ -218,20 +228,24 @@ TEST_F(DeviceSkinning, AFrameUploadsDriversInOneSubmission) {
     const DriverFrame frame = things_.at(0.2 * static_cast<double>(picture), 0);
     std::vector<RenderedObject> objects;
     for (uint32_t i = 0; i < 2; ++i)
-      objects.push_back({{things[i].asset.get(), nullptr, i}, picture, i + 1, {things[i].rest, &things[i].bindings, &frame.objects[i]}});
+      objects.push_back({{things[i].asset.get(), nullptr, i},
+                         picture,
+                         i + 1,
+                         {things[i].rest, &things[i].bindings, &frame.objects[i]}});
     const std::array eyes{eye_, eye_};
     const auto done = renderer_->draw(objects, eyes, {}, images);
     ASSERT_TRUE(done) << done.error().message;
     if (picture == 1) continue;  // assets, and a first try of multiview
-    EXPECT_EQ(renderer_->last_times().uploaded_bytes, 2 * 64 + things_.lattice.node_coordinates.size() * 64 + sizeof(FrameViews));
+    EXPECT_EQ(renderer_->last_times().uploaded_bytes,
+              2 * 64 + things_.lattice.node_coordinates.size() * 64 + sizeof(FrameViews));
     EXPECT_EQ(renderer_->last_times().submissions, 1u);
     ASSERT_TRUE(renderer_->last_times().device);
     EXPECT_GT(renderer_->last_times().device->skin_ms, 0.0);
   }
 }
 
-// With three bands in stereo, drivers and the sorting included, pictures left out: at first, after the scene has grown by a
-// little and by much, after it has shrunk.
+// With three bands in stereo, drivers and the sorting included, pictures left out: at first, after the scene
+// has grown by a little and by much, after it has shrunk.
 TEST(DeviceBytes, AKernelTakes256AtMostAlsoAfterTheSceneHasGrownAndShrunk) {
   const RestBody rest = lattice_body(6, 6, 6, kCellWidth_m, nullptr, {-3, -3, -3});
   CpuBackend backend;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the shaders ask of a device, read from their SPIR-V (its specification, sections 2.3 and 3.31): the sort and all else
-// assume no size of a subgroup, which is 8 on lavapipe and 4 to 128 elsewhere, and nothing that Vulkan 1.3 leaves open.
+// What the shaders ask of a device, read from their SPIR-V (its specification, sections 2.3 and 3.31): the
+// sort and all else assume no size of a subgroup, which is 8 on lavapipe and 4 to 128 elsewhere, and nothing
+// that Vulkan 1.3 leaves open.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +18,8 @@ namespace {
 
 constexpr uint32_t kMagic = 0x07230203, kSpirv16 = 0x00010600;
 constexpr uint32_t kOpExtension = 10, kOpCapability = 17;
-constexpr uint32_t kShader = 1, kFirstOfSubgroups = 61, kLastOfSubgroups = 68, kMultiView = 4439;  // GroupNonUniform, ...Quad
+constexpr uint32_t kShader = 1, kFirstOfSubgroups = 61, kLastOfSubgroups = 68,
+                   kMultiView = 4439;  // GroupNonUniform, ...Quad
 
 struct RequestedAsset {
   std::set<uint32_t> capabilities;
@@ -34,7 +36,9 @@ RequestedAsset asked_by(const std::vector<uint32_t>& words) {
   return asked;
 }
 
-bool is_of_subgroups(uint32_t capability) { return capability >= kFirstOfSubgroups && capability <= kLastOfSubgroups; }
+bool is_of_subgroups(uint32_t capability) {
+  return capability >= kFirstOfSubgroups && capability <= kLastOfSubgroups;
+}
 
 // A generated header: words in hexadecimal after a brace.
 std::vector<uint32_t> read_words(const std::filesystem::path& header) {
@@ -64,7 +68,8 @@ TEST(ShaderModules, AskForNoSubgroupsAndForNothingBeyondVulkan13) {
     for (const uint32_t capability : asked.capabilities) {
       EXPECT_FALSE(is_of_subgroups(capability)) << name << " asks for subgroups: " << capability;
       // Multiview is a feature that every device of Vulkan 1.1 and later has.
-      EXPECT_TRUE(capability == kShader || capability == kMultiView) << name << " asks for capability " << capability;
+      EXPECT_TRUE(capability == kShader || capability == kMultiView)
+          << name << " asks for capability " << capability;
     }
   }
   // Skinning two ways, projecting, three steps of the sort; two stages each of drawing and resolving.
@@ -72,7 +77,8 @@ TEST(ShaderModules, AskForNoSubgroupsAndForNothingBeyondVulkan13) {
 }
 
 TEST(ShaderModules, OneThatAskedForSubgroupsWouldBeFound) {
-  const std::vector<uint32_t> words = {kMagic, kSpirv16, 0, 1, 0, 2u << 16 | kOpCapability, kShader, 2u << 16 | kOpCapability, 63};
+  const std::vector<uint32_t> words = {
+      kMagic, kSpirv16, 0, 1, 0, 2u << 16 | kOpCapability, kShader, 2u << 16 | kOpCapability, 63};
   const RequestedAsset asked = asked_by(words);
   EXPECT_EQ(asked.capabilities, (std::set<uint32_t>{kShader, 63}));
   EXPECT_TRUE(std::any_of(asked.capabilities.begin(), asked.capabilities.end(), is_of_subgroups));

@@ -18,7 +18,8 @@ namespace {
 class Source {
  public:
   // So many kernels of 56 bytes or a bit less each.
-  explicit Source(size_t kernels) : asset(synthetic_asset(kernels, 0, 7)), ply(encode_ply(asset)), bytes(encode_progressive(asset)) {
+  explicit Source(size_t kernels)
+      : asset(synthetic_asset(kernels, 0, 7)), ply(encode_ply(asset)), bytes(encode_progressive(asset)) {
     hash = content_hash(ply);
   }
   AssetCache::Fetch fetch(size_t cut_after = ~size_t{0}) {
@@ -111,7 +112,8 @@ TEST(AssetCache, BytesThatAreNoAssetAreRefused) {
   const auto refused = cache.obtain(source.hash, source.bytes.size(), source.fetch());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::InvalidData);
-  EXPECT_EQ(refused.error().message.find("asset " + source.hash.substr(0, 12) + ": a block"), 0u) << refused.error().message;
+  EXPECT_EQ(refused.error().message.find("asset " + source.hash.substr(0, 12) + ": a block"), 0u)
+      << refused.error().message;
   EXPECT_EQ(source.offsets.size(), 1u);
 }
 

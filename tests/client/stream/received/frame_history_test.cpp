@@ -58,12 +58,14 @@ TEST(FrameHistory, StandsStillBefore) {
 
 TEST(FrameHistory, GoesOnForTwoFramesAndThenStands) {
   FrameHistory history(8);
-  for (uint64_t tick : {1, 2, 4}) history.add(frame(tick));  // 3 was dropped: the last two are two intervals apart
+  for (uint64_t tick : {1, 2, 4})
+    history.add(frame(tick));  // 3 was dropped: the last two are two intervals apart
   const auto beyond = history.at(55'000'000);
   EXPECT_NEAR(beyond->objects[0].poses[0].position_m.x(), 5.5, 1e-9);
   EXPECT_NEAR(beyond->objects[1].positions_m[1].y(), 11.0f, 1e-5f);
   // On the chord of 0.2 rad, 1.75 of its length from its begin: atan(2.5 tan 0.1) + 0.3.
-  EXPECT_NEAR(Eigen::AngleAxisd(beyond->objects[0].poses[0].orientation).angle(), 0.3 + 2 * std::atan(2.5 * std::tan(0.05)), 1e-9);
+  EXPECT_NEAR(Eigen::AngleAxisd(beyond->objects[0].poses[0].orientation).angle(),
+              0.3 + 2 * std::atan(2.5 * std::tan(0.05)), 1e-9);
   EXPECT_EQ(beyond->simulated_ns, 55'000'000);
   const auto stands = history.at(1'000'000'000);
   EXPECT_NEAR(stands->objects[0].poses[0].position_m.x(), 6.0, 1e-9);
@@ -103,7 +105,8 @@ TEST(FrameHistory, NothingIsInterpolatedThroughABreak) {
 
 TEST(FrameHistory, WhatRestsKeepsItsBits) {
   DriverFrame a = frame(1), b = frame(2);
-  a.objects[0].poses[0].orientation = Eigen::Quaterniond(0.3, 0.4, -0.5, 0.6);  // not quite unit, as a decoder has it
+  a.objects[0].poses[0].orientation =
+      Eigen::Quaterniond(0.3, 0.4, -0.5, 0.6);  // not quite unit, as a decoder has it
   b.objects[0].poses = a.objects[0].poses;
   const DriverFrame between = interpolate(a, b, 0.37);
   EXPECT_EQ(between.objects[0].poses[0].orientation.coeffs(), a.objects[0].poses[0].orientation.coeffs());

@@ -22,7 +22,8 @@ v1::ObjectDescription thing(uint32_t id, const std::string& name) {
 
 TEST(KnownObjects, TellWhatIsNotAsItWas) {
   KnownObjects objects;
-  const v1::ObjectDescription hat = thing(1, "hat"), cup = thing(2, "cup"), broken_cup = thing(2, "sherds"), ball = thing(3, "ball");
+  const v1::ObjectDescription hat = thing(1, "hat"), cup = thing(2, "cup"), broken_cup = thing(2, "sherds"),
+                              ball = thing(3, "ball");
   const auto first = objects.replace(std::vector{&hat, &cup});
   ASSERT_TRUE(first);
   EXPECT_EQ(first->added.size(), 2u);
@@ -45,7 +46,8 @@ TEST(KnownObjects, AnIdIsToldOnce) {
   EXPECT_EQ(twice.error().message, "object \"cup\": another has its id");
   const auto again = objects.replace(std::vector{&ball});
   ASSERT_TRUE(again);
-  EXPECT_TRUE(again->added.empty() && again->changed.empty() && again->removed.empty());  // what failed changed nothing
+  EXPECT_TRUE(again->added.empty() && again->changed.empty() &&
+              again->removed.empty());  // what failed changed nothing
 }
 
 }  // namespace

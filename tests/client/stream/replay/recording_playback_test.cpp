@@ -28,12 +28,17 @@ class RecordingPlaybackTest : public ::testing::Test {
   std::optional<ReceivedFrame> next_frame(RecordingPlayback& playback) {
     while (auto item = playback.take()) {
       if (auto* frame = std::get_if<ReceivedFrame>(&*item)) {
-        for (const ObjectDrivers& object : frame->drivers->objects) EXPECT_TRUE(there_.contains(object.object_id));
+        for (const ObjectDrivers& object : frame->drivers->objects)
+          EXPECT_TRUE(there_.contains(object.object_id));
         EXPECT_EQ(there_.size(), frame->drivers->objects.size());
         return *frame;
       }
-      if (const auto* added = std::get_if<ObjectAdded>(&*item)) { EXPECT_TRUE(there_.insert(added->object.id).second); }
-      if (const auto* removed = std::get_if<ObjectRemoved>(&*item)) { EXPECT_EQ(there_.erase(removed->object_id), 1u); }
+      if (const auto* added = std::get_if<ObjectAdded>(&*item)) {
+        EXPECT_TRUE(there_.insert(added->object.id).second);
+      }
+      if (const auto* removed = std::get_if<ObjectRemoved>(&*item)) {
+        EXPECT_EQ(there_.erase(removed->object_id), 1u);
+      }
     }
     return std::nullopt;
   }
@@ -54,7 +59,8 @@ TEST_F(RecordingPlaybackTest, PlaysFromTheBeginningToTheEnd) {
   EXPECT_FALSE(playback->error());
 }
 
-// Forwards and backwards, over births and deaths: the right frame with the right objects, then those that follow.
+// Forwards and backwards, over births and deaths: the right frame with the right objects, then those that
+// follow.
 TEST_F(RecordingPlaybackTest, SeeksAnywhereAndGoesOnFromThere) {
   auto playback = RecordingPlayback::open(write(2000));
   ASSERT_TRUE(playback);
@@ -74,14 +80,16 @@ TEST_F(RecordingPlaybackTest, SeeksAnywhereAndGoesOnFromThere) {
   EXPECT_EQ(next_frame(*playback)->tick, 1u);
 }
 
-// One that was just opened, too, and one that was sought again before anything was taken: nothing that came or went is lost.
+// One that was just opened, too, and one that was sought again before anything was taken: nothing that came
+// or went is lost.
 TEST_F(RecordingPlaybackTest, SeeksBeforeAnythingIsTaken) {
   const std::filesystem::path file = write(2000);
   for (const uint64_t tick : {1u, 500u, 1500u}) {
     there_.clear();
     auto playback = RecordingPlayback::open(file);
     ASSERT_TRUE(playback);
-    for (const uint64_t at : {tick, uint64_t{700}, tick}) ASSERT_TRUE(playback->seek((static_cast<double>(at - 1) + 0.001) * kPeriod_s));
+    for (const uint64_t at : {tick, uint64_t{700}, tick})
+      ASSERT_TRUE(playback->seek((static_cast<double>(at - 1) + 0.001) * kPeriod_s));
     for (uint64_t more = 0; more < 3; ++more) {
       const auto frame = next_frame(*playback);
       ASSERT_TRUE(frame);

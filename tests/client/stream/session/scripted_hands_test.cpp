@@ -43,8 +43,10 @@ TEST(ScriptedHands, GrabClosesInTheMiddleCarriesAndOpens) {
   const HandSample closed = hands.at(0.5, locate_hat).hands[0];
   EXPECT_EQ(closed.squeeze, 1.0f);
   EXPECT_LT((closed.grip.position_m - Eigen::Vector3d(0, 0.5, 0)).norm(), 1e-12);
-  EXPECT_LT((hands.at(1.0, locate_hat).hands[0].grip.position_m - Eigen::Vector3d(0.15, 0.6, 0)).norm(), 1e-12);
-  EXPECT_LT((hands.at(1.6, locate_hat).hands[0].grip.position_m - Eigen::Vector3d(0.3, 0.7, 0)).norm(), 1e-12);
+  EXPECT_LT((hands.at(1.0, locate_hat).hands[0].grip.position_m - Eigen::Vector3d(0.15, 0.6, 0)).norm(),
+            1e-12);
+  EXPECT_LT((hands.at(1.6, locate_hat).hands[0].grip.position_m - Eigen::Vector3d(0.3, 0.7, 0)).norm(),
+            1e-12);
   EXPECT_FALSE(hands.done(1.6));
   EXPECT_EQ(hands.at(1.71, locate_hat).hands[0].squeeze, 0.0f);
   EXPECT_TRUE(hands.done(1.71));

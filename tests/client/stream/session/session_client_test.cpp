@@ -37,7 +37,8 @@ grpc::Status let_in(int, const v1::JoinRequest&, v1::JoinReply& reply) {
 }
 
 // `spoiled`: without its last byte.
-void send(ScriptedServer::ServerStream& stream, uint64_t tick, const EncodedStreamFrame& encoded, bool spoiled = false) {
+void send(ScriptedServer::ServerStream& stream, uint64_t tick, const EncodedStreamFrame& encoded,
+          bool spoiled = false) {
   v1::ServerMessage message;
   message.set_tick(tick);
   message.set_frame(encoded.bytes.data(), encoded.bytes.size() - (spoiled ? 1 : 0));
@@ -57,10 +58,13 @@ TEST(OtherVersion, EndsTheSessionWithItsAnswer) {
   ScriptedServer server;
   server.on_join = [](int before, const v1::JoinRequest&, v1::JoinReply& reply) {
     reply = welcome();
-    return before == 0 ? grpc::Status::OK
-                       : grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "speaks 5; update the older one");
+    return before == 0
+               ? grpc::Status::OK
+               : grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "speaks 5; update the older one");
   };
-  server.on_stream = [](int, ScriptedServer::ServerStream&) { return grpc::Status(grpc::StatusCode::UNAVAILABLE, "going"); };
+  server.on_stream = [](int, ScriptedServer::ServerStream&) {
+    return grpc::Status(grpc::StatusCode::UNAVAILABLE, "going");
+  };
   server.start();
   auto joined = SessionClient::join(server.address(), patient());
   ASSERT_TRUE(joined) << joined.error().message;
@@ -70,7 +74,8 @@ TEST(OtherVersion, EndsTheSessionWithItsAnswer) {
   const auto stopped = (*joined)->stop();
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().code, ErrorCode::Unsupported);
-  EXPECT_NE(stopped.error().message.find("update the older one"), std::string::npos) << stopped.error().message;
+  EXPECT_NE(stopped.error().message.find("update the older one"), std::string::npos)
+      << stopped.error().message;
 }
 
 // The first stream fails, as it does when a server goes between Join and Stream.
@@ -102,7 +107,8 @@ TEST(FirstStream, ThatFailsIsTriedAgain) {
   EXPECT_EQ(resumed, (std::vector<std::string>{"", "0123456789abcdef", "0123456789abcdef"}));
 }
 
-// Frames of kernels that are larger than the link carries: each stream is given more time, and after three it is said what helps.
+// Frames of kernels that are larger than the link carries: each stream is given more time, and after three it
+// is said what helps.
 TEST(SilentStream, OfKernelsEndsTheSessionWithTheRemedy) {
   ScriptedServer server;
   server.on_join = [](int, const v1::JoinRequest& request, v1::JoinReply& reply) {
@@ -146,7 +152,8 @@ TEST(SilentStream, OfKernelsEndsTheSessionWithTheRemedy) {
   for (size_t i = 0; i < 3; ++i) EXPECT_GE(lasted_s[i], 0.8 * 0.2 * (1 << i));
 }
 
-// A frame whose bytes are not what was sent: refused, and a key frame asked for, which the stream goes on with.
+// A frame whose bytes are not what was sent: refused, and a key frame asked for, which the stream goes on
+// with.
 TEST(SpoiledFrame, IsRefusedAndAKeyFrameIsAskedFor) {
   ScriptedServer server;
   server.on_join = let_in;
@@ -180,8 +187,8 @@ TEST(SpoiledFrame, IsRefusedAndAKeyFrameIsAskedFor) {
   EXPECT_TRUE(state.lost.empty());
 }
 
-// The first frame is spoiled, and the key frame that is sent in its place as well: it is asked for again, for as long as frames
-// come that cannot be read.
+// The first frame is spoiled, and the key frame that is sent in its place as well: it is asked for again, for
+// as long as frames come that cannot be read.
 TEST(SpoiledFrame, ThatWasAskedForIsAskedForAgain) {
   ScriptedServer server;
   server.on_join = let_in;
@@ -211,8 +218,8 @@ TEST(SpoiledFrame, ThatWasAskedForIsAskedForAgain) {
   EXPECT_LE(asked, 3);  // not for every frame that cannot be read
 }
 
-// A message that comes late or is coalesced with the next loses no press of a button: each holds the last three samples, oldest first,
-// also one that is an acknowledgement or a sign of life.
+// A message that comes late or is coalesced with the next loses no press of a button: each holds the last
+// three samples, oldest first, also one that is an acknowledgement or a sign of life.
 TEST(Inputs, EveryMessageHoldsTheLastThreeSamples) {
   std::mutex mutex;
   std::condition_variable changed;
@@ -253,7 +260,9 @@ TEST(Inputs, EveryMessageHoldsTheLastThreeSamples) {
     sample.hands[1].active = true;
     sample.hands[1].shoot = sequence == 4;  // one press, of one sample
     (*joined)->send(sample);
-    ASSERT_TRUE(wait_for([&] { return !heard.empty() && !heard.back().empty() && heard.back().back() == sequence; })) << sequence;
+    ASSERT_TRUE(wait_for([&] {
+      return !heard.empty() && !heard.back().empty() && heard.back().back() == sequence;
+    })) << sequence;
   }
   const size_t before = [&] {
     std::lock_guard lock(mutex);

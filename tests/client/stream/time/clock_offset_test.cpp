@@ -20,18 +20,20 @@ struct Network {
   double messages_hz = 90;              // each way
 };
 
-// The errors and the claimed uncertainties, in ms, at every frame of a minute but the first two seconds, of an offset of
-// three hours.
+// The errors and the claimed uncertainties, in ms, at every frame of a minute but the first two seconds, of
+// an offset of three hours.
 struct Trace {
   std::vector<double> errors_ms, uncertainties_ms;
 };
 Trace trace(const Network& network, uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto travel_ns = [&] {
-    return static_cast<int64_t>(1e6 * (network.delay_ms + std::uniform_real_distribution<>(0, network.jitter_ms)(random)));
+    return static_cast<int64_t>(
+        1e6 * (network.delay_ms + std::uniform_real_distribution<>(0, network.jitter_ms)(random)));
   };
   const auto server_from_client = [&](int64_t client_ns) {
-    return 10'800'000 * kMs + client_ns + static_cast<int64_t>(network.drift * static_cast<double>(client_ns));
+    return 10'800'000 * kMs + client_ns +
+           static_cast<int64_t>(network.drift * static_cast<double>(client_ns));
   };
   const auto period_ns = static_cast<int64_t>(1e9 / network.messages_hz);
   Trace result;
@@ -94,7 +96,8 @@ TEST(ClockOffset, IsNeverFurtherOffThanItSays) {
   for (const double drift : {200e-6, -200e-6, 0.0}) {
     for (const double delay_ms : {0.1, 30.0}) {
       const Trace one = trace({.delay_ms = delay_ms, .drift = drift}, 3);
-      for (size_t i = 0; i < one.errors_ms.size(); ++i) ASSERT_LE(one.errors_ms[i], one.uncertainties_ms[i] + 1e-5);
+      for (size_t i = 0; i < one.errors_ms.size(); ++i)
+        ASSERT_LE(one.errors_ms[i], one.uncertainties_ms[i] + 1e-5);
       // And what it says is of use: half the round trip, and what jitter and drift leave of a window.
       EXPECT_LE(percentile(one.uncertainties_ms, 0.99), delay_ms + 3.0);
     }
@@ -120,7 +123,8 @@ TEST(ClockOffset, FollowsAClockThatIsSet) {
     EXPECT_NEAR(static_cast<double>(clock.at(now)->offset_ns), 0.0, 1e3);
     // It is the first sample after the step that tells.
     clock.add({now, now + (1 + step_ms) * kMs, now + (1 + step_ms) * kMs, now + 2 * kMs});
-    EXPECT_NEAR(static_cast<double>(clock.at(now + 2 * kMs)->offset_ns), static_cast<double>(step_ms * kMs), 1e3);
+    EXPECT_NEAR(static_cast<double>(clock.at(now + 2 * kMs)->offset_ns), static_cast<double>(step_ms * kMs),
+                1e3);
   }
 }
 

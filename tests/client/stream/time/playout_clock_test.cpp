@@ -28,7 +28,8 @@ DriverFrame frame(int tick, uint32_t revision = 0) {
   ObjectDrivers object;
   object.object_id = 1;
   object.revision = revision;
-  object.poses = {{{true_x(1e-9 * static_cast<double>(made.simulated_ns)), 0, 0}, Eigen::Quaterniond::Identity()}};
+  object.poses = {
+      {{true_x(1e-9 * static_cast<double>(made.simulated_ns)), 0, 0}, Eigen::Quaterniond::Identity()}};
   made.objects = {object};
   return made;
 }
@@ -75,7 +76,9 @@ std::vector<Shown> play(const Network& network, const Display& display, double s
   size_t next = 0;
   for (int picture = 1; picture / display.rate_hz < seconds; ++picture) {
     const auto displayed_ns = static_cast<int64_t>(1e9 * picture / display.rate_hz);
-    const auto now_ns = displayed_ns - static_cast<int64_t>(1e6 * (display.lead_ms + display.unsteady_ms * (even(random) - 0.5)));
+    const auto now_ns =
+        displayed_ns -
+        static_cast<int64_t>(1e6 * (display.lead_ms + display.unsteady_ms * (even(random) - 0.5)));
     for (; next < frames.size() && frames[next].received_ns <= now_ns; ++next) {
       DriverFrame came = frame(frames[next].tick);
       clock.arrived(came.simulated_ns, frames[next].received_ns);
@@ -91,7 +94,8 @@ std::vector<Shown> play(const Network& network, const Display& display, double s
   return shown;
 }
 
-// How the moment shown advances, as a share of how the display does, less one; and how far behind the display it is.
+// How the moment shown advances, as a share of how the display does, less one; and how far behind the display
+// it is.
 struct Evenness {
   std::vector<double> haste, behind_ms;
 };
@@ -121,10 +125,12 @@ TEST(PlayoutClock, MovesEvenlyUnderTwentyMillisecondsOfJitter) {
       stale_m.push_back(std::abs(true_x(picture.newest_s) - true_x(picture.displayed_s - 1e-3 * 42)));
     }
   }
-  std::printf("haste p95 %.4f, most %.4f; behind p50 %.1f, p99 %.1f ms; off p99 %.3f, most %.3f mm; newest frame off p99 %.1f mm\n",
-              percentile(all.haste, 0.95), percentile(all.haste, 1), percentile(all.behind_ms, 0.5),
-              percentile(all.behind_ms, 0.99), 1e3 * percentile(off_m, 0.99), 1e3 * percentile(off_m, 1),
-              1e3 * percentile(stale_m, 0.99));
+  std::printf(
+      "haste p95 %.4f, most %.4f; behind p50 %.1f, p99 %.1f ms; off p99 %.3f, most %.3f mm; newest frame off "
+      "p99 %.1f mm\n",
+      percentile(all.haste, 0.95), percentile(all.haste, 1), percentile(all.behind_ms, 0.5),
+      percentile(all.behind_ms, 0.99), 1e3 * percentile(off_m, 0.99), 1e3 * percentile(off_m, 1),
+      1e3 * percentile(stale_m, 0.99));
   EXPECT_LE(percentile(all.haste, 1), 0.05);
   EXPECT_LE(percentile(all.haste, 0.95), 0.01);
   // Drawn 12 + 1.5 ms ahead; travel 4; jitter 20; a period until the next frame.
@@ -153,10 +159,11 @@ TEST(PlayoutClock, BearsDroppedFrames) {
         ++pictures;
       }
     }
-    std::printf("%.0f %% dropped: off p95 %.3f mm, most %.3f mm; %zu of %zu pictures beyond the newest frame\n", 100 * dropped,
-                1e3 * percentile(off_m, 0.95), 1e3 * percentile(off_m, 1), beyond, pictures);
-    // 95 of 100 frames are there in time. Of moments, (1 - p)² (1 + 2p + 3p²) = 0.92 at p = 0.3 lie between frames that
-    // are three periods apart at most.
+    std::printf(
+        "%.0f %% dropped: off p95 %.3f mm, most %.3f mm; %zu of %zu pictures beyond the newest frame\n",
+        100 * dropped, 1e3 * percentile(off_m, 0.95), 1e3 * percentile(off_m, 1), beyond, pictures);
+    // 95 of 100 frames are there in time. Of moments, (1 - p)² (1 + 2p + 3p²) = 0.92 at p = 0.3 lie between
+    // frames that are three periods apart at most.
     EXPECT_LE(static_cast<double>(beyond), 0.06 * static_cast<double>(pictures));
     EXPECT_LE(percentile(off_m, 0.9), chord_error_m(3e-9 * kPeriod_ns));
   }

@@ -16,19 +16,24 @@ constexpr double kServerAhead_ms = 7'200'000;  // its clock
 
 int64_t ns(double ms) { return static_cast<int64_t>(1e6 * ms); }
 
-// Samples of 90 Hz through jitter of so many ms each way, in order: how long after it was taken each is applied, ms.
+// Samples of 90 Hz through jitter of so many ms each way, in order: how long after it was taken each is
+// applied, ms.
 struct Applied {
   std::vector<double> delays_ms;
   size_t late = 0;  // that came after the tick they were meant for had begun
   double spread_ms() {
     std::sort(delays_ms.begin(), delays_ms.end());
-    const auto at = [&](double share) { return delays_ms[static_cast<size_t>(share * static_cast<double>(delays_ms.size() - 1))]; };
+    const auto at = [&](double share) {
+      return delays_ms[static_cast<size_t>(share * static_cast<double>(delays_ms.size() - 1))];
+    };
     return at(0.95) - at(0.05);
   }
 };
 Applied apply(double jitter_ms, bool aims) {
   std::mt19937_64 random(5);
-  const auto travel_ms = [&] { return 0.5 + std::uniform_real_distribution<>(0, std::max(jitter_ms, 1e-9))(random); };
+  const auto travel_ms = [&] {
+    return 0.5 + std::uniform_real_distribution<>(0, std::max(jitter_ms, 1e-9))(random);
+  };
   TickAim aim(90);
   Applied applied;
   double up_ms = 0, down_ms = 0;
@@ -45,7 +50,8 @@ Applied apply(double jitter_ms, bool aims) {
     }
     const uint64_t meant = aims ? aim.tick_at(ns(now_ms)) : 0;
     up_ms = std::max(up_ms, now_ms + travel_ms());
-    const auto arrives = static_cast<uint64_t>(std::ceil(up_ms / kPeriod_ms));  // the tick that takes it at once
+    const auto arrives =
+        static_cast<uint64_t>(std::ceil(up_ms / kPeriod_ms));  // the tick that takes it at once
     if (meant > 0 && meant < arrives) ++applied.late;
     if (now_ms > 1000) {
       applied.delays_ms.push_back(kPeriod_ms * static_cast<double>(std::max(meant, arrives)) - now_ms);
@@ -59,8 +65,8 @@ TEST(TickAim, AppliesSamplesEvenlyThoughTheyComeUnevenly) {
   Applied plain = apply(20, false), aimed = apply(20, true);
   std::printf("spread p5 to p95: %.1f ms as they come, %.1f ms aimed; %zu of %zu late\n", plain.spread_ms(),
               aimed.spread_ms(), aimed.late, aimed.delays_ms.size());
-  // A sample and the ticks have the same rate here, so all but the late 5 of 100 wait as long as each other, or, when the
-  // estimate crosses from one tick to the next, a period more or less.
+  // A sample and the ticks have the same rate here, so all but the late 5 of 100 wait as long as each other,
+  // or, when the estimate crosses from one tick to the next, a period more or less.
   EXPECT_LE(aimed.spread_ms(), kPeriod_ms + 0.1);
   EXPECT_GT(plain.spread_ms(), 1.5 * kPeriod_ms);
   EXPECT_LT(aimed.late, aimed.delays_ms.size() / 10);

@@ -33,7 +33,8 @@ TEST(OrbitCamera, TurnsAboutItsPointAndNotOverThePoles) {
   EXPECT_GT((above.world_from_camera.orientation * Eigen::Vector3d::UnitY()).y(), 0.0);
 }
 
-// The length from its point in a second, along its own axes, and looking the same way; of a halt no more than a tenth of that.
+// The length from its point in a second, along its own axes, and looking the same way; of a halt no more than
+// a tenth of that.
 TEST(OrbitCamera, FliesAlongItsAxesAndLooksTheSameWay) {
   OrbitCamera orbit(start(), distance());
   const Pose before = orbit.camera(800, 600).world_from_camera;

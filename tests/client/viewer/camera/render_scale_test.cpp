@@ -9,10 +9,12 @@ namespace {
 constexpr double kBudget_ms = 20;
 
 // The threshold in pixels of the window.
-double threshold_px(const RenderScale& scale) { return scale.min_contribution_px() / (scale.value() * scale.value()); }
+double threshold_px(const RenderScale& scale) {
+  return scale.min_contribution_px() / (scale.value() * scale.value());
+}
 
-// A drawer whose cost is known: so much a kernel and so much a pixel, the number of kernels falling by half with each
-// pixel of threshold.
+// A drawer whose cost is known: so much a kernel and so much a pixel, the number of kernels falling by half
+// with each pixel of threshold.
 struct Drawer {
   double kernels_ms = 0, pixels_ms = 0;  // at full size, with all kernels
   double ms(const RenderScale& scale) const {
@@ -61,7 +63,8 @@ TEST(RenderScale, SizeAndKernelsGoTogetherUntilPicturesAreInTime) {
   EXPECT_EQ(scale.min_contribution_px(), 0.0f);
 }
 
-// Four pictures late at most when one steps into a thing at once: each may shrink to seven tenths, 0.7^4 = 0.24.
+// Four pictures late at most when one steps into a thing at once: each may shrink to seven tenths, 0.7^4 =
+// 0.24.
 TEST(RenderScale, APictureFourTimesTooDearIsInTimeWithinFour) {
   RenderScale scale(kBudget_ms);
   const Drawer inside{0, 4 * kBudget_ms};

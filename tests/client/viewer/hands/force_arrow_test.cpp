@@ -19,7 +19,8 @@ double length_px(const ProjectedArrow& arrow) {
 double shaft_px(const ProjectedArrow& arrow) { return (arrow.outline_px[0] - arrow.outline_px[6]).norm(); }
 
 TEST(ForceArrow, LengthAndThicknessGoWithTheForce) {
-  const auto one = project_arrow(kCamera, {0, 0, 0}, {0, 5, 0}, 0.02), two = project_arrow(kCamera, {0, 0, 0}, {0, 10, 0}, 0.02);
+  const auto one = project_arrow(kCamera, {0, 0, 0}, {0, 5, 0}, 0.02),
+             two = project_arrow(kCamera, {0, 0, 0}, {0, 10, 0}, 0.02);
   ASSERT_TRUE(one && two);
   EXPECT_NEAR(length_px(*one), 5 * 0.02 * 250, 1e-9);
   EXPECT_NEAR(length_px(*two), 2 * length_px(*one), 1e-9);
@@ -30,7 +31,8 @@ TEST(ForceArrow, LengthAndThicknessGoWithTheForce) {
 }
 
 TEST(ForceArrow, ItIsAThingInThePicture) {
-  const auto near = project_arrow(kCamera, {0, 0, 1}, {0, 10, 0}, 0.02), far = project_arrow(kCamera, {0, 0, 0}, {0, 10, 0}, 0.02);
+  const auto near = project_arrow(kCamera, {0, 0, 1}, {0, 10, 0}, 0.02),
+             far = project_arrow(kCamera, {0, 0, 0}, {0, 10, 0}, 0.02);
   ASSERT_TRUE(near && far);
   EXPECT_NEAR(length_px(*near), 2 * length_px(*far), 1e-9);  // at half the distance
   const auto slanted = project_arrow(kCamera, {0, 0, 0}, {0, 5, 5}, 0.02);

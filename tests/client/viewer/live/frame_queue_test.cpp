@@ -129,7 +129,10 @@ class FrameQueueTest : public ::testing::Test {
   ScratchFolder folder_;
   AssetCache cache_{folder_ / "cache"};
   HeldAssets held_;
-  AssetLibrary assets_{[this](const std::string& hash, uint64_t, uint64_t, const TakeChunk& take) { return held_.fetch(hash, take); }, cache_};
+  AssetLibrary assets_{[this](const std::string& hash, uint64_t, uint64_t, const TakeChunk& take) {
+                         return held_.fetch(hash, take);
+                       },
+                       cache_};
   SceneView view_;
   ProgressiveObjects objects_{assets_};
   FrameQueue stream_{objects_};
@@ -137,7 +140,8 @@ class FrameQueueTest : public ::testing::Test {
 };
 
 TEST_F(FrameQueueTest, AnObjectThatBrokeStandsAsItWasUntilItsPiecesAreThere) {
-  const StreamedObject whole = held_.object(1, 10), other = held_.object(2, 12), broken = held_.object(1, 14, 1);
+  const StreamedObject whole = held_.object(1, 10), other = held_.object(2, 12),
+                       broken = held_.object(1, 14, 1);
   held_.give(whole);
   held_.give(other);
   stream_.on_object_added(whole);
@@ -181,7 +185,8 @@ TEST_F(FrameQueueTest, AnObjectThatIsNewIsSeenOnceItIsThereAndHoldsUpNoOther) {
   EXPECT_NEAR(middle_m(1), 5.04, 1e-3);
 }
 
-// Coarse at first: what else is told of it meanwhile changes nothing about that, and it needs no new frame to be whole.
+// Coarse at first: what else is told of it meanwhile changes nothing about that, and it needs no new frame to
+// be whole.
 TEST_F(FrameQueueTest, AnObjectIsSeenWithItsFirstKernelsAndThenWhole) {
   assets_.show_parts();
   StreamedObject object = held_.object(1, 8192);

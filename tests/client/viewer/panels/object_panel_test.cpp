@@ -62,7 +62,8 @@ TEST(ObjectPanel, SaysOfWhatIsFragileAloneThatItBreaks) {
   cup.fragility.emplace();
   cup.fragility->set_pieces(32);
   cup.fragility->set_drop_height_m(0.5);
-  EXPECT_EQ(object_facts(cup), (std::vector<std::string>{"Rigid", "Breaks into up to 32 when it falls 0.50 m"}));
+  EXPECT_EQ(object_facts(cup),
+            (std::vector<std::string>{"Rigid", "Breaks into up to 32 when it falls 0.50 m"}));
   cup.physics.set_fragile(false);
   EXPECT_EQ(object_facts(cup), (std::vector<std::string>{"Rigid"}));
 }
@@ -73,7 +74,8 @@ TEST(ObjectPanel, ASliderThatIsLetGoIsOneCall) {
   panel.select("pillow");
   EXPECT_TRUE(panel.act({}, objects).empty());
   PanelActions actions;
-  actions.released = {row_of(panel.shown(objects), "Young's modulus"), slider_position(SliderParameter::YoungsModulus, 5e4)};
+  actions.released = {row_of(panel.shown(objects), "Young's modulus"),
+                      slider_position(SliderParameter::YoungsModulus, 5e4)};
   const auto calls = panel.act(actions, objects);
   ASSERT_EQ(calls.size(), 1u);
   const auto& set = std::get<SetPhysicsCall>(calls[0]);
@@ -150,7 +152,8 @@ TEST(ObjectPanel, SaysWhyAProposalNeedsReviewOnce) {
   auto objects = pillow_and_room();
   ObjectPanel panel;
   panel.select("pillow");
-  const std::string why = "mass_g.best: 8000 g is more than 8 times away from the 720 g that size and kind suggest";
+  const std::string why =
+      "mass_g.best: 8000 g is more than 8 times away from the 720 g that size and kind suggest";
   v1::AnalysisProgress progress;
   progress.set_object("pillow");
   progress.set_stage(v1::AnalysisProgress::FINISHED);
@@ -187,7 +190,7 @@ TEST(ObjectPanel, WhatIsProposedCanBeAccepted) {
   ASSERT_EQ(calls.size(), 1u);
   EXPECT_EQ(std::get<AcceptProposalCall>(calls[0]).object, "pillow");
   EXPECT_FALSE(std::get<AcceptProposalCall>(calls[0]).decline);
-  EXPECT_EQ(panel.shown(objects).proposal, "");  // the server has not said so yet
+  EXPECT_EQ(panel.shown(objects).proposal, "");     // the server has not said so yet
   EXPECT_TRUE(panel.act(accept, objects).empty());  // once
   panel.take_refusal("pillow", "the disk is full");
   EXPECT_NE(panel.shown(objects).proposal, "");  // it waits still

@@ -7,8 +7,8 @@ namespace livegs {
 namespace {
 
 constexpr SliderParameter kAll[] = {SliderParameter::Mass,       SliderParameter::YoungsModulus,
-                                  SliderParameter::Plasticity, SliderParameter::DeformationResistance,
-                                  SliderParameter::Friction,   SliderParameter::BreakImpulse};
+                                    SliderParameter::Plasticity, SliderParameter::DeformationResistance,
+                                    SliderParameter::Friction,   SliderParameter::BreakImpulse};
 
 TEST(SliderParameter, SliderRunsFromEndToEndAndBack) {
   for (const SliderParameter field : kAll) {

@@ -42,7 +42,8 @@ TEST(QuantityText, WhatIsTypedIsReadInItsUnit) {
 // What is shown can be typed back.
 TEST(QuantityText, ShownAndTypedAgreeToThreeDigits) {
   for (double value = 1.234e-5; value < 1e10; value *= 7.3) {
-    for (const Unit unit : {Unit::Kilogram, Unit::Pascal, Unit::Newton, Unit::NewtonSecond, Unit::Second, Unit::None}) {
+    for (const Unit unit :
+         {Unit::Kilogram, Unit::Pascal, Unit::Newton, Unit::NewtonSecond, Unit::Second, Unit::None}) {
       const auto back = parse_quantity(quantity_text(value, unit), unit);
       ASSERT_TRUE(back) << quantity_text(value, unit);
       EXPECT_NEAR(*back, value, 0.005 * value) << quantity_text(value, unit);  // half of the third digit

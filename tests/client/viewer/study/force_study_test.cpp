@@ -32,11 +32,14 @@ TEST(ForceStudy, SentencesAreInWords) {
     return made;
   };
   EXPECT_EQ(study("hat", 1, 1).sentence(), "Apply a force of 1 newton to the hat for 1 second.");
-  EXPECT_EQ(study("hat", 1200, 0.05).sentence(), "Apply a force of 1200 newtons to the hat for 0.05 seconds.");
+  EXPECT_EQ(study("hat", 1200, 0.05).sentence(),
+            "Apply a force of 1200 newtons to the hat for 0.05 seconds.");
   EXPECT_EQ(study("hat", 0.001, 10).sentence(), "Apply a force of 0.001 newtons to the hat for 10 seconds.");
-  const std::vector<ForceStudy> several = {study("hat", 5, 1), study("cup", 2, 0.5), study("hat", 5, 1), study("bag", 1, 3)};
+  const std::vector<ForceStudy> several = {study("hat", 5, 1), study("cup", 2, 0.5), study("hat", 5, 1),
+                                           study("bag", 1, 3)};
   EXPECT_EQ(sentence_of(several),
-            "Apply a force of 5 newtons to the hat for 1 second at 2 points, a force of 2 newtons to the cup for 0.5 seconds, and a "
+            "Apply a force of 5 newtons to the hat for 1 second at 2 points, a force of 2 newtons to the cup "
+            "for 0.5 seconds, and a "
             "force of 1 newton to the bag for 3 seconds.");
 }
 
@@ -55,13 +58,15 @@ TEST(ForceStudy, ReadsAForceFromAWord) {
   EXPECT_DOUBLE_EQ(force->point_m(1), 0.1);
   EXPECT_DOUBLE_EQ(force->force_n(2), 10);
   EXPECT_DOUBLE_EQ(force->duration_s(), 0.5);
-  for (const char* bad : {"", "hat", "hat:0,0,0:1,2,3", "hat:0,0:1,2,3:1", "hat:0,0,0:1,2,3:1x", ":0,0,0:1,2,3:1", ":::"}) {
+  for (const char* bad :
+       {"", "hat", "hat:0,0,0:1,2,3", "hat:0,0:1,2,3:1", "hat:0,0,0:1,2,3:1x", ":0,0,0:1,2,3:1", ":::"}) {
     const auto refused = parse_force(bad);
     ASSERT_FALSE(refused) << bad;
     EXPECT_NE(refused.error().message.find("OBJECT:X,Y,Z:FX,FY,FZ:SECONDS"), std::string::npos);
   }
-  for (const char* bad : {"hat:0,nan,0:1,2,3:1", "hat:0,0,0:1,inf,3:1", "hat:0,0,0:1,2,3:0", "hat:0,0,0:1,2,3:-1",
-                          "hat:0,0,0:1,2,3:61", "hat:0,0,0:1,2,3:nan", "hat:0,0,0:1,2,3:inf"}) {
+  for (const char* bad :
+       {"hat:0,nan,0:1,2,3:1", "hat:0,0,0:1,inf,3:1", "hat:0,0,0:1,2,3:0", "hat:0,0,0:1,2,3:-1",
+        "hat:0,0,0:1,2,3:61", "hat:0,0,0:1,2,3:nan", "hat:0,0,0:1,2,3:inf"}) {
     const auto refused = parse_force(bad);
     ASSERT_FALSE(refused) << bad;
     EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);

@@ -19,7 +19,8 @@ std::vector<std::pair<int, int>> lines_of(const TextPlate::Picture& picture) {
   bool inside = false;
   for (int y = 0; y < picture.height_px; ++y) {
     bool ink = false;
-    for (int x = 0; x < picture.width_px; ++x) ink = ink || picture.rgba[4 * (static_cast<size_t>(y) * picture.width_px + x)] > 200;
+    for (int x = 0; x < picture.width_px; ++x)
+      ink = ink || picture.rgba[4 * (static_cast<size_t>(y) * picture.width_px + x)] > 200;
     if (ink && !inside) lines.emplace_back(y, y);
     if (ink) lines.back().second = y;
     inside = ink;
@@ -41,14 +42,17 @@ TEST(TextPlate, WritesLinesInsideItsMargins) {
   EXPECT_GT(two.height_px, one.height_px);
   for (const auto& picture : {one, two}) {
     ASSERT_EQ(picture.rgba.size(), size_t{4} * picture.width_px * picture.height_px);
-    for (int x = 0; x < picture.width_px; ++x) EXPECT_TRUE(is_plate(picture, x, 0) && is_plate(picture, x, picture.height_px - 1));
-    for (int y = 0; y < picture.height_px; ++y) EXPECT_TRUE(is_plate(picture, 5, y) && is_plate(picture, picture.width_px - 5, y));
+    for (int x = 0; x < picture.width_px; ++x)
+      EXPECT_TRUE(is_plate(picture, x, 0) && is_plate(picture, x, picture.height_px - 1));
+    for (int y = 0; y < picture.height_px; ++y)
+      EXPECT_TRUE(is_plate(picture, 5, y) && is_plate(picture, picture.width_px - 5, y));
   }
 }
 
 TEST(TextPlate, BreaksWhatIsTooWideAndLeavesOutWhatIsTooLong) {
   const TextPlate plate;
-  const auto notice = plate.draw("the server has gone: nothing came from it for a second; looking for it", kInk);
+  const auto notice =
+      plate.draw("the server has gone: nothing came from it for a second; looking for it", kInk);
   EXPECT_EQ(lines_of(notice).size(), 2u);
   if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
     Image image{notice.width_px, notice.height_px, {}};
@@ -68,7 +72,8 @@ TEST(TextPlate, LettersDoNotTouch) {
   bool inside = false;
   for (int x = 0; x < picture.width_px; ++x) {
     bool ink = false;
-    for (int y = 0; y < picture.height_px; ++y) ink = ink || picture.rgba[4 * (static_cast<size_t>(y) * picture.width_px + x)] > 100;
+    for (int y = 0; y < picture.height_px; ++y)
+      ink = ink || picture.rgba[4 * (static_cast<size_t>(y) * picture.width_px + x)] > 100;
     runs += ink && !inside;
     inside = ink;
   }
@@ -81,8 +86,13 @@ TEST(TextPlate, TakesAnyBytes) {
   EXPECT_EQ(lines_of(plate.draw("", kInk)).size(), 0u);
   std::string bytes;
   for (int i = 1; i < 256; ++i) bytes.push_back(static_cast<char>(i));
-  for (size_t cut = 0; cut <= bytes.size(); ++cut) EXPECT_LE(plate.draw(bytes.substr(cut), kInk).height_px, TextPlate::kMaxHeight_px);
-  EXPECT_EQ(lines_of(plate.draw("fa\xc3\xa7" "ade", kInk)).size(), 1u);
+  for (size_t cut = 0; cut <= bytes.size(); ++cut)
+    EXPECT_LE(plate.draw(bytes.substr(cut), kInk).height_px, TextPlate::kMaxHeight_px);
+  EXPECT_EQ(lines_of(plate.draw("fa\xc3\xa7"
+                                "ade",
+                                kInk))
+                .size(),
+            1u);
 }
 
 }  // namespace

@@ -48,8 +48,8 @@ class PanelTest : public ::testing::Test {
     ImGui::GetIO().MouseDown[0] = down;
   }
   // Presses and lets go everywhere in the window, on a grid finer than a button, until something happens.
-  std::optional<std::pair<float, float>> find(const std::function<bool(const PanelActions&)>& wanted, float left,
-                                              float right) {
+  std::optional<std::pair<float, float>> find(const std::function<bool(const PanelActions&)>& wanted,
+                                              float left, float right) {
     for (float y = 40; y < height_px_ - 10; y += 9) {
       for (float x = left; x < right; x += 25) {
         for (const bool down : {false, true, false, false}) {
@@ -71,10 +71,12 @@ class PanelTest : public ::testing::Test {
   static bool is_open(const char* name) { return !panel(name)->Collapsed; }
   // Within the window, and neither on the other.
   void expect_room_for_both() const {
-    const ImRect run = panel("Run")->Rect(), objects = panel("Objects")->Rect(), window(0, 0, width_px_, height_px_);
+    const ImRect run = panel("Run")->Rect(), objects = panel("Objects")->Rect(),
+                 window(0, 0, width_px_, height_px_);
     EXPECT_TRUE(window.Contains(run)) << run.Max.x << " " << run.Max.y;
     EXPECT_TRUE(window.Contains(objects)) << objects.Min.x << " " << objects.Max.x << " " << objects.Max.y;
-    EXPECT_FALSE(run.Overlaps(objects)) << run.Max.x << " " << run.Max.y << ", " << objects.Min.x << " " << objects.Min.y;
+    EXPECT_FALSE(run.Overlaps(objects))
+        << run.Max.x << " " << run.Max.y << ", " << objects.Min.x << " " << objects.Min.y;
   }
   // On the arrow of its bar.
   void click_bar(const char* name) {
@@ -103,7 +105,8 @@ TEST_F(PanelTest, ButtonsSayWhatTheyAreFor) {
 
 // However long it is dragged, a slider is one edit, when it is let go.
 TEST_F(PanelTest, ASliderIsOneEditWhenItIsLetGo) {
-  const auto at = find([](const PanelActions& actions) { return actions.released && actions.released->row == 1; }, 1060, 1180);
+  const auto at = find(
+      [](const PanelActions& actions) { return actions.released && actions.released->row == 1; }, 1060, 1180);
   ASSERT_TRUE(at);
   mouse(at->first, at->second, false);
   frame();
@@ -128,7 +131,9 @@ TEST_F(PanelTest, ASliderIsOneEditWhenItIsLetGo) {
 
 TEST_F(PanelTest, HiddenPanelsDoNothing) {
   panels_.shown = false;
-  EXPECT_FALSE(find([](const PanelActions& actions) { return actions.pause || actions.selected || actions.released; }, 15, 400));
+  EXPECT_FALSE(
+      find([](const PanelActions& actions) { return actions.pause || actions.selected || actions.released; },
+           15, 400));
 }
 
 // Nothing can be done to a recording: Run stands alone, without a force, and goes to its start.
@@ -141,11 +146,14 @@ TEST_F(PanelTest, OfARecordingRunStandsAlone) {
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.pause == true; }, 15, 310));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.step; }, 15, 310));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.reset; }, 15, 310));
-  EXPECT_FALSE(find([](const PanelActions& actions) { return actions.selected || actions.undo || actions.analyse_all; }, 890, 1270));
+  EXPECT_FALSE(find(
+      [](const PanelActions& actions) { return actions.selected || actions.undo || actions.analyse_all; },
+      890, 1270));
 }
 
 TEST_F(PanelTest, InAWideWindowBothAreOpenBesideEachOther) {
-  for (const auto& [width, height] : {std::pair(1280, 800), std::pair(700, 500), std::pair(900, 200), std::pair(2560, 1400)}) {
+  for (const auto& [width, height] :
+       {std::pair(1280, 800), std::pair(700, 500), std::pair(900, 200), std::pair(2560, 1400)}) {
     SCOPED_TRACE(width);
     resize(static_cast<float>(width), static_cast<float>(height));
     EXPECT_TRUE(is_open("Run") && is_open("Objects"));
@@ -170,7 +178,8 @@ TEST_F(PanelTest, LeaveColumnsFreeInAWideWindow) {
 }
 
 TEST_F(PanelTest, InANarrowWindowOneIsOpenAtATime) {
-  for (const auto& [width, height] : {std::pair(699, 500), std::pair(640, 480), std::pair(480, 300), std::pair(320, 240), std::pair(200, 150)}) {
+  for (const auto& [width, height] : {std::pair(699, 500), std::pair(640, 480), std::pair(480, 300),
+                                      std::pair(320, 240), std::pair(200, 150)}) {
     SCOPED_TRACE(width);
     panels_.objects.selected.reset();
     resize(1280, 800);

@@ -14,8 +14,8 @@
 #include "common/gaussian/synthetic_asset.h"
 #include "common/wire/mutations.h"
 #include "gaussian/asset_file.h"
-#include "gaussian/progressive/column_codec.h"
 #include "gaussian/opacity.h"
+#include "gaussian/progressive/column_codec.h"
 #include "gaussian/progressive/progressive_layout.h"
 
 namespace livegs {
@@ -32,7 +32,8 @@ GaussianAsset decoded(const Buffer& bytes) {
 
 double contribution(const GaussianAsset& asset, size_t i) {
   const Eigen::Array3d s = asset.log_scales[i].cast<double>().array().exp();
-  return static_cast<double>(opacity_of_logit(asset.opacity_logits[i])) * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]);
+  return static_cast<double>(opacity_of_logit(asset.opacity_logits[i])) *
+         (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]);
 }
 
 // Values as a file of few bits a number has them.
@@ -59,7 +60,8 @@ GaussianAsset all_alike(size_t count) {
 TEST(ProgressiveAsset, GivesBackEveryBit) {
   std::vector<GaussianAsset> assets;
   for (const int degree : {0, 1, 2, 3}) {
-    for (const size_t count : {1, 2, 1023, 1025, 9000}) assets.push_back(synthetic_asset(count, degree, count));
+    for (const size_t count : {1, 2, 1023, 1025, 9000})
+      assets.push_back(synthetic_asset(count, degree, count));
   }
   assets.push_back(of_few_values(40'000));
   assets.push_back(all_alike(70'000));
@@ -68,7 +70,8 @@ TEST(ProgressiveAsset, GivesBackEveryBit) {
   assets.back().positions[3] = {-0.0f, 1e-42f, -3e18f};
   for (const GaussianAsset& asset : assets) {
     const Buffer sent = encode_progressive(asset);
-    EXPECT_EQ(encode_ply(decoded(sent)), encode_ply(asset)) << asset.size() << " kernels of degree " << asset.sh_degree;
+    EXPECT_EQ(encode_ply(decoded(sent)), encode_ply(asset))
+        << asset.size() << " kernels of degree " << asset.sh_degree;
     EXPECT_EQ(encode_progressive(asset), sent);
   }
 }
@@ -138,7 +141,8 @@ TEST(ProgressiveAsset, TakesItsBytesInAnyPieces) {
 TEST(ProgressiveAsset, IsSmallerThanItsKernels) {
   const auto share = [](const GaussianAsset& asset) {
     const double floats = static_cast<double>(14 + 3 * asset.sh_rest_count());
-    return static_cast<double>(encode_progressive(asset).size()) / (4 * floats * static_cast<double>(asset.size()));
+    return static_cast<double>(encode_progressive(asset).size()) /
+           (4 * floats * static_cast<double>(asset.size()));
   };
   EXPECT_LT(share(synthetic_asset(50'000, 0, 1)), 0.95);  // of noise the exponents
   EXPECT_LT(share(of_few_values(50'000)), 0.5);
@@ -146,7 +150,8 @@ TEST(ProgressiveAsset, IsSmallerThanItsKernels) {
 }
 
 TEST(ProgressiveAsset, SurvivesAnyBytes) {
-  std::vector<Buffer> seeds = {encode_progressive(synthetic_asset(40, 0, 1)), encode_progressive(synthetic_asset(1100, 1, 2)),
+  std::vector<Buffer> seeds = {encode_progressive(synthetic_asset(40, 0, 1)),
+                               encode_progressive(synthetic_asset(1100, 1, 2)),
                                encode_progressive(of_few_values(1500)), encode_progressive(all_alike(3000))};
   const auto look = [](std::span<const std::byte> bytes) {
     ProgressiveDecoder decoder;
@@ -226,7 +231,8 @@ TEST(ProgressiveAsset, ReadsTheWorkedExample) {
   text += "000000000080803F3F 000000000000000040 000000000000803F3F 000000000000003F00 000000000000003F00";
   std::erase(text, ' ');
   Buffer bytes;
-  for (size_t i = 0; i < text.size(); i += 2) bytes.push_back(static_cast<std::byte>(std::stoi(text.substr(i, 2), nullptr, 16)));
+  for (size_t i = 0; i < text.size(); i += 2)
+    bytes.push_back(static_cast<std::byte>(std::stoi(text.substr(i, 2), nullptr, 16)));
   GaussianAsset expected;
   expected.resize(2);
   expected.positions = {{1, 2, 3}, {1, 0, -1}};
@@ -261,8 +267,8 @@ TEST(ColumnCodec, WritesEachOfItsThreeWays) {
   }
 }
 
-// Captures as people have them, lossless, of the .ply that was sent before: what was kept in few bits becomes small again, what was
-// trained in floats has little to find.
+// Captures as people have them, lossless, of the .ply that was sent before: what was kept in few bits becomes
+// small again, what was trained in floats has little to find.
 TEST(ProgressiveAsset, CapturesAreSmallerThanTheirPly) {
   LIVEGS_NEEDS_SHARED_DATA();
   const std::pair<const char*, double> captures[] = {{"guitar/guitar.compressed.ply", 0.58},
@@ -275,7 +281,8 @@ TEST(ProgressiveAsset, CapturesAreSmallerThanTheirPly) {
     ASSERT_TRUE(file) << file.error().message;
     const Buffer ply = encode_ply(file->asset), sent = encode_progressive(file->asset);
     const double share = static_cast<double>(sent.size()) / static_cast<double>(ply.size());
-    std::printf("%s: %zu kernels, %zu bytes of .ply, %zu sent, %.2f\n", name, file->asset.size(), ply.size(), sent.size(), share);
+    std::printf("%s: %zu kernels, %zu bytes of .ply, %zu sent, %.2f\n", name, file->asset.size(), ply.size(),
+                sent.size(), share);
     EXPECT_LT(share, most) << name;
     EXPECT_EQ(encode_ply(decoded(sent)), ply) << name;
   }

@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "common/gaussian/differences.h"
 #include "common/gaussian/asset/expect_invariants.h"
+#include "common/gaussian/differences.h"
 #include "common/gaussian/synthetic_asset.h"
-#include "gaussian/asset_file.h"
 #include "gaussian/asset/y_up.h"
+#include "gaussian/asset_file.h"
 
 namespace livegs {
 namespace {

@@ -39,7 +39,8 @@ TEST(KernelReach, HoldsEveryKernelOfALatticeHoweverItIsTorn) {
   std::mt19937_64 random(3);
   for (const double amplitude : {0.0, 0.02, 0.2}) {
     ObjectDrivers drivers = rest_drivers(rest);
-    for (Eigen::Vector3f& position : drivers.positions_m) position += (amplitude * uniform3(random, -1, 1)).cast<float>();
+    for (Eigen::Vector3f& position : drivers.positions_m)
+      position += (amplitude * uniform3(random, -1, 1)).cast<float>();
     expect_all_inside(rest, drivers, 4);
   }
 }

@@ -15,7 +15,8 @@ TEST(NodeNeighbours, AreTheNodesOneCellBelowOfALowerIndex) {
   for (int round = 0; round < 20; ++round) {
     std::vector<Eigen::Vector3i> places;
     for (int i = 0; i < 200; ++i)
-      places.emplace_back(static_cast<int>(random() % 7) - 3, static_cast<int>(random() % 5) - 2, static_cast<int>(random() % 6) - 1);
+      places.emplace_back(static_cast<int>(random() % 7) - 3, static_cast<int>(random() % 5) - 2,
+                          static_cast<int>(random() % 6) - 1);
     const NodeNeighboursPtr found = find_node_neighbours(places);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->coordinates, places);
@@ -37,10 +38,12 @@ TEST(NodeNeighbours, AreTheNodesOneCellBelowOfALowerIndex) {
 }
 
 TEST(NodeNeighbours, OfPlacesOutOfRangeThereAreNone) {
-  for (const int far : {kMaxNodeCoordinate + 1, -kMaxNodeCoordinate - 1, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()})
+  for (const int far : {kMaxNodeCoordinate + 1, -kMaxNodeCoordinate - 1, std::numeric_limits<int>::max(),
+                        std::numeric_limits<int>::min()})
     EXPECT_FALSE(find_node_neighbours({{0, 0, 0}, {0, far, 0}})) << far;
-  const NodeNeighboursPtr edge = find_node_neighbours(
-      {{-kMaxNodeCoordinate, -kMaxNodeCoordinate, -kMaxNodeCoordinate}, {kMaxNodeCoordinate, kMaxNodeCoordinate, kMaxNodeCoordinate}});
+  const NodeNeighboursPtr edge =
+      find_node_neighbours({{-kMaxNodeCoordinate, -kMaxNodeCoordinate, -kMaxNodeCoordinate},
+                            {kMaxNodeCoordinate, kMaxNodeCoordinate, kMaxNodeCoordinate}});
   ASSERT_TRUE(edge);
   EXPECT_EQ(edge->before[0].count + edge->before[1].count, 0u);
   EXPECT_TRUE(find_node_neighbours({}));

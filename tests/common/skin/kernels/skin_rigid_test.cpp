@@ -75,7 +75,9 @@ TEST(SkinRigid, KernelRunsSayWhichBodyWhereverItIs) {
   EXPECT_EQ(bindings->kernels[1].drivers[0], 1u);
   EXPECT_EQ(bindings->kernels[2].drivers[0], 1u);
   for (const auto& [runs, what] : std::vector<std::pair<std::vector<RestBody::KernelRun>, const char*>>{
-           {{{0, 1}}, "1 of the asset's 3"}, {{{0, 4}}, "more than"}, {{{2, 3}}, "body 2 of 2"},
+           {{{0, 1}}, "1 of the asset's 3"},
+           {{{0, 4}}, "more than"},
+           {{{2, 3}}, "body 2 of 2"},
            {{{0, ~0u}, {1, ~0u}}, "more than"}}) {
     rest.kernel_runs = runs;
     const Result<KernelBindings> refused = bind_kernels(asset, rest);

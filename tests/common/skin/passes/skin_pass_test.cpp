@@ -43,8 +43,8 @@ class SkinPass : public OnEveryBackend {
     const BufferId posed = make_buffer(at_once * sizeof(PosedKernelRow));
     std::vector<PosedKernelRow> rows;
     for (uint32_t first = 0; first < skin->size(); first += at_once) {
-      const uint32_t count =
-          std::min({at_once, skin->size() - first, DeviceSkin::kMaxPartKernels - first % DeviceSkin::kMaxPartKernels});
+      const uint32_t count = std::min(
+          {at_once, skin->size() - first, DeviceSkin::kMaxPartKernels - first % DeviceSkin::kMaxPartKernels});
       const auto done = skin->pose(first, count, posed);
       EXPECT_TRUE(done) << done.error().message;
       const auto piece = read_all<PosedKernelRow>(posed, count);
@@ -54,7 +54,8 @@ class SkinPass : public OnEveryBackend {
     return rows;
   }
 
-  // 1e-5 of what a value is made from: positions of a metre and what haze adds, the kernel's own size, a unit quaternion.
+  // 1e-5 of what a value is made from: positions of a metre and what haze adds, the kernel's own size, a unit
+  // quaternion.
   void expect_the_twin(const Bound& bound, const ObjectDrivers& drivers) {
     const auto rows = rows_of(bound, drivers, static_cast<uint32_t>(bound.asset.size()));
     PosedKernels kernels;
@@ -65,10 +66,12 @@ class SkinPass : public OnEveryBackend {
   static void expect_row(const PosedKernelRow& row, const PosedKernels& kernels, size_t k) {
     const Eigen::Vector3f& x = kernels.positions_m[k];
     const float reach = 1.0f + x.cwiseAbs().maxCoeff();
-    ASSERT_LE((Eigen::Vector3f(row.x_m, row.y_m, row.z_m) - x).cwiseAbs().maxCoeff(), 1e-5f * reach) << "kernel " << k;
+    ASSERT_LE((Eigen::Vector3f(row.x_m, row.y_m, row.z_m) - x).cwiseAbs().maxCoeff(), 1e-5f * reach)
+        << "kernel " << k;
     const Symmetric3f& s = kernels.covariances_m2[k];
     const Symmetric3f made{row.sxx_m2, row.sxy_m2, row.sxz_m2, row.syy_m2, row.syz_m2, row.szz_m2};
-    for (int i = 0; i < 6; ++i) ASSERT_LE(std::abs(made[i] - s[i]), 1e-5f * (s[0] + s[3] + s[5])) << "kernel " << k << ", " << i;
+    for (int i = 0; i < 6; ++i)
+      ASSERT_LE(std::abs(made[i] - s[i]), 1e-5f * (s[0] + s[3] + s[5])) << "kernel " << k << ", " << i;
     const Eigen::Vector4f q = kernels.world_from_asset[k].coeffs(), turn(row.qx, row.qy, row.qz, row.qw);
     ASSERT_LE(std::min((turn - q).norm(), (turn + q).norm()), 1e-5f) << "kernel " << k;
   }
@@ -93,13 +96,17 @@ TEST_P(SkinPass, LatticesMoveAsTheirTwinDoes) {
   const Bound bound = bind(rest, inside_and_around(rest, 5000, 8), 9);
   std::mt19937_64 random(10);
   const Pose pose{uniform3(random, -0.5, 0.5), random_rotation(random)};
-  const std::vector<std::pair<const char*, std::function<Eigen::Vector3d(const Eigen::Vector3d&)>>> motions = {
-      {"at rest", [](const Eigen::Vector3d& x) { return x; }},
-      {"a rigid pose", [&](const Eigen::Vector3d& x) { return pose * x; }},
-      {"a twist", [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
-         return Eigen::AngleAxisd(6.0 * x[1], Eigen::Vector3d::UnitY()) * x + Eigen::Vector3d(0.02 * std::sin(20 * x[1]), 0, 0);
-       }},
-      {"a stretch past the clamp", [](const Eigen::Vector3d& x) -> Eigen::Vector3d { return {6 * x[0], 0.8 * x[1], x[2]}; }}};
+  const std::vector<std::pair<const char*, std::function<Eigen::Vector3d(const Eigen::Vector3d&)>>> motions =
+      {{"at rest", [](const Eigen::Vector3d& x) { return x; }},
+       {"a rigid pose", [&](const Eigen::Vector3d& x) { return pose * x; }},
+       {"a twist",
+        [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+          return Eigen::AngleAxisd(6.0 * x[1], Eigen::Vector3d::UnitY()) * x +
+                 Eigen::Vector3d(0.02 * std::sin(20 * x[1]), 0, 0);
+        }},
+       {"a stretch past the clamp", [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+          return {6 * x[0], 0.8 * x[1], x[2]};
+        }}};
   for (const auto& [name, motion] : motions) {
     SCOPED_TRACE(name);
     ASSERT_NO_FATAL_FAILURE(expect_the_twin(bound, moved_drivers(rest, motion)));
@@ -125,15 +132,16 @@ TEST_P(SkinPass, CrushedAndInvertedCellsMoveAsTheirTwinDoes) {
   const Bound bound = bind(rest, inside_and_around(rest, 2000, 15), 16);
   std::mt19937_64 random(17);
   const Eigen::Quaterniond turn = random_rotation(random);
-  const std::vector<Eigen::Vector3d> stretches = {{1, 0, 1},    {1, 1e-3, 1}, {0, 0, 1},     {1e-5, 1, 1e-5}, {0, 0, 0},
-                                                  {1, -1, 1},   {1, -0.2, 1}, {-1, -1, -1},  {100, 1, 1},     {1e-3, 50, -2},
-                                                  {5, 5, 5},    {0.1, 0.1, 0.1}};
+  const std::vector<Eigen::Vector3d> stretches = {{1, 0, 1},   {1, 1e-3, 1},   {0, 0, 1},    {1e-5, 1, 1e-5},
+                                                  {0, 0, 0},   {1, -1, 1},     {1, -0.2, 1}, {-1, -1, -1},
+                                                  {100, 1, 1}, {1e-3, 50, -2}, {5, 5, 5},    {0.1, 0.1, 0.1}};
   for (const Eigen::Vector3d& stretch : stretches) {
     for (const Eigen::Quaterniond& turned : {Eigen::Quaterniond::Identity(), turn}) {
       SCOPED_TRACE(stretch.transpose());
-      ASSERT_NO_FATAL_FAILURE(expect_the_twin(bound, moved_drivers(rest, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
-                                                return turned * stretch.cwiseProduct(x);
-                                              })));
+      ASSERT_NO_FATAL_FAILURE(
+          expect_the_twin(bound, moved_drivers(rest, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+                            return turned * stretch.cwiseProduct(x);
+                          })));
     }
   }
 }
@@ -166,7 +174,8 @@ TEST_P(SkinPass, RigidBodiesMoveAsTheirTwinDoes) {
   const RestBody rest = three_bodies(18);
   for (const size_t count : {1u, 63u, 64u, 65u, 5000u}) {
     const Bound bound = bind(rest, cloud(count, count), 19);
-    for (const uint64_t seed : {20u, 21u}) ASSERT_NO_FATAL_FAILURE(expect_the_twin(bound, thrown(rest, seed)));
+    for (const uint64_t seed : {20u, 21u})
+      ASSERT_NO_FATAL_FAILURE(expect_the_twin(bound, thrown(rest, seed)));
   }
 }
 
@@ -182,8 +191,10 @@ TEST_P(SkinPass, APieceOfTheKernelsIsTheSameAsAllOfThem) {
                kept = rows_of(bound, drivers, 300, every_third);
     ASSERT_EQ(pieces.size(), whole.size());
     ASSERT_EQ(kept.size(), every_third.size());
-    for (size_t k = 0; k < whole.size(); ++k) ASSERT_EQ(std::memcmp(&pieces[k], &whole[k], sizeof whole[k]), 0) << k;
-    for (size_t i = 0; i < kept.size(); ++i) ASSERT_EQ(std::memcmp(&kept[i], &whole[3 * i], sizeof kept[i]), 0) << i;
+    for (size_t k = 0; k < whole.size(); ++k)
+      ASSERT_EQ(std::memcmp(&pieces[k], &whole[k], sizeof whole[k]), 0) << k;
+    for (size_t i = 0; i < kept.size(); ++i)
+      ASSERT_EQ(std::memcmp(&kept[i], &whole[3 * i], sizeof kept[i]), 0) << i;
   }
 }
 
@@ -200,13 +211,15 @@ TEST_P(SkinPass, KernelsOfASecondPartHavePlacesOfTheirOwn) {
 }
 
 TEST_P(SkinPass, BodiesPastTheEndMoveWithTheLast) {
-  const std::vector<RestKernelRow> rest = {{1, 0.1f, 0.2f, 0.3f, 1, 0, 0, 1, 0, 1}, {UINT32_MAX, 0.1f, 0.2f, 0.3f, 1, 0, 0, 1, 0, 1}};
+  const std::vector<RestKernelRow> rest = {{1, 0.1f, 0.2f, 0.3f, 1, 0, 0, 1, 0, 1},
+                                           {UINT32_MAX, 0.1f, 0.2f, 0.3f, 1, 0, 0, 1, 0, 1}};
   const std::vector<RigidPoseRow> poses = {{1, 0, 0, 9, 0, 1, 0, 9, 0, 0, 1, 9, 0, 0, 0, 1},
                                            {0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3, 0, 0, 0.6f, 0.8f}};
   const BufferId posed = make_buffer(2 * sizeof(PosedKernelRow));
   const PoseRigidKernelsConstants constants{2, 0, 2};
   const std::array buffers{make_buffer_of(rest), make_buffer_of(poses), posed};
-  ASSERT_TRUE(backend_->dispatch(pose_rigid_kernels_pass(), buffers, std::as_bytes(std::span(&constants, 1)), 2));
+  ASSERT_TRUE(
+      backend_->dispatch(pose_rigid_kernels_pass(), buffers, std::as_bytes(std::span(&constants, 1)), 2));
   for (const PosedKernelRow& row : read_all<PosedKernelRow>(posed, 2)) {
     EXPECT_FLOAT_EQ(row.x_m, 0.8f);
     EXPECT_FLOAT_EQ(row.y_m, 2.1f);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/compute/backends.h"
 #include "common/splat/synthetic_kernels.h"
-#include "splat/raster/frame_splats.h"
 #include "splat/passes/key_sorter.h"
 #include "splat/passes/project_splats_layout.h"
+#include "splat/raster/frame_splats.h"
 
 namespace livegs {
 namespace {

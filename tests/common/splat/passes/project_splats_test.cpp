@@ -6,9 +6,9 @@
 
 #include "common/compute/backends.h"
 #include "common/splat/synthetic_kernels.h"
+#include "splat/passes/radix_sort.h"
 #include "splat/raster/frame_splats.h"
 #include "splat/raster/project_kernels.h"
-#include "splat/passes/radix_sort.h"
 
 namespace livegs {
 namespace {
@@ -173,8 +173,8 @@ TEST_P(ProjectSplatsTest, IsItsTwinWhereLittleContributionsAreLeftOut) {
   }
 }
 
-// A threshold below the least there is (opacity 1/255 on the low-pass alone, 0.0074 px) computes it and leaves out
-// nothing: the same bits as without one.
+// A threshold below the least there is (opacity 1/255 on the low-pass alone, 0.0074 px) computes it and
+// leaves out nothing: the same bits as without one.
 TEST_P(ProjectSplatsTest, AtThresholdZeroNothingIsLeftOut) {
   const Object object = cloud(2, 26);
   const auto eyes = headset(0.9);
@@ -186,7 +186,8 @@ TEST_P(ProjectSplatsTest, AtThresholdZeroNothingIsLeftOut) {
     EXPECT_EQ(none->order, other->order);
     for (int e = 0; e < 2; ++e) {
       ASSERT_EQ(none->eye[e].size(), other->eye[e].size());
-      EXPECT_EQ(std::memcmp(none->eye[e].data(), other->eye[e].data(), none->eye[e].size() * sizeof(SplatRow)), 0);
+      EXPECT_EQ(
+          std::memcmp(none->eye[e].data(), other->eye[e].data(), none->eye[e].size() * sizeof(SplatRow)), 0);
     }
   }
 }
@@ -276,8 +277,10 @@ TEST(ProjectSplats, AKernelIsLeftOutBelowItsIntegral) {
   EXPECT_EQ(twin({&object}, {&eye, 1}, {.min_contribution_px = 1.001f * contribution_px}).order.size(), 0u);
   ProjectedKernel p;
   float depth_m;
-  EXPECT_TRUE(project_kernel(Projection(eye), object.drawn(), 0, 0, {.min_contribution_px = 0.999f * contribution_px}, p, depth_m));
-  EXPECT_FALSE(project_kernel(Projection(eye), object.drawn(), 0, 0, {.min_contribution_px = 1.001f * contribution_px}, p, depth_m));
+  EXPECT_TRUE(project_kernel(Projection(eye), object.drawn(), 0, 0,
+                             {.min_contribution_px = 0.999f * contribution_px}, p, depth_m));
+  EXPECT_FALSE(project_kernel(Projection(eye), object.drawn(), 0, 0,
+                              {.min_contribution_px = 1.001f * contribution_px}, p, depth_m));
 }
 
 // Shrunk as a whole until the rim's longest half axis is the cap, and not touched below it.

@@ -100,8 +100,7 @@ TEST(RasteriseParity, OfAxisAlignedKernels) {
   synthetic::add_kernel(object, {-0.3, 0.2, 0}, straight, {0.1, 0.02, 0.01}, 0.9, {1, 0, 0});
   synthetic::add_kernel(object, {0.3, 0.2, 0}, straight, {0.02, 0.1, 0.01}, 0.9, {0, 1, 0});
   synthetic::add_kernel(object, {0.0, -0.2, 0}, straight, {0.06, 0.06, 0.06}, 0.9, {0, 0, 1});
-  const Camera camera =
-      look_at({0, 0, 1.5}, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY(), 0.8, 97, 75);
+  const Camera camera = look_at({0, 0, 1.5}, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY(), 0.8, 97, 75);
   expect_equal_to_reference(object, camera);
 }
 
@@ -114,8 +113,7 @@ TEST(RasteriseParity, OfDiagonalNeedles) {
     synthetic::add_kernel(object, {0.05 * i - 0.2, 0.0, -0.01 * i}, turn, {5.0, 1e-4, 1e-4}, 0.7,
                           {0.1 * i, 1.0 - 0.1 * i, 0.5});
   }
-  const Camera camera =
-      look_at({0, 0, 1.5}, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY(), 0.8, 97, 75);
+  const Camera camera = look_at({0, 0, 1.5}, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY(), 0.8, 97, 75);
   expect_equal_to_reference(object, camera);
 }
 

@@ -92,9 +92,9 @@ TEST(Rasterise, TwoLayersComposeFrontToBack) {
   EXPECT_FLOAT_EQ(view.depth_m[48 * 128 + 64], 2.0f);
 }
 
-// Two balls side by side at two depths. The covariance of one of deviation s at (x, y, -z) is, by the Jacobian of the projection
-// at its middle, (f s / z)² [1 + u², u v; u v, 1 + v²] with u = x / z, v = y / z (Zwicker et al. 2002, EWA splatting), and the
-// low-pass on its diagonal.
+// Two balls side by side at two depths. The covariance of one of deviation s at (x, y, -z) is, by the
+// Jacobian of the projection at its middle, (f s / z)² [1 + u², u v; u v, 1 + v²] with u = x / z, v = y / z
+// (Zwicker et al. 2002, EWA splatting), and the low-pass on its diagonal.
 TEST(Rasterise, TwoOverlappingKernelsAreTheClosedFormAwayFromTheirMiddles) {
   struct Ball {
     Eigen::Vector3d at_m;
@@ -102,7 +102,8 @@ TEST(Rasterise, TwoOverlappingKernelsAreTheClosedFormAwayFromTheirMiddles) {
     Eigen::Vector3d rgb;
 
     double alpha(double x_px, double y_px) const {
-      const double depth_m = -at_m.z(), u = at_m.x() / depth_m, v = -at_m.y() / depth_m;  // rows run downwards
+      const double depth_m = -at_m.z(), u = at_m.x() / depth_m,
+                   v = -at_m.y() / depth_m;  // rows run downwards
       Eigen::Matrix2d covariance_px2;
       covariance_px2 << 1 + u * u, u * v, u * v, 1 + v * v;
       covariance_px2 *= std::pow(kFocal_px * deviation_m / depth_m, 2);
@@ -111,15 +112,27 @@ TEST(Rasterise, TwoOverlappingKernelsAreTheClosedFormAwayFromTheirMiddles) {
       return opacity * std::exp(-0.5 * apart.dot(covariance_px2.inverse() * apart));
     }
   };
-  const Ball front{{0.02, 0.015, -1}, 0.012, 0.6, {0.8, 0.1, 0.3}}, back{{-0.01, -0.01, -1.5}, 0.03, 0.9, {0.2, 0.9, 0.4}};
+  const Ball front{{0.02, 0.015, -1}, 0.012, 0.6, {0.8, 0.1, 0.3}},
+      back{{-0.01, -0.01, -1.5}, 0.03, 0.9, {0.2, 0.9, 0.4}};
   Object object;
-  for (const Ball& ball : {back, front}) synthetic::add_ball(object, ball.at_m, ball.deviation_m, ball.opacity, ball.rgb);
+  for (const Ball& ball : {back, front})
+    synthetic::add_ball(object, ball.at_m, ball.deviation_m, ball.opacity, ball.rgb);
   RasteriseOptions options;
   options.background = {0.5f, 0.25f, 1.0f};
   const Eigen::Vector3d behind(0.5, 0.25, 1.0);
   const RasterisedView view = draw(object, straight_ahead(), options);
-  for (const auto& [x, y] : {std::pair{64, 48}, {70, 45}, {60, 50}, {66, 40}, {75, 36}, {58, 42}, {72, 52}, {80, 44}, {66, 50}, {68, 48},
-                             {77, 30}, {63, 37}}) {
+  for (const auto& [x, y] : {std::pair{64, 48},
+                             {70, 45},
+                             {60, 50},
+                             {66, 40},
+                             {75, 36},
+                             {58, 42},
+                             {72, 52},
+                             {80, 44},
+                             {66, 50},
+                             {68, 48},
+                             {77, 30},
+                             {63, 37}}) {
     const double a = front.alpha(x, y), b = back.alpha(x, y);
     ASSERT_GT(std::min(a, b), 1.0 / 255) << x << " " << y;  // both add to it
     const Eigen::Vector3d expected = a * front.rgb + (1 - a) * b * back.rgb + (1 - a) * (1 - b) * behind;

@@ -13,8 +13,9 @@ namespace livegs::synthetic {
 
 inline constexpr int kBandCoefficients = 15;  // of degrees 1 to 3, in the order of GaussianAsset::sh_rest
 
-// The real spherical harmonic of degree l and order m, with the Condon-Shortley phase (Abramowitz and Stegun 8.5.3, 8.6.6):
-// sqrt 2 N P_l^|m|(cos theta) times sin or cos of |m| phi, theta from +z, phi from +x to +y.
+// The real spherical harmonic of degree l and order m, with the Condon-Shortley phase (Abramowitz and
+// Stegun 8.5.3, 8.6.6): sqrt 2 N P_l^|m|(cos theta) times sin or cos of |m| phi, theta from +z, phi from +x
+// to +y.
 inline double real_harmonic(int l, int m, const Eigen::Vector3d& direction) {
   const int order = std::abs(m);
   const double z = direction.normalized().z(), across = std::sqrt(std::max(0.0, 1 - z * z));
@@ -53,15 +54,18 @@ inline GaussianAsset one_harmonic(int k, const Eigen::Vector3d& position_m = Eig
   return object.asset;
 }
 
-// What its middle shows over black, seen along `direction` (world) by an asset that is turned by `world_from_asset`.
-inline Eigen::Vector3d one_harmonic_shows(int k, const Eigen::Quaterniond& world_from_asset, const Eigen::Vector3d& direction) {
+// What its middle shows over black, seen along `direction` (world) by an asset that is turned by
+// `world_from_asset`.
+inline Eigen::Vector3d one_harmonic_shows(int k, const Eigen::Quaterniond& world_from_asset,
+                                          const Eigen::Vector3d& direction) {
   const double y = real_harmonic(k, world_from_asset.conjugate() * direction.normalized());
   return kBandOpacity * (0.5 + kBandValues.array() * y).max(0.0);
 }
 
 // An eye 2 m from a point, on which the middle pixel, (16, 12), looks.
 inline Camera eye_towards(const Eigen::Vector3d& point_m, const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d up = std::abs(direction.normalized().y()) < 0.9 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d up =
+      std::abs(direction.normalized().y()) < 0.9 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
   return look_at(point_m - 2 * direction.normalized(), point_m, up, 0.8, 33, 25);
 }
 

@@ -8,7 +8,8 @@
 namespace livegs {
 namespace {
 
-// Small numbers, such as have 24 zeros and more before their first bit, and such as fill all 32 bits, by turns.
+// Small numbers, such as have 24 zeros and more before their first bit, and such as fill all 32 bits, by
+// turns.
 uint32_t number(std::mt19937& random, int k) {
   const uint32_t all = static_cast<uint32_t>(random());
   switch (random() % 8) {

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "analysis/estimate.h"
-#include "analysis/knowledge/tables.h"
 #include "analysis/estimate/object_classes.h"
+#include "analysis/knowledge/tables.h"
 #include "geometry/surface/shape_mesh.h"
 
 namespace livegs {
@@ -88,7 +88,8 @@ ObjectFacts facts_of_cup(const char* name) {
   return facts;
 }
 
-// Looks break ties: without a name, what is green is more likely a plant, what is clear glass, what is brown wood.
+// Looks break ties: without a name, what is green is more likely a plant, what is clear glass, what is brown
+// wood.
 TEST(KindLikelihood, LooksMakeKindsOfTheirMaterialsLikelier) {
   struct Look {
     const char* name;

@@ -9,9 +9,10 @@
 namespace livegs {
 namespace {
 
-// Mass of the 26 objects of shared/data/ycb, from their kernels alone; tests/bench/mass_harness writes all figures with
-// their intervals. Of 26 objects a mean is known to about a third. With a name MAPE should be at most 0.25. MnRE should be
-// at least 0.60, and coverage 0.85 (it is 0.96 to 1: server/analysis/README.md). Figures that miss are in known_gaps.csv.
+// Mass of the 26 objects of shared/data/ycb, from their kernels alone; tests/bench/mass_harness writes all
+// figures with their intervals. Of 26 objects a mean is known to about a third. With a name MAPE should be at
+// most 0.25. MnRE should be at least 0.60, and coverage 0.85 (it is 0.96 to 1: server/analysis/README.md).
+// Figures that miss are in known_gaps.csv.
 struct Bar {
   NameGiven name;
   bool metric;
@@ -42,16 +43,17 @@ TEST_P(KnownMass, IsEstimatedWithinItsBar) {
   report_gap(std::string("known_mass.width.") + bar.id, scores.width.value / scores.width_needed.value);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Figures, KnownMass,
-    testing::Values(Bar{NameGiven::Label, true, "label", true}, Bar{NameGiven::FileName, true, "file_name", false},
-                    Bar{NameGiven::Noun, true, "noun", false}, Bar{NameGiven::None, true, "none", false},
-                    Bar{NameGiven::Label, false, "guessed_scale", false}),
-    [](const auto& given) {
-      std::string name = kNameGiven[static_cast<int>(given.param.name)];
-      name.erase(std::remove(name.begin(), name.end(), ' '), name.end());
-      return name + (given.param.metric ? "Metric" : "GuessedScale");
-    });
+INSTANTIATE_TEST_SUITE_P(Figures, KnownMass,
+                         testing::Values(Bar{NameGiven::Label, true, "label", true},
+                                         Bar{NameGiven::FileName, true, "file_name", false},
+                                         Bar{NameGiven::Noun, true, "noun", false},
+                                         Bar{NameGiven::None, true, "none", false},
+                                         Bar{NameGiven::Label, false, "guessed_scale", false}),
+                         [](const auto& given) {
+                           std::string name = kNameGiven[static_cast<int>(given.param.name)];
+                           name.erase(std::remove(name.begin(), name.end(), ' '), name.end());
+                           return name + (given.param.metric ? "Metric" : "GuessedScale");
+                         });
 
 }  // namespace
 }  // namespace livegs

@@ -10,8 +10,8 @@
 #include "analysis/knowledge/name_match.h"
 #include "gaussian/asset_file.h"
 #include "geometry/mesh/mesh_io.h"
-#include "geometry/reconstruct_surface.h"
 #include "geometry/mesh/weld_vertices.h"
+#include "geometry/reconstruct_surface.h"
 
 namespace livegs {
 namespace {

@@ -17,9 +17,9 @@ struct KnownObject {
   std::string label;  // as a person who holds it would put it: "metal mug"
   std::string noun;   // as one who only sees it would: "mug"
   double mass_kg = 0;
-  bool elastic = false;        // as a judgement; not measured
+  bool elastic = false;         // as a judgement; not measured
   std::filesystem::path asset;  // its splats
-  ObjectFacts facts;  // metric, without a name
+  ObjectFacts facts;            // metric, without a name
 };
 
 enum class KnownForm {

@@ -46,7 +46,8 @@ double width_needed(const Sample& sample) {
   std::vector<double> used;  // how far into its range, in parts of it, the truth stands
   for (const MassAnswer* a : sample) {
     const double end_kg = a->true_kg < a->best_kg ? a->low_kg : a->high_kg;
-    used.push_back(std::abs(std::log(a->true_kg / a->best_kg)) / std::max(1e-9, std::abs(std::log(end_kg / a->best_kg))));
+    used.push_back(std::abs(std::log(a->true_kg / a->best_kg)) /
+                   std::max(1e-9, std::abs(std::log(end_kg / a->best_kg))));
   }
   std::sort(used.begin(), used.end());
   const auto at = static_cast<size_t>(std::ceil(0.95 * static_cast<double>(used.size()))) - 1;

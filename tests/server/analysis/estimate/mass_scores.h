@@ -32,7 +32,8 @@ struct MassScores {
   Figure within_2x;  // share with t / 2 <= p <= 2 t
   Figure coverage;   // share with low <= t <= high
   Figure width;      // median of high / low
-  // `width`, if every range were drawn together (or out) around its best, in the logarithm, until it holds 95 % just so.
+  // `width`, if every range were drawn together (or out) around its best, in the logarithm, until it holds 95
+  // % just so.
   Figure width_needed;
 };
 

@@ -19,26 +19,46 @@ inline ObjectFacts facts_of(const char* name, const MeshFacts& mesh) {
 
 // A stoneware mug of 80 x 95 x 80 mm, captured with both of its walls: 120 cm3 of material.
 inline ObjectFacts mug_facts() {
-  return facts_of("mug", {.size_m = {0.08, 0.095, 0.08}, .principal_size_m = {0.095, 0.08, 0.08}, .volume_m3 = 1.2e-4,
-                          .area_m2 = 0.055, .mean_wall_m = 4.4e-3, .hull_volume_m3 = 4.7e-4, .solidity = 0.25, .openness = 0.6});
+  return facts_of("mug", {.size_m = {0.08, 0.095, 0.08},
+                          .principal_size_m = {0.095, 0.08, 0.08},
+                          .volume_m3 = 1.2e-4,
+                          .area_m2 = 0.055,
+                          .mean_wall_m = 4.4e-3,
+                          .hull_volume_m3 = 4.7e-4,
+                          .solidity = 0.25,
+                          .openness = 0.6});
 }
 
 // A throw pillow of 40 x 12 x 40 cm.
 inline ObjectFacts pillow_facts() {
-  return facts_of("pillow", {.size_m = {0.4, 0.12, 0.4}, .principal_size_m = {0.4, 0.4, 0.12}, .volume_m3 = 0.011,
-                             .area_m2 = 0.4, .mean_wall_m = 0.055, .hull_volume_m3 = 0.0115, .solidity = 0.95});
+  return facts_of("pillow", {.size_m = {0.4, 0.12, 0.4},
+                             .principal_size_m = {0.4, 0.4, 0.12},
+                             .volume_m3 = 0.011,
+                             .area_m2 = 0.4,
+                             .mean_wall_m = 0.055,
+                             .hull_volume_m3 = 0.0115,
+                             .solidity = 0.95});
 }
 
 // A kitchen sponge of 11 x 3 x 7 cm.
 inline ObjectFacts sponge_facts() {
-  return facts_of("sponge", {.size_m = {0.11, 0.03, 0.07}, .principal_size_m = {0.11, 0.07, 0.03}, .volume_m3 = 2e-4,
-                             .area_m2 = 0.026, .mean_wall_m = 0.03, .hull_volume_m3 = 2.2e-4, .solidity = 0.91});
+  return facts_of("sponge", {.size_m = {0.11, 0.03, 0.07},
+                             .principal_size_m = {0.11, 0.07, 0.03},
+                             .volume_m3 = 2e-4,
+                             .area_m2 = 0.026,
+                             .mean_wall_m = 0.03,
+                             .hull_volume_m3 = 2.2e-4,
+                             .solidity = 0.91});
 }
 
 // A tennis ball, named by its file.
 inline ObjectFacts tennis_ball_facts() {
-  return facts_of("056_tennis_ball", {.size_m = {0.066, 0.066, 0.066}, .principal_size_m = {0.066, 0.066, 0.066},
-                                      .volume_m3 = 1.5e-4, .area_m2 = 0.0137, .mean_wall_m = 0.06, .hull_volume_m3 = 1.5e-4,
+  return facts_of("056_tennis_ball", {.size_m = {0.066, 0.066, 0.066},
+                                      .principal_size_m = {0.066, 0.066, 0.066},
+                                      .volume_m3 = 1.5e-4,
+                                      .area_m2 = 0.0137,
+                                      .mean_wall_m = 0.06,
+                                      .hull_volume_m3 = 1.5e-4,
                                       .solidity = 1});
 }
 

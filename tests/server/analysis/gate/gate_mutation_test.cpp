@@ -90,9 +90,12 @@ TEST(GateMutations, NoneCrashesLeavesTheRangesOrChangesALockedValue) {
     if (judgement.verdict == Verdict::Accepted && !one.facts.name.empty()) {
       ASSERT_EQ(judgement.parameters.behavior(), one.before.behavior());
     }
-    if (const EstimatedValue& was = one.before.mass_kg(); judgement.verdict == Verdict::Accepted && was.best() > 0) {
+    if (const EstimatedValue& was = one.before.mass_kg();
+        judgement.verdict == Verdict::Accepted && was.best() > 0) {
       const double kg = judgement.parameters.mass_kg().best();
-      ASSERT_TRUE(std::abs(std::log(kg / was.best())) <= std::log(8.0) || (kg >= was.low() && kg <= was.high())) << kg << " for " << was.best();
+      ASSERT_TRUE(std::abs(std::log(kg / was.best())) <= std::log(8.0) ||
+                  (kg >= was.low() && kg <= was.high()))
+          << kg << " for " << was.best();
     }
     if (judgement.verdict != Verdict::Accepted) {
       ASSERT_EQ(judgement.parameters.SerializeAsString(), one.before.SerializeAsString());
@@ -112,8 +115,8 @@ TEST(GateMutations, NoneCrashesLeavesTheRangesOrChangesALockedValue) {
               verdicts[2]);
 }
 
-// Whatever it says of their stuff, a mug that goes through stays hard and a sponge, a pillow or a tennis ball soft, with E*
-// within eight times or the range of what such things have. Scales are guessed in half of them.
+// Whatever it says of their stuff, a mug that goes through stays hard and a sponge, a pillow or a tennis ball
+// soft, with E* within eight times or the range of what such things have. Scales are guessed in half of them.
 TEST(GateMutations, NoneChangesWhatANameSays) {
   std::mt19937_64 random(7);
   const auto below = [&](size_t count) { return static_cast<size_t>(random() % count); };
@@ -135,19 +138,24 @@ TEST(GateMutations, NoneChangesWhatANameSays) {
       for (size_t part = 0, count = 1 + below(3); part < count; ++part) {
         const double share = part + 1 == count ? left : left * unit();
         left -= share;
-        answer["parts"].push_back({{"name", "part"}, {"material_id", materials[below(materials.size())].name}, {"share", share}});
+        answer["parts"].push_back(
+            {{"name", "part"}, {"material_id", materials[below(materials.size())].name}, {"share", share}});
       }
     }
     if (change()) answer["behaviour"] = below(2) ? "rigid" : "elastic";
     if (change()) answer["fragile"] = below(2) == 0;
-    if (change() || facts.name == "056_tennis_ball") answer["mass_g"] = 1e3 * offline.mass_kg().best() * std::exp(4 * (unit() - 0.5));
-    if (below(2)) answer["young_mpa"] = nullptr;
+    if (change() || facts.name == "056_tennis_ball")
+      answer["mass_g"] = 1e3 * offline.mass_kg().best() * std::exp(4 * (unit() - 0.5));
+    if (below(2))
+      answer["young_mpa"] = nullptr;
     else if (change()) {
       const double e = materials[below(materials.size())].youngs_modulus_pa.best * 1e-6;
       answer["young_mpa"] = {{"low", e / 2}, {"best", e}, {"high", e * 1.1}};
     }
-    if (change()) answer["structure_s"] = nullptr;
-    else if (change()) answer["structure_s"] = std::max(1e-3, std::exp(-7 * unit()));
+    if (change())
+      answer["structure_s"] = nullptr;
+    else if (change())
+      answer["structure_s"] = std::max(1e-3, std::exp(-7 * unit()));
     const Judgement judgement = judge_answer(answer.dump(), facts, offline);
     accepted += judgement.verdict == Verdict::Accepted;
     review += judgement.verdict == Verdict::NeedsReview;

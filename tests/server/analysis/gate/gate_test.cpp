@@ -84,8 +84,9 @@ TEST(Gate, ThePartsAreTheAnswersOwn) {
   answer["fragile"] = false;
   answer["fill"] = "shell";
   answer["young_mpa"] = nullptr;
-  answer["parts"] = {{{"name", "handle"}, {"material_id", "ABS"}, {"share", 0.4}, {"thickness_mm", 2}},
-                     {{"name", "head"}, {"material_id", "polypropylene"}, {"share", 0.6}, {"thickness_mm", 2}}};
+  answer["parts"] = {
+      {{"name", "handle"}, {"material_id", "ABS"}, {"share", 0.4}, {"thickness_mm", 2}},
+      {{"name", "head"}, {"material_id", "polypropylene"}, {"share", 0.6}, {"thickness_mm", 2}}};
   answer["mass_g"] = {{"low", 150}, {"best", 230}, {"high", 330}};
   const Judgement two = judge_answer(answer.dump(), facts, before);
   ASSERT_NE(two.verdict, Verdict::Refused) << two.message;
@@ -115,8 +116,9 @@ TEST(Gate, WhatElseTheModelSaysIsRemarkedOn) {
   const Judgement odd = judge(toy, guessed);
   ASSERT_NE(odd.verdict, Verdict::Refused) << odd.message;
   EXPECT_EQ(odd.remarks[0], "it took the object for \"coffee mug\", a toy or a fake of one");
-  EXPECT_EQ(odd.remarks[1], "it took it to be 0.9 m long; it stands 0.095 m long, which is a guess: if the model is right, "
-                            "give the object a scale");
+  EXPECT_EQ(odd.remarks[1],
+            "it took it to be 0.9 m long; it stands 0.095 m long, which is a guess: if the model is right, "
+            "give the object a scale");
   EXPECT_EQ(odd.remarks[2], "it went by object:mug");
   EXPECT_TRUE(mentions(odd.changes, "kb_ids: 2 of no row"));
   EXPECT_TRUE(mentions(odd.changes, "name_confidence: is no number from 0 to 1"));
@@ -245,7 +247,8 @@ TEST(Gate, EveryWordForPlasticityIsTheTables) {
     if (!level.level.empty()) {
       EXPECT_TRUE(levels.insert(level.level).second) << level.level;
     }
-    for (const std::string& reference : level.references) EXPECT_EQ(plasticity_of(reference), level.plasticity) << reference;
+    for (const std::string& reference : level.references)
+      EXPECT_EQ(plasticity_of(reference), level.plasticity) << reference;
   }
   EXPECT_EQ(offered, levels);
 
@@ -321,13 +324,14 @@ TEST(Gate, MaterialBehaviourAndFragilityMustAgree) {
 }
 
 TEST(Gate, WhatTouchesStaysWithinReachOfTheMaterial) {
-  const Judgement judgement = judge(with_fields(sponge_answer(), {{"friction", 2}, {"restitution", 1}, {"plasticity", 1}}),
-                                    sponge_facts());
+  const Judgement judgement = judge(
+      with_fields(sponge_answer(), {{"friction", 2}, {"restitution", 1}, {"plasticity", 1}}), sponge_facts());
   ASSERT_EQ(judgement.verdict, Verdict::Accepted) << judgement.message;
   EXPECT_DOUBLE_EQ(judgement.parameters.friction().best(), 1.4);
   EXPECT_DOUBLE_EQ(judgement.parameters.restitution().best(), 0.5);
   EXPECT_DOUBLE_EQ(judgement.parameters.plasticity().best(), 0.6);
-  for (const char* field : {"friction: 2 was brought", "restitution: 1 was brought", "plasticity: 1 was brought"})
+  for (const char* field :
+       {"friction: 2 was brought", "restitution: 1 was brought", "plasticity: 1 was brought"})
     EXPECT_TRUE(mentions(judgement.changes, field)) << field;
 }
 

@@ -6,8 +6,8 @@
 
 #include <cstdio>
 
-#include "server/analysis/gate/judge_answer.h"
 #include "server/analysis/estimate/known_objects.h"
+#include "server/analysis/gate/judge_answer.h"
 #include "server/analysis/knowledge/table_things.h"
 
 namespace livegs {
@@ -21,7 +21,8 @@ Answer answer_of(const ObjectRow& row, double mass_kg, double wall_mm, bool by_p
   if (by_parts && !row.parts.empty()) {
     answer["parts"] = json::array();
     for (const ObjectPart& part : row.parts)
-      answer["parts"].push_back({{"name", part.name}, {"material_id", part.material}, {"share", part.mass_share}});
+      answer["parts"].push_back(
+          {{"name", part.name}, {"material_id", part.material}, {"share", part.mass_share}});
   }
   if (wall_mm > 0) answer["parts"][0]["thickness_mm"] = wall_mm;
   auto read = read_answer(answer.dump());
@@ -29,8 +30,8 @@ Answer answer_of(const ObjectRow& row, double mass_kg, double wall_mm, bool by_p
   return read ? *read : Answer();
 }
 
-// The surfaces that may be captured of a usual thing of the row: its box's area, an ellipsoid's, and the box's inside and out;
-// as compact as the check asks for and more.
+// The surfaces that may be captured of a usual thing of the row: its box's area, an ellipsoid's, and the
+// box's inside and out; as compact as the check asks for and more.
 std::vector<ObjectFacts> captures_of(const ObjectRow& row) {
   std::vector<ObjectFacts> captures;
   const ObjectFacts plain = facts_of_row(row, row.label);
@@ -63,7 +64,8 @@ TEST(MassBounds, EveryRowOfTheTableGoesThrough) {
         for (const double wall_m : {0.0, row.wall_m.best}) {
           for (const bool by_parts : {false, true}) {
             const Answer answer = answer_of(row, mass_kg, 1e3 * wall_m, by_parts);
-            EXPECT_EQ(mass_at_odds(answer, facts), "") << row.label << " solidity " << facts.mesh.solidity << " area " << facts.mesh.area_m2;
+            EXPECT_EQ(mass_at_odds(answer, facts), "")
+                << row.label << " solidity " << facts.mesh.solidity << " area " << facts.mesh.area_m2;
             EXPECT_LE(min_mass_kg(answer, facts), mass_kg) << row.label;
             ++asked;
           }
@@ -75,8 +77,8 @@ TEST(MassBounds, EveryRowOfTheTableGoesThrough) {
   EXPECT_GT(asked, 20'000);
 }
 
-// Whole gate, by name: a mass that is 100 or 1000 times off is never installed; where the material confirms kilograms for
-// grams it is mended.
+// Whole gate, by name: a mass that is 100 or 1000 times off is never installed; where the material confirms
+// kilograms for grams it is mended.
 TEST(MassBounds, SlipsOfUnitsAreCaughtByTheGate) {
   int mended = 0, asked = 0;
   for (const ObjectRow& row : object_table()) {
@@ -106,19 +108,23 @@ TEST(MassBounds, SlipsOfUnitsAreCaughtByTheGate) {
   EXPECT_GT(asked, 1500);
 }
 
-// By stuff and room alone, where nothing is known of the object: of solids and of walls whose thickness is told.
+// By stuff and room alone, where nothing is known of the object: of solids and of walls whose thickness is
+// told.
 TEST(MassBounds, MostSlipsOfUnitsAreCaughtWithoutAName) {
-  for (const auto& [slip, least_solid, least_wall] : {std::tuple(1e-3, 1.0, 1.0), {1e-2, 0.8, 0.95}, {1e2, 0.8, 0.5}, {1e3, 1.0, 0.99}}) {
+  for (const auto& [slip, least_solid, least_wall] :
+       {std::tuple(1e-3, 1.0, 1.0), {1e-2, 0.8, 0.95}, {1e2, 0.8, 0.5}, {1e3, 1.0, 0.99}}) {
     Count solid, wall;
     for (const ObjectRow& row : object_table()) {
       const bool walled = row.fill == v1::Physics::SHELL || row.fill == v1::Physics::OPEN_SHELL;
       if (row.fill == v1::Physics::FILLED || (walled && !(row.wall_m.best > 0))) continue;
       const std::string material_class = material_row(row.material).material_class;
       bool airy = row.material == "wicker";
-      for (const char* name : {"textile", "stuffed", "paper", "plant", "assembly"}) airy = airy || material_class == name;
+      for (const char* name : {"textile", "stuffed", "paper", "plant", "assembly"})
+        airy = airy || material_class == name;
       const ObjectFacts facts = facts_of_row(row, "");
       const bool thin = facts.mesh.mean_wall_m < 1.5 * 0.03 * facts.mesh.box_m.norm();
-      if (slip < 1 && (airy || (!walled && (thin || facts.mesh.solidity < 0.7)))) continue;  // nothing is said of them
+      if (slip < 1 && (airy || (!walled && (thin || facts.mesh.solidity < 0.7))))
+        continue;  // nothing is said of them
       const double told_kg = slip * row.mass_kg;
       Count& count = walled ? wall : solid;
       ++count.all;
@@ -129,14 +135,15 @@ TEST(MassBounds, MostSlipsOfUnitsAreCaughtWithoutAName) {
       const Answer answer = answer_of(row, told_kg, 1e3 * row.wall_m.best, false);
       if (!mass_at_odds(answer, facts).empty() || told_kg < min_mass_kg(answer, facts)) ++count.caught;
     }
-    std::printf("x%g: %d of %d solids, %d of %d walls\n", slip, solid.caught, solid.all, wall.caught, wall.all);
+    std::printf("x%g: %d of %d solids, %d of %d walls\n", slip, solid.caught, solid.all, wall.caught,
+                wall.all);
     EXPECT_GE(solid.caught, least_solid * solid.all);
     EXPECT_GE(wall.caught, least_wall * wall.all);
   }
 }
 
-// True masses of the 26 objects, by four names, of one material and of the name's parts, with and without a told wall, at a
-// true scale and a guessed one.
+// True masses of the 26 objects, by four names, of one material and of the name's parts, with and without a
+// told wall, at a true scale and a guessed one.
 TEST(MassBounds, NoTrueMassOfAKnownObjectIsHeldBack) {
   const auto& objects = known_objects(KnownForm::Splats);
   if (objects.empty()) GTEST_SKIP() << "shared data is not here";
@@ -152,12 +159,15 @@ TEST(MassBounds, NoTrueMassOfAKnownObjectIsHeldBack) {
         if (offline.parts_size() > 1) {
           forms.push_back(json::array());
           for (const v1::MaterialPart& part : offline.parts())
-            forms.back().push_back({{"name", part.name()}, {"material_id", part.material()}, {"share", part.mass_share()}});
+            forms.back().push_back(
+                {{"name", part.name()}, {"material_id", part.material()}, {"share", part.mass_share()}});
         }
         for (json parts : forms) {
           for (const double wall_m : {0.0, offline.wall_thickness_m().best()}) {
             if (wall_m > 0) parts[0]["thickness_mm"] = 1e3 * wall_m;
-            json answer = with_fields(mug_answer(), {{"fill", fill_word(offline.fill())}, {"parts", parts}, {"mass_g", 1e3 * object.mass_kg}});
+            json answer = with_fields(
+                mug_answer(),
+                {{"fill", fill_word(offline.fill())}, {"parts", parts}, {"mass_g", 1e3 * object.mass_kg}});
             const auto read = read_answer(answer.dump());
             ASSERT_TRUE(read) << read.error().message;
             const std::string odds = mass_at_odds(*read, facts);
@@ -175,8 +185,8 @@ TEST(MassBounds, NoTrueMassOfAKnownObjectIsHeldBack) {
   EXPECT_GT(asked, 200);
 }
 
-// Real things that weigh next to nothing, and one that weighs much, through the whole gate. Masses are those of such things
-// in any household; a 30 cm balloon of 3 g holds 9 l of air, which is not its own mass.
+// Real things that weigh next to nothing, and one that weighs much, through the whole gate. Masses are those
+// of such things in any household; a 30 cm balloon of 3 g holds 9 l of air, which is not its own mass.
 struct Thing {
   const char* name;
   Eigen::Vector3d size_m;
@@ -191,9 +201,33 @@ TEST(MassBounds, FeathersBalloonsPaperAndFoilAreNotRefused) {
   const double ball = EIGEN_PI / 6;
   const Thing things[] = {
       {"balloon", {0.27, 0.3, 0.27}, ball * 0.27 * 0.27 * 0.3, 0.245, "shell", "natural rubber", 0, 3, true},
-      {"balloon", {0.27, 0.3, 0.27}, ball * 0.27 * 0.27 * 0.3, 0.245, "shell", "natural rubber", 0.02, 3, true},
-      {"balloon", {0.27, 0.3, 0.27}, ball * 0.27 * 0.27 * 0.3, 0.245, "shell", "natural rubber", 0.25, 3, true},  // as it was
-      {"balloon", {0.23, 0.25, 0.23}, ball * 0.23 * 0.23 * 0.25, 0.175, "shell", "natural rubber", 0, 2, true},
+      {"balloon",
+       {0.27, 0.3, 0.27},
+       ball * 0.27 * 0.27 * 0.3,
+       0.245,
+       "shell",
+       "natural rubber",
+       0.02,
+       3,
+       true},
+      {"balloon",
+       {0.27, 0.3, 0.27},
+       ball * 0.27 * 0.27 * 0.3,
+       0.245,
+       "shell",
+       "natural rubber",
+       0.25,
+       3,
+       true},  // as it was
+      {"balloon",
+       {0.23, 0.25, 0.23},
+       ball * 0.23 * 0.23 * 0.25,
+       0.175,
+       "shell",
+       "natural rubber",
+       0,
+       2,
+       true},
       {"giant balloon", {0.9, 0.9, 0.9}, ball * 0.729, 2.54, "shell", "natural rubber", 0, 30, true},
       {"foil balloon", {0.45, 0.45, 0.2}, 0.02, 0.4, "shell", "PET", 0.02, 9, true},
       {"feather", {0.12, 0.01, 0.02}, 8e-6, 3e-3, "solid", "down", 0, 0.05, true},
@@ -203,7 +237,8 @@ TEST(MassBounds, FeathersBalloonsPaperAndFoilAreNotRefused) {
       {"aluminium foil", {0.3, 0.012, 0.3}, 1e-3, 0.19, "solid", "aluminium", 0.016, 3.9, true},
       {"ball of foil", {0.045, 0.045, 0.045}, 4.8e-5, 6.4e-3, "solid", "aluminium", 0, 3.9, false},
       {"thread", {1, 0.06, 0.06}, 2.5e-3, 0.18, "solid", "cotton fabric", 0, 0.03, true},
-      {"fishing rod", {1.15, 1.15, 1.15}, 4e-4, 0.05, "solid", "carbon fibre", 0, 150, false},  // across its box
+      {"fishing rod", {1.15, 1.15, 1.15}, 4e-4, 0.05, "solid", "carbon fibre", 0, 150, false},  // across its
+                                                                                                // box
       {"tent", {2.1, 1.1, 1.5}, 1.8, 9, "shell", "nylon", 0, 1900, true},
       {"glider of balsa", {0.9, 0.12, 0.7}, 2e-3, 0.5, "solid", "balsa", 0, 55, false},
       {"christmas ball", {0.08, 0.08, 0.08}, 2.6e-4, 0.02, "shell", "soda-lime glass", 0.6, 25, false},
@@ -222,10 +257,15 @@ TEST(MassBounds, FeathersBalloonsPaperAndFoilAreNotRefused) {
     facts.mesh.area_m2 = thing.area_m2;
     facts.mesh.mean_wall_m = 2 * thing.volume_m3 / thing.area_m2;
     facts.mesh.piece_count = 1;
-    json answer = with_fields(mug_answer(), {{"name", thing.name}, {"fill", thing.fill}, {"parts", all_of(thing.material)},
-                                             {"behaviour", thing.elastic ? "elastic" : "rigid"}, {"mass_g", thing.mass_g},
-                                             {"young_mpa", nullptr}, {"structure_s", thing.elastic ? json(0.001) : json()},
-                                             {"plasticity", nullptr}, {"fragile", false}});
+    json answer = with_fields(mug_answer(), {{"name", thing.name},
+                                             {"fill", thing.fill},
+                                             {"parts", all_of(thing.material)},
+                                             {"behaviour", thing.elastic ? "elastic" : "rigid"},
+                                             {"mass_g", thing.mass_g},
+                                             {"young_mpa", nullptr},
+                                             {"structure_s", thing.elastic ? json(0.001) : json()},
+                                             {"plasticity", nullptr},
+                                             {"fragile", false}});
     if (thing.wall_mm > 0) answer["parts"][0]["thickness_mm"] = thing.wall_mm;
     const Judgement judgement = judge_answer(answer.dump(), facts, estimate_offline(facts));
     EXPECT_NE(judgement.verdict, Verdict::Refused) << thing.name << ": " << judgement.message;

@@ -16,7 +16,8 @@ namespace {
 using nlohmann::json;
 
 TEST(GatePrior, WhatIsFarFromThePriorIsKeptAsAProposal) {
-  const Judgement judgement = judge(with_fields(mug_answer(), {{"mass_g", {{"low", 2500}, {"best", 3500}, {"high", 5000}}}}));
+  const Judgement judgement =
+      judge(with_fields(mug_answer(), {{"mass_g", {{"low", 2500}, {"best", 3500}, {"high", 5000}}}}));
   EXPECT_EQ(judgement.verdict, Verdict::NeedsReview);
   EXPECT_NE(judgement.message.find("mass_g"), std::string::npos);
   EXPECT_TRUE(same(judgement.parameters, estimate_offline(mug_facts())));
@@ -26,36 +27,42 @@ TEST(GatePrior, WhatIsFarFromThePriorIsKeptAsAProposal) {
 // A null hides nothing: what is judged is what would be installed in its place.
 TEST(GatePrior, WhatIsOfAnotherStuffOrBehaviourThanTheNameSaysIsKeptAsAProposal) {
   const json no_e = {{"young_mpa", nullptr}, {"structure_s", nullptr}, {"plasticity", nullptr}};
-  const json soft_mug = with_fields(mug_answer(), {{"young_mpa", nullptr}, {"behaviour", "elastic"}, {"fragile", false}});
+  const json soft_mug =
+      with_fields(mug_answer(), {{"young_mpa", nullptr}, {"behaviour", "elastic"}, {"fragile", false}});
   const json foam_e = {{"low", 0.02}, {"best", 0.05}, {"high", 0.1}};
   ObjectFacts guessed_mug = mug_facts();
   guessed_mug.name = "025_mug";
   guessed_mug.scale_known = false;
   ASSERT_LT(estimate_offline(guessed_mug).confidence(), 0.4);
   json mixed = with_fields(mug_answer(), no_e);
-  mixed["parts"] = {{{"name", "glaze"}, {"material_id", "stoneware"}, {"share", 0.01}, {"thickness_mm", 4}},
-                    {{"name", "body"}, {"material_id", "PU cushion foam"}, {"share", 0.99}, {"thickness_mm", nullptr}}};
+  mixed["parts"] = {
+      {{"name", "glaze"}, {"material_id", "stoneware"}, {"share", 0.01}, {"thickness_mm", 4}},
+      {{"name", "body"}, {"material_id", "PU cushion foam"}, {"share", 0.99}, {"thickness_mm", nullptr}}};
   ObjectFacts unnamed = mug_facts();
   unnamed.name = "";
   json light = mixed;
   light["mass_g"] = {{"low", 8}, {"best", 10}, {"high", 14}};
   const std::tuple<const char*, ObjectFacts, json, const char*> cases[] = {
-      {"mug of foam", mug_facts(), with_fields(soft_mug, {{"parts", all_of("polyurethane foam")}, {"structure_s", nullptr}}),
-       "mass_g"},
+      {"mug of foam", mug_facts(),
+       with_fields(soft_mug, {{"parts", all_of("polyurethane foam")}, {"structure_s", nullptr}}), "mass_g"},
       {"mug of foam, heavy, E told", mug_facts(),
        with_fields(soft_mug, {{"parts", all_of("polyurethane foam")}, {"young_mpa", foam_e}}), "mass_g"},
       {"soft stoneware", mug_facts(), with_fields(soft_mug, {{"structure_s", 0.001}}), "behaviour"},
       {"a crumb of stoneware", mug_facts(), mixed, "mass_g"},
       {"a crumb of stoneware, unnamed and light", unnamed, light, ""},
       {"steel sponge", sponge_facts(),
-       with_fields(with_fields(sponge_answer(), no_e), {{"parts", all_of("carbon steel")}, {"behaviour", "rigid"}}), ""},
-      {"sponge of 50 Pa", sponge_facts(), with_fields(sponge_answer(), {{"young_mpa", nullptr}, {"structure_s", 0.001}}),
-       "structure_s"},
+       with_fields(with_fields(sponge_answer(), no_e),
+                   {{"parts", all_of("carbon steel")}, {"behaviour", "rigid"}}),
+       ""},
+      {"sponge of 50 Pa", sponge_facts(),
+       with_fields(sponge_answer(), {{"young_mpa", nullptr}, {"structure_s", 0.001}}), "structure_s"},
       {"tennis ball as a mug", tennis_ball_facts(), with_fields(mug_answer(), no_e), "behaviour"},
       {"mug of foam, scale guessed", guessed_mug,
-       with_fields(soft_mug, {{"parts", all_of("polyurethane foam")}, {"young_mpa", foam_e}, {"mass_g", 30}}), "behaviour"},
+       with_fields(soft_mug, {{"parts", all_of("polyurethane foam")}, {"young_mpa", foam_e}, {"mass_g", 30}}),
+       "behaviour"},
       {"elastic of stoneware's name", guessed_mug,
-       with_fields(soft_mug, {{"parts", all_of("EVA foam")}, {"structure_s", nullptr}, {"mass_g", 60}}), "behaviour"},
+       with_fields(soft_mug, {{"parts", all_of("EVA foam")}, {"structure_s", nullptr}, {"mass_g", 60}}),
+       "behaviour"},
   };
   for (const auto& [name, facts, answer, word] : cases) {
     const auto offline = estimate_offline(facts);
@@ -76,9 +83,15 @@ TEST(GatePrior, TooLittleOfTheStuffThatItNamesIsKeptAsAProposal) {
   lump.mesh.mean_wall_m = 2e-3 / 0.06;
   lump.mesh.solidity = 1;
   lump.mesh.piece_count = 1;
-  const auto verdict = [&](const ObjectFacts& facts, const char* fill, const char* material, const json& wall_mm, double mass_g) {
-    json answer = with_fields(mug_answer(), {{"name", "thing"}, {"fill", fill}, {"parts", all_of(material)}, {"mass_g", mass_g},
-                                             {"young_mpa", nullptr}, {"structure_s", nullptr}, {"fragile", false}});
+  const auto verdict = [&](const ObjectFacts& facts, const char* fill, const char* material,
+                           const json& wall_mm, double mass_g) {
+    json answer = with_fields(mug_answer(), {{"name", "thing"},
+                                             {"fill", fill},
+                                             {"parts", all_of(material)},
+                                             {"mass_g", mass_g},
+                                             {"young_mpa", nullptr},
+                                             {"structure_s", nullptr},
+                                             {"fragile", false}});
     answer["parts"][0]["thickness_mm"] = wall_mm;
     const Judgement judgement = judge_answer(answer.dump(), facts, v1::PhysicalParameters());
     EXPECT_NE(judgement.verdict, Verdict::Refused) << judgement.message;
@@ -97,8 +110,8 @@ TEST(GatePrior, TooLittleOfTheStuffThatItNamesIsKeptAsAProposal) {
   EXPECT_EQ(verdict(lump, "open_shell", "carbon steel", 2, 5.5 * steel), Verdict::Accepted);
   EXPECT_EQ(verdict(lump, "open_shell", "carbon steel", 2, 4.5 * steel), Verdict::NeedsReview);
   EXPECT_EQ(verdict(lump, "shell", "carbon steel", 200, 84 * steel), Verdict::Accepted);
-  // Nothing is said of walls that are not told, of contents, of what is put together, of what holds air, of branching things
-  // and of what is thinner than its surface is drawn; and of a guessed scale an eighth.
+  // Nothing is said of walls that are not told, of contents, of what is put together, of what holds air, of
+  // branching things and of what is thinner than its surface is drawn; and of a guessed scale an eighth.
   for (const char* fill : {"shell", "open_shell", "filled", "assembly"})
     EXPECT_EQ(verdict(lump, fill, "carbon steel", nullptr, 2 * steel), Verdict::Accepted) << fill;
   for (const char* material : {"corrugated cardboard", "wicker", "leaf"})
@@ -127,8 +140,8 @@ TEST(GatePrior, TooLittleOfTheStuffThatItNamesIsKeptAsAProposal) {
 
 // A takeaway cup of 11 g, a basket of wicker and a teddy bear are as light as that.
 TEST(GatePrior, WhatIsRightlyLightGoesThrough) {
-  const auto asked = [](const char* name, const Eigen::Vector3d& size_m, double volume_m3, double area_m2, double openness,
-                        const json& fields) {
+  const auto asked = [](const char* name, const Eigen::Vector3d& size_m, double volume_m3, double area_m2,
+                        double openness, const json& fields) {
     ObjectFacts facts;
     facts.name = name;
     facts.scale_known = true;
@@ -140,8 +153,11 @@ TEST(GatePrior, WhatIsRightlyLightGoesThrough) {
     facts.mesh.hull_volume_m3 = 0.7 * size_m.prod();
     facts.mesh.solidity = volume_m3 / facts.mesh.hull_volume_m3;
     facts.mesh.piece_count = 1;
-    const json answer = with_fields(with_fields(mug_answer(), {{"name", name}, {"young_mpa", nullptr}, {"structure_s", nullptr},
-                                                               {"plasticity", nullptr}, {"fragile", false}}),
+    const json answer = with_fields(with_fields(mug_answer(), {{"name", name},
+                                                               {"young_mpa", nullptr},
+                                                               {"structure_s", nullptr},
+                                                               {"plasticity", nullptr},
+                                                               {"fragile", false}}),
                                     fields);
     const Judgement judgement = judge_answer(answer.dump(), facts, estimate_offline(facts));
     EXPECT_EQ(judgement.verdict, Verdict::Accepted) << name << ": " << judgement.message;
@@ -152,14 +168,21 @@ TEST(GatePrior, WhatIsRightlyLightGoesThrough) {
     return parts;
   };
   // A cup of 0.4 mm drawn 3 mm thick; of polypropylene too.
-  asked("paper cup", {0.09, 0.11, 0.09}, 9e-5, 0.06, 0.8, {{"parts", walls("paperboard", 0.5)}, {"mass_g", 11}});
-  asked("plastic cup", {0.09, 0.11, 0.09}, 9e-5, 0.06, 0.8, {{"parts", walls("polypropylene", 1)}, {"mass_g", 12}});
+  asked("paper cup", {0.09, 0.11, 0.09}, 9e-5, 0.06, 0.8,
+        {{"parts", walls("paperboard", 0.5)}, {"mass_g", 11}});
+  asked("plastic cup", {0.09, 0.11, 0.09}, 9e-5, 0.06, 0.8,
+        {{"parts", walls("polypropylene", 1)}, {"mass_g", 12}});
   // 450 g, told as 8 mm of weave; captured as full of air.
-  asked("wicker basket", {0.4, 0.24, 0.3}, 6e-3, 0.9, 0.5, {{"parts", walls("wicker", 8)}, {"mass_g", 450}, {"behaviour", "elastic"}});
+  asked("wicker basket", {0.4, 0.24, 0.3}, 6e-3, 0.9, 0.5,
+        {{"parts", walls("wicker", 8)}, {"mass_g", 450}, {"behaviour", "elastic"}});
   // 26 x 20 x 18 cm, and its cover of cotton told as what it is made of throughout.
   for (const auto& [material, s] : {std::pair("plush", 0.5), std::pair("cotton fabric", 0.001)}) {
     asked("teddy bear", {0.2, 0.26, 0.18}, 4.5e-3, 0.19, 0,
-          {{"fill", "solid"}, {"parts", all_of(material)}, {"mass_g", 180}, {"behaviour", "elastic"}, {"structure_s", s}});
+          {{"fill", "solid"},
+           {"parts", all_of(material)},
+           {"mass_g", 180},
+           {"behaviour", "elastic"},
+           {"structure_s", s}});
   }
   // A sphere of glass for a tree: 8 cm, 0.8 mm, told as 2.
   asked("christmas ball", {0.08, 0.08, 0.08}, 2.6e-4, 0.02, 0,
@@ -167,22 +190,26 @@ TEST(GatePrior, WhatIsRightlyLightGoesThrough) {
 }
 
 TEST(GatePrior, WhatTheNameMayMeanIsAcceptedOfAnotherStuffToo) {
-  const json plain = with_fields(mug_answer(), {{"young_mpa", nullptr}, {"structure_s", nullptr}, {"fragile", false}});
+  const json plain =
+      with_fields(mug_answer(), {{"young_mpa", nullptr}, {"structure_s", nullptr}, {"fragile", false}});
   for (const char* material : {"stainless steel", "polypropylene"}) {
-    const Judgement judgement =
-        judge(with_fields(plain, {{"parts", all_of(material)}, {"mass_g", {{"low", 100}, {"best", 130}, {"high", 170}}}}));
+    const Judgement judgement = judge(with_fields(
+        plain, {{"parts", all_of(material)}, {"mass_g", {{"low", 100}, {"best", 130}, {"high", 170}}}}));
     EXPECT_EQ(judgement.verdict, Verdict::Accepted) << material << ": " << judgement.message;
     EXPECT_EQ(judgement.parameters.material(), material);
   }
   EXPECT_EQ(judge(sponge_answer(), sponge_facts()).verdict, Verdict::Accepted);
-  const Judgement nulls = judge(with_fields(sponge_answer(), {{"young_mpa", nullptr}, {"structure_s", nullptr}}), sponge_facts());
+  const Judgement nulls =
+      judge(with_fields(sponge_answer(), {{"young_mpa", nullptr}, {"structure_s", nullptr}}), sponge_facts());
   EXPECT_EQ(nulls.verdict, Verdict::Accepted) << nulls.message;
   // Without a name nothing is known of its stuff.
   ObjectFacts unnamed = sponge_facts();
   unnamed.name = "";
   unnamed.scale_known = false;
-  const Judgement soap = judge(with_fields(sponge_answer(), {{"name", "bar of soap"}, {"parts", all_of("bar soap")},
-                                                             {"young_mpa", nullptr}, {"behaviour", "rigid"},
+  const Judgement soap = judge(with_fields(sponge_answer(), {{"name", "bar of soap"},
+                                                             {"parts", all_of("bar soap")},
+                                                             {"young_mpa", nullptr},
+                                                             {"behaviour", "rigid"},
                                                              {"mass_g", 100}}),
                                unnamed);
   EXPECT_EQ(soap.verdict, Verdict::Accepted) << soap.message;
@@ -197,7 +224,8 @@ TEST(GatePrior, EveryKindOfTheTableIsAcceptedUnderItsName) {
     const auto offline = estimate_offline(facts);
     for (const ObjectRow* kind : kinds) {
       const auto as_kind = estimate_offline(facts_of_row(row, kind->label));
-      const double mass_kg = std::clamp(as_kind.mass_kg().best(), offline.mass_kg().low(), offline.mass_kg().high());
+      const double mass_kg =
+          std::clamp(as_kind.mass_kg().best(), offline.mass_kg().low(), offline.mass_kg().high());
       const json answer = answer_of_row(*kind, as_kind.behavior(), 1e3 * mass_kg);
       const Judgement judgement = judge_answer(answer.dump(), facts, offline);
       EXPECT_EQ(judgement.verdict, Verdict::Accepted)

@@ -34,25 +34,55 @@ TEST(NameMatch, NamesAreComparedAsWords) {
 
 TEST(NameMatch, TheLastOfTwoEqualWordsIsTheThing) { EXPECT_EQ(label("cup bowl"), "bowl"); }
 
-// The last noun is the thing, and what stands behind a preposition is not; colours, numbers and words of files are no nouns.
+// The last noun is the thing, and what stands behind a preposition is not; colours, numbers and words of
+// files are no nouns.
 TEST(NameMatch, TheHeadOfANameIsTheThing) {
-  const std::pair<const char*, const char*> names[] = {
-      {"bird cage", "bird cage"},        {"mouse_pad", "mouse pad"},         {"violin case", "instrument case"},
-      {"curtain rod", "pipe"},           {"paperclip", "paper clip"},        {"shower curtain", "blanket"},
-      {"snow globe", "snow globe"},      {"kitchen scale", "kitchen scale"}, {"piggy-bank", "piggy bank"},
-      {"hotdog", "burger"},              {"bird house", "mailbox"},          {"lamp shade", "lampshade"},
-      {"tooth brush", "toothbrush"},     {"tennisball_03", "tennis ball"},   {"door mat", "mat"},
-      {"dog bed", "pillow"},             {"key chain", "key"},               {"tea towel", "towel"},
-      {"chair cushion", "pillow"},       {"banana bread", "bread"},          {"apple pie", "cake"},
-      {"ice bucket", "bucket"},          {"dog bowl blue", "metal bowl"},    {"fish tank", "fish tank"},
-      {"camera bag", "bag"},             {"toilet brush", "paint brush"},    {"butter dish", "plate"},
-      {"candle holder", "candlestick"},  {"egg timer", "timer"},             {"bread knife", "kitchen knife"},
-      {"knife block", "wood block"},     {"cheese board", "wood block"},     {"guitar_scan_final", "guitar"},
-      {"red mug with a spoon", "mug"},   {"vase on table", "vase"},          {"can of tuna", "tuna"},
-      {"box of crackers", "cracker box"}, {"cup of coffee", "mug"},          {"bag of candy", "candy"},
-      {"statue of a horse", "statue"},   {"chair leather old", "chair"},     {"boxes", "box"},
-      {"crème brûlée dish", "plate"},    {"Cafe\xCC\x81 cup", "mug"},        {"fur block", "wood block"},
-      {"angel_statue_only", "statue"}};
+  const std::pair<const char*, const char*> names[] = {{"bird cage", "bird cage"},
+                                                       {"mouse_pad", "mouse pad"},
+                                                       {"violin case", "instrument case"},
+                                                       {"curtain rod", "pipe"},
+                                                       {"paperclip", "paper clip"},
+                                                       {"shower curtain", "blanket"},
+                                                       {"snow globe", "snow globe"},
+                                                       {"kitchen scale", "kitchen scale"},
+                                                       {"piggy-bank", "piggy bank"},
+                                                       {"hotdog", "burger"},
+                                                       {"bird house", "mailbox"},
+                                                       {"lamp shade", "lampshade"},
+                                                       {"tooth brush", "toothbrush"},
+                                                       {"tennisball_03", "tennis ball"},
+                                                       {"door mat", "mat"},
+                                                       {"dog bed", "pillow"},
+                                                       {"key chain", "key"},
+                                                       {"tea towel", "towel"},
+                                                       {"chair cushion", "pillow"},
+                                                       {"banana bread", "bread"},
+                                                       {"apple pie", "cake"},
+                                                       {"ice bucket", "bucket"},
+                                                       {"dog bowl blue", "metal bowl"},
+                                                       {"fish tank", "fish tank"},
+                                                       {"camera bag", "bag"},
+                                                       {"toilet brush", "paint brush"},
+                                                       {"butter dish", "plate"},
+                                                       {"candle holder", "candlestick"},
+                                                       {"egg timer", "timer"},
+                                                       {"bread knife", "kitchen knife"},
+                                                       {"knife block", "wood block"},
+                                                       {"cheese board", "wood block"},
+                                                       {"guitar_scan_final", "guitar"},
+                                                       {"red mug with a spoon", "mug"},
+                                                       {"vase on table", "vase"},
+                                                       {"can of tuna", "tuna"},
+                                                       {"box of crackers", "cracker box"},
+                                                       {"cup of coffee", "mug"},
+                                                       {"bag of candy", "candy"},
+                                                       {"statue of a horse", "statue"},
+                                                       {"chair leather old", "chair"},
+                                                       {"boxes", "box"},
+                                                       {"crème brûlée dish", "plate"},
+                                                       {"Cafe\xCC\x81 cup", "mug"},
+                                                       {"fur block", "wood block"},
+                                                       {"angel_statue_only", "statue"}};
   for (const auto& [name, thing] : names) {
     EXPECT_EQ(label(name), thing) << name;
     EXPECT_EQ(match_name(name).tail, NameMatch::Tail::Nothing) << name << ": " << match_name(name).tail_words;
@@ -62,8 +92,9 @@ TEST(NameMatch, TheHeadOfANameIsTheThing) {
 
 // What another noun makes of it is not known; a word that is no such noun may be anything.
 TEST(NameMatch, AWordBehindTheThingIsNoted) {
-  for (const char* name : {"cake stand", "wine rack", "phone case", "guitar stand", "book holder", "dog house", "chair leg",
-                           "coffee grinder", "tv stand", "pencil sharpener", "stand for a guitar"}) {
+  for (const char* name :
+       {"cake stand", "wine rack", "phone case", "guitar stand", "book holder", "dog house", "chair leg",
+        "coffee grinder", "tv stand", "pencil sharpener", "stand for a guitar"}) {
     const NameMatch match = match_name(name);
     EXPECT_NE(match.row, nullptr) << name;
     EXPECT_EQ(match.tail, NameMatch::Tail::AnotherThing) << name << ": " << match.alias;
@@ -87,10 +118,13 @@ TEST(NameMatch, DoubtAboutANameIsDoubtAboutTheMass) {
     facts.name = name;
     return estimate_offline(facts);
   };
-  const auto width = [](const v1::PhysicalParameters& p) { return std::log(p.mass_kg().high() / p.mass_kg().low()); };
+  const auto width = [](const v1::PhysicalParameters& p) {
+    return std::log(p.mass_kg().high() / p.mass_kg().low());
+  };
   for (const char* noun : {"cake", "guitar", "dog"}) {
     const std::string name = noun;
-    const auto plain = estimate(noun), unknown = estimate((name + " tuesday").c_str()), other = estimate((name + " stand").c_str());
+    const auto plain = estimate(noun), unknown = estimate((name + " tuesday").c_str()),
+               other = estimate((name + " stand").c_str());
     EXPECT_GT(plain.confidence(), unknown.confidence()) << noun;
     EXPECT_GT(unknown.confidence(), other.confidence()) << noun;
     EXPECT_GT(width(unknown), 1.2 * width(plain)) << noun;
@@ -174,11 +208,11 @@ TEST(Knowledge, UsualMassesFitUsualSizes) {
   }
 }
 
-// The table knows kinds of things. Files of one captured object or one benchmark, as they are named, say nothing but
-// what common words in them say.
+// The table knows kinds of things. Files of one captured object or one benchmark, as they are named, say
+// nothing but what common words in them say.
 TEST(Knowledge, NoRowNamesOneCapturedObject) {
-  for (const char* file : {"fourth_st", "playbot_31k", "leica-sofort-top8192", "angel-kneeling", "narcissus", "massa",
-                           "trumpet", "lego_house_50k"}) {
+  for (const char* file : {"fourth_st", "playbot_31k", "leica-sofort-top8192", "angel-kneeling", "narcissus",
+                           "massa", "trumpet", "lego_house_50k"}) {
     EXPECT_EQ(label(file), "") << file;
   }
   EXPECT_EQ(match_name("007_tuna_fish_can").alias, "fish can");
@@ -195,12 +229,12 @@ bool any_row_is_called(const std::string& name) {
   });
 }
 
-// Names of two words and more that a file or a label of the measured objects shares with the table: what every household
-// calls such a thing. Any other is taken from there.
+// Names of two words and more that a file or a label of the measured objects shares with the table: what
+// every household calls such a thing. Any other is taken from there.
 bool is_ordinary(const std::string& name) {
-  for (const char* one : {"coffee can", "cracker box", "mustard bottle", "power drill", "cordless drill", "wood block",
-                          "wooden block", "marker pen", "tennis ball", "golf ball", "metal bowl", "metal mug", "metal plate",
-                          "plastic pitcher", "plastic chain"}) {
+  for (const char* one : {"coffee can", "cracker box", "mustard bottle", "power drill", "cordless drill",
+                          "wood block", "wooden block", "marker pen", "tennis ball", "golf ball",
+                          "metal bowl", "metal mug", "metal plate", "plastic pitcher", "plastic chain"}) {
     if (name == one) return true;
   }
   return false;
@@ -208,10 +242,13 @@ bool is_ordinary(const std::string& name) {
 
 TEST(Knowledge, NoNameIsABrandOrOfTheMeasuredObjects) {
   for (const char* brand :
-       {"cheez it", "windex", "spam", "pringles", "jello", "nutella", "kleenex", "tupperware", "pyrex", "lego", "duplo",
-        "hot wheels", "barbie", "transformer", "rubiks cube", "rubik s cube", "sharpie", "scotch tape", "play doh", "nerf",
-        "nerf gun", "nerf ball", "polaroid", "iphone", "ipad", "kindle", "macbook", "xbox", "xbox controller", "playstation",
-        "arduino", "raspberry pi", "hoover", "crocs", "vespa", "coke can", "tetra pak", "stanley knife"}) {
+       {"cheez it",  "windex",       "spam",        "pringles",     "jello",           "nutella",
+        "kleenex",   "tupperware",   "pyrex",       "lego",         "duplo",           "hot wheels",
+        "barbie",    "transformer",  "rubiks cube", "rubik s cube", "sharpie",         "scotch tape",
+        "play doh",  "nerf",         "nerf gun",    "nerf ball",    "polaroid",        "iphone",
+        "ipad",      "kindle",       "macbook",     "xbox",         "xbox controller", "playstation",
+        "arduino",   "raspberry pi", "hoover",      "crocs",        "vespa",           "coke can",
+        "tetra pak", "stanley knife"}) {
     EXPECT_FALSE(any_row_is_called(brand)) << brand;
   }
   std::ifstream known(std::filesystem::path(LIVEGS_TESTS_DIR) / "server/analysis/known_objects.csv");
@@ -221,7 +258,8 @@ TEST(Knowledge, NoNameIsABrandOrOfTheMeasuredObjects) {
     std::istringstream cells(line);
     std::getline(cells, label, ',') && std::getline(cells, label, ',');
     label = normalised_name(label);
-    EXPECT_TRUE(label.find(' ') == std::string::npos || is_ordinary(label) || !any_row_is_called(label)) << label;
+    EXPECT_TRUE(label.find(' ') == std::string::npos || is_ordinary(label) || !any_row_is_called(label))
+        << label;
   }
   EXPECT_GT(labels, 20u);
 }

@@ -10,7 +10,8 @@
 #include "analysis/knowledge/tables.h"
 #include "server/analysis/gate/answer_fixtures.h"
 
-// A usual thing of a row of objects.csv as it would be captured, and what one that knows the row would answer about it.
+// A usual thing of a row of objects.csv as it would be captured, and what one that knows the row would answer
+// about it.
 
 namespace livegs {
 
@@ -18,7 +19,8 @@ namespace livegs {
 inline double ellipsoid_area_m2(const Eigen::Vector3d& size_m) {
   constexpr double p = 1.6075;
   const Eigen::Vector3d half = 0.5 * size_m;
-  const double sum = std::pow(half[0] * half[1], p) + std::pow(half[1] * half[2], p) + std::pow(half[2] * half[0], p);
+  const double sum =
+      std::pow(half[0] * half[1], p) + std::pow(half[1] * half[2], p) + std::pow(half[2] * half[0], p);
   return 4 * EIGEN_PI * std::pow(sum / 3, 1 / p);
 }
 
@@ -55,11 +57,13 @@ inline const char* fill_word(v1::Physics::Fill fill) {
 }
 
 inline nlohmann::json all_of(const std::string& material) {
-  return nlohmann::json::array({{{"name", "all"}, {"material_id", material}, {"share", 1}, {"thickness_mm", nullptr}}});
+  return nlohmann::json::array(
+      {{{"name", "all"}, {"material_id", material}, {"share", 1}, {"thickness_mm", nullptr}}});
 }
 
 // `mass_g`: a number or a range.
-inline nlohmann::json answer_of_row(const ObjectRow& row, v1::Physics::Behavior behavior, const nlohmann::json& mass_g) {
+inline nlohmann::json answer_of_row(const ObjectRow& row, v1::Physics::Behavior behavior,
+                                    const nlohmann::json& mass_g) {
   nlohmann::json answer = mug_answer();
   answer["name"] = row.label;
   answer["parts"] = all_of(row.material);

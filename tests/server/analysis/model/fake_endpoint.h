@@ -22,9 +22,9 @@ class FakeEndpoint final : public ModelEndpoint {
 
   std::function<std::chrono::milliseconds(const std::string& name)> delay;  // none: at once
   int max_in_flight = 4;
-  bool blind = false;             // takes no pictures
+  bool blind = false;  // takes no pictures
   std::string model = "fake-1";
-  bool names_its_model = true;    // before get_ready()
+  bool names_its_model = true;  // before get_ready()
 
   void get_ready(std::stop_token) override { names_its_model = true; }
   std::unique_ptr<Conversation> start(ToolBox tools) override {

@@ -10,8 +10,8 @@
 #include "analysis/model/prompt_set.h"
 #include "core/file.h"
 #include "geometry/surface/shape_mesh.h"
-#include "server/analysis/model/chat/model_endpoint_cases.h"
 #include "scratch_folder.h"
+#include "server/analysis/model/chat/model_endpoint_cases.h"
 #include "server/analysis/model/prompt_judgement.h"
 
 namespace livegs {
@@ -187,7 +187,9 @@ TEST(Prompts, TheRangeIsWrittenBeforeTheValue) {
     for (const auto& [name, value] : range.items()) names.push_back(name);
     return names;
   };
-  const auto json = [](const char* name) { return nlohmann::ordered_json::parse(*read_text_file(kPrompts / name)); };
+  const auto json = [](const char* name) {
+    return nlohmann::ordered_json::parse(*read_text_file(kPrompts / name));
+  };
   const auto fields = json("answer.schema.json")["properties"];
   const auto& young = fields["young_mpa"]["anyOf"][0];
   for (const auto& range : {fields["mass_g"], young}) {
@@ -201,7 +203,8 @@ TEST(Prompts, TheRangeIsWrittenBeforeTheValue) {
   }
 }
 
-// Words are in the files: a folder's own take the place of those that are built in, also those beside pictures and facts.
+// Words are in the files: a folder's own take the place of those that are built in, also those beside
+// pictures and facts.
 TEST(Prompts, PicturesAndFactsAreWordedByTheFiles) {
   const ScratchFolder scratch;
   scratch.write("prompts/captions.json", R"({ "outlined": "look here" })");

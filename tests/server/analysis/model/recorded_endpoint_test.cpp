@@ -6,8 +6,8 @@
 
 #include "analysis/model/model_endpoint.h"
 #include "geometry/surface/shape_mesh.h"
-#include "server/analysis/model/chat/model_endpoint_cases.h"
 #include "scratch_folder.h"
+#include "server/analysis/model/chat/model_endpoint_cases.h"
 
 namespace livegs {
 namespace {

@@ -6,13 +6,13 @@
 #include <random>
 #include <sstream>
 
-#include "analysis/model/fact_slots.h"
-#include "analysis/text/json_text.h"
 #include "analysis/knowledge/table_search.h"
-#include "analysis/model/prompt_set.h"
-#include "analysis/text/prompt_text.h"
-#include "analysis/model/question_slots.h"
 #include "analysis/knowledge/unit_conversion.h"
+#include "analysis/model/fact_slots.h"
+#include "analysis/model/prompt_set.h"
+#include "analysis/model/question_slots.h"
+#include "analysis/text/json_text.h"
+#include "analysis/text/prompt_text.h"
 #include "geometry/surface/shape_mesh.h"
 #include "physics/material.h"
 #include "server/analysis/gate/schema_complaint.h"
@@ -174,8 +174,8 @@ TEST(PromptSet, NoNameWritesALineOfItsOwn) {
   const std::vector<SceneObjectFacts> neighbours = {
       {"cup" + order, "stoneware" + order, "rigid" + order, 0.3, {0.1, 0.1, 0.1}, 0.5, true}};
   const ToolBox tools(facts, neighbours);
-  for (const auto& slots : {fact_slots(facts, offline, neighbours),
-                            complete_slots({{{"name", facts.name}}, {}}, tools)}) {
+  for (const auto& slots :
+       {fact_slots(facts, offline, neighbours), complete_slots({{{"name", facts.name}}, {}}, tools)}) {
     const std::string prompt = prompts->user(slots);
     std::istringstream lines(prompt);
     int dashes = 0;

@@ -277,7 +277,8 @@ TEST(AnalyzeScene, ABlindAnswerIsToldAsOneAndNotKept) {
   const AnalysisUpdate& last = result.last(0);
   ASSERT_EQ(last.judgement.verdict, Verdict::Accepted) << last.judgement.message;
   EXPECT_EQ(last.record.views(), 0u);
-  EXPECT_NE(last.parameters.fill_reason().find("without pictures"), std::string::npos) << last.parameters.fill_reason();
+  EXPECT_NE(last.parameters.fill_reason().find("without pictures"), std::string::npos)
+      << last.parameters.fill_reason();
   EXPECT_EQ(last.parameters.fill_reason().find("saw"), std::string::npos);
   EXPECT_EQ(std::count(last.record.gate().begin(), last.record.gate().end(),
                        "pictures: the model takes none and was asked without"),
@@ -303,15 +304,16 @@ TEST(AnalyzeScene, ALongTranscriptIsNotKeptAndTheAnswerIs) {
   EXPECT_EQ(kept->transcript, "");
 }
 
-// Objects that are not asked about are told all the same: what a scene's author, a person or a model said of them as
-// known, the rest as an estimate.
+// Objects that are not asked about are told all the same: what a scene's author, a person or a model said of
+// them as known, the rest as an estimate.
 TEST(AnalyzeScene, TheModelIsToldOfObjectsThatAreNotAskedAbout) {
   const auto all = mugs(3);
   AnalysisOptions options;
   v1::PhysicalParameters told = all[0].offline;
   told.mutable_mass_kg()->set_best(1);
   told.mutable_mass_kg()->set_source(v1::EstimatedValue::SCENE);
-  options.neighbours = {{all[0].facts, told, all[0].position_m}, {all[1].facts, all[1].offline, all[1].position_m}};
+  options.neighbours = {{all[0].facts, told, all[0].position_m},
+                        {all[1].facts, all[1].offline, all[1].position_m}};
   FakeEndpoint endpoint(weigh);
   const Seen result = run(std::span(all).subspan(2), &endpoint, options);
   ASSERT_EQ(endpoint.asked().size(), 1u);
@@ -322,8 +324,8 @@ TEST(AnalyzeScene, TheModelIsToldOfObjectsThatAreNotAskedAbout) {
   EXPECT_NE(slot.find("\"mug a\": 1000 g"), std::string::npos) << slot;
 }
 
-// A mass that a person gave stands against what kind and size suggest: an answer that agrees with it is not far from what
-// is known, it is told in the question, and what depends on it is worked out from it.
+// A mass that a person gave stands against what kind and size suggest: an answer that agrees with it is not
+// far from what is known, it is told in the question, and what depends on it is worked out from it.
 TEST(AnalyzeScene, AnswersAreWeighedAgainstWhatAPersonTold) {
   auto targets = mugs(1);
   v1::Physics edits;

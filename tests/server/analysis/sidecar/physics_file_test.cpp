@@ -271,7 +271,8 @@ TEST_F(PhysicsFileTest, ErrorsNameFileFieldAndRange) {
   };
   const std::string remedy = "; mend it, or delete the file to forget it";
   edit_by_hand("/physics/mass_kg/best", -1);
-  EXPECT_EQ(message(), path.string() + ": physics.mass_kg.best: is -1; it must be between 1e-06 and 1e+06" + remedy);
+  EXPECT_EQ(message(),
+            path.string() + ": physics.mass_kg.best: is -1; it must be between 1e-06 and 1e+06" + remedy);
   folder.write("mug.physics.json", R"({ "edits": { "friction": 9 } })");
   EXPECT_EQ(message(), path.string() + ": edits.friction: is 9; it must be between 0 and 2" + remedy);
   folder.write("mug.physics.json", R"({ "edits": { "frictoin": 1 } })");
@@ -280,7 +281,8 @@ TEST_F(PhysicsFileTest, ErrorsNameFileFieldAndRange) {
   EXPECT_NE(message().find("mug.physics.json: is not JSON"), std::string::npos) << message();
   folder.write("mug.physics.json", "[]");
   EXPECT_NE(message().find("one JSON object" + remedy), std::string::npos) << message();
-  folder.write("mug.physics.json", "{\"a\":" + std::string(400'000, '[') + std::string(400'000, ']') + "}");  // a walk through it ended the program
+  folder.write("mug.physics.json", "{\"a\":" + std::string(400'000, '[') + std::string(400'000, ']') +
+                                       "}");  // a walk through it ended the program
   EXPECT_NE(message().find("is nested deeper than 64 levels" + remedy), std::string::npos) << message();
   for (size_t length = 0; length < good.size(); length += 41) {  // any bytes
     folder.write("mug.physics.json", good.substr(0, length));
@@ -292,20 +294,24 @@ TEST_F(PhysicsFileTest, ErrorsNameFileFieldAndRange) {
   EXPECT_EQ(*read_text_file(path), "{ broken");
 }
 
-// Also where it holds fields that nobody here knows; nobody is told to delete it, and nothing changes it or its log.
+// Also where it holds fields that nobody here knows; nobody is told to delete it, and nothing changes it or
+// its log.
 TEST_F(PhysicsFileTest, WhatANewerProgramWroteIsLeftAloneAndSaysWhatToDo) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   const std::string log = *read_text_file(folder.path() / "mug.physics.log");
-  for (const char* newer : {R"({ "version": 7 })", R"({ "version": "7" })", R"({ "version": 7, "viscosity": { "best": 3 }, "edits": { "friction": 9 } })"}) {
+  for (const char* newer : {R"({ "version": 7 })", R"({ "version": "7" })",
+                            R"({ "version": 7, "viscosity": { "best": 3 }, "edits": { "friction": 9 } })"}) {
     folder.write("mug.physics.json", newer);
     const std::string told = path.string() +
-                             ": a newer LiveGS wrote it (layout 7, this one reads up to 1): update this one, or move it and its .log away to go on without them; nothing in them is changed";
+                             ": a newer LiveGS wrote it (layout 7, this one reads up to 1): update this one, "
+                             "or move it and its .log away to go on without them; nothing in them is changed";
     const auto file = read_physics_file(path);
     ASSERT_FALSE(file);
     EXPECT_EQ(file.error().code, ErrorCode::Unsupported);
     EXPECT_EQ(file.error().message, told);
-    for (const auto& changed : {edit_physics(path, edit_of_mass(1)), apply_analysis(path, analysed(0.4), record_of("seer-2")),
-                                undo_physics(path), accept_proposal(path)}) {
+    for (const auto& changed :
+         {edit_physics(path, edit_of_mass(1)), apply_analysis(path, analysed(0.4), record_of("seer-2")),
+          undo_physics(path), accept_proposal(path)}) {
       ASSERT_FALSE(changed);
       EXPECT_EQ(changed.error().message, told);
     }
@@ -346,7 +352,8 @@ TEST_F(PhysicsFileTest, ADeletedSidecarStaysDeleted) {
   EXPECT_EQ(mass_kg(), 0.4);
 }
 
-// Its log stays, and nothing of it counts any more: no proposal, nothing to undo or to redo, no answer that was taken back.
+// Its log stays, and nothing of it counts any more: no proposal, nothing to undo or to redo, no answer that
+// was taken back.
 TEST_F(PhysicsFileTest, WhoDeletesASidecarForgetsItAll) {
   const auto forget = [&] {
     std::filesystem::remove(path);
@@ -397,9 +404,9 @@ bool survives(int step, const Change& change) {
   return WIFEXITED(status);
 }
 
-// Killed between any two writes: what stands afterwards is what was before or what was decided, and once the log has been
-// synced it is what was decided; what a person wrote by hand is there in any case. Then everything goes on as if nothing
-// had happened.
+// Killed between any two writes: what stands afterwards is what was before or what was decided, and once the
+// log has been synced it is what was decided; what a person wrote by hand is there in any case. Then
+// everything goes on as if nothing had happened.
 TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
   const auto analysed_kg = [&] { return read().physics().mass_kg().best(); };
   const auto proposed_kg = [&] {
@@ -430,18 +437,22 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
        [&](auto& step) { return apply_analysis(path, analysed(0.4), record_of("s"), step).has_value(); },
        analysed_kg, 0.31, 0.4},
       {"edit", From::Edited,
-       [&](auto& step) { return edit_physics(path, edit_of_mass(0.2), step).has_value(); }, now_kg, 0.25, 0.2},
+       [&](auto& step) { return edit_physics(path, edit_of_mass(0.2), step).has_value(); }, now_kg, 0.25,
+       0.2},
       {"edit after an edit by hand", From::EditedByHand,
-       [&](auto& step) { return edit_physics(path, edit_of_mass(0.2), step).has_value(); }, now_kg, 0.25, 0.2},
-      {"undo", From::Edited, [&](auto& step) { return undo_physics(path, step).has_value(); }, now_kg, 0.25, 0.31},
-      {"redo", From::Undone, [&](auto& step) { return redo_physics(path, step).has_value(); }, now_kg, 0.31, 0.25},
+       [&](auto& step) { return edit_physics(path, edit_of_mass(0.2), step).has_value(); }, now_kg, 0.25,
+       0.2},
+      {"undo", From::Edited, [&](auto& step) { return undo_physics(path, step).has_value(); }, now_kg, 0.25,
+       0.31},
+      {"redo", From::Undone, [&](auto& step) { return redo_physics(path, step).has_value(); }, now_kg, 0.31,
+       0.25},
       {"proposal", From::Edited,
-       [&](auto& step) { return log_proposal(path, analysed(9), record_of("s"), step).has_value(); }, proposed_kg, 0,
-       9},
-      {"accepted proposal", From::Proposed, [&](auto& step) { return accept_proposal(path, step).has_value(); },
-       analysed_kg, 0.31, 9},
-      {"declined proposal", From::Proposed, [&](auto& step) { return decline_proposal(path, step).has_value(); },
-       waiting_kg, 9, 0},
+       [&](auto& step) { return log_proposal(path, analysed(9), record_of("s"), step).has_value(); },
+       proposed_kg, 0, 9},
+      {"accepted proposal", From::Proposed,
+       [&](auto& step) { return accept_proposal(path, step).has_value(); }, analysed_kg, 0.31, 9},
+      {"declined proposal", From::Proposed,
+       [&](auto& step) { return decline_proposal(path, step).has_value(); }, waiting_kg, 9, 0},
       {"analysis after the sidecar was deleted", From::Deleted,
        [&](auto& step) { return apply_analysis(path, analysed(0.4), record_of("s"), step).has_value(); },
        analysed_kg, 0, 0.4},
@@ -523,7 +534,8 @@ TEST_F(PhysicsFileTest, ObjectsThatShareAnAssetHaveTheirOwn) {
   EXPECT_NE(cut, physics_file_path("a/mug.ply", bowls + "2").filename().string());
   EXPECT_EQ(physics_file_path("a/mug/meta.json", "../b"), "a/mug.physics.%2E%2E%2Fb.json");
   EXPECT_NE(physics_file_path("mug.ply", "physics"), physics_file_path("mug.physics.ply"));
-  const auto left = physics_file_path(folder / "mug.ply", "left"), right = physics_file_path(folder / "mug.ply", "right");
+  const auto left = physics_file_path(folder / "mug.ply", "left"),
+             right = physics_file_path(folder / "mug.ply", "right");
   const auto mass_of = [&](const std::filesystem::path& own) {
     path = own;
     return mass_kg();
@@ -544,7 +556,8 @@ TEST_F(PhysicsFileTest, ObjectsThatShareAnAssetHaveTheirOwn) {
   EXPECT_EQ(mass_of(all), 0.3);
   ASSERT_TRUE(undo_physics(right));
   EXPECT_EQ(mass_of(right), 0.3);
-  EXPECT_EQ(undo_physics(right).error().code, ErrorCode::NotFound);  // what the asset has is not its to take back
+  EXPECT_EQ(undo_physics(right).error().code,
+            ErrorCode::NotFound);  // what the asset has is not its to take back
   EXPECT_EQ(mass_of(left), 0.2);
   ASSERT_TRUE(edit_physics(all, edit_of_mass(0.9)));
   EXPECT_EQ(mass_of(right), 0.3);  // its own by now
@@ -555,7 +568,9 @@ TEST_F(PhysicsFileTest, ObjectsThatShareAnAssetHaveTheirOwn) {
 TEST_F(PhysicsFileTest, AKillWhileTheAssetsIsTakenOverLosesNothing) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
   path = physics_file_path(folder / "mug.ply", "left");
-  const auto edit = [&](const WriteStep& step) { return edit_physics(path, edit_of_mass(0.2), step).has_value(); };
+  const auto edit = [&](const WriteStep& step) {
+    return edit_physics(path, edit_of_mass(0.2), step).has_value();
+  };
   bool done = false;
   for (int step = 0; !done; ++step) {
     std::filesystem::remove(path);
@@ -571,7 +586,8 @@ TEST_F(PhysicsFileTest, AKillWhileTheAssetsIsTakenOverLosesNothing) {
   }
 }
 
-// What was a person's or the scene's when the model was asked is kept as theirs: it goes when they take it back.
+// What was a person's or the scene's when the model was asked is kept as theirs: it goes when they take it
+// back.
 TEST_F(PhysicsFileTest, ToldValuesInAnAnalysisHoldOnlyWhileTheyAreTold) {
   const double offline_kg = estimate_offline(mug_facts()).mass_kg().best();
   for (const auto source : {EstimatedValue::PERSON, EstimatedValue::SCENE}) {

@@ -9,17 +9,17 @@
 #include <sstream>
 
 #include "analysis/gate/answer.h"
-#include "analysis/run/ask_model.h"
-#include "analysis/model/fact_slots.h"
 #include "analysis/gate/gate.h"
 #include "analysis/knowledge/table_search.h"
+#include "analysis/model/fact_slots.h"
 #include "analysis/model/model_endpoint.h"
 #include "analysis/model/prompt_set.h"
+#include "analysis/run/ask_model.h"
 #include "core/content_hash.h"
 #include "core/file.h"
-#include "server/analysis/model/chat/model_endpoint_cases.h"
 #include "scratch_folder.h"
 #include "server/analysis/gate/answer_fixtures.h"
+#include "server/analysis/model/chat/model_endpoint_cases.h"
 
 namespace livegs {
 namespace {
@@ -35,14 +35,16 @@ TEST(MessageTemplates, EveryLineIsSaidAndEveryLineThatIsSaidIsThere) {
   }
   auto lines = MessageTemplates::built_in().lines();
   ASSERT_GT(lines.size(), 60u);
-  for (const auto& [name, text] : MessageTemplates::reasons().lines()) EXPECT_TRUE(lines.emplace(name, text).second) << name;
+  for (const auto& [name, text] : MessageTemplates::reasons().lines())
+    EXPECT_TRUE(lines.emplace(name, text).second) << name;
   const std::regex slot("\\{\\{([a-z_]+)\\}\\}");
   for (const auto& [name, text] : lines) {
     EXPECT_NE(code.find("\"" + name + "\""), std::string::npos) << name;
     for (std::sregex_iterator at(text.begin(), text.end(), slot), end; at != end; ++at)
       EXPECT_NE(code.find("{\"" + (*at)[1].str() + "\", "), std::string::npos) << name << " " << (*at)[1];
   }
-  const std::regex said(R"re((?:\bsay|\bfail|\bwrong|\brequire)\(\s*(?:"[a-z_]+", (?="form_))?"([a-z_0-9]+)"|"(form_[a-z]+)")re");
+  const std::regex said(
+      R"re((?:\bsay|\bfail|\bwrong|\brequire)\(\s*(?:"[a-z_]+", (?="form_))?"([a-z_0-9]+)"|"(form_[a-z]+)")re");
   int count = 0;
   for (std::sregex_iterator at(code.begin(), code.end(), said), end; at != end; ++at) {
     const std::string name = (*at)[1].matched ? (*at)[1] : (*at)[2];
@@ -52,20 +54,23 @@ TEST(MessageTemplates, EveryLineIsSaidAndEveryLineThatIsSaidIsThere) {
   EXPECT_GT(count, 60);
 }
 
-// The words of a mass's reason reach the model in the line of the offline estimate. prompts/judged.json does not speak of
-// them: who changes this hash changes what was judged.
+// The words of a mass's reason reach the model in the line of the offline estimate. prompts/judged.json does
+// not speak of them: who changes this hash changes what was judged.
 TEST(MessageTemplates, TheReasonsOfAMassAreThoseThatWereToldBefore) {
   const std::string text = *read_text_file(kRepository / "server/analysis/knowledge/mass_reasons.json");
-  EXPECT_EQ(content_hash(std::as_bytes(std::span(text))), "432807ba3c2dc69f29c9bba26c7e0ac4d88065409d66f37fe10d94c010b15fb9");
+  EXPECT_EQ(content_hash(std::as_bytes(std::span(text))),
+            "432807ba3c2dc69f29c9bba26c7e0ac4d88065409d66f37fe10d94c010b15fb9");
   const auto reason = [](const ObjectFacts& facts) { return estimate_offline(facts).mass_kg().reason(); };
-  EXPECT_TRUE(std::regex_match(reason(mug_facts()), std::regex("mug: [0-9.]+ g usual at this size; [0-9.]+ g = 2200 kg/m3 x 4.5 mm x "
-                                                               "0.0275 m2 of wall; or [a-z ]+ \\([0-9]+ %\\) [0-9.]+ g; or .*")))
+  EXPECT_TRUE(std::regex_match(
+      reason(mug_facts()), std::regex("mug: [0-9.]+ g usual at this size; [0-9.]+ g = 2200 kg/m3 x 4.5 mm x "
+                                      "0.0275 m2 of wall; or [a-z ]+ \\([0-9]+ %\\) [0-9.]+ g; or .*")))
       << reason(mug_facts());
   ObjectFacts unnamed = sponge_facts();
   unnamed.name = "";
   unnamed.scale_known = false;
-  EXPECT_TRUE(std::regex_match(reason(unnamed), std::regex("like things of its size and shape: [a-z ]+ \\([0-9]+ %\\) [0-9.]+ g, .*; "
-                                                           "the scale is a guess")))
+  EXPECT_TRUE(std::regex_match(
+      reason(unnamed), std::regex("like things of its size and shape: [a-z ]+ \\([0-9]+ %\\) [0-9.]+ g, .*; "
+                                  "the scale is a guess")))
       << reason(unnamed);
   ObjectFacts solid = pillow_facts();
   solid.name = "wood block";
@@ -99,22 +104,27 @@ TEST(MessageTemplates, FactsAreToldAsTheyWere) {
   offline.mutable_mass_kg()->set_source(v1::EstimatedValue::SCENE);
   offline.mutable_mass_kg()->set_reason("as it says");
   offline.set_confidence(0.5);
-  const std::vector<SceneObjectFacts> neighbours = {{"cup", "", "", 0, {0.1, 0.2, 0.3}, 1.5, true},
-                                                    {"a \"pot\"\n", "terracotta", "rigid", 0.7, {0.1, 0.1, 0.1}, 0.5, false}};
+  const std::vector<SceneObjectFacts> neighbours = {
+      {"cup", "", "", 0, {0.1, 0.2, 0.3}, 1.5, true},
+      {"a \"pot\"\n", "terracotta", "rigid", 0.7, {0.1, 0.1, 0.1}, 0.5, false}};
   const auto slots = fact_slots(facts, offline, neighbours);
   EXPECT_EQ(slots.at("size"), "0.08 x 0.095 x 0.08 m");
   EXPECT_EQ(slots.at("scale"), "metric");
   EXPECT_EQ(slots.at("mesh"),
-            "smallest box 9.5 x 8 x 8 cm, encloses 120 cm3, surface 550 cm2, mean wall 2V/A 4.4 mm, 25 % of its convex hull, "
+            "smallest box 9.5 x 8 x 8 cm, encloses 120 cm3, surface 550 cm2, mean wall 2V/A 4.4 mm, 25 % of "
+            "its convex hull, "
             "60 % open, rod, 2 pieces");
   EXPECT_EQ(slots.at("looks"),
             "mean colour #3380e6, saturation 0.30, spread of hue 0.70 rad, opacity 0.70, gloss 0.33");
   EXPECT_EQ(slots.at("neighbours"),
             "- \"a 'pot' \": 700 g, terracotta, rigid, 0.1 x 0.1 x 0.1 m, 0.5 m away (estimated offline)\n"
             "- \"cup\": 0.1 x 0.2 x 0.3 m, 1.5 m away");
-  EXPECT_TRUE(slots.at("materials").starts_with("- stoneware (ceramic): 2000 to 2400 kg/m3, Young's modulus 4e+04 MPa (3e+04 to 6e+04), plasticity 0, fragile"))
+  EXPECT_TRUE(slots.at("materials")
+                  .starts_with("- stoneware (ceramic): 2000 to 2400 kg/m3, Young's modulus 4e+04 MPa (3e+04 "
+                               "to 6e+04), plasticity 0, fragile"))
       << slots.at("materials");
-  EXPECT_EQ(slots.at("offline"), "mug of stoneware, mass 300 g (250 to 400), RIGID, confidence 0.50; as it says");
+  EXPECT_EQ(slots.at("offline"),
+            "mug of stoneware, mass 300 g (250 to 400), RIGID, confidence 0.50; as it says");
   EXPECT_EQ(slots.at("told"), "mass_kg 0.3, friction 0.4");
 }
 
@@ -124,7 +134,8 @@ TEST(MessageTemplates, ThreeMaterialsAreToldWithTheirRanges) {
     for (const char* name : {facts.name.c_str(), "brick", "steel ball", "hammer", ""}) {
       facts.name = name;
       const std::string told = fact_slots(facts, estimate_offline(facts), {}).at("materials");
-      const std::regex line(R"(- ([^(]+) \([a-z]+\): [0-9.e+]+ to [0-9.e+]+ kg/m3, Young's modulus [^ ]+ MPa \([^ ]+ to [^ ]+\), .*)");
+      const std::regex line(
+          R"(- ([^(]+) \([a-z]+\): [0-9.e+]+ to [0-9.e+]+ kg/m3, Young's modulus [^ ]+ MPa \([^ ]+ to [^ ]+\), .*)");
       std::istringstream lines(told);
       std::set<std::string> names;
       for (std::string one; std::getline(lines, one);) {
@@ -138,8 +149,11 @@ TEST(MessageTemplates, ThreeMaterialsAreToldWithTheirRanges) {
 }
 
 TEST(KnowledgeSearch, WhatIsMostLikeAMaterialIsOfItsKind) {
-  const auto first = [](const char* name) { return similar_materials(material_row(name), 3).front()->material_class; };
-  for (const char* name : {"stoneware", "carbon steel", "soda-lime glass", "polyurethane foam", "softwood", "polypropylene"})
+  const auto first = [](const char* name) {
+    return similar_materials(material_row(name), 3).front()->material_class;
+  };
+  for (const char* name :
+       {"stoneware", "carbon steel", "soda-lime glass", "polyurethane foam", "softwood", "polypropylene"})
     EXPECT_EQ(first(name), material_row(name).material_class) << name;
   EXPECT_EQ(similar_materials(material_row("carbon steel"), 1).front()->name, "tinplate");  // tinned steel
   EXPECT_EQ(similar_materials(material_row("brass"), 1000).size(), material_table().size() - 1);
@@ -153,8 +167,8 @@ TEST(MessageTemplates, WhatFillsASlotIsNotLookedAtAgain) {
             "parts[0].material_id: \"\" is not in the table; give a name from it");
 }
 
-// Braces that stand in our own complaints reach the model as they stand; what the model itself wrote opens no slot and ends no
-// quote.
+// Braces that stand in our own complaints reach the model as they stand; what the model itself wrote opens no
+// slot and ends no quote.
 TEST(MessageTemplates, AComplaintsOwnBracesReachTheModelAndNobodyElses) {
   const auto prompts = PromptSet::load({});
   const auto told = [&](const nlohmann::json& answer) {
@@ -170,11 +184,14 @@ TEST(MessageTemplates, AComplaintsOwnBracesReachTheModelAndNobodyElses) {
   answer["mass_g"] = nlohmann::json::array({1, 2, 3});
   EXPECT_EQ(told(answer), found + "\"mass_g: is a JSON array; give {low, best, high}\"");
   answer["mass_g"] = {{"low", 3}, {"best", 2}, {"high", 4}};
-  EXPECT_EQ(told(answer), found + "\"mass_g: low <= best <= high does not hold; give them in order, in grams\"");
+  EXPECT_EQ(told(answer),
+            found + "\"mass_g: low <= best <= high does not hold; give them in order, in grams\"");
   answer = mug_answer();
   answer["parts"][0]["material_id"] = "{{problem}}\" <b>`ore`\n{low}";
-  EXPECT_EQ(told(answer),
-            found + "\"parts[0].material_id: '((problem))' (b)'ore' (low)' is not in the table; give a name from it\"");
+  EXPECT_EQ(
+      told(answer),
+      found +
+          "\"parts[0].material_id: '((problem))' (b)'ore' (low)' is not in the table; give a name from it\"");
 }
 
 // prompts/FILE with one line in other words.
@@ -187,11 +204,13 @@ std::string with_line(const char* file, const char* line, const char* text) {
 TEST(MessageTemplates, AFoldersOwnWordsReachTheModelAndMakeAnotherVersion) {
   const ScratchFolder scratch;
   scratch.write("prompts/facts.json", with_line("facts.json", "size", "LONG {{length}}"));
-  scratch.write("prompts/complaints.json", with_line("complaints.json", "out_of_order", "SORT {{field}}{{in_unit}}"));
+  scratch.write("prompts/complaints.json",
+                with_line("complaints.json", "out_of_order", "SORT {{field}}{{in_unit}}"));
   scratch.write("prompts/tool_words.json", with_line("tool_words.json", "no_row", "NO ROW"));
   nlohmann::json wrong = mug_answer();
   wrong["mass_g"]["low"] = 1000;
-  TestModelServer server(in_turn({calls({{"kb_get", R"({"id":"unobtainium"})"}}), says(wrong.dump()), says(mug_answer().dump())}));
+  TestModelServer server(in_turn(
+      {calls({{"kb_get", R"({"id":"unobtainium"})"}}), says(wrong.dump()), says(mug_answer().dump())}));
   EndpointSettings settings = test_settings(server.base_url());
   settings.prompt_folder = scratch / "prompts";
   auto endpoint = open_model_endpoint(std::move(settings));
@@ -203,7 +222,8 @@ TEST(MessageTemplates, AFoldersOwnWordsReachTheModelAndMakeAnotherVersion) {
   const auto look = [](uint32_t, int, std::stop_token) -> Result<std::vector<TargetView>> {
     return std::vector<TargetView>{{{{"outlined", "image/png", "\x89PNG"}}, "from the front"}};
   };
-  ask_model(target, {}, **endpoint, (*endpoint)->state(), look, {}, [](AnalysisStage) {}, {}, update);
+  ask_model(
+      target, {}, **endpoint, (*endpoint)->state(), look, {}, [](AnalysisStage) {}, {}, update);
   ASSERT_EQ(update.judgement.verdict, Verdict::Accepted) << update.judgement.message;
   const auto posts = server.posts();
   ASSERT_EQ(posts.size(), 3u);
@@ -242,29 +262,40 @@ TEST(MessageTemplates, AFileThatLacksALineOrHasOneMoreIsAnErrorThatNamesIt) {
 // Both ended the program.
 TEST(PromptFolder, AFileOfAnotherFormIsAnErrorThatNamesIt) {
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
-  EXPECT_EQ(refusal_of("examples.json", R"({"a": {"facts": "x", "answer": {}}})"), "must be a list of examples");
+  EXPECT_EQ(refusal_of("examples.json", R"({"a": {"facts": "x", "answer": {}}})"),
+            "must be a list of examples");
   EXPECT_EQ(refusal_of("examples.json", R"([{"facts": "x", "answer": )" + deep + "}]"), "nested too deep");
-  EXPECT_EQ(refusal_of("answer.schema.json", R"({"required": [], "enum": ["{{material_ids}}"], "a": )" + deep + "}"),
+  EXPECT_EQ(refusal_of("answer.schema.json",
+                       R"({"required": [], "enum": ["{{material_ids}}"], "a": )" + deep + "}"),
             "nested too deep");
 }
 
 // Each of these left its line out, or was sent as it stands, and nobody was told.
 TEST(PromptFolder, ASlotThatNothingFillsIsAnErrorThatNamesItAndTheRemedy) {
-  EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\nSize: {{szie}}\n"), "line 2: {{szie}} is filled by nothing: write {{size}} or take it out");
+  EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\nSize: {{szie}}\n"),
+            "line 2: {{szie}} is filled by nothing: write {{size}} or take it out");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}}, {{camera_azimut}}\n"),
             "line 1: {{camera_azimut}} is filled by nothing: write {{camera_azimuth}} or take it out");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\n{{}}\n").substr(0, 67),
             "line 2: {{}} names no slot: take it out or write one of {{camera_az");
-  EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size\n"), "line 1: {{size has no end: write it as {{slot}}, on one line");
-  EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size} m\n"), "line 1: {{size has no end: write it as {{slot}}, on one line");
-  EXPECT_EQ(refusal_of("user.md", "Name: {{ name }}{{name}}\n"), "line 1: {{ name }} is filled by nothing: write {{name}} or take it out");
-  EXPECT_EQ(refusal_of("user.md", ""),
-            "has no {{name}}: write it where that is to stand, or delete the file so that the built-in one counts");
-  EXPECT_EQ(refusal_of("repair.md", "{{problem}} {{name}}\n"), "line 1: {{name}} is filled by nothing: take it out or write one of {{problem}}");
-  EXPECT_EQ(refusal_of("system.md", "About {{name}}.\n"), "line 1: {{name}} is filled by nothing: nothing in this text is filled: take it out");
+  EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size\n"),
+            "line 1: {{size has no end: write it as {{slot}}, on one line");
+  EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size} m\n"),
+            "line 1: {{size has no end: write it as {{slot}}, on one line");
+  EXPECT_EQ(refusal_of("user.md", "Name: {{ name }}{{name}}\n"),
+            "line 1: {{ name }} is filled by nothing: write {{name}} or take it out");
+  EXPECT_EQ(
+      refusal_of("user.md", ""),
+      "has no {{name}}: write it where that is to stand, or delete the file so that the built-in one counts");
+  EXPECT_EQ(refusal_of("repair.md", "{{problem}} {{name}}\n"),
+            "line 1: {{name}} is filled by nothing: take it out or write one of {{problem}}");
+  EXPECT_EQ(refusal_of("system.md", "About {{name}}.\n"),
+            "line 1: {{name}} is filled by nothing: nothing in this text is filled: take it out");
   EXPECT_EQ(refusal_of("system.md", "Write {\"a\": {\"b\": 1}}, never {{...}}.\n"), "");
-  EXPECT_EQ(refusal_of("search.md", "{{name}} {{size}} {{scale}}\n"), "");  // filled from what fills the question
-  EXPECT_EQ(refusal_of("search.md", "{{name}} {{others}}\n").substr(0, 42), "line 1: {{others}} is filled by nothing: t");
+  EXPECT_EQ(refusal_of("search.md", "{{name}} {{size}} {{scale}}\n"),
+            "");  // filled from what fills the question
+  EXPECT_EQ(refusal_of("search.md", "{{name}} {{others}}\n").substr(0, 42),
+            "line 1: {{others}} is filled by nothing: t");
   EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_deep", "no {{field}}")),
             "too_deep, line 1: {{field}} is filled by nothing: nothing in this text is filled: take it out");
   EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_wide", "no {{feild}}")),

@@ -202,8 +202,8 @@ TEST_F(HalfHiddenBoard, WrongRequestsAreToldWhatIsWrong) {
   EXPECT_FALSE(object_views(empty, kTarget));
 }
 
-// A low block that shows a little more of itself from steep above than from the side: it is seen from where people
-// stand all the same. A lower one, of which the side shows next to nothing, is seen from above.
+// A low block that shows a little more of itself from steep above than from the side: it is seen from where
+// people stand all the same. A lower one, of which the side shows next to nothing, is seen from above.
 TEST(ObjectViews, UprightnessCounts) {
   const auto block = [](double height_m) {
     const Eigen::Vector3d x(0.2, 0, 0), y(0, height_m, 0), z(0, 0, 0.2);
@@ -270,7 +270,8 @@ TEST_F(HalfHiddenBoard, TheFactsNameWhatTheyShow) {
   ASSERT_EQ(std::sscanf((camera.at("camera_position") + ", " + camera.at("target_position")).c_str(),
                         "%lf, %lf, %lf, %lf, %lf, %lf", &at[0], &at[1], &at[2], &at[3], &at[4], &at[5]),
             6);
-  EXPECT_NEAR(std::hypot(at[0] - at[3], at[1] - at[4], at[2] - at[5]), std::stod(camera.at("camera_distance")), 0.02);
+  EXPECT_NEAR(std::hypot(at[0] - at[3], at[1] - at[4], at[2] - at[5]),
+              std::stod(camera.at("camera_distance")), 0.02);
 }
 
 }  // namespace

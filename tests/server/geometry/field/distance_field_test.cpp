@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <limits>
 
-#include "geometry/surface/shape_mesh.h"
 #include "geometry/mesh/triangle_distance.h"
+#include "geometry/surface/shape_mesh.h"
 #include "server/geometry/mesh/mesh_checks.h"
 #include "server/geometry/surface/point_clouds.h"
 
@@ -127,8 +127,8 @@ TEST(DistanceField, AnAbsurdCellIsWidened) {
   EXPECT_NEAR(field.sample({0, 0.55, 0}).distance_m, 0.05, 1e-6);
 }
 
-// Boards of a tenth of a cell to two and a half, anywhere among the nodes: on either side of a face the sign is right and the
-// distance exact or, where a wall is thick enough for the grid, as good as the grid's.
+// Boards of a tenth of a cell to two and a half, anywhere among the nodes: on either side of a face the sign
+// is right and the distance exact or, where a wall is thick enough for the grid, as good as the grid's.
 TEST(DistanceField, ThinBoardsAreExact) {
   testing::Random random(6);
   for (const double thick : {0.1, 0.3, 0.8, 1.2, 1.6, 2.0, 2.5}) {
@@ -137,15 +137,19 @@ TEST(DistanceField, ThinBoardsAreExact) {
     for (int at = 0; at < 5; ++at) {
       TriangleMesh board = box_mesh(2 * half);
       // A speck below moves the nodes against the board.
-      for (const Eigen::Vector3d& corner : box_mesh({0.01, 0.01, 0.01}).vertices_m) board.vertices_m.push_back(corner);
+      for (const Eigen::Vector3d& corner : box_mesh({0.01, 0.01, 0.01}).vertices_m)
+        board.vertices_m.push_back(corner);
       const auto start = static_cast<uint32_t>(board.vertices_m.size() - 8);
-      for (size_t i = start; i < board.vertices_m.size(); ++i) board.vertices_m[i].y() -= 0.2 + 0.2 * at * cell_m;
-      for (const auto& [a, b, c] : box_mesh({0.01, 0.01, 0.01}).triangles) board.triangles.push_back({a + start, b + start, c + start});
+      for (size_t i = start; i < board.vertices_m.size(); ++i)
+        board.vertices_m[i].y() -= 0.2 + 0.2 * at * cell_m;
+      for (const auto& [a, b, c] : box_mesh({0.01, 0.01, 0.01}).triangles)
+        board.triangles.push_back({a + start, b + start, c + start});
       const DistanceField field(board, cell_m, 2 * cell_m, DistanceField::Thin::Exact);
       EXPECT_LE(field.thinnest_m(), std::max(thick * cell_m, 0.01) + 1e-9);
       double worst = 0.0;
       for (int i = 0; i < 2000; ++i) {
-        // Everywhere in and about a thin one; of a thick one near a face and not at its rim, where a grid rounds.
+        // Everywhere in and about a thin one; of a thick one near a face and not at its rim, where a grid
+        // rounds.
         Eigen::Vector3d p = random.in_cube().cwiseProduct(half + Eigen::Vector3d::Constant(0.2 * cell_m));
         if (thick > 0.5) {
           p = p.cwiseProduct(Eigen::Vector3d(0.8, 0.0, 0.8));
@@ -153,7 +157,8 @@ TEST(DistanceField, ThinBoardsAreExact) {
         }
         worst = std::max(worst, std::abs(field.sample(p).distance_m - box_distance(p, half)));
       }
-      EXPECT_LT(worst, 1e-6 * cell_m + (thick > 1.0 ? 0.02 * cell_m : 0.0)) << thick << " cells, place " << at;
+      EXPECT_LT(worst, 1e-6 * cell_m + (thick > 1.0 ? 0.02 * cell_m : 0.0))
+          << thick << " cells, place " << at;
     }
   }
 }
@@ -161,7 +166,8 @@ TEST(DistanceField, ThinBoardsAreExact) {
 // Nothing beyond the grid is read, whatever is asked.
 TEST(DistanceField, OfWhatIsNoNumberIsNone) {
   const DistanceField field(box_mesh({1, 1, 1}), 0.1, 0.1);
-  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               infinity = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(std::isnan(field.sample({nan, 0.2, 0.3}).distance_m));
   EXPECT_TRUE(std::isnan(field.sample({0.1, 0.2, nan}).distance_m));
   EXPECT_FALSE(std::isfinite(field.sample({infinity, 0, 0}).distance_m));

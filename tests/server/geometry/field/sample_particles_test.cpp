@@ -84,14 +84,16 @@ TEST(SampleParticles, ASheetThinnerThanAVoxelIsCarriedByItsSurface) {
   for (double x = -0.49; x < 0.5; x += 0.07) {
     for (double z = -0.49; z < 0.5; z += 0.07) {
       double nearest_m = 1.0;
-      for (const auto& p : set.positions_m) nearest_m = std::min(nearest_m, (p - Eigen::Vector3d(x, 0, z)).norm());
+      for (const auto& p : set.positions_m)
+        nearest_m = std::min(nearest_m, (p - Eigen::Vector3d(x, 0, z)).norm());
       EXPECT_LT(nearest_m, set.spacing_m) << x << ' ' << z;
     }
   }
 }
 
 TEST(SampleParticles, WhatHangsTogetherAnywayIsLeftAsItWas) {
-  for (const TriangleMesh& mesh : {box_mesh({0.4, 0.1, 0.1}), sphere_mesh(0.1, 3), cylinder_mesh(0.05, 0.2), capsule_mesh(0.05, 0.2)}) {
+  for (const TriangleMesh& mesh :
+       {box_mesh({0.4, 0.1, 0.1}), sphere_mesh(0.1, 3), cylinder_mesh(0.05, 0.2), capsule_mesh(0.05, 0.2)}) {
     EXPECT_FALSE(sample_particles(mesh).surface_carries);
   }
 }

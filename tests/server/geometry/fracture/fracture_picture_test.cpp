@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "geometry/fracture/fracture_seeds.h"
-#include "geometry/mesh/mesh_topology.h"
 #include "geometry/fracture/piece_kernels.h"
+#include "geometry/mesh/mesh_topology.h"
 #include "geometry/reconstruct_surface.h"
 #include "sample/sample_scene.h"
 #include "skin/skin_kernels.h"
@@ -50,7 +50,8 @@ class BrokenCup : public ::testing::Test {
     return out;
   }
 
-  static RasterisedView draw(const GaussianAsset& asset, const PosedKernels& at, double azimuth, double elevation) {
+  static RasterisedView draw(const GaussianAsset& asset, const PosedKernels& at, double azimuth,
+                             double elevation) {
     RasterisedView view;
     Rasteriser rasteriser;
     const DrawnObject object{&asset, &at, 0};
@@ -76,7 +77,8 @@ TEST_F(BrokenCup, LooksAsBeforeWhileItsPiecesAreInPlace) {
   }
 }
 
-// No kernel reaches farther into a neighbouring piece, at three standard deviations, than the stated distance.
+// No kernel reaches farther into a neighbouring piece, at three standard deviations, than the stated
+// distance.
 TEST_F(BrokenCup, LeavesNothingOfItselfBeyondACrack) {
   const double stated_m = bounds.diagonal().norm() / 200;
   const PosedKernels at = posed(kernels->asset);
@@ -85,7 +87,8 @@ TEST_F(BrokenCup, LeavesNothingOfItselfBeyondACrack) {
     const auto& s = at.covariances_m2[k];
     Eigen::Matrix3d covariance;
     covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-    return normal.dot(at.positions_m[k].cast<double>() - 0.5 * (pieces->seeds_m[cell] + pieces->seeds_m[other])) +
+    return normal.dot(at.positions_m[k].cast<double>() -
+                      0.5 * (pieces->seeds_m[cell] + pieces->seeds_m[other])) +
            3.0 * std::sqrt(std::max(0.0, normal.dot(covariance * normal)));
   };
   double worst_m = 0.0;
@@ -94,7 +97,8 @@ TEST_F(BrokenCup, LeavesNothingOfItselfBeyondACrack) {
     if (pieces->cell_parts[cell].size() > 1) continue;  // another part of the cell may be the kernel's own
     for (uint32_t other : pieces->cell_neighbours[cell]) {
       const auto& parts = pieces->cell_parts[other];
-      if (parts.size() == 1 && parts[0].piece != kernels->piece[k]) worst_m = std::max(worst_m, reach_to(k, cell, other));
+      if (parts.size() == 1 && parts[0].piece != kernels->piece[k])
+        worst_m = std::max(worst_m, reach_to(k, cell, other));
     }
   }
   EXPECT_LT(worst_m, 1.06 * stated_m);  // of 0.8 mm
@@ -109,15 +113,19 @@ std::vector<char> silhouette(const TriangleMesh& mesh, const Camera& camera, dou
     Eigen::Vector2d at[3];
     for (int c = 0; c < 3; ++c) {
       const Eigen::Vector3d place = camera_from_world * mesh.vertices_m[face[c]];
-      at[c] = {camera.centre_x_px - camera.focal_x_px * place.x() / place.z(), camera.centre_y_px + camera.focal_y_px * place.y() / place.z()};
+      at[c] = {camera.centre_x_px - camera.focal_x_px * place.x() / place.z(),
+               camera.centre_y_px + camera.focal_y_px * place.y() / place.z()};
     }
     const Eigen::Vector2d low = at[0].cwiseMin(at[1]).cwiseMin(at[2]).array() - wider_px - 1;
     const Eigen::Vector2d high = at[0].cwiseMax(at[1]).cwiseMax(at[2]).array() + wider_px + 1;
-    for (int y = std::max(0, static_cast<int>(low.y())); y <= std::min(camera.height - 1, static_cast<int>(high.y())); ++y) {
-      for (int x = std::max(0, static_cast<int>(low.x())); x <= std::min(camera.width - 1, static_cast<int>(high.x())); ++x) {
+    for (int y = std::max(0, static_cast<int>(low.y()));
+         y <= std::min(camera.height - 1, static_cast<int>(high.y())); ++y) {
+      for (int x = std::max(0, static_cast<int>(low.x()));
+           x <= std::min(camera.width - 1, static_cast<int>(high.x())); ++x) {
         const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
         double inside = 1, nearest = 1e9;
-        const double turn = (at[1] - at[0]).x() * (at[2] - at[0]).y() - (at[1] - at[0]).y() * (at[2] - at[0]).x();
+        const double turn =
+            (at[1] - at[0]).x() * (at[2] - at[0]).y() - (at[1] - at[0]).y() * (at[2] - at[0]).x();
         for (int c = 0; c < 3; ++c) {
           const Eigen::Vector2d from = at[c], along = at[(c + 1) % 3] - from, to = pixel - from;
           inside = std::min(inside, (along.x() * to.y() - along.y() * to.x()) * (turn > 0 ? 1 : -1));
@@ -131,8 +139,9 @@ std::vector<char> silhouette(const TriangleMesh& mesh, const Camera& camera, dou
   return seen;
 }
 
-// Each piece drawn alone: what of it is seen beside its own mesh, where the rest of the cup was. That is what would bridge a
-// crack. Uncut kernels, bound whole to the piece at their centre, show 0.7 % of what is covered there.
+// Each piece drawn alone: what of it is seen beside its own mesh, where the rest of the cup was. That is what
+// would bridge a crack. Uncut kernels, bound whole to the piece at their centre, show 0.7 % of what is
+// covered there.
 TEST_F(BrokenCup, APieceDrawnAloneDoesNotReachOverItsCracks) {
   constexpr float kSeen = 0.1f;
   const auto beside = [&](const GaussianAsset& asset, const std::function<bool(size_t, uint32_t)>& is_of) {
@@ -168,7 +177,8 @@ TEST_F(BrokenCup, APieceDrawnAloneDoesNotReachOverItsCracks) {
     }
     return static_cast<double>(over) / static_cast<double>(covered);
   };
-  const double cut = beside(kernels->asset, [&](size_t k, uint32_t piece) { return kernels->piece[k] == piece; });
+  const double cut =
+      beside(kernels->asset, [&](size_t k, uint32_t piece) { return kernels->piece[k] == piece; });
   const double uncut = beside(*cup, [&](size_t k, uint32_t piece) { return kernels->piece[k] == piece; });
   std::printf("seen over cracks: %.5f of what is covered; of uncut kernels %.5f\n", cut, uncut);
   EXPECT_EQ(cut, 0.0);

@@ -12,9 +12,9 @@
 #include "core/parallel_for.h"
 #include "gaussian/opacity.h"
 #include "geometry/fracture/fracture_seeds.h"
-#include "geometry/mesh/mesh_topology.h"
 #include "geometry/fracture/split_gaussian.h"
 #include "geometry/fracture/truncated_gaussian.h"
+#include "geometry/mesh/mesh_topology.h"
 #include "rates.h"
 #include "server/geometry/fracture/fracture_shapes.h"
 
@@ -27,7 +27,8 @@ using Eigen::Vector3d;
 double uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
 
 VoronoiPieces cut(const TriangleMesh& mesh, size_t count, uint64_t seed) {
-  return cut_voronoi_pieces(mesh, fracture_seeds(mesh, {.count = count, .seed = seed, .impacts_m = {}}).value())
+  return cut_voronoi_pieces(mesh,
+                            fracture_seeds(mesh, {.count = count, .seed = seed, .impacts_m = {}}).value())
       .value();
 }
 
@@ -50,7 +51,8 @@ GaussianAsset kernels_about(const TriangleMesh& mesh, size_t count, double wides
     }
     asset.positions[k] = place.cast<float>();
     asset.rotations[k] = Eigen::Quaternionf(static_cast<float>(uniform(engine)), 0.3f,
-                                            static_cast<float>(uniform(engine)), -0.2f).normalized();
+                                            static_cast<float>(uniform(engine)), -0.2f)
+                             .normalized();
     asset.opacity_logits[k] = static_cast<float>(6.0 * uniform(engine) - 2.0);
   }
   return asset;
@@ -78,7 +80,7 @@ TEST(TruncatedGaussian, AgreesWithSummation) {
     }
     const TruncatedNormal cut = normal_below(end);
     const double mean = first / mass, variance = second / mass - mean * mean;
-    EXPECT_NEAR(cut.mass / mass, 1.0, 1e-6) << end;  // the midpoint rule at 1e-4 is good to 1e-8
+    EXPECT_NEAR(cut.mass / mass, 1.0, 1e-6) << end;             // the midpoint rule at 1e-4 is good to 1e-8
     EXPECT_NEAR(cut.mean, mean, 2e-3 * std::abs(mean)) << end;  // the tail expansion's next term is 10/end⁵
     EXPECT_NEAR(cut.variance / variance, 1.0, end < -6 ? 0.05 : 1e-5) << end;
   }
@@ -87,7 +89,8 @@ TEST(TruncatedGaussian, AgreesWithSummation) {
 // The parts of a Gaussian put together have its mass, mean and covariance: exactly for one cut, and to the
 // tails left out of narrower Gaussians in its place.
 TEST(SplitGaussian, KeepsTheMomentsOfTheWhole) {
-  const auto halves = cut_voronoi_pieces(box_mesh({2, 2, 2}), std::vector<Vector3d>{{-0.5, 0.1, 0}, {0.5, 0, 0.2}});
+  const auto halves =
+      cut_voronoi_pieces(box_mesh({2, 2, 2}), std::vector<Vector3d>{{-0.5, 0.1, 0}, {0.5, 0, 0.2}});
   ASSERT_TRUE(halves);
   Matrix3d shape;
   shape << 0.02, 0.008, -0.004, 0.008, 0.03, 0.002, -0.004, 0.002, 0.01;
@@ -104,10 +107,12 @@ TEST(SplitGaussian, KeepsTheMomentsOfTheWhole) {
         mass += share;
         first += share * part.mean_m;
         second += share * (part.covariance_m2 + part.mean_m * part.mean_m.transpose());
-        EXPECT_LT(part.opacity, 1.07);  // P / sqrt(variance) is 1.066 at its largest, where the cut is 0.9 deviations off
+        EXPECT_LT(part.opacity,
+                  1.07);  // P / sqrt(variance) is 1.066 at its largest, where the cut is 0.9 deviations off
         EXPECT_EQ(part.cell, halves->cell_at(part.mean_m));
       }
-      // Narrower ones reach to 3.2 deviations at least, less one of their spacings; the second moment beyond is 1e-2.
+      // Narrower ones reach to 3.2 deviations at least, less one of their spacings; the second moment beyond
+      // is 1e-2.
       const bool once = overhang_m == 1.0;
       EXPECT_NEAR(mass, 1.0, once ? 1e-12 : 3e-3);
       EXPECT_LT((first - mean).norm(), (once ? 1e-12 : 2e-2) * std::sqrt(shape(0, 0)));
@@ -151,7 +156,8 @@ void expect_bound_once(const GaussianAsset& asset, const PieceKernels& kernels, 
   // A part that is pressed flat may want more opacity than the 0.998 that it gets.
   std::vector<uint8_t> held(asset.size(), 0);
   for (size_t k = 0; k < kernels.interior_begin; ++k) {
-    if (changed[kernels.source[k]] && opacity_of_logit(kernels.asset.opacity_logits[k]) > 0.9979) held[kernels.source[k]] = 1;
+    if (changed[kernels.source[k]] && opacity_of_logit(kernels.asset.opacity_logits[k]) > 0.9979)
+      held[kernels.source[k]] = 1;
   }
   double before = 0.0, lost = 0.0, lost_by_others = 0.0;
   for (size_t k = 0; k < asset.size(); ++k) {
@@ -159,12 +165,14 @@ void expect_bound_once(const GaussianAsset& asset, const PieceKernels& kernels, 
     before += mass_of(asset, k), lost += less;
     if (!held[k]) lost_by_others += less;
   }
-  EXPECT_LT(std::abs(lost_by_others / before), 0.003);  // parts too faint to be drawn, the ripple of narrower ones: 0.0028
+  EXPECT_LT(std::abs(lost_by_others / before),
+            0.003);  // parts too faint to be drawn, the ripple of narrower ones: 0.0028
   EXPECT_LT(lost / before, most_lost);
   EXPECT_GT(lost / before, -0.001);
 }
 
-// How far a kernel reaches beyond the planes of a cell of its piece towards other pieces, at three deviations.
+// How far a kernel reaches beyond the planes of a cell of its piece towards other pieces, at three
+// deviations.
 double worst_overhang_m(const PieceKernels& kernels, const VoronoiPieces& pieces) {
   double worst = 0.0;
   for (size_t k = 0; k < kernels.asset.size(); ++k) {
@@ -196,10 +204,11 @@ TEST(PieceKernels, BindEveryKernelOnceAndBridgeNoCrack) {
     TriangleMesh mesh;
     double wide_lost;
   };
-  const Shape shapes[] = {{sphere_mesh(0.05, 3), 0.22}, {box_mesh({0.2, 0.1, 0.05}), 0.112}, {testing::cup_mesh(48, 10), 0.213}};
+  const Shape shapes[] = {
+      {sphere_mesh(0.05, 3), 0.22}, {box_mesh({0.2, 0.1, 0.05}), 0.112}, {testing::cup_mesh(48, 10), 0.213}};
   for (const auto& [mesh, wide_lost] : shapes) {
-    // As wide as a hundredth of the thing, and as an eighth: those reach into many cells, and what does not fit in the
-    // parts they may have is pressed flat.
+    // As wide as a hundredth of the thing, and as an eighth: those reach into many cells, and what does not
+    // fit in the parts they may have is pressed flat.
     for (const double widest_m : {0.001, 0.012}) {
       const bool wide = widest_m > 0.01;
       const GaussianAsset asset = kernels_about(mesh, wide ? 400 : 4000, widest_m, 2 * widest_m);
@@ -208,8 +217,8 @@ TEST(PieceKernels, BindEveryKernelOnceAndBridgeNoCrack) {
       ASSERT_TRUE(kernels);
       expect_bound_once(asset, *kernels, pieces, wide ? wide_lost : 0.001);
       if (HasFatalFailure()) return;
-      // The stated distance, a 200th of the diagonal. Kernels of cut faces lie a 16th of their spacing behind the face,
-      // which carries them that much nearer to a plane that meets it at a sharp angle.
+      // The stated distance, a 200th of the diagonal. Kernels of cut faces lie a 16th of their spacing behind
+      // the face, which carries them that much nearer to a plane that meets it at a sharp angle.
       const double stated_m = mesh_bounds_m(mesh).diagonal().norm() / 200;
       EXPECT_LT(worst_overhang_m(*kernels, pieces), 1.06 * stated_m) << widest_m;
     }
@@ -246,15 +255,18 @@ TEST(PieceKernels, FollowTheFrameOfTheObject) {
     turned.rotations[k] = (back * plain.rotations[k]).normalized();
     turned.log_scales[k].array() -= std::log(0.37f);
   }
-  const auto a = make_piece_kernels(plain, {}, pieces), b = make_piece_kernels(turned, object_from_asset, pieces);
+  const auto a = make_piece_kernels(plain, {}, pieces),
+             b = make_piece_kernels(turned, object_from_asset, pieces);
   ASSERT_TRUE(a && b);
   size_t moved = 0;
   for (size_t k = 0; k < plain.size(); ++k) moved += a->piece[k] != b->piece[k];
   EXPECT_LE(moved, 2u);  // rounding, at the very plane
   ASSERT_EQ(a->asset.size(), b->asset.size());
   for (size_t k = 0; k < a->asset.size(); ++k) {
-    EXPECT_LT((object_from_asset * b->asset.positions[k].cast<double>() - a->asset.positions[k].cast<double>()).norm(),
-              1e-6);
+    EXPECT_LT(
+        (object_from_asset * b->asset.positions[k].cast<double>() - a->asset.positions[k].cast<double>())
+            .norm(),
+        1e-6);
   }
 }
 
@@ -285,16 +297,20 @@ TEST(PieceKernels, CoverTheFacesOfTheCut) {
   PieceKernelOptions options;
   options.interior_spacing_m = 0.004;
   options.interior_rgb = Eigen::Vector3f(0.6f, 0.5f, 0.4f);
-  const PieceKernels kernels = make_piece_kernels(kernels_about(box, 500, 0.002, 0.0), {}, *halves, options).value();
+  const PieceKernels kernels =
+      make_piece_kernels(kernels_about(box, 500, 0.002, 0.0), {}, *halves, options).value();
   const auto coverage = [&](const Vector3d& place, uint32_t piece) {
     double through = 1.0;
     for (size_t k = kernels.interior_begin; k < kernels.asset.size(); ++k) {
       if (kernels.piece[k] != piece) continue;
-      EXPECT_LT(((0.28209479f * kernels.asset.sh_dc[k].array() + 0.5f).matrix() - *options.interior_rgb).norm(), 1e-6f);
+      EXPECT_LT(
+          ((0.28209479f * kernels.asset.sh_dc[k].array() + 0.5f).matrix() - *options.interior_rgb).norm(),
+          1e-6f);
       // Seen along the normal, x: the marginal over y and z.
       const Eigen::Matrix2d flat = covariance_of(kernels.asset, k).bottomRightCorner<2, 2>();
       const Eigen::Vector2d way = (place - kernels.asset.positions[k].cast<double>()).tail<2>();
-      through *= 1.0 - opacity_of_logit(kernels.asset.opacity_logits[k]) * std::exp(-0.5 * way.dot(flat.inverse() * way));
+      through *= 1.0 - opacity_of_logit(kernels.asset.opacity_logits[k]) *
+                           std::exp(-0.5 * way.dot(flat.inverse() * way));
     }
     return 1.0 - through;
   };
@@ -316,13 +332,15 @@ TEST(PieceKernels, CoverTheFacesOfTheCut) {
   }
 }
 
-// Where no colour of the inside is told: the surface is red at one end and blue at the other, and so are the cut faces there.
+// Where no colour of the inside is told: the surface is red at one end and blue at the other, and so are the
+// cut faces there.
 TEST(PieceKernels, OfCutFacesHaveTheColourOfTheSurfaceNearThem) {
   const TriangleMesh box = box_mesh({0.2, 0.1, 0.06});
   GaussianAsset asset = kernels_about(box, 4000, 0.002, 0.0);
   const Eigen::Vector3f red(1, -1, -1), blue(-1, -1, 1);
   for (size_t k = 0; k < asset.size(); ++k) asset.sh_dc[k] = asset.positions[k].x() < 0 ? red : blue;
-  const auto slices = cut_voronoi_pieces(box, std::vector<Vector3d>{{-0.08, 0, 0}, {-0.03, 0, 0}, {0.03, 0, 0}, {0.08, 0, 0}});
+  const auto slices = cut_voronoi_pieces(
+      box, std::vector<Vector3d>{{-0.08, 0, 0}, {-0.03, 0, 0}, {0.03, 0, 0}, {0.08, 0, 0}});
   ASSERT_TRUE(slices);
   const PieceKernels kernels = make_piece_kernels(asset, {}, *slices).value();
   size_t reds = 0, blues = 0;

@@ -58,8 +58,9 @@ void expect_whole(const TriangleMesh& mesh, const VoronoiPieces& cut) {
     volume += piece.mass.volume_m3;
     first += piece.mass.volume_m3 * piece.mass.centre_of_mass_m;
     const Eigen::Vector3d arm = piece.mass.centre_of_mass_m - whole.centre_of_mass_m;
-    inertia += piece.mass.volume_m3 * (piece.mass.inertia_m2 + arm.squaredNorm() * Eigen::Matrix3d::Identity() -
-                                       arm * arm.transpose());
+    inertia +=
+        piece.mass.volume_m3 *
+        (piece.mass.inertia_m2 + arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
     skin += piece.mass.area_m2;
   }
   // Exact but for rounding: the bar asked for is 1e-4 of the volume and 1e-6 of the rest.
@@ -73,7 +74,7 @@ void expect_whole(const TriangleMesh& mesh, const VoronoiPieces& cut) {
     EXPECT_NEAR(bond.normal.norm(), 1.0, 1e-12);
     bonded += bond.area_m2;
   }
-  EXPECT_NEAR(cut_area(cut), 2.0 * bonded, 1e-9 * bonded);           // both sides of every face
+  EXPECT_NEAR(cut_area(cut), 2.0 * bonded, 1e-9 * bonded);                 // both sides of every face
   EXPECT_NEAR(skin - cut_area(cut), whole.area_m2, 1e-9 * whole.area_m2);  // and the old surface is all there
 }
 
@@ -107,14 +108,14 @@ TEST(VoronoiPieces, AddUpToTheWholeOfACapturedThing) {
 }
 
 TEST(VoronoiPieces, AddUpWhereVerticesEdgesAndFacesLieOnTheCuts) {
-  // Planes through the corners, edges and diagonals of a box whose faces are split in the middle; eight cells meet in
-  // one point, four in each of six lines.
+  // Planes through the corners, edges and diagonals of a box whose faces are split in the middle; eight cells
+  // meet in one point, four in each of six lines.
   TriangleMesh box = box_mesh({2, 2, 2});
   TriangleMesh fine;
   for (const auto& [a, b, c] : box.triangles) {
     const std::array corners{box.vertices_m[a], box.vertices_m[b], box.vertices_m[c]};
-    const std::array<Eigen::Vector3d, 3> middles{0.5 * (corners[0] + corners[1]), 0.5 * (corners[1] + corners[2]),
-                                                 0.5 * (corners[2] + corners[0])};
+    const std::array<Eigen::Vector3d, 3> middles{
+        0.5 * (corners[0] + corners[1]), 0.5 * (corners[1] + corners[2]), 0.5 * (corners[2] + corners[0])};
     const auto start = static_cast<uint32_t>(fine.vertices_m.size());
     for (const auto& corner : corners) fine.vertices_m.push_back(corner);
     for (const auto& middle : middles) fine.vertices_m.push_back(middle);
@@ -163,7 +164,8 @@ TEST(VoronoiPieces, KeepAHollowHollow) {
   ASSERT_EQ(whole->pieces.size(), 1u);
   EXPECT_NEAR(whole->pieces[0].mass.volume_m3, signed_volume_m3(ball), 1e-13 * signed_volume_m3(ball));
   // Two halves of a shell: the face between them is a ring.
-  const auto halves = cut_voronoi_pieces(ball, std::vector<Eigen::Vector3d>{{0.045, 0, 0}, {-0.045, 0.001, 0}});
+  const auto halves =
+      cut_voronoi_pieces(ball, std::vector<Eigen::Vector3d>{{0.045, 0, 0}, {-0.045, 0.001, 0}});
   ASSERT_TRUE(halves);
   ASSERT_EQ(halves->bonds.size(), 1u);
   // pi (0.05² - 0.04²) = 2.83e-3, less a few parts in a hundred: the balls are inscribed polyhedra.
@@ -216,13 +218,15 @@ TEST(VoronoiPieces, LocateFindsThePieceRoundAPoint) {
     for (int n = 0; n < 4000; ++n) {
       Eigen::Vector3d point;
       for (int axis = 0; axis < 3; ++axis) {
-        point[axis] = bounds.min()[axis] + bounds.sizes()[axis] * static_cast<double>(engine() >> 11) * 0x1.0p-53;
+        point[axis] =
+            bounds.min()[axis] + bounds.sizes()[axis] * static_cast<double>(engine() >> 11) * 0x1.0p-53;
       }
       for (uint32_t p = 0; p < pieces.pieces.size(); ++p) {
         double angle = 0.0;  // van Oosterom and Strackee 1983
         for (const auto& triangle : pieces.pieces[p].mesh.triangles) {
           const auto& v = pieces.pieces[p].mesh.vertices_m;
-          const Eigen::Vector3d a = (v[triangle[0]] - point).normalized(), b = (v[triangle[1]] - point).normalized(),
+          const Eigen::Vector3d a = (v[triangle[0]] - point).normalized(),
+                                b = (v[triangle[1]] - point).normalized(),
                                 c = (v[triangle[2]] - point).normalized();
           angle += 2.0 * std::atan2(a.dot(b.cross(c)), 1 + a.dot(b) + b.dot(c) + c.dot(a));
         }
@@ -279,7 +283,8 @@ TEST(VoronoiPieces, RefuseWhatCannotBeCutInOneClearLine) {
   EXPECT_NE(message({}, seeds).find("open"), std::string::npos);
   const TriangleMesh box = box_mesh({1, 1, 1});
   EXPECT_NE(message(box, {}).find("0 seeds"), std::string::npos);
-  EXPECT_NE(message(box, std::vector<Eigen::Vector3d>{{0, 0, 0}, {0, 0, 0}}).find("same place"), std::string::npos);
+  EXPECT_NE(message(box, std::vector<Eigen::Vector3d>{{0, 0, 0}, {0, 0, 0}}).find("same place"),
+            std::string::npos);
   EXPECT_FALSE(fracture_seeds(box, {.count = 65, .impacts_m = {}}));
   EXPECT_FALSE(fracture_seeds({}, {.impacts_m = {}}));
   std::stop_source stop;
@@ -301,7 +306,7 @@ TEST(FractureSeeds, AreDenserNearABlow) {
     ASSERT_TRUE(seeds);
     ASSERT_EQ(seeds->size(), 64u);
     for (const auto& point : *seeds) {
-      near += point.x() > 0.15;   // an eighth of the volume each
+      near += point.x() > 0.15;  // an eighth of the volume each
       far += point.x() < -0.15;
     }
   }

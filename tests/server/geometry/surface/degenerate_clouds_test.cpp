@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "geometry/field/distance_field.h"
-#include "geometry/mesh/mass_properties.h"
-#include "geometry/surface/mesh_facts.h"
-#include "geometry/reconstruct_surface.h"
 #include "geometry/field/sample_particles.h"
+#include "geometry/mesh/mass_properties.h"
+#include "geometry/reconstruct_surface.h"
+#include "geometry/surface/mesh_facts.h"
 #include "server/geometry/mesh/mesh_checks.h"
 #include "server/geometry/surface/point_clouds.h"
 

@@ -7,16 +7,17 @@
 #include <numbers>
 
 #include "geometry/fracture/fracture_seeds.h"
+#include "geometry/fracture/voronoi_pieces.h"
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/surface/shape_mesh.h"
-#include "geometry/fracture/voronoi_pieces.h"
 #include "server/geometry/fracture/fracture_shapes.h"
 
 namespace livegs {
 namespace {
 
-// A ball of R with a wall of t: 4/3 pi (R³ - (R - t)³), less what the facets of the mesh cut off. Within 3 %: the distance
-// inside is concave, and what the grid has between its nodes is that much less, by h² / (4 r) of a cell h.
+// A ball of R with a wall of t: 4/3 pi (R³ - (R - t)³), less what the facets of the mesh cut off. Within 3 %:
+// the distance inside is concave, and what the grid has between its nodes is that much less, by h² / (4 r) of
+// a cell h.
 TEST(HollowMesh, ABallKeepsTheVolumeOfItsWall) {
   const TriangleMesh ball = sphere_mesh(0.05, 4);
   for (const double wall_m : {0.005, 0.02}) {
@@ -55,7 +56,8 @@ TEST(HollowMesh, ABoxIsCutAsAShell) {
 
 TEST(HollowMesh, WallsOutOfReachAreRefusedWithAReason) {
   const TriangleMesh ball = sphere_mesh(0.05, 3);
-  for (const auto& [wall_m, why] : {std::pair(0.0, "too thin"), {0.001, "too thin"}, {0.06, "nothing hollow"}, {NAN, "too thin"}}) {
+  for (const auto& [wall_m, why] :
+       {std::pair(0.0, "too thin"), {0.001, "too thin"}, {0.06, "nothing hollow"}, {NAN, "too thin"}}) {
     const auto shell = hollow_mesh(ball, wall_m);
     ASSERT_FALSE(shell) << wall_m;
     EXPECT_NE(shell.error().message.find(why), std::string::npos) << shell.error().message;

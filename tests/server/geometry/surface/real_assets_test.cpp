@@ -11,10 +11,10 @@
 
 #include "core/file.h"
 #include "gaussian/asset_file.h"
+#include "geometry/field/sample_particles.h"
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/mesh/mesh_io.h"
 #include "geometry/reconstruct_surface.h"
-#include "geometry/field/sample_particles.h"
 #include "rates.h"
 #include "server/geometry/mesh/mesh_checks.h"
 
@@ -39,7 +39,8 @@ TEST(RealAssets, EveryCapturedAssetGivesABody) {
   for (const auto& entry : fs::recursive_directory_iterator(kData / "splats")) {
     const std::string extension = entry.path().extension();
     const bool small = entry.is_regular_file() && entry.file_size() < 1'200'000;  // all nightly
-    const bool captured = extension == ".ply" || extension == ".spz" || extension == ".sog" || extension == ".splat";
+    const bool captured =
+        extension == ".ply" || extension == ".spz" || extension == ".sog" || extension == ".splat";
     if (captured && (small || full_sets())) {
       files.push_back(entry.path());
     }

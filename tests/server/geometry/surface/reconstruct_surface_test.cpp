@@ -143,7 +143,8 @@ TEST(ReconstructSurface, ThinningDoesNotChangeTheShape) {
   }
 }
 
-// A closed body and one of sheets, whose points are thickened. Memory taken in between moves the triangulation about.
+// A closed body and one of sheets, whose points are thickened. Memory taken in between moves the
+// triangulation about.
 TEST(ReconstructSurface, SameBitsEveryTimeForAnyThreadCount) {
   for (const Points& points : {torus_cloud(10000, 0.1, 0.03, 0.002), bowl_cloud(5000, 0.1)}) {
     const Surface first = surface_of(points);

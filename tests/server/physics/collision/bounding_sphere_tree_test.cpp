@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Against the plain loop: nothing within reach of a plane is left out, most of what is far is, and the order is that
-// of the points.
+// Against the plain loop: nothing within reach of a plane is left out, most of what is far is, and the order
+// is that of the points.
 TEST(BoundingSphereTree, FindsAllWithinReachOfAPlane) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> along(-1.0, 1.0);

@@ -32,19 +32,21 @@ TEST(Collider, BoxHasFacesEdgesCornersAndDepth) {
   Collider box;
   box.shape = BoxShape{{2, 4, 6}};
   expect_sample(box, {1.5, 1, -2}, 0.5, Vector3d::UnitX());
-  expect_sample(box, {-4, -6, 0}, 5.0, Vector3d(-0.6, -0.8, 0));                         // edge: 3-4-5
-  expect_sample(box, {2, 4, -5}, 3.0, Vector3d(1, 2, -2) / 3.0);                          // corner: 1-2-2-3
-  expect_sample(box, {0.1, -1.9, 0.5}, -0.1, -Vector3d::UnitY());                         // nearest face within
-  expect_sample(box, {0, 0, 0}, -1.0, Vector3d::UnitX());                                 // centre: thinnest side
+  expect_sample(box, {-4, -6, 0}, 5.0, Vector3d(-0.6, -0.8, 0));   // edge: 3-4-5
+  expect_sample(box, {2, 4, -5}, 3.0, Vector3d(1, 2, -2) / 3.0);   // corner: 1-2-2-3
+  expect_sample(box, {0.1, -1.9, 0.5}, -0.1, -Vector3d::UnitY());  // nearest face within
+  expect_sample(box, {0, 0, 0}, -1.0, Vector3d::UnitX());          // centre: thinnest side
 }
 
 TEST(Collider, SphereIsRadialAndTurnsWithItsPose) {
   Collider sphere;
   sphere.shape = SphereShape{0.5};
-  sphere.world_from_collider = {{1, 2, 3}, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()))};
+  sphere.world_from_collider = {{1, 2, 3},
+                                Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()))};
   expect_sample(sphere, {4, 6, 3}, 4.5, Vector3d(0.6, 0.8, 0));
   expect_sample(sphere, {1, 2, 3.25}, -0.25, Vector3d::UnitZ());
-  EXPECT_NEAR(sample_surface(sphere, {1, 2, 3}).normal.norm(), 1.0, kRounding);  // the centre has some unit normal
+  EXPECT_NEAR(sample_surface(sphere, {1, 2, 3}).normal.norm(), 1.0,
+              kRounding);  // the centre has some unit normal
 }
 
 TEST(Collider, PairsMixFrictionByGeometricMeanAndRestitutionByTheLarger) {

@@ -18,7 +18,8 @@ TriangleMesh turned_over(TriangleMesh mesh) {
   return mesh;
 }
 
-// A square of 4 m in `parts` by `parts` fields, with corners of its own for each triangle, at the heights y(x, z).
+// A square of 4 m in `parts` by `parts` fields, with corners of its own for each triangle, at the heights
+// y(x, z).
 template <class Height>
 TriangleMesh surface(int parts, const Height& height_m) {
   TriangleMesh mesh;
@@ -93,7 +94,8 @@ TEST(OpenMesh, AFloorIsNotPassedFromEitherSide) {
         world.add_collider(Collider{floor, Pose{}, 0.6, 0.2});
         for (uint32_t id : {1u, 2u}) {
           auto body = id == 1 ? box_body(id, {0.1, 0.1, 0.1}, 0.5) : box_body(id, {0.3, 0.03, 0.03}, 0.2);
-          body.world_from_object = {Vector3d(0.6 * id, 0.5 * side, 0.1), rotation_about(static_cast<int>(id))};
+          body.world_from_object = {Vector3d(0.6 * id, 0.5 * side, 0.1),
+                                    rotation_about(static_cast<int>(id))};
           body.velocity_m_s = {0.1, -side * speed_m_s, 0.2};
           ASSERT_TRUE(world.add_rigid(body));
         }
@@ -136,15 +138,18 @@ TEST(OpenMesh, HillsHoldThingsEverywhere) {
 TEST(OpenMesh, ATableWithoutABottomHoldsThings) {
   TriangleMesh table = box_mesh({1.2, 0.04, 0.8});
   std::erase_if(table.triangles, [&](const auto& triangle) {
-    return std::all_of(triangle.begin(), triangle.end(), [&](uint32_t i) { return table.vertices_m[i].y() < 0.0; });
+    return std::all_of(triangle.begin(), triangle.end(),
+                       [&](uint32_t i) { return table.vertices_m[i].y() < 0.0; });
   });
   World world = world_on(wall_collider(table), 90);
   put_things(world, {{0, 0.02, 0}, {0.3, 0.02, 0.2}, {-0.3, 0.02, -0.2}});
   run_seconds(world, 2.0);
-  for (uint32_t id : {1u, 2u, 3u}) EXPECT_NEAR(body_state(world, id).world_from_body.position_m.y(), 0.072, 1e-3) << id;
+  for (uint32_t id : {1u, 2u, 3u})
+    EXPECT_NEAR(body_state(world, id).world_from_body.position_m.y(), 0.072, 1e-3) << id;
 }
 
-// Of two boards in one mesh, one is inside out: thinner than a cell, so that it is its triangles that say which side is in.
+// Of two boards in one mesh, one is inside out: thinner than a cell, so that it is its triangles that say
+// which side is in.
 TEST(OpenMesh, ASolidThatIsInsideOutIsTurnedOver) {
   TriangleMesh mesh;
   for (const double x : {-1.0, 1.0}) {
@@ -155,9 +160,15 @@ TEST(OpenMesh, ASolidThatIsInsideOutIsTurnedOver) {
     for (const auto& [a, b, c] : board.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
   }
   World world = world_on(mesh_collider(mesh), 60);
-  put_things(world, {{-1, 0.01, 0}, {-1.3, 0.01, 0.3}, {-0.7, 0.01, 0.3}, {1, 0.01, 0}, {1.3, 0.01, 0.3}, {0.7, 0.01, 0.3}});
+  put_things(world, {{-1, 0.01, 0},
+                     {-1.3, 0.01, 0.3},
+                     {-0.7, 0.01, 0.3},
+                     {1, 0.01, 0},
+                     {1.3, 0.01, 0.3},
+                     {0.7, 0.01, 0.3}});
   run_seconds(world, 2.0);
-  for (uint32_t id = 1; id <= 6; ++id) EXPECT_NEAR(body_state(world, id).world_from_body.position_m.y(), 0.06, 1e-3) << id;
+  for (uint32_t id = 1; id <= 6; ++id)
+    EXPECT_NEAR(body_state(world, id).world_from_body.position_m.y(), 0.06, 1e-3) << id;
 }
 
 TEST(OpenMesh, AHollowStaysOne) {

@@ -10,7 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The faces of a cube of edge 2 about the origin, by points `spacing` apart; those on edges and corners once a face.
+// The faces of a cube of edge 2 about the origin, by points `spacing` apart; those on edges and corners once
+// a face.
 std::vector<SurfaceElement> cube_elements(double spacing) {
   std::vector<SurfaceElement> elements;
   const int n = static_cast<int>(std::round(2.0 / spacing));
@@ -33,7 +34,8 @@ std::vector<SurfaceElement> cube_elements(double spacing) {
 TEST(SurfaceElements, DistanceIsExactUpToTheEdgesOfACube) {
   const auto elements = cube_elements(0.25);
   const PointSurface grid(elements, 0.375);
-  for (const Vector3d& point : {Vector3d(0.98, 0.1, 0.2), {0.93, 0.96, 0.1}, {0.9, -0.95, 0.97}, {0.99, 0.99, 0.2}}) {
+  for (const Vector3d& point :
+       {Vector3d(0.98, 0.1, 0.2), {0.93, 0.96, 0.1}, {0.9, -0.95, 0.97}, {0.99, 0.99, 0.2}}) {
     const auto found = grid.depth(point);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->distance_m, point.cwiseAbs().maxCoeff() - 1.0, 1e-12);

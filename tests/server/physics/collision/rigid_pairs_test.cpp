@@ -41,7 +41,7 @@ TriangleMesh random_hull(uint32_t seed, double size_m, int points = 14) {
 // A bar with a notch: not convex.
 TriangleMesh notched_mesh() {
   TriangleMesh mesh;
-  const double outline[8][2] = {{-0.1, -0.03}, {0.1, -0.03}, {0.1, 0.03},  {0.03, 0.03},
+  const double outline[8][2] = {{-0.1, -0.03}, {0.1, -0.03}, {0.1, 0.03},   {0.03, 0.03},
                                 {0.03, 0.0},   {-0.03, 0.0}, {-0.03, 0.03}, {-0.1, 0.03}};
   for (const double z : {-0.03, 0.03}) {
     for (const auto& p : outline) mesh.vertices_m.push_back({p[0], p[1], z});
@@ -67,8 +67,8 @@ TEST(ConvexPolyhedron, BoxHasItsFacesEdgesAndExactDistance) {
   EXPECT_EQ(box->edges.size(), 12u);
   EXPECT_NEAR(box->inner_radius_m, 0.05, 1e-15);
   EXPECT_NEAR(box->sample({0.01, 0.02, 0.03}).distance_m, -0.03, 1e-15);
-  EXPECT_NEAR(box->sample({0.13, 0.09, 0}).distance_m, 0.05, 1e-15);                    // 3-4-5 beyond an edge
-  EXPECT_NEAR(box->sample({0.11, 0.07, 0.22}).distance_m, 0.03, 1e-15);                 // 1-2-2 beyond a corner
+  EXPECT_NEAR(box->sample({0.13, 0.09, 0}).distance_m, 0.05, 1e-15);     // 3-4-5 beyond an edge
+  EXPECT_NEAR(box->sample({0.11, 0.07, 0.22}).distance_m, 0.03, 1e-15);  // 1-2-2 beyond a corner
   EXPECT_LT((box->sample({0.11, 0.07, 0.22}).normal - Vector3d(1, 2, 2) / 3).norm(), 1e-12);
   EXPECT_FALSE(convex_polyhedron(notched_mesh()));
 }
@@ -93,7 +93,8 @@ TEST(PolyhedronContacts, CrossedEdgesMeetInOnePoint) {
   const Eigen::Matrix3d about_z = Eigen::AngleAxisd(radians(45), Vector3d::UnitZ()).toRotationMatrix();
   const double half = 0.05 * std::sqrt(2.0), depth = 0.001;
   std::vector<ContactCandidate> found;
-  polyhedron_contacts({&box, about_x, {0.01, half - depth, 0}}, {&box, about_z, {0, -half, 0.02}}, 0.001, 1e-5, found);
+  polyhedron_contacts({&box, about_x, {0.01, half - depth, 0}}, {&box, about_z, {0, -half, 0.02}}, 0.001,
+                      1e-5, found);
   const ContactCandidate contact = only(found);
   EXPECT_NEAR(contact.separation_m, -depth, 1e-12);
   EXPECT_LT((contact.normal - Vector3d::UnitY()).norm(), 1e-12);
@@ -104,7 +105,8 @@ TEST(PolyhedronContacts, FlatFacesMeetInTheCornersOfTheirOverlap) {
   const ConvexPolyhedron box = box_polyhedron({0.1, 0.1, 0.1});
   const Eigen::Matrix3d turned = Eigen::AngleAxisd(radians(45), Vector3d::UnitY()).toRotationMatrix();
   std::vector<ContactCandidate> found;
-  polyhedron_contacts({&box, turned, {0, 0.099, 0}}, {&box, Eigen::Matrix3d::Identity(), {0, 0, 0}}, 0.001, 1e-5, found);
+  polyhedron_contacts({&box, turned, {0, 0.099, 0}}, {&box, Eigen::Matrix3d::Identity(), {0, 0, 0}}, 0.001,
+                      1e-5, found);
   EXPECT_EQ(found.size(), 8u);  // an octagon
   for (const ContactCandidate& contact : found) {
     EXPECT_NEAR(contact.separation_m, -0.001, 1e-12);
@@ -118,11 +120,13 @@ TEST(RigidPairs, FreeCollisionsKeepMomentumAndLoseEnergy) {
     SCOPED_TRACE(rate);
     for (int seed = 0; seed < 12; ++seed) {
       World world = world_at(rate, 4, Vector3d::Zero());
-      auto one = seed % 3 == 0 ? body_of(1, notched_mesh(), 0.7) : body_of(1, random_hull(10 + seed, 0.2), 0.7);
+      auto one =
+          seed % 3 == 0 ? body_of(1, notched_mesh(), 0.7) : body_of(1, random_hull(10 + seed, 0.2), 0.7);
       one.world_from_object.orientation = rotation_about(seed);
       one.angular_velocity_rad_s = {3, -4, 1.0 * seed};
       ASSERT_TRUE(world.add_rigid(one));
-      auto two = seed % 2 ? body_of(2, box_mesh({0.1, 0.15, 0.2}), 0.3) : body_of(2, random_hull(90 + seed, 0.15), 0.3);
+      auto two = seed % 2 ? body_of(2, box_mesh({0.1, 0.15, 0.2}), 0.3)
+                          : body_of(2, random_hull(90 + seed, 0.15), 0.3);
       two.world_from_object.position_m = {0.5, 0.01 * seed, -0.02};
       two.world_from_object.orientation = rotation_about(seed + 5);
       two.velocity_m_s = {-4, 0, 0};
@@ -132,7 +136,8 @@ TEST(RigidPairs, FreeCollisionsKeepMomentumAndLoseEnergy) {
       const BodyEnergy before = world.energy();
       run_seconds(world, 0.6);
       const BodyEnergy after = world.energy();
-      EXPECT_GT((body_state(world, 2).velocity_m_s - two.velocity_m_s).norm(), 0.1) << seed << ": it must have struck";
+      EXPECT_GT((body_state(world, 2).velocity_m_s - two.velocity_m_s).norm(), 0.1)
+          << seed << ": it must have struck";
       // Equal and opposite impulses at one place: rounding only.
       EXPECT_LT((after.linear_momentum - before.linear_momentum).norm(), 1e-12) << seed;
       EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 1e-11) << seed;
@@ -141,7 +146,8 @@ TEST(RigidPairs, FreeCollisionsKeepMomentumAndLoseEnergy) {
   }
 }
 
-// A square bar of 0.4 m on its edge, along x; not convex where it has a neck at either end, far from its middle.
+// A square bar of 0.4 m on its edge, along x; not convex where it has a neck at either end, far from its
+// middle.
 TriangleMesh bar_on_its_edge(bool necks) {
   const double half = 0.02 * std::sqrt(2.0);
   std::vector<std::pair<double, double>> rings{{-0.2, half}};  // x and half the diagonal
@@ -154,7 +160,8 @@ TriangleMesh bar_on_its_edge(bool necks) {
   rings.push_back({0.2, half});
   TriangleMesh mesh;
   for (const auto& [x, r] : rings) {
-    for (const auto& [y, z] : {std::pair{-r, 0.0}, {0.0, r}, {r, 0.0}, {0.0, -r}}) mesh.vertices_m.push_back({x, y, z});
+    for (const auto& [y, z] : {std::pair{-r, 0.0}, {0.0, r}, {r, 0.0}, {0.0, -r}})
+      mesh.vertices_m.push_back({x, y, z});
   }
   const auto last = static_cast<uint32_t>(mesh.vertices_m.size() - 4);
   for (uint32_t ring = 0; ring < last; ring += 4) {
@@ -174,13 +181,14 @@ TriangleMesh bar_on_its_edge(bool necks) {
 TEST(RigidPairs, BoxOnItsEdgeRestsAcrossAnEdge) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
-    // Two square bars on their edges, crosswise: only the edges meet. Neither may sink into the other while it balances.
+    // Two square bars on their edges, crosswise: only the edges meet. Neither may sink into the other while
+    // it balances.
     for (const bool convex : {true, false}) {
       World world = world_at(rate, 4, {0, -kGravity, 0});
       const double half = 0.02 * std::sqrt(2.0);
-      world.add_collider(Collider{BoxShape{{0.04, 0.04, 0.4}},
-                                  Pose{{0, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(radians(45), Vector3d::UnitZ()))},
-                                  0.8, 0.0});
+      world.add_collider(Collider{
+          BoxShape{{0.04, 0.04, 0.4}},
+          Pose{{0, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(radians(45), Vector3d::UnitZ()))}, 0.8, 0.0});
       const TriangleMesh bar = bar_on_its_edge(!convex);
       ASSERT_EQ(convex_polyhedron(bar).has_value(), convex);
       auto body = body_of(1, bar, 0.5);
@@ -189,8 +197,9 @@ TEST(RigidPairs, BoxOnItsEdgeRestsAcrossAnEdge) {
       ASSERT_TRUE(world.add_rigid(body));
       run_seconds(world, 0.25);
       const double y = body_state(world, 1).world_from_body.position_m.y();
-      // Balanced to 1e-3 of a degree it tips by less than a millimetre in this time; missed, it falls 0.3 m. The edge of
-      // one that is not convex is felt at its points only: between two of them it sinks by half their distance.
+      // Balanced to 1e-3 of a degree it tips by less than a millimetre in this time; missed, it falls 0.3 m.
+      // The edge of one that is not convex is felt at its points only: between two of them it sinks by half
+      // their distance.
       if (convex) {
         EXPECT_NEAR(y, 2.0 * half, 1e-3);
       } else {
@@ -220,20 +229,22 @@ TEST(RigidPairs, MeshesThatAreNotConvexRestOnEachOther) {
   for (uint32_t id : {1u, 2u, 3u}) EXPECT_TRUE(body_state(world, id).asleep) << id;
 }
 
-// Throws a thing of 0.1 kg from 0.6 m above a free square plate of 1 m and 5 kg, turned and spinning by its number. Whether it got
-// through within so many ticks.
-bool passes_plate(double rate, double thickness_m, const Vector3d& size_m, int aim, const Vector3d& velocity_m_s, double spin_rad_s,
-                  int ticks) {
+// Throws a thing of 0.1 kg from 0.6 m above a free square plate of 1 m and 5 kg, turned and spinning by its
+// number. Whether it got through within so many ticks.
+bool passes_plate(double rate, double thickness_m, const Vector3d& size_m, int aim,
+                  const Vector3d& velocity_m_s, double spin_rad_s, int ticks) {
   World world = world_at(rate, 4, Vector3d::Zero());
   EXPECT_TRUE(world.add_rigid(box_at(1, {1.0, 1.0, thickness_m}, 5.0, {0, 0, 0})));
   auto thing = box_at(2, size_m, 0.1, {0, 0, 0.6});
   thing.world_from_object.orientation = rotation_about(aim);
   thing.velocity_m_s = velocity_m_s;
-  thing.angular_velocity_rad_s = spin_rad_s * Vector3d(std::sin(2.0 * aim), std::cos(3.0 * aim), std::sin(5.0 * aim));
+  thing.angular_velocity_rad_s =
+      spin_rad_s * Vector3d(std::sin(2.0 * aim), std::cos(3.0 * aim), std::sin(5.0 * aim));
   EXPECT_TRUE(world.add_rigid(thing));
   for (int i = 0; i < ticks; ++i) {
     world.step();
-    const Vector3d seen = body_state(world, 1).world_from_body.inverse() * body_state(world, 2).world_from_body.position_m;
+    const Vector3d seen =
+        body_state(world, 1).world_from_body.inverse() * body_state(world, 2).world_from_body.position_m;
     if (std::abs(seen.x()) < 0.5 && std::abs(seen.y()) < 0.5 && seen.z() < 0.0) return true;
   }
   return false;
@@ -241,22 +252,27 @@ bool passes_plate(double rate, double thickness_m, const Vector3d& size_m, int a
 
 TEST(RigidPairs, FastBoxesAndRodsDoNotPassAThinPlate) {
   int passed = 0;
-  for (const double rate : kRates_hz) for (int aim = 0; aim < 60; ++aim) {
-    const Vector3d size = aim % 2 ? Vector3d(0.3, 0.02, 0.02) : Vector3d(0.08, 0.05, 0.06);
-    passed += passes_plate(rate, 0.01, size, aim, {0.3 * std::sin(aim), 0.3 * std::cos(aim), -1.0 - 1.6 * aim}, 40.0, static_cast<int>(0.75 * rate));
-  }
+  for (const double rate : kRates_hz)
+    for (int aim = 0; aim < 60; ++aim) {
+      const Vector3d size = aim % 2 ? Vector3d(0.3, 0.02, 0.02) : Vector3d(0.08, 0.05, 0.06);
+      passed +=
+          passes_plate(rate, 0.01, size, aim, {0.3 * std::sin(aim), 0.3 * std::cos(aim), -1.0 - 1.6 * aim},
+                       40.0, static_cast<int>(0.75 * rate));
+    }
   EXPECT_EQ(passed, 0);
 }
 
-// A card or a rod that one corner stops turns about it, and the other end comes the faster, within the substep: in one piece 45 of
-// these 800 passed. Such pairs' substeps are done in parts (rigid_hasty.h).
+// A card or a rod that one corner stops turns about it, and the other end comes the faster, within the
+// substep: in one piece 45 of these 800 passed. Such pairs' substeps are done in parts (rigid_hasty.h).
 TEST(RigidPairs, FastCardsAndSlenderRodsDoNotPassAThinnerPlate) {
   int passed = 0;
   for (const double rate : kRates_hz) {
     for (const double speed : {15.0, 30.0, 45.0, 60.0}) {
       for (int aim = 0; aim < std::min(100, seed_count(10)); ++aim) {
         const Vector3d size = aim % 2 ? Vector3d(0.01, 0.3, 0.01) : Vector3d(0.1, 0.002, 0.06);
-        passed += passes_plate(rate, 0.005, size, aim, {0.06 * speed * std::sin(aim), 0.06 * speed * std::cos(aim), -speed}, 60.0, 20);
+        passed +=
+            passes_plate(rate, 0.005, size, aim,
+                         {0.06 * speed * std::sin(aim), 0.06 * speed * std::cos(aim), -speed}, 60.0, 20);
       }
     }
   }
@@ -306,7 +322,7 @@ TEST(RigidPairs, SubstepsInPartsKeepMomentumAndAreTheSameOnAnyThreads) {
     for (int tick = 0; tick < 15; ++tick) world.step();
     const Moving after = moving(world, sizes_m);
     EXPECT_LT((after.momentum - before.momentum).norm(), 1e-14 * before.momentum.norm());  // rounding
-    EXPECT_LT((after.angular - before.angular).norm(), 1e-9 * before.angular.norm());  // 5.9e-10 found
+    EXPECT_LT((after.angular - before.angular).norm(), 1e-9 * before.angular.norm());      // 5.9e-10 found
     EXPECT_LE(after.energy_j, (1.0 + 1e-6) * before.energy_j);
     EXPECT_LT(after.energy_j, 0.99 * before.energy_j) << "nothing met";
     std::vector<Pose> poses;
@@ -337,22 +353,26 @@ TEST(RigidPairs, WhateverLiesInOnePlacePartsSlowly) {
         fastest = std::max(fastest, body_state(world, 1).velocity_m_s.norm());
       }
       const double apart =
-          (body_state(world, 1).world_from_body.position_m - body_state(world, 2).world_from_body.position_m).norm();
+          (body_state(world, 1).world_from_body.position_m - body_state(world, 2).world_from_body.position_m)
+              .norm();
       EXPECT_GT(apart, kind == 2 ? 0.055 : 0.095) << kind;  // their least width
       EXPECT_LT(fastest, 3.0) << kind;                      // scene 19
     }
   }
 }
 
-// A bowl as a paraboloid 0.18 m wide and 60 mm high, its wall 6 mm thick along the vertical, its foot at the origin.
+// A bowl as a paraboloid 0.18 m wide and 60 mm high, its wall 6 mm thick along the vertical, its foot at the
+// origin.
 TriangleMesh bowl_mesh() {
   constexpr double kRim_m = 0.09, kHigh_m = 0.054, kWall_m = 0.006;
   constexpr int kRings = 6;
   constexpr uint32_t kAround = 24;
   TriangleMesh mesh;
   std::vector<std::pair<double, double>> profile;  // from the foot up the outside and down the inside
-  for (int i = 1; i <= kRings; ++i) profile.emplace_back(kRim_m * i / kRings, kHigh_m * i * i / (kRings * kRings));
-  for (int i = kRings; i >= 1; --i) profile.emplace_back(kRim_m * i / kRings, kWall_m + kHigh_m * i * i / (kRings * kRings));
+  for (int i = 1; i <= kRings; ++i)
+    profile.emplace_back(kRim_m * i / kRings, kHigh_m * i * i / (kRings * kRings));
+  for (int i = kRings; i >= 1; --i)
+    profile.emplace_back(kRim_m * i / kRings, kWall_m + kHigh_m * i * i / (kRings * kRings));
   mesh.vertices_m = {{0, 0, 0}, {0, kWall_m, 0}};
   for (const auto& [r, y] : profile) {
     for (uint32_t k = 0; k < kAround; ++k) {
@@ -360,7 +380,9 @@ TriangleMesh bowl_mesh() {
       mesh.vertices_m.push_back({r * std::cos(angle), y, r * std::sin(angle)});
     }
   }
-  const auto at = [](size_t ring, uint32_t k) { return static_cast<uint32_t>(2 + ring * kAround + k % kAround); };
+  const auto at = [](size_t ring, uint32_t k) {
+    return static_cast<uint32_t>(2 + ring * kAround + k % kAround);
+  };
   for (uint32_t k = 0; k < kAround; ++k) {
     mesh.triangles.push_back({0, at(0, k), at(0, k + 1)});
     for (size_t ring = 0; ring + 1 < profile.size(); ++ring) {
@@ -372,7 +394,8 @@ TriangleMesh bowl_mesh() {
   return mesh;
 }
 
-// Centres of alike things 9 mm apart, a seventh of their height, are not in one place where the things are 6 mm thick.
+// Centres of alike things 9 mm apart, a seventh of their height, are not in one place where the things are 6
+// mm thick.
 TEST(RigidPairs, NestedBowlsRestInEachOther) {
   const TriangleMesh bowl = bowl_mesh();
   ASSERT_GT(solid_mass_properties(bowl).volume_m3, 0.0);
@@ -406,7 +429,8 @@ uint64_t hash_of_pile(int threads, const std::vector<TriangleMesh>& hulls) {
   set_thread_count(threads);
   World world = world_at(60, 4);
   world.add_collider(floor_plane(0.5, 0.2));
-  world.add_collider(Collider{BoxShape{{0.3, 0.1, 0.3}}, Pose{{0.2, 0.05, 0}, Eigen::Quaterniond::Identity()}, 0.5, 0.1});
+  world.add_collider(
+      Collider{BoxShape{{0.3, 0.1, 0.3}}, Pose{{0.2, 0.05, 0}, Eigen::Quaterniond::Identity()}, 0.5, 0.1});
   for (int i = 0; i < 40; ++i) {
     const uint32_t id = static_cast<uint32_t>(i + 1);
     const Vector3d at(0.12 * std::sin(3.0 * i), 0.2 + 0.06 * i, 0.12 * std::cos(7.0 * i));
@@ -424,9 +448,9 @@ uint64_t hash_of_pile(int threads, const std::vector<TriangleMesh>& hulls) {
   uint64_t hash = 1469598103934665603ull;
   for (const BodyState& state : world.bodies()) {
     EXPECT_GT(state.world_from_body.position_m.y(), 0.0) << state.object_id << " fell through";
-    double values[7] = {state.world_from_body.position_m.x(),    state.world_from_body.position_m.y(),
-                        state.world_from_body.position_m.z(),    state.world_from_body.orientation.w(),
-                        state.world_from_body.orientation.x(),   state.world_from_body.orientation.y(),
+    double values[7] = {state.world_from_body.position_m.x(),  state.world_from_body.position_m.y(),
+                        state.world_from_body.position_m.z(),  state.world_from_body.orientation.w(),
+                        state.world_from_body.orientation.x(), state.world_from_body.orientation.y(),
                         state.world_from_body.orientation.z()};
     for (const double value : values) {
       uint64_t bits;

@@ -35,23 +35,24 @@ TEST(RigidShapes, RoundMeshesComeToRestOnTheFloor) {
     run_seconds(world, 8.0);
     const BodyState state = body_state(world, 1);
     EXPECT_TRUE(state.world_from_body.position_m.allFinite());
-    // No lower than its half width less the sag and the facets (1 % of the radius at 32 segments), no higher than
-    // its half length.
+    // No lower than its half width less the sag and the facets (1 % of the radius at 32 segments), no higher
+    // than its half length.
     EXPECT_GT(state.world_from_body.position_m.y(), 0.985 * lowest);
     EXPECT_LT(state.world_from_body.position_m.y(), 0.085);
     EXPECT_LT(state.velocity_m_s.norm(), 0.05);
   }
 }
 
-// Speed after `seconds` of a rolling prism that starts from rest: each facet that lands takes its share of the energy,
-// and between landings gravity gives it back. With I = m r² / 2 about the axis, angular momentum about the new edge
-// leaves (1 + 2 cos a) / 3 of the spin, a = 2 pi / facets.
+// Speed after `seconds` of a rolling prism that starts from rest: each facet that lands takes its share of
+// the energy, and between landings gravity gives it back. With I = m r² / 2 about the axis, angular momentum
+// about the new edge leaves (1 + 2 cos a) / 3 of the spin, a = 2 pi / facets.
 double rolling_prism_speed(double angle_rad, double radius_m, int facets, double seconds) {
   const double turn = 2.0 * std::numbers::pi / facets;
   const double left = (1.0 + 2.0 * std::cos(turn)) / 3.0, facet = 2.0 * radius_m * std::sin(0.5 * turn);
   double speed = 0.0, time = 0.0;
   while (time < seconds) {
-    const double faster = std::sqrt(speed * speed + 2.0 * (2.0 / 3.0) * kGravity * std::sin(angle_rad) * facet);
+    const double faster =
+        std::sqrt(speed * speed + 2.0 * (2.0 / 3.0) * kGravity * std::sin(angle_rad) * facet);
     time += 2.0 * facet / (speed + faster);
     speed = faster * left;
   }
@@ -60,21 +61,23 @@ double rolling_prism_speed(double angle_rad, double radius_m, int facets, double
 
 TEST(RigidShapes, FacettedCylinderRollsNoFasterThanThePrismItIs) {
   const double angle = radians(10), r = 0.05;
-  for (const double rate : kRates_hz) for (const int facets : {48, 96, 144}) {
-    SCOPED_TRACE(::testing::Message() << facets << " facets at " << rate << " Hz");
-    World world = world_at(rate, 4);
-    world.add_collider(incline(angle, 0.6));
-    auto body = body_of(1, cylinder_mesh(r, 0.1, facets), 0.5);
-    const Eigen::Quaterniond turn(Eigen::AngleAxisd(-angle, Vector3d::UnitZ()));
-    body.world_from_object.orientation = turn * Eigen::AngleAxisd(radians(90), Vector3d::UnitX());
-    body.world_from_object.position_m = turn * Vector3d(0, r, 0);
-    ASSERT_TRUE(world.add_rigid(body));
-    run_seconds(world, 1.0);
-    // At 4 substeps a facet or two land within each substep.
-    const double share = body_state(world, 1).velocity_m_s.norm() / rolling_prism_speed(angle, r, facets, 1.0);
-    report_gap("shapes.facetted_roll", std::abs(share - 1.0));
-    EXPECT_GT(share, 0.5);
-  }
+  for (const double rate : kRates_hz)
+    for (const int facets : {48, 96, 144}) {
+      SCOPED_TRACE(::testing::Message() << facets << " facets at " << rate << " Hz");
+      World world = world_at(rate, 4);
+      world.add_collider(incline(angle, 0.6));
+      auto body = body_of(1, cylinder_mesh(r, 0.1, facets), 0.5);
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(-angle, Vector3d::UnitZ()));
+      body.world_from_object.orientation = turn * Eigen::AngleAxisd(radians(90), Vector3d::UnitX());
+      body.world_from_object.position_m = turn * Vector3d(0, r, 0);
+      ASSERT_TRUE(world.add_rigid(body));
+      run_seconds(world, 1.0);
+      // At 4 substeps a facet or two land within each substep.
+      const double share =
+          body_state(world, 1).velocity_m_s.norm() / rolling_prism_speed(angle, r, facets, 1.0);
+      report_gap("shapes.facetted_roll", std::abs(share - 1.0));
+      EXPECT_GT(share, 0.5);
+    }
 }
 
 TEST(RigidShapes, BoxRestsOnAFieldAsOnABox) {
@@ -88,28 +91,31 @@ TEST(RigidShapes, BoxRestsOnAFieldAsOnABox) {
   const BodyState state = body_state(world, 1);
   EXPECT_TRUE(state.asleep);
   const double height = state.world_from_body.position_m.y();
-  const double nearest = std::min({std::abs(height - 0.03), std::abs(height - 0.05), std::abs(height - 0.07)});
+  const double nearest =
+      std::min({std::abs(height - 0.03), std::abs(height - 0.05), std::abs(height - 0.07)});
   EXPECT_LT(nearest, 5e-4);  // on one of its faces; the field of a flat face is exact
 }
 
 TEST(RigidShapes, FastBallDoesNotPassAFieldWall) {
-  for (const double rate : kRates_hz) for (const double speed : {3.0, 10.0, 40.0}) {
-    World world = world_at(rate, 4, Vector3d::Zero());
-    // Two cells thick: the least a field can hold.
-    world.add_collider(field_collider(box_mesh({0.8, 0.8, 0.02}), 0.01, Vector3d::Zero()));
-    auto description = ball(1, {0.05, 0.03, 0.9}, 0.03, 0.1);
-    description.velocity_m_s = {0.02 * speed, 0, -speed};
-    ASSERT_TRUE(world.add_ball(description));
-    run_seconds(world, 0.5);
-    EXPECT_GT(body_state(world, 1).world_from_body.position_m.z(), 0.0) << speed;
-  }
+  for (const double rate : kRates_hz)
+    for (const double speed : {3.0, 10.0, 40.0}) {
+      World world = world_at(rate, 4, Vector3d::Zero());
+      // Two cells thick: the least a field can hold.
+      world.add_collider(field_collider(box_mesh({0.8, 0.8, 0.02}), 0.01, Vector3d::Zero()));
+      auto description = ball(1, {0.05, 0.03, 0.9}, 0.03, 0.1);
+      description.velocity_m_s = {0.02 * speed, 0, -speed};
+      ASSERT_TRUE(world.add_ball(description));
+      run_seconds(world, 0.5);
+      EXPECT_GT(body_state(world, 1).world_from_body.position_m.z(), 0.0) << speed;
+    }
 }
 
 TEST(RigidShapes, BallInACornerStaysIn) {
   World world = world_at(60, 4);
   world.add_collider(floor_plane());
   Collider wall = floor_plane();
-  wall.world_from_collider.orientation = Eigen::AngleAxisd(radians(-90), Vector3d::UnitZ());  // solid at x <= 0
+  wall.world_from_collider.orientation =
+      Eigen::AngleAxisd(radians(-90), Vector3d::UnitZ());  // solid at x <= 0
   world.add_collider(wall);
   auto description = ball(1, {0.5, 0.05, 0}, 0.05, 0.2);
   description.velocity_m_s = {-8, 0, 0};

@@ -7,8 +7,8 @@
 #include "scenes/break_fixtures.h"
 #include "scenes/soft_fixtures.h"
 
-// Meshes that are thinner than the cells of their distance field: table tops, shelves, fins. A grid alone has no node
-// inside a board of less than a cell, and things fell through. 4 substeps.
+// Meshes that are thinner than the cells of their distance field: table tops, shelves, fins. A grid alone has
+// no node inside a board of less than a cell, and things fell through. 4 substeps.
 
 namespace livegs {
 namespace {
@@ -78,7 +78,8 @@ TEST(ThinMesh, StaticTopsOfARoomAreHeldOn) {
   for (const double rate_hz : kRates_hz) {
     for (const double thick_m : {0.02, 0.03, 0.05}) {
       for (const double angle_rad : {0.0, 0.4}) {
-        SCOPED_TRACE(::testing::Message() << thick_m << " m, turned by " << angle_rad << ", " << rate_hz << " Hz");
+        SCOPED_TRACE(::testing::Message()
+                     << thick_m << " m, turned by " << angle_rad << ", " << rate_hz << " Hz");
         TriangleMesh room = box_mesh({4.0, 0.3, 4.0});
         add(room, box_mesh({1.2, thick_m, 0.8}), {0, 0.9 - 0.5 * thick_m, 0});
         const FieldShape shape = mesh_collider(turned(room, angle_rad));
@@ -97,7 +98,8 @@ TEST(ThinMesh, StaticTopsOfARoomAreHeldOn) {
 TEST(ThinMesh, EveryBoardOfAShelfHolds) {
   constexpr double kBoard_m = 0.018, kHeight_m = 2.0;
   TriangleMesh shelf;
-  for (const double x : {-0.4, 0.4}) add(shelf, box_mesh({kBoard_m, kHeight_m, 0.3}), {x, 0.5 * kHeight_m, 0});
+  for (const double x : {-0.4, 0.4})
+    add(shelf, box_mesh({kBoard_m, kHeight_m, 0.3}), {x, 0.5 * kHeight_m, 0});
   std::vector<double> tops;
   for (int i = 0; i < 6; ++i) {
     tops.push_back(0.1 + 0.337 * i);
@@ -108,7 +110,8 @@ TEST(ThinMesh, EveryBoardOfAShelfHolds) {
   uint32_t id = 1;
   std::vector<double> half_m;
   for (const double top_m : tops) {
-    for (int thing = 0; thing < 3; ++thing) half_m.push_back(put(world, thing == 0 ? 4 : thing, id++, {0.22 * (thing - 1), top_m + 0.08, 0.0}));
+    for (int thing = 0; thing < 3; ++thing)
+      half_m.push_back(put(world, thing == 0 ? 4 : thing, id++, {0.22 * (thing - 1), top_m + 0.08, 0.0}));
   }
   run_seconds(world, 3.0);
   for (uint32_t i = 0; i < half_m.size(); ++i) {
@@ -125,7 +128,9 @@ TEST(ThinMesh, ARigidTableHoldsWhatIsPutOnIt) {
       TriangleMesh table;
       add(table, box_mesh({1.2, thick_m, 0.7}), {0, kTop_m - 0.5 * thick_m, 0});
       for (const double x : {-0.55, 0.55}) {
-        for (const double z : {-0.3, 0.3}) add(table, box_mesh({0.05, kTop_m - 1e-3 - thick_m, 0.05}), {x, 0.5 * (kTop_m - 1e-3 - thick_m), z});
+        for (const double z : {-0.3, 0.3})
+          add(table, box_mesh({0.05, kTop_m - 1e-3 - thick_m, 0.05}),
+              {x, 0.5 * (kTop_m - 1e-3 - thick_m), z});
       }
       expect_held(kTop_m, [&] {
         World world = world_at(rate_hz, 4);
@@ -154,7 +159,8 @@ TEST(ThinMesh, AFinHoldsABoard) {
         run_seconds(world, 0.25);
         // It begins to tip where its middle lies beyond the fin.
         const double tips_m = aside_m > 0.5 * wide_m ? 0.02 : 0.001;
-        EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 0.115, tips_m) << wide_m << " m, " << aside_m << " m aside";
+        EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 0.115, tips_m)
+            << wide_m << " m, " << aside_m << " m aside";
       }
     }
   }
@@ -169,7 +175,8 @@ TEST(ThinMesh, WhatFallsFromTwoMetresIsStopped) {
       world.add_collider(Collider{shape, Pose{}, 0.6, 0.0});
       put(world, thing, 7, {0.03, 2.0, 0.02});
       run_seconds(world, 1.0);
-      EXPECT_GT(body_state(world, 7).world_from_body.position_m.y(), 0.0) << kThings[thing] << ", " << rate_hz << " Hz";
+      EXPECT_GT(body_state(world, 7).world_from_body.position_m.y(), 0.0)
+          << kThings[thing] << ", " << rate_hz << " Hz";
     }
   }
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What eight full or cut cells store, in single precision and side by side, beside cell_energy of each in double.
+// What eight full or cut cells store, in single precision and side by side, beside cell_energy of each in
+// double.
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>
 #include <random>
 #include <vector>
 
-#include "physics/elastic/cells/kernels/cell_kernels.h"
 #include "physics/elastic/cells/cell_stiffness.h"
+#include "physics/elastic/cells/kernels/cell_kernels.h"
 #include "physics/motion/free_rotation.h"
 
 namespace livegs::test {
@@ -32,7 +33,8 @@ Vector3d corner_m(int c) {
 }
 
 // By the rotation of a singular value decomposition: nothing of what is tested.
-double energy_of(const LatticeCell& cell, const std::array<Vector3d, 8>& corners, const IsotropicMaterial& material) {
+double energy_of(const LatticeCell& cell, const std::array<Vector3d, 8>& corners,
+                 const IsotropicMaterial& material) {
   const auto gradients = trilinear_gradients(cell.centroid, kWidth_m);
   Matrix3d f = Matrix3d::Zero();
   std::array<Vector3d, kModeCount> modes;
@@ -44,7 +46,8 @@ double energy_of(const LatticeCell& cell, const std::array<Vector3d, 8>& corners
   const Eigen::JacobiSVD<Matrix3d> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Matrix3d r = svd.matrixU() * svd.matrixV().transpose(), s = r.transpose() * f;
   for (Vector3d& mode : modes) mode = r.transpose() * mode;
-  return cell_energy(cell, kWidth_m, material, 0.5 * (s + s.transpose()) - Matrix3d::Identity(), f.determinant(), modes);
+  return cell_energy(cell, kWidth_m, material, 0.5 * (s + s.transpose()) - Matrix3d::Identity(),
+                     f.determinant(), modes);
 }
 
 TEST(CellEnergy, OfEightFullCellsIsThatOfEach) {
@@ -71,10 +74,11 @@ TEST(CellEnergy, OfEightFullCellsIsThatOfEach) {
       std::array<Vector3d, 8> corners;
       for (int c = 0; c < 8; ++c) {
         const Vector3d noise(normal(random), normal(random), normal(random));
-        corners[c] = Vector3d(0.1, -0.2, 0.05) + rotation * (stretch * corner_m(c) + 0.1 * strain * kWidth_m * noise);
+        corners[c] =
+            Vector3d(0.1, -0.2, 0.05) + rotation * (stretch * corner_m(c) + 0.1 * strain * kWidth_m * noise);
         cells.nodes[c][lane] = static_cast<uint32_t>(nodes.size());
         nodes.push_back(NodeLanes{static_cast<float>(corners[c].x()), static_cast<float>(corners[c].y()),
-                         static_cast<float>(corners[c].z()), lane < kUsed ? 5.0f : 0.0f});
+                                  static_cast<float>(corners[c].z()), lane < kUsed ? 5.0f : 0.0f});
       }
       // Kept from the step before: a little off.
       const Eigen::Quaterniond kept = rotation_exp(turn + Vector3d::Constant(0.02));
@@ -82,7 +86,8 @@ TEST(CellEnergy, OfEightFullCellsIsThatOfEach) {
       for (int k = 0; k < 4; ++k) cells.rotation[k][lane] = static_cast<float>(q[k]);
       if (lane < kUsed) sum_j += energy_of(full_cell(), corners, material);
     }
-    const double found_j = full_cell_energy(&cells, &cells + 1, nodes.data(), moduli, static_cast<float>(0.25 / kWidth_m));
+    const double found_j =
+        full_cell_energy(&cells, &cells + 1, nodes.data(), moduli, static_cast<float>(0.25 / kWidth_m));
     // Coordinates of 0.2 m are known to 1.5e-8 m, a strain of 1e-6: twice that over the strain in the energy.
     EXPECT_NEAR(found_j / sum_j, 1.0, 3e-6 / strain + 1e-5) << strain;
   }
@@ -112,7 +117,8 @@ TEST(CellEnergy, OfEightCutCellsIsThatOfEach) {
       std::array<Vector3d, 8> corners;
       for (int c = 0; c < 8; ++c) {
         const Vector3d noise(normal(random), normal(random), normal(random));
-        corners[c] = Vector3d(0.1, -0.2, 0.05) + rotation_exp(turn) * (stretch * corner_m(c) + 0.1 * strain * kWidth_m * noise);
+        corners[c] = Vector3d(0.1, -0.2, 0.05) +
+                     rotation_exp(turn) * (stretch * corner_m(c) + 0.1 * strain * kWidth_m * noise);
         cells.nodes[c][lane] = static_cast<uint32_t>(nodes.size());
         nodes.push_back(NodeLanes{static_cast<float>(corners[c].x()), static_cast<float>(corners[c].y()),
                                   static_cast<float>(corners[c].z()), 5.0f});

@@ -35,8 +35,8 @@ TEST(ElasticBudget, WhatFitsGetsWhatItAsksFor) {
   EXPECT_TRUE(std::isinf(fair_share({}, kMaxNodeSubsteps)));
 }
 
-// Ten sheets of which each would take nearly all of a frame: together they take no more than one did. Small things beside
-// them keep their cells.
+// Ten sheets of which each would take nearly all of a frame: together they take no more than one did. Small
+// things beside them keep their cells.
 TEST(ElasticBudget, TenSheetsShareAFrameAndTheSmallKeepTheirs) {
   std::vector<ResolutionRequest> requests(10, sheet());
   const double alone = choose_resolution(sheet()).node_substeps;
@@ -50,7 +50,8 @@ TEST(ElasticBudget, TenSheetsShareAFrameAndTheSmallKeepTheirs) {
     sum += resolution.node_substeps;
   }
   EXPECT_LE(sum, kMaxNodeSubsteps);
-  EXPECT_GT(sum, kMaxNodeSubsteps / (1.2 * 1.2 * 1.2));  // what is there is used, as far as steps of 1.2 in width allow
+  EXPECT_GT(sum, kMaxNodeSubsteps /
+                     (1.2 * 1.2 * 1.2));  // what is there is used, as far as steps of 1.2 in width allow
   EXPECT_GT(with_share(sheet(), share).cell_width_m, choose_resolution(sheet()).cell_width_m);
   EXPECT_EQ(with_share(cube(1e4), share).cell_width_m, choose_resolution(cube(1e4)).cell_width_m);
   EXPECT_EQ(with_share(cube(1e4), share).substeps, choose_resolution(cube(1e4)).substeps);

@@ -48,13 +48,14 @@ TEST(ElasticContact, DroppedCubeNeverGainsEnergyNorSinks) {
 }
 
 TEST(ElasticContact, SoftBlockComesToRestAtItsStaticHeightAndSleeps) {
-  // At nu 0 a column under its weight moves down by rho g (H y - y²/2) / E at height y; its centre of mass by the mean
-  // of that, rho g H² / 3E.
+  // At nu 0 a column under its weight moves down by rho g (H y - y²/2) / E at height y; its centre of mass by
+  // the mean of that, rho g H² / 3E.
   const double height = 0.2, stiffness = 5e4;
   Stage stage;
   stage.gravity_m_s2 = kGravity;
   stage.add_floor(0.0);
-  ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(height), 0.025), stiffness, 0.0, 0.05);
+  ElasticBodyDescription block =
+      describe(particle_grid(Vector3d::Constant(height), 0.025), stiffness, 0.0, 0.05);
   block.material.loss_factor = 0.5;
   block.world_from_object.position_m = {0, 0.15, 0};
   stage.make(block, ElasticSolver::Cells, true);
@@ -124,15 +125,15 @@ TEST(ElasticContact, BallGivesWhatTheBodyGets) {
   const Vector3d momentum = stage.body->energy(kNoGravity).linear_momentum;
   // The ledger is exact; nodes are single precision: 1e-7 of 0.6 kg m/s.
   EXPECT_NEAR((momentum + given).norm(), 0.0, 1e-7);
-  EXPECT_GT(momentum.x(), -0.2 * 3 * 2.0);            // no more than a perfect rebound gives
+  EXPECT_GT(momentum.x(), -0.2 * 3 * 2.0);  // no more than a perfect rebound gives
   EXPECT_LT(momentum.x(), -0.2 * 3 * 0.8);
-  EXPECT_GT(ball.velocity_m_s.x(), -0.6);             // stopped or thrown back: 0.2 kg on 1 kg
+  EXPECT_GT(ball.velocity_m_s.x(), -0.6);  // stopped or thrown back: 0.2 kg on 1 kg
   EXPECT_TRUE(all_finite(*stage.body));
 }
 
 TEST(ElasticContact, PlacedDeepInTheFloorItComesOutSlowly) {
-  // Half below, and all of it but a tenth. Rigid boxes part below 3 m/s; a point inside comes out at no more than the push
-  // speed, and what the squeeze stored adds to that.
+  // Half below, and all of it but a tenth. Rigid boxes part below 3 m/s; a point inside comes out at no more
+  // than the push speed, and what the squeeze stored adds to that.
   struct Case {
     double size_m, young_modulus_pa;
   };
@@ -142,7 +143,8 @@ TEST(ElasticContact, PlacedDeepInTheFloorItComesOutSlowly) {
       stage.substeps = 4;
       stage.gravity_m_s2 = kGravity;
       stage.add_floor(0.5);
-      ElasticBodyDescription cube = describe(particle_grid(Vector3d::Constant(size), size / 8), stiffness, 0.3, size / 4);
+      ElasticBodyDescription cube =
+          describe(particle_grid(Vector3d::Constant(size), size / 8), stiffness, 0.3, size / 4);
       cube.world_from_object.position_m = {0, (above - 0.5) * size, 0};
       stage.make(cube);
       double fastest_m_s = 0.0;
@@ -152,7 +154,8 @@ TEST(ElasticContact, PlacedDeepInTheFloorItComesOutSlowly) {
       }
       EXPECT_LT(fastest_m_s, 3.0) << size << ' ' << above << ' ' << stiffness;
       // Out: the middle of a column sags by 3 rho g H / 8E, .123 of its height for the softest.
-      EXPECT_GT(stage.body->centre_pose().position_m.y(), 0.35 * size) << size << ' ' << above << ' ' << stiffness;
+      EXPECT_GT(stage.body->centre_pose().position_m.y(), 0.35 * size)
+          << size << ' ' << above << ' ' << stiffness;
     }
   }
 }

@@ -64,19 +64,22 @@ TEST(ElasticDynamics, SpinningFreeBallKeepsItsMomentum) {
       for (int frame = 0; frame < 10 * rate_hz; ++frame) {
         stage.frame();
         most = std::max(most, stage.total_energy_j());
-        if (frame == rate_hz / 2) settled = stage.total_energy_j();  // it bulges at first, which moves energy into vibration
+        if (frame == rate_hz / 2)
+          settled = stage.total_energy_j();  // it bulges at first, which moves energy into vibration
       }
       const double drift = (stage.body->energy(kNoGravity).linear_momentum - linear).norm() / linear.norm();
       EXPECT_LT(drift, 1e-6) << rate_hz << " Hz at " << place.transpose();
-      EXPECT_LT((spin_momentum() - spin).norm() / spin.norm(), 1e-3) << rate_hz << " Hz at " << place.transpose();
+      EXPECT_LT((spin_momentum() - spin).norm() / spin.norm(), 1e-3)
+          << rate_hz << " Hz at " << place.transpose();
       EXPECT_LT(most / start, 1.01) << rate_hz << " Hz at " << place.transpose();
       EXPECT_GT(stage.total_energy_j() / settled, 0.99) << rate_hz << " Hz at " << place.transpose();
     }
   }
 }
 
-// A loss factor eta takes 2 pi eta of the energy a cycle, of the lowest mode, in a bar half as thick as long the axial
-// one: stretched by a hundredth and let go it swings with the period 2 L / c. Four periods, the numerical damping of a second-order step beside it: 10 %.
+// A loss factor eta takes 2 pi eta of the energy a cycle, of the lowest mode, in a bar half as thick as long
+// the axial one: stretched by a hundredth and let go it swings with the period 2 L / c. Four periods, the
+// numerical damping of a second-order step beside it: 10 %.
 TEST(ElasticDynamics, LossFactorIsTheDampingOfTheLowestMode) {
   for (const double loss_factor : {0.05, 0.1}) {
     for (const double rate_hz : kRates_hz) {

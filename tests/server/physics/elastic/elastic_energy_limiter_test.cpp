@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limp things beyond the law that the sweep was made for: with gravity and a floor alone none of them gains energy
-// (cells_bounded.cpp), and each still is where such a thing may be.
+// Limp things beyond the law that the sweep was made for: with gravity and a floor alone none of them gains
+// energy (cells_bounded.cpp), and each still is where such a thing may be.
 #include "geometry/field/sample_particles.h"
 #include "geometry/surface/shape_mesh.h"
 #include "known_gaps.h"
@@ -13,8 +13,8 @@ class ElasticBounded : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Rates, ElasticBounded, testing::ValuesIn(rates_hz()),
                          [](const auto& one) { return rate_name(one.param); });
 
-// Half a side times the spin is up to fourteen times the speed of its waves: nothing holds it together then but its inertia.
-// Before its energy was bounded a sheet of 1 kPa had 1.2e4 times what it started with.
+// Half a side times the spin is up to fourteen times the speed of its waves: nothing holds it together then
+// but its inertia. Before its energy was bounded a sheet of 1 kPa had 1.2e4 times what it started with.
 TEST_P(ElasticBounded, LimpSheetsSpinOn) {
   constexpr double kGain = 1.01;
   for (const double thickness_m : gate_or_full<double>({0.002}, {0.002, 0.006})) {
@@ -22,8 +22,10 @@ TEST_P(ElasticBounded, LimpSheetsSpinOn) {
       for (const double poisson_ratio : {0.3, 0.49}) {
         for (const double spin_rad_s : gate_or_full<double>({30.0}, {10.0, 30.0})) {
           if (stiffness < 1e3 && poisson_ratio > 0.45) continue;  // 1.2 times its energy, 2 mm thick
-          SCOPED_TRACE(testing::Message() << thickness_m << " m, " << stiffness << " Pa, nu " << poisson_ratio << ", " << spin_rad_s << " rad/s");
-          ElasticBodyDescription sheet = describe(sample_particles(box_mesh({0.3, 0.3, thickness_m})), stiffness, poisson_ratio);
+          SCOPED_TRACE(testing::Message() << thickness_m << " m, " << stiffness << " Pa, nu " << poisson_ratio
+                                          << ", " << spin_rad_s << " rad/s");
+          ElasticBodyDescription sheet =
+              describe(sample_particles(box_mesh({0.3, 0.3, thickness_m})), stiffness, poisson_ratio);
           sheet.material.loss_factor = 0.1;  // the default
           sheet.angular_velocity_rad_s = spin_rad_s * Vector3d(0.3, 1.0, 0.2).normalized();
           Stage stage;
@@ -34,13 +36,15 @@ TEST_P(ElasticBounded, LimpSheetsSpinOn) {
           for (int frame = 0; frame < 4.0 * stage.rate_hz; ++frame) {
             stage.frame();
             const BodyEnergy now = stage.body->energy(Vector3d::Zero());
-            most_turned = std::max(most_turned, (now.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm());
+            most_turned = std::max(most_turned, (now.angular_momentum - before.angular_momentum).norm() /
+                                                    before.angular_momentum.norm());
             most_j = std::max(most_j, now.kinetic_j + now.elastic_j);
           }
           report_gap("bounded.spin_momentum", most_turned);
           const double gain = most_j / (before.kinetic_j + before.elastic_j);
           if (poisson_ratio > 0.45) {
-            report_gap("bounded.rubber_spin_energy", gain);  // rubber of nu 0.49 that is far beyond its law winds up
+            report_gap("bounded.rubber_spin_energy",
+                       gain);  // rubber of nu 0.49 that is far beyond its law winds up
           } else {
             EXPECT_LT(gain, kGain);
           }
@@ -57,13 +61,16 @@ TEST_P(ElasticBounded, SoftRubberLandsWithWhatItFell) {
     TriangleMesh mesh;
     double stiffness_pa, density_kg_m3;
   };
-  const std::vector<Thing> things{{box_mesh({0.3, 0.3, 0.003}), 3e3, 1000}, {box_mesh({0.3, 0.3, 0.006}), 1e3, 1000},
-                                  {box_mesh({0.3, 0.3, 0.012}), 3e3, 1000}, {box_mesh({0.3, 0.3, 0.012}), 1e4, 1000},
+  const std::vector<Thing> things{{box_mesh({0.3, 0.3, 0.003}), 3e3, 1000},
+                                  {box_mesh({0.3, 0.3, 0.006}), 1e3, 1000},
+                                  {box_mesh({0.3, 0.3, 0.012}), 3e3, 1000},
+                                  {box_mesh({0.3, 0.3, 0.012}), 1e4, 1000},
                                   {box_mesh({1.3, 0.08, 0.07}), 1.2e4, 120}};
   for (const Thing& thing : things) {
     for (const double poisson_ratio : gate_or_full<double>({0.49}, {0.45, 0.47, 0.49})) {
       SCOPED_TRACE(testing::Message() << &thing - things.data() << ", nu " << poisson_ratio);
-      ElasticBodyDescription body = describe(sample_particles(thing.mesh), thing.stiffness_pa, poisson_ratio, 0.0, thing.density_kg_m3);
+      ElasticBodyDescription body =
+          describe(sample_particles(thing.mesh), thing.stiffness_pa, poisson_ratio, 0.0, thing.density_kg_m3);
       body.material.loss_factor = 0.1;
       body.world_from_object.position_m = {0, 1.0, 0};
       body.world_from_object.orientation = Eigen::AngleAxisd(0.8, Vector3d(0.2, 0.1, 1.0).normalized());
@@ -85,8 +92,9 @@ TEST_P(ElasticBounded, SoftRubberLandsWithWhatItFell) {
   }
 }
 
-// 100 N, 85 weights of it, at the end of a strip of 100 kPa that a clamp holds: strain 3.3 of its section. What a hand draws out
-// so far slips from it; it went on pulling where cells draw themselves back, and leaves were drawn out to 120 times their size.
+// 100 N, 85 weights of it, at the end of a strip of 100 kPa that a clamp holds: strain 3.3 of its section.
+// What a hand draws out so far slips from it; it went on pulling where cells draw themselves back, and leaves
+// were drawn out to 120 times their size.
 TEST_P(ElasticBounded, AHandSlipsOffWhatItDrawsOut) {
   ElasticBodyDescription strip = describe(sample_particles(box_mesh({0.4, 0.003, 0.1})), 1e5, 0.3);
   strip.material.loss_factor = 0.1;
@@ -108,8 +116,8 @@ TEST_P(ElasticBounded, AHandSlipsOffWhatItDrawsOut) {
     most_j = std::max(most_j, now.kinetic_j + now.elastic_j);
   }
   EXPECT_GT(farthest_m, 0.25);  // it is pulled
-  EXPECT_LT(farthest_m, 1.6);   // four times its length from the clamp, which is 1.2 m, and what swings beyond
-  EXPECT_LT(most_j, 60.0);      // strain 3 everywhere has E V 9 / 2 = 54 J
+  EXPECT_LT(farthest_m, 1.6);  // four times its length from the clamp, which is 1.2 m, and what swings beyond
+  EXPECT_LT(most_j, 60.0);     // strain 3 everywhere has E V 9 / 2 = 54 J
   stage.forces.clear();
   stage.run(5.0);
   EXPECT_LT((stage.body->world_point({0.2, 0, 0}) - Vector3d(-0.15, 0, 0)).norm(), 0.36);

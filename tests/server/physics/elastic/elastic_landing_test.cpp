@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Soft things of several forms, dropped flat and tilted, as a scene samples them: what they have left after each landing,
-// and that they come to rest.
+// Soft things of several forms, dropped flat and tilted, as a scene samples them: what they have left after
+// each landing, and that they come to rest.
 #include "geometry/field/sample_particles.h"
 #include "geometry/surface/shape_mesh.h"
 #include "known_gaps.h"
@@ -27,8 +27,8 @@ class ElasticDrop : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Rates, ElasticDrop, testing::ValuesIn(rates_hz()),
                          [](const auto& one) { return rate_name(one.param); });
 
-// While it is struck it takes shorter steps (CellsBody::in_impact): with its own ones it read up to seven times its energy
-// in a touch, and rubber of nu 0.49 left the floor with 2.6 times what it fell with.
+// While it is struck it takes shorter steps (CellsBody::in_impact): with its own ones it read up to seven
+// times its energy in a touch, and rubber of nu 0.49 left the floor with 2.6 times what it fell with.
 TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
   constexpr double kAsleep_s = 12.0, kSoon_s = 3.0;
   int cases = 0, soon = 0, sleeping = 0;
@@ -52,7 +52,8 @@ TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
           stage.frame();
           asleep_s = frame / stage.rate_hz;
           double lowest_m = INFINITY;
-          for (const ParticleState& particle : stage.body->particles()) lowest_m = std::min(lowest_m, particle.position_m.y());
+          for (const ParticleState& particle : stage.body->particles())
+            lowest_m = std::min(lowest_m, particle.position_m.y());
           const bool flew = std::exchange(flies, lowest_m > kNear_m);
           const double total_j = stage.total_energy_j();
           if (!flies) in_touch_j = std::max(in_touch_j, total_j);
@@ -69,7 +70,8 @@ TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
       }
     }
   }
-  // Stiff ones bounce for longer than that by their loss factor; one in fifty goes on rocking on a few points by 5 mm/s.
+  // Stiff ones bounce for longer than that by their loss factor; one in fifty goes on rocking on a few points
+  // by 5 mm/s.
   report_gap("landing.asleep_within_3_s", static_cast<double>(soon) / cases);
   report_gap("landing.asleep_within_12_s", static_cast<double>(sleeping) / cases);
 }
@@ -82,15 +84,17 @@ TEST_P(ElasticDrop, AtItsSpeedOfSoundItGainsNothing) {
       for (const double nu : gate_or_full<double>({0.3, 0.49}, {0.3, 0.45, 0.49})) {
         for (const double tilt_rad : gate_or_full<double>({0.5}, {0.0, 0.5})) {
           for (const double mach : gate_or_full<double>({0.6, 1.3}, {0.2, 0.6, 1.0, 1.3})) {
-            SCOPED_TRACE(testing::Message() << thing.name << ", tilt " << tilt_rad << ", " << stiffness << " Pa, nu " << nu
-                                            << " at " << mach << " of its waves");
+            SCOPED_TRACE(testing::Message() << thing.name << ", tilt " << tilt_rad << ", " << stiffness
+                                            << " Pa, nu " << nu << " at " << mach << " of its waves");
             Stage stage;
             stage.rate_hz = GetParam();
             stage.gravity_m_s2 = kGravity;
             stage.add_floor(0.5);
             ElasticBodyDescription body = describe(sample_particles(thing.mesh), stiffness, nu);
             body.material.loss_factor = 0.1;
-            body.world_from_object = {{0, 0.13, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(tilt_rad, Vector3d(1, 0, 0.5).normalized()))};
+            body.world_from_object = {
+                {0, 0.13, 0},
+                Eigen::Quaterniond(Eigen::AngleAxisd(tilt_rad, Vector3d(1, 0, 0.5).normalized()))};
             body.velocity_m_s = {0, -mach * std::sqrt(stiffness / 1000.0), 0};
             stage.make(body, ElasticSolver::Cells, true);
             const double start_j = stage.total_energy_j();
@@ -98,7 +102,8 @@ TEST_P(ElasticDrop, AtItsSpeedOfSoundItGainsNothing) {
             for (int frame = 0; frame < stage.rate_hz; ++frame) {
               stage.frame();
               double lowest_m = INFINITY;
-              for (const ParticleState& particle : stage.body->particles()) lowest_m = std::min(lowest_m, particle.position_m.y());
+              for (const ParticleState& particle : stage.body->particles())
+                lowest_m = std::min(lowest_m, particle.position_m.y());
               double& most_j = lowest_m > kNear_m ? in_flight_j : in_touch_j;
               most_j = std::max(most_j, stage.total_energy_j());
             }
@@ -111,8 +116,8 @@ TEST_P(ElasticDrop, AtItsSpeedOfSoundItGainsNothing) {
   }
 }
 
-// It used to rock and turn for minutes: by one sweep of a fixed order a body pressed flat gets some energy, which
-// its own damping does not see when it rolls slowly. Rolling friction (cells_rolling.cpp) takes it.
+// It used to rock and turn for minutes: by one sweep of a fixed order a body pressed flat gets some energy,
+// which its own damping does not see when it rolls slowly. Rolling friction (cells_rolling.cpp) takes it.
 TEST_P(ElasticDrop, ASoftBallThatIsLaidDownSleepsWhereItLies) {
   for (const double friction : {0.0, 0.5}) {
     for (const double loss_factor : {0.1, 0.5}) {
@@ -132,8 +137,8 @@ TEST_P(ElasticDrop, ASoftBallThatIsLaidDownSleepsWhereItLies) {
   }
 }
 
-// Down a slope it still rolls, less than a rigid ball: 5/7 g sin(angle) is without friction of rolling. Between its points,
-// 6 degrees apart, it lies flat.
+// Down a slope it still rolls, less than a rigid ball: 5/7 g sin(angle) is without friction of rolling.
+// Between its points, 6 degrees apart, it lies flat.
 TEST_P(ElasticDrop, ABallRollsDownASlope) {
   constexpr double kRadius_m = 0.05, kAngle = 0.3;
   for (const double stiffness : {1e5, 1e6}) {
@@ -162,14 +167,16 @@ const std::vector<Dropped>& thin() {
   return all;
 }
 
-// A sheet folds over a radius of its own cells as a matter of course. Taken for a cell pulled out of all proportion, a mat
-// that fell from 0.6 m had 1e22 times its energy after 2.5 s; taken for a tangle, what lay folded was pulled straight.
+// A sheet folds over a radius of its own cells as a matter of course. Taken for a cell pulled out of all
+// proportion, a mat that fell from 0.6 m had 1e22 times its energy after 2.5 s; taken for a tangle, what lay
+// folded was pulled straight.
 TEST_P(ElasticDrop, ThinThingsGainNothing) {
   for (const Dropped& thing : thin()) {
     for (const double poisson_ratio : gate_or_full<double>({0.49}, {0.3, 0.45, 0.49})) {
       for (const double stiffness : gate_or_full<double>({1e6}, {1e5, 1e6})) {
         for (const double tilt_rad : gate_or_full<double>({0.3, 1.5}, {0.3, 0.8, 1.5})) {
-          SCOPED_TRACE(testing::Message() << thing.name << ", nu " << poisson_ratio << ", tilt " << tilt_rad << ", " << stiffness << " Pa");
+          SCOPED_TRACE(testing::Message() << thing.name << ", nu " << poisson_ratio << ", tilt " << tilt_rad
+                                          << ", " << stiffness << " Pa");
           Stage stage;
           stage.rate_hz = GetParam();
           stage.gravity_m_s2 = kGravity;
@@ -187,7 +194,8 @@ TEST_P(ElasticDrop, ThinThingsGainNothing) {
             rise_j = std::max(rise_j, now_j - least_j);
             least_j = std::min(least_j, now_j);
           }
-          report_gap("landing.thin_energy", 1.0 + rise_j / start_j);  // the most: a mat that lands on its edge
+          report_gap("landing.thin_energy",
+                     1.0 + rise_j / start_j);  // the most: a mat that lands on its edge
           EXPECT_LT(rise_j, 0.5 * start_j);
         }
       }
@@ -195,14 +203,16 @@ TEST_P(ElasticDrop, ThinThingsGainNothing) {
   }
 }
 
-// Free, for five seconds. Untangling used to set the old spin to a new shape, and took what is bent by its spin for tangled.
+// Free, for five seconds. Untangling used to set the old spin to a new shape, and took what is bent by its
+// spin for tangled.
 TEST_P(ElasticDrop, ThinAndSoftThingsSpinOn) {
   std::vector<Dropped> things = thin();
   things.push_back({"bar of 1 kPa", box_mesh({0.4, 0.05, 0.05})});
   for (const Dropped& thing : things) {
     for (const double spin_rad_s : gate_or_full<double>({10.0}, {5.0, 10.0})) {
       SCOPED_TRACE(testing::Message() << thing.name << ", " << spin_rad_s << " rad/s");
-      ElasticBodyDescription body = describe(sample_particles(thing.mesh), &thing == &things.back() ? 1e3 : 1e6, 0.3);
+      ElasticBodyDescription body =
+          describe(sample_particles(thing.mesh), &thing == &things.back() ? 1e3 : 1e6, 0.3);
       body.material.loss_factor = 0.0;
       body.angular_velocity_rad_s = spin_rad_s * Vector3d(1.0, 0.3, 0.2).normalized();
       Stage stage;
@@ -212,7 +222,9 @@ TEST_P(ElasticDrop, ThinAndSoftThingsSpinOn) {
       for (int frame = 0; frame < 5.0 * stage.rate_hz; ++frame) {
         stage.frame();
         const BodyEnergy now = stage.body->energy(Vector3d::Zero());
-        ASSERT_LT((now.angular_momentum - before.angular_momentum).norm(), 1e-3 * before.angular_momentum.norm()) << frame;
+        ASSERT_LT((now.angular_momentum - before.angular_momentum).norm(),
+                  1e-3 * before.angular_momentum.norm())
+            << frame;
         ASSERT_LT(now.kinetic_j + now.elastic_j, 1.01 * (before.kinetic_j + before.elastic_j)) << frame;
       }
     }

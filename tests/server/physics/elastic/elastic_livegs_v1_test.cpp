@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The baseline is kept as the paper has it, its known defects included: the blend is no stiffness (physics.md 0), and
-// plastic flow goes by the substep.
+// The baseline is kept as the paper has it, its known defects included: the blend is no stiffness (physics.md
+// 0), and plastic flow goes by the substep.
 #include "physics/elastic/livegs_v1/livegs_v1_plasticity.h"
 #include "scenes/elastic_bodies.h"
 
@@ -27,8 +27,9 @@ double strain_of_middle(const ElasticBody& body) {
   return (body.world_point(half) - body.world_point(other)).norm() / 0.175 - 1.0;
 }
 
-// A bar with d_R = 0.5, held by its first layer and pulled at the far end to about 0.5 %. Damped, which statics do not
-// show: the rate is twice the frequency of the lowest bending mode, so stretch decays by e in one radian of that.
+// A bar with d_R = 0.5, held by its first layer and pulled at the far end to about 0.5 %. Damped, which
+// statics do not show: the rate is twice the frequency of the lowest bending mode, so stretch decays by e in
+// one radian of that.
 double apparent_modulus_pa(ElasticSolver solver, int substeps, double* predicted_pa = nullptr) {
   Stage stage;
   stage.substeps = substeps;
@@ -46,9 +47,10 @@ double apparent_modulus_pa(ElasticSolver solver, int substeps, double* predicted
 }
 
 TEST(LivegsV1, ApparentStiffnessGrowsAThousandfoldWithTheSubsteps) {
-  // The paper's table calls d_R = 0.5 "1 MPa". At rest a particle's own step is h² times its load, so what the bar
-  // shows is exactly as 1/h²: d_R rho s²/h². At 25 mm and 60 Hz 1.12, 18.0, 288 and 4606 kPa were measured for 1, 4, 16
-  // and 64 substeps; physics.md 0 has 1.4 (at a large strain), 18.8, 291 and 4600. Bar 1 %: 0.1 % is left to settle.
+  // The paper's table calls d_R = 0.5 "1 MPa". At rest a particle's own step is h² times its load, so what
+  // the bar shows is exactly as 1/h²: d_R rho s²/h². At 25 mm and 60 Hz 1.12, 18.0, 288 and 4606 kPa were
+  // measured for 1, 4, 16 and 64 substeps; physics.md 0 has 1.4 (at a large strain), 18.8, 291 and 4600. Bar
+  // 1 %: 0.1 % is left to settle.
   const int counts[] = {1, 4, 16, 64};
   double found_pa[4];
   for (int i = 0; i < 4; ++i) {
@@ -63,8 +65,9 @@ TEST(LivegsV1, ApparentStiffnessGrowsAThousandfoldWithTheSubsteps) {
 }
 
 TEST(LivegsV1Steady, ApparentStiffnessSettlesWithTheSubsteps) {
-  // rho s² / (1/omega² + h²), omega² = 240² for d_R = 0.5: 36 kPa in the end. Measured 2.12, 18.0, 33.9 and 35.8 kPa
-  // for 1, 4, 16 and 64 substeps; physics.md 0 has 18.8, 34.2 and 35.9 from 4 on. Bar 1 % of the closed form.
+  // rho s² / (1/omega² + h²), omega² = 240² for d_R = 0.5: 36 kPa in the end. Measured 2.12, 18.0, 33.9
+  // and 35.8 kPa for 1, 4, 16 and 64 substeps; physics.md 0 has 18.8, 34.2 and 35.9 from 4 on. Bar 1 % of the
+  // closed form.
   const int counts[] = {1, 4, 16, 64};
   double found_pa[4];
   for (int i = 0; i < 4; ++i) {
@@ -76,7 +79,8 @@ TEST(LivegsV1Steady, ApparentStiffnessSettlesWithTheSubsteps) {
     EXPECT_NEAR(predicted_pa / closed_pa, 1.0, 1e-12);
     EXPECT_NEAR(found_pa[i] / closed_pa, 1.0, 0.01) << counts[i];
   }
-  // 6 % from 16 to 64 substeps, where the literal blend grows sixteenfold; at the paper's own step they are one.
+  // 6 % from 16 to 64 substeps, where the literal blend grows sixteenfold; at the paper's own step they are
+  // one.
   EXPECT_NEAR(found_pa[3] / found_pa[2], 1.0, 0.07);
   EXPECT_NEAR(found_pa[1] / apparent_modulus_pa(ElasticSolver::LivegsV1, 4), 1.0, 1e-9);
 }
@@ -88,7 +92,8 @@ TEST(LivegsV1, RigidPlacementIsRestAndFallsLikeTheScheme) {
     stage.gravity_m_s2 = kGravity;
     ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e6, 0.3);
     block.material.loss_factor = 0.3;
-    block.world_from_object.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3d(1, 1, 0).normalized()));
+    block.world_from_object.orientation =
+        Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Vector3d(1, 1, 0).normalized()));
     stage.make(block, solver);
     stage.run(1.0);
     const double h = stage.substep_s();
@@ -98,9 +103,9 @@ TEST(LivegsV1, RigidPlacementIsRestAndFallsLikeTheScheme) {
 }
 
 TEST(LivegsV1, LossFactorDampsTheLowestModeByItsOwnFrequency) {
-  // A free bar let go from 2 % of stretch: a rate c on velocities takes exp(-c t / 2) of the amplitude, with c the loss
-  // factor times the angular frequency of the lowest axial mode, pi / L sqrt(E / rho) of the modulus it shows.
-  // 16 substeps, so that the scheme's own damping, in both runs, leaves something to see.
+  // A free bar let go from 2 % of stretch: a rate c on velocities takes exp(-c t / 2) of the amplitude, with
+  // c the loss factor times the angular frequency of the lowest axial mode, pi / L sqrt(E / rho) of the
+  // modulus it shows. 16 substeps, so that the scheme's own damping, in both runs, leaves something to see.
   const auto stretch_after = [](double loss_factor, double& c) {
     Stage stage;
     stage.substeps = 16;
@@ -154,7 +159,8 @@ TEST(LivegsV1Plasticity, FollowsThePapersRule) {
 TEST(LivegsV1Regions, TractionOfAFreeBodyIsItsForce) {
   // Half of the upper face of a block, a deep region: p A / m, whatever the layers in it.
   Stage stage;
-  // Next to no stiffness: goals averaged over unlike counts of clusters keep no momentum, another thing the paper has.
+  // Next to no stiffness: goals averaged over unlike counts of clusters keep no momentum, another thing the
+  // paper has.
   ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e-9, 0.0);
   block.regions.push_back(box("upper", {0, 0.02, -0.05}, {0.05, 0.06, 0.05}));
   block.regions[0].traction_pa = {3, -7, 2};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 25 and 26 of physics.md by the hundred: starts from which nothing local says where up is. Rest shape to 1e-3
-// of the body's longest side; a block within 2 s, a leaf and a cord within 20 periods of their lowest mode at loss
-// factor 0.2 (elastic-study.md 6), at each rate. LIVEGS_RECOVERY_SEEDS=1000 runs as many of each:
-// recovery_thousand, nightly; LIVEGS_RECOVERY_CSV names a file to which the counts are added
+// Scenes 25 and 26 of physics.md by the hundred: starts from which nothing local says where up is. Rest shape
+// to 1e-3 of the body's longest side; a block within 2 s, a leaf and a cord within 20 periods of their lowest
+// mode at loss factor 0.2 (elastic-study.md 6), at each rate. LIVEGS_RECOVERY_SEEDS=1000 runs as many of
+// each: recovery_thousand, nightly; LIVEGS_RECOVERY_CSV names a file to which the counts are added
 // (tests/bench/results/<machine>/recovery.csv).
 #include <algorithm>
 #include <cstdlib>
@@ -50,24 +50,28 @@ TEST_P(ScrambledBody, ComesBackToItsRestShape) {
   const bool compact = r.size_m.minCoeff() == r.size_m.maxCoeff();
   const double seconds = compact ? 2.0 : twenty_periods_s(r.size_m, r.youngs_modulus_pa);
   int wound = 0, inverted = 0;
-  for (const double rate_hz : kRates_hz) for (int seed = 1; seed <= seeds; ++seed) {
-    ElasticBodyDescription body = describe(particle_grid(r.size_m, 0.0125), r.youngs_modulus_pa, 0.3, 0.025);
-    body.material.loss_factor = 0.2;
-    body.cells.scramble = static_cast<uint64_t>(seed);
-    Stage stage;
-    stage.rate_hz = rate_hz;
-    stage.make(body);
-    stage.run(seconds);
-    ASSERT_TRUE(all_finite(*stage.body)) << "seed " << seed;
-    if (rms_distance_from_rest_shape(*stage.body, body.particles) < 1e-3 * r.size_m.maxCoeff()) continue;
-    bool upright = true;
-    for (const ParticleState& p : stage.body->particles()) upright = upright && p.deformation_gradient.determinant() > 0;
-    ++(upright ? wound : inverted);
-  }
+  for (const double rate_hz : kRates_hz)
+    for (int seed = 1; seed <= seeds; ++seed) {
+      ElasticBodyDescription body =
+          describe(particle_grid(r.size_m, 0.0125), r.youngs_modulus_pa, 0.3, 0.025);
+      body.material.loss_factor = 0.2;
+      body.cells.scramble = static_cast<uint64_t>(seed);
+      Stage stage;
+      stage.rate_hz = rate_hz;
+      stage.make(body);
+      stage.run(seconds);
+      ASSERT_TRUE(all_finite(*stage.body)) << "seed " << seed;
+      if (rms_distance_from_rest_shape(*stage.body, body.particles) < 1e-3 * r.size_m.maxCoeff()) continue;
+      bool upright = true;
+      for (const ParticleState& p : stage.body->particles())
+        upright = upright && p.deformation_gradient.determinant() > 0;
+      ++(upright ? wound : inverted);
+    }
   const int runs = seeds * static_cast<int>(kRates_hz.size());
   record(r.name, "scrambled", runs, runs - wound - inverted, wound, inverted);
   EXPECT_EQ(inverted, 0) << "of " << runs;
-  EXPECT_LE(wound, (runs + (compact ? 49 : 0)) / 50) << "of " << runs;  // 2 %; of blocks one is allowed in a small set
+  EXPECT_LE(wound, (runs + (compact ? 49 : 0)) / 50)
+      << "of " << runs;  // 2 %; of blocks one is allowed in a small set
 }
 
 INSTANTIATE_TEST_SUITE_P(Recovery, ScrambledBody,
@@ -77,7 +81,8 @@ INSTANTIATE_TEST_SUITE_P(Recovery, ScrambledBody,
                                          Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 4}),
                          [](const auto& one) { return one.param.name; });
 
-// A start of each kind that is not at rest, other ones for every seed: no two of them differ by a rotation alone.
+// A start of each kind that is not at rest, other ones for every seed: no two of them differ by a rotation
+// alone.
 struct Degenerate {
   const char* name;
   int lost;  // axes that are gone; none: mirrored
@@ -88,10 +93,12 @@ class DegenerateStart : public testing::TestWithParam<std::tuple<Recovery, Degen
  protected:
   double unit() { return 2.0 * static_cast<double>(random_() >> 11) * 0x1p-53 - 1.0; }
 
-  // Along the body's own axes for the first 12, then along any others. A mirrored one has its axes from half to full length.
+  // Along the body's own axes for the first 12, then along any others. A mirrored one has its axes from half
+  // to full length.
   Eigen::Matrix3d start(int seed, int lost) {
     random_.seed(static_cast<uint64_t>(seed));
-    if (lost == 3) {  // the first to a point exactly, others within a thousandth of it, half of them inside out
+    if (lost ==
+        3) {  // the first to a point exactly, others within a thousandth of it, half of them inside out
       Eigen::Matrix3d rest_of_it;
       for (double& x : rest_of_it.reshaped()) x = seed == 0 ? 0.0 : 1e-3 * unit();
       return rest_of_it;
@@ -105,8 +112,9 @@ class DegenerateStart : public testing::TestWithParam<std::tuple<Recovery, Degen
       const bool goes = lost == 1 ? axis == seed % 3 : lost == 2 && axis != seed % 3;
       if (goes) scale[axis] = 0.0;
     }
-    const Eigen::Matrix3d turn = seed < 12 ? Eigen::Matrix3d::Identity()
-                                           : Eigen::Quaterniond(unit(), unit(), unit(), unit()).normalized().toRotationMatrix();
+    const Eigen::Matrix3d turn =
+        seed < 12 ? Eigen::Matrix3d::Identity()
+                  : Eigen::Quaterniond(unit(), unit(), unit(), unit()).normalized().toRotationMatrix();
     return turn * scale.asDiagonal() * turn.transpose();
   }
 
@@ -119,91 +127,103 @@ TEST_P(DegenerateStart, ComesBack) {
   const char* wanted = std::getenv("LIVEGS_RECOVERY_SEEDS");
   const int starts = wanted ? std::atoi(wanted) : seed_count(r.seeds);
   int back = 0, inverted = 0;
-  for (const double rate_hz : kRates_hz) for (int seed = 0; seed < starts; ++seed) {
-    ElasticBodyDescription body = describe(particle_grid(r.size_m, 0.0125), r.youngs_modulus_pa, 0.3, 0.025);
-    body.material.loss_factor = 0.2;
-    body.initial_deformation = start(seed, kind.lost);
-    Stage stage;
-    stage.rate_hz = rate_hz;
-    stage.make(body);
-    ASSERT_GT(rms_distance_from_rest_shape(*stage.body, body.particles), 0.1 * r.size_m.minCoeff()) << "at rest: no start";
-    stage.run(compact ? 2.0 : twenty_periods_s(r.size_m, r.youngs_modulus_pa));
-    ASSERT_TRUE(all_finite(*stage.body)) << "seed " << seed;
-    const double distance_m = rms_distance_from_rest_shape(*stage.body, body.particles);
-    EXPECT_LT(distance_m, 1e-3 * r.size_m.maxCoeff()) << "seed " << seed << ", from\n" << body.initial_deformation;
-    if (distance_m < 1e-3 * r.size_m.maxCoeff()) {
-      ++back;
-    } else {
-      const std::vector<ParticleState> now = stage.body->particles();
-      inverted += std::any_of(now.begin(), now.end(), [](const auto& p) { return p.deformation_gradient.determinant() <= 0; });
+  for (const double rate_hz : kRates_hz)
+    for (int seed = 0; seed < starts; ++seed) {
+      ElasticBodyDescription body =
+          describe(particle_grid(r.size_m, 0.0125), r.youngs_modulus_pa, 0.3, 0.025);
+      body.material.loss_factor = 0.2;
+      body.initial_deformation = start(seed, kind.lost);
+      Stage stage;
+      stage.rate_hz = rate_hz;
+      stage.make(body);
+      ASSERT_GT(rms_distance_from_rest_shape(*stage.body, body.particles), 0.1 * r.size_m.minCoeff())
+          << "at rest: no start";
+      stage.run(compact ? 2.0 : twenty_periods_s(r.size_m, r.youngs_modulus_pa));
+      ASSERT_TRUE(all_finite(*stage.body)) << "seed " << seed;
+      const double distance_m = rms_distance_from_rest_shape(*stage.body, body.particles);
+      EXPECT_LT(distance_m, 1e-3 * r.size_m.maxCoeff()) << "seed " << seed << ", from\n"
+                                                        << body.initial_deformation;
+      if (distance_m < 1e-3 * r.size_m.maxCoeff()) {
+        ++back;
+      } else {
+        const std::vector<ParticleState> now = stage.body->particles();
+        inverted += std::any_of(now.begin(), now.end(),
+                                [](const auto& p) { return p.deformation_gradient.determinant() <= 0; });
+      }
     }
-  }
   const int runs = starts * static_cast<int>(kRates_hz.size());
   record(r.name, kind.name, runs, back, runs - back - inverted, inverted);
 }
 
-INSTANTIATE_TEST_SUITE_P(Recovery, DegenerateStart,
-                         testing::Combine(testing::Values(Recovery{"Block1e4", Vector3d::Constant(0.1), 1e4, 4},
-                                                          Recovery{"Block1e5", Vector3d::Constant(0.1), 1e5, 4},
-                                                          Recovery{"Leaf", {0.2, 0.2, 0.025}, 1e5, 2},
-                                                          Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 2}),
-                                          testing::Values(Degenerate{"mirrored", 0}, Degenerate{"plane", 1},
-                                                          Degenerate{"line", 2}, Degenerate{"point", 3})),
-                         [](const auto& one) {
-                           return std::string(std::get<0>(one.param).name) + "_" + std::get<1>(one.param).name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Recovery, DegenerateStart,
+    testing::Combine(testing::Values(Recovery{"Block1e4", Vector3d::Constant(0.1), 1e4, 4},
+                                     Recovery{"Block1e5", Vector3d::Constant(0.1), 1e5, 4},
+                                     Recovery{"Leaf", {0.2, 0.2, 0.025}, 1e5, 2},
+                                     Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 2}),
+                     testing::Values(Degenerate{"mirrored", 0}, Degenerate{"plane", 1}, Degenerate{"line", 2},
+                                     Degenerate{"point", 3})),
+    [](const auto& one) {
+      return std::string(std::get<0>(one.param).name) + "_" + std::get<1>(one.param).name;
+    });
 
-// Energy of motion and shape never grows beyond what the fall gave, whatever the units: mass 5 mg to 50 kg, size 1 cm
-// to 10 m, E 1e2 to 1e9 Pa, nu .3 and .45, at one substep and at four, from the fall to half a second
-// after the landing, and after a frame of a whole second.
+// Energy of motion and shape never grows beyond what the fall gave, whatever the units: mass 5 mg to 50 kg,
+// size 1 cm to 10 m, E 1e2 to 1e9 Pa, nu .3 and .45, at one substep and at four, from the fall to half a
+// second after the landing, and after a frame of a whole second.
 TEST(ElasticScale, StaysFiniteAndNeverGainsOverMassSizeAndStiffness) {
   constexpr double kExploded = 1.5;
   for (const double size : {0.01, 0.3, 10.0}) {
     for (const double mass : gate_or_full<double>({5e-6, 50.0}, {5e-6, 0.05, 50.0})) {
       for (const double stiffness : {1e2, 1e5, 1e9}) {
-        for (const double rate_hz : kRates_hz) for (const int substeps : {1, 4}) for (const double nu : gate_or_full<double>({0.45}, {0.3, 0.45})) {
-          SCOPED_TRACE(testing::Message() << "nu " << nu << ", " << size << " m, " << mass << " kg, " << stiffness << " Pa, " << rate_hz << " Hz, "
-                                          << substeps << " substeps");
-          ElasticBodyDescription body = describe(particle_grid(Vector3d(1, 0.5, 0.5) * size, size / 8), stiffness, nu);
-          body.material.mass_kg = mass;
-          body.world_from_object = {{0, size, 0},
-                                    Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vector3d(1, 0, 1).normalized()))};
-          Stage stage;
-          stage.rate_hz = rate_hz;
-          stage.substeps = substeps;
-          stage.gravity_m_s2 = kGravity;
-          stage.add_floor();
-          stage.make(body);
-          const double start = stage.total_energy_j();
-          const auto peak = [&](int frames) {
-            double energy = 0.0;
-            for (int i = 0; i < frames; ++i) {
-              stage.frame();
-              energy = std::max(energy, stage.total_energy_j());
+        for (const double rate_hz : kRates_hz)
+          for (const int substeps : {1, 4})
+            for (const double nu : gate_or_full<double>({0.45}, {0.3, 0.45})) {
+              SCOPED_TRACE(testing::Message()
+                           << "nu " << nu << ", " << size << " m, " << mass << " kg, " << stiffness << " Pa, "
+                           << rate_hz << " Hz, " << substeps << " substeps");
+              ElasticBodyDescription body =
+                  describe(particle_grid(Vector3d(1, 0.5, 0.5) * size, size / 8), stiffness, nu);
+              body.material.mass_kg = mass;
+              body.world_from_object = {
+                  {0, size, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vector3d(1, 0, 1).normalized()))};
+              Stage stage;
+              stage.rate_hz = rate_hz;
+              stage.substeps = substeps;
+              stage.gravity_m_s2 = kGravity;
+              stage.add_floor();
+              stage.make(body);
+              const double start = stage.total_energy_j();
+              const auto peak = [&](int frames) {
+                double energy = 0.0;
+                for (int i = 0; i < frames; ++i) {
+                  stage.frame();
+                  energy = std::max(energy, stage.total_energy_j());
+                }
+                return energy;
+              };
+              const double before =
+                  peak(static_cast<int>(std::max(1.0, std::sqrt(2.0 * size / 9.81) + 0.5) * rate_hz));
+              ASSERT_TRUE(all_finite(*stage.body));
+              EXPECT_GT(stage.body->take_contact_total().impulse_n_s, 0.0) << "has not landed";
+              // A first-order first step starts g h^2/2 on. A body of 10 m that lands tilted, far below the
+              // speed of its waves, reads some per cent more while it does.
+              report_gap(size > 1.0 ? "scale.landing_energy_of_10_m" : "scale.landing_energy",
+                         before / start);
+              EXPECT_LT(before, kExploded * start);
+              // A frame of a whole second, handed over as one step.
+              SubstepContext dropped;
+              dropped.start_s = stage.time_s;
+              dropped.duration_s = 1.0;
+              dropped.gravity_m_s2 = kGravity;
+              dropped.colliders = stage.colliders;
+              stage.body->substep(dropped);
+              stage.body->end_frame(1.0);
+              stage.time_s += 1.0;
+              const double after = peak(10);
+              ASSERT_TRUE(all_finite(*stage.body));
+              report_gap("scale.energy_after_long_frame", after / start);
+              EXPECT_LT(after, kExploded * start);
             }
-            return energy;
-          };
-          const double before = peak(static_cast<int>(std::max(1.0, std::sqrt(2.0 * size / 9.81) + 0.5) * rate_hz));
-          ASSERT_TRUE(all_finite(*stage.body));
-          EXPECT_GT(stage.body->take_contact_total().impulse_n_s, 0.0) << "has not landed";
-          // A first-order first step starts g h^2/2 on. A body of 10 m that lands tilted, far below the speed of its waves, reads
-          // some per cent more while it does.
-          report_gap(size > 1.0 ? "scale.landing_energy_of_10_m" : "scale.landing_energy", before / start);
-          EXPECT_LT(before, kExploded * start);
-          // A frame of a whole second, handed over as one step.
-          SubstepContext dropped;
-          dropped.start_s = stage.time_s;
-          dropped.duration_s = 1.0;
-          dropped.gravity_m_s2 = kGravity;
-          dropped.colliders = stage.colliders;
-          stage.body->substep(dropped);
-          stage.body->end_frame(1.0);
-          stage.time_s += 1.0;
-          const double after = peak(10);
-          ASSERT_TRUE(all_finite(*stage.body));
-          report_gap("scale.energy_after_long_frame", after / start);
-          EXPECT_LT(after, kExploded * start);
-        }
       }
     }
   }
@@ -212,7 +232,8 @@ TEST(ElasticScale, StaysFiniteAndNeverGainsOverMassSizeAndStiffness) {
 // A world never stretches a step, but a body that is handed a second at once must survive it.
 TEST(ElasticScale, SurvivesAStepOfAWholeSecond) {
   for (const double stiffness : {1e3, 1e5, 1e7}) {
-    ElasticBodyDescription body = describe(particle_grid(Vector3d::Constant(0.1), 0.0125), stiffness, 0.3, 0.025);
+    ElasticBodyDescription body =
+        describe(particle_grid(Vector3d::Constant(0.1), 0.0125), stiffness, 0.3, 0.025);
     body.world_from_object.position_m.y() = 0.2;
     body.material.loss_factor = 0.2;
     Stage stage;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Regions that hold and move bodies of meshes, as scenes make them: wherever their faces fall among particles and cells.
+// Regions that hold and move bodies of meshes, as scenes make them: wherever their faces fall among particles
+// and cells.
 #include <gtest/gtest.h>
 
 #include "geometry/surface/shape_mesh.h"
@@ -11,7 +12,8 @@ namespace {
 using test::Stage;
 using test::Vector3d;
 
-ElasticBodyDescription mesh_bar(const Vector3d& size_m, double youngs_modulus_pa, double poisson_ratio, double spacing_m = 0.0) {
+ElasticBodyDescription mesh_bar(const Vector3d& size_m, double youngs_modulus_pa, double poisson_ratio,
+                                double spacing_m = 0.0) {
   ParticleSet particles = sample_particles(box_mesh(size_m), kDefaultSamplingDensity, spacing_m);
   return test::describe(std::move(particles), youngs_modulus_pa, poisson_ratio);
 }
@@ -26,7 +28,8 @@ BodyRegion clamp_to(double face_m) {
 void load_end(Stage& stage, const Vector3d& size_m, const Vector3d& force_n) {
   for (int j = 0; j < 4; ++j) {
     for (int k = 0; k < 4; ++k) {
-      const Vector3d at(0.5 * size_m.x(), ((j + 0.5) / 4 - 0.5) * size_m.y(), ((k + 0.5) / 4 - 0.5) * size_m.z());
+      const Vector3d at(0.5 * size_m.x(), ((j + 0.5) / 4 - 0.5) * size_m.y(),
+                        ((k + 0.5) / 4 - 0.5) * size_m.z());
       stage.forces.push_back({at, force_n / 16.0});
     }
   }
@@ -34,7 +37,8 @@ void load_end(Stage& stage, const Vector3d& size_m, const Vector3d& force_n) {
 
 double end_moved_m(const Stage& stage, int axis) {
   double sum = 0.0;
-  for (const PointForce& force : stage.forces) sum += (stage.body->world_point(force.point_m) - force.point_m)[axis] / 16.0;
+  for (const PointForce& force : stage.forces)
+    sum += (stage.body->world_point(force.point_m) - force.point_m)[axis] / 16.0;
   return sum;
 }
 
@@ -53,27 +57,30 @@ double sag_ratio(const Vector3d& size_m, double face_m, double spacing_m, double
   stage.make(bar);
   load_end(stage, size_m, {0, -force_n, 0});
   // Its slowest vibration is critically damped and more; until it rests.
-  const double rate_rad_s = 3.516 / std::sqrt(12.0) * size_m.y() / (size_m.x() * size_m.x()) * std::sqrt(youngs_pa / 1000.0);
+  const double rate_rad_s =
+      3.516 / std::sqrt(12.0) * size_m.y() / (size_m.x() * size_m.x()) * std::sqrt(youngs_pa / 1000.0);
   stage.run(25.0 / rate_rad_s);
   EXPECT_TRUE(test::all_finite(*stage.body)) << size_m.transpose() << ", held to " << face_m;
   return -end_moved_m(stage, 1) / beam_m;
 }
 
-// Timoshenko's clamped end is softer than a solid one at nu 0.3, by 8 % where two widths are free; bars of cells three times
-// as wide as they are thick are 6 % soft. Of these 83 faces 43 go through a plane of particles: each of those turned the bar
-// to NaN in its second frame.
+// Timoshenko's clamped end is softer than a solid one at nu 0.3, by 8 % where two widths are free; bars of
+// cells three times as wide as they are thick are 6 % soft. Of these 83 faces 43 go through a plane of
+// particles: each of those turned the bar to NaN in its second frame.
 TEST(ElasticRegions, AClampHoldsWhereverItsFaceIs) {
   for (const double length_m : gate_or_full<double>({0.4, 1.0}, {0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.2, 2.0})) {
     for (const double width_m : {0.1, length_m / 8}) {
       for (const double part : gate_or_full<double>({1.0 / 30, 0.5}, {1.0 / 30, 0.1, 1.0 / 6, 0.3, 0.5})) {
         const double ratio = sag_ratio({length_m, width_m, width_m}, (part - 0.5) * length_m, 0.0);
         const bool stubby = (1.0 - part) * length_m < 2.5 * width_m;
-        EXPECT_NEAR(ratio, 1.0, stubby ? 0.09 : 0.07) << length_m << " by " << width_m << ", held for " << part;
+        EXPECT_NEAR(ratio, 1.0, stubby ? 0.09 : 0.07)
+            << length_m << " by " << width_m << ", held for " << part;
       }
     }
   }
   for (const auto& [spacing_m, held_m] : {std::pair{0.02, 0.05}, {0.025, 0.0375}, {0.04, 0.06}}) {
-    EXPECT_NEAR(sag_ratio({0.4, 0.1, 0.1}, held_m - 0.2, spacing_m), 1.0, 0.07) << spacing_m << ", " << held_m;
+    EXPECT_NEAR(sag_ratio({0.4, 0.1, 0.1}, held_m - 0.2, spacing_m), 1.0, 0.07)
+        << spacing_m << ", " << held_m;
   }
 }
 
@@ -84,10 +91,11 @@ TEST(ElasticRegions, AShortClampOfASlenderBarIsNoHinge) {
   EXPECT_NEAR(sag_ratio({0.4, 0.01, 0.01}, -0.19, 0.0), 1.0, 0.07);
 }
 
-// Thinner than a voxel: their particles lie on their faces, so boxes about those were a poor picture of them. A plate of 10 mm
-// sagged by 0.6 of a beam's, a rod of 10 mm by 1.3.
+// Thinner than a voxel: their particles lie on their faces, so boxes about those were a poor picture of them.
+// A plate of 10 mm sagged by 0.6 of a beam's, a rod of 10 mm by 1.3.
 TEST(ElasticRegions, PlatesAndRodsBendAsBeams) {
-  for (const Vector3d& size_m : {Vector3d(0.5, 0.01, 0.5), Vector3d(0.5, 0.02, 0.1), Vector3d(0.4, 0.01, 0.01), Vector3d(0.4, 0.02, 0.02)}) {
+  for (const Vector3d& size_m : {Vector3d(0.5, 0.01, 0.5), Vector3d(0.5, 0.02, 0.1),
+                                 Vector3d(0.4, 0.01, 0.01), Vector3d(0.4, 0.02, 0.02)}) {
     EXPECT_NEAR(sag_ratio(size_m, -0.4 * size_m.x(), 0.0, 0.0), 1.0, 0.07) << size_m.transpose();
   }
 }
@@ -129,7 +137,8 @@ TEST(ElasticRegions, WhatSleepsWakesWhenItsMotionStarts) {
     RegionMotion motion;
     double at_s, seconds;
   };
-  for (const Case& one : {Case{late, 2.5, 1.9}, Case{slow, 30.0, 0.0}, Case{pulse, 2.5, 1.9}, Case{carried, 3.0, 1.9}, Case{stretch, 2.5, 1.9}}) {
+  for (const Case& one : {Case{late, 2.5, 1.9}, Case{slow, 30.0, 0.0}, Case{pulse, 2.5, 1.9},
+                          Case{carried, 3.0, 1.9}, Case{stretch, 2.5, 1.9}}) {
     ElasticBodyDescription bar = mesh_bar({0.4, 0.1, 0.1}, 1e5, 0.0);
     bar.material.loss_factor = 1.0;
     bar.regions.push_back(clamp_to(-0.15));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where elastic solvers break: flattened and inverted starts, stiff and fine, shapes without volume, wrong input
-// (physics.md 1.4 and rows 25, 26; elastic-study.md 4).
+// Where elastic solvers break: flattened and inverted starts, stiff and fine, shapes without volume, wrong
+// input (physics.md 1.4 and rows 25, 26; elastic-study.md 4).
 #include <random>
 
 #include "physics/elastic/make_elastic_body.h"
@@ -16,7 +16,8 @@ TEST(ElasticRecovery, BlockComesBackFromMirroredFlattenedLineAndPoint) {
     for (const Vector3d& scale : {Vector3d(-1, 1, 1), Vector3d(1, 0, 1), Vector3d(1, 0, 0), Vector3d(0, 0, 0),
                                   Vector3d(-1, -1, -1), Vector3d(1, 1, -0.5)}) {
       Stage stage;
-      ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(size), 0.0125), stiffness, 0.3, 0.025);
+      ElasticBodyDescription block =
+          describe(particle_grid(Vector3d::Constant(size), 0.0125), stiffness, 0.3, 0.025);
       block.material.loss_factor = 0.5;
       block.initial_deformation.setZero();
       block.initial_deformation.diagonal() = scale;
@@ -43,7 +44,8 @@ TEST(ElasticRecovery, StaysFiniteOverStiffnessAndSubsteps) {
       stage.gravity_m_s2 = kGravity;
       stage.add_floor();
       ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), stiffness, 0.45);
-      block.world_from_object = {{0, 0.55, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vector3d(1, 0, 1).normalized()))};
+      block.world_from_object = {{0, 0.55, 0},
+                                 Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vector3d(1, 0, 1).normalized()))};
       stage.make(block);
       const double start = stage.total_energy_j();
       double kinetic = 0.0;
@@ -68,7 +70,8 @@ TEST(ElasticRecovery, SingleParticlesLinesAndSheetsFallAndLand) {
     return set;
   };
   for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
-    for (const ParticleSet& set : {lattice_line(1, 1), lattice_line(20, 1), lattice_line(12, 12), lattice_line(2, 1)}) {
+    for (const ParticleSet& set :
+         {lattice_line(1, 1), lattice_line(20, 1), lattice_line(12, 12), lattice_line(2, 1)}) {
       Stage stage;
       stage.gravity_m_s2 = kGravity;
       stage.add_floor();
@@ -180,7 +183,8 @@ TEST(ElasticBody, RayMeetsTheNearSide) {
   stage.make(block);
   const auto hit = stage.body->ray_cast({1.05, 2.03, 5}, -Vector3d::UnitZ());
   ASSERT_TRUE(hit.has_value());
-  EXPECT_NEAR(hit->distance_m, 1.91, 1e-7);  // single precision; the outermost layer's centres are at z = 3.09
+  EXPECT_NEAR(hit->distance_m, 1.91,
+              1e-7);  // single precision; the outermost layer's centres are at z = 3.09
   EXPECT_NEAR(hit->rest_point_m.z(), 0.09, 1e-12);
   EXPECT_FALSE(stage.body->ray_cast({1.05, 2.03, 5}, Vector3d::UnitZ()).has_value());
   EXPECT_FALSE(stage.body->ray_cast({2, 2, 5}, -Vector3d::UnitZ()).has_value());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Less where less will do, and nothing visible lost (physics.md 3.5 and row 31): bodies that fly without deforming
-// move as rigid ones, still ones sleep. Each against the same body that does neither.
+// Less where less will do, and nothing visible lost (physics.md 3.5 and row 31): bodies that fly without
+// deforming move as rigid ones, still ones sleep. Each against the same body that does neither.
 #include "geometry/field/sample_particles.h"
 #include "geometry/surface/shape_mesh.h"
 #include "known_gaps.h"
@@ -37,8 +37,8 @@ TEST_P(ElasticRest, FlyingBodyTurnsRigidAndFliesTheSameWay) {
   less.run(1.2);
   EXPECT_FALSE(full.body->frozen());
   ASSERT_TRUE(less.body->frozen());
-  // Points of its faces, after a turn of 2.4 rad. BDF2's own error of place is 3/4 g h² (free fall), 0.13 mm; 0.5 mm for the
-  // two integrators' turns. Bar of the study 1 mm.
+  // Points of its faces, after a turn of 2.4 rad. BDF2's own error of place is 3/4 g h² (free fall), 0.13 mm;
+  // 0.5 mm for the two integrators' turns. Bar of the study 1 mm.
   for (const Vector3d& point : {Vector3d(0.1, 0, 0), Vector3d(0, 0.05, 0), Vector3d(0, 0, 0.075)}) {
     EXPECT_NEAR((full.body->world_point(point) - less.body->world_point(point)).norm(), 0.0, 5e-4);
   }
@@ -48,8 +48,9 @@ TEST_P(ElasticRest, FlyingBodyTurnsRigidAndFliesTheSameWay) {
 }
 
 TEST_P(ElasticRest, LandedBodyRestsInTheSamePlace) {
-  // From 0.3 m it lands as it is. From 1 m it is squashed by a half, and how much it tumbles when it bounces is chance: with a
-  // loss factor of 0.2 it comes to rest on another face, at 64 substeps as at 4; with 1 it stays there.
+  // From 0.3 m it lands as it is. From 1 m it is squashed by a half, and how much it tumbles when it bounces
+  // is chance: with a loss factor of 0.2 it comes to rest on another face, at 64 substeps as at 4; with 1 it
+  // stays there.
   struct Case {
     double height_m, loss_factor;
     bool flies_rigid;
@@ -134,14 +135,16 @@ TEST_P(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
     // The first step, of first order, starts 3/2 g h²/2 on: 4e-4 of this fall.
     EXPECT_LT(peak, 1.0005 * start) << stiffness;
     // A stiff cube bounces on its edges, and goes as far at 64 substeps. Asleep it stays.
-    report_gap("rest.dropped_cube_aside_m", std::hypot(stage.body->centre_m().x(), stage.body->centre_m().z()));
+    report_gap("rest.dropped_cube_aside_m",
+               std::hypot(stage.body->centre_m().x(), stage.body->centre_m().z()));
     const Vector3d asleep_at = stage.body->centre_m();
     stage.run(1.0);
     EXPECT_EQ(stage.body->centre_m(), asleep_at) << stiffness;
   }
 }
 
-// One as a scene samples it that falls from farther up comes down on its edges and tumbles: how far it goes is chance.
+// One as a scene samples it that falls from farther up comes down on its edges and tumbles: how far it goes
+// is chance.
 TEST_P(ElasticRest, ASampledCubeThatTumblesSleeps) {
   constexpr double kFall_m = 0.45;
   for (const double stiffness : gate_or_full<double>({1e4, 1e6}, {1e4, 5e4, 2e5, 1e6})) {
@@ -150,18 +153,20 @@ TEST_P(ElasticRest, ASampledCubeThatTumblesSleeps) {
     stage.rate_hz = rate_hz();
     stage.gravity_m_s2 = kGravity;
     stage.add_floor(0.5);
-    ElasticBodyDescription cube = describe(sample_particles(box_mesh(Vector3d::Constant(0.1))), stiffness, 0.3);
+    ElasticBodyDescription cube =
+        describe(sample_particles(box_mesh(Vector3d::Constant(0.1))), stiffness, 0.3);
     cube.material.loss_factor = 0.1;
     cube.world_from_object.position_m = {0, 0.05 + kFall_m, 0};
     stage.make(cube, ElasticSolver::Cells, true);
     stage.run(12.0);
     EXPECT_TRUE(stage.body->asleep());
-    report_gap("rest.tumbling_cube_aside_m", std::hypot(stage.body->centre_m().x(), stage.body->centre_m().z()));
+    report_gap("rest.tumbling_cube_aside_m",
+               std::hypot(stage.body->centre_m().x(), stage.body->centre_m().z()));
   }
 }
 
-// Cubes as a scene samples them, from heights a few millimetres apart. The softest meets the floor at two fifths of its own
-// speed of sound.
+// Cubes as a scene samples them, from heights a few millimetres apart. The softest meets the floor at two
+// fifths of its own speed of sound.
 TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
   constexpr double kGain = 1.0005;
   for (const double rate_hz : kRates_hz) {
@@ -172,7 +177,8 @@ TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
         stage.rate_hz = rate_hz;
         stage.gravity_m_s2 = kGravity;
         stage.add_floor(0.5);
-        ElasticBodyDescription cube = describe(sample_particles(box_mesh(Vector3d::Constant(0.1))), stiffness, 0.3);
+        ElasticBodyDescription cube =
+            describe(sample_particles(box_mesh(Vector3d::Constant(0.1))), stiffness, 0.3);
         cube.material.loss_factor = 0.1;
         cube.world_from_object.position_m = {0, height_m, 0};
         stage.make(cube, ElasticSolver::Cells, true);
@@ -191,20 +197,23 @@ TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
   }
 }
 
-// Nearly incompressible, as rubber and gelatin are: a wave of pressure is 4.1 times as fast as in a bar at nu 0.49, and cells
-// and substeps chosen by the bar's let a cube of 1 MPa land with 199 times its energy. Flat and tilted.
+// Nearly incompressible, as rubber and gelatin are: a wave of pressure is 4.1 times as fast as in a bar at nu
+// 0.49, and cells and substeps chosen by the bar's let a cube of 1 MPa land with 199 times its energy. Flat
+// and tilted.
 TEST(ElasticLanding, RubberGainsNothing) {
   constexpr double kGain = 1.0005;
   for (const double rate_hz : kRates_hz) {
     for (const double poisson_ratio : gate_or_full<double>({0.49}, {0.47, 0.48, 0.49})) {
       for (const double stiffness : {1e5, 1e6}) {
         for (const double tilt_rad : {0.0, 0.5}) {
-          SCOPED_TRACE(testing::Message() << rate_hz << " Hz, nu " << poisson_ratio << ", " << stiffness << " Pa, tilt " << tilt_rad);
+          SCOPED_TRACE(testing::Message() << rate_hz << " Hz, nu " << poisson_ratio << ", " << stiffness
+                                          << " Pa, tilt " << tilt_rad);
           Stage stage;
           stage.rate_hz = rate_hz;
           stage.gravity_m_s2 = kGravity;
           stage.add_floor(0.5);
-          ElasticBodyDescription cube = describe(particle_grid(Vector3d::Constant(0.2), 0.025), stiffness, poisson_ratio);
+          ElasticBodyDescription cube =
+              describe(particle_grid(Vector3d::Constant(0.2), 0.025), stiffness, poisson_ratio);
           cube.material.loss_factor = 0.1;
           cube.world_from_object.position_m = {0, 0.5, 0};
           cube.world_from_object.orientation = Eigen::AngleAxisd(tilt_rad, Vector3d(1, 0, 0.5).normalized());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Young's modulus, Poisson's ratio and bending of the `cells` solver against closed forms (physics.md 2, rows 20 and
-// 21; what is reachable at which Courant number: elastic-study.md 3).
+// Young's modulus, Poisson's ratio and bending of the `cells` solver against closed forms (physics.md 2, rows
+// 20 and 21; what is reachable at which Courant number: elastic-study.md 3).
 #include <random>
 
 #include "geometry/field/sample_particles.h"
@@ -29,7 +29,8 @@ Tension measure_tension(const ElasticBodyDescription& description, int substeps)
   const double wave_m_s = std::sqrt(description.material.effective_youngs_modulus_pa() / 1000.0);
   stage.run(40.0 / (2.0 * wave_m_s * 6.46 * kBarWidth_m / (kBarLength_m * kBarLength_m)));
   const auto stretch = [&](const Vector3d& half) {
-    return (stage.body->world_point(half) - stage.body->world_point(-half)).norm() / (2.0 * half.norm()) - 1.0;
+    return (stage.body->world_point(half) - stage.body->world_point(-half)).norm() / (2.0 * half.norm()) -
+           1.0;
   };
   const double along = stretch({0.1, 0, 0});
   const double across = 0.5 * (stretch({0, 0.05, 0}) + stretch({0, 0, 0.05}));
@@ -49,12 +50,16 @@ TEST(ElasticStatics, JitteredParticlesShowTheSameModulus) {
 
 // In cells that it entered a second row of by a fifth it sagged by 0.81 to 0.85 of what it should.
 TEST(ElasticStatics, FlatBarsBendTheStiffWayToo) {
-  for (const Vector3d& size : {Vector3d(1.0, 0.15, 0.05), Vector3d(2.0, 0.3, 0.1), Vector3d(1.0, 0.12, 0.05), Vector3d(1.0, 0.19, 0.06)}) {
+  for (const Vector3d& size : {Vector3d(1.0, 0.15, 0.05), Vector3d(2.0, 0.3, 0.1), Vector3d(1.0, 0.12, 0.05),
+                               Vector3d(1.0, 0.19, 0.06)}) {
     for (const double poisson_ratio : {0.0, 0.3}) {
       SCOPED_TRACE(testing::Message() << size.transpose() << ", nu " << poisson_ratio);
-      const double stiffness = 1e6, clamp = 0.1 * size.x(), length = size.x() - clamp, area = size.y() * size.z();
-      const double inertia = size.z() * std::pow(size.y(), 3) / 12.0, shear = 0.5 * stiffness / (1.0 + poisson_ratio);
-      const double of_load = std::pow(length, 4) / (8 * stiffness * inertia) + length * length / (2 * (5.0 / 6.0) * shear * area);
+      const double stiffness = 1e6, clamp = 0.1 * size.x(), length = size.x() - clamp,
+                   area = size.y() * size.z();
+      const double inertia = size.z() * std::pow(size.y(), 3) / 12.0,
+                   shear = 0.5 * stiffness / (1.0 + poisson_ratio);
+      const double of_load = std::pow(length, 4) / (8 * stiffness * inertia) +
+                             length * length / (2 * (5.0 / 6.0) * shear * area);
       const double load = 0.01 * length / of_load;
       ElasticBodyDescription bar = describe(sample_particles(box_mesh(size)), stiffness, poisson_ratio);
       bar.material.loss_factor = 2.0;
@@ -63,13 +68,15 @@ TEST(ElasticStatics, FlatBarsBendTheStiffWayToo) {
       stage.gravity_m_s2 = {0, -load / (1000.0 * area), 0};
       stage.make(bar);
       stage.run(6.0);
-      report_gap("statics.flat_bar_sag", std::abs(-stage.body->world_point({0.5 * size.x(), 0, 0}).y() / (0.01 * length) - 1.0));
+      report_gap("statics.flat_bar_sag",
+                 std::abs(-stage.body->world_point({0.5 * size.x(), 0, 0}).y() / (0.01 * length) - 1.0));
     }
   }
 }
 
 TEST(ElasticStatics, AffineDeformationHasTheEnergyOfItsClosedForm) {
-  // V [ mu |S - I|² + lambda/2 (det F - 1)² ] with no bending or twisting: exact, also for cells that are not full.
+  // V [ mu |S - I|² + lambda/2 (det F - 1)² ] with no bending or twisting: exact, also for cells that are not
+  // full.
   const double youngs = 2e5, poisson = 0.3;
   ElasticBodyDescription block = describe(particle_grid({0.2, 0.15, 0.1}, 0.02), youngs, poisson, 0.045);
   Matrix3d stretch;
@@ -80,18 +87,21 @@ TEST(ElasticStatics, AffineDeformationHasTheEnergyOfItsClosedForm) {
   stage.make(block);
   double volume = 0.0;
   for (const double v : block.particles.volumes_m3) volume += v;
-  const double mu = youngs / (2 * (1 + poisson)), lambda = youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  const double mu = youngs / (2 * (1 + poisson)),
+               lambda = youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
   const double expected = volume * (mu * (stretch - Matrix3d::Identity()).squaredNorm() +
                                     0.5 * lambda * std::pow(stretch.determinant() - 1, 2));
   EXPECT_NEAR(stage.body->energy(kNoGravity).elastic_j / expected, 1.0, 1e-6);
   for (const ParticleState& p : stage.body->particles()) {
-    EXPECT_NEAR((p.deformation_gradient - block.initial_deformation).norm(), 0.0, 1e-6);  // single precision over a cell
+    EXPECT_NEAR((p.deformation_gradient - block.initial_deformation).norm(), 0.0,
+                1e-6);  // single precision over a cell
   }
 }
 
 TEST(ElasticStatics, RigidPlacementIsRest) {
   ElasticBodyDescription block = describe(particle_grid({0.2, 0.15, 0.1}, 0.02), 1e5, 0.4, 0.045);
-  block.world_from_object = {{3, -2, 1}, Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Vector3d(1, 2, -1).normalized()))};
+  block.world_from_object = {{3, -2, 1},
+                             Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Vector3d(1, 2, -1).normalized()))};
   Stage stage;
   stage.make(block);
   stage.run(1.0);

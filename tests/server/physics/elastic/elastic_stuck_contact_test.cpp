@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Soft bodies that start scrambled: about a bar, with points on either side of it, or on a floor, having flowed.
+// Soft bodies that start scrambled: about a bar, with points on either side of it, or on a floor, having
+// flowed.
 #include "known_gaps.h"
 #include "scenes/soft_fixtures.h"
 
@@ -16,8 +17,9 @@ ElasticBodyDescription scrambled_block(uint64_t seed) {
 
 double elastic_j(const World& world) { return world.elastic_body(1)->energy(Vector3d::Zero()).elastic_j; }
 
-// Held by contact on all sides of a bar of 2 cm a block kept up to 92 J for good: bent cells strained by half on average.
-// What is left at some bars is a block with a bar through it, which it presses together: 2.8 J at most in 48.
+// Held by contact on all sides of a bar of 2 cm a block kept up to 92 J for good: bent cells strained by half
+// on average. What is left at some bars is a block with a bar through it, which it presses together: 2.8 J at
+// most in 48.
 TEST(Impaled, WhatIsStretchedRoundABarComesOff) {
   for (const double rate : kRates_hz) {
     const int seeds = seed_count(3);

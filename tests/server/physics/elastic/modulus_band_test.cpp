@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "geometry/surface/shape_mesh.h"
-#include "physics/elastic/resolution/lattice_resolution.h"
 #include "physics/elastic/make_elastic_body.h"
+#include "physics/elastic/resolution/lattice_resolution.h"
 #include "scenes/elastic_bodies.h"
 #include "server/physics/elastic/quarter_shell.h"
 
@@ -16,7 +16,8 @@ using test::Vector3d;
 // A long bar some cells across; nodes weigh what their volume does.
 double mean_of_bar(int cells_across, double courant) {
   const double width = 0.025, size = cells_across * width, density = 1000.0, step = 1e-3;
-  const Lattice lattice = build_lattice(measure_extent(particle_grid({64 * width, size, size}, width)), width, {});
+  const Lattice lattice =
+      build_lattice(measure_extent(particle_grid({64 * width, size, size}, width)), width, {});
   std::vector<double> inverse;
   for (const double volume : lattice.node_volumes_m3) inverse.push_back(1.0 / (density * volume));
   const double speed = courant * width / step;  // sqrt(E / rho)
@@ -24,8 +25,8 @@ double mean_of_bar(int cells_across, double courant) {
 }
 
 TEST(ModulusBand, MeanComplianceOfABarHasAClosedForm) {
-  // Along one axis the end cells of n have a corner of half the mass: the mean of 1 / A0 is (2/1.5 + n - 2)/n, for one
-  // cell 1/2. Twice across; along the bar it is next to 1.
+  // Along one axis the end cells of n have a corner of half the mass: the mean of 1 / A0 is (2/1.5 + n -
+  // 2)/n, for one cell 1/2. Twice across; along the bar it is next to 1.
   const double along = (2 / 1.5 + 62.0) / 64.0;
   for (const double courant : {0.5, 1.0}) {
     const double inside = 2.0 / (courant * courant);
@@ -36,14 +37,22 @@ TEST(ModulusBand, MeanComplianceOfABarHasAClosedForm) {
 }
 
 TEST(ModulusBand, ThresholdsAreTheStudys) {
-  EXPECT_EQ(band_of({.mean_pass_compliance = 4.01, .poisson_ratio = 0.3, .ceiling_ratio = 2}).band, ElasticBand::Exact);
-  EXPECT_EQ(band_of({.mean_pass_compliance = 3.99, .poisson_ratio = 0.3, .ceiling_ratio = 2}).band, ElasticBand::Band);
-  EXPECT_EQ(band_of({.mean_pass_compliance = 9.1, .poisson_ratio = 0.45, .ceiling_ratio = 2}).band, ElasticBand::Exact);
-  EXPECT_EQ(band_of({.mean_pass_compliance = 8.9, .poisson_ratio = 0.45, .ceiling_ratio = 2}).band, ElasticBand::Band);
-  EXPECT_EQ(band_of({.mean_pass_compliance = 46, .poisson_ratio = 0.49, .ceiling_ratio = 2}).band, ElasticBand::Exact);
-  EXPECT_EQ(band_of({.mean_pass_compliance = 44, .poisson_ratio = 0.49, .ceiling_ratio = 2}).band, ElasticBand::Band);
-  EXPECT_EQ(band_of({.mean_pass_compliance = 1.11, .poisson_ratio = 0.3, .ceiling_ratio = 2}).band, ElasticBand::Band);
-  EXPECT_EQ(band_of({.mean_pass_compliance = 1.09, .poisson_ratio = 0.3, .ceiling_ratio = 0.5}).band, ElasticBand::Clipped);
+  EXPECT_EQ(band_of({.mean_pass_compliance = 4.01, .poisson_ratio = 0.3, .ceiling_ratio = 2}).band,
+            ElasticBand::Exact);
+  EXPECT_EQ(band_of({.mean_pass_compliance = 3.99, .poisson_ratio = 0.3, .ceiling_ratio = 2}).band,
+            ElasticBand::Band);
+  EXPECT_EQ(band_of({.mean_pass_compliance = 9.1, .poisson_ratio = 0.45, .ceiling_ratio = 2}).band,
+            ElasticBand::Exact);
+  EXPECT_EQ(band_of({.mean_pass_compliance = 8.9, .poisson_ratio = 0.45, .ceiling_ratio = 2}).band,
+            ElasticBand::Band);
+  EXPECT_EQ(band_of({.mean_pass_compliance = 46, .poisson_ratio = 0.49, .ceiling_ratio = 2}).band,
+            ElasticBand::Exact);
+  EXPECT_EQ(band_of({.mean_pass_compliance = 44, .poisson_ratio = 0.49, .ceiling_ratio = 2}).band,
+            ElasticBand::Band);
+  EXPECT_EQ(band_of({.mean_pass_compliance = 1.11, .poisson_ratio = 0.3, .ceiling_ratio = 2}).band,
+            ElasticBand::Band);
+  EXPECT_EQ(band_of({.mean_pass_compliance = 1.09, .poisson_ratio = 0.3, .ceiling_ratio = 0.5}).band,
+            ElasticBand::Clipped);
 }
 
 TEST(ModulusBand, ABodyOfFewCellsIsExactInShorterSteps) {
@@ -71,14 +80,14 @@ TEST(ModulusBand, HoldsEveryStaticFigureOfTheStudy) {
     int across;
     double nu, courant, ratio;
   };
-  const Row rows[] = {{4, 0, .5, .999},   {4, 0, .75, 1.0},    {4, 0, 1, 1.003},    {4, 0, 1.2, 1.011},
-                      {4, 0, 1.5, .964},  {4, .3, .5, .999},   {4, .3, .75, .998},  {4, .3, 1, .999},
-                      {4, .3, 1.2, .982}, {4, .3, 1.5, .885},  {4, .45, .5, .998},  {4, .45, .75, .989},
-                      {4, .45, 1, .955},  {4, .45, 1.2, .917}, {4, .45, 1.5, .83},  {8, .3, .5, .999},
-                      {8, .3, 1, .972},   {8, .45, .5, .999},  {8, .45, .75, .985}, {2, .3, .25, .999},
-                      {2, .3, .5, 1.003}, {2, .3, .75, 1.022}, {2, .3, 1, 1.078},   {2, .3, 1.2, 1.09},
-                      {2, .45, .5, 1.003}, {2, .45, .75, .998}, {1, .3, .25, 1.0},  {1, .3, .5, 1.018},
-                      {1, .3, .75, 1.13}, {1, .3, 1, 1.39},    {1, .45, .5, 1.01},  {1, .45, .75, 1.028}};
+  const Row rows[] = {{4, 0, .5, .999},    {4, 0, .75, 1.0},    {4, 0, 1, 1.003},    {4, 0, 1.2, 1.011},
+                      {4, 0, 1.5, .964},   {4, .3, .5, .999},   {4, .3, .75, .998},  {4, .3, 1, .999},
+                      {4, .3, 1.2, .982},  {4, .3, 1.5, .885},  {4, .45, .5, .998},  {4, .45, .75, .989},
+                      {4, .45, 1, .955},   {4, .45, 1.2, .917}, {4, .45, 1.5, .83},  {8, .3, .5, .999},
+                      {8, .3, 1, .972},    {8, .45, .5, .999},  {8, .45, .75, .985}, {2, .3, .25, .999},
+                      {2, .3, .5, 1.003},  {2, .3, .75, 1.022}, {2, .3, 1, 1.078},   {2, .3, 1.2, 1.09},
+                      {2, .45, .5, 1.003}, {2, .45, .75, .998}, {1, .3, .25, 1.0},   {1, .3, .5, 1.018},
+                      {1, .3, .75, 1.13},  {1, .3, 1, 1.39},    {1, .45, .5, 1.01},  {1, .45, .75, 1.028}};
   for (const Row& row : rows) {
     const double y = mean_of_bar(row.across, row.courant * 2 / 3);
     if (y < 1.1) continue;
@@ -113,7 +122,8 @@ TEST(ModulusBand, HoldsWhatThisSolverShows) {
   }
 }
 
-// A curved shell thinner than half its cells bends more or less than it should; a flat plate along them does as it should.
+// A curved shell thinner than half its cells bends more or less than it should; a flat plate along them does
+// as it should.
 TEST(ModulusBand, CurvedThinShellsAreNotCalledExact) {
   ElasticBodyDescription plate = test::describe(sample_particles(box_mesh({0.5, 0.01, 0.5})), 1e6, 0.3);
   for (const auto& [body, thin] : {std::pair{test::describe_quarter(10, 0.3, true), true}, {plate, false}}) {

@@ -52,7 +52,8 @@ Range over_lattices(const Strip& strip, double cells_t, const Ratio& ratio) {
       range.add(value);
     }
   }
-  if (std::getenv("LIVEGS_PRINT_RATIOS")) std::printf("  cells of %g t: %.2f to %.2f\n", cells_t, range.least, range.most);
+  if (std::getenv("LIVEGS_PRINT_RATIOS"))
+    std::printf("  cells of %g t: %.2f to %.2f\n", cells_t, range.least, range.most);
   return range;
 }
 
@@ -83,7 +84,9 @@ double clip_ratio(const Strip& strip, const std::vector<StripPoint>& points, con
   const double r = strip.radius_m, length = strip.length_m, end = 0.005;
   const double inertia = strip.width_m * kT * kT * kT / 12.0;
   double volumes[2] = {0, 0};
-  const auto side = [&](const StripPoint& p) { return p.along_m < end ? 0 : p.along_m > length - end ? 1 : -1; };
+  const auto side = [&](const StripPoint& p) {
+    return p.along_m < end ? 0 : p.along_m > length - end ? 1 : -1;
+  };
   double mean_along[2] = {0, 0};
   for (const StripPoint& p : points) {
     if (side(p) < 0) continue;
@@ -91,7 +94,8 @@ double clip_ratio(const Strip& strip, const std::vector<StripPoint>& points, con
     mean_along[side(p)] += p.volume_m3 * p.along_m;
   }
   const double h = 0.5 * (mean_along[1] / volumes[1] - mean_along[0] / volumes[0]) / r, c = std::cos(h);
-  const double opening = r * r * r / (kE * inertia) * (h + 0.5 * std::sin(2 * h) - 4 * c * std::sin(h) + 2 * h * c * c);
+  const double opening =
+      r * r * r / (kE * inertia) * (h + 0.5 * std::sin(2 * h) - 4 * c * std::sin(h) + 2 * h * c * c);
   const double squared = std::pow(kFreeBeam / length, 4) * kE * kT * kT / 12.0 / kRho;
   const std::vector<bool> held(lattice.node_coordinates.size(), false);
   const LatticeStatics statics(lattice, kRho, held, thin_matrices(lattice, {kE, 0.0}), 1e-4 * squared);
@@ -142,30 +146,33 @@ TEST(ThinCell, ConstantStrainCostsWhatTheMaterialSays) {
       const LatticeCell cell = cell_with_sheet(turn, centroid);
       const double energy = cell.volume_m3 * (material.shear_modulus_pa() * strain.squaredNorm() +
                                               0.5 * material.lame_lambda_pa() * std::pow(strain.trace(), 2));
-      EXPECT_NEAR(energy_of(cell, [&](const Vector3d& x) -> Vector3d { return gradient * x; }, material) / energy, 1.0,
-                  1e-9);
+      EXPECT_NEAR(energy_of(
+                      cell, [&](const Vector3d& x) -> Vector3d { return gradient * x; }, material) /
+                      energy,
+                  1.0, 1e-9);
     }
   }
 }
 
 TEST(ThinCell, BendingASheetCostsWhatAPlateSaysWhereverItLies) {
-  // u = n k s²/2 - e k s t about the sheet's middle, which goes through the centroid: energy V E t²/12 k²/2 and no
-  // strain there. The damping takes a little; at exactly 45 degrees one twist shows nothing and is guessed.
+  // u = n k s²/2 - e k s t about the sheet's middle, which goes through the centroid: energy V E t²/12 k²/2
+  // and no strain there. The damping takes a little; at exactly 45 degrees one twist shows nothing and is
+  // guessed.
   const double k = 0.5;
   for (const Quaterniond& turn : kTurns) {
     for (const Vector3d& centroid : kCentroids) {
       const LatticeCell cell = cell_with_sheet(turn, centroid);
       const Vector3d n = cell.thin->axes.col(0), middle = 0.5 * kWidth * centroid;
       for (const double angle : {0.0, 0.7, 2.1}) {
-        const Vector3d e = std::cos(angle) * cell.thin->axes.col(1) + std::sin(angle) * cell.thin->axes.col(2);
+        const Vector3d e =
+            std::cos(angle) * cell.thin->axes.col(1) + std::sin(angle) * cell.thin->axes.col(2);
         const double energy = 0.5 * cell.volume_m3 * kE * kT * kT / 12.0 * k * k;
-        const double found = energy_of(
-            cell,
-            [&](const Vector3d& x) -> Vector3d {
-              const double s = e.dot(x - middle), t = n.dot(x - middle);
-              return k * (0.5 * s * s * n - s * t * e);
-            },
-            {kE, 0.0});
+        const double found = energy_of(cell,
+                                       [&](const Vector3d& x) -> Vector3d {
+                                         const double s = e.dot(x - middle), t = n.dot(x - middle);
+                                         return k * (0.5 * s * s * n - s * t * e);
+                                       },
+                                       {kE, 0.0});
         const bool at_45 = &turn == &kTurns[3] || &turn == &kTurns[5];
         EXPECT_NEAR(found / energy, 1.0, at_45 ? 0.5 : 0.15)
             << turn.coeffs().transpose() << " at " << centroid.transpose();
@@ -209,14 +216,15 @@ TEST(ThinCell, ACordBendsLikeABeamToo) {
   }
 }
 
-// One cell, pulled out of all proportion, most of whose inverse mass is at a few corners, as at the tip of a leaf: nodes
-// of 20 mg beside 11 g. What moves goes on, so that a step that draws it back by f of the way grows it by more than 1 from
-// f = 4/3 on (r² - 2 (1 - f) r + 1 - f = 0). At 2.5 a plant flew (here it grows tenfold), at 1.5 it grows by a half and comes back.
+// One cell, pulled out of all proportion, most of whose inverse mass is at a few corners, as at the tip of a
+// leaf: nodes of 20 mg beside 11 g. What moves goes on, so that a step that draws it back by f of the way
+// grows it by more than 1 from f = 4/3 on (r² - 2 (1 - f) r + 1 - f = 0). At 2.5 a plant flew (here it grows
+// tenfold), at 1.5 it grows by a half and comes back.
 TEST(ThinCell, AWildlyStretchedCellWithLightCornersComesBack) {
   constexpr double kWidth_m = 0.1, kStep_s = 1.0 / 720;
   const Strip strip{0.045, 0.045};
-  const Lattice lattice =
-      build_lattice(strip_extent(strip_points(strip), Quaterniond::Identity(), Vector3d::Zero()), kWidth_m, {});
+  const Lattice lattice = build_lattice(
+      strip_extent(strip_points(strip), Quaterniond::Identity(), Vector3d::Zero()), kWidth_m, {});
   ASSERT_EQ(lattice.cells.size(), 1u);
   ASSERT_TRUE(lattice.cells[0].thin);
   const size_t count = lattice.node_coordinates.size();
@@ -226,8 +234,10 @@ TEST(ThinCell, AWildlyStretchedCellWithLightCornersComesBack) {
       SCOPED_TRACE(testing::Message() << light << " light corners, pulled out by " << pulled << " cells");
       std::vector<double> inverse_masses(count, 1.0 / 0.011);
       for (size_t node = 0; node < light; ++node) inverse_masses[node] = 1.0 / 2e-5;
-      CellBatches batches = make_cell_batches(lattice, inverse_masses, rotations, static_cast<uint32_t>(count), false, true);
-      const GaussSeidelGains gains = make_gauss_seidel_gains(lattice, batches, inverse_masses, {{{kE, 0.3}}}, true, kStep_s);
+      CellBatches batches =
+          make_cell_batches(lattice, inverse_masses, rotations, static_cast<uint32_t>(count), false, true);
+      const GaussSeidelGains gains =
+          make_gauss_seidel_gains(lattice, batches, inverse_masses, {{{kE, 0.3}}}, true, kStep_s);
       ASSERT_EQ(batches.thin.size(), 1u);
       std::vector<NodeLanes> at(count + 8, NodeLanes{});
       for (size_t node = 0; node < count; ++node) {
@@ -235,7 +245,8 @@ TEST(ThinCell, AWildlyStretchedCellWithLightCornersComesBack) {
         for (int d = 0; d < 3; ++d) at[node][d] = static_cast<float>(place[d]);
         at[node][3] = static_cast<float>(inverse_masses[node]);
       }
-      for (size_t node = 0; node < light; ++node) at[node][1] += static_cast<float>(pulled * kWidth_m * (node % 2 ? -1 : 1));
+      for (size_t node = 0; node < light; ++node)
+        at[node][1] += static_cast<float>(pulled * kWidth_m * (node % 2 ? -1 : 1));
       // First order, no gravity: what it moved by, it moves by again.
       std::vector<NodeLanes> last = at;
       double start = 0.0, end = 0.0, most = 0.0;

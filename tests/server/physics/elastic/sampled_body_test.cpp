@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies as scenes make them: a mesh sampled with the spacing that nobody told, a list of points that fills nothing evenly.
-// Whole voxels end before or after the faces, and points fill one cell with eight and the next with seven; the modulus
-// and a patch must be those of the body all the same.
+// Bodies as scenes make them: a mesh sampled with the spacing that nobody told, a list of points that fills
+// nothing evenly. Whole voxels end before or after the faces, and points fill one cell with eight and the
+// next with seven; the modulus and a patch must be those of the body all the same.
 #include <algorithm>
 #include <random>
 
-#include "geometry/mesh/mesh_topology.h"
 #include "geometry/field/sample_particles.h"
+#include "geometry/mesh/mesh_topology.h"
 #include "geometry/surface/shape_mesh.h"
 #include "known_gaps.h"
 #include "physics/lattice/lattice.h"
@@ -44,7 +44,8 @@ double strain_between(const ElasticBody& body, const Vector3d& size) {
 }
 
 // E_app / E of a bar along x, pulled at both ends by half a per cent of E over its true section.
-double apparent_modulus(const ElasticBodyDescription& described, const Vector3d& size, double rate_hz, bool plate = false) {
+double apparent_modulus(const ElasticBodyDescription& described, const Vector3d& size, double rate_hz,
+                        bool plate = false) {
   ElasticBodyDescription bar = described;
   bar.material.loss_factor = 2.0;
   Stage stage;
@@ -56,14 +57,16 @@ double apparent_modulus(const ElasticBodyDescription& described, const Vector3d&
   for (const double side : {-1.0, 1.0}) {
     for (int j = 0; j < n; ++j) {
       for (int k = 0; k < n; ++k) {
-        stage.forces.push_back({{0.5 * side * size.x(), ((j + 0.5) / n - 0.5) * size.y(), ((k + 0.5) / n - 0.5) * size.z()},
-                                {side * force_n, 0, 0}});
+        stage.forces.push_back(
+            {{0.5 * side * size.x(), ((j + 0.5) / n - 0.5) * size.y(), ((k + 0.5) / n - 0.5) * size.z()},
+             {side * force_n, 0, 0}});
       }
     }
   }
   stage.run(20.0 * size.x() / std::sqrt(bar.material.youngs_modulus_pa / 1000.0) + 1.0);
   // Neo-Hookean, to second order in the strain: half a per cent is 0.5 % off the line at most.
-  const double strain = plate ? strain_between(*stage.body, size) : strain_along(*stage.body, bar.particles, 0.5 * size.x());
+  const double strain =
+      plate ? strain_between(*stage.body, size) : strain_along(*stage.body, bar.particles, 0.5 * size.x());
   return stress_pa / bar.material.youngs_modulus_pa / strain;
 }
 
@@ -72,7 +75,8 @@ TEST(SampledBody, BoxesOfAnySizeShowTheirModulus) {
                                Vector3d(0.35, 0.13, 0.09)}) {
     for (const double rate_hz : kRates_hz) {
       const auto bar = describe(sample_particles(box_mesh(size)), 1e5, 0.3);
-      EXPECT_NEAR(apparent_modulus(bar, size, rate_hz), 1.0, 0.05) << size.transpose() << ", " << rate_hz << " Hz";
+      EXPECT_NEAR(apparent_modulus(bar, size, rate_hz), 1.0, 0.05)
+          << size.transpose() << ", " << rate_hz << " Hz";
     }
   }
 }
@@ -85,7 +89,8 @@ TEST(SampledBody, CubesOfFewCellsShowWhatTheySay) {
       for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
         auto cube = describe(sample_particles(box_mesh(size)), youngs_modulus_pa, 0.3);
         cube.cell_width_m = size.x() / cells;
-        SCOPED_TRACE(testing::Message() << cells << " cells, " << youngs_modulus_pa << " Pa, " << rate_hz << " Hz");
+        SCOPED_TRACE(testing::Message()
+                     << cells << " cells, " << youngs_modulus_pa << " Pa, " << rate_hz << " Hz");
         Stage stage;
         stage.rate_hz = rate_hz;
         stage.make(cube);
@@ -103,8 +108,8 @@ TEST(SampledBody, CubesOfFewCellsShowWhatTheySay) {
   }
 }
 
-// A plate of one cell through its thickness shows more than E there, where no cell beyond takes its part of the sweep: it says
-// how much.
+// A plate of one cell through its thickness shows more than E there, where no cell beyond takes its part of
+// the sweep: it says how much.
 TEST(SampledBody, APlateShowsAcrossWhatItSays) {
   double worst = 0.0;
   for (const double thickness_m : {0.03, 0.05}) {
@@ -112,7 +117,8 @@ TEST(SampledBody, APlateShowsAcrossWhatItSays) {
       for (const double youngs_modulus_pa : {1e4, 1e5}) {
         const Vector3d size(thickness_m, 0.3, 0.3);
         const auto plate = describe(sample_particles(box_mesh(size)), youngs_modulus_pa, 0.3);
-        SCOPED_TRACE(testing::Message() << thickness_m << " m, " << youngs_modulus_pa << " Pa, " << rate_hz << " Hz");
+        SCOPED_TRACE(testing::Message()
+                     << thickness_m << " m, " << youngs_modulus_pa << " Pa, " << rate_hz << " Hz");
         Stage stage;
         stage.rate_hz = rate_hz;
         stage.make(plate);
@@ -128,8 +134,8 @@ TEST(SampledBody, APlateShowsAcrossWhatItSays) {
   report_gap("sampled.plate_modulus", worst);
 }
 
-// Rods and plates thinner than a voxel: as many pieces of lattice as of mesh. By their corners alone a rod was
-// two pieces and a plate four.
+// Rods and plates thinner than a voxel: as many pieces of lattice as of mesh. By their corners alone a rod
+// was two pieces and a plate four.
 TEST(SampledBody, ThinShapesHangTogether) {
   struct Case {
     const char* name;
@@ -148,7 +154,8 @@ TEST(SampledBody, ThinShapesHangTogether) {
                                    {"bar of half a voxel", box_mesh({0.4, 0.05, 0.05}), 0.1}};
   for (const Case& one : cases) {
     const ParticleSet particles = sample_particles(one.mesh, kDefaultSamplingDensity, one.spacing_m);
-    // Both faces of a plate carry it. Taken in order, all points were on the first, and the weight 4.3 of 5 mm off the middle.
+    // Both faces of a plate carry it. Taken in order, all points were on the first, and the weight 4.3 of 5
+    // mm off the middle.
     const Eigen::AlignedBox3d bounds = mesh_bounds_m(one.mesh);
     Eigen::AlignedBox3d sampled;
     Vector3d centre_m = Vector3d::Zero();
@@ -166,20 +173,23 @@ TEST(SampledBody, ThinShapesHangTogether) {
     for (const double youngs_modulus_pa : {1e5, 1e7}) {
       Stage stage;
       stage.make(describe(particles, youngs_modulus_pa, 0.3));
-      const Lattice lattice = build_lattice(measure_extent(particles), stage.body->accuracy().cell_width_m, {});
-      EXPECT_EQ(piece_count(lattice), 1) << one.name << ", " << particles.positions_m.size() << " particles, cells "
-                                         << lattice.cell_width_m << " m";
+      const Lattice lattice =
+          build_lattice(measure_extent(particles), stage.body->accuracy().cell_width_m, {});
+      EXPECT_EQ(piece_count(lattice), 1) << one.name << ", " << particles.positions_m.size()
+                                         << " particles, cells " << lattice.cell_width_m << " m";
     }
   }
 }
 
-// Held at one end and drawn by 4 mm at the other. A grip of less than half a voxel held the corners alone and the bar was
-// stretched by a sixth of what was asked for. Material within a grip may stretch too or not: either length is right.
+// Held at one end and drawn by 4 mm at the other. A grip of less than half a voxel held the corners alone and
+// the bar was stretched by a sixth of what was asked for. Material within a grip may stretch too or not:
+// either length is right.
 TEST(SampledBody, AGripOfAnyThicknessHolds) {
   const Vector3d size(0.4, 0.1, 0.1);
   for (const double spacing_m : {0.0, 0.025}) {
     for (const double grip_m : {0.001, 0.005, 0.01, 0.012, 0.02, 0.03, 0.06}) {
-      ElasticBodyDescription bar = describe(sample_particles(box_mesh(size), kDefaultSamplingDensity, spacing_m), 1e5, 0.3);
+      ElasticBodyDescription bar =
+          describe(sample_particles(box_mesh(size), kDefaultSamplingDensity, spacing_m), 1e5, 0.3);
       bar.material.loss_factor = 2.0;
       const Vector3d half = 0.51 * size;
       BodyRegion held, drawn;
@@ -229,11 +239,13 @@ ParticleSet gridded_ball(double radius) {
 TEST(SampledBody, AJitteredBarShowsItsModulus) {
   const Vector3d size(0.4, 0.1, 0.1);
   for (const double rate_hz : kRates_hz) {
-    EXPECT_NEAR(apparent_modulus(describe(jittered(size, 0.0125), 1e5, 0.3), size, rate_hz), 1.0, 0.05) << rate_hz;
+    EXPECT_NEAR(apparent_modulus(describe(jittered(size, 0.0125), 1e5, 0.3), size, rate_hz), 1.0, 0.05)
+        << rate_hz;
   }
 }
 
-// The outer particles are moved by a matrix; a cell or more within, the deformation gradient becomes that matrix.
+// The outer particles are moved by a matrix; a cell or more within, the deformation gradient becomes that
+// matrix.
 TEST(SampledBody, PassesThePatchTest) {
   Matrix3d stretch = Vector3d(1.5, 1.0, 0.8).asDiagonal(), shear = Matrix3d::Identity();
   shear(0, 1) = 1.0;
@@ -247,7 +259,8 @@ TEST(SampledBody, PassesThePatchTest) {
   const std::vector<Case> cases = {
       {"ball of points", gridded_ball(radius), [&](const Vector3d& p) { return radius - p.norm(); }},
       {"jittered block", jittered(Vector3d::Constant(2 * half), 0.0125), in_cube},
-      {"sphere", sample_particles(sphere_mesh(radius, 3)), [&](const Vector3d& p) { return radius - p.norm(); }},
+      {"sphere", sample_particles(sphere_mesh(radius, 3)),
+       [&](const Vector3d& p) { return radius - p.norm(); }},
       {"box", sample_particles(box_mesh(Vector3d::Constant(2 * half))), in_cube}};
   for (const Case& one : cases) {
     for (const Matrix3d& matrix : {stretch, shear}) {

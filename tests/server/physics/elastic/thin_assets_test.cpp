@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thin shells of things as they are made: the sample hat and plant. A free body is loaded by forces that balance; its
-// compliance in cells as wide as the program chooses is held against the finest lattice that is solved in a minute. The
-// elements only: that the sweep follows them is thin_shell_test.cpp's.
+// Thin shells of things as they are made: the sample hat and plant. A free body is loaded by forces that
+// balance; its compliance in cells as wide as the program chooses is held against the finest lattice that is
+// solved in a minute. The elements only: that the sweep follows them is thin_shell_test.cpp's.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -9,9 +9,9 @@
 #include <random>
 
 #include "gaussian/asset_file.h"
+#include "geometry/field/sample_particles.h"
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/reconstruct_surface.h"
-#include "geometry/field/sample_particles.h"
 #include "known_gaps.h"
 #include "sample/sample_scene.h"
 #include "scenes/elastic_bodies.h"
@@ -97,12 +97,13 @@ struct Stiffness {
 Stiffness stiffness_of(const ParticleSet& particles, double width_m, double converged) {
   const Stiffness found{converged / compliance(particles, width_m, true),
                         converged / compliance(particles, width_m, false)};
-  std::printf("cells of %g mm: %.2f of the converged stiffness, plain cells %.2f\n", 1e3 * width_m, found.thin,
-              found.plain);
+  std::printf("cells of %g mm: %.2f of the converged stiffness, plain cells %.2f\n", 1e3 * width_m,
+              found.thin, found.plain);
   return found;
 }
 
-// In the cells that the program chooses (44 mm for these particles, 47 as the sample scene has it), and wider ones.
+// In the cells that the program chooses (44 mm for these particles, 47 as the sample scene has it), and wider
+// ones.
 TEST(ThinAssets, TheSampleHatIsAsStiffAsConverged) {
   const ParticleSet particles = particles_of(make_felt_hat(), 0.006);
   const double converged = compliance(particles, 0.010, true);
@@ -126,11 +127,13 @@ TEST(ThinAssets, TheSamplePlantIsWithinAFactorOfTheFinestCells) {
   EXPECT_GT(plant.plain, 10.0);
 }
 
-// A captured plant, a metre high. One rule: its default cells against cells of a third, a quarter and a fifth of them, with
-// particles 20 and 12 mm apart, and the worst of the six counts. They are 4.1, 1.4, 2.2 and 6.5, 3.2, 4.9: a leaf hangs together
-// by other particles in every lattice, so there is no limit to converge to.
+// A captured plant, a metre high. One rule: its default cells against cells of a third, a quarter and a fifth
+// of them, with particles 20 and 12 mm apart, and the worst of the six counts. They are 4.1, 1.4, 2.2
+// and 6.5, 3.2, 4.9: a leaf hangs together by other particles in every lattice, so there is no limit to
+// converge to.
 TEST(ThinAssets, TheCapturedPalmIsWithinAFactorOfTheFinestCells) {
-  const std::filesystem::path file = std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "splats/ponytail_palm/ponytail_palm.ply";
+  const std::filesystem::path file =
+      std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "splats/ponytail_palm/ponytail_palm.ply";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "shared data is not here";
   const auto asset = read_asset(file);
   ASSERT_TRUE(asset);
@@ -144,8 +147,9 @@ TEST(ThinAssets, TheCapturedPalmIsWithinAFactorOfTheFinestCells) {
   }
 }
 
-// A leaf's cells are nearly empty, and some of their corners have a millionth of what the pot's have. Jerked hard at one
-// point and let go, away from everything, the body may lose energy but not gain any, and what flows gives none back.
+// A leaf's cells are nearly empty, and some of their corners have a millionth of what the pot's have. Jerked
+// hard at one point and let go, away from everything, the body may lose energy but not gain any, and what
+// flows gives none back.
 struct Jerked {
   double most_over_released = 0.0, least_flow_j = 0.0;
 };
@@ -160,7 +164,8 @@ Jerked jerk(const ParticleSet& particles, double plasticity, int runs) {
     stage.rate_hz = 90.0;
     stage.make(description);
     const size_t at = random() % particles.positions_m.size();
-    stage.forces = {{particles.positions_m[at], 50.0 * Vector3d(anywhere(), anywhere(), anywhere()).normalized()}};
+    stage.forces = {
+        {particles.positions_m[at], 50.0 * Vector3d(anywhere(), anywhere(), anywhere()).normalized()}};
     for (int i = 0; i < 30; ++i) stage.frame();
     stage.forces.clear();
     const auto energy_j = [&](double& flow_j) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curved sheets thinner than a cell in the solver itself: a quarter of a cylinder of radius 0.1 m, 3 mm thick and 50 mm
-// wide, beside what beams say of it and beside plain cells (CellsOptions::thin false).
+// Curved sheets thinner than a cell in the solver itself: a quarter of a cylinder of radius 0.1 m, 3 mm thick
+// and 50 mm wide, beside what beams say of it and beside plain cells (CellsOptions::thin false).
 #include <Eigen/Eigenvalues>
 #include <cstdio>
 
@@ -28,11 +28,14 @@ struct Ends {
       along[side(p)] += p.volume_m3 * p.along_m;
     }
   }
-  static int side(const StripPoint& p) { return p.along_m < 0.005 ? 0 : p.along_m > kQuarter.length_m - 0.005 ? 1 : -1; }
+  static int side(const StripPoint& p) {
+    return p.along_m < 0.005 ? 0 : p.along_m > kQuarter.length_m - 0.005 ? 1 : -1;
+  }
 
   // By Castigliano, of a force of 1 N: F R³/(E I) (h + sin(2h)/2 - 4 cos(h) sin(h) + 2 h cos²(h)).
   double opening_m() const {
-    const double h = 0.5 * (along[1] / volumes[1] - along[0] / volumes[0]) / kQuarter.radius_m, c = std::cos(h);
+    const double h = 0.5 * (along[1] / volumes[1] - along[0] / volumes[0]) / kQuarter.radius_m,
+                 c = std::cos(h);
     return std::pow(kQuarter.radius_m / kT, 3) * 12.0 / (kModulus_pa * kQuarter.width_m) *
            (h + 0.5 * std::sin(2 * h) - 4 * c * std::sin(h) + 2 * h * c * c);
   }
@@ -41,7 +44,8 @@ struct Ends {
     const Vector3d chord = Vector3d(1, 0, -1).normalized();
     for (const StripPoint& p : points) {
       if (side(p) < 0) continue;
-      forces.push_back({p.at_m, (side(p) == 0 ? -1.0 : 1.0) * force_n * p.volume_m3 / volumes[side(p)] * chord});
+      forces.push_back(
+          {p.at_m, (side(p) == 0 ? -1.0 : 1.0) * force_n * p.volume_m3 / volumes[side(p)] * chord});
     }
     return forces;
   }
@@ -83,8 +87,8 @@ TEST(ThinShell, AQuarterCylinderOpensLikeABeamWherePlainCellsAreTooStiff) {
   }
 }
 
-// The lowest angular frequency of a free arc in its plane, of unit E I and rho A: a frame of straight Euler-Bernoulli
-// beams, stiff along themselves.
+// The lowest angular frequency of a free arc in its plane, of unit E I and rho A: a frame of straight
+// Euler-Bernoulli beams, stiff along themselves.
 double arc_frequency(double length_m, double radius_m) {
   constexpr int kCount = 48;
   const double axial = 1e4 / (length_m * length_m), step = length_m / kCount;
@@ -97,9 +101,10 @@ double arc_frequency(double length_m, double radius_m) {
     const double l = along.norm();
     Eigen::Matrix<double, 6, 6> k, m, turn = Eigen::Matrix<double, 6, 6>::Identity();
     const double a = axial / l * 12.0, b = 12.0 / (l * l * l), c = 6.0 / (l * l), d = 4.0 / l, e = 2.0 / l;
-    k << a, 0, 0, -a, 0, 0, 0, b, c, 0, -b, c, 0, c, d, 0, -c, e, -a, 0, 0, a, 0, 0, 0, -b, -c, 0, b, -c, 0, c, e, 0, -c, d;
-    m << 140, 0, 0, 70, 0, 0, 0, 156, 22 * l, 0, 54, -13 * l, 0, 22 * l, 4 * l * l, 0, 13 * l, -3 * l * l,
-        70, 0, 0, 140, 0, 0, 0, 54, 13 * l, 0, 156, -22 * l, 0, -13 * l, -3 * l * l, 0, -22 * l, 4 * l * l;
+    k << a, 0, 0, -a, 0, 0, 0, b, c, 0, -b, c, 0, c, d, 0, -c, e, -a, 0, 0, a, 0, 0, 0, -b, -c, 0, b, -c, 0,
+        c, e, 0, -c, d;
+    m << 140, 0, 0, 70, 0, 0, 0, 156, 22 * l, 0, 54, -13 * l, 0, 22 * l, 4 * l * l, 0, 13 * l, -3 * l * l, 70,
+        0, 0, 140, 0, 0, 0, 54, 13 * l, 0, 156, -22 * l, 0, -13 * l, -3 * l * l, 0, -22 * l, 4 * l * l;
     m *= l / 420.0;
     const double x = along.x() / l, y = along.y() / l;
     for (const int first : {0, 3}) turn.block<2, 2>(first, first) << x, y, -y, x;
@@ -138,9 +143,10 @@ TEST(ThinShell, AnArcLetGoSwingsAtABeamsFrequency) {
       ASSERT_EQ(crossings.size(), 7u);
       ratios[thin] = 2.0 * M_PI * 3.0 / (crossings[6] - crossings[0]) / beam;
     }
-    std::printf("cells of %g t: frequency %.3f of a beam's, plain cells %.3f\n", cells_t, ratios[1], ratios[0]);
-    // The stiffness is right (above); nodes stand up to a cell away from the sheet and carry its mass there, which turns
-    // with it.
+    std::printf("cells of %g t: frequency %.3f of a beam's, plain cells %.3f\n", cells_t, ratios[1],
+                ratios[0]);
+    // The stiffness is right (above); nodes stand up to a cell away from the sheet and carry its mass there,
+    // which turns with it.
     report_gap("thin_shell.frequency", std::abs(ratios[1] - 1.0));
     EXPECT_LT(ratios[1], 1.1) << cells_t;
     EXPECT_GT(ratios[0], 1.1) << cells_t;
@@ -160,7 +166,8 @@ TEST(ThinShell, AScrambledArcComesBack) {
     ASSERT_TRUE(all_finite(*stage.body)) << seed;
     if (rms_distance_from_rest_shape(*stage.body, body.particles) < 1e-3 * kQuarter.length_m) continue;
     ++wound;
-    for (const ParticleState& p : stage.body->particles()) ASSERT_GT(p.deformation_gradient.determinant(), 0.0) << seed;
+    for (const ParticleState& p : stage.body->particles())
+      ASSERT_GT(p.deformation_gradient.determinant(), 0.0) << seed;
   }
   EXPECT_LE(wound, (seeds + 29) / 30);
 }
@@ -190,8 +197,10 @@ TEST(ThinShell, ASpinningArcKeepsItsMomentumAndGainsNoEnergy) {
   for (int i = 0; i < 300; ++i) {
     stage.frame();
     const BodyEnergy now = stage.body->energy(kNoGravity);
-    ASSERT_NEAR((now.linear_momentum - before.linear_momentum).norm(), 0.0, 1e-5 * before.linear_momentum.norm());
-    ASSERT_NEAR((now.angular_momentum - before.angular_momentum).norm(), 0.0, 1e-4 * before.angular_momentum.norm());
+    ASSERT_NEAR((now.linear_momentum - before.linear_momentum).norm(), 0.0,
+                1e-5 * before.linear_momentum.norm());
+    ASSERT_NEAR((now.angular_momentum - before.angular_momentum).norm(), 0.0,
+                1e-4 * before.angular_momentum.norm());
     ASSERT_LT(now.kinetic_j + now.elastic_j, 1.01 * (before.kinetic_j + before.elastic_j)) << i;
   }
 }

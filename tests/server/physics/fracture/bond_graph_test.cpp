@@ -18,7 +18,9 @@ constexpr double kThreshold = 0.8;  // N s
 
 VoronoiPieces cut_cup(size_t count, uint64_t seed) {
   const TriangleMesh mesh = testing::cup_mesh(48, 10);
-  return cut_voronoi_pieces(mesh, fracture_seeds(mesh, {.count = count, .seed = seed, .impacts_m = {}}).value()).value();
+  return cut_voronoi_pieces(mesh,
+                            fracture_seeds(mesh, {.count = count, .seed = seed, .impacts_m = {}}).value())
+      .value();
 }
 
 size_t group_count(const BondGraph& graph) {
@@ -31,12 +33,12 @@ BondGraph broken(BondGraph graph, const Impact& impact) {
   return graph;
 }
 
-// A row of three equal balls struck at its end moves on at J / 3m, so the first bond passes on two thirds of the
-// impulse and the second one third.
+// A row of three equal balls struck at its end moves on at J / 3m, so the first bond passes on two thirds of
+// the impulse and the second one third.
 TEST(BondGraph, LoadsARowByWhatLiesBehind) {
   BondGraph row;
-  // Its box is 0.2933 m long: 12 times the variance of 2/3 · 0.1² between centres and 1e-3 / 2 in each. With this
-  // volume the mean cross-section is 1e-4 m².
+  // Its box is 0.2933 m long: 12 times the variance of 2/3 · 0.1² between centres and 1e-3 / 2 in each. With
+  // this volume the mean cross-section is 1e-4 m².
   const double length_m = std::sqrt(12.0 * (0.02 / 3.0 + 0.5e-3));
   for (int n = 0; n < 3; ++n) {
     row.pieces.push_back({1.0, {0.1 * n, 0, 0}, 1e-3 * Eigen::Matrix3d::Identity(), 1e-4 * length_m / 3.0});
@@ -58,10 +60,12 @@ TEST(BondGraph, LoadsARowByWhatLiesBehind) {
   EXPECT_EQ(broken_bonds(row, impact), std::vector<uint32_t>{0});
 }
 
-// At 0.9 of what breaks it the near bond loses 0.25 · (0.9 - 0.5) / 0.5 = 0.2, the far one, which bears 0.45, nothing.
+// At 0.9 of what breaks it the near bond loses 0.25 · (0.9 - 0.5) / 0.5 = 0.2, the far one, which bears 0.45,
+// nothing.
 TEST(BondGraph, BlowsThatBreakNothingWearWhatBearsMoreThanHalf) {
   BondGraph row;
-  for (int n = 0; n < 3; ++n) row.pieces.push_back({1.0, {0.1 * n, 0, 0}, 1e-3 * Eigen::Matrix3d::Identity(), 1e-4});
+  for (int n = 0; n < 3; ++n)
+    row.pieces.push_back({1.0, {0.1 * n, 0, 0}, 1e-3 * Eigen::Matrix3d::Identity(), 1e-4});
   row.bonds = {{1, 2, 1e-4}, {0, 1, 1e-4}};
   row.break_impulse_n_s = kThreshold;
   row.whole_area_m2 = 2e-4;
@@ -88,13 +92,15 @@ TEST(BondGraph, ACrackRunsAlongWhatWasWorn) {
     const VoronoiPieces pieces = cut_cup(32, seed);
     const BondGraph fresh = make_bond_graph(pieces, 0.3, kThreshold);
     BondGraph worn = fresh;
-    const Impact impact{7, pieces.pieces[7].mesh.vertices_m[0], 0.72 * kThreshold * Eigen::Vector3d(-0.6, 0, 0.8)};
+    const Impact impact{7, pieces.pieces[7].mesh.vertices_m[0],
+                        0.72 * kThreshold * Eigen::Vector3d(-0.6, 0, 0.8)};
     int impacts = 1;
     for (; broken_bonds(worn, impact).empty() && impacts < 20; ++impacts) accumulate_damage(worn, impact);
     EXPECT_EQ(impacts, 4) << "0.11 each, and 0.67 is less than 0.72";
     const std::vector<uint32_t> crack = broken_bonds(worn, impact);
     ++cracks;
-    worn_first += std::any_of(crack.begin(), crack.end(), [&](uint32_t b) { return worn.bonds[b].integrity < 0.99; });
+    worn_first +=
+        std::any_of(crack.begin(), crack.end(), [&](uint32_t b) { return worn.bonds[b].integrity < 0.99; });
   }
   EXPECT_EQ(worn_first, cracks);
 }

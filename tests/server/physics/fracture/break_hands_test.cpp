@@ -32,7 +32,8 @@ std::vector<double> distances_m(const World& world, const BreakablePieces& piece
     const Vector3d local = bodies[body].world_from_body.inverse() * point_m + rest.bodies[body].position_m;
     const TriangleMesh& mesh = pieces.cut.pieces[p].mesh;
     for (const auto& [a, b, c] : mesh.triangles) {
-      const Vector3d on = closest_point_on_triangle(local, mesh.vertices_m[a], mesh.vertices_m[b], mesh.vertices_m[c]);
+      const Vector3d on =
+          closest_point_on_triangle(local, mesh.vertices_m[a], mesh.vertices_m[b], mesh.vertices_m[c]);
       least[body] = std::min(least[body], (on - local).norm());
     }
   }
@@ -44,7 +45,8 @@ std::vector<Vector3d> places_beside(const World& world, const BreakablePieces& p
   std::vector<Vector3d> places;
   for (size_t p = 0; p < pieces.cut.pieces.size(); p += 3) {
     const VoronoiPiece& piece = pieces.cut.pieces[p];
-    const Vector3d surface = world.world_point(kCup, piece.mesh.vertices_m[0] * 0.999 + piece.mass.centre_of_mass_m * 0.001);
+    const Vector3d surface =
+        world.world_point(kCup, piece.mesh.vertices_m[0] * 0.999 + piece.mass.centre_of_mass_m * 0.001);
     places.push_back(surface + apart_m * rotation_about(static_cast<int>(p)).toRotationMatrix().col(1));
   }
   return places;
@@ -53,7 +55,8 @@ std::vector<Vector3d> places_beside(const World& world, const BreakablePieces& p
 // The body that a hand moves.
 uint32_t held_by(World& world, const Pose& hand) {
   const std::vector<BodyState> before = world.bodies();
-  world.move_grab(1, {hand.position_m + Vector3d(0, 0.05, 0), hand.orientation}, Vector3d::Zero(), Vector3d::Zero());
+  world.move_grab(1, {hand.position_m + Vector3d(0, 0.05, 0), hand.orientation}, Vector3d::Zero(),
+                  Vector3d::Zero());
   world.step();
   const std::vector<BodyState> after = world.bodies();
   uint32_t moved = 0;
@@ -91,25 +94,29 @@ void take(World& world, const BreakablePieces& pieces, const Vector3d& place_m, 
   const auto misreports = [&](uint32_t body) {
     return world.piece_bodies(kCup)[piece] != body || world.grab_state(1)->piece != piece;
   };
-  taken.misreported += met->piece != piece || misreports(held) || std::abs(weighed_kg - world.bodies()[held].mass_kg) > 1e-12;
-  const Vector3d struck = pieces.cut.pieces[piece].mesh.vertices_m[0] * 0.99 + pieces.cut.pieces[piece].mass.centre_of_mass_m * 0.01;
+  taken.misreported +=
+      met->piece != piece || misreports(held) || std::abs(weighed_kg - world.bodies()[held].mass_kg) > 1e-12;
+  const Vector3d struck = pieces.cut.pieces[piece].mesh.vertices_m[0] * 0.99 +
+                          pieces.cut.pieces[piece].mass.centre_of_mass_m * 0.01;
   if (!world.break_object(kCup, struck)) return;  // a single piece
   taken.misreported += misreports(held_by(world, hand));
 }
 
 TEST(BreakingHands, TheNearestSherdIsHeldWeighedAndTold) {
   Taken taken;
-  for (const double rate : kRates_hz) for (int run = 1; run <= seed_count(6); ++run) {
-    const auto seed = static_cast<uint64_t>(run);
-    const auto pieces = pieces_of(small_cup(), 8 + seed % 9, seed);
-    for (const double apart_m : {0.0, 0.01, 0.03, 0.08}) {
-      SCOPED_TRACE(::testing::Message() << "seed " << seed << ", " << apart_m << " m");
-      World world = burst_cup(rate, seed, pieces);
-      const std::vector<Vector3d> places = places_beside(world, *pieces, apart_m);
-      take(world, *pieces, places[seed % places.size()], taken);
+  for (const double rate : kRates_hz)
+    for (int run = 1; run <= seed_count(6); ++run) {
+      const auto seed = static_cast<uint64_t>(run);
+      const auto pieces = pieces_of(small_cup(), 8 + seed % 9, seed);
+      for (const double apart_m : {0.0, 0.01, 0.03, 0.08}) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed << ", " << apart_m << " m");
+        World world = burst_cup(rate, seed, pieces);
+        const std::vector<Vector3d> places = places_beside(world, *pieces, apart_m);
+        take(world, *pieces, places[seed % places.size()], taken);
+      }
     }
-  }
-  EXPECT_EQ(taken.wrong_held, 0) << "of " << taken.grabs;  // by boxes about bent sherds and cells of their points, 91 of 240
+  EXPECT_EQ(taken.wrong_held, 0)
+      << "of " << taken.grabs;  // by boxes about bent sherds and cells of their points, 91 of 240
   EXPECT_EQ(taken.misreported, 0);
 }
 
@@ -119,7 +126,8 @@ TEST(BreakingHands, OfACupThatBreaksInTheHandTheNearestPieceIsHeld) {
     SCOPED_TRACE(seed);
     const auto pieces = pieces_of(small_cup(), 16, seed);
     World world = with_cup(cup_at(0.0), world_at(90, 4, Vector3d::Zero()), pieces);
-    const Pose hand{rotation_about(static_cast<int>(seed)) * Vector3d(0.06, 0, 0) + Vector3d(0, 0.05, 0), Eigen::Quaterniond::Identity()};
+    const Pose hand{rotation_about(static_cast<int>(seed)) * Vector3d(0.06, 0, 0) + Vector3d(0, 0.05, 0),
+                    Eigen::Quaterniond::Identity()};
     ASSERT_TRUE(world.grab(1, kCup, hand, {}));
     EXPECT_FALSE(world.grab_state(1)->piece);
     ASSERT_TRUE(world.break_object(kCup, {0.038, 0.05, 0}));
@@ -145,7 +153,8 @@ TEST(BreakingHands, ARayTellsThePieceItMet) {
     ASSERT_TRUE(hit->piece);
     const std::vector<double> apart = distances_m(world, *pieces, from + hit->distance_m * way);
     EXPECT_LT(apart[world.piece_bodies(kCup)[*hit->piece]], 1e-9);
-    EXPECT_LT((world.world_point(kCup, hit->rest_point_m, hit->piece) - from - hit->distance_m * way).norm(), 1e-4);
+    EXPECT_LT((world.world_point(kCup, hit->rest_point_m, hit->piece) - from - hit->distance_m * way).norm(),
+              1e-4);
   }
   EXPECT_GT(met, 3);
 }

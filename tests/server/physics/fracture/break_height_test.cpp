@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The height from which a dropped cup breaks, against the closed form of its landing. It must not depend on how a frame is
-// cut into steps.
+// The height from which a dropped cup breaks, against the closed form of its landing. It must not depend on
+// how a frame is cut into steps.
 #include <algorithm>
 #include <cstdio>
 #include <functional>
@@ -24,8 +24,8 @@ bool breaks_when_dropped(const RigidBodyDescription& cup, double fall_m, World w
   return world.revision(kCup) > 0;
 }
 
-// Of the height of the closed form: the least found that breaks it, and the largest that does not. Bisection by eight drops,
-// then four that probe whether all below hold and all above break.
+// Of the height of the closed form: the least found that breaks it, and the largest that does not. Bisection
+// by eight drops, then four that probe whether all below hold and all above break.
 struct Spread {
   double first_broken = 1.2, last_held = 0.9;
   double error() const { return std::max(1.0 - first_broken, last_held - 1.0); }
@@ -46,7 +46,8 @@ Spread spread_of(const std::function<bool(double share)>& breaks) {
   return spread;
 }
 
-// A drop onto a hard floor gives m sqrt(2 g H) (1 + e). The bar: the same height within 2 % for 1 to 32 substeps.
+// A drop onto a hard floor gives m sqrt(2 g H) (1 + e). The bar: the same height within 2 % for 1 to
+// 32 substeps.
 TEST(Breaking, TheHeightThatBreaksADroppedCupIsTheClosedFormForAnySubsteps) {
   for (const double restitution : {0.0, 0.3}) {
     const double speed = kBreakImpulse_n_s / (kMass_kg * (1 + restitution));
@@ -55,25 +56,29 @@ TEST(Breaking, TheHeightThatBreaksADroppedCupIsTheClosedFormForAnySubsteps) {
       for (const int substeps : kSubsteps) {
         SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz, e " << restitution);
         const auto breaks = [&](double fall_m) {
-          return breaks_when_dropped(cup_at(fall_m, restitution), fall_m, world_at(rate, substeps), cup_pieces(), 0.5);
+          return breaks_when_dropped(cup_at(fall_m, restitution), fall_m, world_at(rate, substeps),
+                                     cup_pieces(), 0.5);
         };
         const Spread found = spread_of([&](double share) { return breaks(share * height_m); });
-        std::printf("%2d substeps of %.0f Hz, e %.1f: holds to %.3f, breaks from %.3f\n", substeps, rate, restitution, found.last_held, found.first_broken);
+        std::printf("%2d substeps of %.0f Hz, e %.1f: holds to %.3f, breaks from %.3f\n", substeps, rate,
+                    restitution, found.last_held, found.first_broken);
         EXPECT_LT(found.error(), 0.02);
       }
     }
   }
 }
 
-// Tilted, it lands on one corner of its eight-sided bottom. Without friction the floor stops that corner with the
-// impulse sqrt(2 g H) / (1 / m + (r x n) . I⁻¹ (r x n)); the next corner is 7 mm higher and comes too late for the tick.
+// Tilted, it lands on one corner of its eight-sided bottom. Without friction the floor stops that corner with
+// the impulse sqrt(2 g H) / (1 / m + (r x n) . I⁻¹ (r x n)); the next corner is 7 mm higher and comes too
+// late for the tick.
 TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubsteps) {
   static const TriangleMesh mesh = testing::cup_mesh(8, 4);
   const std::shared_ptr<const BreakablePieces> pieces = pieces_of(mesh, 16, 1);
   RigidBodyDescription cup = body_of(kCup, mesh, kMass_kg);
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(-0.6, Vector3d::UnitZ()));
   const Vector3d corner(0.04, 0, 0);
-  const Vector3d turning = (tilt * Vector3d(corner - cup.properties.centre_of_mass_m)).cross(Vector3d::UnitY());
+  const Vector3d turning =
+      (tilt * Vector3d(corner - cup.properties.centre_of_mass_m)).cross(Vector3d::UnitY());
   const Eigen::Matrix3d inertia =
       kMass_kg * (tilt.toRotationMatrix() * cup.properties.inertia_m2 * tilt.toRotationMatrix().transpose());
   const double felt_kg = 1.0 / (1.0 / kMass_kg + turning.dot(inertia.inverse() * turning));
@@ -89,9 +94,10 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
         return breaks_when_dropped(cup, fall_m, world_at(rate, substeps), pieces, 0.0);
       };
       const Spread found = spread_of([&](double share) { return breaks(share * height_m); });
-      std::printf("on its rim, %2d substeps of %.0f Hz: holds to %.3f, breaks from %.3f\n", substeps, rate, found.last_held, found.first_broken);
-      // In the rest of a long substep the corner bears less of the weight than is taken off for it, while the cup tips.
-      // More solver steps change no bit.
+      std::printf("on its rim, %2d substeps of %.0f Hz: holds to %.3f, breaks from %.3f\n", substeps, rate,
+                  found.last_held, found.first_broken);
+      // In the rest of a long substep the corner bears less of the weight than is taken off for it, while the
+      // cup tips. More solver steps change no bit.
       if (substeps <= 2) {
         report_gap("breaking.rim_height_of_long_substeps", found.error());
       } else {
@@ -101,19 +107,22 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
   }
 }
 
-// Tilted by a few degrees it rocks from corner to corner within 4 to 14 ms: one landing, wherever ticks and substeps end. When impacts
-// were summed by the tick, at 9 degrees and 90 Hz it broke and held by turns from 0.32 to 0.65 m; when they were timed by the substep
-// in which they came, it held up to 0.277 m at 60 Hz. There is no closed form; all ticks and substeps share one threshold.
+// Tilted by a few degrees it rocks from corner to corner within 4 to 14 ms: one landing, wherever ticks and
+// substeps end. When impacts were summed by the tick, at 9 degrees and 90 Hz it broke and held by turns from
+// 0.32 to 0.65 m; when they were timed by the substep in which they came, it held up to 0.277 m at 60 Hz.
+// There is no closed form; all ticks and substeps share one threshold.
 TEST(Breaking, ATiltedCupHasOneBreakHeight) {
   constexpr double kHeight_m = 0.2466;
   for (const double degrees : {3.0, 9.0}) {
     for (const double rate : kRates_hz) {
       for (const int substeps : {4, 32}) {
-        SCOPED_TRACE(::testing::Message() << degrees << " degrees, " << substeps << " substeps of " << rate << " Hz");
+        SCOPED_TRACE(::testing::Message()
+                     << degrees << " degrees, " << substeps << " substeps of " << rate << " Hz");
         const Spread found = spread_of([&](double share) {
           const double fall_m = share * kHeight_m;
           RigidBodyDescription cup = cup_at(fall_m);
-          cup.world_from_object.orientation = Eigen::AngleAxisd(degrees * M_PI / 180, Vector3d(1, 0, 0.3).normalized());
+          cup.world_from_object.orientation =
+              Eigen::AngleAxisd(degrees * M_PI / 180, Vector3d(1, 0, 0.3).normalized());
           cup.world_from_object.position_m.y() += 0.04 * std::sin(degrees * M_PI / 180);
           return breaks_when_dropped(cup, fall_m, world_at(rate, substeps), cup_pieces(), 0.5);
         });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lasts is no impact: weights, piles and hands that press, whatever the rate. And what an impact is, passed on through
-// what lies between.
+// What lasts is no impact: weights, piles and hands that press, whatever the rate. And what an impact is,
+// passed on through what lies between.
 #include "known_gaps.h"
 #include "physics/fracture/impact_record.h"
 #include "scenes/break_fixtures.h"
@@ -23,7 +23,8 @@ World weighed(double rate, int substeps, double kg) {
   return world;
 }
 
-// 10 kg press with 98 N, a seventh of 0.7 N s in a millisecond; when they counted by the tick, 4 kg broke it at 60 Hz and not at
+// 10 kg press with 98 N, a seventh of 0.7 N s in a millisecond; when they counted by the tick, 4 kg broke it
+// at 60 Hz and not at
 // 90. At one substep of 60 Hz 10 kg slide off it, which breaks it no more.
 TEST(BreakingLoads, AWeightLaidOnACupBreaksNothing) {
   for (const double rate : kRates_hz) {
@@ -33,13 +34,15 @@ TEST(BreakingLoads, AWeightLaidOnACupBreaksNothing) {
       run_seconds(world, 5.0);
       EXPECT_EQ(world.revision(kCup), 0u);
       // Two substeps of 60 Hz under 4 kg sink in by 2.3 mm, all others by 0.35 mm at most.
-      EXPECT_NEAR(body_state(world, kWeight).world_from_body.position_m.y(), 0.125, substeps < 4 ? 0.0025 : 0.0004);
+      EXPECT_NEAR(body_state(world, kWeight).world_from_body.position_m.y(), 0.125,
+                  substeps < 4 ? 0.0025 : 0.0004);
     }
   }
 }
 
-// A force breaks it as an impact of kImpactDuration_s of it would; the cup is pressed from both sides, and both count. From 4 substeps
-// on: with fewer, 140 times its weight is thrown against the floor before the first contact bears it.
+// A force breaks it as an impact of kImpactDuration_s of it would; the cup is pressed from both sides, and
+// both count. From 4 substeps on: with fewer, 140 times its weight is thrown against the floor before the
+// first contact bears it.
 TEST(BreakingLoads, TheForceThatCrushesItIsTheSameAtAnyRate) {
   const double crushing_n = 0.5 * kBreakImpulse_n_s / kImpactDuration_s;
   for (const double rate : {60.0, 90.0}) {
@@ -86,8 +89,8 @@ TEST(BreakingLoads, TwelvePlatesStand) {
   }
 }
 
-// A weight falls onto a cup that sleeps on the floor. What presses before and after in the tick is of no account, so that the
-// height hardly depends on how a frame is cut.
+// A weight falls onto a cup that sleeps on the floor. What presses before and after in the tick is of no
+// account, so that the height hardly depends on how a frame is cut.
 TEST(BreakingLoads, AFallingWeightBreaksItFromTheSameHeightForAnySubsteps) {
   const auto breaks = [](double rate, int substeps, double fall_m) {
     World world = with_cup(cup_at(0.0), world_at(rate, substeps));
@@ -99,8 +102,9 @@ TEST(BreakingLoads, AFallingWeightBreaksItFromTheSameHeightForAnySubsteps) {
     run_seconds(world, std::sqrt(2 * fall_m / kGravity) + 0.05);
     return world.revision(kCup) > 0;
   };
-  // With 0.7 N s of the weight and the floor together, m v (1 + e) each, 69 mm; the cup gives way between them and takes a tenth.
-  // The height should not depend on how landing falls in the substep; 84 mm is the middle of those found.
+  // With 0.7 N s of the weight and the floor together, m v (1 + e) each, 69 mm; the cup gives way between
+  // them and takes a tenth. The height should not depend on how landing falls in the substep; 84 mm is the
+  // middle of those found.
   constexpr double kHeight_m = 0.084;
   for (const double rate : kRates_hz) {
     for (const int substeps : kSubsteps) {
@@ -117,8 +121,8 @@ TEST(BreakingLoads, AFallingWeightBreaksItFromTheSameHeightForAnySubsteps) {
   }
 }
 
-// Light things that strike what lies there do not make an impact of it: 36 balls of a gram from the first tick on. And a cup under
-// 4 kg may be among what strikes.
+// Light things that strike what lies there do not make an impact of it: 36 balls of a gram from the first
+// tick on. And a cup under 4 kg may be among what strikes.
 TEST(BreakingLoads, APeltedLoadIsNoBlow) {
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
@@ -126,7 +130,8 @@ TEST(BreakingLoads, APeltedLoadIsNoBlow) {
         SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz, " << kg << " kg");
         World world = weighed(rate, substeps, kg);
         for (uint32_t i = 0; i < 36; ++i) {
-          ASSERT_TRUE(world.add_ball(ball(100 + i, {0.03 * (i % 6) - 0.075, 0.17 + 0.025 * i, 0.03 * (i / 6) - 0.075}, 0.008, 0.001)));
+          ASSERT_TRUE(world.add_ball(ball(
+              100 + i, {0.03 * (i % 6) - 0.075, 0.17 + 0.025 * i, 0.03 * (i / 6) - 0.075}, 0.008, 0.001)));
         }
         run_seconds(world, 1.0);
         EXPECT_EQ(world.revision(kCup), 0u);
@@ -135,23 +140,25 @@ TEST(BreakingLoads, APeltedLoadIsNoBlow) {
   }
 }
 
-// Whenever in a substep it comes, a weight wakes what it strikes; at 32 substeps one in four bounced off sleepers as off a wall.
+// Whenever in a substep it comes, a weight wakes what it strikes; at 32 substeps one in four bounced off
+// sleepers as off a wall.
 TEST(BreakingLoads, AStruckSleeperAlwaysWakes) {
-  for (const double rate : kRates_hz) for (const int substeps : {4, 32}) {
-    for (int i = 0; i < 40; i += full_sets() ? 1 : 5) {
-      SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz, " << i);
-      World world = with_cup(cup_at(0.0), world_at(rate, substeps));
-      world.add_collider(floor_plane());
-      run_seconds(world, 1.0);
-      ASSERT_TRUE(body_state(world, kCup).asleep);
-      const double fall_m = 0.02 + 0.0013 * i;
-      RigidBodyDescription weight = box_body(kWeight, {0.2, 0.05, 0.2}, kMass_kg);
-      weight.world_from_object.position_m = {0, 0.125 + fall_m, 0};
-      ASSERT_TRUE(world.add_rigid(weight));
-      run_seconds(world, std::sqrt(2 * fall_m / kGravity) + 0.05);
-      EXPECT_FALSE(body_state(world, kCup).asleep);
+  for (const double rate : kRates_hz)
+    for (const int substeps : {4, 32}) {
+      for (int i = 0; i < 40; i += full_sets() ? 1 : 5) {
+        SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz, " << i);
+        World world = with_cup(cup_at(0.0), world_at(rate, substeps));
+        world.add_collider(floor_plane());
+        run_seconds(world, 1.0);
+        ASSERT_TRUE(body_state(world, kCup).asleep);
+        const double fall_m = 0.02 + 0.0013 * i;
+        RigidBodyDescription weight = box_body(kWeight, {0.2, 0.05, 0.2}, kMass_kg);
+        weight.world_from_object.position_m = {0, 0.125 + fall_m, 0};
+        ASSERT_TRUE(world.add_rigid(weight));
+        run_seconds(world, std::sqrt(2 * fall_m / kGravity) + 0.05);
+        EXPECT_FALSE(body_state(world, kCup).asleep);
+      }
     }
-  }
 }
 
 // A sherd that a hand holds feels what meets it, not what its fellows get.
@@ -179,7 +186,8 @@ TEST(BreakingLoads, EachFragmentIsToldItsOwnImpulses) {
   }
 }
 
-// What holds a sleeper down is not saved up for the day it wakes: a newton for four seconds was 4 N s at once.
+// What holds a sleeper down is not saved up for the day it wakes: a newton for four seconds was 4 N s at
+// once.
 TEST(BreakingLoads, AForceOnASleeperBreaksNothingWhenItEnds) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
@@ -195,14 +203,15 @@ TEST(BreakingLoads, AForceOnASleeperBreaksNothingWhenItEnds) {
   }
 }
 
-// Two hands that draw a cup apart are a load like any other, a grip's or a ray's: both count, each with what it gives in
-// kImpactDuration_s. They were none, and 2000 N from either side left it whole.
+// Two hands that draw a cup apart are a load like any other, a grip's or a ray's: both count, each with what
+// it gives in kImpactDuration_s. They were none, and 2000 N from either side left it whole.
 TEST(BreakingLoads, HandsThatPullApartBreakWhatAForceWould) {
   const double tearing_n = 0.5 * kBreakImpulse_n_s / kImpactDuration_s;
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
       for (const bool grips : {true, false}) {
-        SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz, " << (grips ? "grips" : "rays"));
+        SCOPED_TRACE(::testing::Message()
+                     << substeps << " substeps of " << rate << " Hz, " << (grips ? "grips" : "rays"));
         const auto torn_by = [&](double newton) {
           World world = with_cup(cup_at(0.0), world_at(rate, substeps, Vector3d::Zero()));
           for (uint64_t hand : {1, 2}) {
@@ -212,7 +221,8 @@ TEST(BreakingLoads, HandsThatPullApartBreakWhatAForceWould) {
               grip.frequency_hz = 60.0;
               grip.max_force_n = newton;
               EXPECT_TRUE(world.grab(hand, kCup, {side, Eigen::Quaterniond::Identity()}, grip));
-              world.move_grab(hand, {{away.x(), side.y(), 0}, Eigen::Quaterniond::Identity()}, Vector3d::Zero(), Vector3d::Zero());
+              world.move_grab(hand, {{away.x(), side.y(), 0}, Eigen::Quaterniond::Identity()},
+                              Vector3d::Zero(), Vector3d::Zero());
             } else {
               world.set_spring(hand, kCup, {side, {away.x(), side.y(), 0}, 1e5, newton});
             }
@@ -272,8 +282,8 @@ TEST(BreakingLoads, ACupOnAHookBreaksFromTheSameBlowForAnySubsteps) {
   }
 }
 
-// Sherds start deep in each other, as far as fields of distance can tell. What they push each other with must pass: sixty-four
-// kept pushing with 60 to 220 times the weight of the cup.
+// Sherds start deep in each other, as far as fields of distance can tell. What they push each other with must
+// pass: sixty-four kept pushing with 60 to 220 times the weight of the cup.
 TEST(BreakingLoads, AHeapOfSherdsPressesWithItsWeight) {
   const auto pieces = pieces_of(small_cup(), 64, 1);
   for (const double rate : kRates_hz) {

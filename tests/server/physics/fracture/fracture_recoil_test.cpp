@@ -10,7 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A box of 0.1 x 0.2 x 0.3 m about `at`, part of a whole that moves with `velocity` at the origin and turns with `spin`.
+// A box of 0.1 x 0.2 x 0.3 m about `at`, part of a whole that moves with `velocity` at the origin and turns
+// with `spin`.
 RigidBody part_at(const Vector3d& at, double mass_kg, const Vector3d& velocity, const Vector3d& spin) {
   RigidBody body;
   body.mass_kg = mass_kg;
@@ -23,14 +24,16 @@ RigidBody part_at(const Vector3d& at, double mass_kg, const Vector3d& velocity, 
 
 TEST(FractureRecoil, PartsTakeTheEnergyGivenAndKeepTheMomentum) {
   const Vector3d velocity(1, -4, 0.5), spin(3, 2, -5);
-  std::array<RigidBody, 3> parts{part_at({0, 0, 0}, 0.2, velocity, spin), part_at({0.1, 0, 0}, 0.05, velocity, spin),
+  std::array<RigidBody, 3> parts{part_at({0, 0, 0}, 0.2, velocity, spin),
+                                 part_at({0.1, 0, 0}, 0.05, velocity, spin),
                                  part_at({0.05, 0.2, 0.02}, 0.4, velocity, spin)};
   std::array<RigidBody*, 3> bodies{&parts[0], &parts[1], &parts[2]};
   const std::vector<OpenedFace> faces{{0, 1, 2e-3, {0.05, 0.01, 0.02}, {1, 0, 0}},
                                       {1, 2, 1e-3, {0.08, 0.1, 0.0}, Vector3d(0.1, 1, 0).normalized()},
                                       {0, 2, 3e-3, {0.02, 0.1, 0.0}, {0, 1, 0}}};
   double kinetic_j[2] = {};
-  Vector3d linear[2] = {Vector3d::Zero(), Vector3d::Zero()}, angular[2] = {Vector3d::Zero(), Vector3d::Zero()};
+  Vector3d linear[2] = {Vector3d::Zero(), Vector3d::Zero()},
+           angular[2] = {Vector3d::Zero(), Vector3d::Zero()};
   for (const int then : {0, 1}) {
     if (then == 1) recoil(bodies, faces, 0.7);
     for (const RigidBody& part : parts) {
@@ -47,7 +50,8 @@ TEST(FractureRecoil, PartsTakeTheEnergyGivenAndKeepTheMomentum) {
 }
 
 TEST(FractureRecoil, WithoutAFaceOrEnergyNothingMoves) {
-  std::array<RigidBody, 2> parts{part_at({0, 0, 0}, 0.2, {1, 0, 0}, {0, 0, 0}), part_at({0.1, 0, 0}, 0.1, {1, 0, 0}, {0, 0, 0})};
+  std::array<RigidBody, 2> parts{part_at({0, 0, 0}, 0.2, {1, 0, 0}, {0, 0, 0}),
+                                 part_at({0.1, 0, 0}, 0.1, {1, 0, 0}, {0, 0, 0})};
   std::array<RigidBody*, 2> bodies{&parts[0], &parts[1]};
   recoil(bodies, {}, 1.0);
   const std::vector<OpenedFace> faces{{0, 1, 2e-3, {0.05, 0, 0}, {1, 0, 0}}};
@@ -55,7 +59,8 @@ TEST(FractureRecoil, WithoutAFaceOrEnergyNothingMoves) {
   for (const RigidBody& part : parts) EXPECT_EQ(part.velocity_m_s, Vector3d(1, 0, 0));
 }
 
-// A fall with v onto a hard floor gives J = m v (1 + e) and takes m v² (1 - e²) / 2 in all; until x of J is given, v x J - (x J)² / (2 m).
+// A fall with v onto a hard floor gives J = m v (1 + e) and takes m v² (1 - e²) / 2 in all; until x of J is
+// given, v x J - (x J)² / (2 m).
 TEST(FractureRecoil, ABlowTakesWhatTheFallHad) {
   const RigidBody body = part_at({0, 0, 0}, 0.3, Vector3d::Zero(), Vector3d::Zero());
   const double speed = 4.0;
@@ -64,7 +69,8 @@ TEST(FractureRecoil, ABlowTakesWhatTheFallHad) {
     EXPECT_NEAR(impact_energy_loss_j(body, impulse, Vector3d::Zero(), 1.0, restitution),
                 0.5 * 0.3 * speed * speed * (1 - restitution * restitution), 1e-12);
     const double part = 0.25 * impulse.y();
-    EXPECT_NEAR(impact_energy_loss_j(body, impulse, Vector3d::Zero(), 0.25, restitution), speed * part - part * part / 0.6, 1e-12);
+    EXPECT_NEAR(impact_energy_loss_j(body, impulse, Vector3d::Zero(), 0.25, restitution),
+                speed * part - part * part / 0.6, 1e-12);
   }
 }
 

@@ -44,7 +44,8 @@ TEST(Breaking, FragmentsComeToRestAndSleepAndNoneGainsEnergy) {
     double last_j = start_j;
     for (int tick = 0; tick < 6 * rate; ++tick) {
       world.step();
-      // A push that parts an overlap may lift a fragment a little; never by more than a hundredth of the fall.
+      // A push that parts an overlap may lift a fragment a little; never by more than a hundredth of the
+      // fall.
       EXPECT_LT(total(), last_j + 0.01 * start_j) << tick;
       last_j = std::min(last_j, total());
     }
@@ -57,37 +58,41 @@ TEST(Breaking, FragmentsComeToRestAndSleepAndNoneGainsEnergy) {
   }
 }
 
-// Plates, boxes and rods that break on the floor, in six ways each: what is given back to the fragments of the impact that its
-// bonds did not bear is friction's part too, and no more than there was. Of plates six in twelve gained up to 28 % in that tick.
+// Plates, boxes and rods that break on the floor, in six ways each: what is given back to the fragments of
+// the impact that its bonds did not bear is friction's part too, and no more than there was. Of plates six in
+// twelve gained up to 28 % in that tick.
 TEST(Breaking, WhatBreaksOnTheFloorInWhateverWayGainsNothing) {
   int broken = 0;
-  for (const Vector3d& size : {Vector3d(0.25, 0.02, 0.25), Vector3d(0.1, 0.1, 0.1), Vector3d(0.03, 0.3, 0.03)}) {
+  for (const Vector3d& size :
+       {Vector3d(0.25, 0.02, 0.25), Vector3d(0.1, 0.1, 0.1), Vector3d(0.03, 0.3, 0.03)}) {
     const TriangleMesh mesh = box_mesh(size);
     const auto pieces = pieces_of(mesh, 16, 3);
-    for (const double rate : kRates_hz) for (int way = 0; way < 6; ++way) {
-      SCOPED_TRACE(std::to_string(size.x()) + " m wide, way " + std::to_string(way));
-      RigidBodyDescription thing = body_of(kCup, mesh, 0.6);
-      thing.material.fragile = true;
-      thing.material.break_impulse_n_s = 0.5;
-      thing.world_from_object = {Vector3d(0, 2, 0), rotation_about(2 * way + (rate > 80 ? 1 : 2))};
-      World world = with_cup(thing, world_at(rate, 4), pieces);
-      world.add_collider(floor_plane());
-      const auto total = [&] { return world.energy().kinetic_j + world.energy().gravity_j; };
-      const double start_j = total();
-      double last_j = start_j;
-      for (int tick = 0; tick < 1.2 * rate; ++tick) {
-        world.step();
-        EXPECT_LT(total(), last_j + 0.01 * start_j) << tick;
-        last_j = std::min(last_j, total());
+    for (const double rate : kRates_hz)
+      for (int way = 0; way < 6; ++way) {
+        SCOPED_TRACE(std::to_string(size.x()) + " m wide, way " + std::to_string(way));
+        RigidBodyDescription thing = body_of(kCup, mesh, 0.6);
+        thing.material.fragile = true;
+        thing.material.break_impulse_n_s = 0.5;
+        thing.world_from_object = {Vector3d(0, 2, 0), rotation_about(2 * way + (rate > 80 ? 1 : 2))};
+        World world = with_cup(thing, world_at(rate, 4), pieces);
+        world.add_collider(floor_plane());
+        const auto total = [&] { return world.energy().kinetic_j + world.energy().gravity_j; };
+        const double start_j = total();
+        double last_j = start_j;
+        for (int tick = 0; tick < 1.2 * rate; ++tick) {
+          world.step();
+          EXPECT_LT(total(), last_j + 0.01 * start_j) << tick;
+          last_j = std::min(last_j, total());
+        }
+        broken += body_count(world, kCup) > 1;
       }
-      broken += body_count(world, kCup) > 1;
-    }
   }
   EXPECT_EQ(broken, 18 * static_cast<int>(kRates_hz.size()));
 }
 
-// Upright, from four times the height that breaks it: its sherds do not stand on as a cup. Mean distance from the axis over that
-// of the same pieces in the whole is 1.7, and the highest corner is at 54 mm; without recoil 1.30, and 103 mm of the 100 it was high.
+// Upright, from four times the height that breaks it: its sherds do not stand on as a cup. Mean distance from
+// the axis over that of the same pieces in the whole is 1.7, and the highest corner is at 54 mm; without
+// recoil 1.30, and 103 mm of the 100 it was high.
 TEST(Breaking, ACupThatLandsUprightComesApart) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
@@ -102,7 +107,8 @@ TEST(Breaking, ACupThatLandsUprightComesApart) {
       const Vector3d& centre = piece.mass.centre_of_mass_m;
       then += distance(centre);
       now += distance(world.world_point(kCup, centre));
-      for (const Vector3d& vertex : piece.mesh.vertices_m) highest = std::max(highest, world.world_point(kCup, vertex).y());
+      for (const Vector3d& vertex : piece.mesh.vertices_m)
+        highest = std::max(highest, world.world_point(kCup, vertex).y());
     }
     RecordProperty("spread", std::to_string(now / then));
     EXPECT_GT(now / then, 1.5);
@@ -137,8 +143,9 @@ TEST(Breaking, AFragmentBreaksAgainDownToSinglePieces) {
   EXPECT_EQ(world.drivers().objects[0].poses.size(), pieces);
 }
 
-// A hand lifts it and lets it fall, upright, onto the floor. Blows of 0.8 of what breaks it take 0.15 of the strength each:
-// 0.85 bears the second, 0.7 not the third. Blows of 0.45 leave no trace, nor does what lifts it.
+// A hand lifts it and lets it fall, upright, onto the floor. Blows of 0.8 of what breaks it take 0.15 of the
+// strength each: 0.85 bears the second, 0.7 not the third. Blows of 0.45 leave no trace, nor does what lifts
+// it.
 TEST(Breaking, BlowsThatBreakNothingAreRemembered) {
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
@@ -146,7 +153,8 @@ TEST(Breaking, BlowsThatBreakNothingAreRemembered) {
       const auto falls_until_broken = [&](double share, int most) {
         World world = with_cup(cup_at(0.0), world_at(rate, substeps));
         world.add_collider(floor_plane());
-        const double speed = share * kBreakImpulse_n_s / (kMass_kg * 1.2), height_m = speed * speed / (2 * kGravity);
+        const double speed = share * kBreakImpulse_n_s / (kMass_kg * 1.2),
+                     height_m = speed * speed / (2 * kGravity);
         for (int fall = 1; fall <= most; ++fall) {
           World::Grip grip;
           grip.frequency_hz = 30.0;
@@ -155,7 +163,8 @@ TEST(Breaking, BlowsThatBreakNothingAreRemembered) {
           const int ticks = static_cast<int>(0.5 * rate);
           const double up_m = height_m + small_cup_centre_m() - centre.y();
           for (int i = 1; i <= ticks; ++i) {
-            world.move_grab(1, {centre + Vector3d(0, up_m * i / ticks, 0), Eigen::Quaterniond::Identity()}, Vector3d::Zero(), Vector3d::Zero());
+            world.move_grab(1, {centre + Vector3d(0, up_m * i / ticks, 0), Eigen::Quaterniond::Identity()},
+                            Vector3d::Zero(), Vector3d::Zero());
             world.step();
           }
           run_seconds(world, 0.5);
@@ -300,7 +309,8 @@ TEST(Breaking, ABreakImpulseThatIsNoneIsRefusedAndTheCupStands) {
       material.break_impulse_n_s = impulse;
       const auto set = world.set_material(kCup, material);
       ASSERT_FALSE(set) << impulse;
-      EXPECT_NE(set.error().message.find("object 1: break_impulse_n_s "), std::string::npos) << set.error().message;
+      EXPECT_NE(set.error().message.find("object 1: break_impulse_n_s "), std::string::npos)
+          << set.error().message;
       EXPECT_NE(set.error().message.find("outside 1e-06 to 1e+06"), std::string::npos) << set.error().message;
     }
   }

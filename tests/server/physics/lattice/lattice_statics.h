@@ -10,8 +10,8 @@
 #include "physics/elastic/cells/cell_stiffness.h"
 #include "physics/lattice/lattice.h"
 
-// The lattice as linear finite elements: small displacements, solved directly. It is what the sweeps of the solver
-// converge to, so tests of elements and of lattices need no time steps.
+// The lattice as linear finite elements: small displacements, solved directly. It is what the sweeps of the
+// solver converge to, so tests of elements and of lattices need no time steps.
 
 namespace livegs::test {
 
@@ -29,8 +29,8 @@ inline Matrix24 cell_matrix(const LatticeCell& cell, double cell_width_m, const 
       gradient += u.segment<3>(3 * c) * gradients[c].transpose();
       for (int j = 0; j < kModeCount; ++j) modes[j] += 0.125 * mode_sign(j, c) * u.segment<3>(3 * c);
     }
-    return cell_energy(cell, cell_width_m, material, 0.5 * (gradient + gradient.transpose()), 1.0 + gradient.trace(),
-                       modes);
+    return cell_energy(cell, cell_width_m, material, 0.5 * (gradient + gradient.transpose()),
+                       1.0 + gradient.trace(), modes);
   };
   // The energy is quadratic, so that differences of it are exact.
   Matrix24 matrix;
@@ -54,10 +54,10 @@ class LatticeStatics {
  public:
   using CellMatrix = std::function<Matrix24(const LatticeCell&)>;
 
-  // `held` nodes do not move; each other is tied to its place by its mass times `tie_per_s2`, which lets a free body
-  // be solved under forces that balance.
-  LatticeStatics(const Lattice& lattice, double density_kg_m3, const std::vector<bool>& held, const CellMatrix& matrix_of,
-                 double tie_per_s2 = 0.0)
+  // `held` nodes do not move; each other is tied to its place by its mass times `tie_per_s2`, which lets a
+  // free body be solved under forces that balance.
+  LatticeStatics(const Lattice& lattice, double density_kg_m3, const std::vector<bool>& held,
+                 const CellMatrix& matrix_of, double tie_per_s2 = 0.0)
       : unknown_(lattice.node_coordinates.size(), -1) {
     for (size_t i = 0; i < unknown_.size(); ++i) {
       if (held[i]) continue;

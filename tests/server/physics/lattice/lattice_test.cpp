@@ -73,7 +73,8 @@ TEST(Lattice, EmbeddedPointsComeBackFromTheirWeights) {
     const EmbeddedPoint embedded = lattice.embed(point);
     const auto weights = trilinear_weights(embedded.local);
     Vector3d back = Vector3d::Zero();
-    for (int c = 0; c < 8; ++c) back += weights[c] * lattice.node_position_m(lattice.cells[embedded.cell].nodes[c]);
+    for (int c = 0; c < 8; ++c)
+      back += weights[c] * lattice.node_position_m(lattice.cells[embedded.cell].nodes[c]);
     EXPECT_NEAR((back - point).norm(), 0.0, 1e-15);
   }
 }
@@ -144,11 +145,11 @@ ResolutionRequest bar_request(double youngs_modulus_pa, double width_m) {
 
 TEST(LatticeResolution, TakesTheSubstepsOfTheStudysRule) {
   // elastic-study.md 2.7: ceil( sqrt(E/rho) / (Co* rate a) ), rho 1000, 60 Hz; Co* is 0.6 here, 0.75 there.
-  EXPECT_EQ(choose_resolution(bar_request(1e4, 0.0125)).substeps, 8);   // 7.03
-  EXPECT_EQ(choose_resolution(bar_request(1e5, 0.025)).substeps, 12);   // 11.1
-  EXPECT_EQ(choose_resolution(bar_request(1e6, 0.05)).substeps, 18);    // 17.6
+  EXPECT_EQ(choose_resolution(bar_request(1e4, 0.0125)).substeps, 8);  // 7.03
+  EXPECT_EQ(choose_resolution(bar_request(1e5, 0.025)).substeps, 12);  // 11.1
+  EXPECT_EQ(choose_resolution(bar_request(1e6, 0.05)).substeps, 18);   // 17.6
   EXPECT_FALSE(choose_resolution(bar_request(1e6, 0.05)).clipped);
-  EXPECT_TRUE(choose_resolution(bar_request(1e6, 0.025)).clipped);      // 35.1, more than kMaxBodySubsteps
+  EXPECT_TRUE(choose_resolution(bar_request(1e6, 0.025)).clipped);  // 35.1, more than kMaxBodySubsteps
 }
 
 TEST(LatticeResolution, ClipsAtTheCapAndSaysTheCeiling) {
@@ -183,7 +184,8 @@ TEST(LatticeResolution, AWideThinSheetGetsWiderCellsThanAFrameHasTimeFor) {
       const LatticeResolution resolution = choose_resolution(request);
       const double along = std::ceil(width / resolution.cell_width_m - 1e-6) + 1.0;
       EXPECT_LE(2.0 * along * along * resolution.substeps, 250e3) << width << " x " << thickness;
-      EXPECT_EQ(resolution.over_budget, resolution.cell_width_m > 5.0001 * thickness) << width << " x " << thickness;
+      EXPECT_EQ(resolution.over_budget, resolution.cell_width_m > 5.0001 * thickness)
+          << width << " x " << thickness;
     }
   }
 }

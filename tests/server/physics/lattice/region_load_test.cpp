@@ -25,7 +25,8 @@ Face face_of(const ParticleSet& particles, double width_m, const BodyRegion& reg
   for (const LoadPoint& load : load_points(particles, extent, lattice, region)) {
     const auto weights = trilinear_weights(load.point.local);
     Vector3d point = Vector3d::Zero();
-    for (int c = 0; c < 8; ++c) point += weights[c] * lattice.node_position_m(lattice.cells[load.point.cell].nodes[c]);
+    for (int c = 0; c < 8; ++c)
+      point += weights[c] * lattice.node_position_m(lattice.cells[load.point.cell].nodes[c]);
     face.area_m2 += load.area_m2;
     face.centre_m += load.area_m2 * point;
     for (int d = 0; d < 3; ++d) {
@@ -60,13 +61,16 @@ TEST(RegionLoad, AnEndOfASampledBoxIsItsWholeFace) {
   for (const Vector3d& size : {Vector3d(0.4, 0.1, 0.1), Vector3d(0.3, 0.07, 0.07), Vector3d(1.0, 0.3, 0.3),
                                Vector3d(0.35, 0.13, 0.09)}) {
     for (const double thickness_m : {0.01, 0.03}) {
-      const Face face = face_of(sample_particles(box_mesh(size)), 0.04, box({0.5 * size.x() - thickness_m, -1, -1}, {1, 1, 1}));
-      EXPECT_NEAR(face.area_m2 / (size.y() * size.z()), 1.0, 0.005) << size.transpose() << ", " << thickness_m << " m";
+      const Face face = face_of(sample_particles(box_mesh(size)), 0.04,
+                                box({0.5 * size.x() - thickness_m, -1, -1}, {1, 1, 1}));
+      EXPECT_NEAR(face.area_m2 / (size.y() * size.z()), 1.0, 0.005)
+          << size.transpose() << ", " << thickness_m << " m";
     }
   }
 }
 
-// Nothing of these is a voxel thick, and their particles lie on their faces. Cells are as wide as they are chosen, 71 mm here.
+// Nothing of these is a voxel thick, and their particles lie on their faces. Cells are as wide as they are
+// chosen, 71 mm here.
 TEST(RegionLoad, AFaceOfWhatIsThinnerThanAVoxelIsItsWholeFace) {
   for (const double thick_m : {0.0005, 0.003, 0.01, 0.02}) {
     const ParticleSet plate = sample_particles(box_mesh({0.5, 0.5, thick_m}));
@@ -76,7 +80,8 @@ TEST(RegionLoad, AFaceOfWhatIsThinnerThanAVoxelIsItsWholeFace) {
     const Face end = face_of(plate, 0.071, box({0.25 - 0.2 * thick_m, -1, -1}, {1, 1, 1}));
     EXPECT_NEAR(end.area_m2 / (0.5 * thick_m), 1.0, 0.005) << thick_m;
   }
-  const Face rod = face_of(sample_particles(box_mesh({0.4, 0.01, 0.01})), 0.05, box({0.195, -1, -1}, {1, 1, 1}));
+  const Face rod =
+      face_of(sample_particles(box_mesh({0.4, 0.01, 0.01})), 0.05, box({0.195, -1, -1}, {1, 1, 1}));
   EXPECT_NEAR(rod.area_m2 / 1e-4, 1.0, 0.005);
   const Face bar = face_of(sample_particles(box_mesh({2.4, 0.1, 0.1})), 0.3, box({1.15, -1, -1}, {9, 1, 1}));
   EXPECT_NEAR(bar.area_m2 / 1e-2, 1.0, 0.005);
@@ -94,7 +99,8 @@ TEST(RegionLoad, ARoundFaceIsTheMeshsOwn) {
 
 TEST(RegionLoad, APartOfAFaceIsCutExactly) {
   // Edges inside particles and cells; thinner than a particle.
-  const Face face = face_of(particle_grid({0.4, 0.1, 0.1}, 0.0125), 0.025, box({0.195, -1, -1}, {1, 0.013, 1}));
+  const Face face =
+      face_of(particle_grid({0.4, 0.1, 0.1}, 0.0125), 0.025, box({0.195, -1, -1}, {1, 0.013, 1}));
   EXPECT_NEAR(face.area_m2, 0.063 * 0.1, 1e-15);
   EXPECT_NEAR((face.centre_m - Vector3d(0.2, 0.5 * (0.013 - 0.05), 0)).norm(), 0.0, 1e-14);
 }
@@ -116,7 +122,8 @@ TEST(RegionLoad, ARotatedLatticeLoadsTheSameFaceWithinAnEighthOfABox) {
 }
 
 TEST(RegionLoad, ARegionBesideTheBodyHasNone) {
-  for (const ParticleSet& particles : {particle_grid({0.4, 0.1, 0.1}, 0.0125), sample_particles(box_mesh({0.4, 0.1, 0.1}))}) {
+  for (const ParticleSet& particles :
+       {particle_grid({0.4, 0.1, 0.1}, 0.0125), sample_particles(box_mesh({0.4, 0.1, 0.1}))}) {
     const BodyExtent extent = measure_extent(particles);
     const Lattice lattice = build_lattice(extent, 0.025, {});
     EXPECT_TRUE(load_points(particles, extent, lattice, box({0.3, -1, -1}, {1, 1, 1})).empty());

@@ -15,8 +15,8 @@
 #include "skin/bind/cell_fill.h"
 #include "skin/skin_kernels.h"
 
-// A fork: a palm 70 mm wide and 40 mm high with two fingers 30 mm wide, 30 mm deep and 100 mm high, 10 mm apart. Cells of
-// 25 mm have both fingers in their middle column, 0.4 cell apart.
+// A fork: a palm 70 mm wide and 40 mm high with two fingers 30 mm wide, 30 mm deep and 100 mm high, 10 mm
+// apart. Cells of 25 mm have both fingers in their middle column, 0.4 cell apart.
 
 namespace livegs {
 namespace {
@@ -40,11 +40,14 @@ ParticleSet fork_particles(double spacing_m) {
   return fork;
 }
 
-Lattice fork_lattice(double cell_m) { return build_lattice(measure_extent(fork_particles(0.01)), cell_m, {}); }
+Lattice fork_lattice(double cell_m) {
+  return build_lattice(measure_extent(fork_particles(0.01)), cell_m, {});
+}
 
 TEST(VirtualNodes, ABlockHasNone) {
   for (const double width : {0.02, 0.025, 0.03}) {
-    const Lattice lattice = build_lattice(measure_extent(test::particle_grid({0.1, 0.1, 0.1}, 0.01)), width, {});
+    const Lattice lattice =
+        build_lattice(measure_extent(test::particle_grid({0.1, 0.1, 0.1}, 0.01)), width, {});
     EXPECT_FALSE(lattice.has_virtual_cells);
     std::set<std::array<int, 3>> places;
     for (const auto& n : lattice.node_coordinates) EXPECT_TRUE(places.insert({n.x(), n.y(), n.z()}).second);
@@ -65,7 +68,8 @@ TEST(VirtualNodes, EachFingerHasItsOwnAboveThePalm) {
     for (const uint32_t node : cell.nodes) nodes[centre.x() > 0.0].insert(node);
   }
   for (const uint32_t node : nodes[0]) {
-    if (nodes[1].count(node)) highest_shared_m = std::max(highest_shared_m, lattice.node_position_m(node).y());
+    if (nodes[1].count(node))
+      highest_shared_m = std::max(highest_shared_m, lattice.node_position_m(node).y());
   }
   // Joined no higher than the lower face of the first row of cells wholly above the palm.
   double first_row_m = 1.0;
@@ -132,9 +136,11 @@ Tips pull_left_finger(const Lattice& lattice) {
   const EmbeddedPoint tip = lattice.embed({-0.02, 0.135, 0.0});
   const auto weights = trilinear_weights(tip.local);
   std::vector<test::NodeLoad> loads;
-  for (int c = 0; c < 8; ++c) loads.push_back({lattice.cells[tip.cell].nodes[c], weights[c] * Vector3d(-0.1, 0, 0)});
+  for (int c = 0; c < 8; ++c)
+    loads.push_back({lattice.cells[tip.cell].nodes[c], weights[c] * Vector3d(-0.1, 0, 0)});
   const auto moved = statics.solve(loads);
-  return {-test::moved(lattice, moved, {-0.02, 0.135, 0.0}).x(), -test::moved(lattice, moved, {0.02, 0.135, 0.0}).x()};
+  return {-test::moved(lattice, moved, {-0.02, 0.135, 0.0}).x(),
+          -test::moved(lattice, moved, {0.02, 0.135, 0.0}).x()};
 }
 
 TEST(VirtualNodes, PullingOneFingerMovesTheOtherOnlyThroughThePalm) {
@@ -143,8 +149,8 @@ TEST(VirtualNodes, PullingOneFingerMovesTheOtherOnlyThroughThePalm) {
   const Tips coarse = pull_left_finger(fork_lattice(kCell_m));
   EXPECT_GT(fine.pulled_m, 0.0);
   EXPECT_NEAR(coarse.pulled_m / fine.pulled_m, 1.0, 0.2) << coarse.pulled_m << " " << fine.pulled_m;
-  // The fingers part at the first lattice plane above the palm, 5 mm up, and the palm is two cells high: its turn at
-  // their roots is coarse. Welded, the other moves as far as the pulled one.
+  // The fingers part at the first lattice plane above the palm, 5 mm up, and the palm is two cells high: its
+  // turn at their roots is coarse. Welded, the other moves as far as the pulled one.
   EXPECT_NEAR(coarse.other_m / coarse.pulled_m, fine.other_m / fine.pulled_m, 0.1);
 }
 

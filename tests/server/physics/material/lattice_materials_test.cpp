@@ -47,7 +47,8 @@ TEST(LatticeMaterials, ABodyOfOneMaterialIsAllItsOwn) {
 TEST(LatticeMaterials, ACellAcrossAFaceIsCutExactlyThere) {
   // The face at 13 mm stands 13/25 into a column of cells and 0.5 mm into a layer of particles.
   const std::vector<BodyRegion> regions = {made_of({0.013, -1, -1}, {1, 1, 1})};
-  const Lattice lattice = build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, regions);
+  const Lattice lattice =
+      build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, regions);
   int across = 0;
   for (const LatticeCell& cell : lattice.cells) {
     const double low = lattice.node_position_m(cell.nodes[0]).x();
@@ -66,7 +67,8 @@ TEST(LatticeMaterials, ACellAcrossAFaceIsCutExactlyThere) {
 
 TEST(LatticeMaterials, NodesCarryTheVolumeAndFirstMomentOfEachMaterial) {
   const std::vector<BodyRegion> regions = {made_of({0.013, -1, -1}, {1, 1, 1})};
-  const Lattice lattice = build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, regions);
+  const Lattice lattice =
+      build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, regions);
   const double centres[2] = {-0.5 * (0.2 - 0.013), 0.5 * (0.013 + 0.2)};
   for (int material = 0; material < 2; ++material) {
     const std::vector<double>& volumes = lattice.material_node_volumes_m3[material];
@@ -88,7 +90,8 @@ TEST(LatticeMaterials, TheLaterOfTwoRegionsCountsAndOnlyMaterialsAreNumbered) {
   pulled.traction_pa = {1, 0, 0};
   const std::vector<BodyRegion> regions = {made_of({-0.1, -1, -1}, {0.1, 1, 1}), pulled,
                                            made_of({0.05, -1, -1}, {1, 1, 1})};
-  const Lattice lattice = build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, regions);
+  const Lattice lattice =
+      build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, regions);
   ASSERT_EQ(lattice.material_volumes_m3.size(), 3u);
   EXPECT_NEAR(lattice.material_volumes_m3[0], 0.1 * 0.01, 1e-15);
   EXPECT_NEAR(lattice.material_volumes_m3[1], 0.15 * 0.01, 1e-15);
@@ -112,8 +115,8 @@ TEST(LatticeMaterials, ARotatedLatticeCutsWithinAnEighthOfABox) {
 TEST(LatticeMaterials, AFixedRegionMayBeMadeOfSomethingElse) {
   BodyRegion clamp = made_of({-0.2, -0.05, -0.05}, {-0.15, 0.05, 0.05});
   clamp.fixed = true;
-  const Lattice lattice =
-      build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, std::vector<BodyRegion>{clamp});
+  const Lattice lattice = build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025,
+                                        std::vector<BodyRegion>{clamp});
   for (const LatticeCell& cell : lattice.cells) EXPECT_EQ(cell.fixed, part_of(cell, 1) == 1.0);
 }
 

@@ -36,7 +36,8 @@ TEST(DeformationResistance, InverseIsExactAtBreakPointsAndCloseBetween) {
 TEST(ResistanceBlend, IsThePapersAtThePapersSubstep) {
   for (const double resistance : {0.0, 1e-6, 0.1, 0.37, 0.5, 0.8, 0.999999, 1.0}) {
     // Two divisions and three products: a few roundings.
-    EXPECT_NEAR(resistance_blend(resistance_stiffness_per_s2(resistance), kPaperSubstep_s), resistance, 1e-15);
+    EXPECT_NEAR(resistance_blend(resistance_stiffness_per_s2(resistance), kPaperSubstep_s), resistance,
+                1e-15);
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The return mapping on single matrices, against closed forms.
-#include "known_gaps.h"
 #include "physics/material/return_mapping.h"
+#include "known_gaps.h"
 
 #include <gtest/gtest.h>
 
@@ -53,8 +53,8 @@ double bisect(double low, double high, const std::function<double(double)>& risi
   return 0.5 * (low + high);
 }
 
-// Force on the sides of a bar, over 2 mu and the section, of length l and width b with plastic part diag(d, s, s):
-// W = mu |F - D|² + lambda/2 (det F - 1)².
+// Force on the sides of a bar, over 2 mu and the section, of length l and width b with plastic part diag(d,
+// s, s): W = mu |F - D|² + lambda/2 (det F - 1)².
 double side_force(double nu, double l, double b, const Matrix3d& d) {
   return b - d(1, 1) + nu / (1.0 - 2.0 * nu) * (l * b * b - 1.0) * l * b;
 }
@@ -105,8 +105,9 @@ TEST(PlasticFlow, BarSetsAtStrainMinusYield) {
       Cell bar{yield_surface(1.0 - y, nu)};
       for (int i = 1; i <= 50; ++i) pull(bar, nu, 1.0 + 2.0 * y * i / 50);
       const double set = bar.plastic_part(0, 0) - 1.0;
-      // nu = 0: the sides follow the plastic part, so l - 1 - set = y to rounding. Else the volume term resists a bar
-      // that has set less across than along, by the set; it grows with it, and 2 % is missed at y = 0.1.
+      // nu = 0: the sides follow the plastic part, so l - 1 - set = y to rounding. Else the volume term
+      // resists a bar that has set less across than along, by the set; it grows with it, and 2 % is missed at
+      // y = 0.1.
       if (nu > 0.0 && y > 0.09) {
         report_gap("plastic.bar_set", std::abs(set / y - 1.0));
       } else {
@@ -125,7 +126,8 @@ TEST(PlasticFlow, BarSetsInCompressionToo) {
 }
 
 TEST(PlasticFlow, WorkIsYieldStressTimesSet) {
-  // nu = 0: E y over 2 mu = E is y, so 2 y set over mu V; the volume part of the flow is left out, set²/2 of it.
+  // nu = 0: E y over 2 mu = E is y, so 2 y set over mu V; the volume part of the flow is left out, set²/2 of
+  // it.
   const double y = 0.02;
   Cell bar{yield_surface(1.0 - y, 0.0)};
   for (int i = 1; i <= 400; ++i) pull(bar, 0.0, 1.0 + 2.0 * y * i / 400);
@@ -140,7 +142,8 @@ TEST(PlasticFlow, ShearFlowsTowardItsStretchByTheExcess) {
   Cell cell{yield_surface(0.8, 0.3)};
   EXPECT_TRUE(cell.deform(stretch));
   const Matrix3d all = deviator(stretch);
-  EXPECT_NEAR((deviator(cell.plastic_part) - (1.0 - cell.surface.radius / all.norm()) * all).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((deviator(cell.plastic_part) - (1.0 - cell.surface.radius / all.norm()) * all).norm(), 0.0,
+              1e-14);
 }
 
 TEST(PlasticFlow, RotationBeforeReadingIsNoStrain) {
@@ -278,8 +281,8 @@ TEST(PlasticFlow, KeepsItsInvariantsOnRandomPaths) {
         ASSERT_TRUE(after <= cell.surface.radius + 1e-9 || at_limit) << i;
       } else {
         ASSERT_LT(after, trial);
-        // On the surface, unless at the limit. Strains are of the order of 1; the stretch's least eigenvalue, about
-        // 0.1, comes from its square.
+        // On the surface, unless at the limit. Strains are of the order of 1; the stretch's least eigenvalue,
+        // about 0.1, comes from its square.
         if ((d - kIdentity).norm() < p - 1e-9) {
           ASSERT_NEAR(after, cell.surface.radius, 1e-11) << i;
         }

@@ -5,8 +5,8 @@
 #include <sstream>
 #include <vector>
 
-#include "physics/rigid/contact/contact_solver.h"
 #include "physics/collision/collision_shape.h"
+#include "physics/rigid/contact/contact_solver.h"
 #include "scenes/rigid_fixtures.h"
 
 namespace livegs {
@@ -25,7 +25,8 @@ std::vector<double> bounce_peaks(World& world, uint32_t id, double rest_height, 
     const BodyState state = body_state(world, id);
     const double speed = state.velocity_m_s.y();
     // What is left to rise at this moment, so that the peak does not depend on where ticks fall.
-    const double height = state.world_from_body.position_m.y() - rest_height + speed * speed / (2.0 * kGravity);
+    const double height =
+        state.world_from_body.position_m.y() - rest_height + speed * speed / (2.0 * kGravity);
     if (speed > 0.05) {
       highest = height;
       rising = true;
@@ -50,7 +51,8 @@ TEST(RigidContact, BallBouncesToTheSquareOfRestitution) {
       double expected = 1.0;
       for (size_t i = 0; i < 3; ++i) {
         expected *= e * e;
-        EXPECT_NEAR(peaks[i] / expected, 1.0, 0.01) << "e " << e << " bounce " << i << " rate " << rate;  // scene 4
+        EXPECT_NEAR(peaks[i] / expected, 1.0, 0.01)
+            << "e " << e << " bounce " << i << " rate " << rate;  // scene 4
       }
     }
   }
@@ -86,8 +88,8 @@ TEST(RigidContact, WithoutRestitutionNothingBounces) {
   }
 }
 
-// What bounces on corners and edges, at e = 1 and 0.9 with little friction or none, keeps at most what it fell with. By Newton's
-// rule for each point alone it had 1.2 to 25 times of it after six seconds.
+// What bounces on corners and edges, at e = 1 and 0.9 with little friction or none, keeps at most what it
+// fell with. By Newton's rule for each point alone it had 1.2 to 25 times of it after six seconds.
 TEST(RigidContact, SharpThingsThatBounceGainNothing) {
   for (const double rate : kRates_hz) {
     for (const double restitution : {1.0, 0.9}) {
@@ -98,7 +100,8 @@ TEST(RigidContact, SharpThingsThatBounceGainNothing) {
           SCOPED_TRACE(what.str());
           World world = world_at(rate, 4);
           world.add_collider(floor_plane(friction, restitution));
-          auto thing = i == 3 ? body_of(1, cylinder_mesh(0.04, 0.2), 0.5) : box_body(1, {0.1, 0.12, 0.08}, 0.5);
+          auto thing =
+              i == 3 ? body_of(1, cylinder_mesh(0.04, 0.2), 0.5) : box_body(1, {0.1, 0.12, 0.08}, 0.5);
           thing.material.restitution = restitution;
           thing.material.friction = friction;
           thing.world_from_object = {Vector3d(0, 0.5, 0), rotation_about(i + 1)};
@@ -279,7 +282,8 @@ TEST(RigidContact, BoxRestsSleepsAndHardlySinks) {
       EXPECT_TRUE(state.asleep) << size;
       // The contact spring's own sag is g / (2 pi 60 Hz)² = 0.07 mm whatever the size.
       EXPECT_NEAR(state.world_from_body.position_m.y(), 0.5 * size, 1.2e-4) << size;
-      EXPECT_LT(Eigen::Quaterniond::Identity().angularDistance(state.world_from_body.orientation), 1e-3) << size;
+      EXPECT_LT(Eigen::Quaterniond::Identity().angularDistance(state.world_from_body.orientation), 1e-3)
+          << size;
     }
   }
 }
@@ -406,8 +410,8 @@ TEST(RigidContact, TumblingBoxNeverGainsEnergy) {
 
 constexpr double kFastRadius_m = 0.025;
 
-// A ball of 50 mm is thrown at a plate of 5 mm, at 1 to 100 m/s and slanting: at no tick is it beyond the plate or in it,
-// and it has met it. `add` puts it into the world.
+// A ball of 50 mm is thrown at a plate of 5 mm, at 1 to 100 m/s and slanting: at no tick is it beyond the
+// plate or in it, and it has met it. `add` puts it into the world.
 template <class Add>
 void expect_none_pass(int aims, double rate_hz, double give_m, const Add& add) {
   int passed = 0, missed = 0;
@@ -417,7 +421,8 @@ void expect_none_pass(int aims, double rate_hz, double give_m, const Add& add) {
     world.add_collider(Collider{BoxShape{{1.0, 1.0, 0.005}}, Pose{}, 0.3, 0.0});
     const double speed = 1.0 + 99.0 * aim / (aims - 1.0);
     const Vector3d target(0.3 * std::sin(1.7 * aim), 0.3 * std::cos(2.3 * aim), 0);
-    const Vector3d from(0.4 * std::sin(0.7 * aim), 0.4 * std::cos(1.1 * aim), 0.5 + 0.3 * std::sin(3.1 * aim));
+    const Vector3d from(0.4 * std::sin(0.7 * aim), 0.4 * std::cos(1.1 * aim),
+                        0.5 + 0.3 * std::sin(3.1 * aim));
     const Vector3d velocity = speed * (target - from).normalized();
     add(world, from, velocity);
     const double energy = world.energy().kinetic_j;
@@ -468,17 +473,18 @@ TEST(RigidContact, FastMeshDoesNotPassAPlate) {
 
 TEST(RigidContact, FastBoxDoesNotPassAPlate) {
   int passed = 0;
-  for (const double rate : kRates_hz) for (int aim = 0; aim < 40; ++aim) {
-    World world = world_at(rate, 4, Vector3d::Zero());
-    world.add_collider(Collider{BoxShape{{2.0, 2.0, 0.005}}, Pose{}, 0.3, 0.0});
-    auto box = box_body(1, {0.1, 0.1, 0.1}, 0.5);
-    box.world_from_object.position_m = {0.1 * std::sin(1.0 * aim), 0, 0.6};
-    box.world_from_object.orientation = rotation_about(aim);
-    box.velocity_m_s = {0, 0, -1.0 - aim};
-    ASSERT_TRUE(world.add_rigid(box));
-    run_seconds(world, 0.7);
-    if (body_state(world, 1).world_from_body.position_m.z() < 0.02) ++passed;
-  }
+  for (const double rate : kRates_hz)
+    for (int aim = 0; aim < 40; ++aim) {
+      World world = world_at(rate, 4, Vector3d::Zero());
+      world.add_collider(Collider{BoxShape{{2.0, 2.0, 0.005}}, Pose{}, 0.3, 0.0});
+      auto box = box_body(1, {0.1, 0.1, 0.1}, 0.5);
+      box.world_from_object.position_m = {0.1 * std::sin(1.0 * aim), 0, 0.6};
+      box.world_from_object.orientation = rotation_about(aim);
+      box.velocity_m_s = {0, 0, -1.0 - aim};
+      ASSERT_TRUE(world.add_rigid(box));
+      run_seconds(world, 0.7);
+      if (body_state(world, 1).world_from_body.position_m.z() < 0.02) ++passed;
+    }
   EXPECT_EQ(passed, 0);
 }
 
@@ -488,7 +494,8 @@ TEST(RigidContact, ContactPointsKeepCornersAndCoverEdges) {
   for (int corner = 0; corner < 8; ++corner) {
     const Vector3d expected(corner & 1 ? 0.1 : -0.1, corner & 2 ? 0.05 : -0.05, corner & 4 ? 0.025 : -0.025);
     double nearest = 1.0;
-    for (const Vector3d& point : shape.contact_points_m) nearest = std::min(nearest, (point - expected).norm());
+    for (const Vector3d& point : shape.contact_points_m)
+      nearest = std::min(nearest, (point - expected).norm());
     EXPECT_EQ(nearest, 0.0);
   }
   // Along an edge no gap is wider than two spacings (one is thinned, the next must stay).

@@ -74,7 +74,8 @@ void add_frame(World& world, const Frame& frame) {
 }
 
 Frame square_with_diagonals() {
-  return {{{0, 0.3, 0}, {0.4, 0.3, 0}, {0.4, 0.7, 0}, {0, 0.7, 0}}, {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}}};
+  return {{{0, 0.3, 0}, {0.4, 0.3, 0}, {0.4, 0.7, 0}, {0, 0.7, 0}},
+          {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}}};
 }
 
 TEST(RigidLoop, SquareWithBothDiagonalsFallsAsOne) {
@@ -102,8 +103,8 @@ TEST(RigidLoop, FramesAtRestWithoutGravityStayAtRest) {
   }
 }
 
-// Five nodes at random, every one joined to every other: ten bars where nine would do. Bars that cross by chance push each
-// other apart, which is the energy they gain.
+// Five nodes at random, every one joined to every other: ten bars where nine would do. Bars that cross by
+// chance push each other apart, which is the energy they gain.
 TEST(RigidLoop, RandomTrussesGainNothing) {
   for (const double rate : kRates_hz) {
     for (unsigned seed = 1; seed <= 12; ++seed) {
@@ -114,7 +115,8 @@ TEST(RigidLoop, RandomTrussesGainNothing) {
       const bool flat = seed % 3 == 0;
       for (int i = 0; i < 5; ++i) {
         const double angle = 1.2566 * i, radius = 0.3 + 0.2 * coordinate();
-        frame.nodes_m.push_back({radius * std::cos(angle), 0.8 + radius * std::sin(angle), flat ? 0.0 : 0.5 * coordinate()});
+        frame.nodes_m.push_back(
+            {radius * std::cos(angle), 0.8 + radius * std::sin(angle), flat ? 0.0 : 0.5 * coordinate()});
       }
       for (size_t i = 0; i < 5; ++i) {
         for (size_t j = 0; j < i; ++j) frame.bars.emplace_back(j, i);
@@ -172,11 +174,17 @@ double add_bridge(World& world, const Bridge& bridge) {
 // Level, so that only what gives bears anything, and bent; unloaded and with a box dropped on them.
 TEST(RigidLoop, BridgesBearBoxes) {
   for (const double rate : kRates_hz) {
-    for (const Bridge& bridge :
-         {Bridge{2, false, false, 0.0, 0.0}, {2, false, false, 0.0, 1.0}, {5, false, false, 0.0, 0.0},
-          {8, false, false, 0.0, 0.0}, {8, false, false, radians(1), 1.0}, {8, true, false, radians(5), 5.0},
-          {2, false, true, 0.0, 1.0}, {2, false, true, 0.0, 0.0}, {5, false, true, radians(2), 1.0},
-          {15, true, false, 0.0, 1.0}, {15, true, false, 0.0, 0.0}}) {
+    for (const Bridge& bridge : {Bridge{2, false, false, 0.0, 0.0},
+                                 {2, false, false, 0.0, 1.0},
+                                 {5, false, false, 0.0, 0.0},
+                                 {8, false, false, 0.0, 0.0},
+                                 {8, false, false, radians(1), 1.0},
+                                 {8, true, false, radians(5), 5.0},
+                                 {2, false, true, 0.0, 1.0},
+                                 {2, false, true, 0.0, 0.0},
+                                 {5, false, true, radians(2), 1.0},
+                                 {15, true, false, 0.0, 1.0},
+                                 {15, true, false, 0.0, 0.0}}) {
       SCOPED_TRACE(std::to_string(rate) + " Hz, " + std::to_string(bridge.planks) + " planks, sag " +
                    std::to_string(bridge.sag_rad) + ", load " + std::to_string(bridge.load_kg));
       World world = world_at(rate, 4);
@@ -193,7 +201,8 @@ TEST(RigidLoop, BridgesBearBoxes) {
 // Two hundred times a plank's mass opens joints for a moment; it gives nothing back.
 TEST(RigidLoop, HeavyBoxesOnLevelBridgesGainNothing) {
   for (const double rate : kRates_hz) {
-    for (const Bridge& bridge : {Bridge{2, false, false, 0.0, 20.0}, {2, true, false, 0.0, 20.0}, {15, true, false, 0.0, 20.0}}) {
+    for (const Bridge& bridge :
+         {Bridge{2, false, false, 0.0, 20.0}, {2, true, false, 0.0, 20.0}, {15, true, false, 0.0, 20.0}}) {
       SCOPED_TRACE(std::to_string(rate) + " Hz, " + std::to_string(bridge.planks));
       World world = world_at(rate, 4);
       world.add_collider(floor_plane());

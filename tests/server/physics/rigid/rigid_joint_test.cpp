@@ -67,7 +67,8 @@ Swing swing(World& world, double length_m, double amplitude) {
       result.largest_error_m = std::max(result.largest_error_m, joint.error_m);
       result.largest_error_rad = std::max(result.largest_error_rad, joint.error_rad);
     }
-    result.largest_off_plane_m = std::max(result.largest_off_plane_m, std::abs(state.world_from_body.position_m.z()));
+    result.largest_off_plane_m =
+        std::max(result.largest_off_plane_m, std::abs(state.world_from_body.position_m.z()));
   }
   result.period_s = (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1);
   const double swing_j = body_state(world, 1).mass_kg * kGravity * length_m * (1.0 - std::cos(amplitude));
@@ -75,8 +76,8 @@ Swing swing(World& world, double length_m, double amplitude) {
   return result;
 }
 
-// Second order in the substep: the period is short by (h omega)²/24, 7e-6 at 240 Hz; ten times that is allowed. The bar
-// is 1e-3, and 1 % of energy. Newton's steps close the joint to rounding.
+// Second order in the substep: the period is short by (h omega)²/24, 7e-6 at 240 Hz; ten times that is
+// allowed. The bar is 1e-3, and 1 % of energy. Newton's steps close the joint to rounding.
 void expect_swings(const Swing& result, double period_s) {
   EXPECT_NEAR(result.period_s / period_s, 1.0, 1e-4);
   EXPECT_LT(std::abs(result.lost), 2e-4);
@@ -129,8 +130,8 @@ TEST(RigidJoint, DoorPushedAskewSwingsAboutItsAxis) {
       const double torque = 5.0 * 0.75;
       const double unit_inertia = door.properties.inertia_m2(1, 1) + 0.16;
       for (int i = 0; i < std::lround(0.25 * rate); ++i) world.step();
-      // Where the force's arm still is nearly the door's: it grows with the angle's square, and so does the part of the
-      // force along the door that turns it. At 0.25 s the angle is 0.03 rad.
+      // Where the force's arm still is nearly the door's: it grows with the angle's square, and so does the
+      // part of the force along the door that turns it. At 0.25 s the angle is 0.03 rad.
       const BodyState early = body_state(world, 1);
       const double spin = torque / (20.0 * unit_inertia) * std::lround(0.25 * rate) / rate;
       EXPECT_NEAR(early.angular_velocity_rad_s.y() / spin, 1.0, 0.1);
@@ -144,7 +145,9 @@ TEST(RigidJoint, DoorPushedAskewSwingsAboutItsAxis) {
       }
       EXPECT_LT(error_m, 1e-6);
       EXPECT_LT(error_rad, 1e-6);
-      EXPECT_LT((body_state(world, 1).world_from_body.orientation * Vector3d::UnitY() - Vector3d::UnitY()).norm(), 1e-6);
+      EXPECT_LT(
+          (body_state(world, 1).world_from_body.orientation * Vector3d::UnitY() - Vector3d::UnitY()).norm(),
+          1e-6);
     }
   }
 }
@@ -191,8 +194,8 @@ ChainRun run_chain(World& world, double ratio, double seconds) {
   return run;
 }
 
-// The rows of a chain are solved together, so the ratio of masses does not matter. The bars are 2 % at 1:100, 5 % at
-// 1:1000 and finite at 1:50000.
+// The rows of a chain are solved together, so the ratio of masses does not matter. The bars are 2 % at 1:100,
+// 5 % at 1:1000 and finite at 1:50000.
 TEST(RigidJoint, SwingingChainWithAHeavyEndDoesNotStretch) {
   for (const double rate : kRates_hz) {
     for (const double ratio : {1.0, 100.0, 1000.0, 50000.0}) {
@@ -205,8 +208,8 @@ TEST(RigidJoint, SwingingChainWithAHeavyEndDoesNotStretch) {
   }
 }
 
-// Let go level, the chain is at rest while its weight falls: it snaps tight and whips. Nothing is known of the motion
-// but that it is bounded, ends, and gains no energy.
+// Let go level, the chain is at rest while its weight falls: it snaps tight and whips. Nothing is known of
+// the motion but that it is bounded, ends, and gains no energy.
 TEST(RigidJoint, ChainThatSnapsTightStaysInOnePiece) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
@@ -266,12 +269,12 @@ TEST(RigidJoint, TopPrecesses) {
     EXPECT_NEAR(steady.precession_rad_s / precession, 1.0, 0.01);
     EXPECT_LT(steady.nutation_m[0], 5e-4);
     EXPECT_LE(steady.nutation_m[1], 1.02 * steady.nutation_m[0]);
-    // Let go, it falls and rises: 2 m g l I1 / (I3 w)² of an angle, I1 about the pivot. Sampled nine times a period,
-    // peaks are met within 5 %.
+    // Let go, it falls and rises: 2 m g l I1 / (I3 w)² of an angle, I1 about the pivot. Sampled nine times a
+    // period, peaks are met within 5 %.
     const Top dropped = spin_top(rate, spin, 0.0, disc, lever_m);
     const double momentum = disc.properties.inertia_m2(1, 1) * spin;
-    const double dip_m =
-        lever_m * 2.0 * kGravity * lever_m * (disc.properties.inertia_m2(0, 0) + lever_m * lever_m) / (momentum * momentum);
+    const double dip_m = lever_m * 2.0 * kGravity * lever_m *
+                         (disc.properties.inertia_m2(0, 0) + lever_m * lever_m) / (momentum * momentum);
     EXPECT_NEAR(dropped.precession_rad_s / precession, 1.0, 0.01);
     EXPECT_NEAR(dropped.nutation_m[0] / dip_m, 1.0, 0.05);
     EXPECT_LE(dropped.nutation_m[1], 1.02 * dropped.nutation_m[0]);

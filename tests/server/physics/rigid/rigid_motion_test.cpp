@@ -48,15 +48,18 @@ TEST(RigidMotion, FreeSpinStays) {
     body.angular_velocity_rad_s = {0, 50, 0};
     ASSERT_TRUE(world.add_rigid(body));
     run_seconds(world, 10.0);
-    // Icosahedral symmetry gives an isotropic inertia, so omega is constant; 1e-4 is the catalogue's bar (scene 10).
+    // Icosahedral symmetry gives an isotropic inertia, so omega is constant; 1e-4 is the catalogue's bar
+    // (scene 10).
     EXPECT_NEAR((body_state(world, 1).angular_velocity_rad_s - Vector3d(0, 50, 0)).norm() / 50.0, 0.0, 1e-4);
   }
 }
 
-// Needles, discs and plates whose moments differ up to five-thousandfold, spun about whatever axis at what a break or a fall
-// on an edge may leave them with. Kinetic energy is half of L times omega, and L is kept by construction.
+// Needles, discs and plates whose moments differ up to five-thousandfold, spun about whatever axis at what a
+// break or a fall on an edge may leave them with. Kinetic energy is half of L times omega, and L is kept by
+// construction.
 TEST(RigidMotion, ThinThingsThatSpinFastKeepTheirEnergy) {
-  const Vector3d sizes[] = {{0.004, 0.3, 0.004}, {0.001, 0.03, 0.001}, {0.3, 0.001, 0.3}, {0.3, 0.002, 0.1}, {0.3, 0.2, 0.05}};
+  const Vector3d sizes[] = {
+      {0.004, 0.3, 0.004}, {0.001, 0.03, 0.001}, {0.3, 0.001, 0.3}, {0.3, 0.002, 0.1}, {0.3, 0.2, 0.05}};
   const Vector3d spins[] = {{5, 400, 0}, {20, 200, 200}, {300, 10, 1}, {50, 50, 50}, {0.01, 300, 0.02}};
   for (const double rate : kRates_hz) {
     for (const Vector3d& size : sizes) {
@@ -92,7 +95,8 @@ TEST(RigidMotion, ARodPrecessesInClosedForm) {
   const double across = rod.properties.inertia_m2(0, 0), along = rod.properties.inertia_m2(1, 1);
   const Vector3d momentum(5 * across, 400 * along, 0);  // of 1 kg
   run_seconds(world, 2.0);
-  const Vector3d axis = Eigen::AngleAxisd(2.0 * momentum.norm() / across, momentum.normalized()) * Vector3d::UnitY();
+  const Vector3d axis =
+      Eigen::AngleAxisd(2.0 * momentum.norm() / across, momentum.normalized()) * Vector3d::UnitY();
   EXPECT_LT((body_state(world, 1).world_from_body.orientation * Vector3d::UnitY() - axis).norm(), 1e-6);
 }
 
@@ -100,8 +104,8 @@ TEST(RigidMotion, DzhanibekovKeepsEnergyAndMomentum) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4, Vector3d::Zero());
-    // A box with moments 1 : 2 : 3 up to scale: b²+c² : a²+c² : a²+b² with a² = 2, b² = 1, c² = 0.2 gives the order;
-    // the unstable axis is the middle one, y here.
+    // A box with moments 1 : 2 : 3 up to scale: b²+c² : a²+c² : a²+b² with a² = 2, b² = 1, c² = 0.2 gives the
+    // order; the unstable axis is the middle one, y here.
     auto box = box_body(1, {0.3, 0.2, 0.05}, 1.0);
     box.angular_velocity_rad_s = {0.01, 10, 0.01};
     ASSERT_TRUE(world.add_rigid(box));
@@ -110,12 +114,14 @@ TEST(RigidMotion, DzhanibekovKeepsEnergyAndMomentum) {
     for (int i = 0; i < 60 * rate; ++i) {
       world.step();
       const BodyState state = body_state(world, 1);
-      least = std::min(least, (state.world_from_body.orientation.conjugate() * state.angular_velocity_rad_s).y());
+      least =
+          std::min(least, (state.world_from_body.orientation.conjugate() * state.angular_velocity_rad_s).y());
       // A symmetric splitting (rotate_freely): the energy error stays bounded. Bar of scene 9.
       ASSERT_NEAR(world.energy().kinetic_j / before.kinetic_j, 1.0, 1e-3);
     }
-    EXPECT_LT((world.energy().angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm(),
-              1e-12);  // constant by construction; rounding only
+    EXPECT_LT(
+        (world.energy().angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm(),
+        1e-12);  // constant by construction; rounding only
     EXPECT_LT(least, -9.0) << "the spin about the middle axis must turn over";
   }
 }

@@ -27,7 +27,8 @@ struct Built {
   std::function<void(World&)> add;
   double seconds;  // asleep by then
 };
-const Built kBuilt[] = {{"stack", add_uneven_stack, 6.0}, {"arch", add_arch, 6.0}, {"card house", add_card_house, 6.0}};
+const Built kBuilt[] = {
+    {"stack", add_uneven_stack, 6.0}, {"arch", add_arch, 6.0}, {"card house", add_card_house, 6.0}};
 
 TEST(RigidSleep, RestPosesAreTheSameWithAndWithoutSleep) {
   for (const double rate : kRates_hz) {
@@ -45,7 +46,8 @@ TEST(RigidSleep, RestPosesAreTheSameWithAndWithoutSleep) {
       double apart_m = 0;
       for (size_t i = 0; i < rest[0].size(); ++i) {
         EXPECT_TRUE(rest[1][i].asleep) << built.name << " " << rate;
-        apart_m = std::max(apart_m, (rest[0][i].world_from_body.position_m - rest[1][i].world_from_body.position_m).norm());
+        apart_m = std::max(
+            apart_m, (rest[0][i].world_from_body.position_m - rest[1][i].world_from_body.position_m).norm());
       }
       EXPECT_LT(apart_m, 1e-3) << built.name << " " << rate;
     }
@@ -60,11 +62,13 @@ TEST(RigidSleep, APokeWakesAllThatTouchesAtOnce) {
       constexpr uint32_t kElsewhere = 99;
       add_box(world, kElsewhere, Vector3d::Constant(0.1), 0.5, at(2, 0.05), 0.6);
       run_seconds(world, built.seconds);
-      for (const BodyState& state : world.bodies()) ASSERT_TRUE(state.asleep) << built.name << " " << state.object_id;
+      for (const BodyState& state : world.bodies())
+        ASSERT_TRUE(state.asleep) << built.name << " " << state.object_id;
       world.set_force(1, 3, {Vector3d::Zero(), {0.1 * rate, 0, 0}});  // 0.1 N s in one tick
       world.step();
       for (const BodyState& state : world.bodies()) {
-        EXPECT_EQ(state.asleep, state.object_id == kElsewhere) << built.name << " " << rate << " " << state.object_id;
+        EXPECT_EQ(state.asleep, state.object_id == kElsewhere)
+            << built.name << " " << rate << " " << state.object_id;
       }
     }
   }
@@ -94,8 +98,8 @@ TEST(RigidSleep, ThousandSleepersCostUnderAHundredthOfTheSameAwake) {
     world.add_collider(floor_plane(0.6));
     for (uint32_t i = 0; i < 1000; ++i) {
       const uint32_t stack = i / 5;
-      add_box(world, i + 1, Vector3d::Constant(0.1), 0.5, at(0.3 * (stack % 15), 0.05 + 0.1 * (i % 5), 0.3 * (stack / 15)),
-              0.6);
+      add_box(world, i + 1, Vector3d::Constant(0.1), 0.5,
+              at(0.3 * (stack % 15), 0.05 + 0.1 * (i % 5), 0.3 * (stack / 15)), 0.6);
     }
     const auto all_asleep = [&] {
       const std::vector<BodyState> bodies = world.bodies();

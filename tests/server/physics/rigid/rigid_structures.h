@@ -13,8 +13,8 @@
 
 namespace livegs::rigid_fixtures {
 
-inline void add_box(World& world, uint32_t id, const Eigen::Vector3d& size_m, double mass_kg, const Pose& pose,
-                    double friction) {
+inline void add_box(World& world, uint32_t id, const Eigen::Vector3d& size_m, double mass_kg,
+                    const Pose& pose, double friction) {
   auto box = box_body(id, size_m, mass_kg);
   box.material.friction = friction;
   box.world_from_object = pose;
@@ -67,12 +67,15 @@ inline void add_card_house(World& world) {
     const double foot = floor * (high + kThick);
     for (int i = 0; i < 3 - floor; ++i) {
       const double x = (i - 0.5 * (2 - floor)) * span;
-      add_box(world, id++, {kThick, kLength, kWidth}, kMass, at(x - side, foot + 0.5 * high, 0, lean), kFriction);
-      add_box(world, id++, {kThick, kLength, kWidth}, kMass, at(x + side, foot + 0.5 * high, 0, -lean), kFriction);
+      add_box(world, id++, {kThick, kLength, kWidth}, kMass, at(x - side, foot + 0.5 * high, 0, lean),
+              kFriction);
+      add_box(world, id++, {kThick, kLength, kWidth}, kMass, at(x + side, foot + 0.5 * high, 0, -lean),
+              kFriction);
     }
     for (int i = 0; i < 2 - floor; ++i) {
       const double x = (i - 0.5 * (1 - floor)) * span;
-      add_box(world, id++, {span - 0.0005, kThick, kWidth}, kMass, at(x, foot + high + 0.5 * kThick), kFriction);
+      add_box(world, id++, {span - 0.0005, kThick, kWidth}, kMass, at(x, foot + high + 0.5 * kThick),
+              kFriction);
     }
   }
 }

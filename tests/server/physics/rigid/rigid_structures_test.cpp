@@ -36,7 +36,8 @@ Settled settled_after(World& world, double seconds) {
 
 TEST(RigidStructures, StackOfTwentyStands) {
   for (const double rate : kRates_hz) {
-    for (const auto& [size, sleep] : gate_or_full<std::pair<double, bool>>({{0.1, true}, {1.0, false}}, {{0.1, true}, {0.1, false}, {1.0, true}, {1.0, false}})) {
+    for (const auto& [size, sleep] : gate_or_full<std::pair<double, bool>>(
+             {{0.1, true}, {1.0, false}}, {{0.1, true}, {0.1, false}, {1.0, true}, {1.0, false}})) {
       WorldSettings settings;
       settings.rate_hz = rate;
       settings.sleep = sleep;
@@ -57,14 +58,16 @@ TEST(RigidStructures, HeavyRestsOnLight) {
     double ratio, size_m, bar;
     int substeps;
   };
-  // Scene 14, with a hand's box of 10 cm beside the metre: its contacts sag ten times as far in parts of its size. Asked: 1 %, 5 %,
-  // and of 1:1000 the honest figure. Found of 0.1 m at 60 Hz: 0.09, 0.10, 0.98 % and, at 16 substeps, a hundredth of a per cent.
-  const Case cases[] = {{10, 1, 0.01, 4},     {10, 0.1, 0.01, 4},    {100, 1, 0.002, 4},   {100, 0.1, 0.002, 4},
-                        {1000, 1, 0.002, 4},  {1000, 0.1, 0.012, 4}, {1000, 1, 0.002, 16}, {1000, 0.1, 0.002, 16},
-                        {1000, 0.1, 0.18, 1}};
+  // Scene 14, with a hand's box of 10 cm beside the metre: its contacts sag ten times as far in parts of its
+  // size. Asked: 1 %, 5 %, and of 1:1000 the honest figure. Found of 0.1 m at 60 Hz: 0.09, 0.10, 0.98 % and,
+  // at 16 substeps, a hundredth of a per cent.
+  const Case cases[] = {{10, 1, 0.01, 4},     {10, 0.1, 0.01, 4},     {100, 1, 0.002, 4},
+                        {100, 0.1, 0.002, 4}, {1000, 1, 0.002, 4},    {1000, 0.1, 0.012, 4},
+                        {1000, 1, 0.002, 16}, {1000, 0.1, 0.002, 16}, {1000, 0.1, 0.18, 1}};
   for (const double rate : kRates_hz) {
     for (const Case& c : cases) {
-      if (c.substeps == 1 && rate > 60) continue;  // the lower one gives way, and the upper stands on the floor
+      if (c.substeps == 1 && rate > 60)
+        continue;  // the lower one gives way, and the upper stands on the floor
       World world = world_at(rate, c.substeps);
       world.add_collider(floor_plane(0.6));
       const double mass = 1000.0 * c.size_m * c.size_m * c.size_m;
@@ -80,8 +83,8 @@ TEST(RigidStructures, HeavyRestsOnLight) {
   }
 }
 
-// Books of 30 mm and 0.3 kg under a cube of 30 and 100 times as much: it sinks little. In the steps that equal masses
-// take (rigid_heavy.h), five books gave way by 41 mm.
+// Books of 30 mm and 0.3 kg under a cube of 30 and 100 times as much: it sinks little. In the steps that
+// equal masses take (rigid_heavy.h), five books gave way by 41 mm.
 TEST(RigidStructures, HeavyRestsOnAPileOfLightBooks) {
   constexpr double kThick_m = 0.03, kBook_kg = 0.3, kSize_m = 0.15;
   for (const double rate : kRates_hz) {
@@ -90,7 +93,8 @@ TEST(RigidStructures, HeavyRestsOnAPileOfLightBooks) {
         SCOPED_TRACE(::testing::Message() << books << " books, 1:" << ratio << ", " << rate << " Hz");
         World world = world_at(rate, 4);
         world.add_collider(floor_plane(0.6));
-        for (uint32_t i = 0; i < books; ++i) add_box(world, i + 1, {0.2, kThick_m, 0.15}, kBook_kg, at(0, (i + 0.5) * kThick_m), 0.5);
+        for (uint32_t i = 0; i < books; ++i)
+          add_box(world, i + 1, {0.2, kThick_m, 0.15}, kBook_kg, at(0, (i + 0.5) * kThick_m), 0.5);
         const double laid_m = books * kThick_m + 0.5 * kSize_m;
         add_box(world, books + 1, Vector3d::Constant(kSize_m), ratio * kBook_kg, at(0.01, laid_m, 0.01), 0.5);
         double lowest_m = laid_m;
@@ -101,7 +105,9 @@ TEST(RigidStructures, HeavyRestsOnAPileOfLightBooks) {
         report_gap("structures.book_pile_sinks", (laid_m - lowest_m) / (books * kThick_m));
         for (uint32_t i = 1; i <= books; ++i) {
           const BodyState book = body_state(world, i);
-          EXPECT_LT(std::hypot(book.world_from_body.position_m.x(), book.world_from_body.position_m.z()), 5e-4) << i;
+          EXPECT_LT(std::hypot(book.world_from_body.position_m.x(), book.world_from_body.position_m.z()),
+                    5e-4)
+              << i;
           EXPECT_TRUE(book.asleep) << i;
         }
       }
@@ -117,7 +123,8 @@ TEST(RigidStructures, PyramidComesToRest) {
     uint32_t id = 1;
     for (int row = 0; row < 10; ++row) {
       for (int i = 0; i < 10 - row; ++i) {
-        add_box(world, id++, Vector3d::Constant(0.1), 1.0, at((i - 0.5 * (9 - row)) * 0.105, 0.05 + 0.1 * row), 0.6);
+        add_box(world, id++, Vector3d::Constant(0.1), 1.0,
+                at((i - 0.5 * (9 - row)) * 0.105, 0.05 + 0.1 * row), 0.6);
       }
     }
     const Settled settled = settled_after(world, 5.0);
@@ -133,7 +140,8 @@ TEST(RigidStructures, HalfOverlappedBoxesPartSlowly) {
     for (const double size : {0.1, 1.0}) {
       World world = world_at(rate, 4, Vector3d::Zero());
       for (uint32_t i = 0; i < 10; ++i) {
-        add_box(world, i + 1, Vector3d::Constant(size), 1000 * size * size * size, at(0, 0.5 * i * size), 0.6);
+        add_box(world, i + 1, Vector3d::Constant(size), 1000 * size * size * size, at(0, 0.5 * i * size),
+                0.6);
       }
       double fastest = 0.0;
       for (int i = 0; i < 4 * rate; ++i) {
@@ -142,8 +150,8 @@ TEST(RigidStructures, HalfOverlappedBoxesPartSlowly) {
       }
       EXPECT_LT(fastest, 3.0) << size;  // scene 19
       for (uint32_t i = 1; i < 10; ++i) {
-        const Vector3d between =
-            body_state(world, i + 1).world_from_body.position_m - body_state(world, i).world_from_body.position_m;
+        const Vector3d between = body_state(world, i + 1).world_from_body.position_m -
+                                 body_state(world, i).world_from_body.position_m;
         EXPECT_GT(between.norm(), 0.99 * size) << i;
       }
     }
@@ -167,7 +175,8 @@ void expect_stands(const std::function<void(World&)>& add) {
   }
 }
 
-// A half circle of wedges on two blocks: thickness over radius 0.3, far above the 0.107 it needs (Heyman 1969).
+// A half circle of wedges on two blocks: thickness over radius 0.3, far above the 0.107 it needs (Heyman
+// 1969).
 TEST(RigidStructures, ArchStands) { expect_stands(add_arch); }
 
 TEST(RigidStructures, CardHouseStands) { expect_stands(add_card_house); }

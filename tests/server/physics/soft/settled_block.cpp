@@ -17,13 +17,15 @@ using Eigen::VectorXd;
 
 constexpr double kSide_m = 0.2, kHeight_m = 0.1, kMass_kg = 4.0, kModulus_pa = 2e4, kPoisson = 0.3;
 constexpr double kRadius_m = 0.05, kSphere_kg = 1.0, kGravity_m_s2 = 9.81;
-constexpr double kHeld_n_m = 1e9, kSliding_n_m = 30.0;  // of a node on the floor: held, and only kept from drifting off
+constexpr double kHeld_n_m = 1e9,
+                 kSliding_n_m = 30.0;  // of a node on the floor: held, and only kept from drifting off
 
 using Stiffness = Eigen::Matrix<double, 24, 24>;
 
 // Of one cube, by 2 x 2 x 2 Gauss points.
 Stiffness stiffness_of(double edge_m) {
-  const double lambda = kModulus_pa * kPoisson / ((1 + kPoisson) * (1 - 2 * kPoisson)), mu = kModulus_pa / (2 * (1 + kPoisson));
+  const double lambda = kModulus_pa * kPoisson / ((1 + kPoisson) * (1 - 2 * kPoisson)),
+               mu = kModulus_pa / (2 * (1 + kPoisson));
   Eigen::Matrix<double, 6, 6> law = Eigen::Matrix<double, 6, 6>::Zero();
   law.topLeftCorner<3, 3>().setConstant(lambda);
   for (int d = 0; d < 3; ++d) {
@@ -84,7 +86,8 @@ class Block {
     solver_.compute(stiffness);
     add_points(block.point_m);
     sunk_m_ = at_points(solver_.solve(weight));
-    compliance_.resize(3 * static_cast<Eigen::Index>(points_.size()), 3 * static_cast<Eigen::Index>(points_.size()));
+    compliance_.resize(3 * static_cast<Eigen::Index>(points_.size()),
+                       3 * static_cast<Eigen::Index>(points_.size()));
     for (Eigen::Index row = 0; row < compliance_.cols(); ++row) {
       const TopPoint& point = points_[static_cast<size_t>(row / 3)];
       VectorXd load = VectorXd::Zero(count);
@@ -93,7 +96,8 @@ class Block {
     }
   }
 
-  // What the sphere bears when it is held so deep: projected Gauss-Seidel on the forces, which point away from its middle.
+  // What the sphere bears when it is held so deep: projected Gauss-Seidel on the forces, which point away
+  // from its middle.
   double upward_n(double depth_m) const {
     const Vector3d middle(0.5 * kSide_m, kHeight_m - depth_m + kRadius_m, 0.5 * kSide_m);
     VectorXd moved = sunk_m_, force = VectorXd::Zero(sunk_m_.size());
@@ -101,9 +105,11 @@ class Block {
     for (int sweep = 0; sweep < 5000 && change > 1e-6; ++sweep) {
       change = 0;
       for (Eigen::Index p = 0; p < std::ssize(points_); ++p) {
-        const Vector3d arm = points_[static_cast<size_t>(p)].rest_m + moved.segment<3>(3 * p) - middle, normal = arm.normalized();
+        const Vector3d arm = points_[static_cast<size_t>(p)].rest_m + moved.segment<3>(3 * p) - middle,
+                       normal = arm.normalized();
         const Vector3d before = force.segment<3>(3 * p);
-        const double needed = (kRadius_m - arm.norm()) / normal.dot(compliance_.block<3, 3>(3 * p, 3 * p) * normal);
+        const double needed =
+            (kRadius_m - arm.norm()) / normal.dot(compliance_.block<3, 3>(3 * p, 3 * p) * normal);
         const Vector3d step = 0.7 * (std::max(0.0, before.dot(normal) + needed) * normal - before);
         force.segment<3>(3 * p) += step;
         moved += compliance_.middleCols<3>(3 * p) * step;
@@ -118,13 +124,15 @@ class Block {
  private:
   int node(int i, int j, int k) const { return (i * (up_ + 1) + j) * (along_ + 1) + k; }
 
-  void add_cube(const Stiffness& cube, int i, int j, int k, std::vector<Eigen::Triplet<double>>& entries, VectorXd& weight) const {
+  void add_cube(const Stiffness& cube, int i, int j, int k, std::vector<Eigen::Triplet<double>>& entries,
+                VectorXd& weight) const {
     const double share_n = kMass_kg * kGravity_m_s2 / (along_ * up_ * along_ * 8);
     std::array<int, 8> nodes;
     for (int a = 0; a < 8; ++a) nodes[a] = node(i + (a & 1), j + (a >> 1 & 1), k + (a >> 2 & 1));
     for (int a = 0; a < 24; ++a) {
       if (a % 3 == 1) weight[3 * nodes[a / 3] + 1] -= share_n;
-      for (int b = 0; b < 24; ++b) entries.push_back({3 * nodes[a / 3] + a % 3, 3 * nodes[b / 3] + b % 3, cube(a, b)});
+      for (int b = 0; b < 24; ++b)
+        entries.push_back({3 * nodes[a / 3] + a % 3, 3 * nodes[b / 3] + b % 3, cube(a, b)});
     }
   }
 
@@ -135,11 +143,13 @@ class Block {
       for (int b = 0; b <= count; ++b) {
         const double x = kSide_m * a / count, z = kSide_m * b / count;
         if (std::hypot(x - 0.5 * kSide_m, z - 0.5 * kSide_m) > 0.9 * kRadius_m) continue;
-        const int i = std::min(along_ - 1, static_cast<int>(x / edge_m_)), k = std::min(along_ - 1, static_cast<int>(z / edge_m_));
+        const int i = std::min(along_ - 1, static_cast<int>(x / edge_m_)),
+                  k = std::min(along_ - 1, static_cast<int>(z / edge_m_));
         const double s = x / edge_m_ - i, t = z / edge_m_ - k;
-        points_.push_back({{x, kHeight_m, z},
-                           {node(i, up_, k), node(i + 1, up_, k), node(i, up_, k + 1), node(i + 1, up_, k + 1)},
-                           {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t}});
+        points_.push_back(
+            {{x, kHeight_m, z},
+             {node(i, up_, k), node(i + 1, up_, k), node(i, up_, k + 1), node(i + 1, up_, k + 1)},
+             {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t}});
       }
     }
   }

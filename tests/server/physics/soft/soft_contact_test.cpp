@@ -93,20 +93,23 @@ TEST(SoftContact, HeavyBoxRestsOnAPillowAndBothSleep) {
     EXPECT_LT(rests.y(), 0.175 - 0.001) << rate;
     run_seconds(world, 2.0);
     EXPECT_LT((body_state(world, 2).world_from_body.position_m - rests).norm(), 1e-4) << rate;
-    EXPECT_LT(Vector3d(rests.x() - 0.02, 0, rests.z()).norm(), 0.006) << rate << ": how far it hopped while it bounced";
+    EXPECT_LT(Vector3d(rests.x() - 0.02, 0, rests.z()).norm(), 0.006)
+        << rate << ": how far it hopped while it bounced";
     EXPECT_TRUE(body_state(world, 2).asleep) << rate;
     EXPECT_TRUE(world.elastic_body(1)->asleep()) << rate;
   }
 }
 
-// Pillows as a scene samples them, pressed to two thirds. While their sweeps alternated under the load, a tremble of 0.2 m/s
-// carried the box up to 109 mm away in fifteen seconds and three of these eight never slept.
+// Pillows as a scene samples them, pressed to two thirds. While their sweeps alternated under the load, a
+// tremble of 0.2 m/s carried the box up to 109 mm away in fifteen seconds and three of these eight never
+// slept.
 TEST(SoftContact, AHeavyBoxOnAVerySoftPillowDoesNotWalk) {
   struct Case {
     double modulus_pa, mass_kg;
   };
   for (const double rate : kRates_hz) {
-    for (const Case& c : gate_or_full<Case>({{5e3, 5.0}, {1e4, 10.0}}, {{5e3, 5.0}, {7e3, 5.0}, {1e4, 5.0}, {1e4, 10.0}})) {
+    for (const Case& c :
+         gate_or_full<Case>({{5e3, 5.0}, {1e4, 10.0}}, {{5e3, 5.0}, {7e3, 5.0}, {1e4, 5.0}, {1e4, 10.0}})) {
       SCOPED_TRACE(::testing::Message() << c.modulus_pa << " Pa, " << c.mass_kg << " kg, " << rate << " Hz");
       World world = world_with(ElasticSolver::Cells, rate);
       world.add_collider(floor_plane(0.6));

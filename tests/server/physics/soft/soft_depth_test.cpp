@@ -19,35 +19,39 @@ double converged_m() {
 
 TEST(SoftDepth, SphereOnASoftBlockSettlesAtTheConvergedDepth) {
   for (const double rate : kRates_hz) {
-    for (const double cell_width_m : gate_or_full<double>({0.0, 0.025}, {0.0, 0.0125, 0.015, 0.02, 0.025, 0.03})) {
+    for (const double cell_width_m :
+         gate_or_full<double>({0.0, 0.025}, {0.0, 0.0125, 0.015, 0.02, 0.025, 0.03})) {
       const double depth_m = settled_depth_m(particle_block(0.0125, cell_width_m), rate);
       EXPECT_NEAR(depth_m / converged_m(), 1.0, 0.1) << rate << " Hz, cells of " << cell_width_m;
     }
   }
-  // Hertz on a half-space: d = (F (1 - nu²) / (4/3 E sqrt(R)))^(2/3) = 13 mm. The block is as deep as four contact radii
-  // and sinks under its own weight too.
+  // Hertz on a half-space: d = (F (1 - nu²) / (4/3 E sqrt(R)))^(2/3) = 13 mm. The block is as deep as four
+  // contact radii and sinks under its own weight too.
   const double hertz = std::pow(kGravity * 0.91 / (4.0 / 3.0 * 2e4 * std::sqrt(0.05)), 2.0 / 3.0);
   EXPECT_NEAR(converged_m() / hertz, 1.0, 0.35);
 }
 
-// The converged depth itself, against finite elements: a floor with friction is between one that slides and one that holds.
+// The converged depth itself, against finite elements: a floor with friction is between one that slides and
+// one that holds.
 TEST(SoftDepth, TheConvergedDepthIsThatOfFiniteElements) {
   const double held_m = settled_depth_m(SettledBlock{.element_m = 0.0125, .glued = true});
   const double sliding_m = settled_depth_m(SettledBlock{.element_m = 0.0125});
-  std::printf("converged %.3f mm; finite elements %.3f held, %.3f sliding\n", 1e3 * converged_m(), 1e3 * held_m, 1e3 * sliding_m);
+  std::printf("converged %.3f mm; finite elements %.3f held, %.3f sliding\n", 1e3 * converged_m(),
+              1e3 * held_m, 1e3 * sliding_m);
   EXPECT_GT(converged_m(), 0.97 * held_m);
   EXPECT_LT(converged_m(), 1.03 * sliding_m);
 }
 
-// Cells wider than the touch (its radius is 27 mm) are too stiff beneath it. That shows once steps are short: the depth is
-// that of finite elements as wide as the cells. At 4 substeps the sweep leaves what is as short as a cell or two too soft,
-// which happens to balance it.
+// Cells wider than the touch (its radius is 27 mm) are too stiff beneath it. That shows once steps are short:
+// the depth is that of finite elements as wide as the cells. At 4 substeps the sweep leaves what is as short
+// as a cell or two too soft, which happens to balance it.
 TEST(SoftDepth, AtManySubstepsItIsThatOfElementsAsWideAsTheCells) {
   for (const double cell_width_m : {0.2 / 6, 0.025}) {
     const double held_m = settled_depth_m(SettledBlock{.element_m = cell_width_m, .glued = true});
     const double sliding_m = settled_depth_m(SettledBlock{.element_m = cell_width_m});
     const double depth_m = settled_depth_m(particle_block(0.0125, cell_width_m), 60.0, 32);
-    std::printf("cells of %.1f mm: %.3f mm; finite elements %.3f held, %.3f sliding\n", 1e3 * cell_width_m, 1e3 * depth_m, 1e3 * held_m, 1e3 * sliding_m);
+    std::printf("cells of %.1f mm: %.3f mm; finite elements %.3f held, %.3f sliding\n", 1e3 * cell_width_m,
+                1e3 * depth_m, 1e3 * held_m, 1e3 * sliding_m);
     EXPECT_GT(depth_m, 0.95 * held_m);
     EXPECT_LT(depth_m, 1.05 * sliding_m);
     EXPECT_LT(sliding_m, 0.83 * converged_m());
@@ -57,14 +61,17 @@ TEST(SoftDepth, AtManySubstepsItIsThatOfElementsAsWideAsTheCells) {
 // Fifteen voxels along 0.2 m are seven and a half over 0.1 m: the outermost end at the faces all the same.
 TEST(SoftDepth, SphereSettlesWhereVoxelsDoNotFillTheBlock) {
   for (const double rate : kRates_hz) {
-    report_gap("soft.depth_of_sampled_block", std::abs(settled_depth_m(sampled_block(), rate) / converged_m() - 1.0));
+    report_gap("soft.depth_of_sampled_block",
+               std::abs(settled_depth_m(sampled_block(), rate) / converged_m() - 1.0));
   }
 }
 
-// A pit is as deep everywhere, so nothing but what rolling loses keeps a ball where it lies (cells_rolling.cpp).
+// A pit is as deep everywhere, so nothing but what rolling loses keeps a ball where it lies
+// (cells_rolling.cpp).
 TEST(SoftDepth, ABallStaysWhereItIsLaid) {
   for (const double rate : kRates_hz) {
-    for (const double spacing_m : gate_or_full<double>({0.0, 0.025}, {0.0, 0.0125, 0.015, 0.02, 0.025, 0.03})) {
+    for (const double spacing_m :
+         gate_or_full<double>({0.0, 0.025}, {0.0, 0.0125, 0.015, 0.02, 0.025, 0.03})) {
       for (const double loss_factor : gate_or_full<double>({0.1, 2.0}, {0.1, 0.3, 2.0})) {
         SCOPED_TRACE(testing::Message() << rate << " Hz, " << spacing_m << " m, " << loss_factor);
         World world = world_with(ElasticSolver::Cells, rate);

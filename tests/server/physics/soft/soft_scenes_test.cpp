@@ -18,7 +18,8 @@ World two_cubes(double rate, const Vector3d& high_m, double loss_factor, double 
   World world = world_with(ElasticSolver::Cells, rate);
   world.add_collider(floor_plane(0.6));
   for (const uint32_t id : {1u, 2u}) {
-    ElasticBodyDescription cube = soft_block(id, Vector3d::Constant(0.1), 0.5, 3e4, spacing_m, 0.3, cell_width_m);
+    ElasticBodyDescription cube =
+        soft_block(id, Vector3d::Constant(0.1), 0.5, 3e4, spacing_m, 0.3, cell_width_m);
     cube.material.loss_factor = loss_factor;
     cube.world_from_object.position_m = id == 1 ? Vector3d(0, 0.05, 0) : high_m;
     EXPECT_TRUE(world.add_elastic(cube));
@@ -42,8 +43,8 @@ TEST(SoftScenes, SoftCubeDroppedOnAnotherStaysOnIt) {
   }
 }
 
-// Off the middle the lower cube leans away under the upper one while it is squeezed, and throws it sideways. That is
-// elasticity, whatever the friction: 0.094 to 0.103 m/s in cells of 50 to 6 mm.
+// Off the middle the lower cube leans away under the upper one while it is squeezed, and throws it sideways.
+// That is elasticity, whatever the friction: 0.094 to 0.103 m/s in cells of 50 to 6 mm.
 TEST(SoftScenes, SoftCubeDroppedOffTheMiddleIsThrownSidewaysAsInFinerCells) {
   const auto thrown = [](double rate, double spacing_m, double cell_width_m) {
     World world = two_cubes(rate, {0.01, 0.17, 0.005}, 0.3, spacing_m, cell_width_m);
@@ -64,7 +65,8 @@ TEST(SoftScenes, SoftCubeDroppedOffTheMiddleStaysOnTheOther) {
   }
 }
 
-// Of a spring with a loss factor eta the amplitude falls to exp(-pi eta / 2) in half a cycle, whatever it carries.
+// Of a spring with a loss factor eta the amplitude falls to exp(-pi eta / 2) in half a cycle, whatever it
+// carries.
 TEST(SoftScenes, LossFactorMeansTheSameUnderALoad) {
   for (const double loss_factor : {0.1, 0.3}) {
     for (const double mass_kg : {2.0, 5.0}) {
@@ -115,18 +117,19 @@ TEST(SoftScenes, SoftCubeAndTiltedBoxComeToRestOnATable) {
     World world = world_with(ElasticSolver::Cells, rate);
     add_table_scene(world);
     run_seconds(world, 5.0);
-    const double cube = world.elastic_body(2)->centre_m().y(), box = body_state(world, 3).world_from_body.position_m.y();
-    EXPECT_NEAR(cube, 0.11, 0.006);                 // the sag of 0.9 kg on 0.01 m² is under 3 %
-    EXPECT_GT(lowest_m(world, 2), 0.06 + 0.005);    // centres of voxels of 12.5 mm, squeezed
-    EXPECT_GT(box, 0.06 + 0.025);                   // on the cube, or beside it on the table
+    const double cube = world.elastic_body(2)->centre_m().y(),
+                 box = body_state(world, 3).world_from_body.position_m.y();
+    EXPECT_NEAR(cube, 0.11, 0.006);               // the sag of 0.9 kg on 0.01 m² is under 3 %
+    EXPECT_GT(lowest_m(world, 2), 0.06 + 0.005);  // centres of voxels of 12.5 mm, squeezed
+    EXPECT_GT(box, 0.06 + 0.025);                 // on the cube, or beside it on the table
     EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 0.03, 1e-3);
     EXPECT_TRUE(world.elastic_body(2)->asleep());
     EXPECT_TRUE(body_state(world, 1).asleep && body_state(world, 3).asleep);
   }
 }
 
-// Jelly that its own weight presses by a quarter: a corner that is folded under snaps to and fro by 0.2 mm for good, at 90 Hz, and
-// kept the cube and the table awake.
+// Jelly that its own weight presses by a quarter: a corner that is folded under snaps to and fro by 0.2 mm
+// for good, at 90 Hz, and kept the cube and the table awake.
 TEST(SoftScenes, ACubeOfJellySleepsOnATableThatCanMove) {
   for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate);
@@ -140,7 +143,8 @@ TEST(SoftScenes, ACubeOfJellySleepsOnATableThatCanMove) {
     cube.world_from_object.position_m = {0.03, 0.071, 0.02};
     ASSERT_TRUE(world.add_elastic(cube));
     int ticks = 0;
-    for (; ticks < 20 * rate && !(world.elastic_body(2)->asleep() && body_state(world, 1).asleep); ++ticks) world.step();
+    for (; ticks < 20 * rate && !(world.elastic_body(2)->asleep() && body_state(world, 1).asleep); ++ticks)
+      world.step();
     EXPECT_LT(ticks, 20 * rate) << rate;
     report_gap("soft.jelly_awake_s", ticks / rate);
     EXPECT_NEAR(world.elastic_body(2)->centre_m().x(), 0.03, 0.002);
@@ -148,8 +152,9 @@ TEST(SoftScenes, ACubeOfJellySleepsOnATableThatCanMove) {
   }
 }
 
-// The rod is thinner than half the distance of the block's points: its own points must be felt. A line load has no
-// closed form here; in cells of 25, 12.5 and 6.25 mm it sinks 1.44, 1.57 and 1.71 mm, with the block's own sag.
+// The rod is thinner than half the distance of the block's points: its own points must be felt. A line load
+// has no closed form here; in cells of 25, 12.5 and 6.25 mm it sinks 1.44, 1.57 and 1.71 mm, with the block's
+// own sag.
 TEST(SoftScenes, ThinRodLiesAcrossASoftBlock) {
   constexpr double kSunk_m = 1.71e-3;
   struct Case {
@@ -188,7 +193,8 @@ TEST(SoftScenes, PileOfEightStaysAboveTheFloor) {
     world.step();
     if (i % 10) continue;
     const BodyEnergy now = world.energy();
-    peak = std::max(peak, now.kinetic_j + now.elastic_j + now.gravity_j - start.kinetic_j - start.elastic_j - start.gravity_j);
+    peak = std::max(peak, now.kinetic_j + now.elastic_j + now.gravity_j - start.kinetic_j - start.elastic_j -
+                              start.gravity_j);
     for (uint32_t id = 1; id <= 8; ++id) low = std::min(low, lowest_m(world, id));
   }
   int asleep = 0;
@@ -201,44 +207,46 @@ TEST(SoftScenes, PileOfEightStaysAboveTheFloor) {
   EXPECT_LT(world.energy().kinetic_j, 1e-3);
 }
 
-// At plates that can move and ones that cannot. One that is hit off its middle turns; it is looked at before it has
-// turned over.
+// At plates that can move and ones that cannot. One that is hit off its middle turns; it is looked at before
+// it has turned over.
 TEST(SoftScenes, SoftBodiesThrownAtPlatesDoNotPass) {
   int passed = 0, runs = 0;
   for (const bool fixed : {false, true}) {
     for (const double speed : gate_or_full<double>({1.0, 20.0}, {1.0, 5.0, 10.0, 20.0})) {
       for (const double thickness : {0.005, 0.02}) {
-        for (const double rate : kRates_hz) for (int aim = 0; aim < 3; ++aim) {
-          World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
-          if (fixed) {
-            Collider plate;
-            plate.shape = BoxShape{{0.3, 0.3, thickness}};
-            world.add_collider(plate);
-          } else {
-            ASSERT_TRUE(world.add_rigid(box_body(1, {0.3, 0.3, thickness}, 2.0)));
+        for (const double rate : kRates_hz)
+          for (int aim = 0; aim < 3; ++aim) {
+            World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
+            if (fixed) {
+              Collider plate;
+              plate.shape = BoxShape{{0.3, 0.3, thickness}};
+              world.add_collider(plate);
+            } else {
+              ASSERT_TRUE(world.add_rigid(box_body(1, {0.3, 0.3, thickness}, 2.0)));
+            }
+            ElasticBodyDescription cube = soft_block(2, Vector3d::Constant(0.08), 0.1, 3e4, 0.016);
+            cube.world_from_object.position_m = {0.02 - 0.03 * aim, 0.03 - 0.05 * aim, 0.2};
+            cube.world_from_object.orientation = rotation_about(2 + aim);
+            cube.velocity_m_s = {0, 0, -speed};
+            ASSERT_TRUE(world.add_elastic(cube));
+            bool through = false;
+            for (int i = 0; i < (0.2 + 0.3 / speed) * rate; ++i) {
+              world.step();
+              const Pose plate = fixed ? Pose{} : body_state(world, 1).world_from_body;
+              const Vector3d seen = plate.inverse() * world.elastic_body(2)->centre_m();
+              through = through || ((plate.orientation * Vector3d::UnitZ()).z() > 0.5 && seen.z() < 0.0);
+            }
+            ++runs;
+            passed += through;
           }
-          ElasticBodyDescription cube = soft_block(2, Vector3d::Constant(0.08), 0.1, 3e4, 0.016);
-          cube.world_from_object.position_m = {0.02 - 0.03 * aim, 0.03 - 0.05 * aim, 0.2};
-          cube.world_from_object.orientation = rotation_about(2 + aim);
-          cube.velocity_m_s = {0, 0, -speed};
-          ASSERT_TRUE(world.add_elastic(cube));
-          bool through = false;
-          for (int i = 0; i < (0.2 + 0.3 / speed) * rate; ++i) {
-            world.step();
-            const Pose plate = fixed ? Pose{} : body_state(world, 1).world_from_body;
-            const Vector3d seen = plate.inverse() * world.elastic_body(2)->centre_m();
-            through = through || ((plate.orientation * Vector3d::UnitZ()).z() > 0.5 && seen.z() < 0.0);
-          }
-          ++runs;
-          passed += through;
-        }
       }
     }
   }
   EXPECT_EQ(passed, 0) << "of " << runs;
 }
 
-// Pulled for a tenth of a second they sleep again as soon as the soft one does alone: within 3 s, both in one tick.
+// Pulled for a tenth of a second they sleep again as soon as the soft one does alone: within 3 s, both in one
+// tick.
 TEST(SoftScenes, PulledPairSleepsAgainInThreeSeconds) {
   for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate);
@@ -269,7 +277,8 @@ TEST(SoftScenes, WhatLiesOnASoftBodySleepsAndWakesWithIt) {
   for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
     World world = world_with(solver, 90.0);
     world.add_collider(floor_plane(0.6));
-    ElasticBodyDescription pillow = soft_block(1, {0.2, 0.06, 0.2}, 0.4, solver == ElasticSolver::Cells ? 3e4 : 3e6, 0.02);
+    ElasticBodyDescription pillow =
+        soft_block(1, {0.2, 0.06, 0.2}, 0.4, solver == ElasticSolver::Cells ? 3e4 : 3e6, 0.02);
     pillow.material.loss_factor = 1.0;
     pillow.world_from_object.position_m = {0, 0.031, 0};
     ASSERT_TRUE(world.add_elastic(pillow));

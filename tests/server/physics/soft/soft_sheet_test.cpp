@@ -10,11 +10,13 @@ namespace {
 using namespace soft_fixtures;
 
 struct Laid {
-  double most_gain;  // of energy over the start, of what the sheet may fall by: its weight times the height of the box
+  double most_gain;  // of energy over the start, of what the sheet may fall by: its weight times the height
+                     // of the box
   bool asleep;
 };
 
-// A sheet of 0.6 m square and 500 kg/m³, 50 mm over a free box of 0.2 m and `heavier` times its mass, on a floor, for 6 s.
+// A sheet of 0.6 m square and 500 kg/m³, 50 mm over a free box of 0.2 m and `heavier` times its mass, on a
+// floor, for 6 s.
 Laid lay(double rate_hz, double thickness_m, double youngs_modulus_pa, double heavier, double turned_rad) {
   World world = world_with(ElasticSolver::Cells, rate_hz);
   world.add_collider(floor_plane(0.5));
@@ -42,20 +44,21 @@ Laid lay(double rate_hz, double thickness_m, double youngs_modulus_pa, double he
   return laid;
 }
 
-// When corners of the box were let through and overlaps pushed apart however deep, they had up to 27 times what they fell with,
-// and were drawn round the box.
+// When corners of the box were let through and overlaps pushed apart however deep, they had up to 27 times
+// what they fell with, and were drawn round the box.
 TEST(SoftSheet, LaidOverAFreeBoxGainsNothing) {
   for (const double stiffness : {1e4, 1e5, 1e6}) {
     for (const double heavier : gate_or_full<double>({2.0, 10.0}, {2.0, 3.0, 10.0})) {
-      for (const double rate : kRates_hz) for (const double turned : {0.0, 0.5}) {
-        const Laid laid = lay(rate, 0.01, stiffness, heavier, turned);
-        // Of the limp ones that their own weight folds sharply one in three reads more for a moment.
-        if (stiffness < 5e4) {
-          report_gap("sheet.limp_gain", laid.most_gain);
-        } else {
-          EXPECT_LT(laid.most_gain, 0.02) << stiffness << " Pa, " << heavier << ", turned by " << turned;
+      for (const double rate : kRates_hz)
+        for (const double turned : {0.0, 0.5}) {
+          const Laid laid = lay(rate, 0.01, stiffness, heavier, turned);
+          // Of the limp ones that their own weight folds sharply one in three reads more for a moment.
+          if (stiffness < 5e4) {
+            report_gap("sheet.limp_gain", laid.most_gain);
+          } else {
+            EXPECT_LT(laid.most_gain, 0.02) << stiffness << " Pa, " << heavier << ", turned by " << turned;
+          }
         }
-      }
     }
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene 31 for elastic bodies: a pile lies where it would lie awake, wakes at a poke, and lies where it would lie if all
-// took as many substeps as the stiffest.
+// Scene 31 for elastic bodies: a pile lies where it would lie awake, wakes at a poke, and lies where it would
+// lie if all took as many substeps as the stiffest.
 #include <algorithm>
 
 #include "scenes/soft_fixtures.h"
@@ -61,7 +61,8 @@ TEST(SoftSleep, APokeWakesThePileAtOnce) {
     ASSERT_TRUE(all_asleep(world)) << rate;
     world.set_force(1, kPiled, {Vector3d::Zero(), {0.1 * rate, 0, 0}});  // 0.1 N s in one tick
     world.step();
-    for (uint32_t id = 1; id <= kPiled; ++id) EXPECT_FALSE(world.elastic_body(id)->asleep()) << id << " " << rate;
+    for (uint32_t id = 1; id <= kPiled; ++id)
+      EXPECT_FALSE(world.elastic_body(id)->asleep()) << id << " " << rate;
   }
 }
 

@@ -13,7 +13,8 @@ namespace {
 using namespace rigid_fixtures;
 using Eigen::Vector3d;
 
-ElasticBodyDescription soft_box(uint32_t id, const Vector3d& size_m, double mass_kg, double youngs_modulus_pa) {
+ElasticBodyDescription soft_box(uint32_t id, const Vector3d& size_m, double mass_kg,
+                                double youngs_modulus_pa) {
   ElasticBodyDescription description;
   description.object_id = id;
   description.particles = sample_particles(box_mesh(size_m), 6);
@@ -50,7 +51,8 @@ TEST(WorldElastic, SpringPullsASoftBodyToItsTarget) {
     spring.stiffness_n_m = 100.0;
     world.set_spring(1, 1, spring);
     run_seconds(world, 6.0);
-    // The spring bears the weight, whatever the material; the mean over 6 s, because the body may still swing under it.
+    // The spring bears the weight, whatever the material; the mean over 6 s, because the body may still swing
+    // under it.
     double mean_n = 0.0;
     for (int tick = 0; tick < 540; ++tick) {
       world.step();
@@ -62,8 +64,8 @@ TEST(WorldElastic, SpringPullsASoftBodyToItsTarget) {
   }
 }
 
-// The hand stands still from the start. With forces that were fixed for a substep a cube of 1e5 Pa went on with 1 to 22 J.
-// What is left is a swing about the point that is held, which nothing but its own loss damps.
+// The hand stands still from the start. With forces that were fixed for a substep a cube of 1e5 Pa went on
+// with 1 to 22 J. What is left is a swing about the point that is held, which nothing but its own loss damps.
 TEST(WorldElastic, ASoftBodyCalmsDownUnderAStillHand) {
   for (const double rate : kRates_hz) {
     for (const double modulus : gate_or_full<double>({3e3, 1e5}, {3e3, 3e4, 1e5, 1e6})) {

@@ -25,7 +25,8 @@ TEST(WorldHands, SpringForceAtRestIsStiffnessTimesStretch) {
       run_seconds(world, 8.0);
       const Vector3d stretch = spring.target_m - world.world_point(1, spring.rest_point_m);
       const Vector3d force = world.spring_force_n(1);
-      EXPECT_NEAR(stretch.y() * stiffness, 0.5 * kGravity, 1e-6 * 0.5 * kGravity);  // it carries the weight, k x = m g
+      EXPECT_NEAR(stretch.y() * stiffness, 0.5 * kGravity,
+                  1e-6 * 0.5 * kGravity);  // it carries the weight, k x = m g
       EXPECT_LT((force - stiffness * stretch).norm(), 1e-6 * force.norm());
     }
   }
@@ -81,24 +82,28 @@ TEST(WorldHands, GrabCarriesTheWeightAndFollowsTheHand) {
     ASSERT_TRUE(world.grab(1, 1, hand_at({0, 0.1, 0}), grip));
     run_seconds(world, 2.0);
     const double omega = 2.0 * std::numbers::pi * grip.frequency_hz;
-    EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), -kGravity / (omega * omega), 1e-6);  // m g = k x
+    EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), -kGravity / (omega * omega),
+                1e-6);  // m g = k x
     EXPECT_NEAR(world.grab_state(1)->force_n.y(), 0.4 * kGravity, 1e-6);
     // A quarter turn in a second, then held.
     for (int i = 1; i <= std::lround(rate); ++i) {
       const double share = i / rate;
-      world.move_grab(1, hand_at({0.3 * share, 0.1 + 0.2 * share, 0}, 0.5 * std::numbers::pi * share), {0.3, 0.2, 0},
-                      0.5 * std::numbers::pi * Vector3d(1, 2, 3).normalized());
+      world.move_grab(1, hand_at({0.3 * share, 0.1 + 0.2 * share, 0}, 0.5 * std::numbers::pi * share),
+                      {0.3, 0.2, 0}, 0.5 * std::numbers::pi * Vector3d(1, 2, 3).normalized());
       world.step();
     }
-    // The target's velocity is part of the damping: it trails by its weight alone, and by one tick of the hand's way.
-    EXPECT_LT((world.grab_state(1)->point_m - Vector3d(0.3, 0.3 - kGravity / (omega * omega), 0)).norm(), 0.01);
+    // The target's velocity is part of the damping: it trails by its weight alone, and by one tick of the
+    // hand's way.
+    EXPECT_LT((world.grab_state(1)->point_m - Vector3d(0.3, 0.3 - kGravity / (omega * omega), 0)).norm(),
+              0.01);
     world.move_grab(1, hand_at({0.3, 0.3, 0}, 0.5 * std::numbers::pi), Vector3d::Zero(), Vector3d::Zero());
     run_seconds(world, 2.0);
     const Quaterniond turned(AngleAxisd(0.5 * std::numbers::pi, Vector3d(1, 2, 3).normalized()));
     // The weight, off the grip by at most 0.1 m, twists it by m g r / (I omega²).
     EXPECT_LT(body_state(world, 1).world_from_body.orientation.angularDistance(turned),
               1.5 * kGravity * 0.1 / ((0.2 * 0.2 + 0.1 * 0.1) / 12.0 * omega * omega));
-    EXPECT_NEAR((world.grab_state(1)->point_m - Vector3d(0.3, 0.3 - kGravity / (omega * omega), 0)).norm(), 0, 1e-4);
+    EXPECT_NEAR((world.grab_state(1)->point_m - Vector3d(0.3, 0.3 - kGravity / (omega * omega), 0)).norm(), 0,
+                1e-4);
   }
 }
 
@@ -112,14 +117,14 @@ TEST(WorldHands, ReleaseThrowsWithTheHandsVelocity) {
     const int ticks = static_cast<int>(0.5 * rate);
     for (int i = 0; i < ticks; ++i) {
       const double time = i / rate;
-      world.move_grab(1, hand_at(Vector3d(0, 0.05, 0) + 0.5 * time * time * acceleration), time * acceleration,
-                      Vector3d::Zero());
+      world.move_grab(1, hand_at(Vector3d(0, 0.05, 0) + 0.5 * time * time * acceleration),
+                      time * acceleration, Vector3d::Zero());
       world.step();
     }
     world.release_grab(1);
     EXPECT_FALSE(world.grab_state(1));
-    // It lags behind a steady acceleration by a constant way, so its velocity is the hand's; 5 % for what a tick's
-    // sampling adds.
+    // It lags behind a steady acceleration by a constant way, so its velocity is the hand's; 5 % for what a
+    // tick's sampling adds.
     const Vector3d hand = 0.5 * acceleration;
     const BodyState state = body_state(world, 1);
     EXPECT_LT((state.velocity_m_s - hand).norm(), 0.05 * hand.norm()) << state.velocity_m_s.transpose();
@@ -243,7 +248,8 @@ TEST(WorldHands, GrabHoldsAndCarriesASoftObject) {
   EXPECT_LT(world.elastic_body(1)->centre_m().y() - start.y(), -0.5);
 }
 
-// Ids of objects may be used again: what hands and forces did to the old one is none of the new one's business.
+// Ids of objects may be used again: what hands and forces did to the old one is none of the new one's
+// business.
 TEST(WorldHands, WhatIsRemovedIsLetGo) {
   World world = world_at(90, 4, Vector3d::Zero());
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 0.5)));

@@ -25,7 +25,9 @@ World two_boxes(const Collider& collider) {
 }
 
 // Of a plane, which is level.
-Eigen::Quaterniond facing(const Vector3d& normal) { return Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), normal); }
+Eigen::Quaterniond facing(const Vector3d& normal) {
+  return Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), normal);
+}
 
 uint32_t met(const World& world, const Vector3d& from, const Vector3d& towards) {
   const auto hit = world.ray_cast(from, (towards - from).normalized(), 20.0);
@@ -53,7 +55,8 @@ TEST(WorldRay, AWallHidesWhatIsBehindIt) {
 // A table that a thing lies on, a little sunk in, and one that hides it from below.
 TEST(WorldRay, WhatLiesOnATableIsMetFromAboveAndNotFromBelow) {
   World world = world_at(60, 4, Vector3d::Zero());
-  world.add_collider({mesh_collider(box_mesh({1.2, 0.03, 0.8})), {{0, 0.7 - 0.015, 0}, Eigen::Quaterniond::Identity()}});
+  world.add_collider(
+      {mesh_collider(box_mesh({1.2, 0.03, 0.8})), {{0, 0.7 - 0.015, 0}, Eigen::Quaterniond::Identity()}});
   auto plate = box_body(1, {0.2, 0.006, 0.2}, 0.1);
   plate.world_from_object.position_m = {0, 0.7, 0};  // half of it is in the table
   ASSERT_TRUE(world.add_rigid(plate));

@@ -63,22 +63,24 @@ TEST(World, EqualBallsSwapTheirVelocities) {
 }
 
 TEST(World, FastBallDoesNotPassABody) {
-  for (const double rate : kRates_hz) for (const double speed : {5.0, 20.0, 60.0}) {
-    World world = world_at(rate, 4, kNoGravity);
-    ASSERT_TRUE(world.add_rigid(box_body(1, {0.3, 0.3, 0.02}, 1.0)));
-    auto description = ball(2, {0.02, 0.03, 0.7}, 0.03, 0.05);
-    description.velocity_m_s = {0, 0, -speed};
-    ASSERT_TRUE(world.add_ball(description));
-    for (int i = 0; i < rate / 2; ++i) {
-      world.step();
-      // The plate turns, struck off its centre: look from its own frame, while the ball is over it.
-      const Vector3d seen = body_state(world, 1).world_from_body.inverse() * body_state(world, 2).world_from_body.position_m;
-      if (std::abs(seen.x()) < 0.15 && std::abs(seen.y()) < 0.15) {
-        EXPECT_GT(seen.z(), 0.035) << speed << " tick " << i;
+  for (const double rate : kRates_hz)
+    for (const double speed : {5.0, 20.0, 60.0}) {
+      World world = world_at(rate, 4, kNoGravity);
+      ASSERT_TRUE(world.add_rigid(box_body(1, {0.3, 0.3, 0.02}, 1.0)));
+      auto description = ball(2, {0.02, 0.03, 0.7}, 0.03, 0.05);
+      description.velocity_m_s = {0, 0, -speed};
+      ASSERT_TRUE(world.add_ball(description));
+      for (int i = 0; i < rate / 2; ++i) {
+        world.step();
+        // The plate turns, struck off its centre: look from its own frame, while the ball is over it.
+        const Vector3d seen =
+            body_state(world, 1).world_from_body.inverse() * body_state(world, 2).world_from_body.position_m;
+        if (std::abs(seen.x()) < 0.15 && std::abs(seen.y()) < 0.15) {
+          EXPECT_GT(seen.z(), 0.035) << speed << " tick " << i;
+        }
       }
+      EXPECT_LT(body_state(world, 1).velocity_m_s.z(), 0.0);
     }
-    EXPECT_LT(body_state(world, 1).velocity_m_s.z(), 0.0);
-  }
 }
 
 TEST(World, BallComesToRestOnABodyAndBothSleep) {
@@ -132,8 +134,8 @@ TEST(World, ContactEventsSumToTheMomentumThatWasStopped) {
     impulse += event.impulse_n_s;
     EXPECT_NEAR(event.point_m.y(), 0.0, 2e-3);
   }
-  // m v, once: neither the relax sweeps nor the substeps may be counted twice. The contact spring parts what rounding
-  // let overlap, hence 1 %.
+  // m v, once: neither the relax sweeps nor the substeps may be counted twice. The contact spring parts what
+  // rounding let overlap, hence 1 %.
   EXPECT_NEAR(impulse, 1.5, 0.015);
 }
 
@@ -166,7 +168,8 @@ TEST(World, SpringPullsAPointToItsTargetAndReportsTheForce) {
   run_seconds(world, 6.0);
   // Hangs below the target by m g / k.
   const double sag = 0.5 * kGravity / 200.0;
-  EXPECT_LT((world.world_point(1, spring.rest_point_m) - (spring.target_m - Vector3d(0, sag, 0))).norm(), 5e-3);
+  EXPECT_LT((world.world_point(1, spring.rest_point_m) - (spring.target_m - Vector3d(0, sag, 0))).norm(),
+            5e-3);
   EXPECT_NEAR(world.spring_force_n(7).y(), 0.5 * kGravity, 0.02 * 0.5 * kGravity);
   world.clear_spring(7);
   EXPECT_EQ(world.spring_force_n(7).norm(), 0.0);
@@ -222,7 +225,8 @@ TEST(World, RayMeetsTheNearestThing) {
 TEST(World, DriversAndRestBodiesPlaceTheObjectFrame) {
   World world = world_at(60, 4);
   TriangleMesh mesh = box_mesh({0.1, 0.1, 0.1});
-  for (Vector3d& vertex : mesh.vertices_m) vertex += Vector3d(0.3, 0.1, 0);  // the centre of mass is not the origin
+  for (Vector3d& vertex : mesh.vertices_m)
+    vertex += Vector3d(0.3, 0.1, 0);  // the centre of mass is not the origin
   auto box = body_of(5, mesh, 1.0);
   box.world_from_object.position_m = {1, 2, 3};
   box.world_from_object.orientation = rotation_about(3);
@@ -237,8 +241,10 @@ TEST(World, DriversAndRestBodiesPlaceTheObjectFrame) {
   const Pose object_from_body = world.rest_body(5).bodies.at(0);
   const Vector3d point(0.31, 0.12, 0.01);
   // What skinning computes: driver * body_from_object * point.
-  EXPECT_LT((frame.objects[1].poses.at(0) * (object_from_body.inverse() * point) - box.world_from_object * point).norm(),
-            1e-12);
+  EXPECT_LT(
+      (frame.objects[1].poses.at(0) * (object_from_body.inverse() * point) - box.world_from_object * point)
+          .norm(),
+      1e-12);
   EXPECT_LT((world.world_point(5, point) - box.world_from_object * point).norm(), 1e-12);
   EXPECT_LT((world.world_point(2, point) - fixed * point).norm(), 1e-12);
   run_seconds(world, 1.0);
@@ -248,7 +254,9 @@ TEST(World, DriversAndRestBodiesPlaceTheObjectFrame) {
 
 TEST(World, RefusesWhatIsNotPhysicalAndNamesIt) {
   World world = world_at(60, 4);
-  const auto message = [](const Result<void>& result) { return result ? std::string() : result.error().message; };
+  const auto message = [](const Result<void>& result) {
+    return result ? std::string() : result.error().message;
+  };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   auto box = box_body(9, {0.1, 0.1, 0.1}, 1.0);
   const auto refused = [&](auto change, const std::string& field) {

@@ -13,15 +13,19 @@ namespace {
 constexpr double kBudget = 1.0 / kNodeSubstep_ms;  // of a scene of 1 ms
 
 std::string sheet_text(int index, double youngs_modulus_pa) {
-  return R"({ "name": "sheet )" + std::to_string(index) + R"(", "shape": { "box": { "size_m": [1, 0.004, 1] } }, "spacing_m": 0.01,
-      "pose": { "position_m": [0, )" + std::to_string(0.5 + 0.2 * index) + R"(, 0] },
-      "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": )" + std::to_string(youngs_modulus_pa) + " } }";
+  return R"({ "name": "sheet )" + std::to_string(index) +
+         R"(", "shape": { "box": { "size_m": [1, 0.004, 1] } }, "spacing_m": 0.01,
+      "pose": { "position_m": [0, )" +
+         std::to_string(0.5 + 0.2 * index) + R"(, 0] },
+      "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": )" +
+         std::to_string(youngs_modulus_pa) + " } }";
 }
 constexpr const char* kCube = R"({ "name": "cube", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
     "pose": { "position_m": [3, 0.5, 0] },
     "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 1e4 } })";
 
-Scene sheets_and_a_cube(int sheets, double youngs_modulus_pa, const std::string& budget = R"("elastic_budget_ms": 1,)") {
+Scene sheets_and_a_cube(int sheets, double youngs_modulus_pa,
+                        const std::string& budget = R"("elastic_budget_ms": 1,)") {
   std::string text = R"({ "rate_hz": 60, "substeps": 4, )" + budget + R"( "objects": [ )" + kCube;
   for (int i = 0; i < sheets; ++i) text += ", " + sheet_text(i, youngs_modulus_pa);
   v1::Scene file;
@@ -53,7 +57,8 @@ TEST(ElasticBudgetOfAScene, IsSharedAndTold) {
 
   std::string told;
   for (const std::string& warning : six.find("sheet 0")->all_warnings()) told += warning + "\n";
-  EXPECT_NE(told.find("its part of the scene's elastic budget leaves it cells of"), std::string::npos) << told;
+  EXPECT_NE(told.find("its part of the scene's elastic budget leaves it cells of"), std::string::npos)
+      << told;
   const v1::ElasticAccuracy message = accuracy_message(shared);
   EXPECT_EQ(message.alone_cell_width_m(), alone.cell_width_m);
   EXPECT_EQ(message.node_substeps(), shared.node_substeps);

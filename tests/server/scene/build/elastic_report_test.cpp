@@ -57,14 +57,19 @@ TEST(ElasticReport, TheObjectTheMessageAndTheLineSayTheSame) {
 // A slip of the scene's author, 500 mm for 5: one particle in place of a cube.
 TEST(ElasticReport, ASpacingThatTellsNothingOfTheShapeIsAWarning) {
   const auto spaced = [](const char* spacing_m) {
-    const Scene scene = one_object(std::string(R"({ "name": "cube", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
-        "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 1e5 }, "spacing_m": )") + spacing_m + " }");
+    const Scene scene =
+        one_object(std::string(R"({ "name": "cube", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
+        "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 1e5 }, "spacing_m": )") +
+                   spacing_m + " }");
     std::string all;
     for (const std::string& warning : scene.objects()[0].all_warnings()) all += warning + "\n";
     return all;
   };
   EXPECT_EQ(spaced("0.025").find("spacing_m"), std::string::npos) << spaced("0.025");
-  EXPECT_EQ(spaced("0.5").find("spacing_m: 0.5 m is more than a quarter of its longest side, so that 1 particles"), 0u) << spaced("0.5");
+  EXPECT_EQ(
+      spaced("0.5").find("spacing_m: 0.5 m is more than a quarter of its longest side, so that 1 particles"),
+      0u)
+      << spaced("0.5");
 }
 
 TEST(ElasticReport, WhatWasLostAndWhatIsThinIsAWarning) {
@@ -79,9 +84,14 @@ TEST(ElasticReport, WhatWasLostAndWhatIsThinIsAWarning) {
   const auto warnings = accuracy_warnings(accuracy);
   ASSERT_EQ(warnings.size(), 4u);
   EXPECT_EQ(warnings[1].find("so thin and wide"), 0u) << warnings[1];
-  EXPECT_NE(warnings[2].find("strains it by 1, and what is inside may hang through what it lies on; 3e+04 Pa"), std::string::npos) << warnings[2];
-  EXPECT_EQ(warnings[0].find("50 % of it is sheets or cords thinner than half a cell of 100 mm"), 0u) << warnings[0];
-  EXPECT_NE(warnings[3].find("put back at rest, in its rest shape, 2 times"), std::string::npos) << warnings[3];
+  EXPECT_NE(
+      warnings[2].find("strains it by 1, and what is inside may hang through what it lies on; 3e+04 Pa"),
+      std::string::npos)
+      << warnings[2];
+  EXPECT_EQ(warnings[0].find("50 % of it is sheets or cords thinner than half a cell of 100 mm"), 0u)
+      << warnings[0];
+  EXPECT_NE(warnings[3].find("put back at rest, in its rest shape, 2 times"), std::string::npos)
+      << warnings[3];
 }
 
 TEST(ElasticReport, AClippedStiffnessIsAWarning) {
@@ -95,7 +105,8 @@ TEST(ElasticReport, AClippedStiffnessIsAWarning) {
   EXPECT_EQ(warnings[0].find("stiffness clipped from 1e+09 to "), 0u) << warnings[0];
 }
 
-// Its cells and substeps are chosen for the stiffest of its materials; what is out of reach is told of that one.
+// Its cells and substeps are chosen for the stiffest of its materials; what is out of reach is told of that
+// one.
 TEST(ElasticReport, AStiffFootIsClippedAndTheBodyIsNot) {
   const Scene scene = one_object(R"({ "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } },
       "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 2e4 },
@@ -123,7 +134,8 @@ TEST(ElasticReport, AStiffFootIsClippedAndTheBodyIsNot) {
   const auto warnings = object.all_warnings();
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].find("foot: stiffness clipped from 1e+09 to "), 0u) << warnings[0];
-  EXPECT_NE(accuracy_line(accuracy).find("; in foot E 1e+09 Pa clipped to "), std::string::npos) << accuracy_line(accuracy);
+  EXPECT_NE(accuracy_line(accuracy).find("; in foot E 1e+09 Pa clipped to "), std::string::npos)
+      << accuracy_line(accuracy);
   // A soft part of a stiff body the other way round.
   const Scene soft = one_object(R"({ "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } },
       "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 1e9 },

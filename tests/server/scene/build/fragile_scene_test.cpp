@@ -56,7 +56,8 @@ TEST(FragileScene, ANumberOfPiecesOutOfRangeIsNamed) {
     physics.set_fracture_pieces(pieces);
     const auto scene = Scene::build(one_object(physics, false), "", "one", {});
     ASSERT_FALSE(scene) << pieces;
-    EXPECT_NE(scene.error().message.find("physics.fracture_pieces"), std::string::npos) << scene.error().message;
+    EXPECT_NE(scene.error().message.find("physics.fracture_pieces"), std::string::npos)
+        << scene.error().message;
     EXPECT_NE(scene.error().message.find("2 and 64"), std::string::npos) << scene.error().message;
   }
 }
@@ -106,7 +107,8 @@ TEST(FragileScene, AnEditMakesAThingBreakableWhileItFalls) {
   EXPECT_GT(thing.fragility->bodies, 1u);
 }
 
-// An analysis that finds it tough after all tells no impulse. The pieces are there, so it keeps the one it had.
+// An analysis that finds it tough after all tells no impulse. The pieces are there, so it keeps the one it
+// had.
 TEST(FragileScene, WhatIsFragileNoLongerKeepsItsBreakImpulse) {
   auto scene = Scene::build(one_object(fragile(8), false), "", "tough", {});
   ASSERT_TRUE(scene) << scene.error().message;
@@ -195,10 +197,13 @@ TEST(FragileScene, AClosedShellBreaksIntoPiecesOfItsWall) {
   }
 }
 
-// A cube of edge a about an axis through two faces: m a² / 6 where it is solid, 5 m a² / 18 where all is in its faces.
+// A cube of edge a about an axis through two faces: m a² / 6 where it is solid, 5 m a² / 18 where all is in
+// its faces.
 TEST(Scene, WhatIsHollowTurnsAsAShell) {
   constexpr double kEdge_m = 0.2, kMass_kg = 0.5, kSpin_rad_s = 2.0;
-  for (const auto& [fill, share] : {std::pair{v1::Physics::SOLID, 1.0 / 6}, {v1::Physics::SHELL, 5.0 / 18}, {v1::Physics::OPEN_SHELL, 5.0 / 18}}) {
+  for (const auto& [fill, share] : {std::pair{v1::Physics::SOLID, 1.0 / 6},
+                                    {v1::Physics::SHELL, 5.0 / 18},
+                                    {v1::Physics::OPEN_SHELL, 5.0 / 18}}) {
     v1::Scene file;
     v1::Object& cube = *file.add_objects();
     cube.set_name("cube");
@@ -252,7 +257,9 @@ TEST(FragileScene, WhatIsNotRigidSaysThatItDoesNotBreak) {
   ASSERT_TRUE(scene) << scene.error().message;
   std::string all;
   for (const std::string& warning : scene->find("thing")->warnings) all += warning;
-  EXPECT_NE(all.find("physics.fragile: has no effect, only what is RIGID breaks, and this is ELASTIC"), std::string::npos) << all;
+  EXPECT_NE(all.find("physics.fragile: has no effect, only what is RIGID breaks, and this is ELASTIC"),
+            std::string::npos)
+      << all;
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands beside an asset counts when a scene is loaded: the author's words, then a person's, then a model's, then
-// the offline estimate.
+// What stands beside an asset counts when a scene is loaded: the author's words, then a person's, then a
+// model's, then the offline estimate.
 #include <gtest/gtest.h>
 
 #include "analysis/physics_file.h"
@@ -25,7 +25,9 @@ class PhysicsFileSceneTest : public ::testing::Test {
   }
   Result<Scene> load(const std::string& physics) const {
     return Scene::load(
-        folder.write("one.scene.json", R"({ "objects": [ { "points": "sponge.csv", "physics": )" + physics + " } ] }"), {});
+        folder.write("one.scene.json",
+                     R"({ "objects": [ { "points": "sponge.csv", "physics": )" + physics + " } ] }"),
+        {});
   }
   v1::PhysicalParameters physics(const std::string& written = "{}") const {
     auto scene = load(written);
@@ -41,7 +43,8 @@ TEST_F(PhysicsFileSceneTest, TheAuthorThenAPersonThenTheModelThenTheEstimate) {
   const v1::PhysicalParameters offline = physics();
   EXPECT_EQ(offline.mass_kg().source(), EstimatedValue::OFFLINE);
   v1::PhysicalParameters analysed = offline;
-  for (auto* value : {analysed.mutable_mass_kg(), analysed.mutable_friction(), analysed.mutable_plasticity()}) {
+  for (auto* value :
+       {analysed.mutable_mass_kg(), analysed.mutable_friction(), analysed.mutable_plasticity()}) {
     value->set_best(value->best() * 1.1);
     value->set_high(value->best());
     value->set_source(EstimatedValue::MODEL);
@@ -75,7 +78,9 @@ TEST_F(PhysicsFileSceneTest, AnEditOfWhatTheSceneWritesIsSaidToHaveNoEffect) {
     for (const std::string& warning : scene->find("sponge")->warnings) all += warning + "\n";
     return all;
   };
-  EXPECT_NE(warnings(R"({ "plasticity": 0.2 })").find("sponge.physics.json: the edit of plasticity has no effect"), std::string::npos);
+  EXPECT_NE(
+      warnings(R"({ "plasticity": 0.2 })").find("sponge.physics.json: the edit of plasticity has no effect"),
+      std::string::npos);
   EXPECT_EQ(warnings(R"({ "damping": 0.2 })").find("has no effect"), std::string::npos);
 }
 
@@ -122,8 +127,9 @@ TEST_F(PhysicsFileSceneTest, ABadFileIsOneLineThatNamesIt) {
   const auto scene = load("{}");
   ASSERT_FALSE(scene);
   // With its folder, and what to do.
-  for (const std::string& word : {(folder.path() / "sponge.physics.json").string() + ": edits.friction: is -2",
-                                  std::string("mend it, or delete the file")}) {
+  for (const std::string& word :
+       {(folder.path() / "sponge.physics.json").string() + ": edits.friction: is -2",
+        std::string("mend it, or delete the file")}) {
     EXPECT_NE(scene.error().message.find(word), std::string::npos) << scene.error().message;
   }
 }

@@ -94,7 +94,8 @@ const char* name_of(TrialAction action) {
   return "";
 }
 
-AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction action, double seconds, double rate_hz) {
+AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction action, double seconds,
+                           double rate_hz) {
   AssetTrial trial;
   trial.rate_hz = rate_hz;
   const std::filesystem::path file(path);
@@ -121,7 +122,8 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
   v1::Scene scene_file;
   scene_file.set_rate_hz(rate_hz);
   scene_file.mutable_environment()->add_colliders()->mutable_plane();
-  const auto add = [&](const std::string& name, double height_m, const Vector3d& velocity, const Vector3d& spin) {
+  const auto add = [&](const std::string& name, double height_m, const Vector3d& velocity,
+                       const Vector3d& spin) {
     v1::Object& object = *scene_file.add_objects();
     object = object_of(path, scale, body);
     object.set_name(name);
@@ -177,7 +179,8 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
         spring.target_m = hand_at;
         spring.stiffness_n_m = 100.0;
         world.set_spring(kPull, id, spring);
-        work_j += 0.5 * spring.stiffness_n_m * (world.world_point(id, held) - hand_at).squaredNorm();  // at most
+        work_j +=
+            0.5 * spring.stiffness_n_m * (world.world_point(id, held) - hand_at).squaredNorm();  // at most
       }
     } else if (action == TrialAction::Pulled && let_go_j == 0.0) {
       world.clear_spring(kPull);
@@ -195,7 +198,8 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
     }
     if (tick % 9 != 0) continue;
     for (const uint32_t one : ids) {
-      for (const Vector3d& point : points) trial.lowest_m = std::min(trial.lowest_m, world.world_point(one, point).y());
+      for (const Vector3d& point : points)
+        trial.lowest_m = std::min(trial.lowest_m, world.world_point(one, point).y());
     }
   }
   trial.seconds = static_cast<double>(ticks_ms.size()) / rate;
@@ -219,14 +223,16 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
 }
 
 std::string csv_header() {
-  return "asset,body,action,rate_hz,seconds,bodies,pieces,broke,finite,lowest_by_size,lowest_centre_by_size,energy_ratio,let_go_ratio,"
+  return "asset,body,action,rate_hz,seconds,bodies,pieces,broke,finite,lowest_by_size,lowest_centre_by_size,"
+         "energy_ratio,let_go_ratio,"
          "end_speed_m_s,asleep,tick_cpu_p99_ms,error";
 }
 
 std::string csv_row(const AssetTrial& trial) {
   char row[256];
-  std::snprintf(row, sizeof row, ",%s,%s,%.0f,%.1f,%zu,%zu,%d,%d,%.4f,%.4f,%.4f,%.4f,%.2g,%d,%.2f,", name_of(trial.body),
-                name_of(trial.action), trial.rate_hz, trial.seconds, trial.bodies, trial.pieces, trial.broke, trial.finite, trial.lowest_m, trial.lowest_centre_m,
+  std::snprintf(row, sizeof row, ",%s,%s,%.0f,%.1f,%zu,%zu,%d,%d,%.4f,%.4f,%.4f,%.4f,%.2g,%d,%.2f,",
+                name_of(trial.body), name_of(trial.action), trial.rate_hz, trial.seconds, trial.bodies,
+                trial.pieces, trial.broke, trial.finite, trial.lowest_m, trial.lowest_centre_m,
                 trial.energy_ratio, trial.let_go_ratio, trial.end_speed_m_s, trial.asleep, trial.tick_p99_ms);
   std::string error = trial.error;
   std::replace(error.begin(), error.end(), ',', ';');
@@ -235,8 +241,9 @@ std::string csv_row(const AssetTrial& trial) {
 
 namespace {
 
-// Kernels stand out of the coarse surface that touches the floor by up to a voxel of it, 0.02 of the diagonal. Depths are in
-// parts of the size. Pushes that part overlaps lift things a little: energy in parts of what there is.
+// Kernels stand out of the coarse surface that touches the floor by up to a voxel of it, 0.02 of the
+// diagonal. Depths are in parts of the size. Pushes that part overlaps lift things a little: energy in parts
+// of what there is.
 constexpr double kLowest = -0.05, kLowestCentre = 0.0, kEnergy = 1.02;
 
 // Of all the work that a hand can have done, at most.
@@ -253,7 +260,8 @@ struct Gaps {
 Gaps gaps(const AssetTrial& trial) {
   if (trial.body == TrialBody::Elastic) {
     return {.lowest = true,
-            .lowest_centre = trial.asset.starts_with("leica") || is(trial, "garden_init.compressed.ply", TrialBody::Elastic, TrialAction::Thrown),
+            .lowest_centre = trial.asset.starts_with("leica") ||
+                             is(trial, "garden_init.compressed.ply", TrialBody::Elastic, TrialAction::Thrown),
             .energy = trial.action != TrialAction::Pulled,
             .let_go = true};
   }
@@ -281,7 +289,8 @@ void expect_nothing_exploded(const AssetTrial& trial) {
       EXPECT_TRUE(below ? value < bar : value > bar) << what << ": " << id << " " << value << ", bar " << bar;
     }
   };
-  check(missed.energy, "asset_trial.energy", trial.energy_ratio, trial.action == TrialAction::Pulled ? kPulledEnergy : kEnergy, true);
+  check(missed.energy, "asset_trial.energy", trial.energy_ratio,
+        trial.action == TrialAction::Pulled ? kPulledEnergy : kEnergy, true);
   check(missed.let_go, "asset_trial.energy_let_go", trial.let_go_ratio, kEnergy, true);
   check(missed.lowest, "asset_trial.lowest", trial.lowest_m, kLowest, false);
   check(missed.lowest_centre, "asset_trial.lowest_centre", trial.lowest_centre_m, kLowestCentre, false);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every captured asset, as three kinds of body, in four ways, for twenty seconds, at each rate. Appends a row of each to the file that
-// LIVEGS_TRIAL_CSV names; the rows of one run are in tests/bench/results/<machine>/asset_trial.csv.
+// Every captured asset, as three kinds of body, in four ways, for twenty seconds, at each rate. Appends a row
+// of each to the file that LIVEGS_TRIAL_CSV names; the rows of one run are in
+// tests/bench/results/<machine>/asset_trial.csv.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,11 +18,21 @@ namespace fs = std::filesystem;
 
 // One file of each capture: other formats of the same hold the same kernels.
 std::vector<std::string> captures() {
-  return {"camera_leica/leica-sofort-top8192.ply", "garden_points/garden_init.compressed.ply", "guitar/guitar.ply",
-          "lego_house/lego_house_50k.ply",         "lego_house/fourth_st.spz",                 "playbot/playbot_31k.ply",
-          "ponytail_palm/ponytail_palm.ply",       "statues/angel_statue_only.ply",            "statues/angel-kneeling.sog",
-          "statues/massa.sog",                     "statues/narcissus.sog",                    "statues/trumpet_statue_only.ply",
-          "statues/angel.ply",                     "statues/trumpet.sog",                      "playbot/sog_lod2",
+  return {"camera_leica/leica-sofort-top8192.ply",
+          "garden_points/garden_init.compressed.ply",
+          "guitar/guitar.ply",
+          "lego_house/lego_house_50k.ply",
+          "lego_house/fourth_st.spz",
+          "playbot/playbot_31k.ply",
+          "ponytail_palm/ponytail_palm.ply",
+          "statues/angel_statue_only.ply",
+          "statues/angel-kneeling.sog",
+          "statues/massa.sog",
+          "statues/narcissus.sog",
+          "statues/trumpet_statue_only.ply",
+          "statues/angel.ply",
+          "statues/trumpet.sog",
+          "playbot/sog_lod2",
           "fur_block"};
 }
 
@@ -36,7 +47,8 @@ TEST_P(EveryCapture, NothingExplodesInTwentySeconds) {
       for (const double rate_hz : kRates_hz) {
         const AssetTrial trial = run_asset_trial(path.string(), body, action, 20.0, rate_hz);
         expect_nothing_exploded(trial);
-        if (body == TrialBody::Fragile) EXPECT_TRUE(trial.broke) << "action " << static_cast<int>(action) << " at " << rate_hz;
+        if (body == TrialBody::Fragile)
+          EXPECT_TRUE(trial.broke) << "action " << static_cast<int>(action) << " at " << rate_hz;
         if (const char* csv = std::getenv("LIVEGS_TRIAL_CSV")) {
           const bool fresh = !fs::exists(csv);
           std::ofstream file(csv, std::ios::app);
@@ -50,7 +62,8 @@ TEST_P(EveryCapture, NothingExplodesInTwentySeconds) {
 
 std::string case_name(const ::testing::TestParamInfo<std::string>& info) {
   std::string name = fs::path(info.param).stem().string();
-  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
   return name;
 }
 INSTANTIATE_TEST_SUITE_P(Captured, EveryCapture, ::testing::ValuesIn(captures()), case_name);

@@ -12,8 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Captured assets, by their path below the data folder: in the gate those of up to 1.2 MB, nightly all. SOG v1 is not a format
-// we read.
+// Captured assets, by their path below the data folder: in the gate those of up to 1.2 MB, nightly all. SOG
+// v1 is not a format we read.
 std::vector<std::string> captured_assets() {
   const fs::path folder = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats";
   std::vector<std::string> assets;
@@ -25,7 +25,8 @@ std::vector<std::string> captured_assets() {
                        path.ends_with(".sog");
     const bool unpacked = at->path().filename() == "meta.json" && path.find("fur_block") == std::string::npos;
     const bool small = at->file_size() < 1'200'000;
-    if ((asset || unpacked) && (small || full_sets())) assets.push_back(fs::relative(at->path(), folder).string());
+    if ((asset || unpacked) && (small || full_sets()))
+      assets.push_back(fs::relative(at->path(), folder).string());
   }
   std::sort(assets.begin(), assets.end());
   if (assets.empty()) assets.push_back("");

@@ -4,8 +4,8 @@
 
 #include "gaussian/asset_file.h"
 #include "geometry/mesh/mesh_io.h"
-#include "scene/scene.h"
 #include "scene/build/shape_asset.h"
+#include "scene/scene.h"
 #include "scratch_folder.h"
 
 namespace livegs {
@@ -24,9 +24,9 @@ std::string scene_text(const std::string& environment) {
   std::string objects;
   for (const auto& [name, x, top_m] : {std::tuple{"upper", -0.2, 0.4}, {"lower", 0.2, 0.2}}) {
     const auto add = [&](const char* what, double z, const char* shape, const char* physics) {
-      objects += std::string(objects.empty() ? "" : ",") + R"({"name":")" + name + " " + what + R"(","shape":)" + shape +
-                 R"(,"pose":{"position_m":[)" + std::to_string(x) + "," + std::to_string(top_m + 0.1) + "," +
-                 std::to_string(z) + R"(]},"physics":)" + physics + "}";
+      objects += std::string(objects.empty() ? "" : ",") + R"({"name":")" + name + " " + what +
+                 R"(","shape":)" + shape + R"(,"pose":{"position_m":[)" + std::to_string(x) + "," +
+                 std::to_string(top_m + 0.1) + "," + std::to_string(z) + R"(]},"physics":)" + physics + "}";
     };
     add("box", -0.18, R"({"box":{"size_m":[0.1,0.1,0.1]}})", R"({"behavior":"RIGID","mass_kg":0.5})");
     add("ball", 0.0, R"({"sphere":{"radius_m":0.05}})", R"({"behavior":"RIGID","mass_kg":0.5})");
@@ -36,7 +36,8 @@ std::string scene_text(const std::string& environment) {
   return R"({"rate_hz":60,"environment":)" + environment + R"(,"objects":[)" + objects + "]}";
 }
 
-void expect_all_rest_on_their_steps(const ScratchFolder& folder, const std::string& environment, double tolerance_m) {
+void expect_all_rest_on_their_steps(const ScratchFolder& folder, const std::string& environment,
+                                    double tolerance_m) {
   auto scene = Scene::load(folder.write("stair.scene.json", scene_text(environment)), {});
   ASSERT_TRUE(scene) << scene.error().message;
   for (int tick = 0; tick < 180; ++tick) scene->step();
@@ -74,7 +75,8 @@ TEST(BuiltEnvironment, ABackgroundThatDoesNotCollideHoldsNothing) {
   const auto stair = read_obj(folder.write("stair.obj", kStair));
   ASSERT_TRUE(stair) << stair.error().message;
   ASSERT_TRUE(write_asset(folder / "room.ply", mesh_asset(*stair, {0.6f, 0.6f, 0.5f}, 20000)));
-  auto scene = Scene::load(folder.write("s.scene.json", scene_text(R"({"asset":"room.ply","up":"+y","scale":1})")), {});
+  auto scene = Scene::load(
+      folder.write("s.scene.json", scene_text(R"({"asset":"room.ply","up":"+y","scale":1})")), {});
   ASSERT_TRUE(scene) << scene.error().message;
   for (int tick = 0; tick < 60; ++tick) scene->step();
   for (const BodyState& body : scene->world().bodies()) {
@@ -86,10 +88,13 @@ TEST(BuiltEnvironment, AMeshThatCannotBeReadIsNamed) {
   const ScratchFolder folder;
   folder.write("open.obj", "v 0 0 0\n");
   for (const char* name : {"open.obj", "none.obj"}) {
-    const auto scene = Scene::load(
-        folder.write("s.scene.json", scene_text(std::string(R"({"colliders":[{"mesh":")") + name + R"("}]})")), {});
+    const auto scene =
+        Scene::load(folder.write("s.scene.json",
+                                 scene_text(std::string(R"({"colliders":[{"mesh":")") + name + R"("}]})")),
+                    {});
     ASSERT_FALSE(scene) << name;
-    EXPECT_NE(scene.error().message.find("environment.colliders[0].mesh"), std::string::npos) << scene.error().message;
+    EXPECT_NE(scene.error().message.find("environment.colliders[0].mesh"), std::string::npos)
+        << scene.error().message;
     EXPECT_NE(scene.error().message.find(name), std::string::npos) << scene.error().message;
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rooms that things stand in: captured ones, closed and with a door, and meshes of which only the inside is drawn.
+// Rooms that things stand in: captured ones, closed and with a door, and meshes of which only the inside is
+// drawn.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,9 +8,9 @@
 
 #include "gaussian/asset_file.h"
 #include "geometry/surface/shape_mesh.h"
-#include "scene/scene.h"
-#include "scene/build/shape_asset.h"
 #include "rates.h"
+#include "scene/build/shape_asset.h"
+#include "scene/scene.h"
 #include "scratch_folder.h"
 
 namespace livegs {
@@ -31,8 +32,8 @@ void append(GaussianAsset& all, const GaussianAsset& part, size_t i) {
   all.sh_dc[k] = part.sh_dc[i];
 }
 
-// The surface of a room as a capture has it: flat kernels on its six sides, but for a doorway where x > 0, and on a box in a
-// corner.
+// The surface of a room as a capture has it: flat kernels on its six sides, but for a doorway where x > 0,
+// and on a box in a corner.
 GaussianAsset captured_room(bool door) {
   TriangleMesh box = box_mesh({kWide_m, kHigh_m, kWide_m});
   for (Eigen::Vector3d& vertex : box.vertices_m) vertex.y() += 0.5 * kHigh_m;
@@ -54,7 +55,8 @@ constexpr const char* kOnTable =
     R"(,{"name":"table box","shape":{"box":{"size_m":[0.2,0.2,0.2]}},"pose":{"position_m":[-1.2,0.9,-1.2]},)"
     R"("physics":{"behavior":"RIGID","mass_kg":1}})";
 
-// A box, a ball and a soft cube of 0.2 m, let go with their lowest points 0.3 m over `floor_m`, in the middle of the room.
+// A box, a ball and a soft cube of 0.2 m, let go with their lowest points 0.3 m over `floor_m`, in the middle
+// of the room.
 std::string things(double floor_m, const std::string& prefix) {
   const std::string y = std::to_string(floor_m + 0.4);
   const auto one = [&](const char* what, const char* shape, const char* x_z, const char* physics) {
@@ -62,23 +64,29 @@ std::string things(double floor_m, const std::string& prefix) {
     return R"({"name":")" + prefix + what + R"(","shape":)" + shape + R"(,"pose":{"position_m":[)" + at +
            R"(]},"physics":)" + physics + "}";
   };
-  return one("box", R"({"box":{"size_m":[0.2,0.2,0.2]}})", "0.6,y,0", R"({"behavior":"RIGID","mass_kg":1})") + "," +
-         one("ball", R"({"sphere":{"radius_m":0.1}})", "-0.5,y,0.3", R"({"behavior":"RIGID","mass_kg":1})") + "," +
+  return one("box", R"({"box":{"size_m":[0.2,0.2,0.2]}})", "0.6,y,0", R"({"behavior":"RIGID","mass_kg":1})") +
+         "," +
+         one("ball", R"({"sphere":{"radius_m":0.1}})", "-0.5,y,0.3", R"({"behavior":"RIGID","mass_kg":1})") +
+         "," +
          one("soft", R"({"box":{"size_m":[0.2,0.2,0.2]}})", "0,y,-0.6",
              R"({"behavior":"ELASTIC","density_kg_m3":300,"youngs_modulus_pa":5e4,"damping":0.3})");
 }
 
 std::string scene_text(const std::string& environment, const std::string& objects, int rate_hz = 60) {
-  return R"({"rate_hz":)" + std::to_string(rate_hz) + R"(,"environment":)" + environment + R"(,"objects":[)" + objects + "]}";
+  return R"({"rate_hz":)" + std::to_string(rate_hz) + R"(,"environment":)" + environment + R"(,"objects":[)" +
+         objects + "]}";
 }
 
-// After four seconds everything lies on the floor, the roof or the table, a ball wherever it rolled, and nothing was warned of.
+// After four seconds everything lies on the floor, the roof or the table, a ball wherever it rolled, and
+// nothing was warned of.
 void expect_on_floor(Scene& scene, double floor_m, double tolerance_m) {
   for (int tick = 0; tick < 4 * scene.world().settings().rate_hz; ++tick) scene.step();
   for (const BodyState& body : scene.world().bodies()) {
     const SceneObject& object = *scene.find(body.object_id);
     if (object.environment) continue;
-    const double height_m = floor_m + (object.name.starts_with("roof") ? kHigh_m : object.name.starts_with("table") ? kTable_m : 0.0);
+    const double height_m = floor_m + (object.name.starts_with("roof")    ? kHigh_m
+                                       : object.name.starts_with("table") ? kTable_m
+                                                                          : 0.0);
     EXPECT_NEAR(body.world_from_body.position_m.y(), height_m + 0.1, tolerance_m) << object.name;
     EXPECT_LT(std::abs(body.world_from_body.position_m.x()), 0.5 * kWide_m) << object.name;
     EXPECT_LT(std::abs(body.world_from_body.position_m.z()), 0.5 * kWide_m) << object.name;
@@ -87,16 +95,18 @@ void expect_on_floor(Scene& scene, double floor_m, double tolerance_m) {
 }
 
 TEST(Room, ACapturedOneHoldsThingsOnItsFloorAndOnItsRoof) {
-  for (const double rate_hz : kRates_hz) for (const bool door : {false, true}) {
-    SCOPED_TRACE(::testing::Message() << (door ? "with a door, " : "closed, ") << rate_hz << " Hz");
-    const ScratchFolder folder;
-    ASSERT_TRUE(write_asset(folder / "room.ply", captured_room(door)));
-    const std::string environment = R"({"asset":"room.ply","up":"+y","scale":1,"collide":true})";
-    const std::string all = things(0.0, "") + "," + things(kHigh_m, "roof ") + kOnTable;
-    auto scene = Scene::load(folder.write("room.scene.json", scene_text(environment, all, static_cast<int>(rate_hz))), {});
-    ASSERT_TRUE(scene) << scene.error().message;
-    expect_on_floor(*scene, 0.0, 0.02);
-  }
+  for (const double rate_hz : kRates_hz)
+    for (const bool door : {false, true}) {
+      SCOPED_TRACE(::testing::Message() << (door ? "with a door, " : "closed, ") << rate_hz << " Hz");
+      const ScratchFolder folder;
+      ASSERT_TRUE(write_asset(folder / "room.ply", captured_room(door)));
+      const std::string environment = R"({"asset":"room.ply","up":"+y","scale":1,"collide":true})";
+      const std::string all = things(0.0, "") + "," + things(kHigh_m, "roof ") + kOnTable;
+      auto scene = Scene::load(
+          folder.write("room.scene.json", scene_text(environment, all, static_cast<int>(rate_hz))), {});
+      ASSERT_TRUE(scene) << scene.error().message;
+      expect_on_floor(*scene, 0.0, 0.02);
+    }
 }
 
 // With nothing in it, nothing is opened.
@@ -104,7 +114,8 @@ TEST(Room, ACapturedOneThatIsEmptyHoldsThingsOnItsRoof) {
   const ScratchFolder folder;
   ASSERT_TRUE(write_asset(folder / "room.ply", captured_room(false)));
   const std::string environment = R"({"asset":"room.ply","up":"+y","scale":1,"collide":true})";
-  auto scene = Scene::load(folder.write("above.scene.json", scene_text(environment, things(kHigh_m, "roof "))), {});
+  auto scene =
+      Scene::load(folder.write("above.scene.json", scene_text(environment, things(kHigh_m, "roof "))), {});
   ASSERT_TRUE(scene) << scene.error().message;
   expect_on_floor(*scene, 0.0, 0.02);
 }
@@ -128,7 +139,8 @@ TEST(Room, AMeshThatThingsStandInIsOne) {
     auto inside = Scene::load(folder.write("in.scene.json", scene_text(environment, things(0.0, ""))), {});
     ASSERT_TRUE(inside) << inside.error().message;
     expect_on_floor(*inside, 0.0, 3e-3);
-    auto above = Scene::load(folder.write("above.scene.json", scene_text(environment, things(kHigh_m, "roof "))), {});
+    auto above =
+        Scene::load(folder.write("above.scene.json", scene_text(environment, things(kHigh_m, "roof "))), {});
     ASSERT_TRUE(above) << above.error().message;
     expect_on_floor(*above, 0.0, 3e-3);
   }
@@ -149,7 +161,8 @@ TEST(Room, AMeshWithoutAreaIsNamed) {
   const std::string environment = R"({"colliders":[{"mesh":"line.obj"}]})";
   const auto scene = Scene::load(folder.write("s.scene.json", scene_text(environment, things(0.0, ""))), {});
   ASSERT_FALSE(scene);
-  EXPECT_NE(scene.error().message.find("environment.colliders[0].mesh: none of its triangles has an area"), std::string::npos)
+  EXPECT_NE(scene.error().message.find("environment.colliders[0].mesh: none of its triangles has an area"),
+            std::string::npos)
       << scene.error().message;
 }
 
@@ -159,7 +172,8 @@ TEST(Room, WhatStartsInSomethingSolidIsWarnedOf) {
   for (int i = 0; i < 12 * 12 * 12; ++i) {
     const size_t k = block.size();
     block.resize(k + 1);
-    block.positions[k] = 0.08f * Eigen::Vector3f(static_cast<float>(i % 12), static_cast<float>(i / 12 % 12), static_cast<float>(i / 144)) -
+    block.positions[k] = 0.08f * Eigen::Vector3f(static_cast<float>(i % 12), static_cast<float>(i / 12 % 12),
+                                                 static_cast<float>(i / 144)) -
                          Eigen::Vector3f(0.44f, 0.0f, 0.44f);
     block.rotations[k] = Eigen::Quaternionf::Identity();
     block.log_scales[k] = Eigen::Vector3f::Constant(-4.0f);
@@ -169,11 +183,14 @@ TEST(Room, WhatStartsInSomethingSolidIsWarnedOf) {
   const ScratchFolder folder;
   ASSERT_TRUE(write_asset(folder / "block.ply", block));
   const auto ball = [](const char* name, const char* height) {
-    return std::string(R"({"name":")") + name + R"(","shape":{"sphere":{"radius_m":0.1}},"pose":{"position_m":[0,)" + height +
+    return std::string(R"({"name":")") + name +
+           R"(","shape":{"sphere":{"radius_m":0.1}},"pose":{"position_m":[0,)" + height +
            R"(,0]},"physics":{"behavior":"RIGID","mass_kg":1}})";
   };
   const std::string environment = R"({"asset":"block.ply","up":"+y","scale":1,"collide":true})";
-  auto scene = Scene::load(folder.write("s.scene.json", scene_text(environment, ball("sunk", "0.5") + "," + ball("free", "1.5"))), {});
+  auto scene = Scene::load(
+      folder.write("s.scene.json", scene_text(environment, ball("sunk", "0.5") + "," + ball("free", "1.5"))),
+      {});
   ASSERT_TRUE(scene) << scene.error().message;
   ASSERT_EQ(scene->find("sunk")->warnings.size(), 1u);
   const std::string& warning = scene->find("sunk")->warnings[0];

@@ -12,8 +12,8 @@
 #include "rates.h"
 #include "scene/scene.h"
 
-// The scene of everything, with a captured asset if there is one, and the hash of its drivers after every tick: the same
-// bits for any number of threads.
+// The scene of everything, with a captured asset if there is one, and the hash of its drivers after every
+// tick: the same bits for any number of threads.
 
 namespace livegs::testing {
 
@@ -57,7 +57,7 @@ inline uint64_t hash_of(const DriverFrame& frame) {
 
 struct HashedRun {
   std::vector<uint64_t> ticks;
-  size_t sherds = 0;  // of the cup, at the end
+  size_t sherds = 0;                       // of the cup, at the end
   std::map<std::string, int> first_touch;  // by object: the tick in which something struck it first
 };
 
@@ -85,10 +85,12 @@ inline HashedRun run_everything(int threads, int ticks, double rate_hz) {
     scene->step();
     run.ticks.push_back(hash_of(scene->world().drivers()));
     for (const WorldEvent& event : scene->world().take_events()) {
-      if (event.kind == WorldEventKind::Contact) run.first_touch.try_emplace(scene->find(event.object_id)->name, tick + 1);
+      if (event.kind == WorldEventKind::Contact)
+        run.first_touch.try_emplace(scene->find(event.object_id)->name, tick + 1);
     }
   }
-  for (const BodyState& body : scene->world().bodies()) run.sherds += body.object_id == scene->find("cup")->id;
+  for (const BodyState& body : scene->world().bodies())
+    run.sherds += body.object_id == scene->find("cup")->id;
   set_thread_count(0);
   return run;
 }
@@ -99,14 +101,16 @@ inline void expect_same_bits(int ticks, double rate_hz) {
   const HashedRun one = run_everything(1, ticks, rate_hz);
   EXPECT_GT(one.sherds, 1u) << "the cup must have broken";
   EXPECT_GE(one.first_touch.size(), 13u);
-  for (const char* name : {"pad", "marble", "plank", "block", "load"}) EXPECT_TRUE(one.first_touch.contains(name)) << name;
+  for (const char* name : {"pad", "marble", "plank", "block", "load"})
+    EXPECT_TRUE(one.first_touch.contains(name)) << name;
   // On the block, in a tenth of a second: it would take twice as long to the floor.
   EXPECT_LT(one.first_touch.at("pad"), rate_hz / 6);
   for (const int threads : {2, 8}) {
     const HashedRun more = run_everything(threads, ticks, rate_hz);
     ASSERT_EQ(one.ticks.size(), more.ticks.size());
     const auto differs = std::mismatch(one.ticks.begin(), one.ticks.end(), more.ticks.begin()).first;
-    EXPECT_EQ(differs, one.ticks.end()) << threads << " threads, from tick " << differs - one.ticks.begin() + 1 << " on";
+    EXPECT_EQ(differs, one.ticks.end())
+        << threads << " threads, from tick " << differs - one.ticks.begin() + 1 << " on";
   }
 }
 

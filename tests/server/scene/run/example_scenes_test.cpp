@@ -4,8 +4,8 @@
 
 #include "known_gaps.h"
 #include "scene/build/fragile_object.h"
-#include "scene/values/points_file.h"
 #include "scene/scene.h"
+#include "scene/values/points_file.h"
 #include "skin/skin_kernels.h"
 
 namespace livegs {
@@ -107,8 +107,8 @@ TEST(ExampleScenes, ABallOfPointsKeepsTheVelocitiesOfItsPoints) {
     const Vector3d told = Vector3d(0.5, 0, 0) + Vector3d(0, 0, 4).cross(list->positions_m[i]);
     ASSERT_LT((start[i].velocity_m_s - told).norm(), 1e-5) << i;
   }
-  // A ball of points has the inertia of its points and of their cubes. The lattice has its masses at its nodes,
-  // farther out than the material.
+  // A ball of points has the inertia of its points and of their cubes. The lattice has its masses at its
+  // nodes, farther out than the material.
   double inertia = 0;
   for (const Vector3d& r : list->positions_m) inertia += 1e-3 * (r.head<2>().squaredNorm() + 2 * 1e-4 / 12);
   const auto spin = [&](const BodyEnergy& energy) {
@@ -130,7 +130,9 @@ TEST(ExampleScenes, ABallOfPointsKeepsTheVelocitiesOfItsPoints) {
 TEST(ExampleScenes, JointsHoldAndAHandCarriesABox) {
   Scene scene = example("joints");
   const World& world = scene.world();
-  const auto place = [&](const char* name) { return world.world_point(scene.find(name)->id, Vector3d::Zero()); };
+  const auto place = [&](const char* name) {
+    return world.world_point(scene.find(name)->id, Vector3d::Zero());
+  };
   double opened = 0.0, error_m = 0.0, error_rad = 0.0, highest = 0.0, farthest = 0.0;
   for (int tick = 0; tick < 240; ++tick) {
     scene.step();
@@ -143,11 +145,11 @@ TEST(ExampleScenes, JointsHoldAndAHandCarriesABox) {
     }
   }
   EXPECT_EQ(world.joints().size(), 6u);
-  EXPECT_GT(opened, 0.1);    // the ball pushed the door open
+  EXPECT_GT(opened, 0.1);  // the ball pushed the door open
   EXPECT_LT(error_m, 1e-3);
   EXPECT_LT(error_rad, 1e-3);
-  // The weight, 10 kg on links of 0.1 kg, fell from level and swings back to there: where the chain is slack it is nearer
-  // than its length to where it begins, never farther.
+  // The weight, 10 kg on links of 0.1 kg, fell from level and swings back to there: where the chain is slack
+  // it is nearer than its length to where it begins, never farther.
   EXPECT_LT(farthest, 0.7 + 1e-3);
   EXPECT_GT(farthest, 0.699);
   // The box was lifted to 0.6 m by its top and put down, turned, at x = 0.6.

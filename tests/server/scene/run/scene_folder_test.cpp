@@ -6,8 +6,8 @@
 #include "gaussian/asset_file.h"
 #include "geometry/surface/shape_mesh.h"
 #include "scene/build/place_asset.h"
-#include "scene/scene.h"
 #include "scene/build/shape_asset.h"
+#include "scene/scene.h"
 #include "scratch_folder.h"
 
 namespace livegs {

@@ -47,7 +47,7 @@ TEST(SceneRun, EventsActWhenTheyAreDue) {
   EXPECT_NEAR(scene.find("soft")->mass_kg, 500 * 0.008, 1e-12);  // density times the box's volume
   for (int tick = 0; tick < 18; ++tick) scene.step();            // up to 0.3 s: tick 18 starts there
   EXPECT_EQ(scene.objects().size(), 4u);                         // drawn floor and three objects
-  EXPECT_EQ(scene.world().material(soft)->friction, 0.6);         // as the scene has it, until 0.4 s
+  EXPECT_EQ(scene.world().material(soft)->friction, 0.6);        // as the scene has it, until 0.4 s
   scene.step();
   EXPECT_EQ(scene.objects().size(), 5u);
   EXPECT_EQ(scene.take_changes().added.size(), 1u);
@@ -126,7 +126,8 @@ TEST(SceneRun, AChangeOfPhysicsChangesWhatIsToldOfTheBody) {
   EXPECT_NEAR(scene->objects()[0].mass_kg, 2.0, 1e-9);
 }
 
-// The paper's numbers, while it runs: plasticity, and a deformation resistance as the modulus that it stands for.
+// The paper's numbers, while it runs: plasticity, and a deformation resistance as the modulus that it stands
+// for.
 TEST(SceneRun, PlasticityAndDeformationResistanceChangeTheBody) {
   v1::Physics changed;
   changed.set_plasticity(0.7);
@@ -210,8 +211,8 @@ TEST(SceneRun, NothingFallsThroughTheFloor) {
   }
 }
 
-// A ray that draws a thing by its centre up to a place and keeps it there: it hangs below by its weight over the spring's
-// stiffness, g / (2 pi 3 Hz)^2 = 27.6 mm whatever it weighs, and falls when the path ends.
+// A ray that draws a thing by its centre up to a place and keeps it there: it hangs below by its weight over
+// the spring's stiffness, g / (2 pi 3 Hz)^2 = 27.6 mm whatever it weighs, and falls when the path ends.
 TEST(SceneRun, APullHoldsByItsSpringAndLetsGoAtItsEnd) {
   ScratchFolder folder;
   folder.write("up.csv", "time_s,x,y,z\n0,0,0.05,0\n1,0,0.6,0\n4,0,0.6,0\n");
@@ -220,7 +221,8 @@ TEST(SceneRun, APullHoldsByItsSpringAndLetsGoAtItsEnd) {
     const auto path = folder.write("pull.scene.json", std::string(R"({
       "environment": { "colliders": [ { "plane": {} } ] },
       "objects": [ { "name": "thing", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [0, 0.05, 0] },
-                     "physics": { "behavior": )") + physics + R"( } } ],
+                     "physics": { "behavior": )") + physics +
+                                                          R"( } } ],
       "events": [ { "time_s": 0, "pull": { "object": "thing", "path": "up.csv" } } ] })");
     auto scene = Scene::load(path, {});
     ASSERT_TRUE(scene) << scene.error().message;

@@ -17,7 +17,9 @@ std::string refusal(const std::string& rest, const std::filesystem::path& folder
       { "name": "lid", "shape": { "box": { "size_m": [0.2, 0.02, 0.2] } }, "physics": { "behavior": "RIGID" } },
       { "name": "table", "shape": { "box": { "size_m": [1, 0.02, 1] } }, "physics": { "behavior": "STATIC" } },
       { "name": "pillow", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0, 1, 0] },
-        "physics": { "behavior": "ELASTIC", "youngs_modulus_pa": 1e4 } } ], )" + rest + " }", &file);
+        "physics": { "behavior": "ELASTIC", "youngs_modulus_pa": 1e4 } } ], )" +
+                                                                      rest + " }",
+                                                                  &file);
   EXPECT_TRUE(parsed.ok()) << parsed.message();
   auto scene = Scene::build(file, folder, "test", {});
   return scene ? "" : scene.error().message;
@@ -27,19 +29,24 @@ std::string joint_refusal(const std::string& joint) { return refusal("\"joints\"
 
 TEST(JointValue, ErrorsNameTheJointTheFieldAndTheRemedy) {
   EXPECT_EQ(joint_refusal("{}"), "joints[0]: is neither; give ball or hinge");
-  EXPECT_EQ(joint_refusal(R"({ "ball": {} })"), "joints[0].ball.object: is missing; name the object that moves");
-  EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "led" } })"), "joints[0].ball.object: no object is called \"led\"");
+  EXPECT_EQ(joint_refusal(R"({ "ball": {} })"),
+            "joints[0].ball.object: is missing; name the object that moves");
+  EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "led" } })"),
+            "joints[0].ball.object: no object is called \"led\"");
   EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "lid", "other": "box" } })"),
             "joints[0].ball.other: no object is called \"box\"; leave it out for the world");
   EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "lid", "other": "lid" } })"),
             "joints[0].ball.other: is the object itself");
   EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "table", "other": "lid" } })"),
-            "joints[0].ball.object: \"table\" is STATIC and never moves; name the object that does, and this one as other");
+            "joints[0].ball.object: \"table\" is STATIC and never moves; name the object that does, and this "
+            "one as other");
   EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "lid", "other": "pillow" } })"),
-            "joints[0].ball: \"pillow\" is ELASTIC; joints hold rigid objects: make it RIGID, or hold it by a fixed region");
+            "joints[0].ball: \"pillow\" is ELASTIC; joints hold rigid objects: make it RIGID, or hold it by "
+            "a fixed region");
   EXPECT_EQ(joint_refusal(R"({ "ball": { "object": "lid", "point_m": [0, 1] } })"),
             "joints[0].ball.point_m: has 2 numbers; give 3");
-  EXPECT_EQ(joint_refusal(R"({ "hinge": { "object": "lid" } })"), "joints[0].hinge.axis: is missing; give [x, y, z]");
+  EXPECT_EQ(joint_refusal(R"({ "hinge": { "object": "lid" } })"),
+            "joints[0].hinge.axis: is missing; give [x, y, z]");
   EXPECT_EQ(joint_refusal(R"({ "hinge": { "object": "lid", "axis": [0, 0, 0] } })"),
             "joints[0].hinge.axis: is zero; give a direction");
   EXPECT_EQ(joint_refusal(R"({ "hinge": { "object": "lid", "other": "table", "axis": [1, 0, 0] } })"), "");
@@ -52,11 +59,13 @@ TEST(JointValue, GrabPathsAreChecked) {
     return refusal(R"("events": [ { "grab": { "object": "lid", "path": "path.csv" } } ])", folder.path());
   };
   EXPECT_EQ(path_refusal("time_s,x,y,z\n0,0,1,0\n1,0,2,0\n"), "");
-  EXPECT_EQ(path_refusal("x,y,z\n"), "path.csv: line 1 must be the header time_s,x,y,z or time_s,x,y,z,qw,qx,qy,qz");
+  EXPECT_EQ(path_refusal("x,y,z\n"),
+            "path.csv: line 1 must be the header time_s,x,y,z or time_s,x,y,z,qw,qx,qy,qz");
   EXPECT_EQ(path_refusal("time_s,x,y,z\n"), "path.csv: holds no rows");
   EXPECT_EQ(path_refusal("time_s,x,y,z\n0,nan,1,0\n"), "path.csv: line 2, column 2: expected 4 numbers");
   EXPECT_EQ(path_refusal("time_s,x,y,z\n0,0,1\n"), "path.csv: line 2, column 3: expected 4 numbers");
-  EXPECT_EQ(path_refusal("time_s,x,y,z\n1,0,1,0\n1,0,2,0\n"), "path.csv: line 3: time_s must rise, from 0 to 1e6");
+  EXPECT_EQ(path_refusal("time_s,x,y,z\n1,0,1,0\n1,0,2,0\n"),
+            "path.csv: line 3: time_s must rise, from 0 to 1e6");
   EXPECT_EQ(path_refusal("time_s,x,y,z\n0,1e9,1,0\n"), "path.csv: line 2: a place farther than 1000 m");
   EXPECT_EQ(path_refusal("time_s,x,y,z,qw,qx,qy,qz\n0,0,1,0,2,0,0,0\n"),
             "path.csv: line 2: qw,qx,qy,qz is no unit quaternion");

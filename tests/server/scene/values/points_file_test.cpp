@@ -56,8 +56,9 @@ TEST(PointsFile, MedianSpacingOfAGridIsItsStep) {
   EXPECT_EQ(median_spacing_m({Eigen::Vector3d::Zero()}), 0.0);
 }
 
-// Points fill their cubes, however much each strays from its place by up to 0.3 s: together they must weigh what they weigh, as
-// the modulus goes with it. Of 64 points the step itself is known to 1 % at best: the mean place of 16 strays by 0.04 s.
+// Points fill their cubes, however much each strays from its place by up to 0.3 s: together they must weigh
+// what they weigh, as the modulus goes with it. Of 64 points the step itself is known to 1 % at best: the
+// mean place of 16 strays by 0.04 s.
 TEST(PointsFile, AListFillsItsVolumeWhetherRegularOrNot) {
   constexpr double kBar = 0.02;
   const double s = 0.01;
@@ -66,16 +67,18 @@ TEST(PointsFile, AListFillsItsVolumeWhetherRegularOrNot) {
     Eigen::Vector3i count;
     bool few = false, ball = false, turned = false;
   };
-  for (const Form& form : {Form{"block", {9, 9, 9}}, Form{"bar", {32, 8, 8}}, Form{"turned bar", {32, 8, 6}, false, false, true},
-                           Form{"ball", {17, 17, 17}, false, true}, Form{"slab", {20, 20, 2}}, Form{"sheet", {20, 20, 1}},
-                           Form{"turned sheet", {30, 20, 1}, false, false, true}, Form{"cord", {60, 1, 1}},
-                           Form{"rope", {40, 2, 2}}, Form{"64 points", {4, 4, 4}, true}}) {
+  for (const Form& form :
+       {Form{"block", {9, 9, 9}}, Form{"bar", {32, 8, 8}}, Form{"turned bar", {32, 8, 6}, false, false, true},
+        Form{"ball", {17, 17, 17}, false, true}, Form{"slab", {20, 20, 2}}, Form{"sheet", {20, 20, 1}},
+        Form{"turned sheet", {30, 20, 1}, false, false, true}, Form{"cord", {60, 1, 1}},
+        Form{"rope", {40, 2, 2}}, Form{"64 points", {4, 4, 4}, true}}) {
     for (const double stray : {0.0, 0.1, 0.2, 0.3}) {
       for (unsigned seed = 1; seed <= static_cast<unsigned>(seed_count(1)); ++seed) {
         std::mt19937 random(seed);
         const auto offset = [&] { return stray * (2.0 * (random() * 0x1p-32) - 1.0); };
-        const Eigen::Matrix3d turn = form.turned
-            ? Eigen::AngleAxisd(0.6, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix() : Eigen::Matrix3d::Identity().eval();
+        const Eigen::Matrix3d turn =
+            form.turned ? Eigen::AngleAxisd(0.6, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix()
+                        : Eigen::Matrix3d::Identity().eval();
         const Eigen::Vector3d middle = 0.5 * (form.count.cast<double>() - Eigen::Vector3d::Ones());
         std::vector<Eigen::Vector3d> points;
         for (int k = 0; k < form.count.z(); ++k) {

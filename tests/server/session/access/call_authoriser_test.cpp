@@ -99,7 +99,8 @@ v1::Scope expected_scope(const std::string& path) {
   if (path == "/livegs.v1.Spectators/DescribeScene") return v1::VIEW;
   if (!path.starts_with("/livegs.v1.LiveGs/")) return v1::ADMIN;
   const std::string method = path.substr(path.rfind('/') + 1);
-  if (method == "SetPhysics" || method == "UndoPhysics" || method == "AcceptProposal" || method == "AnalyzeScene" || method == "ControlRun")
+  if (method == "SetPhysics" || method == "UndoPhysics" || method == "AcceptProposal" ||
+      method == "AnalyzeScene" || method == "ControlRun")
     return v1::AUTHOR;
   return method == "ApplyForce" ? v1::INTERACT : v1::VIEW;
 }
@@ -134,7 +135,8 @@ TEST_F(Gate, EachWrongTokenHasItsOwnAnswerOnEveryCall) {
     for (const std::string& path : all_paths()) {
       const grpc::Status status = call(open, path);
       EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAUTHENTICATED) << path;
-      EXPECT_NE(status.error_message().find(answer), std::string::npos) << path << ": " << status.error_message();
+      EXPECT_NE(status.error_message().find(answer), std::string::npos)
+          << path << ": " << status.error_message();
       if (!secret.empty()) {
         EXPECT_EQ(status.error_message().find(secret), std::string::npos);
       }
@@ -157,7 +159,8 @@ TEST_F(Gate, NobodyGetsInWithoutTlsOrPastAnotherCertificate) {
   const auto refused = access_->refused();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::PermissionDenied);
-  EXPECT_NE(refused.error().message.find("not the one paired with"), std::string::npos) << refused.error().message;
+  EXPECT_NE(refused.error().message.find("not the one paired with"), std::string::npos)
+      << refused.error().message;
 }
 
 TEST_F(Gate, ARevokedTokenEndsItsSessionsAndNoOthers) {
@@ -293,7 +296,8 @@ TEST_F(Gate, OneTokenThatCallsTooOftenIsSlowedAndNoOther) {
   };
   const std::string busy = token(v1::ADMIN), other = token(v1::VIEW);
   int refused = 0;
-  for (int i = 0; i < 100'000 && refused == 0; ++i) refused += ask(busy) == grpc::StatusCode::RESOURCE_EXHAUSTED ? 1 : 0;
+  for (int i = 0; i < 100'000 && refused == 0; ++i)
+    refused += ask(busy) == grpc::StatusCode::RESOURCE_EXHAUSTED ? 1 : 0;
   EXPECT_EQ(refused, 1);
   EXPECT_EQ(ask(other), grpc::StatusCode::OK);
 }
@@ -304,9 +308,11 @@ TEST_F(Gate, ACallShowsOneTokenOrNone) {
   const std::string good = "Bearer " + token(v1::ADMIN), basic = "Basic " + good.substr(7);
   const std::string path = "/livegs.v1.LiveGs/Join";
   using Metadata = grpc::AuthMetadataProcessor::InputMetadata;
-  for (const Metadata& metadata : {Metadata{{":path", path}, {"authorization", good}, {"authorization", good}},
-                                   Metadata{{":path", path}, {"authorization", basic}}, Metadata{{":path", path}}, Metadata{}}) {
-    EXPECT_EQ(gate.Process(metadata, nullptr, nullptr, nullptr).error_code(), grpc::StatusCode::UNAUTHENTICATED);
+  for (const Metadata& metadata :
+       {Metadata{{":path", path}, {"authorization", good}, {"authorization", good}},
+        Metadata{{":path", path}, {"authorization", basic}}, Metadata{{":path", path}}, Metadata{}}) {
+    EXPECT_EQ(gate.Process(metadata, nullptr, nullptr, nullptr).error_code(),
+              grpc::StatusCode::UNAUTHENTICATED);
   }
 }
 

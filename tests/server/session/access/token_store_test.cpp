@@ -124,7 +124,8 @@ TEST_F(Tokens, ADiskThatIsFullLetsNobodyIn) {
   const auto made = store_->add("a", v1::VIEW, 1);
   ASSERT_TRUE(made);
   std::filesystem::remove(file_);
-  std::filesystem::create_directories(file_ / "in the way");  // nothing is renamed over a folder that is not empty
+  std::filesystem::create_directories(file_ /
+                                      "in the way");  // nothing is renamed over a folder that is not empty
   EXPECT_FALSE(store_->add("b", v1::VIEW, 1));
   EXPECT_EQ(store_->list().size(), 1u);
   EXPECT_FALSE(store_->revoke(made->token.id()));
@@ -145,7 +146,8 @@ TEST(ServerSecurity, KeepsItsCertificateAndRenewsItsLocalToken) {
     fingerprint = (*first)->fingerprint();
     EXPECT_EQ(*certificate_fingerprint((*first)->certificate_pem()), fingerprint);
     EXPECT_EQ(mode_of(folder / "state"), 0700u);
-    for (const char* secret : {"server.key", "admin.token"}) EXPECT_EQ(mode_of(folder / "state" / secret), 0600u);
+    for (const char* secret : {"server.key", "admin.token"})
+      EXPECT_EQ(mode_of(folder / "state" / secret), 0600u);
     EXPECT_FALSE(find_local_server(folder / "state"));  // it has no port yet
     (*first)->set_port(4711);
     const auto found = find_local_server(folder / "state");
@@ -173,13 +175,15 @@ TEST(ServerSecurity, FilesThatWillNotDoAreRefusedByName) {
   ::chmod((state / "server.key").c_str(), 0644);
   auto opened = ServerSecurity::open(state);
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().message.find("server.key: others may read it"), std::string::npos) << opened.error().message;
+  EXPECT_NE(opened.error().message.find("server.key: others may read it"), std::string::npos)
+      << opened.error().message;
   std::filesystem::copy_file(other / "server.key", state / "server.key",
                              std::filesystem::copy_options::overwrite_existing);
   ::chmod((state / "server.key").c_str(), 0600);
   opened = ServerSecurity::open(state);
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().message.find("do not belong together"), std::string::npos) << opened.error().message;
+  EXPECT_NE(opened.error().message.find("do not belong together"), std::string::npos)
+      << opened.error().message;
   folder.write("state/server.crt", "no certificate");
   EXPECT_FALSE(ServerSecurity::open(state));
   folder.write("file", "");

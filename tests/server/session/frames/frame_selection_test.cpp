@@ -8,9 +8,9 @@
 #include <numeric>
 #include <random>
 
+#include "session/frames/send_budget.h"
 #include "session/frames/shared_frame_payload.h"
 #include "session/frames/tick_encodings.h"
-#include "session/frames/send_budget.h"
 
 namespace livegs {
 namespace {
@@ -19,7 +19,8 @@ constexpr double kTick_s = 1.0 / 90;
 constexpr int64_t kTick_ns = 11'111'111;
 constexpr uint32_t kObjects = 40;
 
-// Soft cubes in a row along x, half a metre apart, which swing while `moving`; the later in the row, the slower.
+// Soft cubes in a row along x, half a metre apart, which swing while `moving`; the later in the row, the
+// slower.
 DriverFrame row_of_cubes(uint64_t tick, bool moving = true) {
   DriverFrame frame;
   frame.tick = tick;
@@ -51,7 +52,8 @@ struct Stream {
   DriverFrame seen;
   size_t bytes = 0;
 
-  void send(const TickEncodings& tick, const ClientView& who, double budget_bytes = std::numeric_limits<double>::infinity()) {
+  void send(const TickEncodings& tick, const ClientView& who,
+            double budget_bytes = std::numeric_limits<double>::infinity()) {
     const EncodedFrame frame = tick.for_client(baseline, who, budget_bytes);
     baseline = frame.next;
     bytes = frame.bytes;
@@ -88,7 +90,8 @@ TEST(ViewCone, TouchesWhatIsInItInPart) {
   EXPECT_TRUE((ViewCone{{0, 0, 0}, {0, 0, -1}, M_PI}.touches({0, 0, 9}, 0.1)));
 }
 
-// Whatever ticks it is sent, with gaps or without, a client has nothing that is older than nine ticks, unless the gap was longer.
+// Whatever ticks it is sent, with gaps or without, a client has nothing that is older than nine ticks, unless
+// the gap was longer.
 TEST(Interest, WhatIsNotSeenIsInEveryNinthTick) {
   std::mt19937 random(7);
   ClientView away;
@@ -125,7 +128,8 @@ TEST(Interest, WhatAHandHoldsIsSeen) {
   for (uint64_t tick = 1; tick < 20; ++tick) {
     const std::vector<uint32_t> out = culled(balls, away, tick + 1, tick);
     EXPECT_GT(out.size(), 20u);
-    EXPECT_FALSE(std::binary_search(out.begin(), out.end(), 5u) || std::binary_search(out.begin(), out.end(), 9u));
+    EXPECT_FALSE(std::binary_search(out.begin(), out.end(), 5u) ||
+                 std::binary_search(out.begin(), out.end(), 9u));
   }
 }
 
@@ -144,8 +148,8 @@ TEST(Interest, WhatSleepsIsNeverLeftOutNorAnythingForWhoHasRoom) {
   for (uint64_t tick = 1; tick < 20; ++tick) EXPECT_TRUE(culled(balls, away, tick + 1, tick).empty());
 }
 
-// A client looks away for a second and back: then it has with the next frame what one that never looked away has, to the bit. All
-// the while its reader's hash agrees.
+// A client looks away for a second and back: then it has with the next frame what one that never looked away
+// has, to the bit. All the while its reader's hash agrees.
 TEST(Interest, WhoLooksHasItExactlyWithTheNextFrame) {
   Stream watching, turning;
   const ClientView all;
@@ -165,16 +169,19 @@ TEST(Interest, WhoLooksHasItExactlyWithTheNextFrame) {
       }
       // Nine ticks at its speed.
       const double speed_m_s = 0.05 * 1.05 * 20.0 / static_cast<double>(i + 1);
-      EXPECT_LE(farthest_m(truth.objects[i], turning.seen.objects[i]), kExact_m + 9 * kTick_s * speed_m_s) << tick;
+      EXPECT_LE(farthest_m(truth.objects[i], turning.seen.objects[i]), kExact_m + 9 * kTick_s * speed_m_s)
+          << tick;
     }
     if (away) whole += watching.bytes, less += turning.bytes;
   }
-  std::printf("bytes while it looked away: %.2f of all\n", static_cast<double>(less) / static_cast<double>(whole));
+  std::printf("bytes while it looked away: %.2f of all\n",
+              static_cast<double>(less) / static_cast<double>(whole));
   // Not a ninth: a straight line over nine ticks foresees less, and each frame has its head.
   EXPECT_LT(static_cast<double>(less), 0.45 * static_cast<double>(whole));
 }
 
-// At a cap of about a third of what the scene takes. The eye is beside the first cube, which is the nearest and fastest.
+// At a cap of about a third of what the scene takes. The eye is beside the first cube, which is the nearest
+// and fastest.
 TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
   constexpr double kCap_bytes_s = 30'000;
   Stream capped, free;
@@ -206,7 +213,8 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
     for (size_t i = 0; i < kObjects; ++i) {
       const double off_m = farthest_m(free.seen.objects[i], capped.seen.objects[i]);
       current[i] += off_m == 0 ? 1 : 0;
-      angle_rad = std::max(angle_rad, off_m / (ball_around(free.seen.objects[i], 0).centre_m - who.view->position_m).norm());
+      angle_rad = std::max(
+          angle_rad, off_m / (ball_around(free.seen.objects[i], 0).centre_m - who.view->position_m).norm());
     }
   }
   // The cap, over every second: the first one has the key frame.
@@ -214,21 +222,27 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
   for (const Sent& one : sent) most_message = std::max(most_message, one.bytes);
   for (size_t from = 0; from < sent.size(); ++from) {
     size_t bytes = 0;
-    for (size_t i = from; i < sent.size() && sent[i].at_ns < sent[from].at_ns + 1'000'000'000; ++i) bytes += sent[i].bytes;
-    EXPECT_LE(static_cast<double>(bytes), kCap_bytes_s * (1 + SendBudget::kBurst_s) + static_cast<double>(most_message));
+    for (size_t i = from; i < sent.size() && sent[i].at_ns < sent[from].at_ns + 1'000'000'000; ++i)
+      bytes += sent[i].bytes;
+    EXPECT_LE(static_cast<double>(bytes),
+              kCap_bytes_s * (1 + SendBudget::kBurst_s) + static_cast<double>(most_message));
   }
   const double free_bytes_s = free_bytes * 90 / static_cast<double>(kMoving);
   EXPECT_GT(free_bytes_s, 2 * kCap_bytes_s);  // it was tight
   const auto share = [&](size_t from) {
-    return std::accumulate(current.begin() + static_cast<long>(from), current.begin() + static_cast<long>(from) + 5, 0.0) / 5 /
-           static_cast<double>(kMoving - kFirst + 1);
+    return std::accumulate(current.begin() + static_cast<long>(from),
+                           current.begin() + static_cast<long>(from) + 5, 0.0) /
+           5 / static_cast<double>(kMoving - kFirst + 1);
   };
-  std::printf("%.0f kB/s into %.0f: the nearest five are as they are in %.2f of all ticks, the farthest in %.2f; off by %.1f mrad at most\n",
-              1e-3 * free_bytes_s, 1e-3 * kCap_bytes_s, share(0), share(kObjects - 5), 1e3 * angle_rad);
+  std::printf(
+      "%.0f kB/s into %.0f: the nearest five are as they are in %.2f of all ticks, the farthest in %.2f; off "
+      "by %.1f mrad at most\n",
+      1e-3 * free_bytes_s, 1e-3 * kCap_bytes_s, share(0), share(kObjects - 5), 1e3 * angle_rad);
   EXPECT_GT(share(0), 3 * share(kObjects - 5));
   EXPECT_GT(share(kObjects - 5), 0);  // but they are sent
   // All that was deferred has come, to the bit.
-  for (size_t i = 0; i < kObjects; ++i) EXPECT_EQ(capped.seen.objects[i].positions_m, free.seen.objects[i].positions_m) << i;
+  for (size_t i = 0; i < kObjects; ++i)
+    EXPECT_EQ(capped.seen.objects[i].positions_m, free.seen.objects[i].positions_m) << i;
 }
 
 TEST(Cap, ChoosesByAngleAndAge) {
@@ -238,7 +252,8 @@ TEST(Cap, ChoosesByAngleAndAge) {
   DriverFrame now = before;
   now.tick = 2;
   for (const uint32_t id : {1u, 2u, 3u, 4u, 30u}) {
-    for (Eigen::Vector3f& position : now.objects[id - 1].positions_m) position.y() += id == 30 ? 1.0f : 0.001f;
+    for (Eigen::Vector3f& position : now.objects[id - 1].positions_m)
+      position.y() += id == 30 ? 1.0f : 0.001f;
   }
   std::vector<ObjectBall> balls;
   for (const ObjectDrivers& object : now.objects) balls.push_back(ball_around(object, 0.05));
@@ -247,8 +262,10 @@ TEST(Cap, ChoosesByAngleAndAge) {
   who.held = {2};
   // 200 bytes each. Room for three of five: 2 is held, 30 went far, 4 is near.
   EXPECT_EQ(over_budget(now, *baseline, balls, who, {}, 1000, 600), (std::vector<uint32_t>{1, 3}));
-  EXPECT_EQ(over_budget(now, *baseline, balls, who, {}, 1000, 10), (std::vector<uint32_t>{1, 3, 4, 30}));  // one always goes
-  EXPECT_EQ(over_budget(now, *baseline, balls, who, std::vector<uint32_t>{30}, 800, 400), (std::vector<uint32_t>{1, 3, 30}));
+  EXPECT_EQ(over_budget(now, *baseline, balls, who, {}, 1000, 10),
+            (std::vector<uint32_t>{1, 3, 4, 30}));  // one always goes
+  EXPECT_EQ(over_budget(now, *baseline, balls, who, std::vector<uint32_t>{30}, 800, 400),
+            (std::vector<uint32_t>{1, 3, 30}));
 }
 
 TEST(SendBudget, SavesForATenthOfASecondAndGoesIntoDebt) {

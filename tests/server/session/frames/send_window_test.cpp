@@ -81,10 +81,12 @@ TEST(SendWindow, GrowsWithTheRoundTrip) {
     const int64_t tick_ns = static_cast<int64_t>(number) * kTick_ns;
     for (; !answers.empty() && answers.front().first <= tick_ns; answers.pop_front()) {
       window.acknowledge(answers.front().second, answers.front().first);
-      if (const auto outgoing = window.take(answers.front().first)) answers.emplace_back(answers.front().first + 40'000'000, outgoing->tick->tick());
+      if (const auto outgoing = window.take(answers.front().first))
+        answers.emplace_back(answers.front().first + 40'000'000, outgoing->tick->tick());
     }
     window.offer(tick(number));
-    if (const auto outgoing = window.take(tick_ns)) answers.emplace_back(tick_ns + 40'000'000, outgoing->tick->tick());
+    if (const auto outgoing = window.take(tick_ns))
+      answers.emplace_back(tick_ns + 40'000'000, outgoing->tick->tick());
     if (number == 10) {
       EXPECT_EQ(window.size(), 2u);
     }

@@ -65,7 +65,8 @@ class LookingApart {
 
  private:
   const std::shared_ptr<EncodingRecord> record_ = std::make_shared<EncodingRecord>();
-  const std::shared_ptr<const ObjectReaches> reaches_ = std::make_shared<ObjectReaches>(ObjectReaches{{1, 0.1}, {2, 0.1}});
+  const std::shared_ptr<const ObjectReaches> reaches_ =
+      std::make_shared<ObjectReaches>(ObjectReaches{{1, 0.1}, {2, 0.1}});
   ClientView left_, right_;
   StreamBaselinePtr has_left_, has_right_;
   uint64_t tick_ = 0;
@@ -80,8 +81,8 @@ TEST(TickEncodings, IsEncodedOnceForThoseWhoLookDifferentWaysIfTheyHaveRoom) {
   }
 }
 
-// Who has no cap and seems slow gets bytes of its own while few do: were it so for all of a multitude, encoding for each would
-// be what makes them slow. Those with a cap are sent what fits, each by itself.
+// Who has no cap and seems slow gets bytes of its own while few do: were it so for all of a multitude,
+// encoding for each would be what makes them slow. Those with a cap are sent what fits, each by itself.
 TEST(TickEncodings, OfAMultitudeThatSeemsSlowMostShare) {
   constexpr int kClients = 24;
   const auto record = std::make_shared<EncodingRecord>();
@@ -128,7 +129,8 @@ TEST(TickEncodings, OfAMultitudeThatSeemsSlowMostShare) {
   }
 }
 
-// What sleeps is left out for nobody: where all does, those who have no room share too, once the straight lines are forgotten.
+// What sleeps is left out for nobody: where all does, those who have no room share too, once the straight
+// lines are forgotten.
 TEST(TickEncodings, IsEncodedOnceForThoseWhoLookDifferentWaysOnceAllSleeps) {
   LookingApart narrow(false);
   for (int i = 0; i < 40; ++i) narrow.tick(false);

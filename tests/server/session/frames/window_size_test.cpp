@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The window against links and clients of the test's own making, in a time of its own: a minute takes no time.
+// The window against links and clients of the test's own making, in a time of its own: a minute takes no
+// time.
 #include "session/frames/window_size.h"
 
 #include <gtest/gtest.h>
@@ -18,11 +19,13 @@ namespace {
 
 constexpr double kTick_ms = 1000.0 / 90;
 
-// A way to a client and back. A frame takes `service_ms` of something that takes one at a time, the link or the client.
+// A way to a client and back. A frame takes `service_ms` of something that takes one at a time, the link or
+// the client.
 struct Way {
   double service_ms = 0, round_trip_ms = 0, jitter_ms = 0;
   double stall_every_ms = 0, stall_ms = 0;
-  std::optional<double> less_ms = {};  // in place of service_ms, of a frame that is made smaller because it is slow
+  std::optional<double> less_ms =
+      {};  // in place of service_ms, of a frame that is made smaller because it is slow
 };
 
 struct Trial {
@@ -39,7 +42,8 @@ struct Trial {
     return those / all;
   }
   double rate_hz(double begin_ms, double end_ms) const {
-    const auto count = std::count_if(sent_ms.begin(), sent_ms.end(), [&](double t) { return t >= begin_ms && t < end_ms; });
+    const auto count =
+        std::count_if(sent_ms.begin(), sent_ms.end(), [&](double t) { return t >= begin_ms && t < end_ms; });
     return 1e3 * static_cast<double>(count) / (end_ms - begin_ms);
   }
   double age_ms(double share, double begin_ms, double end_ms) const {
@@ -52,7 +56,8 @@ struct Trial {
   }
 };
 
-// Ninety ticks a second; the newest waits for the window, as in SendWindow. `fixed`: a window of so many in place of WindowSize's.
+// Ninety ticks a second; the newest waits for the window, as in SendWindow. `fixed`: a window of so many in
+// place of WindowSize's.
 Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed = 0) {
   WindowSize size;
   std::mt19937_64 random(1);
@@ -71,7 +76,8 @@ Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed
       const Under one = under_way.front();
       under_way.pop_front();
       now_ms = one.heard_ms;
-      size.add({static_cast<int64_t>(1e6 * one.written_ms), static_cast<int64_t>(1e6 * now_ms), one.alone, 1});
+      size.add(
+          {static_cast<int64_t>(1e6 * one.written_ms), static_cast<int64_t>(1e6 * now_ms), one.alone, 1});
     } else {
       now_ms = next_tick_ms;
       next_tick_ms += kTick_ms;
@@ -102,11 +108,13 @@ Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed
 }
 
 Trial run(double seconds, const Way& way, size_t fixed = 0) {
-  return run(seconds, [&](double) { return way; }, fixed);
+  return run(
+      seconds, [&](double) { return way; }, fixed);
 }
 
 size_t usual_window(const Trial& result) {
-  std::vector<size_t> last(result.windows.begin() + static_cast<std::ptrdiff_t>(result.windows.size() / 2), result.windows.end());
+  std::vector<size_t> last(result.windows.begin() + static_cast<std::ptrdiff_t>(result.windows.size() / 2),
+                           result.windows.end());
   std::sort(last.begin(), last.end());
   return last[last.size() / 2];
 }
@@ -128,12 +136,13 @@ TEST(WindowSize, KeepsTheRateOverALongRoundTripWhereTwoLostHalfOfIt) {
 
 TEST(WindowSize, GrowsWithTheRoundTripAndNotBeyondFour) {
   for (const auto& [round_trip_ms, window] : {std::pair{5.0, 2u}, {15.0, 3u}, {25.0, 4u}, {200.0, 4u}}) {
-    EXPECT_EQ(usual_window(run(20, {.service_ms = 0.3, .round_trip_ms = round_trip_ms})), window) << round_trip_ms;
+    EXPECT_EQ(usual_window(run(20, {.service_ms = 0.3, .round_trip_ms = round_trip_ms})), window)
+        << round_trip_ms;
   }
 }
 
-// 16 kB at 8 Mbit/s take 16 ms, which is more than a tick has. An answer takes 18 ms alone, 34 with one before it, 66 with three:
-// taken for the network's, these would open the window that makes them.
+// 16 kB at 8 Mbit/s take 16 ms, which is more than a tick has. An answer takes 18 ms alone, 34 with one
+// before it, 66 with three: taken for the network's, these would open the window that makes them.
 TEST(WindowSize, LetsNoQueueStandInANarrowPipe) {
   const Way narrow{.service_ms = 16, .round_trip_ms = 2};
   const Trial adapted = run(60, narrow), two = run(60, narrow, 2), four = run(60, narrow, 4);
@@ -143,7 +152,8 @@ TEST(WindowSize, LetsNoQueueStandInANarrowPipe) {
   EXPECT_LT(adapted.age_ms(0.5, 1e3, 60e3), 0.7 * two.age_ms(0.5, 1e3, 60e3));
   EXPECT_LE(adapted.age_ms(0.99, 1e3, 60e3), two.age_ms(0.99, 1e3, 60e3));
   EXPECT_LE(adapted.age_ms(0.99, 30e3, 60e3), 1.05 * adapted.age_ms(0.99, 1e3, 30e3));  // flat
-  EXPECT_GT(four.age_ms(0.99, 1e3, 60e3), 60);  // what a window by the round trip alone comes to: over the bar
+  EXPECT_GT(four.age_ms(0.99, 1e3, 60e3),
+            60);  // what a window by the round trip alone comes to: over the bar
   EXPECT_GT(adapted.rate_hz(1e3, 60e3), 0.8 * two.rate_hz(1e3, 60e3));
   EXPECT_EQ(usual_window(adapted), 1u);
 }
@@ -176,21 +186,23 @@ TEST(WindowSize, FollowsALinkThatNarrowsAndWidens) {
 }
 
 TEST(WindowSize, IsNotSlowWhereNothingIsShort) {
-  for (const Way& way : {Way{.service_ms = 0.3, .round_trip_ms = 1}, Way{.service_ms = 6, .round_trip_ms = 2}, Way{.service_ms = 0.3, .round_trip_ms = 40},
+  for (const Way& way : {Way{.service_ms = 0.3, .round_trip_ms = 1}, Way{.service_ms = 6, .round_trip_ms = 2},
+                         Way{.service_ms = 0.3, .round_trip_ms = 40},
                          Way{.service_ms = 0.3, .round_trip_ms = 2, .jitter_ms = 5}}) {
     EXPECT_EQ(run(60, way).slow_share(0, 60e3), 0) << way.round_trip_ms;
   }
 }
 
-// Whole frames do not fit, smaller ones do: it finds out within a second and keeps to it, but for tries that become rarer. Once the link
-// is wide again it finds that out too.
+// Whole frames do not fit, smaller ones do: it finds out within a second and keeps to it, but for tries that
+// become rarer. Once the link is wide again it finds that out too.
 TEST(WindowSize, IsSlowForAsLongAsWholeFramesDoNotFit) {
   const Trial changing = run(400, [](double now_ms) {
     const bool narrow = now_ms < 200e3;
     return Way{.service_ms = narrow ? 16.0 : 0.3, .round_trip_ms = 2, .less_ms = narrow ? 6.0 : 0.3};
   });
-  std::printf("slow in %.3f of the frames from 1 to 100 s, %.3f to 200 s; %.1f frames a second\n", changing.slow_share(1e3, 100e3),
-              changing.slow_share(100e3, 200e3), changing.rate_hz(1e3, 200e3));
+  std::printf("slow in %.3f of the frames from 1 to 100 s, %.3f to 200 s; %.1f frames a second\n",
+              changing.slow_share(1e3, 100e3), changing.slow_share(100e3, 200e3),
+              changing.rate_hz(1e3, 200e3));
   EXPECT_GT(changing.slow_share(1e3, 100e3), 0.95);
   EXPECT_GT(changing.slow_share(100e3, 200e3), 0.97);
   EXPECT_GT(changing.rate_hz(1e3, 200e3), 88);
@@ -203,8 +215,10 @@ TEST(WindowSize, IsSlowBehindALongNarrowPipe) {
 
 // A stall says nothing of the network as it is otherwise.
 TEST(WindowSize, IsNotOpenedByStalls) {
-  const Trial stalled = run(60, {.service_ms = 0.3, .round_trip_ms = 2, .stall_every_ms = 2000, .stall_ms = 300});
-  EXPECT_TRUE(std::all_of(stalled.windows.begin(), stalled.windows.end(), [](size_t size) { return size <= 2; }));
+  const Trial stalled =
+      run(60, {.service_ms = 0.3, .round_trip_ms = 2, .stall_every_ms = 2000, .stall_ms = 300});
+  EXPECT_TRUE(
+      std::all_of(stalled.windows.begin(), stalled.windows.end(), [](size_t size) { return size <= 2; }));
 }
 
 TEST(WindowSize, KeepsTheRateUnderJitter) {
@@ -212,10 +226,12 @@ TEST(WindowSize, KeepsTheRateUnderJitter) {
   EXPECT_GT(jittery.rate_hz(2e3, 60e3), 85);
 }
 
-// The round trip is at the edge of two sizes: noise of a tenth of a tick does not make the window go to and fro.
+// The round trip is at the edge of two sizes: noise of a tenth of a tick does not make the window go to and
+// fro.
 TEST(WindowSize, DoesNotGoToAndFro) {
   const Trial edge = run(60, [](double now_ms) {
-    return Way{.service_ms = 0.1, .round_trip_ms = kTick_ms * (1 + (std::fmod(now_ms, 2000) < 1000 ? 0.1 : -0.1))};
+    return Way{.service_ms = 0.1,
+               .round_trip_ms = kTick_ms * (1 + (std::fmod(now_ms, 2000) < 1000 ? 0.1 : -0.1))};
   });
   size_t changes = 0;
   for (size_t i = 1; i < edge.windows.size(); ++i) changes += edge.windows[i] != edge.windows[i - 1] ? 1 : 0;

@@ -18,9 +18,10 @@
 
 namespace livegs {
 
-// A block and a sponge whose physics are left open, but for what is told of the block, and a box whose are told.
-inline Scene open_scene(const ScratchFolder& folder, const std::string& block_physics = "{}", const std::string& block_m = "0.1",
-                 uint32_t first_object_id = 1) {
+// A block and a sponge whose physics are left open, but for what is told of the block, and a box whose are
+// told.
+inline Scene open_scene(const ScratchFolder& folder, const std::string& block_physics = "{}",
+                        const std::string& block_m = "0.1", uint32_t first_object_id = 1) {
   std::string points = "x,y,z\n";
   for (int i = 0; i < 64; ++i) {
     points += std::to_string(0.02 * (i % 4)) + "," + std::to_string(0.02 * (i / 4 % 4)) + "," +
@@ -70,7 +71,8 @@ inline Result<std::string> weigh(const AnalysisQuestion& question, const ToolBox
 // The block ten times as heavy as it can be thought to be.
 inline Result<std::string> weigh_too_much(const AnalysisQuestion& question, const ToolBox& tools, int turn) {
   auto answer = nlohmann::json::parse(*weigh(question, tools, turn));
-  if (question.slots.at("name") == "wood block") answer["mass_g"] = {{"low", 4500}, {"best", 5000}, {"high", 5500}};
+  if (question.slots.at("name") == "wood block")
+    answer["mass_g"] = {{"low", 4500}, {"best", 5000}, {"high", 5500}};
   return answer.dump();
 }
 

@@ -39,7 +39,8 @@ TEST_F(AnalysisControllerTest, WhatIsAcceptedLandsAtATickAsOneChange) {
   EXPECT_TRUE(by_model(*open_scene(folder).find("wood block")));
 }
 
-// What was decided while the scene was loaded anew holds from its first tick, and what its file says by then counts.
+// What was decided while the scene was loaded anew holds from its first tick, and what its file says by then
+// counts.
 TEST_F(AnalysisControllerTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile) {
   start(nullptr);
   v1::Physics edit;
@@ -58,7 +59,8 @@ TEST_F(AnalysisControllerTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile
   ASSERT_TRUE(log.wait([](const auto& ticks) { return !ticks.empty() && ticks.back().run.resets == 1; }));
   for (const TickResult& tick : log.ticks()) {
     if (!tick.scene_is_new) continue;
-    const auto block = std::find_if(tick.added.begin(), tick.added.end(), [](const auto& one) { return one.name == "wood block"; });
+    const auto block = std::find_if(tick.added.begin(), tick.added.end(),
+                                    [](const auto& one) { return one.name == "wood block"; });
     ASSERT_NE(block, tick.added.end());
     EXPECT_EQ(block->mass_kg, 0.7);
     EXPECT_EQ(block->physics.friction().best(), 0.9);
@@ -73,7 +75,8 @@ TEST_F(AnalysisControllerTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile
   EXPECT_TRUE(reply->warnings(0).starts_with("the edit of friction has no effect")) << reply->warnings(0);
 }
 
-// What a person said since the scene was loaded is what the next answer is asked for and weighed against with.
+// What a person said since the scene was loaded is what the next answer is asked for and weighed against
+// with.
 TEST_F(AnalysisControllerTest, AnEditCountsInTheNextAnalysis) {
   std::mutex mutex;
   std::string told;
@@ -92,7 +95,8 @@ TEST_F(AnalysisControllerTest, AnEditCountsInTheNextAnalysis) {
   const auto accepted = analysis->accept_proposal("wood block");
   ASSERT_TRUE(accepted) << accepted.error().message;
   EXPECT_EQ(accepted->parameters().mass_kg().source(), EstimatedValue::MODEL);
-  EXPECT_GT(accepted->parameters().mass_kg().best(), 2);  // of the answer, 5 kg, and the estimate, a tenth of it, as the gate fuses them
+  EXPECT_GT(accepted->parameters().mass_kg().best(),
+            2);  // of the answer, 5 kg, and the estimate, a tenth of it, as the gate fuses them
   ASSERT_TRUE(changes_to("wood block", [](const SceneObject& one) { return one.mass_kg > 2; }));
   ASSERT_TRUE(analysis->undo_physics("wood block", false));
   v1::Physics edit;
@@ -196,7 +200,8 @@ TEST_F(AnalysisControllerTest, ClientsFollowAnalysesAndEdit) {
     set_patience(context);
     v1::AcceptProposalRequest accept;
     accept.set_object("wood block");
-    EXPECT_EQ(client.stub().AcceptProposal(&context, accept, &reply).error_code(), grpc::StatusCode::NOT_FOUND);
+    EXPECT_EQ(client.stub().AcceptProposal(&context, accept, &reply).error_code(),
+              grpc::StatusCode::NOT_FOUND);
   }
   grpc::ClientContext context;
   set_patience(context);
@@ -214,7 +219,8 @@ TEST_F(AnalysisControllerTest, ACancelledCallStopsAskingAndLetsTheNextOneIn) {
   auto server = std::move(*listening);
   start(weigh);
   endpoint->delay = [](const std::string& name) {
-    return name == "sponge" ? std::chrono::milliseconds(0) : std::chrono::milliseconds(std::chrono::minutes(10));
+    return name == "sponge" ? std::chrono::milliseconds(0)
+                            : std::chrono::milliseconds(std::chrono::minutes(10));
   };
   loop->stop();
   server->open(loop->scene(), *loop);

@@ -10,7 +10,8 @@ namespace {
 
 using v1::EstimatedValue;
 
-// The next start takes it that whoever undid an answer does not want it back; another question is another matter.
+// The next start takes it that whoever undid an answer does not want it back; another question is another
+// matter.
 TEST_F(AnalysisControllerTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) {
   start(weigh);
   analysis->begin();
@@ -50,7 +51,8 @@ TEST_F(AnalysisControllerTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) 
   ASSERT_TRUE(changes_to("sponge", by_model));
 }
 
-// What the server's own start found and does not take upon itself reaches the log, and changes nothing of the scene.
+// What the server's own start found and does not take upon itself reaches the log, and changes nothing of the
+// scene.
 TEST_F(AnalysisControllerTest, AProposalOfTheStartIsToldAndWaits) {
   const auto touched = [&] {
     for (const TickResult& tick : log.ticks()) {
@@ -65,14 +67,18 @@ TEST_F(AnalysisControllerTest, AProposalOfTheStartIsToldAndWaits) {
   start(weigh_too_much);
   analysis->begin();
   EXPECT_TRUE(changes_to("sponge", by_model));
-  EXPECT_EQ(analyzed("sponge").verdict(), v1::AnalysisProgress::ACCEPTED);  // the start's lines are written by then
+  EXPECT_EQ(analyzed("sponge").verdict(),
+            v1::AnalysisProgress::ACCEPTED);  // the start's lines are written by then
   analysis.reset();
   loop->stop();
   EXPECT_FALSE(touched());
   std::string told = testing::internal::GetCapturedStderr();
-  EXPECT_NE(told.find("analysis: wood block: needs review: mass_g.best: 5000 g is more than 8 times away"), std::string::npos)
+  EXPECT_NE(told.find("analysis: wood block: needs review: mass_g.best: 5000 g is more than 8 times away"),
+            std::string::npos)
       << told;
-  EXPECT_NE(told.find("kept as a proposal: Accept in the window or livegs analyze --accept takes it; Decline, --decline or an edit"), std::string::npos);
+  EXPECT_NE(told.find("kept as a proposal: Accept in the window or livegs analyze --accept takes it; "
+                      "Decline, --decline or an edit"),
+            std::string::npos);
   EXPECT_NE(told.find("analysis: sponge: accepted"), std::string::npos) << told;
 
   // The next start asks nobody about it and says that it is there.
@@ -141,7 +147,8 @@ TEST_F(AnalysisControllerTest, WhatWasDeclinedOrEditedWaitsNoLonger) {
     analysis.reset();
     loop->stop();
     for (const char* name : {"open.scene.physics.wood%20block", "sponge.physics"}) {
-      for (const char* ending : {".json", ".log"}) std::filesystem::remove(folder / (std::string(name) + ending));
+      for (const char* ending : {".json", ".log"})
+        std::filesystem::remove(folder / (std::string(name) + ending));
     }
   }
 }
@@ -180,7 +187,8 @@ TEST(PhysicsOverrides, WhatHasNoFileIsToldOnceToHoldUntilTheEnd) {
   v1::Physics edit;
   edit.set_mass_kg(0.7);
   ASSERT_TRUE(decided.edit(edit, "", note));
-  EXPECT_EQ(note, "there is no file to keep it in: it holds until the server ends; write it into the scene file");
+  EXPECT_EQ(note,
+            "there is no file to keep it in: it holds until the server ends; write it into the scene file");
   note.clear();
   edit.set_mass_kg(0.8);
   ASSERT_TRUE(decided.edit(edit, "", note));
@@ -199,7 +207,8 @@ TEST_F(AnalysisControllerTest, ANameChangesWhatItIsTakenFor) {
   const auto renamed = analysis->set_physics("sponge", {}, "steel bolt");
   ASSERT_TRUE(renamed) << renamed.error().message;
   EXPECT_EQ(renamed->parameters().material(), "carbon steel");
-  ASSERT_TRUE(changes_to("sponge", [](const SceneObject& one) { return one.physics.material() == "carbon steel"; }));
+  ASSERT_TRUE(
+      changes_to("sponge", [](const SceneObject& one) { return one.physics.material() == "carbon steel"; }));
   EXPECT_EQ(read_physics_file(folder / "sponge.physics.json")->name(), "steel bolt");
   const auto undone = analysis->undo_physics("sponge", false);
   ASSERT_TRUE(undone);
@@ -225,10 +234,12 @@ TEST_F(AnalysisControllerTest, AnEditOfWhatTheSceneWritesIsAnsweredSo) {
   ASSERT_TRUE(reply) << reply.error().message;
   ASSERT_EQ(reply->warnings_size(), 1);
   EXPECT_EQ(reply->warnings(0),
-            "the edit of mass_kg has no effect, because the scene file writes it; take it out of there to edit it here");
+            "the edit of mass_kg has no effect, because the scene file writes it; take it out of there to "
+            "edit it here");
 }
 
-// Whoever is there and whoever joins later is offered what waits, whoever asked for it and before which start.
+// Whoever is there and whoever joins later is offered what waits, whoever asked for it and before which
+// start.
 TEST_F(AnalysisControllerTest, AProposalIsOfferedToEveryClient) {
   start(weigh_too_much);
   ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);

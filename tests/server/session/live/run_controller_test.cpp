@@ -86,22 +86,26 @@ TEST_F(RunControllerTest, StepsTakeSoManyTicks) {
   wait_ticks(3);
   EXPECT_EQ(log_.ticks().back().drivers.simulated_ns, 0);
   ASSERT_TRUE(run_.control(step(7)));
-  ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return ticks.back().drivers.simulated_ns > 7e9 / 90 - 1e6; }));
+  ASSERT_TRUE(
+      log_.wait([](const Ticks& ticks) { return ticks.back().drivers.simulated_ns > 7e9 / 90 - 1e6; }));
   wait_ticks(5);
   loop_.stop();
-  EXPECT_NEAR(static_cast<double>(log_.ticks().back().drivers.simulated_ns), 7e9 / 90, 10);  // whole nanoseconds
+  EXPECT_NEAR(static_cast<double>(log_.ticks().back().drivers.simulated_ns), 7e9 / 90,
+              10);  // whole nanoseconds
   EXPECT_TRUE(log_.ticks().back().run.paused);
 }
 
 TEST_F(RunControllerTest, AResetIsTheSceneAsItWasLoaded) {
   loop_.start();
-  ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return !ticks.empty() && middle_of(ticks.back().drivers, kBox).y() < 4.9; }));
+  ASSERT_TRUE(log_.wait(
+      [](const Ticks& ticks) { return !ticks.empty() && middle_of(ticks.back().drivers, kBox).y() < 4.9; }));
   ASSERT_TRUE(run_.control(reset()));
   ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return ticks.back().run.resets == 1; }));
   wait_ticks(3);
   loop_.stop();
   const Ticks ticks = log_.ticks();
-  const auto anew = std::find_if(ticks.begin(), ticks.end(), [](const TickResult& tick) { return tick.run.resets == 1; });
+  const auto anew =
+      std::find_if(ticks.begin(), ticks.end(), [](const TickResult& tick) { return tick.run.resets == 1; });
   // Everything goes and comes in one tick, under ids that were never used.
   ASSERT_EQ(anew->added.size(), 2u);
   EXPECT_EQ(anew->added[1].name, "box");
@@ -119,22 +123,27 @@ TEST_F(RunControllerTest, AResetIsTheSceneAsItWasLoaded) {
 }
 
 TEST_F(RunControllerTest, AResetThatFailsSaysWhyAndTheSceneGoesOn) {
-  RunController broken(loop_, [](uint32_t) -> Result<Scene> { return not_found("/srv/my scenes/cup.ply: is not there any more"); });
+  RunController broken(loop_, [](uint32_t) -> Result<Scene> {
+    return not_found("/srv/my scenes/cup.ply: is not there any more");
+  });
   loop_.start();
   ASSERT_TRUE(broken.control(reset()));
-  ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return !ticks.empty() && !ticks.back().run.message.empty(); }));
+  ASSERT_TRUE(
+      log_.wait([](const Ticks& ticks) { return !ticks.empty() && !ticks.back().run.message.empty(); }));
   loop_.stop();
   EXPECT_EQ(log_.ticks().back().run.message, "reset: cup.ply: is not there any more");
   EXPECT_FALSE(log_.ticks().back().run.loading);
   EXPECT_EQ(log_.ticks().back().run.resets, 0u);
 }
 
-// Memory that is short while a scene is loaded, or while its assets are encoded, ends neither the server nor the scene.
+// Memory that is short while a scene is loaded, or while its assets are encoded, ends neither the server nor
+// the scene.
 TEST_F(RunControllerTest, AResetForWhichMemoryIsShortSaysSoAndTheSceneGoesOn) {
   loop_.start();
   const auto expect_told = [&](RunController& run) {
     ASSERT_TRUE(run.control(reset()));
-    ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return !ticks.empty() && !ticks.back().run.message.empty(); }));
+    ASSERT_TRUE(
+        log_.wait([](const Ticks& ticks) { return !ticks.empty() && !ticks.back().run.message.empty(); }));
     EXPECT_EQ(log_.ticks().back().run.message, std::string("reset: ") + std::bad_alloc().what());
     EXPECT_FALSE(log_.ticks().back().run.loading);
     wait_ticks(3);
@@ -144,7 +153,8 @@ TEST_F(RunControllerTest, AResetForWhichMemoryIsShortSaysSoAndTheSceneGoesOn) {
   loop_.set_loading(false, "");
   ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return ticks.back().run.message.empty(); }));
   RunController cannot_encode(
-      loop_, [](uint32_t first_id) -> Result<Scene> { return falling_scene(first_id); }, [](const Scene&) { throw std::bad_alloc(); });
+      loop_, [](uint32_t first_id) -> Result<Scene> { return falling_scene(first_id); },
+      [](const Scene&) { throw std::bad_alloc(); });
   expect_told(cannot_encode);
   loop_.stop();
   EXPECT_EQ(log_.ticks().back().run.resets, 0u);
@@ -176,7 +186,8 @@ TEST_F(RunControllerTest, AForceActsForItsTime) {
   }));
   loop_.stop();
   const std::vector<BodyState> bodies = loop_.scene().world().bodies();
-  const BodyState box = *std::find_if(bodies.begin(), bodies.end(), [](const BodyState& body) { return body.object_id == kBox; });
+  const BodyState box = *std::find_if(bodies.begin(), bodies.end(),
+                                      [](const BodyState& body) { return body.object_id == kBox; });
   EXPECT_NEAR(box.velocity_m_s.x(), 1.5, 1e-6);  // F t / m, in whole ticks: 45
 }
 

@@ -75,7 +75,8 @@ class SlowAssetTest : public ::testing::Test {
   ~SlowAssetTest() override { let_go(); }
 
   const SceneObject& object(std::string_view name) const {
-    return *std::find_if(scene_.objects().begin(), scene_.objects().end(), [&](const SceneObject& one) { return one.name == name; });
+    return *std::find_if(scene_.objects().begin(), scene_.objects().end(),
+                         [&](const SceneObject& one) { return one.name == name; });
   }
   // The box in two, with kernels that nobody has encoded.
   SceneObject broken_box() const {
@@ -108,7 +109,8 @@ class SlowAssetTest : public ::testing::Test {
   // Ticks until something is told.
   Reader::Read publish_until_told() {
     Reader::Read read;
-    for (const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count(); read.events.empty() && now_ns() < give_up_ns;)
+    for (const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count();
+         read.events.empty() && now_ns() < give_up_ns;)
       read = publish(tick());
     return read;
   }
@@ -126,7 +128,8 @@ class SlowAssetTest : public ::testing::Test {
   }
 
   Scene scene_;
-  const std::shared_ptr<const GaussianAsset> slow_ = std::make_shared<const GaussianAsset>(synthetic_asset(50, 0, 1));
+  const std::shared_ptr<const GaussianAsset> slow_ =
+      std::make_shared<const GaussianAsset>(synthetic_asset(50, 0, 1));
   std::mutex mutex_;  // guards go_
   std::condition_variable let_go_;
   bool go_ = false;
@@ -165,13 +168,15 @@ TEST_F(SlowAssetTest, WhatBreaksStandsStillUntilItsPiecesAreEncodedAndEverything
     for (const ObjectDrivers& one : rest.objects) {
       if (one.positions_m.empty()) continue;
       ASSERT_TRUE(find(read, one.object_id));
-      EXPECT_FLOAT_EQ(find(read, one.object_id)->positions_m.at(0).y(), one.positions_m.at(0).y() + static_cast<float>(height(number_)));
+      EXPECT_FLOAT_EQ(find(read, one.object_id)->positions_m.at(0).y(),
+                      one.positions_m.at(0).y() + static_cast<float>(height(number_)));
     }
   }
   // Who joins meanwhile is told what frames show.
   const auto late = table_.join();
   ASSERT_TRUE(late);
-  const auto described = std::find_if(late->objects.begin(), late->objects.end(), [&](const auto& one) { return one->object_id() == box; });
+  const auto described = std::find_if(late->objects.begin(), late->objects.end(),
+                                      [&](const auto& one) { return one->object_id() == box; });
   ASSERT_NE(described, late->objects.end());
   EXPECT_EQ((*described)->asset_hash(), assets_.add(object("box").asset)->hash);
   let_go();
@@ -228,7 +233,8 @@ TEST_F(SlowAssetTest, WhatCameIsInNoFrameBeforeItIsToldOfAndNeverIfItWentAgain) 
   EXPECT_TRUE(read.events.empty());
   EXPECT_FALSE(find(read, kStays));
   let_go();
-  for (const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count(); read.events.empty() && now_ns() < give_up_ns;) {
+  for (const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count();
+       read.events.empty() && now_ns() < give_up_ns;) {
     read = publish(with_both(false));
     EXPECT_EQ(read.events.empty(), find(read, kStays) == nullptr);
   }

@@ -14,13 +14,13 @@
 #include "patience.h"
 #include "recording/recording_reader.h"
 #include "scene/build/fragile_object.h"
-#include "scratch_folder.h"
 #include "scenes/box_scene.h"
+#include "scratch_folder.h"
 #include "server/session/simulation/tick_log.h"
 #include "session/recording/recorded_files.h"
+#include "session/recording/verify_recording.h"
 #include "session/simulation/scene_run.h"
 #include "session/simulation/simulation_loop.h"
-#include "session/recording/verify_recording.h"
 
 namespace livegs {
 namespace {
@@ -51,9 +51,11 @@ class RecordedRun {
   SessionRecorder recorder{assets};
 };
 
-// A right hand before the box or the cube that rises a millimetre a tick with its trigger pressed, and shoots.
+// A right hand before the box or the cube that rises a millimetre a tick with its trigger pressed, and
+// shoots.
 InputSample hand_at(uint64_t tick, double x) {
-  return hand_sample(tick, {x, 0.1 + 0.001 * static_cast<double>(tick % 128), 1.0}, tick > 5 ? 1.0f : 0.0f, tick % 40 == 0);
+  return hand_sample(tick, {x, 0.1 + 0.001 * static_cast<double>(tick % 128), 1.0}, tick > 5 ? 1.0f : 0.0f,
+                     tick % 40 == 0);
 }
 
 v1::SceneChange force_on(const std::string& object) {
@@ -125,8 +127,8 @@ TEST(SessionRecorder, InputsAloneGiveTheSameRun) {
   expect_equal(folder / "a.lvgrec", 360);
 }
 
-// A bug report is one file: what the scene was built from, in the folder beside it and elsewhere, is in the recording. What was
-// there is gone when it is simulated again.
+// A bug report is one file: what the scene was built from, in the folder beside it and elsewhere, is in the
+// recording. What was there is gone when it is simulated again.
 TEST(SessionRecorder, AFileWithAssetsNeedsNoOther) {
   const ScratchFolder folder;
   GaussianAsset ball = synthetic_asset(3000, 0, 5);
@@ -142,8 +144,9 @@ TEST(SessionRecorder, AFileWithAssetsNeedsNoOther) {
   folder.write("scene/paths/up.csv", "time_s,x,y,z\n0,-0.4,0.2,0\n1,-0.4,0.6,0.2\n");
   v1::Scene file;
   file.mutable_environment()->add_colliders()->mutable_plane();
-  const std::pair<const char*, std::string> placed[] = {
-      {"left", "../captures/day one/ball.ply"}, {"right", folder / "captures/ball.spz"}, {"far", "../captures/day one/ball.ply"}};
+  const std::pair<const char*, std::string> placed[] = {{"left", "../captures/day one/ball.ply"},
+                                                        {"right", folder / "captures/ball.spz"},
+                                                        {"far", "../captures/day one/ball.ply"}};
   for (int i = 0; i < 3; ++i) {
     v1::Object& object = *file.add_objects();
     object.set_name(placed[i].first);
@@ -375,7 +378,8 @@ TEST(SessionRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   ASSERT_TRUE(ended);
   const std::string why = recorder.status().message();
   EXPECT_NE(why.find("the recording ends at tick"), std::string::npos) << why;
-  EXPECT_NE(why.find("a.lvgrec: cannot be written: File too large; the session goes on"), std::string::npos) << why;
+  EXPECT_NE(why.find("a.lvgrec: cannot be written: File too large; the session goes on"), std::string::npos)
+      << why;
   EXPECT_EQ(why.find('\n'), std::string::npos);
   const size_t before = log.ticks().size();
   EXPECT_TRUE(log.wait([&](const std::vector<TickResult>& ticks) { return ticks.size() > before + 20; }));
@@ -419,8 +423,8 @@ TEST(SessionRecorder, MemoryThatIsShortEndsTheRecordingAndTheSessionGoesOn) {
   while (recorder.status().recording() && std::chrono::steady_clock::now() < until) std::this_thread::yield();
   const v1::RecordingStatus status = recorder.status();
   ASSERT_FALSE(status.recording());
-  EXPECT_EQ(status.message(), "the recording ends at tick " + std::to_string(broken_at - 1) + ": " + std::bad_alloc().what() +
-                                  "; the session goes on");
+  EXPECT_EQ(status.message(), "the recording ends at tick " + std::to_string(broken_at - 1) + ": " +
+                                  std::bad_alloc().what() + "; the session goes on");
   auto recording = RecordingReader::open(folder / "a.lvgrec");
   ASSERT_TRUE(recording) << recording.error().message;
   EXPECT_FALSE(recording->ended_in_order());

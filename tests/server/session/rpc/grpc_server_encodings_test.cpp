@@ -26,7 +26,8 @@ std::vector<float> floats_of(const std::vector<Vector>& vectors) {
 
 std::vector<float> floats_of(const std::vector<Eigen::Quaternionf>& turns) {
   std::vector<float> floats;
-  for (const Eigen::Quaternionf& turn : turns) floats.insert(floats.end(), turn.coeffs().begin(), turn.coeffs().end());
+  for (const Eigen::Quaternionf& turn : turns)
+    floats.insert(floats.end(), turn.coeffs().begin(), turn.coeffs().end());
   return floats;
 }
 
@@ -50,7 +51,8 @@ class Encodings : public GrpcServerTest {
   }
   // Until the server has heard of the streams, it poses no kernels.
   void wait_streaming(size_t count) {
-    for (int i = 0; i < 2000 && server_->streaming_count() < count; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int i = 0; i < 2000 && server_->streaming_count() < count; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ASSERT_EQ(server_->streaming_count(), count);
   }
 };
@@ -71,15 +73,16 @@ TEST_F(Encodings, FloatsAreTheServersBits) {
       EXPECT_EQ(floats_of(frame->objects[i].positions_m), floats_of(own.objects[i].positions_m));
       ASSERT_EQ(frame->objects[i].poses.size(), own.objects[i].poses.size());
       for (size_t p = 0; p < own.objects[i].poses.size(); ++p)
-        EXPECT_EQ(frame->objects[i].poses[p].position_m.cast<float>(), own.objects[i].poses[p].position_m.cast<float>());
+        EXPECT_EQ(frame->objects[i].poses[p].position_m.cast<float>(),
+                  own.objects[i].poses[p].position_m.cast<float>());
     }
     ASSERT_TRUE(raw->acknowledge(number));
   }
   EXPECT_TRUE(raw->finish().ok());
 }
 
-// Two who asked for kernels and one for drivers, of the same ticks: the kernels are where the drivers have them, exact ones to
-// the bit; and a ball that comes is among them.
+// Two who asked for kernels and one for drivers, of the same ticks: the kernels are where the drivers have
+// them, exact ones to the bit; and a ball that comes is among them.
 TEST_F(Encodings, KernelsAreWhereTheDriversHaveThem) {
   open();
   const auto packed = client(v1::JoinRequest::KERNELS), exact = client(v1::JoinRequest::KERNELS_EXACT),
@@ -130,7 +133,8 @@ TEST_F(Encodings, KernelsAreWhereTheDriversHaveThem) {
             off_m = std::max(off_m, (is.positions_m[k] - expected.positions_m[k]).cwiseAbs().maxCoeff());
             box.extend(expected.positions_m[k]);
           }
-          EXPECT_LT(off_m, 0.5f / 65535 * box.sizes().maxCoeff() + 2e-7f);  // half a step, and floats half a metre off
+          EXPECT_LT(off_m, 0.5f / 65535 * box.sizes().maxCoeff() +
+                               2e-7f);  // half a step, and floats half a metre off
         }
       }
       ASSERT_TRUE(one->acknowledge(number));
@@ -151,7 +155,8 @@ TEST_F(Encodings, ASessionThatComesBackMayAskForAnother) {
   one->encoding = v1::JoinRequest::KERNELS;
   ASSERT_TRUE(one->join(kProtocolVersion, id).ok());
   publish(2);
-  while (server_->session_table().status().tick < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  while (server_->session_table().status().tick < 2)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   one->open();
   wait_streaming(1);
   publish(3);
@@ -179,7 +184,8 @@ TEST_F(Encodings, MoreKernelsThanAFrameHoldsAreRefused) {
   client.encoding = v1::JoinRequest::KERNELS_EXACT;
   const grpc::Status status = client.join();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_NE(status.error_message().find("1500000 kernels take 74 MiB"), std::string::npos) << status.error_message();
+  EXPECT_NE(status.error_message().find("1500000 kernels take 74 MiB"), std::string::npos)
+      << status.error_message();
   client.encoding = v1::JoinRequest::KERNELS;
   EXPECT_TRUE(client.join().ok());
 }

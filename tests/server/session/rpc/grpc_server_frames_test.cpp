@@ -45,12 +45,14 @@ TEST_F(GrpcServerTest, AWishForFewerFramesIsMetByEveryNthTickAndTold) {
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << rate_hz;
     EXPECT_EQ(status.error_message().rfind("rate_hz: ", 0), 0u) << status.error_message();
   }
-  for (const auto& [wish_hz, gets_hz] : {std::pair{0.0, 90.0}, {240.0, 90.0}, {72.0, 90.0}, {40.0, 45.0}, {30.0, 30.0}}) {
+  for (const auto& [wish_hz, gets_hz] :
+       {std::pair{0.0, 90.0}, {240.0, 90.0}, {72.0, 90.0}, {40.0, 45.0}, {30.0, 30.0}}) {
     ASSERT_TRUE(join(wish_hz).ok());
     EXPECT_DOUBLE_EQ(client.joined.stream_rate_hz(), gets_hz) << wish_hz;
     EXPECT_DOUBLE_EQ(client.joined.rate_hz(), 90.0);
   }
-  // The last wish was for 30. The first frame comes whatever its number; 12, which nobody gets, leaves its turn to 13.
+  // The last wish was for 30. The first frame comes whatever its number; 12, which nobody gets, leaves its
+  // turn to 13.
   client.open();
   StreamReader reader;
   const std::set<uint64_t> sent = {4, 6, 9, 13, 15};
@@ -120,13 +122,15 @@ TEST_F(GrpcServerTest, PositionsHaveTheBitsThatAClientAskedFor) {
     body.object_id = 1000;
     body.kind = DriverKind::Lattice;
     for (int i = 0; i < 50; ++i)
-      body.positions_m.emplace_back(0.0137f * static_cast<float>(i), 0.1f * std::sin(static_cast<float>(number + i)), 0.3f);
+      body.positions_m.emplace_back(0.0137f * static_cast<float>(i),
+                                    0.1f * std::sin(static_cast<float>(number + i)), 0.3f);
     const std::vector<Eigen::Vector3f> sent = body.positions_m;
     server_->ticks().publish(std::move(moved));
     for (size_t c = 0; c < clients.size(); ++c) {
       const auto frame = readers[c].read(std::as_bytes(std::span(clients[c]->read().frame())));
       ASSERT_TRUE(frame) << frame.error().message;
-      const auto read = std::find_if(frame->objects.begin(), frame->objects.end(), [](const auto& o) { return o.object_id == 1000; });
+      const auto read = std::find_if(frame->objects.begin(), frame->objects.end(),
+                                     [](const auto& o) { return o.object_id == 1000; });
       ASSERT_NE(read, frame->objects.end());
       for (size_t i = 0; i < sent.size(); ++i)
         off_m[c] = std::max(off_m[c], (read->positions_m[i] - sent[i]).cwiseAbs().maxCoeff());
@@ -134,7 +138,8 @@ TEST_F(GrpcServerTest, PositionsHaveTheBitsThatAClientAskedFor) {
     }
   }
   for (size_t c = 0; c < bits.size(); ++c) {
-    const float half_step_m = 0.9375f * std::exp2(-15.0f - static_cast<float>(bits[c] == 0 ? 0 : bits[c] - 16));
+    const float half_step_m =
+        0.9375f * std::exp2(-15.0f - static_cast<float>(bits[c] == 0 ? 0 : bits[c] - 16));
     EXPECT_LE(off_m[c], half_step_m + 1e-7f) << bits[c];
     EXPECT_GT(off_m[c], 0.5f * half_step_m) << bits[c];
   }
@@ -161,8 +166,8 @@ TEST_F(GrpcServerTest, FramesArriveAndDecodeToWhatWasPublished) {
   EXPECT_TRUE(inputs_.wait_forgotten(1));
 }
 
-// What did not move since the last frame to this client is not sent again; one that asks gets a frame that needs none
-// before it.
+// What did not move since the last frame to this client is not sent again; one that asks gets a frame that
+// needs none before it.
 TEST_F(GrpcServerTest, FramesHoldWhatMovedUnlessAKeyFrameIsWanted) {
   open();
   RawClient client(server_->port());
@@ -213,7 +218,8 @@ TEST_F(GrpcServerTest, AClientThatStopsAcknowledgingGetsTwoFramesThenTheNewest) 
     ASSERT_TRUE(quick.acknowledge(number));
   }
   ASSERT_TRUE(silent.acknowledge(2));
-  // Had a third been on its way, it would come now. 9, if its 10 was still being offered when the quick one had read.
+  // Had a third been on its way, it would come now. 9, if its 10 was still being offered when the quick one
+  // had read.
   EXPECT_GE(silent.read().tick(), 9u);
   EXPECT_TRUE(silent.finish().ok());
   EXPECT_TRUE(quick.finish().ok());

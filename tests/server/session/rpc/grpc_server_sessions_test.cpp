@@ -26,7 +26,8 @@ TEST_F(GrpcServerTest, ASessionHasOneStreamAndAnUnknownOneNone) {
   EXPECT_EQ(first.read().tick(), 2u);
 }
 
-// After two seconds without a message; until then it hears something, though no tick comes. Its session is kept.
+// After two seconds without a message; until then it hears something, though no tick comes. Its session is
+// kept.
 TEST_F(GrpcServerTest, ASilentStreamIsDropped) {
   open();
   RawClient client(server_->port());
@@ -60,12 +61,14 @@ TEST_F(GrpcServerTest, AStreamThatNamesNoSessionIsEnded) {
   }
   std::atomic<bool> done{false};
   std::thread signs_of_life([&] {
-    for (; !done; std::this_thread::sleep_for(std::chrono::milliseconds(100))) EXPECT_TRUE(there.acknowledge(0));
+    for (; !done; std::this_thread::sleep_for(std::chrono::milliseconds(100)))
+      EXPECT_TRUE(there.acknowledge(0));
   });
   for (const auto& client : silent) {
     const grpc::Status status = client->finish_reading();
     EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
-    EXPECT_EQ(status.error_message(), "no message came within 2 s; the first one names the session");  // not the test's own patience
+    EXPECT_EQ(status.error_message(),
+              "no message came within 2 s; the first one names the session");  // not the test's own patience
   }
   done = true;
   signs_of_life.join();

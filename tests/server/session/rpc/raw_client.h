@@ -31,7 +31,8 @@ class RawClient {
   explicit RawClient(const std::shared_ptr<grpc::Channel>& channel) : stub_(v1::LiveGs::NewStub(channel)) {}
   v1::LiveGs::Stub& stub() { return *stub_; }
 
-  grpc::Status join(uint32_t protocol_version = kProtocolVersion, const std::string& resumed_session_id = "") {
+  grpc::Status join(uint32_t protocol_version = kProtocolVersion,
+                    const std::string& resumed_session_id = "") {
     grpc::ClientContext context;
     set_patience(context);
     v1::JoinRequest request;

@@ -109,7 +109,8 @@ TEST_F(SessionTableTest, ASilentStreamEndsAfterTwoSecondsAndItsSessionAfterHalfA
   table.sweep(heard_ns + 2 * kSecond_ns - 1);
   EXPECT_FALSE(writer->aborted);
   EXPECT_EQ(writer->beats, 1);
-  table.sweep(heard_ns + 2 * kSecond_ns);  // the publisher sweeps at least every 0.1 s: before 2.5 s in any case
+  table.sweep(heard_ns +
+              2 * kSecond_ns);  // the publisher sweeps at least every 0.1 s: before 2.5 s in any case
   EXPECT_TRUE(writer->aborted);
   EXPECT_EQ(session->state(), ClientSession::State::Parked);
   table.sweep(heard_ns + 30 * kSecond_ns - 1);
@@ -184,8 +185,8 @@ TEST_F(SessionTableTest, AStreamThatWasLeftSaysNothingMore) {
   EXPECT_EQ(table.find(session->id), nullptr);
 }
 
-// What a client asks for is the session's in the moment in which it has joined: a stream has the terms of its own join, and no
-// tick that another encoding's would be.
+// What a client asks for is the session's in the moment in which it has joined: a stream has the terms of its
+// own join, and no tick that another encoding's would be.
 TEST_F(SessionTableTest, AStreamHasTheTermsOfItsOwnJoin) {
   const auto tick = std::make_shared<TickEncodings>(DriverFrame{}, nullptr);
   JoinTerms terms;
@@ -212,7 +213,8 @@ TEST_F(SessionTableTest, AStreamHasTheTermsOfItsOwnJoin) {
   EXPECT_TRUE(session->take(stream->stream, 0));
 }
 
-// What came of it after it was forgotten would be kept in the simulation for a session that nobody ends any more.
+// What came of it after it was forgotten would be kept in the simulation for a session that nobody ends any
+// more.
 TEST(SessionTable, WhoIsForgottenIsNotHeardAnyMore) {
   SlowListener inputs;
   SessionTable table;
@@ -227,8 +229,9 @@ TEST(SessionTable, WhoIsForgottenIsNotHeardAnyMore) {
   EXPECT_EQ(inputs.heard_after, 0);
 }
 
-// Two clients that speak, join again, are kicked, revoked and looked after, and in the end the server that says goodbye, all at
-// once: each session is forgotten once, and nothing is heard of it afterwards. (With thread sanitizer it is also a race's test.)
+// Two clients that speak, join again, are kicked, revoked and looked after, and in the end the server that
+// says goodbye, all at once: each session is forgotten once, and nothing is heard of it afterwards. (With
+// thread sanitizer it is also a race's test.)
 TEST(SessionTable, ClientsThatSpeakWhileTheyAreEndedAreForgottenOnceAndLast) {
   set_log_level(LogLevel::Warn);
   Attentive inputs;
@@ -260,14 +263,16 @@ TEST(SessionTable, ClientsThatSpeakWhileTheyAreEndedAreForgottenOnceAndLast) {
   std::array<std::thread, 2> clients{std::thread(client), std::thread(client)};
   while (joins == 0) std::this_thread::yield();
   for (size_t turn = 0; joins < 400; ++turn) {
-    for (const auto& session : table.sessions_now()) (void)table.end_session(session->id, invalid_argument("enough"));
+    for (const auto& session : table.sessions_now())
+      (void)table.end_session(session->id, invalid_argument("enough"));
     if (turn % 2 == 0) table.end_unauthorised();
     table.sweep(now_ns());
   }
   table.close("the test is over");
   over = true;
   for (std::thread& one : clients) one.join();
-  for (const auto& session : table.sessions_now()) (void)table.end_session(session->id, invalid_argument("enough"));
+  for (const auto& session : table.sessions_now())
+    (void)table.end_session(session->id, invalid_argument("enough"));
   EXPECT_GT(inputs.heard, 400u);
   EXPECT_EQ(inputs.heard_after, 0);
   EXPECT_EQ(inputs.forgotten_again, 0);

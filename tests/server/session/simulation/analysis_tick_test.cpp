@@ -3,8 +3,9 @@
 // turns of 0.4 s in one process, so that what other programs do falls on both alike. Whole turns are
 // resampled for the ratio's interval, because load comes in stretches. A ratio of idle turns to idle turns,
 // had the same way, says what the machine does to it by itself.
-// Runs alone on a machine, nightly (label `timing`), and prints the rows that are committed. LIVEGS_TICK_TURNS=8 is a short trial, which
-// holds to no bar. That ticks go on during an analysis is asserted by live_analysis_test.
+// Runs alone on a machine, nightly (label `timing`), and prints the rows that are committed.
+// LIVEGS_TICK_TURNS=8 is a short trial, which holds to no bar. That ticks go on during an analysis is
+// asserted by live_analysis_test.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,9 +19,9 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "known_gaps.h"
+#include "scenes/box_scene.h"
 #include "scratch_folder.h"
 #include "server/analysis/model/fake_endpoint.h"
-#include "scenes/box_scene.h"
 #include "session/live/analysis_controller.h"
 
 namespace livegs {
@@ -30,8 +31,8 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kTurn{400};
 constexpr double kRate_hz = 250;
-// A measurement needs a machine without other load. Bar of the ratio: p99 within 10 % of idle, by the low end of its 98 %
-// interval. The ratio itself is a known gap.
+// A measurement needs a machine without other load. Bar of the ratio: p99 within 10 % of idle, by the low end
+// of its 98 % interval. The ratio itself is a known gap.
 constexpr int kMeasuredTurns = 48;
 constexpr double kMeasuredBar = 1.10;
 // Ticks a second over those of the idle turns. Work between steps lowers it.
@@ -68,8 +69,8 @@ class StepTimes final : public TickSink {
   Turn now_;
 };
 
-// Three soft cubes and three boxes that are kept awake: a tick that is work for both cores. And a ball of points, whose
-// physics are kept in a file.
+// Three soft cubes and three boxes that are kept awake: a tick that is work for both cores. And a ball of
+// points, whose physics are kept in a file.
 Scene busy_scene(const ScratchFolder& folder) {
   std::string points = "x,y,z\n";
   for (int i = 0; i < 64; ++i) {
@@ -181,7 +182,8 @@ Turn analysed_turn(const SceneAnalysis& scene, const FakeEndpoint::Say& say, mil
   return times.end();
 }
 
-void expect_same_ticks(const char* name, const FakeEndpoint::Say& say, milliseconds delay, bool lands = false) {
+void expect_same_ticks(const char* name, const FakeEndpoint::Say& say, milliseconds delay,
+                       bool lands = false) {
   set_log_level(LogLevel::Error);
   const ScratchFolder folder;
   std::atomic<int> accepted{0};
@@ -231,8 +233,8 @@ Result<std::string> failure(const AnalysisQuestion&, const ToolBox&, int) {
   return Error{ErrorCode::Unavailable, "cannot be reached"};
 }
 
-// Accepted as it is for a wooden box, told masses being left alone, and for a sponge of 20 g: lands in the loop, the sponge's
-// in its sidecar as well. Friction differs from time to time.
+// Accepted as it is for a wooden box, told masses being left alone, and for a sponge of 20 g: lands in the
+// loop, the sponge's in its sidecar as well. Friction differs from time to time.
 Result<std::string> sense(const AnalysisQuestion& question, const ToolBox&, int) {
   static std::atomic<int> asked{0};
   const bool sponge = question.slots.at("name") == "sponge";
@@ -241,8 +243,7 @@ Result<std::string> sense(const AnalysisQuestion& question, const ToolBox&, int)
       {"name", sponge ? "sponge" : "box"},
       {"evidence", "grain"},
       {"fill", "solid"},
-      {"parts",
-       {{{"name", "all"}, {"material_id", sponge ? "kitchen sponge" : "softwood"}, {"share", 1}}}},
+      {"parts", {{{"name", "all"}, {"material_id", sponge ? "kitchen sponge" : "softwood"}, {"share", 1}}}},
       {"behaviour", sponge ? "elastic" : "rigid"},
       {"mass_g", {{"low", grams * 0.9}, {"best", grams}, {"high", grams * 1.1}}},
       {"young_mpa", nullptr},
@@ -259,7 +260,9 @@ TEST(AnalysisTick, AHangDoesNotDelayTheTick) { expect_same_ticks("hanging", nons
 TEST(AnalysisTick, AFailureDoesNotDelayTheTick) { expect_same_ticks("failing", failure, milliseconds(0)); }
 // 4 s, forty times faster.
 TEST(AnalysisTick, AnswersDoNotDelayTheTick) { expect_same_ticks("answering", nonsense, milliseconds(100)); }
-TEST(AnalysisTick, WhatLandsDoesNotDelayTheTick) { expect_same_ticks("landing", sense, milliseconds(100), true); }
+TEST(AnalysisTick, WhatLandsDoesNotDelayTheTick) {
+  expect_same_ticks("landing", sense, milliseconds(100), true);
+}
 
 }  // namespace
 }  // namespace livegs

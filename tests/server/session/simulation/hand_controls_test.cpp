@@ -17,7 +17,8 @@ struct Hands {
   Scene scene = box_scene();
   HandControls controls;
   uint64_t sequence = 0;
-  int looks = 1;  // at the hands of one moment; the last is right, the others fell behind by a millimetre each
+  int looks =
+      1;  // at the hands of one moment; the last is right, the others fell behind by a millimetre each
 
   uint32_t id(const char* name) const { return scene.find(name)->id; }
   Vector3d middle(const char* name) const { return scene.world().world_point(id(name), Vector3d::Zero()); }
@@ -108,11 +109,13 @@ TEST(HandControls, AnOpenHandThrowsAndAFarOneTakesNothing) {
   EXPECT_LT(((hands.middle("box") - before) * 90.0 - velocity).norm(), 0.1 * velocity.norm());
 }
 
-// A client that draws 90 pictures a second tells of its hands with every tick, one that draws 8 with every eleventh. Carried
-// evenly and let go, a thing goes as the hand did. So it does where a client looks three times at one moment.
+// A client that draws 90 pictures a second tells of its hands with every tick, one that draws 8 with every
+// eleventh. Carried evenly and let go, a thing goes as the hand did. So it does where a client looks three
+// times at one moment.
 TEST(HandControls, ASlowClientThrowsAsAFastOneDoes) {
   const Vector3d velocity(1.5, 1.5, 0);
-  for (const auto& [ticks_a_sample, looks] : {std::pair{1, 1}, {1, 3}, {3, 1}, {3, 3}, {6, 1}, {6, 3}, {11, 1}, {11, 3}}) {
+  for (const auto& [ticks_a_sample, looks] :
+       {std::pair{1, 1}, {1, 3}, {3, 1}, {3, 3}, {6, 1}, {6, 3}, {11, 1}, {11, 3}}) {
     Hands hands;
     hands.looks = looks;
     Vector3d hand = hands.middle("box");
@@ -136,7 +139,9 @@ TEST(HandControls, ASlowClientThrowsAsAFastOneDoes) {
     before = hands.middle("box");
     hands.silent_tick();
     const double thrown = ((hands.middle("box") - before) * 90.0 - velocity).norm() / velocity.norm();
-    std::printf("%2d ticks a sample, %d looks: carried at %.3f to %.3f of the hand's speed, thrown %.3f off\n", ticks_a_sample, looks, slowest, fastest, thrown);
+    std::printf(
+        "%2d ticks a sample, %d looks: carried at %.3f to %.3f of the hand's speed, thrown %.3f off\n",
+        ticks_a_sample, looks, slowest, fastest, thrown);
     EXPECT_GT(slowest, 0.85) << ticks_a_sample;
     EXPECT_LT(fastest, 1.15) << ticks_a_sample;
     EXPECT_LT(thrown, 0.1) << ticks_a_sample;
@@ -177,7 +182,8 @@ TEST(HandControls, TwoHandsHoldOneObjectAndFeelTheTable) {
   for (int i = 0; i < 30; ++i) {
     move(-0.02, 1);
     EXPECT_EQ(hands.held(0).contact_impulse_n_s, hands.held(1).contact_impulse_n_s);
-    EXPECT_EQ(hands.held(1).contact_impulse_n_s, hands.scene.world().contact_impulse_n_s(hands.id("box"), Eigen::Vector3d::Zero()));
+    EXPECT_EQ(hands.held(1).contact_impulse_n_s,
+              hands.scene.world().contact_impulse_n_s(hands.id("box"), Eigen::Vector3d::Zero()));
     largest = std::max(largest, hands.held(1).contact_impulse_n_s);
   }
   EXPECT_GT(largest, 0.5);  // 1 kg that came down at up to 1.8 m/s
@@ -200,12 +206,13 @@ TEST(HandControls, JumpingHandsPullNoHarderThanTheGripIs) {
   EXPECT_FALSE(hands.held().holding);
 }
 
-// A hand or a ray on a thing that comes apart goes on with the fragment it is at, and bears its weight alone; so does one that
-// takes a fragment of what lies there broken.
+// A hand or a ray on a thing that comes apart goes on with the fragment it is at, and bears its weight alone;
+// so does one that takes a fragment of what lies there broken.
 TEST(HandControls, OfABrokenThingOneSherdIsHeld) {
   for (const bool whole : {true, false}) {
     for (const bool ray : {false, true}) {
-      SCOPED_TRACE(std::string(whole ? "taken whole" : "taken from the heap") + (ray ? " by a ray" : " by a hand"));
+      SCOPED_TRACE(std::string(whole ? "taken whole" : "taken from the heap") +
+                   (ray ? " by a ray" : " by a hand"));
       Hands hands{breaking_scene()};  // falls apart after 90 ticks
       Vector3d hand = hands.middle("box") + Vector3d(0.03, ray ? 0.6 : 0.1, 0.03);
       const auto run = [&](double up_m, int ticks, float closed) {
@@ -241,8 +248,8 @@ TEST(HandControls, OfABrokenThingOneSherdIsHeld) {
   }
 }
 
-// Nobody takes anything from anybody: each hand pulls with a spring of its own, so what two people hold goes to the middle,
-// and to one of them once the other opens the hand or is gone.
+// Nobody takes anything from anybody: each hand pulls with a spring of its own, so what two people hold goes
+// to the middle, and to one of them once the other opens the hand or is gone.
 TEST(HandControls, TwoPeopleHoldOneObjectAndItStaysBetweenThem) {
   for (const bool vanishes : {false, true}) {
     Hands hands;
@@ -280,7 +287,9 @@ TEST(HandControls, TwoPeopleHoldOneObjectAndItStaysBetweenThem) {
     move(-apart, apart, 45);
     move(Vector3d::Zero(), Vector3d::Zero(), 60);
     EXPECT_LT((hands.middle("box") - start - up).norm(), 0.01);
-    const auto force_n = [&](SessionNumber session) { return hands.controls.held_points(hands.scene, session)[1].force_n; };
+    const auto force_n = [&](SessionNumber session) {
+      return hands.controls.held_points(hands.scene, session)[1].force_n;
+    };
     EXPECT_NEAR(force_n(1).y() + force_n(2).y(), 9.81, 0.1);  // 1 kg between them
     EXPECT_NEAR(force_n(1).x(), -force_n(2).x(), 0.1);
     EXPECT_GT(std::abs(force_n(1).x()), 1.0);

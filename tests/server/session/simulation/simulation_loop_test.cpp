@@ -54,8 +54,8 @@ void expect_pull_lifts(const char* name, double x) {
   // Half a metre up, a centimetre a tick, each sample a sign of life.
   for (uint64_t step = 1; step <= 50; ++step) {
     const size_t seen = log.ticks().size();
-    loop.on_input(1, one(hand_sample(1 + step, from_m + Eigen::Vector3d(0, 0.01 * static_cast<double>(step), 0),
-                                 1.0f)));
+    loop.on_input(1, one(hand_sample(
+                         1 + step, from_m + Eigen::Vector3d(0, 0.01 * static_cast<double>(step), 0), 1.0f)));
     ASSERT_TRUE(log.wait([&](const Ticks& ticks) { return ticks.size() > seen; }));
   }
   uint64_t sequence = 51;
@@ -196,7 +196,8 @@ TEST(SimulationLoop, TheOrderOfArrivalOfTwoPeopleChangesNothing) {
     std::array<std::vector<InputSample>, 2> samples;
     for (uint64_t i = 1; i <= 20; ++i) {
       for (int who = 0; who < 2; ++who) {
-        InputSample sample = hand_sample(i, {-0.5, 0.1 + 0.004 * static_cast<double>(i) * (who + 1), 0.5}, 1.0f);
+        InputSample sample =
+            hand_sample(i, {-0.5, 0.1 + 0.004 * static_cast<double>(i) * (who + 1), 0.5}, 1.0f);
         sample.hands[1].grip.position_m = {-0.5 + 0.1 * who, 0.1 + 0.01 * static_cast<double>(i), 0};
         sample.hands[1].squeeze = who == 1 ? 1.0f : 0.0f;  // one pulls by the ray, the other holds it
         sample.for_tick = i;

@@ -11,7 +11,8 @@ namespace {
 
 TEST(WithoutFolders, OfAnAbsolutePathTheNameIsLeft) {
   const std::pair<const char*, const char*> messages[] = {
-      {"/srv/scenes/mug.physics.json: physics.friction: is 9; mend it", "mug.physics.json: physics.friction: is 9; mend it"},
+      {"/srv/scenes/mug.physics.json: physics.friction: is 9; mend it",
+       "mug.physics.json: physics.friction: is 9; mend it"},
       {"/srv/my scenes/a mug.physics.json: is 9", "a mug.physics.json: is 9"},
       {"objects[0].asset: /srv/x/cup.ply: no such file", "objects[0].asset: cup.ply: no such file"},
       {"\"/srv/x/cup.ply\" and '/a/b' cannot be read", "\"cup.ply\" and 'b' cannot be read"},
@@ -28,7 +29,8 @@ TEST(WithoutFolders, OfAnAbsolutePathTheNameIsLeft) {
 }
 
 TEST(WithoutFolders, AClientsStatusHasNone) {
-  const grpc::Status status = to_status({ErrorCode::InvalidData, "/srv/scenes/mug.physics.json: is not JSON"});
+  const grpc::Status status =
+      to_status({ErrorCode::InvalidData, "/srv/scenes/mug.physics.json: is not JSON"});
   EXPECT_EQ(status.error_message(), "mug.physics.json: is not JSON");
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }

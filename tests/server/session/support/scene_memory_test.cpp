@@ -15,14 +15,16 @@ constexpr uint64_t kMb = 1'000'000, kGb = 1'000'000'000;
 
 TEST(SceneMemory, SizesComeFromTheFilesWithoutDecodingThem) {
   const ScratchFolder folder;
-  folder.write("room.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 120000\nproperty float x\nend_header\n");
+  folder.write("room.ply",
+               "ply\nformat binary_little_endian 1.0\nelement vertex 120000\nproperty float x\nend_header\n");
   folder.write("cup.splat", std::string(32 * 500, 'x'));
   folder.write("cushion.spz", std::string(16 * 700, 'x'));
   folder.write("toy/meta.json", std::string(100, 'x'));
   folder.write("toy/means.webp", std::string(9'900, 'x'));
   v1::Scene file;
   file.mutable_environment()->set_asset("room.ply");
-  for (const char* asset : {"cup.splat", "cushion.spz", "toy", "gone.ply"}) file.add_objects()->set_asset(asset);
+  for (const char* asset : {"cup.splat", "cushion.spz", "toy", "gone.ply"})
+    file.add_objects()->set_asset(asset);
   file.add_objects()->mutable_shape()->mutable_box();
   const SceneSize size = scene_size(file, folder.path(), 64);
   EXPECT_EQ(size.kernels, 120'000u + 500 + 700 + 1000);
@@ -44,12 +46,14 @@ TEST(SceneMemory, ASceneThatDoesNotFitIsRefusedInOneLine) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::Unavailable);
   EXPECT_EQ(refused.error().message,
-            "scene: needs about 5210 MB, 3900 MB are free; use fewer or smaller assets, fewer --clients, or a machine with more memory");
+            "scene: needs about 5210 MB, 3900 MB are free; use fewer or smaller assets, fewer --clients, or "
+            "a machine with more memory");
 }
 
 TEST(SceneMemory, FreeMemoryIsTheMachinesWithoutALimit) {
   const ScratchFolder root;
-  root.write("proc/meminfo", "MemTotal:       16000000 kB\nMemFree:          100000 kB\nMemAvailable:    8000000 kB\n");
+  root.write("proc/meminfo",
+             "MemTotal:       16000000 kB\nMemFree:          100000 kB\nMemAvailable:    8000000 kB\n");
   EXPECT_EQ(free_bytes(root.path()), 8'000'000u * 1024);
   root.write("proc/self/cgroup", "0::/\n");
   root.write("sys/fs/cgroup/memory.max", "max\n");
@@ -87,7 +91,9 @@ TEST(SceneMemory, AnOlderHierarchyIsReadToo) {
   EXPECT_EQ(free_bytes(root.path()), 600'000'000u);
 }
 
-TEST(SceneMemory, ASceneThatCannotBeReadIsLeftToTheLoader) { EXPECT_TRUE(check_scene_memory("/no/such.scene.json", 64)); }
+TEST(SceneMemory, ASceneThatCannotBeReadIsLeftToTheLoader) {
+  EXPECT_TRUE(check_scene_memory("/no/such.scene.json", 64));
+}
 
 }  // namespace
 }  // namespace livegs

@@ -3,8 +3,8 @@
 
 #include "physics/elastic/cells/kernels/cell_lanes.h"
 
-// The algebra of eight cells side by side: sums over corners, rotations, stretches. For the inner loops over cells alone, each
-// of which inlines what it needs.
+// The algebra of eight cells side by side: sums over corners, rotations, stretches. For the inner loops over
+// cells alone, each of which inlines what it needs.
 
 namespace livegs::lanes {
 
@@ -46,13 +46,16 @@ LIVEGS_INLINE Matrix matrix_of(const Lanes (&q)[4]) {
   const Lanes x2 = x + x, y2 = y + y, z2 = z + z;
   const Lanes xx = x * x2, yy = y * y2, zz = z * z2, xy = x * y2, xz = x * z2, yz = y * z2;
   const Lanes wx = w * x2, wy = w * y2, wz = w * z2;
-  return {{{one - yy - zz, xy - wz, xz + wy}, {xy + wz, one - xx - zz, yz - wx}, {xz - wy, yz + wx, one - xx - yy}}};
+  return {{{one - yy - zz, xy - wz, xz + wy},
+           {xy + wz, one - xx - zz, yz - wx},
+           {xz - wy, yz + wx, one - xx - yy}}};
 }
 
 LIVEGS_INLINE Matrix transposed_times(const Matrix& a, const Matrix& b) {
   Matrix c;
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) c.m[i][j] = a.m[0][i] * b.m[0][j] + a.m[1][i] * b.m[1][j] + a.m[2][i] * b.m[2][j];
+    for (int j = 0; j < 3; ++j)
+      c.m[i][j] = a.m[0][i] * b.m[0][j] + a.m[1][i] * b.m[1][j] + a.m[2][i] * b.m[2][j];
   }
   return c;
 }
@@ -63,8 +66,8 @@ LIVEGS_INLINE Lanes determinant(const Matrix& a) {
          a.m[0][2] * (a.m[1][0] * a.m[2][1] - a.m[1][1] * a.m[2][0]);
 }
 
-// A turn of R that makes Rᵀ F more symmetric, in R's own frame: Newton's step where the stretch is upright, the
-// bounded step of Müller et al. 2016 where it is not (flattened, inverted). Never more than kMaxTurn_rad.
+// A turn of R that makes Rᵀ F more symmetric, in R's own frame: Newton's step where the stretch is upright,
+// the bounded step of Müller et al. 2016 where it is not (flattened, inverted). Never more than kMaxTurn_rad.
 constexpr float kMaxTurn_rad = 0.5f;
 constexpr float kTurnTolerance_rad = 0.05f;  // rad; the error left is about its cube
 constexpr int kMaxTurns = 8;
@@ -123,9 +126,11 @@ LIVEGS_INLINE Symmetric times_mobility(const Symmetric& s, const Lanes (&g)[6]) 
   const Lanes cols[3][3] = {{g[0], g[5], g[4]}, {g[5], g[1], g[3]}, {g[4], g[3], g[2]}};
   Lanes e[3][3];
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) e[i][j] = rows[i][0] * cols[j][0] + rows[i][1] * cols[j][1] + rows[i][2] * cols[j][2];
+    for (int j = 0; j < 3; ++j)
+      e[i][j] = rows[i][0] * cols[j][0] + rows[i][1] * cols[j][1] + rows[i][2] * cols[j][2];
   }
-  return {{e[0][0], e[1][1], e[2][2], up * (e[1][2] + e[2][1]), up * (e[0][2] + e[2][0]), up * (e[0][1] + e[1][0])}};
+  return {{e[0][0], e[1][1], e[2][2], up * (e[1][2] + e[2][1]), up * (e[0][2] + e[2][0]),
+           up * (e[0][1] + e[1][0])}};
 }
 
 LIVEGS_INLINE Symmetric times_shear(const Lanes (&h)[21], const Symmetric& s) {
@@ -173,8 +178,8 @@ LIVEGS_INLINE void follow_rotation(Lanes (&q)[4], const Matrix& f, Matrix& r, Ma
 // S in Mandel's notation, what it lacks of I, and det F.
 LIVEGS_INLINE Symmetric strain_of(const Matrix& m, Symmetric& lack, Lanes& volume) {
   const Lanes one = all_lanes(1.0f), up = all_lanes(kHalfRoot2);
-  const Symmetric s = {{m.m[0][0], m.m[1][1], m.m[2][2], up * (m.m[1][2] + m.m[2][1]), up * (m.m[0][2] + m.m[2][0]),
-                        up * (m.m[0][1] + m.m[1][0])}};
+  const Symmetric s = {{m.m[0][0], m.m[1][1], m.m[2][2], up * (m.m[1][2] + m.m[2][1]),
+                        up * (m.m[0][2] + m.m[2][0]), up * (m.m[0][1] + m.m[1][0])}};
   for (int k = 0; k < 3; ++k) lack.v[k] = one - s.v[k];
   for (int k = 3; k < 6; ++k) lack.v[k] = -s.v[k];
   volume = determinant(m);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Corotated elasticity of an eight-node cell as one XPBD block (Macklin et al. 2016, XPBD; Müller and Chentanez 2022,
-// Physically based shape matching; elastic-study.md 2.2 to 2.5):
+// Corotated elasticity of an eight-node cell as one XPBD block (Macklin et al. 2016, XPBD; Müller and
+// Chentanez 2022, Physically based shape matching; elastic-study.md 2.2 to 2.5):
 //   F = sum x_i g_iᵀ, R its rotation, S = sym(Rᵀ F), energy V [ mu |S - I|² + lambda/2 (det F - 1)² ]
 //   (D in place of I where the material has flowed)
 //   d     = H (I - S)                                              the mu part, solved exactly
 //   S1    = S + sym(d G),  c = cof S1
-//   p     = (1 - det S1) / (c·A c - A c·H A c + alpha_lambda)      the volume part, Schur complement of the first
-//   sigma = d - p H A c + p c,   x_i += w_i R sigma g_i
-// then bending and twisting modes, which mean strain does not see, each with its own stiffness. The eight corner
-// sums, in and out, are one Hadamard transform of the corner signs.
+//   p     = (1 - det S1) / (c·A c - A c·H A c + alpha_lambda)      the volume part, Schur complement of the
+//   first sigma = d - p H A c + p c,   x_i += w_i R sigma g_i
+// then bending and twisting modes, which mean strain does not see, each with its own stiffness. The eight
+// corner sums, in and out, are one Hadamard transform of the corner signs.
 #include "physics/elastic/cells/kernels/cell_kernels.h"
 
 #include "physics/elastic/cells/kernels/cell_algebra.h"
@@ -21,11 +21,11 @@ using namespace lanes;
 typedef float Unaligned __attribute__((vector_size(32), aligned(16)));
 LIVEGS_INLINE Lanes two_nodes(const NodeLanes* p) { return *reinterpret_cast<const Unaligned*>(p); }
 
-// Where the corners are: y plus the corrections so far, and their inverse masses. Corners 2k and 2k + 1 of a cell are
-// neighbours in the arrays where the lattice has no copies of nodes.
+// Where the corners are: y plus the corrections so far, and their inverse masses. Corners 2k and 2k + 1 of a
+// cell are neighbours in the arrays where the lattice has no copies of nodes.
 template <bool kPaired>
-LIVEGS_INLINE void gather(const uint32_t (&nodes)[8][8], const NodeLanes* predicted, const NodeLanes* corrections,
-                          Lanes (&position)[3][8], Lanes (&inverse_mass)[8]) {
+LIVEGS_INLINE void gather(const uint32_t (&nodes)[8][8], const NodeLanes* predicted,
+                          const NodeLanes* corrections, Lanes (&position)[3][8], Lanes (&inverse_mass)[8]) {
   for (int c = 0; c < 8; c += 2) {
     const uint32_t *n = nodes[c], *m = nodes[c + 1];
     Lanes rows[8];
@@ -44,8 +44,8 @@ LIVEGS_INLINE void gather(const uint32_t (&nodes)[8][8], const NodeLanes* predic
 }
 
 template <bool kPaired>
-LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_mass)[8], const Lanes (&pull)[3][8],
-                           NodeLanes* corrections) {
+LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_mass)[8],
+                           const Lanes (&pull)[3][8], NodeLanes* corrections) {
   for (int c = 0; c < 8; c += 2) {
     const uint32_t *n = nodes[c], *m = nodes[c + 1];
     const Lanes w = inverse_mass[c], w1 = inverse_mass[c + 1];
@@ -64,14 +64,15 @@ LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_
   }
 }
 
-// The energy of a cell holds R in what it measures, and R follows F. Where the stress T is a function of the stretch U
-// alone (no plastic part, no bending) that makes no force; else the force is R (T + A), A antisymmetric with axial vector
-// (tr U I - U)^-1 (axial(U T - T U) - sum z_j x eta_j), z_j the modes' amplitudes and eta_j their forces. U by its mean
-// on the left. Without A bent cells would feed the body energy: a leaf hit hard wound itself up without end. It is not
-// part of the block that is solved, so it may move F by no more than kMaxTurningPart of what the cell lacks.
+// The energy of a cell holds R in what it measures, and R follows F. Where the stress T is a function of the
+// stretch U alone (no plastic part, no bending) that makes no force; else the force is R (T + A), A
+// antisymmetric with axial vector (tr U I - U)^-1 (axial(U T - T U) - sum z_j x eta_j), z_j the modes'
+// amplitudes and eta_j their forces. U by its mean on the left. Without A bent cells would feed the body
+// energy: a leaf hit hard wound itself up without end. It is not part of the block that is solved, so it may
+// move F by no more than kMaxTurningPart of what the cell lacks.
 constexpr float kMaxTurningPart = 0.3f;
-LIVEGS_INLINE void add_turning_force(const Matrix& m, const Lanes (&mode_torque)[3], Lanes strain_squared, Lanes mobility,
-                                     Matrix& stress) {
+LIVEGS_INLINE void add_turning_force(const Matrix& m, const Lanes (&mode_torque)[3], Lanes strain_squared,
+                                     Lanes mobility, Matrix& stress) {
   const Lanes trace = m.m[0][0] + m.m[1][1] + m.m[2][2], least = all_lanes(1.5f), one = all_lanes(1.0f);
   const Lanes share = all_lanes(1.5f) / (trace > least ? trace : least);
   Lanes axial[3], squared = all_lanes(0.0f);
@@ -82,7 +83,8 @@ LIVEGS_INLINE void add_turning_force(const Matrix& m, const Lanes (&mode_torque)
     axial[d] = share * (commutator - mode_torque[d]);
     squared += axial[d] * axial[d];
   }
-  const Lanes most = all_lanes(kMaxTurningPart * kMaxTurningPart) * strain_squared, moved = squared * mobility * mobility;
+  const Lanes most = all_lanes(kMaxTurningPart * kMaxTurningPart) * strain_squared,
+              moved = squared * mobility * mobility;
   const Lanes kept = moved > most ? square_root(most / moved) : one;
   for (int d = 0; d < 3; ++d) {
     const int i = (d + 2) % 3, j = (d + 1) % 3;
@@ -102,7 +104,8 @@ struct Worst {
   Lanes strain, bent, volume;
 };
 
-// A fold leaves no strain at the centroid: bending counts by the strain of a full cell's faces, 4 |q| / a for an amplitude q.
+// A fold leaves no strain at the centroid: bending counts by the strain of a full cell's faces, 4 |q| / a for
+// an amplitude q.
 constexpr float kBendingStrain = 256.0f;  // over (4 a)²
 template <class Mask>
 LIVEGS_INLINE void report(Mask used, Lanes strain, Lanes bending, Lanes volume, Worst& worst) {
@@ -117,15 +120,16 @@ LIVEGS_INLINE void to_corners(const Matrix& r, const Lanes (&coefficient)[8][3],
   for (int d = 0; d < 3; ++d) {
     out[d][0] = all_lanes(0.0f);
     for (int k = 1; k < 8; ++k) {
-      out[d][k] = r.m[d][0] * coefficient[k][0] + r.m[d][1] * coefficient[k][1] + r.m[d][2] * coefficient[k][2];
+      out[d][k] =
+          r.m[d][0] * coefficient[k][0] + r.m[d][1] * coefficient[k][1] + r.m[d][2] * coefficient[k][2];
     }
     hadamard_back(out[d]);
   }
 }
 
 // What a stress at the centroid and the modes' forces, both in the turned frame, pull on the corners.
-LIVEGS_INLINE void pull_corners(const Matrix& r, const Matrix& stress, const Lanes (&eta)[4][3], const Lanes (&xi)[3],
-                                Lanes inverse_four_widths, Lanes (&out)[3][8]) {
+LIVEGS_INLINE void pull_corners(const Matrix& r, const Matrix& stress, const Lanes (&eta)[4][3],
+                                const Lanes (&xi)[3], Lanes inverse_four_widths, Lanes (&out)[3][8]) {
   const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
   Lanes coefficient[8][3];
   for (int d = 0; d < 3; ++d) {
@@ -143,7 +147,8 @@ LIVEGS_INLINE void pull_corners(const Matrix& r, const Matrix& stress, const Lan
 }
 
 template <bool kPaired>
-LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const GaussSeidelArrays& arrays, Worst& worst) {
+LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const GaussSeidelArrays& arrays,
+                              Worst& worst) {
   Lanes position[3][8], inverse_mass[8];
   gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
   const Lanes q4 = all_lanes(arrays.inverse_four_widths);
@@ -174,12 +179,14 @@ LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const Ga
     coefficient[4][d] = stress.m[d][2] * q4;
     for (int j = 0; j < 4; ++j) {
       const int k = kModeIndex[j];
-      const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
+      const Lanes turned =
+          r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
       coefficient[k][d] = turned * all_lanes(-gains.mode[j][d] / 64.0f);
       bent += turned * turned;
     }
   }
-  report(inverse_mass[0] > all_lanes(0.0f), dot(lack, lack), all_lanes(kBendingStrain / 64.0f) * q4 * q4 * bent, volume, worst);
+  report(inverse_mass[0] > all_lanes(0.0f), dot(lack, lack),
+         all_lanes(kBendingStrain / 64.0f) * q4 * q4 * bent, volume, worst);
   Lanes out[3][8];
   to_corners(r, coefficient, out);
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
@@ -214,7 +221,8 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   if (kPlastic) {
     // The modes' own torque is left out in these cells; what it would change has not been measured.
     const Lanes torque[3] = {all_lanes(0.0f), all_lanes(0.0f), all_lanes(0.0f)};
-    add_turning_force(m, torque, dot(lack, lack), cells.mobility[0] + cells.mobility[1] + cells.mobility[2], stress);
+    add_turning_force(m, torque, dot(lack, lack), cells.mobility[0] + cells.mobility[1] + cells.mobility[2],
+                      stress);
   }
 
   // Mode amplitudes after the strain update, in the turned frame, and what their rows give back.
@@ -226,20 +234,22 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
       Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
       if (kPlastic) turned -= all_lanes(8.0f) * plastic->mode_rest[j][d];
       bent += turned * turned;
-      const Lanes pulled = stress.m[d][0] * coupling[0] + stress.m[d][1] * coupling[1] + stress.m[d][2] * coupling[2];
+      const Lanes pulled =
+          stress.m[d][0] * coupling[0] + stress.m[d][1] * coupling[1] + stress.m[d][2] * coupling[2];
       eta[j][d] = gains.mode[j][d] * (turned + pulled) * all_lanes(-1.0f / 64.0f);
     }
   }
   // Unused places have F = 0 and no stiffness; they are not strained.
-  report(cells.mobility[0] + cells.mobility[1] + cells.mobility[2] > all_lanes(0.0f),
-         dot(lack, lack), all_lanes(kBendingStrain / 64.0f) * q4 * q4 * bent, volume, worst);
+  report(cells.mobility[0] + cells.mobility[1] + cells.mobility[2] > all_lanes(0.0f), dot(lack, lack),
+         all_lanes(kBendingStrain / 64.0f) * q4 * q4 * bent, volume, worst);
 
   Lanes out[3][8];
   pull_corners(r, stress, eta, cells.centroid, q4, out);
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
-// |S - I|², the strain by bending counted, from which the compensation goes and a cell is drawn straight back, and where it only is.
+// |S - I|², the strain by bending counted, from which the compensation goes and a cell is drawn straight
+// back, and where it only is.
 constexpr float kRecoveryStrainStart = 0.25f, kRecoveryStrainEnd = 1.0f;
 
 // All eighteen measures at once; the energy is quadratic in them, so there is no volume row.
@@ -262,7 +272,8 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   for (int j = 0; j < 4; ++j) {
     const int k = kModeIndex[j];
     for (int d = 0; d < 3; ++d) {
-      const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
+      const Lanes turned =
+          r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
       modes[j][d] = turned * all_lanes(0.125f);
       lacking[6 + 3 * j + d] = -modes[j][d];
       if (kPlastic) lacking[6 + 3 * j + d] += plastic->mode_rest[j][d];
@@ -284,26 +295,29 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
     }
     impulse[i] += sum;
   }
-  // A cell pulled out of all proportion would turn by a radian in a step, and what it measures with it. It is drawn
-  // straight back to rest by as much energy: alike in all directions, which no turn changes.
+  // A cell pulled out of all proportion would turn by a radian in a step, and what it measures with it. It is
+  // drawn straight back to rest by as much energy: alike in all directions, which no turn changes.
   if (__builtin_expect(any_above(strain, kRecoveryStrainStart), false)) {
     const Lanes one = all_lanes(1.0f), zero = all_lanes(0.0f);
     Lanes inverse = inverse_mass[0], energy = zero;
     for (int c = 1; c < 8; ++c) inverse += inverse_mass[c];
     for (int i = 0; i < kThinMeasures; ++i) energy += impulse[i] * lacking[i];
-    // Half of the way by the strains and half by the four modes together: where next to all of the inverse mass is at one
-    // corner, each of them moves that one, and with what it has of motion more than 4/3 of the way would grow. (Half by
-    // each, 2.5 in all, fed the tip of a leaf, nodes of 20 mg beside 11 g, until a plant flew.)
-    Lanes by_strain = all_lanes(0.5f) / (used ? cells.mobility : one), by_mode = all_lanes(8.0f) / (used ? inverse : one);
+    // Half of the way by the strains and half by the four modes together: where next to all of the inverse
+    // mass is at one corner, each of them moves that one, and with what it has of motion more than 4/3 of the
+    // way would grow. (Half by each, 2.5 in all, fed the tip of a leaf, nodes of 20 mg beside 11 g, until a
+    // plant flew.)
+    Lanes by_strain = all_lanes(0.5f) / (used ? cells.mobility : one),
+          by_mode = all_lanes(8.0f) / (used ? inverse : one);
     const Lanes alike = by_strain * dot(lack, lack) + by_mode * bent;
     const Lanes scale = energy < alike ? energy / alike : one;
-    Lanes part = (strain - all_lanes(kRecoveryStrainStart)) * all_lanes(1.0f / (kRecoveryStrainEnd - kRecoveryStrainStart));
+    Lanes part = (strain - all_lanes(kRecoveryStrainStart)) *
+                 all_lanes(1.0f / (kRecoveryStrainEnd - kRecoveryStrainStart));
     part = part > zero ? (part < one ? part : one) : zero;
     const Lanes own = (one - part) * (one + (gains.relief - one) * part);
     by_strain *= part * scale;
     by_mode *= part * scale;
-    // As if nothing had flowed: a plastic part beside such a stretch takes a turning force too large to be exact, and fed a
-    // loose end of a leaf that had flowed to its limit until it swung without end.
+    // As if nothing had flowed: a plastic part beside such a stretch takes a turning force too large to be
+    // exact, and fed a loose end of a leaf that had flowed to its limit until it swung without end.
     if (kPlastic) {
       for (int k = 0; k < 6; ++k) lacking[k] += part * ((k < 3 ? one : zero) - plastic->part[k]);
       for (int j = 0; j < 4; ++j) {
@@ -317,8 +331,10 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   for (int k = 0; k < 6; ++k) sigma.v[k] = impulse[k];
   Matrix stress = matrix_of_mandel(sigma);
   Lanes torque[3] = {all_lanes(0.0f), all_lanes(0.0f), all_lanes(0.0f)};
-  for (int j = 0; j < 4; ++j) add_cross(modes[j], {impulse[6 + 3 * j], impulse[7 + 3 * j], impulse[8 + 3 * j]}, torque);
-  add_turning_force(m, torque, dot(lack, lack) + all_lanes(kBendingStrain) * q4 * q4 * bent, cells.mobility, stress);
+  for (int j = 0; j < 4; ++j)
+    add_cross(modes[j], {impulse[6 + 3 * j], impulse[7 + 3 * j], impulse[8 + 3 * j]}, torque);
+  add_turning_force(m, torque, dot(lack, lack) + all_lanes(kBendingStrain) * q4 * q4 * bent, cells.mobility,
+                    stress);
   Lanes eta[4][3];
   for (int j = 0; j < 4; ++j) {
     for (int d = 0; d < 3; ++d) eta[j][d] = all_lanes(0.125f) * impulse[6 + 3 * j + d];

@@ -7,12 +7,12 @@
 
 #include <cmath>
 
-// Eight floats side by side as GCC's and Clang's vector extension: plain arithmetic on every target. Everything here
-// is inlined by order: a call would pass its values through memory.
+// Eight floats side by side as GCC's and Clang's vector extension: plain arithmetic on every target.
+// Everything here is inlined by order: a call would pass its values through memory.
 
 namespace livegs {
 
-typedef float Lanes __attribute__((vector_size(32)));      // one value of eight cells, or two nodes side by side
+typedef float Lanes __attribute__((vector_size(32)));  // one value of eight cells, or two nodes side by side
 typedef float NodeLanes __attribute__((vector_size(16)));  // x, y, z and w of a node
 
 #define LIVEGS_INLINE [[gnu::always_inline]] static inline
@@ -50,8 +50,8 @@ LIVEGS_INLINE bool any_above(Lanes a, float limit) {
 #endif
 }
 
-// Nodes i of places 0 ... 3 in the low halves and of 4 ... 7 in the high ones become x, y, z, w of the eight places.
-// Its own inverse.
+// Nodes i of places 0 ... 3 in the low halves and of 4 ... 7 in the high ones become x, y, z, w of the eight
+// places. Its own inverse.
 LIVEGS_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes t0 = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
   const Lanes t1 = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);

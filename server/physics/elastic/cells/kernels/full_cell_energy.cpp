@@ -8,7 +8,8 @@ namespace {
 using namespace lanes;
 
 // The corners, and the inverse masses of the first of them.
-LIVEGS_INLINE Lanes gather(const uint32_t (&nodes)[8][8], const NodeLanes* positions, Lanes (&position)[3][8]) {
+LIVEGS_INLINE Lanes gather(const uint32_t (&nodes)[8][8], const NodeLanes* positions,
+                           Lanes (&position)[3][8]) {
   Lanes inverse_mass = all_lanes(0.0f);
   for (int c = 0; c < 8; c += 2) {
     Lanes rows[8];
@@ -23,10 +24,11 @@ LIVEGS_INLINE Lanes gather(const uint32_t (&nodes)[8][8], const NodeLanes* posit
   return inverse_mass;
 }
 
-// `position` holds the sums by corner signs; mode(j, d) is half the stiffness over 64: an amplitude is an eighth of a sum.
+// `position` holds the sums by corner signs; mode(j, d) is half the stiffness over 64: an amplitude is an
+// eighth of a sum.
 template <class Mode>
-LIVEGS_INLINE Lanes energy_of(const Lanes (&kept)[4], const Matrix& f, const Lanes (&position)[3][8], Lanes shear_j,
-                              Lanes half_lambda_j, const Mode& mode) {
+LIVEGS_INLINE Lanes energy_of(const Lanes (&kept)[4], const Matrix& f, const Lanes (&position)[3][8],
+                              Lanes shear_j, Lanes half_lambda_j, const Mode& mode) {
   Lanes rotation[4] = {kept[0], kept[1], kept[2], kept[3]};
   Matrix r, m;
   follow_rotation(rotation, f, r, m);
@@ -38,7 +40,8 @@ LIVEGS_INLINE Lanes energy_of(const Lanes (&kept)[4], const Matrix& f, const Lan
   for (int d = 0; d < 3; ++d) {
     for (int j = 0; j < 4; ++j) {
       const int k = kModeIndex[j];
-      const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
+      const Lanes turned =
+          r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
       energy += mode(j, d) * turned * turned;
     }
   }
@@ -46,21 +49,25 @@ LIVEGS_INLINE Lanes energy_of(const Lanes (&kept)[4], const Matrix& f, const Lan
 }
 
 // Of the eight cells; 0 in unused places.
-LIVEGS_INLINE Lanes energy_of_full(const FullCells& cells, const NodeLanes* positions, const FullModuli& moduli, Lanes q4) {
+LIVEGS_INLINE Lanes energy_of_full(const FullCells& cells, const NodeLanes* positions,
+                                   const FullModuli& moduli, Lanes q4) {
   Lanes position[3][8];
   const Lanes inverse_mass = gather(cells.nodes, positions, position);
   const Matrix f = full_gradient(q4, position);
-  const Lanes energy = energy_of(cells.rotation, f, position, all_lanes(moduli.shear_j), all_lanes(0.5f * moduli.lambda_j),
-                                 [&](int j, int d) { return all_lanes(0.5f / 64.0f * moduli.mode_n_m[j][d]); });
+  const Lanes energy =
+      energy_of(cells.rotation, f, position, all_lanes(moduli.shear_j), all_lanes(0.5f * moduli.lambda_j),
+                [&](int j, int d) { return all_lanes(0.5f / 64.0f * moduli.mode_n_m[j][d]); });
   return inverse_mass > all_lanes(0.0f) ? energy : all_lanes(0.0f);
 }
 
-LIVEGS_INLINE Lanes energy_of_cut(const CutCells& cells, const NodeLanes* positions, const CutModuli& moduli, Lanes q4) {
+LIVEGS_INLINE Lanes energy_of_cut(const CutCells& cells, const NodeLanes* positions, const CutModuli& moduli,
+                                  Lanes q4) {
   Lanes position[3][8];
   gather(cells.nodes, positions, position);
   const Matrix f = gradient_at(cells.centroid, q4, position);
-  const Lanes energy = energy_of(cells.rotation, f, position, moduli.shear_j, all_lanes(0.5f) * moduli.lambda_j,
-                                 [&](int j, int d) { return all_lanes(0.5f / 64.0f) * moduli.mode_n_m[j][d]; });
+  const Lanes energy =
+      energy_of(cells.rotation, f, position, moduli.shear_j, all_lanes(0.5f) * moduli.lambda_j,
+                [&](int j, int d) { return all_lanes(0.5f / 64.0f) * moduli.mode_n_m[j][d]; });
   return moduli.shear_j > all_lanes(0.0f) ? energy : all_lanes(0.0f);
 }
 
@@ -71,8 +78,8 @@ double add_lanes(double sum, const Lanes& energy) {
 
 }  // namespace
 
-double full_cell_energy(const FullCells* begin, const FullCells* end, const NodeLanes* positions, const FullModuli& moduli,
-                        float inverse_four_widths) {
+double full_cell_energy(const FullCells* begin, const FullCells* end, const NodeLanes* positions,
+                        const FullModuli& moduli, float inverse_four_widths) {
   double sum = 0.0;
   for (const FullCells* cells = begin; cells != end; ++cells) {
     sum = add_lanes(sum, energy_of_full(*cells, positions, moduli, all_lanes(inverse_four_widths)));
@@ -80,7 +87,8 @@ double full_cell_energy(const FullCells* begin, const FullCells* end, const Node
   return sum;
 }
 
-double cut_cell_energy(const CutCells& cells, const NodeLanes* positions, const CutModuli& moduli, float inverse_four_widths) {
+double cut_cell_energy(const CutCells& cells, const NodeLanes* positions, const CutModuli& moduli,
+                       float inverse_four_widths) {
   return add_lanes(0.0, energy_of_cut(cells, positions, moduli, all_lanes(inverse_four_widths)));
 }
 

@@ -15,7 +15,8 @@ LIVEGS_INLINE Lanes twice(NodeLanes a) { return pair_of(a, a); }
 
 void predict_nodes(const NodeArrays& nodes, const PredictStep& step) {
   const Lanes memory = all_lanes(step.memory), kept = all_lanes(step.kept), step_s = all_lanes(step.step_s);
-  const Lanes centre = twice(step.centre), correction = twice(step.correction), correction_spin = twice(step.correction_spin);
+  const Lanes centre = twice(step.centre), correction = twice(step.correction),
+              correction_spin = twice(step.correction_spin);
   const Lanes bias = twice(step.bias), spin = twice(step.spin), zero = all_lanes(0.0f);
   typedef int Mask __attribute__((vector_size(32)));
   const Mask xyz = {-1, -1, -1, 0, -1, -1, -1, 0};
@@ -68,7 +69,8 @@ void advance_nodes(const NodeArrays& nodes, float step_s, NodeSums& sums) {
   sums = NodeSums{};
   for (size_t begin = 0; begin < nodes.count; begin += kBlock) {
     const size_t end = begin + kBlock < nodes.count ? begin + kBlock : nodes.count;
-    Lanes mass_position = zero, momentum = zero, angular = zero, before = zero, squares = zero, products = zero;
+    Lanes mass_position = zero, momentum = zero, angular = zero, before = zero, squares = zero,
+          products = zero;
     Lanes kinetic = zero;
     for (size_t i = begin; i < end; i += 2) {
       const Lanes d = pair_of(nodes.corrections[i], nodes.corrections[i + 1]);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/text/json_text.h"
 #include "analysis/model/model_endpoint.h"
+#include "analysis/text/json_text.h"
 #include "server/analysis/model/chat/test_model_server.h"
 
 // What a server may do to a client, as a table: what it says, what the client makes of it.

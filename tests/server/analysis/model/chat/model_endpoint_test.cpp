@@ -13,9 +13,9 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "geometry/surface/shape_mesh.h"
+#include "scratch_folder.h"
 #include "server/analysis/model/chat/endpoint_case_groups.h"
 #include "server/analysis/model/chat/model_endpoint_cases.h"
-#include "scratch_folder.h"
 
 namespace livegs {
 namespace {
@@ -131,7 +131,8 @@ TEST(ModelEndpoint, QuirksAreRememberedBetweenRunsAndWasteNoRequestTwice) {
   }
 }
 
-// A model without eyes answers all the same; that is said, once, and the next run looks whether it has some now.
+// A model without eyes answers all the same; that is said, once, and the next run looks whether it has some
+// now.
 TEST(ModelEndpoint, AModelThatTakesNoPicturesIsSaidToBeBlind) {
   const ScratchFolder scratch;
   TestModelServer server([](const SeenRequest& request, int) {
@@ -203,7 +204,8 @@ TEST(ModelEndpoint, AHangOnAConnectionUsedAgainIsNoMissingServer) {
   const auto hung = (*endpoint)->start(pot_tools())->ask(pot_question(), {});
   ASSERT_FALSE(hung);
   EXPECT_EQ(server.connections(), before);
-  EXPECT_NE(hung.error().message.find("no complete reply in time"), std::string::npos) << hung.error().message;
+  EXPECT_NE(hung.error().message.find("no complete reply in time"), std::string::npos)
+      << hung.error().message;
   EXPECT_EQ(hung.error().message.find("is the server running?"), std::string::npos) << hung.error().message;
 }
 
@@ -442,7 +444,8 @@ TEST(ModelEndpoint, AWebSearchThatTheServerRefusesIsSaid) {
   const ScratchFolder scratch;
   TestModelServer server([](const SeenRequest& request, int) {
     return body_of(request).contains("web_search_options")
-               ? fails(400, {{"message", "unknown field web_search_options"}, {"param", "web_search_options"}})
+               ? fails(400,
+                       {{"message", "unknown field web_search_options"}, {"param", "web_search_options"}})
                : says(sound_answer());
   });
   set_log_level(LogLevel::Warn);
@@ -529,7 +532,8 @@ TEST(EndpointChoice, ADeadlineIsAPersonsToSet) {
   choice.url = server.base_url();
   choice.model = "m";
   for (const bool by_variable : {true, false}) {
-    by_variable ? ::setenv("LIVEGS_MODEL_DEADLINE_S", "1", 1) : ::setenv("LIVEGS_MODEL_DEADLINE_S", "3000", 1);
+    by_variable ? ::setenv("LIVEGS_MODEL_DEADLINE_S", "1", 1)
+                : ::setenv("LIVEGS_MODEL_DEADLINE_S", "3000", 1);
     choice.deadline_s = by_variable ? 0 : 1;
     const auto endpoint = choose_endpoint(choice);
     ASSERT_TRUE(endpoint) << endpoint.error().message;
@@ -576,7 +580,9 @@ TEST(EndpointChoice, TheKeyGoesToItsOwnAddressAlone) {
   const auto expect_withheld = [&](const char* belongs_to) {
     const auto [sent, log] = asked();
     EXPECT_FALSE(sent);
-    EXPECT_NE(log.find("OPENAI_API_KEY is not sent there, it belongs to " + std::string(belongs_to)), std::string::npos) << log;
+    EXPECT_NE(log.find("OPENAI_API_KEY is not sent there, it belongs to " + std::string(belongs_to)),
+              std::string::npos)
+        << log;
   };
   expect_withheld("the address in OPENAI_BASE_URL");
   for (const char* unset : {"", "unset"}) {

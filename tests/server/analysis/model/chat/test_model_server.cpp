@@ -72,8 +72,8 @@ struct TestModelServer::State {
       return;
     }
     std::string head = "HTTP/1.1 " + std::to_string(reply.status) +
-                       " Said\r\nContent-Type: " + reply.content_type + "\r\nConnection: " +
-                       (reply.keep_alive ? "keep-alive" : "close") + "\r\n";
+                       " Said\r\nContent-Type: " + reply.content_type +
+                       "\r\nConnection: " + (reply.keep_alive ? "keep-alive" : "close") + "\r\n";
     if (!reply.content_type.starts_with("text/event-stream")) {
       head += "Content-Length: " + std::to_string(reply.body.size()) + "\r\n";
     }
@@ -189,9 +189,9 @@ void TestModelServer::wait_for_posts(std::size_t count) const {
 
 bool TestModelServer::wait_for_posts(std::size_t count, double seconds) const {
   std::unique_lock lock(state_->mutex);
-  return state_->changed.wait_for(lock, std::chrono::duration<double>(seconds),
-                                  [&] { return state_->stopping || state_->posts.size() >= count; }) &&
-         state_->posts.size() >= count;
+  return state_->changed.wait_for(lock, std::chrono::duration<double>(seconds), [&] {
+    return state_->stopping || state_->posts.size() >= count;
+  }) && state_->posts.size() >= count;
 }
 
 int TestModelServer::connections() const {

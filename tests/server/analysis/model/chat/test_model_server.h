@@ -47,9 +47,10 @@ class TestModelServer {
   std::string base_url() const;  // with /v1
   std::vector<SeenRequest> posts() const;
   void wait_for_posts(std::size_t count) const;  // blocks until so many have come
-  bool wait_for_posts(std::size_t count, double seconds) const;  // false when they did not; also from the handler
-  int connections() const;                       // so far
-  int most_at_once() const;                      // POSTs being answered
+  bool wait_for_posts(std::size_t count,
+                      double seconds) const;  // false when they did not; also from the handler
+  int connections() const;                    // so far
+  int most_at_once() const;                   // POSTs being answered
 
  private:
   struct State;
