@@ -53,7 +53,7 @@ inline Result<std::shared_ptr<VulkanDevice>> create_validated_device(ValidationM
 
 // The one Vulkan device of a test program, and a backend on it. Created when a test first needs it, destroyed
 // after the last test; any message of the validation layer fails the test, or at the end the program.
-class SharedVulkan final : public testing::Environment {
+class SharedVulkan final : public ::testing::Environment {
  public:
   // Why there is no device: its tests skip. Nothing where there is one, or where only the validation layer is
   // absent.
@@ -100,6 +100,6 @@ class SharedVulkan final : public testing::Environment {
 
 // GoogleTest owns it.
 inline SharedVulkan& shared_vulkan =
-    *static_cast<SharedVulkan*>(testing::AddGlobalTestEnvironment(new SharedVulkan));
+    *static_cast<SharedVulkan*>(::testing::AddGlobalTestEnvironment(new SharedVulkan));
 
 }  // namespace livegs
