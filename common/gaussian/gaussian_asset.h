@@ -8,6 +8,9 @@
 
 namespace livegs {
 
+// Y_00, the constant spherical harmonic: 1 / (2 sqrt(pi)).
+inline constexpr float kShBand0 = 0.28209479177387814f;
+
 // The kernels of one captured object, as trained (Kerbl et al. 2023, 3D Gaussian Splatting), one array a
 // property. Frame: the one 3DGS tools write, x right, -Y up, z forward ("RDF"), in the file's own unit of
 // length; readers convert to it. Nothing here is metric: a scene's `scale` and `up` say how an asset stands

@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-constexpr std::chrono::seconds kCallDeadline{10};
+constexpr std::chrono::seconds kControlDeadline{10};
 
 }  // namespace
 
@@ -44,7 +44,7 @@ struct SceneControl::Connection {
   Result<Reply> ask(grpc::Status (v1::LiveGs::Stub::*method)(grpc::ClientContext*, const Request&, Reply*),
                     const Request& request) {
     Call call(*this);
-    call.context.set_deadline(std::chrono::system_clock::now() + kCallDeadline);
+    call.context.set_deadline(std::chrono::system_clock::now() + kControlDeadline);
     Reply reply;
     const grpc::Status status = (stub.get()->*method)(&call.context, request, &reply);
     if (!status.ok()) return error_from(status, address);

@@ -22,10 +22,11 @@
 namespace livegs {
 namespace {
 
-constexpr std::chrono::milliseconds kPollInterval{50};  // whether it is to end, and whether frames stay away
+constexpr std::chrono::milliseconds kSpectatorPollInterval{
+    50};  // whether it is to end, and whether frames stay away
 constexpr int64_t kSilenceTimeout_ns = 1'000'000'000;
-constexpr std::chrono::seconds kCallDeadline{10}, kFetchDeadline{600};
-constexpr int64_t kRetryInterval_ns = 100'000'000;
+constexpr std::chrono::seconds kSpectatorDeadline{10}, kFetchDeadline{600};
+constexpr int64_t kSpectatorRetry_ns = 100'000'000;
 
 }  // namespace
 
@@ -61,7 +62,7 @@ Result<v1::SceneDescription> Spectator::Connection::describe() {
   request.set_protocol_version(kProtocolVersion);
   v1::SceneDescription reply;
   grpc::ClientContext call;
-  call.set_deadline(std::chrono::system_clock::now() + kCallDeadline);
+  call.set_deadline(std::chrono::system_clock::now() + kSpectatorDeadline);
   const grpc::Status status = spectators->DescribeScene(&call, request, &reply);
   if (!status.ok()) {
     if (access) {
@@ -111,7 +112,7 @@ void Spectator::Connection::run() {
   while (!stopping) {
     zmq::message_t message;
     try {
-      if (!frames.recv(message)) {  // nothing for kPollInterval
+      if (!frames.recv(message)) {  // nothing for kSpectatorPollInterval
         if (!lost && heard_ns > 0 && now_ns() - heard_ns > kSilenceTimeout_ns) {
           lost = true;
           sink->on_lost("nothing was published for a second");
@@ -165,7 +166,7 @@ Result<std::unique_ptr<Spectator>> Spectator::subscribe(const std::string& serve
     connection->frames.set(zmq::sockopt::conflate,
                            1);  // before it connects: the newest frame and no other waits
     connection->frames.set(zmq::sockopt::maxmsgsize, static_cast<int64_t>(kMaxFrameBytes) + 64);
-    connection->frames.set(zmq::sockopt::rcvtimeo, static_cast<int>(kPollInterval.count()));
+    connection->frames.set(zmq::sockopt::rcvtimeo, static_cast<int>(kSpectatorPollInterval.count()));
     connection->frames.set(zmq::sockopt::linger, 0);
     connection->frames.set(zmq::sockopt::ipv6, published.find('[') != std::string::npos);
     connection->frames.set(zmq::sockopt::subscribe, "");
@@ -179,7 +180,7 @@ Result<std::unique_ptr<Spectator>> Spectator::subscribe(const std::string& serve
   const int64_t give_up_ns = now_ns() + static_cast<int64_t>(1e9 * timeout_s);
   auto described = connection->describe();
   while (!described && described.error().code == ErrorCode::Unavailable && now_ns() < give_up_ns) {
-    sleep_until_ns(now_ns() + kRetryInterval_ns);
+    sleep_until_ns(now_ns() + kSpectatorRetry_ns);
     described = connection->describe();
   }
   if (!described) return described.error();

@@ -21,7 +21,7 @@ namespace livegs {
 namespace {
 
 constexpr double kWaitSlice_s = 0.05;
-constexpr std::chrono::milliseconds kPollInterval{10};
+constexpr std::chrono::milliseconds kOffscreenPollInterval{10};
 
 // What can be wrong before a server is asked.
 struct Prepared {
@@ -146,7 +146,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   const Result<void> streamed = client.stop();
   queue.close();
   if (!play_ended && !interrupted) log_info("the stream has ended; drawing what is left of it");
-  for (; !play_ended; std::this_thread::sleep_for(kPollInterval)) {
+  for (; !play_ended; std::this_thread::sleep_for(kOffscreenPollInterval)) {
     if (interrupted) queue.abandon();
   }
   drawer.join();

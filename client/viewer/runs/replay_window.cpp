@@ -17,7 +17,7 @@ namespace livegs {
 namespace {
 
 constexpr double kJump_s = 5;
-constexpr const char* kHelp =
+constexpr const char* kReplayHelp =
     "right: turn   middle: shift\nwheel: nearer   WASDQE: fly\nP: pause   full stop: step\narrows: 5 s back "
     "and on\n"
     "Home: to the start   H: hide panels";
@@ -158,7 +158,7 @@ class ReplayWindow {
         static_cast<unsigned long long>(tick_), paused_ ? ", paused" : "", at_end_ ? ", the end" : ""));
     overlay.panels.run.lines.push_back(view_.renderer_name());
     overlay.panels.run.lines.push_back(format_text("drawn at %.0f %%", 100.0 * scale_.value()));
-    overlay.panels.run.help = kHelp;
+    overlay.panels.run.help = kReplayHelp;
     return overlay;
   }
 

@@ -15,7 +15,7 @@ namespace livegs {
 namespace {
 
 constexpr size_t kProjectBlock = 1024;  // kernels
-constexpr size_t kAhead = 16;           // kernels between a prefetch and its use
+constexpr size_t kRasterPrefetch = 16;  // kernels between a prefetch and its use
 
 // Kernels are binned and blended in batches, nearest first, so that tiles already opaque take no more of them
 // and the bins of a camera inside an object stay bounded. A batch is whole groups whose bounding boxes cover
@@ -117,7 +117,7 @@ void Rasteriser::Buffers::sort() {
   parallel_for(keys.size(), kGroup, [&](size_t begin, size_t end) {
     size_t tiles = 0;
     for (size_t i = begin; i < end; ++i) {
-      if (i + kAhead < end) __builtin_prefetch(&projected[keys[i + kAhead].index]);
+      if (i + kRasterPrefetch < end) __builtin_prefetch(&projected[keys[i + kRasterPrefetch].index]);
       order[i] = keys[i].index;
       tiles += projected[order[i]].tile_bound;
     }

@@ -12,7 +12,7 @@ namespace livegs {
 namespace {
 
 constexpr double kProportionSd = 0.3;  // of the logarithms of the box's two ratios, among things of a kind
-constexpr double kGuessedSizeSd =
+constexpr double kGuessedSizeLogSd =
     0.7;  // of the logarithm of a size whose scale is a guess: a factor 2 either way
 constexpr double kBroadShare = 0.02;  // of a kind's things that look like nothing in particular …
 constexpr double kBroadSd = 1.5;      // … with this width
@@ -31,7 +31,7 @@ double size_fit(const ObjectRow& row, const ObjectFacts& facts) {
                usual_shortest = std::log(row.short_m);
   // The range in the table is meant to hold nine of ten.
   double sd = std::max(0.12, std::log(row.size_m.high / row.size_m.low) / 3.29);
-  if (!facts.scale_known) sd = std::hypot(sd, kGuessedSizeSd);
+  if (!facts.scale_known) sd = std::hypot(sd, kGuessedSizeLogSd);
   const double size = (longest + middle + shortest - usual_longest - usual_middle - usual_shortest) / 3;
   return forgiving(size, sd) * forgiving(longest - middle - usual_longest + usual_middle, kProportionSd) *
          forgiving(middle - shortest - usual_middle + usual_shortest, kProportionSd);

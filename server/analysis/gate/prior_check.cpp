@@ -19,7 +19,7 @@ using v1::Physics;
 
 constexpr double kMaxPriorRatio = 8.0;
 // A part of less than this share of the mass holds nothing and names nothing.
-constexpr double kMinStructuralShare = 0.05, kMinNamedShare = 0.1;
+constexpr double kMinStructuralShare = 0.05, kMinNamedPriorShare = 0.1;
 
 Span3 product(const Span3& a, const Span3& b) { return {a.low * b.low, a.best * b.best, a.high * b.high}; }
 
@@ -93,7 +93,7 @@ bool material_fits(const Answer& answer, const ObjectClasses& found, const std::
   };
   const auto any = [&](bool agreed) {
     for (const AnswerPart& part : answer.parts) {
-      if (&part != &answer.parts.front() && part.share < kMinNamedShare) break;
+      if (&part != &answer.parts.front() && part.share < kMinNamedPriorShare) break;
       if (fits(part.material->material_class, agreed)) return true;
     }
     return false;

@@ -20,7 +20,7 @@ using v1::Physics;
 constexpr double kMaterialSlack = 3.0;
 constexpr double kMassSlack = 2.0;
 // Nothing on earth is denser.
-constexpr double kMaxDensity_kg_m3 = 23000;
+constexpr double kMaxAnswerDensity_kg_m3 = 23000;
 // What brings a slip of units back: kilograms given for grams; pascals, kilopascals or gigapascals for
 // megapascals.
 constexpr double kMassSlips[] = {1e3};
@@ -108,7 +108,8 @@ std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& fact
   const double slack = facts.scale_known ? 1.0 : kGuessedVolumeRatio;
   const double solid_m3 = std::max(facts.mesh.volume_m3, facts.mesh.hull_volume_m3);
   const double box_m3 = sorted_box_m(facts.mesh).prod();
-  const double most_kg = kMaxDensity_kg_m3 * solid_m3 * slack, least_kg = min_mass_kg(answer, facts) / slack;
+  const double most_kg = kMaxAnswerDensity_kg_m3 * solid_m3 * slack,
+               least_kg = min_mass_kg(answer, facts) / slack;
   const std::string told = general(answer.mass_kg.best * 1e3);
   if (solid_m3 > 0 && answer.mass_kg.best > most_kg) {
     return invalid_data(words.say(

@@ -19,7 +19,7 @@ constexpr double kTrigramWeight = 3.0, kAliasWeight = 8.0, kMaterialOfObject = 0
 constexpr double kMinTrigramShare = 0.3, kMinScore = 0.6;
 constexpr std::size_t kMaxQueryLength = 200;
 
-std::vector<std::string> words_of(std::string_view text) {
+std::vector<std::string> search_words_of(std::string_view text) {
   std::vector<std::string> words;
   const std::string plain = normalised_name(text);
   for (std::size_t begin = 0; begin < plain.size();) {
@@ -66,10 +66,10 @@ Index build_index() {
   const auto add = [&](KnowledgeHit row, const std::vector<std::string>& names, const std::string& more) {
     Document document;
     document.row = std::move(row);
-    std::vector<std::string> words = words_of(more);
+    std::vector<std::string> words = search_words_of(more);
     for (const std::string& name : names) {
       document.names.push_back(trigrams_of(name));
-      for (std::string& word : words_of(name)) words.push_back(std::move(word));
+      for (std::string& word : search_words_of(name)) words.push_back(std::move(word));
     }
     for (const std::string& word : words) ++document.counts[word];
     document.length = words.size();
@@ -114,7 +114,7 @@ double bm25(const Index& index, const Document& document, const std::vector<std:
 std::vector<KnowledgeHit> search_knowledge(std::string_view query, std::size_t count) {
   query = query.substr(0, kMaxQueryLength);
   const Index& index = index_of_tables();
-  const std::vector<std::string> words = words_of(query);
+  const std::vector<std::string> words = search_words_of(query);
   const std::set<std::string> grams = trigrams_of(query);
   const NameMatch object = match_name(query);
   const MaterialMatch material = match_material(query);

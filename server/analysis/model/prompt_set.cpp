@@ -54,7 +54,7 @@ constexpr BuiltIn kBuiltIn[] = {{"system.md", kSystemPrompt, nullptr},
                                 {"answer.schema.json", kAnswerSchemaPrompt, "{{material_ids}}"},
                                 {"version.txt", kVersionPrompt, nullptr}};
 
-Result<OrderedJson> parse_file(const std::string& text) {
+Result<OrderedJson> parse_prompt_file(const std::string& text) {
   if (json_extent(text, 0, kMaxJsonDepth).depth > kMaxJsonDepth) return invalid_data("nested too deep");
   OrderedJson value = OrderedJson::parse(text, nullptr, false);
   if (value.is_discarded()) return invalid_data("not JSON");
@@ -144,7 +144,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
     set.texts_[file.name] = std::move(text);
   }
   if (!folder.empty()) tell_of_strangers(folder);
-  auto schema = parse_file(set.text("answer.schema.json"));
+  auto schema = parse_prompt_file(set.text("answer.schema.json"));
   if (!schema) return wrong("answer.schema.json", schema.error().message);
   put_materials(*schema);
   set.schema_ = std::move(*schema);
@@ -155,7 +155,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
   for (const OrderedJson& field : *required) {
     if (field.is_string()) set.fields_.push_back(field.get<std::string>());
   }
-  auto examples = parse_file(set.text("examples.json"));
+  auto examples = parse_prompt_file(set.text("examples.json"));
   if (!examples) return wrong("examples.json", examples.error().message);
   if (!examples->is_array()) return wrong("examples.json", "must be a list of examples");
   for (const OrderedJson& example : *examples) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kSchema = "livegs.analysis/1";
 
-std::string hash_of(const std::string& text) {
+std::string text_hash(const std::string& text) {
   return content_hash(std::as_bytes(std::span(text.data(), text.size())));
 }
 
@@ -39,7 +39,7 @@ std::string question_hash(const AnalysisQuestion& question, const AnalysisTarget
   }
   for (const AnalysisImage& image : question.images) {
     add(text, image.caption);
-    add(text, hash_of(image.bytes));
+    add(text, text_hash(image.bytes));
   }
   const MeshFacts& mesh = target.facts->mesh;
   for (const double value :
@@ -50,7 +50,7 @@ std::string question_hash(const AnalysisQuestion& question, const AnalysisTarget
     add(text, one.name + "/" + one.material + "/" + one.behavior + "/" + three_digits(one.mass_kg) + "/" +
                   three_digits(one.distance_m));
   }
-  return hash_of(text);
+  return text_hash(text);
 }
 
 void add_to(v1::AnalysisRecord& record, const RawAnswer& answer) {
@@ -110,7 +110,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       update.turns.push_back(std::move(turn));
       if (!answer) return false;
       answers.push_back(std::move(*answer));
-      answer_hashes += hash_of(raw.json);
+      answer_hashes += text_hash(raw.json);
       return true;
     };
 
@@ -174,8 +174,8 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
   update.cached = all_cached;
   update.judgement = weigh_answer(vote(answers), *target.facts, target.offline);
   update.parameters = update.judgement.parameters;
-  update.record.set_question_hash(hash_of(question_hashes));
-  update.record.set_answer_hash(hash_of(answer_hashes));
+  update.record.set_question_hash(text_hash(question_hashes));
+  update.record.set_answer_hash(text_hash(answer_hashes));
   for (const std::string& change : update.judgement.changes) update.record.add_gate(change);
   for (const std::string& remark : update.judgement.remarks) update.record.add_gate(remark);
   if (update.judgement.verdict == Verdict::NeedsReview) update.record.set_review(update.judgement.message);

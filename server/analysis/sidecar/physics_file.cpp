@@ -52,7 +52,7 @@ Error newer(double version) {
                                               version, kPhysicsLayout)};
 }
 
-Result<v1::PhysicsFile> parse_file(const std::string& text) {
+Result<v1::PhysicsFile> parse_sidecar(const std::string& text) {
   const Result<Json> json = parse_commented_json(text);
   if (!json) return json.error();
   if (!json->is_object()) return invalid_data("must hold one JSON object");
@@ -111,7 +111,7 @@ Result<SidecarState> read_sidecar_state(const fs::path& path) {
     return Error{error.code, path.string() + ": " + error.message + remedy};
   };
   if (text) {
-    auto file = parse_file(*text);
+    auto file = parse_sidecar(*text);
     if (!file) return in_file(file.error());
     kept.file = std::move(*file);
     kept.there = true;

@@ -125,11 +125,11 @@ class LockedLog {
 };
 
 // The revisions that can be gone back to and forward to from the last record.
-struct Course {
+struct ChangeCourse {
   std::vector<uint64_t> back, forward;
 };
-Course course_of(const std::vector<PhysicsLogRecord>& log) {
-  Course course;
+ChangeCourse course_of(const std::vector<PhysicsLogRecord>& log) {
+  ChangeCourse course;
   for (const PhysicsLogRecord& record : log) {
     switch (record.action()) {
       case PhysicsLogRecord::UNDO:
@@ -300,7 +300,7 @@ Result<v1::PhysicsFile> undo_physics(const fs::path& path, const WriteStep& befo
   return change_file(
       path, before, [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
         record.set_action(PhysicsLogRecord::UNDO);
-        const Course course = course_of(kept.log);
+        const ChangeCourse course = course_of(kept.log);
         auto content = course.back.empty() ? std::nullopt : content_of(kept.log, course.back.back());
         if (!content) return not_found(path.string() + ": there is nothing to undo");
         return std::move(*content);
@@ -311,7 +311,7 @@ Result<v1::PhysicsFile> redo_physics(const fs::path& path, const WriteStep& befo
   return change_file(
       path, before, [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
         record.set_action(PhysicsLogRecord::REDO);
-        const Course course = course_of(kept.log);
+        const ChangeCourse course = course_of(kept.log);
         auto content = course.forward.empty() ? std::nullopt : content_of(kept.log, course.forward.back());
         if (!content) return not_found(path.string() + ": there is nothing to redo");
         return std::move(*content);

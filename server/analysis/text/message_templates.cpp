@@ -15,8 +15,8 @@
 namespace livegs {
 namespace {
 
-constexpr const char* kBuiltIn[] = {kFactsPrompt, kComplaintsPrompt,
-                                    kToolWordsPrompt};  // in the order of kFiles
+constexpr const char* kBuiltInTemplates[] = {kFactsPrompt, kComplaintsPrompt,
+                                             kToolWordsPrompt};  // in the order of kFiles
 
 }  // namespace
 
@@ -26,7 +26,7 @@ Result<MessageTemplates> MessageTemplates::read(const std::map<std::string, std:
   for (size_t i = 0; i < std::size(kFiles); ++i) {
     const std::string path = (folder / kFiles[i]).string() + ": ";
     const auto given = texts.find(kFiles[i]);
-    const auto own = nlohmann::json::parse(kBuiltIn[i], nullptr, false);
+    const auto own = nlohmann::json::parse(kBuiltInTemplates[i], nullptr, false);
     const auto json = given == texts.end() ? own : nlohmann::json::parse(given->second, nullptr, false);
     if (!json.is_object()) return invalid_data(path + "not a JSON object");
     for (const auto& [name, text] : json.items()) {

@@ -7,14 +7,14 @@
 namespace livegs {
 namespace {
 
-constexpr float kShDc = 0.28209479f;  // Y_00
+constexpr float kMaskShDc = 0.28209479f;  // Y_00
 
 // What drawing needs of every `step`-th kernel.
 void paint(const DrawnObject& object, size_t step, float value, GaussianAsset& asset, PosedKernels& kernels) {
   const size_t count = (object.asset->size() + step - 1) / step;
   asset.positions.resize(count);
   asset.opacity_logits.resize(count);
-  asset.sh_dc.assign(count, Eigen::Vector3f::Constant((value - 0.5f) / kShDc));
+  asset.sh_dc.assign(count, Eigen::Vector3f::Constant((value - 0.5f) / kMaskShDc));
   asset.antialiased = object.asset->antialiased;
   for (size_t i = 0; i < count; ++i) asset.opacity_logits[i] = object.asset->opacity_logits[i * step];
   if (step == 1) return;

@@ -29,7 +29,7 @@ constexpr double kSlack = 1e-9;
 constexpr double kMaxVoxels = 1 << 20;
 // Each particle has at least this part of a voxel before volumes are scaled to the body's: no particle is
 // massless.
-constexpr double kMinVolume = 0.01;
+constexpr double kMinParticleVolume = 0.01;
 
 // What carries a body hangs together when the voxels about two particles nearly touch, or, where particles
 // stand for less than a voxel each, the cubes of their volume: cells are at least one and a half of those
@@ -82,7 +82,7 @@ std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedB
     for (size_t i = 0; i < volumes_m3.size(); ++i) volumes_m3[i] += missed_m3 * areas_m2[i] / area_m2;
   }
   const double least_m3 =
-      kMinVolume * std::min(spacing_m * spacing_m * spacing_m, volume_m3 / particles.size());
+      kMinParticleVolume * std::min(spacing_m * spacing_m * spacing_m, volume_m3 / particles.size());
   double sum_m3 = 0.0;
   for (double& share_m3 : volumes_m3) {
     share_m3 = std::max(share_m3, least_m3);

@@ -20,7 +20,7 @@ constexpr size_t kBlock = 1024;
 constexpr float kShDc = 0.28209479f;              // Y_00
 constexpr double kDefaultOverhang = 1.0 / 200.0;  // of the diagonal
 constexpr double kMaxOpacity = 0.998;
-constexpr double kMinOpacity = 1.0 / 255.0;
+constexpr double kMinPieceOpacity = 1.0 / 255.0;
 constexpr double kInteriorOpacity = 0.98;
 // A kernel says what colour the surface has from this opacity on.
 constexpr double kOpaque = 0.3;
@@ -184,7 +184,7 @@ Result<PieceKernels> make_piece_kernels(const GaussianAsset& asset, const Simila
     for (size_t k = begin; k < end; ++k) {
       const Kernel kernel = at_rest(asset, k, object_from_asset);
       const double opacity = opacity_of_logit(asset.opacity_logits[k]);
-      const SplitLimits limits{overhang_m, kMinOpacity / std::max(opacity, 1e-6)};
+      const SplitLimits limits{overhang_m, kMinPieceOpacity / std::max(opacity, 1e-6)};
       std::vector<GaussianPart> parts = split_gaussian(kernel.mean_m, kernel.covariance_m2, pieces, limits);
       out.source[k] = static_cast<uint32_t>(k);
       if (parts.size() == 1 && parts[0].covariance_m2 == kernel.covariance_m2) {

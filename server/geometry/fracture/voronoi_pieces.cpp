@@ -26,7 +26,7 @@ namespace livegs {
 namespace {
 
 constexpr size_t kMaxCells = 4096;
-constexpr double kMinShare = 1e-9;         // smaller ones have no volume beyond rounding
+constexpr double kMinVolumeShare = 1e-9;   // smaller ones have no volume beyond rounding
 constexpr double kMinSeedDistance = 1e-9;  // of the diagonal
 
 // A cut face seen from its lower part, and its area: what bonds are made of.
@@ -164,7 +164,7 @@ DisjointSets join_slivers(const PartList& list, const std::vector<Contact>& cont
   std::vector<double> volumes(count);
   double whole = 0.0;
   for (uint32_t p = 0; p < count; ++p) whole += volumes[p] = part_volume(list, list.parts[p]);
-  const double least = std::max(options.smallest_share, kMinShare);
+  const double least = std::max(options.smallest_share, kMinVolumeShare);
   size_t left = count;
   while (left > 1) {
     uint32_t smallest = ~0u;

@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMinCells = 32.0, kMaxCells = 96.0;
+constexpr double kMinCells = 32.0, kMaxHollowCells = 96.0;
 constexpr double kCellsOfWall = 1.5;  // wanted across it
 // Vertices stay this part of an edge away from its ends, so that no two are in one place.
 constexpr double kVertexClearance = 0.02;
@@ -55,7 +55,7 @@ Grid depth_grid(const TriangleMesh& mesh, double wall_m) {
   const Eigen::AlignedBox3d bounds = mesh_bounds_m(mesh);
   const double longest = bounds.sizes().maxCoeff();
   Grid grid;
-  grid.cell_m = longest / std::clamp(kCellsOfWall * longest / wall_m, kMinCells, kMaxCells);
+  grid.cell_m = longest / std::clamp(kCellsOfWall * longest / wall_m, kMinCells, kMaxHollowCells);
   grid.origin_m = bounds.min() - Vector3d::Constant(0.5 * grid.cell_m);
   grid.counts = (bounds.sizes() / grid.cell_m).array().ceil().cast<int>() + 2;
   const DistanceField field(mesh, grid.cell_m, grid.cell_m);

@@ -90,7 +90,7 @@ EdgeAxis best_edges(const Side& a, const Side& b, double reach) {
 }
 
 // A corner of the cut polygon: its id, and that of the edge which starts at it.
-struct Corner {
+struct PolygonCorner {
   Vector3d point;
   uint64_t id, edge;
 };
@@ -101,14 +101,14 @@ constexpr uint64_t kEdgePair = uint64_t{1} << 30;
 
 // Cuts `other`'s face that looks most against `normal` by the sides of `of`'s face.
 struct Cut {
-  std::array<Corner, kMaxCorners> first, second;
-  Corner *corners = first.data(), *spare = second.data();
+  std::array<PolygonCorner, kMaxCorners> first, second;
+  PolygonCorner *corners = first.data(), *spare = second.data();
   size_t count = 0;
 
   void cut(const Vector3d& outwards, double offset, uint64_t side) {
     size_t kept = 0;
     for (size_t i = 0; i < count; ++i) {
-      const Corner &from = corners[i], &to = corners[i + 1 < count ? i + 1 : 0];
+      const PolygonCorner &from = corners[i], &to = corners[i + 1 < count ? i + 1 : 0];
       const double height = outwards.dot(from.point) - offset, next = outwards.dot(to.point) - offset;
       if (height <= 0.0 && kept < kMaxCorners) spare[kept++] = from;
       if ((height <= 0.0) == (next <= 0.0) || kept == kMaxCorners) continue;

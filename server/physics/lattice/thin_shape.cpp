@@ -40,7 +40,7 @@ struct Neighbours {
   }
 };
 
-struct Moments {
+struct ShapeMoments {
   double volume = 0.0;
   Vector3d first = Vector3d::Zero();  // about the cube's centre
   Matrix3d second = Matrix3d::Zero();
@@ -61,7 +61,7 @@ struct Moments {
   }
 };
 
-std::optional<ThinShape> thin_shape(const Moments& moments, double cell_width_m) {
+std::optional<ThinShape> thin_shape(const ShapeMoments& moments, double cell_width_m) {
   if (moments.volume <= 0.0) return std::nullopt;
   const Vector3d mean = moments.first / moments.volume;
   const Matrix3d covariance = moments.second / moments.volume - mean * mean.transpose();
@@ -102,7 +102,7 @@ void find_thin_shapes(const BodyExtent& extent, std::span<const std::pair<uint32
     const Vector3d centre_m =
         origin_m + width * (cell.coordinates.cast<double>() + 0.5 * (cell.centroid + Vector3d::Ones()));
     for (const uint32_t box : queue) seen_by[box] = i;
-    Moments moments;
+    ShapeMoments moments;
     for (size_t k = 0; k < queue.size(); ++k) {
       const uint32_t box = queue[k];
       if (!moments.add(extent.boxes[box], centre_m, 0.5 * width)) continue;

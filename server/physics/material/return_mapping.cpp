@@ -20,7 +20,7 @@ constexpr double kMinVolumeRatio = 0.1;
 // A cell stretched a hundredfold is on its way back too.
 constexpr double kMaxStretch = 100.0;
 // Strain beyond the yield by less than this part of it is rounding.
-constexpr double kRounding = 1e-13;
+constexpr double kStressRounding = 1e-13;
 
 Matrix3d stretch_of(const Matrix3d& f) {
   const EigenSolver solver(f.transpose() * f);
@@ -93,7 +93,7 @@ PlasticFlow flow_plastically(const YieldSurface& surface, const Matrix3d& elasti
   const Matrix3d stretch = stretch_of(elastic_deformation * plastic_part);
   const Matrix3d strain = deviator(stretch - plastic_part);
   const double size = strain.norm();
-  if (!(size > surface.radius * (1.0 + kRounding) && size > kRounding)) return none;
+  if (!(size > surface.radius * (1.0 + kStressRounding) && size > kStressRounding)) return none;
 
   const Matrix3d flowed = with_unit_volume(deviator(plastic_part) + (1.0 - surface.radius / size) * strain);
   const Matrix3d limited = within_limit(flowed, surface.limit);

@@ -10,7 +10,7 @@ namespace {
 
 // The part of the motion that is split off turns by no more than this in a step, rad; beyond so many steps it
 // is faster than anything that is looked at.
-constexpr double kMaxSplitTurn_rad = 0.05, kMaxSteps = 64.0;
+constexpr double kMaxSplitTurn_rad = 0.05, kMaxRotationSteps = 64.0;
 
 }  // namespace
 
@@ -51,7 +51,7 @@ Eigen::Quaterniond rotate_freely(const Eigen::Quaterniond& orientation, const Pr
   const double reference = axes.inverse_moments.z();
   const double spin = axes.inverse_moments.x() - reference, unlike = axes.inverse_moments.y() - reference;
   const double parts = std::ceil(duration_s * momentum.norm() * std::abs(unlike) / kMaxSplitTurn_rad);
-  const int steps = static_cast<int>(std::clamp(parts, 1.0, kMaxSteps));
+  const int steps = static_cast<int>(std::clamp(parts, 1.0, kMaxRotationSteps));
   const double step_s = duration_s / steps;
   const Eigen::Quaterniond ball = rotation_exp(step_s * reference * momentum);
   Eigen::Quaterniond turned = orientation * axes.body_from_axes;

@@ -12,7 +12,7 @@ Error refuse(uint32_t object_id, const std::string& what) {
   return invalid_argument("object " + std::to_string(object_id) + ": " + what);
 }
 
-std::string number(double value) {
+std::string number_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
   return text;
@@ -20,13 +20,13 @@ std::string number(double value) {
 
 Result<void> check_range(uint32_t id, const char* field, double value, double low, double high) {
   if (value >= low && value <= high) return {};
-  return refuse(
-      id, std::string(field) + " " + number(value) + " is outside " + number(low) + " to " + number(high));
+  return refuse(id, std::string(field) + " " + number_text(value) + " is outside " + number_text(low) +
+                        " to " + number_text(high));
 }
 
 Result<void> check_positive(uint32_t id, const char* field, double value) {
   if (value > 0.0 && std::isfinite(value)) return {};
-  return refuse(id, std::string(field) + " " + number(value) + " is not a positive number");
+  return refuse(id, std::string(field) + " " + number_text(value) + " is not a positive number_text");
 }
 
 Result<void> check_finite(uint32_t id, const char* field, const Eigen::Vector3d& value) {
@@ -56,7 +56,7 @@ Result<void> check_mesh(uint32_t id, const TriangleMesh& mesh) {
 Result<void> check_settings(const WorldSettings& settings) {
   if (!settings.gravity_m_s2.allFinite()) return invalid_argument("world: gravity_m_s2 is not finite");
   if (!(settings.rate_hz >= 1.0 && settings.rate_hz <= 1e4)) {
-    return invalid_argument("world: rate_hz " + number(settings.rate_hz) + " is outside 1 to 10000");
+    return invalid_argument("world: rate_hz " + number_text(settings.rate_hz) + " is outside 1 to 10000");
   }
   if (settings.substeps < 1 || settings.substeps > 4096) {
     return invalid_argument("world: substeps " + std::to_string(settings.substeps) + " is outside 1 to 4096");

@@ -13,7 +13,7 @@ constexpr double kFragmentTolerance = 1e-5;  // in bounding radii
 // What lies on a collider or stands against it, and gives a little, is met all the same.
 constexpr double kSurfaceTolerance_m = 0.005;
 constexpr double kMinMarch_m = 0.001;
-constexpr int kMaxMarches = 4096;
+constexpr int kMaxRayMarches = 4096;
 
 // The way to a collider, or `most_m` where it is not met before. One that holds the ray's start does not stop
 // it: a camera stands behind a wall to look into a room.
@@ -27,7 +27,7 @@ double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const E
     return nearing > 0.0 ? std::min(most_m, start.distance_m / nearing) : most_m;
   }
   double way = 0.0;
-  for (int march = 0; march < kMaxMarches && way < most_m; ++march) {
+  for (int march = 0; march < kMaxRayMarches && way < most_m; ++march) {
     const double free = probe.sample(origin_m + way * direction).distance_m;
     if (!(free > 0.0)) return way;
     way += std::max(kFieldMarchFactor * free, kMinMarch_m);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "sample/sample_scene.h"
 #include "sample/tools/baked_light.h"
@@ -16,7 +17,6 @@ namespace {
 using namespace sample;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kPot = 0, kSaucer = 1, kSoil = 2, kLeaf = 3;  // leaves 3, 4, 5, ...
 constexpr int kLeafCount = 36;
 constexpr double kSoil_m = 0.1235;
@@ -90,7 +90,8 @@ Blade grow(int index, Random& random) {
   const double age = (index + 0.5) / kLeafCount;
   const double azimuth = 2.399963229728653 * index + 0.35 * random.uniform(-1, 1);
   double elevation = 1.52 - 0.70 * std::pow(age, 0.9) + 0.08 * random.uniform(-1, 1);
-  blade.length_m = (0.30 + 0.17 * std::sin(kPi * (0.18 + 0.70 * age))) * (1 + 0.12 * random.uniform(-1, 1));
+  blade.length_m =
+      (0.30 + 0.17 * std::sin(std::numbers::pi * (0.18 + 0.70 * age))) * (1 + 0.12 * random.uniform(-1, 1));
   blade.width_m = 0.021 + 0.008 * random.uniform();
   blade.brown = random.uniform();
   blade.tone = random.uniform(-1, 1);
@@ -207,7 +208,7 @@ GaussianAsset make_potted_plant(uint64_t seed) {
   ParametricSurface soil;
   soil.part = kSoil;
   soil.spacing_m = 0.0020;
-  soil.u_max = 2 * kPi;
+  soil.u_max = 2 * std::numbers::pi;
   soil.cells_u = soil.cells_v = 64;
   soil.position_m = [seed](double u, double v) {
     // v runs from the rim inwards so that the patch faces up.

@@ -20,9 +20,9 @@ using namespace sample;
 using Eigen::Vector3d;
 
 constexpr int kBoard = 0, kSeam = 1, kWall = 2, kSkirting = 3, kFrame = 4, kPrint = 5, kMat = 6;
-constexpr double kHalf_m = 1.5, kWallHeight_m = 2.4;
+constexpr double kRoomHalf_m = 1.5, kWallHeight_m = 2.4;
 constexpr double kSkirtingHeight_m = 0.11, kSkirtingDepth_m = 0.016;
-const Vector3d kPictureLow_m(-0.42, 1.10, -kHalf_m);  // its lower left corner
+const Vector3d kPictureLow_m(-0.42, 1.10, -kRoomHalf_m);  // its lower left corner
 constexpr double kPictureWidth_m = 0.62, kPictureHeight_m = 0.82;
 constexpr double kBoardLength_m = 0.48, kBoardWidth_m = 0.08;
 
@@ -163,9 +163,9 @@ class Decor {
       return 1 - 0.09 * std::exp(-d / 0.05) - 0.17 * std::exp(-d / 0.40);
     };
     double shade = 1.0;
-    if (std::abs(s.normal.x()) < 0.7) shade *= crease(s.position_m.x() + kHalf_m);
+    if (std::abs(s.normal.x()) < 0.7) shade *= crease(s.position_m.x() + kRoomHalf_m);
     if (std::abs(s.normal.y()) < 0.7) shade *= crease(s.position_m.y());
-    if (std::abs(s.normal.z()) < 0.7) shade *= crease(s.position_m.z() + kHalf_m);
+    if (std::abs(s.normal.z()) < 0.7) shade *= crease(s.position_m.z() + kRoomHalf_m);
     return shade;
   }
 
@@ -181,7 +181,7 @@ void lay_parquet(Random& random, SurfaceSamples& samples) {
   const double rows_m[] = {0.0022, 0.0085, 0.0170, 0.0270, 0.0400, 0.0530, 0.0630, 0.0715, 0.0778};
   const double sizes_m[] = {0.0040, 0.0074, 0.0092, 0.0115, 0.0130, 0.0115, 0.0092, 0.0074, 0.0040};
   const auto inside = [](const Eigen::Vector2d& p, double margin) {
-    return std::abs(p.x()) <= kHalf_m + margin && std::abs(p.y()) <= kHalf_m + margin;
+    return std::abs(p.x()) <= kRoomHalf_m + margin && std::abs(p.y()) <= kRoomHalf_m + margin;
   };
   const auto lay = [&](const Eigen::Vector2d& low, bool along_first) {
     const Eigen::Vector2d along = along_first ? Eigen::Vector2d(1, 0) : Eigen::Vector2d(0, 1);
@@ -232,18 +232,18 @@ void lay_skirting(Random& random, SurfaceSamples& samples) {
   const double h = kSkirtingHeight_m, d = kSkirtingDepth_m;
   const double bevel = 0.008;
   // Back wall's board faces +z, the left wall's +x; each has a face, a bevel and a top.
-  lay_rectangle({-kHalf_m + d, 0, -kHalf_m + d}, {2 * kHalf_m - d, 0, 0}, {0, h - bevel, 0}, 0.012, 2.0,
-                kSkirting, random, samples);
-  lay_rectangle({-kHalf_m + d, h - bevel, -kHalf_m + d}, {2 * kHalf_m - d, 0, 0}, {0, bevel, -bevel}, 0.0045,
-                5.0, kSkirting, random, samples);
-  lay_rectangle({-kHalf_m + d, h, -kHalf_m + d - bevel}, {2 * kHalf_m - d, 0, 0}, {0, 0, bevel - d}, 0.0045,
-                5.0, kSkirting, random, samples);
-  lay_rectangle({-kHalf_m + d, 0, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {0, h - bevel, 0}, 0.012, 2.0, kSkirting,
-                random, samples);
-  lay_rectangle({-kHalf_m + d, h - bevel, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {-bevel, bevel, 0}, 0.0045, 5.0,
-                kSkirting, random, samples);
-  lay_rectangle({-kHalf_m + d - bevel, h, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {bevel - d, 0, 0}, 0.0045, 5.0,
-                kSkirting, random, samples);
+  lay_rectangle({-kRoomHalf_m + d, 0, -kRoomHalf_m + d}, {2 * kRoomHalf_m - d, 0, 0}, {0, h - bevel, 0},
+                0.012, 2.0, kSkirting, random, samples);
+  lay_rectangle({-kRoomHalf_m + d, h - bevel, -kRoomHalf_m + d}, {2 * kRoomHalf_m - d, 0, 0},
+                {0, bevel, -bevel}, 0.0045, 5.0, kSkirting, random, samples);
+  lay_rectangle({-kRoomHalf_m + d, h, -kRoomHalf_m + d - bevel}, {2 * kRoomHalf_m - d, 0, 0},
+                {0, 0, bevel - d}, 0.0045, 5.0, kSkirting, random, samples);
+  lay_rectangle({-kRoomHalf_m + d, 0, kRoomHalf_m}, {0, 0, d - 2 * kRoomHalf_m}, {0, h - bevel, 0}, 0.012,
+                2.0, kSkirting, random, samples);
+  lay_rectangle({-kRoomHalf_m + d, h - bevel, kRoomHalf_m}, {0, 0, d - 2 * kRoomHalf_m}, {-bevel, bevel, 0},
+                0.0045, 5.0, kSkirting, random, samples);
+  lay_rectangle({-kRoomHalf_m + d - bevel, h, kRoomHalf_m}, {0, 0, d - 2 * kRoomHalf_m}, {bevel - d, 0, 0},
+                0.0045, 5.0, kSkirting, random, samples);
 }
 
 void lay_picture(Random& random, SurfaceSamples& samples) {
@@ -287,8 +287,8 @@ void lay_wall(const std::function<Vector3d(double, double)>& position_m, bool be
               SurfaceSamples& samples) {
   ParametricSurface wall;
   wall.position_m = position_m;
-  wall.u_min = -kHalf_m + 0.002;
-  wall.u_max = kHalf_m - 0.012;
+  wall.u_min = -kRoomHalf_m + 0.002;
+  wall.u_max = kRoomHalf_m - 0.012;
   wall.v_min = kSkirtingHeight_m - 0.02;
   wall.v_max = kWallHeight_m - 0.012;
   wall.spacing_m = 0.040;
@@ -298,7 +298,7 @@ void lay_wall(const std::function<Vector3d(double, double)>& position_m, bool be
   wall.refinement = [position_m, behind_picture](double u, double v) {
     const double frame_m = behind_picture ? std::abs(picture_depth_m(position_m(u, v))) : 1.0;
     const double edge_m =
-        std::min({frame_m, kHalf_m - std::abs(u), kWallHeight_m - v, v - kSkirtingHeight_m + 0.05});
+        std::min({frame_m, kRoomHalf_m - std::abs(u), kWallHeight_m - v, v - kSkirtingHeight_m + 0.05});
     return 0.32 + 0.68 * smooth_step(0.02, 0.12, edge_m);
   };
   sample_surface(wall, random, samples);
@@ -310,8 +310,8 @@ GaussianAsset make_room_corner(uint64_t seed) {
   Random random(seed * 8 + 7);
   SurfaceSamples samples;
   lay_parquet(random, samples);
-  lay_wall([](double u, double v) { return Vector3d(u, v, -kHalf_m); }, true, random, samples);
-  lay_wall([](double u, double v) { return Vector3d(-kHalf_m, v, -u); }, false, random, samples);
+  lay_wall([](double u, double v) { return Vector3d(u, v, -kRoomHalf_m); }, true, random, samples);
+  lay_wall([](double u, double v) { return Vector3d(-kRoomHalf_m, v, -u); }, false, random, samples);
   lay_skirting(random, samples);
   lay_picture(random, samples);
   BakeOptions options;

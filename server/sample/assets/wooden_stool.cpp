@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "sample/sample_scene.h"
 #include "sample/tools/baked_light.h"
@@ -18,16 +19,15 @@ namespace {
 using namespace sample;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSeat = 0, kLeg = 1, kStretcher = 5;  // legs 1..4, stretchers 5..8
 constexpr double kSeatRadius_m = 0.165, kUnderside_m = 0.4180;
 
 Vector3d leg_top(int leg) {
-  const double angle = kPi / 4 + kPi / 2 * leg;
+  const double angle = std::numbers::pi / 4 + std::numbers::pi / 2 * leg;
   return {0.100 * std::sin(angle), 0.430, 0.100 * std::cos(angle)};
 }
 Vector3d leg_foot(int leg) {
-  const double angle = kPi / 4 + kPi / 2 * leg;
+  const double angle = std::numbers::pi / 4 + std::numbers::pi / 2 * leg;
   return {0.178 * std::sin(angle), 0.0, 0.178 * std::cos(angle)};
 }
 Vector3d leg_at(int leg, double height_m) {
@@ -190,7 +190,7 @@ GaussianAsset make_wooden_stool(uint64_t seed) {
     turned.spacing_m = 0.0020;
     turned.stretch = 1.5;
     turned.u_max = 1;
-    turned.v_max = 2 * kPi;
+    turned.v_max = 2 * std::numbers::pi;
     turned.cells_u = 256;
     turned.cells_v = 32;
     // Down the leg (u) and round it (v), so that the long axis of the kernels follows the grain.
@@ -211,7 +211,7 @@ GaussianAsset make_wooden_stool(uint64_t seed) {
     ParametricSurface rail =
         sweep([from, to](double u) { return Vector3d(from + (to - from) * u); }, Vector3d::UnitY(),
               [](double u) {
-                const double r = 0.0078 + 0.0035 * std::sin(kPi * u);
+                const double r = 0.0078 + 0.0035 * std::sin(std::numbers::pi * u);
                 return Eigen::Vector2d(r, r);
               },
               0.0021, kStretcher + (along_x ? 0 : 1) + 2 * (side / 2));

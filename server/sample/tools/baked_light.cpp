@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "core/parallel_for.h"
@@ -16,7 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kKeyDirections = 10;
 constexpr int kDirectionSets = 16;
 
@@ -35,7 +35,7 @@ struct Directions {
 // steps.
 Directions make_directions(int set, int sky_count) {
   Directions d;
-  const double turn = 2 * kPi * set / kDirectionSets;
+  const double turn = 2 * std::numbers::pi * set / kDirectionSets;
   for (int i = 0; i < sky_count; ++i) {
     const double y = 1 - (2 * i + 1.0) / sky_count, r = std::sqrt(1 - y * y),
                  a = 2.399963229728653 * i + turn;
@@ -125,7 +125,7 @@ class LobeTable {
     }
     grazing_ = project_zonal([](double c) { return std::pow(1 - std::abs(c), 3.0); }, degree);
     facing_ = ZonalLobe{};
-    facing_.strength[1] = 4 * kPi / 3;  // the cosine itself
+    facing_.strength[1] = 4 * std::numbers::pi / 3;  // the cosine itself
   }
   const ZonalLobe& lobe(double width) const {
     return lobes_[std::clamp<size_t>(static_cast<size_t>(width / 0.05 - 0.5), 0, lobes_.size() - 1)];

@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-constexpr std::size_t kMaxToolCalls = 32;
+constexpr std::size_t kMaxReplyToolCalls = 32;
 constexpr double kMaxTokenCount = 1e12;
 
 std::string text_or_number(const Json& object, const char* key) {
@@ -78,7 +78,7 @@ void read_tool_calls(const Json& message, std::vector<ToolCall>& calls) {
   if (const Json* list = member(message, "tool_calls"); list && list->is_array()) {
     for (const Json& call : *list) {
       const Json* function = member(call, "function");
-      if (!function || calls.size() >= kMaxToolCalls) continue;
+      if (!function || calls.size() >= kMaxReplyToolCalls) continue;
       std::string id = text_member(call, "id");
       if (id.empty()) id = "call_" + std::to_string(calls.size());
       calls.push_back({std::move(id), text_member(*function, "name"), read_arguments(*function)});
@@ -132,7 +132,7 @@ void ChatStream::add(std::string_view data) {
     auto found =
         std::find_if(calls_.begin(), calls_.end(), [&](const auto& call) { return call.first == index; });
     if (found == calls_.end()) {
-      if (calls_.size() >= kMaxToolCalls) continue;
+      if (calls_.size() >= kMaxReplyToolCalls) continue;
       found = calls_.insert(calls_.end(), {index, ToolCall{}});
     }
     ToolCall& call = found->second;

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Candidates are found with room for the body to move this part of a cell at least.
-constexpr double kCandidateRoom = 0.5;
+constexpr double kColliderCandidateRoom = 0.5;
 // A point of a held body has this part of its mobility at least, or none: what is left of it on free nodes
 // would send those ten times as far as the point goes, or, where it is rounding, anywhere.
 constexpr double kMinMobilityRatio = 1e-2;
@@ -38,7 +38,7 @@ CellsBody::Ball CellsBody::ball_around(const SurfaceCell& cell) const {
 void CellsBody::find_candidates(const SubstepContext& context) {
   const double speed = motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_ +
                        context.gravity_m_s2.norm() / rate_hz_;
-  const double margin = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
+  const double margin = std::max(kColliderCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
   candidate_margin_m_ = margin;
   candidate_colliders_ = context.colliders.size();
   candidates_.clear();

@@ -24,11 +24,11 @@ constexpr double kRecoveryDelay_s = 0.5;  // most tangles come apart by themselv
 constexpr double kBlendRate_per_s =
     12.0;  // of the way to the rigid shape; twice that after each kRecoveryDelay_s of pulling
 constexpr double kMaxDoublings = 10.0;
-constexpr double kMaxEnergyGain = 1.5;             // of its energy, in a frame of pulling
-constexpr double kMinStrainSquared = 0.01;         // |S - I|² of the worst cell
-constexpr double kOverstrainSquared = 1.0;         // of one that touches something or has flowed
-constexpr double kMinOverstrainedFraction = 0.02;  // of its volume: not a loose end of a leaf
-constexpr double kMaxSag = 0.05;                   // strain by its own weight
+constexpr double kMaxEnergyGain = 1.5;              // of its energy, in a frame of pulling
+constexpr double kMinRecoveryStrainSquared = 0.01;  // |S - I|² of the worst cell
+constexpr double kOverstrainSquared = 1.0;          // of one that touches something or has flowed
+constexpr double kMinOverstrainedFraction = 0.02;   // of its volume: not a loose end of a leaf
+constexpr double kMaxSag = 0.05;                    // strain by its own weight
 constexpr double kMinHoldingForce =
     0.01;  // of the force that its strain takes, E eps A: less does not hold it so
 constexpr double kSettledEnergyRatio = 0.02;  // kinetic energy of the deviation over elastic energy
@@ -119,8 +119,9 @@ void CellsBody::recover_shape(double frame_s) {
   // A mat that lies folded is as its weight has it: how upright it is says nothing.
   const bool limp = touching_ && sag * slender * slender > kMaxSag;
   const bool wild = touching_ || flowed;
-  const bool strained = bent_squared_ > (wild ? kOverstrainSquared : kMinStrainSquared) + 4.0 * spun * spun &&
-                        (!wild || overstrained_volume_fraction() > kMinOverstrainedFraction);
+  const bool strained =
+      bent_squared_ > (wild ? kOverstrainSquared : kMinRecoveryStrainSquared) + 4.0 * spun * spun &&
+      (!wild || overstrained_volume_fraction() > kMinOverstrainedFraction);
   if (!recovering_) {
     if ((limp || upright > kRecoveredDeterminant) && !strained) degenerate_ = false;
     const bool settled =

@@ -15,8 +15,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // In spacings: of the balls, beyond which no element need be known; and of gaps that get a row.
-constexpr double kElementReach = 1.5;
-constexpr double kRowMargin = 0.02;
+constexpr double kBaselineElementReach = 1.5;
+constexpr double kBaselineRowMargin = 0.02;
 
 ContactAnchor anchor_of(uint32_t particle) {
   ContactAnchor anchor;
@@ -75,7 +75,7 @@ Eigen::AlignedBox3d LivegsV1Body::bounds_m() const {
   return box.translate(origin_m_);
 }
 
-double LivegsV1Body::element_reach_m() const { return kElementReach * spacing_m_; }
+double LivegsV1Body::element_reach_m() const { return kBaselineElementReach * spacing_m_; }
 ContactAnchor LivegsV1Body::anchor_at(uint32_t element, const Vector3d&) const { return anchor_of(element); }
 
 void LivegsV1Body::push_particle(uint32_t particle, const Vector3d& impulse_n_s) {
@@ -102,7 +102,7 @@ bool LivegsV1Body::may_touch_awake(const SubstepContext& context) const {
   for (const RigidProxy* body : context.bodies) {
     if (body->asleep) continue;
     const Pose body_from_world = body->start.inverse();
-    const double margin = context.duration_s * body->fastest_m_s() + kRowMargin * spacing_m_;
+    const double margin = context.duration_s * body->fastest_m_s() + kBaselineRowMargin * spacing_m_;
     const auto gap = [&](const Vector3d& p) {
       return body->shape->sample(body_from_world * Vector3d(origin_m_ + p)).distance_m;
     };
@@ -119,7 +119,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
   if (context.bodies.empty() && context.others.empty()) return;
   const double h = part.duration_s;
   ContactParticipant& participant = contact_participant(h);
-  const double margin = kRowMargin * spacing_m_;
+  const double margin = kBaselineRowMargin * spacing_m_;
   const Vector3d centre = origin_m_ + motion_.centre_m, displacement = h * motion_.velocity_m_s();
   const double around = 1.1 * (reach_m_ + spacing_m_) + displacement.norm();
   AlignedBox3d box;

@@ -15,12 +15,12 @@ using Eigen::Vector3d;
 // several of the paper's own length, where the paper's d_R means what it meant there. No step that the
 // baseline is for is so long (2.7 mm particles at 60 Hz and one substep are the first), so its dependence on
 // the step stays what it is.
-constexpr int kMaxSteps = 1000;
+constexpr int kMaxBaselineSteps = 1000;
 // A particle's displacement in a step is swept if it exceeds this part of the particle spacing, or the
 // particle would jump over the ground. It differs from kMaxUnsweptPart (rigid_sweep.h): the measure is the
 // particle's own spacing, since the paper's ground has no thickness.
 constexpr double kMaxUnsweptSpacings = 0.5;
-constexpr int kMaxProbes = 200;
+constexpr int kMaxBaselineProbes = 200;
 
 // Where a point on its way first meets the collider, by sphere tracing; `gap_m` is how near counts, and the
 // least step.
@@ -31,7 +31,7 @@ std::optional<Meeting> first_meeting(const Collider& collider, const Vector3d& s
                                      const Vector3d& displacement_m, double radius_m, double gap_m) {
   const double length = displacement_m.norm();
   double gone = 0.0;
-  for (int probe = 0; probe < kMaxProbes && gone < length; ++probe) {
+  for (int probe = 0; probe < kMaxBaselineProbes && gone < length; ++probe) {
     const Vector3d point = start_m + gone / length * displacement_m;
     const SurfaceSample surface = sample_surface(collider, point);
     const double free = surface.distance_m - radius_m;
@@ -65,7 +65,7 @@ int LivegsV1Body::steps_of(const SubstepContext& context) {
   const double fall_m = context.duration_s * context.duration_s * context.gravity_m_s2.norm();
   if (fall_m <= spacing_m_) return 1;
   const double steps = std::max(2.0, std::ceil(context.duration_s / kPaperSubstep_s - 1e-9));
-  const bool refused = !(steps <= kMaxSteps);
+  const bool refused = !(steps <= kMaxBaselineSteps);
   if (!warned_of_step_) {
     log_warn(
         "object %u: livegs-v1 %s a substep of %g s, in which gravity alone moves it %g m and its particles "

@@ -17,7 +17,7 @@ constexpr double kFacePreference = 0.1;
 // A pair that moves farther than this part of the smaller one's inner radius in a substep is advanced.
 constexpr double kFastDisplacement = 0.5;
 constexpr int kMaxAdvances = 32;
-constexpr double kRounding = 1e-9;
+constexpr double kSeparationRounding = 1e-9;
 
 // How far points of two bodies may come nearer to each other in the search.
 double reach_m(const RigidBody& a, const RigidBody& b, const ContactSearch& search) {
@@ -35,8 +35,8 @@ bool boxes_apart(const RigidBody& a, const RigidBody& b, double reach_m) {
   const Vector3d middle = into * (0.5 * (a.shape.min_m + a.shape.max_m)) +
                           b_axes * (a.world_from_body.position_m - b.world_from_body.position_m);
   const Vector3d half = into.cwiseAbs() * (0.5 * (a.shape.max_m - a.shape.min_m));
-  const double room =
-      (1.0 + kRounding) * reach_m + kRounding * (a.shape.bounding_radius_m + b.shape.bounding_radius_m);
+  const double room = (1.0 + kSeparationRounding) * reach_m +
+                      kSeparationRounding * (a.shape.bounding_radius_m + b.shape.bounding_radius_m);
   return ((middle - half).array() > b.shape.max_m.array() + room).any() ||
          ((middle + half).array() < b.shape.min_m.array() - room).any();
 }

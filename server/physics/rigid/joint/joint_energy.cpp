@@ -13,7 +13,8 @@ namespace {
 // order.
 constexpr double kWorkTolerance = 1e-3;
 constexpr double kEnergyMemory_s = 2.0;
-constexpr double kRounding = 1e-18;  // of the energy that what joints hold up would have had, were it free
+constexpr double kEnergyRounding =
+    1e-18;  // of the energy that what joints hold up would have had, were it free
 
 }  // namespace
 
@@ -75,7 +76,7 @@ double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts,
                       others[i].turn.dot(starts[i].spin_rad_s));
     gained_j += 0.5 * (others[i].push_n_s.dot(body.velocity_m_s - common) +
                        others[i].turn.dot(body.angular_velocity_rad_s));
-    rounding_j += kRounding * others[i].push_n_s.squaredNorm() / body.mass_kg;
+    rounding_j += kEnergyRounding * others[i].push_n_s.squaredNorm() / body.mass_kg;
   }
   if (!(own_j > gained_j + start_j + rounding_j)) return 1.0;  // what hangs still bears what it bears
   const double root = std::sqrt(std::max(0.0, gained_j * gained_j + 4.0 * own_j * start_j));
