@@ -11,8 +11,8 @@
 #include "gaussian/gaussian_asset.h"
 #include "render/splat_renderer.h"
 #include "render/view/bound_object.h"
-#include "skin/bind/kernel_reach.h"
 #include "skin/driver_frame.h"
+#include "skin/kernels/kernel_reach.h"
 #include "skin/skin_kernels.h"
 
 namespace livegs {

@@ -11,7 +11,7 @@
 #include "compute/device_image.h"
 #include "compute/vulkan_device.h"
 #include "gaussian/posed_kernels.h"
-#include "render/renderer/blend_precision.h"
+#include "render/blend_precision.h"
 #include "skin/skin_kernels.h"
 #include "splat/camera.h"
 #include "splat/image.h"

@@ -6,7 +6,7 @@
 
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
-#include "skin/bind/kernel_reach.h"
+#include "skin/kernels/kernel_reach.h"
 #include "skin/rest_body.h"
 #include "skin/skin_kernels.h"
 

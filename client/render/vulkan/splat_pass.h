@@ -7,7 +7,7 @@
 
 #include "compute/backend.h"
 #include "compute/device_image.h"
-#include "render/renderer/blend_precision.h"
+#include "render/blend_precision.h"
 #include "splat/image.h"
 #include "splat/raster/frame_splats.h"
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "analysis/model/chat/secret.h"
 #include "analysis/model/conversation.h"
+#include "analysis/model/secret.h"
 #include "core/result.h"
 
 // Where the answers come from: a server that speaks OpenAI's chat completions (OpenAI, vLLM, llama.cpp,

@@ -10,7 +10,7 @@
 #include "physics/lattice/lattice_order.h"
 #include "physics/lattice/thin_shape.h"
 #include "physics/lattice/virtual_nodes.h"
-#include "skin/bind/cell_fill.h"
+#include "skin/kernels/cell_fill.h"
 
 namespace livegs {
 namespace {

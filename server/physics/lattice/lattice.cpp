@@ -6,7 +6,7 @@
 
 #include "core/disjoint_sets.h"
 #include "physics/lattice/lattice_order.h"
-#include "skin/bind/cell_fill.h"
+#include "skin/kernels/cell_fill.h"
 
 namespace livegs {
 namespace {

@@ -8,10 +8,10 @@
 
 #include "core/pose.h"
 #include "physics/collision/collision_shape.h"
-#include "physics/fracture/impact_record.h"
 #include "physics/motion/body_id.h"
 #include "physics/motion/free_rotation.h"
 #include "physics/rigid/contact/contact_point.h"
+#include "physics/rigid/contact/impact_record.h"
 
 namespace livegs {
 

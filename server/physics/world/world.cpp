@@ -6,7 +6,7 @@
 
 #include "core/assert.h"
 #include "physics/collision/convex_polyhedron.h"
-#include "physics/elastic/make_elastic_body.h"
+#include "physics/elastic/factory/make_elastic_body.h"
 #include "physics/world/check_descriptions.h"
 #include "physics/world/world_state.h"
 

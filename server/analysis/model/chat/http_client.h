@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "analysis/model/chat/secret.h"
+#include "analysis/model/secret.h"
 
 // HTTP over libcurl, all transfers on one thread of the client's own. No redirects, http and https only,
 // certificates verified, replies bounded. Nothing here logs.

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "analysis/model/chat/secret.h"
+#include "analysis/model/secret.h"
 #include "analysis/text/json_text.h"
 
 namespace livegs {

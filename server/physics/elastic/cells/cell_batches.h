@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "physics/elastic/cells/cell_stiffness.h"
 #include "physics/elastic/cells/kernels/cell_kernels.h"
+#include "physics/elastic/resolution/cell_stiffness.h"
 #include "physics/lattice/lattice.h"
 
 // The cells of a lattice as the sweep wants them: eight of one parity colour at a time, so that they share no

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "physics/elastic/cells/cell_stiffness.h"
+#include "physics/elastic/resolution/cell_stiffness.h"
 #include "physics/lattice/lattice.h"
 
 // A cell that holds a sheet or a cord thinner than itself, lying as it likes.

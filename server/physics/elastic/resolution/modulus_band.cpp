@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "physics/elastic/cells/cell_stiffness.h"
+#include "physics/elastic/resolution/cell_stiffness.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
 
 namespace livegs {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "physics/elastic/cells/cell_stiffness.h"
+#include "physics/elastic/resolution/cell_stiffness.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
 #include "physics/elastic_body.h"
 #include "physics/lattice/lattice.h"

@@ -3,8 +3,8 @@
 // coefficient of each band, for kernels posed outright, of a rigid body and of an elastic one, drawn by the
 // oracle and by the device.
 #include "client/render/renderer/renderer_fixture.h"
-#include "common/skin/bind/rest_bodies.h"
-#include "common/splat/raster/real_harmonics.h"
+#include "common/skin/kernels/rest_bodies.h"
+#include "common/splat/project/real_harmonics.h"
 
 namespace livegs {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "client/render/renderer/renderer_fixture.h"
 #include "common/gaussian/shared_data.h"
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "compute/cpu_backend.h"
 #include "gaussian/asset_file.h"
 #include "render/scene_view.h"

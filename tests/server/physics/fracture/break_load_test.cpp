@@ -2,7 +2,7 @@
 // What lasts is no impact: weights, piles and hands that press, whatever the rate. And what an impact is,
 // passed on through what lies between.
 #include "known_gaps.h"
-#include "physics/fracture/impact_record.h"
+#include "physics/rigid/contact/impact_record.h"
 #include "scenes/break_fixtures.h"
 
 namespace livegs {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/parallel_for.h"
-#include "physics/fracture/impact_record.h"
+#include "physics/rigid/contact/impact_record.h"
 #include "scenes/break_fixtures.h"
 
 namespace livegs {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skin/bind/cell_fill.h"
+#include "skin/kernels/cell_fill.h"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skin/bind/kernel_reach.h"
+#include "skin/kernels/kernel_reach.h"
 
 #include <gtest/gtest.h>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 
 namespace livegs {
 namespace {

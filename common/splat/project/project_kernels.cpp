@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Zwicker et al. 2001, EWA splatting, equations 26-31; Kerbl et al. 2023, section 4; the opacity compensation
 // is that of Yu et al. 2024, Mip-Splatting, equation 9.
-#include "splat/raster/project_kernels.h"
+#include "splat/project/project_kernels.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "splat/raster/bin_tiles.h"
-#include "splat/raster/spherical_harmonics.h"
+#include "splat/project/spherical_harmonics.h"
 
 namespace livegs {
 namespace {

@@ -5,6 +5,8 @@
 
 namespace livegs {
 
+inline constexpr int kTileSize = 16;  // px, the edge of a square tile of the rasteriser
+
 inline constexpr float kMinAlpha = 1.0f / 255.0f;
 inline constexpr float kMaxAlpha = 0.99f;
 inline constexpr double kLowPassPx2 = 0.3;  // variance added to the projected ellipse

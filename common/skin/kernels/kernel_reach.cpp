@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skin/bind/kernel_reach.h"
+#include "skin/kernels/kernel_reach.h"
 
 #include <algorithm>
 #include <cmath>

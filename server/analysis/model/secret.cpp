@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "analysis/model/chat/secret.h"
+#include "analysis/model/secret.h"
 
 #include <string.h>
 #include <sys/mman.h>

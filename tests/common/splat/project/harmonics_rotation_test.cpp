@@ -3,7 +3,7 @@
 // itself.
 #include <gtest/gtest.h>
 
-#include "common/splat/raster/real_harmonics.h"
+#include "common/splat/project/real_harmonics.h"
 #include "splat/rasterise.h"
 
 namespace livegs {

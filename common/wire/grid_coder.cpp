@@ -7,7 +7,7 @@
 // all around, from coarse to fine, 12.6 k. At 57.2 um the three nodes below leave 11.1 k, with scales by what
 // was left at them 10.3 k, with a fitted curve for the line 9.6 k. The Laplacian of the velocities as a third
 // term would leave 9.0 k; it costs six more looks a node.
-#include "wire/coding/grid_coder.h"
+#include "wire/grid_coder.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skin/bind/nearest_cubes.h"
+#include "skin/kernels/nearest_cubes.h"
 
 #include <algorithm>
 #include <numeric>

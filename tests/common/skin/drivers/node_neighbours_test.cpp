@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skin/bind/node_neighbours.h"
+#include "skin/drivers/node_neighbours.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skin/bind/nearest_cubes.h"
+#include "skin/kernels/nearest_cubes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 
 namespace livegs {
 namespace {

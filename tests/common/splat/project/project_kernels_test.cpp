@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "splat/raster/project_kernels.h"
+#include "splat/project/project_kernels.h"
 
 #include <gtest/gtest.h>
 

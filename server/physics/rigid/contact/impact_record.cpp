@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "physics/fracture/impact_record.h"
+#include "physics/rigid/contact/impact_record.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "physics/elastic/cells/cell_stiffness.h"
+#include "physics/elastic/resolution/cell_stiffness.h"
 
 #include <Eigen/LU>
 #include <algorithm>

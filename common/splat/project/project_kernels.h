@@ -6,8 +6,8 @@
 
 #include "gaussian/posed_kernels.h"
 #include "splat/camera.h"
-#include "splat/raster/projected_kernel.h"
-#include "splat/raster/raster_options.h"
+#include "splat/project/projected_kernel.h"
+#include "splat/project/raster_options.h"
 
 namespace livegs {
 
