@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake --install build/release: the programs, the service of systemd (not enabled), and the pages with their pictures.
+# cmake --install build/release: the programs, the systemd service (not enabled), and the pages with their pictures.
 include(GNUInstallDirs)
 set(LIVEGS_PAGES share/doc/livegs)
 foreach(program livegs livegs-server livegs-client)
