@@ -24,9 +24,9 @@
 //   LIVEGS_XR_TIMELINE     path of the timeline; default: nothing moves
 //   LIVEGS_XR_OUTPUT       folder of the record; default: no record
 //   LIVEGS_XR_EYE_SIZE     recommended size per eye as WxH; default: 128x144
-//   LIVEGS_XR_CONTROLLERS  last part of the controllers' profile path: touch_controller_plus, touch_controller
-//                          or simple_controller; default: the first of kProfiles (actions.cpp) that the
-//                          application suggests bindings for
+//   LIVEGS_XR_CONTROLLERS  last part of the controllers' profile path: touch_controller_plus,
+//                          touch_controller or simple_controller; default: the first of kProfiles
+//                          (actions.cpp) that the application suggests bindings for
 namespace livegs::simulated {
 
 struct Action {
