@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cup is broken by hand, on the simulated headset.
+// Throwing and breaking a cup with the simulated headset.
 #include <algorithm>
 
 #include "gaussian/asset_file.h"
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMass_kg = 0.3, kBreakImpulse_n_s = 0.1;
 
-// The sample's cup floats 0.5 m before a wall: the front of the wall is at z = -0.5 m.
+// The sample's cup, 0.5 m in front of a wall. The front of the wall is at z = -0.5 m.
 v1::Scene cup_before_a_wall() {
   v1::Scene file;
   const auto parsed = google::protobuf::util::JsonStringToMessage(R"({ "gravity_m_s2": [0, 0, 0], "objects": [
@@ -26,14 +26,15 @@ v1::Scene cup_before_a_wall() {
   return file;
 }
 
-TEST_F(HeadsetSession, AHandThrowsACupAtAWallAndItBreaks) {
+TEST_F(HeadsetSession, ThrownCupBreaksAtAWall) {
   ASSERT_TRUE(write_asset(folder_ / "cup.ply", make_cup()));
   auto scene = Scene::build(cup_before_a_wall(), folder_.path(), "cup before a wall", {});
   ASSERT_TRUE(scene) << scene.error().message;
   const size_t whole_kernels = scene->find("cup")->asset->size();
   const uint32_t cup_id = scene->find("cup")->id;
   std::vector<size_t> drawn_kernels;
-  // Vulkan's pictures of what the processor draws here: in software it is too slow for a throw.
+  // Vulkan also draws the kept pictures. The session uses the CPU, because a software Vulkan device is too
+  // slow for a throw.
   auto device = VulkanDevice::create();
   ASSERT_TRUE(device) << device.error().message;
   const auto vulkan = create_vulkan_renderer(*std::move(device));
@@ -67,7 +68,7 @@ TEST_F(HeadsetSession, AHandThrowsACupAtAWallAndItBreaks) {
   std::printf("%s", summary_text(*done).c_str());
   expect_no_complaints();
 
-  // Whole until it met the wall, which the hand never did: it stops 0.1 m before.
+  // The cup is whole until it hits the wall. The hand stops 0.1 m before the wall.
   size_t bodies = 0;
   double farthest_whole_m = 0, speed_m_s = 0;
   for (const Seen& tick : seen_) {
@@ -77,18 +78,18 @@ TEST_F(HeadsetSession, AHandThrowsACupAtAWallAndItBreaks) {
     farthest_whole_m = std::min(farthest_whole_m, cup.world_from_body.position_m.z());
     speed_m_s = -cup.velocity_m_s.z();
   }
-  std::printf("%zu bodies; thrown at %.2f m/s, whole until its middle was at z = %.3f m\n", bodies, speed_m_s,
-              farthest_whole_m);
+  std::printf("%zu bodies; speed %.2f m/s; last whole at z = %.3f m\n", bodies, speed_m_s, farthest_whole_m);
   EXPECT_GT(bodies, 1u);
   EXPECT_GT(kMass_kg * speed_m_s, kBreakImpulse_n_s);
   EXPECT_LT(farthest_whole_m, -0.4);
-  // The hand was told of what it took.
+  // The hand vibrated when it grabbed the cup.
   const auto felt = rows(folder_ / "haptics.csv");
   ASSERT_GE(felt.size(), 1u);
   for (const auto& row : felt) EXPECT_EQ(row.at(1), "/user/hand/right");
   EXPECT_LT(std::stod(felt[0].at(0)), 1.3);
 
-  // The client draws the cup before and its sherds after, cut faces and all, and both as the oracle does.
+  // The client draws the cup before the break and its fragments afterwards, including cut faces. Both match
+  // the reference renderer.
   ASSERT_EQ(kept_.size(), 2u);
   expect_oracle();
   ASSERT_EQ(drawn_kernels.size(), 2u);

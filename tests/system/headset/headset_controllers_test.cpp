@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Taking, pulling and shooting with each of the controllers that the client knows.
+// Grab, pull and shoot with each supported controller profile.
 #include <algorithm>
 
 #include "system/headset/headset_session.h"
@@ -8,14 +8,14 @@ namespace livegs {
 namespace {
 
 struct Controllers {
-  const char* profile;   // the end of its path
-  const char* shooting;  // the timeline's button
-  bool grabs;            // simple ones have nothing to squeeze
+  const char* profile;   // last part of its path
+  const char* shooting;  // timeline input that shoots
+  bool grabs;            // simple controllers have no squeeze
 };
 
 class HeadsetControllers : public HeadsetSession, public ::testing::WithParamInterface<Controllers> {};
 
-TEST_P(HeadsetControllers, TakePullAndShoot) {
+TEST_P(HeadsetControllers, GrabPullAndShoot) {
   const Controllers& one = GetParam();
   const std::string shooting = one.shooting;
   const auto done =
@@ -49,7 +49,7 @@ TEST_P(HeadsetControllers, TakePullAndShoot) {
     pulled_up_m = std::max(pulled_up_m, tick.bodies.at("pulled").world_from_body.position_m.y());
     target_m_s = std::max(target_m_s, -tick.bodies.at("target").velocity_m_s.z());
   }
-  std::printf("%s: taken up %.2f m, pulled up %.2f m, shot to %.2f m/s\n", one.profile, taken_up_m,
+  std::printf("%s: lifted by %.2f m, pulled up by %.2f m, shot to %.2f m/s\n", one.profile, taken_up_m,
               pulled_up_m, target_m_s);
   if (one.grabs) {
     EXPECT_GT(taken_up_m, 0.1);

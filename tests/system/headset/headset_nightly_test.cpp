@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ten minutes with the headset: twenty lost sessions, lost focus, recentres, four refresh rates, stalls; of
-// what is shown meanwhile both eyes are held against the oracle, and their parallax against the distance.
+// Ten minutes with the headset: 20 lost sessions, lost focus, recentres, four refresh rates and stalls. Kept
+// pictures of both eyes are compared with the reference renderer, and their parallax with the distance.
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,17 +15,15 @@ namespace livegs {
 namespace {
 
 constexpr int kLosses = 20;
-constexpr double kPart_s = 28.5;  // from one loss to the next
-// Of what is resident, the pictures that this test keeps are not counted: 332 kB each, two of 96 x 108 in
-// floats, for the oracle. Found between the third and the last: 7.4 - 6.0 = 1.4 MB at a load of 9, -0.2 at
-// one of 12. All images of all sessions would be 5 MB more.
+constexpr double kPart_s = 28.5;  // time between two session losses
+// Bound of the growth of resident memory, without the pictures that this test keeps. Keeping all images of
+// all sessions would exceed it.
 constexpr double kMaxGrowth_mb = 2;
-// So long the simulated compositor keeps each picture waiting in a scripted stall. A gap of kGap_s may be the
-// machine's as well: half of all were, at a load of 12.
+// Time by which the simulated compositor delays pictures in a scripted stall. Gaps of kGap_s may also come
+// from other load.
 constexpr double kStall_s = 0.1, kGap_s = 0.09;
 
-// Five a second, of both eyes by a device in software under both validation layers: 9391 found beside others
-// at a load of 13.
+// About five pictures per second, drawn for both eyes by a software device under both validation layers.
 constexpr uint64_t kMinPictures = 3000;
 
 double resident_mb() {
@@ -34,22 +32,22 @@ double resident_mb() {
   return 1e-6 * static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE));
 }
 
-// Pictures that this test keeps in memory.
+// Memory of the pictures that this test keeps.
 double kept_mb(const std::vector<Image>& images) {
   double bytes = 0;
   for (const Image& image : images) bytes += static_cast<double>(image.pixels.capacity() * sizeof(float));
   return 1e-6 * bytes;
 }
 
-// How often the session was no longer in focus but still seen.
+// Number of times the session was visible but not focused.
 size_t focus_losses(const std::vector<std::string>& states) {
   size_t count = 0;
   for (size_t i = 1; i < states.size(); ++i) count += states[i] == "visible" && states[i - 1] == "focused";
   return count;
 }
 
-// Between two pictures that were waited for one after the other, and when it ended, in seconds of the
-// timeline, in which a picture takes 0.1 at most. Both eyes of a picture have a row.
+// Time between two successive frame waits, and the end of this time on the timeline. The timeline advances by
+// at most 0.1 s per picture. Each picture has two rows, one per eye.
 struct Gap {
   double end_s = 0, length_s = 0;
   bool is_long() const { return length_s >= kGap_s; }
@@ -64,7 +62,7 @@ std::vector<Gap> gaps(const std::vector<std::vector<std::string>>& frames) {
   return found;
 }
 
-// Each part: a look around, a box taken, carried and let go, and one or two of what can happen.
+// Each part: look around, grab, carry and release a box, and one or two disturbances.
 std::string ten_minutes() {
   constexpr std::array kRates = {72, 120, 80, 90};
   std::string timeline = "0 pose left -0.35 1.6 -0.3 1 0 0 0\n";
@@ -92,8 +90,8 @@ std::string ten_minutes() {
     add(at + 18, "do compositor 0");
     if (part % 4 == 1) add(at + 19, "do hide");
     if (part % 4 == 1) add(at + 20, "do show");
-    // Every other picture has no hand in sight, so that nothing but the boxes has light; each from another
-    // place.
+    // Every other picture has no hand in view, so that only the boxes emit light. Each is taken from a
+    // different position.
     add(at + (part % 2 ? 22.0 : 20.6 + 0.1 * part), "do picture");
     if (part % 2 == 0) {
       add(at + 20, "pose left -0.35 1.6 -0.3 1 0 0 0");
@@ -110,8 +108,8 @@ std::string ten_minutes() {
   return timeline;
 }
 
-// LIVEGS_HEADSET_CSV names a file that gets a row.
-TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
+// If LIVEGS_HEADSET_CSV names a file, a row is appended.
+TEST_F(HeadsetSession, SurvivesTwentyLossesInTenMinutes) {
   std::vector<double> memory_mb;
   const auto done =
       run(floating({{"carried", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}}), ten_minutes(),
@@ -126,11 +124,11 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
   EXPECT_EQ(done->counts.sessions, kLosses + 1u);
   EXPECT_EQ(done->counts.losses, static_cast<uint64_t>(kLosses));
   EXPECT_EQ(done->counts.recentres, kLosses / 2 + 1u);
-  EXPECT_EQ(done->counts.refresh_changes, kLosses + 1u);  // one a part, each to another rate than before
+  EXPECT_EQ(done->counts.refresh_changes, kLosses + 1u);  // one per part, each to a different rate
   EXPECT_GE(done->counts.pictures, kMinPictures);
   const size_t unfocused = focus_losses(states());
-  EXPECT_GE(unfocused, kLosses + 1u);  // taken once a part; being hidden goes through the same state
-  // In each part's scripted second, once it has begun for sure, no picture came in time.
+  EXPECT_GE(unfocused, kLosses + 1u);  // taken once per part; hiding passes through the same state
+  // In the scripted stall of each part, once it has certainly begun, no picture was in time.
   const std::vector<Gap> all_gaps = gaps(rows(folder_ / "frames.csv"));
   const auto late = static_cast<size_t>(
       std::count_if(all_gaps.begin(), all_gaps.end(), [](const Gap& gap) { return gap.is_long(); }));
@@ -146,8 +144,8 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
     stalled_parts += seen > 0 && in_time == 0;
   }
   EXPECT_EQ(stalled_parts, kLosses + 1);
-  std::printf("%zu losses of focus; %zu gaps of %.0f ms and more; %d of %d scripted stalls\n", unfocused,
-              late, 1e3 * kGap_s, stalled_parts, kLosses + 1);
+  std::printf("%zu focus losses; %zu gaps of at least %.0f ms; %d of %d scripted stalls\n", unfocused, late,
+              1e3 * kGap_s, stalled_parts, kLosses + 1);
   ASSERT_GE(kept_.size(), 18u);
   const double least_db = expect_oracle();
   std::vector<double> parallax;
@@ -161,16 +159,17 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
   ASSERT_GE(parallax.size(), 18u);
   const double mean =
       std::accumulate(parallax.begin(), parallax.end(), 0.0) / static_cast<double>(parallax.size());
-  EXPECT_NEAR(mean, 1.0, 0.05);  // half a pixel of three each; parallax_test has more places and finer pixels
+  // A single value is accurate to half a pixel of about three. parallax_test uses more positions and finer
+  // pixels.
+  EXPECT_NEAR(mean, 1.0, 0.05);
   const auto [least, most] = std::minmax_element(parallax.begin(), parallax.end());
-  std::printf(
-      "parallax %.3f to %.3f of what their faces ask for, %.3f in the mean, %zu times in %zu pictures\n",
-      *least, *most, mean, parallax.size(), parallax_pictures);
-  // Handles are counted above: each session's swapchain and spaces were gone before it was. Memory is what
-  // the allocator holds, less what this test does.
+  std::printf("relative parallax %.3f to %.3f, mean %.3f, %zu values in %zu pictures\n", *least, *most, mean,
+              parallax.size(), parallax_pictures);
+  // expect_no_complaints() checks handles: swapchains and spaces are destroyed before their session. Memory
+  // is the allocator's total without the pictures of this test.
   ASSERT_GE(memory_mb.size(), 4u);
   const double grown_mb = memory_mb.back() - memory_mb[2];
-  std::printf("at least %.1f dB; without its pictures %.1f MB resident at the third, %.1f MB at the last\n",
+  std::printf("lowest PSNR %.1f dB; resident memory %.1f MB in the third session, %.1f MB in the last\n",
               least_db, memory_mb[2], memory_mb.back());
   std::string renderer = done->renderer;
   std::replace(renderer.begin(), renderer.end(), ',', ';');

@@ -22,9 +22,8 @@
 
 namespace livegs {
 
-// A server, the headset's client and the simulated runtime in one process, with both validation layers
-// looking on. The scene is 1 m before and 1.6 m below where the stage has its origin: stage (0, 1.6, -1) is
-// its middle.
+// Server, headset client and simulated runtime in one process, with both validation layers. The middle of the
+// scene is at (0, 1.6, -1) in the stage.
 class HeadsetSession : public ::testing::Test {
  protected:
   struct Settings {
@@ -32,18 +31,18 @@ class HeadsetSession : public ::testing::Test {
     RendererChoice renderer = RendererChoice::Vulkan;
     double network_delay_ms = 0;
     bool marks = true;
-    bool scales = false;            // draws smaller what is late
-    bool validates = true;          // both layers look on; they take their time
-    double seconds = 0;             // 0: the timeline ends it
-    std::string controllers = {};   // LIVEGS_XR_CONTROLLERS; empty: those that the runtime has by itself
-    bool keeps_ticks = true;        // in seen_; some 200 kB a second
-    std::string run_message = {};   // what the server says of its run from the start
-    size_t memory_limit_bytes = 0;  // of the display's device, as VulkanDeviceOptions has it
+    bool scales = false;            // lower the resolution when pictures are late
+    bool validates = true;          // enables both validation layers, which are slow
+    double seconds = 0;             // 0: until the timeline ends the session
+    std::string controllers = {};   // LIVEGS_XR_CONTROLLERS; empty: the runtime's default
+    bool keeps_ticks = true;        // in seen_; about 200 kB per second
+    std::string run_message = {};   // the server's run message from the start
+    size_t memory_limit_bytes = 0;  // of the display's device, as in VulkanDeviceOptions
     std::function<void(const PlannedFrame&, const SceneView&, FaultProxy& network)> on_kept =
-        {};  // with each picture that is kept
+        {};  // called with each kept picture
   };
 
-  // Boxes that float, each named; nothing else is there. Those named `fixed` stay where they are.
+  // A scene of floating boxes with these names and positions. Boxes named `fixed` do not move.
   static Scene floating(const std::map<std::string, Eigen::Vector3d>& boxes, const std::string& fixed = {}) {
     std::string objects;
     for (const auto& [name, at] : boxes) {
@@ -64,10 +63,10 @@ class HeadsetSession : public ::testing::Test {
     return std::move(*scene);
   }
 
-  // Where an object was at each tick, as the simulation has it, and how many bodies it was in.
+  // Pose of an object in each tick of the simulation, and its number of bodies.
   struct Seen {
     int64_t at_ns = 0;
-    std::map<std::string, BodyState> bodies;  // one of each
+    std::map<std::string, BodyState> bodies;  // one body per object
     std::map<std::string, size_t> counts;
   };
 
@@ -124,39 +123,39 @@ class HeadsetSession : public ::testing::Test {
     const std::atomic<bool> interrupted{false};
     auto done = run_headset(options, **display, interrupted);
     display->reset();
-    // What falls back to the CPU would be held against itself.
+    // After a fallback to the CPU, the comparison would be of the CPU with itself.
     if (done && settings.renderer == RendererChoice::Vulkan) {
       EXPECT_EQ(done->renderer.rfind("vulkan: ", 0), 0u) << done->renderer;
     }
     return done;
   }
 
-  // A picture that the runtime kept, and the CPU's of the same moment from the same eyes.
+  // A picture that the runtime kept, and the CPU picture of the same moment and eyes.
   struct Kept {
     std::array<std::filesystem::path, 2> files;
     std::vector<Image> oracle;
     std::vector<Camera> eyes;
-    std::map<std::string, SeenByBothEyes> seen;  // rigid objects, as they stood in it
-    bool hands_in_sight = false;                 // or anything of a hand before the eyes
+    std::map<std::string, SeenByBothEyes> seen;  // rigid objects, at the time of the picture
+    bool hands_in_sight = false;                 // hands or their marks in front of the eyes
   };
 
-  // What no session may leave behind.
+  // Conditions that hold after each session: no validation messages, no misuse, no leaked handles.
   void expect_no_complaints() const {
     EXPECT_EQ(text(folder_ / "misuse.txt"), "");
     EXPECT_EQ(text(folder_ / "core.txt"), "");
     EXPECT_TRUE(vulkan_messages_.empty())
-        << vulkan_messages_.size() << " messages, the first: " << vulkan_messages_.front();
-    // Nor a handle: all that was made was destroyed before what it was made of. Of each session two rows, of
-    // the instance three.
+        << vulkan_messages_.size() << " messages; first: " << vulkan_messages_.front();
+    // All handles were destroyed before their parents. Each session has two rows, the instance three.
     const auto handles = rows(folder_ / "handles.csv");
     EXPECT_GE(handles.size(), 5u);
     for (const auto& row : handles) {
-      EXPECT_NE(row.at(2), "0") << "no " << row[1] << " was made";
-      EXPECT_EQ(row.at(3), "0") << row[1] << "s left when the " << row[0] << " was destroyed";
+      EXPECT_NE(row.at(2), "0") << "no " << row[1] << " was created";
+      EXPECT_EQ(row.at(3), "0") << row[1] << "s not destroyed before the " << row[0] << " was destroyed";
     }
   }
 
-  // Both eyes of what was kept, as the CPU draws them. 8 bits alone leave 59 dB. The least of them.
+  // Compares both eyes of the kept pictures with the CPU renderer. Rounding to 8 bits alone gives 59 dB.
+  // Returns the lowest value.
   double expect_oracle() const {
     double least_db = 1e9;
     for (const Kept& kept : kept_) {
@@ -171,14 +170,14 @@ class HeadsetSession : public ::testing::Test {
     return least_db;
   }
 
-  // Of each box that both eyes see with nothing else about it, as a share of what its faces ask for. None
-  // where hands have light as well. Opaque things end at whole pixels, so that one alone is known to half a
-  // pixel.
+  // Measured parallax of each box that both eyes see without occlusion, relative to the parallax expected
+  // from its faces. Skipped if hands are in view. Opaque objects end at pixel edges, so a single value is
+  // accurate to half a pixel.
   std::vector<double> expect_parallax(const Kept& kept) const {
     const auto left = read_png(kept.files[0]), right = read_png(kept.files[1]);
     EXPECT_TRUE(left && right);
     std::vector<double> shares;
-    // The eyes themselves: as far apart as the runtime has them, and they look the same way.
+    // The eyes have the runtime's distance and look in the same direction.
     const Pose left_from_right = kept.eyes[0].world_from_camera.inverse() * kept.eyes[1].world_from_camera;
     EXPECT_LT((left_from_right.position_m - Eigen::Vector3d(kEyesApart_m, 0, 0)).norm(), 1e-6);
     EXPECT_LT(left_from_right.orientation.vec().norm(), 1e-6);
@@ -190,7 +189,7 @@ class HeadsetSession : public ::testing::Test {
       };
       if (!left || !right || std::any_of(kept.seen.begin(), kept.seen.end(), beside)) continue;
       const auto found = parallax(*left, *right, kept.eyes, seen);
-      EXPECT_TRUE(found) << name << " is not in " << kept.files[0];
+      EXPECT_TRUE(found) << name << " is not visible in " << kept.files[0];
       if (!found) continue;
       EXPECT_NEAR(*found, seen.parallax, 0.5 / kept.eyes[0].focal_x_px) << name << " in " << kept.files[0];
       shares.push_back(*found / seen.parallax);
@@ -205,7 +204,7 @@ class HeadsetSession : public ::testing::Test {
   }
 
   ScratchFolder folder_;
-  std::mutex mutex_;  // guards the next two while a session runs
+  std::mutex mutex_;  // guards the next two during a session
   std::vector<Seen> seen_;
   std::vector<std::string> vulkan_messages_;
   std::vector<Kept> kept_;
@@ -223,7 +222,7 @@ class HeadsetSession : public ::testing::Test {
     if (kept.files[0].empty()) return false;
     const auto cpu = create_cpu_renderer();
     EXPECT_TRUE(view.draw_again(*cpu, picture.views, kept.oracle));
-    for (Image& image : kept.oracle) {  // what a screen can show
+    for (Image& image : kept.oracle) {  // clamped to the range of a screen
       for (float& value : image.pixels) value = std::min(value, 1.0f);
     }
     kept.eyes = picture.views;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The headset's client on the simulated runtime, against the real server.
+// The headset client on the simulated runtime, with the real server.
 #include <openxr/openxr.h>
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace {
 const std::map<std::string, Eigen::Vector3d> kBoxes = {
     {"thrown", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}, {"target", {0.4, 0, 0}}};
 
-// Drawn by the CPU and uploaded: a device in software takes ten times as long for a picture, and hands are
-// looked at once a picture.
+// Drawn by the CPU and uploaded. A software Vulkan device takes ten times as long, and hands are sampled once
+// per picture.
 TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
   const auto done = run(floating(kBoxes), R"(
 0    pose head   0 1.6 0         1 0 0 0
@@ -51,15 +51,15 @@ TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
     target_m_s = std::max(target_m_s, -tick.bodies.at("target").velocity_m_s.z());
   }
   EXPECT_GT(thrown_up_m, 0.3);
-  // It still flies: the hand went at 0.6 m/s when it let go. Of a hand that a busy machine lost sight of for
-  // a tenth of a second nobody knows; the cup of headset_break_test is thrown on such a one, too.
+  // The released object still flies; the hand moved at 0.6 m/s. The bound is loose because a busy machine may
+  // not sample the hand for 0.1 s. headset_break_test throws a cup with such a hand too.
   std::printf("thrown at %.2f m/s\n", thrown_m_s);
   if (done->hand_to_picture_ms_p95 < 100) {
     EXPECT_GT(thrown_m_s, 0.3);
   }
   EXPECT_GT(pulled_up_m, 0.05);
-  EXPECT_GT(target_m_s, 0.05);  // the ball met it
-  // Each hand was told of what it took; the first.
+  EXPECT_GT(target_m_s, 0.05);  // hit by the ball
+  // Each hand vibrated when it took an object; the first vibrations.
   std::set<std::string> felt;
   for (const auto& row : rows(folder_ / "haptics.csv")) felt.insert(row.at(1));
   EXPECT_EQ(felt, (std::set<std::string>{"/user/hand/left", "/user/hand/right"}));
@@ -67,10 +67,9 @@ TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
   expect_oracle();
 }
 
-// Of a rule that is broken the core validation layer and the simulated runtime would have told
-// expect_no_complaints(): the same session with one bad call, which goes the way of all others through the
-// layer.
-TEST_F(HeadsetSession, ABadCallIsSeenByTheValidationLayer) {
+// expect_no_complaints() reports rule violations from the validation layer and the runtime. To verify this, a
+// session makes one invalid call through the layer.
+TEST_F(HeadsetSession, ValidationLayerReportsAnInvalidCall) {
   XrPath path = XR_NULL_PATH;
   std::string before;
   XrResult refused = XR_SUCCESS;
@@ -131,23 +130,22 @@ TEST_F(HeadsetSession, OutlivesLostFocusAndLostSessions) {
   EXPECT_EQ(all.back(), "exiting");
   ASSERT_EQ(kept_.size(), 4u);
   expect_oracle();
-  // Nothing but the boxes. The face of one, 0.94 m away, is seen 64 mm / 0.94 m further to the right by the
-  // left eye; of the others a side that goes back to 1.06 m is seen as well.
+  // Only the boxes are visible. The front face of a box, 0.94 m away, has a parallax of 64 mm / 0.94 m. Of
+  // the other boxes a side face up to 1.06 m away is visible as well.
   const std::vector<double> parallax = expect_parallax(kept_[0]);
   ASSERT_EQ(parallax.size(), 3u);
   EXPECT_NEAR((parallax[0] + parallax[1] + parallax[2]) / 3, 1.0, 0.1);
   ASSERT_TRUE(kept_[0].seen.contains("thrown"));
   EXPECT_NEAR(kept_[0].seen.at("thrown").parallax, kEyesApart_m / 0.94, 1e-3 * kEyesApart_m);
-  // The recentre put LOCAL's origin, where one stands in the scene, elsewhere: what the eyes see comes from
-  // the other side.
+  // The recentre moved the origin of LOCAL in the scene, so the eyes look from the opposite side.
   const Eigen::Vector3d before = kept_[1].eyes[0].world_from_camera.position_m,
                         after = kept_[2].eyes[0].world_from_camera.position_m;
   EXPECT_NEAR((after - before).norm(), std::hypot(0.05, 0.05, 0.1), 0.01);
 }
 
-// A hand that comes to a box feels it when it gets there, and once; so does it the box in its hand when that
-// meets a wall, though the server tells of the same touch a little later.
-TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
+// A hand vibrates once when it reaches a box, and once when the box in its hand hits a wall, although the
+// server reports the same contact slightly later.
+TEST_F(HeadsetSession, TouchVibratesOnceWhenItIsSeen) {
   const auto done = run(floating({{"box", {0, 0, 0}}, {"wall", {-0.35, 0, 0}}}, "wall"), R"(
 0    pose head   0 1.6 0         1 0 0 0
 0    pose left   0 1.6 5         1 0 0 0
@@ -167,7 +165,7 @@ TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
   for (const auto& row : rows(folder_ / "haptics.csv")) {
     const double at_s = std::stod(row.at(0));
     EXPECT_EQ(row.at(1), "/user/hand/right");
-    std::printf("felt at %.3f s, %s\n", at_s, row.at(2).c_str());
+    std::printf("vibration at %.3f s, %s\n", at_s, row.at(2).c_str());
     if (at_s < 2.4)
       touched.push_back(at_s);
     else if (at_s < 3.4)
@@ -175,25 +173,24 @@ TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
     else
       met.push_back(at_s);
   }
-  // The hand's ball of 10 mm meets the face at 60 mm when it is 70 mm from the middle; kernels bulge a
-  // little. Foreseen by 25 ms and the time to a picture, which a busy machine takes longer for: hands are
-  // looked at once a picture.
+  // The hand's ball of radius 10 mm touches the face (at 60 mm) at 70 mm from the middle; kernels bulge
+  // slightly. The client predicts 25 ms plus the time to the next picture, which is longer on a busy machine.
   const double hand_a_picture_m = 0.3 * 1e-3 * done->draw_ms_p95;
   ASSERT_EQ(touched.size(), 1u);
   const double from_middle_m = 0.3 - 0.3 * (touched[0] - 1.0);
-  std::printf("touched %.1f mm from the face; a hand goes %.1f mm a picture\n", 1e3 * (from_middle_m - 0.07),
-              1e3 * hand_a_picture_m);
+  std::printf("vibration at %.1f mm from the face; the hand moves %.1f mm per picture\n",
+              1e3 * (from_middle_m - 0.07), 1e3 * hand_a_picture_m);
   EXPECT_NEAR(from_middle_m, 0.07, 0.02 + 2 * hand_a_picture_m);
   EXPECT_EQ(took, 1u);
-  // Faces meet when the hand is at -0.35 + 0.12 = -0.23 m; the box follows its hand by a spring, up to 0.1 s
-  // later.
+  // The faces touch when the hand is at -0.35 + 0.12 = -0.23 m. The box follows its hand through a spring, up
+  // to 0.1 s later.
   ASSERT_EQ(met.size(), 1u);
   EXPECT_NEAR(-0.3 * (met[0] - 3.4), -0.23, 0.05 + 2 * hand_a_picture_m);
 }
 
-// A ball that the other hand shoots at the box in a hand that keeps still: no hand moves, so nothing is
-// foreseen, and the blow is felt because the server tells of it.
-TEST_F(HeadsetSession, ABlowToWhatAHandHoldsIsFelt) {
+// One hand shoots a ball at the box in the other, resting hand. No hand moves, so the client predicts
+// nothing; the vibration results from the server's report.
+TEST_F(HeadsetSession, HitOnAHeldObjectVibrates) {
   const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
 0    pose head   0 1.6 0         1 0 0 0
 0    pose left   0 1.6 0         1 0 0 0
@@ -209,7 +206,7 @@ TEST_F(HeadsetSession, ABlowToWhatAHandHoldsIsFelt) {
   size_t at_rest = 0, struck = 0;
   for (const auto& row : rows(folder_ / "haptics.csv")) {
     const double at_s = std::stod(row.at(0));
-    std::printf("%s felt at %.3f s, %s\n", row.at(1).c_str(), at_s, row.at(2).c_str());
+    std::printf("%s: vibration at %.3f s, %s\n", row.at(1).c_str(), at_s, row.at(2).c_str());
     if (row.at(1) != "/user/hand/right" || at_s < 1.4) continue;
     ++(at_s < 2.0 ? at_rest : struck);
   }
@@ -217,8 +214,8 @@ TEST_F(HeadsetSession, ABlowToWhatAHandHoldsIsFelt) {
   EXPECT_GE(struck, 1u);
 }
 
-// A runtime that goes away while it is in use: the run ends with one line that names it and the remedy.
-TEST_F(HeadsetSession, ARuntimeThatVanishesEndsTheRunWithTheRemedy) {
+// A runtime that announces its end: the run ends with one line that names the runtime and the remedy.
+TEST_F(HeadsetSession, RuntimeExitEndsTheRunWithTheRemedy) {
   const auto done =
       run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do vanish\n30 do exit\n",
           {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
@@ -229,8 +226,8 @@ TEST_F(HeadsetSession, ARuntimeThatVanishesEndsTheRunWithTheRemedy) {
   expect_no_complaints();
 }
 
-// The same without a word: from one moment on no call does anything.
-TEST_F(HeadsetSession, ARuntimeThatDiesEndsTheRunWithTheRemedy) {
+// The same without announcement: from some moment on, all calls fail.
+TEST_F(HeadsetSession, RuntimeCrashEndsTheRunWithTheRemedy) {
   const auto done =
       run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do die\n30 do exit\n",
           {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
@@ -243,7 +240,7 @@ TEST_F(HeadsetSession, ARuntimeThatDiesEndsTheRunWithTheRemedy) {
   expect_no_complaints();
 }
 
-// Where a plate's writing lies in a picture: its middle, and how many pixels are in its very colour.
+// Centroid of a panel's text in a picture, and the number of pixels with exactly its colour.
 struct Writing {
   Eigen::Vector2d middle_px{0, 0};
   size_t pixels = 0;
@@ -271,9 +268,9 @@ Image upper_half(const Image& image) {
           {image.pixels.begin(), image.pixels.begin() + std::ptrdiff_t{4} * image.width * height}};
 }
 
-// The server has gone: the wearer reads it, over the last picture and wherever the head turns, until it is
-// back.
-TEST_F(HeadsetSession, SaysBeforeTheEyesThatTheServerHasGone) {
+// After the server stops, a notice is shown in front of the last picture and follows the head until the
+// server is back.
+TEST_F(HeadsetSession, ShowsANoticeWhileTheServerIsGone) {
   int kept = 0;
   const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
 0    pose head   0 1.6 0         1 0 0 0
@@ -307,7 +304,7 @@ TEST_F(HeadsetSession, SaysBeforeTheEyesThatTheServerHasGone) {
         const std::string name = "notice_" + std::to_string(i) + "_" + std::to_string(eye) + ".png";
         ASSERT_TRUE(write_png(std::filesystem::path(folder) / name, *shown));
       }
-      // The scene, as it was last, is where the plate is not.
+      // Outside the notice, the last picture of the scene is still visible.
       EXPECT_GT(psnr_db(upper_half(*shown), upper_half(kept_[i].oracle[eye])), 50.0) << i;
       const Writing read = writing(*shown);
       if (!gone) {
@@ -324,8 +321,8 @@ TEST_F(HeadsetSession, SaysBeforeTheEyesThatTheServerHasGone) {
   }
 }
 
-// So is what the server says of its run, as a window has it: why a scene could not be loaded anew.
-TEST_F(HeadsetSession, SaysBeforeTheEyesWhyAResetFailed) {
+// The server's run message is shown as in a window, for example the reason why a reset failed.
+TEST_F(HeadsetSession, ShowsWhyAResetFailed) {
   const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
 0    pose head   0 1.6 0         1 0 0 0
 0.8  do picture
@@ -346,10 +343,10 @@ TEST_F(HeadsetSession, SaysBeforeTheEyesWhyAResetFailed) {
   }
 }
 
-// And what the client says of its device.
+// Notices about the client's device are shown too.
 class HeadsetWithAFullDevice : public HeadsetSession {
  protected:
-  // The renderer's name at the end.
+  // Returns the name of the renderer at the end.
   std::string draws_with(size_t bytes) {
     const auto done =
         run(floating(kBoxes), R"(
@@ -372,19 +369,16 @@ class HeadsetWithAFullDevice : public HeadsetSession {
   }
 };
 
-// The pictures of both eyes want 4.6 MB, 2.8 where they are blended in 16-bit floats, and 18 000 kernels 4.4.
-TEST_F(HeadsetWithAFullDevice, SaysBeforeTheEyesThatFewerKernelsAreDrawn) {
+// The pictures of both eyes need 4.6 MB (2.8 MB if blended in 16-bit floats), and 18 000 kernels need 4.4 MB.
+TEST_F(HeadsetWithAFullDevice, ShowsThatFewerKernelsAreDrawn) {
   const std::string renderer = draws_with(6'500'000);
   EXPECT_EQ(renderer.rfind("vulkan: ", 0), 0u) << renderer;
 }
 
-TEST_F(HeadsetWithAFullDevice, SaysBeforeTheEyesThatTheProcessorDraws) {
-  EXPECT_EQ(draws_with(100'000), "cpu");
-}
+TEST_F(HeadsetWithAFullDevice, ShowsThatTheCpuDraws) { EXPECT_EQ(draws_with(100'000), "cpu"); }
 
-// Eyes that the display wants larger than they can be drawn in time, looked at twice, and once more from
-// where there is next to nothing to draw: each picture is of one size for both eyes, and as the oracle has it
-// at that size.
+// Eyes of a size that cannot be drawn in time, viewed twice, then once from a position with almost nothing to
+// draw. Each picture has one size for both eyes and matches the reference at that size.
 class HeadsetScale : public HeadsetSession {
  protected:
   static constexpr int kWidth = 480, kHeight = 540;
@@ -414,7 +408,7 @@ class HeadsetScale : public HeadsetSession {
         EXPECT_TRUE(shown && shown->width == kept.eyes[0].width && shown->height == kept.eyes[0].height)
             << kept.files[eye];
       }
-      // One share of both sides, or what is seen would be stretched.
+      // Width and height have the same scale, so the picture is not stretched.
       EXPECT_NEAR(kept.eyes[0].width * kHeight, kept.eyes[0].height * kWidth, kHeight);
       widths.push_back(kept.eyes[0].width);
       std::printf("%d x %d of %d x %d\n", kept.eyes[0].width, kept.eyes[0].height, kWidth, kHeight);
@@ -424,21 +418,21 @@ class HeadsetScale : public HeadsetSession {
   }
 };
 
-TEST_F(HeadsetScale, ADeviceThatIsLateDrawsSmaller) {
+TEST_F(HeadsetScale, LateDeviceDrawsAtLowerResolution) {
   const auto widths = widths_when_late_late_and_not(RendererChoice::Vulkan);
   EXPECT_LT(widths[0], kWidth);
   EXPECT_LT(widths[1], kWidth);
-  EXPECT_GE(widths[2], widths[1]);  // in software no picture is cheap
+  EXPECT_GE(widths[2], widths[1]);  // a software device needs long for any picture
 }
 
-TEST_F(HeadsetScale, OneThatIsInTimeAgainDrawsLarger) {
+TEST_F(HeadsetScale, ResolutionRisesWhenInTimeAgain) {
   const auto widths = widths_when_late_late_and_not(RendererChoice::Cpu);
   EXPECT_LT(widths[1], kWidth);
   EXPECT_GT(widths[2], widths[1]);
 }
 
-// No runtime, and nothing to open a window on: a line each, and the code of what could not be done.
-TEST(Headset, WithoutARuntimeTheRemedyIsNamed) {
+// Neither a runtime nor a display for a window: one line for each, and exit code 1.
+TEST(Headset, MissingRuntimeNamesTheRemedy) {
   ::setenv("XR_RUNTIME_JSON", "/nowhere/at_all.json", 1);
   ::unsetenv("XR_ENABLE_API_LAYERS");
   const auto display = HeadsetDisplay::open();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The head is looked up again after skinning, and that is what is drawn and submitted.
+// The head pose is queried again after skinning, and this second pose is drawn and submitted.
 #include <algorithm>
 
 #include "system/headset/headset_session.h"
@@ -7,14 +7,15 @@
 namespace livegs {
 namespace {
 
-// Wrong by 40 m for each second ahead: 40 mm a millisecond, so that what a second look gains is seen in
-// pixels of 18 mm.
+// Prediction error in metres per second of lead, 40 mm per ms. The gain of the second query is then visible
+// with pixels of 18 mm.
 constexpr double kMisjudged_m_s = 40;
-// Two places that are nearer to each other look too alike to tell by a picture which one it was drawn from.
+// Minimum distance of two eye positions for which the pictures differ enough to decide from which one was
+// drawn, m.
 constexpr double kToldApart_m = 0.006;
 
-TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
-  // The scene's middle is at (0, 1.6, -1) in the stage, and nothing recentres.
+TEST_F(HeadsetSession, PicturesUseTheLatestHeadPose) {
+  // The middle of the scene is at (0, 1.6, -1) in the stage; there is no recentre.
   const Pose scene_from_stage{{0, -1.6, 1}, Eigen::Quaterniond::Identity()};
   struct Drawn {
     std::vector<Camera> eyes;
@@ -54,15 +55,14 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
   ASSERT_TRUE(done) << done.error().message;
   expect_no_complaints();
 
-  // Of every submitted frame: asked for twice, submitted where the last answer was, which is not where the
-  // first was.
+  // Each submitted frame: two queries, submitted with the pose of the second, which differs from the first.
   std::map<std::pair<std::string, std::string>, Eigen::Vector3d> submitted_m;  // by frame and eye
   for (const auto& row : rows(folder_ / "frames.csv")) {
     if (row.size() > 8 && !row[4].empty()) submitted_m[{row[0], row[4]}] = point(row, 6);
   }
   double gained_s = 0;
   size_t frames = 0;
-  std::map<std::pair<std::string, std::string>, double> moved_m;  // between the looks, likewise
+  std::map<std::pair<std::string, std::string>, double> moved_m;  // between the two queries, by frame and eye
   for (const auto& row : rows(folder_ / "views.csv")) {
     const Eigen::Vector3d first = point(row, 4), last = point(row, 8),
                           shown = submitted_m.at({row.at(0), row.at(1)});
@@ -71,19 +71,18 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
     EXPECT_GT(earlier_s, 0.0);
     EXPECT_LT((shown - last).norm(), 1e-5) << "frame " << row[0];
     moved_m[{row.at(0), row.at(1)}] = (first - last).norm();
-    if ((first - last).norm() < 1e-6) continue;  // before it misjudged
+    if ((first - last).norm() < 1e-6) continue;  // before the prediction error begins
     gained_s += earlier_s;
     ++frames;
-    // Nothing is foretold of a moment that is over. Leads are written down to 1 us, which is 40 um.
+    // There is no prediction for past times. Leads are recorded with 1 us resolution, which is 40 um.
     const double foretold_s = std::max(0.0, std::stod(row.at(3))) - std::max(0.0, std::stod(row.at(7)));
     EXPECT_NEAR((first - last).norm(), kMisjudged_m_s * foretold_s, 1e-4) << "frame " << row[0];
   }
   ASSERT_GE(frames, 6u);
-  std::printf("the second look is %.2f ms later than the first (mean of %zu)\n",
+  std::printf("the second query is %.2f ms later than the first (mean of %zu)\n",
               1e3 * gained_s / static_cast<double>(frames), frames);
 
-  // And of each picture: it is what the oracle sees from where the last answer put the eyes, and not from
-  // where the first did.
+  // Each kept picture matches the reference from the second position, not from the first.
   ASSERT_EQ(kept_.size(), 3u);
   ASSERT_EQ(drawn.size(), 3u);
   expect_oracle();
@@ -102,8 +101,7 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
           << name;
     }
   }
-  std::printf("%d of 6 pictures were drawn from places far enough from the first to tell by the picture\n",
-              told_apart);
+  std::printf("%d of 6 pictures were drawn from positions far enough apart to distinguish\n", told_apart);
 }
 
 }  // namespace

@@ -17,18 +17,20 @@
 
 namespace livegs {
 
-// Two eyes that look the same way and stand b apart see a point at depth z by b / z apart, as tangents: the
-// left eye further to the right. Both eyes of the simulated headset do (openxr_runtime/spaces.cpp). Of a body
-// it is not so: the eyes see different shares of its sides. Of an even light the middle moves as the middle
-// of its outline's two edges does, whatever lies between them: of a box seen from a corner, whose edges are
-// at 0.94 and 1.06 m, by b times 1.004, where the mean of b / z over what is seen, most of it the front at
-// 0.94, would be up to 1.06 b. Hence light of each face, as each eye sees it.
+// Two parallel eyes at distance b see a point at depth z with a parallax of b / z, as a difference of
+// tangents; the left eye sees it further to the right. The eyes of the simulated headset are parallel
+// (openxr_runtime/spaces.cpp).
+//
+// For a box this does not hold exactly, because the eyes see different parts of its sides. With uniform
+// brightness, the centroid moves like the middle of the two outline edges. For a box seen from a corner, with
+// edges at 0.94 and 1.06 m, this is 1.004 b, whereas the mean of b / z over the visible surface would be up
+// to 1.06 b. Therefore the light of each face is computed as each eye sees it.
 inline constexpr double kEyesApart_m = 0.064;
 
-// A face of a box: kernels that lie flat in one plane.
+// A face of a box: kernels in one plane.
 struct BoxFace {
   Eigen::Vector3d normal, middle_m;
-  double light = 0;  // how far its colour is from the background's
+  double light = 0;  // difference of its colour from the background
   std::vector<Eigen::Vector3d> points_m;
 };
 
@@ -36,7 +38,7 @@ inline double light_of(const Eigen::Vector3f& colour) {
   return (colour.cwiseMax(0.0f).cwiseMin(1.0f) - kBackground).cwiseAbs().sum();
 }
 
-// Of kernels of one colour a face (shape_asset.h in server/scene makes such).
+// Requires kernels of one colour per face, as shape_asset.h in server/scene creates.
 inline std::vector<BoxFace> faces_of_box(const DrawnObject& box) {
   constexpr float kShDc = 0.28209479f;
   constexpr double kSamePlane_m = 0.005;
@@ -46,8 +48,9 @@ inline std::vector<BoxFace> faces_of_box(const DrawnObject& box) {
     const Symmetric3f& s = box.kernels->covariances_m2[i];
     Eigen::Matrix3d covariance;
     covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-    const Eigen::Vector3d normal =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0);  // the thinnest
+    const Eigen::Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance)
+                                       .eigenvectors()
+                                       .col(0);  // the shortest axis
     const Eigen::Vector3d at_m = box.kernels->positions_m[i].cast<double>();
     const auto same = [&](const BoxFace& face) {
       return std::abs(face.normal.dot(normal)) > 0.99 &&
@@ -101,8 +104,8 @@ inline Outline outline_of(std::vector<Eigen::Vector2d> points) {
   return outline;
 }
 
-// Where an eye has a box's light, as tangents of the angles from the view axis, to the right and up; nothing
-// where it sees none.
+// Centroid of a box's light for one eye, as tangents of the angles from the view axis, right and up. Empty if
+// no face is visible.
 inline std::optional<Eigen::Vector2d> light_of_faces(std::span<const BoxFace> faces, const Camera& eye) {
   const Pose camera_from_world = eye.world_from_camera.inverse();
   Eigen::Vector2d sum(0, 0);
@@ -121,16 +124,16 @@ inline std::optional<Eigen::Vector2d> light_of_faces(std::span<const BoxFace> fa
   return weight > 0 ? std::optional<Eigen::Vector2d>(sum / weight) : std::nullopt;
 }
 
-// Where a box stands in the pictures of two eyes, by the middles of its kernels.
+// A box in the pictures of two eyes, computed from its kernel centres.
 struct SeenByBothEyes {
   std::array<Eigen::AlignedBox2d, 2> in_picture_px;
-  double parallax = 0;  // how much further to the right the left eye should have its light, as a tangent
+  double parallax = 0;  // expected shift of the left eye's light to the right, as a tangent
 };
 
-// Nothing where a part of it is not in both pictures.
+// Empty if a part of the box is outside one of the pictures.
 inline std::optional<SeenByBothEyes> seen_by_both(const DrawnObject& box, std::span<const Camera> eyes) {
   constexpr double kBulge_px =
-      3;  // of what a kernel blurs over its middle, whole in both pictures or its light would move
+      3;  // standard deviations of a kernel that must be inside both pictures, so that its light is complete
   SeenByBothEyes seen;
   for (size_t e = 0; e < 2; ++e) {
     const Camera& eye = eyes[e];
@@ -155,7 +158,7 @@ inline std::optional<SeenByBothEyes> seen_by_both(const DrawnObject& box, std::s
   return seen;
 }
 
-// Whether any of it is before an eye, in its picture or not.
+// True if any kernel is in front of an eye, inside its picture or not.
 inline bool is_before(const PosedKernels& kernels, std::span<const Camera> eyes) {
   for (const Camera& eye : eyes) {
     const Pose camera_from_world = eye.world_from_camera.inverse();
@@ -166,8 +169,8 @@ inline bool is_before(const PosedKernels& kernels, std::span<const Camera> eyes)
   return false;
 }
 
-// Where the light of a part of a picture lies, as the tangent of the angle to the right of the view axis;
-// nothing where there is none.
+// Centroid of the light in a part of a picture, as the tangent of the angle to the right of the view axis.
+// Empty if there is no light.
 inline std::optional<double> light_tangent(const Image& image, const Camera& eye,
                                            const Eigen::AlignedBox2d& within_px) {
   double sum = 0, weight = 0;
@@ -185,7 +188,7 @@ inline std::optional<double> light_tangent(const Image& image, const Camera& eye
   return weight > 0 ? std::optional(sum / weight) : std::nullopt;
 }
 
-// How much further to the right the left eye's picture has the object's light than the right eye's, as a
+// Shift of the object's light to the right in the left eye's picture relative to the right eye's, as a
 // tangent.
 inline std::optional<double> parallax(const Image& left, const Image& right, std::span<const Camera> eyes,
                                       const SeenByBothEyes& seen) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What parallax.h expects of two eyes is held against the oracle's pictures, before it is asked of a
-// headset's.
+// Checks the predictions of parallax.h against the reference renderer before they are applied to headset
+// pictures.
 #include "system/headset/parallax.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ class Parallax : public HeadsetSession {
     drivers_ = scene.world().drivers();
   }
 
-  // As openxr_runtime/spaces.cpp has them; `scale` times 96 x 108 pixels.
+  // As in openxr_runtime/spaces.cpp; `scale` times 96 x 108 pixels.
   static std::vector<Camera> eyes_of(const Pose& head, double apart_m, double toed_in_rad, int scale) {
     std::vector<Camera> eyes;
     for (const double side : {-1.0, 1.0}) {
@@ -36,7 +36,8 @@ class Parallax : public HeadsetSession {
     return eyes;
   }
 
-  // Of each box from each of so many places, as a share of what parallel eyes 64 mm apart should have.
+  // Measured parallax of each box from each of `heads` positions, relative to that of parallel eyes 64 mm
+  // apart.
   std::vector<double> shares(int heads, double apart_m, double toed_in_rad, int scale) {
     std::mt19937 random(7);
     const auto between = [&](double low, double high) {
@@ -67,35 +68,36 @@ class Parallax : public HeadsetSession {
   std::vector<uint32_t> ids_;
 };
 
-// Pixels of 5 mm know the light's middle well; those of the headset tests, of 20 mm, in the mean of many.
-TEST_F(Parallax, OfBoxesIsThatOfTheFacesThatEachEyeSees) {
+// Pixels of 5 mm resolve the centroid well. The pixels of the headset tests, 20 mm, do so in the mean of many
+// pictures.
+TEST_F(Parallax, OfBoxesMatchesTheirVisibleFaces) {
   const auto fine = shares(8, kEyesApart_m, 0, 4);
   ASSERT_GE(fine.size(), 20u);
   const auto [least, most] = std::minmax_element(fine.begin(), fine.end());
-  std::printf("fine: %.4f to %.4f, %.4f in the mean of %zu\n", *least, *most, mean(fine), fine.size());
+  std::printf("fine: %.4f to %.4f, mean %.4f of %zu\n", *least, *most, mean(fine), fine.size());
   EXPECT_GT(*least, 0.98);
   EXPECT_LT(*most, 1.02);
   const auto coarse = shares(60, kEyesApart_m, 0, 1);
-  std::printf("coarse: %.4f in the mean of %zu\n", mean(coarse), coarse.size());
+  std::printf("coarse: mean %.4f of %zu\n", mean(coarse), coarse.size());
   EXPECT_NEAR(mean(coarse), 1.0, 0.01);
 }
 
-// Eyes that stand 4 mm nearer to each other, or look at each other by a quarter of a degree, are told from
-// those.
-TEST_F(Parallax, OfEyesThatStandOrLookElsewhereIsAnother) {
+// Detects eyes that are 4 mm closer together, or turned towards each other by a quarter of a degree.
+TEST_F(Parallax, DetectsWrongEyeDistanceAndDirection) {
   EXPECT_NEAR(mean(shares(8, 0.060, 0, 4)), 60.0 / 64.0, 0.01);
   const double toed_in_rad = 0.25 * M_PI / 180;
   EXPECT_NEAR(mean(shares(8, kEyesApart_m, toed_in_rad, 4)), 1 - 2 * toed_in_rad / (kEyesApart_m / 0.98),
               0.03);
 }
 
-// Of a box that shows its front alone the closed form is that of a point at its depth.
-TEST_F(Parallax, OfAFaceSeenFromTheFrontIsThatOfAPoint) {
+// For a box that shows only its front, the parallax is that of a point at the depth of the front.
+TEST_F(Parallax, OfAFrontFaceIsThatOfAPoint) {
   ASSERT_TRUE(view_.pose(drivers_));
   const auto seen = seen_by_both(*view_.drawn_object(ids_[0]),
                                  eyes_of({{0, 0, 1}, Eigen::Quaterniond::Identity()}, kEyesApart_m, 0, 1));
   ASSERT_TRUE(seen);
-  EXPECT_NEAR(seen->parallax, kEyesApart_m / 0.94, 1e-3 * kEyesApart_m);  // kernels are sunk by 0.3 mm
+  EXPECT_NEAR(seen->parallax, kEyesApart_m / 0.94,
+              1e-3 * kEyesApart_m);  // kernels are 0.3 mm below the surface
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 
 namespace livegs {
 
-// A box and a soft cube on a floor, and how the programs are started on them.
+// The scene: a box and a soft cube on a floor. Also the command lines of the programs.
 inline constexpr const char* kBoxesScene = R"({
   "environment": { "colliders": [ { "plane": {} } ] },
   "objects": [
@@ -43,7 +43,7 @@ class Programs : public ::testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  // Of the frames that a client with this output got.
+  // Ticks of the frames that the client with this output folder received.
   std::vector<uint64_t> ticks_of(const std::string& output) const {
     std::ifstream file(folder_ / output / "frames.csv");
     std::string line;
@@ -52,7 +52,7 @@ class Programs : public ::testing::Test {
     while (std::getline(file, line)) ticks.push_back(std::stoull(line));
     return ticks;
   }
-  // Exactly one line on standard error, which names this, and nothing on standard output.
+  // Expects one line on standard error that contains `named`, and no standard output.
   static void expect_one_line(const Program& program, const std::string& named) {
     const std::string err = program.err();
     EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// livegs-server and livegs-client as whole programs: what they say, and how they end, when the world is not
-// as it should be.
+// livegs-server and livegs-client as programs: their output and exit codes, normally and after faults.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -15,7 +14,7 @@
 namespace livegs {
 namespace {
 
-TEST_F(Programs, StreamPokeAndEndWithoutComplaint) {
+TEST_F(Programs, StreamPokeAndEndWithoutErrors) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -32,9 +31,9 @@ TEST_F(Programs, StreamPokeAndEndWithoutComplaint) {
   EXPECT_NE(server.out().find("box: "), std::string::npos) << server.out();
 }
 
-// 18 000 kernels want 4 MB of the device: with less the client draws some of them and says how many, with
-// next to nothing the processor draws in its place, and it ends as it should.
-TEST_F(Programs, AClientWhoseDeviceIsFullSaysWhatItDoesAboutIt) {
+// 18 000 kernels need 4 MB of device memory. With less, the client draws a part of them and prints how many;
+// with almost none, it draws with the CPU. It ends normally in both cases.
+TEST_F(Programs, FullDeviceReducesKernelsOrUsesTheCpu) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -53,7 +52,7 @@ TEST_F(Programs, AClientWhoseDeviceIsFullSaysWhatItDoesAboutIt) {
   }
 }
 
-TEST_F(Programs, AClientFindsItsAssetsInTheCacheTheSecondTime) {
+TEST_F(Programs, SecondRunReadsAssetsFromTheCache) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -66,12 +65,12 @@ TEST_F(Programs, AClientFindsItsAssetsInTheCacheTheSecondTime) {
   EXPECT_NE(second.out().find("fetched, 0.0 MB"), std::string::npos) << second.out();
 }
 
-TEST_F(Programs, AServerThatIsKilledEndsTheClientWithOneAndItsPicturesStay) {
+TEST_F(Programs, KilledServerEndsClientAndKeepsItsPictures) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
   Program client(client_words(port, {"--seconds", "0", "--reconnect", "0.5"}));
-  // Frames have come by the time another client, that came later, has had a second of them.
+  // Frames have arrived by the time a later client has received one second of them.
   ASSERT_TRUE(server.says("streaming to")) << server.err();
   Program probe(client_words(port, {"--seconds", "1", "--no-video"}, "probe"));
   ASSERT_EQ(probe.wait(), 0) << probe.err();
@@ -82,9 +81,9 @@ TEST_F(Programs, AServerThatIsKilledEndsTheClientWithOneAndItsPicturesStay) {
   EXPECT_GT(std::filesystem::file_size(folder_ / "view" / "frames.csv"), 100u);
 }
 
-// The way of a server whose memory runs out: it aborts, a supervisor starts it again on its port, and the
-// clients that watch resume.
-TEST_F(Programs, AServerThatIsKilledAndStartedAnewIsFoundAgain) {
+// The sequence after a server runs out of memory: it aborts, a supervisor restarts it on its port, and
+// clients resume.
+TEST_F(Programs, ClientsResumeAfterServerRestart) {
   auto server = std::make_unique<Program>(server_words());
   const std::string port = server->first_line();
   ASSERT_NE(port, "") << server->err();
@@ -109,7 +108,7 @@ TEST_F(Programs, AServerThatIsKilledAndStartedAnewIsFoundAgain) {
     one->send(SIGINT);
     EXPECT_EQ(one->wait(), 0) << one->err();
     EXPECT_NE(one->out().find("gone 2 times and came back 2 times"), std::string::npos) << one->out();
-    // As it joined, so it is at the end: nothing was fetched again.
+    // The totals at the end equal those at the join: nothing was fetched again.
     const size_t joined = one->err().find(" assets fetched, ");
     ASSERT_NE(joined, std::string::npos) << one->err();
     EXPECT_NE(one->out().find(one->err().substr(joined, one->err().find('\n', joined) - joined)),
@@ -118,8 +117,8 @@ TEST_F(Programs, AServerThatIsKilledAndStartedAnewIsFoundAgain) {
   }
 }
 
-// A laptop that is closed, and opened again: its session goes on, and nobody waited for it.
-TEST_F(Programs, AClientThatIsStoppedIsDroppedAndComesBack) {
+// A suspended client, such as a closed laptop: its session continues, and it delays no other client.
+TEST_F(Programs, SuspendedClientIsDroppedAndReconnects) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -133,8 +132,8 @@ TEST_F(Programs, AClientThatIsStoppedIsDroppedAndComesBack) {
   EXPECT_EQ(client.wait(), 0) << client.err();
 }
 
-// A client that was there goes on while a later one is served.
-TEST_F(Programs, AClientThatIsKilledLeavesTheOthersAlone) {
+// A client continues while another is killed and a later one is served.
+TEST_F(Programs, KilledClientDoesNotDisturbOthers) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -156,7 +155,7 @@ TEST_F(Programs, AClientThatIsKilledLeavesTheOthersAlone) {
   EXPECT_GT(shown, 0u);
 }
 
-TEST_F(Programs, AServerThatIsStoppedTellsItsClients) {
+TEST_F(Programs, ServerNotifiesClientsAtItsEnd) {
   Program server(server_words({"--seconds", "3"}));
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -166,9 +165,9 @@ TEST_F(Programs, AServerThatIsStoppedTellsItsClients) {
   EXPECT_EQ(server.wait(), 0) << server.err();
 }
 
-// As systemd or a person ends it: who reads is told why, who does not is not waited for, and the port is free
-// for the next.
-TEST_F(Programs, ATerminatedServerTellsItsClientsWaitsForNoneThatIsStoppedAndLeavesItsPort) {
+// Termination by systemd or a person: reading clients are notified, suspended clients are not waited for, and
+// the port is free for the next server.
+TEST_F(Programs, DrainsClientsAndReleasesPortOnSigterm) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -188,7 +187,7 @@ TEST_F(Programs, ATerminatedServerTellsItsClientsWaitsForNoneThatIsStoppedAndLea
   EXPECT_EQ(next.first_line(), port) << next.err();
 }
 
-TEST_F(Programs, AnInterruptedClientKeepsWhatItHas) {
+TEST_F(Programs, InterruptedClientWritesItsOutput) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -201,24 +200,24 @@ TEST_F(Programs, AnInterruptedClientKeepsWhatItHas) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "view" / "timings.csv"));
 }
 
-TEST_F(Programs, APortInUseIsOneLineAndCodeOne) {
+TEST_F(Programs, PortInUseGivesOneLineAndCodeOne) {
   Program first(server_words());
   const std::string port = first.first_line();
   ASSERT_NE(port, "") << first.err();
   Program second({LIVEGS_SERVER, folder_ / "boxes.scene.json", "--listen", "127.0.0.1:" + port});
   EXPECT_EQ(second.wait(), 1);
   expect_one_line(second, "the port is in use");
-  Program client(client_words(port, {"--seconds", "0.2", "--no-video"}));  // the first one keeps running
+  Program client(client_words(port, {"--seconds", "0.2", "--no-video"}));  // the first server keeps running
   EXPECT_EQ(client.wait(), 0) << client.err();
 }
 
-TEST_F(Programs, AMissingSceneIsOneLineAndCodeTwo) {
+TEST_F(Programs, MissingSceneGivesOneLineAndCodeTwo) {
   Program server({LIVEGS_SERVER, folder_ / "absent.scene.json", "--listen", "127.0.0.1:0"});
   EXPECT_EQ(server.wait(), 2);
   expect_one_line(server, "absent.scene.json");
 }
 
-TEST_F(Programs, ADeadlineOutsideItsRangeIsRefusedBeforeAnythingIsLoaded) {
+TEST_F(Programs, DeadlineIsCheckedBeforeLoading) {
   for (const std::string seconds : {"0", "0.5", "3601", "soon", "90"}) {
     Program server({LIVEGS_SERVER, folder_ / "absent.scene.json", "--listen", "127.0.0.1:0",
                     "--model-deadline", seconds});
@@ -229,20 +228,20 @@ TEST_F(Programs, ADeadlineOutsideItsRangeIsRefusedBeforeAnythingIsLoaded) {
   }
 }
 
-TEST_F(Programs, AServerThatIsNotThereIsOneLineAndCodeOne) {
+TEST_F(Programs, AbsentServerGivesOneLineAndCodeOne) {
   Program client(client_words("1", {"--connect-timeout", "0.3"}));
   EXPECT_EQ(client.wait(), 1);
   expect_one_line(client, "no server answers at 127.0.0.1:1");
 }
 
-TEST_F(Programs, ADisplayThatDoesNotExistIsRefused) {
+TEST_F(Programs, RefusesUnknownDisplay) {
   Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "hologram"});
   EXPECT_EQ(client.wait(), 2);
   EXPECT_NE(client.err().find("offscreen"), std::string::npos) << client.err();
 }
 
-// What a display does not do is not left out in silence: a line says so before anything is opened.
-TEST_F(Programs, WhatADisplayDoesNotDoIsOneLineAndCodeTwo) {
+// Options that a display does not support are refused with one line before anything is opened.
+TEST_F(Programs, UnsupportedOptionGivesOneLineAndCodeTwo) {
   const std::string script = folder_.write("hands.json", "{}");
   struct Case {
     std::vector<std::string> words;
@@ -277,8 +276,8 @@ TEST_F(Programs, WhatADisplayDoesNotDoIsOneLineAndCodeTwo) {
   }
 }
 
-// Asked for a device that is not there, it says what would make one; else the CPU draws.
-TEST_F(Programs, WithoutAVulkanDriverThePackageIsNamed) {
+// With --renderer vulkan and no device, the error names the package to install; otherwise the CPU draws.
+TEST_F(Programs, MissingVulkanDriverNamesThePackage) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -297,8 +296,8 @@ TEST_F(Programs, WithoutAVulkanDriverThePackageIsNamed) {
   EXPECT_NE(any.err().find("drawing with the cpu: vulkan: no "), std::string::npos) << any.err();
 }
 
-// The remedy for the headset, then the window's.
-TEST_F(Programs, WithoutAHeadsetAWindowIsTried) {
+// Prints the remedy for the headset, then the one for the window.
+TEST_F(Programs, OpensAWindowWithoutAHeadset) {
   Program client({"/usr/bin/env", "DISPLAY=", "XR_RUNTIME_JSON=/nowhere/at_all.json", LIVEGS_CLIENT,
                   "127.0.0.1:1", "--display", "openxr"});
   EXPECT_EQ(client.wait(), 1);
@@ -308,7 +307,7 @@ TEST_F(Programs, WithoutAHeadsetAWindowIsTried) {
   EXPECT_NE(err.find("--display offscreen"), std::string::npos) << err;
 }
 
-TEST_F(Programs, APokeAtNothingNamesWhatThereIs) {
+TEST_F(Programs, PokeAtUnknownObjectListsTheObjects) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames that are published, and who watches them, as whole programs.
+// Publishing server and spectators as programs.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-TEST_F(Programs, ASpectatorSeesWhatIsPublished) {
+TEST_F(Programs, SpectatorSeesPublishedFrames) {
   Program server(server_words({"--publish", "tcp://127.0.0.1:0"}));
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -32,8 +32,8 @@ TEST_F(Programs, ASpectatorSeesWhatIsPublished) {
   EXPECT_NE(server.out().find(" 0 sessions"), std::string::npos) << server.out();
 }
 
-// Nobody publishes there: ZeroMQ goes on trying for ever.
-TEST_F(Programs, ASpectatorToWhomNothingIsPublishedEndsWithOneLine) {
+// Nothing is published at these addresses. ZeroMQ itself retries without limit.
+TEST_F(Programs, SpectatorWithoutPublisherTimesOut) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -49,7 +49,7 @@ TEST_F(Programs, ASpectatorToWhomNothingIsPublishedEndsWithOneLine) {
   }
 }
 
-TEST_F(Programs, ASpectatorWhoseServerDiesEndsWithOneLine) {
+TEST_F(Programs, SpectatorReportsTheLossOfItsServer) {
   Program server(server_words({"--publish", "tcp://127.0.0.1:0"}));
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -79,7 +79,7 @@ TEST_F(Programs, ASpectatorWhoseServerDiesEndsWithOneLine) {
   EXPECT_NE(spectator.out().find("spectator of " + where), std::string::npos) << spectator.out();
 }
 
-TEST_F(Programs, PublishesOnThisMachineOnly) {
+TEST_F(Programs, RefusesToPublishToOtherMachines) {
   Program server(server_words({"--publish", "tcp://0.0.0.0:9782"}));
   EXPECT_EQ(server.wait(), 2);
   expect_one_line(server, "--publish tcp://0.0.0.0:9782: frames are published without tokens");

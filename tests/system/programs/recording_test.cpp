@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A session recorded, looked at, watched and simulated again by whole programs.
+// Recording, inspection, playback and re-simulation of a session by the programs.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -22,7 +22,7 @@ class Recordings : public Programs {
   }
 };
 
-TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
+TEST_F(Recordings, CanBeInspectedPlayedAndSimulatedAgain) {
   Program server(server_words({"--record", file(), "--record-assets", "--wait-for-client"}));
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -40,14 +40,14 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   ASSERT_EQ(verified.wait(), 0) << verified.out() << verified.err();
   EXPECT_EQ(verified.out().find("equal to the bit"), 0u) << verified.out();
 
-  // No server, no cache: the assets are in it.
+  // Without server and cache: the recording contains the assets.
   Program watched({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file(), "--from", "1", "--output",
                    folder_ / "watched", "--cache", folder_ / "empty", "--size", "160x120", "--no-video",
                    "--every", "10", "--threads", "1"});
   ASSERT_EQ(watched.wait(), 0) << watched.err();
   const auto last = read_png(folder_ / "watched/last.png");
   ASSERT_TRUE(last);
-  size_t bright = 0;  // the floor and the cube
+  size_t bright = 0;  // pixels of floor and cube
   for (int i = 0; i < last->width * last->height; ++i) bright += last->pixels[4 * i + 2] > 0.3f;
   EXPECT_GT(bright, 2000u);
   EXPECT_NE(watched.out().find("from 1.0 s"), std::string::npos) << watched.out();
@@ -58,7 +58,7 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   EXPECT_EQ(beyond.wait(), 2);
   expect_one_line(beyond, "--from 500: " + file() + " is ");
 
-  // A byte that was changed is told of, wherever it is.
+  // A changed byte is reported at any position.
   std::filesystem::copy_file(file(), folder_ / "flipped.lvgrec");
   {
     std::fstream flipped(folder_ / "flipped.lvgrec", std::ios::in | std::ios::out | std::ios::binary);
@@ -73,7 +73,7 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   EXPECT_NE(flipped.err().find("its check sum is another"), std::string::npos) << flipped.err();
   EXPECT_EQ(flipped.out().find("whole"), std::string::npos) << flipped.out();
 
-  // A file that was cut has what came before.
+  // A truncated file keeps the data before the cut.
   std::filesystem::copy_file(file(), folder_ / "cut.lvgrec");
   std::filesystem::resize_file(folder_ / "cut.lvgrec", std::filesystem::file_size(file()) / 2);
   Program cut({LIVEGS_TOOL, "ctl", "replay", folder_ / "cut.lvgrec"});
@@ -81,7 +81,7 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   EXPECT_NE(cut.out().find("it breaks off"), std::string::npos) << cut.out();
 }
 
-TEST_F(Recordings, StartAndStopOnAServerThatRuns) {
+TEST_F(Recordings, StartAndStopOnARunningServer) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -111,7 +111,7 @@ TEST_F(Recordings, StartAndStopOnAServerThatRuns) {
   EXPECT_EQ(summary.out().find("breaks off"), std::string::npos) << summary.out();
 }
 
-TEST_F(Recordings, ThatAreNoneAreRefusedInOneLine) {
+TEST_F(Recordings, RefusesOtherFilesInOneLine) {
   folder_.write("session.lvgrec", "not one at all");
   Program summary = replay();
   EXPECT_EQ(summary.wait(), 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// TLS, pairing, tokens and `livegs ctl`, with the programs as a person runs them.
+// TLS, pairing, tokens and `livegs ctl`, tested with the programs.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -54,7 +54,7 @@ class SecurePrograms : public Programs {
     said_ += program.err();
     return program.out();
   }
-  // A token of its own in a file of its name; the token.
+  // Creates a token and writes it to a file of that name. Returns the token.
   std::string make_token(const std::string& port, const std::string& name, const std::string& scope,
                          const std::string& days = "90") {
     const std::string token = ctl(port, {"tokens", "add", name, "--scope", scope, "--days", days});
@@ -81,7 +81,7 @@ class SecurePrograms : public Programs {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  // Ends with 1, at once, and with nothing but this.
+  // Expects an immediate end with code 1 and only this message.
   void expect_refused(std::vector<std::string> words, const std::string& answer) {
     words.erase(std::find(words.begin(), words.end(), "--verbose"));
     Program client(std::move(words));
@@ -89,10 +89,10 @@ class SecurePrograms : public Programs {
     expect_one_line(client, answer);
     said_ += client.err();
   }
-  std::string said_;  // by programs that have ended
+  std::string said_;  // output of ended programs
 };
 
-TEST_F(SecurePrograms, EachWrongCallerHasItsOwnAnswerAndTheRightOneGetsIn) {
+TEST_F(SecurePrograms, ErrorsDifferPerFaultAndAValidClientJoins) {
   Program server(secure_server());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -105,7 +105,7 @@ TEST_F(SecurePrograms, EachWrongCallerHasItsOwnAnswerAndTheRightOneGetsIn) {
   expect_refused(viewer(port, {"--pair", code}), "asks for a token");
   expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "wrong"}), "none of this server's");
   expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "lost"}), "\"lost\" was revoked");
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "pins"));  // none of them was worth remembering
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "pins"));  // no pin was stored
   std::string other = code;
   other[0] = other[0] == 'A' ? 'B' : 'A';
   expect_refused(viewer(port, {"--pair", other, "--token-file", folder_ / "good"}),
@@ -113,7 +113,7 @@ TEST_F(SecurePrograms, EachWrongCallerHasItsOwnAnswerAndTheRightOneGetsIn) {
 
   Program first(viewer(port, {"--pair", code, "--token-file", folder_ / "good", "--poke", "box"}));
   EXPECT_EQ(first.wait(), 0) << first.err();
-  Program second(viewer(port, {}));  // it is known now
+  Program second(viewer(port, {}));  // the pin is stored now
   EXPECT_EQ(second.wait(), 0) << second.err();
   EXPECT_EQ(
       std::filesystem::status(folder_ / "pins" / "known_servers").permissions() & std::filesystem::perms::all,
@@ -125,7 +125,7 @@ TEST_F(SecurePrograms, EachWrongCallerHasItsOwnAnswerAndTheRightOneGetsIn) {
   EXPECT_EQ(server.wait(), 0) << server.err();
   EXPECT_NE(server.err().find("the test is over"), std::string::npos);
 
-  // Nothing secret was said by anybody, at the most talkative, in a whole session.
+  // No secret is printed by any program in a whole session at the most verbose log level.
   const std::string key = text_of(folder_ / "state" / "server.key");
   for (const std::string& text :
        {server.err() + server.out(), first.err() + first.out(), second.err() + second.out(), said_}) {
@@ -136,7 +136,7 @@ TEST_F(SecurePrograms, EachWrongCallerHasItsOwnAnswerAndTheRightOneGetsIn) {
   EXPECT_EQ(text_of(folder_ / "state" / "tokens.json").find(good), std::string::npos);
 }
 
-TEST_F(SecurePrograms, AServerThatIsAnotherIsRefusedAtOnceAndToldNothing) {
+TEST_F(SecurePrograms, RefusesADifferentServerBeforeSending) {
   std::string port;
   {
     Program server(secure_server());
@@ -153,9 +153,9 @@ TEST_F(SecurePrograms, AServerThatIsAnotherIsRefusedAtOnceAndToldNothing) {
   EXPECT_NE(ctl(port, {"status"}, "other state").find(" 0 sessions so far"), std::string::npos);
 }
 
-// The certificate is kept, so a client whose server is started anew goes on; one that is revoked meanwhile
-// does not.
-TEST_F(SecurePrograms, ARestartKeepsPairingAndTokensAndARevocationEndsAStream) {
+// The certificate is stored, so clients reconnect after a server restart. A token that was revoked in between
+// is refused.
+TEST_F(SecurePrograms, RestartKeepsPairingAndTokens) {
   std::string port;
   auto words = secure_server();
   {
@@ -179,14 +179,14 @@ TEST_F(SecurePrograms, ARestartKeepsPairingAndTokensAndARevocationEndsAStream) {
   EXPECT_EQ(client.err().find("connecting again"), std::string::npos) << client.err();
 }
 
-// While a client is there, and afterwards: the token's own sentence, at once, and nothing else.
-TEST_F(SecurePrograms, ATokenThatExpiresEndsItsStreamAndLetsNobodyInAgain) {
+// During a stream and afterwards, the client gets the error of the token at once, and no other message.
+TEST_F(SecurePrograms, ExpiredTokenEndsItsStream) {
   Program server(secure_server());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
   make_token(port, "good", "interact");
   const std::string code = pairing_code(port);
-  make_token(port, "guest", "view", "0.00017");  // 15 s
+  make_token(port, "guest", "view", "0.00017");  // 0.00017 days = 15 s
   auto words = viewer(port, {"--pair", code, "--token-file", folder_ / "guest", "--reconnect", "60"},
                       "guest's pins", "0");
   words.erase(std::find(words.begin(), words.end(), "--verbose"));
@@ -198,7 +198,7 @@ TEST_F(SecurePrograms, ATokenThatExpiresEndsItsStreamAndLetsNobodyInAgain) {
                     answer = "the token \"guest\" has expired; ask who runs the server for a new one";
   EXPECT_NE(err.find(answer), std::string::npos) << err;
   EXPECT_EQ(err.find(answer), err.rfind(answer)) << err;
-  // It does not try again for that. (It does when a busy machine has it wait for a second.)
+  // The client does not reconnect for this error. On a busy machine, it does after one second without data.
   EXPECT_EQ(count_of("connecting again", err),
             count_of("nothing came from it for a second; connecting again", err))
       << err;
@@ -206,13 +206,13 @@ TEST_F(SecurePrograms, ATokenThatExpiresEndsItsStreamAndLetsNobodyInAgain) {
     expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "guest"}, state), answer);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "nobody's pins"));
   EXPECT_NE(ctl(port, {"tokens", "list"}).find("expired"), std::string::npos);
-  // Others were not disturbed.
+  // Other clients were not disturbed.
   ASSERT_TRUE(server.says_often("streaming to", 2)) << server.err();
   host.send(SIGINT);
   EXPECT_EQ(host.wait(), 0) << host.err();
 }
 
-TEST_F(SecurePrograms, OtherMachinesAreLetInWithTlsAndTokensOnly) {
+TEST_F(SecurePrograms, RemoteClientsNeedTlsAndTokens) {
   auto words = server_words({"--tls", "off"});
   std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), std::string("0.0.0.0:0"));
   Program clear(words);
@@ -240,7 +240,7 @@ TEST_F(SecurePrograms, OtherMachinesAreLetInWithTlsAndTokensOnly) {
   expect_one_line(unpaired, "pair with it: --pair CODE");
 }
 
-TEST_F(SecurePrograms, CtlLooksAfterAServerInTheClearToo) {
+TEST_F(SecurePrograms, CtlWorksWithoutTls) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
@@ -266,7 +266,7 @@ TEST_F(SecurePrograms, CtlLooksAfterAServerInTheClearToo) {
   expect_one_line(gone, "no server answers");
 }
 
-TEST(Ctl, NamesACommandThatIsNone) {
+TEST(Ctl, ReportsUnknownCommands) {
   const auto says = [](std::vector<std::string> words) {
     words.insert(words.begin(), LIVEGS_TOOL);
     Program program(words);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a server tells those who look after it: systemd, Prometheus, and who collects logs.
+// Interfaces for operators: systemd notifications, Prometheus metrics, and JSON logs.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kPatience_ms = 60'000;
 
-// What http://127.0.0.1:PORT/metrics says, by "name{labels}".
+// The metrics at http://127.0.0.1:PORT/metrics, by "name{labels}".
 std::map<std::string, double> metrics_at(int port) {
   const int connection = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in to{};
@@ -53,7 +53,7 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
   const std::string url = "http://127.0.0.1:";
-  ASSERT_TRUE(server.says(url)) << server.err();  // the line may come after the port
+  ASSERT_TRUE(server.says(url)) << server.err();  // the line may follow the port
   const std::string said = server.err();
   const int metrics_port = std::atoi(said.c_str() + said.find(url) + url.size());
   ASSERT_GT(metrics_port, 0) << said;
@@ -68,7 +68,7 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
       return one.first.starts_with("livegs_client_frames_sent_total{");
     });
   };
-  for (int i = 0; i < kPatience_ms / 20 && clients() > 1; ++i) {  // until the probe is forgotten
+  for (int i = 0; i < kPatience_ms / 20 && clients() > 1; ++i) {  // until the probe's metrics are removed
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     values = metrics_at(metrics_port);
   }
@@ -96,11 +96,11 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   EXPECT_LE(value("livegs_client_round_trip_seconds_count" + label), sent);
   EXPECT_GT(value("livegs_client_round_trip_seconds_count" + label), 0);
   EXPECT_GT(value("livegs_client_send_seconds_count" + label), 0);
-  // A frame is written after its step and heard of after that.
+  // A frame is written after its step and acknowledged after that.
   EXPECT_GE(value("livegs_client_staleness_seconds_sum" + label),
             value("livegs_client_round_trip_seconds_sum" + label));
   EXPECT_GT(value("livegs_client_staleness_seconds{" + inside + ",quantile=\"0.5\"}"), 0);
-  // Frames for a client that stands still are replaced by newer ones, and the count never falls.
+  // Frames for a suspended client are replaced by newer ones. The count never decreases.
   const std::string replaced = "livegs_client_frames_replaced_total" + label;
   double count_replaced = value(replaced);
   const double at_first = count_replaced;
@@ -128,7 +128,7 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   EXPECT_GT(count, 3);
 }
 
-TEST_F(Programs, AMetricsPortInUseIsSaidSo) {
+TEST_F(Programs, ReportsMetricsPortInUse) {
   const int taken = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in at{};
   at.sin_family = AF_INET;
@@ -143,7 +143,7 @@ TEST_F(Programs, AMetricsPortInUseIsSaidSo) {
   ::close(taken);
 }
 
-// The next datagram; empty when none comes.
+// The next datagram; empty if none arrives.
 std::string heard(int socket) {
   pollfd news{socket, POLLIN, 0};
   char text[512];
@@ -152,7 +152,7 @@ std::string heard(int socket) {
   return {text, static_cast<size_t>(std::max<ssize_t>(size, 0))};
 }
 
-TEST_F(Programs, SystemdHearsThatItIsReadyThatItTicksAndThatItStops) {
+TEST_F(Programs, NotifiesSystemdOfReadyWatchdogAndStopping) {
   const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un at{};
   at.sun_family = AF_UNIX;

@@ -8,7 +8,7 @@
 
 namespace livegs {
 
-// Pixels of a part of the picture that are as bright as a panel's text.
+// Number of pixels as bright as panel text in a part of the picture.
 inline size_t text_pixels(const Image& image, int left, int right, int top, int bottom) {
   size_t count = 0;
   for (int y = top; y < bottom; ++y) {
@@ -20,7 +20,7 @@ inline size_t text_pixels(const Image& image, int left, int right, int top, int 
   return count;
 }
 
-// Pixels of the panel on the left in the ink of what is out of order, its soft edges included.
+// Number of pixels in the left panel with the colour of an error, including soft edges.
 inline size_t notice_pixels(const Image& image) {
   size_t count = 0;
   for (int y = 10; y < std::min(400, image.height); ++y) {

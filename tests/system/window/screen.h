@@ -14,10 +14,10 @@
 
 namespace livegs {
 
-// A display of its own for a test's windows (package xvfb, which deploy/packages.txt has). `display` is empty
-// where none started, and `program` says why. Its number is this test's alone from before it starts until
-// after it has ended, by a lock on a file: of servers that choose for themselves (-displayfd without a
-// number) one that ends takes away the socket of another that begins.
+// A separate X display for a test (package xvfb, listed in deploy/packages.txt). `display` is empty if none
+// started; `program` then has the error output. A lock file reserves the display number from before the start
+// until after the end. Without it (-displayfd without a number), a server that ends can remove the socket of
+// one that starts.
 class Screen {
  public:
   static bool there_is_one() { return std::filesystem::exists("/usr/bin/Xvfb"); }
@@ -46,11 +46,11 @@ class Screen {
  private:
   static constexpr int kFirstDisplay = 90, kDisplayCount = 64;
 
-  // Somebody else's display may have this number; then the server ends and says so.
+  // If another program uses this number, the server exits with a message.
   void start(int number) {
     const std::string name = ":" + std::to_string(number);
-    // Who looks whether a window is there yet is its first client and leaves again, which would make it begin
-    // anew, and refuse who comes meanwhile.
+    // wait_for checks for windows as the first client and disconnects. Without -noreset, the server would
+    // then reset and refuse clients meanwhile.
     program = std::make_unique<Program>(std::vector<std::string>{"/usr/bin/Xvfb", name, "-noreset",
                                                                  "-displayfd", "1", "-screen", "0",
                                                                  "1300x820x24", "-nolisten", "tcp"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mouse and the keys do to the view of the desktop window.
+// Mouse and keyboard control of the view in the desktop window.
 #include <utility>
 
 #include "system/window/panel_text.h"
@@ -8,8 +8,8 @@
 namespace livegs {
 namespace {
 
-// Seen from +z, the orange box stands 0.4 m before the blue cube, and the middle between them is what the
-// view turns about.
+// Seen from +z, the orange box is 0.4 m in front of the origin and the blue cube 0.4 m behind it. The view
+// orbits the origin.
 class WindowCamera : public WindowClicks {
  protected:
   std::string scene_text() const override {
@@ -25,10 +25,10 @@ class WindowCamera : public WindowClicks {
     return R"({ "position_m": [0, 0, 2.4], "look_at_m": [0, 0, 0], "vertical_fov_deg": 40 })";
   }
   struct Seen {
-    double x = 0, y = 0;  // mean of its pixels
+    double x = 0, y = 0;  // mean position of its pixels
     size_t pixels = 0;
   };
-  // By its hue: the first object of a scene is orange, the second blue.
+  // Finds a box by its hue: the first object of a scene is orange, the second blue.
   static Seen seen(const Image& shown, bool near, int left = kLeft, int right = kRight) {
     Seen all;
     for (int y = 0; y < shown.height; ++y) {
@@ -48,7 +48,7 @@ class WindowCamera : public WindowClicks {
     }
     return all;
   }
-  // Drags with a button by so many pixels, in steps, from an empty place.
+  // Drags with a button by (dx, dy) pixels in steps, starting at an empty place.
   void drag(int button, double dx, double dy) {
     constexpr double kX = 420, kY = 90;
     constexpr int kSteps = 4;
@@ -68,10 +68,10 @@ class WindowCamera : public WindowClicks {
   }
 };
 
-// 100 pixels of 800 turn by 180 / 8 = 22.5 degrees about the middle, which is 2.4 m off: what lies 0.4 m
-// before it goes by 0.4 sin / (2.4 - 0.4 cos) to the right, what lies behind it by 0.4 sin / (2.4 + 0.4 cos)
-// to the left.
-TEST_F(WindowCamera, RightDragTurnsAndComesBack) {
+// 100 of 800 pixels turn the view by 180 / 8 = 22.5 degrees about the origin, at a distance of 2.4 m. A point
+// 0.4 m in front of the origin moves by 0.4 sin / (2.4 - 0.4 cos) to the right, one behind it by 0.4 sin /
+// (2.4 + 0.4 cos) to the left.
+TEST_F(WindowCamera, RightDragOrbitsAndReturns) {
   Seen near[4], far[4];
   Image before, after;
   step("the scene", [](const Image& shown) { return seen(shown, true).pixels > 500; });
@@ -98,13 +98,13 @@ TEST_F(WindowCamera, RightDragTurnsAndComesBack) {
   EXPECT_NEAR(near[2].y, near[0].y, 1);
   EXPECT_NEAR(far[2].x, far[0].x, 1);
   EXPECT_NEAR(far[2].y, far[0].y, 1);
-  // Seen from higher, what is near is lower in the picture and what is far higher.
+  // From a higher position, near objects are lower in the picture and far ones higher.
   EXPECT_GT(near[3].y, near[0].y + 15);
   EXPECT_LT(far[3].y, far[0].y - 15);
 }
 
-// The middle button shifts both alike; the wheel is tested with the camera itself (orbit_camera_test).
-TEST_F(WindowCamera, MiddleDragShifts) {
+// The middle button moves both boxes. The wheel is tested in orbit_camera_test.
+TEST_F(WindowCamera, MiddleDragPans) {
   Seen near[2], far[2];
   step("the scene", [](const Image& shown) { return seen(shown, true).pixels > 500; });
   move(420, 90);
@@ -114,16 +114,16 @@ TEST_F(WindowCamera, MiddleDragShifts) {
   look(near[1], far[1]);
   close();
   run_steps();
-  // At the distance of the middle things follow the pointer; nearer ones by 2.4 / 2.0 as much, farther by 2.4
-  // / 2.8.
+  // Objects at the distance of the origin follow the pointer. Nearer ones move by 2.4 / 2.0 of that, farther
+  // ones by 2.4 / 2.8.
   EXPECT_NEAR(near[1].x - near[0].x, 80 * 2.4 / 2.0, 6);
   EXPECT_NEAR(near[1].y - near[0].y, 40 * 2.4 / 2.0, 6);
   EXPECT_NEAR(far[1].x - far[0].x, 80 * 2.4 / 2.8, 6);
   EXPECT_NEAR(far[1].y - far[0].y, 40 * 2.4 / 2.8, 6);
 }
 
-// A wide view of a large box. A picture flies by a tenth of 2.4 m at most, 40 pixels at the box: however late
-// a busy machine hears of a key that was let go, the box stays in sight, with the panels hidden.
+// A wide view of a large box. The camera moves by at most a tenth of 2.4 m per picture, 40 pixels at the box.
+// So the box stays in view even if a busy machine processes the release of a key late. Panels are hidden.
 class WindowFlight : public WindowCamera {
  protected:
   std::string scene_text() const override {
@@ -138,15 +138,15 @@ class WindowFlight : public WindowCamera {
   static Seen box(const Image& shown) { return seen(shown, true, 0, shown.width); }
 };
 
-// W flies forwards, S back, D to the right, E up: as long as the key is down, and no longer.
-TEST_F(WindowFlight, KeysFly) {
+// W moves forwards, S backwards, D right, E up, for as long as the key is pressed.
+TEST_F(WindowFlight, KeysMoveTheCamera) {
   Seen begin, now;
   int still = 0;
   step("the scene", [](const Image& shown) { return seen(shown, true).pixels > 500; });
   move(420, 90);
   press_key("h");
   step("no panels", [](const Image& shown) { return text_pixels(shown, 10, 310, 10, 400) == 0; });
-  // Ten pictures of the same: each that a key is down in flies on.
+  // Ten equal pictures: the camera moves in every picture while a key is pressed.
   const auto come_to_rest = [&] {
     act({[&] { still = 0; }});
     step("no more motion", [&](const Image& shown) {
@@ -176,7 +176,7 @@ TEST_F(WindowFlight, KeysFly) {
   run_steps();
 }
 
-// Nobody says where to look from: wide things are all seen, none under a panel.
+// Without a camera file, the first view shows all of a wide scene, with nothing under the panels.
 class WindowFirstView : public WindowCamera {
  protected:
   std::string scene_text() const override {
@@ -198,14 +198,14 @@ TEST_F(WindowFirstView, HidesNothingUnderThePanels) {
   move(595, 30);
   pictures(3);
   keep("first_view");
-  step("what is beside the panels", [&](const Image& shown) {
+  step("the scene next to the panels", [&](const Image& shown) {
     left = seen(shown, true);
     right = seen(shown, false);
     return true;
   });
   press_key("h");
   step("no panels", [](const Image& shown) { return text_pixels(shown, 10, 310, 10, 400) == 0; });
-  step("as much without them", [&](const Image& shown) {
+  step("the same scene without panels", [&](const Image& shown) {
     const double near = static_cast<double>(seen(shown, true, 0, kWidth).pixels),
                  far = static_cast<double>(seen(shown, false, 0, kWidth).pixels);
     EXPECT_NEAR(static_cast<double>(left.pixels), near, 0.01 * near);
@@ -214,7 +214,7 @@ TEST_F(WindowFirstView, HidesNothingUnderThePanels) {
   });
   close();
   run_steps();
-  EXPECT_NEAR(left.x + right.x, 310 + 880, 20);  // about the middle between the panels
+  EXPECT_NEAR(left.x + right.x, 310 + 880, 20);  // centred between the panels
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A person at the desktop window: selecting, editing, halting, pulling and shooting.
+// Mouse input in the desktop window: select, edit, pause, pull and shoot.
 #include <cmath>
 #include <thread>
 
@@ -26,11 +26,11 @@ TEST_F(WindowClicks, SelectEditResetUndo) {
   double changed_pa = 0;
   size_t added = 0;
   click_thing("the cushion", {0.3, 0.1, 0.1});
-  step("the panel of an elastic thing", [&](const Image& shown) { return fields(shown).size() >= 5; });
+  step("the panel of an elastic object", [&](const Image& shown) { return fields(shown).size() >= 5; });
   keep("selected");
-  // Its second slider is Young's modulus; 1e2 to 1e11 Pa over its length.
+  // The second slider is Young's modulus, 1e2 to 1e11 Pa over its length.
   int y = 0;
-  step("to find the slider", [&](const Image& shown) { return y = fields(shown).at(1), true; });
+  step("the slider", [&](const Image& shown) { return y = fields(shown).at(1), true; });
   const auto along = [&](double share) {
     hands_->move(kSliderLeft + share * (kSliderRight - kSliderLeft), y);
   };
@@ -40,13 +40,13 @@ TEST_F(WindowClicks, SelectEditResetUndo) {
   act({[&] { hands_->release(); }});
   step("the new modulus",
        [&](const Image&) { return changed_pa = modulus_pa(), changed_pa > 3 * before_pa; });
-  // A scene that is loaded anew keeps what a person decided.
+  // A reset keeps the values set by the user.
   step("before the reset", [&](const Image&) { return added = watcher_.seen().added, true; });
   click("Reset", [&](const Image& shown) -> std::optional<Eigen::Vector2d> {
     const auto row = run_row(shown);
     return row ? std::optional(Eigen::Vector2d(10 + 300 - 12 - 20, *row)) : std::nullopt;
   });
-  step("the scene anew",
+  step("the scene after the reset",
        [&](const Image&) { return watcher_.seen().run.resets() == 1 && watcher_.seen().added > added; });
   step("the modulus after the reset", [&](const Image&) { return modulus_pa() == changed_pa; });
   step("the panel after the reset", [&](const Image& shown) { return fields(shown).size() >= 5; });
@@ -55,11 +55,11 @@ TEST_F(WindowClicks, SelectEditResetUndo) {
     const auto rows = buttons(shown, kObjectsPanel);
     return rows.empty() ? std::nullopt : std::optional(Eigen::Vector2d(kObjectsPanel, rows.back()));
   });
-  step("the modulus of before", [&](const Image&) { return modulus_pa() == before_pa; });
+  step("the previous modulus", [&](const Image&) { return modulus_pa() == before_pa; });
   keep("undone");
   close();
   run_steps();
-  EXPECT_NEAR(std::log10(changed_pa), 2 + 9 * 0.45, 0.4);  // where the slider was let go
+  EXPECT_NEAR(std::log10(changed_pa), 2 + 9 * 0.45, 0.4);  // position of the slider at the release
 }
 
 TEST_F(WindowClicks, PauseStepShootPull) {
@@ -73,18 +73,19 @@ TEST_F(WindowClicks, PauseStepShootPull) {
     };
   };
   click("Pause", run_button(0));
-  step("a halt", [&](const Image&) { return stopped_s = run().simulated_s(), run().paused(); });
+  step("the pause", [&](const Image&) { return stopped_s = run().simulated_s(), run().paused(); });
   for (int i = 0; i < 5; ++i)
     step("stillness", [&](const Image&) { return run().simulated_s() == stopped_s; });
   keep("paused");
   click("Step", run_button(1));
-  step("a step", [&](const Image&) { return run().simulated_s() > stopped_s; });
-  step("one tick and no more",
+  step("the step", [&](const Image&) { return run().simulated_s() > stopped_s; });
+  step("exactly one tick",
        [&](const Image&) { return std::abs(run().simulated_s() - stopped_s - 1.0 / 90) < 1e-6; });
   click("Go on", run_button(0));
-  step("it going on", [&](const Image&) { return !run().paused() && run().simulated_s() > stopped_s + 0.1; });
+  step("simulation continues",
+       [&](const Image&) { return !run().paused() && run().simulated_s() > stopped_s + 0.1; });
 
-  // A drag on the box pulls it: up, with an arrow.
+  // Dragging the box pulls it up and shows an arrow.
   const Eigen::Vector2d box = pixel({-0.3, 0.1, 0.1});
   act({[&, box] { hands_->move(box.x(), box.y()); }, [] {}, [] {}});
   std::vector<Image> parts;
@@ -94,7 +95,7 @@ TEST_F(WindowClicks, PauseStepShootPull) {
   take("before");
   act({[&] { hands_->press(); }, [] {}});
   for (int i = 1; i <= 8; ++i) act({[&, box, i] { hands_->move(box.x(), box.y() - 15 * i); }});
-  step("a box that is drawn up", [&](const Image&) { return watcher_.seen().places["box"].y() > 0.16; });
+  step("the lifted box", [&](const Image&) { return watcher_.seen().places["box"].y() > 0.16; });
   step("an arrow", [&](const Image& shown) { return force_pixels(shown, kLeft, kRight) > 100; });
   take("pulled");
   act({[&] { hands_->release(); }});
@@ -116,9 +117,8 @@ TEST_F(WindowClicks, PauseStepShootPull) {
   }
 }
 
-// Where no OpenXR runtime answers, `--display openxr` says what to do about it and opens a window, with the
-// scene in it.
-TEST_F(WindowClicks, IsOpenedWhereThereIsNoHeadset) {
+// Without an OpenXR runtime, `--display openxr` prints the remedy and opens a window with the scene.
+TEST_F(WindowClicks, OpensWithoutAHeadset) {
   Program client({"/usr/bin/env", "DISPLAY=" + display_, "XR_RUNTIME_JSON=/nowhere/at_all.json",
                   LIVEGS_CLIENT, address_, "--display", "openxr", "--cache", folder_ / "cache", "--threads",
                   "1", "--renderer", "cpu", "--camera", camera_file()});
@@ -133,7 +133,7 @@ TEST_F(WindowClicks, IsOpenedWhereThereIsNoHeadset) {
   ASSERT_TRUE(wait_for([&] {
     return (hands_ = XHands::at_window(display_, "LiveGS " + address_)) != nullptr;
   })) << client.err();
-  // The box, in its colour.
+  // Pixels of the box, by its colour.
   const auto orange = [](const Image& shown) {
     size_t count = 0;
     for (int y = 0; y < shown.height; ++y) {

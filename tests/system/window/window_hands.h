@@ -21,28 +21,28 @@
 
 namespace livegs {
 
-// What a person does at a window of this process, step by step, on a display that nobody looks at: every
-// click goes through X, GLFW and Dear ImGui. Skips where there is no Xvfb.
+// Scripted input to a window of this process on a separate X display. Every click passes through X, GLFW and
+// Dear ImGui. Skipped without Xvfb.
 class WindowHands : public Programs {
  protected:
   static constexpr int kWidth = 1280, kHeight = 800;
-  // Between the panels, where both are.
+  // Horizontal range between the two panels, pixels.
   static constexpr int kLeft = 315, kRight = 875;
 
   void SetUp() override {
-    if (!Screen::there_is_one()) GTEST_SKIP() << "no Xvfb; install xvfb";
+    if (!Screen::there_is_one()) GTEST_SKIP() << "Xvfb: not installed; install xvfb";
     screen_ = std::make_unique<Screen>();
     display_ = screen_->display;
     ASSERT_NE(display_, "") << screen_->program->err();
     ::setenv("DISPLAY", display_.c_str(), 1);
   }
 
-  // Each step is asked once a picture, with the picture, until it says that it is done.
+  // A step is called once per picture until it returns true.
   using Step = std::function<bool(const Image& shown)>;
   void step(std::string name, Step done) { steps_.push_back({std::move(name), std::move(done)}); }
-  // Things to do, a picture each.
+  // Performs actions, one per picture.
   void act(std::vector<std::function<void()>> acts) {
-    for (auto& one : acts) step("a hand", [one = std::move(one)](const Image&) { return one(), true; });
+    for (auto& one : acts) step("an action", [one = std::move(one)](const Image&) { return one(), true; });
   }
   void pictures(int count) {
     for (int i = 0; i < count; ++i) act({[] {}});
@@ -51,7 +51,7 @@ class WindowHands : public Programs {
     act({[this, x, y] { hands_->move(x, y); }, [] {}});
   }
   void click(const std::string& name, std::function<std::optional<Eigen::Vector2d>(const Image&)> where) {
-    step("to find " + name, [this, where](const Image& shown) {
+    step("position of " + name, [this, where](const Image& shown) {
       const auto at = where(shown);
       if (at) hands_->move(at->x(), at->y());
       return at.has_value();
@@ -62,7 +62,7 @@ class WindowHands : public Programs {
     act({[this, name] { hands_->key(name, true); }, [] {}, [this, name] { hands_->key(name, false); },
          [] {}});
   }
-  // Where LIVEGS_TEST_PICTURES says, to be looked at.
+  // Saves the picture in the folder LIVEGS_TEST_PICTURES, if it is set.
   void keep(const std::string& name) {
     step(name, [this, name](const Image& shown) {
       return write_png(pictures_ / (name + ".png"), shown).has_value();
@@ -72,7 +72,7 @@ class WindowHands : public Programs {
     act({[this] { hands_->close(); }});
   }
 
-  // With each picture of the window of this title.
+  // Called for each picture of the window with this title.
   void see(const Image& shown, const std::string& title, std::atomic<bool>& interrupted) {
     if (!hands_) hands_ = XHands::at_window(display_, title);
     ASSERT_TRUE(hands_);
@@ -86,7 +86,7 @@ class WindowHands : public Programs {
     interrupted = true;
   }
   void expect_all_done() const {
-    EXPECT_EQ(now_, steps_.size()) << "it waited in vain: "
+    EXPECT_EQ(now_, steps_.size()) << "timeout while waiting for: "
                                    << (now_ < steps_.size() ? steps_[now_].name : "");
   }
 
@@ -97,7 +97,7 @@ class WindowHands : public Programs {
   std::unique_ptr<XHands> hands_;
 
  private:
-  static constexpr double kPatience_s = 120;  // for all of it
+  static constexpr double kPatience_s = 120;  // for all steps together
   struct NamedStep {
     std::string name;
     Step done;
@@ -121,7 +121,7 @@ inline Image cropped(const Image& from, int left, int top, int right, int bottom
   return part;
 }
 
-// Beside each other on white, as high as the highest.
+// Places images next to each other on white; the height is that of the highest.
 inline Image side_by_side(const std::vector<Image>& parts) {
   constexpr int kGap = 8;
   Image all{-kGap, 0, {}};
@@ -139,7 +139,7 @@ inline Image side_by_side(const std::vector<Image>& parts) {
   return all;
 }
 
-// The middles of the runs of a colour down a column, each of a widget's height.
+// Centres of the runs of a colour in a column that are as high as a widget.
 inline std::vector<int> widgets(const Image& image, int x, int r, int g, int b) {
   std::vector<int> middles;
   int from = -1;
@@ -154,8 +154,8 @@ inline std::vector<int> widgets(const Image& image, int x, int r, int g, int b) 
   return middles;
 }
 
-// Of a row of buttons, from the left, the middle of each: the colour of window_style.cpp's Button, under the
-// text.
+// Centres of the buttons in a row, from the left. Compares with the colour of Button in window_style.cpp,
+// below the text.
 inline std::vector<int> buttons_along(const Image& image, int y, int left, int right) {
   std::vector<int> middles;
   int from = -1;

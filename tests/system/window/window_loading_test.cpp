@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A window that is closed, and a client that is interrupted, while the scene is still on its way over a slow
-// network. Xvfb.
+// Closing a window or interrupting a client while the scene is loading over a slow network. Uses Xvfb.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -16,13 +15,13 @@
 namespace livegs {
 namespace {
 
-// A quarter of a minute for all assets.
+// At this rate, all assets take about 15 s.
 constexpr double kSlow_mbit_s = 1, kPatience_s = 60;
 
 class WhileItLoads : public Programs {
  protected:
   void SetUp() override {
-    if (!Screen::there_is_one()) GTEST_SKIP() << "no Xvfb; install xvfb";
+    if (!Screen::there_is_one()) GTEST_SKIP() << "Xvfb: not installed; install xvfb";
     screen_ = std::make_unique<Screen>();
     ASSERT_NE(screen_->display, "") << screen_->program->err();
     server_ = std::make_unique<Program>(server_words());
@@ -61,7 +60,7 @@ class WhileItLoads : public Programs {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     return happened();
   }
-  // Part of an asset, and by no means all, has come.
+  // True if an asset has arrived in part.
   bool is_fetching() {
     return wait_for([&] {
       std::error_code error;
@@ -78,7 +77,7 @@ class WhileItLoads : public Programs {
       return hands_ != nullptr;
     });
   }
-  // Columns of a bar in the middle that is filled in part.
+  // Number of filled columns of a progress bar in the middle of the picture.
   static int filled_columns(const Image& image) {
     int filled = 0;
     for (int x = 0; x < image.width; ++x) {
@@ -92,10 +91,10 @@ class WhileItLoads : public Programs {
     }
     return filled;
   }
-  // It ends before its assets are there.
+  // Expects the program to end before all assets have arrived.
   void expect_end_while_fetching(Program& program, int code) {
     EXPECT_EQ(program.wait(), code) << program.err();
-    EXPECT_TRUE(is_fetching()) << "it waited for its assets";
+    EXPECT_TRUE(is_fetching()) << "the program waited for all assets";
   }
 
   std::unique_ptr<Screen> screen_;
@@ -105,7 +104,7 @@ class WhileItLoads : public Programs {
   std::string address_;
 };
 
-TEST_F(WhileItLoads, TheWindowSaysHowFarItIsAndCanBeClosed) {
+TEST_F(WhileItLoads, WindowShowsProgressAndCanBeClosed) {
   network_->set_link({.mbit_s = kSlow_mbit_s});
   const auto window = client("window");
   ASSERT_TRUE(has_window()) << window->err();
@@ -117,8 +116,8 @@ TEST_F(WhileItLoads, TheWindowSaysHowFarItIsAndCanBeClosed) {
   expect_end_while_fetching(*window, 0);
 }
 
-// What a window says before there is a scene and once its server was killed, side by side.
-TEST_F(WhileItLoads, TheSameWindowOutlivesItsServer) {
+// Saves the window before there is a scene and after its server was killed, next to each other.
+TEST_F(WhileItLoads, WindowOutlivesItsServer) {
   network_->set_link({.mbit_s = kSlow_mbit_s});
   const std::string camera =
       folder_.write("camera.json", R"({ "position_m": [-0.75, 0.5, 1.6], "look_at_m": [-0.75, 0.25, 0],
@@ -148,7 +147,7 @@ TEST_F(WhileItLoads, TheSameWindowOutlivesItsServer) {
   EXPECT_EQ(window->wait(), 0) << window->err();
 }
 
-TEST_F(WhileItLoads, TheWindowCanBeClosedBeforeTheServerAnswers) {
+TEST_F(WhileItLoads, WindowCanBeClosedBeforeTheJoin) {
   network_->cut();
   const auto window = client("window");
   ASSERT_TRUE(has_window()) << window->err();
@@ -157,7 +156,7 @@ TEST_F(WhileItLoads, TheWindowCanBeClosedBeforeTheServerAnswers) {
   EXPECT_EQ(window->wait(), 0) << window->err();
 }
 
-TEST_F(WhileItLoads, AWindowCanBeInterrupted) {
+TEST_F(WhileItLoads, WindowCanBeInterrupted) {
   network_->set_link({.mbit_s = kSlow_mbit_s});
   const auto window = client("window");
   ASSERT_TRUE(is_fetching()) << window->err();
@@ -165,8 +164,8 @@ TEST_F(WhileItLoads, AWindowCanBeInterrupted) {
   expect_end_while_fetching(*window, 0);
 }
 
-// Without a window it is asked for pictures, and there are none.
-TEST_F(WhileItLoads, AClientWithoutAWindowCanBeInterrupted) {
+// An offscreen client has no picture yet when it is interrupted.
+TEST_F(WhileItLoads, OffscreenClientCanBeInterrupted) {
   network_->set_link({.mbit_s = kSlow_mbit_s});
   const auto run = client("offscreen", {"--no-video"});
   ASSERT_TRUE(is_fetching()) << run->err();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panels of what is fragile and of what a model proposed, and a picture of every panel.
+// The panels of fragile objects and of proposals by a model, and a picture of every panel.
 #include <cstdio>
 
 #include "analysis/physics_file.h"
@@ -25,7 +25,7 @@ class WindowPanelClicks : public WindowClicks {
     return R"({ "position_m": [-0.08, 0.7, 1.6], "look_at_m": [-0.08, 0.12, 0], "vertical_fov_deg": 36 })";
   }
   static constexpr double kProposed_kg = 5;
-  // A model's answer that waits from before the server was started, about a crate and a parcel.
+  // A model's proposal from before the server start, for a crate and a parcel.
   void prepare(const std::filesystem::path& scene) override {
     for (const char* name : {"crate", "parcel"}) {
       ObjectFacts facts;
@@ -47,12 +47,11 @@ class WindowPanelClicks : public WindowClicks {
       ASSERT_TRUE(logged) << logged.error().message;
     }
   }
-  // The tick box of what is rigid: its left edge, where no tick is.
+  // Left edges of the check boxes of a rigid object.
   static std::vector<int> tick_boxes(const Image& shown) {
     return widgets(shown, kObjectsPanel - 3, 46, 51, 61);
   }
-  // Buttons of the panel, row by row; Accept and Decline stand in the first of two, Undo and what is beside
-  // it in the last.
+  // Rows of buttons in the panel. Accept and Decline are in the first of two rows; Undo is in the last row.
   static size_t button_rows(const Image& shown) { return buttons(shown, kObjectsPanel).size(); }
   void click_button(const std::string& name, size_t place) {
     click(name, [place](const Image& shown) -> std::optional<Eigen::Vector2d> {
@@ -64,15 +63,15 @@ class WindowPanelClicks : public WindowClicks {
   }
   void open(const std::string& name, const Eigen::Vector3d& point_m) {
     click_thing(name, point_m);
-    step("a panel of " + name, [this](const Image& shown) { return button_rows(shown) > 0; });
-    move(600, 30);  // no mark on it
-    pictures(3);    // a panel takes a picture to fit itself to what it holds
+    step("the panel of " + name, [this](const Image& shown) { return button_rows(shown) > 0; });
+    move(600, 30);  // no mark on the pointer
+    pictures(3);    // the panel adapts to its content within one picture
   }
   const Eigen::Vector3d cushion_{-0.3, 0.12, -0.1}, crate_{0.1, 0.15, 0.05}, parcel_{-0.15, 0.1, 0.4},
       cup_{0.1, 0.06, 0.345};
 };
 
-TEST_F(WindowPanelClicks, FragileOffAndOnAgain) {
+TEST_F(WindowPanelClicks, FragileCanBeSwitchedOffAndOn) {
   const auto fragile = [this] { return watcher_.object("cup").physics.fragile(); };
   ASSERT_TRUE(fragile());
   const auto tick_box = [&](const Image& shown) -> std::optional<Eigen::Vector2d> {
@@ -81,20 +80,20 @@ TEST_F(WindowPanelClicks, FragileOffAndOnAgain) {
                              : std::nullopt;
   };
   open("cup", cup_);
-  step("one tick box", [&](const Image& shown) { return tick_boxes(shown).size() == 1; });
+  step("one check box", [&](const Image& shown) { return tick_boxes(shown).size() == 1; });
   keep("fragile");
   click("Fragile", tick_box);
-  step("a cup that does not break", [&](const Image&) { return !fragile(); });
+  step("the unbreakable cup", [&](const Image&) { return !fragile(); });
   move(600, 30);
   pictures(3);
   keep("not_fragile");
   click("Fragile again", tick_box);
-  step("a cup that breaks", [&](const Image&) { return fragile(); });
+  step("the fragile cup", [&](const Image&) { return fragile(); });
   close();
   run_steps();
 }
 
-TEST_F(WindowPanelClicks, AProposalIsAcceptedAndAnotherDeclined) {
+TEST_F(WindowPanelClicks, ProposalsCanBeAcceptedAndDeclined) {
   const double parcel_kg = watcher_.object("parcel").mass_kg;
   for (const char* name : {"crate", "parcel"}) {
     ASSERT_TRUE(watcher_.object(name).proposal) << name;
@@ -104,19 +103,20 @@ TEST_F(WindowPanelClicks, AProposalIsAcceptedAndAnotherDeclined) {
   step("Accept and Decline", [](const Image& shown) { return button_rows(shown) == 2; });
   keep("proposal");
   click_button("Accept", 0);
-  step("the mass that was proposed", [&](const Image&) {
+  step("the proposed mass", [&](const Image&) {
     const StreamedObject crate = watcher_.object("crate");
     return std::abs(crate.mass_kg - kProposed_kg) < 1e-6 && !crate.proposal;
   });
   move(600, 30);
-  step("neither", [](const Image& shown) { return button_rows(shown) == 1; });
+  step("no Accept or Decline", [](const Image& shown) { return button_rows(shown) == 1; });
   keep("accepted");
   open("parcel", parcel_);
-  step("Accept and Decline of the other", [](const Image& shown) { return button_rows(shown) == 2; });
+  step("Accept and Decline for the other object", [](const Image& shown) { return button_rows(shown) == 2; });
   click_button("Decline", 1);
-  step("nothing that waits", [&](const Image&) { return !watcher_.object("parcel").proposal; });
+  step("no pending proposal", [&](const Image&) { return !watcher_.object("parcel").proposal; });
   move(600, 30);
-  step("neither of the other", [](const Image& shown) { return button_rows(shown) == 1; });
+  step("no Accept or Decline for the other object",
+       [](const Image& shown) { return button_rows(shown) == 1; });
   pictures(3);
   keep("declined");
   close();
@@ -124,7 +124,7 @@ TEST_F(WindowPanelClicks, AProposalIsAcceptedAndAnotherDeclined) {
   EXPECT_EQ(watcher_.object("parcel").mass_kg, parcel_kg);
 }
 
-// Of the columns of the graph, those in which a line of this hue is seen.
+// Number of columns of the graph that contain a line of this hue.
 template <class Hue>
 int columns_of(const Image& image, int left, int right, int top, int bottom, Hue hue) {
   int count = 0;
@@ -136,8 +136,8 @@ int columns_of(const Image& image, int left, int right, int top, int bottom, Hue
   return count;
 }
 
-// What Run says of times, as numbers and in the picture (draw_frame_graph.cpp).
-TEST_F(WindowPanelClicks, TheGraphAndTheLatencyLineShowNumbers) {
+// Times in the Run panel, as values and in the picture (draw_frame_graph.cpp).
+TEST_F(WindowPanelClicks, GraphAndLatencyLineShowTheTimes) {
   constexpr int kGraphLeft = 10 + 12, kGraphRight = 10 + 300 - 12, kGraphHeight = 74;
   RunPanel run;
   Image shown;
@@ -163,7 +163,7 @@ TEST_F(WindowPanelClicks, TheGraphAndTheLatencyLineShowNumbers) {
   EXPECT_GE(skin_ms, 0);
   EXPECT_GT(render_ms, 0);
 
-  // The rows that have the graph's ground in more than half of their width.
+  // Rows in which the graph's background fills more than half of the width.
   int top = 0, bottom = 0;
   for (int y = 10; y < kHeight - 10; ++y) {
     int ground = 0;
@@ -172,11 +172,11 @@ TEST_F(WindowPanelClicks, TheGraphAndTheLatencyLineShowNumbers) {
       if (top == 0) top = y;
       bottom = y + 1;
     } else if (top > 0 && y > bottom + 6) {
-      break;  // the floor through a panel may look the same
+      break;  // the floor behind a transparent panel may look the same
     }
   }
   ASSERT_GT(top, 0);
-  EXPECT_NEAR(bottom - top, kGraphHeight, 6);  // without rows that a line fills
+  EXPECT_NEAR(bottom - top, kGraphHeight, 6);  // rows filled by a line are not counted
   const auto blue = [](const float* pixel) { return pixel[2] > 0.5f && pixel[2] > 1.5f * pixel[0]; };
   const auto green = [](const float* pixel) {
     return pixel[1] > 0.45f && pixel[1] > 1.3f * pixel[0] && pixel[1] > 1.2f * pixel[2];
@@ -186,7 +186,7 @@ TEST_F(WindowPanelClicks, TheGraphAndTheLatencyLineShowNumbers) {
   EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, top, bottom, blue), half);    // pictures
   EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, top, bottom, green), half);   // ticks
   EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, top, bottom, orange), half);  // ages
-  // The newest of each beneath, in its colour, side by side; then the latency, dim.
+  // The latest value of each line below the graph, in its colour, then the latency in grey.
   for (const auto& hue : std::vector<std::function<bool(const float*)>>{blue, green, orange}) {
     EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, bottom + 4, bottom + 24, hue), 30);
   }
@@ -197,7 +197,7 @@ TEST_F(WindowPanelClicks, TheGraphAndTheLatencyLineShowNumbers) {
   EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, bottom + 44, bottom + 62, dim), 40);
 }
 
-// The last row with text in it, of a panel from `left` to `right`.
+// The last row with text in a panel from `left` to `right`.
 int text_ends(const Image& image, int left, int right) {
   for (int y = image.height - 20; y > 10; --y) {
     for (int x = left + 10; x < right - 10; ++x) {
@@ -208,29 +208,29 @@ int text_ends(const Image& image, int left, int right) {
   return 0;
 }
 
-// The first row under a panel that floats over a light floor.
+// The first row below a panel over a light floor.
 int panel_ends(const Image& image, int left) {
   int y = 20;
   while (y < image.height && image.at(left + 3, y)[0] < 0.25f) ++y;
   return y;
 }
 
-// Run and, side by side, Objects with an elastic, a fragile and a proposed thing selected: each another, with
-// text to its end.
-TEST_F(WindowPanelClicks, EveryPanelIsSeen) {
+// Saves the Run panel and the Objects panel with an elastic, a fragile and a proposed object selected. Each
+// panel differs and is filled with text to its end.
+TEST_F(WindowPanelClicks, EveryPanelIsVisibleToItsEnd) {
   std::vector<Image> shown;
   const auto take = [&](const char* name) {
     step(name, [&](const Image& now) { return shown.push_back(now), true; });
   };
   open("cushion", cushion_);
-  step("an elastic thing", [](const Image& now) { return fields(now).size() == 5; });
-  pictures(20);  // for its graph
+  step("the elastic object", [](const Image& now) { return fields(now).size() == 5; });
+  pictures(20);  // to fill the graph
   take("elastic");
   open("cup", cup_);
-  step("a fragile thing", [](const Image& now) { return tick_boxes(now).size() == 1; });
+  step("the fragile object", [](const Image& now) { return tick_boxes(now).size() == 1; });
   take("fragile");
   open("crate", crate_);
-  step("a proposal", [](const Image& now) { return button_rows(now) == 2; });
+  step("the proposal", [](const Image& now) { return button_rows(now) == 2; });
   take("proposal");
   close();
   run_steps();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording in the desktop window: what its panel shows and its keys do.
+// Playback of a recording in the desktop window: its panel and its keys.
 #include <signal.h>
 
 #include "system/window/panel_text.h"
@@ -11,7 +11,7 @@ namespace {
 
 class WindowReplay : public WindowHands {
  protected:
-  // Seven seconds, in which the box is pulled and shot at, with what it is drawn with.
+  // Records seven seconds with assets, in which the box is pulled and shot at.
   void record() {
     Program server(server_words({"--record", file(), "--record-assets", "--wait-for-client"}));
     const std::string port = server.first_line();
@@ -43,7 +43,7 @@ class WindowReplay : public WindowHands {
     EXPECT_TRUE(done) << done.error().message;
     expect_all_done();
   }
-  // Until it shows this moment, in seconds.
+  // Waits until the shown time is in this range, seconds.
   void wait_until(const std::string& name, double low_s, double high_s) {
     step(name, [this, low_s, high_s](const Image&) {
       return moment_.shown_s >= low_s && moment_.shown_s <= high_s;
@@ -52,7 +52,7 @@ class WindowReplay : public WindowHands {
   ReplayOptions::Moment moment_;
 };
 
-// Pixels beside the panel that differ by more than a twentieth.
+// Number of pixels outside the panel that differ by more than a twentieth.
 size_t changed(const Image& a, const Image& b) {
   size_t count = 0;
   for (int y = 0; y < a.height; ++y) {
@@ -65,66 +65,66 @@ size_t changed(const Image& a, const Image& b) {
   return count;
 }
 
-TEST_F(WindowReplay, HaltsStepsAndSeeks) {
+TEST_F(WindowReplay, PausesStepsAndSeeks) {
   record();
   if (HasFatalFailure()) return;
   double at_s = 0;
   Image begin, now;
   const auto remember = [&] { step("a moment", [&](const Image&) { return at_s = moment_.shown_s, true; }); };
-  // It plays by itself. Halted, it stands still, and a step is one tick.
+  // Playback starts automatically. While paused, time does not advance, and a step is one tick.
   step("the beginning", [&](const Image& shown) { return begin = shown, moment_.shown_s == 0; });
   wait_until("it to play", 0.3, 100);
   press_key("p");
-  step("a halt", [&](const Image&) { return moment_.paused; });
+  step("the pause", [&](const Image&) { return moment_.paused; });
   pictures(2);
   remember();
   pictures(5);
-  step("stillness", [&](const Image&) { return moment_.shown_s == at_s; });
+  step("no advance", [&](const Image&) { return moment_.shown_s == at_s; });
   press_key("period");
-  step("the tick after it",
+  step("the next tick",
        [&](const Image&) { return moment_.shown_s > at_s && moment_.shown_s < at_s + 1.001 / 90; });
   remember();
   press_key("period");
   step("one tick", [&](const Image&) { return std::abs(moment_.shown_s - at_s - 1.0 / 90) < 1e-6; });
   press_key("period");
-  step("another", [&](const Image&) { return std::abs(moment_.shown_s - at_s - 2.0 / 90) < 1e-6; });
-  // What Home shows is the beginning, box and all.
+  step("one more tick", [&](const Image&) { return std::abs(moment_.shown_s - at_s - 2.0 / 90) < 1e-6; });
+  // Home shows the beginning with all objects.
   press_key("Home");
   step("the beginning again", [&](const Image&) { return moment_.paused && moment_.shown_s == 0; });
   pictures(2);
   step("its picture", [&](const Image& shown) { return changed(begin, shown) < 200; });
-  // Five seconds on and back.
+  // Five seconds forwards and backwards.
   press_key("Right");
   wait_until("five seconds on", 4.98, 5.02);
   press_key("Left");
   wait_until("the beginning once more", 0, 0.02);
-  // On, until the box is seen elsewhere: it is pulled or shot.
+  // Plays until the box has moved: it is pulled or shot.
   press_key("p");
   step("another picture", [&](const Image& shown) { return now = shown, changed(begin, shown) > 3000; });
   keep("window_recording");
-  // Without its panel, and with it.
+  // Without and with the panel.
   press_key("h");
   step("no panel", [&](const Image& shown) { return text_pixels(shown, 10, 310, 10, 400) == 0; });
   press_key("h");
   step("the panel", [&](const Image& shown) { return text_pixels(shown, 10, 310, 10, 400) > 1000; });
-  // It stays at its end.
+  // Playback stops at the end.
   press_key("Right");
   step("its end", [&](const Image&) { return moment_.at_end; });
   remember();
   pictures(5);
-  step("nothing after it", [&](const Image&) { return moment_.shown_s == at_s; });
+  step("no advance at the end", [&](const Image&) { return moment_.shown_s == at_s; });
   keep("replay_end");
   close();
   run_steps();
   EXPECT_GT(at_s, 6);
   ASSERT_FALSE(now.pixels.empty());
-  // Its panel stands alone: nothing can be done to what was recorded.
+  // There is only the playback panel, because a recording cannot be edited.
   EXPECT_GT(text_pixels(now, 10, 310, 10, 400), 1000u);
   EXPECT_EQ(text_pixels(now, 881, 1270, 10, 60), 0u);
 }
 
-// Its buttons are those of the keys.
-TEST_F(WindowReplay, HasAButtonForItsBeginning) {
+// The buttons do the same as the keys.
+TEST_F(WindowReplay, ButtonsMatchTheKeys) {
   record();
   if (HasFatalFailure()) return;
   std::optional<int> row;
@@ -137,13 +137,13 @@ TEST_F(WindowReplay, HasAButtonForItsBeginning) {
   };
   wait_until("it to play", 0.3, 100);
   click("Pause", button(0));
-  step("a halt", [&](const Image&) { return moment_.paused; });
+  step("the pause", [&](const Image&) { return moment_.paused; });
   click("To the start", button(2));
   step("the beginning", [&](const Image&) { return moment_.paused && moment_.shown_s == 0; });
   click("Step", button(1));
   step("one tick", [&](const Image&) { return std::abs(moment_.shown_s - 1.0 / 90) < 1e-6; });
   click("Go on", button(0));
-  step("it to play again", [&](const Image&) { return !moment_.paused && moment_.shown_s > 0.1; });
+  step("playback continues", [&](const Image&) { return !moment_.paused && moment_.shown_s > 0.1; });
   close();
   run_steps();
 }

@@ -14,12 +14,12 @@
 
 namespace livegs {
 
-// What a second client knows of the scene.
+// Records the scene as a second client receives it.
 class Watcher final : public StreamSink {
  public:
   struct Seen {
     std::map<std::string, StreamedObject> objects;  // by name
-    std::map<std::string, Eigen::Vector3d> places;  // of rigid ones
+    std::map<std::string, Eigen::Vector3d> places;  // of rigid objects
     size_t added = 0;
     v1::RunState run;
   };
@@ -60,7 +60,7 @@ class Watcher final : public StreamSink {
   std::map<uint32_t, std::string> names_;
 };
 
-// A box of 1 kg and a soft cushion. What the scene leaves open of the cushion a person may change.
+// A box of 1 kg and a soft cushion. The user may change the cushion's unspecified values.
 inline constexpr const char* kCushionScene = R"({
   "environment": { "colliders": [ { "plane": {} } ] },
   "objects": [
@@ -69,7 +69,7 @@ inline constexpr const char* kCushionScene = R"({
     { "name": "cushion", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0.3, 0.1, 0] },
       "physics": { "behavior": "ELASTIC" } } ] })";
 
-// A person at the desktop window, a server, and a second client that sees what came of every click.
+// The desktop window with scripted input, a server, and a second client that records the effects.
 class WindowClicks : public WindowHands {
  protected:
   void SetUp() override {
@@ -96,7 +96,7 @@ class WindowClicks : public WindowHands {
     if (server_) server_->send(SIGTERM);
   }
   virtual std::string scene_text() const { return kCushionScene; }
-  // Before the server starts.
+  // Called before the server starts.
   virtual void prepare(const std::filesystem::path& /*scene*/) {}
   virtual std::string camera_text() const {
     return R"({ "position_m": [-0.05, 0.5, 2.2], "look_at_m": [-0.05, 0.25, 0], "vertical_fov_deg": 40 })";
@@ -120,7 +120,7 @@ class WindowClicks : public WindowHands {
     expect_all_done();
   }
 
-  // Empty where camera_text() is: nobody says where to look from.
+  // Path of the camera file; empty if camera_text() is empty.
   std::filesystem::path camera_file() {
     return camera_text().empty() ? std::filesystem::path() : folder_.write("camera.json", camera_text());
   }
@@ -132,23 +132,24 @@ class WindowClicks : public WindowHands {
     click(name, [this, point_m](const Image&) { return std::optional(pixel(point_m)); });
   }
 
-  // window_style.cpp: FrameBg and Button; the panels' places: draw_panels.cpp.
+  // Positions of widgets; the colours are FrameBg and Button of window_style.cpp, the panels' places are in
+  // draw_panels.cpp.
   static constexpr int kRunPanel = 10 + 12 + 4,
-                       kObjectsPanel = kWidth - 10 - 390 + 12 + 4;  // the left ends of their first buttons
+                       kObjectsPanel = kWidth - 10 - 390 + 12 + 4;  // left ends of the first buttons
   static constexpr double kSliderLeft = kWidth - 10 - 390 + 0.45 * 366,
                           kSliderRight = kSliderLeft + 0.55 * 366 - 84 - 8 + 12;
   static std::vector<int> fields(const Image& image) {
     return widgets(image, kWidth - 10 - 12 - 3, 46, 51, 61);
   }
   static std::vector<int> buttons(const Image& image, int x) { return widgets(image, x, 56, 77, 99); }
-  // The row of Pause, Step and Reset; one that the pointer is on has another colour.
+  // Vertical position of the row of Pause, Step and Reset. A button under the pointer has a different colour.
   std::optional<int> run_row(const Image& shown) {
     const auto rows = buttons(shown, kRunPanel);
     if (!run_row_ && !rows.empty()) run_row_ = rows.front();
     return run_row_;
   }
 
-  RunPanel run_;  // in the picture that a step sees
+  RunPanel run_;  // state in the picture that a step receives
   std::unique_ptr<Program> server_;
   std::string address_;
   Watcher watcher_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The desktop window on a display that nobody looks at (Xvfb): screenshots before, during and after a pull.
+// The desktop window on a virtual display (Xvfb). Tests compare screenshots before, during and after a pull.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -40,11 +40,11 @@ class Window : public Programs {
   }
 };
 
-// A server, and a display to open a window on. Skips where there is no Xvfb (deploy/packages.txt has it).
+// A server, and a display for a window. Skipped without Xvfb (listed in deploy/packages.txt).
 class WindowOnADisplay : public Window {
  protected:
   void SetUp() override {
-    if (!Screen::there_is_one()) GTEST_SKIP() << "no Xvfb; install xvfb";
+    if (!Screen::there_is_one()) GTEST_SKIP() << "Xvfb: not installed; install xvfb";
     screen_ = std::make_unique<Screen>();
     display_ = screen_->display;
     ASSERT_NE(display_, "") << screen_->program->err();
@@ -57,10 +57,10 @@ class WindowOnADisplay : public Window {
   std::string display_, port_;
 };
 
-// Between the panels.
-constexpr int kLeft = 315, kRight = 875;  // or the right end of a narrow window, which has one panel
+// Horizontal range between the panels, pixels.
+constexpr int kLeft = 315, kRight = 875;  // also the right part of a narrow window with one panel
 
-// Pixels there that differ by more than a twentieth.
+// Number of pixels in this range that differ by more than a twentieth.
 size_t changed(const Image& a, const Image& b) {
   size_t count = 0;
   for (int y = 0; y < a.height; ++y) {
@@ -73,7 +73,7 @@ size_t changed(const Image& a, const Image& b) {
   return count;
 }
 
-// Pixels there in the very colour of a force.
+// Number of pixels in this range with exactly the colour of a force arrow.
 size_t force_pixels(const Image& image) {
   size_t count = 0;
   for (int y = 0; y < image.height; ++y) {
@@ -86,14 +86,14 @@ size_t force_pixels(const Image& image) {
   return count;
 }
 
-// What falls back to the CPU would be held against itself.
+// After a fallback to the CPU, the comparison would be of the CPU with itself.
 void expect_drawn_by_vulkan(Program& window) {
   EXPECT_NE(window.err().find("drawing with vulkan: "), std::string::npos) << window.err();
   EXPECT_EQ(window.err().find("the processor draws"), std::string::npos) << window.err();
 }
 
-// The first screenshot from number `from` on of which this is true, while they are being written; those
-// before the newest are written to their end.
+// Waits for the first screenshot from number `from` on that satisfies the condition. Screenshots before the
+// newest are complete files.
 std::optional<Image> first_shot(const std::filesystem::path& folder, int from, int& newest,
                                 const std::function<bool(const Image&)>& wanted) {
   const auto name = [&](int number) {
@@ -123,7 +123,7 @@ void keep(const char* name, const Image& image) {
 // Before, during and after a pull.
 TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
   const std::filesystem::path shots = folder_ / "shots";
-  // The box between the panels.
+  // The camera shows the box between the panels.
   const std::string camera =
       folder_.write("camera.json", R"({ "position_m": [-0.3, 0.4, 1.8], "look_at_m": [-0.3, 0.3, 0],
                                                               "vertical_fov_deg": 40 })");
@@ -137,7 +137,7 @@ TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
   ASSERT_EQ(before->height, 800);
   const auto [darkest, brightest] = std::minmax_element(before->pixels.begin(), before->pixels.end());
   EXPECT_GT(*brightest - *darkest, 0.5f);
-  // The box is drawn up, and an arrow that is seen stands at it while it is pulled, neither before nor after.
+  // While the box is pulled, it moves up and an arrow is visible; not before or after.
   EXPECT_EQ(force_pixels(*before), 0u);
   size_t most_changed = 0, most_force = 0;
   const auto pulled = first_shot(shots, newest + 1, newest, [&](const Image& image) {
@@ -145,7 +145,8 @@ TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
     most_force = std::max(most_force, force_pixels(image));
     return most_changed > 2000 && most_force > 200;
   });
-  EXPECT_TRUE(pulled) << window.err() << most_changed << " pixels changed, an arrow of " << most_force;
+  EXPECT_TRUE(pulled) << window.err() << most_changed
+                      << " pixels changed; pixels of the arrow: " << most_force;
   EXPECT_TRUE(first_shot(shots, newest + 1, newest, [](const Image& image) {
     return force_pixels(image) == 0;
   })) << window.err();
@@ -156,8 +157,7 @@ TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
   EXPECT_EQ(server_->wait(), 0) << server_->err();
 }
 
-// The same scene at rest by both renderers, at the size of the window, beside the one panel that it is wide
-// enough for.
+// The same scene at rest by both renderers at the window size. There is room for one panel.
 TEST_F(WindowOnADisplay, VulkanShowsWhatTheCpuShows) {
   size_ = "690x300";
   const std::string camera =
@@ -169,7 +169,7 @@ TEST_F(WindowOnADisplay, VulkanShowsWhatTheCpuShows) {
     }
     return true;
   };
-  // One that the three after it are bit by bit: nothing moves any more.
+  // The first of four identical screenshots: nothing moves any more.
   const auto at_rest = [&](const std::string& renderer) -> std::optional<Image> {
     const std::filesystem::path shots = folder_ / renderer;
     Program window(window_words(display_, port_,
@@ -202,14 +202,14 @@ TEST_F(WindowOnADisplay, VulkanShowsWhatTheCpuShows) {
       if (a[0] > *most) most = a;
     }
   }
-  ASSERT_GT(*most - *least, 0.4f);  // something is there
-  ASSERT_GT(squares, 0) << "not a bit is another: the CPU has drawn both";
+  ASSERT_GT(*most - *least, 0.4f);  // the picture is not empty
+  ASSERT_GT(squares, 0) << "the pictures are identical, so the CPU drew both";
   const double psnr_db = 10 * std::log10(static_cast<double>(count) / squares);
   std::printf("%.1f dB\n", psnr_db);
   EXPECT_GT(psnr_db, 50);
 }
 
-// A pull, drawn by Vulkan: the arrow comes and goes, and the box is drawn up meanwhile.
+// A pull drawn by Vulkan: the arrow appears and disappears, and the box is lifted.
 TEST_F(WindowOnADisplay, VulkanShowsAPull) {
   size_ = "690x300";
   const std::filesystem::path shots = folder_ / "shots";
@@ -237,9 +237,9 @@ TEST_F(WindowOnADisplay, VulkanShowsAPull) {
   expect_drawn_by_vulkan(window);
 }
 
-// A device without room for all kernels, and one without room for any: the window says so in the picture, and
-// goes on.
-TEST_F(WindowOnADisplay, SaysThatTheDeviceIsFull) {
+// A device without memory for all kernels, and one without memory for any: the window shows a notice and
+// continues.
+TEST_F(WindowOnADisplay, ShowsThatTheDeviceIsFull) {
   size_ = "690x300";
   for (const auto& [megabytes, notice] : {std::pair("5", "% of the kernels; the rest is not drawn"),
                                           std::pair("0.05", "; the processor draws from here on")}) {
@@ -259,8 +259,8 @@ TEST_F(WindowOnADisplay, SaysThatTheDeviceIsFull) {
   }
 }
 
-// The panel of an object: text from top to bottom on the right, none of it beyond the panel.
-TEST_F(WindowOnADisplay, ShowsWhatAThingIsMadeOf) {
+// The panel of an object: text from top to bottom, none of it outside the panel.
+TEST_F(WindowOnADisplay, ShowsThePanelOfAnObject) {
   const auto shown = [&](const std::string& name, std::vector<std::string> more,
                          const std::function<bool(const Image&)>& wanted) {
     const std::filesystem::path shots = folder_ / name;
@@ -284,9 +284,9 @@ TEST_F(WindowOnADisplay, ShowsWhatAThingIsMadeOf) {
   EXPECT_EQ(text_pixels(*open, 1271, 1280, 0, 800), 0u);
 }
 
-// In a narrow window the panel that was asked for is open, the other a bar above it, and to their right the
-// scene is seen.
-TEST_F(WindowOnADisplay, ANarrowWindowHasOnePanelOpen) {
+// In a narrow window, the requested panel is open, the other one is collapsed above it, and the scene is
+// visible to their right.
+TEST_F(WindowOnADisplay, NarrowWindowHasOneOpenPanel) {
   size_ = "640x480";
   for (const bool selects : {false, true}) {
     const std::filesystem::path shots = folder_ / (selects ? "narrow_selected" : "narrow");
@@ -306,18 +306,18 @@ TEST_F(WindowOnADisplay, ANarrowWindowHasOnePanelOpen) {
       EXPECT_TRUE(
           write_png(std::filesystem::path(folder) / (selects ? "narrow_selected.png" : "narrow.png"), last));
     }
-    // Run is 300 px wide and Objects 390; it holds the text that is there.
+    // Run is 300 px wide and Objects 390 px; both contain this text.
     EXPECT_GT(text_pixels(last, 10, 310, 60, 470), 1000u);
     EXPECT_EQ(text_pixels(last, 311, 400, 60, 375) > 100, selects);
     EXPECT_EQ(text_pixels(last, 0, 640, 471, 480), 0u);
-    EXPECT_GT(text_pixels(last, 10, 110, 10, 40), 20u);  // Run's bar, or its head
+    EXPECT_GT(text_pixels(last, 10, 110, 10, 40), 20u);  // Run, collapsed or its title
   }
 }
 
-// The elastic study: a force of a size, in a direction, at a point, for a time, as a video with its sentence.
+// Records a study: a force with size, direction, point and duration, as a video with its sentence.
 TEST_F(WindowOnADisplay, RecordsAForceWithItsSentence) {
   if (!std::filesystem::exists("/usr/bin/ffmpeg"))
-    GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
+    GTEST_SKIP() << "ffmpeg: not installed; run deploy/install-dependencies";
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
   Program window(
@@ -333,11 +333,11 @@ TEST_F(WindowOnADisplay, RecordsAForceWithItsSentence) {
   EXPECT_GT(std::filesystem::file_size(study / "study_001.mp4"), 2000u);
 }
 
-// What the video shows moves: 40 N lift a cube of 2.4 kg, and in the middle of the video it is still in the
-// air.
-TEST_F(WindowOnADisplay, TheVideoShowsTheThingThatMoves) {
+// The object moves in the video: 40 N lift a cube of 2.4 kg, which is still in the air in the middle of the
+// video.
+TEST_F(WindowOnADisplay, VideoShowsTheMotion) {
   if (!std::filesystem::exists("/usr/bin/ffmpeg"))
-    GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
+    GTEST_SKIP() << "ffmpeg: not installed; run deploy/install-dependencies";
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
   const std::string camera =
@@ -347,7 +347,7 @@ TEST_F(WindowOnADisplay, TheVideoShowsTheThingThatMoves) {
                               {"--force", "cube:0,0.1,0:0,40,0:0.3", "--output", study.string(), "--renderer",
                                "cpu", "--camera", camera}));
   EXPECT_EQ(window.wait(), 0) << window.err();
-  // 2.3 s, 30 pictures a second; when in them the force begins hangs on how long the server took to answer.
+  // 2.3 s at 30 pictures per second. The start of the force depends on the response time of the server.
   Program frames({"/usr/bin/ffmpeg", "-v", "error", "-i", (study / "study_001.mp4").string(), "-vsync", "0",
                   (study / "window_%03d.png").string()});
   ASSERT_EQ(frames.wait(), 0) << frames.err();
@@ -380,17 +380,17 @@ TEST_F(WindowOnADisplay, TheVideoShowsTheThingThatMoves) {
     if (cubes.back().y < cubes[highest].y) highest = cubes.size() - 1;
   }
   ASSERT_GE(cubes.size(), 60u);
-  EXPECT_NEAR(cubes[10].y, cubes[0].y, 1.5);  // a third of a second: nothing has begun
+  EXPECT_NEAR(cubes[10].y, cubes[0].y, 1.5);  // after a third of a second, before the force
   EXPECT_LT(cubes[highest].y, cubes[0].y - 20);
   EXPECT_GT(highest, 15u);
   EXPECT_LT(highest + 10, cubes.size());
-  EXPECT_GT(cubes.back().y, cubes[highest].y + 10);  // it has come down again
+  EXPECT_GT(cubes.back().y, cubes[highest].y + 10);  // fallen back
 }
 
 // Several points at once.
 TEST_F(WindowOnADisplay, RecordsForcesOnSeveralPoints) {
   if (!std::filesystem::exists("/usr/bin/ffmpeg"))
-    GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
+    GTEST_SKIP() << "ffmpeg: not installed; run deploy/install-dependencies";
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
   Program window(
@@ -412,11 +412,11 @@ TEST_F(WindowOnADisplay, RecordsForcesOnSeveralPoints) {
   EXPECT_GT(std::filesystem::file_size(study / "study_001.mp4"), 2000u);
 }
 
-// Before the first picture is drawn nothing is left; later the video has what was drawn, and a line says how
-// much that is.
-TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
+// An interruption before the first picture leaves no files. Later, the video contains the pictures so far,
+// and a line states their number.
+TEST_F(WindowOnADisplay, InterruptedRecordingEndsCleanly) {
   if (!std::filesystem::exists("/usr/bin/ffmpeg"))
-    GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
+    GTEST_SKIP() << "ffmpeg: not installed; run deploy/install-dependencies";
   size_ = "640x480";
   const std::filesystem::path study = folder_ / "study";
   const auto words = window_words(
@@ -444,8 +444,8 @@ TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
       << said;
   EXPECT_GE(drawn, 1);
   EXPECT_LT(drawn, all);
-  EXPECT_NEAR(all, 151, 5);  // half a second, three, one and a half, 30 a second; the force begins with the
-                             // tick after it is asked for
+  // 0.5 + 3 + 1.5 s at 30 pictures per second. The force begins with the tick after the request.
+  EXPECT_NEAR(all, 151, 5);
   for (const char* name : {"study_001.txt", "study_001.json", "study_001_camera.json"})
     EXPECT_TRUE(std::filesystem::exists(study / name)) << name;
   Program probe({"/usr/bin/ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-show_entries",
@@ -454,8 +454,8 @@ TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
   EXPECT_EQ(std::atoi(probe.out().c_str()), drawn) << probe.out();
 }
 
-// Nobody is at the window to choose another: it ends, and leaves nothing half written.
-TEST_F(WindowOnADisplay, EndsWhenTheServerRefusesItsForce) {
+// Without a user to choose another force, the program ends and leaves no partial files.
+TEST_F(WindowOnADisplay, EndsIfTheServerRefusesItsForce) {
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
   Program window(window_words(display_, port_,
@@ -467,7 +467,7 @@ TEST_F(WindowOnADisplay, EndsWhenTheServerRefusesItsForce) {
     EXPECT_EQ(entry.path().filename().string().find("study_"), std::string::npos) << entry.path();
 }
 
-TEST_F(WindowOnADisplay, EndsWhenItMayOnlyWatch) {
+TEST_F(WindowOnADisplay, EndsIfItsTokenIsViewOnly) {
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
   const std::string state = folder_ / "state";
@@ -495,13 +495,14 @@ TEST_F(WindowOnADisplay, EndsWhenItMayOnlyWatch) {
   EXPECT_FALSE(std::filesystem::exists(study / "study_001.txt"));
 }
 
-TEST_F(WindowOnADisplay, SaysThatThereIsNoSuchObjectToSelect) {
+TEST_F(WindowOnADisplay, ReportsUnknownObjectToSelect) {
   Program window(window_words(display_, port_, {"--select", "nosuch", "--renderer", "cpu"}));
   EXPECT_EQ(window.wait(), 2);
   expect_one_line(window, "--select: the scene has no object \"nosuch\"");
 }
 
-// Squares of 20 pixels there whose mean differs, of 1120: how finely each picture was drawn does not count.
+// Number of squares of 20 x 20 pixels (of 1120) whose mean differs. Independent of the resolution of each
+// picture.
 size_t changed_squares(const Image& a, const Image& b) {
   constexpr int kSquare = 20;
   size_t count = 0;
@@ -520,8 +521,7 @@ size_t changed_squares(const Image& a, const Image& b) {
   return count;
 }
 
-// The last picture stays, with a notice in red; a server that is started anew at its place is found, and the
-// window ends as it would have.
+// The last picture stays with a red notice. The window reconnects to a restarted server and ends normally.
 TEST_F(WindowOnADisplay, OutlivesItsServer) {
   const std::filesystem::path shots = folder_ / "shots";
   const std::string camera =
@@ -549,7 +549,7 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   keep("server_gone.png", *still);
   EXPECT_GT(notice_pixels(*still), 100u);
   EXPECT_LT(changed_squares(*gone, *still), 10u);
-  EXPECT_LT(changed_squares(*before, *still), 10u);  // the box, 50 squares, is where it was
+  EXPECT_LT(changed_squares(*before, *still), 10u);  // the box, about 50 squares, has not moved
   std::vector<std::string> words = server_words();
   std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port_);
   Program again(words);
@@ -562,8 +562,8 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   EXPECT_EQ(window.wait(), 0) << window.err();
 }
 
-// Where nothing is said of a display it is a window where there is one to open it on, and pictures where not.
-TEST_F(WindowOnADisplay, IsOpenedWhereThereIsADisplayAndNothingIsSaid) {
+// Without --display, the client opens a window if there is a display, and writes pictures otherwise.
+TEST_F(WindowOnADisplay, OpensByDefaultIfThereIsADisplay) {
   std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + display_,
                                     LIVEGS_CLIENT,  "127.0.0.1:" + port_,
                                     "--size",       "320x240",
@@ -583,7 +583,7 @@ TEST_F(WindowOnADisplay, IsOpenedWhereThereIsADisplayAndNothingIsSaid) {
   EXPECT_EQ(files.wait(), 0) << files.err();
   EXPECT_TRUE(std::filesystem::exists(folder_ / "files" / "first.png")) << files.err();
 
-  // What only files can have.
+  // Options that only apply to files select the offscreen display.
   words[1] = "DISPLAY=" + display_;
   words.back() = folder_ / "no_video";
   words.push_back("--no-video");
@@ -601,7 +601,7 @@ TEST_F(WindowOnADisplay, PlaysARecording) {
   ASSERT_EQ(client.wait(), 0) << client.err();
   server_->send(SIGTERM);
   ASSERT_EQ(server_->wait(), 0) << server_->err();
-  // Ends by itself at its end, which is nearer than ten seconds.
+  // Playback ends at the end of the recording, before ten seconds have passed.
   Program window({"/usr/bin/env", "DISPLAY=" + display_, LIVEGS_CLIENT, "--replay", file, "--from", "0.5",
                   "--seconds", "10", "--display", "window", "--size", "320x240", "--cache", folder_ / "empty",
                   "--renderer", "cpu"});
@@ -609,7 +609,7 @@ TEST_F(WindowOnADisplay, PlaysARecording) {
   EXPECT_EQ(window.err().find("error"), std::string::npos) << window.err();
 }
 
-TEST_F(Window, WithoutADisplayItIsOneLineAndCodeOne) {
+TEST_F(Window, MissingDisplayGivesOneLineAndCodeOne) {
   Program window(window_words("", "1"));
   EXPECT_EQ(window.wait(), 1);
   const std::string err = window.err();
@@ -617,13 +617,13 @@ TEST_F(Window, WithoutADisplayItIsOneLineAndCodeOne) {
   EXPECT_NE(err.find("--display offscreen"), std::string::npos) << err;
 }
 
-TEST_F(Window, AForceOffscreenIsOneLineAndCodeTwo) {
+TEST_F(Window, OffscreenForceGivesOneLineAndCodeTwo) {
   Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "offscreen", "--force", "cube:0,0,0:1,0,0:1"});
   EXPECT_EQ(client.wait(), 2);
   expect_one_line(client, "--display window");
 }
 
-TEST_F(Window, AForceWithoutATimeIsOneLineAndCodeTwo) {
+TEST_F(Window, InvalidForceTimeGivesOneLineAndCodeTwo) {
   for (const char* force : {"cube:0,0,0:1,0,0:0", "cube:0,0,0:1,0,0:61", "cube:0,0,0:1,nan,0:1"}) {
     Program window(window_words("", "1", {"--force", force}));
     EXPECT_EQ(window.wait(), 2) << force;
@@ -631,7 +631,7 @@ TEST_F(Window, AForceWithoutATimeIsOneLineAndCodeTwo) {
   }
 }
 
-TEST_F(Window, AForceThatCannotBeReadIsOneLineAndCodeTwo) {
+TEST_F(Window, MalformedForceGivesOneLineAndCodeTwo) {
   Program window(window_words("", "1", {"--force", "hat:1,2:3"}));
   EXPECT_EQ(window.wait(), 2);
   const std::string err = window.err();

@@ -96,7 +96,7 @@ void XHands::close() {
 
 Image XHands::picture() const {
   XWindowAttributes size{};
-  // One that is not on the screen yet has none, and X would end who asks for it.
+  // XGetImage fails fatally for a window that is not mapped yet.
   if (!XGetWindowAttributes(window_->display, window_->window, &size) || size.map_state != IsViewable)
     return {};
   XImage* read = XGetImage(window_->display, window_->window, 0, 0, static_cast<unsigned>(size.width),
@@ -106,7 +106,7 @@ Image XHands::picture() const {
   image.pixels.assign(size_t{4} * size.width * size.height, 1.0f);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      const unsigned long pixel = XGetPixel(read, x, y);  // 24 bits: Screen has it so
+      const unsigned long pixel = XGetPixel(read, x, y);  // 24 bits, set by Screen
       for (int c = 0; c < 3; ++c)
         image.at(x, y)[c] = static_cast<float>((pixel >> (16 - 8 * c)) & 0xff) / 255.0f;
     }

@@ -8,20 +8,20 @@
 
 namespace livegs {
 
-// The mouse and the keys of an X display, and an eye, for a test: pointer moves are real, presses are sent to
-// one window. Each call has reached that window's program when it returns.
+// Mouse, keyboard and screenshots on an X display for a test. Pointer moves are real; presses are sent to one
+// window. When a call returns, the program of that window has received its events.
 class XHands {
  public:
-  // The window of this title on a display as ":7"; null while there is none.
+  // The window with this title on a display such as ":7"; null if there is none.
   static std::unique_ptr<XHands> at_window(const std::string& display, const std::string& title);
   ~XHands();
 
-  void move(double x_px, double y_px);  // from the window's top left
-  void press(int button = 1);           // 1 the left, 2 the middle, 3 the right; where the pointer is
+  void move(double x_px, double y_px);  // relative to the window's top left
+  void press(int button = 1);           // 1 left, 2 middle, 3 right; at the pointer position
   void release(int button = 1);
-  void key(const std::string& name, bool down);  // X's name of it: "space"
-  void close();                                  // as a window manager asks a window to
-  Image picture() const;                         // what the window shows; empty until it is on the screen
+  void key(const std::string& name, bool down);  // X key name: "space"
+  void close();                                  // as a window manager requests it
+  Image picture() const;                         // content of the window; empty until it is mapped
 
  private:
   struct Window;
