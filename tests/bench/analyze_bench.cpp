@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long a person waits for an analysis with a model that answers in four seconds: one object, and twenty.
+// Time from the start of an analysis to its values, with a model that answers in four seconds, for one object
+// and for 20.
 //   analyze_bench SCENE OUTPUT_FOLDER
-// loads the scene, draws its views, asks a made-up model in a process of its own over HTTP, as `livegs
-// analyze` asks a real one, and writes analyze.csv: wall time from the start of the load to the values of the
-// first object and of the last, and from the first question to the end of the last object, which has to be
-// within the bar, or it ends with 1. The objects are the scene's, again and again. Requests leave at the
-// default rate: four a second after a burst of eight.
+// Loads the scene, draws its views, queries a simulated model in another process over HTTP as `livegs
+// analyze` does, and writes analyze.csv. Columns: wall time from the start of the load to the values of the
+// first and of the last object, and from the first request to the end of the last object. The exit code is 1
+// if the latter exceeds its bound. The objects of the scene are used repeatedly. Requests are sent at the
+// default rate, four per second after a burst of eight.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -110,6 +111,6 @@ int main(int argc, char** argv) {
     std::printf("%s\n", line);
     within = within && waited->all_s <= bar_s;
   }
-  if (!within) std::fprintf(stderr, "analyze_bench: over the bar\n");
+  if (!within) std::fprintf(stderr, "analyze_bench: time exceeds its bound\n");
   return within ? 0 : 1;
 }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What sending an asset takes, and what is seen of it meanwhile (proto/asset_format.md). Of each asset: bytes
-// of its lossless .ply, that of zstd over it, and of what is sent; processor time to encode and to decode on
-// one core; when the first kernels can be drawn; and of the first 5, 10, 25 and 50 % of the bytes, how many
-// kernels have come and how their picture compares with that of the whole (mean of four sides, 640x480),
-// beside a .ply sent from front to back, as far as it has come. Run by hand:
+// Size of a transmitted asset, and its appearance during the transfer (proto/asset_format.md). For each
+// asset:
+// - bytes of the lossless .ply, of the .ply compressed with zstd, and of the transmitted form;
+// - processor time of encoding and decoding on one core;
+// - bytes until the first kernels can be drawn;
+// - for the first 5, 10, 25 and 50 % of the bytes: the share of kernels received, and the PSNR against the
+//   complete asset (mean of four sides, 640x480), compared with the same bytes of a .ply.
+// Run by hand:
 //   asset_bench [ASSET...] > tests/bench/results/<processor>/asset.csv
-// With --pictures FOLDER the pictures of the first asset are written there. Captures of the shared data come
-// after the assets named.
+// --pictures FOLDER writes the pictures of the first asset. Captured assets of the shared data follow the
+// given ones.
 #include <zstd.h>
 
 #include <cmath>
@@ -33,7 +36,7 @@ struct Stand {
   double scale;
 };
 
-// -Y up, 1.5 m from corner to corner.
+// Turned from -Y up, with a diagonal of 1.5 m.
 Stand stand_of(const GaussianAsset& asset) {
   Eigen::AlignedBox3f bounds;
   for (const Eigen::Vector3f& position : asset.positions) bounds.extend(position);
@@ -103,7 +106,7 @@ void measure(const std::string& name, const GaussianAsset& asset, const std::fil
     const AssetPart part = decoder.part();
     const std::vector<Image> coarse =
         part.asset.size() > 0 ? pictures(part.asset, stand) : std::vector<Image>();
-    // As many bytes of the .ply.
+    // The same number of bytes of the .ply.
     const size_t plain = std::max<size_t>(1, asset.size() * bytes / ply.size());
     const std::vector<Image> front = pictures(first_kernels(asset, plain), stand);
     std::printf(",%.3f,%.1f,%.1f", static_cast<double>(part.asset.size()) / static_cast<double>(asset.size()),
@@ -149,7 +152,7 @@ int run(int argc, char** argv) {
   for (const std::filesystem::path& path : assets) {
     const auto file = read_asset(path);
     if (!file) {
-      std::fprintf(stderr, "%s: left out: %s\n", path.c_str(), file.error().message.c_str());
+      std::fprintf(stderr, "%s: skipped: %s\n", path.c_str(), file.error().message.c_str());
       continue;
     }
     const std::string name = std::filesystem::is_directory(path) && path.filename() == "sog_lod2"

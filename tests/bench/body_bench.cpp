@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time from an asset to a body, stage by stage, on one core. Prints CSV: `body_bench >
-// results/<machine>/body.csv`. Two deterministic assets of exactly 100 000 and 300 000 kernels (a noisy vase
-// with leaves and haze), and captured ones where the shared data is; median of three runs after one that does
-// not count (`read` of a synthetic asset is from memory: 0). `cpu_ms` is processor time, which says what the
-// work costs on a machine that is shared. `alpha` is the Delaunay triangulation alone, `repair` the rest of
-// the surface: thinning, sheets, flood, pairing, specks. The bar, for `total`: 3 s at 100 000 kernels, 8 s at
-// 300 000.
+// Time from an asset to a body by stage, on one core. Prints CSV: `body_bench > results/<machine>/body.csv`.
+// Assets: two deterministic ones of exactly 100 000 and 300 000 kernels (a noisy vase with leaves and haze),
+// and captured ones if the shared data is present. Median of three runs after one warm-up. `read` of a
+// synthetic asset is from memory (0). `cpu_ms` is processor time, which hardly depends on other load. `alpha`
+// is the Delaunay triangulation alone; `repair` is the rest of the surface: thinning, sheets, flood, pairing,
+// small components. Bound of `total`: 3 s for 100 000 kernels, 8 s for 300 000.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -37,7 +36,7 @@ double uniform(std::mt19937_64& engine, double low, double high) {
   return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1.0p-53;
 }
 
-// Three quarters of the kernels on a fluted vase, 15 % on twelve arching leaves, 10 % haze. 0.8 units high.
+// 75 % of the kernels on a fluted vase, 15 % on 12 arching leaves, 10 % haze. 0.8 units high.
 GaussianAsset vase_with_leaves(size_t count) {
   std::mt19937_64 engine(count);
   GaussianAsset asset;
@@ -85,7 +84,7 @@ void report(const Row& row, const char* stage, const bench::Times& times, size_t
 
 bench::Times measure(const std::function<void()>& work) { return bench::time_of(1, 3, work); }
 
-// As reconstruct_surface does it: at unit size, voxels in parts of the diagonal.
+// As in reconstruct_surface: at unit size, with voxels as fractions of the diagonal.
 std::vector<Eigen::Vector3d> thin(std::vector<Eigen::Vector3d> points, double voxel) {
   Eigen::AlignedBox3d bounds;
   for (const auto& point : points) bounds.extend(point);
@@ -147,7 +146,7 @@ int main() {
   for (const char* file : {"ponytail_palm/ponytail_palm.ply", "guitar/guitar.ply", "statues/narcissus.sog",
                            "lego_house/fourth_st.spz", "fur_block/meta.json"}) {
     if (!fs::exists(splats / file)) {
-      std::fprintf(stderr, "%s: shared data is not here\n", file);
+      std::fprintf(stderr, "%s: skipped; the shared data is missing\n", file);
       continue;
     }
     GaussianAsset asset;
@@ -158,7 +157,7 @@ int main() {
       if (opened) asset = std::move(opened->asset);
     });
     if (!ok) {
-      std::fprintf(stderr, "%s: not read\n", file);
+      std::fprintf(stderr, "%s: skipped; not readable\n", file);
       continue;
     }
     const std::string name = fs::path(file).parent_path().filename().string() == "statues"

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame in which a thing breaks, beside an ordinary one. Prints CSV: `break_bench >
-// results/<machine>/break.csv`. A cup of 300 000 kernels, cut into 64 pieces when it was loaded, falls on a
-// floor so fast that it comes apart into all of them. Processor time of all threads, which says what the work
-// costs on a machine that is shared; median, least and most over the runs. 11 ms are allowed for the frame:
-// `step` and `tell` of `breaking` together.
+// Cost of the tick in which an object breaks, compared with an ordinary tick. Prints CSV: `break_bench >
+// results/<machine>/break.csv`. A cup of 300 000 kernels, cut into 64 pieces at load, falls onto a floor fast
+// enough to break into all of them. Times are processor times of all threads: median, minimum and maximum
+// over the runs. Bound: 11 ms for `step` and `tell` of `breaking` together.
 //   step    Scene::step: the world, and the new body of each kernel
-//   tell    what the server sends: the drivers as a frame, and the object's new description
-//   rebind  what the client does then: the driver of each kernel
-// `before` is the tick before the floor is reached, `breaking` the one in which it breaks, `after_N` the Nth
-// after it.
+//   tell    the server's messages: the drivers as a frame, and the object's new description
+//   rebind  the client's work after that: the driver of each kernel
+// `before` is the tick before the impact, `breaking` the tick of the break, `after_N` the Nth tick after it.
 #include <algorithm>
 #include <cstdio>
 #include <ctime>

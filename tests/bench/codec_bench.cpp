@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame of real motion takes on the wire, and how far off it is, in every encoding. Prints CSV:
-// `codec_bench > results/<machine>/codec.csv`; codec_chart.gnuplot draws it. Four elastic blocks of 28 cm
-// (1e4 Pa, 10 x 10 x 10 cells each) are torn to and fro by springs whose targets jump about, up to 0.3 m
-// twice a second, while 200 boxes of 4 cm fall onto a floor among them; 6 s at 90 Hz, the first not counted.
-// Then all are let be until they sleep, or for 12 s. Errors of drivers are the largest of all frames. A
-// million kernels ride in the blocks, skinned from the server's drivers and from those that were read, in
-// every 45th frame; encodings of kernels are of these frames alone. One row has 200 fragments of boxes that
-// were broken in place of the boxes; three are of blocks whose cells are smaller.
+// Bytes of frames of real motion and errors of the received state, for every encoding. Prints CSV:
+// `codec_bench > results/<machine>/codec.csv`; codec_chart.gnuplot draws it.
+// Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) are pulled by springs whose targets jump by
+// up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them. 6 s at 90 Hz; the first
+// second is not counted. Then all forces stop until everything sleeps, at most 12 s.
+// Errors of drivers are the maximum over all frames. One million kernels are bound to the blocks and skinned
+// from the server's and from the decoded drivers in every 45th frame; kernel encodings use these frames only.
+// One row has 200 fragments of broken boxes in place of the boxes; three rows have blocks with smaller cells.
 #include <zstd.h>
 
 #include <algorithm>
@@ -36,8 +36,8 @@ namespace {
 constexpr size_t kFirst = 90, kDragged = 540, kEvery = 45;
 constexpr size_t kKernels = 1'000'000 / kBlocks;
 
-// Of what is dragged: bytes p95, Mbit/s, and how far off and turned the worst kernel may be. Asleep nothing,
-// but for tick and time.
+// Bounds during motion: bytes p95, Mbit/s, and position and rotation errors of the worst kernel. Asleep,
+// frames contain only tick and time.
 constexpr const char *kGoals = "12000,8,0.05,0.1", *kGoalsAsleep = "0,0,,", *kGoalsOfErrors = ",,0.05,0.1";
 
 struct Sent {
@@ -105,10 +105,9 @@ Encoding stream(const std::string& name, const GridPrecision& precision, bool ne
           }};
 }
 
-// What Rice codes are measured against: the same integers less the same prediction from frames before, nodes
-// in Morton order, each channel of all objects as planes of bytes, low ones first and those of zeros left
-// out, and zstd over all. What says which objects they are, and how they are predicted, is left out: it would
-// come on top.
+// Reference for Rice codes: the same integers with the same prediction from previous frames, nodes in Morton
+// order, each channel of all objects as byte planes (low bytes first, zero planes omitted), compressed with
+// zstd. Object ids and prediction modes are not included and would add to it.
 class BytePlanes {
  public:
   explicit BytePlanes(int level) : level_(level) {}
@@ -224,7 +223,7 @@ std::vector<Encoding> encodings() {
   return all;
 }
 
-// Other things that are dragged, in some encodings.
+// The other dragged objects, in some encodings.
 void print_dragged(World world, double side_m, const std::vector<Encoding>& all, const char* goals) {
   std::vector<BoundKernels> bound;
   for (uint32_t block = 1; block <= kBlocks; ++block)
@@ -257,7 +256,8 @@ void print_fragments() {
                 {stream(std::to_string(poses) + " fragments of 4 boxes: " + steps_of(-14), {})}, kGoals);
 }
 
-// The same blocks with a side of 10 cm, so that their cells are of 10 mm: turns go with a step over a cell's
+// The same blocks with a side of 10 cm and cells of 10 mm: rotation errors scale with the quantisation step
+// over the cell width.
 // width.
 void print_small_cells() {
   constexpr double kSmallSide_m = 0.1;
@@ -270,9 +270,8 @@ void print_small_cells() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
-      "What frames of real motion take on the wire, and how far off they are; CSV on standard output",
-      "codec_bench");
+  CLI::App app("Bytes and errors of frames of real motion, by encoding; CSV on standard output",
+               "codec_bench");
   read_arguments(app, argc, argv);
   World world = dragged_blocks();
   std::vector<BoundKernels> bound;

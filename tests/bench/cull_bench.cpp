@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What leaving out kernels that contribute little costs and saves. Prints a CSV: a row an asset, a view and a
-// threshold, with the kernels drawn, what is lost against all of them (decibels), and the processor time of a
-// frame on the CPU, of all threads, best of three. Views: afar at three times the size, front, close and
-// inside as posed_assets.h has them. Run by hand; with "lean", the frames of a camera that moves into an
-// asset, with neither, one and both of resolution and contribution held to a budget, and the radius of
-// kernels held as well, wall time; with "cap", what holding the radius of a kernel costs and saves, as for
-// the threshold:
+// Cost and benefit of culling kernels with small contributions. Prints CSV, one row per asset, view and
+// threshold: kernels drawn, PSNR against all kernels, and processor time per frame on the CPU (all threads,
+// best of three). Views (posed_assets.h): afar at three times the size, front, close and inside. Run by hand:
 //   cull_bench > tests/bench/results/<processor>/cull.csv
-//   cull_bench cap > tests/bench/results/<processor>/cap.csv
-//   cull_bench order > tests/bench/results/<processor>/order.csv: what the order in which kernels are blended
-//   changes cull_bench lean > tests/bench/results/<processor>/lean.csv, cull_bench lean vulkan >
-//   .../lean_vulkan.csv
+//   cull_bench cap > .../cap.csv      cost and benefit of limiting the radius of kernels
+//   cull_bench order > .../order.csv  effect of the blending order of kernels
+//   cull_bench lean > .../lean.csv    wall time of frames of a camera that moves into an asset: at full
+//   quality,
+//                                     with the resolution adapted to a budget, also with culling, and also
+//                                     with a limited radius
+//   cull_bench lean vulkan > .../lean_vulkan.csv
 #include <time.h>
 
 #include <algorithm>
@@ -33,7 +32,7 @@ namespace {
 constexpr int kWidth = 640, kHeight = 480;
 const Eigen::Vector3f kBackground{0.08f, 0.08f, 0.1f};
 
-double process_cpu_ms() {  // of all threads
+double process_cpu_ms() {  // all threads
   timespec time;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
@@ -70,7 +69,7 @@ std::vector<Thing> things() {
                            "guitar/guitar.ply", "playbot/playbot_31k.ply", "statues/massa.sog"}) {
     auto read = read_asset(captured / file);
     if (!read) {
-      std::fprintf(stderr, "%s: left out\n", read.error().message.c_str());
+      std::fprintf(stderr, "%s: skipped\n", read.error().message.c_str());
       continue;
     }
     Thing thing{std::filesystem::path(file).stem().string(), std::move(read->asset), {}};
@@ -147,10 +146,9 @@ void measure_caps() {
   }
 }
 
-// Decibels against the picture by depth of a camera that looks at the thing, as those did that its capture
-// was trained with: by distance from the eye; by distance from 32 mm aside, in a thing of 0.3 m, as two eyes
-// share it; and by depth in the very same picture for a head that is turned by 5 and by 30 degrees, where by
-// distance nothing changes.
+// PSNR against the picture sorted by depth, as in the training of the captured assets. Sort keys: distance
+// from the eye; distance from a point 32 mm aside, shared by two eyes, for an object of 0.3 m; and depth for
+// a head turned by 5 and by 30 degrees, which does not affect sorting by distance.
 void measure_orders() {
   std::printf("asset,kernels,view,distance_db,distance_aside_db,turned_5_degrees_db,turned_30_degrees_db\n");
   for (const Thing& thing : things()) {
@@ -169,7 +167,7 @@ void measure_orders() {
         rasteriser.draw({&object, 1}, camera, options, picture);
         return picture.image;
       };
-      // By depth is by distance from far behind.
+      // Sorting by depth equals sorting by distance from a point far behind the camera.
       const auto by_depth = [&](double turned_rad) {
         const Eigen::Vector3d back = eye.orientation *
                                      Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitY()) *
@@ -187,21 +185,21 @@ void measure_orders() {
   }
 }
 
-// A camera that comes from three times the size away into the middle of a thing, and stays there a while, in
-// the window's size and with its budget.
+// The camera moves from three times the size into the middle of an object and stays there, with the
+// resolution and the budget of the window.
 constexpr int kLeanWidth = 1280, kLeanHeight = 800;
 constexpr double kBudget_ms = 30;
 struct LeanPictures {
   int coming, staying;
 };
 constexpr LeanPictures kManyPictures{60, 15},
-    kFewPictures{16, 6};  // the second of a device in software, a second each at worst
+    kFewPictures{16, 6};  // the latter for software devices, which take up to a second per picture
 
 struct Mode {
   const char* name;
   bool scales, leaves_out, holds;
 };
-// The last as SceneView draws.
+// The last mode is that of SceneView.
 constexpr Mode kModes[] = {{"neither", false, false, false},
                            {"resolution", true, false, false},
                            {"both", true, true, false},
@@ -232,7 +230,7 @@ void lean_into(SplatRenderer& renderer, const Thing& thing, const Mode& mode, co
       return;
     }
     const double ms = renderer.last_times().total_ms();
-    if (frame >= 0) {  // before: a warm-up
+    if (frame >= 0) {  // negative frames are a warm-up
       std::printf("%s,%s,%d,%.3f,%.3f,%.2f,%.1f,%.0f\n", thing.name.c_str(), mode.name, frame, distance,
                   mode.scales ? scale.value() : 1.0, options.min_contribution_px, ms, kBudget_ms);
       scale.drew(ms);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cost of the `cells` solver by size, on one core. Prints CSV: `elastic_bench >
-// results/<machine>/elastic.csv`. A block of cells drops 5 mm on a floor and rests there with sleep off, so
-// that contact and the momentum ledger are in the figure; 30 frames warm up (while it lands; 300 for what has
-// settled, which its own weight strains: the larger blocks by half and more, which makes them take
-// first-order steps and be watched for energy), then windows of 2 ms or of one frame are timed for a second
-// and the least is given, because the machine is shared. How fast the machine is in the same run is given by
-// `peak`: eight-lane fused multiply-adds a second on one core, measured before and after each row;
-// `peaks_per_node_substep` is the cost in their number, which means the same on any machine. (20 ns at the 97
-// GFLOP/s of the study's machine are 121.) With --table: contact with a rigid body beside that with the
-// floor.
+// results/<machine>/elastic.csv`.
+// A block of cells drops by 5 mm onto a floor and rests there with sleep disabled, so that contact and the
+// momentum ledger are included. After 30 warm-up frames (300 for `settled`), windows of 2 ms or of one frame
+// are timed for one second; the minimum is reported, because the machine is shared. Settled blocks are
+// strained by their own weight, the larger ones by more than half, so they use first-order steps and the
+// energy limiter.
+// `peak` is the speed of the machine in the same run: eight-lane fused multiply-adds per second on one core,
+// measured before and after each row. `peaks_per_node_substep` is the cost in units of these, which is
+// comparable between machines.
+// --table: contact with a rigid body in comparison with the floor.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -24,7 +25,7 @@ using namespace livegs::test;
 
 namespace {
 
-// Eight-lane multiply-adds a second, least time of ten.
+// Eight-lane multiply-adds per second, best of ten.
 double peak_per_s() {
   typedef float Lanes8 __attribute__((vector_size(32)));
   Lanes8 chain[10];
@@ -50,14 +51,14 @@ double seconds_of(Stage& stage, int frames) {
 
 enum class By { Cells, Bullet };
 
-// What was asked for: a node's substep at 3000 nodes with contact, a frame of a paper-size object, the memory
-// of a node.
+// Bounds: time per node and substep at 3000 nodes with contact, time per frame of an object of the paper's
+// size, and memory per node.
 constexpr double kGoal_ns = 20.0, kGoal_bytes = 300.0;
 constexpr const char* kGoal_ms = "0.25";
 constexpr int kMaxSettledCells =
     36;  // cells along an edge; the largest has 1.1 times its modulus of weight on it
 
-// Returns the cost of a frame, ms. With a table there is that in place of the floor.
+// Returns the cost of a frame, ms. `table` replaces the floor.
 double report(const char* name, const ElasticBodyDescription& description, bool floor, By by = By::Cells,
               RigidProxy* table = nullptr, int warm_up_frames = 30) {
   Stage stage;
@@ -104,8 +105,8 @@ ElasticBodyDescription block(int cells, double cell_m, double youngs_modulus_pa)
   return description;
 }
 
-// The same block on a rigid table as wide as it is, which hardly gives way, and on the static floor: what
-// contact with a moving body costs more.
+// The same block on a nearly immovable rigid table of its width and on the static floor: the additional cost
+// of contact with a moving body.
 void report_table(int cells) {
   const RigidShape shape = mesh_shape(box_mesh({0.5, 0.1, 0.5}), Vector3d::Zero());
   RigidProxy table;
@@ -118,10 +119,8 @@ void report_table(int cells) {
   const double on_table =
       report((size + " on table").c_str(), block(cells, 0.02, 1e4), true, By::Cells, &table);
   const double free = report((size + " free").c_str(), block(cells, 0.02, 1e4), false);
-  std::fprintf(
-      stderr,
-      "%s: a frame costs %.2f as much on a rigid body as on the floor, its contact %.1f times as much\n",
-      size.c_str(), on_table / on_floor, (on_table - free) / std::max(1e-6, on_floor - free));
+  std::fprintf(stderr, "%s: cost on a rigid body relative to the floor: frame %.2f, contact %.1f\n",
+               size.c_str(), on_table / on_floor, (on_table - free) / std::max(1e-6, on_floor - free));
 }
 
 }  // namespace
@@ -142,16 +141,16 @@ int main(int argc, char** argv) {
     if (cells <= kMaxSettledCells)
       report((size + " settled").c_str(), block(cells, 0.02, 1e4), true, By::Cells, nullptr, 300);
   }
-  // The bar of the studies, 16 x 4 x 4 cells, swinging freely; Bullet's deformable body on the same nodes
-  // beside it (bullet_body.h: five tetrahedra a cell, implicit, its solver as it comes).
+  // The bar of the studies, 16 x 4 x 4 cells, swinging freely, and Bullet's deformable body on the same nodes
+  // (bullet_body.h: five tetrahedra per cell, implicit, default solver).
   ElasticBodyDescription bar = describe_bar(1e4, 0.3, 0.025);
   bar.initial_deformation.diagonal() = Vector3d(1.02, 1, 1);
   report("bar cells", bar, false);
   report("bar bullet", bar, false, By::Bullet);
-  // A curved sheet thinner than its cells, plain and thin ones (thin_cell.h).
+  // A curved sheet thinner than its cells, with plain cells and with thin cells (thin_cell.h).
   report("quarter shell plain", describe_quarter(5.0, 0.3, false), false);
   report("quarter shell thin", describe_quarter(5.0, 0.3, true), false);
-  // LIVE-GS: at most about 15^3 particles an object; the body chooses its own cells and substeps.
+  // LIVE-GS: at most about 15^3 particles per object. The body selects its own cells and substeps.
   for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
     ElasticBodyDescription object =
         describe(particle_grid(Vector3d::Constant(0.3), 0.02), youngs_modulus_pa, 0.3);

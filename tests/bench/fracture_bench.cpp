@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What making a body ready to break costs, and what is left for the frame in which it breaks. Prints CSV:
-// `fracture_bench > results/<machine>/fracture.csv`. A ball and a cup of 20 480 triangles each, 16 and 64
-// pieces; 300 000 kernels on the surface. Median of five runs after one that does not count, on one core and
-// on all; `cpu_ms` is processor time, which says what the work costs on a machine that is shared. Stages
-// `seeds` to `graph` run in the background at load. `blow`, which says what a blow of twice the threshold
-// breaks, is all that is computed here in the frame in which a thing breaks; 11 ms are allowed. `items`:
-// seeds, pieces, kernels, bonds, bonds broken.
+// Cost of preparing a body for fracture at load, and cost left for the tick of the break. Prints CSV:
+// `fracture_bench > results/<machine>/fracture.csv`.
+// A ball and a cup of 20 480 triangles each, 16 and 64 pieces, 300 000 kernels on the surface. Median of five
+// runs after one warm-up, on one core and on all. `cpu_ms` is processor time, which hardly depends on other
+// load. Stages `seeds` to `graph` run in the background at load. `blow` selects the bonds that an impact of
+// twice the threshold breaks; only this runs in the tick of the break (bound: 11 ms). `items`: seeds, pieces,
+// kernels, bonds, broken bonds.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,7 +28,7 @@ constexpr size_t kKernels = 300000;
 
 double uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
 
-// Discs on the surface, by area; as wide as it takes to cover it, and a twentieth as thick.
+// Discs distributed over the surface by area, just wide enough to cover it, with a thickness of a twentieth.
 GaussianAsset kernels_on(const TriangleMesh& mesh, size_t count) {
   std::vector<double> areas;
   double area = 0.0;

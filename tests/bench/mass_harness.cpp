@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well masses are estimated, on objects whose masses are known: a row for each thing that may be known of
-// them.
+// Accuracy of mass estimates for objects of known mass: one row for each combination of known facts.
 //   mass_harness OUTPUT_FOLDER
-// writes mass.csv (figures with the 95 % interval of a bootstrap) and mass_objects.csv (every object, metric,
-// from its kernels), and prints both shortly.
+// writes mass.csv (figures with 95 % bootstrap intervals) and mass_objects.csv (each object, metric, from its
+// kernels), and prints a summary of both.
 //   mass_harness --list LIST.csv
-// prints the figures for a list of weighed things of which only name, size and volume are known, columns
-// name,mass_kg,box_m3,filled_share: what its ranges are worth beyond the 26. Names that say nothing are
+// prints the figures for a list of weighed objects with name, size and volume, columns
+// name,mass_kg,box_m3,filled_share, to check the ranges beyond the 26 objects. Names without information are
 // counted.
 //   mass_harness --judge BEFORE AFTER ...
-// says which of two folders of prompts is better (judge_prompts.h).
+// compares two folders of prompts (judge_prompts.h).
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -47,7 +46,7 @@ void write_header(std::ofstream& out) {
   out << '\n';
 }
 
-// A thing of its kind's usual proportions, of the given box and of how much of that it fills.
+// A mesh with the usual proportions of its kind, the given bounding box, and the given filled share of it.
 MeshFacts listed_mesh(const ObjectRow& row, double box_m3, double filled_share) {
   MeshFacts mesh;
   const Eigen::Vector3d usual_m(row.size_m.best, row.middle_m, row.short_m);
@@ -91,11 +90,11 @@ int score_list(const char* path) {
     answers.push_back(answer);
   }
   if (answers.empty()) {
-    std::fprintf(stderr, "%s: no line name,mass_kg,box_m3,filled_share with a name that is known\n", path);
+    std::fprintf(stderr, "%s: no row name,mass_kg,box_m3,filled_share with a known name\n", path);
     return 1;
   }
   const MassScores scores = mass_scores(answers);
-  std::printf("%zu things, %zu more whose names say nothing\n", answers.size(), unknown);
+  std::printf("%zu objects; %zu skipped, because their names give no information\n", answers.size(), unknown);
   for (const Row& row : kRows) {
     const Figure& f = scores.*row.figure;
     std::printf("%-26s %7.3g (%.3g to %.3g)\n", row.name, row.factor * f.value, row.factor * f.low,
@@ -116,7 +115,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder = argv[1];
   std::filesystem::create_directories(folder);
   if (known_objects(KnownForm::Splats).empty()) {
-    std::fprintf(stderr, "shared/data/ycb is not beside this checkout\n");
+    std::fprintf(stderr, "shared/data/ycb: not found; it must be next to this checkout\n");
     return 1;
   }
   std::ofstream figures(folder / "mass.csv"), each(folder / "mass_objects.csv");
@@ -161,7 +160,7 @@ int main(int argc, char** argv) {
       }
     }
   }
-  // What an estimate costs once the facts are there.
+  // Time of an estimate after the facts have been computed.
   const auto& objects = known_objects(KnownForm::Splats);
   const auto times = bench::time_of(1, 20, [&] {
     for (const KnownObject& object : objects) {
@@ -170,7 +169,7 @@ int main(int argc, char** argv) {
     }
   });
   const auto count = static_cast<double>(objects.size());
-  std::printf("an estimate without a name: %.3f ms\n", times.median_ms / count);
+  std::printf("time of an estimate without a name: %.3f ms\n", times.median_ms / count);
   std::ofstream(folder / "estimate_time.csv")
       << "name_given,objects,median_ms_an_object,p99_ms_an_object,cpu_ms_an_object,bar_ms\n"
       << "none," << objects.size() << ',' << times.median_ms / count << ',' << times.p99_ms / count << ','

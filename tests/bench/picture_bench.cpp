@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How near the device's pictures of captured assets come to the oracle's. Prints a CSV, a row a picture:
-// decibels of the picture on the screen as the client draws it, 8 bits a channel; of the same blended in
-// 16-bit floats, and the mean of what that is too bright by; and blended in 32-bit floats, before 8 bits a
-// channel. Answers 1 when a picture as the client draws it is under 50 dB, 77 when there was nothing to draw.
-// At night it is a test; with a folder, it leaves pictures there, of one asset alone when one is named:
-//   picture_bench > tests/bench/results/<processor>/picture.csv   # another device, chosen by
-//   VK_ICD_FILENAMES, is added below picture_bench FOLDER NAME_OR_FILE
+// Difference between the device's pictures of captured assets and the reference renderer. Prints CSV, one row
+// per picture: PSNR of the picture on the screen as the client draws it (8 bits per channel); of blending in
+// 16-bit floats, with its mean bias; and of blending in 32-bit floats before rounding to 8 bits. The exit
+// code is 1 if a picture as the client draws it is below 50 dB, and 77 if there was nothing to draw. Also
+// runs as a nightly test. With a folder, pictures are written there, of all assets or of the named one.
+//   picture_bench > tests/bench/results/<processor>/picture.csv
+//   picture_bench FOLDER NAME_OR_FILE
+// VK_ICD_FILENAMES selects another device; append its rows.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -19,7 +20,7 @@ namespace livegs {
 namespace {
 
 constexpr double kBar_db = 50.0;
-constexpr int kNothingDrawn = 77;  // ctest's word for skipped
+constexpr int kNothingDrawn = 77;  // ctest's code for a skipped test
 constexpr int kWidth = 480, kHeight = 360;
 constexpr double kTwist_rad_m = 1.5;
 const Eigen::Vector3f kBackground{0.08f, 0.08f, 0.1f};
@@ -41,8 +42,8 @@ constexpr const char* kAssets[] = {"camera_leica/leica-sofort-top8192.ply",
                                    "statues/trumpet.sog",
                                    "statues/trumpet_statue_only.ply"};
 
-// Of pictures blended in 16-bit floats there, which it rounds towards zero: 44.8 found; goal kBar_db, which
-// SwiftShader meets.
+// Bound for lavapipe with blending in 16-bit floats, which lavapipe rounds towards zero. SwiftShader meets
+// kBar_db.
 constexpr double kLavapipeHalf_db = 44;
 
 struct Renderers {
@@ -61,14 +62,14 @@ Image drawn_by(SplatRenderer& renderer, const RenderedObject& object, const Came
   return images[0];
 }
 
-// The blended colours over the background.
+// Blends the colours over the background.
 void put_behind(Image& image) {
   for (size_t i = 0; i < image.pixels.size(); i += 4) {
     for (int c = 0; c < 3; ++c) image.pixels[i + c] += (1.0f - image.pixels[i + 3]) * kBackground[c];
   }
 }
 
-// Grey where equal; a difference of 1/255 is 20/255 brighter or darker.
+// Grey where the pictures are equal; a difference of 1/255 becomes 20/255.
 Image amplified_difference(const Image& made, const Image& expected) {
   Image image = made;
   for (size_t i = 0; i < image.pixels.size(); ++i) {
@@ -87,7 +88,7 @@ bool measure(const Renderers& renderers, const std::string& name, const Gaussian
   const Camera camera = view_of(extent_of(kernels), view, kWidth, kHeight);
   const Image oracle = drawn_by(*renderers.oracle, object, camera);
   Image shown = oracle;
-  for (float& value : shown.pixels) value = std::min(value, 1.0f);  // what a screen can show
+  for (float& value : shown.pixels) value = std::min(value, 1.0f);  // clamped to the range of a screen
   const Image screen = drawn_by(*renderers.screen, object, camera);
   const Image halves = drawn_by(*renderers.halves, object, camera);
   Image floats = drawn_by(*renderers.floats, object, camera);
@@ -142,8 +143,8 @@ int run(const std::filesystem::path& folder, const std::string& only) {
     if (!only.empty() && files.size() > 1 && name != only) continue;
     Result<AssetFile> asset = read_asset(file);
     if (!asset) {
-      std::fprintf(stderr, "%s: left out\n", asset.error().message.c_str());
-      all = false;  // which counts unless none of them is here
+      std::fprintf(stderr, "%s: skipped\n", asset.error().message.c_str());
+      all = false;  // only reported if no asset was drawn
       continue;
     }
     ++drawn;
@@ -153,7 +154,7 @@ int run(const std::filesystem::path& folder, const std::string& only) {
     const PosedKernels twisted = pose_asset(asset->asset, kTwist_rad_m);
     all &= measure(*renderers, name, asset->asset, twisted, View::Front, "deformed", folder);
   }
-  if (drawn == 0) std::fprintf(stderr, "picture_bench: none of the captured assets is here\n");
+  if (drawn == 0) std::fprintf(stderr, "picture_bench: no captured assets; add the shared data\n");
   return drawn == 0 ? kNothingDrawn : all ? 0 : 1;
 }
 

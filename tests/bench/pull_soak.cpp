@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A room of eight objects that hands pull at without end: `pull_soak [MINUTES] >
-// results/<machine>/pull_soak.csv`, an hour (simulated) if not told. The sample scene's six objects, a box
-// and a soft block; every half second on average a hand takes a random point of a random object and draws it
-// somewhere else in the room for up to a second: by turns with the ray and with the grip that people have,
-// and with a spring of 20 to 200 N/m and up to 50 N, which is three to thirty times as fierce. Now and then a
-// ball is shot. One row a simulated minute; fixed seed, so the motion is the same every time, the times are
-// not. `tick_cpu`: of all threads, milliseconds; `tick_wall`: by the clock, which says whether a tick is
-// within its frame of 11.1 ms, on a machine that does nothing else. `object_most_j`: motion and shape of one
-// elastic object, the most of every tenth tick. `lowest_m`: the lowest centre of any body over the floor, of
-// every tick; below zero it is under it. Leaves with 1 at the first number that is not finite, at more energy
-// than hands can give, when a centre is more than 5 cm below the floor, or when memory grows. Progress goes
-// to the error stream.
+// Soak test: hands pull eight objects in a room. `pull_soak [MINUTES] > results/<machine>/pull_soak.csv`;
+// default: one simulated hour.
+// Objects: the six of the sample scene, a box and a soft block. Every half second on average, a hand grabs a
+// random point of a random object and pulls it to a random position for up to one second. Hands alternate
+// between ray, grip, and a spring of 20 to 200 N/m and up to 50 N, which is several times stronger. Balls are
+// shot occasionally. The seed is fixed, so the motion is reproducible.
+// Prints one row per simulated minute. `tick_cpu`: processor time of all threads, ms. `tick_wall`: wall time,
+// ms; meaningful on an idle machine (one frame is 11.1 ms). `object_most_j`: maximum kinetic and elastic
+// energy of one elastic object, sampled every tenth tick. `lowest_m`: minimum height of any body's centre
+// over the floor.
+// The exit code is 1 if a value is not finite, an object has more energy than hands can supply, a centre is
+// more than 5 cm below the floor, or memory grows. Progress is printed to standard error.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -36,14 +36,14 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr int kRate_hz = 90;
-constexpr double kHand_m_s = 4.0;  // a thrower's
-constexpr int kEarly_minutes = 5;  // by then the room has its balls and sherds
-constexpr double kGrown_mb = 5.0;  // more since then is not flat
-constexpr double kSunk_m = 0.05;   // a centre this far below the floor went through it
-// What hands can give one object: 200 N/m across the room's 2.8 m, and the grip's 20 weights along its
-// diagonal of 4.2 m.
+constexpr double kHand_m_s = 4.0;  // speed of a throwing hand
+constexpr int kEarly_minutes = 5;  // after this time the room has all its balls and fragments
+constexpr double kGrown_mb = 5.0;  // bound of the growth after that
+constexpr double kSunk_m = 0.05;   // a centre this far below the floor has passed through it
+// Maximum energy that hands can supply to one object: 200 N/m across the room's 2.8 m, and the grip's 20
+// weights along the diagonal of 4.2 m.
 double most_j_of(double mass_kg) { return 784.0 + 20.0 * 9.81 * 4.2 * mass_kg; }
-// Pulls stay within these walls.
+// Pulls stay inside this box.
 const Vector3d kRoomMin(-1.4, 0.1, -1.4), kRoomMax(1.4, 1.4, 1.4);
 
 constexpr const char* kRoom = R"({
@@ -72,7 +72,7 @@ double resident_mb() {
   return resident * 4096 / 1e6;
 }
 
-// Median, p99, p99.9 and the most, as four columns; sorts them.
+// Median, p99, p99.9 and maximum as four columns. Sorts the values.
 std::string columns(std::vector<double>& ms) {
   std::sort(ms.begin(), ms.end());
   const auto part = [&](double of) {
@@ -102,7 +102,7 @@ class Hands {
     std::erase_if(pulls_, [](const Pull& pull) { return pull.until < 0; });
     if (random() < 2.0 / kRate_hz) {
       const uint32_t id = ids_[static_cast<size_t>(random() * static_cast<double>(ids_.size()))];
-      // The point is where a ray into the middle of the object meets it.
+      // The grabbed point is where a ray towards the middle of the object hits it.
       const Vector3d from = place(), middle = world.world_point(id, Vector3d::Zero());
       const auto hit = world.ray_cast(from, (middle - from).normalized(), 5.0);
       if (hit) {
@@ -163,7 +163,8 @@ class Hands {
   uint64_t last_ = 0;
 };
 
-// Motion and shape of the elastic object that has most of both; `over`: one has more than hands can give it.
+// Maximum kinetic and elastic energy of an elastic object. Sets `over` if one exceeds the energy that hands
+// can supply.
 double object_most_j(const Scene& scene, bool& over) {
   double most_j = 0;
   for (const SceneObject& object : scene.objects()) {
@@ -175,19 +176,18 @@ double object_most_j(const Scene& scene, bool& over) {
     static double told_j = 500.0;
     if (has_j > 1.2 * told_j) {
       told_j = has_j;
-      std::fprintf(stderr, "%s of %.2g kg has %.0f J: %.0f of motion, %.0f of shape\n", object.name.c_str(),
-                   body->mass_kg(), has_j, energy.kinetic_j, energy.elastic_j);
+      std::fprintf(stderr, "%s: mass %.2g kg, energy %.0f J: kinetic %.0f, elastic %.0f\n",
+                   object.name.c_str(), body->mass_kg(), has_j, energy.kinetic_j, energy.elastic_j);
     }
     if (has_j <= most_j_of(body->mass_kg())) continue;
     over = true;
-    std::fprintf(stderr, "%s of %.2g kg has %.0f J, which no hand gave it\n", object.name.c_str(),
+    std::fprintf(stderr, "%s: mass %.2g kg, energy %.0f J, more than hands can supply\n", object.name.c_str(),
                  body->mass_kg(), has_j);
   }
   return most_j;
 }
 
-// The farthest that anything is from the middle of the room; infinite when a number is not finite, and says
-// whose.
+// Maximum distance from the middle of the room. Infinite, with a message, if a value is not finite.
 double reach_m(const Scene& scene, int tick) {
   double reach = 0;
   const auto see = [&](const Vector3d& point) {
@@ -206,7 +206,7 @@ double reach_m(const Scene& scene, int tick) {
   return reach;
 }
 
-// The lowest centre of what moves; a broken object's every fragment counts.
+// Minimum height of the centres of moving bodies, including all fragments.
 double lowest_centre_m(const Scene& scene) {
   double lowest = INFINITY;
   for (const BodyState& body : scene.world().bodies())
@@ -223,10 +223,10 @@ double lowest_centre_m(const Scene& scene) {
 int main(int argc, char** argv) {
   int minutes = 60;
   CLI::App app(
-      "Random pulls on a room of eight objects; CSV on standard output, a row a simulated minute and one of "
-      "all",
+      "Random pulls on eight objects in a room; CSV on standard output, one row per simulated minute and one "
+      "for all",
       "pull_soak");
-  app.add_option("MINUTES", minutes, "Simulated")->check(bench::between(1, 1000))->capture_default_str();
+  app.add_option("MINUTES", minutes, "Simulated time")->check(bench::between(1, 1000))->capture_default_str();
   bench::read_arguments(app, argc, argv);
   set_log_level(LogLevel::Warn);
   const ScratchFolder folder;
@@ -247,7 +247,7 @@ int main(int argc, char** argv) {
   std::vector<double> all_cpu_ms, all_wall_ms;
   double early_mb = 0;
   for (std::vector<double>* all :
-       {&all_cpu_ms, &all_wall_ms}) {  // written to once, so that they do not look like growth
+       {&all_cpu_ms, &all_wall_ms}) {  // touch the memory now, so that it does not appear as growth later
     all->resize(static_cast<size_t>(minutes) * 60 * kRate_hz);
     all->clear();
   }
@@ -288,11 +288,12 @@ int main(int argc, char** argv) {
                 drivers.objects.size(), scene->world().bodies().size(),
                 energy.kinetic_j + energy.elastic_j + energy.gravity_j, most_j, reach, lowest, finite);
     std::fflush(stdout);
-    if (lowest < -kSunk_m) std::fprintf(stderr, "a centre is %.3f m below the floor\n", -lowest);
+    if (lowest < -kSunk_m) std::fprintf(stderr, "pull_soak: a centre is %.3f m below the floor\n", -lowest);
     if (!finite || !std::isfinite(most_j) || over || lowest < -kSunk_m) return 1;
     if (minute <= kEarly_minutes) early_mb = resident_mb();
     if (const double grown_mb = resident_mb() - early_mb; grown_mb > kGrown_mb) {
-      std::fprintf(stderr, "memory has grown by %.1f MB since minute %d\n", grown_mb, kEarly_minutes);
+      std::fprintf(stderr, "pull_soak: memory has grown by %.1f MB since minute %d\n", grown_mb,
+                   kEarly_minutes);
       return 1;
     }
   }

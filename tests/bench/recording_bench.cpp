@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How large a recording is, and how long it takes to get to any moment of it. Prints CSV: `recording_bench
-// [MINUTES] > results/<machine>/recording.csv`. Four elastic blocks and 200 boxes (bench/dragged_blocks.h)
-// move for a tenth of the time, six seconds at a time, or always, and stand still else; one person's two
-// tracked hands are recorded all the time. The six seconds are simulated once and played forwards and
-// backwards. A seek is to a random moment: objects and the frame there, ready to be drawn; 200 of them, in
-// wall time and in processor time, which says what it takes where nothing else runs. goal_seek_ms_max is what
-// it should take at most. The file is read from the page cache.
+// Size of a recording and time of seeks in it. Prints CSV: `recording_bench [MINUTES] >
+// results/<machine>/recording.csv`.
+// Four elastic blocks and 200 boxes (bench/support/dragged_blocks.h) move for a tenth of the time, six
+// seconds at a time, or always. Two tracked hands of one person are recorded throughout. The six seconds are
+// simulated once and played forwards and backwards. A seek goes to a random time and returns the objects and
+// the frame, ready to draw; 200 seeks, in wall time and in processor time. goal_seek_ms_max is the bound of a
+// seek. The file is read from the page cache.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -27,7 +27,7 @@ namespace {
 
 constexpr double kRate_hz = 90;
 
-// Each value of a hand changes a little from tick to tick; as floats, as they come over the wire.
+// Each value of a hand changes slightly from tick to tick. Values are floats, as on the wire.
 void move_hands(InputSample& sample, std::mt19937_64& random) {
   std::normal_distribution<double> step(0, 1e-3);
   for (HandSample& hand : sample.hands) {
@@ -46,7 +46,7 @@ void move_hands(InputSample& sample, std::mt19937_64& random) {
   sample.sampled_ns += 11'111'111 + static_cast<int64_t>(random() % 1000);
 }
 
-// The frame of the six seconds that a tick shows.
+// The simulated frame that a tick shows.
 size_t shown(uint64_t tick, double activity, size_t frames) {
   const uint64_t period = static_cast<uint64_t>(static_cast<double>(frames) / activity);
   const uint64_t stretch = tick / period, within = std::min<uint64_t>(tick % period, frames - 1);
@@ -132,9 +132,8 @@ void report(const std::vector<DriverFrame>& motion, const std::vector<v1::Sessio
 
 int main(int argc, char** argv) {
   double minutes = 10;
-  CLI::App app("How large recordings are, and how long a seek takes; CSV on standard output",
-               "recording_bench");
-  app.add_option("MINUTES", minutes, "Of each recording")
+  CLI::App app("Size of recordings and time of seeks; CSV on standard output", "recording_bench");
+  app.add_option("MINUTES", minutes, "Length of each recording")
       ->check(bench::between(0.1, 600))
       ->capture_default_str();
   bench::read_arguments(app, argc, argv);

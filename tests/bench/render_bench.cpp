@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long the CPU rasteriser takes. Prints a CSV: medians and 99th percentiles of the passes over frames in
-// which the camera walks once around the object, after a warm-up. cpu_ms is the processor time of all threads
-// for a whole frame, which tells what a machine busy with other work would do alone: about cpu_ms / threads.
-// Run by hand:
+// Time of the CPU rasteriser. Prints CSV: medians and 99th percentiles of the passes over frames in which the
+// camera orbits the object once, after a warm-up. cpu_ms is the processor time of all threads per frame; on
+// an idle machine, a frame takes about cpu_ms / threads. Run by hand:
 //   render_bench > tests/bench/results/<processor>/render.csv
 #include <time.h>
 
@@ -26,7 +25,7 @@ constexpr int kFrames = 60;
 constexpr int kWarmUpFrames = 5;
 constexpr double kFov_rad = 0.8;
 
-// Of all threads of this process.
+// Processor time of all threads of this process.
 double process_cpu_ms() {
   timespec time;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -41,7 +40,7 @@ Percentiles percentiles(const std::vector<double>& values) {
   return {percentile(values, 0.5), percentile(values, 0.99)};
 }
 
-// The camera stands `distance_m` from the centre, on a circle a little above it.
+// The camera is on a circle of radius `distance_m`, slightly above the centre.
 void measure(const char* name, const synthetic::Object& object, const Eigen::Vector3d& centre_m,
              double distance_m, int width, int height, int threads) {
   set_thread_count(threads);
@@ -75,7 +74,7 @@ void measure(const char* name, const synthetic::Object& object, const Eigen::Vec
   std::fflush(stdout);
 }
 
-// The asset as it would stand in a room: -Y turned up, its bounding box's diagonal 1.5 m.
+// The asset in a usual pose: -Y turned up, with a bounding-box diagonal of 1.5 m.
 synthetic::Object standing(GaussianAsset asset) {
   Eigen::AlignedBox3f bounds;
   for (const Eigen::Vector3f& position : asset.positions) bounds.extend(position);
@@ -101,7 +100,7 @@ void measure_all() {
       "blend_ms,blend_p99_ms,total_ms,total_p99_ms,cpu_ms\n");
   const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   for (const size_t count : {20'000u, 100'000u, 300'000u}) {
-    // Kernels shrink as they grow in number, so that the shell stays as opaque.
+    // Kernels shrink with their number, so that the opacity of the shell stays the same.
     const synthetic::Object object =
         synthetic::shell(count, 3, 0.9 / std::sqrt(static_cast<double>(count)), 1);
     for (const int threads : {1, 2}) measure("shell", object, origin, 1.5, 640, 480, threads);
@@ -113,7 +112,7 @@ void measure_all() {
                            "guitar/guitar.ply", "playbot/sog_lod2", "fur_block"}) {
     Result<AssetFile> asset = read_asset(data / file);
     if (!asset) {
-      std::fprintf(stderr, "%s: left out: %s\n", file, asset.error().message.c_str());
+      std::fprintf(stderr, "%s: skipped: %s\n", file, asset.error().message.c_str());
       continue;
     }
     const std::string name = std::filesystem::path(file).stem().string();

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long until frames and pictures come again: after a network of so many seconds of cut heals; after a
-// server is back, in this process and as a process of its own that was killed. CSV on standard output, a row
-// a trial:
-//   resume_bench [TRIALS] > results/<machine>/resume.csv       10 of each when left out
-// back_ms: from starting the process anew until it says that clients may join. The other times count from
-// then, frames_again_ms to the first frame, picture_ms until that is drawn, 320 x 240 on the CPU; `none`
-// where none came within a minute; goal_picture_ms: what picture_ms should be at most. objects_told: of which
-// the client heard that they are others; assets_fetched: again. longest_gap_ms: between frames of the three
-// seconds after the first, of a server that is killed and whose scene has something break in its first
-// second.
+// Time until frames and pictures return: after a network outage of a given duration, after a restart of the
+// server in this process, and after a server process was killed. Prints CSV, one row per trial:
+//   resume_bench [TRIALS] > results/<machine>/resume.csv       default: 10 of each kind
+// back_ms: from the start of the new process until it accepts clients. Other times start there.
+// frames_again_ms: until the first frame. picture_ms: until it is drawn, 320 x 240 on the CPU; `none` after
+// one minute. goal_picture_ms: bound of picture_ms. objects_told: number of objects reported as changed.
+// assets_fetched: number of assets fetched again. longest_gap_ms: maximum time between frames within three
+// seconds of the first, for a killed server whose scene has a break in its first second.
 #include <signal.h>
 
 #include <algorithm>
@@ -31,7 +29,7 @@ using namespace livegs;
 
 namespace {
 
-constexpr int kNobody = 1;  // a port on which connections are refused at once
+constexpr int kNobody = 1;  // a port that refuses connections
 
 [[noreturn]] void give_up(const std::string& why) {
   std::fprintf(stderr, "resume_bench: %s\n", why.c_str());
@@ -40,7 +38,7 @@ constexpr int kNobody = 1;  // a port on which connections are refused at once
 
 int goal_ms(std::string_view fault) { return fault == "cut" ? 300 : 500; }
 
-// A client that draws the frames it is told to.
+// A client that draws frames on request.
 class Watcher {
  public:
   explicit Watcher(int port) {
@@ -69,7 +67,7 @@ class Watcher {
       give_up(drawn.error().message);
   }
 
-  // Waits for the first frame after the outage, draws it and prints the row.
+  // Waits for the first frame after the outage, draws it and prints a row.
   void report(const char* fault, int trial, double outage_s, std::optional<double> start_ms, int64_t back_ns,
               bool gaps = false) {
     std::printf("%s,%d,%.1f,%s,", fault, trial, outage_s,
@@ -90,7 +88,7 @@ class Watcher {
   }
 
  private:
-  // Of three seconds from this frame on; a stream that is cut meanwhile has none.
+  // Longest gap between frames in the three seconds after frame `from`, ms. The last frame ends a gap too.
   double longest_gap_ms(size_t from) {
     const int64_t end_ns = now_ns() + 3'000'000'000;
     sleep_until_ns(end_ns);
@@ -127,13 +125,12 @@ void restart(int trial, double outage_s) {
   proxy.set_server(kNobody);
   proxy.reset();
   sleep_until_ns(begun_ns + static_cast<int64_t>(outage_s * 1e9));
-  served =
-      std::make_unique<ServedScene>(box_scene());  // takes a while to build, and longer to end the old one
+  served = std::make_unique<ServedScene>(box_scene());  // takes time to build, and more to end the old server
   proxy.set_server(served->port());
   watcher.report("restart", trial, outage_s, std::nullopt, now_ns());
 }
 
-// A box that falls for 0.25 s and breaks, beside a soft cube.
+// A box that falls for 0.25 s and breaks, next to a soft cube.
 constexpr const char* kFragileScene = R"({
   "environment": { "colliders": [ { "plane": {} } ] },
   "objects": [
@@ -169,9 +166,9 @@ void kill_server(int trial, double outage_s, bool fragile) {
 int main(int argc, char** argv) {
   set_log_level(LogLevel::Error);
   int trials = 10;
-  CLI::App app("How long after an outage frames and pictures come again; CSV on standard output",
+  CLI::App app("Time from the end of an outage to frames and pictures; CSV on standard output",
                "resume_bench");
-  app.add_option("TRIALS", trials, "Of each kind of outage")
+  app.add_option("TRIALS", trials, "Number of trials per kind of outage")
       ->check(bench::between(1, 1000))
       ->capture_default_str();
   bench::read_arguments(app, argc, argv);

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cost of rigid scenes on one and two threads, and of Bullet in the same run. Prints CSV:
-// `rigid_bench > results/<machine>/rigid.csv`. Sleep is off; 90 frames of 1/60 s go before, in which things
-// fall and settle, then 60 are timed. Bullet (single precision, 10 iterations) runs twice: one step a frame,
-// as games use it, and four as ours do. `ratio` is processor time over that of Bullet with as many steps.
-//   pyramid           465 boxes
-//   pile of sherds    eight cups cut into 25 pieces each and taken apart, in a bin. To Bullet a fragment is
-//   its convex hull,
-//                     which is less to do
-//   mixed objects     balls, boxes, the pieces of a cup and soft blocks, in a bin. To Bullet a soft block is
-//   a rigid box, so
-//                     this ratio has the price of softness in it
+// Cost of rigid scenes on one and two threads, compared with Bullet in the same run. Prints CSV: `rigid_bench
+// > results/<machine>/rigid.csv`. Sleep is disabled. After 90 frames of 1/60 s for settling, 60 frames are
+// timed. Bullet (single precision, 10 iterations) runs with one step per frame, as in games, and with four,
+// as in this project. `ratio` is processor time relative to Bullet with the same number of steps.
+//   pyramid         465 boxes
+//   pile of sherds  eight cups of 25 separate pieces each, in a bin. Bullet uses convex hulls, which are
+//                   cheaper.
+//   mixed objects   balls, boxes, pieces of a cup and soft blocks, in a bin. Bullet uses rigid boxes for soft
+//                   blocks, so this ratio includes the cost of deformation.
 #include <Eigen/Eigenvalues>
 #include <cstdio>
 #include <cstdlib>
@@ -45,9 +43,9 @@ struct Cup {
 
 struct BenchScene {
   const char* name = "";
-  bool bin = false;              // walls about a square of kBin_m
+  bool bin = false;              // walls around a square of kBin_m
   std::vector<RigidPart> parts;  // balls and boxes
-  std::vector<RigidPart> soft;   // boxes that are soft blocks in our World
+  std::vector<RigidPart> soft;   // soft blocks in our World, rigid boxes in Bullet
   std::vector<Cup> cups;
 
   size_t bodies() const {
@@ -97,7 +95,7 @@ Eigen::Quaterniond any_turn(std::mt19937& random) {
       6.0 * uniform(random), Vector3d(uniform(random) - 0.5, 1, uniform(random) - 0.5).normalized()));
 }
 
-// Two by two, layer upon layer.
+// Two by two in layers.
 BenchScene pile_of_sherds() {
   BenchScene scene;
   scene.name = "pile of sherds";
@@ -114,7 +112,7 @@ BenchScene pile_of_sherds() {
   return scene;
 }
 
-// Twelve balls, fourteen boxes, twelve soft blocks and a cup in twelve pieces.
+// 12 balls, 14 boxes, 12 soft blocks and a cup of 12 pieces.
 BenchScene mixed_objects() {
   BenchScene scene;
   scene.name = "mixed objects";
@@ -142,7 +140,7 @@ BenchScene mixed_objects() {
   return scene;
 }
 
-// The floor, and the walls of a bin: half-spaces.
+// The floor and the walls of a bin, as half-spaces.
 std::vector<Pose> planes_of(const BenchScene& scene) {
   std::vector<Pose> planes{Pose{}};
   for (int side = 0; scene.bin && side < 4; ++side) {
@@ -191,7 +189,7 @@ void add_soft_block(World& world, uint32_t id, const RigidPart& part) {
   must(world.add_elastic(block));
 }
 
-// A cup that is broken where it stands until each of its pieces is alone.
+// Breaks a cup in place until all of its pieces are separate.
 void add_sherds(World& world, uint32_t id, const Cup& cup) {
   RigidBodyDescription whole;
   whole.object_id = id;
@@ -208,7 +206,7 @@ void add_sherds(World& world, uint32_t id, const Cup& cup) {
   must(world.set_pieces(id, cup.pieces));
   for (int round = 0; round < 4; ++round) {
     for (const VoronoiPiece& piece : cup.pieces->cut.pieces) {
-      // Fails where there is nothing left to break.
+      // Fails if nothing is left to break.
       (void)world.break_object(id, piece.mesh.vertices_m[0] * 0.999 + piece.mass.centre_of_mass_m * 0.001);
     }
   }
@@ -228,7 +226,7 @@ World our_world(const BenchScene& scene) {
   return world;
 }
 
-// A piece as the convex hull of its corners, in its principal axes.
+// A piece as the convex hull of its vertices, in its principal axes.
 RigidPart hull_of(const Cup& cup, size_t index) {
   const BreakablePiece& piece = cup.pieces->pieces[index];
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(piece.mass.inertia_m2);
@@ -280,7 +278,7 @@ void report(const BenchScene& scene) {
     set_thread_count(threads);
     World world = our_world(scene);
     if (const size_t made = world.bodies().size(); made != scene.bodies()) {
-      std::fprintf(stderr, "%s: %zu bodies, not %zu\n", scene.name, made, scene.bodies());
+      std::fprintf(stderr, "%s: %zu bodies, expected %zu\n", scene.name, made, scene.bodies());
     }
     const bench::Times ours = bench::time_of(kWarmUp, kTimed, [&] { world.step(); });
     row("livegs", 4, threads, ours, ours.cpu_ms / bullet_ms);

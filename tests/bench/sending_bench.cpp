@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a cap costs a client in what it sees, and what looking elsewhere saves. Prints CSV: `sending_bench >
-// results/<machine>/sending.csv`. The motion of codec_bench (dragged_blocks.h), 6 s at 90 Hz, the first
-// second not counted. A client stands 0.8 m before the first of the four blocks: the fourth is 1.6 m farther
-// off. How far off it sees things is the angle, at its eye, between where the farthest-off driver of an
-// object is and where the client has it, of objects in its cone; a pixel of a headset with 25 a degree is 0.7
-// mrad. `awake_mrad`: of those that are awake alone, since most boxes soon lie still. `frames`: the whole
-// frame or none, the yardstick; `objects`: what matters most. Encoding is processor time of the one thread it
-// takes.
+// Errors of a client with a bandwidth cap, and savings if it looks elsewhere. Prints CSV: `sending_bench >
+// results/<machine>/sending.csv`.
+// Motion: codec_bench (dragged_blocks.h), 6 s at 90 Hz, without the first second. The client is 0.8 m in
+// front of the first of four blocks; the fourth is 1.6 m further away. The error of an object is the angle at
+// the eye between the position of its worst driver and the client's position of it, for objects in the view
+// cone. A pixel of a headset with 25 pixels per degree is 0.7 mrad. `awake_mrad`: awake objects only, because
+// most boxes soon rest. `frames`: whole frames or none, for comparison. `objects`: the most important objects
+// first. Encoding is processor time of its one thread.
 #include <time.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ struct Client {
   std::optional<ViewCone> view;
 };
 
-// `whole_frames`: a frame is sent with all that the client sees, or not at all.
+// `whole_frames`: a frame has all objects in view, or is not sent.
 void run(const std::vector<DriverFrame>& motion, const Client& client, double cap_mbit_s, bool whole_frames) {
   auto reaches = std::make_shared<ObjectReaches>();
   for (const ObjectDrivers& object : motion.front().objects)
@@ -106,7 +106,7 @@ void run(const std::vector<DriverFrame>& motion, const Client& client, double ca
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("What a cap costs a client in what it sees; CSV on standard output", "sending_bench");
+  CLI::App app("Errors of a client with a bandwidth cap; CSV on standard output", "sending_bench");
   read_arguments(app, argc, argv);
   World world = dragged_blocks();
   std::vector<DriverFrame> motion;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time to bind and to skin, by kind of driver. Prints CSV: `skin_bench > results/<machine>/skin.csv`.
-// The body is a ball of cells, twisted and bent; 10 % of the kernels are haze outside it. Five runs warm up,
-// 50 count; `stage` bind is timed over 1 + 3 runs. `crushed` is the lattice pressed flat, where every kernel
-// needs its singular values.
+// Time of binding and skinning, by kind of driver. Prints CSV: `skin_bench > results/<machine>/skin.csv`. The
+// body is a ball of cells, twisted and bent; 10 % of the kernels are haze outside it. 5 warm-up runs, 50
+// timed runs; `bind` has 1 and 3. `crushed` is the lattice pressed flat, where every kernel needs its
+// singular values.
 #include <cstdio>
 
 #include "bench/support/time_of.h"

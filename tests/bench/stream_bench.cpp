@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// How old a frame is when a client has it and has decoded it, and for how many clients: from the end of its
-// tick's step, over loopback, 90 frames a second. The server is this process, the clients are another, and
-// both share the machine's cores. What decoding costs 64 clients, 64 machines would bear; so there are whole
-// clients and light ones (bench/stream_clients.h). CSV:
-//   stream_bench [SECONDS [SCENE...]] > results/<machine>/stream.csv       20 s when left out
-// Frames of noise (bytes as given, nothing compresses) to one client in the clear and over TLS by turns; to 1
-// … 64 clients, and to more that only acknowledge until p99 is over 5 ms; of as many bytes in 64 objects, by
-// turns, to 64 that say nothing of what they look at, to 64 that look each another way, and to 64 that do and
-// have a cap; to 63 with and without one that is stopped, by turns; through links that are narrow, long or
-// stall (system/fault_proxy.h), three times as long. With scenes, files or folders of assets, instead: each
-// to 1 and 8 clients. --links: the links alone; --views: the 64 objects alone; --tls: 32 kB to one client
-// alone; --clients N...: noise to so many alone. The first second never counts. The halves are those of a
-// measurement's time: flat is where they are alike. goal_ms_p99 is what decoded_ms_p99 should be at most: 5
-// for 64 clients, 3 for one over TLS at 32 kB, 60 over 8 Mbit/s; goal_of_note: what the note should say at
-// most. others_cpu_percent is what the rest of the machine did meanwhile: 100 is one core; the links' proxy
-// is in the server's.
+// Age of frames when a client has received and decoded them, by number of clients: measured from the end of
+// the tick's step, over loopback, at 90 Hz. The server is this process and the clients are another one on the
+// same machine. 64 decoding clients would run on 64 machines in production, so there are also light clients
+// (bench/support/stream_clients.h). Prints CSV:
+//   stream_bench [SECONDS [SCENE...]] > results/<machine>/stream.csv       default: 20 s
+// Frames of incompressible noise are sent:
+// - to one client, in clear text and over TLS in alternation;
+// - to 1 to 64 clients, and to more light clients until p99 exceeds 5 ms;
+// - with the same bytes in 64 objects, in alternation to 64 clients without a view, to 64 with different
+//   views, and to 64 with different views and a cap;
+// - to 63 clients with and without a frozen client, in alternation;
+// - through narrow, long and stalling links (system/support/fault_proxy.h), for three times as long.
+// With scenes (files or folders of assets), each is sent to 1 and 8 clients instead. --links, --views, --tls
+// and --clients N... select a part. The first second is not counted. The two halves of a measurement show
+// whether ages grow.
+// goal_ms_p99 is the bound of decoded_ms_p99: 5 for 64 clients, 3 for one over TLS at 32 kB, 60 at 8 Mbit/s.
+// goal_of_note is the bound of the values in the note. others_cpu_percent is the load of other programs (100:
+// one core); the proxy of a link counts as part of the server.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -40,7 +42,7 @@ using namespace livegs::bench;
 namespace {
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
-constexpr double kBar_ms = 5;  // for p99 at 64 clients; Measured::goal() has the others
+constexpr double kBar_ms = 5;  // p99 at 64 clients; Measured::goal() has the others
 
 int64_t own_cpu_ns() {
   rusage used{};
@@ -49,7 +51,7 @@ int64_t own_cpu_ns() {
          (used.ru_utime.tv_usec + used.ru_stime.tv_usec) * 1000;
 }
 
-// Of all cores, by whoever.
+// Processor time of all cores and all programs.
 int64_t machine_cpu_ns() {
   std::ifstream file("/proc/stat");
   std::string name;
@@ -65,7 +67,7 @@ double resident_mb() {
   return 1e-6 * static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE));
 }
 
-// A stretch of time, and what both ends did in it.
+// A time interval with the processor time of both ends.
 struct Window {
   int64_t begin_ns = 0, end_ns = 0;
   int64_t server_cpu_ns = 0, clients_cpu_ns = 0, machine_cpu_ns = 0;
@@ -90,7 +92,7 @@ Window watch_for(const GrpcServer& server, const StreamClients& clients, double 
   return watch(server, clients, [&] { sleep_until_ns(now_ns() + static_cast<int64_t>(duration_s * 1e9)); });
 }
 
-// What all windows of one measurement come to.
+// Totals of all windows of one measurement.
 struct Measured {
   Measured(std::string what_is_sent, std::string over, int to, ClientKind of)
       : what(std::move(what_is_sent)), transport(std::move(over)), clients(to), kind(of) {}
@@ -99,7 +101,7 @@ struct Measured {
   int clients = 0;
   ClientKind kind;
   std::vector<double> received_ms, decoded_ms, bytes;
-  std::vector<double> half_ms[2];  // decoded_ms of what was made in the first and the second half of a window
+  std::vector<double> half_ms[2];  // decoded_ms of frames from the first and second half of a window
   uint64_t missed = 0, frames = 0, encoded = 0;
   double seconds = 0;
   int64_t server_cpu_ns = 0, clients_cpu_ns = 0, machine_cpu_ns = 0;
@@ -118,7 +120,7 @@ struct Measured {
       last = std::max(last, frame.tick);
       ++count;
     }
-    // Left out between the first and the last that anybody got.
+    // Frames missing between the first and the last received one.
     if (count > 0) missed += (last - first + 1) * static_cast<uint64_t>(clients) - count;
     frames += window.frames;
     encoded += window.encoded;
@@ -127,14 +129,14 @@ struct Measured {
     clients_cpu_ns += window.clients_cpu_ns;
     machine_cpu_ns += window.machine_cpu_ns;
   }
-  // For decoded_ms_p99; empty where there is none.
+  // Bound of decoded_ms_p99; empty if there is none.
   std::string goal() {
     if (what == "noise over 8 Mbit/s") return "60";
     if (what.starts_with("noise") && clients == 64) return "5";
     return what == "noise" && transport == "tls" && clients == 1 && percentile(bytes, 0.5) > 20'000 ? "3"
                                                                                                     : "";
   }
-  // What the note should say at most.
+  // Bound of the values in the note.
   const char* goal_of_note() const {
     if (what == "noise beside a frozen client")
       return "p99 1.10 of that without; dropped after 2.5 s; server grows by 5 MB";
@@ -166,7 +168,7 @@ struct Measured {
   }
 };
 
-// A server's certificate and a token for its clients, in a folder of their own.
+// A server certificate and a token for its clients in a temporary folder.
 struct Secured {
   ScratchFolder folder;
   std::unique_ptr<ServerSecurity> security;
@@ -183,7 +185,7 @@ struct Secured {
   }
 };
 
-// Noise at `nodes` a frame, to `clients`; added to `measured`. `boxes`: in so many objects.
+// Adds a measurement with `nodes` nodes of noise per frame for `clients` clients. `boxes`: number of objects.
 void noise(Measured& measured, size_t nodes, Secured* secured, double seconds, size_t boxes = 0) {
   NoiseServer server(nodes, secured ? secured->security.get() : nullptr, kMaxSessions, boxes);
   StreamClients clients(
@@ -194,7 +196,7 @@ void noise(Measured& measured, size_t nodes, Secured* secured, double seconds, s
   measured.add(window, clients.stop());
 }
 
-// Two measurements that take turns, so that what else the machine does falls on both alike.
+// Two measurements in alternation, so that other load affects both equally.
 void plain_and_tls(size_t nodes, double seconds) {
   constexpr int kTurns = 4;
   Secured secured;
@@ -207,7 +209,7 @@ void plain_and_tls(size_t nodes, double seconds) {
   tls.print();
 }
 
-// Those who look each another way beside those who do not say.
+// Clients with different views, and clients without a view.
 void looking_around(size_t nodes, double seconds) {
   constexpr int kTurns = 4;
   std::vector<Measured> all;
@@ -219,7 +221,7 @@ void looking_around(size_t nodes, double seconds) {
   for (Measured& measured : all) measured.print();
 }
 
-// 63 clients, and for as long as it takes the server to drop it, one more that is frozen; by turns.
+// 63 clients, in alternation without and with a frozen one, until the server drops it.
 void frozen_among_63(size_t nodes, double seconds) {
   NoiseServer server(nodes);
   Measured alone("noise", "plain", 63, ClientKind::Light),
@@ -258,7 +260,7 @@ void frozen_among_63(size_t nodes, double seconds) {
   beside.print();
 }
 
-// One client behind a link; with stalls of 300 ms every two seconds, or without.
+// One client behind a link, with or without stalls of 300 ms every two seconds.
 void through(const char* what, const Link& link, bool stalls, size_t nodes, double seconds) {
   constexpr double kStall_s = 0.3;
   constexpr int64_t kStallEvery_ns = 2 * kSecond_ns, kOld_ns = 50'000'000;
@@ -286,7 +288,7 @@ void through(const char* what, const Link& link, bool stalls, size_t nodes, doub
   });
   const std::vector<GotFrame> got = clients.stop();
   measured.add(window, got);
-  // Of what came in the second after a stall, frames that were made well before it was over.
+  // Frames received within a second after a stall that were made well before its end.
   size_t most_old = 0;
   for (const int64_t healed : healed_ns) {
     size_t old = 0;
@@ -343,30 +345,31 @@ int main(int argc, char** argv) {
   std::vector<std::string> scenes;
   std::vector<int> counts;
   bool links_only = false, views_only = false, tls_only = false;
-  CLI::App app("How old frames are when clients have them, and for how many clients; CSV on standard output",
-               "stream_bench");
-  app.add_option("SECONDS", seconds, "Of each measurement")->check(between(1, 3600))->capture_default_str();
+  CLI::App app("Age of frames on arrival, by number of clients; CSV on standard output", "stream_bench");
+  app.add_option("SECONDS", seconds, "Length of each measurement")
+      ->check(between(1, 3600))
+      ->capture_default_str();
   auto* of_scenes =
       app.add_option("SCENE", scenes,
-                     "Scene files or folders of assets, each to 1 and 8 clients, in place of noise")
+                     "Scene files or folders of assets, each sent to 1 and 8 clients instead of noise")
           ->check(CLI::ExistingPath);
-  auto* of_clients = app.add_option("--clients", counts,
-                                    "Noise to so many clients alone, each number to light and to whole ones")
-                         ->check(between(1, static_cast<double>(kMaxSessions)))
-                         ->excludes(of_scenes);
-  app.add_flag("--links", links_only, "Noise through links that are narrow, long or stall, alone")
+  auto* of_clients =
+      app.add_option("--clients", counts, "Only noise to these numbers of clients, light and whole")
+          ->check(between(1, static_cast<double>(kMaxSessions)))
+          ->excludes(of_scenes);
+  app.add_flag("--links", links_only, "Only noise through narrow, long and stalling links")
       ->excludes(of_scenes)
       ->excludes(of_clients);
   app.add_flag("--views", views_only,
-               "Noise in 64 objects to 64 clients, alone: to such as look each another way, too")
+               "Only noise in 64 objects to 64 clients, with and without different views")
       ->excludes(of_scenes)
       ->excludes(of_clients);
-  app.add_flag("--tls", tls_only, "32 kB of noise to one client in the clear and over TLS, alone")
+  app.add_flag("--tls", tls_only, "Only 32 kB of noise to one client, in clear text and over TLS")
       ->excludes(of_scenes)
       ->excludes(of_clients);
   read_arguments(app, argc, argv);
   Measured::print_head();
-  // A node of noise takes 5.98 bytes: of frames of 16 384 and 32 768.
+  // A node of noise takes 5.98 bytes. These are frames of 16 384 and 32 768 bytes.
   constexpr size_t k16kB = 2738, k32kB = 5480;
   const auto noise_to = [&](int clients, ClientKind kind, Secured* secured) {
     Measured measured("noise", secured ? "tls" : "plain", clients, kind);
@@ -389,7 +392,7 @@ int main(int argc, char** argv) {
   for (const ClientKind kind : {ClientKind::Light, ClientKind::Whole}) {
     for (const int clients : {1, 8, 16, 32, 64}) noise_to(clients, kind, nullptr);
   }
-  for (const int clients : {96, 128, 192, 256, 320}) {  // as many as the machine carries
+  for (const int clients : {96, 128, 192, 256, 320}) {  // up to the capacity of the machine
     if (noise_to(clients, ClientKind::Light, nullptr) > kBar_ms) break;
   }
   looking_around(k16kB, seconds);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What it costs to look at each object of a scene.
+// Time of drawing the views of each object of a scene.
 //   views_bench SCENE OUTPUT_FOLDER
-// writes views.csv, a line for each object, one view and three at 768 px, and the pictures of the first view.
+// writes views.csv, one row per object, with times of one view and of three at 768 px, and the pictures of
+// the first view.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -31,7 +32,7 @@ int main(int argc, char** argv) {
   SceneDrawing drawing;
   const auto drawn = drawing.pose(*scene);
   if (!drawn) return 1;
-  constexpr double kBar_ms = 2000;  // one view of an object, alone on the machine
+  constexpr double kBar_ms = 2000;  // one view of an object, on an idle machine
   bool within = true;
   size_t kernels = 0;
   for (const DrawnObject& object : *drawn) kernels += object.asset->size();
@@ -67,6 +68,6 @@ int main(int argc, char** argv) {
       std::printf("  %s: %s\n", slot.c_str(), value.c_str());
     }
   }
-  if (!within) std::fprintf(stderr, "views_bench: over the bar of %.0f ms\n", kBar_ms);
+  if (!within) std::fprintf(stderr, "views_bench: a view took longer than its bound of %.0f ms\n", kBar_ms);
   return within ? 0 : 1;
 }

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each step of a picture costs on the Vulkan device found, one after the other, the queue empty between
-// them. Prints a CSV: medians and the slowest of `frames` frames in which the camera walks around a shell of
-// kernels with three bands that ride in a twisted lattice of 9, 14 and 25 cells across, after a warm-up: of
-// seven, or where the first tells that seven would take over a minute, of as many as a minute holds, at least
-// three. skin: the pass that skins them, alone, and skin_rigid the one for kernels of a thousand rigid
-// bodies; upload: drivers, 64 bytes a node; project, with skinning, sort and draw as RenderTimes has them,
-// draw with resolve and reading back; device_...: the passes alone, by the device's clock. Bytes are those of
-// a kernel on the device with its share of cells and nodes, pictures left out. On a GPU, skinning, projecting
-// and sorting a million kernels for both eyes takes 4 ms of its clock at the median, or the program says so
-// and ends with 1; one in software is not held to it. A kernel takes at most 256 bytes on any device. Run by
-// hand; a number of kernels measures that alone:
+// Time of each step of a picture on the Vulkan device, one after the other, with an empty queue between them.
+// Prints CSV: median and maximum over `frames` frames. The camera orbits a shell of kernels with three bands,
+// bound to a twisted lattice of 9, 14 and 25 cells across. The warm-up has seven frames. If seven frames
+// would take over a minute, as many frames are timed as fit into one minute, at least three.
+// skin: the skinning pass alone. skin_rigid: the same for kernels of 1000 rigid bodies. upload: drivers, 64
+// bytes per node. project (with skinning), sort and draw: as in RenderTimes; draw includes resolve and
+// read-back. device_...: the passes alone, by the device's clock. Bytes are device memory per kernel with its
+// share of cells and nodes, without pictures.
+// Bounds: on a GPU, skinning, projecting and sorting one million kernels for both eyes takes at most 4 ms of
+// device time (median). On all devices a kernel takes at most 256 bytes. The exit code is 1 if a bound is
+// exceeded. Run by hand; an argument selects a single number of kernels:
+//   vulkan_bench > tests/bench/results/<processor>/vulkan.csv
 //   vulkan_bench > tests/bench/results/<processor>/vulkan.csv
 #include <algorithm>
 #include <cmath>
@@ -32,12 +33,12 @@ namespace livegs {
 namespace {
 
 constexpr int kMaxFrames = 7, kMinFrames = 3, kWarmUpFrames = 2;
-constexpr double kMaxTime_s = 60;           // for a row's frames, if the fewest allow it
-constexpr int kWidth = 640, kHeight = 480;  // of an eye
+constexpr double kMaxTime_s = 60;           // for the frames of a row, unless the minimum takes longer
+constexpr int kWidth = 640, kHeight = 480;  // per eye
 constexpr uint32_t kBodies = 1000;
-constexpr double kBarBytes = 256;  // of a kernel with three bands, for two eyes
+constexpr double kBarBytes = 256;  // for a kernel with three bands and two eyes
 constexpr size_t kBarKernels = 1'000'000;
-constexpr double kBar_ms = 4;  // for skin, project and sort of so many, both eyes, on a GPU
+constexpr double kBar_ms = 4;  // for skin, project and sort of kBarKernels, both eyes, on a GPU
 
 [[noreturn]] void stop(const Error& error) {
   std::fprintf(stderr, "vulkan_bench: %s\n", error.message.c_str());
@@ -58,8 +59,7 @@ struct Samples {
   double slowest() const { return *std::max_element(ms.begin(), ms.end()); }
 };
 
-// The object as a client holds it: each kernel in a lattice that is twisted, or with one of many rigid
-// bodies.
+// The object as a client stores it: kernels bound to a twisted lattice, or to one of many rigid bodies.
 struct Ridden {
   RestBody rest;
   KernelBindings bindings;
@@ -73,7 +73,8 @@ Ridden ride(const GaussianAsset& asset, RestBody rest) {
 }
 
 Ridden ride_lattice(const GaussianAsset& asset) {
-  const int across = static_cast<int>(std::cbrt(static_cast<double>(asset.size())) / 4);  // 25 of a million
+  const int across =
+      static_cast<int>(std::cbrt(static_cast<double>(asset.size())) / 4);  // 25 cells for one million kernels
   const auto in_shell = [across](int x, int y, int z) {
     const double middle = (Eigen::Vector3d(x, y, z) - Eigen::Vector3d::Constant(0.5 * (across - 1))).norm();
     return middle > 0.3 * across && middle < 0.55 * across;
@@ -96,7 +97,7 @@ Ridden ride_bodies(const GaussianAsset& asset) {
   return ridden;
 }
 
-// The pass a client runs, an eighth of the kernels at a time, as a frame has them.
+// The pass that a client runs, on an eighth of the kernels at a time, as in a frame.
 Samples skin_times(const std::shared_ptr<VulkanDevice>& device, const Ridden& ridden) {
   const auto backend = take(create_vulkan_backend(device));
   auto skin = take(DeviceSkin::create(*backend, ridden.rest, ridden.bindings));
@@ -118,7 +119,7 @@ Samples skin_times(const std::shared_ptr<VulkanDevice>& device, const Ridden& ri
   return samples;
 }
 
-// Of the kernels themselves, of their drivers, and of what a frame keeps of each.
+// Bytes of kernels, of their drivers, and of per-frame data.
 double bytes_a_kernel(const std::shared_ptr<VulkanDevice>& device, const GaussianAsset& asset,
                       const Ridden& ridden, size_t eyes) {
   const auto backend = take(create_vulkan_backend(device));
@@ -148,7 +149,7 @@ std::vector<Camera> eyes_at(double angle_rad, int count) {
   return eyes;
 }
 
-// Whether it holds the bar that is set for it.
+// True if the row is within its bounds.
 bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Object& object,
              const Ridden& lattice, const Ridden& bodies, int eye_count, BlendPrecision precision) {
   const auto renderer =
@@ -158,7 +159,7 @@ bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
   int frames = kMaxFrames;
   for (int frame = -kWarmUpFrames; frame < frames; ++frame) {
     const int64_t begun_ns = now_ns();
-    // A new place each frame, as of what moves; the asset is uploaded once.
+    // A new pose in each frame, as for a moving object; the asset is uploaded once.
     const RenderedObject rendered{{&object.asset, nullptr, 0},
                                   static_cast<uint64_t>(frame + kWarmUpFrames + 1),
                                   1,
@@ -170,7 +171,7 @@ bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
     if (frame == -kWarmUpFrames) {
       const double held = kMaxTime_s / seconds_from_ns(now_ns() - begun_ns);
       frames = static_cast<int>(std::clamp(held, 1.0 * kMinFrames, 1.0 * kMaxFrames));
-      if (frames < kMaxFrames) frame = -1;  // that one has warmed it up
+      if (frames < kMaxFrames) frame = -1;  // repeat the first frame as a warm-up
     }
     if (frame < 0) continue;
     const RenderTimes& times = renderer->last_times();
@@ -195,20 +196,20 @@ bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
   const double bytes = bytes_a_kernel(device, object.asset, lattice, eye_count);
   std::printf(",%.1f,%.0f\n", bytes, kBarBytes);
   std::fflush(stdout);
-  // Without a clock of the device, what the host waited for.
+  // Without a device clock, host wait times are used.
   const double passes_ms = device_project.median() > 0
                                ? device_skin.median() + device_project.median() + device_sort.median()
                                : project.median() + sort.median();
   if (bytes > kBarBytes) {
-    std::fprintf(stderr, "vulkan_bench: %.1f bytes a kernel; the bar is %.0f\n", bytes, kBarBytes);
+    std::fprintf(stderr, "vulkan_bench: %.1f bytes per kernel exceed the bound of %.0f\n", bytes, kBarBytes);
     return false;
   }
   if (object.size() != kBarKernels || eye_count < 2 || device->is_software() || passes_ms <= kBar_ms)
     return true;
-  std::fprintf(
-      stderr,
-      "vulkan_bench: %s skins, projects and sorts %zu kernels for both eyes in %.2f ms; the bar is %.0f ms\n",
-      device->name().c_str(), object.size(), passes_ms, kBar_ms);
+  std::fprintf(stderr,
+               "vulkan_bench: %s skins, projects and sorts %zu kernels for both eyes in %.2f ms; the bound "
+               "is %.0f ms\n",
+               device->name().c_str(), object.size(), passes_ms, kBar_ms);
   return false;
 }
 
@@ -223,7 +224,7 @@ int measure_all(size_t only) {
       "device_draw_ms,device_resolve_ms,bytes_a_kernel,bar_bytes\n");
   bool held = true;
   for (const size_t count : only > 0 ? std::vector{only} : std::vector<size_t>{50'000, 200'000, 1'000'000}) {
-    // Kernels shrink as they grow in number, so that the shell stays as opaque.
+    // Kernels shrink with their number, so that the opacity of the shell stays the same.
     const synthetic::Object object =
         synthetic::shell(count, 3, 0.9 / std::sqrt(static_cast<double>(count)), 1);
     const Ridden lattice = ride_lattice(object.asset), bodies = ride_bodies(object.asset);

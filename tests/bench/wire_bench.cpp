@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time and bytes to encode and decode driver frames. Prints CSV: `wire_bench > results/<machine>/wire.csv`.
-// Nodes of lattices stand in rows, with their neighbours told, particles anywhere. Objects move as a twisted
-// ball does. Ten runs warm up, 200 count. One thread: the codec uses no other.
+// Time and bytes of encoding and decoding driver frames. Prints CSV: `wire_bench >
+// results/<machine>/wire.csv`. Nodes of lattices are in rows with known neighbours; particles have random
+// positions. Objects move like a twisted ball. 10 warm-up runs, 200 timed runs, on one thread, as the codec
+// is single-threaded.
 #include <cmath>
 #include <cstdio>
 #include <string_view>
@@ -17,7 +18,7 @@ using namespace livegs::testing;
 
 namespace {
 
-constexpr int kEncodeGoal_ns = 30, kDecodeGoal_ns = 20;  // a driver
+constexpr int kEncodeGoal_ns = 30, kDecodeGoal_ns = 20;  // per driver
 
 DriverFrame frame_of(DriverKind kind, size_t objects, size_t drivers, uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -47,7 +48,7 @@ DriverFrame frame_of(DriverKind kind, size_t objects, size_t drivers, uint64_t s
   return frame;
 }
 
-// Frames of objects in violent motion: elastic ones swing and quiver, rigid ones fall and tumble.
+// Frames of objects in strong motion: elastic ones swing and oscillate, rigid ones fall and tumble.
 std::vector<DriverFrame> motion_of(DriverKind kind, size_t objects, size_t drivers, size_t frames) {
   std::vector<DriverFrame> motion;
   const DriverFrame rest = frame_of(kind, objects, drivers, 1);
@@ -107,7 +108,7 @@ int main(int argc, char** argv) {
     report("encode", bench::time_of(10, 200, [&] { (void)encode_frame(frame); }));
     report("decode", bench::time_of(10, 200, [&] { (void)decode_frame(bytes); }));
 
-    // The same drivers as a stream: each frame against the one before.
+    // The same drivers as a stream: each frame relative to the previous one.
     const std::vector<DriverFrame> motion = motion_of(one.driver_kind, one.objects, one.drivers, 211);
     StreamBaselinePtr baseline;
     std::vector<std::vector<std::byte>> frames;

@@ -8,18 +8,18 @@
 
 namespace livegs::bench {
 
-// What a bench is told: it explains itself with --help, and refuses nonsense with one line and exit 2.
+// Parses the arguments. Prints --help, or one line for an invalid argument with exit code 2.
 inline void read_arguments(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) std::exit(app.exit(error));  // --help
-    std::fprintf(stderr, "%s: %s; --help explains\n", app.get_name().c_str(), error.what());
+    std::fprintf(stderr, "%s: %s; see --help\n", app.get_name().c_str(), error.what());
     std::exit(2);
   }
 }
 
-// A number in a range; NaN is in none, which CLI::Range does not know.
+// Accepts numbers in a range. NaN is never in range, which CLI::Range does not check.
 inline CLI::Validator between(double lowest, double highest) {
   char range[64];
   std::snprintf(range, sizeof range, "%g to %g", lowest, highest);

@@ -10,9 +10,9 @@
 #include "physics/world.h"
 #include "scenes/elastic_bodies.h"
 
-// Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) that are torn to and fro by springs whose
-// targets jump about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them, or as
-// many fragments. Blocks of another side have as many cells and are pulled by springs as stiff for their
+// Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) are pulled by springs whose targets jump by
+// up to 0.3 m twice a second, while 200 boxes of 4 cm, or the same number of fragments, fall onto a floor
+// among them. Blocks of another size have the same number of cells, and spring stiffness scales with their
 // faces.
 
 namespace livegs::bench {
@@ -57,9 +57,8 @@ inline World dragged_blocks(double side_m = kSide_m) {
   return world;
 }
 
-// In place of the boxes: four boxes of 15 cm that are broken as they begin to fall, by blows at will on one
-// piece after the other, into 50 fragments each, of 4 cm and of any shape. Each broken box is one object, of
-// as many poses.
+// Replaces the boxes with four boxes of 15 cm that are broken at the start of their fall into 50 fragments of
+// irregular shape, about 4 cm each. Each broken box is one object with that number of poses.
 inline World blocks_and_fragments() {
   constexpr uint32_t kBroken = 4;
   constexpr size_t kFragmentsEach = kBoxes / kBroken;
@@ -80,10 +79,10 @@ inline World blocks_and_fragments() {
     options.seed = i + 1;
     auto pieces = prepare_pieces(mesh, Fill::Solid, options);
     if (auto added = world.add_rigid(body); !added || !pieces || !world.set_pieces(body.object_id, *pieces)) {
-      std::fprintf(stderr, "a box that breaks cannot be added\n");
+      std::fprintf(stderr, "dragged_blocks: a breakable box could not be added\n");
       continue;
     }
-    // Of two pieces that hang together yet either may be struck; one by itself breaks no further.
+    // Either of two connected pieces can be struck; a single piece does not break further.
     for (const BreakablePiece& piece : (*pieces)->pieces)
       (void)world.break_object(body.object_id, piece.mass.centre_of_mass_m);
   }

@@ -45,7 +45,7 @@ bool parse(const std::vector<std::string>& words, Request& request) {
   return true;
 }
 
-// An object in a scene of its own on a floor, as `livegs analyze` would take it, and its pictures.
+// An object in its own scene on a floor, as for `livegs analyze`, and its pictures.
 struct Seen {
   JudgedObject object;
   std::vector<TargetView> views;
@@ -87,7 +87,7 @@ Result<PromptTrial> trial_with(const Request& request, const fs::path& prompts,
   const auto endpoint = choose_endpoint(choice);
   if (!endpoint) return endpoint.error();
   if (!*endpoint) {
-    return invalid_argument("no endpoint is set: OPENAI_BASE_URL and LIVEGS_MODEL, or --recorded ANSWERS");
+    return invalid_argument("no endpoint; set OPENAI_BASE_URL and LIVEGS_MODEL, or use --recorded ANSWERS");
   }
   return try_prompts(objects, **endpoint, views);
 }
@@ -106,16 +106,16 @@ int judge_prompts(const std::vector<std::string>& words) {
     return 2;
   }
   set_log_level(LogLevel::Error);
-  // What is wrong with the folders is told before anything is asked.
+  // Reports errors in the folders before any request.
   for (const fs::path& folder : {request.before, request.after}) {
     if (const auto files = prompt_files(folder); !files) return report(files.error());
   }
   const auto& known = known_objects(KnownForm::Splats);
-  if (known.empty()) return report(not_found("shared/data/ycb is not beside this checkout"));
+  if (known.empty()) return report(not_found("shared/data/ycb: not found; it must be next to this checkout"));
   std::vector<JudgedObject> objects;
   std::map<uint32_t, std::vector<TargetView>> views;
   for (const KnownObject& one : known) {
-    std::fprintf(stderr, "\r%zu of %zu looked at", objects.size() + 1, known.size());
+    std::fprintf(stderr, "\rviews of %zu of %zu objects", objects.size() + 1, known.size());
     const std::string given = request.name == "label"  ? one.label
                               : request.name == "noun" ? one.noun
                               : request.name == "file" ? one.id
@@ -135,10 +135,10 @@ int judge_prompts(const std::vector<std::string>& words) {
   const PromptComparison comparison = compare_prompts(*before, *after);
   std::printf(
       "model %s%s, %zu objects, name given: %s\n", after->model.c_str(),
-      after->model.starts_with(kMadeUpModel) ? " (made up for a test: these are no model's figures)" : "",
+      after->model.starts_with(kMadeUpModel) ? " (simulated for a test; not the figures of a model)" : "",
       objects.size(), request.name.c_str());
   std::printf("%-16s %10s %10s %10s  %-22s\n", "", before->prompt_version.substr(0, 10).c_str(),
-              after->prompt_version.substr(0, 10).c_str(), "change", "95 % of it");
+              after->prompt_version.substr(0, 10).c_str(), "change", "95 % interval");
   for (const PromptMeasure& row : comparison.measures) {
     std::printf("%-16s %10.3f %10.3f %+10.3f  %+.3f to %+.3f  %s\n", row.name, row.before, row.after,
                 row.change.value, row.change.low, row.change.high,
@@ -150,9 +150,8 @@ int judge_prompts(const std::vector<std::string>& words) {
                 static_cast<long long>(trial->completion_tokens), trial->cost_usd);
   }
   std::printf("%s is %s\n", request.after.c_str(),
-              comparison.verdict == PromptVerdict::Same
-                  ? "no better and no worse, as far as these objects can tell"
-                  : verdict_name(comparison.verdict));
+              comparison.verdict == PromptVerdict::Same ? "neither better nor worse on these objects"
+                                                        : verdict_name(comparison.verdict));
   if (!request.keep.empty()) {
     const auto text = judgement_text(request.before, request.after, *before, *after, request.name);
     if (!text) return report(text.error());

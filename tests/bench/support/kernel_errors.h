@@ -8,16 +8,15 @@
 #include "common/skin/kernels/rest_bodies.h"
 #include "skin/skin_kernels.h"
 
-// How far off a client shows kernels that it skins from what it was sent: where they are against where the
-// server's own drivers put them, and how far their turns differ. A kernel at arm's length is seen from 0.7 m:
-// 0.05 mm are 0.07 mrad there, a tenth of a headset's pixel.
+// Errors of kernels that a client skins from received drivers, compared with the server's own drivers:
+// position and rotation. A kernel at arm's length, 0.7 m: 0.05 mm are 0.07 mrad, a tenth of a headset pixel.
 
 namespace livegs::bench {
 
 struct Percentiles {
   std::vector<double> counts = std::vector<double>(kBins, 0.0);
   double largest = 0;
-  // Bins of 0.5 % each, of errors from 1e-6 on.
+  // Bins of 0.5 % each, for errors from 1e-6 on.
   static constexpr size_t kBins = 6000;
   static constexpr double kMinValue = 1e-6, kRatio = 1.005;
 
@@ -51,7 +50,7 @@ struct KernelErrors {
   Percentiles position_mm, rotation_deg;
 };
 
-// The kernels of one body: `count` points inside it, with shapes of 1 to 20 mm.
+// Kernels of one body: `count` points inside it, with shapes of 1 to 20 mm.
 class BoundKernels {
  public:
   BoundKernels(const RestBody& rest, size_t count, uint64_t seed)
@@ -73,8 +72,8 @@ class BoundKernels {
   KernelBindings bindings_;
 };
 
-// Angles by the difference of quaternions in double: the arc cosine of a float cannot tell 0.02 degrees from
-// none.
+// Angle from the difference of quaternions in double precision. The arc cosine of a float cannot resolve 0.02
+// degrees.
 inline double angle_deg(const Eigen::Quaternionf& a, const Eigen::Quaternionf& b) {
   const Eigen::Vector4d p = a.coeffs().cast<double>().normalized(),
                         q = b.coeffs().cast<double>().normalized();

@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-// The line of the estimate as facts.json words it, in a request's JSON.
+// Extracts the estimate from its sentence (worded as in facts.json) in a request.
 std::string agree(const std::string& request) {
   static const std::regex line(
       R"(which may be wrong: (.{1,60}?) of ([^,]{1,60}), mass ([0-9.e+-]+) g \(([0-9.e+-]+) to ([0-9.e+-]+)\), (RIGID|ELASTIC), )");
@@ -64,15 +64,16 @@ int serve_made_up_answers(std::chrono::milliseconds delay) {
         Reply reply;
         reply.delay_ms = static_cast<int>(delay.count());
         reply.status = answer.empty() ? 400 : 200;
-        reply.body = answer.empty() ? R"({"error": {"message": "the estimate is not told as expected"}})"
-                                    : json{{"id", "1"},
-                                           {"model", "made-up-1"},
-                                           {"choices",
-                                            {{{"index", 0},
-                                              {"finish_reason", "stop"},
-                                              {"message", {{"role", "assistant"}, {"content", answer}}}}}},
-                                           {"usage", {{"prompt_tokens", 1500}, {"completion_tokens", 200}}}}
-                                          .dump();
+        reply.body = answer.empty()
+                         ? R"({"error": {"message": "the sentence of the estimate has an unexpected form"}})"
+                         : json{{"id", "1"},
+                                {"model", "made-up-1"},
+                                {"choices",
+                                 {{{"index", 0},
+                                   {"finish_reason", "stop"},
+                                   {"message", {{"role", "assistant"}, {"content", answer}}}}}},
+                                {"usage", {{"prompt_tokens", 1500}, {"completion_tokens", 200}}}}
+                               .dump();
         return reply;
       },
       models);
@@ -86,7 +87,7 @@ int serve_made_up_answers(std::chrono::milliseconds delay) {
 Result<MadeUpEndpoint> MadeUpEndpoint::start() {
   int life[2], address[2];
   if (::pipe2(life, O_CLOEXEC) != 0 || ::pipe2(address, O_CLOEXEC) != 0)
-    return Error{ErrorCode::Internal, "no pipe to the endpoint"};
+    return Error{ErrorCode::Internal, "endpoint: pipe failed"};
   MadeUpEndpoint endpoint;
   endpoint.process_ = ::fork();
   if (endpoint.process_ == 0) {
@@ -101,7 +102,7 @@ Result<MadeUpEndpoint> MadeUpEndpoint::start() {
   char c = 0;
   while (::read(address[0], &c, 1) == 1 && c != '\n') endpoint.base_url_ += c;
   ::close(address[0]);
-  if (endpoint.process_ < 0 || c != '\n') return Error{ErrorCode::Internal, "the endpoint did not start"};
+  if (endpoint.process_ < 0 || c != '\n') return Error{ErrorCode::Internal, "endpoint: did not start"};
   return endpoint;
 }
 

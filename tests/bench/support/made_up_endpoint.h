@@ -8,14 +8,14 @@
 
 #include "core/result.h"
 
-// A server of chat completions in a process of its own, which says after a while what the offline estimate
-// said that it was told: it passes the gate at once. No model.
+// A chat-completions server in another process, without a model. After a delay, it repeats the offline
+// estimate of the request, which the gate accepts at once.
 
 namespace livegs {
 
 class MadeUpEndpoint {
  public:
-  // Starts this program anew with kServe; ended with this object.
+  // Starts this program with kServe. The process ends with this object.
   static Result<MadeUpEndpoint> start();
   MadeUpEndpoint(MadeUpEndpoint&& other) noexcept;
   ~MadeUpEndpoint();
@@ -25,12 +25,13 @@ class MadeUpEndpoint {
  private:
   MadeUpEndpoint() = default;
   pid_t process_ = -1;
-  int end_of_life_ = -1;  // while it is open, the server lives
+  int end_of_life_ = -1;  // the server runs while this is open
   std::string base_url_;
 };
 
 inline constexpr const char* kServe = "--serve-made-up-answers";
-// What main() does then: prints its address and answers, each after `delay`, until its input ends.
+// The main function of that process: prints its address and answers requests after `delay`, until its input
+// ends.
 int serve_made_up_answers(std::chrono::milliseconds delay);
 
 }  // namespace livegs

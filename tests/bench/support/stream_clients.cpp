@@ -31,12 +31,12 @@ constexpr const char* kWord = "stream-clients";
   std::exit(1);
 }
 
-// One of them, whatever its kind, from having joined on.
+// A client of either kind that has joined.
 class Client {
  public:
   virtual ~Client() = default;
   virtual void stop() = 0;
-  std::vector<GotFrame> got;  // the reader's thread only, until stop() has returned
+  std::vector<GotFrame> got;  // used by the reader's thread until stop() has returned
 };
 
 class WholeClient final : public Client, private StreamSink {
@@ -56,7 +56,7 @@ class WholeClient final : public Client, private StreamSink {
     got.push_back({frame.tick, frame.stepped_ns, frame.received_ns, frame.decoded_ns, client_,
                    static_cast<uint32_t>(frame.bytes)});
   }
-  void on_lost(const std::string& reason) override { give_up("a client lost its stream: " + reason); }
+  void on_lost(const std::string& reason) override { give_up("stream_clients: a stream broke: " + reason); }
   void on_resumed(const ResumedSession&) override {}
   void on_object_added(StreamedObject) override {}
   void on_object_changed(StreamedObject) override {}
@@ -67,15 +67,15 @@ class WholeClient final : public Client, private StreamSink {
   std::unique_ptr<SessionClient> session_;
 };
 
-// Half of what a headset shows across, with the margin of a head that turns, and how fast this one does.
+// Half of a headset's field of view plus a margin for head rotation, and the speed of that rotation.
 constexpr float kHalfView_rad = 1.2f;
 constexpr double kTurns_rad_s = 0.5;
 
-// More than any of them is sent.
+// A cap that no client reaches.
 constexpr double kWideCap_mbit_s = 1000;
 
-// On gRPC's own few threads, shared by all of them. `turned_rad`: where it looks at first; without, it does
-// not say.
+// Runs on gRPC's shared threads. `turned_rad`: the initial direction of view; the client sends no view
+// without it.
 class LightClient final : public Client,
                           private grpc::ClientBidiReactor<v1::ClientMessage, v1::ServerMessage> {
  public:
@@ -167,7 +167,7 @@ StreamClients::StreamClients(const ServerToJoin& server, int count, ClientKind k
   process_ = std::make_unique<Program>(
       std::vector<std::string>{"/proc/self/exe", kWord, std::to_string(server.port), std::to_string(count),
                                kind_name(kind), server.fingerprint, folder_.path().string()});
-  if (process_->first_line() != "streaming") give_up("the clients did not join: " + process_->err());
+  if (process_->first_line() != "streaming") give_up("stream_clients: join failed: " + process_->err());
 }
 
 int64_t StreamClients::cpu_ns() const {
@@ -181,7 +181,7 @@ void StreamClients::freeze() { process_->send(SIGSTOP); }
 
 std::vector<GotFrame> StreamClients::stop() {
   process_->send(SIGTERM);
-  if (process_->wait() != 0) give_up("the clients failed: " + process_->err());
+  if (process_->wait() != 0) give_up("stream_clients: failed: " + process_->err());
   const std::filesystem::path path = folder_ / "got";
   std::vector<GotFrame> got(std::filesystem::file_size(path) / sizeof(GotFrame));
   std::ifstream(path, std::ios::binary)

@@ -13,11 +13,10 @@ namespace livegs::bench {
 struct Times {
   double median_ms = 0.0;
   double p99_ms = 0.0;
-  double cpu_ms =
-      0.0;  // median processor time of all threads: says what the work costs on a machine that is shared
+  double cpu_ms = 0.0;  // median processor time of all threads; hardly depends on other load
 };
 
-// Wall and processor time of `work` over `repeats` runs, after `warm_up` runs that do not count.
+// Wall and processor time of `work` over `repeats` runs, after `warm_up` untimed runs.
 inline Times time_of(int warm_up, int repeats, const std::function<void()>& work) {
   for (int i = 0; i < warm_up; ++i) work();
   std::vector<double> times_ms, cpu_times_ms;
