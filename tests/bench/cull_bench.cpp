@@ -6,9 +6,8 @@
 //   cull_bench cap > .../cap.csv      cost and benefit of limiting the radius of kernels
 //   cull_bench order > .../order.csv  effect of the blending order of kernels
 //   cull_bench lean > .../lean.csv    wall time of frames of a camera that moves into an asset: at full
-//   quality,
-//                                     with the resolution adapted to a budget, also with culling, and also
-//                                     with a limited radius
+//                                     quality, with the resolution adapted to a budget, also with culling,
+//                                     and also with a limited radius
 //   cull_bench lean vulkan > .../lean_vulkan.csv
 #include <time.h>
 

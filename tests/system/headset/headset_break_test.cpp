@@ -44,8 +44,8 @@ TEST_F(HeadsetSession, ThrownCupBreaksAtAWall) {
 0    pose head   0 1.75 0.2      1 0 0 0
 0    pose left   0 1.6 5         1 0 0 0
 0    pose right  0 1.6 -1        1 0 0 0
-# The right hand takes the cup, swings it back and throws: 0.7 m/s, where 0.3 kg need half of it for 0.1 N s. No faster, for
-# on a busy machine the processor draws no more than four pictures a second, and a hand is told of with each.
+# The right hand grabs the cup, swings it back and throws it at 0.7 m/s. Half of this speed is enough to break 0.3 kg (0.1 N s).
+# It is not faster, because a busy machine draws only about four pictures per second and samples hands once per picture.
 0.6  input right.squeeze 1
 0.7  do picture
 2.4  pose right  0 1.6 -1        1 0 0 0

@@ -20,14 +20,14 @@ TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
 0    pose head   0 1.6 0         1 0 0 0
 0    pose left  -0.35 1.6 -0.3   1 0 0 0
 0    pose right  0 1.6 -1        1 0 0 0
-# The right hand takes a box, carries it up and lets it fly; it goes on as fast for long, since a busy machine may see it open late.
+# The right hand grabs a box, lifts and releases it, and keeps its speed, because a busy machine may sample the release late.
 0.6  input right.squeeze 1
 0.8  pose right  0 1.6 -1        1 0 0 0
 1.4  pose right  0 1.8 -1        1 0 0 0
 1.6  pose right  0 1.8 -1        1 0 0 0
 3.6  pose right  0 3.0 -1        1 0 0 0
 2.2  input right.squeeze 0
-# The left hand pulls another by its ray, and shoots at the third.
+# The left hand pulls the second box with its ray and shoots at the third.
 0.6  input left.trigger 1
 0.8  pose left  -0.35 1.6 -0.3   1 0 0 0
 1.4  pose left  -0.35 1.8 -0.3   1 0 0 0
@@ -94,7 +94,7 @@ TEST_F(HeadsetSession, ValidationLayerReportsAnInvalidCall) {
 TEST_F(HeadsetSession, OutlivesLostFocusAndLostSessions) {
   const auto done = run(floating(kBoxes), R"(
 0    pose head   0 1.6 0      1 0 0 0
-# Hands that are behind the head at first, so that nothing but the boxes is seen.
+# The hands are behind the head at first, so that only the boxes are visible.
 0    pose left  -0.35 1.6 5   1 0 0 0
 0    pose right  0 1.6 5      1 0 0 0
 0.6  do picture
