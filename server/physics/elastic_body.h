@@ -112,8 +112,7 @@ struct ParticleState {
   Eigen::Matrix3d deformation_gradient;  // rest object frame to world
 };
 
-// Contact impulses from colliders since the last query: sum of magnitudes, and first moment for the mean
-// point.
+// Contact impulses since the last query: sum of magnitudes, and first moment for the mean point.
 struct ContactTotal {
   double impulse_n_s = 0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // sum of magnitude times point, world frame
