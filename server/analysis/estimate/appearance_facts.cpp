@@ -7,7 +7,6 @@
 namespace livegs {
 namespace {
 
-constexpr float kShDc = 0.28209479f;  // Y_00
 
 struct HueSaturation {
   float hue_rad, saturation;
@@ -43,11 +42,11 @@ AppearanceFacts appearance_facts(const GaussianAsset& asset) {
     const double area = scale[1] * scale[2], weight = opacity * area;
     if (!std::isfinite(weight) || weight <= 0) continue;
     const Eigen::Vector3f rgb =
-        (asset.sh_dc[i].array() * kShDc + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f).matrix();
+        (asset.sh_dc[i].array() * kShBand0 + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f).matrix();
     const HueSaturation colour = hue_saturation(rgb);
     double directional = 0;
     for (size_t k = 0; k < rest_count; ++k) directional += asset.sh_rest[i * rest_count + k].squaredNorm();
-    const double constant = (rgb / kShDc).squaredNorm();
+    const double constant = (rgb / kShBand0).squaredNorm();
     weight_sum += weight;
     opacity_sum += weight * opacity;
     rgb_sum += weight * rgb.cast<double>();
