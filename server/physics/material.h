@@ -30,8 +30,8 @@ struct Material {
   bool fragile = false;
   double break_impulse_n_s = 0.0;
   unsigned fracture_pieces = 32;  // number of pieces of a fragile body, 2 … 64
-  std::optional<Eigen::Vector3f>
-      interior_rgb;  // Colour of cut faces, 0 … 1 as displayed; none: the colour of the nearest surface.
+  // Colour of cut faces, 0 … 1 as displayed; none: the colour of the nearest surface.
+  std::optional<Eigen::Vector3f> interior_rgb;
   double friction = 0.5;     // 0 … 2
   double restitution = 0.2;  // 0 … 1
 

@@ -87,7 +87,7 @@ struct JointState {
 struct BodyState {
   uint32_t object_id = 0;
   uint32_t body_index = 0;  // within the object; 0 until it breaks
-  Pose world_from_body;  // The origin is the centre of mass; axes are parallel to the object's axes at rest.
+  Pose world_from_body;     // origin: centre of mass; axes parallel to the object's at rest
   Eigen::Vector3d velocity_m_s, angular_velocity_rad_s;
   double mass_kg = 0;
   bool asleep = false;
@@ -108,8 +108,8 @@ struct RayHit {
   uint32_t object_id = 0;
   double distance_m = 0;
   Eigen::Vector3d rest_point_m;  // object frame, at rest
-  std::optional<uint32_t>
-      piece;  // Broken objects only: the piece of the hit fragment that is nearest to the point.
+  // Broken objects only: the piece of the hit fragment that is nearest to the point.
+  std::optional<uint32_t> piece;
 };
 
 // Wall-clock times of the last step, milliseconds.
@@ -167,10 +167,10 @@ class World {
 
   // Starts a grab: springs pull the material at the hand's position to the hand and rotate the object with
   // it. Offsets are taken from the current poses, so there is no initial motion. Force and torque are bounded
-  // for any hand motion. Of a broken object, the fragment with the nearest surface is held; if the held body
-  // breaks, the fragment with the nearest piece. Of an elastic object, a few points near the hand are held
-  // instead of its orientation. Several hands may hold one object. The caller chooses ids, independent of
-  // those of set_spring; an id in use is released first.
+  // for any hand motion. A grab holds one body: in a broken object the fragment with the nearest surface, and
+  // after a break in the hand the fragment with the nearest piece. An elastic object is held at a few points
+  // near the hand instead of by its orientation. Several hands may hold one object. The caller chooses ids,
+  // independent of those of set_spring; an id in use is released first.
   struct Grip {
     double frequency_hz = 8.0;  // natural frequency of the whole mass on the springs, in air
     double max_force_n = 50.0, max_torque_n_m = 5.0;
@@ -184,8 +184,8 @@ class World {
   void release_grab(uint64_t grab_id);
   struct GrabState {
     Eigen::Vector3d point_m;  // current position of the material point at the hand
-    Eigen::Vector3d force_n,
-        torque_n_m;  // On the object, in the last substep; the torque of an elastic object is zero.
+    // Force and torque on the object in the last substep; the torque of an elastic object is zero.
+    Eigen::Vector3d force_n, torque_n_m;
     std::optional<uint32_t> piece;  // broken objects: a piece of the held fragment
   };
   std::optional<GrabState> grab_state(uint64_t grab_id) const;  // nullopt: no object is held

@@ -66,7 +66,7 @@ Result<void> check_settings(const WorldSettings& settings) {
 
 Result<void> check_pose(uint32_t object_id, const Pose& pose) {
   LIVEGS_TRY(check_finite(object_id, "position_m", pose.position_m));
-  // Nine printed digits of a unit quaternion stay well within this.
+  // The tolerance admits quaternions printed with nine digits.
   if (!(std::abs(pose.orientation.norm() - 1.0) < 1e-3)) {
     return refuse(object_id, "orientation is not a unit quaternion");
   }
@@ -103,7 +103,7 @@ Result<void> check_rigid(const RigidBodyDescription& description) {
   if (!inertia.allFinite()) return refuse(id, "inertia is not finite");
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia, Eigen::EigenvaluesOnly);
   const Eigen::Vector3d moments = solver.eigenvalues();  // ascending
-  // A flat body has the largest moment equal to the sum of the others; no body has more.
+  // The largest moment is at most the sum of the other two; a flat body has equality.
   if (!(moments[0] > 0.0) || moments[2] > 1.001 * (moments[0] + moments[1])) {
     return refuse(id, "inertia is not that of a body; is the mesh closed and oriented outwards?");
   }

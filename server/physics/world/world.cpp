@@ -179,7 +179,7 @@ Result<void> World::add_elastic(const ElasticBodyDescription& description) {
 void World::remove(uint32_t object_id) {
   const auto found = state_->objects.find(object_id);
   if (found == state_->objects.end()) return;
-  // Contacts name bodies by pointer: none may outlive its body. What leaned on it must move.
+  // Contacts refer to bodies by pointer, so they must not outlive a body. Bodies in contact with it wake.
   if (const RigidObject* rigid = found->second.rigid()) {
     for (size_t i = 0; i < rigid->body_count(); ++i) {
       for (const ContactManifold& manifold : rigid->body_at(i).manifolds) {
@@ -193,7 +193,7 @@ void World::remove(uint32_t object_id) {
     }
   }
   state_->objects.erase(found);
-  // An id may be used again, by something that nobody holds.
+  // The id may be reused by an object without forces, springs and grabs.
   const auto on_it = [&](const auto& entry) { return entry.second.object_id == object_id; };
   std::erase_if(state_->forces, on_it);
   std::erase_if(state_->springs, on_it);
