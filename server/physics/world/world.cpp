@@ -87,7 +87,8 @@ namespace {
 
 Result<void> check_new_id(const WorldObject* present, uint32_t object_id) {
   if (!present) return {};
-  return invalid_argument("object " + std::to_string(object_id) + ": the id is already in use");
+  return invalid_argument("object " + std::to_string(object_id) +
+                          ": the id is already in use; choose another");
 }
 
 Pose normalized(Pose pose) {
@@ -228,11 +229,11 @@ void World::clear_force(uint64_t force_id) {
 
 Result<void> World::set_material(uint32_t object_id, const Material& material) {
   WorldObject* object = state_->find(object_id);
-  if (!object) return not_found("object " + std::to_string(object_id) + ": there is none of this id");
+  if (!object) return not_found("object " + std::to_string(object_id) + ": unknown id");
   const Material* present = this->material(object_id);
   if (present->behavior != material.behavior) {
     return invalid_argument("object " + std::to_string(object_id) +
-                            ": behavior cannot change; remove the object and add it anew");
+                            ": behavior cannot change; remove the object and add it again");
   }
   if (StaticObject* fixed = object->fixed()) {
     fixed->material = material;
@@ -277,8 +278,7 @@ Result<void> World::release_region(uint32_t object_id, const std::string& region
   WorldObject* object = state_->find(object_id);
   ElasticObject* elastic = object ? object->elastic() : nullptr;
   if (!elastic || !elastic->body->release_region(region)) {
-    return not_found("object " + std::to_string(object_id) + ": it holds or moves no region called " +
-                     region);
+    return not_found("object " + std::to_string(object_id) + ": no fixed or moved region is named " + region);
   }
   object->wake();
   return {};
