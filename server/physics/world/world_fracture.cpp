@@ -267,7 +267,7 @@ Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const Breakab
   RigidBody& body = *object->body;
   const double apart = (whole.centre_of_mass_m - body.rest_centre_m).norm();
   if (apart > 1e-6 * body.shape.bounding_radius_m) {
-    return invalid_argument(name + ": the pieces do not belong to this body: their centre of mass is " +
+    return invalid_argument(name + ": the pieces belong to another body: their centre of mass is " +
                             std::to_string(apart) + " m off");
   }
   const Eigen::Vector3d spin = body.angular_velocity_rad_s;
