@@ -32,7 +32,7 @@ struct WorldSettings {
   int substeps = 4;       // per tick
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
-  // per tick, all elastic bodies together (elastic_budget.h)
+  // Per tick, all elastic bodies together (elastic_budget.h).
   double elastic_node_substeps = kMaxNodeSubsteps;
 };
 

@@ -65,7 +65,7 @@ class VoxelMap {
   }
   const ParticleSet& particles_;
   double edge_;
-  // never iterated, so the hash order has no effect
+  // Never iterated, so the hash order has no effect.
   std::unordered_map<Key, std::vector<size_t>, KeyHash> voxels_;
 };
 

@@ -26,7 +26,7 @@
 //     is the mean cross-section, volume / length: at the threshold one crack divides the body, for any
 //     number of pieces.
 //
-// Monotony: if an impact breaks bonds, a stronger one at the same point and direction breaks them too.
+// Monotonicity: if an impact breaks bonds, a stronger one at the same point and direction breaks them too.
 //
 // An impact below the threshold damages bonds. Damage accumulates linearly (Palmgren 1924, Miner 1945), and
 // only in bonds above an endurance limit: below some fraction of their toughness cracks in brittle solids do

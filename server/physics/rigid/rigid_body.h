@@ -35,7 +35,7 @@ struct RigidBody {
 
   Pose world_from_body;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
-  // state variable; about the centre of mass, kg m²/s
+  // State variable; about the centre of mass, kg m²/s.
   Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  // derived, see update_turning
 

@@ -119,7 +119,7 @@ struct ActiveGrab {
   std::optional<uint32_t> piece;  // broken objects only
   Pose world_from_hand;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
-  // extrapolation from the last update; time since the last update
+  // Extrapolation from the last update; time since the last update.
   double extrapolation_s = 0, since_update_s = 0;
   Eigen::Quaterniond hand_from_object = Eigen::Quaterniond::Identity();
   RigidSpring row;                                    // rigid objects
@@ -172,7 +172,7 @@ struct World::State {
   const RigidJoint& running(const ActiveJoint& held) const;
 
   void gather_loads(double duration_s);
-  void gather_springs(double duration_s);  // springs of grabs
+  void gather_springs(double duration_s);  // of set_spring() and grabs
   // At the first fracture of an object, assigns to each grab of it the nearest piece.
   void assign_grabs_to_pieces(uint32_t object_id, const RigidObject& object);
   void step_elastic(double start_s, double duration_s);

@@ -13,7 +13,7 @@ namespace {
 // second order.
 constexpr double kWorkTolerance = 1e-3;
 constexpr double kEnergyMemory_s = 2.0;
-// relative to the energy that the held bodies would have gained in free motion
+// Relative to the energy that the held bodies would have gained in free motion.
 constexpr double kRounding = 1e-18;
 
 }  // namespace

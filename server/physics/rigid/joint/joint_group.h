@@ -149,7 +149,7 @@ class JointGroup {
   bool curvature_converges_ = true;
   // Change of gaps and tilts between the last two measurements.
   std::array<double, 2> curvature_change_{kNotMeasured, kNotMeasured};
-  // parallel to bodies_: predicted orientation at the end of the substep
+  // Parallel to bodies_: predicted orientation at the end of the substep.
   std::vector<Eigen::Quaterniond> ends_;
   // Parallel to bodies_: motion at the start of the substep and at the last note_others(); impulses of joints
   // since then; impulses of everything else in the substep.
