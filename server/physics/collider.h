@@ -25,15 +25,15 @@ struct SphereShape {
   double radius_m = 0.5;
 };
 struct FieldShape {
-  std::shared_ptr<const DistanceField>
-      field;  // A mesh or the captured background; immutable, shared by threads.
+  // A mesh or the captured background; immutable, shared by threads.
+  std::shared_ptr<const DistanceField> field;
   std::shared_ptr<const RidgePoints> ridges = nullptr;  // convex ridges; nullptr: none are tested
   // Open surfaces only: the field is the unsigned distance, the triangles give the exact distance near the
   // surface, and points closer than half_thickness_m are solid.
   std::shared_ptr<const TriangleTree> sheet = nullptr;
   double half_thickness_m = 0.0;
 };
-// Minimum thickness, m: a faster point can tunnel through without a sample inside.
+// Minimum thickness of the solid, m. A point that moves farther per substep may tunnel through.
 double min_thickness_m(const FieldShape& shape);
 
 // Safe fraction of a field's distance for one step of a sphere trace. Outside its grid the field returns the

@@ -7,6 +7,7 @@
 namespace livegs {
 namespace {
 
+// Maximum number of points in a leaf. Larger: fewer nodes, more points tested.
 constexpr uint32_t kLeafPoints = 6;
 
 }  // namespace

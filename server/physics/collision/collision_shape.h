@@ -42,8 +42,8 @@ struct RigidShape {
   Eigen::Vector3d min_m, max_m;
   double bounding_radius_m = 0.0;  // about the centre of mass
   double wall_m = INFINITY;        // mean wall thickness of a non-convex shape
-  double inner_radius_m =
-      0.0;  // Radius of the largest ball about the centre of mass inside the shape; 0: the centre is outside.
+  // Radius of the largest ball about the centre of mass inside the shape; 0: the centre is outside.
+  double inner_radius_m = 0.0;
 
   bool is_ball() const { return sphere_radius_m > 0.0; }
   // Signed distance to the surface. Outside it is a lower bound of the true distance, so it is safe for

@@ -36,7 +36,7 @@ struct ConvexPolyhedron {
 
   struct Sample {
     double distance_m;  // negative inside
-    // unit; outside: from the nearest surface point to the sample; inside: of the nearest face
+    // Unit. Outside: from the nearest surface point to the sample. Inside: normal of the nearest face.
     Eigen::Vector3d normal;
   };
   // Exact outside and inside.

@@ -16,9 +16,13 @@
 namespace livegs {
 namespace {
 
+// Cells of the distance field along the longest side. Larger: finer features, memory grows with the cube.
 constexpr double kFieldCells = 64.0;
+// Spacing of ridge points, in cells.
 constexpr double kRidgeCells = 0.5;
+// Limit of ridge points per collider; the spacing is doubled above it.
 constexpr size_t kMaxRidgePoints = 32768;
+// See wall_thickness_m.
 constexpr double kWallThickness_m = 0.004;
 constexpr double kRidgeCosine = 0.866;  // cosine of 30 degrees
 

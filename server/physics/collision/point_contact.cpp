@@ -22,6 +22,7 @@ struct KeyHash {
   }
 };
 
+// Maximum number of marching steps out of a solid; thin walls need few.
 constexpr int kMaxMarches = 32;
 
 // Thickness that a point can tunnel through, m.

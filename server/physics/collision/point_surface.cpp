@@ -15,9 +15,10 @@ constexpr int kMaxCells = 32;            // per axis
 constexpr int kMaxNeighbours = 48;       // elements per query
 constexpr int kMaxFaces = 3;             // faces that meet at one point
 constexpr double kSameFaceCosine = 0.5;  // minimum cosine between normals of one face
-// relative to the reach: maximum concavity of an edge that counts as convex
+// Maximum concavity of an edge that counts as convex, relative to the reach.
 constexpr double kMaxHollow = 1e-3;
 constexpr double kFacingCosine = -0.3;  // maximum cosine between normals of opposite faces
+// Maximum number of samples along a path. Longer paths are sampled more coarsely.
 constexpr int kMaxProbes = 64;
 
 bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {

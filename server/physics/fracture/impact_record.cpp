@@ -151,6 +151,7 @@ ImpulseAccumulator ImpactRecord::take(double tick_s) {
 ImpulseAccumulator ImpactRecord::take_ended_episode() { return std::exchange(ended_episode_, {}); }
 
 Eigen::Vector3d direction_of(const ImpulseAccumulator& sum) {
+  // Below this ratio of |sum| to sum of magnitudes the impulses count as a squeeze.
   constexpr double kMinNetShare = 0.5;
   const double push = sum.push_n_s.norm();
   if (push > kMinNetShare * sum.impulse_n_s) return sum.push_n_s / push;

@@ -36,7 +36,7 @@ struct ImpulseAccumulator {
   Eigen::Vector3d total_n_s = Eigen::Vector3d::Zero(), total_moment = Eigen::Vector3d::Zero();
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  // magnitude times direction times direction transposed
   bool from_colliders = true;                        // true if all impulses are from static objects
-  // maximum over the impulses; 1 for loads that dissipate no energy, such as forces
+  // Maximum over the impulses; 1 for loads that dissipate no energy, such as forces.
   double restitution = 0.0;
 
   void add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m);
@@ -81,7 +81,7 @@ class ImpactRecord {
     ImpulseAccumulator sum;
   };
   std::vector<RecentImpact> recent_;  // impacts of the last kImpactWindow_s, one per substep
-  // of the tick: the strongest sum of impacts; supporting contacts
+  // The tick's strongest sum of impacts; sum of the tick's supporting contacts.
   ImpulseAccumulator strongest_, sustained_;
   // Strongest sum of the current episode; strongest of the episodes that ended in this tick.
   ImpulseAccumulator episode_, ended_episode_;

@@ -55,6 +55,7 @@ Vector3d solve_inertia(const Matrix3d& inertia, const Vector3d& l) {
 }
 
 Quaterniond extract_rotation(const Matrix3d& matrix, const Quaterniond& warm) {
+  // Iteration limit; Newton from a close start needs few.
   constexpr int kMaxTurns = 40;
   const double size = matrix.norm();
   if (!(size > 0.0)) return warm;

@@ -8,7 +8,7 @@ class SleepTimer {
  public:
   explicit SleepTimer(bool may_sleep) : may_sleep_(may_sleep) {}
 
-  // A body with a node faster than this (world frame) stays awake.
+  // A body with a node faster than this (world frame) stays awake. Larger: slow motion may stop.
   static constexpr double kStillSpeed_m_s = 0.02;
   static constexpr double kStillTime_s = 0.5;
 

@@ -10,6 +10,7 @@ namespace {
 constexpr double kFastPairThicknesses = 6.0;  // displacement per substep, relative to both thicknesses
 // rotation of the smaller body per sub-interval after a corner is stopped
 constexpr double kMaxTurn_rad = 0.25;
+// Maximum number of sub-intervals. Larger: faster thin pairs are resolved, more time.
 constexpr int kMaxCcdSubsteps = 32;
 constexpr size_t kMaxContactSubsteps = 1024;  // manifolds times sub-intervals
 

@@ -8,6 +8,7 @@ namespace livegs {
 namespace {
 
 constexpr double kMaxMassRatio = 12.5;  // mass ratio that the default steps support without visible sag
+// Maximum factor on solver steps. Larger: less sag at high mass ratios, more time.
 constexpr int kMaxStepFactor = 4;
 constexpr int kMaxManifoldSteps = 256;  // manifolds times the factor
 // Minimum cosine between a supporting normal and the vertical.

@@ -25,6 +25,7 @@ namespace {
 // simulation), because contacts may be stiffer. Impacts take several sweeps, so that the corners of a body
 // share the impulse.
 constexpr int kSolverSteps = 4;
+// Sweeps with bias per step.
 constexpr int kPushIterations = 1;
 constexpr int kRelaxIterations = 2;  // with one, large piles do not come to rest
 constexpr int kImpactIterations = 4;

@@ -14,6 +14,7 @@ namespace {
 
 // Radius of the palm, m: an elastic object is held at points within this distance of the hand.
 constexpr double kPalmRadius_m = 0.05;
+// Larger: a more even grip, more springs.
 constexpr size_t kMaxGripPoints = 6;
 constexpr double kHandTimeoutTicks = 3.0;  // after this many ticks without update the hand's velocity is zero
 

@@ -12,6 +12,7 @@ namespace {
 constexpr double kFragmentTolerance = 1e-5;  // in bounding radii
 // Objects up to this distance behind a collider's surface are still hit, m: resting objects overlap slightly.
 constexpr double kSurfaceTolerance_m = 0.005;
+// Minimum step and maximum number of steps of a ray march.
 constexpr double kMinMarch_m = 0.001;
 constexpr int kMaxMarches = 4096;
 

@@ -22,11 +22,12 @@ struct ContactPair {
   bool lasts = false;  // two convex bodies: contacts are reusable while the pair does not move
 };
 
-// Reuses the manifold of the previous substep in the current poses, if the pair allows it and has moved
-// relative to the time of its detection by less than a thousandth of the size. Returns whether it did.
+// Reuses the previous substep's manifold, moved to the current poses, if the pair allows it and the relative
+// motion since detection is below a thousandth of the size. Returns whether it did.
 bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s);
 
-// Normals within 30 degrees of the deepest point's normal belong to one manifold.
+// Cosine of 30 degrees. Points whose normal is within this angle of the deepest point's belong to one
+// manifold.
 inline constexpr double kManifoldNormalCosine = 0.866;
 
 // Groups candidates into manifolds of at most four points (the deepest, then the widest spread) and appends

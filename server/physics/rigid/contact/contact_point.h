@@ -12,6 +12,7 @@ namespace livegs {
 
 struct RigidBody;
 
+// Maximum number of points per manifold. Four span any flat contact.
 inline constexpr int kMaxManifoldPoints = 4;
 
 // Response of two bodies to an impulse along one direction at one point.

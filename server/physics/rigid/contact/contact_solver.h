@@ -16,8 +16,8 @@ inline constexpr double kContactMargin = 0.01;
 struct ContactSoftness {
   double bias_rate = 0, mass_scale = 1, impulse_scale = 0;
 };
-// Contact spring frequency f of a quarter of the step rate, damping ratio 10: f is 240 Hz at 60 Hz with 4
-// substeps of 4 steps. A resting body sinks g / (2 pi f)².
+// Parameters of a contact spring with damping ratio 10 and a frequency f of a quarter of the step rate: 240
+// Hz at 60 Hz with 4 substeps of 4 steps. A resting body sinks g / (2 pi f)².
 ContactSoftness contact_softness(double step_s);
 
 // Phases of one solver step, in order. `a` owns the manifold.

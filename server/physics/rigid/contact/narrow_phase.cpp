@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 constexpr double kFacePreference = 0.1;
 // Displacement per substep, relative to the smaller inner radius, above which a pair is advanced.
 constexpr double kFastDisplacement = 0.5;
+// Maximum number of steps of conservative advancement.
 constexpr int kMaxAdvances = 32;
 constexpr double kRounding = 1e-9;
 

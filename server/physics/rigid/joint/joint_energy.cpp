@@ -12,6 +12,7 @@ namespace {
 // Tolerated apparent work of joints, relative to the recent peak of kinetic energy, because steps are of
 // second order.
 constexpr double kWorkTolerance = 1e-3;
+// Decay time of the peak of kinetic energy, s.
 constexpr double kEnergyMemory_s = 2.0;
 // Relative to the energy that the held bodies would have gained in free motion.
 constexpr double kRounding = 1e-18;

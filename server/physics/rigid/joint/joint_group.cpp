@@ -32,7 +32,9 @@ constexpr CurvatureLimits kCurvatureInSubstep{0.7, 0.1}, kCurvatureInSmallStep{0
 // than these limits, rad, per step. Oscillation above 2 would be unstable.
 constexpr double kMaxSwing = 1.0;
 constexpr double kMaxTurn = 0.25;
+// Larger: longer chains at high tension are resolved, more time.
 constexpr int kMaxSmallSteps = 4;
+// Sweeps that refine the curvature correction, per phase.
 constexpr int kMaxCurvatureIterations = 3;
 // Pivot, relative to the diagonal, below which a row is linearly dependent (two hinges on one door).
 constexpr double kDependentPivot = 1e-11;
