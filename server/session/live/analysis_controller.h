@@ -64,7 +64,8 @@ class AnalysisController final : public AnalysisControl {
   void work(Request& request, std::stop_token stop);
   // Updates the targets with their current values and returns the other objects.
   std::vector<AnalysisNeighbour> refresh(std::vector<AnalysisTarget>& targets);
-  // Applies an answer to the stored values and to the scene. Returns warnings; empty if there are none.
+  // Applies an answer to the stored values and to the scene. Returns the error or warnings; empty without
+  // any.
   std::string apply_answer(const AnalysisUpdate& update);
   // Applies `file` to the object at the next tick; returns its resulting values.
   Result<v1::PhysicsReply> apply(const Known& known, const v1::PhysicsFile& file, const std::string& note);
