@@ -126,7 +126,7 @@ TEST_F(Programs, AClientThatIsStoppedIsDroppedAndComesBack) {
   Program client(client_words(port, {"--seconds", "0", "--no-video", "--reconnect", "60"}));
   ASSERT_TRUE(server.says("streaming to")) << server.err();
   client.send(SIGSTOP);
-  ASSERT_TRUE(server.says("its stream ends")) << server.err();
+  ASSERT_TRUE(server.says("stream ended")) << server.err();
   client.send(SIGCONT);
   ASSERT_TRUE(server.says("joined again")) << server.err();
   client.send(SIGINT);
@@ -162,7 +162,7 @@ TEST_F(Programs, AServerThatIsStoppedTellsItsClients) {
   ASSERT_NE(port, "") << server.err();
   Program client(client_words(port, {"--seconds", "0", "--no-video"}));
   EXPECT_EQ(client.wait(), 0) << client.err();
-  EXPECT_NE(client.err().find("has run for its time"), std::string::npos) << client.err();
+  EXPECT_NE(client.err().find("has reached its time limit"), std::string::npos) << client.err();
   EXPECT_EQ(server.wait(), 0) << server.err();
 }
 

@@ -82,7 +82,8 @@ TEST_F(Programs, ASpectatorWhoseServerDiesEndsWithOneLine) {
 TEST_F(Programs, PublishesOnThisMachineOnly) {
   Program server(server_words({"--publish", "tcp://0.0.0.0:9782"}));
   EXPECT_EQ(server.wait(), 2);
-  expect_one_line(server, "--publish tcp://0.0.0.0:9782: frames are published without tokens");
+  expect_one_line(server,
+                  "--publish tcp://0.0.0.0:9782: is not local, and frames are published without tokens");
 }
 
 }  // namespace

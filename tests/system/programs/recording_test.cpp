@@ -92,12 +92,12 @@ TEST_F(Recordings, StartAndStopOnAServerThatRuns) {
   };
   Program none = ctl({"record", "stop"});
   EXPECT_EQ(none.wait(), 2);
-  EXPECT_NE(none.err().find("none is being written"), std::string::npos) << none.err();
+  EXPECT_NE(none.err().find("none is in progress"), std::string::npos) << none.err();
   Program begun = ctl({"record", "start", file()});
   ASSERT_EQ(begun.wait(), 0) << begun.err();
   Program again = ctl({"record", "start", folder_ / "other.lvgrec"});
   EXPECT_EQ(again.wait(), 2);
-  EXPECT_NE(again.err().find("is being written already"), std::string::npos) << again.err();
+  EXPECT_NE(again.err().find("already in progress"), std::string::npos) << again.err();
   Program status = ctl({"status"});
   ASSERT_EQ(status.wait(), 0);
   EXPECT_NE(status.out().find("is being written"), std::string::npos) << status.out();
@@ -121,7 +121,7 @@ TEST_F(Recordings, ThatAreNoneAreRefusedInOneLine) {
   expect_one_line(watched, "session.lvgrec: is no recording");
   Program server(server_words({"--record", file()}));
   EXPECT_EQ(server.wait(), 2);
-  EXPECT_NE(server.err().find("is there already"), std::string::npos) << server.err();
+  EXPECT_NE(server.err().find("already exists"), std::string::npos) << server.err();
 }
 
 }  // namespace

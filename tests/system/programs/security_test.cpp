@@ -102,9 +102,10 @@ TEST_F(SecurePrograms, EachWrongCallerHasItsOwnAnswerAndTheRightOneGetsIn) {
   const std::string code = pairing_code(port);
   ASSERT_EQ(code.size(), 29u);
 
-  expect_refused(viewer(port, {"--pair", code}), "asks for a token");
-  expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "wrong"}), "none of this server's");
-  expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "lost"}), "\"lost\" was revoked");
+  expect_refused(viewer(port, {"--pair", code}), "token: is required");
+  expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "wrong"}),
+                 "not known to this server");
+  expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "lost"}), "\"lost\": was revoked");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "pins"));  // none of them was worth remembering
   std::string other = code;
   other[0] = other[0] == 'A' ? 'B' : 'A';
@@ -175,7 +176,7 @@ TEST_F(SecurePrograms, ARestartKeepsPairingAndTokensAndARevocationEndsAStream) {
   EXPECT_NE(ctl(port, {"clients"}).find("streaming"), std::string::npos);
   ctl(port, {"tokens", "revoke", token_id(port, "good")});
   EXPECT_EQ(client.wait(), 1) << client.err();
-  EXPECT_NE(client.err().find("\"good\" was revoked"), std::string::npos) << client.err();
+  EXPECT_NE(client.err().find("\"good\": was revoked"), std::string::npos) << client.err();
   EXPECT_EQ(client.err().find("connecting again"), std::string::npos) << client.err();
 }
 
@@ -195,7 +196,7 @@ TEST_F(SecurePrograms, ATokenThatExpiresEndsItsStreamAndLetsNobodyInAgain) {
   Program host(viewer(port, {"--pair", code, "--token-file", folder_ / "good"}, "pins", "0"));
   EXPECT_EQ(guest.wait(), 1) << guest.err();
   const std::string err = guest.err(),
-                    answer = "the token \"guest\" has expired; ask who runs the server for a new one";
+                    answer = "token \"guest\": has expired; ask the server's operator for a new one";
   EXPECT_NE(err.find(answer), std::string::npos) << err;
   EXPECT_EQ(err.find(answer), err.rfind(answer)) << err;
   // It does not try again for that. (It does when a busy machine has it wait for a second.)
@@ -217,7 +218,7 @@ TEST_F(SecurePrograms, OtherMachinesAreLetInWithTlsAndTokensOnly) {
   std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), std::string("0.0.0.0:0"));
   Program clear(words);
   EXPECT_EQ(clear.wait(), 2);
-  expect_one_line(clear, "--listen 0.0.0.0:0: other machines are let in with TLS and tokens only");
+  expect_one_line(clear, "--listen 0.0.0.0:0: needs TLS and tokens");
 
   folder_.write("file", "");
   words.resize(words.size() - 2);
@@ -258,7 +259,7 @@ TEST_F(SecurePrograms, CtlLooksAfterAServerInTheClearToo) {
   std::getline(lines, row);
   ctl(port, {"kick", row.substr(0, 8), "--reason", "lunch"});
   EXPECT_EQ(client.wait(), 1);
-  EXPECT_NE(client.err().find("ended this session: lunch"), std::string::npos) << client.err();
+  EXPECT_NE(client.err().find("ended by the server's operator: lunch"), std::string::npos) << client.err();
   ctl(port, {"drain"});
   EXPECT_EQ(server.wait(), 0) << server.err();
   Program gone(ctl_words(port, {"health"}));
