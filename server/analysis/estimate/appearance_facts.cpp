@@ -7,7 +7,6 @@
 namespace livegs {
 namespace {
 
-
 struct HueSaturation {
   float hue_rad, saturation;
 };

@@ -232,7 +232,7 @@ TEST(Publishing, IsRefusedOffThisMachineAndWhereItCannotBe) {
   const auto second = ZmqPublisher::bind((*first)->address());
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::Unavailable);
-  EXPECT_FALSE((*first)->heard());
+  EXPECT_FALSE((*first)->has_subscribers());
 }
 
 }  // namespace
