@@ -34,7 +34,7 @@ option(LIVEGS_UNITY "Compile the sources of a target in batches" ON)
 set(LIVEGS_UNITY_BATCH 8)
 
 # Test sources are compiled for a short build: they run once, and what they call is optimised in its own room.
-set(LIVEGS_TEST_FLAGS "-O1;-g0")
+set(LIVEGS_TEST_FLAGS "-O1;-g0" CACHE STRING "Compile options of test sources")
 
 # Programs that are built on request only: `benches` and `nightly_tests`.
 add_custom_target(benches)
