@@ -104,8 +104,8 @@ TEST(Gate, ThePartsAreTheAnswersOwn) {
 TEST(Gate, WhatElseTheModelSaysIsRemarkedOn) {
   const Judgement plain = judge(mug_answer());
   ASSERT_EQ(plain.remarks.size(), 3u);
-  EXPECT_EQ(plain.remarks[0], "it took the object for \"coffee mug\", sure of that to 0.95, a real one");
-  EXPECT_EQ(plain.remarks[1], "it took it to be 0.095 m long; it stands 0.095 m long");
+  EXPECT_EQ(plain.remarks[0], "the object was taken for \"coffee mug\", with confidence 0.95, a real one");
+  EXPECT_EQ(plain.remarks[1], "assumed length 0.095 m; length in the scene 0.095 m");
   EXPECT_EQ(plain.remarks[2], "it went by material:stoneware");
   ObjectFacts guessed = mug_facts();
   guessed.scale_known = false;
@@ -115,13 +115,13 @@ TEST(Gate, WhatElseTheModelSaysIsRemarkedOn) {
   toy["name_confidence"] = 80;
   const Judgement odd = judge(toy, guessed);
   ASSERT_NE(odd.verdict, Verdict::Refused) << odd.message;
-  EXPECT_EQ(odd.remarks[0], "it took the object for \"coffee mug\", a toy or a fake of one");
+  EXPECT_EQ(odd.remarks[0], "the object was taken for \"coffee mug\", a toy or an imitation");
   EXPECT_EQ(odd.remarks[1],
-            "it took it to be 0.9 m long; it stands 0.095 m long, which is a guess: if the model is right, "
-            "give the object a scale");
+            "assumed length 0.9 m; length in the scene 0.095 m, which is a guess; if the model is right, "
+            "set the scale of the object");
   EXPECT_EQ(odd.remarks[2], "it went by object:mug");
-  EXPECT_TRUE(mentions(odd.changes, "kb_ids: 2 of no row"));
-  EXPECT_TRUE(mentions(odd.changes, "name_confidence: is no number from 0 to 1"));
+  EXPECT_TRUE(mentions(odd.changes, "kb_ids: 2 without a row"));
+  EXPECT_TRUE(mentions(odd.changes, "name_confidence: not a number from 0 to 1"));
 }
 
 // Medians of logarithms do not come out to the last bit.
@@ -211,13 +211,13 @@ TEST(Gate, OddButPlainWordsAreReadAndNoted) {
       {"/mass_g/best", "330", "read as a number"},
       {"/mass_g", 330, "single number"},
       {"/parts/0/material_id", "Stoneware (glazed)", "read as stoneware"},
-      {"/parts/0/share", 0.5, "brought to 1"},
-      {"/colour", "blue", "no field"},
-      {"/confidence", 90, "confidence: is no number from 0 to 1"},
-      {"/confidence", "high", "confidence: is no number from 0 to 1"},
-      {"/size_m", json::array({1, 2}), "size_m: is not three lengths"},
-      {"/size_m/1", 0, "size_m: is not three lengths"},
-      {"/size_m", "9 cm", "size_m: is not three lengths"},
+      {"/parts/0/share", 0.5, "scaled to 1"},
+      {"/colour", "blue", "not a field"},
+      {"/confidence", 90, "confidence: not a number from 0 to 1"},
+      {"/confidence", "high", "confidence: not a number from 0 to 1"},
+      {"/size_m", json::array({1, 2}), "size_m: not three lengths"},
+      {"/size_m/1", 0, "size_m: not three lengths"},
+      {"/size_m", "9 cm", "size_m: not three lengths"},
       {"/plasticity_level", "sponge cake", ""},
   };
   for (const auto& [path, value, word] : cases) {
@@ -331,7 +331,7 @@ TEST(Gate, WhatTouchesStaysWithinReachOfTheMaterial) {
   EXPECT_DOUBLE_EQ(judgement.parameters.restitution().best(), 0.5);
   EXPECT_DOUBLE_EQ(judgement.parameters.plasticity().best(), 0.6);
   for (const char* field :
-       {"friction: 2 was brought", "restitution: 1 was brought", "plasticity: 1 was brought"})
+       {"friction: 2 was changed", "restitution: 1 was changed", "plasticity: 1 was changed"})
     EXPECT_TRUE(mentions(judgement.changes, field)) << field;
 }
 

@@ -281,7 +281,7 @@ TEST(AnalyzeScene, ABlindAnswerIsToldAsOneAndNotKept) {
       << last.parameters.fill_reason();
   EXPECT_EQ(last.parameters.fill_reason().find("saw"), std::string::npos);
   EXPECT_EQ(std::count(last.record.gate().begin(), last.record.gate().end(),
-                       "pictures: the model takes none and was asked without"),
+                       "pictures: not accepted by the model; the question was sent without them"),
             1);
   EXPECT_NE(explain_page(targets[0], last).find("none: the model takes no pictures"), std::string::npos);
   endpoint.blind = false;
@@ -367,7 +367,7 @@ TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {
   now = AnswerCache::kFailureLifetime_ns - 1;
   const Seen soon = run(targets, &endpoint, options);
   EXPECT_EQ(endpoint.asked().size(), 2u);
-  EXPECT_NE(soon.last(0).judgement.message.find("would not do"), std::string::npos);
+  EXPECT_NE(soon.last(0).judgement.message.find("faulty answer"), std::string::npos);
   now = AnswerCache::kFailureLifetime_ns;
   run(targets, &endpoint, options);
   EXPECT_EQ(endpoint.asked().size(), 4u);
@@ -378,10 +378,10 @@ TEST(AnalyzeScene, FailuresOutliveTheProcess) {
   const ScratchFolder folder;
   int64_t now = AnswerCache::kFailureLifetime_ns;
   const auto clock = [&] { return now; };
-  AnswerCache(folder / "answers", clock).keep_failure("key", "the answer would not do: \"\xff");
+  AnswerCache(folder / "answers", clock).keep_failure("key", "faulty answer: \"\xff");
   const auto kept = [&] { return AnswerCache(folder / "answers", clock).failure("key"); };
   ASSERT_TRUE(kept());
-  EXPECT_TRUE(kept()->starts_with("the answer would not do"));
+  EXPECT_TRUE(kept()->starts_with("faulty answer"));
   now += AnswerCache::kFailureLifetime_ns - 1;
   EXPECT_TRUE(kept());
   now -= AnswerCache::kFailureLifetime_ns;  // the clock was set back
@@ -446,7 +446,7 @@ TEST(ExplainPage, HoldsEverythingAndRunsNothing) {
   EXPECT_EQ(html.find("http://"), std::string::npos);
   EXPECT_EQ(html.find("https://"), std::string::npos);
   for (const char* part : {"data:image/png;base64,cGljdHVyZSAxMC8w", "&lt;script&gt;alert(2)",
-                           "The model was told:", "accepted", "fused", "fake-1", "default-src 'none'"}) {
+                           "Sent to the model:", "accepted", "fused", "fake-1", "default-src 'none'"}) {
     EXPECT_NE(html.find(part), std::string::npos) << part;
   }
 }

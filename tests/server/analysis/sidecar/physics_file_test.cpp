@@ -269,7 +269,7 @@ TEST_F(PhysicsFileTest, ErrorsNameFileFieldAndRange) {
     auto file = read_physics_file(path);
     return file ? std::string("(no error)") : file.error().message;
   };
-  const std::string remedy = "; mend it, or delete the file to forget it";
+  const std::string remedy = "; correct it, or delete the file to discard it";
   edit_by_hand("/physics/mass_kg/best", -1);
   EXPECT_EQ(message(),
             path.string() + ": physics.mass_kg.best: is -1; it must be between 1e-06 and 1e+06" + remedy);
@@ -303,8 +303,8 @@ TEST_F(PhysicsFileTest, WhatANewerProgramWroteIsLeftAloneAndSaysWhatToDo) {
                             R"({ "version": 7, "viscosity": { "best": 3 }, "edits": { "friction": 9 } })"}) {
     folder.write("mug.physics.json", newer);
     const std::string told = path.string() +
-                             ": a newer LiveGS wrote it (layout 7, this one reads up to 1): update this one, "
-                             "or move it and its .log away to go on without them; nothing in them is changed";
+                             ": written by a newer LiveGS (layout 7, this one reads up to 1); update LiveGS, "
+                             "or move the file and its .log away. Neither is modified";
     const auto file = read_physics_file(path);
     ASSERT_FALSE(file);
     EXPECT_EQ(file.error().code, ErrorCode::Unsupported);
@@ -331,7 +331,7 @@ TEST_F(PhysicsFileTest, AnotherSizeIsAnotherMass) {
   std::string note;
   const auto there = with_physics_file(estimate_offline(large), read(), large, note);
   EXPECT_EQ(there->mass_kg().best(), estimate_offline(large).mass_kg().best());
-  EXPECT_NE(note.find("analyze it again"), std::string::npos);
+  EXPECT_NE(note.find("analyze it to update"), std::string::npos);
 }
 
 TEST_F(PhysicsFileTest, AFolderThatCannotBeWrittenIsOneClearLine) {

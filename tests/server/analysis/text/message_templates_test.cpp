@@ -253,9 +253,9 @@ TEST(MessageTemplates, AFileThatLacksALineOrHasOneMoreIsAnErrorThatNamesIt) {
   json.erase("too_wide");
   EXPECT_EQ(refusal(json.dump()), "has no line too_wide");
   json["too_wide"] = 3;
-  EXPECT_EQ(refusal(json.dump()), "too_wide is no text");
+  EXPECT_EQ(refusal(json.dump()), "too_wide is not a string");
   json["too_wide"] = json["to_wide"] = "x";
-  EXPECT_EQ(refusal(json.dump()), "to_wide is no line that is ever said");
+  EXPECT_EQ(refusal(json.dump()), "to_wide is not a line of this file; remove it");
   EXPECT_EQ(refusal("["), "not a JSON object");
 }
 
@@ -273,35 +273,35 @@ TEST(PromptFolder, AFileOfAnotherFormIsAnErrorThatNamesIt) {
 // Each of these left its line out, or was sent as it stands, and nobody was told.
 TEST(PromptFolder, ASlotThatNothingFillsIsAnErrorThatNamesItAndTheRemedy) {
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\nSize: {{szie}}\n"),
-            "line 2: {{szie}} is filled by nothing: write {{size}} or take it out");
+            "line 2: {{szie}} is not a known slot; write {{size}} or remove it");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}}, {{camera_azimut}}\n"),
-            "line 1: {{camera_azimut}} is filled by nothing: write {{camera_azimuth}} or take it out");
+            "line 1: {{camera_azimut}} is not a known slot; write {{camera_azimuth}} or remove it");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\n{{}}\n").substr(0, 67),
-            "line 2: {{}} names no slot: take it out or write one of {{camera_az");
+            "line 2: {{}} does not name a slot; remove it or write one of {{camera_az");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size\n"),
-            "line 1: {{size has no end: write it as {{slot}}, on one line");
+            "line 1: {{size has no end; write it as {{slot}}, on one line");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size} m\n"),
-            "line 1: {{size has no end: write it as {{slot}}, on one line");
+            "line 1: {{size has no end; write it as {{slot}}, on one line");
   EXPECT_EQ(refusal_of("user.md", "Name: {{ name }}{{name}}\n"),
-            "line 1: {{ name }} is filled by nothing: write {{name}} or take it out");
+            "line 1: {{ name }} is not a known slot; write {{name}} or remove it");
   EXPECT_EQ(
       refusal_of("user.md", ""),
-      "has no {{name}}: write it where that is to stand, or delete the file so that the built-in one counts");
+      "has no {{name}}: write it where the text belongs, or delete the file to use the built-in one");
   EXPECT_EQ(refusal_of("repair.md", "{{problem}} {{name}}\n"),
-            "line 1: {{name}} is filled by nothing: take it out or write one of {{problem}}");
+            "line 1: {{name}} is not a known slot; remove it or write one of {{problem}}");
   EXPECT_EQ(refusal_of("system.md", "About {{name}}.\n"),
-            "line 1: {{name}} is filled by nothing: nothing in this text is filled: take it out");
+            "line 1: {{name}} is not a known slot; no slot of this text is filled; remove it");
   EXPECT_EQ(refusal_of("system.md", "Write {\"a\": {\"b\": 1}}, never {{...}}.\n"), "");
   EXPECT_EQ(refusal_of("search.md", "{{name}} {{size}} {{scale}}\n"),
             "");  // filled from what fills the question
   EXPECT_EQ(refusal_of("search.md", "{{name}} {{others}}\n").substr(0, 42),
-            "line 1: {{others}} is filled by nothing: t");
+            "line 1: {{others}} is not a known slot; r");
   EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_deep", "no {{field}}")),
-            "too_deep, line 1: {{field}} is filled by nothing: nothing in this text is filled: take it out");
+            "too_deep, line 1: {{field}} is not a known slot; no slot of this text is filled; remove it");
   EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_wide", "no {{feild}}")),
-            "too_wide, line 1: {{feild}} is filled by nothing: write {{field}} or take it out");
+            "too_wide, line 1: {{feild}} is not a known slot; write {{field}} or remove it");
   EXPECT_EQ(refusal_of("facts.json", with_line("facts.json", "size", "{{length}} m\u2028{{hight}}\x1b")),
-            "size, line 1: {{hight}} is filled by nothing: write {{height}} or take it out");
+            "size, line 1: {{hight}} is not a known slot; write {{height}} or remove it");
 }
 
 // All of the built-in ones, from a folder.

@@ -97,9 +97,9 @@ std::vector<EndpointCase> busy_cases() {
          return index == 0 ? with_header(busy, "Retry-After: " + http_date(2)) : says(sound_answer());
        },
        "", 2, no_tools, [](const Posts&, const RawAnswer& answer) { EXPECT_GE(answer.wall_s, 0.9); }},
-      {"429_past_the_deadline", in_turn({with_header(busy, "Retry-After: 3600")}), "past the deadline", 1,
+      {"429_past_the_deadline", in_turn({with_header(busy, "Retry-After: 3600")}), "exceed the deadline", 1,
        no_tools},
-      {"429_for_ever", in_turn({busy}), "fewer requests", 4, no_tools},
+      {"429_for_ever", in_turn({busy}), "limits the request rate", 4, no_tools},
       {"429_no_credit",
        in_turn({fails(429, error_of("insufficient_quota", "You exceeded your current quota"))}),
        "no more credit", 1},

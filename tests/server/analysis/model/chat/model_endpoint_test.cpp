@@ -154,12 +154,12 @@ TEST(ModelEndpoint, AModelThatTakesNoPicturesIsSaidToBeBlind) {
       ASSERT_TRUE(answer) << answer.error().message;
       EXPECT_TRUE(answer->blind);
       ASSERT_EQ(answer->warnings.size(), 1u);
-      EXPECT_NE(answer->warnings[0].find("takes no pictures"), std::string::npos);
+      EXPECT_NE(answer->warnings[0].find("does not accept pictures"), std::string::npos);
     }
     log = testing::internal::GetCapturedStderr();
     EXPECT_EQ(server.posts().size(), run == 0 ? 3u : 6u);  // with pictures once a run
-    EXPECT_NE(log.find("takes no pictures"), std::string::npos) << log;
-    EXPECT_EQ(log.find("takes no pictures"), log.rfind("takes no pictures")) << log;
+    EXPECT_NE(log.find("does not accept pictures"), std::string::npos) << log;
+    EXPECT_EQ(log.find("does not accept pictures"), log.rfind("does not accept pictures")) << log;
   }
   // Recorded and replayed, it stays what it was.
   for (const bool live : {true, false}) {
@@ -364,7 +364,7 @@ TEST(ModelEndpoint, TheBreakerOpensAndRecovers) {
     const auto answer = ask();
     if (open_s > 1) {
       ASSERT_FALSE(answer);
-      EXPECT_NE(answer.error().message.find("not asked again"), std::string::npos) << answer.error().message;
+      EXPECT_NE(answer.error().message.find("no further request"), std::string::npos) << answer.error().message;
       EXPECT_EQ(server.posts().size(), 3u);  // nothing was sent
     } else {
       EXPECT_TRUE(answer);
@@ -461,7 +461,7 @@ TEST(ModelEndpoint, AWebSearchThatTheServerRefusesIsSaid) {
     const std::string log = testing::internal::GetCapturedStderr();
     ASSERT_TRUE(answer) << answer.error().message;
     ASSERT_EQ(answer->warnings.size(), 1u);
-    EXPECT_NE(answer->warnings[0].find("--web-search: the server searches nothing"), std::string::npos);
+    EXPECT_NE(answer->warnings[0].find("--web-search: not supported by the server"), std::string::npos);
     EXPECT_NE(log.find("--web-search"), std::string::npos) << log;
     EXPECT_EQ(server.posts().size(), run == 0 ? 2u : 3u);
   }
@@ -539,7 +539,7 @@ TEST(EndpointChoice, ADeadlineIsAPersonsToSet) {
     ASSERT_TRUE(endpoint) << endpoint.error().message;
     const auto hung = (*endpoint)->start(pot_tools())->ask(pot_question(), {});
     ASSERT_FALSE(hung);
-    EXPECT_NE(hung.error().message.find("no complete reply in time; give it longer"), std::string::npos)
+    EXPECT_NE(hung.error().message.find("no complete reply in time; increase"), std::string::npos)
         << hung.error().message;
   }
   choice.deadline_s = 0;
@@ -547,11 +547,11 @@ TEST(EndpointChoice, ADeadlineIsAPersonsToSet) {
     ::setenv("LIVEGS_MODEL_DEADLINE_S", bad, 1);
     const auto endpoint = choose_endpoint(choice);
     ASSERT_FALSE(endpoint) << bad;
-    EXPECT_EQ(endpoint.error().message, "LIVEGS_MODEL_DEADLINE_S: has to be seconds, 1 to 3600");
+    EXPECT_EQ(endpoint.error().message, "LIVEGS_MODEL_DEADLINE_S: must be 1 to 3600 seconds");
   }
   ::unsetenv("LIVEGS_MODEL_DEADLINE_S");
   choice.deadline_s = -1;
-  EXPECT_EQ(choose_endpoint(choice).error().message, "--model-deadline: has to be seconds, 1 to 3600");
+  EXPECT_EQ(choose_endpoint(choice).error().message, "--model-deadline: must be 1 to 3600 seconds");
 }
 
 // The key goes to the address it belongs to: OPENAI_BASE_URL, or OpenAI's where that is not set.
@@ -580,7 +580,7 @@ TEST(EndpointChoice, TheKeyGoesToItsOwnAddressAlone) {
   const auto expect_withheld = [&](const char* belongs_to) {
     const auto [sent, log] = asked();
     EXPECT_FALSE(sent);
-    EXPECT_NE(log.find("OPENAI_API_KEY is not sent there, it belongs to " + std::string(belongs_to)),
+    EXPECT_NE(log.find("OPENAI_API_KEY belongs to " + std::string(belongs_to)),
               std::string::npos)
         << log;
   };
