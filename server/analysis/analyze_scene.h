@@ -24,7 +24,7 @@ struct AnalysisSummary {
   std::int64_t prompt_tokens = 0, completion_tokens = 0;
   double cost_usd = 0;
   double slowest_views_s = 0;  // over the queried objects; wall time
-  std::string failure;  // the first reason why a query failed; empty if none failed
+  std::string failure;         // the first reason why a query failed; empty if none failed
 };
 
 // Blocks until every object is finished or `stop` is requested; a stop takes milliseconds.

@@ -33,7 +33,7 @@ struct ObjectFacts {
   MeshFacts mesh;
   AppearanceFacts appearance;
   bool scale_known = false;  // metric, not guessed
-  bool solid = false;  // given as a volume (a shape, a list of points), not captured from outside
+  bool solid = false;        // given as a volume (a shape, a list of points), not captured from outside
 };
 
 // Confidence of an estimate whose name states the material but not the object. An estimate from appearance

@@ -80,7 +80,8 @@ Result<void> check_scene_physics(const Physics& written) {
     return invalid_argument("density_kg_m3: given together with mass_kg; give only one of them");
   }
   if (written.has_youngs_modulus_pa() && written.has_deformation_resistance()) {
-    return invalid_argument("deformation_resistance: given together with youngs_modulus_pa; give only one of them");
+    return invalid_argument(
+        "deformation_resistance: given together with youngs_modulus_pa; give only one of them");
   }
   return {};
 }

@@ -17,7 +17,8 @@ constexpr double kRange90Deviations = 3.29;
 // Standard deviation of the logarithm of a captured surface's volume and area. Sheets and threads are drawn
 // as thick as the surface radius allows, so their volume is uncertain.
 constexpr double kVolumeSd = 0.15, kThinVolumeSd = 0.6, kAreaSd = 0.15;
-constexpr double kMaxThickening_ln = 0.25;  // upper bound of ln(thickening) of unresolved features; a judgement
+constexpr double kMaxThickening_ln =
+    0.25;  // upper bound of ln(thickening) of unresolved features; a judgement
 // Both estimates share the size and the author of the tables.
 constexpr double kLooksCorrelation = 0.3;
 // Lower bound of the sd of ln(mass) for estimates from appearance.

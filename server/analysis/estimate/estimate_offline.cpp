@@ -82,11 +82,13 @@ Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   }
   guess.wall_m = guess.kind.row->wall_m;
   guess.confidence = 0.1 + 0.25 * best;
-  guess.reason = format_text("unknown name; among things of this size and shape, like a %s, %.0f %% are made of it",
-                             guess.kind.row->label.c_str(), 100 * best);
+  guess.reason =
+      format_text("unknown name; among things of this size and shape, like a %s, %.0f %% are made of it",
+                  guess.kind.row->label.c_str(), 100 * best);
   if (kinds.match.row) {
     guess.reason = format_text(
-        "\"%s\" is unknown, and \"%s\" is only part of the name; among things of this size and shape, like a %s, %.0f %% are made of it",
+        "\"%s\" is unknown, and \"%s\" is only part of the name; among things of this size and shape, like a "
+        "%s, %.0f %% are made of it",
         facts.name.c_str(), kinds.match.alias.c_str(), guess.kind.row->label.c_str(), 100 * best);
   }
   if (kinds.material.row && guess.material->material_class == kinds.material.row->material_class) {

@@ -16,14 +16,14 @@ namespace livegs {
 struct ObjectClass {
   const ObjectRow* row = nullptr;
   double probability = 0;
-  const MaterialRow* material = nullptr;  // stated by the name and different from the row's own; null otherwise
+  const MaterialRow* material =
+      nullptr;  // stated by the name and different from the row's own; null otherwise
 };
 
 struct ObjectClasses {
-  std::vector<ObjectClass>
-      kinds;               // most probable first, ties in table order; probabilities sum to 1
-  NameMatch match;         // of the name; its row is null if the name is unknown
-  MaterialMatch material;  // stated by the name
+  std::vector<ObjectClass> kinds;  // most probable first, ties in table order; probabilities sum to 1
+  NameMatch match;                 // of the name; its row is null if the name is unknown
+  MaterialMatch material;          // stated by the name
 };
 
 // Never empty. Pure.

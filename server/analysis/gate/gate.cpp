@@ -89,8 +89,8 @@ double within_reach(double told, double low, double high, const char* field, con
                     std::vector<std::string>& changes) {
   const double kept = std::clamp(told, low, high);
   if (kept != told)
-    changes.push_back(format_text("%s: %.3g was changed to %.3g, the limit for %s", field, told,
-                                  kept, material.name.c_str()));
+    changes.push_back(format_text("%s: %.3g was changed to %.3g, the limit for %s", field, told, kept,
+                                  material.name.c_str()));
   return kept;
 }
 

@@ -18,7 +18,8 @@ namespace livegs {
 
 enum class Verdict {
   Accepted,
-  NeedsReview,  // possible, but far from the prior or inconsistent: kept as a proposal; the object is unchanged
+  NeedsReview,  // possible, but far from the prior or inconsistent: kept as a proposal; the object is
+                // unchanged
   Refused,
 };
 
@@ -29,10 +30,9 @@ struct Judgement {
   v1::PhysicalParameters parameters;
   // Values of the answer, fused or not; empty if refused.
   v1::PhysicalParameters proposal;
+  std::vector<std::string> changes;  // values interpreted, corrected or reweighted, one line each
   std::vector<std::string>
-      changes;  // values interpreted, corrected or reweighted, one line each
-  std::vector<std::string>
-      remarks;  // other statements of the answer, one line each: object name, size, sources
+      remarks;          // other statements of the answer, one line each: object name, size, sources
   std::string message;  // refused: the fault, one line, suitable for a repair turn; needs review: the reason
 };
 

@@ -157,8 +157,7 @@ class Reader {
     if (failed()) return;
     if (!(sum > 0)) return fail("parts_no_share");
     if (std::abs(sum - 1) > 0.02) {
-      answer.changes.push_back("parts: the shares added up to " + number_text(sum) +
-                               " and were scaled to 1");
+      answer.changes.push_back("parts: the shares added up to " + number_text(sum) + " and were scaled to 1");
     }
     for (AnswerPart& part : answer.parts) part.share /= sum;
     std::stable_sort(answer.parts.begin(), answer.parts.end(),
@@ -263,7 +262,8 @@ class Reader {
         ++unknown;
       }
     }
-    if (unknown > 0) answer.changes.push_back("kb_ids: " + std::to_string(unknown) + " without a row, ignored");
+    if (unknown > 0)
+      answer.changes.push_back("kb_ids: " + std::to_string(unknown) + " without a row, ignored");
   }
   void ignored_fields() {
     size_t ignored = 0;

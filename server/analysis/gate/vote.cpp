@@ -90,9 +90,8 @@ Answer vote(std::span<const Answer> answers) {
   result.confidence = median(confidences);
   const auto [least, most] = std::minmax_element(
       masses.begin(), masses.end(), [](const Span3& a, const Span3& b) { return a.best < b.best; });
-  result.changes.push_back(format_text("%zu views; mass_g from %.4g to %.4g, median %.4g",
-                                       answers.size(), least->best * 1e3, most->best * 1e3,
-                                       result.mass_kg.best * 1e3));
+  result.changes.push_back(format_text("%zu views; mass_g from %.4g to %.4g, median %.4g", answers.size(),
+                                       least->best * 1e3, most->best * 1e3, result.mass_kg.best * 1e3));
   return result;
 }
 

@@ -64,13 +64,13 @@ const std::vector<MaterialRow>& material_table();
 const std::vector<ObjectRow>& object_table();
 const MaterialRow& material_row(std::string_view name);       // precondition: the name is in the table
 const MaterialRow* find_material_row(std::string_view name);  // nullptr if not found
-const ObjectRow* find_object_row(std::string_view label);  // by label, not by alias; nullptr if not found
+const ObjectRow* find_object_row(std::string_view label);     // by label, not by alias; nullptr if not found
 
 // Level of plasticity with reference objects, for judgement by comparison. LIVE-GS's p: 0 springs back, 1
 // keeps its shape after a bend or dent. Ascending.
 struct PlasticityLevel {
   double plasticity = 0;
-  std::string level;                    // name in the answer schema; empty for a level between two of the schema
+  std::string level;  // name in the answer schema; empty for a level between two of the schema
   std::vector<std::string> references;  // "cloth", "rope"
 
   std::string text() const;  // "felt, cloth, rope"

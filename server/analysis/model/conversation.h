@@ -37,8 +37,8 @@ struct AnalysisQuestion {
 };
 
 struct RawAnswer {
-  std::string json;            // one JSON object, in the form of livegs.analysis/1 (prompts/answer.schema.json)
-  std::string model;           // as reported by the server
+  std::string json;   // one JSON object, in the form of livegs.analysis/1 (prompts/answer.schema.json)
+  std::string model;  // as reported by the server
   std::string prompt_version;  // "1-" and the start of a hash over every prompt text
   std::int64_t prompt_tokens = 0, completion_tokens = 0;  // of all turns together
   double cost_usd = 0;                                    // 0: unknown

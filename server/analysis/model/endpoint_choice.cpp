@@ -22,7 +22,8 @@ Result<void> read_price(const std::string& text, EndpointSettings& settings) {
   if (!(cells >> in >> comma >> out) || comma != ',' || !(cells >> std::ws).eof() || !(in >= 0 && in < 1e6) ||
       !(out >= 0 && out < 1e6)) {
     return invalid_argument(
-        "LIVEGS_PRICE: must be two numbers, US dollars per million tokens sent and received, as in 0.15,0.60");
+        "LIVEGS_PRICE: must be two numbers, US dollars per million tokens sent and received, as in "
+        "0.15,0.60");
   }
   settings.usd_per_million_prompt_tokens = in;
   settings.usd_per_million_completion_tokens = out;
@@ -86,7 +87,8 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   const bool told = !choice.url.empty() || !choice.model.empty() || !choice.record.empty();
   if (choice.offline && (told || !choice.recorded.empty())) {
     return invalid_argument(
-        "--offline: disables the language model; leave it out, or leave out --endpoint, --model, --record-answers and --recorded");
+        "--offline: disables the language model; leave it out, or leave out --endpoint, --model, "
+        "--record-answers and --recorded");
   }
   if (!choice.recorded.empty() && told) {
     return invalid_argument(

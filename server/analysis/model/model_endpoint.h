@@ -21,18 +21,18 @@ inline constexpr const char* kOpenAiUrl = "https://api.openai.com/v1";
 
 struct EndpointSettings {
   std::string
-      base_url;       // "https://api.openai.com/v1"; http or https; from this program's own configuration only
-  std::string model;  // empty: the first one listed by the server
-  Secret api_key;     // sent to base_url only
-  std::filesystem::path
-      prompt_folder;  // overrides the built-in prompts file by file; empty: none
+      base_url;  // "https://api.openai.com/v1"; http or https; from this program's own configuration only
+  std::string model;                    // empty: the first one listed by the server
+  Secret api_key;                       // sent to base_url only
+  std::filesystem::path prompt_folder;  // overrides the built-in prompts file by file; empty: none
   std::filesystem::path
       quirks_file;  // learned server capabilities, kept between runs; empty: kept in memory only
 
-  bool tools = true;        // offers tools before the answer; the prompt already contains their results
-  bool stream = false;      // server-sent events, which detect a late first byte early
-  bool web_search = false;  // one web search before the answer, if the server supports it; its text is quoted data
-  int max_in_flight = 0;    // 0: 1 for Ollama and llama.cpp, which decode one request at a time, else 4
+  bool tools = true;    // offers tools before the answer; the prompt already contains their results
+  bool stream = false;  // server-sent events, which detect a late first byte early
+  bool web_search =
+      false;  // one web search before the answer, if the server supports it; its text is quoted data
+  int max_in_flight = 0;  // 0: 1 for Ollama and llama.cpp, which decode one request at a time, else 4
   double requests_per_s = 4, request_burst = 8;  // of the token bucket
 
   double deadline_s =

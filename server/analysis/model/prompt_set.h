@@ -28,8 +28,7 @@ class PromptSet {
   std::string tools_turn() const;
   std::string answer_turn(bool schema_in_words) const;
   std::string repair(std::string_view problem) const;
-  std::string caption(
-      const std::string& name) const;  // caption of a picture, or its name if it has none
+  std::string caption(const std::string& name) const;  // caption of a picture, or its name if it has none
   std::string search(const std::map<std::string, std::string>& slots) const;
 
   const MessageTemplates& words() const { return words_; }

@@ -84,8 +84,8 @@ struct AnalysisOptions {
   int views = 1;                                   // 1 or 3; more than one is combined by vote
   AnswerCache* cache = nullptr;                    // must outlive the call
   std::vector<AnalysisNeighbour> neighbours = {};  // described to the model in addition to the targets
-  bool behind = true;          // views are rendered at low priority, with idle cores only
-  std::string prompt_version;  // part of the cache key
+  bool behind = true;                              // views are rendered at low priority, with idle cores only
+  std::string prompt_version;                      // part of the cache key
 };
 
 }  // namespace livegs

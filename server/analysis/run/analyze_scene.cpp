@@ -181,7 +181,8 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
   }
   if (summary.slowest_views_s > kViewTimeWarning_s) {
     log_warn(
-        "analysis: rendering the views of an object took up to %.1f s (usually below %.0f s); the machine is slow or busy",
+        "analysis: rendering the views of an object took up to %.1f s (usually below %.0f s); the machine is "
+        "slow or busy",
         summary.slowest_views_s, kViewTimeWarning_s);
   }
   // Objects that were not queried keep their estimate.

@@ -46,8 +46,10 @@ std::string one_line(std::string text) {
 }
 
 Error newer(double version) {
-  return {ErrorCode::Unsupported, format_text("written by a newer LiveGS (layout %.0f, this one reads up to %u); update LiveGS, or move the file and its .log away. Neither is modified",
-                                              version, kPhysicsLayout)};
+  return {ErrorCode::Unsupported,
+          format_text("written by a newer LiveGS (layout %.0f, this one reads up to %u); update LiveGS, or "
+                      "move the file and its .log away. Neither is modified",
+                      version, kPhysicsLayout)};
 }
 
 Result<v1::PhysicsFile> parse_sidecar(const std::string& text) {
@@ -271,10 +273,10 @@ Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& o
       *physics.mutable_wall_thickness_m() = offline.wall_thickness_m();
       *physics.mutable_break_impulse_n_s() = offline.break_impulse_n_s();
       char line[160];
-      std::snprintf(
-          line, sizeof line,
-          "was analysed at a length of %.3g m and is now %.3g m long; its mass is estimated again, analyze it to update",
-          analysed_m, now_m);
+      std::snprintf(line, sizeof line,
+                    "was analysed at a length of %.3g m and is now %.3g m long; its mass is estimated again, "
+                    "analyze it to update",
+                    analysed_m, now_m);
       note = line;
     }
   }

@@ -16,8 +16,8 @@ namespace livegs {
 namespace {
 
 constexpr double kVerticalFov_rad = 0.7;
-constexpr double kFillShare =
-    0.7;  // of the picture height, covered by the bounding sphere of the target; leaves its surroundings visible
+constexpr double kFillShare = 0.7;  // of the picture height, covered by the bounding sphere of the target;
+                                    // leaves its surroundings visible
 constexpr int kThumbnail_px = 160;  // long side of the thumbnails that score the cameras
 constexpr double kUprightElevation_rad = 0.35, kSteepElevation_rad = 0.8;
 constexpr double kSteepBonus = 0.85;        // most objects are seen and photographed from slightly above

@@ -32,8 +32,8 @@ struct ObjectView {
   Camera camera;
   Image scene;     // everything, over a grey ground
   Image outlined;  // the same with an outline of the visible part of the target
-  Image mask;  // fraction of each pixel's light from the target, 0 … 1 (white)
-  Image cutout;  // the whole target alone, filling the picture, over white; same position, longer lens
+  Image mask;      // fraction of each pixel's light from the target, 0 … 1 (white)
+  Image cutout;    // the whole target alone, filling the picture, over white; same position, longer lens
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  // centre of the target's bounds, world frame
   double distance_m = 0;                               // from the camera to `target_m`
   double azimuth_rad = 0;    // of the camera around the target; 0 in front (+z), positive to the right

@@ -15,9 +15,8 @@ using Kind = ServerAnswer::Kind;
 
 constexpr int kMaxToolRounds = 4;
 constexpr std::size_t kMaxToolCalls = 8;
-constexpr int kReasoningTokenFactor =
-    4;                           // max_completion_tokens includes the hidden reasoning of a model
-constexpr int kMaxRefusals = 8;  // request parts that may be disabled in one conversation
+constexpr int kReasoningTokenFactor = 4;  // max_completion_tokens includes the hidden reasoning of a model
+constexpr int kMaxRefusals = 8;           // request parts that may be disabled in one conversation
 constexpr std::size_t kMaxSearchLength = 1500;
 constexpr std::int64_t kContexts[] = {2048, 4096, 8192};  // Ollama's defaults; longer prompts are truncated
 
@@ -70,7 +69,8 @@ Result<RawAnswer> ChatConversation::converse(std::stop_token stop, bool with_too
   answer_.blind = !images_.empty() && !quirks_.images;
   if (answer_.blind) {
     warn(
-        "the model does not accept pictures; the question is sent without them, with measurements only. Set LIVEGS_MODEL to a model that sees");
+        "the model does not accept pictures; the question is sent without them, with measurements only. Set "
+        "LIVEGS_MODEL to a model that sees");
   }
   answer_.transcript = transcript_.lines();
   if (!found) return found.error();
@@ -159,8 +159,9 @@ void ChatConversation::note_truncation(const ChatReply& reply) {
     return size == all || size == reply.prompt_tokens;
   });
   if (context == std::end(kContexts)) return;
-  const std::string warning = "the server truncated the prompt to its context of " + std::to_string(*context) +
-                              " tokens without an error; start it with a longer context (Ollama: OLLAMA_CONTEXT_LENGTH=16384)";
+  const std::string warning =
+      "the server truncated the prompt to its context of " + std::to_string(*context) +
+      " tokens without an error; start it with a longer context (Ollama: OLLAMA_CONTEXT_LENGTH=16384)";
   warn(warning);
   quirks_.examples = 0;  // the examples are dispensable, from the next object on
 }

@@ -17,8 +17,9 @@ class CircuitBreaker {
 
   bool try_pass(std::int64_t now_ns);
   void succeed();
-  void fail(std::int64_t now_ns, const std::string& reason);                 // counts one consecutive failure
-  void open(std::int64_t now_ns, double open_s, const std::string& reason);  // opens at once: no credit, key refused
+  void fail(std::int64_t now_ns, const std::string& reason);  // counts one consecutive failure
+  void open(std::int64_t now_ns, double open_s,
+            const std::string& reason);       // opens at once: no credit, key refused
   void give_up_probe() { probing_ = false; }  // the probe ended without a verdict
 
   bool is_open() const { return opened_; }

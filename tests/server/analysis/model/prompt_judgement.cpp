@@ -17,8 +17,8 @@ using nlohmann::ordered_json;
 
 constexpr const char* kFormat = "livegs.judgement/1";
 constexpr std::uint64_t kMaxBytes = 1 << 20;
-// The prompts that stood before any model could be asked, version 3: they, and no others, may stand without
-// figures.
+// Hash of the prompts of version 3, from before any model was available. Only these may be without
+// measurements.
 constexpr const char* kUnjudged = "4094762d3ce0026060adcb1abb0ddbf776e74da82a28b8dcb648eb6ad8738408";
 constexpr const char* kHow =
     "judge it: mass_harness --judge OLD_PROMPTS prompts --record ANSWERS --keep prompts/judged.json, with a "

@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 using std::chrono::milliseconds;
 
-// Mugs of growing size in a row.
+// Mugs of increasing size in a row.
 std::vector<AnalysisTarget> mugs(size_t count) {
   std::vector<AnalysisTarget> targets;
   for (size_t i = 0; i < count; ++i) {
@@ -42,7 +42,7 @@ Result<std::vector<TargetView>> look(uint32_t object_id, int count, std::stop_to
   }
   return views;
 }
-// A mass that depends on the object and on what was told of its neighbours.
+// A mass that depends on the object and on its neighbours in the question.
 Result<std::string> weigh(const AnalysisQuestion& question, const ToolBox& tools, int) {
   double mass_g = 300 + 5 * (question.slots.at("name").back() - 'a');
   for (const SceneObjectFacts& one : tools.scene()) {
@@ -73,7 +73,7 @@ Seen run(std::span<const AnalysisTarget> targets, ModelEndpoint* endpoint, Analy
   return result;
 }
 
-TEST(AnalyzeScene, OfflineFirstThenWhatTheGateLetThrough) {
+TEST(AnalyzeScene, OfflineFirstThenTheAcceptedAnswer) {
   const auto targets = mugs(3);
   FakeEndpoint endpoint(weigh);
   const Seen result = run(targets, &endpoint);
@@ -94,7 +94,7 @@ TEST(AnalyzeScene, OfflineFirstThenWhatTheGateLetThrough) {
   EXPECT_EQ(result.summary.prompt_tokens, 3000);
 }
 
-TEST(AnalyzeScene, WithoutAnEndpointTheEstimatesStand) {
+TEST(AnalyzeScene, WithoutAnEndpointEstimatesAreKept) {
   const auto targets = mugs(2);
   const Seen result = run(targets, nullptr);
   EXPECT_EQ(result.updates.size(), 4u);
@@ -103,7 +103,7 @@ TEST(AnalyzeScene, WithoutAnEndpointTheEstimatesStand) {
   EXPECT_EQ(result.last(1).judgement.message, "no model endpoint is set");
 }
 
-TEST(AnalyzeScene, OneRepairTurnThenTheOfflineAnswer) {
+TEST(AnalyzeScene, OneRepairThenTheOfflineEstimate) {
   const auto targets = mugs(1);
   const auto wrong = [](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> {
     return std::string("no idea");
@@ -126,9 +126,8 @@ TEST(AnalyzeScene, OneRepairTurnThenTheOfflineAnswer) {
   EXPECT_EQ(bad.summary.refused, 1u);
 }
 
-// What is asked, and so what comes out, does not depend on how fast answers come or how many are asked at a
-// time.
-TEST(AnalyzeScene, TheSameAnswersGiveTheSameResultInAnyOrder) {
+// Questions and results do not depend on the timing of answers or the number in flight.
+TEST(AnalyzeScene, ResultIsIndependentOfAnswerOrder) {
   const auto targets = mugs(9);
   std::vector<std::vector<std::string>> questions;
   std::vector<std::string> results;
@@ -150,10 +149,10 @@ TEST(AnalyzeScene, TheSameAnswersGiveTheSameResultInAnyOrder) {
     EXPECT_TRUE(results[order] == results[0]);
   }
   EXPECT_NE(questions[0].back().find("mug a!"), std::string::npos)
-      << questions[0].back();  // neighbours came through
+      << questions[0].back();  // neighbours were included
 }
 
-TEST(AnalyzeScene, FailureKeepsTheEstimatesAndSaysWhyOnce) {
+TEST(AnalyzeScene, FailureKeepsEstimatesAndIsReportedOnce) {
   const auto targets = mugs(6);
   FakeEndpoint endpoint([](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> {
     return Error{ErrorCode::Unavailable, "http://127.0.0.1:9: cannot be reached"};
@@ -171,7 +170,7 @@ TEST(AnalyzeScene, FailureKeepsTheEstimatesAndSaysWhyOnce) {
   EXPECT_NE(log.find("cannot be reached"), std::string::npos);
 }
 
-TEST(AnalyzeScene, ViewsThatCannotBeMadeAreAFailureOfThatObject) {
+TEST(AnalyzeScene, FailedViewsAffectOnlyTheirObject) {
   const auto targets = mugs(2);
   FakeEndpoint endpoint(weigh);
   const Seen result = run(targets, &endpoint, {}, {}, [](uint32_t id, int count, std::stop_token stop) {
@@ -181,8 +180,8 @@ TEST(AnalyzeScene, ViewsThatCannotBeMadeAreAFailureOfThatObject) {
   EXPECT_EQ(result.last(1).judgement.verdict, Verdict::Accepted);
 }
 
-// The model thinks about the first object for long; the pictures of the others are made meanwhile.
-TEST(AnalyzeScene, ViewsAreMadeWhileTheModelThinks) {
+// While the first query is slow, the pictures of the other objects are rendered.
+TEST(AnalyzeScene, RendersViewsDuringQueries) {
   const auto targets = mugs(6);
   FakeEndpoint endpoint(weigh);
   endpoint.max_in_flight = 1;
@@ -198,7 +197,7 @@ TEST(AnalyzeScene, ViewsAreMadeWhileTheModelThinks) {
   EXPECT_LE(endpoint.asked().size(), 1u);
 }
 
-TEST(AnalyzeScene, AHangIsEndedByTheStop) {
+TEST(AnalyzeScene, StopEndsAHang) {
   const auto targets = mugs(6);
   FakeEndpoint endpoint(weigh);
   endpoint.delay = [](const std::string&) { return milliseconds(600000); };
@@ -215,7 +214,7 @@ TEST(AnalyzeScene, AHangIsEndedByTheStop) {
   }
 }
 
-TEST(AnalyzeScene, TheSameQuestionIsAskedOnce) {
+TEST(AnalyzeScene, SameQuestionIsSentOnce) {
   const auto targets = mugs(3);
   ScratchFolder folder;
   FakeEndpoint endpoint(weigh);
@@ -237,17 +236,18 @@ TEST(AnalyzeScene, TheSameQuestionIsAskedOnce) {
   EXPECT_TRUE(again.last(2).cached);
   EXPECT_EQ(again.last(2).record.model(), "fake-1");
   ASSERT_EQ(again.last(2).turns.size(), 1u);
-  EXPECT_EQ(again.last(2).turns[0].answer.transcript, "said to mug c");  // for the page that explains it
+  EXPECT_EQ(again.last(2).turns[0].answer.transcript, "said to mug c");  // for the explanation page
   EXPECT_EQ(again.last(2).turns[0].answer.warnings, std::vector<std::string>{"made up"});
   EXPECT_EQ(again.summary.prompt_tokens, 0);
-  // Another picture is another question.
+  // Another picture changes the question.
   run(targets, &endpoint, options, {},
       [](uint32_t id, int count, std::stop_token stop) { return look(id + 1, count, stop); });
   EXPECT_EQ(endpoint.asked().size(), 6u);
 }
 
-// Where no model is named, the one that answers is learned first: another one is asked, not told for.
-TEST(AnalyzeScene, AnotherModelIsNotAnsweredForByTheOneBefore) {
+// If no model is named, the actual one is identified first, so that cached answers of another model do not
+// match.
+TEST(AnalyzeScene, CacheIsSeparatePerModel) {
   const auto targets = mugs(2);
   AnswerCache cache;
   AnalysisOptions options;
@@ -265,8 +265,9 @@ TEST(AnalyzeScene, AnotherModelIsNotAnsweredForByTheOneBefore) {
   EXPECT_TRUE(endpoint.asked().empty());
 }
 
-// What was said without a look counts no views, says so, and is asked again once the server may see.
-TEST(AnalyzeScene, ABlindAnswerIsToldAsOneAndNotKept) {
+// An answer without pictures counts no views, says so, and is requested again once the server accepts
+// pictures.
+TEST(AnalyzeScene, BlindAnswerIsReportedAndNotCached) {
   const auto targets = mugs(1);
   AnswerCache cache;
   AnalysisOptions options;
@@ -291,8 +292,8 @@ TEST(AnalyzeScene, ABlindAnswerIsToldAsOneAndNotKept) {
   EXPECT_NE(again.last(0).parameters.fill_reason().find("the model saw"), std::string::npos);
 }
 
-// What cannot be read again because it is too long would be asked for, and paid for, again.
-TEST(AnalyzeScene, ALongTranscriptIsNotKeptAndTheAnswerIs) {
+// A cached file that is too long to read would cause a second paid request.
+TEST(AnalyzeScene, LongTranscriptIsDroppedFromTheCache) {
   ScratchFolder folder;
   RawAnswer answer;
   answer.json = "{}";
@@ -304,9 +305,9 @@ TEST(AnalyzeScene, ALongTranscriptIsNotKeptAndTheAnswerIs) {
   EXPECT_EQ(kept->transcript, "");
 }
 
-// Objects that are not asked about are told all the same: what a scene's author, a person or a model said of
-// them as known, the rest as an estimate.
-TEST(AnalyzeScene, TheModelIsToldOfObjectsThatAreNotAskedAbout) {
+// Objects that are not queried are still described: values of the scene's author, a user or a model as known,
+// others as estimates.
+TEST(AnalyzeScene, QuestionsDescribeUnqueriedObjects) {
   const auto all = mugs(3);
   AnalysisOptions options;
   v1::PhysicalParameters told = all[0].offline;
@@ -324,9 +325,9 @@ TEST(AnalyzeScene, TheModelIsToldOfObjectsThatAreNotAskedAbout) {
   EXPECT_NE(slot.find("\"mug a\": 1000 g"), std::string::npos) << slot;
 }
 
-// A mass that a person gave stands against what kind and size suggest: an answer that agrees with it is not
-// far from what is known, it is told in the question, and what depends on it is worked out from it.
-TEST(AnalyzeScene, AnswersAreWeighedAgainstWhatAPersonTold) {
+// A user's mass replaces the prior of class and size. An agreeing answer is near the prior, the question
+// contains the mass, and dependent values follow from it.
+TEST(AnalyzeScene, AnswersAreComparedWithUserValues) {
   auto targets = mugs(1);
   v1::Physics edits;
   const double told_kg = 12 * targets[0].offline.mass_kg().best();
@@ -353,7 +354,7 @@ TEST(AnalyzeScene, AnswersAreWeighedAgainstWhatAPersonTold) {
   EXPECT_NE(last.turns.at(0).question.slots.at("told").find("mass_kg "), std::string::npos);
 }
 
-TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {
+TEST(AnalyzeScene, FailuresAreCachedForTenMinutes) {
   const auto targets = mugs(1);
   int64_t now = 0;
   AnswerCache cache({}, [&] { return now; });
@@ -373,8 +374,8 @@ TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {
   EXPECT_EQ(endpoint.asked().size(), 4u);
 }
 
-// A program that is run again does not pay for the same refusal again.
-TEST(AnalyzeScene, FailuresOutliveTheProcess) {
+// A repeated program run does not pay for the same refusal again.
+TEST(AnalyzeScene, FailuresPersistAcrossProcesses) {
   const ScratchFolder folder;
   int64_t now = AnswerCache::kFailureLifetime_ns;
   const auto clock = [&] { return now; };
@@ -397,7 +398,7 @@ TEST(AnalyzeScene, FailuresOutliveTheProcess) {
   EXPECT_FALSE(kept());
 }
 
-TEST(AnalyzeScene, ThreeViewsVote) {
+TEST(AnalyzeScene, CombinesThreeViewsByVote) {
   const auto targets = mugs(1);
   std::atomic<int> view = 0;
   FakeEndpoint endpoint([&](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> {
@@ -412,12 +413,12 @@ TEST(AnalyzeScene, ThreeViewsVote) {
   const Seen result = run(targets, &endpoint, options);
   ASSERT_EQ(result.last(0).judgement.verdict, Verdict::Accepted) << result.last(0).judgement.message;
   EXPECT_EQ(result.last(0).record.views(), 3u);
-  // The median of 330 g, drawn to the estimate by the spread of the views.
+  // The median of 330 g, moved towards the estimate according to the spread of the views.
   EXPECT_LT(std::abs(std::log(result.last(0).parameters.mass_kg().best() / 0.33)), 0.25);
 }
 
-// `analyze_bench` holds the times of one and of twenty objects to bars.
-TEST(AnalyzeScene, TwentyObjectsAreAskedFourAtATime) {
+// `analyze_bench` measures the times of one and of twenty objects.
+TEST(AnalyzeScene, QueriesFourObjectsAtATime) {
   for (const size_t count : {size_t{1}, size_t{20}}) {
     const auto targets = mugs(count);
     FakeEndpoint endpoint(weigh);
@@ -428,7 +429,7 @@ TEST(AnalyzeScene, TwentyObjectsAreAskedFourAtATime) {
   }
 }
 
-TEST(ExplainPage, HoldsEverythingAndRunsNothing) {
+TEST(ExplainPage, ContainsEverythingAndRunsNothing) {
   auto targets = mugs(1);
   ObjectFacts facts = *targets[0].facts;
   facts.name = "mug <script>alert(1)</script>";
@@ -451,8 +452,8 @@ TEST(ExplainPage, HoldsEverythingAndRunsNothing) {
   }
 }
 
-// Nobody was asked, or the model could not be: the page still shows the object, each look once.
-TEST(ExplainPage, ShowsTheViewsWhetherOrNotAModelWasAsked) {
+// Without a model's answer the page still shows the object, each view once.
+TEST(ExplainPage, ShowsTheViewsWithOrWithoutAnAnswer) {
   const auto targets = mugs(1);
   const TargetView view{{{"the scene", "image/png", "scene bytes"}, {"alone", "image/png", "alone bytes"}},
                         "from the <front>",

@@ -18,7 +18,7 @@ std::vector<EndpointCase> refusal_cases() {
       {"schema_refused_object_taken", schema_refused, "", 2, no_tools,
        [](const Posts& posts, const RawAnswer&) {
          EXPECT_EQ(body_of(posts[1])["response_format"]["type"], "json_object");
-         EXPECT_NE(last_text(posts[1]).find("JSON"), std::string::npos);  // OpenAI wants the word
+         EXPECT_NE(last_text(posts[1]).find("JSON"), std::string::npos);  // OpenAI requires the word
        }},
       {"schema_and_object_refused",
        refuses("response_format", error_of("invalid_request_error", "unknown field response_format")), "", 3,
