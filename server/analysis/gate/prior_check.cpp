@@ -134,7 +134,7 @@ std::string behaviour_far(const v1::PhysicalParameters& proposal, const v1::Phys
     if (rigid ? kind.stiffness_pa.best >= kSoftStiffness_pa : kind.stiffness_pa.best <= kRigidStiffness_pa)
       return "";
   }
-  return format_text("behaviour: %s, where a thing called \"%s\" is %s, with s E = %.3g MPa",
+  return format_text("behaviour: %s, but an object called \"%s\" is %s, with s E = %.3g MPa",
                      rigid ? "rigid" : "elastic", offline.label().c_str(), rigid ? "elastic" : "rigid",
                      known.front().stiffness_pa.best * 1e-6);
 }
@@ -184,7 +184,7 @@ std::string check_prior(const Answer& answer, const ObjectFacts& facts, const v1
   if (known.empty()) return "";
   if (auto why = behaviour_far(proposal, offline, known); !why.empty()) return why;
   if (!material_fits(answer, found, known)) {
-    return format_text("parts: %s, where a thing called \"%s\" is of %s", materials_of(answer).c_str(),
+    return format_text("parts: %s, but an object called \"%s\" is made of %s", materials_of(answer).c_str(),
                        offline.label().c_str(), offline.material().c_str());
   }
   return stiffness_far(answer, proposal, known);

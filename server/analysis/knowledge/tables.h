@@ -11,7 +11,7 @@
 //
 // Sources in materials.csv: T typical handbook values; S F I M R public tables (see README.md of this room);
 // O own judgement. objects.csv is own general knowledge of the materials, usual sizes and masses of everyday
-// things; nothing in it was fitted to a set of objects.
+// objects; its values are not fitted to a set of objects.
 
 namespace livegs {
 

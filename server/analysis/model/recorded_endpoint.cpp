@@ -182,7 +182,7 @@ Result<std::unique_ptr<ModelEndpoint>> open_recorded_endpoint(const std::filesys
     model = head ? text_member(*head, "model") : "";
     if (model.empty()) {
       return not_found(folder.string() +
-                       ": holds no recorded answers; record them first, with an endpoint set");
+                       ": contains no recorded answers; record them first, with an endpoint set");
     }
   }
   return std::unique_ptr<ModelEndpoint>(

@@ -14,8 +14,8 @@ namespace livegs {
 
 struct KnownObject {
   std::string id;     // file name: "025_mug"
-  std::string label;  // as described by somebody who holds it: "metal mug"
-  std::string noun;   // as described by somebody who only sees it: "mug"
+  std::string label;  // label of an object in the hand: "metal mug"
+  std::string noun;   // label of an object at sight: "mug"
   double mass_kg = 0;
   bool elastic = false;         // a judgement, not measured
   std::filesystem::path asset;  // its splat file

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spoiled answers through the gate. 20,000 of them here; LIVEGS_GATE_MUTATIONS=1000000 runs a million.
+// Corrupted answers through the gate: 20,000 by default, or LIVEGS_GATE_MUTATIONS.
 #include <gtest/gtest.h>
 
 #include <cmath>

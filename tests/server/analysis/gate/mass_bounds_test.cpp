@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gate says of a mass by stuff and room alone: true things go through, slips of units do not.
+// Mass bounds from material and volume alone: real objects are accepted, slips of units are not.
 #include "analysis/gate/mass_bounds.h"
 
 #include <gtest/gtest.h>

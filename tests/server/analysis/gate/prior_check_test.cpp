@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Step 8 of the gate: what is far from what was known, or at odds with itself, waits for a person.
+// Step 8 of the gate: an answer far from the prior, or inconsistent, becomes a proposal.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a change of the prompts is judged. Every answer here is made up by the test; none is a model's.
+// Judgement of prompt changes. All answers are synthetic; no model is used.
 #include "server/analysis/model/prompt_trial.h"
 
 #include <gtest/gtest.h>
@@ -255,7 +255,7 @@ TEST(PromptJudgement, ChangedPromptRequiresAJudgement) {
   after.model = before.model = "made-up-1";
   const auto made_up = judgement_text(kPrompts, folder, before, after, "none");
   ASSERT_FALSE(made_up);
-  EXPECT_NE(made_up.error().message.find("made up for a test"), std::string::npos);
+  EXPECT_NE(made_up.error().message.find("answers are synthetic"), std::string::npos);
 }
 
 }  // namespace
