@@ -63,7 +63,7 @@ Size true_size(const ObjectRow& row, const ObjectFacts& facts) {
   const double usual_sd = std::max(0.12, std::log(row.size_m.high / row.size_m.low) / kRange90Deviations);
   const Eigen::Vector3d box_m = sorted_box_m(facts.mesh).cwiseMax(1e-5);
   const double towards =
-      std::log(row.size_m.best * row.middle_m * row.short_m / box_m.prod()) / 3;  // the usual size
+      std::log(row.size_m.best * row.middle_m * row.short_m / box_m.prod()) / 3;  // factor to the usual size
   const double share =
       kGuessedSizeSd * kGuessedSizeSd / (kGuessedSizeSd * kGuessedSizeSd + usual_sd * usual_sd);
   return {std::exp(share * towards), usual_sd * std::sqrt(share)};

@@ -177,7 +177,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
   set.tools_ = OrderedJson::array();
   for (const ToolDescriptor& tool : ToolBox::descriptors()) {
     const std::string purpose = text_member(*descriptions, tool.name.c_str());
-    if (purpose.empty()) return wrong("tools.json", "has no purpose for tool " + tool.name + " is for");
+    if (purpose.empty()) return wrong("tools.json", "tool " + tool.name + " has no purpose");
     set.tools_.push_back({{"type", "function"},
                           {"function",
                            {{"name", tool.name},

@@ -16,14 +16,14 @@ namespace livegs {
 namespace {
 
 constexpr double kVerticalFov_rad = 0.7;
-constexpr double kFillShare = 0.7;  // of the picture height, covered by the bounding sphere of the target;
-                                    // leaves its surroundings visible
+constexpr double kFillShare =
+    0.7;  // bounding sphere of the target over picture height; leaves a margin for its surroundings
 constexpr int kThumbnail_px = 160;  // long side of the thumbnails that score the cameras
 constexpr double kUprightElevation_rad = 0.35, kSteepElevation_rad = 0.8;
-constexpr double kSteepBonus = 0.85;        // most objects are seen and photographed from slightly above
-constexpr double kCloseRingDistance = 0.5;  // of the distance: inside objects close to the target
-constexpr double kMinVisibleShare =
-    0.3;  // visible share of the best camera below which the close ring is tried
+constexpr double kSteepBonus = 0.85;  // most objects are seen and photographed from slightly above
+constexpr double kCloseRingDistance =
+    0.5;  // fraction of the distance; the close ring lies inside obstacles near the target
+constexpr double kMinVisibleShare = 0.3;        // visible share below which the close ring is tried
 constexpr double kMinViewSeparation_rad = 0.9;  // between views of one object
 // Number of kernels in thumbnails: of the target, and of everything else.
 constexpr size_t kTargetKernels = 30'000, kOtherKernels = 120'000;

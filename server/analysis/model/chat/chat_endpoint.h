@@ -33,7 +33,7 @@ class ChatEndpoint final : public ModelEndpoint {
   ModelServer& server() { return server_; }
   std::string model() const;
   EndpointQuirks quirks() const;
-  void keep(const EndpointQuirks& quirks);  // stores quirks that were verified
+  void keep(const EndpointQuirks& quirks);  // stores verified quirks
   int max_in_flight() const;
   double deadline_s() const;
   // Logs each warning once.
