@@ -17,8 +17,8 @@ constexpr double kRange90Deviations = 3.29;
 // Standard deviation of the logarithm of a captured surface's volume and area. Sheets and threads are drawn
 // as thick as the surface radius allows, so their volume is uncertain.
 constexpr double kVolumeSd = 0.15, kThinVolumeSd = 0.6, kAreaSd = 0.15;
-constexpr double kMaxThickening_ln =
-    0.25;  // upper bound of ln(thickening) of unresolved features; a judgement
+// Upper bound of ln(thickening) of unresolved features. A judgement.
+constexpr double kMaxThickening_ln = 0.25;
 // Both estimates share the size and the author of the tables.
 constexpr double kLooksCorrelation = 0.3;
 // Lower bound of the sd of ln(mass) for estimates from appearance.
@@ -62,8 +62,8 @@ Size true_size(const ObjectRow& row, const ObjectFacts& facts) {
   if (facts.scale_known) return {};
   const double usual_sd = std::max(0.12, std::log(row.size_m.high / row.size_m.low) / kRange90Deviations);
   const Eigen::Vector3d box_m = sorted_box_m(facts.mesh).cwiseMax(1e-5);
-  const double towards =
-      std::log(row.size_m.best * row.middle_m * row.short_m / box_m.prod()) / 3;  // factor to the usual size
+  // ln of the factor to the usual size.
+  const double towards = std::log(row.size_m.best * row.middle_m * row.short_m / box_m.prod()) / 3;
   const double share =
       kGuessedSizeSd * kGuessedSizeSd / (kGuessedSizeSd * kGuessedSizeSd + usual_sd * usual_sd);
   return {std::exp(share * towards), usual_sd * std::sqrt(share)};

@@ -16,8 +16,8 @@ namespace livegs {
 struct ObjectClass {
   const ObjectRow* row = nullptr;
   double probability = 0;
-  const MaterialRow* material =
-      nullptr;  // stated by the name and different from the row's own; null otherwise
+  // Stated by the name and different from the row's own; null otherwise.
+  const MaterialRow* material = nullptr;
 };
 
 struct ObjectClasses {

@@ -31,8 +31,8 @@ struct Judgement {
   // Values of the answer, fused or not; empty if refused.
   v1::PhysicalParameters proposal;
   std::vector<std::string> changes;  // values interpreted, corrected or reweighted, one line each
-  std::vector<std::string>
-      remarks;          // other statements of the answer, one line each: object name, size, sources
+  // Other statements of the answer, one line each: object name, size, sources.
+  std::vector<std::string> remarks;
   std::string message;  // refused: the fault, one line, suitable for a repair turn; needs review: the reason
 };
 

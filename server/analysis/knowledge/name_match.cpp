@@ -113,8 +113,8 @@ void look_behind(const std::string& part_of_name, size_t from, Found& found) {
   for (const std::string& word :
        words_of(std::string_view(part_of_name).substr(std::min(from, part_of_name.size())))) {
     if (is_stop_word(word) || names_a_material(word)) continue;
-    found.tail = is_head_noun(word) ? NameMatch::Tail::AnotherThing
-                                    : NameMatch::Tail::Unknown;  // decided by the last word
+    // The last word decides.
+    found.tail = is_head_noun(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;
     found.tail_words += (found.tail_words.empty() ? "" : " ") + word;
   }
 }

@@ -25,8 +25,8 @@ std::vector<std::string> search_words_of(std::string_view text) {
   for (std::size_t begin = 0; begin < plain.size();) {
     const std::size_t end = std::min(plain.find(' ', begin), plain.size());
     std::string word = plain.substr(begin, end - begin);
-    if (word.size() > 3 && word.back() == 's' && word[word.size() - 2] != 's')
-      word.pop_back();  // a plain plural
+    // A plain plural.
+    if (word.size() > 3 && word.back() == 's' && word[word.size() - 2] != 's') word.pop_back();
     if (!word.empty()) words.push_back(std::move(word));
     begin = end + 1;
   }

@@ -43,10 +43,10 @@ struct RawAnswer {
   std::int64_t prompt_tokens = 0, completion_tokens = 0;  // of all turns together
   double cost_usd = 0;                                    // 0: unknown
   double wall_s = 0;  // of all calls so far, without the wait for a queue slot
-  std::string
-      transcript;  // JSON lines, one per request, reply and tool call; without the key and image bytes
-  std::vector<std::string>
-      warnings;        // for users: "the prompt was cut to 4096 tokens; set OLLAMA_CONTEXT_LENGTH"
+  // JSON lines, one per request, reply and tool call; without the key and image bytes.
+  std::string transcript;
+  // For users: "the prompt was cut to 4096 tokens; set OLLAMA_CONTEXT_LENGTH".
+  std::vector<std::string> warnings;
   bool blind = false;  // the server does not accept pictures; the question was sent without them
 };
 

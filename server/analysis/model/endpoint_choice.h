@@ -19,8 +19,8 @@ struct EndpointChoice {
   std::filesystem::path record;    // sends questions and records the answers here
   std::filesystem::path prompts;   // folder with replacements of prompt files of the same names
   std::string price;  // "0.15,0.60": US dollars per million tokens, sent and received; empty: LIVEGS_PRICE
-  double deadline_s =
-      0;  // of one question with all its retries; 0: LIVEGS_MODEL_DEADLINE_S, else the endpoint's default
+  // Limit of one question with all its retries; 0: LIVEGS_MODEL_DEADLINE_S, else the endpoint's default.
+  double deadline_s = 0;
   bool web_search = false;  // one web search per object before the answer, if the server supports it
 };
 

@@ -20,23 +20,23 @@ namespace livegs {
 inline constexpr const char* kOpenAiUrl = "https://api.openai.com/v1";
 
 struct EndpointSettings {
-  std::string
-      base_url;  // "https://api.openai.com/v1"; http or https; from this program's own configuration only
+  // "https://api.openai.com/v1"; http or https; from this program's own configuration only.
+  std::string base_url;
   std::string model;                    // empty: the first one listed by the server
   Secret api_key;                       // sent to base_url only
   std::filesystem::path prompt_folder;  // overrides the built-in prompts file by file; empty: none
-  std::filesystem::path
-      quirks_file;  // learned server capabilities, kept between runs; empty: kept in memory only
+  // Learned server capabilities, kept between runs; empty: kept in memory only.
+  std::filesystem::path quirks_file;
 
   bool tools = true;    // offers tools before the answer; the prompt already contains their results
   bool stream = false;  // server-sent events, which detect a late first byte early
-  bool web_search =
-      false;  // one web search before the answer, if the server supports it; its text is quoted data
+  // One web search before the answer, if the server supports it; its text is quoted data.
+  bool web_search = false;
   int max_in_flight = 0;  // 0: 1 for Ollama and llama.cpp, which decode one request at a time, else 4
   double requests_per_s = 4, request_burst = 8;  // of the token bucket
 
-  double deadline_s =
-      0;  // of one ask or repair with all its retries; 0: 300 for Ollama and llama.cpp, else 60
+  // Limit of one ask or repair with all its retries; 0: 300 for Ollama and llama.cpp, else 60.
+  double deadline_s = 0;
   double connect_timeout_s = 5;
   double probe_timeout_s = 0.5;     // of the request for the list of models
   double first_byte_timeout_s = 0;  // 0: none; only while streaming

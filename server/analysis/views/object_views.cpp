@@ -16,13 +16,13 @@ namespace livegs {
 namespace {
 
 constexpr double kVerticalFov_rad = 0.7;
-constexpr double kFillShare =
-    0.7;  // bounding sphere of the target over picture height; leaves a margin for its surroundings
+// Bounding sphere of the target over picture height; leaves a margin for its surroundings.
+constexpr double kFillShare = 0.7;
 constexpr int kThumbnail_px = 160;  // long side of the thumbnails that score the cameras
 constexpr double kUprightElevation_rad = 0.35, kSteepElevation_rad = 0.8;
 constexpr double kSteepBonus = 0.85;  // most objects are seen and photographed from slightly above
-constexpr double kCloseRingDistance =
-    0.5;  // fraction of the distance; the close ring lies inside obstacles near the target
+// Fraction of the distance; the close ring lies inside obstacles near the target.
+constexpr double kCloseRingDistance = 0.5;
 constexpr double kMinVisibleShare = 0.3;        // visible share below which the close ring is tried
 constexpr double kMinViewSeparation_rad = 0.9;  // between views of one object
 // Number of kernels in thumbnails: of the target, and of everything else.
@@ -221,8 +221,8 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
     const Ring close{ring.target_m, kCloseRingDistance * ring.distance_m};
     for (Candidate& candidate :
          judge_ring(thin, close, thumb_width, thumb_height, rasteriser, options.stop)) {
-      candidate.judged.score *=
-          kCloseRingDistance * kCloseRingDistance;  // the area it would have on the wide ring
+      // The area it would have on the wide ring.
+      candidate.judged.score *= kCloseRingDistance * kCloseRingDistance;
       tried.push_back(candidate);
     }
   }

@@ -16,8 +16,8 @@ namespace {
 
 using Kind = ServerAnswer::Kind;
 
-constexpr double kMaxLoadingPollInterval_s =
-    2.0;  // maximum interval between polls of a server that is loading its model
+// Maximum interval between polls of a server that is loading its model.
+constexpr double kMaxLoadingPollInterval_s = 2.0;
 constexpr int kProbeBytes = 256 << 10;
 
 bool passes_by_itself(int status) {

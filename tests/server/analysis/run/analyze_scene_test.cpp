@@ -148,8 +148,8 @@ TEST(AnalyzeScene, ResultIsIndependentOfAnswerOrder) {
     EXPECT_EQ(questions[order], questions[0]);
     EXPECT_TRUE(results[order] == results[0]);
   }
-  EXPECT_NE(questions[0].back().find("mug a!"), std::string::npos)
-      << questions[0].back();  // neighbours were included
+  // Neighbours are included.
+  EXPECT_NE(questions[0].back().find("mug a!"), std::string::npos) << questions[0].back();
 }
 
 TEST(AnalyzeScene, FailureKeepsEstimatesAndIsReportedOnce) {
