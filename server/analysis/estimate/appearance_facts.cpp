@@ -35,7 +35,7 @@ AppearanceFacts appearance_facts(const GaussianAsset& asset) {
   const size_t rest_count = asset.sh_rest_count();
   for (size_t i = 0; i < asset.size(); ++i) {
     const double opacity = 1.0 / (1.0 + std::exp(-static_cast<double>(asset.opacity_logits[i])));
-    // The area a flat kernel shows: the product of its two larger axes.
+    // Visible area of a flat kernel: the product of its two larger axes.
     Eigen::Array3d scale = asset.log_scales[i].cast<double>().array().exp();
     std::sort(scale.data(), scale.data() + 3);
     const double area = scale[1] * scale[2], weight = opacity * area;

@@ -314,7 +314,7 @@ TEST(Cli, BadInputIsOneLine) {
       {{"analyze", folder / "ok.scene.json", "--name", "mug"}, "--name: is for one asset"},
       {{"analyze", folder / "ok.scene.json", "--scale", "2"}, "--scale: is for one asset"},
       {{"analyze", folder / "broken.ply", "--offline", "--prompts", prompts.parent_path()},
-       "user.md: line 1: {{nmae}} is filled by nothing: write {{name}} or take it out"},
+       "user.md: line 1: {{nmae}} is not a known slot; write {{name}} or remove it"},
       {{"mesh", folder / "broken.ply"}, "broken.ply"},
   };
   for (const auto& [words, named] : cases) {

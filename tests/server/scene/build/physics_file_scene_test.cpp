@@ -129,7 +129,7 @@ TEST_F(PhysicsFileSceneTest, ABadFileIsOneLineThatNamesIt) {
   // With its folder, and what to do.
   for (const std::string& word :
        {(folder.path() / "sponge.physics.json").string() + ": edits.friction: is -2",
-        std::string("mend it, or delete the file")}) {
+        std::string("correct it, or delete the file")}) {
     EXPECT_NE(scene.error().message.find(word), std::string::npos) << scene.error().message;
   }
 }

@@ -234,8 +234,8 @@ TEST_F(AnalysisControllerTest, ReportsEditsOverriddenByTheScene) {
   ASSERT_TRUE(reply) << reply.error().message;
   ASSERT_EQ(reply->warnings_size(), 1);
   EXPECT_EQ(reply->warnings(0),
-            "the edit of mass_kg has no effect, because the scene file writes it; take it out of there to "
-            "edit it here");
+            "the edit of mass_kg has no effect, because the scene file sets it; remove it there to edit it "
+            "here");
 }
 
 // Waiting proposals are offered to all clients, present and future, regardless of who requested them and in
