@@ -145,20 +145,20 @@ std::string day(int64_t unix_s) {
 }
 
 void print_tokens(const v1::TokenList& list) {
-  std::printf("%-10s%-20s%-10s%-18s%-18s%s\n", "id", "name", "scope", "made (UTC)", "expires", "state");
+  std::printf("%-10s%-20s%-10s%-18s%-18s%s\n", "id", "name", "scope", "created (UTC)", "expires", "state");
   for (const v1::Token& token : list.tokens()) {
     std::printf("%-10s%-20s%-10s%-18s%-18s%s\n", token.id().c_str(), token.name().c_str(),
                 scope_name(token.scope()).c_str(), day(token.made_unix_s()).c_str(),
                 day(token.expires_unix_s()).c_str(),
                 token.revoked()                                   ? "revoked"
                 : token.expires_unix_s() <= system_wall_clock()() ? "expired"
-                                                                  : "holds");
+                                                                  : "valid");
   }
 }
 
 void print_clients(const v1::ServerStatus& status) {
   std::printf("%-10s%-18s%-26s%-16s%-10s%-11s%9s%9s%10s%10s%9s\n", "session", "name", "from", "token",
-              "scope", "state", "for s", "frames", "replaced", "MB", "trip ms");
+              "scope", "state", "joined s", "frames", "replaced", "MB", "trip ms");
   for (const v1::ClientStatus& client : status.clients()) {
     std::printf("%-10s%-18.17s%-26.25s%-16.15s%-10s%-11s%9.0f%9llu%10llu%10.1f%9.1f\n",
                 client.session().c_str(), client.name().c_str(), client.peer().c_str(),
