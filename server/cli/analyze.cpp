@@ -101,7 +101,7 @@ void tell_progress(const std::string& object, const AnalysisUpdate& update) {
   const std::string name = shown(object);
   switch (update.stage) {
     case AnalysisStage::Offline:
-      break;  // printed after loading
+      break;  // printed by tell_first
     case AnalysisStage::Asked:
       std::fprintf(stderr, "%s: request sent\n", name.c_str());
       break;

@@ -42,8 +42,8 @@ struct SceneObject {
   RestBody rest;
   v1::PhysicalParameters physics;  // includes the source of each value
   v1::Physics written;             // values given in the scene file
-  std::filesystem::path
-      physics_file;  // path of its sidecar, which may not exist (sidecar_paths.h); empty: none
+  // Path of its sidecar, which may not exist (sidecar_paths.h); empty: none.
+  std::filesystem::path physics_file;
   // Contents of the sidecar when the object was built; null if there was none.
   std::shared_ptr<const v1::PhysicsFile> sidecar;
   double mass_kg = 0;
@@ -64,8 +64,8 @@ struct SceneOptions {
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
   uint64_t seed = 1;  // seed of the cuts of fragile objects
-  bool wait_for_pieces =
-      true;  // load() waits until all pieces are ready; false: objects can break only once they are
+  // load() waits until all pieces are ready; false: objects can break only once they are.
+  bool wait_for_pieces = true;
   // First id of objects and balls. A scene that replaces another one starts above the ids of that scene.
   uint32_t first_object_id = 1;
   bool cut_fragile = true;  // false: no object breaks, for read-only uses

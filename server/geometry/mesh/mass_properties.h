@@ -13,8 +13,8 @@ struct MassProperties {
   double volume_m3 = 0.0;  // enclosed volume
   double area_m2 = 0.0;
   Eigen::Vector3d centre_of_mass_m = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d inertia_m2 =
-      Eigen::Matrix3d::Identity();  // about the centre of mass, object axes, per kilogram
+  // About the centre of mass, object axes, per kilogram.
+  Eigen::Matrix3d inertia_m2 = Eigen::Matrix3d::Identity();
 };
 
 // Properties of a solid of uniform density. Precondition: a closed mesh with positive volume.

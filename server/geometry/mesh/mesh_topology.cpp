@@ -103,8 +103,8 @@ std::vector<int> mesh_pieces(const TriangleMesh& mesh) {
 
 double signed_volume_m3(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return 0.0;
-  const Eigen::Vector3d origin =
-      mesh.vertices_m[mesh.triangles[0][0]];  // a point near the mesh, against cancellation
+  // A point near the mesh, against cancellation.
+  const Eigen::Vector3d origin = mesh.vertices_m[mesh.triangles[0][0]];
   double six_volumes = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const Eigen::Vector3d p = mesh.vertices_m[a] - origin;

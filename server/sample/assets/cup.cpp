@@ -94,8 +94,8 @@ class CupGlaze {
         0.0128 +
         0.0012 * fractal_noise(Vector3d(3 * std::cos(angle), 3 * std::sin(angle), 7.0), 2, seed_ + 53);
     const double bare = smooth_step(edge_m + 0.0004, edge_m - 0.0004, p.y());
-    const double drop =
-        smooth_step(0.0012, 0.0, std::abs(p.y() - edge_m - 0.0007));  // the glaze is thicker at its edge
+    // The glaze is thicker at its edge.
+    const double drop = smooth_step(0.0012, 0.0, std::abs(p.y() - edge_m - 0.0007));
     a.albedo = blend(a.albedo, linear_from_hex(0xC7AE88), 0.45 * drop);
     const Vector3d clay = linear_from_hex(0xB98E66) * (1 + 0.10 * fractal_noise(p / 0.0016, 2, seed_ + 59));
     a.albedo = blend(a.albedo, clay, bare);

@@ -10,8 +10,8 @@ namespace {
 // Compressive strain under its own weight above which a body is reported as too soft. A cube still stands at
 // a strain of 0.5.
 constexpr double kMaxSag = 0.7;
-constexpr double kMinReportedAnisotropy =
-    1.02;  // minimum ratio of stiffness across to along that is reported
+// Minimum ratio of stiffness across to along that is reported.
+constexpr double kMinReportedAnisotropy = 1.02;
 
 v1::ElasticAccuracy::Band band_message(ElasticBand band) {
   switch (band) {

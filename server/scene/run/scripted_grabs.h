@@ -62,8 +62,8 @@ class ScriptedGrabs {
     uint64_t id;
     GrabPath path;
     double start_s;
-    std::optional<std::pair<uint32_t, World::Spring>>
-        pull;  // set for a pull: the object and the spring; else a grab
+    // Set for a pull: the object and the spring; else a grab.
+    std::optional<std::pair<uint32_t, World::Spring>> pull;
   };
   std::vector<Running> running_;
 };

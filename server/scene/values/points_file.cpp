@@ -80,8 +80,8 @@ double filling_spacing_m(const std::vector<Eigen::Vector3d>& points_m,
   const std::vector<double> nearest = nearest_distances_m(points_m);
   if (nearest.empty()) return 0.0;
   const double median = nearest[nearest.size() / 2];
-  constexpr double kMaxRegularDeviation =
-      0.02;  // relative to the median, between the 10th and 90th percentile
+  // Relative to the median, between the 10th and 90th percentile.
+  constexpr double kMaxRegularDeviation = 0.02;
   if (nearest[nearest.size() * 9 / 10] - nearest[nearest.size() / 10] < kMaxRegularDeviation * median)
     return median;
   if (const double step = grid_spacing_m(points_m, median); step > 0.0) return step;

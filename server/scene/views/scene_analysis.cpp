@@ -42,8 +42,8 @@ std::vector<Pose> places_of(const Scene& scene) {
   for (const SceneObject& object : scene.objects()) {
     Pose place;
     if (object.facts) {
-      place =
-          pose_value(scene.file().objects(of_file++).pose(), "").value();  // checked when the file was read
+      // Checked when the file was read.
+      place = pose_value(scene.file().objects(of_file++).pose(), "").value();
     } else {
       for (const ObjectDrivers& drivers : now.objects) {
         if (drivers.object_id == object.id) place = drivers.poses.at(0) * object.rest.bodies.at(0).inverse();

@@ -74,10 +74,10 @@ TEST(AssembleSurface, SplitsAnEdgeSharedByTwoPairs) {
 }
 
 TEST(DropSpecks, RemovesSmallShortPartsOnly) {
-  TriangleMesh mesh =
-      joined(box_mesh({1, 1, 1}), moved(box_mesh({0.02, 0.02, 0.02}), {1, 0, 0}));  // small and short
-  mesh = joined(mesh, moved(box_mesh({0.4, 0.01, 0.01}), {0, 1, 0}));               // long
-  mesh = joined(mesh, moved(box_mesh({0.2, 0.2, 0.2}), {0, 0, 1}));                 // large
+  // Small and short.
+  TriangleMesh mesh = joined(box_mesh({1, 1, 1}), moved(box_mesh({0.02, 0.02, 0.02}), {1, 0, 0}));
+  mesh = joined(mesh, moved(box_mesh({0.4, 0.01, 0.01}), {0, 1, 0}));  // long
+  mesh = joined(mesh, moved(box_mesh({0.2, 0.2, 0.2}), {0, 0, 1}));    // large
   const SmallComponents dropped = remove_small_components(mesh);
   EXPECT_EQ(dropped.count, 1);
   EXPECT_NEAR(dropped.volume_share, 8e-6 / (1.0 + 8e-6 + 4e-5 + 8e-3), 1e-9);
