@@ -115,7 +115,7 @@ TEST(BodyTypeLock, DefersChangesOfBodyTypeToTheNextLoad) {
   EXPECT_TRUE(lock_body_type({v1::Physics::RIGID, true}, physics).empty());
   const auto uncut = lock_body_type({v1::Physics::RIGID, false}, physics);
   ASSERT_EQ(uncut.size(), 1u);
-  EXPECT_EQ(uncut[0], "fragile: it cannot break until the scene is loaded anew");
+  EXPECT_EQ(uncut[0], "fragile: no effect until the scene is reloaded");
   EXPECT_EQ(lock_body_type({v1::Physics::ELASTIC, false}, physics).size(), 2u);
   EXPECT_EQ(physics.behavior(), v1::Physics::ELASTIC);
 }
@@ -128,12 +128,11 @@ TEST_F(AnalysisControllerTest, ReportsEditsThatNeedAReload) {
   const auto reply = analysis->set_physics("wood block", edit);
   ASSERT_TRUE(reply) << reply.error().message;
   ASSERT_EQ(reply->warnings_size(), 1);
-  EXPECT_EQ(reply->warnings(0),
-            "behavior: it stays RIGID until the scene is loaded anew, then it is ELASTIC");
+  EXPECT_EQ(reply->warnings(0), "behavior: stays RIGID until the scene is reloaded, then changes to ELASTIC");
   EXPECT_EQ(reply->parameters().behavior(), v1::Physics::RIGID);
   ASSERT_TRUE(changes_to("wood block", [](const SceneObject& one) {
     return one.physics.friction().best() == 0.77 && one.physics.behavior() == v1::Physics::RIGID &&
-           one.physics.behavior_reason().find("loaded anew") != std::string::npos;
+           one.physics.behavior_reason().find("reloaded") != std::string::npos;
   }));
 }
 
