@@ -157,7 +157,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
       break;
     } else if (seconds_from_ns(now - heard.last_ns) >= silence_s) {
       ended = Error{ErrorCode::Unavailable,
-                    format_text("--subscribe %s: the server went away: nothing was published for %.1f s",
+                    format_text("--subscribe %s: connection lost: nothing was published for %.1f s",
                                 published.c_str(), seconds_from_ns(now - heard.last_ns))};
     }
     if (ended) break;

@@ -72,10 +72,10 @@ TEST_F(Programs, ASpectatorWhoseServerDiesEndsWithOneLine) {
   server.wait();
   EXPECT_EQ(spectator.wait(), 1) << spectator.err();
   const std::string err = spectator.err();
-  EXPECT_NE(err.find("--subscribe " + where + ": the server went away: nothing was published for "),
+  EXPECT_NE(err.find("--subscribe " + where + ": connection lost: nothing was published for "),
             std::string::npos)
       << err;
-  EXPECT_EQ(err.find("went away"), err.rfind("went away")) << err;
+  EXPECT_EQ(err.find("connection lost"), err.rfind("connection lost")) << err;
   EXPECT_NE(spectator.out().find("spectator of " + where), std::string::npos) << spectator.out();
 }
 

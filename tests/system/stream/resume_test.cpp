@@ -147,7 +147,7 @@ TEST_F(Resume, AServerThatStaysAwayEndsTheSessionInTime) {
   const auto stopped = client_->stop();
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().code, ErrorCode::Unavailable);
-  EXPECT_NE(stopped.error().message.find("went away"), std::string::npos) << stopped.error().message;
+  EXPECT_NE(stopped.error().message.find("connection lost"), std::string::npos) << stopped.error().message;
 }
 
 TEST_F(Resume, AGoodbyeEndsTheSessionUnlessItIsToBeOutlived) {

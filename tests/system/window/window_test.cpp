@@ -553,7 +553,7 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   std::vector<std::string> words = server_words();
   std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port_);
   Program again(words);
-  EXPECT_TRUE(window.says("a server that was started anew")) << window.err();
+  EXPECT_TRUE(window.says("a restarted server")) << window.err();
   EXPECT_TRUE(again.says("streaming to")) << again.err();
   const auto back = shot(newest, [](const Image& image) { return notice_pixels(image) == 0; });
   ASSERT_TRUE(back) << window.err();

@@ -43,7 +43,7 @@ TEST(KnownObjects, AnIdIsToldOnce) {
   ASSERT_TRUE(objects.replace(std::vector{&ball}));
   const auto twice = objects.replace(std::vector{&hat, &cup});
   ASSERT_FALSE(twice);
-  EXPECT_EQ(twice.error().message, "object \"cup\": another has its id");
+  EXPECT_EQ(twice.error().message, "object \"cup\": its id belongs to another object");
   const auto again = objects.replace(std::vector{&ball});
   ASSERT_TRUE(again);
   EXPECT_TRUE(again->added.empty() && again->changed.empty() &&

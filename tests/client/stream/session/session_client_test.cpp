@@ -141,7 +141,7 @@ TEST(SilentStream, OfKernelsEndsTheSessionWithTheRemedy) {
   EXPECT_NE(stopped.error().message.find("--encoding drivers"), std::string::npos) << stopped.error().message;
   const SinkLog::State state = sink.state();
   ASSERT_EQ(state.lost.size(), 2u);
-  EXPECT_NE(state.lost.front().find("larger than the link carries"), std::string::npos) << state.lost.front();
+  EXPECT_NE(state.lost.front().find("too large for the link"), std::string::npos) << state.lost.front();
   for (int i = 0; i < 1000; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::lock_guard lock(mutex);
