@@ -39,7 +39,7 @@ TEST_F(Programs, AClientWhoseDeviceIsFullSaysWhatItDoesAboutIt) {
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
   for (const auto& [megabytes, notice] : {std::pair("2.5", "% of the kernels; the rest is not drawn"),
-                                          std::pair("0.05", "; the processor draws from here on")}) {
+                                          std::pair("0.05", "; rendering continues on the CPU")}) {
     std::vector<std::string> words =
         client_words(port, {"--seconds", "0.5", "--no-video", "--renderer", "vulkan"}, megabytes);
     words.insert(words.begin(), {"/usr/bin/env", std::string("LIVEGS_VULKAN_MEMORY_MB=") + megabytes});
@@ -294,7 +294,7 @@ TEST_F(Programs, WithoutAVulkanDriverThePackageIsNamed) {
   expect_one_line(vulkan, "install the GPU's driver, or the package mesa-vulkan-drivers");
   Program any(words("auto"));
   EXPECT_EQ(any.wait(), 0) << any.err();
-  EXPECT_NE(any.err().find("drawing with the cpu: vulkan: no "), std::string::npos) << any.err();
+  EXPECT_NE(any.err().find("renderer: cpu: vulkan: no "), std::string::npos) << any.err();
 }
 
 // The remedy for the headset, then the window's.

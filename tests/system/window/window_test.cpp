@@ -88,8 +88,8 @@ size_t force_pixels(const Image& image) {
 
 // What falls back to the CPU would be held against itself.
 void expect_drawn_by_vulkan(Program& window) {
-  EXPECT_NE(window.err().find("drawing with vulkan: "), std::string::npos) << window.err();
-  EXPECT_EQ(window.err().find("the processor draws"), std::string::npos) << window.err();
+  EXPECT_NE(window.err().find("renderer: vulkan: "), std::string::npos) << window.err();
+  EXPECT_EQ(window.err().find("rendering continues on the CPU"), std::string::npos) << window.err();
 }
 
 // The first screenshot from number `from` on of which this is true, while they are being written; those
@@ -242,7 +242,7 @@ TEST_F(WindowOnADisplay, VulkanShowsAPull) {
 TEST_F(WindowOnADisplay, SaysThatTheDeviceIsFull) {
   size_ = "690x300";
   for (const auto& [megabytes, notice] : {std::pair("5", "% of the kernels; the rest is not drawn"),
-                                          std::pair("0.05", "; the processor draws from here on")}) {
+                                          std::pair("0.05", "; rendering continues on the CPU")}) {
     const std::filesystem::path shots = folder_ / megabytes;
     std::vector<std::string> words =
         window_words(display_, port_, {"--renderer", "vulkan", "--output", shots.string(), "--every", "1"});

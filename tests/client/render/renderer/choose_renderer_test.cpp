@@ -13,8 +13,8 @@ TEST(ChooseRenderer, TheProcessorInAGpusPlaceSaysSo) {
   const auto chosen = made_or_cpu(RendererChoice::Auto, "vulkan: Some Card", kNoMemory);
   ASSERT_TRUE(chosen) << chosen.error().message;
   EXPECT_EQ((*chosen)->name(), "cpu");
-  EXPECT_EQ((*chosen)->notice(), "vulkan: Some Card cannot draw this: " + kNoMemory.message +
-                                     "; the processor draws from here on");
+  EXPECT_EQ((*chosen)->notice(),
+            "vulkan: Some Card: rendering failed: " + kNoMemory.message + "; rendering continues on the CPU");
 }
 
 TEST(ChooseRenderer, AskedForVulkanItIsVulkanOrNothing) {

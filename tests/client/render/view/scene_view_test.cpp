@@ -115,9 +115,10 @@ TEST(SceneView, TheCpuTakesOverFromADeviceThatIsLost) {
     EXPECT_EQ(picture.at(0).pixels, first.at(0).pixels);
   }
   EXPECT_EQ(view.renderer_name(), "cpu");
-  EXPECT_EQ(view.notice(),
-            "lost cannot draw this: vulkan: vkQueueSubmit2 failed with VkResult -4; the processor draws from "
-            "here on");
+  EXPECT_EQ(
+      view.notice(),
+      "lost: rendering failed: vulkan: vkQueueSubmit2 failed with VkResult -4; rendering continues on the "
+      "CPU");
 }
 
 // For a headset: what cannot be drawn into its images comes as pictures, from the same renderer or from the

@@ -84,9 +84,9 @@ TEST_F(DeviceLimits, WithNoMemoryAtAllTheProcessorDrawsAndItIsSaid) {
   ASSERT_TRUE(roomy.draw(frame, {&eye, 1}, expected));
   EXPECT_EQ(picture.at(0).pixels, expected.at(0).pixels);
   EXPECT_EQ(cramped.renderer_name(), "cpu");
-  EXPECT_EQ(cramped.notice().rfind(device + " cannot draw this: ", 0), 0u) << cramped.notice();
+  EXPECT_EQ(cramped.notice().rfind(device + ": rendering failed: ", 0), 0u) << cramped.notice();
   EXPECT_NE(cramped.notice().find("out of memory"), std::string::npos) << cramped.notice();
-  EXPECT_NE(cramped.notice().find("the processor draws"), std::string::npos) << cramped.notice();
+  EXPECT_NE(cramped.notice().find("rendering continues on the CPU"), std::string::npos) << cramped.notice();
   EXPECT_EQ(roomy.notice(), "");
 }
 
@@ -124,8 +124,8 @@ TEST_F(DeviceLimits, RowsInSeveralBuffersDrawTheSamePicture) {
   const Object many = synthetic::shell(4'000, 3, 0.02, 3);
   const RenderedObject more = rendered(many.drawn(), 3);
   const Image fewer = draw({&more, 1}, {&eye, 1})[0];
-  EXPECT_EQ(renderer_->notice(), "the buffers that " + device_->name() +
-                                     " can bind hold 75 % of the kernels; the rest is not drawn");
+  EXPECT_EQ(renderer_->notice(),
+            "bindable buffers of " + device_->name() + " hold 75 % of the kernels; the rest is not drawn");
   EXPECT_GT(psnr_db(fewer, oracle({&more, 1}, {&eye, 1})[0]), 20.0);  // nothing would be 11 dB
   EXPECT_EQ(draw({&both[1], 1}, {&eye, 1}).size(), 1u);
   EXPECT_EQ(renderer_->notice(), "");
