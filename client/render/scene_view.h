@@ -90,9 +90,8 @@ class SceneView {
     uint32_t object_id = 0;
     bool environment = false;
     size_t kernel = 0;
-    Eigen::Vector3d point_m;  // on the ray
-    Eigen::Vector3d
-        rest_point_m;  // rest position of the kernel, object frame: point of application of a force
+    Eigen::Vector3d point_m;       // on the ray
+    Eigen::Vector3d rest_point_m;  // rest position of the kernel, object frame, to apply a force at
   };
   std::optional<Picked> pick(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const;
   // The kernel of an object nearest to a point in its rest frame; nothing for an unknown object.

@@ -23,8 +23,8 @@ struct Tangents {
 };
 
 // The nearest camera with this orientation that sees all points. In its axes, with the camera at (cx, cz), a
-// point is inside the edges l and h if -l (cz - z) <= x - cx <= h (cz - z). Both edges together require (l +
-// h) cz >= max(x + h z) - min(x - l z); cx is the centre of the remaining interval.
+// point is inside the edges l and h if -l (cz - z) <= x - cx <= h (cz - z). Both edges together require
+// (l + h) cz >= max(x + h z) - min(x - l z); cx is the centre of the remaining interval.
 Eigen::Vector3d nearest_position(const std::vector<Eigen::Vector3d>& points,
                                  const Eigen::Quaterniond& orientation,
                                  const std::array<Tangents, 2>& tangents) {

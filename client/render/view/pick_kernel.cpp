@@ -10,9 +10,9 @@
 namespace livegs {
 namespace {
 
-constexpr float kReach = 3.0f;        // standard deviations
-constexpr float kMinOpacity = 0.02f;  // minimum opacity
-constexpr float kMinTrace = 1e-6f;    // times the trace, added to make a flat kernel invertible
+constexpr float kReach = 3.0f;  // standard deviations
+constexpr float kMinOpacity = 0.02f;
+constexpr float kMinTrace = 1e-6f;  // times the trace, added to make a flat kernel invertible
 
 struct Crossing {
   float distance_m, opacity;

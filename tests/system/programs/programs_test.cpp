@@ -108,7 +108,7 @@ TEST_F(Programs, AServerThatIsKilledAndStartedAnewIsFoundAgain) {
   for (Program* one : {&client, &other}) {
     one->send(SIGINT);
     EXPECT_EQ(one->wait(), 0) << one->err();
-    EXPECT_NE(one->out().find("gone 2 times and came back 2 times"), std::string::npos) << one->out();
+    EXPECT_NE(one->out().find("lost 2 times, resumed 2 times"), std::string::npos) << one->out();
     // As it joined, so it is at the end: nothing was fetched again.
     const size_t joined = one->err().find(" assets fetched, ");
     ASSERT_NE(joined, std::string::npos) << one->err();

@@ -38,7 +38,7 @@ TEST_F(Programs, ASpectatorToWhomNothingIsPublishedEndsWithOneLine) {
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
   const std::pair<std::string, std::string> places[] = {
-      {"tcp://127.0.0.1:1", "give what livegs-server --publish says"},
+      {"tcp://127.0.0.1:1", "use the address printed by livegs-server --publish"},
       {"tcp://192.0.2.1:9782", "a server publishes on its own machine only"}};
   for (const auto& [where, why] : places) {
     Program spectator(client_words(port, {"--subscribe", where, "--seconds", "60", "--connect-timeout", "0.8",

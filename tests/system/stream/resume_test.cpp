@@ -210,7 +210,7 @@ TEST(OffscreenRun, GoesOnWithAServerThatWasStartedAnew) {
   EXPECT_GT(summary->outages.seconds, 0);
   EXPECT_EQ(summary->assets.assets,
             5u);  // the first three, and another box and floor; the cube is what it was
-  EXPECT_NE(summary_text(*summary).find("came back 1 times"), std::string::npos) << summary_text(*summary);
+  EXPECT_NE(summary_text(*summary).find("resumed 1 times"), std::string::npos) << summary_text(*summary);
   std::ifstream file(run.output / "timings.csv");
   std::string line;
   std::getline(file, line);

@@ -436,11 +436,10 @@ TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
   Program late(words);
   interrupt_at(late, "study_001.mp4", SIGTERM);
   const std::string said = late.err();
-  const size_t at = said.find("study_001.mp4 ends early, with ");
+  const size_t at = said.find("study_001.mp4 is incomplete: ");
   ASSERT_NE(at, std::string::npos) << said;
   int drawn = 0, all = 0;
-  ASSERT_EQ(std::sscanf(said.c_str() + at, "study_001.mp4 ends early, with %d of %d pictures", &drawn, &all),
-            2)
+  ASSERT_EQ(std::sscanf(said.c_str() + at, "study_001.mp4 is incomplete: %d of %d pictures", &drawn, &all), 2)
       << said;
   EXPECT_GE(drawn, 1);
   EXPECT_LT(drawn, all);
@@ -498,7 +497,7 @@ TEST_F(WindowOnADisplay, EndsWhenItMayOnlyWatch) {
 TEST_F(WindowOnADisplay, SaysThatThereIsNoSuchObjectToSelect) {
   Program window(window_words(display_, port_, {"--select", "nosuch", "--renderer", "cpu"}));
   EXPECT_EQ(window.wait(), 2);
-  expect_one_line(window, "--select: the scene has no object \"nosuch\"");
+  expect_one_line(window, "--select: no object is named \"nosuch\"");
 }
 
 // Squares of 20 pixels there whose mean differs, of 1120: how finely each picture was drawn does not count.
@@ -539,7 +538,7 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   ASSERT_TRUE(before) << window.err();
   EXPECT_EQ(notice_pixels(*before), 0u);
   server_->send(SIGKILL);
-  EXPECT_TRUE(window.says("the server has gone")) << window.err();
+  EXPECT_TRUE(window.says("server disconnected")) << window.err();
   server_->wait();
   const auto gone = shot(newest, [](const Image& image) { return notice_pixels(image) > 0; });
   ASSERT_TRUE(gone) << window.err();

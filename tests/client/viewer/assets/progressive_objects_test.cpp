@@ -43,7 +43,7 @@ class SlowSource {
       for (size_t at = offset; at < bytes.size();) {
         std::unique_lock lock(mutex_);
         moved_.wait(lock, [&] { return let_ > at || broken_; });
-        if (broken_) return Error{ErrorCode::Unavailable, "the server has gone"};
+        if (broken_) return Error{ErrorCode::Unavailable, "server disconnected"};
         const size_t length = std::min<size_t>(4096, let_ - at);
         if (auto taken = take(at, bytes.size(), std::span(bytes).subspan(at, length)); !taken) return taken;
         at += length;

@@ -43,7 +43,7 @@ TEST(ObjectPanel, ShowsValuesRangesReasonsAndSources) {
   EXPECT_EQ(shown.entries[0].kind, "foam, elastic");
   EXPECT_EQ(shown.entries[0].mass, "0.72 kg");
   EXPECT_EQ(shown.selected, 0u);
-  EXPECT_EQ(shown.facts.at(0), "pillow: taken for pillow of foam, 80 % sure");
+  EXPECT_EQ(shown.facts.at(0), "pillow: likely pillow of foam (80 %)");
   const ValueRow& mass = shown.rows.at(row_of(shown, "Mass"));
   EXPECT_EQ(mass.value, "0.72 kg");
   EXPECT_EQ(mass.origin, "estimate, 0.4 to 1.2 kg");
@@ -63,7 +63,7 @@ TEST(ObjectPanel, SaysOfWhatIsFragileAloneThatItBreaks) {
   cup.fragility->set_pieces(32);
   cup.fragility->set_drop_height_m(0.5);
   EXPECT_EQ(object_facts(cup),
-            (std::vector<std::string>{"Rigid", "Breaks into up to 32 when it falls 0.50 m"}));
+            (std::vector<std::string>{"Rigid", "Up to 32 fragments after a drop of 0.50 m"}));
   cup.physics.set_fragile(false);
   EXPECT_EQ(object_facts(cup), (std::vector<std::string>{"Rigid"}));
 }
@@ -105,7 +105,7 @@ TEST(ObjectPanel, WhatIsTypedIsACallOrARefusal) {
   actions.typed->text = "heavy";
   EXPECT_TRUE(panel.act(actions, objects).empty());
   ASSERT_EQ(panel.shown(objects).messages.size(), 1u);
-  EXPECT_EQ(panel.shown(objects).messages[0].text.rfind("Mass: \"heavy\" is no number", 0), 0u);
+  EXPECT_EQ(panel.shown(objects).messages[0].text.rfind("Mass: \"heavy\" is not a number", 0), 0u);
 }
 
 TEST(ObjectPanel, ButtonsAreTheirCalls) {
@@ -135,7 +135,7 @@ TEST(ObjectPanel, TellsHowAnAnalysisGetsOn) {
   progress.set_object("pillow");
   progress.set_stage(v1::AnalysisProgress::ASKED);
   panel.take_progress(progress);
-  EXPECT_EQ(panel.shown(objects).progress, "Analysing pillow: the model is asked");
+  EXPECT_EQ(panel.shown(objects).progress, "Analysing pillow: waiting for the model");
   progress.set_stage(v1::AnalysisProgress::FINISHED);
   progress.set_finished(1);
   progress.set_objects(2);

@@ -51,8 +51,7 @@ TEST(TextPlate, WritesLinesInsideItsMargins) {
 
 TEST(TextPlate, BreaksWhatIsTooWideAndLeavesOutWhatIsTooLong) {
   const TextPlate plate;
-  const auto notice =
-      plate.draw("the server has gone: nothing came from it for a second; looking for it", kInk);
+  const auto notice = plate.draw("server disconnected: no message for 1 s; reconnecting", kInk);
   EXPECT_EQ(lines_of(notice).size(), 2u);
   if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
     Image image{notice.width_px, notice.height_px, {}};
@@ -88,11 +87,7 @@ TEST(TextPlate, TakesAnyBytes) {
   for (int i = 1; i < 256; ++i) bytes.push_back(static_cast<char>(i));
   for (size_t cut = 0; cut <= bytes.size(); ++cut)
     EXPECT_LE(plate.draw(bytes.substr(cut), kInk).height_px, TextPlate::kMaxHeight_px);
-  EXPECT_EQ(lines_of(plate.draw("fa\xc3\xa7"
-                                "ade",
-                                kInk))
-                .size(),
-            1u);
+  EXPECT_EQ(lines_of(plate.draw("fa\xc3\xa7ade", kInk)).size(), 1u);
 }
 
 }  // namespace

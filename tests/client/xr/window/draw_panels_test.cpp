@@ -199,7 +199,7 @@ TEST_F(PanelTest, InANarrowWindowOneIsOpenAtATime) {
     resize(static_cast<float>(width), static_cast<float>(height));
     EXPECT_TRUE(!is_open("Run") && is_open("Objects"));
     expect_room_for_both();
-    panels_.run.notice = "the server has gone";
+    panels_.run.notice = "server disconnected";
     for (int i = 0; i < 4; ++i) frame();
     EXPECT_TRUE(is_open("Run") && !is_open("Objects"));
     expect_room_for_both();
@@ -220,7 +220,7 @@ TEST_F(PanelTest, InANarrowWindowOneIsOpenAtATime) {
 
 TEST_F(PanelTest, InANarrowWindowEachButtonCanBePressed) {
   resize(330, 700);
-  panels_.run.lines = {"vulkan: llvmpipe, drawn at 100 %", "60 pictures a second of 90 ticks"};
+  panels_.run.lines = {"vulkan: llvmpipe, resolution 100 %", "60 pictures/s, 90 ticks/s"};
   EXPECT_TRUE(is_open("Objects"));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.undo; }, 15, 320));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.redo; }, 15, 320));
