@@ -256,7 +256,7 @@ TEST_F(Programs, WhatADisplayDoesNotDoIsOneLineAndCodeTwo) {
       {{"--display", "openxr", "--select", "box"}, "--select:", "--display window"},
       {{"--display", "openxr", "--output", folder_ / "out"}, "--output:", "--display window"},
       {{"--display", "openxr", "--every", "5"}, "--every:", "--display window"},
-      {{"--display", "openxr", "--size", "640x480"}, "--size:", "leave it out"},
+      {{"--display", "openxr", "--size", "640x480"}, "--size:", "remove the option"},
       {{"--display", "openxr", "--no-video"}, "--no-video:", "--display offscreen"},
       {{"--display", "openxr", "--video-rate", "60"}, "--video-rate:", "--display offscreen"},
       {{"--display", "offscreen", "--full-size"}, "--full-size:", "--display window"},
@@ -266,7 +266,7 @@ TEST_F(Programs, WhatADisplayDoesNotDoIsOneLineAndCodeTwo) {
       {{"--display", "window", "--script", script}, "--script:", "--display offscreen"},
       {{"--select", "box", "--script", script}, "--script:", "--display offscreen"},
       {{"--display", "offscreen", "--select", "box"}, "--select:", "--display window"},
-      {{"--subscribe", "tcp://127.0.0.1:1", "--poke", "box"}, "--poke:", "leave it out"}};
+      {{"--subscribe", "tcp://127.0.0.1:1", "--poke", "box"}, "--poke:", "remove the option"}};
   for (const Case& one : cases) {
     std::vector<std::string> words = {LIVEGS_CLIENT, "127.0.0.1:1"};
     words.insert(words.end(), one.words.begin(), one.words.end());
