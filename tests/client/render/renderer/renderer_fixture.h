@@ -10,8 +10,7 @@
 
 namespace livegs {
 
-// Forwards to a renderer that the tests of a program share. When it is destroyed, the other one releases all
-// objects.
+// Forwards to a renderer shared by the tests of a program. The destructor makes it release all objects.
 class BorrowedRenderer final : public SplatRenderer {
  public:
   explicit BorrowedRenderer(SplatRenderer& shared) : shared_(shared) {}
@@ -38,8 +37,7 @@ class BorrowedRenderer final : public SplatRenderer {
   SplatRenderer& shared_;
 };
 
-// The renderers of a test program on its shared device, one for each set of options; destroyed before the
-// device.
+// The renderers of a test program on its shared device, one per set of options; destroyed before the device.
 class SharedRenderers final : public testing::Environment {
  public:
   Result<std::unique_ptr<SplatRenderer>> borrow(const VulkanRendererOptions& options) {
@@ -62,9 +60,9 @@ class SharedRenderers final : public testing::Environment {
 inline SharedRenderers& shared_renderers =
     *static_cast<SharedRenderers*>(testing::AddGlobalTestEnvironment(new SharedRenderers));
 
-// Pictures of the device found, lavapipe in CI, compared with the oracle's. Device and renderers are shared
-// by the program's tests, under the validation layer; any message of it fails the test. Skips only where
-// there is no device.
+// Compares pictures of the device (lavapipe in CI) with the reference. Device and renderers are shared by the
+// program's tests, under the validation layer; any of its messages fails the test. Skips only without a
+// device.
 class VulkanPictures : public testing::Test {
  protected:
   void SetUp() override {
@@ -72,7 +70,7 @@ class VulkanPictures : public testing::Test {
     const auto& device = shared_vulkan.device();
     ASSERT_TRUE(device) << device.error().message;
     device_ = *device;
-    make_renderer({.precision = BlendPrecision::Half});  // what a device that is not software draws with
+    make_renderer({.precision = BlendPrecision::Half});  // the default on hardware devices
   }
 
   void TearDown() override {
@@ -108,7 +106,7 @@ class VulkanPictures : public testing::Test {
                                    const RenderOptions& options = {}) {
     std::vector<Image> images;
     EXPECT_TRUE(create_cpu_renderer()->draw(objects, eyes, options, images));
-    for (Image& image : images) {  // what a screen can show
+    for (Image& image : images) {  // displayable range
       for (float& value : image.pixels) value = std::min(value, 1.0f);
     }
     return images;
@@ -123,8 +121,8 @@ class VulkanPictures : public testing::Test {
   uint64_t version_ = 1;
 };
 
-// Eight bits a channel leave 20 log10(255 sqrt 12) = 58.9 dB. What blending in halves costs on top grows with
-// the number of splats a pixel sums: each sum is rounded to 2^-12 of itself, always downwards on lavapipe.
+// Quantisation to eight bits leaves 20 log10(255 sqrt 12) = 58.9 dB. Blending in 16-bit floats adds an error
+// that grows with the number of splats per pixel: each sum is rounded to 2^-12, always downwards on lavapipe.
 inline constexpr double kBar_db = 50.0;
 
 }  // namespace livegs
