@@ -38,8 +38,8 @@ class HeadsetDisplay : public Display {
   // Render scale relative to the recommended size: 0.25 to 1.
   virtual void set_scale(double scale) = 0;
 
-  // Sets a text plate that is fixed to the view, from the next submit on. Lines are separated by \
-  // or wrapped. Empty: no plate.
+  // Sets a text plate that is fixed to the view, from the next submit on. Lines are separated by newlines or
+  // wrapped. Empty: no plate.
   virtual void set_notice(const std::string& text) = 0;
 
   // wait_frame: nothing when the runtime ended the session. Paced by the headset; returns at least every 50

@@ -49,7 +49,7 @@ class OffscreenSink final : public StreamSink {
   std::string draining_reason() const;
   // Number of outages and the time until the session was resumed.
   struct Outages {
-    // `restarted`: the resumed ones with a restarted server.
+    // `restarted` counts the resumed streams whose server was restarted.
     uint64_t count = 0, resumed = 0, restarted = 0;
     double seconds = 0;  // sum over the resumed
     std::string last_reason;

@@ -10,8 +10,8 @@ namespace livegs {
 
 enum class Unit { None, Kilogram, Pascal, Newton, NewtonSecond, Second };
 
-// Formats an SI value with three significant digits and a suitable prefix: "0.35 kg", "85 g", "10 kPa", "0.66
-// N s".
+// Formats an SI value with three significant digits and a suitable prefix: "0.35 kg", "85 g", "10 kPa",
+// "0.66 N s".
 std::string quantity_text(double value, Unit unit);
 // "5 to 20 kPa": the unit is written once if both ends share it.
 std::string range_text(double low, double high, Unit unit);

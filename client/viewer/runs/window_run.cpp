@@ -433,7 +433,7 @@ Result<void> WindowRun::keep_screenshot() {
   return write_png(options_.screenshots / format_text("window_%03d.png", screenshots_++), screenshot_);
 }
 
-// Draws the present.
+// Draws a picture of the live scene.
 Result<void> WindowRun::picture(const PlannedFrame& planned) {
   const WindowInput& input = display_.input();
   const Eigen::Vector2i size = display_.size_px();

@@ -82,8 +82,8 @@ Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int 
   initialised_ = true;
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (!window_) {
-    return Error{ErrorCode::Unavailable, "window: it cannot be opened (" + glfw_error() +
-                                             "); install OpenGL, or use --display offscreen"};
+    return Error{ErrorCode::Unavailable,
+                 "window: opening failed (" + glfw_error() + "); install OpenGL, or use --display offscreen"};
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
