@@ -12,6 +12,7 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
+#include "core/require_processor.h"
 #include "viewer/runs/headset_run.h"
 #include "viewer/runs/offscreen_run.h"
 #include "viewer/runs/replay_run.h"
@@ -101,6 +102,7 @@ int run_replayed(const livegs::ReplayOptions& options, bool window) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  livegs::require_processor();
   livegs::OffscreenRunOptions options;
   std::string display = "auto", renderer = "auto", encoding = "drivers", size, select;
   std::vector<std::string> forces;

@@ -19,6 +19,7 @@
 #include "core/log.h"
 #include "core/log_format.h"
 #include "core/parallel_for.h"
+#include "core/require_processor.h"
 #include "scene/scene.h"
 #include "service_notice.h"
 #include "session/access/server_security.h"
@@ -240,6 +241,7 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  livegs::require_processor();
   Options options;
   CLI::App app("Simulates a scene of Gaussian splats and streams it to livegs-client", "livegs-server");
   app.add_option("SCENE", options.scene, "A *.scene.json file, or a folder of assets")->required();

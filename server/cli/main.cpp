@@ -6,24 +6,7 @@
 #include "cli/commands.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
-
-namespace livegs {
-
-int report(const Error& error) {
-  std::fprintf(stderr, "livegs: %s\n", error.message.c_str());
-  switch (error.code) {
-    case ErrorCode::InvalidArgument:
-    case ErrorCode::InvalidData:
-    case ErrorCode::NotFound:
-    case ErrorCode::Unsupported:
-    case ErrorCode::TooLarge:
-      return 2;
-    default:
-      return 1;
-  }
-}
-
-}  // namespace livegs
+#include "core/require_processor.h"
 
 namespace {
 
@@ -63,6 +46,7 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  livegs::require_processor();
   CLI::App app("LiveGS: physically simulated Gaussian splats. Command line tools.", "livegs");
   app.set_version_flag("--version", LIVEGS_VERSION);
   app.require_subcommand(1);
