@@ -38,7 +38,7 @@ Tension measure_tension(const ElasticBodyDescription& description, int substeps)
 }
 
 TEST(ElasticStatics, JitteredParticlesShowTheSameModulus) {
-  // elastic-study.md 5: particles of 10 mm moved by up to 0.3 of that; bar 2 %.
+  // elastic-study.md 5: particles of 10 mm are moved by up to 0.3 of their size. The bar is 2 %.
   ElasticBodyDescription bar = describe_bar(1e5, 0.3, 0.025, 0.01);
   std::mt19937_64 random(7);
   const auto jitter = [&] { return 0.6 * 0.01 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5); };

@@ -182,9 +182,9 @@ TEST(ThinCell, BentSheetHasPlateEnergyAtAnyOrientation) {
   }
 }
 
-// The bar in every lattice is 0.8 to 1.2; the frequency goes with the root. The plain cell is too stiff where
-// the sheet is oblique. The worst case is a lattice rotated about one edge of the strip: rows of cells that
-// the sheet barely enters act as hinges across its whole width.
+// Stiffness ratios of 0.8 to 1.2 are required in every lattice; the frequency goes with the root. The plain
+// cell is too stiff where the sheet is oblique. The worst case is a lattice rotated about one edge of the
+// strip: rows of cells that the sheet barely enters act as hinges across its whole width.
 TEST(ThinCell, FlatStripBendsLikeABeamInAnyLattice) {
   for (const double cells_t : {3.0, 5.0, 10.0}) {
     const Range range = over_lattices(kFlat, cells_t, flat_ratio);
@@ -206,7 +206,7 @@ TEST(ThinCell, QuarterCylinderOpensLikeABeam) {
 }
 
 TEST(ThinCell, CordBendsLikeABeam) {
-  // The bar is the same as above. A cord crosses from cell to cell in smaller steps than a sheet.
+  // The required range is the same. A cord crosses from cell to cell in smaller steps than a sheet.
   for (const double cells_t : {3.0, 5.0}) {
     const Range straight = over_lattices(kCord, cells_t, flat_ratio);
     report_gap("thin_cell.cord_least", straight.least);

@@ -165,8 +165,8 @@ TEST(RigidContact, InclineSlidesOnlyAboveTheFrictionAngle) {
       const Slide held = slab_on_incline(threshold - radians(0.5), friction, 1.0, rate);
       const Slide slid = slab_on_incline(threshold + radians(0.5), friction, 1.0, rate);
       EXPECT_LT(std::abs(held.way_m), 1e-4) << friction;  // scene 2: 0.1 mm
-      // Half a degree above the friction angle g (sin - mu cos) / 2 gives at least 42 mm in 1 s; a tenth of
-      // it shows sliding.
+      // Half a degree above the friction angle, g (sin - mu cos) / 2 gives at least 42 mm in 1 s. A tenth of
+      // that shows sliding.
       EXPECT_GT(slid.way_m, 4e-3) << friction;
     }
   }
@@ -249,7 +249,7 @@ TEST(RigidContact, SlippingBallEndsRollingAtFiveSevenths) {
     description.friction = 0.2;
     description.velocity_m_s = {1, 0, 0};
     ASSERT_TRUE(world.add_ball(description));
-    run_seconds(world, 1.0);  // rolls after 2 v0 / (7 mu g) = 0.15 s
+    run_seconds(world, 1.0);  // pure rolling starts at 2 v0 / (7 mu g) = 0.15 s
     EXPECT_NEAR(body_state(world, 1).velocity_m_s.x(), 5.0 / 7.0, 0.01 * 5.0 / 7.0);  // scene 12
   }
 }
