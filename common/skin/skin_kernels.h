@@ -7,8 +7,8 @@
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
 #include "gaussian/posed_kernels.h"
-#include "skin/bind/kernel_bindings.h"
 #include "skin/driver_frame.h"
+#include "skin/kernels/kernel_bindings.h"
 #include "skin/rest_body.h"
 
 // Kernels follow drivers. Always from rest, never from frame to frame, so nothing drifts.

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "physics/elastic/make_elastic_body.h"
+#include "physics/elastic/factory/make_elastic_body.h"
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/elastic_body.h"
 #include "rates.h"

@@ -7,13 +7,14 @@
 #include "core/result.h"
 #include "gaussian/asset/bytes.h"
 #include "gaussian/asset/decoded_asset.h"
-#include "gaussian/ply/ply_header.h"
-#include "gaussian/sog/sog_files.h"
 
 // One reader a format, inside this room. Each gives the values as they stand in the file, turned to the frame
 // of GaussianAsset; establish_invariants is the caller's next step.
 
 namespace livegs {
+
+struct PlyHeader;
+class SogFiles;
 
 Result<AssetFile> read_gaussian_ply(const PlyHeader& header, Bytes bytes, std::string_view name);
 Result<AssetFile> read_compressed_ply(const PlyHeader& header, Bytes bytes, std::string_view name);

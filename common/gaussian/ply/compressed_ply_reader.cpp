@@ -6,6 +6,7 @@
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset/smallest_three.h"
 #include "gaussian/opacity.h"
+#include "gaussian/ply/ply_header.h"
 #include "gaussian/ply/ply_rows.h"
 
 namespace livegs {

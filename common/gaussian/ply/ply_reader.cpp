@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "gaussian/asset/readers.h"
+#include "gaussian/ply/ply_header.h"
 #include "gaussian/ply/ply_rows.h"
 
 namespace livegs {

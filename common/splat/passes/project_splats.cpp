@@ -12,9 +12,9 @@
 #include "splat/half_float.h"
 #include "splat/passes/radix_sort.h"
 #include "splat/passes/sort_keys_layout.h"
-#include "splat/raster/precise.h"
-#include "splat/raster/project_kernels.h"
-#include "splat/raster/spherical_harmonics.h"
+#include "splat/project/precise.h"
+#include "splat/project/project_kernels.h"
+#include "splat/project/spherical_harmonics.h"
 
 namespace livegs {
 namespace {

@@ -7,9 +7,9 @@
 #include "core/clock.h"
 #include "core/parallel_for.h"
 #include "splat/passes/radix_sort.h"
+#include "splat/project/project_kernels.h"
 #include "splat/raster/bin_tiles.h"
 #include "splat/raster/blend_tiles.h"
-#include "splat/raster/project_kernels.h"
 
 namespace livegs {
 namespace {

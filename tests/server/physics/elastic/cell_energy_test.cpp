@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "physics/elastic/cells/cell_stiffness.h"
 #include "physics/elastic/cells/kernels/cell_kernels.h"
+#include "physics/elastic/resolution/cell_stiffness.h"
 #include "physics/motion/free_rotation.h"
 
 namespace livegs::test {

@@ -3,7 +3,7 @@
 // without volume, invalid input (physics.md 1.4 and rows 25, 26; elastic-study.md 4).
 #include <random>
 
-#include "physics/elastic/make_elastic_body.h"
+#include "physics/elastic/factory/make_elastic_body.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/surface/shape_mesh.h"
-#include "physics/elastic/make_elastic_body.h"
+#include "physics/elastic/factory/make_elastic_body.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
 #include "scenes/elastic_bodies.h"
 #include "server/physics/elastic/quarter_shell.h"

@@ -2,7 +2,7 @@
 // Lasting loads are not impacts: weights, piles and hands that press, at any rate. Impacts that are
 // transmitted through other bodies are.
 #include "known_gaps.h"
-#include "physics/fracture/impact_record.h"
+#include "physics/rigid/contact/impact_record.h"
 #include "scenes/break_fixtures.h"
 
 namespace livegs {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "physics/elastic/cells/cell_stiffness.h"
+#include "physics/elastic/resolution/cell_stiffness.h"
 #include "physics/lattice/lattice.h"
 
 // The lattice as linear finite elements: small displacements, solved directly. The Gauss-Seidel passes of the

@@ -7,12 +7,12 @@
 #include <map>
 #include <set>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "physics/lattice/box_links.h"
 #include "physics/lattice/lattice.h"
 #include "scenes/elastic_bodies.h"
 #include "server/physics/lattice/lattice_statics.h"
-#include "skin/bind/cell_fill.h"
+#include "skin/kernels/cell_fill.h"
 #include "skin/skin_kernels.h"
 
 // A fork: a palm 70 mm wide and 40 mm high with two fingers 30 mm wide, 30 mm deep and 100 mm high, 10 mm

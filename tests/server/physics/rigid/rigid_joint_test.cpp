@@ -349,12 +349,12 @@ TEST(RigidJoint, RejectsInvalidJoints) {
   World world = world_at(60, 4);
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.2, 0.2, 0.2}, 1.0)));
   ASSERT_TRUE(world.add_static(2, Pose{}));
-  EXPECT_EQ(world.add_ball_joint({7, {}, Vector3d::Zero()}).error().message, "joint: there is no object 7");
-  EXPECT_EQ(world.add_ball_joint({1, 7, Vector3d::Zero()}).error().message, "joint: there is no object 7");
+  EXPECT_EQ(world.add_ball_joint({7, {}, Vector3d::Zero()}).error().message, "joint: unknown object 7");
+  EXPECT_EQ(world.add_ball_joint({1, 7, Vector3d::Zero()}).error().message, "joint: unknown object 7");
   EXPECT_EQ(world.add_ball_joint({1, 1, Vector3d::Zero()}).error().message,
             "joint: object 1 cannot be joined to itself");
   EXPECT_EQ(world.add_ball_joint({2, 1, Vector3d::Zero()}).error().message,
-            "joint: object 2 never moves; name the object that does first");
+            "joint: object 2 is static; name the moving object first");
   EXPECT_EQ(world.add_ball_joint({1, {}, Vector3d(NAN, 0, 0)}).error().message,
             "joint of object 1: point_m is not finite");
   EXPECT_EQ(world.add_hinge_joint({1, {}, Vector3d::Zero(), Vector3d::Zero()}).error().message,
