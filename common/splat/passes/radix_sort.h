@@ -8,8 +8,7 @@
 
 namespace livegs {
 
-// Unsigned keys in the order of the floats they come from, over the whole line: negative numbers in reverse,
-// -0 directly before +0.
+// Unsigned keys in the order of the floats, including negative numbers; -0 is directly before +0.
 inline uint32_t ordered_key(float value) {
   const uint32_t bits = std::bit_cast<uint32_t>(value);
   return bits & 0x80000000u ? ~bits : bits | 0x80000000u;

@@ -203,7 +203,7 @@ TEST(Recording, IsNeverWrittenOverAnything) {
   folder.write("a.lvgrec", "kept");
   auto writer = RecordingWriter::create(folder / "a.lvgrec", start_of_recording());
   ASSERT_FALSE(writer);
-  EXPECT_NE(writer.error().message.find("is there already"), std::string::npos);
+  EXPECT_NE(writer.error().message.find("already exists"), std::string::npos);
   EXPECT_EQ(*read_text_file(folder / "a.lvgrec"), "kept");
 }
 

@@ -263,7 +263,7 @@ TEST(FrameCodec, EachLieIsNamed) {
   EXPECT_NE(refusal(page, 4, 2).find("version 2, this build reads version 1"), std::string::npos);
   EXPECT_NE(refusal(page, 6, 9).find("unknown encoding 9"), std::string::npos);
   EXPECT_NE(refusal(page, 7, 1).find("reserved"), std::string::npos);
-  EXPECT_NE(refusal(page, 27, 0xFF).find("objects but is cut short"), std::string::npos);
+  EXPECT_NE(refusal(page, 27, 0xFF).find("objects but is truncated"), std::string::npos);
   EXPECT_NE(refusal(page, 24, 2).find("left over"), std::string::npos);
   EXPECT_NE(refusal(page, 56, 4).find("unknown kind 4"), std::string::npos);
   EXPECT_NE(refusal(page, 57, 3).find("reserved bit"), std::string::npos);

@@ -154,20 +154,20 @@ TEST(RestBodyCodec, EachLieIsNamed) {
   EXPECT_NE(message(set(6, 0), 0).find("unknown kind 0"), std::string::npos);
   EXPECT_NE(message(set(7, 2), 0).find("unknown encoding 2"), std::string::npos);
   EXPECT_NE(message(set(7, 1), 2).find("unknown encoding 1"), std::string::npos);  // particles have no fills
-  EXPECT_NE(message(set(7, 1), 1).find("kernel runs is cut short"), std::string::npos);
+  EXPECT_NE(message(set(7, 1), 1).find("kernel runs is truncated"), std::string::npos);
   const size_t revision = 72 + 4 + 3 * 56;
   EXPECT_NE(message(set(revision, 0), 4).find("revision 0"), std::string::npos);
   EXPECT_NE(message(set(revision + 1, 1), 4).find("revision 258"), std::string::npos);
-  EXPECT_NE(message(set(revision + 7, 0xFF), 4).find("kernel runs is cut short"), std::string::npos);
-  EXPECT_NE(message(set(revision + 8, 3), 4).find("kernel run 0 names body 3 of 3"), std::string::npos);
+  EXPECT_NE(message(set(revision + 7, 0xFF), 4).find("kernel runs is truncated"), std::string::npos);
+  EXPECT_NE(message(set(revision + 8, 3), 4).find("kernel run 0 refers to body 3 of 3"), std::string::npos);
   EXPECT_NE(message(set(15, 0xBF), 0).find("similarity"), std::string::npos);  // scale is negative
   EXPECT_NE(message(set(72 + 56 + 7, 0xBF), 0).find("cell width"), std::string::npos);
-  EXPECT_NE(message(set(72 + 56 + 8 + 8 + 12, 3), 0).find("3 bytes a coordinate"), std::string::npos);
-  EXPECT_NE(message(set(72 + 56 + 8 + 8 + 13, 1), 0).find("1 bytes an index"), std::string::npos);
-  EXPECT_NE(message([](std::vector<std::byte>& b) { b.back() = std::byte{0xFF}; }, 0).find("names node"),
+  EXPECT_NE(message(set(72 + 56 + 8 + 8 + 12, 3), 0).find("3 bytes per coordinate"), std::string::npos);
+  EXPECT_NE(message(set(72 + 56 + 8 + 8 + 13, 1), 0).find("1 bytes per index"), std::string::npos);
+  EXPECT_NE(message([](std::vector<std::byte>& b) { b.back() = std::byte{0xFF}; }, 0).find("refers to node"),
             std::string::npos);
-  EXPECT_NE(message(set(75, 0xFF), 1).find("bodies is cut short"), std::string::npos);
-  EXPECT_NE(message(set(72 + 4 + 24 + 31, 0x00), 1).find("body 0 has no rigid pose"), std::string::npos);
+  EXPECT_NE(message(set(75, 0xFF), 1).find("bodies is truncated"), std::string::npos);
+  EXPECT_NE(message(set(72 + 4 + 24 + 31, 0x00), 1).find("body 0 has an invalid pose"), std::string::npos);
   EXPECT_NE(message([](std::vector<std::byte>& b) { b.back() = b[b.size() - 2] = std::byte{0xFF}; }, 2)
                 .find("particle 6 is not finite"),
             std::string::npos);
