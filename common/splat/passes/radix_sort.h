@@ -19,8 +19,8 @@ struct KeyedIndex {
   uint32_t index;
 };
 
-// Ascending by key; equal keys keep their order. Three passes of 11 bits; a pass in which all keys agree is
-// left out. `scratch` is resized to the items' length and its contents are lost.
+// Sorts ascending by key; stable. Three passes of 11 bits; a pass with equal digits is skipped. `scratch` is
+// resized to the length of the items; its contents are lost.
 void radix_sort(std::vector<KeyedIndex>& items, std::vector<KeyedIndex>& scratch);
 
 }  // namespace livegs
