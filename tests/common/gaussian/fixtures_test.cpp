@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every small file of shared/data/fixtures, good and bad. The name of a file says what is wrong with it.
+// Reads every small file of shared/data/fixtures, valid and invalid. The file name states the defect.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace livegs {
 namespace {
 
-// What a good file holds.
+// Expected content of a valid file.
 struct Good {
   size_t count;
   int sh_degree;
@@ -50,7 +50,7 @@ const std::map<std::string, Good> kGood = {
     {"spz/decode-v3.spz", {1, 0, AssetFormat::Spz, 3}},
     {"spz/decode-degree1-v2.spz", {2, 1, AssetFormat::Spz, 2}},
     {"spz/decode-degree3-v2.spz", {2, 3, AssetFormat::Spz, 2}},
-    {"spz/decode-degree4-v2.spz", {1, 3, AssetFormat::Spz, 2}},  // cut, with a note
+    {"spz/decode-degree4-v2.spz", {1, 3, AssetFormat::Spz, 2}},  // cut to degree 3, with a note
     {"spz/degree3-v2.spz", {1, 3, AssetFormat::Spz, 2}},
     {"spz/degree4-v2.spz", {1, 3, AssetFormat::Spz, 2}},
     {"spz/extensions-v2.spz", {1, 0, AssetFormat::Spz, 2}},
@@ -65,13 +65,13 @@ const std::map<std::string, Good> kGood = {
     {"sog/unbundled-kit-multi-degree3/meta.json", {3, 3, AssetFormat::Sog, 2}},
 };
 
-// The error of a bad file contains this.
+// Substring of the error of each invalid file.
 const std::map<std::string, std::string> kBad = {
     {"ply/degree-4-sh.ply", "degree 4"},
     {"ply/duplicate-sh-index.ply", "f_rest_00"},
     {"ply/empty-vertex.ply", "no rows"},
     {"ply/invalid-sh-name.ply", "f_rest_1x"},
-    {"ply/list-property.ply", "a list where property opacity"},
+    {"ply/list-property.ply", "a list as property opacity"},
     {"ply/mesh-not-gaussian.ply", "is this a Gaussian splat file"},
     {"ply/missing-opacity.ply", "no property opacity"},
     {"ply/nan-opacity-binary-le.ply", "finite"},
@@ -129,7 +129,7 @@ const std::map<std::string, std::string> kBad = {
     {"sog/version-3.sog", "version 3"},
 };
 
-TEST(Fixtures, GoodOnesAreRead) {
+TEST(Fixtures, ValidFilesAreRead) {
   LIVEGS_NEEDS_SHARED_DATA();
   for (const auto& [name, good] : kGood) {
     const Result<AssetFile> file = read_asset(shared_data() / "fixtures" / name);
@@ -143,7 +143,7 @@ TEST(Fixtures, GoodOnesAreRead) {
   }
 }
 
-TEST(Fixtures, BadOnesAreRefusedInOneLineThatNamesFileAndFault) {
+TEST(Fixtures, InvalidFilesGiveOneLineErrors) {
   LIVEGS_NEEDS_SHARED_DATA();
   for (const auto& [name, words] : kBad) {
     const Result<AssetFile> file = read_asset(shared_data() / "fixtures" / name);
@@ -155,7 +155,7 @@ TEST(Fixtures, BadOnesAreRefusedInOneLineThatNamesFileAndFault) {
   }
 }
 
-TEST(Fixtures, NoneIsLeftOut) {
+TEST(Fixtures, AllFilesAreCovered) {
   LIVEGS_NEEDS_SHARED_DATA();
   const std::filesystem::path root = shared_data() / "fixtures";
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
