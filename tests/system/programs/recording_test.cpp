@@ -70,7 +70,7 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   }
   Program flipped({LIVEGS_TOOL, "ctl", "replay", folder_ / "flipped.lvgrec"});
   EXPECT_EQ(flipped.wait(), 2);
-  EXPECT_NE(flipped.err().find("its check sum is another"), std::string::npos) << flipped.err();
+  EXPECT_NE(flipped.err().find("wrong checksum"), std::string::npos) << flipped.err();
   EXPECT_EQ(flipped.out().find("whole"), std::string::npos) << flipped.out();
 
   // A file that was cut has what came before.
@@ -115,10 +115,10 @@ TEST_F(Recordings, ThatAreNoneAreRefusedInOneLine) {
   folder_.write("session.lvgrec", "not one at all");
   Program summary = replay();
   EXPECT_EQ(summary.wait(), 2);
-  expect_one_line(summary, "session.lvgrec: is no recording");
+  expect_one_line(summary, "session.lvgrec: is not a recording");
   Program watched({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file()});
   EXPECT_EQ(watched.wait(), 2);
-  expect_one_line(watched, "session.lvgrec: is no recording");
+  expect_one_line(watched, "session.lvgrec: is not a recording");
   Program server(server_words({"--record", file()}));
   EXPECT_EQ(server.wait(), 2);
   EXPECT_NE(server.err().find("already exists"), std::string::npos) << server.err();

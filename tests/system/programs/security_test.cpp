@@ -110,7 +110,7 @@ TEST_F(SecurePrograms, EachWrongCallerHasItsOwnAnswerAndTheRightOneGetsIn) {
   std::string other = code;
   other[0] = other[0] == 'A' ? 'B' : 'A';
   expect_refused(viewer(port, {"--pair", other, "--token-file", folder_ / "good"}),
-                 "does not fit the pairing code");
+                 "does not match the pairing code");
 
   Program first(viewer(port, {"--pair", code, "--token-file", folder_ / "good", "--poke", "box"}));
   EXPECT_EQ(first.wait(), 0) << first.err();
@@ -149,7 +149,7 @@ TEST_F(SecurePrograms, AServerThatIsAnotherIsRefusedAtOnceAndToldNothing) {
   }
   Program impostor(secure_server("other state", port));
   ASSERT_NE(impostor.first_line(), "") << impostor.err();
-  expect_refused(viewer(port, {}), "not the one paired with");
+  expect_refused(viewer(port, {}), "certificate differs from the paired one");
   EXPECT_EQ(impostor.err().find("joined"), std::string::npos);
   EXPECT_NE(ctl(port, {"status"}, "other state").find(" 0 sessions in total"), std::string::npos);
 }
@@ -223,7 +223,7 @@ TEST_F(SecurePrograms, OtherMachinesAreLetInWithTlsAndTokensOnly) {
   words.insert(words.end(), {"--state-dir", folder_ / "file/state"});
   Program keyless(words);
   EXPECT_EQ(keyless.wait(), 2);
-  expect_one_line(keyless, "cannot be made");
+  expect_one_line(keyless, "cannot be created");
 
   words.back() = folder_ / "state";
   Program secure(words);
@@ -236,7 +236,7 @@ TEST_F(SecurePrograms, OtherMachinesAreLetInWithTlsAndTokensOnly) {
   far.erase(std::find(far.begin(), far.end(), "--verbose"));
   Program unpaired(far);
   EXPECT_EQ(unpaired.wait(), 2);
-  expect_one_line(unpaired, "pair with it: --pair CODE");
+  expect_one_line(unpaired, "pair with --pair CODE");
 }
 
 TEST_F(SecurePrograms, CtlLooksAfterAServerInTheClearToo) {

@@ -118,8 +118,8 @@ TEST_F(RecordingPlaybackTest, ReportsCorruptedByte) {
   EXPECT_GT(last, 100u);
   EXPECT_LT(last, 700u);
   ASSERT_TRUE(playback->error());
-  EXPECT_NE(playback->error()->message.find("was changed"), std::string::npos);
-  ASSERT_TRUE(playback->seek(690 * kPeriod_s));  // after it
+  EXPECT_NE(playback->error()->message.find("is damaged"), std::string::npos);
+  ASSERT_TRUE(playback->seek(690 * kPeriod_s));  // behind it
   EXPECT_EQ(next_frame(*playback)->tick, 691u);
 }
 

@@ -160,7 +160,7 @@ TEST_F(Gate, RefusesPlainTextAndUnknownCertificates) {
   const auto refused = access_->refused();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::PermissionDenied);
-  EXPECT_NE(refused.error().message.find("not the one paired with"), std::string::npos)
+  EXPECT_NE(refused.error().message.find("differs from the paired one"), std::string::npos)
       << refused.error().message;
 }
 
