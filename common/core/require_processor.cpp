@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled for the oldest x86-64 (see CMakeLists.txt), without precompiled headers and outside the batches: nothing here
-// may need the instruction set that is asked about.
+// Compiled for the oldest x86-64 (see CMakeLists.txt), without precompiled headers and outside the batches:
+// nothing here may need the instruction set that is asked about.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -25,8 +25,9 @@ bool supports_arch() {
 // Priority 101 is the first that programs may use.
 __attribute__((constructor(101))) void check_processor() {
   if (supports_arch()) return;
-  constexpr char kLine[] = "processor: has no " LIVEGS_ARCH
-                           " instructions (v3 is AVX2, FMA and BMI2); configure with -DLIVEGS_ARCH=x86-64-v2 and build again\n";
+  constexpr char kLine[] =
+      "processor: has no " LIVEGS_ARCH
+      " instructions (v3 is AVX2, FMA and BMI2); configure with -DLIVEGS_ARCH=x86-64-v2 and build again\n";
   [[maybe_unused]] const auto written = write(STDERR_FILENO, kLine, sizeof(kLine) - 1);
   _exit(1);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// livegs-chart: the program behind `livegs chart`. It alone links the study room with its peers, Bullet and ODE, so that
-// `livegs` does not. Exit codes: 0 done, 1 could not do it, 2 bad usage or input.
+// livegs-chart: the program behind `livegs chart`. It alone links the study room with its peers, Bullet and
+// ODE, so that `livegs` does not. Exit codes: 0 done, 1 could not do it, 2 bad usage or input.
 #include "cli/commands.h"
 #include "core/parallel_for.h"
 #include "core/require_processor.h"
