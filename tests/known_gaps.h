@@ -10,12 +10,13 @@
 #include <set>
 #include <string>
 
-// Figures that miss their bar. tests/known_gaps.csv holds the bar and the reached figure of each; the gate
-// does not judge them. With LIVEGS_GAPS_OUT set, each figure is appended to that file for tests/compare_gaps.
+// Figures that miss their bound. tests/known_gaps.csv has the bound and the reached figure of each; the gate
+// does not compare them. With LIVEGS_GAPS_OUT set, each figure is appended to that file for
+// tests/compare_gaps.
 
 namespace livegs {
 
-// Ids of known_gaps.csv; fields hold no commas.
+// The ids of known_gaps.csv. Fields contain no commas.
 inline const std::set<std::string>& gap_ids() {
   static const std::set<std::string> ids = [] {
     std::set<std::string> found;
@@ -28,8 +29,8 @@ inline const std::set<std::string>& gap_ids() {
   return ids;
 }
 
-// Reports a figure of a gap; of several reports the worst counts. Fails on an id that the table lacks and on
-// a value that is not finite.
+// Reports a figure of a gap. If it is reported several times, the worst value counts. Fails if the id is not
+// in the table or the value is not finite.
 inline void report_gap(const std::string& id, double value) {
   EXPECT_TRUE(gap_ids().contains(id)) << id << ": not in tests/known_gaps.csv; add a row";
   EXPECT_TRUE(std::isfinite(value)) << id;
@@ -37,7 +38,7 @@ inline void report_gap(const std::string& id, double value) {
   if (!path || !*path) return;
   std::FILE* file = std::fopen(path, "a");
   ASSERT_TRUE(file) << path;
-  std::fprintf(file, "%s,%.6g\n", id.c_str(), value);  // one write: other processes append too
+  std::fprintf(file, "%s,%.6g\n", id.c_str(), value);  // a single write, because other processes append too
   std::fclose(file);
 }
 

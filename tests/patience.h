@@ -5,7 +5,7 @@
 
 namespace livegs {
 
-// How long a test waits for what should be there at once: a loaded machine under a sanitizer is slow.
+// Timeout for conditions that normally hold at once. Long enough for a loaded machine with a sanitizer.
 inline constexpr std::chrono::seconds kPatience{60};
 
 }  // namespace livegs

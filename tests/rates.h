@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-// The size of the test sets. The gate takes one tick rate and few seeds; `deploy/test nightly` sets both
+// The size of the test sets. The gate uses one tick rate and few seeds; `deploy/test nightly` sets both
 // variables.
 
 namespace livegs {
 
-// Tick rates, Hz: those of LIVEGS_TEST_RATES, as in "60,90"; 90 by default. For parameterised tests, which
-// are made before main.
+// Tick rates in Hz from LIVEGS_TEST_RATES, for example "60,90"; default 90. For parameterised tests, which
+// are created before main.
 inline std::vector<double> rates_hz() {
   const char* text = std::getenv("LIVEGS_TEST_RATES");
   std::vector<double> rates;
@@ -29,15 +29,15 @@ inline std::vector<double> rates_hz() {
 // The same, for test bodies.
 inline const std::vector<double> kRates_hz = rates_hz();
 
-// Multiplies seeds and repetitions: LIVEGS_TEST_SEEDS, 1 by default, 10 nightly.
+// Multiplier of seeds and repetitions from LIVEGS_TEST_SEEDS: 1 by default, 10 nightly.
 inline int seeds_factor() {
   const char* text = std::getenv("LIVEGS_TEST_SEEDS");
   return text ? std::max(1, std::atoi(text)) : 1;
 }
-// Number of seeds of a test that takes `gate` of them in the gate.
+// Number of seeds of a test that uses `gate` seeds in the gate.
 inline int seed_count(int gate) { return gate * seeds_factor(); }
 
-// The full set of settings where the gate takes some of it.
+// True if the nightly run uses the full set of settings instead of the gate's part.
 inline bool full_sets() { return seeds_factor() > 1; }
 template <typename T>
 std::vector<T> gate_or_full(std::vector<T> gate, std::vector<T> full) {

@@ -9,7 +9,7 @@
 
 namespace livegs {
 
-// A folder of its own for one test, gone afterwards.
+// A temporary folder for one test, removed in the destructor.
 class ScratchFolder {
  public:
   ScratchFolder() {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# voro++ comes with neither a CMake nor a pkg-config file. Defines voro++::voro++.
+# Finds voro++, which installs neither a CMake nor a pkg-config file. Defines voro++::voro++.
 find_path(VOROPP_INCLUDE_DIR voro++/voro++.hh)
 find_library(VOROPP_LIBRARY voro++)
 include(FindPackageHandleStandardArgs)

@@ -36,7 +36,7 @@ set(LIVEGS_UNITY_BATCH 8)
 # Test sources are compiled for a short build; the code under test is optimised in its own room.
 set(LIVEGS_TEST_FLAGS "-O1;-g0" CACHE STRING "Compile options of test sources")
 
-# Programs that are built on request only: `benches` and `nightly_tests`.
+# Targets that are built only on request: `benches` and `nightly_tests`.
 add_custom_target(benches)
 add_custom_target(nightly_tests)
 
@@ -131,7 +131,7 @@ endfunction()
 set(LIVEGS_SWIFTSHADER_ICD /usr/lib/chromium/vk_swiftshader_icd.json)
 function(livegs_add_second_device name filter)
   add_test(NAME SwiftShader.${name}
-           COMMAND sh -c "test -f ${LIVEGS_SWIFTSHADER_ICD} || { echo 'no SwiftShader: apt-get install chromium-common'; exit 77; }; \
+           COMMAND sh -c "test -f ${LIVEGS_SWIFTSHADER_ICD} || { echo 'SwiftShader: not installed; run apt-get install chromium-common'; exit 77; }; \
                           exec $<TARGET_FILE:${name}> --gtest_filter='${filter}'")
   set_tests_properties(SwiftShader.${name} PROPERTIES
                        LABELS "parity;vulkan;nightly" TIMEOUT 900 SKIP_RETURN_CODE 77 FAIL_REGULAR_EXPRESSION "multiview draws wrong;vulkan: none of;vulkan: no loader;vulkan: no driver"
@@ -185,10 +185,10 @@ function(livegs_add_shader target name stage)
     VERBATIM)
   target_sources(${target} PRIVATE ${header})
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/passes)
-  set_property(GLOBAL APPEND_STRING PROPERTY LIVEGS_SHADER_HEADERS "${header}\n")  # for shader_modules_test
+  set_property(GLOBAL APPEND_STRING PROPERTY LIVEGS_SHADER_HEADERS "${header}\n")  # read by shader_modules_test
 endfunction()
 
-# livegs_add_pass(TARGET NAME): the shader of a pass.
+# livegs_add_pass(TARGET NAME): adds the compute shader of a pass.
 function(livegs_add_pass target name)
   livegs_add_shader(${target} ${name} comp)
 endfunction()

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// An asset as it comes (proto/asset_format.md). An even first byte: the rest is what was sent, in pieces. An
-// odd one: the rest are a head and columns of blocks, which are given the zstd frames that would else keep
-// what is spoilt from the decoders behind them.
+// Streamed assets (proto/asset_format.md).
+// Even first byte: the rest is the received data, decoded in pieces.
+// Odd first byte: the rest is a head and the columns of blocks. The target adds the zstd frames, which
+// otherwise stop most damaged data before the decoders behind them.
 #include <zstd.h>
 
 #include "fuzz/fuzz_target.h"
@@ -15,7 +16,7 @@ using namespace progressive_layout;
 
 void append(Bytes& to, std::span<const std::byte> bytes) { to.insert(to.end(), bytes.begin(), bytes.end()); }
 
-// The first part is the head, each other a u32 of kernels and the columns of a block.
+// The first part is the head. Each other part is a u32 kernel count and the columns of a block.
 Bytes framed(std::span<const std::byte> input) {
   Bytes sent;
   bool head = true;
@@ -48,20 +49,20 @@ void use(std::span<const std::byte> sent) {
     const bool taken = decoder.take(sent.subspan(at, length)).has_value();
     at += length;
     check(decoder.arrived() <= decoder.kernel_count() && decoder.arrived_harmonics() <= decoder.arrived(),
-          "no more comes than there is");
+          "arrived kernels and harmonics are at most all kernels");
     if (!taken) {
-      check(!decoder.complete() && !decoder.take({}), "what is spoilt stays so");
+      check(!decoder.complete() && !decoder.take({}), "the decoder stays failed after an error");
       return;
     }
   }
   const AssetPart part = decoder.part();
-  check(part.indices.size() == part.asset.size(), "each kernel has a number");
+  check(part.indices.size() == part.asset.size(), "each kernel has an index");
   for (size_t i = 0; i < part.asset.size(); ++i) {
     check(part.asset.positions[i].allFinite() && part.asset.log_scales[i].allFinite() &&
               part.asset.sh_dc[i].allFinite(),
-          "what is drawn is finite");
+          "drawn values are finite");
     check(part.indices[i] < decoder.kernel_count() && (i == 0 || part.indices[i] >= part.indices[i - 1]),
-          "numbers ascend");
+          "indices are in range and ascend");
   }
   if (const auto whole = decoder.whole())
     check(whole->size() == decoder.kernel_count(), "a whole asset has all kernels");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a chat-completions server sends back. The first byte tells of what kind the rest is (odd: an event
-// stream) and where the stream is cut: its events do not depend on that.
+// Replies of a chat-completions server. The lowest bit of the first byte selects the kind of the rest (odd:
+// an event stream). Its other bits select where the stream is cut; the events must not depend on that.
 #include <nlohmann/json.hpp>
 
 #include "analysis/model/chat/chat_reply.h"
@@ -51,12 +51,12 @@ void look_at(std::span<const std::byte> bytes) {
   if (reply) {
     check(reply->tool_calls.size() <= kMaxCalls, "tool calls are bounded");
     check(reply->prompt_tokens >= 0 && reply->completion_tokens >= 0 && reply->cost_usd >= 0,
-          "counts are counts");
-    check(reply->content.size() <= body.size() * 2 + 64, "text is not made up");
+          "token counts and cost are not negative");
+    check(reply->content.size() <= body.size() * 2 + 64, "content is not longer than the body allows");
   } else {
-    check(reply.error().message.find('\n') == std::string::npos, "an error is one line");
+    check(reply.error().message.find('\n') == std::string::npos, "an error message is one line");
   }
-  check(brief(body).find('\n') == std::string::npos, "what is shown of it is one line");
+  check(brief(body).find('\n') == std::string::npos, "an excerpt of the body is one line");
   if (stream)
     check(events_of(body, 1 + kind / 2) == events_of(body, bytes.size()), "events do not depend on the cuts");
 }
@@ -79,7 +79,7 @@ std::vector<Bytes> seeds() {
   seeds.push_back(
       input(0, R"({"error":{"code":"insufficient_quota","message":"no credit","type":"t","param":"p"}})"));
   seeds.push_back(input(0, R"({"object":"error","message":"too long","code":400})"));
-  // Spoilt as answers are.
+  // Mutated answers.
   for (uint64_t seed = 0; seed < 40; ++seed) {
     AnswerMutator mutator(seed);
     seeds.push_back(input(static_cast<uint8_t>(2 * seed),

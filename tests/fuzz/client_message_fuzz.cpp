@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A livegs.v1.ClientMessage as the server takes it: what passes its check goes into the simulation and into
-// recordings.
+// livegs.v1.ClientMessage as the server receives it. Messages that pass input_check go into the simulation
+// and into recordings.
 #include <cmath>
 
 #include "fuzz/fuzz_target.h"
@@ -12,7 +12,7 @@ namespace livegs::fuzz::client_message_fuzz {
 namespace {
 
 bool same(const Pose& a, const Pose& b) {
-  // A quaternion that is sent as floats is normalised again by who reads it.
+  // Quaternions are sent as floats and normalised again by the receiver.
   return a.position_m == b.position_m &&
          (a.orientation.coeffs() - b.orientation.coeffs()).cwiseAbs().maxCoeff() < 2e-7;
 }
@@ -22,33 +22,33 @@ void check_sample(const InputSample& sample) {
     if (!hand.active) continue;
     for (const Pose* pose : {&hand.aim, &hand.grip}) {
       check(pose->position_m.allFinite() && pose->position_m.cwiseAbs().maxCoeff() <= kMaxHandPosition_m,
-            "hands are near");
-      check(std::abs(pose->orientation.norm() - 1.0) < 1e-6, "hands are turned by rotations");
+            "hand positions are in range");
+      check(std::abs(pose->orientation.norm() - 1.0) < 1e-6, "hand orientations are unit quaternions");
     }
     for (const float value : {hand.trigger, hand.squeeze})
-      check(value >= 0 && value <= 1, "a trigger is between 0 and 1");
+      check(value >= 0 && value <= 1, "trigger and squeeze are between 0 and 1");
   }
 }
 
-// What a client would send of it passes too, and means the same.
+// Accepted samples can be sent again, and their values are the same.
 void check_sent_again(const std::vector<InputSample>& samples) {
   v1::ClientMessage message;
   for (const InputSample& sample : samples) write_input(sample, *message.add_inputs());
   const auto again = check_inputs(message);
-  check(again && again->size() == samples.size(), "what passed can be sent");
+  check(again && again->size() == samples.size(), "accepted samples pass the check again");
   for (size_t i = 0; i < samples.size(); ++i) {
     const InputSample &a = samples[i], &b = (*again)[i];
     check(a.sequence == b.sequence && a.sampled_ns == b.sampled_ns && a.for_tick == b.for_tick,
-          "samples keep their numbers");
+          "sequence, time and tick are unchanged");
     for (size_t hand = 0; hand < 2; ++hand) {
-      check(a.hands[hand].active == b.hands[hand].active, "hands are there or not");
+      check(a.hands[hand].active == b.hands[hand].active, "the active flag is unchanged");
       check(same(a.hands[hand].aim, b.hands[hand].aim) && same(a.hands[hand].grip, b.hands[hand].grip),
-            "hands stay");
+            "hand poses are unchanged");
     }
   }
 }
 
-// A recording holds it to the bit.
+// Recordings store samples exactly.
 void check_recorded(const std::vector<InputSample>& samples) {
   SampleBefore written, read;
   ByteWriter out;
@@ -57,9 +57,9 @@ void check_recorded(const std::vector<InputSample>& samples) {
   ByteReader in(bytes);
   for (const InputSample& sample : samples) {
     const auto again = read_sample(in, 7, read);
-    check(again.has_value(), "a sample that was recorded is read");
+    check(again.has_value(), "a recorded sample can be read");
     check(again->sequence == sample.sequence && again->sampled_ns == sample.sampled_ns,
-          "and has its numbers");
+          "a recorded sample has the same sequence, time and tick");
     for (size_t hand = 0; hand < 2; ++hand) {
       const HandSample &a = sample.hands[hand], &b = again->hands[hand];
       check(a.active == b.active && a.aim.position_m == b.aim.position_m &&
@@ -67,10 +67,10 @@ void check_recorded(const std::vector<InputSample>& samples) {
                 a.grip.position_m == b.grip.position_m &&
                 a.grip.orientation.coeffs() == b.grip.orientation.coeffs() && a.trigger == b.trigger &&
                 a.squeeze == b.squeeze && a.shoot == b.shoot,
-            "and its hands to the bit");
+            "a recorded sample has the same hands to the bit");
     }
   }
-  check(in.remaining() == 0, "nothing is left over");
+  check(in.remaining() == 0, "no bytes remain after the samples");
 }
 
 }  // namespace
@@ -80,11 +80,11 @@ void look_at(std::span<const std::byte> input) {
   if (!message.ParseFromArray(input.data(), static_cast<int>(input.size()))) return;
   if (const auto view = check_view(message); view && *view) {
     check((*view)->position_m.allFinite() && std::abs((*view)->forward.norm() - 1.0) < 1e-9,
-          "a view is a place and a direction");
-    check((*view)->half_angle_rad >= 0 && (*view)->half_angle_rad < 3.15, "and a cone");
+          "a view has a finite position and a unit direction");
+    check((*view)->half_angle_rad >= 0 && (*view)->half_angle_rad < 3.15, "a view cone has a valid angle");
     v1::ClientMessage again;
     write_view(**view, *again.mutable_view());
-    check(check_view(again).has_value(), "which can be sent");
+    check(check_view(again).has_value(), "an accepted view passes the check again");
   }
   const auto samples = check_inputs(message);
   if (!samples) return;

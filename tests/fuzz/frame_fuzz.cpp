@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is read by itself: frames, publications, rest bodies and kernels (proto/frame_format.md). The first
-// byte says which.
+// Messages that are decoded independently: frames, publications, rest bodies and kernels
+// (proto/frame_format.md). The first byte selects the kind.
 #include <algorithm>
 #include <cmath>
 
@@ -26,15 +26,16 @@ void look_at_rest_body(std::span<const std::byte> bytes) {
   if (!rest) return;
   for (const auto& cell : rest->cells) {
     for (const uint32_t node : cell)
-      check(node < rest->node_coordinates.size(), "cells name nodes that there are");
+      check(node < rest->node_coordinates.size(), "cells refer to existing nodes");
   }
   for (const RestBody::KernelRun& run : rest->kernel_runs)
-    check(run.body < rest->bodies.size(), "runs name bodies that there are");
-  // The writer takes the smallest widths, the reader any: what was written once stays as it is.
+    check(run.body < rest->bodies.size(), "runs refer to existing bodies");
+  // The encoder uses minimal bit widths and the decoder accepts any width. Encoding twice must give the same
+  // bytes.
   const Bytes again = encode_rest_body(*rest);
   const auto same = decode_rest_body(again);
-  check(same.has_value(), "what was read can be written and read");
-  check(encode_rest_body(*same) == again, "and is the same then");
+  check(same.has_value(), "a decoded body can be encoded and decoded");
+  check(encode_rest_body(*same) == again, "the second encoding has the same bytes");
 }
 
 }  // namespace

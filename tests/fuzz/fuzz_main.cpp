@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Entry points of libFuzzer, which owns main(). Seeds are written to the first folder on the command line,
+// Entry points of libFuzzer, which defines main(). Seeds are written to the first folder on the command line,
 // the corpus.
 #include <filesystem>
 #include <fstream>

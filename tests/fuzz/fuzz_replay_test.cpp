@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replay of the fuzz targets without libFuzzer: the committed corpus, the seeds, and truncations and bit
-// flips of three seeds.
+// Replays the fuzz targets without libFuzzer: the committed corpus, the seeds, and truncations and bit flips
+// of three seeds.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }  
 
 namespace {
 
-// Per seed. A longer seed is cut and flipped at even steps.
+// Number of changes per seed. Longer seeds are cut and flipped at even steps.
 constexpr size_t kMaxTruncations = 512;
 constexpr size_t kMaxFlips = 2048;
 
@@ -40,7 +40,7 @@ struct sigaction earlier[std::size(kFatal)];
 void restore_handlers() {
   for (size_t i = 0; i < std::size(kFatal); ++i) ::sigaction(kFatal[i], &earlier[i], nullptr);
 }
-// The fault repeats on return, under the earlier handler: a sanitizer's report, or the end of the process.
+// The fault repeats on return, under the earlier handler: a sanitizer report, or the end of the process.
 void print_input(int) {
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, current_input, std::strlen(current_input));
   restore_handlers();
@@ -66,13 +66,15 @@ void replay_changed(const Target& target, const Bytes& seed, const std::string& 
   const size_t cut_step = 1 + seed.size() / kMaxTruncations;
   for (size_t length = 0; length < seed.size(); length += cut_step) {
     name_input(target, what, "cut to bytes", length);
-    const Bytes cut(seed.begin(), seed.begin() + static_cast<std::ptrdiff_t>(
-                                                     length));  // its own memory, for the address sanitizer
+    const Bytes cut(
+        seed.begin(),
+        seed.begin() + static_cast<std::ptrdiff_t>(
+                           length));  // its own allocation, so that the address sanitizer detects overruns
     target.look_at(cut);
   }
   Bytes flipped = seed;
   const size_t flip_step =
-      (1 + seed.size() * 8 / kMaxFlips) | 1;  // odd: each of the eight places in a byte has its turn
+      (1 + seed.size() * 8 / kMaxFlips) | 1;  // odd, so that all eight bits of a byte are flipped in turn
   for (size_t bit = 0; bit < seed.size() * 8; bit += flip_step) {
     const std::byte mask{static_cast<uint8_t>(1u << bit % 8)};
     name_input(target, what, "flipped bit", bit);
@@ -92,10 +94,10 @@ class FuzzReplay : public ::testing::TestWithParam<Target> {
   void TearDown() override { restore_handlers(); }
 };
 
-TEST_P(FuzzReplay, CorpusSeedsAndSmallChanges) {
+TEST_P(FuzzReplay, AcceptsCorpusSeedsAndMutations) {
   const Target& target = GetParam();
   const auto files = corpus_of(target.name);
-  EXPECT_FALSE(files.empty()) << kCorpus / target.name << " holds no file";
+  EXPECT_FALSE(files.empty()) << kCorpus / target.name << ": no files; run tests/fuzz/refresh_corpus";
   for (const auto& path : files) {
     name_input(target, path.filename(), "whole", 0);
     const Bytes input = read_file(path);
@@ -115,7 +117,7 @@ TEST_P(FuzzReplay, CorpusSeedsAndSmallChanges) {
 INSTANTIATE_TEST_SUITE_P(Targets, FuzzReplay, ::testing::ValuesIn(targets()),
                          [](const auto& info) { return std::string(info.param.name); });
 
-TEST(FuzzCorpus, EveryCorpusFolderHasATarget) {
+TEST(FuzzCorpus, EveryFolderHasATarget) {
   std::set<std::string> names;
   for (const Target& target : targets()) EXPECT_TRUE(names.insert(target.name).second) << target.name;
   for (const auto& entry : std::filesystem::directory_iterator(kCorpus))

@@ -10,8 +10,8 @@
 
 #include "wire/little_endian.h"
 
-// The list of fuzz targets of this program, and their common parts. A libFuzzer program has one,
-// fuzz_replay_test all.
+// The list of fuzz targets of a program, and their common functions. A libFuzzer program has one target;
+// fuzz_replay_test has all of them.
 
 namespace livegs::fuzz {
 
@@ -19,9 +19,9 @@ using Bytes = std::vector<std::byte>;
 
 struct Target {
   const char* name;
-  // Reads one input. Any bytes are allowed; a wrong result ends the process by check().
+  // Decodes one input. All byte sequences are allowed; check() ends the process on a wrong result.
   void (*look_at)(std::span<const std::byte> input);
-  // First inputs, made by our own encoders. The same at each call.
+  // Initial inputs, made with the project's encoders. The same at each call.
   std::vector<Bytes> (*seeds)();
 };
 
@@ -29,21 +29,21 @@ inline std::vector<Target>& targets() {
   static std::vector<Target> all;
   return all;
 }
-// Each target file calls it once, before main().
+// Called once in each target file, before main().
 inline bool add_target(const Target& target) {
   targets().push_back(target);
   return true;
 }
 
-// Active in every build.
+// Ends the process unless the condition is true. Active in every build type.
 inline void check(bool holds, const char* what) {
   if (holds) return;
-  std::fprintf(stderr, "does not hold: %s\n", what);
+  std::fprintf(stderr, "check failed: %s\n", what);
   std::abort();
 }
 
-// An input of several parts: each a u16 length, then its bytes. Any bytes are such an input; the last part
-// may be short.
+// Splits an input into parts: each is a u16 length, then that number of bytes. Every byte sequence is valid;
+// the last part may be short.
 inline std::vector<std::span<const std::byte>> parts_of(std::span<const std::byte> input) {
   std::vector<std::span<const std::byte>> parts;
   while (input.size() >= 2) {
@@ -57,7 +57,7 @@ inline std::vector<std::span<const std::byte>> parts_of(std::span<const std::byt
 inline Bytes joined(const std::vector<Bytes>& parts) {
   ByteWriter out;
   for (const Bytes& part : parts) {
-    check(part.size() < 65536, "a seed's part is under 64 kB");
+    check(part.size() < 65536, "a part of a seed is shorter than 64 KiB");
     out.write(static_cast<uint16_t>(part.size()));
     for (const std::byte byte : part) out.write(std::to_integer<uint8_t>(byte));
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A model's answer through the acceptance gate. The first byte chooses the object it is about; the rest is
-// the answer. Nothing leaves the hard ranges, and nothing but an accepted answer changes anything, nor that
-// what a person has told.
+// Answers of a model through the acceptance gate. The first byte selects the object; the rest is the answer.
+// All parameters stay within the hard ranges. Only an accepted answer changes parameters, and it never
+// changes values set by a person or by the scene.
 #include <cmath>
 
 #include "fuzz/fuzz_target.h"
@@ -76,12 +76,13 @@ void look_at(std::span<const std::byte> bytes) {
   check_ranges(judgement.parameters);
   if (judgement.verdict != Verdict::Refused) check_ranges(judgement.proposal);
   if (judgement.verdict != Verdict::Accepted)
-    check(same(judgement.parameters, object.before), "it changes nothing");
+    check(same(judgement.parameters, object.before), "a refused answer changes nothing");
   check(judgement.message.find('\n') == std::string::npos && judgement.message.size() <= 600,
-        "a message is one line");
+        "a message is one short line");
   if (object.before.mass_kg().source() == EstimatedValue::PERSON) {
-    check(same(judgement.parameters.mass_kg(), object.before.mass_kg()), "what a person told stays");
-    check(same(judgement.parameters.friction(), object.before.friction()), "what the scene told stays");
+    check(same(judgement.parameters.mass_kg(), object.before.mass_kg()), "a person's value is unchanged");
+    check(same(judgement.parameters.friction(), object.before.friction()),
+          "a value of the scene is unchanged");
   }
 }
 

@@ -7,7 +7,7 @@
 #include "skin/driver_frame.h"
 #include "skin/rest_body.h"
 
-// Objects of each kind that move, and how finite drivers look, for the targets that read frames.
+// Moving objects of each kind, and checks of decoded frames, for the targets that read frames.
 
 namespace livegs::fuzz {
 
@@ -17,7 +17,7 @@ inline DriverFrame frame_at(uint64_t tick) {
   frame.tick = tick;
   frame.simulated_ns = static_cast<int64_t>(tick) * 11'111'111;
   for (uint32_t id = 1; id <= 4; ++id) {
-    if (id == 3 && tick % 5 == 0) continue;  // comes and goes
+    if (id == 3 && tick % 5 == 0) continue;  // object 3 is missing in every fifth tick
     ObjectDrivers& object = frame.objects.emplace_back();
     object.object_id = 3 * id;
     object.asleep = id == 4 && tick % 3 == 0;
@@ -31,7 +31,7 @@ inline DriverFrame frame_at(uint64_t tick) {
           for (int k = 0; k < 12; ++k) places.emplace_back(k & 1, (k >> 1) & 1, k >> 2);
           return find_node_neighbours(std::move(places));
         }();
-        object.neighbours = tick % 7 == 0 ? nullptr : beside;  // with and without
+        object.neighbours = tick % 7 == 0 ? nullptr : beside;  // with and without neighbours
       }
       const Eigen::Vector3d at(0.1 * i + 0.2 * std::sin(9 * t + i), id + t, -4.9 * t * t);
       if (object.kind == DriverKind::Rigid) {
@@ -49,12 +49,12 @@ inline void check_finite(const DriverFrame& frame) {
   for (const ObjectDrivers& object : frame.objects) {
     for (const Pose& pose : object.poses) {
       check(pose.position_m.allFinite(), "poses are finite");
-      check(std::abs(pose.orientation.norm() - 1.0) < 1e-9, "orientations are rotations");
+      check(std::abs(pose.orientation.norm() - 1.0) < 1e-9, "orientations are unit quaternions");
     }
     for (const Eigen::Vector3f& position : object.positions_m)
       check(position.allFinite(), "positions are finite");
     for (const Eigen::Quaternionf& rotation : object.rotations)
-      check(std::abs(rotation.norm() - 1.0f) < 1e-5f, "rotations are rotations");
+      check(std::abs(rotation.norm() - 1.0f) < 1e-5f, "rotations are unit quaternions");
   }
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording as its reader sees it (proto/recording_format.md). An even first byte: the rest is the file. An
-// odd one: the rest are chunks, each with its kind before it, that are given the check sums and the trailer
-// which would else keep what is spoilt from the decoders behind them.
+// Recordings (proto/recording_format.md).
+// Even first byte: the rest is the file.
+// Odd first byte: the rest is a list of chunks, each preceded by its kind. The target adds check sums and the
+// trailer, which otherwise stop most damaged data before the decoders behind them.
 #include <sys/mman.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -17,14 +18,14 @@ namespace {
 
 using namespace recording_layout;
 
-// A file in memory, with a name.
+// A file in memory that can be opened by path.
 class MemoryFile {
  public:
   explicit MemoryFile(std::span<const std::byte> bytes = {})
       : descriptor_(::memfd_create("fuzz", MFD_CLOEXEC)) {
     check(descriptor_ >= 0 &&
               ::write(descriptor_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()),
-          "memory can be written");
+          "a memory file can be created and written");
   }
   ~MemoryFile() { ::close(descriptor_); }
   std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
@@ -77,7 +78,7 @@ Bytes chunks_of_file(const Bytes& file) {
   return joined(chunks);
 }
 
-// Everything it can be asked, as far as the first ticks go: decoding them all is the frame target's.
+// Calls all functions of the reader on the first ticks. Decoding many frames is left to the frame target.
 void use(RecordingReader& reader) {
   for (const int64_t moment_ns : {INT64_MIN, int64_t{100'000'000}, INT64_MAX}) {
     if (moment_ns == INT64_MIN)
@@ -103,7 +104,7 @@ void use(RecordingReader& reader) {
   (void)reader.asset(std::string(64, 'a'));
   (void)reader.files([](const RecordedFilePiece& piece) -> Result<void> {
     check(!piece.name.empty() && piece.offset + piece.bytes.size() <= piece.total,
-          "a piece lies in its file");
+          "a piece is inside its file");
     return {};
   });
 }
@@ -124,17 +125,17 @@ std::vector<Bytes> seeds() {
     ::unlink(path.c_str());
     v1::RecordingStart start;
     start.set_rate_hz(90);
-    start.mutable_scene()->set_name("made up");
+    start.mutable_scene()->set_name("synthetic");
     start.set_inputs_only(inputs_only);
     auto writer = RecordingWriter::create(path, start);
-    check(writer.has_value(), "a recording can be made in /tmp");
+    check(writer.has_value(), "a recording can be created in /tmp");
     v1::SessionEvent event;
     v1::ObjectDescription& object = *event.mutable_object_added();
     object.set_object_id(3);
     object.set_asset_hash(std::string(64, 'a'));
     const Bytes rest = encode_rest_body(rest_bodies()[2]);
     object.set_rest_body(rest.data(), rest.size());
-    check(writer->add_event(1, event).has_value(), "an event is taken");
+    check(writer->add_event(1, event).has_value(), "an event is written");
     for (uint64_t number = 1; number <= 12; ++number) {
       const DriverFrame frame = frame_at(number);
       RecordingWriter::Tick tick;
@@ -150,14 +151,14 @@ std::vector<Bytes> seeds() {
       if (number == 6) tick.actions.changes.emplace_back().mutable_force()->set_object("thing");
       if (number == 8) tick.actions.released = {7};
       if (number == 9) tick.actions.over = {7};
-      check(writer->add_tick(std::move(tick)).has_value(), "a tick is taken");
+      check(writer->add_tick(std::move(tick)).has_value(), "a tick is written");
     }
-    check(writer->add_asset(std::string(64, 'a'), Bytes(100)).has_value(), "an asset is taken");
-    check(writer->add_file("../cup.ply", Bytes(50)).has_value(), "a file is taken");
-    check(writer->finish().has_value(), "and it ends");
+    check(writer->add_asset(std::string(64, 'a'), Bytes(100)).has_value(), "an asset is written");
+    check(writer->add_file("../cup.ply", Bytes(50)).has_value(), "a file is written");
+    check(writer->finish().has_value(), "the recording is finished");
     Bytes file(writer->bytes());
     std::FILE* const in = std::fopen(path.c_str(), "rb");
-    check(in && std::fread(file.data(), 1, file.size(), in) == file.size(), "it can be read");
+    check(in && std::fread(file.data(), 1, file.size(), in) == file.size(), "the recording can be read");
     std::fclose(in);
     ::unlink(path.c_str());
     Bytes raw{std::byte{0}}, chunks{std::byte{1}};

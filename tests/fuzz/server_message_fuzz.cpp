@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a client takes from a server: a livegs.v1.JoinReply, then messages of the stream with events and
+// Server messages as a client receives them: a livegs.v1.JoinReply, then stream messages with events and
 // frames.
 #include "fuzz/moving_objects.h"
 #include "livegs/v1/session.pb.h"
@@ -23,12 +23,12 @@ bool parse(Message& message, std::span<const std::byte> bytes) {
 }
 
 void check_object(const StreamedObject& object) {
-  // They become names of files.
+  // The hashes become file names.
   check(object.asset_hash.size() == 64 &&
             object.asset_hash.find_first_not_of("0123456789abcdef") == std::string::npos,
-        "a hash is one");
+        "an asset hash has 64 hexadecimal digits");
   check(object.broken_asset_hash.empty() || object.broken_asset_hash.size() == 64,
-        "a broken asset has a hash or is not");
+        "the hash of a broken asset is empty or has 64 digits");
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ void look_at(std::span<const std::byte> input) {
       for (const StreamedObject& object : difference->added) check_object(object);
       const auto again = objects.replace(described);
       check(again && again->added.empty() && again->changed.empty() && again->removed.empty(),
-            "told twice, nothing is new");
+            "repeating a description changes nothing");
       continue;
     }
     v1::ServerMessage message;

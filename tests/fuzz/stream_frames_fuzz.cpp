@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of a stream, one after the other, as a client's reader sees them (proto/frame_format.md, "Streams").
+// Successive frames of a stream, as a client's reader receives them (proto/frame_format.md, "Streams").
 #include "fuzz/moving_objects.h"
 #include "wire/frame_stream.h"
 
@@ -9,13 +9,13 @@ void look_at(std::span<const std::byte> input) {
   for (const auto part : parts_of(input)) {
     const auto frame = reader.read(part);
     check(reader.needs_key_frame() == !frame,
-          "who could not read a frame asks for a key frame, and nobody else");
+          "a key frame is requested if and only if the frame could not be read");
     if (!frame) continue;
     check_finite(*frame);
     const auto time_ns = stream_frame_time_ns(part);
-    check(time_ns && *time_ns == frame->simulated_ns, "the head tells the time of the frame");
+    check(time_ns && *time_ns == frame->simulated_ns, "the head has the time of the frame");
     for (size_t i = 1; i < frame->objects.size(); ++i)
-      check(frame->objects[i - 1].object_id < frame->objects[i].object_id, "ids ascend");
+      check(frame->objects[i - 1].object_id < frame->objects[i].object_id, "object ids ascend");
   }
 }
 

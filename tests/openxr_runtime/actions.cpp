@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Action sets, the profiles of controllers, and the hands of the timeline.
+// Action sets, interaction profiles, and input from the timeline.
 #include <algorithm>
 #include <cstdlib>
 
@@ -8,8 +8,8 @@
 namespace livegs::simulated {
 namespace {
 
-// What a profile has on either hand, in one string; "l:" and "r:" on that hand alone. The first of these
-// profiles that there are controllers of, and that the application suggests bindings for, is in use.
+// The components of a profile in one string; "l:" and "r:" mark components of one hand. The profile in use is
+// the first one that the headset has controllers for and that the application suggests bindings for.
 struct Profile {
   const char* path;
   const char* components;
@@ -41,7 +41,8 @@ constexpr Profile kProfiles[] = {
      "output/haptic "},
 };
 
-// The component a binding names, completed where it may be left out; empty where the profile has none.
+// The component that a binding refers to, with the suffix added if the binding omits it. Empty if the profile
+// does not have the component.
 std::string component_of(const Profile& profile, const std::string& path) {
   const bool left = path.starts_with("/user/hand/left/"), right = path.starts_with("/user/hand/right/");
   if (!left && !right) return "";
@@ -56,7 +57,7 @@ std::string component_of(const Profile& profile, const std::string& path) {
   return "";
 }
 
-// The timeline's track of a component: "left.trigger".
+// The timeline track of a component, for example "left.trigger".
 std::string track_of(const std::string& path) {
   const std::string hand = path.starts_with("/user/hand/left/") ? "left." : "right.";
   for (const auto& [part, track] : {std::pair("/trigger/", "trigger"),
@@ -94,7 +95,7 @@ void use_profile(Session& session) {
   }
 }
 
-// What a bound thing says now: buttons are pressed above a half.
+// Current value of a bound component. Buttons are pressed above 0.5.
 float value_of(const Binding& binding, XrActionType type, double time_s) {
   const auto value = static_cast<float>(runtime().timeline.input(track_of(binding.path), time_s));
   const bool button = type == XR_ACTION_TYPE_BOOLEAN_INPUT || binding.path.ends_with("/click");
@@ -111,7 +112,7 @@ void read_inputs(Session& session) {
     const auto set = instance.sets.find(action.set);
     if (set == instance.sets.end() || !set->second.attached) continue;
     std::vector<XrPath> subactions(action.subactions.begin(), action.subactions.end());
-    subactions.push_back(XR_NULL_PATH);  // all of them together
+    subactions.push_back(XR_NULL_PATH);  // no subaction: the combined state
     for (const XrPath subaction : subactions) {
       InputState state;
       if (focused && bindings != instance.suggested.end()) {
@@ -132,7 +133,7 @@ void read_inputs(Session& session) {
   }
 }
 
-// Finds what a getter asks for; a code where it may not.
+// Finds the state that a getter refers to; returns an error code for an invalid call.
 XrResult look_up(XrSession handle, const XrActionStateGetInfo* info, XrActionType type, const char* call,
                  InputState& state) {
   Session* session = find(handle);
@@ -145,7 +146,7 @@ XrResult look_up(XrSession handle, const XrActionStateGetInfo* info, XrActionTyp
     return misuse(XR_ERROR_HANDLE_INVALID, std::string(call) + ": no such action");
   if (action->second.type != type)
     return misuse(XR_ERROR_ACTION_TYPE_MISMATCH,
-                  std::string(call) + ": " + action->second.name + " is of another type");
+                  std::string(call) + ": " + action->second.name + " has a different type");
   if (!instance.sets.at(action->second.set).attached)
     return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED,
                   std::string(call) + ": the set of " + action->second.name + " is not attached");
@@ -162,7 +163,7 @@ bool is_top_level(const std::string& path) {
          path == "/user/gamepad";
 }
 
-// Whether an action that gives back can be spoken to; a code where it may not.
+// Checks that an output action can be used; returns an error code otherwise.
 std::optional<XrResult> refuse_output(const Session* session, const XrHapticActionInfo* info,
                                       const char* call) {
   if (const auto refused = refuse(session, call)) return refused;
@@ -172,7 +173,7 @@ std::optional<XrResult> refuse_output(const Session* session, const XrHapticActi
   if (action == the_instance().actions.end())
     return misuse(XR_ERROR_HANDLE_INVALID, std::string(call) + ": no such action");
   if (action->second.type != XR_ACTION_TYPE_VIBRATION_OUTPUT)
-    return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, std::string(call) + ": no output");
+    return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, std::string(call) + ": not an output action");
   if (!the_instance().sets.at(action->second.set).attached)
     return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED,
                   std::string(call) + ": the set of " + action->second.name + " is not attached");
@@ -208,9 +209,9 @@ XrResult xrCreateActionSet(XrInstance instance, const XrActionSetCreateInfo* inf
     return misuse(XR_ERROR_LOCALIZED_NAME_INVALID, "xrCreateActionSet: no localized name");
   for (const auto& [handle, other] : found->sets) {
     if (other.name == info->actionSetName)
-      return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateActionSet: a name twice");
+      return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateActionSet: duplicate name");
     if (other.localized == info->localizedActionSetName)
-      return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateActionSet: a localized name twice");
+      return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateActionSet: duplicate localized name");
   }
   *set = new_handle<XrActionSet>();
   ++found->sets_made;
@@ -239,17 +240,17 @@ XrResult xrCreateAction(XrActionSet set, const XrActionCreateInfo* info, XrActio
   for (const auto& [handle, other] : instance.actions) {
     if (other.set != set) continue;
     if (other.name == info->actionName)
-      return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateAction: a name twice");
+      return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateAction: duplicate name");
     if (other.localized == info->localizedActionName)
-      return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateAction: a localized name twice");
+      return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateAction: duplicate localized name");
   }
   Action made{set, info->actionType, info->actionName, info->localizedActionName, {}};
   for (uint32_t i = 0; i < info->countSubactionPaths; ++i) {
     const std::string path = path_string(info->subactionPaths[i]);
     if (!is_top_level(path))
-      return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrCreateAction: " + path + " is no subaction");
+      return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrCreateAction: " + path + " is not a subaction path");
     if (!made.subactions.insert(info->subactionPaths[i]).second)
-      return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrCreateAction: " + path + " twice");
+      return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrCreateAction: " + path + " is given twice");
   }
   *action = new_handle<XrAction>();
   ++instance.actions_made;
@@ -299,7 +300,7 @@ XrResult xrAttachSessionActionSets(XrSession session, const XrSessionActionSetsA
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrAttachSessionActionSets")) return *refused;
   if (found->attached)
-    return misuse(XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, "xrAttachSessionActionSets: twice");
+    return misuse(XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, "xrAttachSessionActionSets: called twice");
   if (!info || info->type != XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO || info->countActionSets == 0)
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrAttachSessionActionSets: no sets");
   for (uint32_t i = 0; i < info->countActionSets; ++i) {
@@ -322,7 +323,7 @@ XrResult xrGetCurrentInteractionProfile(XrSession session, XrPath user, XrIntera
     return misuse(XR_ERROR_PATH_INVALID, "xrGetCurrentInteractionProfile: no such path");
   if (!is_top_level(path_string(user)))
     return misuse(XR_ERROR_PATH_UNSUPPORTED,
-                  "xrGetCurrentInteractionProfile: " + path_string(user) + " is no user's hand");
+                  "xrGetCurrentInteractionProfile: " + path_string(user) + " is not a hand of the user");
   state->interactionProfile = XR_NULL_PATH;
   if (!found->profile.empty()) take_path(found->profile, state->interactionProfile);
   return success(*found);
@@ -431,7 +432,7 @@ XrResult xrApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrApplyHapticFeedback: no vibration");
   const auto& vibration = *reinterpret_cast<const XrHapticVibration*>(feedback);
   if (!(vibration.amplitude >= 0 && vibration.amplitude <= 1))
-    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrApplyHapticFeedback: an amplitude that is not from 0 to 1");
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrApplyHapticFeedback: the amplitude is not in 0 to 1");
   if (found->state != XR_SESSION_STATE_FOCUSED) return XR_SESSION_NOT_FOCUSED;
   runtime().record->haptic(timeline_s(now()), path_string(info->subactionPath), vibration);
   return success(*found);

@@ -9,10 +9,10 @@
 namespace livegs::simulated {
 namespace {
 
-// A second xrWaitFrame has to wait until the first one's frame was begun, on another thread; with one thread
-// it would for ever.
+// A second xrWaitFrame blocks until another thread has begun the first frame. On a single thread it would
+// block forever; after this time the call is refused.
 constexpr auto kMaxThreadWait = std::chrono::milliseconds(500);
-// Pictures are wanted so long before they are seen, beyond a period.
+// Rendering must end this long before display, in addition to one period.
 constexpr XrTime kMargin_ns = 3'000'000;
 
 uint64_t fnv1a(const std::vector<uint8_t>& bytes) {
@@ -24,7 +24,7 @@ uint64_t fnv1a(const std::vector<uint8_t>& bytes) {
 XrResult read_image(Session& session, const XrSwapchainSubImage& image, std::vector<uint8_t>& rgba) {
   const auto swapchain = session.swapchains.find(image.swapchain);
   if (swapchain == session.swapchains.end())
-    return misuse(XR_ERROR_HANDLE_INVALID, "xrEndFrame: a layer's swapchain is not one");
+    return misuse(XR_ERROR_HANDLE_INVALID, "xrEndFrame: a layer's swapchain is not valid");
   const Swapchain& chain = swapchain->second;
   if (!chain.released)
     return misuse(XR_ERROR_LAYER_INVALID, "xrEndFrame: no image of a layer's swapchain was released");
@@ -47,7 +47,7 @@ XrResult check_view(Session& session, const XrCompositionLayerProjectionView& vi
                     XrTime time, EyeRecord& eye) {
   Pose space_from_eye, stage_from_space;
   if (!from_xr(view.pose, space_from_eye))
-    return misuse(XR_ERROR_POSE_INVALID, "xrEndFrame: a view's pose is none");
+    return misuse(XR_ERROR_POSE_INVALID, "xrEndFrame: a view's pose is not valid");
   if (!(view.fov.angleLeft < view.fov.angleRight) || !(view.fov.angleDown < view.fov.angleUp))
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: a view's field of view is empty");
   if (!locate(session, space, time, stage_from_space))
@@ -63,12 +63,13 @@ XrResult check_projection(Session& session, const XrCompositionLayerProjection& 
                           XrTime time, std::vector<EyeRecord>& eyes) {
   if (!eyes.empty())
     return misuse(XR_ERROR_LAYER_INVALID,
-                  "xrEndFrame: a second projection, which this runtime has no use for");
+                  "xrEndFrame: a second projection layer, which this runtime does not support");
   if (layer.viewCount != 2 || !layer.views)
-    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: a projection has not two views");
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: a projection layer does not have two views");
   for (uint32_t v = 0; v < 2; ++v) {
     if (layer.views[v].type != XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW)
-      return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: a view is no XrCompositionLayerProjectionView");
+      return misuse(XR_ERROR_VALIDATION_FAILURE,
+                    "xrEndFrame: a view is not an XrCompositionLayerProjectionView");
     const XrResult checked = check_view(session, layer.views[v], space, time, eyes.emplace_back());
     if (checked != XR_SUCCESS) return checked;
     if (session.foretold_for == time) eyes.back().foretold = session.foretold[v];
@@ -76,18 +77,18 @@ XrResult check_projection(Session& session, const XrCompositionLayerProjection& 
   return XR_SUCCESS;
 }
 
-// Lays it over the eyes' pictures, if there are any: the nearest pixel of the quad where the ray of an eye's
-// pixel meets its face.
+// Draws the quad over the pictures of the eyes: the nearest pixel of the quad at the point that the ray
+// through an eye's pixel hits.
 XrResult check_quad(Session& session, const XrCompositionLayerQuad& layer, const Space& space, XrTime time,
                     std::vector<EyeRecord>& eyes) {
   Pose space_from_quad, stage_from_space;
   if (!from_xr(layer.pose, space_from_quad))
-    return misuse(XR_ERROR_POSE_INVALID, "xrEndFrame: a quad's pose is none");
+    return misuse(XR_ERROR_POSE_INVALID, "xrEndFrame: a quad's pose is not valid");
   if (!(layer.size.width > 0) || !(layer.size.height > 0))
-    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: a quad without a size");
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: a quad's size is not positive");
   if (layer.eyeVisibility != XR_EYE_VISIBILITY_BOTH || layer.layerFlags != 0)
     return misuse(XR_ERROR_LAYER_INVALID,
-                  "xrEndFrame: a quad of one eye or one that blends, which this runtime does not do");
+                  "xrEndFrame: a quad for one eye or with blending, which this runtime does not support");
   if (!locate(session, space, time, stage_from_space))
     return misuse(XR_ERROR_LAYER_INVALID, "xrEndFrame: a quad's space is unknown");
   std::vector<uint8_t> rgba;
@@ -107,7 +108,7 @@ XrResult check_quad(Session& session, const XrCompositionLayerQuad& layer, const
             quad_from_eye.orientation *
             Eigen::Vector3d(slope(eye.fov.angleLeft, eye.fov.angleRight, (x + 0.5) / eye.width),
                             slope(eye.fov.angleUp, eye.fov.angleDown, (y + 0.5) / eye.height), -1);
-        if (!(from.z() > 0) || !(ray.z() < 0)) continue;  // it is seen from its front alone
+        if (!(from.z() > 0) || !(ray.z() < 0)) continue;  // quads are visible from the front only
         const Eigen::Vector3d met = from - from.z() / ray.z() * ray;
         const int u = static_cast<int>(std::floor((met.x() / layer.size.width + 0.5) * width));
         const int v = static_cast<int>(std::floor((0.5 - met.y() / layer.size.height) * height));
@@ -122,17 +123,17 @@ XrResult check_quad(Session& session, const XrCompositionLayerQuad& layer, const
 
 XrResult check_layers(Session& session, const XrFrameEndInfo& info, std::vector<EyeRecord>& eyes) {
   if (info.layerCount > XR_MIN_COMPOSITION_LAYERS_SUPPORTED)
-    return misuse(XR_ERROR_LAYER_LIMIT_EXCEEDED, "xrEndFrame: more layers than the system has");
+    return misuse(XR_ERROR_LAYER_LIMIT_EXCEEDED, "xrEndFrame: more layers than the system supports");
   if (info.layerCount > 0 && !info.layers)
-    return misuse(XR_ERROR_LAYER_INVALID, "xrEndFrame: no layers where some are told of");
+    return misuse(XR_ERROR_LAYER_INVALID, "xrEndFrame: layerCount is not 0, but layers is null");
   for (uint32_t i = 0; i < info.layerCount; ++i) {
     const XrCompositionLayerBaseHeader* header = info.layers[i];
     if (!header || (header->type != XR_TYPE_COMPOSITION_LAYER_PROJECTION &&
                     header->type != XR_TYPE_COMPOSITION_LAYER_QUAD))
-      return misuse(XR_ERROR_LAYER_INVALID, "xrEndFrame: a layer is neither projection nor quad");
+      return misuse(XR_ERROR_LAYER_INVALID, "xrEndFrame: a layer is neither a projection nor a quad");
     const auto space = session.spaces.find(header->space);
     if (space == session.spaces.end())
-      return misuse(XR_ERROR_HANDLE_INVALID, "xrEndFrame: a layer's space is not one");
+      return misuse(XR_ERROR_HANDLE_INVALID, "xrEndFrame: a layer's space is not valid");
     const XrResult checked =
         header->type == XR_TYPE_COMPOSITION_LAYER_PROJECTION
             ? check_projection(session, *reinterpret_cast<const XrCompositionLayerProjection*>(header),
@@ -168,14 +169,14 @@ XrResult xrWaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameStat
       found = find(session);
       if (const auto refused = refuse(found, "xrWaitFrame")) return *refused;
       if (found->waited)
-        return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrWaitFrame: twice without xrBeginFrame");
+        return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrWaitFrame: called twice without xrBeginFrame");
       if (!found->running)
         return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrWaitFrame: the session is not running");
     }
     found->waited = true;
     period = std::llround(1e9 / runtime().refresh_hz);
     slow = std::llround(1e9 * runtime().compositor_s);
-    // The next moment of the display that leaves a period and the margin, and of which no other frame is.
+    // The next display time that leaves one period and the margin, and that no other frame has.
     const XrTime earliest = std::max(now() + period + kMargin_ns + slow, found->last_display_time + 1);
     displayed = (earliest + period - 1) / period * period;
     found->last_display_time = displayed;
@@ -201,11 +202,11 @@ XrResult xrBeginFrame(XrSession session, const XrFrameBeginInfo*) {
   if (const auto refused = refuse(found, "xrBeginFrame")) return *refused;
   if (!found->running)
     return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrBeginFrame: the session is not running");
-  if (!found->waited) return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrBeginFrame: without xrWaitFrame");
+  if (!found->waited) return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrBeginFrame: called without xrWaitFrame");
   found->waited = false;
   runtime().frame_begun.notify_all();
   if (std::exchange(found->begun, true))
-    return misuse(XR_FRAME_DISCARDED, "xrBeginFrame: the frame before was not ended");
+    return misuse(XR_FRAME_DISCARDED, "xrBeginFrame: the previous frame was not ended");
   return success(*found);
 }
 
@@ -217,12 +218,13 @@ XrResult xrEndFrame(XrSession session, const XrFrameEndInfo* info) {
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: not an XrFrameEndInfo");
   if (!found->running) return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrEndFrame: the session is not running");
   if (!std::exchange(found->begun, false))
-    return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrEndFrame: without xrBeginFrame");
+    return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrEndFrame: called without xrBeginFrame");
   if (!found->waited_for.contains(info->displayTime))
-    return misuse(XR_ERROR_TIME_INVALID, "xrEndFrame: displayTime is not the waited frame's");
+    return misuse(XR_ERROR_TIME_INVALID,
+                  "xrEndFrame: displayTime is not that of the frame that was waited for");
   if (info->environmentBlendMode != XR_ENVIRONMENT_BLEND_MODE_OPAQUE)
     return misuse(XR_ERROR_ENVIRONMENT_BLEND_MODE_UNSUPPORTED,
-                  "xrEndFrame: the blend mode is not one of those enumerated");
+                  "xrEndFrame: the blend mode was not enumerated");
   std::vector<EyeRecord> eyes;
   const XrResult checked = check_layers(*found, *info, eyes);
   found->waited_for.erase(found->waited_for.begin(), found->waited_for.upper_bound(info->displayTime));
@@ -237,7 +239,7 @@ XrResult xrEndFrame(XrSession session, const XrFrameEndInfo* info) {
   if (keep) found->keep_next = false;
   runtime().record->frame(runtime().frames++, found->waited_s, timeline_s(now()),
                           timeline_s(info->displayTime), eyes, keep);
-  // A frame or two after the warning.
+  // The loss follows one or two frames after the warning.
   if (found->loss == Session::Loss::Pending && found->frames_in_state >= 2) found->loss = Session::Loss::Lost;
   return success(*found);
 }

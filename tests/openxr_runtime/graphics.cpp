@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// XR_KHR_vulkan_enable2, and the copies back.
+// XR_KHR_vulkan_enable2, and reading back of images.
 #include "graphics.h"
 
 #include <cstring>
@@ -193,8 +193,9 @@ XrResult xrGetVulkanGraphicsDevice2KHR(XrInstance instance, const XrVulkanGraphi
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrGetVulkanGraphicsDevice2KHR: no such instance");
   if (!info || info->systemId != kSystem || !found->vulkan || info->vulkanInstance != found->vulkan)
-    return misuse(XR_ERROR_VALIDATION_FAILURE,
-                  "xrGetVulkanGraphicsDevice2KHR: not of the instance made by xrCreateVulkanInstanceKHR");
+    return misuse(
+        XR_ERROR_VALIDATION_FAILURE,
+        "xrGetVulkanGraphicsDevice2KHR: the Vulkan instance was not created by xrCreateVulkanInstanceKHR");
   const auto enumerate = reinterpret_cast<PFN_vkEnumeratePhysicalDevices>(
       found->vulkan_of(found->vulkan, "vkEnumeratePhysicalDevices"));
   uint32_t count = 1;

@@ -22,8 +22,8 @@ struct SwapchainImage {
   X(ResetCommandBuffer) X(DeviceWaitIdle)
 // clang-format on
 
-// The application's Vulkan device as the runtime uses it: swapchain images are plain images of it, on its
-// queue.
+// The application's Vulkan device as the runtime uses it. Swapchain images are plain images of this device,
+// used on its queue.
 struct Graphics {
 #define SIMULATED_MEMBER(name) PFN_vk##name name = nullptr;
   SIMULATED_VULKAN_CALLS(SIMULATED_MEMBER)
@@ -40,10 +40,10 @@ struct Graphics {
 
   bool open(PFN_vkGetInstanceProcAddr get, const XrGraphicsBindingVulkan2KHR& binding);
   void close();
-  // Colour images with an array of layers, in COLOR_ATTACHMENT_OPTIMAL.
+  // Creates colour images with array layers, in COLOR_ATTACHMENT_OPTIMAL.
   bool make_image(const XrSwapchainCreateInfo& info, SwapchainImage& made);
   void destroy(SwapchainImage& image);
-  // A layer of an image of 4 bytes a pixel, which stays in COLOR_ATTACHMENT_OPTIMAL.
+  // Reads one layer of an image with 4 bytes per pixel. The image stays in COLOR_ATTACHMENT_OPTIMAL.
   bool read(VkImage image, uint32_t layer, const XrRect2Di& rect, std::vector<uint8_t>& bytes);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The instance, the system, paths, events, time.
+// The instance, the system, paths, events and time conversion.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,7 +13,7 @@
 namespace livegs::simulated {
 
 Runtime& runtime() {
-  static Runtime& one = *new Runtime;  // calls may come while the process ends
+  static Runtime& one = *new Runtime;  // not destroyed: calls may arrive while the process ends
   return one;
 }
 
@@ -88,7 +88,7 @@ constexpr Extension kExtensions[] = {
     {kTouchPlus, 1},
 };
 
-// The newest controllers are an extension, of a runtime that has them.
+// The extension of the newest controllers is offered only if the headset has these controllers.
 bool has(const Extension& extension) {
   return std::strcmp(extension.name, kTouchPlus) != 0 ||
          has_controllers("/interaction_profiles/meta/touch_controller_plus");
@@ -122,7 +122,8 @@ XrResult xrCreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance
   if (!all.record) all.record = std::make_unique<Record>();
   if (!info || info->type != XR_TYPE_INSTANCE_CREATE_INFO)
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateInstance: not an XrInstanceCreateInfo");
-  if (!all.instances.empty()) return misuse(XR_ERROR_LIMIT_REACHED, "xrCreateInstance: there is one already");
+  if (!all.instances.empty())
+    return misuse(XR_ERROR_LIMIT_REACHED, "xrCreateInstance: an instance exists already");
   if (XR_VERSION_MAJOR(info->applicationInfo.apiVersion) != 1) return XR_ERROR_API_VERSION_UNSUPPORTED;
   if (info->applicationInfo.applicationName[0] == 0)
     return misuse(XR_ERROR_NAME_INVALID, "xrCreateInstance: no application name");
@@ -156,7 +157,7 @@ XrResult xrDestroyInstance(XrInstance instance) {
   runtime().record->handles("instance", "action", found->actions_made, found->actions.size());
   if (!runtime().sessions.empty())
     misuse(XR_ERROR_CALL_ORDER_INVALID,
-           "xrDestroyInstance: a session is left");  // allowed, but a leak of the application's
+           "xrDestroyInstance: a session was not destroyed");  // allowed, but a leak of the application's
   for (auto& [handle, session] : runtime().sessions) session.graphics.close();
   runtime().sessions.clear();
   Runtime& all = runtime();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one function that is seen from outside: how the OpenXR loader gets at all others (its header
-// openxr_loader_negotiation.h is not in Debian's package; "Runtime Interface Negotiation" of the loader's
-// specification).
+// The only exported function, through which the OpenXR loader gets all others. Declared here because Debian
+// does not package openxr_loader_negotiation.h. Source: "Runtime Interface Negotiation" in the loader
+// specification.
 #include <cstring>
 
 #include "runtime.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// OpenXR's and Vulkan's headers as this folder needs them. Each call of OpenXR is a function of its own name,
-// hidden in the library; negotiate.cpp hands them out.
+// The OpenXR and Vulkan headers for this folder. Each OpenXR call is a function of the same name, hidden in
+// the library. negotiate.cpp returns their addresses.
 
 #define XR_USE_GRAPHICS_API_VULKAN
 #define XR_USE_TIMESPEC
@@ -10,7 +10,7 @@
 #define VK_NO_PROTOTYPES
 #include <time.h>
 #include <vulkan/vulkan.h>
-// After Vulkan's:
+// Must follow the Vulkan header.
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 

@@ -149,7 +149,7 @@ std::string PlainApplication::open() {
     return "xrSuggestInteractionProfileBindings";
   if (const std::string missing = open_session(); !missing.empty()) return missing;
   for (const XrSessionState wanted : {XR_SESSION_STATE_IDLE, XR_SESSION_STATE_READY}) {
-    if (next_state() != wanted) return "the session does not become ready";
+    if (next_state() != wanted) return "the session did not become ready";
   }
   return "";
 }

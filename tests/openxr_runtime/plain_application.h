@@ -4,7 +4,7 @@
 #define XR_USE_GRAPHICS_API_VULKAN
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan.h>
-// After Vulkan's:
+// Must follow the Vulkan header.
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
@@ -14,8 +14,9 @@
 
 namespace livegs {
 
-// An application of nothing but OpenXR's and Vulkan's own calls, none of them checked by a layer: it can call
-// whatever is wrong. One action set with an action of each type for both hands, one swapchain, LOCAL.
+// A minimal application that uses OpenXR and Vulkan directly, without validation layers, so that tests can
+// make invalid calls. It has one action set with an action of each type for both hands, one swapchain, and a
+// LOCAL space.
 class PlainApplication {
  public:
   PlainApplication() = default;
@@ -23,19 +24,19 @@ class PlainApplication {
   PlainApplication(const PlainApplication&) = delete;
   PlainApplication& operator=(const PlainApplication&) = delete;
 
-  // As far as a session that is READY and has not begun; what is missing, or empty. "no Vulkan" is a reason
-  // to skip.
+  // Opens everything up to a session in state READY that has not begun. Returns the step that failed, or an
+  // empty string. "no Vulkan" is a reason to skip the test.
   std::string open();
-  // The next state change that is announced within a second; UNKNOWN without one.
+  // Waits up to one second for the next state change. Returns UNKNOWN if there is none.
   XrSessionState next_state();
   XrResult begin();
-  // Whole frames with both views until this state is reached; false after a hundred.
+  // Runs complete frames with both views until the state is reached. Returns false after 100 frames.
   bool run_until(XrSessionState state);
 
   XrResult wait(XrFrameState& state) const;
   // Acquires, waits for and releases an image of the swapchain.
   bool take_image() const;
-  // Of a right frame that shows the swapchain: what a test changes before it ends it.
+  // The arguments of xrEndFrame for a valid frame that shows the swapchain. Tests modify them.
   struct Ending {
     std::array<XrCompositionLayerProjectionView, 2> views;
     XrCompositionLayerProjection layer;

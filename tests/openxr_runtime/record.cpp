@@ -51,7 +51,7 @@ void Record::frame(uint64_t index, double time_s, double ended_s, double display
       image.width = static_cast<png_uint_32>(eye.width);
       image.height = static_cast<png_uint_32>(eye.height);
       image.format = PNG_FORMAT_RGB;
-      std::vector<uint8_t> rgb;  // a layer that does not blend is opaque
+      std::vector<uint8_t> rgb;  // layers without blending are opaque
       for (size_t i = 0; i < eye.rgba.size(); i += 4) rgb.insert(rgb.end(), &eye.rgba[i], &eye.rgba[i] + 3);
       png_image_write_to_file(&image, (folder_ + "/" + name).c_str(), 0, rgb.data(), 0, nullptr);
     }

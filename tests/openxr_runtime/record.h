@@ -10,17 +10,17 @@
 
 namespace livegs::simulated {
 
-// Where xrLocateViews said that an eye would be when a frame is seen: in the first answer and in the last,
-// and how long before.
+// Eye positions that xrLocateViews predicted for one display time: the first and the last answer, and how
+// long before display each was given.
 struct EyeForetold {
   double first_lead_s = 0, last_lead_s = 0;
-  XrVector3f first{}, last{};  // in the stage
+  XrVector3f first{}, last{};  // in stage space
   int answers = 0;
 };
 
-// What an eye was given.
+// The submitted view of one eye.
 struct EyeRecord {
-  XrPosef pose;  // in the stage
+  XrPosef pose;  // in stage space
   XrFovf fov;
   uint64_t hash = 0;
   int width = 0, height = 0;
@@ -28,11 +28,13 @@ struct EyeRecord {
   EyeForetold foretold;
 };
 
-// Writes what happened into the folder LIVEGS_XR_OUTPUT, if it is set: frames.csv, a row a submitted frame;
-// haptics.csv; states.csv; profiles.csv; views.csv, a row an eye of a submitted frame; handles.csv, what was
-// made of a session or an instance that is destroyed, and what of it was never destroyed; misuse.txt, a line
-// a call that breaks the rules (standard error, too); frame_NNNNN_E.png of frames that are kept. What is in
-// the files already stays.
+// Appends events to files in the folder LIVEGS_XR_OUTPUT, if it is set:
+//   frames.csv      one row per submitted frame
+//   views.csv       one row per eye of a submitted frame
+//   haptics.csv, states.csv, profiles.csv
+//   handles.csv     for each destroyed session or instance, the number of handles created and not destroyed
+//   misuse.txt      one line per call that violates the specification; also written to standard error
+//   frame_NNNNN_E.png  frames that are kept
 class Record {
  public:
   Record();
@@ -42,7 +44,7 @@ class Record {
   void haptic(double time_s, const std::string& hand, const XrHapticVibration& vibration);
   void state(double time_s, const std::string& state);
   void profile(double time_s, const std::string& profile);
-  // destroyed: "session" or "instance"; left: those it took along.
+  // destroyed: "session" or "instance". left: number of child handles that were destroyed with it.
   void handles(const char* destroyed, const char* kind, size_t made, size_t left);
   void misuse(const std::string& what);
 

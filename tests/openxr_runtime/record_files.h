@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// What the simulated runtime wrote down: the rows of one of its tables, without the first; the text of a
-// file, empty where there is none.
+// Reads the files of Record. rows() returns the rows of a table without its header; text() returns the text
+// of a file, empty if the file is missing.
 inline std::vector<std::vector<std::string>> rows(const std::filesystem::path& csv) {
   std::vector<std::vector<std::string>> read;
   std::ifstream file(csv);

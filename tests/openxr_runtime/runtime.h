@@ -18,16 +18,15 @@
 #include "record.h"
 #include "timeline.h"
 
-// A runtime without a headset: a timeline moves the head and the hands, pictures are read back, hashed and
-// recorded, and every call that OpenXR 1.0 forbids is refused and noted. One instance and one session at a
-// time. A mutex guards all state; the calls of one application may come from any thread.
-//   LIVEGS_XR_TIMELINE   the timeline; without it nothing moves and nothing happens
-//   LIVEGS_XR_OUTPUT     the folder of the record; without it there is none
-//   LIVEGS_XR_EYE_SIZE   WxH recommended for an eye; 128x144 without it
-//   LIVEGS_XR_CONTROLLERS  the end of the path of the controllers' profile: touch_controller_plus,
-//   touch_controller,
-//                          simple_controller; without it, the first that the application knows of
-//                          actions.cpp's kProfiles
+// An OpenXR runtime without a headset. A timeline moves the head and the hands. Submitted pictures are read
+// back, hashed and recorded. Calls that OpenXR 1.0 forbids are refused and recorded. One instance and one
+// session at a time. A mutex guards all state; the application may call from any thread.
+//   LIVEGS_XR_TIMELINE     path of the timeline; default: nothing moves
+//   LIVEGS_XR_OUTPUT       folder of the record; default: no record
+//   LIVEGS_XR_EYE_SIZE     recommended size per eye as WxH; default: 128x144
+//   LIVEGS_XR_CONTROLLERS  last part of the controllers' profile path: touch_controller_plus,
+//                          touch_controller or simple_controller; default: the first of kProfiles
+//                          (actions.cpp) that the application suggests bindings for
 namespace livegs::simulated {
 
 struct Action {
@@ -43,9 +42,9 @@ struct ActionSet {
 };
 struct Binding {
   XrAction action;
-  std::string path;  // as the profile has it, with its last component
+  std::string path;  // full path in the profile, including the component
 };
-// What an action read at the last sync. `known` is false while nothing that is bound to it can be read.
+// State of an action at the last sync. `known` is false if no source that is bound to the action can be read.
 struct InputState {
   bool known = false, changed = false;
   float value = 0;
@@ -55,10 +54,10 @@ struct InputState {
 struct Swapchain {
   XrSwapchainCreateInfo info;
   std::vector<SwapchainImage> images;
-  std::deque<uint32_t> acquired;  // in order
-  bool waited = false;            // for the first of these
+  std::deque<uint32_t> acquired;  // oldest first
+  bool waited = false;            // for the oldest acquired image
   uint32_t next = 0;
-  std::optional<uint32_t> released;  // the last
+  std::optional<uint32_t> released;  // the last released image
 };
 struct Space {
   std::optional<XrReferenceSpaceType> reference;
@@ -78,11 +77,11 @@ struct Session {
   // Frames.
   bool waited = false, begun = false;
   uint64_t frames_in_state = 0;
-  XrTime foretold_for = 0;  // what the next is of
+  XrTime foretold_for = 0;  // display time of the predictions below
   std::array<EyeForetold, 2> foretold;
   XrTime last_display_time = 0;
-  std::set<XrTime> waited_for;  // display times handed out and not yet ended
-  double waited_s = 0;          // when the last wait ended
+  std::set<XrTime> waited_for;  // display times of frames that have not ended
+  double waited_s = 0;          // time when the last wait ended
   bool keep_next = false;
   std::map<XrSpace, Space> spaces;
   std::map<XrSwapchain, Swapchain> swapchains;
@@ -104,19 +103,19 @@ struct Instance {
   bool dead = false;
 };
 
-const Pose kStageFromLocal{{0, 1.6, 0}, Eigen::Quaterniond::Identity()};  // before a recentre
+const Pose kStageFromLocal{{0, 1.6, 0}, Eigen::Quaterniond::Identity()};  // before a recentre event
 
 struct Runtime {
   std::mutex mutex;
   std::condition_variable frame_begun;
-  std::map<XrInstance, Instance> instances;  // of one at most, as sessions
+  std::map<XrInstance, Instance> instances;  // at most one, like sessions
   std::map<XrSession, Session> sessions;
   Timeline timeline;
   std::unique_ptr<Record> record;
-  // The timeline: second anchor_s was at anchor_ns, when a frame last ended; 0 before the first picture.
+  // Timeline time anchor_s corresponds to anchor_ns, the end of the last frame. 0 before the first frame.
   XrTime anchor_ns = 0;
   double anchor_s = 0;
-  double played_s = -1;  // the timeline's events up to here have happened
+  double played_s = -1;  // timeline events up to this time have been processed
   Pose stage_from_local = kStageFromLocal;
   double refresh_hz = 90, compositor_s = 0, misjudged_m_s = 0;
   uint64_t frames = 0, last_handle = 0;
@@ -125,11 +124,11 @@ struct Runtime {
 Runtime& runtime();
 constexpr XrSystemId kSystem = 7;
 
-// Time: a clock of its own, so that none who takes it for the system's goes unnoticed.
+// The clock differs from the system clock by this offset, so that a confusion of the two is detected.
 constexpr XrTime kClockAhead_ns = 1'234'567'890'123;
 XrTime now();
-// It passes with the clock, but by no more than kMaxFrameWait_s a frame: what a slow application does not see
-// does not happen.
+// Timeline time advances with the clock, but by at most kMaxFrameWait_s per frame, so that a slow application
+// does not miss events.
 constexpr double kMaxFrameWait_s = 0.1;
 double timeline_s(XrTime time);
 
@@ -138,25 +137,26 @@ Handle new_handle() {
   return reinterpret_cast<Handle>(uintptr_t{++runtime().last_handle << 4});
 }
 
-// Notes that a call breaks a rule, and gives back the code for it.
+// Records that a call violates the specification, and returns the code for it.
 XrResult misuse(XrResult code, const std::string& what);
 
-// Null, or the thing of that handle.
+// Returns the object of a handle, or null.
 Instance* find(XrInstance instance);
 Session* find(XrSession session);
-// The session that a space or a swapchain is of.
+// The session that owns a space or a swapchain.
 Session* session_of(XrSpace space);
 Session* session_of(XrSwapchain swapchain);
-// The only instance; calls of a session have one.
+// The only instance. Valid in all calls on a session.
 Instance& the_instance();
 std::string path_string(XrPath path);
-// Whether there are controllers of that profile.
+// True if the simulated headset has controllers of this profile.
 bool has_controllers(const std::string& profile);
-bool take_path(const std::string& text, XrPath& path);  // false where the text is no path
+bool take_path(const std::string& text, XrPath& path);  // false if the text is not a valid path
 
-// What has to be said before anything of a session: HANDLE_INVALID, INSTANCE_LOST, SESSION_LOST, or nothing.
+// Checks that precede every call on a session. Returns HANDLE_INVALID, INSTANCE_LOST, SESSION_LOST, or
+// nothing if the session is usable.
 std::optional<XrResult> refuse(const Session* session, const char* call);
-// What a call that went well gives back: LOSS_PENDING is a success.
+// Result of a successful call: SUCCESS, or LOSS_PENDING if the session is about to be lost.
 XrResult success(const Session& session);
 
 void push_event(const void* event, size_t bytes);
@@ -165,19 +165,19 @@ void push_event(const Event& event) {
   static_assert(sizeof(Event) <= sizeof(XrEventDataBuffer));
   push_event(&event, sizeof event);
 }
-// Lets the timeline's events happen that are due.
+// Processes the timeline events that are due.
 void play_timeline();
 
-// Where things are in the stage.
+// Poses in stage space.
 Pose hand_pose(const std::string& hand, bool aim, XrTime time);
-Pose head_pose(XrTime time, XrTime asked);  // as it is foretold at `asked`, for a time to come
+Pose head_pose(XrTime time, XrTime asked);  // predicted at time `asked`
 XrPosef to_xr(const Pose& pose);
 bool from_xr(const XrPosef& pose,
-             Pose& read);  // false where the quaternion is not unit or a number not finite
-// The stage from a space; false where it is not known: a hand that has no focus or is bound to nothing.
+             Pose& read);  // false if the quaternion is not a unit quaternion or a number is not finite
+// Computes stage_from_space. Returns false if the pose is unknown: a hand without focus or without binding.
 bool locate(const Session& session, const Space& space, XrTime time, Pose& stage_from_space);
 
-// Fills an array by OpenXR's two-call idiom.
+// Fills an array with OpenXR's two-call idiom.
 template <class T, class Values>
 XrResult fill(uint32_t capacity, uint32_t* count, T* array, const Values& values) {
   if (!count) return XR_ERROR_VALIDATION_FAILURE;

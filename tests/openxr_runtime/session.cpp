@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The session: its states, and what the timeline does to it.
+// The session, its states, and the effects of timeline events on it.
 #include "runtime.h"
 
 namespace livegs::simulated {
@@ -20,7 +20,7 @@ void move_to(Session& session, XrSessionState state) {
                                             all.sessions.begin()->first, state, now()});
 }
 
-// One step towards where the session should be; states are never skipped.
+// Moves one state towards the target; states are never skipped.
 void step_towards(Session& session, XrSessionState wanted) {
   if (!session.running || session.state < XR_SESSION_STATE_SYNCHRONIZED ||
       session.state > XR_SESSION_STATE_FOCUSED)
@@ -99,7 +99,7 @@ void happen(Session& session, const Timeline::Event& event) {
 
 void play_timeline() {
   Runtime& all = runtime();
-  if (all.sessions.empty() || the_instance().dead) return;  // what is due waits for a session
+  if (all.sessions.empty() || the_instance().dead) return;  // due events wait for a session
   Session& session = all.sessions.begin()->second;
   const double now_s = all.anchor_ns == 0 ? -1 : timeline_s(now());
   for (const Timeline::Event& event : all.timeline.events(all.played_s, now_s)) {
@@ -107,7 +107,7 @@ void play_timeline() {
     all.played_s = event.time_s;
     happen(session, event);
   }
-  // A frame in each state on the way up, so that the application sees every one.
+  // One frame in each state on the way up, so that the application observes every state.
   if (session.loss != Session::Loss::None || the_instance().dead || session.exiting ||
       session.frames_in_state == 0)
     return;
@@ -148,13 +148,15 @@ XrResult xrCreateSession(XrInstance instance, const XrSessionCreateInfo* info, X
   if (!info || info->type != XR_TYPE_SESSION_CREATE_INFO)
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateSession: not an XrSessionCreateInfo");
   if (info->systemId != kSystem) return misuse(XR_ERROR_SYSTEM_INVALID, "xrCreateSession: no such system");
-  if (!all.sessions.empty()) return misuse(XR_ERROR_LIMIT_REACHED, "xrCreateSession: there is one already");
+  if (!all.sessions.empty())
+    return misuse(XR_ERROR_LIMIT_REACHED, "xrCreateSession: a session exists already");
   const auto* binding = static_cast<const XrGraphicsBindingVulkan2KHR*>(info->next);
   if (!binding || binding->type != XR_TYPE_GRAPHICS_BINDING_VULKAN2_KHR || !binding->device)
-    return misuse(XR_ERROR_GRAPHICS_DEVICE_INVALID, "xrCreateSession: no XrGraphicsBindingVulkan2KHR");
+    return misuse(XR_ERROR_GRAPHICS_DEVICE_INVALID,
+                  "xrCreateSession: the binding is not an XrGraphicsBindingVulkan2KHR");
   if (!found->requirements_asked)
     return misuse(XR_ERROR_GRAPHICS_REQUIREMENTS_CALL_MISSING,
-                  "xrCreateSession: before xrGetVulkanGraphicsRequirements2KHR");
+                  "xrCreateSession: called before xrGetVulkanGraphicsRequirements2KHR");
   if (now() < found->no_headset_until) return XR_ERROR_FORM_FACTOR_UNAVAILABLE;
   Session made;
   if (!made.graphics.open(found->vulkan_of, *binding)) return XR_ERROR_RUNTIME_FAILURE;
@@ -178,7 +180,7 @@ XrResult xrDestroySession(XrSession session) {
   found->graphics.close();
   runtime().sessions.erase(session);
   for (auto& [handle, set] : the_instance().sets) set.attached = false;
-  the_instance().events.clear();  // of a session that is no more
+  the_instance().events.clear();  // events of the destroyed session
   return XR_SUCCESS;
 }
 
@@ -186,11 +188,12 @@ XrResult xrBeginSession(XrSession session, const XrSessionBeginInfo* info) {
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrBeginSession")) return *refused;
-  if (found->running) return misuse(XR_ERROR_SESSION_RUNNING, "xrBeginSession: it is running");
+  if (found->running) return misuse(XR_ERROR_SESSION_RUNNING, "xrBeginSession: the session is running");
   if (found->state != XR_SESSION_STATE_READY)
     return misuse(XR_ERROR_SESSION_NOT_READY, "xrBeginSession: the state is not READY");
   if (!info || info->primaryViewConfigurationType != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO)
-    return misuse(XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED, "xrBeginSession: not for stereo");
+    return misuse(XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
+                  "xrBeginSession: the view configuration is not stereo");
   found->running = true;
   if (found->exiting) begin_exit(*found);
   return success(*found);
@@ -200,7 +203,8 @@ XrResult xrEndSession(XrSession session) {
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrEndSession")) return *refused;
-  if (!found->running) return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrEndSession: it is not running");
+  if (!found->running)
+    return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrEndSession: the session is not running");
   if (found->state != XR_SESSION_STATE_STOPPING)
     return misuse(XR_ERROR_SESSION_NOT_STOPPING, "xrEndSession: the state is not STOPPING");
   found->running = false;
@@ -214,7 +218,8 @@ XrResult xrRequestExitSession(XrSession session) {
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrRequestExitSession")) return *refused;
-  if (!found->running) return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrRequestExitSession: it is not running");
+  if (!found->running)
+    return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrRequestExitSession: the session is not running");
   if (!found->exiting) begin_exit(*found);
   return success(*found);
 }
@@ -240,7 +245,7 @@ XrResult xrGetDisplayRefreshRateFB(XrSession session, float* rate) {
 XrResult xrRequestDisplayRefreshRateFB(XrSession session, float rate) {
   std::lock_guard lock(runtime().mutex);
   if (const auto refused = refuse(find(session), "xrRequestDisplayRefreshRateFB")) return *refused;
-  if (rate == 0) return XR_SUCCESS;  // no wish
+  if (rate == 0) return XR_SUCCESS;  // 0: no preferred rate
   for (const float one : kRates) {
     if (one != rate) continue;
     if (rate != static_cast<float>(runtime().refresh_hz)) refresh(rate);

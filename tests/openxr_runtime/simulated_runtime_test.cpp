@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The simulated runtime with programs that are not ours: Debian's hello_xr and the core validation layer,
-// which judge it from both sides, and calls that break the rules, which it has to refuse.
+// The simulated runtime with independent programs: Debian's hello_xr, the core validation layer between both,
+// and a direct caller of invalid functions.
 #include <gtest/gtest.h>
 #include <openxr/openxr.h>
 
@@ -24,9 +24,10 @@ T of(XrStructureType type) {
 class HelloXr : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists("/usr/bin/hello_xr")) GTEST_SKIP() << "no hello_xr; install libopenxr-utils";
+    if (!std::filesystem::exists("/usr/bin/hello_xr"))
+      GTEST_SKIP() << "hello_xr: not installed; install libopenxr-utils";
   }
-  // It ends when its standard input does, so it is given one that lasts.
+  // hello_xr ends when its standard input ends, so the test keeps the input open.
   std::unique_ptr<Program> run(const std::string& timeline, std::vector<std::string> variables = {}) {
     std::vector<std::string> words = {
         "/usr/bin/env", std::string("XR_RUNTIME_JSON=") + LIVEGS_SIMULATED_OPENXR,
@@ -39,7 +40,7 @@ class HelloXr : public ::testing::Test {
   ScratchFolder folder_;
 };
 
-constexpr const char* kTimeline = R"(# a look around, a squeeze, a menu, and the end
+constexpr const char* kTimeline = R"(# head turns, squeeze, system menu, exit
 0    pose head  0 1.6 0  1 0 0 0
 1.5  pose head  0.1 1.6 0  0.966 0 0.259 0
 0    pose left  -0.2 1.3 -0.4  1 0 0 0
@@ -63,7 +64,7 @@ TEST_F(HelloXr, RunsToItsEndUnderBothValidationLayers) {
   EXPECT_EQ(hello->wait(), 0) << hello->err();
   const std::string said = hello->out() + hello->err();
   EXPECT_EQ(text(folder_ / "misuse.txt"), "");
-  // It says that it is there, and no more.
+  // The layer writes its start-up line and no errors.
   EXPECT_NE(said.find("Core Validation output type: text"), std::string::npos) << said.substr(0, 4000);
   EXPECT_EQ(text(folder_ / "core.txt").find("VUID"), std::string::npos)
       << text(folder_ / "core.txt").substr(0, 2000);
@@ -75,7 +76,7 @@ TEST_F(HelloXr, RunsToItsEndUnderBothValidationLayers) {
   EXPECT_EQ(states,
             (std::vector<std::string>{"idle", "ready", "synchronized", "visible", "focused", "visible",
                                       "focused", "visible", "synchronized", "stopping", "idle", "exiting"}));
-  // Both eyes differ from each other, and pictures differ as the head turns.
+  // The eyes' pictures differ, and pictures change when the head turns.
   std::map<std::string, std::vector<std::string>> hashes;
   std::set<std::string> kept;
   for (const auto& row : rows(folder_ / "frames.csv")) {
@@ -89,20 +90,20 @@ TEST_F(HelloXr, RunsToItsEndUnderBothValidationLayers) {
   EXPECT_GT(std::set<std::string>(hashes["0"].begin(), hashes["0"].end()).size(), 3u);
   ASSERT_EQ(kept.size(), 2u);
   for (const std::string& name : kept) EXPECT_GT(std::filesystem::file_size(folder_ / name), 100u);
-  // It answers a squeeze with a vibration.
+  // hello_xr vibrates in response to a squeeze.
   const auto haptics = rows(folder_ / "haptics.csv");
   ASSERT_FALSE(haptics.empty());
   EXPECT_EQ(haptics[0].at(1), "/user/hand/left");
 }
 
-TEST_F(HelloXr, ATimelineThatCannotBeReadIsNamed) {
+TEST_F(HelloXr, ReportsLineOfInvalidTimeline) {
   const auto hello = run("0 pose head 1 2 3\n");
   EXPECT_NE(hello->wait(), -1);
   EXPECT_NE(hello->err().find("timeline.txt:1: expected 7 numbers"), std::string::npos) << hello->err();
 }
 
-// What needs no session.
-TEST(SimulatedRuntime, RefusesCallsThatBreakTheRules) {
+// Calls that need no session.
+TEST(SimulatedRuntime, RefusesInvalidCallsWithoutSession) {
   ::setenv("XR_RUNTIME_JSON", LIVEGS_SIMULATED_OPENXR, 1);
   auto info = of<XrInstanceCreateInfo>(XR_TYPE_INSTANCE_CREATE_INFO);
   std::snprintf(info.applicationInfo.applicationName, XR_MAX_APPLICATION_NAME_SIZE, "test");
@@ -157,10 +158,10 @@ TEST(SimulatedRuntime, RefusesCallsThatBreakTheRules) {
   };
   const char* touch = "/interaction_profiles/oculus/touch_controller";
   EXPECT_EQ(suggest(touch, "/user/hand/right/input/a/click"), XR_SUCCESS);
-  EXPECT_EQ(suggest(touch, "/user/hand/right/input/a"), XR_SUCCESS);  // the component may be left out
+  EXPECT_EQ(suggest(touch, "/user/hand/right/input/a"), XR_SUCCESS);  // the component is optional
   EXPECT_EQ(suggest(touch, "/user/hand/left/input/a/click"), XR_ERROR_PATH_UNSUPPORTED);
   EXPECT_EQ(suggest(touch, "/user/hand/right/input/grip/pose"),
-            XR_ERROR_PATH_UNSUPPORTED);  // of another type
+            XR_ERROR_PATH_UNSUPPORTED);  // of a different type
   EXPECT_EQ(suggest("/interaction_profiles/nobody/has_this", "/user/hand/right/input/a/click"),
             XR_ERROR_PATH_UNSUPPORTED);
   EXPECT_EQ(suggest("/interaction_profiles/meta/touch_controller_plus", "/user/hand/right/input/a/click"),

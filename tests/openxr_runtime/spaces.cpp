@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where things are. The stage is the root: LOCAL stands in it until a recentre, the timeline's poses are in
-// it.
+// Spaces. STAGE is the root. LOCAL has a fixed pose in it, which a recentre event changes. Timeline poses are
+// in STAGE.
 #include <algorithm>
 #include <cmath>
 
@@ -10,9 +10,9 @@ namespace livegs::simulated {
 namespace {
 
 constexpr double kEyeDistance_m = 0.064;
-// Of the left eye; the right one's is its mirror image. Radians: left, right, up, down.
+// Field of view of the left eye; the right eye is its mirror image. Radians: left, right, up, down.
 constexpr XrFovf kLeftFov{-0.90f, 0.75f, 0.80f, -0.85f};
-// Moments from which the timeline can tell where things are.
+// Poses are known up to this time after now, ns.
 constexpr XrTime kMaxLookahead_ns = 1'000'000'000;
 
 }  // namespace
@@ -40,7 +40,7 @@ Pose head_pose(XrTime time, XrTime asked) {
 
 Pose hand_pose(const std::string& hand, bool aim, XrTime time) {
   const std::string track = aim && runtime().timeline.has(hand + ".aim") ? hand + ".aim" : hand;
-  // What a hand will do is not known, as with a real one: it is taken to stay.
+  // Future hand motion is unknown, as with real controllers: the hand is assumed to stay.
   return runtime().timeline.pose(track, timeline_s(std::min(time, now())));
 }
 
@@ -92,11 +92,11 @@ XrResult xrCreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateI
   Space made;
   if (!info || info->type != XR_TYPE_REFERENCE_SPACE_CREATE_INFO ||
       !from_xr(info->poseInReferenceSpace, made.offset))
-    return misuse(XR_ERROR_POSE_INVALID, "xrCreateReferenceSpace: its pose is none");
+    return misuse(XR_ERROR_POSE_INVALID, "xrCreateReferenceSpace: the pose is not valid");
   if (info->referenceSpaceType < XR_REFERENCE_SPACE_TYPE_VIEW ||
       info->referenceSpaceType > XR_REFERENCE_SPACE_TYPE_STAGE)
     return misuse(XR_ERROR_REFERENCE_SPACE_UNSUPPORTED,
-                  "xrCreateReferenceSpace: a space that was not enumerated");
+                  "xrCreateReferenceSpace: the space type was not enumerated");
   made.reference = info->referenceSpaceType;
   *space = new_handle<XrSpace>();
   ++found->spaces_made;
@@ -118,12 +118,12 @@ XrResult xrCreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* i
   Space made;
   if (!info || info->type != XR_TYPE_ACTION_SPACE_CREATE_INFO ||
       !from_xr(info->poseInActionSpace, made.offset))
-    return misuse(XR_ERROR_POSE_INVALID, "xrCreateActionSpace: its pose is none");
+    return misuse(XR_ERROR_POSE_INVALID, "xrCreateActionSpace: the pose is not valid");
   const auto action = the_instance().actions.find(info->action);
   if (action == the_instance().actions.end())
     return misuse(XR_ERROR_HANDLE_INVALID, "xrCreateActionSpace: no such action");
   if (action->second.type != XR_ACTION_TYPE_POSE_INPUT)
-    return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, "xrCreateActionSpace: no action of poses");
+    return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, "xrCreateActionSpace: the action is not a pose action");
   if (info->subactionPath != XR_NULL_PATH && !action->second.subactions.contains(info->subactionPath))
     return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrCreateActionSpace: the action has no such subaction");
   made.action = info->action;
@@ -147,11 +147,11 @@ XrResult xrLocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation
   Session* session = session_of(space);
   if (const auto refused = refuse(session, "xrLocateSpace")) return *refused;
   if (session_of(base) != session)
-    return misuse(XR_ERROR_HANDLE_INVALID, "xrLocateSpace: the base is no space of the session");
+    return misuse(XR_ERROR_HANDLE_INVALID, "xrLocateSpace: the base is not a space of the session");
   if (!location || location->type != XR_TYPE_SPACE_LOCATION)
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateSpace: not an XrSpaceLocation");
   if (time <= 0 || time > now() + kMaxLookahead_ns)
-    return misuse(XR_ERROR_TIME_INVALID, "xrLocateSpace: no moment that can be known");
+    return misuse(XR_ERROR_TIME_INVALID, "xrLocateSpace: no poses are known at this time");
   location->locationFlags = 0;
   location->pose = to_xr({});
   Pose stage_from_space, stage_from_base;
@@ -173,9 +173,10 @@ XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewSt
   if (!info || info->type != XR_TYPE_VIEW_LOCATE_INFO || !state || state->type != XR_TYPE_VIEW_STATE)
     return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateViews: not an XrViewLocateInfo and an XrViewState");
   if (info->viewConfigurationType != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO)
-    return misuse(XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED, "xrLocateViews: not for stereo");
+    return misuse(XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
+                  "xrLocateViews: the view configuration is not stereo");
   if (info->displayTime <= 0)
-    return misuse(XR_ERROR_TIME_INVALID, "xrLocateViews: no moment that can be known");
+    return misuse(XR_ERROR_TIME_INVALID, "xrLocateViews: no poses are known at this time");
   const auto base = found->spaces.find(info->space);
   if (base == found->spaces.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrLocateViews: no such space");
   *count = 2;
@@ -187,8 +188,9 @@ XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewSt
   state->viewStateFlags = XR_VIEW_STATE_ORIENTATION_VALID_BIT | XR_VIEW_STATE_POSITION_VALID_BIT |
                           XR_VIEW_STATE_ORIENTATION_TRACKED_BIT | XR_VIEW_STATE_POSITION_TRACKED_BIT;
   if (capacity == 0) return success(*found);
-  if (capacity < 2) return misuse(XR_ERROR_SIZE_INSUFFICIENT, "xrLocateViews: room for one view");
-  const XrTime asked = now();  // one moment for what is told and what is written down of it
+  if (capacity < 2)
+    return misuse(XR_ERROR_SIZE_INSUFFICIENT, "xrLocateViews: the array is too short for two views");
+  const XrTime asked = now();  // the same time for the answer and for its record
   const double lead_s = 1e-9 * static_cast<double>(info->displayTime - asked);
   const Pose stage_from_head = head_pose(info->displayTime, asked);
   if (std::exchange(found->foretold_for, info->displayTime) != info->displayTime) found->foretold = {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the simulated runtime refuses of an application that has a session, each with the code that OpenXR 1.0
-// has for it, and what it must not refuse.
+// Invalid calls of an application with a session: the simulated runtime refuses each with the code of OpenXR
+// 1.0. Also valid calls that it must accept.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ class StrictRuntime : public ::testing::Test {
     ASSERT_EQ(xrSyncActions(app_.session, &sync), XR_SUCCESS);
   }
 
-  // Each is refused with its code and noted once.
+  // Each call is refused with its code and recorded once.
   void expect_refused(const std::vector<Misuse>& table) {
     for (const Misuse& misuse : table) {
       const size_t before = noted();
@@ -63,7 +63,7 @@ class StrictRuntime : public ::testing::Test {
     return static_cast<size_t>(std::count(all.begin(), all.end(), '\n'));
   }
 
-  // A frame that is right but for one thing.
+  // Submits a valid frame with one change.
   XrResult end_frame_with(const std::function<void(PlainApplication::Ending&)>& change) {
     XrFrameState state;
     PlainApplication::Ending ending;
@@ -119,7 +119,7 @@ class StrictRuntime : public ::testing::Test {
   PlainApplication app_;
 };
 
-TEST_F(StrictRuntime, RefusesWhatASessionThatDoesNotRunMayNotDo) {
+TEST_F(StrictRuntime, RefusesCallsOfASessionThatIsNotRunning) {
   XrFrameState state;
   auto nothing = openxr<XrFrameEndInfo>(XR_TYPE_FRAME_END_INFO);
   auto sync = openxr<XrActionsSyncInfo>(XR_TYPE_ACTIONS_SYNC_INFO);
@@ -134,19 +134,20 @@ TEST_F(StrictRuntime, RefusesWhatASessionThatDoesNotRunMayNotDo) {
       {"a frame is waited for", XR_ERROR_SESSION_NOT_RUNNING, [&] { return app_.wait(state); }},
       {"a frame is begun", XR_ERROR_SESSION_NOT_RUNNING, [&] { return xrBeginFrame(session, nullptr); }},
       {"a frame is ended", XR_ERROR_SESSION_NOT_RUNNING, [&] { return xrEndFrame(session, &nothing); }},
-      {"it is ended", XR_ERROR_SESSION_NOT_RUNNING, [&] { return xrEndSession(session); }},
-      {"its exit is asked for", XR_ERROR_SESSION_NOT_RUNNING, [&] { return xrRequestExitSession(session); }},
-      {"it begins with one eye", XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
+      {"the session is ended", XR_ERROR_SESSION_NOT_RUNNING, [&] { return xrEndSession(session); }},
+      {"the exit of the session is requested", XR_ERROR_SESSION_NOT_RUNNING,
+       [&] { return xrRequestExitSession(session); }},
+      {"the session begins with a mono view", XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
        [&] { return xrBeginSession(session, &mono); }},
-      {"no sets are attached", XR_ERROR_VALIDATION_FAILURE,
+      {"no action sets are attached", XR_ERROR_VALIDATION_FAILURE,
        [&] { return xrAttachSessionActionSets(session, &none); }},
-      {"a set that is not attached is read", XR_ERROR_ACTIONSET_NOT_ATTACHED,
+      {"an action set that is not attached is synchronised", XR_ERROR_ACTIONSET_NOT_ATTACHED,
        [&] { return xrSyncActions(session, &sync); }},
       {"an action that is not attached is read", XR_ERROR_ACTIONSET_NOT_ATTACHED,
        [&] { return read_button(of_action(app_.shoot)); }},
       {"an action that is not attached vibrates", XR_ERROR_ACTIONSET_NOT_ATTACHED,
        [&] { return vibrate(app_.feel, 0.5f); }},
-      {"a profile is asked for before", XR_ERROR_ACTIONSET_NOT_ATTACHED,
+      {"the profile is queried before attaching", XR_ERROR_ACTIONSET_NOT_ATTACHED,
        [&] { return profile_of("/user/hand/left"); }},
       {"a second session", XR_ERROR_LIMIT_REACHED,
        [&] {
@@ -158,7 +159,7 @@ TEST_F(StrictRuntime, RefusesWhatASessionThatDoesNotRunMayNotDo) {
   });
 }
 
-TEST_F(StrictRuntime, RefusesFramesThatAreOutOfOrderOrWrong) {
+TEST_F(StrictRuntime, RefusesInvalidAndMisorderedFrames) {
   focus();
   const XrSession session = app_.session;
   XrFrameState state;
@@ -179,16 +180,14 @@ TEST_F(StrictRuntime, RefusesFramesThatAreOutOfOrderOrWrong) {
   const auto unknown = openxr<XrCompositionLayerBaseHeader>(XR_TYPE_COMPOSITION_LAYER_CUBE_KHR);
   const uint64_t frames_before = rows(folder_ / "frames.csv").size();
   expect_refused({
-      {"begun without being waited for", XR_ERROR_CALL_ORDER_INVALID,
-       [&] { return xrBeginFrame(session, nullptr); }},
-      {"ended without being begun", XR_ERROR_CALL_ORDER_INVALID,
-       [&] { return xrEndFrame(session, &nothing); }},
-      {"ended between waiting and beginning", XR_ERROR_CALL_ORDER_INVALID,
+      {"begun without a wait", XR_ERROR_CALL_ORDER_INVALID, [&] { return xrBeginFrame(session, nullptr); }},
+      {"ended without a begin", XR_ERROR_CALL_ORDER_INVALID, [&] { return xrEndFrame(session, &nothing); }},
+      {"ended between wait and begin", XR_ERROR_CALL_ORDER_INVALID,
        [&] {
          EXPECT_EQ(app_.wait(state), XR_SUCCESS);
          return xrEndFrame(session, &nothing);
        }},
-      // That one is waited for still. The standard has it block for ever on one thread.
+      // The previous wait is still open. The specification lets this call block forever on a single thread.
       {"waited for twice", XR_ERROR_CALL_ORDER_INVALID, [&] { return app_.wait(state); }},
       {"begun twice", XR_FRAME_DISCARDED,
        [&] {
@@ -196,8 +195,8 @@ TEST_F(StrictRuntime, RefusesFramesThatAreOutOfOrderOrWrong) {
          EXPECT_EQ(app_.wait(state), XR_SUCCESS);
          return xrBeginFrame(session, nullptr);
        }},
-      // Stricter than the standard, which only advises a time that was waited for.
-      {"ended for a time of its own", XR_ERROR_TIME_INVALID,
+      // Stricter than the specification, which only recommends the display time of the wait.
+      {"ended with a different display time", XR_ERROR_TIME_INVALID,
        [&] {
          Ending ending;
          app_.fill(ending, state.predictedDisplayTime + 1);
@@ -208,61 +207,61 @@ TEST_F(StrictRuntime, RefusesFramesThatAreOutOfOrderOrWrong) {
          EXPECT_EQ(end_frame_with([](Ending& ending) { ending.info.layerCount = 0; }), XR_SUCCESS);
          return xrEndFrame(session, &nothing);
        }},
-      {"blended as was not enumerated", XR_ERROR_ENVIRONMENT_BLEND_MODE_UNSUPPORTED,
+      {"a blend mode that was not enumerated", XR_ERROR_ENVIRONMENT_BLEND_MODE_UNSUPPORTED,
        with([](Ending& ending) { ending.info.environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_ADDITIVE; })},
-      {"no array of layers", XR_ERROR_LAYER_INVALID,
-       with([](Ending& ending) { ending.info.layers = nullptr; })},
-      {"no layer", XR_ERROR_LAYER_INVALID, with([](Ending& ending) { ending.layers[0] = nullptr; })},
-      {"a layer of a type that is not there", XR_ERROR_LAYER_INVALID,
+      {"layers is null", XR_ERROR_LAYER_INVALID, with([](Ending& ending) { ending.info.layers = nullptr; })},
+      {"a layer is null", XR_ERROR_LAYER_INVALID, with([](Ending& ending) { ending.layers[0] = nullptr; })},
+      {"a layer of unknown type", XR_ERROR_LAYER_INVALID,
        with([&](Ending& ending) { ending.layers[0] = &unknown; })},
-      {"more layers than there can be", XR_ERROR_LAYER_LIMIT_EXCEEDED, with([](Ending& ending) {
+      {"more layers than the limit", XR_ERROR_LAYER_LIMIT_EXCEEDED, with([](Ending& ending) {
          ending.layers.resize(XR_MIN_COMPOSITION_LAYERS_SUPPORTED + 1, ending.layers[0]);
          ending.info.layers = ending.layers.data();
          ending.info.layerCount = static_cast<uint32_t>(ending.layers.size());
        })},
-      {"one eye", XR_ERROR_VALIDATION_FAILURE, with([](Ending& ending) { ending.layer.viewCount = 1; })},
-      {"a view of no type", XR_ERROR_VALIDATION_FAILURE,
+      {"a projection with one view", XR_ERROR_VALIDATION_FAILURE,
+       with([](Ending& ending) { ending.layer.viewCount = 1; })},
+      {"a view without a structure type", XR_ERROR_VALIDATION_FAILURE,
        with([](Ending& ending) { ending.views[1].type = XR_TYPE_UNKNOWN; })},
-      {"a space that is gone", XR_ERROR_HANDLE_INVALID,
+      {"a destroyed space", XR_ERROR_HANDLE_INVALID,
        with([&](Ending& ending) { ending.layer.space = gone_space; })},
-      {"a swapchain that is gone", XR_ERROR_HANDLE_INVALID,
+      {"a destroyed swapchain", XR_ERROR_HANDLE_INVALID,
        with([&](Ending& ending) { ending.views[1].subImage.swapchain = gone_swapchain; })},
-      {"a swapchain of which nothing was released", XR_ERROR_LAYER_INVALID,
+      {"a swapchain without a released image", XR_ERROR_LAYER_INVALID,
        with([&](Ending& ending) { ending.views[0].subImage.swapchain = unreleased; })},
       {"a rectangle that is too wide", XR_ERROR_SWAPCHAIN_RECT_INVALID,
        with([](Ending& ending) { ++ending.views[0].subImage.imageRect.extent.width; })},
-      {"a rectangle that lies too low", XR_ERROR_SWAPCHAIN_RECT_INVALID,
+      {"a rectangle that ends below its image", XR_ERROR_SWAPCHAIN_RECT_INVALID,
        with([](Ending& ending) { ending.views[1].subImage.imageRect.offset.y = 1; })},
       {"a rectangle that begins before its image", XR_ERROR_SWAPCHAIN_RECT_INVALID,
        with([](Ending& ending) { ending.views[1].subImage.imageRect.offset.x = -1; })},
       {"a rectangle of negative size", XR_ERROR_SWAPCHAIN_RECT_INVALID,
        with([](Ending& ending) { ending.views[0].subImage.imageRect.extent.height = -4; })},
-      {"a layer that the image has not", XR_ERROR_VALIDATION_FAILURE,
+      {"an array layer that the image does not have", XR_ERROR_VALIDATION_FAILURE,
        with([](Ending& ending) { ending.views[0].subImage.imageArrayIndex = 2; })},
-      {"a pose that is none", XR_ERROR_POSE_INVALID,
+      {"a pose that is not valid", XR_ERROR_POSE_INVALID,
        with([](Ending& ending) { ending.views[0].pose.orientation.w = 0.5f; })},
-      {"a field of view that is empty", XR_ERROR_VALIDATION_FAILURE,
+      {"an empty field of view", XR_ERROR_VALIDATION_FAILURE,
        with([](Ending& ending) { ending.views[0].fov.angleRight = ending.views[0].fov.angleLeft; })},
   });
-  // None of these was shown but the one that ended right, with nothing in it; and a right one is taken still.
+  // Only the valid, empty frame among these was shown. The next valid frame is accepted.
   EXPECT_EQ(rows(folder_ / "frames.csv").size(), frames_before + 1);
   EXPECT_EQ(end_frame_with([](Ending&) {}), XR_SUCCESS);
   EXPECT_EQ(rows(folder_ / "frames.csv").size(), frames_before + 3);
   EXPECT_EQ(xrDestroySwapchain(unreleased), XR_SUCCESS);
 }
 
-TEST_F(StrictRuntime, RefusesSwapchainsOutOfOrderOrWrong) {
+TEST_F(StrictRuntime, RefusesInvalidAndMisorderedSwapchainCalls) {
   focus();
   const XrSwapchain swapchain = app_.swapchain;
   auto wait = openxr<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
   wait.timeout = XR_INFINITE_DURATION;
   uint32_t index = 0;
   expect_refused({
-      {"waited for without being acquired", XR_ERROR_CALL_ORDER_INVALID,
+      {"waited for without an acquire", XR_ERROR_CALL_ORDER_INVALID,
        [&] { return xrWaitSwapchainImage(swapchain, &wait); }},
-      {"released without being acquired", XR_ERROR_CALL_ORDER_INVALID,
+      {"released without an acquire", XR_ERROR_CALL_ORDER_INVALID,
        [&] { return xrReleaseSwapchainImage(swapchain, nullptr); }},
-      {"released without being waited for", XR_ERROR_CALL_ORDER_INVALID,
+      {"released without a wait", XR_ERROR_CALL_ORDER_INVALID,
        [&] {
          EXPECT_EQ(xrAcquireSwapchainImage(swapchain, nullptr, &index), XR_SUCCESS);
          return xrReleaseSwapchainImage(swapchain, nullptr);
@@ -272,28 +271,28 @@ TEST_F(StrictRuntime, RefusesSwapchainsOutOfOrderOrWrong) {
          EXPECT_EQ(xrWaitSwapchainImage(swapchain, &wait), XR_SUCCESS);
          return xrWaitSwapchainImage(swapchain, &wait);
        }},
-      {"acquired more often than there are images", XR_ERROR_CALL_ORDER_INVALID,
+      {"acquired more often than the number of images", XR_ERROR_CALL_ORDER_INVALID,
        [&] {
          EXPECT_EQ(xrAcquireSwapchainImage(swapchain, nullptr, &index), XR_SUCCESS);
          EXPECT_EQ(xrAcquireSwapchainImage(swapchain, nullptr, &index), XR_SUCCESS);
          return xrAcquireSwapchainImage(swapchain, nullptr, &index);
        }},
-      {"of a format that was not enumerated", XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED,
+      {"a format that was not enumerated", XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED,
        [&] { return swapchain_with([](auto& info) { info.format = VK_FORMAT_R8_UINT; }); }},
-      {"of no width", XR_ERROR_VALIDATION_FAILURE,
+      {"a width of zero", XR_ERROR_VALIDATION_FAILURE,
        [&] { return swapchain_with([](auto& info) { info.width = 0; }); }},
-      {"of two faces", XR_ERROR_VALIDATION_FAILURE,
+      {"two faces", XR_ERROR_VALIDATION_FAILURE,
        [&] { return swapchain_with([](auto& info) { info.faceCount = 2; }); }},
-      {"of no layers", XR_ERROR_VALIDATION_FAILURE,
+      {"no array layers", XR_ERROR_VALIDATION_FAILURE,
        [&] { return swapchain_with([](auto& info) { info.arraySize = 0; }); }},
-      {"a cube", XR_ERROR_FEATURE_UNSUPPORTED,
+      {"a cube map", XR_ERROR_FEATURE_UNSUPPORTED,
        [&] { return swapchain_with([](auto& info) { info.faceCount = 6; }); }},
       {"protected", XR_ERROR_FEATURE_UNSUPPORTED,
        [&] {
          return swapchain_with(
              [](auto& info) { info.createFlags = XR_SWAPCHAIN_CREATE_PROTECTED_CONTENT_BIT; });
        }},
-      {"for depth", XR_ERROR_FEATURE_UNSUPPORTED,
+      {"a depth usage", XR_ERROR_FEATURE_UNSUPPORTED,
        [&] {
          return swapchain_with(
              [](auto& info) { info.usageFlags = XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT; });
@@ -308,7 +307,7 @@ TEST_F(StrictRuntime, RefusesSwapchainsOutOfOrderOrWrong) {
   });
 }
 
-TEST_F(StrictRuntime, RefusesSpacesViewsAndActionsThatAreWrong) {
+TEST_F(StrictRuntime, RefusesInvalidSpacesViewsAndActions) {
   focus();
   const XrSession session = app_.session;
   XrSpace made = XR_NULL_HANDLE;
@@ -346,44 +345,45 @@ TEST_F(StrictRuntime, RefusesSpacesViewsAndActionsThatAreWrong) {
   suggested.countSuggestedBindings = 1;
   suggested.suggestedBindings = &binding;
   expect_refused({
-      {"it begins again", XR_ERROR_SESSION_RUNNING, [&] { return xrBeginSession(session, &begin); }},
-      {"it ends before it is told to stop", XR_ERROR_SESSION_NOT_STOPPING,
+      {"the session begins twice", XR_ERROR_SESSION_RUNNING, [&] { return xrBeginSession(session, &begin); }},
+      {"the session ends before STOPPING", XR_ERROR_SESSION_NOT_STOPPING,
        [&] { return xrEndSession(session); }},
-      {"a space whose pose is none", XR_ERROR_POSE_INVALID,
+      {"a space with an invalid pose", XR_ERROR_POSE_INVALID,
        [&] { return reference(XR_REFERENCE_SPACE_TYPE_LOCAL, 0.5f); }},
-      {"a space that was not enumerated", XR_ERROR_REFERENCE_SPACE_UNSUPPORTED,
+      {"a space type that was not enumerated", XR_ERROR_REFERENCE_SPACE_UNSUPPORTED,
        [&] { return reference(XR_REFERENCE_SPACE_TYPE_UNBOUNDED_MSFT, 1); }},
-      {"a space of a button", XR_ERROR_ACTION_TYPE_MISMATCH,
+      {"a space of a button action", XR_ERROR_ACTION_TYPE_MISMATCH,
        [&] { return of_hand(app_.shoot, "/user/hand/right"); }},
-      {"a space of a hand that the action has not", XR_ERROR_PATH_UNSUPPORTED,
+      {"a space of a subaction that the action does not have", XR_ERROR_PATH_UNSUPPORTED,
        [&] { return of_hand(app_.grip, "/user/head"); }},
-      {"a place at no time", XR_ERROR_TIME_INVALID, [&] { return located(0); }},
-      {"views at no time", XR_ERROR_TIME_INVALID, [&] { return views_at(-1); }},
-      {"views of one eye", XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
+      {"a space located at an unknown time", XR_ERROR_TIME_INVALID, [&] { return located(0); }},
+      {"views located at an unknown time", XR_ERROR_TIME_INVALID, [&] { return views_at(-1); }},
+      {"a mono view configuration", XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED,
        [&] { return views_at(1, XR_VIEW_CONFIGURATION_TYPE_PRIMARY_MONO); }},
-      {"sets attached twice", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
+      {"action sets attached twice", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
        [&] { return xrAttachSessionActionSets(session, &attached); }},
-      {"an action made after", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
+      {"an action created after attaching", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
        [&] { return xrCreateAction(app_.set, &late_action, &action); }},
-      {"bindings suggested after", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
+      {"bindings suggested after attaching", XR_ERROR_ACTIONSETS_ALREADY_ATTACHED,
        [&] { return xrSuggestInteractionProfileBindings(app_.instance, &suggested); }},
       {"a pose read as a button", XR_ERROR_ACTION_TYPE_MISMATCH,
        [&] { return read_button(of_action(app_.grip)); }},
-      {"a hand that the action has not", XR_ERROR_PATH_UNSUPPORTED,
+      {"a subaction that the action does not have", XR_ERROR_PATH_UNSUPPORTED,
        [&] { return read_button(of_action(app_.shoot, "/user/gamepad")); }},
-      {"a button that vibrates", XR_ERROR_ACTION_TYPE_MISMATCH, [&] { return vibrate(app_.shoot, 0.5f); }},
-      {"too strong a vibration", XR_ERROR_VALIDATION_FAILURE, [&] { return vibrate(app_.feel, 1.5f); }},
-      {"a head that vibrates", XR_ERROR_PATH_UNSUPPORTED,
+      {"haptics on a button action", XR_ERROR_ACTION_TYPE_MISMATCH,
+       [&] { return vibrate(app_.shoot, 0.5f); }},
+      {"an amplitude above 1", XR_ERROR_VALIDATION_FAILURE, [&] { return vibrate(app_.feel, 1.5f); }},
+      {"haptics on the head", XR_ERROR_PATH_UNSUPPORTED,
        [&] { return vibrate(app_.feel, 0.5f, "/user/head"); }},
-      {"the profile of a button", XR_ERROR_PATH_UNSUPPORTED,
+      {"the profile of a button path", XR_ERROR_PATH_UNSUPPORTED,
        [&] { return profile_of("/user/hand/right/input/a/click"); }},
   });
   EXPECT_EQ(vibrate(app_.feel, 1.0f), XR_SUCCESS);
   EXPECT_EQ(read_button(of_action(app_.shoot, "/user/hand/right")), XR_SUCCESS);
 }
 
-// An application that waits for the next frame on a thread of its own while this one is not begun yet.
-TEST_F(StrictRuntime, AWaitOnAnotherThreadLastsUntilTheFrameIsBegun) {
+// The application waits for the next frame on another thread before the current frame has begun.
+TEST_F(StrictRuntime, ConcurrentWaitBlocksUntilFrameBegins) {
   focus();
   XrFrameState first, second;
   ASSERT_EQ(app_.wait(first), XR_SUCCESS);

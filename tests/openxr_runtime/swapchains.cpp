@@ -41,19 +41,18 @@ XrResult xrCreateSwapchain(XrSession session, const XrSwapchainCreateInfo* info,
   bool known = false;
   for (const int64_t format : kFormats) known = known || format == info->format;
   if (!known)
-    return misuse(XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED,
-                  "xrCreateSwapchain: a format that was not enumerated");
+    return misuse(XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED, "xrCreateSwapchain: the format was not enumerated");
   if (info->width == 0 || info->height == 0 || info->width > 4096 || info->height > 4096 ||
       info->sampleCount == 0 || info->arraySize == 0 || info->mipCount == 0 ||
       (info->faceCount != 1 && info->faceCount != 6))
-    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateSwapchain: no size of an image");
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateSwapchain: the image size is zero");
   constexpr XrSwapchainUsageFlags kUsages =
       XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT |
       XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT;
   if (info->sampleCount != 1 || info->faceCount != 1 || info->mipCount != 1 || info->createFlags != 0 ||
       (info->usageFlags & ~kUsages) != 0)
     return misuse(XR_ERROR_FEATURE_UNSUPPORTED,
-                  "xrCreateSwapchain: samples, faces, mips, flags or usages that are not there");
+                  "xrCreateSwapchain: samples, faces, mips, flags or usages that are not supported");
   Swapchain made{*info, {}, {}, false, 0, {}};
   made.info.next = nullptr;
   for (uint32_t i = 0; i < kImages; ++i) {

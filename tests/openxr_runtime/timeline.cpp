@@ -9,23 +9,20 @@
 namespace livegs::simulated {
 namespace {
 
-// By name, the numbers each has.
+// Events by name, with the number of their arguments.
 const std::map<std::string, size_t> kEvents = {
-    {"hide", 0},  // another application covers this one
-    {"show", 0},
-    {"take-focus", 0},  // a menu of the system has the hands
-    {"give-focus", 0},
-    {"lose-session", 0},  // announced by LOSS_PENDING, then gone
-    {"cut-session", 0},   // gone without a word
-    {"vanish", 0},        // the runtime says that it is going away
-    {"die", 0},  // the runtime is gone without a word: all calls but those that destroy answer INSTANCE_LOST
+    {"hide", 0},                              // another application covers this one
+    {"show", 0},        {"take-focus", 0},    // a system menu takes the input
+    {"give-focus", 0},  {"lose-session", 0},  // announced by LOSS_PENDING, then lost
+    {"cut-session", 0},                       // lost without announcement
+    {"vanish", 0},                            // the runtime announces that it will end
+    {"die", 0},         // INSTANCE_LOST from all calls except destroying ones, without announcement
     {"recentre", 4},    // X Y Z of the new LOCAL space in the stage, and its turn about +Y in degrees
     {"refresh", 1},     // Hz
-    {"compositor", 1},  // seconds it takes longer from now on
-    {"misjudge", 1},    // m/s: from now on a head is foretold that much too far to the right for each second
-                        // ahead
-    {"picture", 0},     // keeps the next submitted frame as PNGs
-    {"exit", 0},        // asks the application to end
+    {"compositor", 1},  // additional compositor time, seconds
+    {"misjudge", 1},    // m/s: error of predicted head positions to the right, per second of prediction
+    {"picture", 0},     // keeps the next submitted frame as PNG files
+    {"exit", 0},        // requests the exit of the session
 };
 
 Result<std::vector<double>> numbers(std::istringstream& words, size_t count) {
@@ -52,11 +49,10 @@ Result<Timeline> Timeline::read(const std::string& path) {
     const auto wrong = [&](const std::string& what) {
       return invalid_data(path + ":" + std::to_string(number) + ": " + what);
     };
-    if (!(words >> time_s >> kind >> name)) return wrong("is not SECONDS pose|input|do NAME ...");
+    if (!(words >> time_s >> kind >> name)) return wrong("expected SECONDS pose|input|do NAME ...");
     const auto event = kEvents.find(name);
-    if (kind == "do" && event == kEvents.end()) return wrong("there is no event " + name);
-    if (kind != "do" && kind != "pose" && kind != "input")
-      return wrong("begins with neither pose, input nor do");
+    if (kind == "do" && event == kEvents.end()) return wrong("unknown event " + name);
+    if (kind != "do" && kind != "pose" && kind != "input") return wrong("expected pose, input or do");
     const auto values = numbers(words, kind == "do" ? event->second : kind == "pose" ? 7 : 1);
     if (!values) return wrong(values.error().message);
     const std::vector<double>& v = *values;

@@ -10,13 +10,15 @@
 
 namespace livegs::simulated {
 
-// What a person and a headset do, from a text file of one entry a line, `#` begins a comment:
-//   SECONDS pose TRACK X Y Z QW QX QY QZ   head, left, right (grips), left.aim, right.aim (else the grip's):
-//   stage from it SECONDS input TRACK VALUE              left.trigger, right.squeeze, right.primary ...: 0 to
-//   1, until the next entry SECONDS do EVENT [NUMBERS]             once: see kEvents in timeline.cpp
-// Poses are interpolated between the entries of a track. Seconds count from the first picture that is
-// submitted to the instance; until then it is second 0, and a slow application does not miss what happens
-// (runtime.h).
+// Motion and events of a simulated user and headset, from a text file. One entry per line; `#` begins a
+// comment.
+//   SECONDS pose TRACK X Y Z QW QX QY QZ   pose in the stage. Tracks: head, left and right (grips), left.aim
+//                                          and right.aim (default: the grip)
+//   SECONDS input TRACK VALUE              value from 0 to 1, until the next entry. Tracks: left.trigger,
+//                                          right.squeeze, right.primary ...
+//   SECONDS do EVENT [NUMBERS]             a single event; see kEvents in timeline.cpp
+// Poses are interpolated between the entries of a track. Time starts with the first frame that is submitted
+// to the instance, and it does not skip events if the application is slow (runtime.h).
 class Timeline {
  public:
   struct Event {
@@ -25,14 +27,14 @@ class Timeline {
     std::vector<double> numbers;
   };
 
-  // Errors name the line.
+  // Error messages contain the line number.
   static Result<Timeline> read(const std::string& path);
 
   bool has(const std::string& track) const { return poses_.contains(track); }
   Pose pose(const std::string& track,
-            double time_s) const;  // the first entry's before it; at rest, where there is none
+            double time_s) const;  // constant before the first entry; the identity if the track is empty
   double input(const std::string& track, double time_s) const;
-  // Those after `from_s` up to `to_s`, in order.
+  // Events after `from_s` up to `to_s`, in order.
   std::vector<Event> events(double from_s, double to_s) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of the network, of other clients and of the server, and what a client sees of them.
-// tests/system/FAULTS.md lists all of them; timing_test.cpp holds their times to bars.
+// Faults of the network, of other clients and of the server, and their effects on a client.
+// tests/system/FAULTS.md lists all of them. timing_test.cpp measures their times.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -27,8 +27,8 @@ namespace {
 
 class Faults : public ProxiedSession {};
 
-// At most the frames that were under way are old after a stall; the newest comes next.
-TEST_F(Faults, AfterAStallTheNewestFrameComesNext) {
+// Only frames that were in flight are old after a stall; the next one is the newest.
+TEST_F(Faults, NewestFrameFollowsAStall) {
   start();
   proxy_->stall(60);
   const uint64_t from = served_->tick;
@@ -39,24 +39,24 @@ TEST_F(Faults, AfterAStallTheNewestFrameComesNext) {
   const SinkLog::State state = sink_.state();
   expect_unbroken(state);
   expect_in_order(state.frames);
-  // A window is four frames at most.
+  // The window has at most four frames.
   const auto old = std::count_if(state.frames.begin(), state.frames.end(), [&](const ReceivedFrame& one) {
     return one.tick > from && one.tick + 2 < newest;
   });
   EXPECT_LE(old, 4);
 }
 
-// Told once, in its place between frames; and the session never knew of the stall, which begins a tick before
-// it breaks and lasts for kStall_ns after, however slow the machine is; one that is so slow that nothing
-// comes for a second ends the stream by itself.
-TEST_F(Faults, WhatBreaksDuringAStallIsToldBeforeItsFirstFrame) {
-  constexpr uint64_t kStallFrom = 359;        // it breaks at 360
-  constexpr int64_t kStall_ns = 300'000'000;  // less than the second after which a client gives up
+// The fracture is described once, in order between frames, and the stream does not break. The stall begins
+// one tick before the fracture and lasts kStall_ns after it, on machines of any speed. A machine that is too
+// slow for one frame per second breaks the stream.
+TEST_F(Faults, FractureDuringStallPrecedesItsFrames) {
+  constexpr uint64_t kStallFrom = 359;        // the fracture is in tick 360
+  constexpr int64_t kStall_ns = 300'000'000;  // shorter than the second after which a client reconnects
   struct Seen {
     std::atomic<FaultProxy*> proxy{nullptr};
     std::atomic<int64_t> stalled_ns{0}, broken_ns{0};
   };
-  const auto seen = std::make_shared<Seen>();  // the server outlives this body
+  const auto seen = std::make_shared<Seen>();  // the server outlives this function
   start(breaking_scene(90, 1, 4), patient(), [seen](const Scene& scene) {
     const bool begins = scene.world().tick() == kStallFrom;
     const bool breaks = seen->broken_ns == 0 && scene.objects().back().rest.revision > 0;
@@ -67,7 +67,7 @@ TEST_F(Faults, WhatBreaksDuringAStallIsToldBeforeItsFirstFrame) {
   });
   ASSERT_TRUE(client_);
   seen->proxy = proxy_.get();
-  ASSERT_LT(served_->tick, kStallFrom) << "too late to stall: the machine is busy";
+  ASSERT_LT(served_->tick, kStallFrom) << "the stall began too late; the machine is overloaded";
   const auto broken = [](const ReceivedFrame& frame) { return frame.drivers->objects.back().revision > 0; };
   ASSERT_TRUE(sink_.wait([&](const SinkLog::State& state) { return broken(state.frames.back()); }));
   ASSERT_TRUE(sink_.wait_frames(20));
@@ -77,19 +77,20 @@ TEST_F(Faults, WhatBreaksDuringAStallIsToldBeforeItsFirstFrame) {
   const int64_t stalled_ns = seen->stalled_ns, broken_ns = seen->broken_ns;
   EXPECT_GT(broken_ns, stalled_ns);
   const auto first = std::find_if(state.frames.begin(), state.frames.end(), broken);
-  EXPECT_GE(first->received_ns, broken_ns + kStall_ns);  // nothing of it got through
+  EXPECT_GE(first->received_ns, broken_ns + kStall_ns);  // nothing passed during the stall
   EXPECT_TRUE(std::all_of(first, state.frames.end(), broken));
   const uint32_t revision = first->drivers->objects.back().revision;
   const auto is_it = [&](const StreamedObject& object) { return object.rest.revision == revision; };
   ASSERT_EQ(std::count_if(state.changed.begin(), state.changed.end(), is_it), 1);
   const auto told = std::find_if(state.changed.begin(), state.changed.end(), is_it) - state.changed.begin();
   EXPECT_LE(state.changed_at[static_cast<size_t>(told)], static_cast<size_t>(first - state.frames.begin()));
-  std::printf("broke %.1f ms into a stall that went on for %.0f; its first frame came %.1f ms after it\n",
-              milliseconds_from_ns(broken_ns - stalled_ns), milliseconds_from_ns(kStall_ns),
-              milliseconds_from_ns(first->received_ns - broken_ns - kStall_ns));
+  std::printf(
+      "fracture %.1f ms into a stall of %.0f ms after it; its first frame followed %.1f ms after the stall\n",
+      milliseconds_from_ns(broken_ns - stalled_ns), milliseconds_from_ns(kStall_ns),
+      milliseconds_from_ns(first->received_ns - broken_ns - kStall_ns));
 }
 
-TEST_F(Faults, JitterOf40MsNeitherBreaksNorReorders) {
+TEST_F(Faults, JitterNeitherBreaksNorReordersStream) {
   start();
   proxy_->set_link({.delay_ms = 1, .jitter_ms = 40});
   const size_t begin = sink_.state().frames.size();
@@ -97,13 +98,13 @@ TEST_F(Faults, JitterOf40MsNeitherBreaksNorReorders) {
   const SinkLog::State state = sink_.state();
   expect_unbroken(state);
   expect_in_order(state.frames);
-  // Nine tenths of an even spread of 40 ms are 36 ms, less what keeping the order takes. Other load only adds
-  // to it.
+  // 90 % of a uniform jitter of 40 ms are 36 ms. Keeping the byte order reduces the spread; other load
+  // increases it.
   EXPECT_GE(spread_ms(std::span(state.frames).subspan(begin)), 20.0);
 }
 
-// Both ends have one clock here, so the offset is 0. Over the wire: 20 ms of jitter each way.
-TEST_F(Faults, TheClockIsKnownWithinItsUncertaintyUnder20MsOfJitter) {
+// Both ends use the same clock, so the true offset is 0. The link has 20 ms of jitter in each direction.
+TEST_F(Faults, ClockErrorIsWithinUncertaintyUnderJitter) {
   start();
   proxy_->set_link({.delay_ms = 1, .jitter_ms = 20});
   ASSERT_TRUE(sink_.wait_frames(120));
@@ -111,7 +112,7 @@ TEST_F(Faults, TheClockIsKnownWithinItsUncertaintyUnder20MsOfJitter) {
   for (const ReceivedFrame& frame : std::span(state.frames).last(60)) {
     ASSERT_TRUE(frame.clock);
     EXPECT_LE(std::abs(frame.clock->offset_ns), frame.clock->uncertainty_ns);
-    // The moments of its way, in their order.
+    // The times along the path ascend.
     EXPECT_LE(frame.stepped_ns, frame.encode_begun_ns);
     EXPECT_LE(frame.encode_begun_ns, frame.sent_ns);
     EXPECT_LE(frame.sent_ns, frame.received_ns);
@@ -119,10 +120,10 @@ TEST_F(Faults, TheClockIsKnownWithinItsUncertaintyUnder20MsOfJitter) {
   }
 }
 
-// A frame is sent when its tick is done, however long that took.
-TEST_F(Faults, ATickThatTakes40MsSlowsTheStreamAndNothingElse) {
+// A frame is sent when its tick is done, regardless of the duration of the tick.
+TEST_F(Faults, SlowTickDelaysOnlyItsFrame) {
   constexpr int64_t kTakes_ns = 40'000'000;
-  const auto slow = std::make_shared<std::atomic<bool>>(false);  // the server outlives this body
+  const auto slow = std::make_shared<std::atomic<bool>>(false);  // the server outlives this function
   start(box_scene(), patient(), [slow](const Scene&) {
     if (*slow) sleep_until_ns(now_ns() + kTakes_ns);
   });
@@ -137,15 +138,15 @@ TEST_F(Faults, ATickThatTakes40MsSlowsTheStreamAndNothingElse) {
   for (size_t i = 1; i < state.frames.size(); ++i) {
     const ReceivedFrame &before = state.frames[i - 1], &frame = state.frames[i];
     if (before.tick <= slow_from) continue;
-    // The step ends before the observer sleeps, so that a frame is as old as the observer takes.
+    // The step ends before the observer sleeps, so each frame is at least as old as the sleep.
     EXPECT_GE(frame.received_ns - frame.stepped_ns, kTakes_ns);
     EXPECT_GE(frame.stepped_ns - before.stepped_ns, kTakes_ns);
   }
 }
 
-// Frames of 16 kB at 90 Hz are 11.5 Mbit/s. A pipe of 2 takes 64 ms for one, so that most are left out, on a
-// slow machine too.
-TEST(NarrowPipe, FramesThatDoNotFitAreLeftOutNotQueued) {
+// 16 kB frames at 90 Hz need 11.5 Mbit/s. At 2 Mbit/s, one frame takes 64 ms, so most frames are dropped,
+// also on a slow machine.
+TEST(NarrowPipe, DropsFramesInsteadOfQueueing) {
   NoiseServer noise(2667);
   FaultProxy proxy(noise.port());
   SinkLog sink;
@@ -160,7 +161,7 @@ TEST(NarrowPipe, FramesThatDoNotFitAreLeftOutNotQueued) {
   expect_in_order(state.frames);
   EXPECT_GT(state.frames.back().bytes, 15'000u);
   const auto later = std::span(state.frames).last(30);
-  EXPECT_GT(later.back().tick - later.front().tick, 45u);  // the others were left out
+  EXPECT_GT(later.back().tick - later.front().tick, 45u);  // the others were dropped
 }
 
 size_t resident_bytes() {
@@ -170,9 +171,9 @@ size_t resident_bytes() {
   return resident * static_cast<size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// One of four takes nothing any more. A server that queued for it would hold 135 frames of 54 kB: 7 MB. A
-// fifth stands still altogether: it is dropped.
-TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
+// One of four clients stops reading. A server that queued 135 frames of 54 kB for it would hold 7 MB. A fifth
+// client never acknowledges and is disconnected.
+TEST(SlowClient, DelaysNoOtherAndUsesNoMemory) {
   NoiseServer noise(9000);
   std::vector<std::unique_ptr<CountingSink>> sinks;
   std::vector<std::unique_ptr<SessionClient>> clients;
@@ -196,7 +197,7 @@ TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
   EXPECT_LT(grown_mb, 5.0);
   EXPECT_TRUE(got(0, others_at + 40));
   EXPECT_LE(sinks[3]->frames, frozen_at);
-  // Its threads live and say so: it stays, and takes part again.
+  // The threads of the frozen client still acknowledge, so it stays connected and receives frames again.
   sinks[3]->freeze(false);
   EXPECT_TRUE(got(3, frozen_at + 5));
 
@@ -212,7 +213,7 @@ TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
   for (auto& client : clients) EXPECT_TRUE(client->stop());
 }
 
-// Behind the floor a room of noise, which does not compress: some 700 kB.
+// An environment of incompressible noise, about 700 kB.
 Scene scene_with_a_room(const ScratchFolder& folder) {
   const auto written = write_asset(folder.path() / "room.ply", synthetic_asset(8000, 1, 3));
   EXPECT_TRUE(written) << written.error().message;
@@ -224,15 +225,15 @@ Scene scene_with_a_room(const ScratchFolder& folder) {
   return std::move(*scene);
 }
 
-TEST_F(Faults, AnAssetThatBreaksOffAt60PercentIsTakenUpThere) {
+TEST_F(Faults, InterruptedAssetResumesAtItsOffset) {
   const ScratchFolder folder;
   start(scene_with_a_room(folder));
   const StreamedObject& room = client_->scene().objects.at(0);
   const AssetCache cache(folder / "cache");
   size_t pieces = 0;
   std::vector<uint64_t> begun_at;
-  std::vector<size_t> kernels;  // that could be drawn
-  // So slow that a busy machine's client reads what has come: a reset takes with it what it has not.
+  std::vector<size_t> kernels;  // kernels that could be drawn
+  // Slow enough that the client reads all arrived bytes on a busy machine; a reset discards unread bytes.
   proxy_->set_link({.mbit_s = 10});
   const uint64_t before = proxy_->bytes_from_server();
   proxy_->reset_after(room.asset_bytes * 6 / 10, 1);
@@ -250,21 +251,20 @@ TEST_F(Faults, AnAssetThatBreaksOffAt60PercentIsTakenUpThere) {
   ASSERT_TRUE(obtained) << obtained.error().message;
   EXPECT_EQ(obtained->fetched_bytes, room.asset_bytes);
   EXPECT_EQ(content_hash(obtained->bytes), room.asset_hash);
-  EXPECT_EQ(begun_at, (std::vector<uint64_t>{0}));  // the client takes it up by itself
+  EXPECT_EQ(begun_at, (std::vector<uint64_t>{0}));  // the client resumes the transfer internally
   EXPECT_GT(pieces, 1u);
-  // It could be drawn long before it was whole, coarse at first.
+  // The asset was drawable at low detail before it was complete.
   ASSERT_GE(kernels.size(), 3u);
   EXPECT_LT(kernels.front(), 8000u);
   EXPECT_EQ(kernels.back(), 8000u);
   EXPECT_LT(room.asset_bytes, obtained->bytes.size());
-  // All of it once, and what of a piece was on its way: the pipe holds 128 kB, a piece 64 kB. (And frames,
-  // some kB.)
+  // The asset was sent once, plus the part of a piece in flight (pipe 128 kB, piece 64 kB) and some frames.
   const uint64_t brought = proxy_->bytes_from_server() - before;
   EXPECT_LT(brought, room.asset_bytes + (256u << 10)) << room.asset_bytes;
-  expect_unbroken(sink_.state());  // the stream has a connection of its own
+  expect_unbroken(sink_.state());  // the stream uses its own connection
 }
 
-TEST_F(Faults, AnAssetThatIsAnotherAfterTheRestartIsTold) {
+TEST_F(Faults, ReplacedAssetIsReportedAfterRestart) {
   start();
   const JoinedScene& joined = client_->scene();
   proxy_->set_server(kNobody);
@@ -280,14 +280,14 @@ TEST_F(Faults, AnAssetThatIsAnotherAfterTheRestartIsTold) {
   ASSERT_NE(box, state.added.end());
   EXPECT_EQ(box->id, joined.objects.at(1).id);
   EXPECT_NE(box->asset_hash, joined.objects.at(1).asset_hash);
-  // The floor is drawn as large as the scene; the cube is what it was.
+  // The size of the floor follows the scene; the cube is unchanged.
   for (const StreamedObject& object : state.added)
     EXPECT_TRUE(object.name == "box" || object.environment) << object.name;
 }
 
-// Connections that send nothing or nonsense and close; sessions that begin and leave, more of them than there
-// is room for.
-TEST_F(Faults, ConnectionsThatComeAndGoDoNotDisturbASession) {
+// Connections that close after sending nothing or invalid data, and more sessions that join and leave than
+// the server has slots.
+TEST_F(Faults, ShortConnectionsDoNotDisturbASession) {
   start();
   const size_t before = sink_.state().frames.size();
   (void)connection_storm(served_->port(), 1000);

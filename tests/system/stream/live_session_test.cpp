@@ -25,7 +25,7 @@ namespace {
 class SessionPrograms : public ::testing::Test {
  protected:
   void start(double rate_hz = 90) { start(box_scene(rate_hz)); }
-  // `waits`: the first tick comes when a client streams.
+  // `waits`: the first tick waits for a streaming client.
   void start(Scene built, bool waits = false) {
     auto server = GrpcServer::listen("127.0.0.1:0");
     ASSERT_TRUE(server) << server.error().message;
@@ -64,13 +64,13 @@ class SessionPrograms : public ::testing::Test {
     run.connect_timeout_s = 30;
     return run;
   }
-  // The server's own drivers, not quantised, at a tick.
+  // The server's own drivers at a tick, before quantisation.
   DriverFrame simulated(uint64_t tick) {
     std::lock_guard lock(mutex_);
     return simulated_.at(tick);
   }
 
-  // The objects of a frame as they were then.
+  // Adds the objects of a frame with the asset revisions of that time.
   void add_objects(const DriverFrame& frame, SceneView& view) {
     std::lock_guard lock(mutex_);
     for (const ObjectDrivers& drivers : frame.objects) {
@@ -79,7 +79,7 @@ class SessionPrograms : public ::testing::Test {
     }
   }
 
-  // The last picture of a run, and the same drawn here from the server's own drivers.
+  // Reads the last picture of a run, and draws the same view from the server's own drivers.
   void read_last(const OffscreenRunOptions& run, Image& last, Image& own) {
     const auto bytes = read_file(run.output / "last_frame.bin");
     ASSERT_TRUE(bytes);
@@ -102,7 +102,7 @@ class SessionPrograms : public ::testing::Test {
   }
 
   ScratchFolder folder_;
-  // Looks at every tick whether so many clients have joined.
+  // Polls until this number of clients has joined.
   bool wait_clients(size_t count) {
     std::unique_lock lock(mutex_);
     return ticked_.wait_for(lock, kPatience, [&] { return server_->client_count() == count; });
@@ -128,7 +128,7 @@ std::vector<uint64_t> ticks_of(const std::filesystem::path& csv) {
   return ticks;
 }
 
-TEST_F(SessionPrograms, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
+TEST_F(SessionPrograms, LastPictureMatchesOfflineDraw) {
   start();
   OffscreenRunOptions run = options("view", 3.0);
   run.poke = "cube";
@@ -137,16 +137,16 @@ TEST_F(SessionPrograms, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
   ASSERT_FALSE(summary->stream_error) << summary->stream_error->message;
   Image last, own;
   ASSERT_NO_FATAL_FAILURE(read_last(run, last, own));
-  // Rounding to 8 bits alone leaves 58.9 dB (255 sqrt(12)); 50 dB is a root mean square error of 0.8 of 255.
+  // Rounding to 8 bits alone gives 58.9 dB (255 sqrt(12)). 50 dB is an RMS error of 0.8 of 255.
   EXPECT_GE(psnr_db(last, own), 50.0);
-  // And it shows something: the objects stand out from the background.
+  // The picture is not empty: the objects differ from the background.
   const auto [darkest, brightest] = std::minmax_element(last.pixels.begin(), last.pixels.end());
   EXPECT_GT(*brightest - *darkest, 0.3f);
 }
 
-// Whatever a client asked its frames to be, it draws the same: floats of drivers, and kernels that the server
-// has moved, of a scene in which something breaks and becomes another asset.
-TEST_F(SessionPrograms, EveryEncodingShowsTheSameAlsoOnceSomethingHasBroken) {
+// All encodings give the same picture: quantised drivers, float drivers, and kernels that the server has
+// posed. In the scene an object breaks and gets a new asset.
+TEST_F(SessionPrograms, EncodingsShowTheSamePictureAfterABreak) {
   start(breaking_scene(90, 1, 0.3), true);
   for (const auto encoding :
        {v1::JoinRequest::KERNELS, v1::JoinRequest::DRIVERS_RAW, v1::JoinRequest::KERNELS_EXACT}) {
@@ -161,15 +161,15 @@ TEST_F(SessionPrograms, EveryEncodingShowsTheSameAlsoOnceSomethingHasBroken) {
     ASSERT_GE(simulated(ticks.back()).objects.back().revision, 1u);
     Image last, own;
     ASSERT_NO_FATAL_FAILURE(read_last(run, ticks.back(), last, own));
-    // 50 dB as above; of floats no more than rounding to 8 bits.
+    // 50 dB as above; float drivers only round to 8 bits.
     EXPECT_GE(psnr_db(last, own), encoding == v1::JoinRequest::KERNELS ? 50.0 : 57.0);
     std::printf("%s: %.1f dB, %.0f bytes a frame\n", v1::JoinRequest::Encoding_Name(encoding).c_str(),
                 psnr_db(last, own), summary->received.bytes_p50);
   }
 }
 
-// The same through the Vulkan renderer, where a device is found: lavapipe in CI.
-TEST_F(SessionPrograms, TheLastPictureByVulkanIsTheOraclesToo) {
+// The same with the Vulkan renderer, if there is a device (lavapipe in CI).
+TEST_F(SessionPrograms, LastVulkanPictureMatchesReference) {
   if (const auto device = VulkanDevice::create(); !device) GTEST_SKIP() << device.error().message;
   start();
   OffscreenRunOptions run = options("view", 1.0);
@@ -183,14 +183,14 @@ TEST_F(SessionPrograms, TheLastPictureByVulkanIsTheOraclesToo) {
   EXPECT_GE(psnr_db(last, own), 50.0);
 }
 
-// What is made while the session runs has its Vulkan picture held against the oracle's too: the sherds' asset
-// with its cut faces, and balls.
-TEST_F(SessionPrograms, SherdsAndBallsByVulkanAreTheOraclesToo) {
+// Assets created during the session are compared with the reference renderer too: fragments with their cut
+// faces, and balls.
+TEST_F(SessionPrograms, VulkanFragmentsAndBallsMatchReference) {
   if (const auto device = VulkanDevice::create(); !device) GTEST_SKIP() << device.error().message;
   Scene scene = breaking_scene(90, 1, 0.3);
   const size_t whole_kernels = scene.find("box")->asset->size();
   start(std::move(scene), true);
-  // So often that one is on its way from the eye whenever the session ends.
+  // Shots are frequent enough that a ball is in flight when the session ends.
   std::string shots;
   for (double time_s = 0.2; time_s < 2; time_s += 0.15)
     shots += (shots.empty() ? "" : ", ") +
@@ -227,7 +227,7 @@ TEST_F(SessionPrograms, SherdsAndBallsByVulkanAreTheOraclesToo) {
   ASSERT_NO_FATAL_FAILURE(read_last(run, last, own));
   const auto camera = read_camera_file(run.output / "camera.json", std::nullopt);
   ASSERT_TRUE(camera);
-  // What is left out of it would be seen: a ball, or the floor instead of the sherds.
+  // The comparison detects missing objects: a missing ball, or the floor in place of the fragments.
   const auto without = [&](const auto& left_out) {
     DriverFrame drivers = simulated(frame->tick);
     std::erase_if(drivers.objects, [&](const ObjectDrivers& one) {
@@ -243,15 +243,15 @@ TEST_F(SessionPrograms, SherdsAndBallsByVulkanAreTheOraclesToo) {
   const double no_balls_db =
       psnr_db(without([](const SceneObject& one) { return one.asset == Scene::ball_asset(); }), own);
   const double no_sherds_db = psnr_db(without([](const SceneObject& one) { return one.name == "box"; }), own);
-  std::printf("%s: %zu sherds and %zu balls, %.1f dB; %.1f without balls, %.1f without sherds\n",
+  std::printf("%s: %zu fragments and %zu balls, %.1f dB; %.1f without balls, %.1f without fragments\n",
               summary->renderer.c_str(), sherds, balls, psnr_db(last, own), no_balls_db, no_sherds_db);
   EXPECT_GE(psnr_db(last, own), 50.0);
   EXPECT_LT(no_sherds_db, 40.0);
   EXPECT_LT(no_balls_db, 40.0);
 }
 
-// What a client that was there when it broke sees, and what one sees that comes afterwards.
-TEST_F(SessionPrograms, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater) {
+// A break as seen by a client that is connected, and by one that joins afterwards.
+TEST_F(SessionPrograms, BreakReachesConnectedAndLaterClients) {
   start(breaking_scene(90, 1, 0.3), true);
   for (const char* name : {"there", "later"}) {
     const OffscreenRunOptions run = options(name, std::string(name) == "there" ? 2.0 : 0.3);
@@ -279,7 +279,7 @@ TEST_F(SessionPrograms, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater
   }
 }
 
-TEST_F(SessionPrograms, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep) {
+TEST_F(SessionPrograms, FramesAreOrderedAndWithinQuantisation) {
   start();
   const auto summary = run_offscreen(options("view", 1.0), interrupted_);
   ASSERT_TRUE(summary) << summary.error().message;
@@ -297,15 +297,15 @@ TEST_F(SessionPrograms, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep
   for (size_t i = 0; i < own.objects.size(); ++i) {
     ASSERT_EQ(own.objects[i].positions_m.size(), streamed->objects[i].positions_m.size());
     for (size_t n = 0; n < own.objects[i].positions_m.size(); ++n) {
-      // Half a step of the stream, 15/16 of 2^-14 m, and of the file's 16 bits over a box of less than half a
-      // metre.
+      // Half a quantisation step of the stream (15/16 of 2^-14 m) plus that of the file (16 bits over a box
+      // of less than 0.5 m).
       EXPECT_LT((own.objects[i].positions_m[n] - streamed->objects[i].positions_m[n]).cwiseAbs().maxCoeff(),
                 0.9375f * std::exp2(-15.0f) + 0.25f / 65535);
     }
   }
 }
 
-TEST_F(SessionPrograms, APokeMovesItsObjectAndABallComes) {
+TEST_F(SessionPrograms, PokeMovesItsObjectAndShotAddsABall) {
   start();
   const uint32_t box = loop_->scene().find("box")->id;
   std::ofstream(folder_ / "script.json") << R"({ "actions": [
@@ -319,13 +319,13 @@ TEST_F(SessionPrograms, APokeMovesItsObjectAndABallComes) {
   ASSERT_TRUE(bytes);
   const auto frame = decode_frame(*bytes);
   ASSERT_TRUE(frame);
-  EXPECT_GT(middle_of(*frame, box).y(), 0.2);  // it stood at 0.1 m; the ray holds it half a metre higher
-  EXPECT_EQ(frame->objects.size(), 4u);        // floor, box, cube and the ball
+  EXPECT_GT(middle_of(*frame, box).y(), 0.2);  // from 0.1 m; the ray holds the box 0.5 m higher
+  EXPECT_EQ(frame->objects.size(), 4u);        // floor, box, cube and ball
   EXPECT_EQ(loop_->summary().shots, 1u);
 }
 
-// The script's name for what the left hand takes is looked for like any other.
-TEST_F(SessionPrograms, AScriptGrabsAndCarriesItsObject) {
+// An unknown object of a grab action is reported like that of any other action.
+TEST_F(SessionPrograms, ScriptGrabsAndCarriesItsObject) {
   start();
   const uint32_t box = loop_->scene().find("box")->id;
   OffscreenRunOptions run = options("view", 4.0);
@@ -347,7 +347,7 @@ TEST_F(SessionPrograms, AScriptGrabsAndCarriesItsObject) {
   ASSERT_TRUE(bytes);
   const auto frame = decode_frame(*bytes);
   ASSERT_TRUE(frame);
-  EXPECT_GT(middle_of(*frame, box).y(), 0.4);  // it stood at 0.1 m
+  EXPECT_GT(middle_of(*frame, box).y(), 0.4);  // from 0.1 m
 }
 
 TEST_F(SessionPrograms, TwoClientsSeeTheSameFrames) {
@@ -360,11 +360,11 @@ TEST_F(SessionPrograms, TwoClientsSeeTheSameFrames) {
   ASSERT_TRUE(other) << other.error().message;
   EXPECT_GT(summary->received.frames, 5u);
   EXPECT_GT(other->received.frames, 5u);
-  // They share a cache folder and fetched each asset once between them.
+  // Both clients share a cache folder, so each asset is fetched once in total.
   EXPECT_EQ(summary->assets.fetched + other->assets.fetched, summary->assets.assets);
 }
 
-TEST_F(SessionPrograms, AnAssetInTheCacheIsNotFetchedAgain) {
+TEST_F(SessionPrograms, CachedAssetIsNotFetchedAgain) {
   start();
   const auto first = run_offscreen(options("first", 0.1), interrupted_);
   ASSERT_TRUE(first) << first.error().message;
@@ -375,7 +375,7 @@ TEST_F(SessionPrograms, AnAssetInTheCacheIsNotFetchedAgain) {
   EXPECT_EQ(second->assets.assets, first->assets.assets);
 }
 
-TEST_F(SessionPrograms, PicturesAreEvenInSimulatedTime) {
+TEST_F(SessionPrograms, PictureTimesAreEvenlySpaced) {
   start();
   OffscreenRunOptions run = options("view", 1.0);
   run.video_rate_hz = 30;
@@ -387,18 +387,18 @@ TEST_F(SessionPrograms, PicturesAreEvenInSimulatedTime) {
   std::vector<double> times_s;
   while (std::getline(file, line)) times_s.push_back(std::stod(line.substr(line.find(',') + 1)));
   ASSERT_GT(times_s.size(), 3u);
-  // All but the last, which is the last frame itself. Times are written to a microsecond.
+  // The last picture is the last frame itself and is excluded. Times are written with microsecond resolution.
   for (size_t i = 1; i + 1 < times_s.size(); ++i) EXPECT_NEAR(times_s[i] - times_s[i - 1], 1.0 / 30, 2e-6);
 }
 
-TEST_F(SessionPrograms, AServerThatClosesEndsTheClientOrderly) {
+TEST_F(SessionPrograms, ServerShutdownEndsClientWithoutError) {
   start();
   Result<OffscreenRunSummary> summary = Error{};
   std::thread client([&] { summary = run_offscreen(options("view", 0), interrupted_); });
-  // It has joined; its stream is open by the time another client has had a second of its own.
+  // The client has joined. Its stream is open by the time another client has received one second.
   EXPECT_TRUE(wait_clients(1));
   EXPECT_TRUE(run_offscreen(options("probe", 1.0), interrupted_));
-  server_->shut_down("closing time");
+  server_->shut_down("the test is over");
   client.join();
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_FALSE(summary->stream_error) << summary->stream_error->message;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// As many clients as a server takes by default, all of which read. `stream_bench` measures the age of their
-// frames.
+// The default maximum number of clients, all reading. `stream_bench` measures the age of their frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +13,7 @@
 namespace livegs {
 namespace {
 
-TEST(ManyClients, SixtyFourGetTheirFramesAndShareTheirBytes) {
+TEST(ManyClients, SixtyFourShareOneEncodingPerTick) {
   NoiseServer noise(1000);
   std::vector<std::unique_ptr<Listener>> clients;
   for (size_t i = 0; i < kDefaultSessions; ++i) clients.push_back(std::make_unique<Listener>(noise.port()));
@@ -27,9 +26,9 @@ TEST(ManyClients, SixtyFourGetTheirFramesAndShareTheirBytes) {
   EXPECT_EQ(RawClient(noise.port()).join().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   const PublisherSummary before = noise.server->published();
   ASSERT_TRUE(wait([](const Listener& client) { return client.frames() >= 50; }))
-      << "a client is left behind";
+      << "a client received too few frames";
   const PublisherSummary after = noise.server->published();
-  // Each client by itself would be 64 encodings a tick.
+  // Separate encodings would be 64 per tick.
   EXPECT_LT(static_cast<double>(after.encoded - before.encoded),
             32.0 * static_cast<double>(after.frames - before.frames));
   const uint64_t newest = noise.newest;

@@ -16,10 +16,10 @@
 
 namespace livegs {
 
-// Sends frames of noise, which nothing compresses: `nodes` times six bytes and a little, 90 times a second,
-// of no simulation. They are made beforehand; making one takes as long as encoding it. `boxes`: of as many
-// objects, in a ring 4 m around the origin, in place of one that is everywhere: whoever stands there sees
-// some of them.
+// Sends precomputed frames of incompressible noise at 90 Hz, without a simulation. A frame has about 6 bytes
+// per node. With `boxes`, the nodes belong to that number of objects on a ring of radius 4 m around the
+// origin, of which a client at the origin sees a part; otherwise to one object that is visible from
+// everywhere.
 class NoiseServer {
  public:
   explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr, size_t clients = kDefaultSessions,
@@ -60,7 +60,7 @@ class NoiseServer {
   ~NoiseServer() {
     stopping_ = true;
     thread_.join();
-    server->shut_down("the noise is over");
+    server->shut_down("the test is over");
   }
   int port() const { return server->port(); }
 
@@ -91,7 +91,7 @@ class NoiseServer {
   Scene scene_;
   std::vector<SceneObject> ring_;
   Nobody nobody_;
-  std::array<std::vector<ObjectDrivers>, 31> frames_;  // one for each tick, in turn
+  std::array<std::vector<ObjectDrivers>, 31> frames_;  // one per tick, in turn
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

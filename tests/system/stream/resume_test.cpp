@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A client whose network or server fails, through a proxy that makes it fail.
+// Reconnection of a client after faults of its network or server.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 class Resume : public ProxiedSession {};
 
-TEST_F(Resume, AResetConnectionLosesNeitherSessionNorScene) {
+TEST_F(Resume, ResetConnectionKeepsSessionAndScene) {
   start();
   proxy_->reset();
   ASSERT_TRUE(sink_.wait_resumed(1));
@@ -27,12 +27,12 @@ TEST_F(Resume, AResetConnectionLosesNeitherSessionNorScene) {
   EXPECT_TRUE(state.resumed.front().same_server);
   EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
   for (size_t i = 1; i < state.frames.size(); ++i) EXPECT_GT(state.frames[i].tick, state.frames[i - 1].tick);
-  EXPECT_EQ(served_->server->sessions().sessions, 1u);  // it went on with the one it had
+  EXPECT_EQ(served_->server->sessions().sessions, 1u);  // the existing session was resumed
 }
 
-// Nobody is told of the cut: the client notices by the silence, the server too, and gives up the stream. The
-// client tries one connection after the other until one brings frames.
-TEST_F(Resume, AfterACutTheSameSessionGoesOn) {
+// Neither end is notified of a cut. Client and server detect the silence and give up the stream. The client
+// then opens connections until one of them receives frames.
+TEST_F(Resume, SameSessionContinuesAfterACut) {
   start();
   const uint64_t before = proxy_->connections();
   proxy_->cut();
@@ -49,8 +49,8 @@ TEST_F(Resume, AfterACutTheSameSessionGoesOn) {
   EXPECT_EQ(served_->server->sessions().sessions, 1u);
 }
 
-// A second is what a silent server gets; a frame on its way takes longer.
-TEST(NarrowLink, FramesOfKernelsThatTakeSecondsAreShown) {
+// A frame in flight may take longer than the second of silence after which a client gives up.
+TEST(NarrowLink, ShowsKernelFramesThatTakeSeconds) {
   ServedScene served(box_scene());
   FaultProxy proxy(served.port());
   ConnectOptions options;
@@ -81,7 +81,7 @@ TEST(NarrowLink, FramesOfKernelsThatTakeSecondsAreShown) {
   EXPECT_GT(seconds_from_ns(state.frames.front().received_ns - begun_ns), 1.5);
 }
 
-TEST(RetrySchedule, LeavesNoPauseLongerThanTheBarsAllow) {
+TEST(RetrySchedule, PausesAreWithinTheirBounds) {
   for (int64_t outage_s = 0; outage_s < 3600; ++outage_s) {
     int64_t least_ns = kLongRetryPause_ns, most_ns = 0;
     for (uint32_t random = 0; random < 4096; ++random) {
@@ -89,15 +89,15 @@ TEST(RetrySchedule, LeavesNoPauseLongerThanTheBarsAllow) {
       least_ns = std::min(least_ns, pause_ns);
       most_ns = std::max(most_ns, pause_ns);
     }
-    // Half of the 300 ms for a cut, most of the 500 ms for a server that comes back.
+    // Half of the 300 ms after a cut, and most of the 500 ms after a server restart.
     EXPECT_LE(most_ns, outage_s < 60 ? 150'000'000 : 400'000'000);
-    EXPECT_LT(least_ns, most_ns * 0.81);  // clients do not come in step
+    EXPECT_LT(least_ns, most_ns * 0.81);  // retries of several clients are not synchronised
     EXPECT_GE(least_ns, most_ns * 0.79);
   }
 }
 
-// The server's end, as a client sees it: its connections are reset and its port answers no more.
-TEST_F(Resume, AServerThatIsStartedAnewHasTheSameScene) {
+// A stopped server, as a client sees it: connections are reset, and new ones are refused.
+TEST_F(Resume, RestartedServerHasTheSameScene) {
   start();
   proxy_->set_server(kNobody);
   proxy_->reset();
@@ -117,11 +117,12 @@ TEST_F(Resume, AServerThatIsStartedAnewHasTheSameScene) {
   }
 }
 
-TEST_F(Resume, WhatChangedWhileItWasGoneIsToldBeforeTheNextFrame) {
+TEST_F(Resume, ChangesInOutagePrecedeTheNextFrame) {
   start(breaking_scene(), patient());
   proxy_->cut();
   ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) { return !state.lost.empty(); }));
-  while (served_->tick < 120) std::this_thread::sleep_for(std::chrono::milliseconds(10));  // it broke at 90
+  while (served_->tick < 120)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));  // the break is in tick 90
   proxy_->heal();
   ASSERT_TRUE(sink_.wait_resumed(1));
   ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) {
@@ -135,7 +136,7 @@ TEST_F(Resume, WhatChangedWhileItWasGoneIsToldBeforeTheNextFrame) {
                           [&](const StreamedObject& object) { return object.rest.revision == revision; }));
 }
 
-TEST_F(Resume, AServerThatStaysAwayEndsTheSessionInTime) {
+TEST_F(Resume, LongOutageEndsTheSessionInTime) {
   ConnectOptions options = patient();
   options.reconnect_s = 0.5;
   start(box_scene(), options);
@@ -150,7 +151,7 @@ TEST_F(Resume, AServerThatStaysAwayEndsTheSessionInTime) {
   EXPECT_NE(stopped.error().message.find("connection lost"), std::string::npos) << stopped.error().message;
 }
 
-TEST_F(Resume, AGoodbyeEndsTheSessionUnlessItIsToBeOutlived) {
+TEST_F(Resume, DrainEndsTheSessionByDefault) {
   start();
   served_->server->shut_down("maintenance");
   while (!client_->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -159,7 +160,7 @@ TEST_F(Resume, AGoodbyeEndsTheSessionUnlessItIsToBeOutlived) {
   EXPECT_TRUE(sink_.state().lost.empty());
 }
 
-TEST_F(Resume, AGoodbyeIsOutlived) {
+TEST_F(Resume, ReconnectsAfterDrainIfRequested) {
   ConnectOptions options = patient();
   options.reconnect_after_drain = true;
   start(box_scene(), options);
@@ -171,9 +172,9 @@ TEST_F(Resume, AGoodbyeIsOutlived) {
   EXPECT_EQ(sink_.state().draining, "maintenance");
 }
 
-// The offscreen client through a restart in which things became others: the last picture stays until the new
-// server's first frame, its objects are fetched and drawn, and the video's time goes on.
-TEST(OffscreenRun, GoesOnWithAServerThatWasStartedAnew) {
+// The offscreen client during a restart that changes some objects. The last picture stays until the first
+// frame of the new server. New assets are fetched and drawn, and video time continues.
+TEST(OffscreenRun, ContinuesAfterServerRestart) {
   auto served = std::make_unique<ServedScene>(box_scene());
   FaultProxy proxy(served->port());
   const ScratchFolder folder;
@@ -209,14 +210,14 @@ TEST(OffscreenRun, GoesOnWithAServerThatWasStartedAnew) {
   EXPECT_EQ(summary->outages.restarted, 1u);
   EXPECT_GT(summary->outages.seconds, 0);
   EXPECT_EQ(summary->assets.assets,
-            5u);  // the first three, and another box and floor; the cube is what it was
+            5u);  // three initially, then a different box and floor; the cube is unchanged
   EXPECT_NE(summary_text(*summary).find("resumed 1 times"), std::string::npos) << summary_text(*summary);
   std::ifstream file(run.output / "timings.csv");
   std::string line;
   std::getline(file, line);
   size_t pictures = 0;
   while (std::getline(file, line)) ++pictures;
-  // 30 a second of all the time there was, the outage included.
+  // 30 pictures per second of the whole time, including the outage.
   EXPECT_GE(static_cast<double>(pictures), 30 * summary->outages.seconds);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a person does to a running scene from a window, over the wire: halt, step, reset, a force.
+// Scene control from a window, over the wire: pause, step, reset and forces.
 #include "stream/session/scene_control.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{60};
 
-// Remembers what came.
+// Stores all received updates.
 class Watcher final : public StreamSink {
  public:
   void on_lost(const std::string&) override {}
@@ -42,7 +42,7 @@ class Watcher final : public StreamSink {
   }
   void on_draining(const std::string&) override {}
 
-  // Waits for a frame of which this is so, and gives it.
+  // Waits for a frame that satisfies the condition, and returns it.
   std::optional<ReceivedFrame> wait(const std::function<bool(const ReceivedFrame&)>& wanted) {
     std::unique_lock lock(mutex_);
     const auto there = [&] { return !frames_.empty() && wanted(frames_.back()); };
@@ -107,7 +107,7 @@ class SceneControlTest : public ::testing::Test {
   std::unique_ptr<SceneControl> control_;
 };
 
-TEST_F(SceneControlTest, EveryFrameSaysWhetherItIsHalted) {
+TEST_F(SceneControlTest, FramesCarryThePauseState) {
   ASSERT_TRUE(watcher_.wait([](const ReceivedFrame& frame) { return !frame.run.paused(); }));
   v1::ControlRunRequest request;
   request.set_pause(true);
@@ -116,7 +116,7 @@ TEST_F(SceneControlTest, EveryFrameSaysWhetherItIsHalted) {
   EXPECT_TRUE(halted->paused());
   const auto at = watcher_.wait([](const ReceivedFrame& frame) { return frame.run.paused(); });
   ASSERT_TRUE(at);
-  // Frames go on: the stream is alive, and time stands still.
+  // Frames continue while simulated time is paused.
   const auto later = watcher_.wait([&](const ReceivedFrame& frame) { return frame.tick > at->tick + 20; });
   ASSERT_TRUE(later);
   EXPECT_EQ(later->drivers->simulated_ns, at->drivers->simulated_ns);
@@ -128,7 +128,7 @@ TEST_F(SceneControlTest, EveryFrameSaysWhetherItIsHalted) {
   }));
 }
 
-TEST_F(SceneControlTest, AResetGivesEveryClientTheSceneAnew) {
+TEST_F(SceneControlTest, ResetSendsTheSceneToEveryClient) {
   ASSERT_TRUE(watcher_.wait([](const ReceivedFrame& frame) { return frame.tick > 5; }));
   std::vector<uint32_t> old_ids;
   for (const StreamedObject& object : client_->scene().objects) old_ids.push_back(object.id);
@@ -144,14 +144,14 @@ TEST_F(SceneControlTest, AResetGivesEveryClientTheSceneAnew) {
     const std::vector<uint32_t> ids = watcher_.ids();
     EXPECT_NE(std::find(ids.begin(), ids.end(), object.object_id), ids.end());
   }
-  // Who joins now gets the same.
+  // A client that joins now receives the same scene.
   auto second = SessionClient::join("127.0.0.1:" + std::to_string(server_->port()), {});
   ASSERT_TRUE(second) << second.error().message;
   ASSERT_EQ((*second)->scene().objects.size(), 3u);
   EXPECT_EQ((*second)->scene().objects[0].id, watcher_.ids()[0]);
 }
 
-TEST_F(SceneControlTest, AForceMovesWhatItIsOn) {
+TEST_F(SceneControlTest, ForceMovesItsObject) {
   const auto before = watcher_.wait([](const ReceivedFrame&) { return true; });
   ASSERT_TRUE(before);
   ASSERT_EQ(client_->scene().objects[1].name, "box");
@@ -162,7 +162,7 @@ TEST_F(SceneControlTest, AForceMovesWhatItIsOn) {
   v1::Event::Force force;
   force.set_object("box");
   for (const double number : {0.0, 0.0, 0.0}) force.add_point_m(number);
-  for (const double number : {30.0, 0.0, 0.0}) force.add_force_n(number);  // the floor holds it with 4.9 N
+  for (const double number : {30.0, 0.0, 0.0}) force.add_force_n(number);  // friction is at most 4.9 N
   force.set_duration_s(0.5);
   const auto taken = control_->apply_force(force);
   ASSERT_TRUE(taken) << taken.error().message;
@@ -178,8 +178,8 @@ TEST_F(SceneControlTest, AForceMovesWhatItIsOn) {
   EXPECT_EQ(control_->apply_force(force).error().code, ErrorCode::InvalidArgument);
 }
 
-// A call to a server that edits nothing is refused in one line, and one that is cancelled ends.
-TEST_F(SceneControlTest, CallsEnd) {
+// A refused call gives one line, and a cancelled call ends.
+TEST_F(SceneControlTest, RefusedAndCancelledCallsReturn) {
   const auto refused = control_->set_physics("box", {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::Unavailable);

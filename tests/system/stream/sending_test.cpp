@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is sent to a client that can take little, or looks away, over the wire.
+// Frames for clients with little bandwidth and for clients that look away, over the wire.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ std::unique_ptr<SessionClient> join(int port, double most_mbit_s) {
   return livegs::join(port, options);
 }
 
-// Bytes of all frames but the last, from the first one on, and the seconds in which the server sent them.
+// Bytes of all frames except the last, and the time in which the server sent them.
 struct Sent {
   double bytes = 0, seconds = 0;
 };
@@ -28,9 +28,9 @@ Sent sent_in(const std::vector<ReceivedFrame>& frames) {
   return sent;
 }
 
-// 16 kB at 90 Hz are 11.5 Mbit/s; one client wishes for 4, one is held to 6 by the server, which holds for
-// all.
-TEST(Sending, AClientIsSentNoMoreThanItsCap) {
+// 16 kB frames at 90 Hz need 11.5 Mbit/s. One client requests a cap of 4; the server's cap of 6 applies to
+// all clients.
+TEST(Sending, BandwidthStaysUnderTheCap) {
   NoiseServer noise(2667);
   noise.server->cap_clients(6);
   SinkLog modest_sink, greedy_sink;
@@ -43,23 +43,23 @@ TEST(Sending, AClientIsSentNoMoreThanItsCap) {
                          [](const auto& one) { return one.bytes > 10'000; }) >= 60;
   };
   ASSERT_TRUE(modest_sink.wait(full) && greedy_sink.wait(full));
-  // What a tenth of a second saves, and what may pass between the set_view at the budget and the time stamp
-  // on a busy machine.
+  // The burst that the budget saves, and the delay between the budget's decision and the time stamp on a busy
+  // machine.
   constexpr double kSlack_s = SendBudget::kBurst_s + 0.3;
   for (const auto& [sink, mbit_s] : {std::pair{&modest_sink, 4.0}, {&greedy_sink, 6.0}}) {
     const SinkLog::State state = sink->state();
     const Sent sent = sent_in(state.frames);
     EXPECT_LE(8e-6 * sent.bytes, mbit_s * (sent.seconds + kSlack_s)) << mbit_s << " Mbit/s";
   }
-  // What is left out are whole frames, here, where there is one object; those that come are fresh.
+  // With one object, dropped data are whole frames. Frames that arrive are fresh.
   expect_unbroken(modest_sink.state());
   EXPECT_TRUE(modest->stop());
   EXPECT_TRUE(greedy->stop());
 }
 
-// A client with room, which shares its bytes with all others. Thirty frames are too few for the server to
-// find it slow on a busy machine.
-TEST(Sending, WhoLooksAwayIsSentAllOfItWhereNothingIsShort) {
+// A client without congestion shares its encoding with all others. In 30 frames, the server does not classify
+// it as slow on a busy machine.
+TEST(Sending, UncongestedClientGetsUnseenObjects) {
   NoiseServer noise(2667);
   SinkLog sink;
   const auto client = join(noise.port(), 0);
@@ -72,9 +72,9 @@ TEST(Sending, WhoLooksAwayIsSentAllOfItWhereNothingIsShort) {
   EXPECT_TRUE(client->stop());
 }
 
-// No cap, but a link of 4 Mbit/s, where 16 kB a tick are 11.5: once that has shown, frames are without what
-// is not seen, and come each tick.
-TEST(Sending, WhoLooksAwayBehindANarrowLinkIsSentLess) {
+// A link of 4 Mbit/s without a cap, for 11.5 Mbit/s of frames. Once congestion is detected, frames arrive
+// every tick without the objects outside the view.
+TEST(Sending, CongestedClientGetsNoUnseenObjects) {
   NoiseServer noise(2667);
   FaultProxy proxy(noise.port());
   proxy.set_link({.delay_ms = 1, .mbit_s = 4});
@@ -97,9 +97,9 @@ TEST(Sending, WhoLooksAwayBehindANarrowLinkIsSentLess) {
   EXPECT_TRUE(client->stop());
 }
 
-// The noise is half a metre around the origin, and goes by the id of the floor, which is some metres wide.
-// The cap is never reached, but who has one is sent no more than it has a use for.
-TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
+// The noise object is within 0.5 m of the origin and has the id of the floor, which is several metres wide.
+// The cap is never reached, but a capped client only receives useful objects.
+TEST(Sending, CappedClientGetsOnlyWhatItLooksAt) {
   NoiseServer noise(2667);
   SinkLog sink;
   const auto client = join(noise.port(), 1000);
@@ -107,7 +107,8 @@ TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
   client->set_view({{0, 0, 500}, {0, 0, 1}, 0.7});
   client->start(sink);
   ASSERT_TRUE(sink.wait_frames(20));
-  // Until the server has heard, all comes; afterwards one frame of nine has the noise in it.
+  // Until the server has received the view, frames are complete. Afterwards one frame in nine contains the
+  // noise.
   ASSERT_TRUE(sink.wait([](const SinkLog::State& state) { return state.frames.back().bytes < 100; }));
   const size_t away_from = sink.state().frames.size();
   ASSERT_TRUE(sink.wait_frames(90));
@@ -119,7 +120,7 @@ TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
   EXPECT_LE(static_cast<double>(full), ticks / 9 + 2);
   EXPECT_GE(static_cast<double>(full), static_cast<double>(frames) / 9 - 2);
   client->set_view({{0, 0, 500}, {0, 0, -1}, 0.7});
-  // Two full frames one after the other: it is seen.
+  // Two successive complete frames: the object is in view.
   ASSERT_TRUE(sink.wait([&](const SinkLog::State& now) {
     const size_t count = now.frames.size();
     return count > state.frames.size() + 2 && now.frames[count - 1].bytes > 10'000 &&
@@ -130,7 +131,7 @@ TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
   ASSERT_TRUE(sink.wait_frames(20));
   state = sink.state();
   for (size_t i = back_from; i < state.frames.size(); ++i) EXPECT_GT(state.frames[i].bytes, 10'000u);
-  EXPECT_TRUE(state.lost.empty());  // every hash agreed
+  EXPECT_TRUE(state.lost.empty());  // all hashes matched
   EXPECT_TRUE(client->stop());
 }
 

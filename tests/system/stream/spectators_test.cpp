@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both ends of the fan-out in one process: who watches by published frames, and how slow he may be.
+// Publisher and spectators in one process, including slow spectators.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -22,7 +22,7 @@
 namespace livegs {
 namespace {
 
-// Remembers what came; `taking` is what it does with each frame, and how long that takes.
+// Stores the received updates. `taking` is called for each frame and may block.
 class Watched final : public StreamSink {
  public:
   void on_lost(const std::string&) override {}
@@ -60,7 +60,7 @@ class Watched final : public StreamSink {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kPatience, [&] { return enough(ticks_); });
   }
-  // Whether every frame was of the objects, and their revisions, that had been told of before it.
+  // True if every frame contained only objects and revisions that had been described before.
   bool fits() const {
     std::lock_guard lock(mutex_);
     return fits_;
@@ -84,7 +84,7 @@ class Watched final : public StreamSink {
   bool fits_ = true;
 };
 
-// A server that publishes, and steps when the test says.
+// A server that publishes and is stepped by the test.
 class SpectatorsTest : public ::testing::Test {
  protected:
   void open(Scene scene, const std::string& address = "tcp://127.0.0.1:0",
@@ -103,7 +103,7 @@ class SpectatorsTest : public ::testing::Test {
     tick = stepped.drivers.tick;
     server->ticks().publish(std::move(stepped));
   }
-  // Who subscribes hears nothing until the publisher knows of it: steps until then.
+  // A subscription takes effect once the publisher has received it, so this steps the server until then.
   std::unique_ptr<Spectator> subscribe(Watched& watched) {
     auto spectator = Spectator::subscribe("127.0.0.1:" + std::to_string(server->port()), where);
     EXPECT_TRUE(spectator) << spectator.error().message;
@@ -129,9 +129,9 @@ class SpectatorsTest : public ::testing::Test {
   std::atomic<uint64_t> tick{0};
 };
 
-// One that takes nothing for 300 ticks has one of the last frames next, and the other has had the last
-// meanwhile. Without ZMQ_CONFLATE hundreds wait for it.
-TEST_F(SpectatorsTest, OneThatSleepsMakesNobodyStale) {
+// A spectator that stalls for 300 ticks continues with one of the last frames; the other spectator is not
+// delayed. Without ZMQ_CONFLATE, hundreds of frames would be queued.
+TEST_F(SpectatorsTest, StalledSpectatorDelaysNoOther) {
   open(box_scene());
   Watched quick, sleeper;
   std::mutex gate;
@@ -150,17 +150,17 @@ TEST_F(SpectatorsTest, OneThatSleepsMakesNobodyStale) {
     before = sleeper.ticks().size();
   }
   ASSERT_TRUE(sleeper.wait([&](const auto& ticks) { return !ticks.empty() && ticks.back() == tick; }));
-  // The one it was taking and the newest: 2. A few more where its socket's thread is behind as well.
+  // Normally 2: the frame in progress and the newest. More if its socket thread is late as well.
   EXPECT_LE(sleeper.ticks().size() - before, 30u);
 }
 
-// A spectator that takes 40 ticks for a frame gets frames that are about that old, however long it goes on.
-TEST_F(SpectatorsTest, ASlowOneStaysAsFarBehindAsAFrameTakes) {
+// A spectator that takes 40 ticks per frame receives frames of about that age, without accumulating delay.
+TEST_F(SpectatorsTest, SlowSpectatorDoesNotFallFurtherBehind) {
   open(box_scene());
   constexpr uint64_t kTakes = 40;  // ticks
   Watched slow;
   std::mutex mutex;
-  std::vector<uint64_t> ages;  // ticks that the newest was ahead of a frame that arrived
+  std::vector<uint64_t> ages;  // age of each frame on arrival, ticks
   slow.taking = [&](const ReceivedFrame& frame) {
     const uint64_t from = tick;
     for (int i = 0; tick < from + kTakes && i < 1000; ++i)
@@ -172,12 +172,12 @@ TEST_F(SpectatorsTest, ASlowOneStaysAsFarBehindAsAFrameTakes) {
   ASSERT_TRUE(spectator);
   ASSERT_TRUE(step_until([&] { return slow.ticks().size() >= 12; }));
   std::lock_guard lock(mutex);
-  // A queue of frames would add 40 with each.
+  // A frame queue would add 40 ticks per frame.
   for (size_t i = 4; i < ages.size(); ++i) EXPECT_LE(ages[i], 3 * kTakes) << i;
 }
 
-// Balls that come and go, and a break: the frames it gets are of objects it has been told of.
-TEST_F(SpectatorsTest, BirthsDeathsAndBreaksAreToldBeforeTheirFrames) {
+// Balls appear and disappear, and an object breaks. Frames contain only objects that have been described.
+TEST_F(SpectatorsTest, DescriptionsPrecedeTheirFrames) {
   open(breaking_scene());
   Watched watched;
   auto spectator = subscribe(watched);
@@ -190,16 +190,16 @@ TEST_F(SpectatorsTest, BirthsDeathsAndBreaksAreToldBeforeTheirFrames) {
   }
   const auto newest = [&] { return !watched.ticks().empty() && watched.ticks().back() >= tick - 1; };
   ASSERT_TRUE(step_until([&] { return watched.objects() == whole + Scene::kMaxBalls && newest(); }));
-  ASSERT_TRUE(step_until([&] { return tick > 100 && newest(); }));  // it breaks at 90
+  ASSERT_TRUE(step_until([&] { return tick > 100 && newest(); }));  // the break is in tick 90
   EXPECT_TRUE(watched.fits());
   const Spectator::Totals totals = spectator->totals();
   EXPECT_GE(totals.described, 3u);
   EXPECT_GT(totals.frames, 10u);
 }
 
-// A server that is started anew on the same addresses is another: its scene is asked for, and its ticks begin
-// again.
-TEST_F(SpectatorsTest, AServerThatIsStartedAnewIsFollowed) {
+// A restarted server on the same addresses is a new instance: its scene is requested again, and its ticks
+// start from the beginning.
+TEST_F(SpectatorsTest, FollowsARestartedServer) {
   open(box_scene());
   Watched watched;
   auto spectator = subscribe(watched);
@@ -213,7 +213,7 @@ TEST_F(SpectatorsTest, AServerThatIsStartedAnewIsFollowed) {
   EXPECT_TRUE(watched.fits());
 }
 
-TEST(Publishing, IsRefusedOffThisMachineAndWhereItCannotBe) {
+TEST(Publishing, RefusesRemoteAndInvalidAddresses) {
   for (const std::string address :
        {"tcp://0.0.0.0:9782", "tcp://192.168.1.5:9782", "tcp://[::]:9782", "tcp://*:9782"}) {
     const auto bound = ZmqPublisher::bind(address);

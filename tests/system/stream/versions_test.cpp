@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A server and a client of different protocol versions, one of them the program, the other as a test has it
-// speak.
+// Server and client with different protocol versions. One side is the program, the other is simulated by the
+// test.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -14,7 +14,7 @@ namespace {
 
 class OtherVersions : public Programs {};
 
-TEST_F(OtherVersions, AClientSaysWhatTheServerToldItAndTriesOnce) {
+TEST_F(OtherVersions, ClientPrintsTheServersErrorOnce) {
   ScriptedServer server;
   std::atomic<int> joins{0};
   server.on_join = [&](int, const v1::JoinRequest& request, v1::JoinReply&) {
@@ -31,7 +31,7 @@ TEST_F(OtherVersions, AClientSaysWhatTheServerToldItAndTriesOnce) {
   EXPECT_EQ(joins, 1);
 }
 
-TEST_F(OtherVersions, AServerNamesBothVersionsAndNothingOfItsScene) {
+TEST_F(OtherVersions, ServerReportsOnlyBothVersions) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();

@@ -16,8 +16,9 @@
 
 namespace livegs {
 
-// `connections` to the server in a row: half of them send nonsense, a tenth begin sessions and leave, and
-// some of those never stream. The highest rate of twenty in a row, connections a second.
+// Opens `connections` connections to the server in succession. Half of them send invalid data. A tenth join a
+// session and leave; some of these never open a stream. Returns the highest rate over 20 successive
+// connections, in connections per second.
 inline double connection_storm(int port, int connections) {
   constexpr int kCounted = 20;
   sockaddr_in address{};
@@ -37,16 +38,16 @@ inline double connection_storm(int port, int connections) {
     ::close(socket);
     if (i % 10 != 0) continue;
     RawClient passer_by(port);
-    // A session that has left makes room as soon as the server has noticed.
+    // A session that has left frees its slot once the server has detected it.
     int tries = 0;
     for (; !passer_by.join().ok() && tries < 2000; ++tries)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     EXPECT_LT(tries, 2000);
-    if (i % 50 == 0) continue;  // joins, and never streams
+    if (i % 50 == 0) continue;  // joins without opening a stream
     passer_by.open();
     v1::ServerMessage heard;
     EXPECT_TRUE(passer_by.read_any(
-        heard));  // it has its stream; one that only joined keeps its place for two minutes
+        heard));  // the stream is open; a session that only joined keeps its slot for two minutes
     passer_by.cancel();
     EXPECT_FALSE(passer_by.finish_reading().ok());
   }

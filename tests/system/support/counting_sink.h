@@ -9,7 +9,7 @@
 
 namespace livegs {
 
-// Counts frames and drops them. Frozen, it takes no frame until it is thawed.
+// Counts frames and drops them. While frozen, it blocks in on_frame.
 class CountingSink final : public StreamSink {
  public:
   void on_lost(const std::string&) override { ++lost; }

@@ -19,9 +19,9 @@
 namespace livegs {
 namespace {
 
-// What a router on the way would hold.
+// Limit of queued bytes per direction, as in a router.
 constexpr size_t kMaxQueuedBytes = 128u << 10;
-constexpr size_t kReadBytes = 4096;  // about what travels in one go
+constexpr size_t kReadBytes = 4096;  // about one transfer unit
 
 sockaddr_in loopback(int port) {
   sockaddr_in address{};
@@ -48,7 +48,7 @@ FaultProxy::FaultProxy(int server_port, uint64_t seed) : server_port_(server_por
   if (::bind(listener_, reinterpret_cast<sockaddr*>(&address), length) != 0 ||
       ::listen(listener_, 128) != 0 ||
       ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &length) != 0) {
-    throw std::runtime_error("the proxy cannot listen");
+    throw std::runtime_error("fault proxy: no listening socket");
   }
   port_ = ntohs(address.sin_port);
   wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
@@ -134,7 +134,7 @@ void FaultProxy::take_connection() {
   if (!connection.dead) {
     connection.server = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const sockaddr_in address = loopback(server_port_);
-    // Over loopback this answers at once.
+    // On loopback, connect() completes at once.
     if (::connect(connection.server, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
       end(connection, true);
       return;
@@ -151,7 +151,7 @@ void FaultProxy::read(Connection& connection, bool from_client) {
   piece.bytes.resize(kReadBytes);
   const ssize_t count = ::read(from, piece.bytes.data(), piece.bytes.size());
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
-  if (count < 0) return end(connection, true);  // one end was reset: so is the other
+  if (count < 0) return end(connection, true);  // one end was reset, so the other is reset too
   if (count == 0) {
     way.ended = true;
     return;
@@ -200,7 +200,7 @@ void FaultProxy::write(Connection& connection, bool to_client, int64_t now) {
 void FaultProxy::run() {
   std::vector<pollfd> polled;
   std::vector<std::pair<Connection*, bool>>
-      whose;  // of polled, from the third on: and whether the client's end
+      whose;  // connection of each polled socket from the third on; true for the client's end
   while (!stopping_) {
     int64_t wake_ns = now_ns() + 1'000'000'000;
     {
@@ -208,7 +208,7 @@ void FaultProxy::run() {
       const int64_t now = now_ns();
       for (Connection& connection : open_) {
         if (connection.gone) continue;
-        if (connection.dead) continue;  // not even its end is noticed
+        if (connection.dead) continue;  // after a cut, not even the end of a connection is read
         write(connection, false, now);
         if (!connection.gone) write(connection, true, now);
         if (!connection.gone && connection.up.told && connection.down.told) end(connection, false);

@@ -12,16 +12,16 @@
 
 namespace livegs {
 
-// How a network between a client and a server is.
+// Properties of the network between client and server.
 struct Link {
-  double delay_ms = 0;   // each way
-  double jitter_ms = 0;  // more than that, evenly distributed; bytes of one connection keep their order
-  double mbit_s = 0;     // each way, of all connections together; 0: no limit
+  double delay_ms = 0;   // in each direction
+  double jitter_ms = 0;  // additional delay, uniformly distributed; bytes of one connection keep their order
+  double mbit_s = 0;     // in each direction, shared by all connections; 0: no limit
 };
 
-// A network that can be made to fail: takes TCP connections on a port of its own and passes their bytes on to
-// a server's, both ways, late, slowly, not at all. What the jitter draws comes from the seed. One thread; the
-// functions may be called from any other and return at once.
+// A TCP proxy with faults. Accepts connections on its own port and forwards their bytes in both directions,
+// with delay, limited bandwidth, or not at all. The seed determines the jitter. Uses one thread; its
+// functions are non-blocking and may be called from any thread.
 class FaultProxy {
  public:
   explicit FaultProxy(int server_port, uint64_t seed = 1);
@@ -30,23 +30,23 @@ class FaultProxy {
   FaultProxy& operator=(const FaultProxy&) = delete;
 
   int port() const { return port_; }
-  // Of connections to come: a server that was started anew may have another.
+  // Port for new connections; a restarted server may have a different one.
   void set_server(int server_port);
   void set_link(const Link& link);
-  // Nothing gets through until it is over; then all of it does. 0 ends a stall.
+  // Holds all bytes for this time, then forwards them. 0 ends a stall.
   void stall(double seconds);
-  // As if a cable were pulled: nothing gets through, nobody is told, and what was sent is lost. Connections
-  // that are open or are being made then stay dead after heal(): their ends may wait for ever.
+  // Disconnects the network without notice: nothing is forwarded, and bytes in flight are lost. Connections
+  // that are open or being opened stay dead after heal(); their ends get no error.
   void cut();
   void heal();
   // Ends every connection at both ends with RST.
   void reset();
-  // The next connections that have brought so many bytes from the server are ended with RST, each once; so
-  // many of them.
+  // Resets the next `connections` connections, each once it has received this number of bytes from the
+  // server.
   void reset_after(uint64_t bytes, int connections);
 
-  uint64_t connections() const { return connections_; }              // taken so far
-  uint64_t bytes_from_server() const { return bytes_from_server_; }  // passed on so far
+  uint64_t connections() const { return connections_; }              // accepted so far
+  uint64_t bytes_from_server() const { return bytes_from_server_; }  // forwarded so far
 
  private:
   struct Piece {
@@ -54,18 +54,18 @@ class FaultProxy {
     std::vector<char> bytes;
     size_t written = 0;
   };
-  // One way of a connection.
+  // One direction of a connection.
   struct Way {
     std::deque<Piece> pieces;
     size_t waiting_bytes = 0;
     int64_t last_due_ns = 0;
-    bool ended = false;  // nothing more will come; passed on once the pieces are
+    bool ended = false;  // the sender has closed; forwarded after the remaining pieces
     bool told = false;
   };
   struct Connection {
     int client = -1, server = -1;
     Way up, down;
-    bool dead = false;  // by a cut: nobody reads from either end any more
+    bool dead = false;  // by a cut: neither end is read any more
     uint64_t brought = 0;
     bool gone = false;
   };
@@ -82,11 +82,11 @@ class FaultProxy {
   std::atomic<uint64_t> connections_{0}, bytes_from_server_{0};
   std::atomic<bool> stopping_{false};
 
-  std::mutex mutex_;  // guards everything below, which the thread holds but while it waits
+  std::mutex mutex_;  // guards everything below; the thread releases it only while it waits
   int server_port_;
   Link link_;
   int64_t stalled_until_ns_ = 0;
-  int64_t free_ns_[2] = {0, 0};  // when the pipe up and the pipe down have sent what they were given
+  int64_t free_ns_[2] = {0, 0};  // times when upstream and downstream have sent their queued bytes
   bool cut_ = false;
   uint64_t reset_after_bytes_ = 0;
   int resets_left_ = 0;

@@ -11,12 +11,12 @@
 
 namespace livegs {
 
-// How much later than told this machine wakes a thread up, the worst of a hundred times: what a wait costs
-// beside other work.
+// Measures how late this machine wakes a sleeping thread (p99), to correct bounds of timing tests for other
+// load.
 class Lateness {
  public:
-  // What one wait is allowed at most, so that no machine is late enough for a program that queues or pauses:
-  // two ticks of 90 Hz.
+  // Upper limit of the correction per wait, two ticks at 90 Hz. A larger correction would hide queueing in
+  // the program under test.
   static constexpr double kMaxAllowed_ms = 2e3 / 90;
 
   Lateness()
@@ -32,7 +32,7 @@ class Lateness {
     if (thread_.joinable()) thread_.join();
     return percentile(late_ms_, 0.99);
   }
-  // What so many waits in a row may take beside other work.
+  // The time that `waits` successive waits may lose to other load.
   double allowance_ms(int waits) { return waits * std::min(p99_ms(), kMaxAllowed_ms); }
   ~Lateness() { (void)p99_ms(); }
 

@@ -10,8 +10,8 @@
 
 namespace livegs {
 
-// A client that reads and acknowledges frames. It decodes none: on a real network that is other machines'
-// work.
+// A client that reads and acknowledges frames without decoding them. In production, decoding runs on other
+// machines.
 class Listener {
  public:
   explicit Listener(int port) : raw_(port) {

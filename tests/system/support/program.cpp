@@ -98,7 +98,7 @@ bool Program::wait_for(const std::string& name, const std::function<bool(const s
     if (found || ended) break;
     pollfd news[2] = {{watcher, POLLIN, 0}, {handle, POLLIN, 0}};
     if (::poll(news, 2, kPatience_ms) <= 0) break;
-    ended = (news[1].revents & POLLIN) != 0;  // look once more: it may have spoken last
+    ended = (news[1].revents & POLLIN) != 0;  // read again: output may precede the end
     char events[4096];
     if ((news[0].revents & POLLIN) != 0 && ::read(watcher, events, sizeof events) < 0) break;
   }

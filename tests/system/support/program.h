@@ -11,23 +11,24 @@
 
 namespace livegs {
 
-// A program of ours, run as a person would, its output kept in a file each.
+// Runs a program of this project. Its standard output and error are each kept in a file.
 class Program {
  public:
   explicit Program(std::vector<std::string> words);
-  ~Program();  // killed if it is still there
+  ~Program();  // kills the program if it still runs
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  // The exit code, or 128 + the signal that ended it; -1 when it is still running after a minute and a half.
+  // Waits for the exit code, or 128 + signal. Returns -1 if the program still runs after 90 s.
   int wait();
   void send(int signal_number);
   pid_t process() const { return process_; }
   std::string out() const;
   std::string err() const;
-  // Waits for the first whole line on its standard output; empty when it ends without one.
+  // Waits for the first complete line of standard output. Empty if the program ends without one.
   std::string first_line();
-  // Waits until this stands in its standard error, so often; false when it ends without it.
+  // Waits until standard error contains the text the given number of times. Returns false if the program ends
+  // before.
   bool says(const std::string& text) { return says_often(text, 1); }
   bool says_often(const std::string& text, size_t times);
 

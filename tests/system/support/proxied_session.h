@@ -20,9 +20,9 @@
 
 namespace livegs {
 
-inline constexpr int kNobody = 1;  // a port on which connections are refused at once
+inline constexpr int kNobody = 1;  // a port that refuses connections
 
-// A client of a served scene, with a network between them that can be made to fail.
+// A client of a served scene, connected through a FaultProxy.
 class ProxiedSession : public ::testing::Test {
  protected:
   void start(Scene scene, const ConnectOptions& options = patient(),
@@ -35,7 +35,7 @@ class ProxiedSession : public ::testing::Test {
     ASSERT_TRUE(sink_.wait_frames(5));
   }
   void start() { start(box_scene()); }
-  // Also when an assertion left early: the sink goes last.
+  // Stops the client before the sink is destroyed, also after a failed assertion.
   ~ProxiedSession() override { client_.reset(); }
 
   std::unique_ptr<ServedScene> served_;
@@ -44,14 +44,14 @@ class ProxiedSession : public ::testing::Test {
   std::unique_ptr<SessionClient> client_;
 };
 
-// Polls until `enough`; false when it is not within kPatience.
+// Polls until the condition holds. Returns false after kPatience.
 inline bool wait_until(const std::function<bool()>& enough) {
   const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count();
   while (!enough() && now_ns() < give_up_ns) sleep_until_ns(now_ns() + 5'000'000);
   return enough();
 }
 
-// The age of each frame when it arrived, on one machine, ms.
+// The age of each frame on arrival, ms. Requires that both ends use the same clock.
 inline std::vector<double> ages_ms(std::span<const ReceivedFrame> frames) {
   std::vector<double> ages;
   for (const ReceivedFrame& frame : frames)
@@ -59,7 +59,7 @@ inline std::vector<double> ages_ms(std::span<const ReceivedFrame> frames) {
   return ages;
 }
 
-// The spread of ages, without the twentieth at either end.
+// The difference between the 95th and the 5th percentile of ages.
 inline double spread_ms(std::span<const ReceivedFrame> frames) {
   const std::vector<double> ages = ages_ms(frames);
   return percentile(ages, 0.95) - percentile(ages, 0.05);
@@ -72,7 +72,7 @@ inline int64_t longest_gap_ns(std::span<const ReceivedFrame> frames) {
   return gap_ns;
 }
 
-// No stream broke, unless the machine stood still for the second after which a client reconnects.
+// Expects an unbroken stream, unless the machine paused for the second after which a client reconnects.
 inline void expect_unbroken(const SinkLog::State& state) {
   if (longest_gap_ns(state.frames) < 900'000'000) {
     EXPECT_TRUE(state.lost.empty()) << state.lost.front();

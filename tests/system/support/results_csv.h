@@ -10,9 +10,9 @@
 
 namespace livegs {
 
-// Appends a row to the CSV that the environment names, with the machine's load of the last minute as its last
-// column, and the header first where the file is new. Nothing where it names none: results are written when a
-// test is run by hand.
+// Appends a row to the CSV file that the environment variable names. The last column is the load average of
+// the last minute; a new file gets the header first. Does nothing if the variable is not set: results are
+// written when a test is run by hand.
 inline void add_result(const char* variable, const std::string& header, const std::string& row) {
   const char* path = ::getenv(variable);
   if (!path) return;
