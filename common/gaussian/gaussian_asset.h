@@ -8,6 +8,9 @@
 
 namespace livegs {
 
+// Y_00, the constant spherical harmonic: 1 / (2 sqrt(pi)).
+inline constexpr float kShBand0 = 0.28209479177387814f;
+
 // The kernels of one captured object, as trained (Kerbl et al. 2023, 3D Gaussian Splatting), one array per
 // property.
 //

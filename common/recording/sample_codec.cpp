@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-constexpr uint8_t kExact = 16, kReserved = 0xE0;
+constexpr uint8_t kExact = 16, kReservedSampleFlags = 0xE0;
 
 // Calls the functions for each value of the sample, poses first.
 template <class Sample, class UsePose, class UseButton>
@@ -69,7 +69,8 @@ void write_sample(ByteWriter& out, const InputSample& sample, uint64_t tick, Sam
 std::optional<InputSample> read_sample(ByteReader& in, uint64_t tick, SampleBefore& before) {
   const auto sequence = read_varint(in), sampled = read_varint(in), meant = read_varint(in);
   const uint8_t flags = in.read<uint8_t>();
-  if (!sequence || !sampled || !meant || in.failed() || (flags & kReserved) != 0) return std::nullopt;
+  if (!sequence || !sampled || !meant || in.failed() || (flags & kReservedSampleFlags) != 0)
+    return std::nullopt;
   InputSample sample;
   sample.sequence = before.sequence + *sequence;
   sample.sampled_ns = static_cast<int64_t>(static_cast<uint64_t>(before.sampled_ns) +

@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-constexpr uint8_t kStepped = 1, kFrame = 2, kKey = 4, kActions = 8, kScene = 16, kReserved = 0xE0;
+constexpr uint8_t kStepped = 1, kFrame = 2, kKey = 4, kActions = 8, kScene = 16, kReservedTickFlags = 0xE0;
 
 Error bad(const std::string& what) { return invalid_data("recorded tick: " + what); }
 
@@ -125,7 +125,7 @@ Result<TickRecord> decode_tick(std::span<const std::byte> bytes, SamplesBefore& 
   const auto tick = read_varint(in);
   const auto flags = in.read<uint8_t>();
   if (!tick || in.failed()) return bad("is truncated");
-  if ((flags & kReserved) != 0) return bad("sets a reserved bit");
+  if ((flags & kReservedTickFlags) != 0) return bad("sets a reserved bit");
   record.tick = *tick;
   record.key = (flags & kKey) != 0;
   if (record.key) before.clear();

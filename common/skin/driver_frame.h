@@ -9,7 +9,7 @@
 
 #include "core/pose.h"
 #include "gaussian/posed_kernels.h"
-#include "skin/bind/node_neighbours.h"
+#include "skin/drivers/node_neighbours.h"
 
 namespace livegs {
 

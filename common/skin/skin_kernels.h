@@ -7,8 +7,8 @@
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
 #include "gaussian/posed_kernels.h"
-#include "skin/bind/kernel_bindings.h"
 #include "skin/driver_frame.h"
+#include "skin/kernels/kernel_bindings.h"
 #include "skin/rest_body.h"
 
 // Moves kernels with drivers. Each frame starts from the rest state, so errors do not accumulate.

@@ -6,7 +6,7 @@
 
 #include "gaussian/posed_kernels.h"
 #include "splat/camera.h"
-#include "splat/raster/raster_options.h"
+#include "splat/project/raster_options.h"
 
 // The CPU tile rasteriser: the reference for every GPU path, and the renderer on machines without a GPU.
 // Kerbl et al. 2023 and Zwicker et al. 2001 (EWA splatting). Thresholds as in the reference implementation:

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "wire/coding/grid_coder.h"
 #include "wire/driver_grid.h"
+#include "wire/grid_coder.h"
 #include "wire/header.h"
 #include "wire/little_endian.h"
 #include "wire/varint.h"

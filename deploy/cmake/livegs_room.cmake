@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# Headers that most files include and few change are parsed once, for rooms and for tests: half of what compiling costs.
-# Not with CGAL, whose rounding flags make other code of them.
+# Headers that most files include and that rarely change are precompiled once for the rooms and once for the tests.
+# Targets with CGAL are excluded: its rounding flags differ.
 option(LIVEGS_PRECOMPILE "Precompile the headers of Eigen, GoogleTest and the standard library" ON)
 set(LIVEGS_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory>
                           <optional> <span> <string> <variant> <vector>)
 
-# livegs_precompile(TARGET common|tests LIBRARIES...): the target's libraries decide whether it can.
+# livegs_precompile(TARGET common|tests LIBRARIES...): uses the precompiled headers unless a library is CGAL's.
 function(livegs_precompile target set)
   if(NOT LIVEGS_PRECOMPILE OR "${ARGN}" MATCHES "CGAL")
     return()
@@ -13,7 +13,7 @@ function(livegs_precompile target set)
   if(NOT TARGET livegs_headers_${set})
     find_package(Eigen3 REQUIRED NO_MODULE)
     set(source ${CMAKE_BINARY_DIR}/headers_${set}.cpp)
-    file(CONFIGURE OUTPUT ${source} CONTENT "// Nothing but its precompiled headers.\n")
+    file(CONFIGURE OUTPUT ${source} CONTENT "// Holds the precompiled headers only.\n")
     add_library(livegs_headers_${set} OBJECT ${source})
     target_link_libraries(livegs_headers_${set} PRIVATE Eigen3::Eigen)
     set(headers ${LIVEGS_COMMON_HEADERS})
@@ -28,26 +28,26 @@ function(livegs_precompile target set)
   target_precompile_headers(${target} REUSE_FROM livegs_headers_${set})
 endfunction()
 
-# Several sources of a target are compiled as one: headers and templates are read once for all of them. OFF for short
-# rebuilds after an edit of one file.
+# Compiles several sources of a target as one unit, so that headers and templates are parsed once. OFF shortens the rebuild
+# after an edit of one file.
 option(LIVEGS_UNITY "Compile the sources of a target in batches" ON)
 set(LIVEGS_UNITY_BATCH 8)
 
-# Test sources are compiled for a short build: they run once, and what they call is optimised in its own room.
-set(LIVEGS_TEST_FLAGS "-O1;-g0")
+# Test sources are compiled for a short build; the code under test is optimised in its own room.
+set(LIVEGS_TEST_FLAGS "-O1;-g0" CACHE STRING "Compile options of test sources")
 
 # Programs that are built on request only: `benches` and `nightly_tests`.
 add_custom_target(benches)
 add_custom_target(nightly_tests)
 
-# livegs_unite(TARGET): compiles the target in batches. A source with compile options of its own stays by itself.
+# livegs_unite(TARGET): compiles the target in batches. A source with its own compile options is compiled alone.
 function(livegs_unite target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${LIVEGS_UNITY} UNITY_BUILD_BATCH_SIZE ${LIVEGS_UNITY_BATCH})
 endfunction()
 
 # livegs_add_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...])
-#   A room is one static library livegs_NAME with the alias livegs::NAME. Its headers are included with the
-#   room in the path ("skin/driver_frame.h"), from the folder that holds the room: common/, server/ or client/.
+#   A room is one static library livegs_NAME with the alias livegs::NAME. Includes name the room ("skin/driver_frame.h");
+#   the include folder is the parent of the room: common/, server/ or client/.
 function(livegs_add_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(livegs_${name} STATIC ${ROOM_SOURCES})
@@ -58,7 +58,7 @@ function(livegs_add_room name)
   livegs_unite(livegs_${name})
 endfunction()
 
-# livegs_add_test_program(NAME SOURCES ... LINK ...): a GoogleTest program that is no test of ctest by itself.
+# livegs_add_test_program(NAME SOURCES ... LINK ...): a GoogleTest program without a ctest entry.
 function(livegs_add_test_program name)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
@@ -72,9 +72,11 @@ function(livegs_add_test_program name)
 endfunction()
 
 # livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds] [SHARDS count] [SERIAL] [EACH])
-#   One GoogleTest program. It is one ctest for each of its SHARDS (2 by default), so that data, tables and devices are
-#   loaded once; the times of its TESTs go to test_times/ in the build tree. EACH: every TEST is a ctest of its own, for
-#   tests of whole programs. SERIAL: no other test runs at the same time. Label nightly: not built and not run by default.
+#   One GoogleTest program with one ctest entry per shard (SHARDS, 2 by default), so that data, tables and devices are loaded
+#   once. The times of its TESTs go to test_times/ in the build tree.
+#   EACH: one ctest entry per TEST, for tests of whole programs.
+#   SERIAL: no other test runs at the same time.
+#   LABELS nightly: neither built nor run by default. TIMEOUT: 900 s by default, 300 s with EACH.
 function(livegs_add_test name)
   cmake_parse_arguments(TEST "SERIAL;EACH" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT TEST_LABELS)
@@ -87,14 +89,14 @@ function(livegs_add_test name)
   endif()
   set(environment)
   if(LIVEGS_SANITIZE MATCHES address AND TEST_LABELS MATCHES vulkan)
-    # Drivers and layers keep memory until the process ends; none of it has a frame of ours.
+    # Vulkan drivers and layers keep memory until the process ends; the leaks are not in our code.
     set(environment ASAN_OPTIONS=detect_leaks=0)
   endif()
   if(TEST_EACH)
     if(NOT TEST_TIMEOUT)
       set(TEST_TIMEOUT 300)
     endif()
-    # Several labels are one list-valued property, whose semicolons GoogleTest.cmake of CMake 3.25 expands that often.
+    # Several labels are one list property; GoogleTest.cmake of CMake 3.25 expands its semicolons several times.
     string(REPEAT "\\" 7 escapes)
     string(REPLACE ";" "${escapes};" TEST_LABELS "${TEST_LABELS}")
     if(environment)
@@ -124,8 +126,8 @@ function(livegs_add_test name)
 endfunction()
 
 # livegs_add_second_device(NAME FILTER)
-#   The tests of a program that FILTER names, on SwiftShader (Debian's chromium-common has it): unlike lavapipe it draws both
-#   eyes at once, as a GPU does, and rounds 16-bit floats to the nearest. Nightly. Skipped with a message if not installed.
+#   Repeats the tests that match FILTER on SwiftShader (Debian package chromium-common), nightly. Unlike lavapipe, SwiftShader
+#   draws both eyes at once, as a GPU does, and rounds 16-bit floats to nearest. Skipped with a message if not installed.
 set(LIVEGS_SWIFTSHADER_ICD /usr/lib/chromium/vk_swiftshader_icd.json)
 function(livegs_add_second_device name filter)
   add_test(NAME SwiftShader.${name}
@@ -137,7 +139,7 @@ function(livegs_add_second_device name filter)
 endfunction()
 
 # livegs_add_bench(NAME SOURCES ... LINK ...)
-#   A program that the target `benches` builds and a person runs; its CSV goes to tests/bench/results.
+#   A program that the target `benches` builds and that is run by hand; its CSV goes to tests/bench/results.
 function(livegs_add_bench name)
   cmake_parse_arguments(BENCH "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} EXCLUDE_FROM_ALL ${BENCH_SOURCES})
@@ -149,8 +151,7 @@ function(livegs_add_bench name)
 endfunction()
 
 # livegs_embed_text(TARGET FILE CONSTANT)
-#   FILE.h, generated into the build tree, holds the file's text as the constant CONSTANT. Of a path, the header has the
-#   last name alone.
+#   Generates NAME.h in the build tree with the text of FILE as the constant CONSTANT. NAME is the file name without folders.
 function(livegs_embed_text target file constant)
   cmake_path(GET file FILENAME name)
   set(header ${CMAKE_CURRENT_BINARY_DIR}/embedded/${name}.h)
@@ -164,9 +165,9 @@ function(livegs_embed_text target file constant)
 endfunction()
 
 # livegs_add_shader(TARGET NAME STAGE)
-#   Compiles NAME.STAGE.glsl (comp, vert or frag; NAME may have folders) to SPIR-V in the build tree. There BASE.spv.h, or
-#   BASE_STAGE.spv.h for vert and frag, holds it as the array BASE[_STAGE]_spirv; BASE is the last part of NAME. Shaders
-#   include with the room in the path, as C++ does.
+#   Compiles NAME.STAGE.glsl (comp, vert or frag; NAME may have folders) to SPIR-V in the build tree. BASE.spv.h, or
+#   BASE_STAGE.spv.h for vert and frag, holds it as the array BASE[_STAGE]_spirv; BASE is the last part of NAME. Includes in
+#   shaders name the room, as in C++.
 function(livegs_add_shader target name stage)
   find_program(LIVEGS_GLSLANG glslangValidator REQUIRED)
   set(source ${CMAKE_CURRENT_SOURCE_DIR}/${name}.${stage}.glsl)

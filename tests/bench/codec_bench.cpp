@@ -22,10 +22,10 @@
 #include "bench/support/arguments.h"
 #include "bench/support/dragged_blocks.h"
 #include "bench/support/kernel_errors.h"
-#include "wire/coding/grid_coder.h"
 #include "wire/driver_grid.h"
 #include "wire/frame_codec.h"
 #include "wire/frame_stream.h"
+#include "wire/grid_coder.h"
 #include "wire/kernel_codec.h"
 
 using namespace livegs;

@@ -15,7 +15,7 @@
 #include <string>
 
 #include "geometry/surface/shape_mesh.h"
-#include "physics/elastic/make_elastic_body.h"
+#include "physics/elastic/factory/make_elastic_body.h"
 #include "server/physics/elastic/quarter_shell.h"
 #include "study/peers/bullet_body.h"
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "bench/support/time_of.h"
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "core/parallel_for.h"
 
 using namespace livegs;

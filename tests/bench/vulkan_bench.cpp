@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "common/splat/synthetic_kernels.h"
 #include "compute/vulkan_backend.h"
 #include "core/clock.h"

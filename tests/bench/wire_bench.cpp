@@ -8,7 +8,7 @@
 
 #include "bench/support/arguments.h"
 #include "bench/support/time_of.h"
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "wire/frame_codec.h"
 #include "wire/frame_stream.h"
 

@@ -128,6 +128,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-const bool kAdded = add_target({"asset", look_at, seeds});
+[[maybe_unused]] const bool kAdded = add_target({"asset", look_at, seeds});
 
 }  // namespace livegs::fuzz::asset_fuzz

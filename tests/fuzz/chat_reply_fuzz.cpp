@@ -90,6 +90,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-const bool kAdded = add_target({"chat_reply", look_at, seeds});
+[[maybe_unused]] const bool kAdded = add_target({"chat_reply", look_at, seeds});
 
 }  // namespace livegs::fuzz::chat_reply_fuzz

@@ -124,6 +124,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-const bool kAdded = add_target({"client_message", look_at, seeds});
+[[maybe_unused]] const bool kAdded = add_target({"client_message", look_at, seeds});
 
 }  // namespace livegs::fuzz::client_message_fuzz

@@ -90,6 +90,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-const bool kAdded = add_target({"frame", look_at, seeds});
+[[maybe_unused]] const bool kAdded = add_target({"frame", look_at, seeds});
 
 }  // namespace livegs::fuzz::frame_fuzz

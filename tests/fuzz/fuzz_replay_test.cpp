@@ -2,10 +2,10 @@
 // Replay of the fuzz targets without libFuzzer: the committed corpus, the seeds, and truncations and bit
 // flips of three seeds.
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -22,23 +22,28 @@ void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }  
 namespace {
 
 // Per seed. A longer seed is cut and flipped at even steps.
-constexpr size_t kMaxTruncations = 1024;
-constexpr size_t kMaxFlips = 4096;
+constexpr size_t kMaxTruncations = 512;
+constexpr size_t kMaxFlips = 2048;
 
 const std::filesystem::path kCorpus = std::filesystem::path(LIVEGS_TESTS_DIR) / "fuzz" / "corpus";
 
-// The input in work, for the line that a crash prints.
-char current_input[512];
+char current_input[512];  // printed if the process crashes
 
 void name_input(const Target& target, const std::string& what, const char* change, size_t at) {
   std::snprintf(current_input, sizeof current_input, "%s: %s, %s %zu\n", target.name, what.c_str(), change,
                 at);
 }
 
-void print_input(int signal) {
+constexpr int kFatal[] = {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL};
+struct sigaction earlier[std::size(kFatal)];
+
+void restore_handlers() {
+  for (size_t i = 0; i < std::size(kFatal); ++i) ::sigaction(kFatal[i], &earlier[i], nullptr);
+}
+// The fault repeats on return, under the earlier handler: a sanitizer's report, or the end of the process.
+void print_input(int) {
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, current_input, std::strlen(current_input));
-  std::signal(signal, SIG_DFL);
-  std::raise(signal);
+  restore_handlers();
 }
 
 Bytes read_file(const std::filesystem::path& path) {
@@ -80,11 +85,11 @@ void replay_changed(const Target& target, const Bytes& seed, const std::string& 
 class FuzzReplay : public ::testing::TestWithParam<Target> {
  protected:
   void SetUp() override {
-    for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, print_input);
+    struct sigaction print = {};
+    print.sa_handler = print_input;
+    for (size_t i = 0; i < std::size(kFatal); ++i) ::sigaction(kFatal[i], &print, &earlier[i]);
   }
-  void TearDown() override {
-    for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
-  }
+  void TearDown() override { restore_handlers(); }
 };
 
 TEST_P(FuzzReplay, CorpusSeedsAndSmallChanges) {

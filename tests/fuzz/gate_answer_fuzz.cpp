@@ -94,6 +94,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-const bool kAdded = add_target({"gate_answer", look_at, seeds});
+[[maybe_unused]] const bool kAdded = add_target({"gate_answer", look_at, seeds});
 
 }  // namespace livegs::fuzz::gate_answer_fuzz

@@ -169,6 +169,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-const bool kAdded = add_target({"recording", look_at, seeds});
+[[maybe_unused]] const bool kAdded = add_target({"recording", look_at, seeds});
 
 }  // namespace livegs::fuzz::recording_fuzz

@@ -110,6 +110,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-const bool kAdded = add_target({"server_message", look_at, seeds});
+[[maybe_unused]] const bool kAdded = add_target({"server_message", look_at, seeds});
 
 }  // namespace livegs::fuzz::server_message_fuzz

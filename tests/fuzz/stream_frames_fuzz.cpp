@@ -38,6 +38,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-const bool kAdded = add_target({"stream_frames", look_at, seeds});
+[[maybe_unused]] const bool kAdded = add_target({"stream_frames", look_at, seeds});
 
 }  // namespace livegs::fuzz::stream_frames_fuzz

@@ -11,11 +11,13 @@ namespace {
 
 // By name, the numbers each has.
 const std::map<std::string, size_t> kEvents = {
-    {"hide", 0},                              // another application covers this one
-    {"show", 0},        {"take-focus", 0},    // a menu of the system has the hands
-    {"give-focus", 0},  {"lose-session", 0},  // announced by LOSS_PENDING, then gone
-    {"cut-session", 0},                       // gone without a word
-    {"vanish", 0},                            // the runtime says that it is going away
+    {"hide", 0},  // another application covers this one
+    {"show", 0},
+    {"take-focus", 0},  // a menu of the system has the hands
+    {"give-focus", 0},
+    {"lose-session", 0},  // announced by LOSS_PENDING, then gone
+    {"cut-session", 0},   // gone without a word
+    {"vanish", 0},        // the runtime says that it is going away
     {"die", 0},  // the runtime is gone without a word: all calls but those that destroy answer INSTANCE_LOST
     {"recentre", 4},    // X Y Z of the new LOCAL space in the stage, and its turn about +Y in degrees
     {"refresh", 1},     // Hz

@@ -11,18 +11,18 @@
 namespace livegs {
 namespace {
 
-constexpr std::chrono::seconds kCallDeadline{10};
+constexpr std::chrono::seconds kControlDeadline{10};
 
 }  // namespace
 
 struct SceneControl::Connection {
   std::string address;
   std::unique_ptr<v1::LiveGs::Stub> stub;
-  std::mutex mutex;  // guards the two below
+  std::mutex mutex;  // guards the two members below
   std::set<grpc::ClientContext*> under_way;
   bool cancelled = false;
 
-  // A call's context, which cancel() knows while it lives.
+  // Registers the context of a call with cancel() while the call runs.
   class Call {
    public:
     explicit Call(Connection& connection) : connection_(connection) {
@@ -44,7 +44,7 @@ struct SceneControl::Connection {
   Result<Reply> ask(grpc::Status (v1::LiveGs::Stub::*method)(grpc::ClientContext*, const Request&, Reply*),
                     const Request& request) {
     Call call(*this);
-    call.context.set_deadline(std::chrono::system_clock::now() + kCallDeadline);
+    call.context.set_deadline(std::chrono::system_clock::now() + kControlDeadline);
     Reply reply;
     const grpc::Status status = (stub.get()->*method)(&call.context, request, &reply);
     if (!status.ok()) return error_from(status, address);

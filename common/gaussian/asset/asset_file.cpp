@@ -7,6 +7,7 @@
 #include "core/file.h"
 #include "gaussian/asset/establish_invariants.h"
 #include "gaussian/asset/readers.h"
+#include "gaussian/ply/ply_header.h"
 
 namespace livegs {
 namespace {

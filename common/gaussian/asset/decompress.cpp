@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kGzipWindowBits = 15 + 16;  // zlib: adding 16 requires a gzip header and trailer
 constexpr size_t kFirstPiece = size_t{1} << 20;
-constexpr int kZstdLevel = 12;
+constexpr int kFileZstdLevel = 12;
 
 }  // namespace
 
@@ -119,7 +119,7 @@ Result<std::vector<std::byte>> zstd_decompress(Bytes frame, size_t size, std::st
 
 std::vector<std::byte> zstd_compress(Bytes bytes) {
   std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
-  const size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kZstdLevel);
+  const size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kFileZstdLevel);
   LIVEGS_ASSERT(!ZSTD_isError(size));
   out.resize(size);
   return out;

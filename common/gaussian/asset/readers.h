@@ -7,13 +7,14 @@
 #include "core/result.h"
 #include "gaussian/asset/bytes.h"
 #include "gaussian/asset/decoded_asset.h"
-#include "gaussian/ply/ply_header.h"
-#include "gaussian/sog/sog_files.h"
 
 // The readers, one per format, internal to this room. Each returns the values of the file in the frame of
 // GaussianAsset. The caller then calls establish_invariants.
 
 namespace livegs {
+
+struct PlyHeader;
+class SogFiles;
 
 Result<AssetFile> read_gaussian_ply(const PlyHeader& header, Bytes bytes, std::string_view name);
 Result<AssetFile> read_compressed_ply(const PlyHeader& header, Bytes bytes, std::string_view name);

@@ -7,13 +7,13 @@
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset/smallest_three.h"
 #include "gaussian/opacity.h"
+#include "gaussian/ply/ply_header.h"
 #include "gaussian/ply/ply_rows.h"
 
 namespace livegs {
 namespace {
 
 constexpr size_t kChunk = 256;
-constexpr float kSh0 = 0.28209479177387814f;
 constexpr std::array<const char*, 18> kBounds = {
     "min_x",       "min_y",       "min_z",       "max_x",       "max_y",       "max_z",
     "min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z",
@@ -87,7 +87,7 @@ void unpack(const std::vector<ChunkBounds>& chunks, const std::vector<uint32_t>&
     asset.log_scales[i] = bounds.lerp(6, unpack_11_10_11(word[2]));
     const Eigen::Vector3f rgb(static_cast<float>(word[3] >> 24), static_cast<float>((word[3] >> 16) & 255),
                               static_cast<float>((word[3] >> 8) & 255));
-    asset.sh_dc[i] = (bounds.lerp(12, rgb / 255.0f).array() - 0.5f) / kSh0;
+    asset.sh_dc[i] = (bounds.lerp(12, rgb / 255.0f).array() - 0.5f) / kShBand0;
     asset.opacity_logits[i] = logit_of_opacity_byte(word[3] & 255);
   }
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "gaussian/asset/readers.h"
+#include "gaussian/ply/ply_header.h"
 #include "gaussian/ply/ply_rows.h"
 
 namespace livegs {
@@ -54,9 +55,9 @@ bool says_antialiased(const PlyHeader& header) {
 }
 
 // Collects the destination of each property. The first missing property is the error.
-class Columns {
+class PlyColumns {
  public:
-  Columns(const PlyElement& vertex, std::string_view name) : vertex_(vertex), name_(name) {}
+  PlyColumns(const PlyElement& vertex, std::string_view name) : vertex_(vertex), name_(name) {}
 
   void add(const std::string& property, float* first, size_t stride) {
     const std::optional<size_t> index = vertex_.find(property);
@@ -81,7 +82,7 @@ class Columns {
   std::optional<Error> error_;
 };
 
-void add_all(Columns& columns, GaussianAsset& asset) {
+void add_all(PlyColumns& columns, GaussianAsset& asset) {
   float* position = asset.positions.data()->data();
   float* scale = asset.log_scales.data()->data();
   float* rotation = asset.rotations.data()->coeffs().data();  // x y z w
@@ -118,12 +119,12 @@ Result<AssetFile> read_gaussian_ply(const PlyHeader& header, Bytes bytes, std::s
   AssetFile file;
   file.asset.sh_degree = *degree;
   file.asset.resize(1);
-  Columns needed(*vertex, name);
+  PlyColumns needed(*vertex, name);
   add_all(needed, file.asset);
   if (needed.error()) return *needed.error();
 
   file.asset.resize(vertex->count);
-  Columns columns(*vertex, name);
+  PlyColumns columns(*vertex, name);
   add_all(columns, file.asset);
   PlyRows rows(header, bytes, name);
   for (const PlyElement& element : header.elements) {

@@ -10,7 +10,6 @@ namespace livegs {
 namespace {
 
 constexpr size_t kRecordBytes = 32;
-constexpr float kSh0 = 0.28209479177387814f;
 
 }  // namespace
 
@@ -34,7 +33,7 @@ Result<AssetFile> read_splat(Bytes bytes, std::string_view name) {
       asset.log_scales[i][axis] =
           std::log(load<float>(record, 12 + offset));  // negative: NaN; the kernel is dropped later
       asset.sh_dc[i][axis] =
-          (static_cast<float>(byte_at(record, 24 + static_cast<size_t>(axis))) / 255.0f - 0.5f) / kSh0;
+          (static_cast<float>(byte_at(record, 24 + static_cast<size_t>(axis))) / 255.0f - 0.5f) / kShBand0;
     }
     asset.opacity_logits[i] = logit_of_opacity_byte(byte_at(record, 27));
     asset.rotations[i] = Eigen::Quaternionf(component(0), component(1), component(2), component(3));

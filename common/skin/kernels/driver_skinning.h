@@ -7,8 +7,8 @@
 
 #include "core/result.h"
 #include "gaussian/posed_kernels.h"
-#include "skin/bind/kernel_bindings.h"
 #include "skin/driver_frame.h"
+#include "skin/kernels/kernel_bindings.h"
 #include "skin/rest_body.h"
 
 // Internal to this room: the implementations of bind_kernels and skin_kernels, one pair per driver kind.

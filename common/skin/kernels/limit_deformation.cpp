@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "skin/passes/skin_lattice_layout.h"
+#include "skin/kernels/skin_lattice_layout.h"
 #include "skin/skin_kernels.h"
 
 namespace livegs {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "skin/passes/skin_lattice_layout.h"
+#include "skin/kernels/skin_lattice_layout.h"
 
 layout(local_size_x_id = 0) in;
 layout(std430, set = 0, binding = 0) readonly restrict buffer Rest { RestKernelRow rest[]; };

@@ -15,10 +15,10 @@
 
 #include "core/assert.h"
 #include "core/parallel_for.h"
-#include "skin/bind/cell_fill.h"
-#include "skin/bind/nearest_cubes.h"
+#include "skin/kernels/cell_fill.h"
 #include "skin/kernels/driver_skinning.h"
 #include "skin/kernels/lattice_skinning.h"
+#include "skin/kernels/nearest_cubes.h"
 
 namespace livegs {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "core/assert.h"
 #include "core/parallel_for.h"
-#include "skin/bind/nearest_cubes.h"
 #include "skin/kernels/driver_skinning.h"
+#include "skin/kernels/nearest_cubes.h"
 
 namespace livegs {
 

@@ -7,7 +7,7 @@
 #pragma once
 #endif
 #include "gaussian/asset/posed_kernel_row.h"
-#include "skin/passes/rest_kernel_row.h"
+#include "skin/kernels/rest_kernel_row.h"
 #ifdef __cplusplus
 namespace livegs {
 #endif

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "compute/backend.h"
-#include "skin/passes/skin_lattice_layout.h"
+#include "skin/kernels/skin_lattice_layout.h"
 
 namespace livegs {
 

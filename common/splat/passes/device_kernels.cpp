@@ -14,7 +14,7 @@
 namespace livegs {
 namespace {
 
-constexpr size_t kBlock = 4096;  // kernels
+constexpr size_t kUploadBlock = 4096;  // kernels
 
 // log2 of the sigmoid, in doubles: for a faint kernel, the logarithm of a rounded opacity would be wrong.
 float log2_opacity(float logit) {
@@ -64,7 +64,7 @@ Result<void> DeviceKernels::make_part(const GaussianAsset& asset, uint32_t first
   std::vector<KernelLookRow> look_rows(count);
   std::vector<uint32_t> words(band_words, 0);
   const size_t coefficients = asset.sh_rest_count();
-  parallel_for(count, kBlock, [&](size_t begin, size_t end) {
+  parallel_for(count, kUploadBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const size_t kernel = kernel_of(first + i);
       const Eigen::Vector3f& dc = asset.sh_dc[kernel];
@@ -89,7 +89,7 @@ Result<void> DeviceKernels::pose(const PosedKernels& kernels) {
       part.posed = *std::move(made);
     }
     rows.resize(part.count);
-    parallel_for(part.count, kBlock, [&](size_t begin, size_t end) {
+    parallel_for(part.count, kUploadBlock, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         const size_t kernel = kernel_of(part.first + i);
         const Eigen::Vector3f& x = kernels.positions_m[kernel];

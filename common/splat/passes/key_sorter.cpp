@@ -16,8 +16,8 @@
 namespace livegs {
 namespace {
 
-constexpr uint32_t kDigitBits = 4;
-static_assert(kSortDigits == 1u << kDigitBits);
+constexpr uint32_t kPassDigitBits = 4;
+static_assert(kSortDigits == 1u << kPassDigitBits);
 
 uint32_t digit_of(uint32_t key, const SortKeysConstants& constants) {
   return (key >> constants.shift) % kSortDigits;
@@ -170,7 +170,7 @@ Result<void> KeySorter::sort(uint32_t count, const Options& options) {
     const SortedCount none{4, 0, 0, 0};
     return backend_->upload(buffers_[5].id(), std::as_bytes(std::span(&none, 1)));
   }
-  for (uint32_t shift = 0; shift < 32; shift += kDigitBits) {
+  for (uint32_t shift = 0; shift < 32; shift += kPassDigitBits) {
     uint32_t flags = 0;
     if (shift == 0) {
       flags = kSortFirstPass | (options.index_values ? kSortIndexValues : 0u) |

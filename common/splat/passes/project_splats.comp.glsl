@@ -13,8 +13,8 @@ layout(std430, set = 0, binding = 5) writeonly restrict buffer Right { SplatRow 
 layout(std430, set = 0, binding = 6) writeonly restrict buffer Keys { uint keys[]; };
 layout(push_constant) uniform Constants { ProjectSplatsConstants constants; };
 
-#include "splat/raster/precise.glsl"
-#include "splat/raster/spherical_harmonics.glsl"
+#include "splat/project/precise.glsl"
+#include "splat/project/spherical_harmonics.glsl"
 
 const float kHalfLog2E = 0.72134752;
 const uint kNoKey = 0xffffffffu;  // kSortDroppedKey

@@ -12,14 +12,14 @@
 #include "splat/half_float.h"
 #include "splat/passes/radix_sort.h"
 #include "splat/passes/sort_keys_layout.h"
-#include "splat/raster/precise.h"
-#include "splat/raster/project_kernels.h"
-#include "splat/raster/spherical_harmonics.h"
+#include "splat/project/precise.h"
+#include "splat/project/project_kernels.h"
+#include "splat/project/spherical_harmonics.h"
 
 namespace livegs {
 namespace {
 
-constexpr float kHalfLog2E = 0.72134752f;
+constexpr float kHalfLog2E_f32 = 0.72134752f;
 
 struct Row3 {
   float x, y, z;
@@ -103,7 +103,7 @@ bool project(const EyeView& eye, const PosedKernelRow& k, const Cofactors& c, fl
   }
   if (!(log2_opacity >= -kSplatLog2Of255)) return false;
 
-  const float rim = (log2_opacity + kSplatLog2Of255) / kHalfLog2E;
+  const float rim = (log2_opacity + kSplatLog2Of255) / kHalfLog2E_f32;
   if (eye.max_radius_px > 0.0f) {
     const float half_gap = 0.5f * (xx - yy);
     const float longest = rim * (0.5f * (xx + yy) + std::sqrt(half_gap * half_gap + xy * xy));
@@ -128,7 +128,7 @@ bool project(const EyeView& eye, const PosedKernelRow& k, const Cofactors& c, fl
         centre_y - reach_y <= eye.height_px)) {
     return false;
   }
-  const float scale = std::sqrt(kHalfLog2E);
+  const float scale = std::sqrt(kHalfLog2E_f32);
   const float root_yy = std::sqrt(yy);
   const float root_det = std::sqrt(det);
   row.centre_x_px = centre_x;

@@ -9,8 +9,8 @@
 namespace livegs {
 namespace {
 
-constexpr size_t kRun = 4096;  // kernels
-constexpr size_t kAhead = 16;  // prefetch distance in kernels
+constexpr size_t kRun = 4096;        // kernels
+constexpr size_t kBinPrefetch = 16;  // prefetch distance in kernels
 
 // First and last pixel with its centre in [begin, end], clamped to [0, size).
 TileSpan pixels_between(float begin, float end, int size) {
@@ -74,7 +74,7 @@ void TileBins::fill(std::span<const ProjectedKernel> kernels, std::span<const ui
     run.next.assign(tile_count, 0);
     for (size_t i = begin; i < end; ++i) {
       // Depth order gives random memory accesses. The prefetch hides their latency.
-      if (i + kAhead < end) __builtin_prefetch(&kernels[order[i + kAhead]]);
+      if (i + kBinPrefetch < end) __builtin_prefetch(&kernels[order[i + kBinPrefetch]]);
       const uint32_t kernel = order[i];
       const Rim rim(kernels[kernel]);
       const TileSpan pixel_rows = rim.rows(grid);

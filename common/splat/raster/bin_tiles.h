@@ -5,11 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "splat/raster/projected_kernel.h"
+#include "splat/project/projected_kernel.h"
 
 namespace livegs {
-
-inline constexpr int kTileSize = 16;
 
 struct TileGrid {
   int width, height;  // px

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "splat/project/projected_kernel.h"
+#include "splat/project/raster_options.h"
 #include "splat/raster/bin_tiles.h"
-#include "splat/raster/projected_kernel.h"
-#include "splat/raster/raster_options.h"
 
 namespace livegs {
 

@@ -7,7 +7,7 @@
 
 #include "core/assert.h"
 #include "splat/passes/project_splats.h"
-#include "splat/raster/spherical_harmonics.h"
+#include "splat/project/spherical_harmonics.h"
 
 namespace livegs {
 namespace {

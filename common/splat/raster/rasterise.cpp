@@ -7,15 +7,15 @@
 #include "core/clock.h"
 #include "core/parallel_for.h"
 #include "splat/passes/radix_sort.h"
+#include "splat/project/project_kernels.h"
 #include "splat/raster/bin_tiles.h"
 #include "splat/raster/blend_tiles.h"
-#include "splat/raster/project_kernels.h"
 
 namespace livegs {
 namespace {
 
 constexpr size_t kProjectBlock = 1024;  // kernels
-constexpr size_t kAhead = 16;           // prefetch distance in kernels
+constexpr size_t kRasterPrefetch = 16;  // prefetch distance in kernels
 
 // Kernels are binned and blended in batches, nearest first, so that opaque tiles receive no more kernels and
 // the bins stay bounded for a camera inside an object. A batch consists of whole groups; their bounding boxes
@@ -117,7 +117,7 @@ void Rasteriser::Buffers::sort() {
   parallel_for(keys.size(), kGroup, [&](size_t begin, size_t end) {
     size_t tiles = 0;
     for (size_t i = begin; i < end; ++i) {
-      if (i + kAhead < end) __builtin_prefetch(&projected[keys[i + kAhead].index]);
+      if (i + kRasterPrefetch < end) __builtin_prefetch(&projected[keys[i + kRasterPrefetch].index]);
       order[i] = keys[i].index;
       tiles += projected[order[i]].tile_bound;
     }

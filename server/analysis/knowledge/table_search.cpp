@@ -11,22 +11,22 @@
 namespace livegs {
 namespace {
 
-// Okapi BM25's usual constants.
+// Usual constants of Okapi BM25.
 constexpr double kTermSaturation = 1.2, kLengthWeight = 0.75;
-// How much a perfect trigram overlap and a table's own alias count, in units of BM25's score, which is 2 to 6
-// for one rare word. An alias decides; trigrams only where no word fits.
+// Scores of a perfect trigram overlap and of a table alias, in units of the BM25 score (2 to 6 for one rare
+// word). An alias decides; trigrams matter only if no word matches.
 constexpr double kTrigramWeight = 3.0, kAliasWeight = 8.0, kMaterialOfObject = 0.6;
 constexpr double kMinTrigramShare = 0.3, kMinScore = 0.6;
 constexpr std::size_t kMaxQueryLength = 200;
 
-std::vector<std::string> words_of(std::string_view text) {
+std::vector<std::string> search_words_of(std::string_view text) {
   std::vector<std::string> words;
   const std::string plain = normalised_name(text);
   for (std::size_t begin = 0; begin < plain.size();) {
     const std::size_t end = std::min(plain.find(' ', begin), plain.size());
     std::string word = plain.substr(begin, end - begin);
-    if (word.size() > 3 && word.back() == 's' && word[word.size() - 2] != 's')
-      word.pop_back();  // a plain plural
+    // A plain plural.
+    if (word.size() > 3 && word.back() == 's' && word[word.size() - 2] != 's') word.pop_back();
     if (!word.empty()) words.push_back(std::move(word));
     begin = end + 1;
   }
@@ -66,10 +66,10 @@ Index build_index() {
   const auto add = [&](KnowledgeHit row, const std::vector<std::string>& names, const std::string& more) {
     Document document;
     document.row = std::move(row);
-    std::vector<std::string> words = words_of(more);
+    std::vector<std::string> words = search_words_of(more);
     for (const std::string& name : names) {
       document.names.push_back(trigrams_of(name));
-      for (std::string& word : words_of(name)) words.push_back(std::move(word));
+      for (std::string& word : search_words_of(name)) words.push_back(std::move(word));
     }
     for (const std::string& word : words) ++document.counts[word];
     document.length = words.size();
@@ -114,7 +114,7 @@ double bm25(const Index& index, const Document& document, const std::vector<std:
 std::vector<KnowledgeHit> search_knowledge(std::string_view query, std::size_t count) {
   query = query.substr(0, kMaxQueryLength);
   const Index& index = index_of_tables();
-  const std::vector<std::string> words = words_of(query);
+  const std::vector<std::string> words = search_words_of(query);
   const std::set<std::string> grams = trigrams_of(query);
   const NameMatch object = match_name(query);
   const MaterialMatch material = match_material(query);
@@ -141,7 +141,7 @@ std::vector<KnowledgeHit> search_knowledge(std::string_view query, std::size_t c
 }
 
 std::vector<const MaterialRow*> similar_materials(const MaterialRow& material, std::size_t count) {
-  // Moduli spread over nine decades, densities over three.
+  // Moduli span nine decades, densities three.
   constexpr double kModulusWeight = 0.3, kOtherClass = 1.0, kOtherFragility = 0.5;
   std::vector<std::pair<double, const MaterialRow*>> others;
   for (const MaterialRow& row : material_table()) {

@@ -15,8 +15,8 @@
 namespace livegs {
 namespace {
 
-constexpr const char* kBuiltIn[] = {kFactsPrompt, kComplaintsPrompt,
-                                    kToolWordsPrompt};  // in the order of kFiles
+constexpr const char* kBuiltInTemplates[] = {kFactsPrompt, kComplaintsPrompt,
+                                             kToolWordsPrompt};  // in the order of kFiles
 
 }  // namespace
 
@@ -26,14 +26,14 @@ Result<MessageTemplates> MessageTemplates::read(const std::map<std::string, std:
   for (size_t i = 0; i < std::size(kFiles); ++i) {
     const std::string path = (folder / kFiles[i]).string() + ": ";
     const auto given = texts.find(kFiles[i]);
-    const auto own = nlohmann::json::parse(kBuiltIn[i], nullptr, false);
+    const auto own = nlohmann::json::parse(kBuiltInTemplates[i], nullptr, false);
     const auto json = given == texts.end() ? own : nlohmann::json::parse(given->second, nullptr, false);
     if (!json.is_object()) return invalid_data(path + "not a JSON object");
     for (const auto& [name, text] : json.items()) {
-      if (!text.is_string()) return invalid_data(path + name + " is no text");
-      if (!own.contains(name)) return invalid_data(path + name + " is no line that is ever said");
+      if (!text.is_string()) return invalid_data(path + name + " is not a string");
+      if (!own.contains(name)) return invalid_data(path + name + " is not a line of this file; remove it");
       if (!words.lines_.emplace(name, text.get<std::string>()).second)
-        return invalid_data(path + name + " stands in another file already");
+        return invalid_data(path + name + " is already defined in another file; remove it");
       const SlotNames known = slots_of(own[name].get<std::string>());
       if (auto checked = check_slots(text.get<std::string>(), known); !checked)
         return invalid_data(path + name + ", " + checked.error().message);

@@ -12,7 +12,7 @@ namespace {
 using Points = std::span<const Eigen::Vector2d>;
 using Loop = std::vector<uint32_t>;
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
+double cross_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
@@ -30,29 +30,30 @@ bool same_place(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() == b.x() && a.y() == b.y();
 }
 
-// Does the segment from a to b cross an edge of the loop anywhere but at its own ends?
+// Returns whether the segment from a to b crosses an edge of the loop, except at its own ends.
 bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Loop& loop, Points points) {
   for (size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
     const Eigen::Vector2d &c = points[loop[j]], &d = points[loop[i]];
     if (same_place(c, a) || same_place(c, b) || same_place(d, a) || same_place(d, b)) continue;
-    if ((cross(a, b, c) > 0) != (cross(a, b, d) > 0) && (cross(c, d, a) > 0) != (cross(c, d, b) > 0))
+    if ((cross_of(a, b, c) > 0) != (cross_of(a, b, d) > 0) &&
+        (cross_of(c, d, a) > 0) != (cross_of(c, d, b) > 0))
       return true;
   }
   return false;
 }
 
-// Does the direction to p leave corner `at` into the polygon?
+// Returns whether the direction to p points into the polygon at corner `at`.
 bool opens_towards(const Loop& loop, size_t at, const Eigen::Vector2d& p, Points points) {
   const Eigen::Vector2d &before = points[loop[(at + loop.size() - 1) % loop.size()]],
                         &here = points[loop[at]], &after = points[loop[(at + 1) % loop.size()]];
-  if (cross(before, here, after) > 0) return cross(before, here, p) > 0 && cross(here, after, p) > 0;
-  return cross(before, here, p) > 0 || cross(here, after, p) > 0;
+  if (cross_of(before, here, after) > 0) return cross_of(before, here, p) > 0 && cross_of(here, after, p) > 0;
+  return cross_of(before, here, p) > 0 || cross_of(here, after, p) > 0;
 }
 
-// Joins a hole to the polygon by the shortest bridge that crosses nothing.
+// Joins a hole to the polygon by the shortest bridge that crosses no edge.
 void join_hole(Loop& polygon, const Loop& hole, const std::vector<Loop>& others, Points points) {
-  // From the rightmost corner of the hole: everything to its right belongs to the polygon or to holes joined
-  // already.
+  // Starts at the rightmost corner of the hole: the region to its right belongs to the polygon or to holes
+  // that are already joined.
   size_t from = 0;
   for (size_t h = 1; h < hole.size(); ++h) {
     if (points[hole[h]].x() > points[hole[from]].x()) from = h;
@@ -82,15 +83,15 @@ void join_hole(Loop& polygon, const Loop& hole, const std::vector<Loop>& others,
   polygon = std::move(joined);
 }
 
-// Is no corner of the polygon that bends inwards within the ear (a, b, c)?
+// Returns whether no reflex corner of the polygon lies in the ear (a, b, c).
 bool is_ear(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Loop& polygon,
             const std::vector<uint8_t>& reflex, Points points) {
-  if (!(cross(a, b, c) > 0)) return false;
+  if (!(cross_of(a, b, c) > 0)) return false;
   for (size_t i = 0; i < polygon.size(); ++i) {
     if (!reflex[i]) continue;
     const Eigen::Vector2d& p = points[polygon[i]];
     if (same_place(p, a) || same_place(p, b) || same_place(p, c)) continue;
-    if (cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0) return false;
+    if (cross_of(a, b, p) >= 0 && cross_of(b, c, p) >= 0 && cross_of(c, a, p) >= 0) return false;
   }
   return true;
 }
@@ -100,7 +101,7 @@ bool is_ear(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
 double twice_area(const Loop& loop, Points points) {
   double sum = 0.0;
   for (size_t i = 1; i + 1 < loop.size(); ++i)
-    sum += cross(points[loop[0]], points[loop[i]], points[loop[i + 1]]);
+    sum += cross_of(points[loop[0]], points[loop[i]], points[loop[i + 1]]);
   return sum;
 }
 
@@ -122,7 +123,7 @@ std::vector<PolygonRegion> nest_loops(std::vector<Loop> loops, Points points) {
     size_t best = outer_count, best_votes = 0;
     double best_area = std::numeric_limits<double>::max();
     for (size_t r = 0; r < outer_count; ++r) {
-      // By most of its corners: one of them may touch the outer loop.
+      // Decided by the majority of corners, because some may touch the outer loop.
       size_t votes = 0;
       for (uint32_t corner : loops[l]) votes += inside_loop(points[corner], regions[r].loops[0], points);
       if (2 * votes <= loops[l].size() || areas[r] >= best_area) continue;
@@ -162,7 +163,7 @@ std::vector<std::array<uint32_t, 3>> triangulate(const PolygonRegion& region, Po
   };
   const auto update = [&](size_t i) {
     const auto [a, b, c] = corner_points(i);
-    reflex[i] = !(cross(a, b, c) > 0);
+    reflex[i] = !(cross_of(a, b, c) > 0);
   };
   for (size_t i = 0; i < polygon.size(); ++i) update(i);
   size_t at = 0;
@@ -175,11 +176,12 @@ std::vector<std::array<uint32_t, 3>> triangulate(const PolygonRegion& region, Po
       if (!reflex[i] && is_ear(a, b, c, polygon, reflex, points)) ear = i;
     }
     if (ear == n) {
-      // Nothing but rounding left: cut off the corner with the least area, which changes the shape least.
+      // Only rounding errors are left: the corner with the smallest area is removed, which changes the shape
+      // least.
       double least = std::numeric_limits<double>::max();
       for (size_t i = 0; i < n; ++i) {
         const auto [a, b, c] = corner_points(i);
-        if (std::abs(cross(a, b, c)) < least) least = std::abs(cross(a, b, c)), ear = i;
+        if (std::abs(cross_of(a, b, c)) < least) least = std::abs(cross_of(a, b, c)), ear = i;
       }
     }
     triangles.push_back({polygon[(ear + n - 1) % n], polygon[ear], polygon[(ear + 1) % n]});
@@ -188,7 +190,7 @@ std::vector<std::array<uint32_t, 3>> triangulate(const PolygonRegion& region, Po
     const size_t left = polygon.size();
     update(ear % left);
     update((ear + left - 1) % left);
-    at = (ear + 1) % left;  // every other corner first, which keeps the triangles from fanning out
+    at = (ear + 1) % left;  // every other corner first, which avoids fans of thin triangles
   }
   if (polygon.size() == 3) triangles.push_back({polygon[0], polygon[1], polygon[2]});
   return triangles;

@@ -12,21 +12,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of a mesh: columns across a face, an edge, and samples in each.
+// For meshes: columns across a face along each edge, and depth samples per column.
 constexpr int kColumns = 48, kDepthSamples = 16;
 
-struct Bounds {
+struct LoadBounds {
   Vector3d min_m = Vector3d::Constant(1e300), max_m = Vector3d::Constant(-1e300);
 };
 
-struct Face {
-  Vector3d min_m, max_m;  // of the region, cut to the body's bounds
+struct BoxFace {
+  Vector3d min_m, max_m;  // of the region, clipped to the body's bounds
   int across;
   double at_m;
 };
 
-Face face_of(const Bounds& body, const BodyRegion& region) {
-  Face face{region.min_m.cwiseMax(body.min_m), region.max_m.cwiseMin(body.max_m), 0, 0.0};
+BoxFace face_of(const LoadBounds& body, const BodyRegion& region) {
+  BoxFace face{region.min_m.cwiseMax(body.min_m), region.max_m.cwiseMin(body.max_m), 0, 0.0};
   const Vector3d size_m = face.max_m - face.min_m;
   for (int d = 1; d < 3; ++d) {
     if (size_m[d] < (1.0 - 1e-9) * size_m[face.across]) face.across = d;
@@ -36,18 +36,18 @@ Face face_of(const Bounds& body, const BodyRegion& region) {
   return face;
 }
 
-// By the mesh itself: boxes about the particles of what is thinner than a voxel are not where the mesh is,
-// and a plate of 0.5 mm got 0.3 of its load. Each column of the region is as much of the face as of it is
-// inside; those in a quarter of a cell act as one, four on a whole face of it, so that a cell that is held by
-// them does not turn.
+// Load points from the mesh itself: boxes about the particles of a body thinner than a voxel are not where
+// the mesh is. Each column of the region has the area of its face times the fraction of its depth that is
+// inside. The columns in a quarter of a cell act as one point. A full face has four, so that a cell held by
+// them cannot rotate.
 std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& lattice,
                                  const BodyRegion& region) {
-  Bounds body;
+  LoadBounds body;
   for (const Vector3d& vertex : particles.mesh_vertices_m) {
     body.min_m = body.min_m.cwiseMin(vertex);
     body.max_m = body.max_m.cwiseMax(vertex);
   }
-  const Face face = face_of(body, region);
+  const BoxFace face = face_of(body, region);
   const Vector3d size_m = face.max_m - face.min_m;
   if ((size_m.array() <= 0.0).any()) return {};
   RegularGrid grid;
@@ -93,9 +93,9 @@ std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& la
   return points;
 }
 
-Bounds bounds_in_object_axes(const BodyExtent& extent) {
+LoadBounds bounds_in_object_axes(const BodyExtent& extent) {
   if (along_object_axes(extent)) return {extent.min_m, extent.max_m};
-  Bounds bounds;
+  LoadBounds bounds;
   for (const MassBox& box : extent.boxes) {
     for (int c = 0; c < 8; ++c) {
       const Vector3d sign(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
@@ -114,8 +114,8 @@ std::vector<LoadPoint> load_points(const ParticleSet& particles, const BodyExten
   std::vector<LoadPoint> points;
   if (!particles.mesh_triangles.empty()) points = load_mesh(particles, lattice, region);
   if (!points.empty()) return points;
-  const Face face = face_of(bounds_in_object_axes(extent), region);
-  // The cutter tells pieces inside a region by its material.
+  const BoxFace face = face_of(bounds_in_object_axes(extent), region);
+  // The cutter marks pieces inside a region by its material.
   BodyRegion loaded;
   loaded.min_m = face.min_m;
   loaded.max_m = face.max_m;

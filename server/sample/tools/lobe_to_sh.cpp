@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace livegs::sample {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr int kPoints = 64;  // exact to degree 127: narrow lobes are resolved
+constexpr int kPoints = 64;  // exact to degree 127, sufficient for narrow lobes
 
 double legendre(int l, double x) {
   switch (l) {
@@ -27,11 +27,11 @@ struct Rule {
   std::array<double, kPoints> node, weight;
 };
 
-// Newton on the Legendre polynomial, from Tricomi's estimate of its roots.
+// Newton's method on the Legendre polynomial, from Tricomi's estimate of its roots.
 Rule gauss_legendre() {
   Rule rule;
   for (int i = 0; i < kPoints; ++i) {
-    double x = std::cos(kPi * (i + 0.75) / (kPoints + 0.5)), slope = 1.0;
+    double x = std::cos(std::numbers::pi * (i + 0.75) / (kPoints + 0.5)), slope = 1.0;
     for (int step = 0; step < 8; ++step) {
       double previous = 1.0, value = x;
       for (int n = 2; n <= kPoints; ++n) {
@@ -55,7 +55,7 @@ ZonalLobe project_zonal(const std::function<double(double)>& f, int degree) {
   ZonalLobe lobe;
   for (int i = 0; i < kPoints; ++i)
     for (int l = 0; l <= degree; ++l)
-      lobe.strength[l] += 2 * kPi * rule.weight[i] * f(rule.node[i]) * legendre(l, rule.node[i]);
+      lobe.strength[l] += 2 * std::numbers::pi * rule.weight[i] * f(rule.node[i]) * legendre(l, rule.node[i]);
   return lobe;
 }
 
@@ -63,9 +63,9 @@ ZonalLobe project_lobe(const std::function<double(double)>& f, int degree) {
   ZonalLobe lobe = project_zonal(f, degree);
   double peak = 0.0;
   for (int l = 0; l <= degree; ++l) {
-    const double x = kPi * l / (degree + 1.5);
+    const double x = std::numbers::pi * l / (degree + 1.5);
     if (l > 0) lobe.strength[l] *= std::sin(x) / x;
-    peak += lobe.strength[l] * (2 * l + 1) / (4 * kPi);
+    peak += lobe.strength[l] * (2 * l + 1) / (4 * std::numbers::pi);
   }
   for (double& strength : lobe.strength) strength *= f(1.0) / peak;
   return lobe;

@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-Error missing(const std::string& field, const std::string& remedy) {
+Error missing_field(const std::string& field, const std::string& remedy) {
   return invalid_argument(field + ": " + remedy);
 }
 
@@ -29,7 +29,7 @@ Result<void> check_collider(const v1::Collider& collider, const std::string& fie
       auto normal =
           vector_value(collider.plane().normal(), Eigen::Vector3d::UnitY(), field + ".plane.normal");
       if (!normal) return normal.error();
-      if (normal->norm() < 1e-6) return missing(field + ".plane.normal", "is zero; give a direction");
+      if (normal->norm() < 1e-6) return missing_field(field + ".plane.normal", "is zero; give a direction");
       break;
     }
     case v1::Collider::kBox:
@@ -41,7 +41,7 @@ Result<void> check_collider(const v1::Collider& collider, const std::string& fie
     case v1::Collider::kMesh:
       break;
     case v1::Collider::SHAPE_NOT_SET:
-      return missing(field, "has no shape; give plane, box, sphere or mesh");
+      return missing_field(field, "has no shape; give plane, box, sphere or mesh");
   }
   LIVEGS_CHECK(pose_value(collider.pose(), field + ".pose"));
   if (collider.has_friction()) LIVEGS_CHECK(number_value(collider.friction(), 0, 2, field + ".friction"));
@@ -57,29 +57,30 @@ Result<void> check_release(const v1::Object& object, const std::string& region_n
     const bool held = region.fixed() || region.has_motion();
     if (!region_name.empty() && region.name() == region_name) {
       if (held) return {};
-      return missing(field,
-                     "\"" + region_name + "\" is neither fixed nor moved; there is nothing to release");
+      return missing_field(field,
+                           "\"" + region_name + "\" is neither fixed nor moved; name a region that is");
     }
     if (held && !region.name().empty()) known += (known.empty() ? "" : ", ") + region.name();
   }
-  return missing(field, "the object has no region called \"" + region_name + "\"; " +
-                            (known.empty() ? "it has none that is named and fixed or moved"
-                                           : "fixed or moved are: " + known));
+  return missing_field(field, "the object has no region called \"" + region_name + "\"; " +
+                                  (known.empty() ? "it has no named region that is fixed or moved"
+                                                 : "fixed or moved regions: " + known));
 }
 
 Result<void> check_event(const v1::Event& event, const Objects& objects, const std::string& field) {
   LIVEGS_CHECK(number_value(event.time_s(), 0, 1e6, field + ".time_s"));
   const auto check_target = [&](const std::string& object, const std::string& name) -> Result<void> {
     if (objects.contains(object)) return {};
-    return missing(name + ".object", "no object is called \"" + object + "\"");
+    return missing_field(name + ".object", "no object is called \"" + object + "\"");
   };
   const auto check_hand = [&](const auto& hand, const std::string& name) -> Result<void> {
     LIVEGS_CHECK(check_target(hand.object(), name));
     LIVEGS_CHECK(vector_value(hand.point_m(), Eigen::Vector3d::Zero(), name + ".point_m"));
     if (objects.at(hand.object())->physics().behavior() == v1::Physics::STATIC) {
-      return missing(name + ".object", "\"" + hand.object() + "\" is STATIC and cannot be moved");
+      return missing_field(name + ".object", "\"" + hand.object() + "\" is STATIC and cannot be moved");
     }
-    if (hand.path().empty()) return missing(name + ".path", "is missing; name a CSV of where the hand goes");
+    if (hand.path().empty())
+      return missing_field(name + ".path", "is missing_field; name a CSV file with the path of the hand");
     return {};
   };
   switch (event.action_case()) {
@@ -88,7 +89,7 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       LIVEGS_CHECK(check_target(force.object(), field + ".force"));
       LIVEGS_CHECK(vector_value(force.point_m(), Eigen::Vector3d::Zero(), field + ".force.point_m"));
       if (force.force_n().empty())
-        return missing(field + ".force.force_n", "is missing; give [x, y, z] in newtons");
+        return missing_field(field + ".force.force_n", "is missing_field; give [x, y, z] in newtons");
       LIVEGS_CHECK(vector_value(force.force_n(), Eigen::Vector3d::Zero(), field + ".force.force_n"));
       LIVEGS_CHECK(number_value(force.duration_s(), 0, 1e6, field + ".force.duration_s"));
       return {};
@@ -118,8 +119,8 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       LIVEGS_CHECK(vector_value(event.break_().point_m(), Eigen::Vector3d::Zero(), field + ".break.point_m"));
       const v1::Physics& physics = objects.at(event.break_().object())->physics();
       if (physics.has_fragile() && !physics.fragile()) {
-        return missing(field + ".break.object",
-                       "\"" + event.break_().object() + "\" is not fragile; set physics.fragile to true");
+        return missing_field(field + ".break.object", "\"" + event.break_().object() +
+                                                          "\" is not fragile; set physics.fragile to true");
       }
       return {};
     }
@@ -128,8 +129,8 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
     case v1::Event::kPull:
       return check_hand(event.pull(), field + ".pull");
     case v1::Event::ACTION_NOT_SET:
-      return missing(field,
-                     "does nothing; give force, ball, grab, pull, break, set_physics or release_region");
+      return missing_field(
+          field, "has no action; give force, ball, grab, pull, break, set_physics or release_region");
   }
   return {};
 }
@@ -148,7 +149,7 @@ Result<void> check_scene(const v1::Scene& scene) {
   LIVEGS_CHECK(up_value(environment.up(), "environment.up"));
   LIVEGS_CHECK(pose_value(environment.pose(), "environment.pose"));
   if (environment.collide() && environment.asset().empty()) {
-    return missing("environment.asset", "is missing, but environment.collide is true");
+    return missing_field("environment.asset", "is missing_field, but environment.collide is true");
   }
   for (int i = 0; i < environment.colliders_size(); ++i) {
     LIVEGS_CHECK(
@@ -161,7 +162,7 @@ Result<void> check_scene(const v1::Scene& scene) {
     if (auto checked = check_object(scene.objects(i), field); !checked)
       return of_object(checked.error(), name);
     if (!objects.emplace(name, &scene.objects(i)).second)
-      return missing(field + ".name", "\"" + name + "\" stands twice; names are unique");
+      return missing_field(field + ".name", "\"" + name + "\" is used twice; names must be unique");
   }
   for (int i = 0; i < scene.joints_size(); ++i) {
     const auto find = [&](const std::string& name) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/harness/make_solver.h"
 
-#include "physics/elastic/make_elastic_body.h"
+#include "physics/elastic/factory/make_elastic_body.h"
 #include "study/peers/bullet_body.h"
 #include "study/peers/bullet_rigid.h"
 #include "study/peers/livegs_rigid.h"

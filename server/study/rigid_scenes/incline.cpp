@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = M_PI / 180;
+constexpr double kRadPerDegree = M_PI / 180;
 constexpr double kSlid_m = 1e-3, kWatched_s = 2.0;  // detects 0.003 degrees above the threshold
 
 // A slab at rest on a plane that descends towards +x.
@@ -45,8 +45,9 @@ Result<RigidOutcome> incline(const RigidSetup& setup) {
   double threshold_deg = 0.0, creep_m = 0.0, acceleration_error = 0.0, shown = 1.0;
   for (const double friction : {0.1, 0.3, 0.5, 0.7, 1.0}) {
     const double expected_rad = std::atan(friction);
-    double held_rad = std::max(0.0, expected_rad - 4 * kDegree), slid_rad = expected_rad + 4 * kDegree;
-    while (slid_rad - held_rad > 0.003 * kDegree) {
+    double held_rad = std::max(0.0, expected_rad - 4 * kRadPerDegree),
+           slid_rad = expected_rad + 4 * kRadPerDegree;
+    while (slid_rad - held_rad > 0.003 * kRadPerDegree) {
       const double angle_rad = 0.5 * (held_rad + slid_rad);
       auto slope = make_slope(setup, angle_rad, friction);
       if (!slope) return slope.error();
@@ -54,9 +55,10 @@ Result<RigidOutcome> incline(const RigidSetup& setup) {
       total->include(slope->stage);
       (slope->travelled_m() > kSlid_m ? slid_rad : held_rad) = angle_rad;
     }
-    threshold_deg = std::max(threshold_deg, std::abs(0.5 * (held_rad + slid_rad) - expected_rad) / kDegree);
+    threshold_deg =
+        std::max(threshold_deg, std::abs(0.5 * (held_rad + slid_rad) - expected_rad) / kRadPerDegree);
 
-    auto held = make_slope(setup, expected_rad - kDegree, friction);
+    auto held = make_slope(setup, expected_rad - kRadPerDegree, friction);
     if (!held) return held.error();
     held->stage.run(0.5);
     const double settled_m = held->travelled_m();
@@ -64,7 +66,7 @@ Result<RigidOutcome> incline(const RigidSetup& setup) {
     creep_m = std::max(creep_m, std::abs(held->travelled_m() - settled_m));
     total->include(held->stage);
 
-    const double steep_rad = expected_rad + 10 * kDegree;
+    const double steep_rad = expected_rad + 10 * kRadPerDegree;
     auto slides = make_slope(setup, steep_rad, friction);
     if (!slides) return slides.error();
     slides->stage.run(0.5);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "skin/skin_kernels.h"
 
 // How far off a client shows kernels that it skins from what it was sent: where they are against where the

@@ -53,7 +53,7 @@ inline Result<std::shared_ptr<VulkanDevice>> create_validated_device(ValidationM
 
 // The only Vulkan device of a test program, and a backend on it. Created at first use, destroyed after the
 // last test. Any message of the validation layer fails the current test or, at the end, the program.
-class SharedVulkan final : public testing::Environment {
+class SharedVulkan final : public ::testing::Environment {
  public:
   // The reason for a missing device; tests then skip. Empty if there is a device, or if only the validation
   // layer is missing.
@@ -100,6 +100,6 @@ class SharedVulkan final : public testing::Environment {
 
 // Owned by GoogleTest.
 inline SharedVulkan& shared_vulkan =
-    *static_cast<SharedVulkan*>(testing::AddGlobalTestEnvironment(new SharedVulkan));
+    *static_cast<SharedVulkan*>(::testing::AddGlobalTestEnvironment(new SharedVulkan));
 
 }  // namespace livegs

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "common/wire/mutations.h"
 
 namespace livegs {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "common/wire/mutations.h"
 #include "skin/kernels/driver_skinning.h"
 #include "wire/frame_codec.h"

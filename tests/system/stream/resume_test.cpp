@@ -147,7 +147,7 @@ TEST_F(Resume, AServerThatStaysAwayEndsTheSessionInTime) {
   const auto stopped = client_->stop();
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().code, ErrorCode::Unavailable);
-  EXPECT_NE(stopped.error().message.find("went away"), std::string::npos) << stopped.error().message;
+  EXPECT_NE(stopped.error().message.find("connection lost"), std::string::npos) << stopped.error().message;
 }
 
 TEST_F(Resume, AGoodbyeEndsTheSessionUnlessItIsToBeOutlived) {
@@ -210,7 +210,7 @@ TEST(OffscreenRun, GoesOnWithAServerThatWasStartedAnew) {
   EXPECT_GT(summary->outages.seconds, 0);
   EXPECT_EQ(summary->assets.assets,
             5u);  // the first three, and another box and floor; the cube is what it was
-  EXPECT_NE(summary_text(*summary).find("came back 1 times"), std::string::npos) << summary_text(*summary);
+  EXPECT_NE(summary_text(*summary).find("resumed 1 times"), std::string::npos) << summary_text(*summary);
   std::ifstream file(run.output / "timings.csv");
   std::string line;
   std::getline(file, line);

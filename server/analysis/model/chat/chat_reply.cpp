@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-constexpr std::size_t kMaxToolCalls = 32;
+constexpr std::size_t kMaxReplyToolCalls = 32;
 constexpr double kMaxTokenCount = 1e12;
 
 std::string text_or_number(const Json& object, const char* key) {
@@ -24,7 +24,7 @@ std::optional<ServerError> read_error(const Json& body) {
   if (error && error->is_null()) error = nullptr;
   if (!error && text_member(body, "object") == "error") error = &body;
   if (!error) {
-    // FastAPI's form, which gateways answer with.
+    // FastAPI's form, used by gateways.
     if (const Json* detail = member(body, "detail"); detail && !member(body, "choices")) {
       return ServerError{"", "", "", detail->is_string() ? detail->get<std::string>() : dump_json(*detail)};
     }
@@ -78,7 +78,7 @@ void read_tool_calls(const Json& message, std::vector<ToolCall>& calls) {
   if (const Json* list = member(message, "tool_calls"); list && list->is_array()) {
     for (const Json& call : *list) {
       const Json* function = member(call, "function");
-      if (!function || calls.size() >= kMaxToolCalls) continue;
+      if (!function || calls.size() >= kMaxReplyToolCalls) continue;
       std::string id = text_member(call, "id");
       if (id.empty()) id = "call_" + std::to_string(calls.size());
       calls.push_back({std::move(id), text_member(*function, "name"), read_arguments(*function)});
@@ -115,7 +115,7 @@ void ChatStream::add(std::string_view data) {
   if (reply_.model.empty()) reply_.model = text_member(*event, "model");
   read_usage(*event, reply_);
   const Json* choice = first_choice(*event);
-  if (!choice) return;  // a usage event has none
+  if (!choice) return;  // a usage event has no choice
   reply_.has_choice = true;
   if (std::string reason = text_member(*choice, "finish_reason"); !reason.empty())
     reply_.finish_reason = reason;
@@ -132,7 +132,7 @@ void ChatStream::add(std::string_view data) {
     auto found =
         std::find_if(calls_.begin(), calls_.end(), [&](const auto& call) { return call.first == index; });
     if (found == calls_.end()) {
-      if (calls_.size() >= kMaxToolCalls) continue;
+      if (calls_.size() >= kMaxReplyToolCalls) continue;
       found = calls_.insert(calls_.end(), {index, ToolCall{}});
     }
     ToolCall& call = found->second;

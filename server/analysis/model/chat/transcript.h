@@ -4,13 +4,12 @@
 #include <string>
 #include <string_view>
 
-#include "analysis/model/chat/secret.h"
+#include "analysis/model/secret.h"
 #include "analysis/text/json_text.h"
 
 namespace livegs {
 
-// What was said, line by line, for people: every line a JSON object, the key taken out before it is written
-// down.
+// Transcript for users: JSON lines, redacted before they are stored.
 class Transcript {
  public:
   explicit Transcript(const Secret& key) : key_(&key) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact of the baseline with what moves: particles as balls against rigid bodies and against the particles
+// Contact of the baseline with moving bodies: particles as balls against rigid bodies and against particles
 // of other elastic bodies, and contact points of rigid bodies against the particles.
 #include <algorithm>
 #include <cmath>
@@ -14,9 +14,9 @@ using Eigen::AlignedBox3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// In spacings: of the balls, beyond which no element need be known; and of gaps that get a row.
-constexpr double kElementReach = 1.5;
-constexpr double kRowMargin = 0.02;
+// In spacings: interaction range of the elements, and maximum gap of a contact row.
+constexpr double kBaselineElementReach = 1.5;
+constexpr double kBaselineRowMargin = 0.02;
 
 ContactAnchor anchor_of(uint32_t particle) {
   ContactAnchor anchor;
@@ -29,7 +29,7 @@ uint32_t particle_of(const ContactAnchor& anchor) { return anchor.sample.nodes[0
 
 }  // namespace
 
-// In the middle of a step, or as a sleeper that is pushed.
+// Receives impulses during a step, or while the body sleeps.
 class LivegsV1Body::Participant final : public ContactParticipant {
  public:
   explicit Participant(LivegsV1Body& body) : body_(body) {}
@@ -75,7 +75,7 @@ Eigen::AlignedBox3d LivegsV1Body::bounds_m() const {
   return box.translate(origin_m_);
 }
 
-double LivegsV1Body::element_reach_m() const { return kElementReach * spacing_m_; }
+double LivegsV1Body::element_reach_m() const { return kBaselineElementReach * spacing_m_; }
 ContactAnchor LivegsV1Body::anchor_at(uint32_t element, const Vector3d&) const { return anchor_of(element); }
 
 void LivegsV1Body::push_particle(uint32_t particle, const Vector3d& impulse_n_s) {
@@ -102,7 +102,7 @@ bool LivegsV1Body::may_touch_awake(const SubstepContext& context) const {
   for (const RigidProxy* body : context.bodies) {
     if (body->asleep) continue;
     const Pose body_from_world = body->start.inverse();
-    const double margin = context.duration_s * body->fastest_m_s() + kRowMargin * spacing_m_;
+    const double margin = context.duration_s * body->fastest_m_s() + kBaselineRowMargin * spacing_m_;
     const auto gap = [&](const Vector3d& p) {
       return body->shape->sample(body_from_world * Vector3d(origin_m_ + p)).distance_m;
     };
@@ -119,7 +119,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
   if (context.bodies.empty() && context.others.empty()) return;
   const double h = part.duration_s;
   ContactParticipant& participant = contact_participant(h);
-  const double margin = kRowMargin * spacing_m_;
+  const double margin = kBaselineRowMargin * spacing_m_;
   const Vector3d centre = origin_m_ + motion_.centre_m, displacement = h * motion_.velocity_m_s();
   const double around = 1.1 * (reach_m_ + spacing_m_) + displacement.norm();
   AlignedBox3d box;
@@ -137,7 +137,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       row.b = body;
       row.anchor_a = anchor_of(particle);
       row.point_m = origin_m_ + predicted_m_[particle];
-      // A first-order step turns a particle's impulse about where it was before.
+      // A first-order step applies a particle's impulse at its position before the step.
       row.anchor_b = body->anchor_at(row.point_m, origin_m_ + positions_m_[particle]);
       row.normal = normal;
       row.gap_m = gap;

@@ -40,7 +40,7 @@ class BorrowedRenderer final : public SplatRenderer {
 
 // The renderers of a test program on its shared device, one for each set of options; destroyed before the
 // device.
-class SharedRenderers final : public testing::Environment {
+class SharedRenderers final : public ::testing::Environment {
  public:
   Result<std::unique_ptr<SplatRenderer>> borrow(const VulkanRendererOptions& options) {
     auto& renderer =
@@ -60,12 +60,12 @@ class SharedRenderers final : public testing::Environment {
 
 // GoogleTest owns it, and tears it down before shared_vulkan, which was registered first.
 inline SharedRenderers& shared_renderers =
-    *static_cast<SharedRenderers*>(testing::AddGlobalTestEnvironment(new SharedRenderers));
+    *static_cast<SharedRenderers*>(::testing::AddGlobalTestEnvironment(new SharedRenderers));
 
 // Pictures of the device found, lavapipe in CI, compared with the oracle's. Device and renderers are shared
 // by the program's tests, under the validation layer; any message of it fails the test. Skips only where
 // there is no device.
-class VulkanPictures : public testing::Test {
+class VulkanPictures : public ::testing::Test {
  protected:
   void SetUp() override {
     if (const auto& why = shared_vulkan.no_device()) GTEST_SKIP() << why->message;

@@ -5,7 +5,7 @@
 
 #include <Eigen/SVD>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 
 namespace livegs {
 namespace {

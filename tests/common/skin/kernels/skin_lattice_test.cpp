@@ -3,8 +3,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "common/skin/bind/rest_bodies.h"
-#include "skin/bind/cell_fill.h"
+#include "common/skin/kernels/rest_bodies.h"
+#include "skin/kernels/cell_fill.h"
 
 namespace livegs {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 
 namespace livegs {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 
 namespace livegs {
 namespace {

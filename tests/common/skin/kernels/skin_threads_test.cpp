@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "core/parallel_for.h"
 
 namespace livegs {

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "common/compute/backends.h"
-#include "common/skin/bind/rest_bodies.h"
+#include "common/skin/kernels/rest_bodies.h"
 #include "gaussian/asset/posed_kernel_row.h"
 #include "skin/device_skin.h"
 #include "skin/passes/pose_rigid_kernels.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "splat/frame_bounds.h"
-#include "splat/raster/project_kernels.h"
+#include "splat/project/project_kernels.h"
 
 namespace livegs {
 namespace {
