@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled for the oldest x86-64 (see CMakeLists.txt), without precompiled headers and outside the batches:
-// nothing here may need the instruction set that is asked about.
+// Compiled for baseline x86-64 (see CMakeLists.txt), without precompiled headers and unity builds: this file
+// must not need the instruction set that it checks.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -10,7 +10,7 @@ namespace {
 
 [[maybe_unused]] constexpr char kArch[] = LIVEGS_ARCH;
 
-// True for instruction sets that the compiler cannot be asked about, such as "native".
+// True for instruction sets that the compiler cannot check, such as "native".
 bool supports_arch() {
   if (std::getenv("LIVEGS_TEST_OLD_PROCESSOR") != nullptr) return false;
 #ifndef __clang__

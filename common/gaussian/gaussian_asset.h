@@ -25,8 +25,8 @@ struct GaussianAsset {
   std::vector<Eigen::Quaternionf> rotations;  // asset_from_kernel
   std::vector<float> opacity_logits;          // opacity = 1 / (1 + e^-logit)
   std::vector<Eigen::Vector3f> sh_dc;         // rgb = 0.5 + 0.28209479 sh_dc + the bands below
-  std::vector<Eigen::Vector3f>
-      sh_rest;  // kernel-major: [kernel * sh_rest_count() + k], k = l=1 m=-1,0,1; l=2 …
+  // kernel-major: [kernel * sh_rest_count() + k], k = l=1 m=-1,0,1; l=2 …
+  std::vector<Eigen::Vector3f> sh_rest;
   int sh_degree = 0;
   bool antialiased = false;  // trained with the mip low-pass filter: opacity is compensated when drawn
 

@@ -18,8 +18,8 @@ using Symmetric3f = std::array<float, 6>;
 struct PosedKernels {
   std::vector<Eigen::Vector3f> positions_m;
   std::vector<Symmetric3f> covariances_m2;
-  std::vector<Eigen::Quaternionf>
-      world_from_asset;  // rotation only; SH are evaluated at its inverse times the view direction
+  // rotation only; SH are evaluated at its inverse times the view direction
+  std::vector<Eigen::Quaternionf> world_from_asset;
 
   void resize(size_t count) {
     positions_m.resize(count);

@@ -16,8 +16,8 @@ namespace livegs {
 // comparable between frames. The finest default step, 57.2 µm, keeps nodes within 0.05 mm.
 inline constexpr double kStepPart = 0.9375;
 struct GridPrecision {
-  int position_bits =
-      16;  // of the longest side of an elastic object, 12 to 20: its step is at most side / (2^bits - 1)
+  // of the longest side of an elastic object, 12 to 20: its step is at most side / (2^bits - 1)
+  int position_bits = 16;
   int finest_exponent = -14;  // lower limit of the step: 15/16 of 2^finest_exponent metres (-14: 57 µm)
   int pose_exponent = -18;    // step of rigid positions, 2^pose_exponent metres (-18: 4 µm)
 };

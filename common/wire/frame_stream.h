@@ -35,14 +35,14 @@ struct StreamOptions {
   // Interval in ticks between hashes of the complete reader state, sent with the first frame of each
   // interval. 0: no hashes.
   uint32_t hash_interval = 32;
-  // Whether a key frame contains the known neighbours of a lattice. They reduce the size of every later
+  // Whether a keyframe contains the known neighbours of a lattice. They reduce the size of every later
   // frame.
   bool tell_neighbours = true;
   // Object ids to leave at the state of the reader although they moved. New objects are never left out.
   std::function<bool(uint32_t object_id)> leave_out;
 };
 
-// `baseline` null: a key frame, which needs no earlier frame. Object ids are unique, in any order; ticks
+// `baseline` null: a keyframe, which needs no earlier frame. Object ids are unique, in any order; ticks
 // increase along a stream. Preconditions as for encode_frame. Any thread.
 EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBaselinePtr& baseline,
                                        const StreamOptions& options = {});
@@ -60,9 +60,9 @@ Result<int64_t> stream_frame_time_ns(std::span<const std::byte> bytes);
 class StreamReader {
  public:
   // Accepts any bytes. An error leaves the reader unchanged. After an error, only the frame that follows the
-  // last one read or a key frame can be read. Memory is bounded by kMaxFrameBytes and the current state.
+  // last one read or a keyframe can be read. Memory is bounded by kMaxFrameBytes and the current state.
   Result<DriverFrame> read(std::span<const std::byte> bytes);
-  // True before the first key frame, and after a frame that could not be read.
+  // True before the first keyframe, and after a frame that could not be read.
   bool needs_key_frame() const { return baseline_ == nullptr || failed_; }
 
  private:

@@ -42,8 +42,8 @@ inline constexpr size_t kMagnitudeClasses = 48;
 struct GridScales {
   GridScales();
   std::array<RiceScale, kMagnitudeClasses> nodes;
-  std::array<std::array<RiceScale, kMagnitudeClasses>, 2>
-      drivers;  // positions, rotations: by the residual of the driver before
+  // positions, rotations: by the residual of the driver before
+  std::array<std::array<RiceScale, kMagnitudeClasses>, 2> drivers;
   std::array<std::array<RiceScale, 4>, 2> first;  // first driver of an object: by its prediction
 };
 

@@ -17,7 +17,7 @@ Error bad(const std::string& what) { return kHeader.invalid(what); }
 
 struct Header {
   uint8_t flags = 0;
-  uint64_t tick = 0, gap = 0;  // gap 0: a key frame
+  uint64_t tick = 0, gap = 0;  // gap 0: a keyframe
   int64_t simulated_ns = 0;
   std::optional<uint32_t> hash;
 };
@@ -180,7 +180,7 @@ Result<StreamBaselinePtr> read_frame(std::span<const std::byte> bytes, const Str
   if (header->gap > 0 && (!baseline || baseline->tick != header->tick - header->gap)) {
     return Error{ErrorCode::Unavailable, "stream frame: the predecessor, frame " +
                                              std::to_string(header->tick - header->gap) +
-                                             ", was not read; request a key frame"};
+                                             ", was not read; request a keyframe"};
   }
   thread_local Buffers buffers;
   RiceReader bits(buffers.body, bytes.subspan(in.offset()));
@@ -205,7 +205,7 @@ Result<StreamBaselinePtr> read_frame(std::span<const std::byte> bytes, const Str
   next->simulated_ns = header->simulated_ns;
   next->objects = joined(baseline, *gone, entries);
   if (header->hash && *header->hash != hash_of(*next))
-    return bad("the hash of the reader state is wrong; request a key frame");
+    return bad("the hash of the reader state is wrong; request a keyframe");
   return StreamBaselinePtr(std::move(next));
 }
 

@@ -71,7 +71,7 @@ Result<std::vector<std::byte>> GunzipStream::take(size_t size) {
     done += *got;
     if (done < bytes.size()) {
       return invalid_data(name_ + ": the gzip stream ends " + std::to_string(size - done) +
-                          " bytes before its header says");
+                          " bytes before the size in its header");
     }
   }
   return bytes;
@@ -113,7 +113,7 @@ Result<std::vector<std::byte>> zstd_decompress(Bytes frame, size_t size, std::st
     return invalid_data(std::string(name) + ": a zstd stream is damaged (" + ZSTD_getErrorName(got) + ")");
   if (got != size)
     return invalid_data(std::string(name) + ": a zstd stream ends " + std::to_string(size - got) +
-                        " bytes before its header says");
+                        " bytes before the size in its header");
   return bytes;
 }
 

@@ -14,10 +14,10 @@ namespace livegs {
 // The binding of one kernel to the drivers of its object. Computed once, from the rest state, by
 // bind_kernels.
 struct KernelBinding {
-  std::array<uint32_t, 4>
-      drivers{};  // Lattice: [0] is the cell. Particles: the four nearest. Rigid: [0] is the body
-  std::array<float, 4>
-      weights{};  // Lattice: [0..2] local coordinates, 0..1 inside the cell. Particles: sum to 1
+  // Lattice: [0] is the cell. Particles: the four nearest. Rigid: [0] is the body
+  std::array<uint32_t, 4> drivers{};
+  // Lattice: [0..2] local coordinates, 0..1 inside the cell. Particles: sum to 1
+  std::array<float, 4> weights{};
 };
 
 // One term of the gradient of a lattice node: column `axis` += weight_per_m * (neighbour position - node

@@ -63,8 +63,8 @@ Result<void> check_lattice(const RestBody& rest) {
 }
 
 void bind_node_gradients(const RestBody& rest, KernelBindings& bindings) {
-  using Edge =
-      std::tuple<uint32_t, uint32_t, uint32_t, bool>;  // node, axis, neighbour, neighbour is at -axis
+  // node, axis, neighbour, neighbour is at -axis
+  using Edge = std::tuple<uint32_t, uint32_t, uint32_t, bool>;
   std::vector<Edge> edges;
   edges.reserve(rest.cells.size() * 24);
   std::vector<uint32_t> cells_around(rest.node_coordinates.size(), 0);

@@ -23,14 +23,14 @@ struct RasteriseOptions {
   int max_sh_degree = 3;
   float min_contribution_px = 0;  // as in eye_view (project_splats.h)
   float max_radius_px = 0;        // as in eye_view; 0: no limit
-  std::optional<Eigen::Vector3d> distance_from_m =
-      {};  // origin of Distance order, for a point between two eyes; empty: the camera
+  // origin of Distance order, for a point between two eyes; empty: the camera
+  std::optional<Eigen::Vector3d> distance_from_m = {};
 };
 
 struct RasterisedView {
   Image image;  // colour over the background; alpha is coverage
-  std::vector<float>
-      depth_m;  // along the view axis where transmittance first falls under 0.5; infinity if it never does
+  // along the view axis where transmittance first falls under 0.5; infinity if it never does
+  std::vector<float> depth_m;
   // object with the largest share of the pixel's opacity; kNoObject if coverage < 0.5
   std::vector<uint32_t> object_id;
 };

@@ -61,8 +61,8 @@ class FrameSplats {
     return (rows_[eye][part] ? rows_[eye][part] : rows_[eye][0]).id();
   }
   uint32_t part_rows() const { return part_rows_; }
-  static constexpr int kRowParts =
-      3;  // three per eye and the order are seven buffers; a device binds at least eight (pass.h)
+  // three per eye and the order are seven buffers; a device binds at least eight (pass.h)
+  static constexpr int kRowParts = 3;
   uint64_t max_kernels() const {
     return std::min<uint64_t>(KeySorter::kMaxKeys, uint64_t{kRowParts} * part_rows_);
   }

@@ -9,8 +9,8 @@
 #include "core/view_cone.h"
 #include "wire/frame_stream.h"
 
-// Selects the objects that a frame for one client omits; see proto/frame_format.md, "What a frame leaves
-// out". Pure functions: clients with equal views get equal frames.
+// Selects the objects that a frame for one client omits; see proto/frame_format.md, "Deferred
+// objects". Pure functions: clients with equal views get equal frames.
 
 namespace livegs {
 

@@ -8,7 +8,7 @@
 
 namespace livegs {
 
-// Bandwidth limit of one stream; see proto/frame_format.md, "What a frame leaves out". A token bucket: any T
+// Bandwidth limit of one stream; see proto/frame_format.md, "Deferred objects". A token bucket: any T
 // seconds carry at most cap * (T + kBurst_s) bytes plus one message. Not locked.
 class SendBudget {
  public:

@@ -66,7 +66,7 @@ class TickEncodings {
   // The frame with all moved objects, at 16 bits. `written`: the baseline of the stream; null for a keyframe.
   EncodedFrame against(const StreamBaselinePtr& written) const;
   // Omits objects that exceed the budget and, for congested clients, objects outside the view; see
-  // proto/frame_format.md, "What a frame leaves out".
+  // proto/frame_format.md, "Deferred objects".
   EncodedFrame for_client(const StreamBaselinePtr& written, const ClientView& who,
                           double budget_bytes = std::numeric_limits<double>::infinity()) const;
   // A keyframe for clients with an encoding other than DRIVERS. Precondition for kernels: keep() was called.

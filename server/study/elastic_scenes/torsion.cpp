@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSaintVenant =
-    0.1406;  // torsion constant of a square over a^4 (Timoshenko and Goodier, 109)
+// torsion constant of a square over a^4 (Timoshenko and Goodier, 109)
+constexpr double kSaintVenant = 0.1406;
 
 // Tangential forces on a grid of points over the end at `x_m`, proportional to the distance from the axis.
 void add_torque(std::vector<PointForce>& forces, double x_m, double torque_n_m, int across) {

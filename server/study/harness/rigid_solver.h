@@ -21,8 +21,7 @@ struct RigidPart {
   // not empty: a convex body instead of a box, relative to its centre of mass
   std::vector<Eigen::Vector3d> corners_m;
   double mass_kg = 1.0;
-  std::optional<Eigen::Vector3d>
-      moments_kg_m2;               // principal moments along the own axes; default: those of the solid
+  std::optional<Eigen::Vector3d> moments_kg_m2;  // principal moments; default: those of the solid
   double friction = 0.5;           // the friction of a pair is the geometric mean; restitution is 0
   double break_impulse_n_s = 0.0;  // > 0: a fragile box, see RigidSolver::broken
   Pose world_from_part;            // the origin is the centre of mass

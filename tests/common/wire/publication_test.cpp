@@ -52,7 +52,7 @@ TEST(Publication, MatchesTheFormatPage) {
   EXPECT_EQ(head, (std::vector<int>{0xD7, 0x01, 0x00, 0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88, 0x99,
                                     0xAA, 0xBB, 0xCC, 0xDD, 0xEE, 0xFF, 0x07, 0,    0,    0,    0,    0,
                                     0,    0,    0x15, 0xCD, 0x5B, 0x07, 0,    0,    0,    0}));
-  EXPECT_EQ(std::to_integer<int>(bytes[34]), 0xD6);  // magic of the key frame
+  EXPECT_EQ(std::to_integer<int>(bytes[34]), 0xD6);  // magic of the keyframe
 }
 
 TEST(Publication, MutationsAreRejectedOrRead) {
