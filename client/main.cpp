@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// livegs-client: sees and touches a scene that livegs-server streams. Exit codes: 0 done, 1 could not do it,
-// 2 bad usage or input.
+// livegs-client: shows a scene streamed by livegs-server and sends input. Exit codes: 0 success, 1 failure, 2
+// bad usage or input.
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +12,7 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
+#include "core/require_processor.h"
 #include "viewer/runs/headset_run.h"
 #include "viewer/runs/offscreen_run.h"
 #include "viewer/runs/replay_run.h"
@@ -23,7 +24,7 @@
 namespace {
 
 std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "it is set by a signal handler");
+static_assert(std::atomic<bool>::is_always_lock_free, "the flag is set by a signal handler");
 
 const std::map<std::string, livegs::v1::JoinRequest::Encoding> kEncodings{
     {"drivers", livegs::v1::JoinRequest::DRIVERS},
@@ -47,43 +48,38 @@ bool parse_size(const std::string& text, livegs::PictureSize& size) {
          size.height >= 1 && size.height <= 16384;
 }
 
-// What was asked for and is not done there, by name and with where it is. `of`: openxr, window, offscreen, or
-// "a recording" or "publications", to which nobody does anything; `display`: where it is shown.
+// Returns an error for the first option that does not apply to this run, empty if none. `of`: openxr, window,
+// offscreen, or "a recording" or "publications", which accept no input; `display`: the output.
 std::string what_is_not_done(const std::string& of, const std::string& display,
                              const std::function<bool(const char*)>& asked) {
   const bool watched = of == "a recording" || of == "publications";
   for (const char* option : {"--script", "--poke", "--force", "--select"}) {
     if (watched && asked(option))
-      return std::string(option) + ": who watches " + of + " does nothing to the scene; leave it out";
+      return std::string(option) + ": has no effect with " + of + "; remove the option";
   }
   const bool headset = display == "openxr", window = display == "window", offscreen = display == "offscreen";
   struct Undone {
     const char* option;
-    bool there;  // where it is not done
+    bool there;  // true: the option does not apply
     const char* remedy;
   };
   const Undone options[] = {
-      {"--script", !offscreen,
-       "moves hands offscreen; in a window and in a headset a person does. Give --display offscreen"},
-      {"--poke", headset,
-       "is done in a window or offscreen, not in a headset; give --display window or --display offscreen"},
-      {"--force", !window, "is recorded in a window; give --display window, where there is one"},
-      {"--select", !window, "is about the window's panel; give --display window, where there is one"},
-      {"--output", headset,
-       "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
-      {"--every", headset,
-       "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
-      {"--size", headset, "is for a headset to say; leave it out"},
-      {"--full-size", !window,
-       "is about a window's pictures; offscreen and in a headset leave it out, or give --display window"},
+      {"--script", !offscreen, "applies to --display offscreen only; add --display offscreen"},
+      {"--poke", headset, "does not apply to a headset; use --display window or --display offscreen"},
+      {"--force", !window, "applies to a window only; use --display window on a desktop"},
+      {"--select", !window, "applies to a window only; use --display window on a desktop"},
+      {"--output", headset, "does not apply to a headset; use --display window or --display offscreen"},
+      {"--every", headset, "does not apply to a headset; use --display window or --display offscreen"},
+      {"--size", headset, "does not apply to a headset; remove the option"},
+      {"--full-size", !window, "applies to a window only; remove the option, or use --display window"},
       {"--no-video", !offscreen,
-       "is about the video that --display offscreen makes; leave it out or give that"},
+       "applies to --display offscreen only; remove the option, or use --display offscreen"},
       {"--video-rate", !offscreen,
-       "is about the video that --display offscreen makes; leave it out or give that"},
+       "applies to --display offscreen only; remove the option, or use --display offscreen"},
       {"--output", of == "a recording" && window,
-       "is for pictures in files; a recording in a window leaves none. Give --display offscreen"},
+       "does not apply to a recording in a window; use --display offscreen"},
       {"--every", of == "a recording" && window,
-       "is for pictures in files; a recording in a window leaves none. Give --display offscreen"},
+       "does not apply to a recording in a window; use --display offscreen"},
   };
   for (const Undone& one : options) {
     if (one.there && asked(one.option)) return std::string(one.option) + ": " + one.remedy;
@@ -99,13 +95,14 @@ int run_replayed(const livegs::ReplayOptions& options, bool window) {
   const auto summary = livegs::run_replay(options, interrupted);
   if (!summary) return report(summary.error());
   std::fputs(livegs::summary_text(*summary).c_str(), stdout);
-  std::printf("outputs in %s\n", options.output.c_str());
+  std::printf("output: %s\n", options.output.c_str());
   return summary->error ? report(*summary->error) : 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  livegs::require_processor();
   livegs::OffscreenRunOptions options;
   std::string display = "auto", renderer = "auto", encoding = "drivers", size, select;
   std::vector<std::string> forces;
@@ -114,100 +111,98 @@ int main(int argc, char** argv) {
   int threads = 0;
   bool verbose = false, no_video = false, unpair = false, full_size = false;
   livegs::AccessOptions access;
-  CLI::App app("Sees and touches a scene that livegs-server streams", "livegs-client");
-  auto* address = app.add_option("HOST:PORT", options.address, "Where the server listens");
-  auto* replay = app.add_option("--replay", replay_file, "A recording (*.lvgrec) to see in place of a server")
-                     ->check(CLI::ExistingFile)
-                     ->excludes(address);
-  app.add_option("--from", from_s, "With --replay: seconds after its beginning to start at")
+  CLI::App app("Shows a scene streamed by livegs-server and sends input to it", "livegs-client");
+  auto* address = app.add_option("HOST:PORT", options.address, "Address of the server");
+  auto* replay =
+      app.add_option("--replay", replay_file, "Play a recording (*.lvgrec) instead of connecting to a server")
+          ->check(CLI::ExistingFile)
+          ->excludes(address);
+  app.add_option("--from", from_s, "With --replay: start time in seconds")
       ->check(CLI::NonNegativeNumber)
       ->needs(replay);
-  app.add_option("--subscribe", subscribe,
-                 "tcp://127.0.0.1:PORT: only watch, by the frames that the server publishes there "
-                 "(livegs-server --publish)")
+  app.add_option(
+         "--subscribe", subscribe,
+         "Watch the frames published at tcp://127.0.0.1:PORT (livegs-server --publish), without input")
       ->excludes(replay);
-  app.add_option("--display", display,
-                 "auto: a window where one can be opened, else offscreen; window: a desktop window; "
-                 "offscreen: pictures become "
-                 "files; openxr: a headset, or a window where there is none")
+  app.add_option(
+         "--display", display,
+         "window: a desktop window; offscreen: picture files; openxr: a headset, or a window if there is "
+         "none; auto: a window if possible, else offscreen")
       ->check(CLI::IsMember({"auto", "window", "offscreen", "openxr"}))
       ->capture_default_str();
   app.add_option("--renderer", renderer,
-                 "auto: Vulkan on a GPU, else the CPU; vulkan: Vulkan or nothing, in software too; cpu")
+                 "auto: Vulkan on a GPU, else the CPU; vulkan: Vulkan only, also on a software device; cpu")
       ->check(CLI::IsMember({"auto", "vulkan", "cpu"}))
       ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "Of stream; 0: until the server ends, or the window is closed")
+  app.add_option("--seconds", options.seconds,
+                 "Duration in seconds; 0: until the server ends or the window is closed")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--output,-o", options.output,
-                 "The folder for pictures, video and timings; with a window, for a screenshot a second")
+                 "Folder for pictures, video and timings; window mode: for screenshots")
       ->capture_default_str();
-  app.add_option("--size", size, "WxH in pixels; 640x480, or the camera file's, when left out");
+  app.add_option("--size", size,
+                 "Picture size WxH in pixels (default: 640x480, or the size in the camera file)");
   app.add_option("--camera", options.camera_file,
-                 "A camera file; all objects from a little above when left out");
+                 "Camera file (default: all objects, seen from slightly above)");
   auto* script = app.add_option("--script", options.script_file,
-                                "What the hands do, offscreen: a file of InputScript's JSON form");
-  app.add_option("--poke", options.poke, "Poke the object of this name: a pull by the ray, then two balls")
+                                "Offscreen mode: input script of the hands (JSON, message InputScript)");
+  app.add_option("--poke", options.poke, "Poke the named object: a pull by the ray, then two balls")
       ->excludes(script);
-  app.add_option("--select", select, "The object that the window's panel is about at first");
-  app.add_option(
-         "--force", forces,
-         "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS, newtons on a point of the object at rest: the window applies it "
-         "once, "
-         "records it to a video with its sentence beside it, and ends. Given again: several points at once")
+  app.add_option("--select", select, "Object selected in the panel at the start");
+  app.add_option("--force", forces,
+                 "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS: apply a force in newtons at a point of the object at rest, "
+                 "record it to a video with a description, and exit. Repeat for several points at once")
       ->allow_extra_args(false);
-  app.add_option("--video-rate", options.video_rate_hz, "Pictures a second of video")
+  app.add_option("--video-rate", options.video_rate_hz, "Video frame rate in Hz")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str();
   app.add_option("--every", options.png_every,
-                 "Keep every so many pictures as a PNG; 0: none, or with a window one a second")
+                 "Save every Nth frame as PNG (0: never; window mode: once per second)")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
-  app.add_flag("--no-video", no_video, "PNGs only");
+  app.add_flag("--no-video", no_video, "Save PNGs only");
   app.add_flag(
       "--full-size", full_size,
-      "Of a window: draw every picture at its size, where one that is late is drawn smaller otherwise");
-  app.add_option("--cache", options.cache,
-                 "Where fetched assets are kept; $XDG_CACHE_HOME/livegs when left out");
-  app.add_option("--connect-timeout", options.connect_timeout_s, "Seconds to wait for a server to be ready")
+      "Window mode: always render at full resolution (default: reduce resolution when frames are late)");
+  app.add_option("--cache", options.cache, "Folder for fetched assets (default: $XDG_CACHE_HOME/livegs)");
+  app.add_option("--connect-timeout", options.connect_timeout_s, "Seconds to wait until the server is ready")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   auto* reconnect =
       app.add_option(
              "--reconnect", options.reconnect_s,
-             "Seconds to look for a server that went away; 10, or with a window no end, when left out")
+             "Seconds to try reconnecting after a connection loss (default: 10; window mode: unlimited)")
           ->check(CLI::Range(0.0, 1e6));
   app.add_option("--most-mbit-s", options.most_mbit_s,
-                 "What the link can take, megabits a second: the server sends no more, what matters most "
-                 "first. As much as it gives when left out")
+                 "Bandwidth limit in Mbit/s; the server prioritises important objects (default: no limit)")
       ->check(CLI::Range(0.1, 1e5));
-  app.add_option("--rate", options.rate_hz,
-                 "Frames a second that there is a use for: the server sends every n-th tick, no fewer than "
-                 "that; each when left out")
-      ->check(CLI::Range(5.0, 1000.0));
   app.add_option(
-         "--position-bits", options.position_bits,
-         "Of elastic objects' positions along their longest side: 18 or 20 for finer steps and more bytes")
+         "--rate", options.rate_hz,
+         "Frames per second needed; the server sends every n-th tick, at least at this rate (default: every "
+         "tick)")
+      ->check(CLI::Range(5.0, 1000.0));
+  app.add_option("--position-bits", options.position_bits,
+                 "Bits of elastic positions along the longest side; 18 or 20: finer steps, more bandwidth")
       ->check(CLI::IsMember({16, 18, 20}))
       ->capture_default_str();
-  app.add_option("--encoding", encoding,
-                 "What frames hold: what drives the kernels, each frame against those before (drivers) or as "
-                 "floats (drivers-raw); "
-                 "or, a hundred to a thousand times as many bytes, kernels that the server has moved, packed "
-                 "(kernels) or as "
-                 "floats (kernels-exact)")
+  app.add_option(
+         "--encoding", encoding,
+         "Frame contents. drivers: state that drives the kernels, delta-coded; drivers-raw: the same as "
+         "floats; kernels: transformed kernels, packed; kernels-exact: the same as floats. Kernels need a "
+         "hundred to a thousand times the bandwidth of drivers")
       ->check(CLI::IsMember({"drivers", "drivers-raw", "kernels", "kernels-exact"}))
       ->capture_default_str();
   app.add_option("--pair", access.pairing_code,
-                 "The pairing code that the server shows: its certificate is remembered from then on");
+                 "Pairing code displayed by the server; its certificate is stored");
   app.add_option("--token-file", access.token_file,
-                 "A file whose first line is the token to show, remembered too; LIVEGS_TOKEN when left out")
+                 "File with the access token in its first line; the token is stored (default: LIVEGS_TOKEN)")
       ->check(CLI::ExistingFile);
   app.add_option("--state-dir", access.state_dir,
-                 "Where paired servers are remembered; $XDG_STATE_HOME/livegs when left out");
-  app.add_flag("--unpair", unpair, "Forget what is remembered of the server, and end");
-  app.add_option("--threads", threads, "Threads that draw; 0: one a core")->check(CLI::Range(0, 1024));
-  app.add_flag("--verbose", verbose, "Log more");
+                 "Folder for paired servers (default: $XDG_STATE_HOME/livegs)");
+  app.add_flag("--unpair", unpair, "Delete the stored data of the server, and exit");
+  app.add_option("--threads", threads, "Rendering threads; 0: one per core")->check(CLI::Range(0, 1024));
+  app.add_flag("--verbose", verbose, "Verbose logging");
   app.set_version_flag("--version", LIVEGS_VERSION);
   try {
     app.parse(argc, argv);
@@ -217,12 +212,13 @@ int main(int argc, char** argv) {
   if (!std::isfinite(options.rate_hz)) return report(livegs::invalid_argument("--rate: is not a number"));
   if (!std::isfinite(from_s)) return report(livegs::invalid_argument("--from: is not a number"));
   if (options.address.empty() && replay_file.empty())
-    return report(livegs::invalid_argument(
-        "HOST:PORT: is required; where does the server listen? Or give --replay FILE"));
+    return report(
+        livegs::invalid_argument("HOST:PORT: is required; give the server's address, or --replay FILE"));
   livegs::PictureSize parsed;
   if (!size.empty()) {
     if (!parse_size(size, parsed))
-      return report(livegs::invalid_argument("--size " + size + ": is not WxH, each 1 to 16384"));
+      return report(
+          livegs::invalid_argument("--size " + size + ": is not WxH; each must be from 1 to 16384"));
     options.size = parsed;
   }
   options.video = !no_video;
@@ -247,8 +243,7 @@ int main(int argc, char** argv) {
   const std::string not_done =
       what_is_not_done(of, display, [&](const char* option) { return app.count(option) > 0; });
   if (!replay_file.empty() && display == "openxr")
-    return report(livegs::invalid_argument(
-        "--replay: plays in a window or into files, not in a headset; leave --display openxr out"));
+    return report(livegs::invalid_argument("--replay: does not play in a headset; remove --display openxr"));
   if (!not_done.empty()) return report(livegs::invalid_argument(not_done));
   if (!replay_file.empty()) {
     livegs::ReplayOptions replayed;
@@ -271,18 +266,19 @@ int main(int argc, char** argv) {
   options.access = std::move(*chosen);
 
   if (!subscribe.empty()) {
-    if (display != "offscreen") return report(livegs::invalid_argument("--subscribe: draws offscreen only"));
+    if (display != "offscreen")
+      return report(livegs::invalid_argument("--subscribe: has no window; use --display offscreen"));
     const auto watched = livegs::run_spectator(subscribe, options, interrupted);
     if (!watched) return report(watched.error());
     std::fputs(livegs::summary_text(*watched).c_str(), stdout);
-    std::printf("outputs in %s\n", options.output.c_str());
+    std::printf("output: %s\n", options.output.c_str());
     if (watched->stream_error) {
       report(*watched->stream_error);
       return 1;
     }
     return 0;
   }
-  livegs::JoinOptions lasting = options;  // for displays that people watch
+  livegs::JoinOptions lasting = options;  // defaults of interactive displays
   lasting.reconnect_after_drain = true;
   if (reconnect->count() == 0) lasting.reconnect_s = livegs::JoinOptions().reconnect_s;
   if (display == "openxr") {
@@ -299,7 +295,7 @@ int main(int argc, char** argv) {
       std::fputs(livegs::summary_text(*done).c_str(), stdout);
       return 0;
     }
-    livegs::log_warn("%s; a window instead", headset.error().message.c_str());
+    livegs::log_warn("%s; using a window instead", headset.error().message.c_str());
     display = "window";
   }
   if (display == "window") {
@@ -324,7 +320,7 @@ int main(int argc, char** argv) {
   const auto summary = livegs::run_offscreen(options, interrupted);
   if (!summary) return report(summary.error());
   std::fputs(livegs::summary_text(*summary).c_str(), stdout);
-  std::printf("outputs in %s\n", options.output.c_str());
+  std::printf("output: %s\n", options.output.c_str());
   if (summary->stream_error) {
     report(*summary->stream_error);
     return 1;

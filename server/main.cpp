@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// livegs-server: simulates a scene and streams it. Exit codes: 0 done, 1 could not do it, 2 bad usage or
-// input.
+// livegs-server: simulates a scene and streams it. Exit codes: 0 success, 1 failure, 2 bad usage or input.
 #include <signal.h>
 #include <time.h>
 #include <unistd.h>
@@ -20,6 +19,7 @@
 #include "core/log.h"
 #include "core/log_format.h"
 #include "core/parallel_for.h"
+#include "core/require_processor.h"
 #include "scene/scene.h"
 #include "service_notice.h"
 #include "session/access/server_security.h"
@@ -65,7 +65,7 @@ int report(const livegs::Error& error) {
   return error.code == livegs::ErrorCode::Unavailable || error.code == livegs::ErrorCode::Internal ? 1 : 2;
 }
 
-// What the server needs to let other machines in; null when it listens in the clear.
+// Certificate and tokens for remote clients; null without TLS.
 livegs::Result<std::unique_ptr<livegs::ServerSecurity>> open_security(const Options& options) {
   using namespace livegs;
   const bool on =
@@ -77,7 +77,7 @@ livegs::Result<std::unique_ptr<livegs::ServerSecurity>> open_security(const Opti
   return ServerSecurity::open(*folder);
 }
 
-// How clients reach it, for who reads the log.
+// The command that connects a client, for the log.
 std::string client_command(const Options& options, int port, const livegs::ServerSecurity* security) {
   const std::string host = options.listen.substr(0, options.listen.rfind(':'));
   std::array<char, 256> name{};
@@ -87,10 +87,10 @@ std::string client_command(const Options& options, int port, const livegs::Serve
       "livegs-client " + (any && name[0] != 0 ? std::string(name.data()) : host) + ":" + std::to_string(port);
   if (!security) return command;
   return command + " --pair " + livegs::pairing_code(security->fingerprint()) +
-         " --token-file FILE, with a token of: livegs ctl tokens add NAME";
+         " --token-file FILE (create a token with: livegs ctl tokens add NAME)";
 }
 
-// The signals that end the server, kept from every thread that is started afterwards.
+// Blocks the signals that end the server, for all threads that are started later.
 sigset_t block_ending_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -98,11 +98,11 @@ sigset_t block_ending_signals() {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
-  signal(SIGXFSZ, SIG_IGN);  // a file over its limit is an error of its write, as a full disk is
+  signal(SIGXFSZ, SIG_IGN);  // a file over its size limit is a write error, like a full disk
   return signals;
 }
 
-// Waits for one of them until `enough`, asked every so often, says so. Empty when it was not a signal.
+// Waits for a signal, or until `enough` returns true. Returns the reason; empty without a signal.
 std::string wait_for_signal(const sigset_t& signals, const std::function<bool()>& enough) {
   constexpr timespec kAskEvery{0, 20'000'000};
   while (!enough()) {
@@ -117,7 +117,7 @@ int run(const Options& options) {
   // A range check lets NaN through.
   if (!std::isfinite(options.seconds) || !std::isfinite(options.rate_hz.value_or(1.0)) ||
       !std::isfinite(options.client_mbit_s.value_or(1.0))) {
-    return report(invalid_argument("--seconds, --rate, --client-mbit-s: are not numbers"));
+    return report(invalid_argument("--seconds, --rate, --client-mbit-s: must be finite numbers"));
   }
   const sigset_t signals = block_ending_signals();
   set_log_level(options.verbose ? LogLevel::Debug : LogLevel::Info);
@@ -128,7 +128,7 @@ int run(const Options& options) {
   if (!endpoint) return report(endpoint.error());
 
   ServiceNotice notice;
-  // The port first: it is refused at once, and clients that come early are told to wait.
+  // Bind the port first: an error is reported at once, and early clients get UNAVAILABLE.
   const auto security = open_security(options);
   if (!security) return report(security.error());
   auto server = GrpcServer::listen(options.listen, security->get());
@@ -157,7 +157,7 @@ int run(const Options& options) {
   SimulationLoop loop(std::move(*scene), (*server)->ticks());
   AnalysisControllerOptions analysis_options;
   analysis_options.views = options.views;
-  // What was recorded is asked again each time, so that a recording is a whole one.
+  // Without a cache, so that a recording of answers is complete.
   if (options.endpoint.recorded.empty() && options.endpoint.record.empty() && !cache_folder().empty()) {
     analysis_options.answers = cache_folder() / "answers";
   }
@@ -179,7 +179,7 @@ int run(const Options& options) {
     if (auto begun = (*server)->recorder().start(options.record, options.recording); !begun)
       return report(begun.error());
   }
-  // Before clients are let in: a port in use ends it while nobody can ask for what goes with this.
+  // Before clients can join, so that a port in use ends the server without disconnecting them.
   std::unique_ptr<Metrics> metrics;
   if (options.metrics_port) {
     auto served = Metrics::serve(
@@ -193,7 +193,7 @@ int run(const Options& options) {
   (*server)->open_analysis(analysis);
   (*server)->open_run(run);
   std::mutex drain_mutex;
-  std::string drained;  // why, once somebody asked for it
+  std::string drained;  // the reason, once requested
   (*server)->open_drain([&](const std::string& reason) {
     std::lock_guard lock(drain_mutex);
     drained = reason;
@@ -224,7 +224,7 @@ int run(const Options& options) {
       return (options.seconds > 0 && now_ns() >= end_ns) || !drain_reason().empty();
     });
     if (reason.empty()) reason = drain_reason();
-    if (reason.empty()) reason = "the server has run for its time";
+    if (reason.empty()) reason = "the server has reached its time limit";
   }
   log_info("%s", reason.c_str());
   notice.say("STOPPING=1");
@@ -241,84 +241,80 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  livegs::require_processor();
   Options options;
   CLI::App app("Simulates a scene of Gaussian splats and streams it to livegs-client", "livegs-server");
   app.add_option("SCENE", options.scene, "A *.scene.json file, or a folder of assets")->required();
   app.add_option(
          "--listen", options.listen,
-         "HOST:PORT; port 0 lets the system choose. 0.0.0.0 lets other machines in, with TLS and a token")
+         "HOST:PORT; port 0 lets the system choose. 0.0.0.0 accepts other machines, with TLS and a token")
       ->capture_default_str();
   app.add_option("--tls", options.tls,
-                 "auto: unless it listens on this machine only; on; off: refused for other machines")
+                 "on; off: local clients only; auto: on unless the listen address is local")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
   app.add_option("--state-dir", options.state_dir,
-                 "Where the certificate and the tokens are kept; $XDG_STATE_HOME/livegs when left out");
-  app.add_option("--rate", options.rate_hz, "Ticks a second, instead of the scene's")
+                 "Folder of the certificate and the tokens (default: $XDG_STATE_HOME/livegs)");
+  app.add_option("--rate", options.rate_hz, "Ticks per second (default: set by the scene)")
       ->check(CLI::Range(1.0, 1000.0));
-  app.add_option("--substeps", options.substeps, "Substeps a tick, instead of the scene's")
+  app.add_option("--substeps", options.substeps, "Substeps per tick (default: set by the scene)")
       ->check(CLI::Range(1, 1024));
-  app.add_option("--threads", options.threads, "Threads that simulate; 0: one a core")
+  app.add_option("--threads", options.threads, "Simulation threads; 0: one per core")
       ->check(CLI::Range(0, 1024));
-  app.add_option("--seconds", options.seconds, "Stop after so long; 0: when it is told to")
+  app.add_option("--seconds", options.seconds, "Stop after this many seconds; 0: run until stopped")
       ->check(CLI::NonNegativeNumber);
-  app.add_option(
-         "--metrics", options.metrics_port,
-         "Serve metrics for Prometheus on 127.0.0.1:PORT; 0 lets the system choose; none when left out")
+  app.add_option("--metrics", options.metrics_port,
+                 "Serve Prometheus metrics on 127.0.0.1:PORT; 0 lets the system choose (default: off)")
       ->check(CLI::Range(0, 65535));
-  app.add_option("--client-mbit-s", options.client_mbit_s,
-                 "What a client is sent at most, megabits a second; what matters least to it waits. No limit "
-                 "when left out")
+  app.add_option(
+         "--client-mbit-s", options.client_mbit_s,
+         "Bandwidth limit per client in Mbit/s; the least visible objects are delayed (default: no limit)")
       ->check(CLI::Range(0.1, 1e5));
   app.add_option("--clients", options.clients,
-                 "How many may be there at once; who was cut off keeps a place for half a minute")
+                 "Maximum number of clients; a disconnected client keeps its slot for 30 s")
       ->check(CLI::Range(size_t{1}, livegs::kMaxSessions))
       ->capture_default_str();
-  app.add_option(
-      "--publish", options.publish,
-      "tcp://127.0.0.1:PORT: publish frames to livegs-client --subscribe and others on this machine, without "
-      "tokens; port 0 lets the system choose; none when left out");
+  app.add_option("--publish", options.publish,
+                 "tcp://127.0.0.1:PORT: publish frames to local subscribers (livegs-client --subscribe), "
+                 "without tokens; port 0 lets the system choose (default: off)");
   app.add_option("--record", options.record,
-                 "Record the session into this new file, *.lvgrec, from the first tick on; livegs ctl record "
-                 "does it later");
+                 "Record the session to this new file, *.lvgrec, from the first tick on (livegs ctl record "
+                 "starts later)");
   app.add_flag("--record-inputs-only", options.recording.inputs_only,
-               "Without frames: it can be simulated again, not watched");
+               "Record no frames: the recording can be verified, not played");
   app.add_flag("--record-assets", options.recording.assets,
-               "With assets and files, so that it can be watched and simulated again anywhere");
-  app.add_option("--log-format", options.log_format, "text, or json: an object a line")
+               "Include assets and scene files, so that the recording can be played and verified anywhere");
+  app.add_option("--log-format", options.log_format, "text, or json: one object per line")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
-  app.add_flag("--print-port", options.print_port, "Print the port on standard output once clients may join");
-  app.add_flag("--wait-for-client", options.wait_for_client,
-               "Let the first tick wait until a client streams");
-  app.add_option(
-      "--endpoint", options.endpoint.url,
-      "A server that speaks OpenAI's chat completions, to be asked what things are made of; default: "
-      "OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY. Without one, offline estimates are used");
-  app.add_option("--model", options.endpoint.model, "The model to ask for, instead of LIVEGS_MODEL");
+  app.add_flag("--print-port", options.print_port, "Print the port to standard output when clients may join");
+  app.add_flag("--wait-for-client", options.wait_for_client, "Delay the first tick until a client streams");
+  app.add_option("--endpoint", options.endpoint.url,
+                 "URL of a server with the OpenAI chat completions API, which estimates materials (default: "
+                 "OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY; without one: offline estimates)");
+  app.add_option("--model", options.endpoint.model, "Name of the model (default: LIVEGS_MODEL)");
   app.add_option("--recorded", options.endpoint.recorded,
-                 "Replay the answers of this folder instead of asking")
+                 "Replay recorded answers from this folder instead of querying a model")
       ->check(CLI::ExistingDirectory);
   app.add_option("--record-answers", options.endpoint.record,
-                 "Keep the answers in this folder, for --recorded");
+                 "Record answers to this folder, for --recorded");
   app.add_option("--prompts", options.endpoint.prompts,
-                 "A folder of prompts: its files take the place of those of the same names that are built in")
+                 "Folder of prompts; its files replace built-in prompts of the same names")
       ->check(CLI::ExistingDirectory);
   app.add_option("--price", options.endpoint.price,
-                 "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: "
-                 "LIVEGS_PRICE");
+                 "IN,OUT: price in US dollars per million tokens sent and received, for cost reports "
+                 "(default: LIVEGS_PRICE)");
   app.add_option("--model-deadline", options.endpoint.deadline_s,
-                 "The longest that one question may take with all its repeats, 1 to 3600 s; default: "
-                 "LIVEGS_MODEL_DEADLINE_S, "
-                 "else 60, or 300 where the server is Ollama or llama.cpp")
+                 "Time limit of one question including retries, 1 to 3600 s (default: "
+                 "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 for Ollama and llama.cpp)")
       ->check(CLI::Range(1.0, 3600.0))
       ->type_name("SECONDS");
   app.add_flag("--web-search", options.endpoint.web_search,
-               "Let the endpoint search the web once an object, where it can; off otherwise");
-  app.add_option("--views", options.views, "Looks at each object; 3 are put to the vote")
+               "Allow one web search per object, if the endpoint supports it");
+  app.add_option("--views", options.views, "Views per object; with 3, the majority decides")
       ->check(CLI::IsMember({1, 3}));
-  app.add_flag("--offline", options.endpoint.offline, "Ask nobody, whatever is set");
-  app.add_flag("--verbose", options.verbose, "Log what the simulation does every second");
+  app.add_flag("--offline", options.endpoint.offline, "Disable the language model");
+  app.add_flag("--verbose", options.verbose, "Log simulation statistics every second");
   app.set_version_flag("--version", LIVEGS_VERSION);
   try {
     app.parse(argc, argv);

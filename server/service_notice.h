@@ -6,23 +6,23 @@
 
 namespace livegs {
 
-// What systemd is told of a service of Type=notify: a datagram to the socket NOTIFY_SOCKET names
-// (sd_notify(3)). Does nothing where there is none.
+// Status notifications to systemd for a service of Type=notify: datagrams to the socket NOTIFY_SOCKET
+// (sd_notify(3)). Does nothing if that variable is not set.
 class ServiceNotice {
  public:
-  ServiceNotice();  // reads NOTIFY_SOCKET and WATCHDOG_USEC, and takes the first out of the environment
+  ServiceNotice();  // reads NOTIFY_SOCKET and WATCHDOG_USEC; unsets the former
   ~ServiceNotice();
   ServiceNotice(const ServiceNotice&) = delete;
   ServiceNotice& operator=(const ServiceNotice&) = delete;
 
   void say(const std::string& state) const;  // "READY=1", "STOPPING=1", "STATUS=…"
-  // Feeds the watchdog, twice in its time, as long as `ticks` rises: a server that stands still is started
-  // anew.
+  // Notifies the watchdog twice per timeout, as long as `ticks` increases. systemd restarts a server whose
+  // ticks stop.
   void feed(uint64_t ticks, int64_t now_ns);
 
  private:
   int socket_ = -1;
-  std::string address_;  // sun_path, with a leading zero for an abstract one
+  std::string address_;  // sun_path, with a leading zero for an abstract socket
   int64_t every_ns_ = 0, fed_ns_ = 0;
   uint64_t fed_ticks_ = 0;
 };

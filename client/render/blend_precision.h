@@ -3,14 +3,13 @@
 
 namespace livegs {
 
-// The floats that splats are summed in. 16-bit ones lose what a splat adds once it is less than 2^-12 of what
-// is there, which costs some tenths of a per cent where a hundred splats lie in a pixel, more on a device
-// that rounds towards zero, as lavapipe does. 32-bit ones are twice the memory traffic, which a device in
-// software does not feel.
+// Precision of blending. 16-bit floats lose contributions below 2^-12 of the sum, an error of some tenths of
+// a percent at a hundred splats per pixel, and more on devices that round towards zero, such as lavapipe.
+// 32-bit floats need twice the memory bandwidth, which does not matter for a software device.
 enum class BlendPrecision {
-  Auto,  // Full for a device in software, else Half
+  Auto,  // Full for a software device, else Half
   Half,
-  Full,  // Half where the device cannot blend 32-bit floats
+  Full,  // Half if the device cannot blend 32-bit floats
 };
 
 }  // namespace livegs

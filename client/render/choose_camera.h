@@ -8,10 +8,10 @@
 
 namespace livegs {
 
-// The view when nobody says otherwise, for a view that was posed: all objects in the picture, from a little
-// above. With an environment that lies to one side (two walls of a room), from the other side, so that it is
-// behind the objects; else from in front, +z. `free`: the columns of the picture in which all objects are;
-// left out: all of it.
+// The default camera of a posed view: all objects are in the picture, seen from slightly above. If the
+// environment lies to one side (two walls of a room), from the opposite side, so that it is behind the
+// objects; else from the front, +z. `free`: the columns of the picture that must contain all objects;
+// default: the whole picture.
 struct PictureColumns {
   double left_px = 0, right_px = 0;
 };

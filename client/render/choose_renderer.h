@@ -6,20 +6,20 @@
 namespace livegs {
 
 enum class RendererChoice {
-  Auto,    // Vulkan on a GPU; else the CPU, which is faster than a Vulkan device in software
-  Vulkan,  // Vulkan or nothing, in software too
+  Auto,    // Vulkan on a GPU; else the CPU, which is faster than a software Vulkan device
+  Vulkan,  // Vulkan only, also on a software device
   Cpu,
 };
 
-// Logs in one line what draws, and with Auto and no GPU, why it is the CPU. Fails only when Vulkan is asked
-// for and cannot be had; the message has the remedy.
+// Creates a renderer and logs its name, and with Auto the reason for the CPU. Fails only if Vulkan was
+// requested and is unavailable; the message has the remedy.
 Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice);
 
-// The same on a display's own device, in software too.
+// The same on a display's device, which may be a software device.
 Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice,
                                                        std::shared_ptr<VulkanDevice> device);
 
-// What was made of a device by its name; with Auto, where that failed, the CPU, whose notice says why.
+// Returns `made`, the renderer of the named device, or, with Auto, a CPU renderer with a notice if it failed.
 Result<std::unique_ptr<SplatRenderer>> made_or_cpu(RendererChoice choice, const std::string& device,
                                                    Result<std::unique_ptr<SplatRenderer>> made);
 

@@ -17,98 +17,95 @@
 
 namespace livegs {
 
-// Behind a scene without walls, as `livegs render` has it.
+// Background of a scene without an environment, as in `livegs render`.
 inline const Eigen::Vector3f kBackground{0.08f, 0.08f, 0.1f};
 
-// The objects of a scene as a client holds them, and how they look for a given frame of drivers, or of
-// kernels. A renderer that skins (Vulkan's) is given drivers; kernels are skinned here only for who asks
-// where they are, object by object, and only if its drivers are not bit for bit those they were last skinned
-// for. Not locked, const or not.
+// The objects of a scene on the client, posed and drawn from frames of drivers or kernels. A renderer that
+// skins (Vulkan) receives drivers. Otherwise kernels are skinned here on demand, per object, and only if the
+// drivers differ from those of the last skinning. Not thread-safe, including const functions.
 class SceneView {
  public:
   explicit SceneView(std::unique_ptr<SplatRenderer> renderer = create_cpu_renderer())
       : renderer_(std::move(renderer)) {}
 
-  // Ties the kernels to their drivers: about 0.1 s for 300k kernels. An id that is there already is replaced.
+  // Binds the kernels to their drivers: about 0.1 s for 300k kernels. An existing id is replaced.
   Result<void> add(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
                    bool environment);
-  // The same for an object that broke. Frames that name an earlier revision are drawn as before, until one of
-  // the new revision was; so are all frames if the revision is not a new one.
+  // The same for a fractured object. Frames of an earlier revision are drawn as before until the first frame
+  // of the new revision; so are all frames if the revision is not new.
   Result<void> change(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
                       bool environment);
-  // The same of what bind_object() has tied, without the wait.
+  // The same for the result of bind_object(), without the delay.
   void add(uint32_t object_id, BoundObject object);
   void change(uint32_t object_id, BoundObject object);
   bool has(uint32_t object_id, uint32_t revision) const;
-  // The same revision of an object with more of its kernels, as they come; posed as it is. Nothing happens to
-  // one that is not there.
+  // Replaces the same revision of an object by one with more kernels, keeping the pose. No effect for an
+  // unknown object.
   void refine(uint32_t object_id, BoundObject object);
   void remove(uint32_t object_id);
 
-  // An image an eye, of one eye or two. Objects of the frame that were never added are left out; one whose
-  // drivers are of a revision that is yet to come stands as it did; drivers that do not fit their object are
-  // an error. A renderer that fails (a lost device, one that cannot hold the scene) is replaced by the CPU's,
-  // with a warning and a notice.
+  // Draws one image per eye, for one or two eyes. Unknown objects of the frame are skipped. An object whose
+  // drivers belong to a later revision keeps its pose; drivers that do not fit their object are an error. If
+  // the renderer fails (device lost or out of memory), the CPU renderer replaces it, with a warning and a
+  // notice.
   Result<void> draw(const DriverFrame& frame, std::span<const Camera> eyes, std::vector<Image>& images);
 
-  // The same into an image on the renderer's device; where it cannot, into `images`, which are empty else.
+  // The same into an image on the renderer's device; if it cannot, into `images`, which are empty otherwise.
   Result<void> draw_into(const DriverFrame& frame, std::span<const Camera> eyes, const DeviceImage& image,
                          std::vector<Image>& images);
 
-  // Kernels that add less to a picture are left out from now on (RenderOptions); 0, as at first: none. Then,
-  // too, one that is seen larger than the longer side of the picture is shrunk to that, else to twice as
-  // much: from outside of captured assets neither changes a bit, from inside the first leaves 42 dB and more
-  // and the second 56 (cap.csv).
+  // Skips kernels that contribute less to a picture (RenderOptions); 0, the default: none. Also limits the
+  // radius of kernels to the longer side of the picture, or twice that by default. Errors of both limits:
+  // tests/bench/results, cap.csv.
   void set_min_contribution(float min_contribution_px) { min_contribution_px_ = min_contribution_px; }
 
-  // The last picture's moment by another renderer: the CPU's, to hold the picture against.
+  // Draws the last picture with another renderer, for a comparison with the CPU.
   Result<void> draw_again(SplatRenderer& renderer, std::span<const Camera> eyes,
                           std::vector<Image>& images) const;
 
   struct Times {
-    double skin_ms = 0;                             // of kernels skinned here since the last pose()
-    size_t objects_moved = 0, objects_skinned = 0;  // likewise
-    double raster_ms = 0;                           // of the last picture, as the next
+    double skin_ms = 0;                             // kernels skinned here since the last pose()
+    size_t objects_moved = 0, objects_skinned = 0;  // since the last pose()
+    double raster_ms = 0;                           // of the last picture, like the next
     std::optional<DeviceTimes> device;
   };
   const Times& last_times() const { return times_; }
   const std::string& renderer_name() const { return renderer_->name(); }
-  std::string notice() const { return renderer_->notice(); }  // as SplatRenderer has it
+  std::string notice() const { return renderer_->notice(); }  // see SplatRenderer
 
-  // What the last picture shows, or pose() posed, as far as kernels of it may be within a box; one object of
-  // it, if shown.
+  // Objects of the last picture, or of pose(), whose kernels may lie in a box; or one such object, if
+  // visible.
   std::vector<DrawnObject> drawn_near(const Eigen::AlignedBox3f& box_m) const;
   std::optional<DrawnObject> drawn_object(uint32_t object_id) const;
 
-  // World bounds of each object (never the environment) as it stands in the last picture, or after pose():
-  // from the 1st to the 99th percentile of its kernels along each axis, so that haze and floaters do not
-  // count.
+  // World bounds of each object (without the environment) in the last picture or after pose(): from the 1st
+  // to the 99th percentile of its kernels along each axis, which excludes haze and floaters.
   std::vector<Eigen::AlignedBox3d> object_boxes() const;
-  Eigen::AlignedBox3d bounds(uint32_t object_id) const;  // empty if unknown
-  // The mean of the environment's kernels; nothing when there is none.
+  Eigen::AlignedBox3d bounds(uint32_t object_id) const;  // empty for an unknown id
+  // Mean of the environment's kernels; nothing without an environment.
   std::optional<Eigen::Vector3d> environment_middle() const;
 
-  // The thing that a ray meets in the last picture, the environment included. `direction` is unit.
+  // First object that a ray hits in the last picture, environment included. `direction` is a unit vector.
   struct Picked {
     uint32_t object_id = 0;
     bool environment = false;
     size_t kernel = 0;
     Eigen::Vector3d point_m;       // on the ray
-    Eigen::Vector3d rest_point_m;  // of the kernel, in the object's frame: a force's point
+    Eigen::Vector3d rest_point_m;  // rest position of the kernel, object frame, to apply a force at
   };
   std::optional<Picked> pick(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const;
-  // The kernel of an object that lies nearest to a point of its frame at rest; nothing for what is not there.
+  // The kernel of an object nearest to a point in its rest frame; nothing for an unknown object.
   std::optional<size_t> nearest_kernel(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
-  // Where a kernel of the last picture is; nothing if it is not there any more.
+  // Position of a kernel in the last picture; nothing if it no longer exists.
   std::optional<Eigen::Vector3d> kernel_position_m(uint32_t object_id, size_t kernel) const;
 
-  // Goes to a moment without drawing it.
+  // Sets the pose without drawing.
   Result<void> pose(const DriverFrame& frame);
-  // The same, and skins what drawing it will ask for, for who looks up the head after that.
+  // Sets the pose and skins in advance what drawing will need, so that the head pose can be sampled later.
   Result<void> prepare(const DriverFrame& frame);
 
  private:
-  // An object as of one revision.
+  // One revision of an object.
   struct Object {
     std::shared_ptr<const GaussianAsset> asset;
     RestBody rest;
@@ -116,22 +113,22 @@ class SceneView {
     KernelReach reach;
     bool environment = false;
     std::optional<ObjectDrivers> posed_by;
-    uint64_t posed_version = 0, asset_version = 0;  // as RenderedObject has them
-    mutable PosedKernels kernels;                   // of the moment `skinned_version` was the posed one
+    uint64_t posed_version = 0, asset_version = 0;  // as in RenderedObject
+    mutable PosedKernels kernels;                   // valid for the pose of `skinned_version`
     mutable uint64_t skinned_version = 0;
   };
 
   Result<void> draw(std::span<const Camera> eyes, const DeviceImage* image, std::vector<Image>& images);
   std::vector<RenderedObject> rendered(const SplatRenderer& renderer) const;
-  const PosedKernels& kernels_of(const Object& object) const;  // where they are now
-  DrawnObject drawn(uint32_t object_id) const;                 // of what is shown
+  const PosedKernels& kernels_of(const Object& object) const;  // current positions
+  DrawnObject drawn(uint32_t object_id) const;                 // the visible revision
   RenderOptions options_for(std::span<const Camera> eyes) const;
-  const Object* shown(uint32_t object_id) const;  // the oldest revision, which is that of the last pose
+  const Object* shown(uint32_t object_id) const;  // the oldest revision, that of the last pose
 
   std::map<uint32_t, std::map<uint32_t, Object>> objects_;  // by id, then revision
   std::vector<uint32_t> visible_;                           // ids of the last pose, ascending
   std::unique_ptr<SplatRenderer> renderer_;
-  bool draws_on_cpu_ = false;  // because the renderer could not
+  bool draws_on_cpu_ = false;  // after a failure of the renderer
   float min_contribution_px_ = 0;
   uint64_t last_version_ = 0;
   mutable Times times_;

@@ -19,83 +19,83 @@
 
 namespace livegs {
 
-// What skin_kernels takes, for a renderer that skins kernels itself. All outlive the call they are given to.
+// Inputs of skin_kernels for a renderer that skins kernels itself. All must outlive the call.
 struct SkinnedBy {
   const RestBody* rest = nullptr;
-  const KernelBindings* bindings = nullptr;  // of the asset and `rest`
-  const ObjectDrivers* drivers = nullptr;    // that fit `rest`
+  const KernelBindings* bindings = nullptr;  // for the asset and `rest`
+  const ObjectDrivers* drivers = nullptr;    // matching `rest`
 };
 
-// One object of a picture, and what of it a renderer may keep from the last picture.
+// One object of a picture, with versions that allow a renderer to reuse data of the last picture.
 struct RenderedObject {
-  DrawnObject
-      drawn;  // drawn.kernels may be null where `skinned_by` is given and the renderer skins that kind
-  // Equal numbers, equal kernels: of where they are, and of what asset they are. Never 0.
+  // drawn.kernels may be null if `skinned_by` is set and the renderer skins that kind.
+  DrawnObject drawn;
+  // Equal versions mean equal positions and an equal asset. Never 0.
   uint64_t posed_version = 0;
   uint64_t asset_version = 0;
-  SkinnedBy skinned_by{};  // all of it or nothing
+  SkinnedBy skinned_by{};  // complete or empty
 };
 
 struct RenderOptions {
   Eigen::Vector3f background{0, 0, 0};
-  DepthOrder order =
-      DepthOrder::ViewZ;  // of two eyes Distance is from between them, ViewZ along what both look along
+  // For two eyes: Distance is measured from the point between them, ViewZ along their common axis.
+  DepthOrder order = DepthOrder::ViewZ;
   int max_sh_degree = 3;
-  float max_radius_px = 0;        // as eye_view has it; 0: none
-  float min_contribution_px = 0;  // as eye_view has it; 0: all are drawn
+  float max_radius_px = 0;        // as in eye_view; 0: no limit
+  float min_contribution_px = 0;  // as in eye_view; 0: all kernels are drawn
 };
 
-// Of the passes alone, by the device's own clock.
+// Device time of the passes.
 struct DeviceTimes {
   double skin_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0, resolve_ms = 0;
   double total_ms() const { return skin_ms + project_ms + sort_ms + draw_ms + resolve_ms; }
 };
 
-// By the caller's clock: what it waited for. Without separate_times a Vulkan device does all of it in
-// draw_ms. What it skins is skinned in project_ms.
+// Time that the caller waited. Without separate_times, a Vulkan device reports all of it in draw_ms. Skinning
+// is part of project_ms.
 struct RenderTimes {
   double upload_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0;
-  std::optional<DeviceTimes> device;             // where it has a clock
-  uint64_t uploaded_bytes = 0, submissions = 0;  // to a device, of this picture
-  int eyes_a_draw = 1;                           // 2: one draw covered both eyes
+  std::optional<DeviceTimes> device;             // if the device has a timer
+  uint64_t uploaded_bytes = 0, submissions = 0;  // to the device, for this picture
+  int eyes_a_draw = 1;                           // 2: one draw covers both eyes
   double total_ms() const { return upload_ms + project_ms + sort_ms + draw_ms; }
 };
 
-// Draws objects, each with an id of its own, in one sorted set, for one eye or two of one size. One thread at
-// a time.
+// Draws objects with unique ids in one sorted set, for one eye or for two of equal size. One thread at a
+// time.
 class SplatRenderer {
  public:
   virtual ~SplatRenderer() = default;
   virtual const std::string& name() const = 0;  // "cpu", or "vulkan: " and the device's name
 
-  // An image an eye: display-encoded, over the background, alpha is coverage. What is not among the objects
-  // of this picture is forgotten.
+  // Draws one image per eye: display-encoded, over the background; alpha is coverage. Cached data of objects
+  // that are not in the picture is discarded.
   virtual Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                             const RenderOptions& options, std::vector<Image>& images) = 0;
-  // The same into a layer an eye of an image on the renderer's own device; Unsupported by one that has none.
+  // The same into one layer per eye of an image on the renderer's device; Unsupported without a device.
   virtual Result<void> draw_into(std::span<const RenderedObject>, std::span<const Camera>,
                                  const RenderOptions&, const DeviceImage&) {
-    return unsupported(name() + ": draws into no device's image");
+    return unsupported(name() + ": cannot draw into a device image");
   }
-  // Whether it skins kernels of this kind itself, from `skinned_by` alone.
+  // Whether it skins kernels of this kind, given `skinned_by` only.
   virtual bool skins(DriverKind) const { return false; }
   virtual const RenderTimes& last_times() const = 0;
-  // What is out of order with its pictures, for a person to read; empty when nothing is.
+  // A problem with the pictures, for display to the user; empty if none.
   virtual std::string notice() const { return {}; }
 };
 
-// The oracle, on the threads of parallel_for; eyes one after the other.
+// The reference, on the threads of parallel_for; eyes are drawn one after the other.
 std::unique_ptr<SplatRenderer> create_cpu_renderer();
-// The same in the place of a renderer that failed: its notice says so.
+// The same as a replacement of a renderer that failed, with a notice.
 std::unique_ptr<SplatRenderer> create_cpu_renderer_instead_of(const std::string& device, const Error& why);
 
 struct VulkanRendererOptions {
   BlendPrecision precision = BlendPrecision::Auto;
-  bool separate_times = false;  // waits between the steps, so that last_times tells them apart
-  bool read_blended = false;    // images as they were blended, before 8 bits a channel: for measuring
-  uint32_t max_part_rows = 0;   // as FrameSplats has it; 0: what the device binds
+  bool separate_times = false;  // waits between the steps, so that last_times has separate values
+  bool read_blended = false;    // images before the conversion to 8 bits, for measurements
+  uint32_t max_part_rows = 0;   // as in FrameSplats; 0: the device's limit
 };
-// Unavailable where the device cannot draw.
+// Unavailable if the device cannot draw.
 Result<std::unique_ptr<SplatRenderer>> create_vulkan_renderer(std::shared_ptr<VulkanDevice> device,
                                                               const VulkanRendererOptions& options = {});
 

@@ -12,23 +12,24 @@
 
 namespace livegs {
 
-// The next picture a display wants: when it will be seen, and from where, one camera an eye.
+// The next picture of a display: its display time and one camera per eye.
 struct PlannedFrame {
   uint64_t index = 0;
-  int64_t display_time_ns = 0;  // on the display's own clock, from its first frame
+  int64_t display_time_ns = 0;  // on the display's clock, from its first frame
   std::vector<Camera> views;
 };
 
-// Where pictures go: a headset, a window, or files. One thread drives it: wait_frame, draw each view, submit.
+// A target for pictures: a headset, a window, or files. Used by one thread: wait_frame, draw each view,
+// submit.
 class Display {
  public:
   virtual ~Display() = default;
 
-  // Blocks until the next picture should be drawn. Nothing when the display was closed.
+  // Blocks until the next picture is due. Nothing when the display was closed.
   virtual std::optional<PlannedFrame> wait_frame() = 0;
-  // One image a view.
+  // One image per view.
   virtual Result<void> submit(const PlannedFrame& frame, std::span<const Image> images) = 0;
-  // No more pictures; waits until all are where they belong.
+  // Ends the output and waits until all pictures are written or shown.
   virtual Result<void> finish() = 0;
 };
 

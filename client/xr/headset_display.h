@@ -13,54 +13,53 @@
 
 namespace livegs {
 
-// What the hands did at a picture. A hand is not active while it is not tracked or the system has the focus,
-// and for the picture in which the space was recentred, so that nothing is torn along.
+// State of the hands for a picture. A hand is inactive while it is not tracked or the system has the focus,
+// and in the picture after a recentre, so that a held object does not jump.
 struct HeadsetInput {
-  std::array<HandSample, 2> hands;  // left, right; in the scene, where they will be when the picture is seen
+  std::array<HandSample, 2> hands;  // left, right; scene pose predicted for the display time
   bool focused = false;
 };
 
-// A headset, through whatever OpenXR runtime is active. Its session comes and goes (the headset is taken off,
-// the runtime is restarted, another application covers this one) without the display ending: pictures then
-// have no views, and nothing is drawn. Times of pictures are of now_ns(). On the thread that opened it.
+// A headset on the active OpenXR runtime. The display survives the loss of its session (headset taken off,
+// runtime restarted, another application in front): meanwhile pictures have no views and nothing is drawn.
+// Picture times are of now_ns(). Use on the thread that opened it.
 class HeadsetDisplay : public Display {
  public:
-  // Unavailable, with the remedy, when there is no runtime, no headset or no device that can draw for it. The
-  // maker of `options` is set here.
+  // Unavailable, with the remedy, without a runtime, a headset or a suitable device. open() sets the maker of
+  // `options`.
   static Result<std::unique_ptr<HeadsetDisplay>> open(VulkanDeviceOptions options = {});
 
   virtual const std::string& runtime_name() const = 0;
-  // Where its pictures are drawn. It must not be used while the display is waited for or submitted to.
+  // The device that renders the pictures. It must not be used during wait_frame or submit.
   virtual std::shared_ptr<VulkanDevice> device() const = 0;
 
-  // Where the person's place at the start (LOCAL's origin: head height, facing -Z) lies in the scene.
+  // Pose of the LOCAL space (origin at the initial head pose, facing -Z) in the scene.
   virtual void set_scene_from_local(const Pose& scene_from_local) = 0;
-  // Of what is drawn, by the size that the runtime wants: 0.25 to 1.
+  // Render scale relative to the recommended size: 0.25 to 1.
   virtual void set_scale(double scale) = 0;
 
-  // Text on a plate that stays before the eyes, over whatever is shown, from the next submit on; lines end
-  // with \n or are broken. Empty: none.
+  // Sets a text plate that is fixed to the view, from the next submit on. Lines are separated by newlines or
+  // wrapped. Empty: no plate.
   virtual void set_notice(const std::string& text) = 0;
 
-  // wait_frame: nothing when the runtime ended the session; at least every 50 ms, with no views where none
-  // are seen. Sleeps as the headset paces it.
+  // wait_frame: nothing when the runtime ended the session. Paced by the headset; returns at least every 50
+  // ms, without views if nothing is visible.
   virtual const HeadsetInput& input() const = 0;  // of the last wait_frame or update_input
-  virtual double period_s() const = 0;            // between pictures, as the runtime last said
+  virtual double period_s() const = 0;            // picture interval, as last reported by the runtime
 
-  // Where the head will be, as far as is known by now: closer than at wait_frame.
+  // Updates the views with the newest head prediction, which is more accurate than that of wait_frame.
   virtual void update_views(PlannedFrame& frame) = 0;
-  // The hands as they are by now. False where there are none: no picture is being made, the system has the
-  // focus.
+  // Updates the hands. False if no picture is in progress or the system has the focus.
   virtual bool update_input() = 0;
-  // What the views of this picture are drawn into; nothing if the session was lost meanwhile. Once a picture.
+  // Image to draw the views into; nothing if the session was lost. Call once per picture.
   virtual std::optional<DeviceImage> acquire() = 0;
-  // submit: with no images, what was drawn into the acquired one.
+  // submit: without images, the acquired image is shown.
 
-  // hand 0 left, 1 right; amplitude 0..1.
+  // hand: 0 left, 1 right; amplitude 0..1.
   virtual void vibrate(size_t hand, float amplitude, double seconds) = 0;
 
-  // finish: asks the runtime to end the session and waits, two seconds at most. Why it ended by itself, if by
-  // a failure.
+  // finish: requests the end of the session and waits for up to two seconds. Returns the error if the session
+  // had failed.
 
   struct Counts {
     uint64_t sessions = 0, losses = 0, recentres = 0, refresh_changes = 0, pictures = 0;

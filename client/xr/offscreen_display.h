@@ -14,12 +14,12 @@ struct OffscreenOptions {
   std::filesystem::path folder;
   double rate_hz = 30;  // of the video
   int width = 640, height = 480;
-  int png_every = 30;  // every so many pictures as frame_NNNNN.png; 0: none
-  bool video = true;   // out.mp4; without ffmpeg, every picture as a PNG and a warning
+  int png_every = 30;  // saves every Nth picture as frame_NNNNN.png; 0: none
+  bool video = true;   // writes out.mp4; without ffmpeg, every picture as PNG and a warning
 };
 
-// A display that nobody looks at: pictures become files. Its clock runs by pictures, not by the wall: picture
-// k is seen at k / rate, however long drawing takes, so a slow machine makes the same smooth video, later.
+// A display that writes pictures to files. Its clock counts pictures, not wall time: picture k is displayed
+// at k / rate, however long drawing takes, so a slow machine produces the same smooth video.
 class OffscreenDisplay final : public Display {
  public:
   static Result<std::unique_ptr<OffscreenDisplay>> open(const OffscreenOptions& options);

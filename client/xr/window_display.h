@@ -13,22 +13,22 @@
 
 namespace livegs {
 
-// What the mouse and the keys did in one frame of a window. Pixels from the top left of its contents. What a
-// panel has taken for itself is left out.
+// Mouse and keyboard input of one window frame. Pixels from the top left of the contents. Input that a panel
+// consumed is omitted.
 struct WindowInput {
   Eigen::Vector2d mouse_px{0, 0}, moved_px{0, 0};
-  double scrolled = 0;  // notches, up is positive
+  double scrolled = 0;  // notches, positive is up
   bool left = false, middle = false, right = false;
-  bool shoot = false;                              // space went down
-  bool over_panel = false;                         // the mouse is a panel's
-  bool hide = false, pause = false, step = false;  // H, P, the full stop went down
-  bool home = false;                               // the Home key went down
-  int jump = 0;                                    // the right arrow went down: 1; the left: -1
+  bool shoot = false;                              // space was pressed
+  bool over_panel = false;                         // the mouse is over a panel
+  bool hide = false, pause = false, step = false;  // H, P, full stop were pressed
+  bool home = false;                               // Home was pressed
+  int jump = 0;                                    // 1: the right arrow was pressed; -1: the left
   Eigen::Vector3d flown{0, 0, 0};                  // D - A, E - Q, S - W: -1, 0 or 1 each
-  double passed_s = 0;                             // since the frame before; 0 in the first
+  double passed_s = 0;                             // since the last frame; 0 in the first
 };
 
-// What stands over the picture.
+// Drawn over the picture.
 struct WindowOverlay {
   std::vector<WindowArrow> arrows;
   std::optional<WindowAim> aim;
@@ -36,23 +36,23 @@ struct WindowOverlay {
   WindowPanels panels;
 };
 
-// A desktop window: GLFW, with Dear ImGui over the picture. Pictures come as images, whatever drew them, and
-// are stretched over the window. On the thread that opened it.
+// A desktop window: GLFW, with Dear ImGui over the picture. Pictures are passed as images from any renderer
+// and stretched over the window. Use on the thread that opened it.
 class WindowDisplay : public Display {
  public:
-  // Whether open() would succeed: opens a window that is not seen. Before there is one.
+  // Whether open() would succeed; opens a hidden window. Call before a window is open.
   static bool is_possible();
-  // Unavailable, with the remedy, when there is no display or no OpenGL.
+  // Unavailable, with the remedy, without a display or OpenGL.
   static Result<std::unique_ptr<WindowDisplay>> open(const std::string& title, int width, int height);
 
-  virtual void set_camera(const Camera& camera) = 0;  // of the next wait_frame
+  virtual void set_camera(const Camera& camera) = 0;  // for the next wait_frame
   virtual const WindowInput& input() const = 0;       // of the last wait_frame
-  virtual Eigen::Vector2i size_px() const = 0;        // of the window's contents now
-  virtual double refresh_hz()
-      const = 0;  // of the monitor that most of the window is on; 0 where it is not known
+  virtual Eigen::Vector2i size_px() const = 0;        // current size of the contents
+  // Of the monitor with the largest part of the window; 0 if unknown.
+  virtual double refresh_hz() const = 0;
   virtual void set_overlay(WindowOverlay overlay) = 0;
   virtual const PanelActions& actions() const = 0;  // on the panels of the last submit
-  // What the next submit shows, panels included, is kept in `image`, which outlives it.
+  // Copies the output of the next submit, panels included, to `image`, which must outlive it.
   virtual void keep_next(Image& image) = 0;
 };
 

@@ -8,10 +8,10 @@ namespace livegs {
 Result<void> check_buffer_size(size_t bytes) {
   if (bytes == 0 || bytes % 4 != 0) {
     return invalid_argument("buffer: " + std::to_string(bytes) +
-                            " bytes; ask for a multiple of 4, at least 4");
+                            " bytes; request a multiple of 4, at least 4");
   }
   if (bytes > kMaxBufferBytes) {
-    return Error{ErrorCode::TooLarge, "buffer: " + std::to_string(bytes) + " bytes; the most is " +
+    return Error{ErrorCode::TooLarge, "buffer: " + std::to_string(bytes) + " bytes; the limit is " +
                                           std::to_string(kMaxBufferBytes)};
   }
   return {};
@@ -20,8 +20,8 @@ Result<void> check_buffer_size(size_t bytes) {
 Result<void> check_transfer(size_t bytes, size_t buffer_bytes) {
   if (bytes % 4 != 0 || bytes > buffer_bytes) {
     return invalid_argument("buffer transfer: " + std::to_string(bytes) +
-                            " bytes; move a multiple of 4, at most the " + std::to_string(buffer_bytes) +
-                            " the buffer holds");
+                            " bytes; transfer a multiple of 4, at most the " + std::to_string(buffer_bytes) +
+                            " bytes of the buffer");
   }
   return {};
 }
@@ -32,20 +32,20 @@ Result<void> check_dispatch(const Pass& pass, std::span<const BufferId> buffers,
   if (pass.group_size == 0 || pass.group_size > kMaxPassGroupSize || pass.buffer_count == 0 ||
       pass.buffer_count > kMaxPassBuffers || pass.constants_bytes > kMaxPassConstantsBytes ||
       pass.constants_bytes % 4 != 0) {
-    return invalid_argument(name + "group size, buffer count or constants are outside what pass.h allows");
+    return invalid_argument(name + "group size, buffer count or constants exceed the limits of pass.h");
   }
   if (buffers.size() != pass.buffer_count) {
-    return invalid_argument(name + std::to_string(buffers.size()) + " buffers; it takes " +
+    return invalid_argument(name + std::to_string(buffers.size()) + " buffers; expected " +
                             std::to_string(pass.buffer_count));
   }
   if (constants.size() != pass.constants_bytes) {
-    return invalid_argument(name + std::to_string(constants.size()) + " bytes of constants; it takes " +
+    return invalid_argument(name + std::to_string(constants.size()) + " bytes of constants; expected " +
                             std::to_string(pass.constants_bytes));
   }
   for (size_t i = 0; i < buffers.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
       if (buffers[i] == buffers[j])
-        return invalid_argument(name + "one buffer is bound twice; bind different ones");
+        return invalid_argument(name + "a buffer is bound twice; bind different buffers");
     }
   }
   return {};
@@ -53,7 +53,7 @@ Result<void> check_dispatch(const Pass& pass, std::span<const BufferId> buffers,
 
 Error unknown_buffer(BufferId buffer) {
   return not_found("buffer " + std::to_string(static_cast<uint64_t>(buffer)) +
-                   " is unknown; was it destroyed, or made by another backend?");
+                   " is unknown; it was destroyed or belongs to another backend");
 }
 
 }  // namespace livegs

@@ -11,43 +11,43 @@
 
 namespace livegs {
 
-// A buffer of one backend. Never 0 and never used again once its buffer is destroyed.
+// A buffer of one backend. Ids are never 0 and are not reused after the buffer is destroyed.
 enum class BufferId : uint64_t {};
 
-// The most one buffer may hold on any backend; a device may hold less (lavapipe: 128 MiB a storage buffer).
+// Maximum size of a buffer on any backend, bytes. A device may have a lower limit (lavapipe: 128 MiB per
+// storage buffer).
 inline constexpr size_t kMaxBufferBytes = size_t{1} << 31;
 
-// Where passes run. Calls take effect in the order they are made: a dispatch sees what was uploaded and
-// dispatched before it. One thread at a time uses a backend. Every call fails on an unknown BufferId
-// (NotFound) and on sizes that do not fit (InvalidArgument, TooLarge) and then changes nothing; a lost device
-// is Unavailable.
+// Executes passes. Calls take effect in order: a dispatch sees all earlier uploads and dispatches. A backend
+// is used by one thread at a time. Calls with an unknown BufferId (NotFound) or a wrong size
+// (InvalidArgument, TooLarge) fail without effect. A lost device gives Unavailable.
 class Backend {
  public:
   virtual ~Backend() = default;
 
-  // bytes: 1..kMaxBufferBytes, a multiple of 4. The contents are unspecified until they are written.
+  // `bytes`: 1..kMaxBufferBytes, a multiple of 4. The contents are undefined until written.
   virtual Result<BufferId> create_buffer(size_t bytes) = 0;
-  // What one buffer may hold here: what passes and draws of this device can bind.
+  // Maximum buffer size on this device, bytes: the limit of bindings in passes and draws.
   virtual size_t max_buffer_bytes() const { return kMaxBufferBytes; }
   virtual Result<void> destroy_buffer(BufferId buffer) = 0;
 
-  // Writes the front of a buffer; a multiple of 4 bytes, no more than it holds. `bytes` may be reused at
-  // once.
+  // Writes to the start of a buffer: a multiple of 4 bytes, at most its size. `bytes` may be reused after the
+  // call.
   virtual Result<void> upload(BufferId buffer, std::span<const std::byte> bytes) = 0;
 
-  // Runs `pass` for items [0, count), soon: at the latest when its result is read. One buffer for each
-  // binding, all different; constants as long as the pass says. count 0 does nothing.
+  // Runs `pass` for items [0, count), at the latest when its result is read. Requires one buffer per binding,
+  // all different, and constants of the size declared by the pass. count 0 has no effect.
   virtual Result<void> dispatch(const Pass& pass, std::span<const BufferId> buffers,
                                 std::span<const std::byte> constants, uint32_t count) = 0;
 
-  // Returns when everything dispatched is done.
+  // Waits until everything dispatched has completed.
   virtual Result<void> submit() = 0;
 
-  // Submits, then reads the front of a buffer; a multiple of 4 bytes, no more than it holds.
+  // Submits, then reads from the start of a buffer: a multiple of 4 bytes, at most its size.
   virtual Result<void> read(BufferId buffer, std::span<std::byte> bytes) = 0;
 };
 
-// Inside the room: what both backends check alike.
+// Internal to this room: checks shared by both backends.
 Result<void> check_buffer_size(size_t bytes);
 Result<void> check_transfer(size_t bytes, size_t buffer_bytes);
 Result<void> check_dispatch(const Pass& pass, std::span<const BufferId> buffers,

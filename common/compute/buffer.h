@@ -5,17 +5,17 @@
 
 namespace livegs {
 
-// Owns one buffer of a backend, which outlives it. A moved-from or default one is empty.
+// Owns one buffer of a backend. The backend must outlive it. A moved-from or default Buffer is empty.
 class Buffer {
  public:
   Buffer() = default;
-  static Result<Buffer> create(Backend& backend, size_t bytes);  // fails as Backend::create_buffer
+  static Result<Buffer> create(Backend& backend, size_t bytes);  // errors: as Backend::create_buffer
   ~Buffer() { reset(); }
   Buffer(Buffer&& other) noexcept;
   Buffer& operator=(Buffer&& other) noexcept;
 
   void reset();                        // destroys the buffer, if any
-  BufferId id() const { return id_; }  // BufferId{} of an empty one
+  BufferId id() const { return id_; }  // BufferId{} if empty
   size_t bytes() const { return bytes_; }
   explicit operator bool() const { return id_ != BufferId{}; }
 

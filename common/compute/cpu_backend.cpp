@@ -12,7 +12,7 @@ namespace livegs {
 
 namespace {
 
-// Items a block: some tens of microseconds of a light pass, far above what handing out a block costs.
+// Items per block: tens of microseconds of a light pass, far above the scheduling cost of a block.
 constexpr size_t kBlock = 2048;
 static_assert(kBlock % kMaxPassGroupSize == 0);
 
@@ -23,7 +23,8 @@ static_assert(__STDCPP_DEFAULT_NEW_ALIGNMENT__ >= 16);
 Result<BufferId> CpuBackend::create_buffer(size_t bytes) {
   if (auto checked = check_buffer_size(bytes); !checked) return checked.error();
   std::unique_ptr<std::byte[]> memory(new (std::nothrow) std::byte[bytes]);
-  if (!memory) return Error{ErrorCode::TooLarge, "buffer: no memory for " + std::to_string(bytes) + " bytes"};
+  if (!memory)
+    return Error{ErrorCode::TooLarge, "buffer: out of memory for " + std::to_string(bytes) + " bytes"};
   const BufferId id{++last_id_};
   buffers_[id] = {std::move(memory), bytes};
   return id;

@@ -9,7 +9,7 @@
 namespace livegs {
 
 // Runs the CPU twins on the threads of parallel_for, in fixed blocks: the same bits for any thread count. A
-// dispatch is done when it returns.
+// dispatch is complete when the call returns.
 class CpuBackend final : public Backend {
  public:
   Result<BufferId> create_buffer(size_t bytes) override;
@@ -22,7 +22,7 @@ class CpuBackend final : public Backend {
 
  private:
   struct Buffer {
-    std::unique_ptr<std::byte[]> memory;  // operator new aligns it to 16
+    std::unique_ptr<std::byte[]> memory;  // aligned to 16 by operator new
     size_t bytes = 0;
   };
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-struct VkImage_T;  // what Vulkan's handle VkImage points to
+struct VkImage_T;  // target of the Vulkan handle VkImage
 
 namespace livegs {
 
-// An image of someone else's on a VulkanDevice, a headset's, to be drawn into: a layer an eye, in the layout
-// COLOR_ATTACHMENT_OPTIMAL before and after. It may be larger than what is drawn, which lies at its top left.
+// An external image on a VulkanDevice (of a headset) to draw into: one layer per eye, in layout
+// COLOR_ATTACHMENT_OPTIMAL before and after. It may be larger than the drawn area, which is at its top left.
 struct DeviceImage {
   VkImage_T* image = nullptr;
   int width = 0, height = 0, layers = 0;

@@ -5,11 +5,11 @@
 
 #include "compute/pass.h"
 
-// What CPU twins of passes see in their buffers.
+// Typed access to the buffers of a CPU twin.
 
 namespace livegs {
 
-// Rows are read and written by memcpy, which the compiler turns into plain moves.
+// Rows are read and written with memcpy, which compiles to plain moves.
 template <class Row>
 Row row_at(std::span<const std::byte> buffer, size_t index) {
   Row row;
@@ -22,7 +22,7 @@ void set_row(std::span<std::byte> buffer, size_t index, const Row& row) {
   std::memcpy(buffer.data() + index * sizeof(Row), &row, sizeof(Row));
 }
 
-// Buffers are aligned to 16 bytes, and their memory comes from operator new as plain bytes.
+// Valid because buffers are aligned to 16 bytes and come from operator new as plain bytes.
 inline std::span<uint32_t> words_of(std::span<std::byte> buffer) {
   return {reinterpret_cast<uint32_t*>(buffer.data()), buffer.size() / 4};
 }

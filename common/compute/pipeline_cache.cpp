@@ -25,7 +25,7 @@ static_assert(sizeof(FileHeader) == 76);
 
 Error not_usable(const char* why) { return invalid_data(std::string("pipeline cache: ") + why); }
 
-// Of the driver's data, as vkGetPipelineCacheData lays it out.
+// Whether the driver data, laid out as by vkGetPipelineCacheData, belong to this device.
 bool is_of(const VkPhysicalDeviceProperties& device, std::span<const std::byte> data) {
   VkPipelineCacheHeaderVersionOne header;
   if (data.size() < sizeof header) return false;
@@ -68,16 +68,16 @@ Result<std::vector<std::byte>> decode_pipeline_cache(const VkPhysicalDevicePrope
                                                      std::span<const std::byte> file) {
   FileHeader header;
   const FileHeader expected;
-  if (file.size() < sizeof header) return not_usable("the file is too short");
+  if (file.size() < sizeof header) return not_usable("the file is truncated");
   std::memcpy(&header, file.data(), sizeof header);
   const auto data = file.subspan(sizeof header);
   if (std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0 || header.version != kVersion)
-    return not_usable("the file is of another format");
+    return not_usable("the file has an unknown format");
   if (header.driver_version != device.driverVersion)
-    return not_usable("the file is of another driver version");
+    return not_usable("the file is from another driver version");
   if (content_hash(data) != std::string_view(header.data_hash, sizeof header.data_hash))
     return not_usable("the file is damaged");
-  if (!is_of(device, data)) return not_usable("the file is of another device");
+  if (!is_of(device, data)) return not_usable("the file is from another device");
   return std::vector<std::byte>(data.begin(), data.end());
 }
 
@@ -89,7 +89,7 @@ Result<void> create_pipeline_cache(VulkanHandles& handles, const std::filesystem
     if (read)
       data = *std::move(read);
     else
-      log_debug("%s; pipelines are compiled again", read.error().message.c_str());
+      log_debug("%s; pipelines will be compiled again", read.error().message.c_str());
   }
   auto info = vulkan_info<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
   info.initialDataSize = data.size();
@@ -121,7 +121,8 @@ void save_pipeline_cache(const VulkanHandles& handles) {
   const auto written =
       write_file_atomically(handles.pipeline_cache_file, encode_pipeline_cache(handles.properties, data));
   if (!written)
-    log_debug("pipeline cache: %s; pipelines are compiled again next time", written.error().message.c_str());
+    log_debug("pipeline cache: %s; pipelines will be compiled again at the next start",
+              written.error().message.c_str());
 }
 
 }  // namespace livegs

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// For the .cpp files of this room and its tests: it shows Vulkan's types.
+// For the .cpp files of this room and its tests only: it exposes Vulkan types.
 
 #include <cstddef>
 #include <filesystem>
@@ -12,12 +12,12 @@
 
 namespace livegs {
 
-// The compiled pipelines of one device, in a file between runs. A file is a 76-byte header and the driver's
-// data:
+// The compiled pipelines of one device, kept in a file between runs. A file is a 76-byte header and the
+// driver's data:
 //   "LGPC", version 1, driver version (uint32 each), SHA-256 of the data as 64 hexadecimal digits.
-// The data begins with Vulkan's own header of vendor, device and pipelineCacheUUID. Drivers need not survive
-// damaged data, and many ignore their own version, hence the header (Kapoulkine 2019, Creating a robust
-// pipeline cache with Vulkan).
+// The data start with Vulkan's header of vendor, device and pipelineCacheUUID. The additional header is
+// needed because drivers may crash on damaged data and often ignore their own version (Kapoulkine 2019,
+// Creating a robust pipeline cache with Vulkan).
 
 // FOLDER/VENDOR-DEVICE.pipelines, in hexadecimal.
 std::filesystem::path pipeline_cache_file(const std::filesystem::path& folder,
@@ -25,7 +25,7 @@ std::filesystem::path pipeline_cache_file(const std::filesystem::path& folder,
 
 std::vector<std::byte> encode_pipeline_cache(const VkPhysicalDeviceProperties& device,
                                              std::span<const std::byte> data);
-// The driver's data. InvalidData for damaged bytes and for those of another device or driver version.
+// Returns the driver data. InvalidData if they are damaged or from another device or driver version.
 Result<std::vector<std::byte>> decode_pipeline_cache(const VkPhysicalDeviceProperties& device,
                                                      std::span<const std::byte> file);
 

@@ -18,7 +18,7 @@ namespace livegs {
 namespace {
 
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize{8} << 20;
-constexpr uint32_t kMaxRecordedDispatches = 256;  // then they run before the next is recorded
+constexpr uint32_t kMaxRecordedDispatches = 256;  // then the recorded ones run first
 
 class VulkanBackend final : public Backend, public VulkanCommands {
  public:
@@ -50,8 +50,8 @@ class VulkanBackend final : public Backend, public VulkanCommands {
     size_t bytes = 0;
   };
 
-  Result<void> begin();   // starts recording unless it has
-  Result<void> finish();  // runs what is recorded, waits, makes everything ready to record again
+  Result<void> begin();   // starts recording if necessary
+  Result<void> finish();  // runs the recorded commands, waits, and prepares for recording again
   void barrier();
   Result<void> record_copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region);
   Result<const VulkanPipeline*> pipeline_of(const Pass& pass);
@@ -65,7 +65,7 @@ class VulkanBackend final : public Backend, public VulkanCommands {
   std::map<const uint32_t*, VulkanPipeline> pipelines_;  // by the SPIR-V of the pass
 
   HostBuffer staging_;
-  VkDeviceSize staged_ = 0;  // bytes at its front that recorded copies have yet to read
+  VkDeviceSize staged_ = 0;  // bytes at its front that recorded copies still have to read
 
   VkCommandPool command_pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
@@ -123,7 +123,7 @@ Result<BufferId> VulkanBackend::create_buffer(size_t bytes) {
   const size_t limit = max_buffer_bytes();
   if (bytes > limit) {
     return Error{ErrorCode::TooLarge, "buffer: " + std::to_string(bytes) + " bytes; " + device_->name() +
-                                          " binds at most " + std::to_string(limit) + ", so split it"};
+                                          " binds at most " + std::to_string(limit) + "; split the buffer"};
   }
   auto info = vulkan_info<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   info.size = bytes;
@@ -175,7 +175,7 @@ Result<void> VulkanBackend::begin() {
   return {};
 }
 
-// One kind for all: what was written before is seen by what comes after, host included.
+// A single kind of barrier: all earlier writes are visible to all later commands and to the host.
 void VulkanBackend::barrier() {
   auto memory = vulkan_info<VkMemoryBarrier2>(VK_STRUCTURE_TYPE_MEMORY_BARRIER_2);
   memory.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
@@ -219,8 +219,8 @@ Result<void> VulkanBackend::record_copy(VkBuffer from, VkBuffer to, const VkBuff
   return {};
 }
 
-// Copies are recorded like dispatches, so that a frame's drivers and passes are one submission; only when the
-// staging buffer is full does what is recorded run first.
+// Copies are recorded like dispatches, so the drivers and passes of a frame are one submission. Recorded
+// commands run early only if the staging buffer is full.
 Result<void> VulkanBackend::upload(BufferId buffer, std::span<const std::byte> bytes) {
   const auto found = buffers_.find(buffer);
   if (found == buffers_.end()) return unknown_buffer(buffer);
@@ -279,8 +279,8 @@ Result<void> VulkanBackend::dispatch(const Pass& pass, std::span<const BufferId>
   const uint32_t groups = (count - 1) / pass.group_size + 1;
   if (groups > handles_.properties.limits.maxComputeWorkGroupCount[0]) {
     return Error{ErrorCode::TooLarge, "pass " + std::string(pass.name) + ": " + std::to_string(count) +
-                                          " items are more groups than " + device_->name() +
-                                          " takes in one dispatch; split them"};
+                                          " items exceed the groups that " + device_->name() +
+                                          " runs in one dispatch; split the dispatch"};
   }
   auto pipeline = pipeline_of(pass);
   if (!pipeline) return pipeline.error();
@@ -302,7 +302,7 @@ Result<void> VulkanBackend::dispatch(const Pass& pass, std::span<const BufferId>
   write.dstSet = set;
   write.descriptorCount = pass.buffer_count;
   write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-  write.pBufferInfo = bound.data();  // one write runs on over consecutive bindings
+  write.pBufferInfo = bound.data();  // one write covers consecutive bindings
   vk_.UpdateDescriptorSets(handles_.device, 1, &write, 0, nullptr);
 
   if (auto begun = begin(); !begun) return begun;

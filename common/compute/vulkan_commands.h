@@ -6,28 +6,27 @@
 
 namespace livegs {
 
-// How client/render draws what passes have computed: into the same command buffer, from the same buffers. As
-// Backend, one thread at a time.
+// Lets client/render draw the results of passes, in the same command buffer and from the same buffers. One
+// thread at a time, as for Backend.
 class VulkanCommands {
  public:
   virtual ~VulkanCommands() = default;
 
-  // The command buffer that dispatches are recorded into, after a barrier on everything in it. It runs at the
-  // next submit, read or destroy_buffer of the backend, which wait for it, or when an upload finds no more
-  // room.
+  // The command buffer that records dispatches, after a barrier on its previous commands. It runs at the next
+  // submit, read or destroy_buffer of the backend, which wait for it, or when an upload does not fit.
   virtual Result<VkCommandBuffer> record() = 0;
 
-  // Since the backend was made.
+  // Totals since the backend was created.
   struct Traffic {
     uint64_t uploaded_bytes = 0, submissions = 0;
   };
   virtual const Traffic& traffic() const = 0;
 
-  // Null if unknown. Storage, indirect and transfer are what it may be used for.
+  // Null if unknown. Usage flags: storage, indirect and transfer.
   virtual VkBuffer buffer_of(BufferId buffer) const = 0;
 };
 
-// What `backend` is underneath; null for one that is not create_vulkan_backend's.
+// The Vulkan interface of `backend`; null if create_vulkan_backend did not create it.
 VulkanCommands* vulkan_commands(Backend& backend);
 
 }  // namespace livegs

@@ -23,9 +23,9 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 constexpr const char* kDriverRemedy =
-    "install the GPU's driver, or the package mesa-vulkan-drivers for a device in software";
+    "install the GPU's driver, or the package mesa-vulkan-drivers for a software device";
 
-// The loader is never closed: drivers leave threads and thread-local destructors behind.
+// The loader is never closed, because drivers leave threads and thread-local destructors behind.
 PFN_vkGetInstanceProcAddr open_loader() {
   static void* const library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
   return library ? reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"))
@@ -76,17 +76,16 @@ Result<void> check_validation_layer(PFN_vkGetInstanceProcAddr get) {
   }
   return Error{
       ErrorCode::Unavailable,
-      "vulkan: the validation layer is not installed; install vulkan-validationlayers or do without it"};
+      "vulkan: the validation layer is not installed; install vulkan-validationlayers or disable validation"};
 }
 
-// VK_ERROR_INCOMPATIBLE_DRIVER is how the loader says that it finds no driver, or none that it can open.
+// The loader reports VK_ERROR_INCOMPATIBLE_DRIVER if it finds no driver, or none that it can open.
 Error no_instance(VkResult why) {
   const Error error = vulkan_error("vkCreateInstance", why);
   if (error.code != ErrorCode::Unavailable) return error;
-  const std::string what =
-      why == VK_ERROR_INCOMPATIBLE_DRIVER
-          ? "vulkan: no driver can be opened"
-          : "vulkan: no instance, vkCreateInstance failed with VkResult " + std::to_string(why);
+  const std::string what = why == VK_ERROR_INCOMPATIBLE_DRIVER
+                               ? "vulkan: no usable driver"
+                               : "vulkan: vkCreateInstance failed with VkResult " + std::to_string(why);
   return Error{ErrorCode::Unavailable, what + "; " + kDriverRemedy};
 }
 
@@ -94,7 +93,7 @@ Result<void> create_instance(VulkanHandles& handles, const VulkanDeviceOptions& 
   const PFN_vkGetInstanceProcAddr get = open_loader();
   if (!get) {
     return Error{ErrorCode::Unavailable,
-                 "vulkan: no loader (libvulkan.so.1); install the package libvulkan1, and " +
+                 "vulkan: the loader (libvulkan.so.1) is missing; install the package libvulkan1, and " +
                      std::string(kDriverRemedy)};
   }
   handles.get = get;
@@ -116,8 +115,8 @@ Result<void> create_instance(VulkanHandles& handles, const VulkanDeviceOptions& 
   application.apiVersion = VK_API_VERSION_1_3;
   auto info = vulkan_info<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
   info.pApplicationInfo = &application;
-  // Messages about making and destroying the instance come through this chain, all others through the
-  // messenger.
+  // This chain receives messages about creating and destroying the instance; the messenger receives all
+  // others.
   VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(handles);
   const VkValidationFeatureEnableEXT synchronization =
       VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
@@ -171,7 +170,7 @@ int preference(VkPhysicalDeviceType type) {
   }
 }
 
-// Multiview and dynamic rendering need no asking: Vulkan 1.3 demands both.
+// Vulkan 1.3 requires multiview and dynamic rendering, so they are not checked.
 bool has_features(const VulkanFunctions& vk, VkPhysicalDevice device) {
   auto features13 =
       vulkan_info<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
@@ -188,7 +187,8 @@ bool has_limits(const VkPhysicalDeviceLimits& limits) {
          limits.maxComputeWorkGroupSize[0] >= kMaxPassGroupSize;
 }
 
-// The first queue family that can compute and draw, else the first that can compute; either can copy.
+// The first queue family that supports compute and graphics, otherwise the first with compute. Both support
+// transfers.
 bool find_queue_family(const VulkanFunctions& vk, VkPhysicalDevice device, uint32_t& family, bool& draws,
                        uint32_t& timestamp_bits) {
   uint32_t count = 0;
@@ -236,7 +236,7 @@ Result<void> choose_physical_device(VulkanHandles& handles, VulkanMaker* maker) 
   }
   if (best == 0) {
     return Error{ErrorCode::Unavailable, "vulkan: none of " + std::to_string(devices.size()) +
-                                             " devices can compute with Vulkan 1.3; " + kDriverRemedy};
+                                             " devices supports compute with Vulkan 1.3; " + kDriverRemedy};
   }
   handles.name = handles.properties.deviceName;
   vk.GetPhysicalDeviceMemoryProperties(handles.physical_device, &handles.memory);

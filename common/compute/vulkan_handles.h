@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// For the .cpp files of this room, of client/render, which draws, and of client/xr: no other header shows
-// Vulkan's.
+// For the .cpp files of this room, of client/render and of client/xr only: it exposes the Vulkan headers.
 
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan.h>
@@ -16,7 +15,7 @@
 
 namespace livegs {
 
-// Functions found by vkGetInstanceProcAddr once there is an instance.
+// Functions loaded with vkGetInstanceProcAddr once an instance exists.
 // clang-format off
 #define LIVEGS_VULKAN_FUNCTIONS(X)                                                                         \
   X(DestroyInstance) X(EnumeratePhysicalDevices) X(GetPhysicalDeviceProperties)                            \
@@ -50,7 +49,7 @@ struct VulkanFunctions {
   PFN_vkCmdEndDebugUtilsLabelEXT CmdEndDebugUtilsLabelEXT = nullptr;
 };
 
-// Everything a device is made of; destroys it in the right order.
+// All Vulkan objects of a device; destroys them in the right order.
 struct VulkanHandles {
   VulkanHandles() = default;
   ~VulkanHandles();
@@ -67,19 +66,18 @@ struct VulkanHandles {
   VkPhysicalDeviceMemoryProperties memory{};
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
-  VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // every pipeline of the device is made with it
-  std::filesystem::path pipeline_cache_file;        // empty: it is not kept between runs
-  std::string pipeline_cache_hash;  // content_hash of the data that the file holds; empty: none
+  VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // used for every pipeline of the device
+  std::filesystem::path pipeline_cache_file;        // empty: the cache is not saved
+  std::string pipeline_cache_hash;                  // content_hash of the data in the file; empty: none
   uint32_t queue_family = 0;
-  bool draws = false;           // the queue draws as well, and multiview and dynamic rendering are on
-  uint32_t timestamp_bits = 0;  // that count, of the queue's clock; 0: it has none
-  VkDeviceSize memory_limit =
-      0;  // bytes of device memory that VulkanMemory takes at most; 0: what the device grants
+  bool draws = false;  // the queue supports graphics, and multiview and dynamic rendering are enabled
+  uint32_t timestamp_bits = 0;    // valid bits of the timestamps of the queue; 0: none
+  VkDeviceSize memory_limit = 0;  // limit of the device memory of VulkanMemory, bytes; 0: no limit
   mutable std::atomic<VkDeviceSize> memory_used{0};
   std::string name;
 };
 
-// An empty structure of its type.
+// An empty Vulkan structure with its type set.
 template <class T>
 T vulkan_info(VkStructureType type) {
   T info{};
@@ -87,13 +85,13 @@ T vulkan_info(VkStructureType type) {
   return info;
 }
 
-// "vulkan: CALL failed (-4)": out of memory is TooLarge, all else Unavailable.
+// Builds "vulkan: CALL failed (-4)". Out of memory gives TooLarge, all other results Unavailable.
 inline Error vulkan_error(const char* call, VkResult result) {
   const bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  return {
-      memory ? ErrorCode::TooLarge : ErrorCode::Unavailable,
-      std::string("vulkan: ") + call + " failed with VkResult " + std::to_string(result) +
-          (memory ? ": out of memory; use fewer or smaller buffers" : "; is the driver installed and well?")};
+  return {memory ? ErrorCode::TooLarge : ErrorCode::Unavailable,
+          std::string("vulkan: ") + call + " failed with VkResult " + std::to_string(result) +
+              (memory ? ": out of memory; use fewer or smaller buffers"
+                      : "; check that the driver is installed and works")};
 }
 
 }  // namespace livegs

@@ -7,15 +7,15 @@ namespace livegs {
 
 namespace {
 
-// Large enough that a scene of a million kernels takes some tens of blocks' worth at most, small enough for
-// lavapipe's 2 GiB heap. A buffer that is larger gets a block of its own.
+// Block size. A scene of a million kernels takes some tens of blocks at most, and blocks fit lavapipe's 2 GiB
+// heap. A larger buffer gets its own block.
 constexpr VkDeviceSize kBlockBytes = VkDeviceSize{32} << 20;
 
 VkDeviceSize round_up(VkDeviceSize value, VkDeviceSize alignment) {
   return (value + alignment - 1) / alignment * alignment;
 }
 
-// Takes bytes out of the first free range that holds them.
+// Allocates from the first free range that is large enough.
 bool take(std::map<VkDeviceSize, VkDeviceSize>& free, const VkMemoryRequirements& needs,
           VkDeviceSize& offset) {
   for (auto range = free.begin(); range != free.end(); ++range) {
@@ -31,7 +31,7 @@ bool take(std::map<VkDeviceSize, VkDeviceSize>& free, const VkMemoryRequirements
   return false;
 }
 
-// The first memory type among `allowed` bits with all of `wanted`; false if there is none.
+// The first memory type among the `allowed` bits with all `wanted` properties; false if there is none.
 bool find_memory_type(const VulkanHandles& handles, uint32_t allowed, VkMemoryPropertyFlags wanted,
                       uint32_t& type) {
   for (type = 0; type < handles.memory.memoryTypeCount; ++type) {
@@ -88,7 +88,8 @@ Result<VulkanMemory::Range> VulkanMemory::allocate(const VkMemoryRequirements& n
   uint32_t type = 0;
   if (!find_memory_type(handles_, needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, type) &&
       !find_memory_type(handles_, needs.memoryTypeBits, 0, type)) {
-    return Error{ErrorCode::Unavailable, "vulkan: the device has no memory for buffers; is the driver well?"};
+    return Error{ErrorCode::Unavailable,
+                 "vulkan: the device has no memory type for buffers; check the driver"};
   }
   Range range{0, 0, needs.size};
   for (; range.block < blocks_.size(); ++range.block) {
@@ -141,7 +142,7 @@ Result<void> HostBuffer::create(const VulkanHandles& handles, VkDeviceSize bytes
   }
   VkMemoryRequirements needs;
   vk.GetBufferMemoryRequirements(handles.device, buffer_, &needs);
-  // Coherent memory is always there for buffers; cached as well makes reading back fast where there is such.
+  // Vulkan guarantees coherent memory for buffers. Cached memory, if available, makes reading back fast.
   constexpr VkMemoryPropertyFlags kCoherent =
       VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   auto allocation = vulkan_info<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
@@ -149,8 +150,7 @@ Result<void> HostBuffer::create(const VulkanHandles& handles, VkDeviceSize bytes
   if (!find_memory_type(handles, needs.memoryTypeBits, kCoherent | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
                         allocation.memoryTypeIndex) &&
       !find_memory_type(handles, needs.memoryTypeBits, kCoherent, allocation.memoryTypeIndex)) {
-    return Error{ErrorCode::Unavailable,
-                 "vulkan: the device has no memory the host can see; is the driver well?"};
+    return Error{ErrorCode::Unavailable, "vulkan: the device has no host-visible memory; check the driver"};
   }
   if (const VkResult made = vk.AllocateMemory(handles.device, &allocation, nullptr, &memory_);
       made != VK_SUCCESS) {

@@ -6,7 +6,7 @@
 
 namespace livegs {
 
-// What the device needs to run one pass.
+// The Vulkan objects needed to run one pass.
 class VulkanPipeline {
  public:
   static Result<VulkanPipeline> create(const VulkanHandles& handles, const Pass& pass);

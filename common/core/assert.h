@@ -4,7 +4,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-// Our own mistakes. Kept on in every preset: a wrong simulation is worse than a stopped one.
+// Aborts on a programming error. Enabled in every preset, because a stopped simulation is better than a wrong
+// one.
 #define LIVEGS_ASSERT(condition)                                                             \
   do {                                                                                       \
     if (!(condition)) [[unlikely]] {                                                         \

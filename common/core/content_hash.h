@@ -7,11 +7,10 @@
 
 namespace livegs {
 
-// Two lower-case digits a byte.
+// Lower-case hexadecimal digits, two per byte.
 std::string hexadecimal(std::span<const std::byte> bytes);
 
-// SHA-256 of the bytes, as 64 lower-case hexadecimal digits: the name by which assets are cached and
-// compared.
+// SHA-256 of the bytes as 64 lower-case hexadecimal digits. Assets are cached and compared by this name.
 std::string content_hash(std::span<const std::byte> bytes);
 
 }  // namespace livegs

@@ -10,7 +10,7 @@
 namespace livegs {
 
 // Union-find over 0 to count - 1 (Tarjan 1975), with path halving. The smallest member represents a set, so
-// that the result does not depend on the order of joins.
+// the result does not depend on the order of joins.
 class DisjointSets {
  public:
   explicit DisjointSets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }

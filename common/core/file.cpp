@@ -31,7 +31,7 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   }
   const auto size = static_cast<uint64_t>(status.st_size);
   if (size > max_bytes) {
-    return Error{ErrorCode::TooLarge, path.string() + ": has " + std::to_string(size) +
+    return Error{ErrorCode::TooLarge, path.string() + ": size is " + std::to_string(size) +
                                           " bytes; the limit is " + std::to_string(max_bytes)};
   }
   Container content;
@@ -40,9 +40,8 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   while (done < size) {
     const ssize_t got = ::read(file.fd, reinterpret_cast<char*>(content.data()) + done, size - done);
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0)
-      return Error{ErrorCode::Internal, path.string() + ": reading failed: " + std::strerror(errno)};
-    if (got == 0) break;  // the file shrank meanwhile
+    if (got < 0) return Error{ErrorCode::Internal, path.string() + ": read failed: " + std::strerror(errno)};
+    if (got == 0) break;  // the file was truncated while it was read
     done += static_cast<size_t>(got);
   }
   content.resize(done);
@@ -92,7 +91,7 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::span<
   step("sync folder");
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   const Descriptor names{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  // Some file systems cannot sync a folder; the file itself is there.
+  // Some file systems cannot sync a folder; the file itself is already synced.
   if (names.fd >= 0) (void)::fsync(names.fd);
   return {};
 }

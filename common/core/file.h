@@ -14,21 +14,21 @@
 
 namespace livegs {
 
-// The largest file that is ever read whole: 4 GiB holds 17 million full kernels.
+// Largest file that is read whole, bytes. 4 GiB holds 17 million full kernels.
 inline constexpr uint64_t kMaxFileBytes = uint64_t{4} << 30;
 
-// A regular file, whole. The error names the path and what is wrong with it (absent, a folder, not readable,
-// over `max_bytes`).
+// Reads a regular file whole. The error names the path and the problem (absent, a folder, not readable, over
+// `max_bytes`).
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path,
                                          uint64_t max_bytes = kMaxFileBytes);
 Result<std::string> read_text_file(const std::filesystem::path& path, uint64_t max_bytes = 64 << 20);
 
-// Called before every change of the disk with its name ("write", "sync", "rename", …); tests end the process
-// in it.
+// Called before each step that changes the disk, with the name of the step ("write", "sync", "rename", …).
+// Tests end the process in it.
 using WriteStep = std::function<void(const char* step)>;
 
-// Writes beside the target, syncs, renames over it and syncs the folder: a reader sees the old file or the
-// new one, never half, also after the power went.
+// Writes a temporary file next to the target, syncs it, renames it over the target and syncs the folder. A
+// reader sees the old file or the new one, never a part, also after a power failure.
 Result<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes,
                                    const WriteStep& before = {});
 Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text,

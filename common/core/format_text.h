@@ -5,7 +5,7 @@
 
 namespace livegs {
 
-// What std::printf would print, as a string of any length; the compiler checks the arguments. Any thread.
+// Formats as std::printf does, into a string of any length. The compiler checks the arguments. Any thread.
 __attribute__((format(printf, 1, 2))) std::string format_text(const char* format, ...);
 
 }  // namespace livegs

@@ -8,23 +8,23 @@
 
 namespace livegs {
 
-// One hand at one moment, in the world frame. A hand that is not tracked is `active == false` and holds
+// One hand at one moment, in the world frame. `active` is false if the hand is not tracked; then it holds
 // nothing.
 struct HandSample {
   bool active = false;
-  Pose aim;              // the ray: origin and -Z
+  Pose aim;              // the ray: origin, direction -Z
   Pose grip;             // the palm
-  float trigger = 0.0f;  // 0..1; above 0.5 the ray's spring holds the point it first met
+  float trigger = 0.0f;  // 0..1; above 0.5 a spring along the ray holds the point that the ray first hit
   float squeeze = 0.0f;  // 0..1; above 0.5 the hand grabs
-  bool shoot = false;    // a rising edge shoots one ball along the ray
+  bool shoot = false;    // the rising edge shoots one ball along the ray
 };
 
-// What a client's controllers did at one moment. Samples are numbered from 1 and travel three to a message,
-// so that a message that is skipped loses no button edge.
+// State of a client's controllers at one moment. Samples are numbered from 1. Each message carries the latest
+// three, so a dropped message loses no button edge.
 struct InputSample {
   uint64_t sequence = 0;
-  int64_t sampled_ns = 0;  // the moment that the poses are for, by the client's clock; several may be for one
-  uint64_t for_tick = 0;   // the server's tick it is meant for; 0: the next
+  int64_t sampled_ns = 0;  // time of the poses on the client's clock; several samples may have the same time
+  uint64_t for_tick = 0;   // server tick that the sample is meant for; 0: the next
   std::array<HandSample, 2> hands;  // left, right
 };
 

@@ -16,8 +16,8 @@ namespace {
 
 bool json = false;
 
-// As the inside of a JSON string; what is no UTF-8 has to come as something, so every byte above ASCII stays
-// as it is.
+// Escapes text for a JSON string. Bytes above ASCII are copied unchanged, even if the text is not valid
+// UTF-8.
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -57,7 +57,7 @@ void write(spdlog::level::level_enum level, const char* format, va_list argument
   if (json) {
     text = escaped(text.c_str());
   } else {
-    // A name of an object or a file may hold what ends a line or moves a terminal's cursor.
+    // Object and file names may contain line breaks or terminal control characters.
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   }

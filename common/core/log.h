@@ -3,9 +3,15 @@
 
 #include <string_view>
 
-// The only way a library room speaks. Lines go to standard error, so that standard output stays the program's
-// answer. info is the story of a run and fits on a screen; debug may be verbose; warn means someone should
-// look; error means something was lost. Any thread may call; a line is never torn.
+// The only output channel of library rooms. Lines go to standard error; standard output is reserved for the
+// program's result.
+//
+//   info   the story of a run; fits on a screen
+//   debug  may be verbose
+//   warn   needs attention
+//   error  something was lost
+//
+// Any thread. Lines are never interleaved.
 
 namespace livegs {
 

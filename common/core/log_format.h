@@ -3,9 +3,9 @@
 
 namespace livegs {
 
-// From now on each line of the log is one JSON object, for who collects logs:
+// Switches the log to one JSON object per line, for log collectors:
 //   {"time":"2026-11-22T17:00:00.123Z","level":"info","message":"session 1a2b3c4d: …"}
-// Before other threads log.
+// Call before other threads log.
 void log_as_json();
 
 }  // namespace livegs

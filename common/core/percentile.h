@@ -9,9 +9,9 @@
 
 namespace livegs {
 
-// The number at the nearest rank, without interpolation: of n sorted numbers the one at index round(share (n
-// - 1)), halves up. 0 is the smallest, 1 the largest, 0.5 of an even count the upper one of the middle two. 0
-// for no numbers.
+// The nearest-rank value, without interpolation: index round(share (n - 1)) of the n sorted numbers, halves
+// rounded up. A share of 0 is the smallest, 1 the largest. A share of 0.5 of an even count is the upper
+// middle value. Returns 0 for an empty list.
 template <class Number>
 Number percentile(std::vector<Number> numbers, double share) {
   if (numbers.empty()) return Number{};
@@ -21,7 +21,7 @@ Number percentile(std::vector<Number> numbers, double share) {
   return *rank;
 }
 
-// The median of statistics: of an even count the mean of the middle two. Precondition: there are numbers.
+// The statistical median: the mean of the two middle values for an even count. Precondition: not empty.
 inline double median(std::vector<double> numbers) {
   std::sort(numbers.begin(), numbers.end());
   return 0.5 * (numbers[(numbers.size() - 1) / 2] + numbers[numbers.size() / 2]);

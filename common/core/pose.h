@@ -6,8 +6,8 @@
 
 namespace livegs {
 
-// A rigid transform. Names say to and from, right to left: `world_from_body * point_in_body`.
-// Right-handed, +Y up, metres, as OpenXR. The quaternion is unit.
+// A rigid transform with a unit quaternion. Names give target and source from right to left: `world_from_body
+// * point_in_body`. Right-handed, +Y up, metres, as in OpenXR.
 struct Pose {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
@@ -22,8 +22,8 @@ struct Pose {
   }
 };
 
-// A rotation, a uniform scale and a shift: `to = scale * (rotation * from) + translation_m`. Used once per
-// object, from the units and axes of its asset file to metres with +Y up.
+// A rotation, a uniform scale and a translation: `to = scale * (rotation * from) + translation_m`. Applied
+// once per object, from the units and axes of its asset file to metres with +Y up.
 struct Similarity {
   double scale = 1.0;
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();

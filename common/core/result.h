@@ -8,24 +8,24 @@
 #include <utility>
 #include <variant>
 
-// What a call on the outside world (files, network, devices, people) gives back: a value or an Error. The
+// A value or an Error: the result of a call on the outside world (files, network, devices, users). The
 // interface is that of std::expected, which g++ 12 offers only in C++23; a later change is an alias.
 
 namespace livegs {
 
 enum class ErrorCode {
-  InvalidArgument,  // the caller's or the user's words are off
-  InvalidData,      // a file or message holds what its format forbids
+  InvalidArgument,  // the input of the caller or the user is wrong
+  InvalidData,      // a file or message violates its format
   NotFound,
-  Unsupported,  // well-formed, but not something this build handles
+  Unsupported,  // well-formed, but not handled by this build
   TooLarge,     // over a stated limit
-  Unavailable,  // a peer or a device is not there
+  Unavailable,  // a peer or a device is missing
   PermissionDenied,
   Internal,
 };
 
-// The message is one line that names the thing, what is wrong with it and, where there is one, the remedy:
-// "cushion.ply: element vertex has no property opacity; is this a Gaussian splat file?"
+// The message is one line: the object, the problem and, if there is one, the remedy: "cushion.ply: element
+// vertex has no property opacity; is this a Gaussian splat file?"
 struct Error {
   ErrorCode code = ErrorCode::Internal;
   std::string message;

@@ -3,8 +3,8 @@
 
 namespace livegs {
 
-// From now on parallel_for on the calling thread does its blocks by itself, one after the other, with the
-// same result: for threads that must not take cores from others.
+// Makes parallel_for on the calling thread run its blocks in order on that thread, with the same result. Used
+// by threads that must not take cores from others.
 void set_serial_here(bool serial);
 
 }  // namespace livegs

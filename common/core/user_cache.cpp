@@ -12,7 +12,7 @@ Result<std::filesystem::path> user_cache_folder() {
   if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
     return std::filesystem::path(home) / ".cache" / "livegs";
   }
-  return not_found("neither XDG_CACHE_HOME nor HOME is set");
+  return not_found("user cache: neither XDG_CACHE_HOME nor HOME is set; set one of them");
 }
 
 }  // namespace livegs

@@ -7,7 +7,7 @@
 
 namespace livegs {
 
-// $XDG_CACHE_HOME/livegs, else $HOME/.cache/livegs. NotFound when neither is set. It may not exist yet.
+// $XDG_CACHE_HOME/livegs, or $HOME/.cache/livegs. NotFound if neither is set. The folder may not exist yet.
 Result<std::filesystem::path> user_cache_folder();
 
 }  // namespace livegs

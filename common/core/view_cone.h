@@ -7,14 +7,14 @@
 
 namespace livegs {
 
-// What somebody looks at, world frame. `forward` has length 1; half_angle_rad is 0 to pi, which is
-// everything.
+// The cone that a viewer looks into, world frame. `forward` has length 1. half_angle_rad is 0 to pi; pi
+// covers all directions.
 struct ViewCone {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d forward = -Eigen::Vector3d::UnitZ();
   double half_angle_rad = M_PI;
 
-  // Whether a ball is in it, at least in part. Never false for one that is.
+  // Whether a ball may intersect the cone. Conservative: never false for a ball that intersects it.
   bool touches(const Eigen::Vector3d& centre_m, double radius_m) const {
     const Eigen::Vector3d to_centre = centre_m - position_m;
     const double distance_m = to_centre.norm();

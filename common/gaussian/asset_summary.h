@@ -8,12 +8,12 @@
 
 namespace livegs {
 
-// Of a sorted list, the value at rank ceil(p/100 n): one that occurs (nearest-rank percentile).
+// Nearest-rank percentiles of a sorted list: the value at rank ceil(p/100 n).
 struct Percentiles {
   float p1 = 0, p50 = 0, p99 = 0;
 };
 
-// Lengths are in the asset's own unit. Of an empty asset everything is zero.
+// Lengths are in the asset's own unit. All members are zero for an empty asset.
 struct AssetSummary {
   size_t count = 0;
   int sh_degree = 0;

@@ -6,13 +6,13 @@
 
 namespace livegs {
 
-// Stands for an opacity of exactly 1 (or, negated, 0), whose logit is infinite: e^-16 is less than one
-// rounding step of a float at 1.
+// Replaces the infinite logit of an opacity of exactly 1 (negated: of 0): e^-16 is less than one float
+// rounding step at 1.
 inline constexpr float kMaxOpacityLogit = 16.0f;
 
 inline float opacity_of_logit(float logit) { return 1.0f / (1.0f + std::exp(-logit)); }
 
-// The inverse, for the eight-bit opacities most formats store.
+// Logit of an eight-bit opacity, as most formats store it.
 inline float logit_of_opacity_byte(unsigned byte) {
   if (byte == 0) return -kMaxOpacityLogit;
   if (byte >= 255) return kMaxOpacityLogit;

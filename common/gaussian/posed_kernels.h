@@ -13,13 +13,13 @@ namespace livegs {
 // xx, xy, xz, yy, yz, zz of a symmetric matrix.
 using Symmetric3f = std::array<float, 6>;
 
-// The kernels of one asset where they are now, in the world frame, in metres: what skinning writes and
-// drawing reads. Opacity and colour stay in the asset; all arrays have its length.
+// Current poses of the kernels of one asset, in the world frame, metres. Skinning writes them, drawing reads
+// them. Opacity and colour stay in the asset. All arrays have its length.
 struct PosedKernels {
   std::vector<Eigen::Vector3f> positions_m;
   std::vector<Symmetric3f> covariances_m2;
-  std::vector<Eigen::Quaternionf>
-      world_from_asset;  // rotation only; SH are evaluated at its inverse times the view direction
+  // rotation only; SH are evaluated at its inverse times the view direction
+  std::vector<Eigen::Quaternionf> world_from_asset;
 
   void resize(size_t count) {
     positions_m.resize(count);
@@ -28,7 +28,7 @@ struct PosedKernels {
   }
 };
 
-// One object to draw. Both pointers outlive the call they are given to.
+// One object to draw. Both pointers must stay valid during the call.
 struct DrawnObject {
   const GaussianAsset* asset = nullptr;
   const PosedKernels* kernels = nullptr;

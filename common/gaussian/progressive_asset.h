@@ -9,42 +9,39 @@
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
 
-// An asset as it is sent: lossless, compressed, and in such an order that whatever has come of it can be
-// drawn, coarse at first. proto/asset_format.md is its specification. All functions may be called from any
-// thread; an encoder or decoder is one thread's at a time.
+// The transfer form of an asset: lossless, compressed and ordered so that each prefix can be drawn, coarse
+// first. Specification: proto/asset_format.md. All functions may be called from any thread; an encoder or
+// decoder is used by one thread at a time.
 
 namespace livegs {
 
-// About 0.2 s for 100k kernels without harmonics on one core, 0.7 s with 45. The order is that of the
-// kernels' contribution, opacity times the area they cover; of equal ones the first comes first. At least one
-// kernel.
+// Encodes an asset. Kernels are in descending order of contribution (opacity times covered area); ties keep
+// the order of the asset. Precondition: at least one kernel.
 std::vector<std::byte> encode_progressive(const GaussianAsset& asset);
 
-// Some kernels of an asset, in its order.
+// A subset of the kernels of an asset, in its order.
 struct AssetPart {
-  GaussianAsset asset;  // of degree 0 while no higher harmonics have come; those that have not are 0
-  std::vector<uint32_t> indices;  // of each kernel in the whole asset, ascending
+  GaussianAsset asset;            // degree 0 until higher harmonics arrive; missing ones are 0
+  std::vector<uint32_t> indices;  // index of each kernel in the whole asset, ascending
 };
 
-// Takes the bytes as they come. Any bytes: those that are no such asset are an error, which every later call
-// answers too. Memory is some 1024 times the bytes that came at most.
+// Decodes the bytes as they arrive. Any input is accepted: invalid bytes give an error, which every later
+// call returns too. Memory is at most about 1024 times the received bytes.
 class ProgressiveDecoder {
  public:
-  // The next bytes, any number of them.
+  // Consumes the next bytes, of any length.
   Result<void> take(std::span<const std::byte> bytes);
 
-  size_t kernel_count() const { return count_; }      // of the whole asset; 0 before its head has come
+  size_t kernel_count() const { return count_; }      // of the whole asset; 0 until the head has arrived
   size_t arrived() const { return indices_.size(); }  // kernels that can be drawn
-  size_t arrived_harmonics() const {
-    return with_harmonics_;
-  }                                          // of those, kernels with their higher harmonics
-  size_t blocks() const { return blocks_; }  // decoded
+  size_t arrived_harmonics() const { return with_harmonics_; }  // of those, kernels with all harmonics
+  size_t blocks() const { return blocks_; }                     // decoded
   bool complete() const;
 
-  // What can be drawn now. Kernels that break the invariants of GaussianAsset are left out.
+  // The kernels received so far. Kernels that violate the invariants of GaussianAsset are left out.
   AssetPart part() const;
-  // The asset, to the bit as it was encoded, in its order. Nothing unless it is complete and has each kernel
-  // once. Its invariants are not looked at.
+  // The whole asset, bit-identical and in its order. Empty unless it is complete and has each kernel once.
+  // Its invariants are not checked.
   std::optional<GaussianAsset> whole() const;
 
  private:
@@ -54,20 +51,20 @@ class ProgressiveDecoder {
   bool take_harmonics(std::span<const std::byte> raw, size_t count);
   GaussianAsset gathered(std::span<const uint32_t> order, int degree) const;
 
-  std::vector<std::byte> waiting_;  // the beginning of what is not whole yet
+  std::vector<std::byte> waiting_;  // received bytes of the incomplete block
   std::optional<Error> failed_;
   bool has_head_ = false;
   int degree_ = 0;
   size_t count_ = 0, blocks_ = 0, with_harmonics_ = 0;
-  std::vector<uint32_t> block_counts_;  // of the blocks of kernels
+  std::vector<uint32_t> block_counts_;  // kernels of each block
   size_t harmonic_blocks_ = 0;
-  // In the order of arrival; the harmonics are apart, and as many as have come.
+  // In order of arrival. Harmonics are stored separately, as far as received.
   GaussianAsset asset_;
   std::vector<Eigen::Vector3f> harmonics_;
   std::vector<uint32_t> indices_;
 };
 
-// All of it at once.
+// Decodes a complete asset.
 Result<GaussianAsset> decode_progressive(std::span<const std::byte> bytes);
 
 }  // namespace livegs

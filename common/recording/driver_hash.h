@@ -9,7 +9,7 @@
 
 namespace livegs {
 
-// Of an object's drivers as they were simulated, to the last bit; proto/recording_format.md, "A hash".
+// Hash of the exact simulated drivers of an object. See proto/recording_format.md, "A hash".
 uint32_t driver_hash(const ObjectDrivers& drivers);
 
 struct ObjectHash {
@@ -18,11 +18,10 @@ struct ObjectHash {
   bool operator==(const ObjectHash&) const = default;
 };
 
-// The hashes of a run, tick by tick. Not locked.
+// Driver hashes of a run, tick by tick. Not thread-safe.
 class DriverHashes {
  public:
-  // Of the frame's objects those whose hash is not as it was, by ascending id. An object that went is
-  // forgotten.
+  // Returns the hashes of the objects whose hash has changed, by ascending id. Removed objects are dropped.
   std::vector<ObjectHash> take(const DriverFrame& frame);
 
  private:

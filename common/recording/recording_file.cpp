@@ -33,8 +33,8 @@ RecordingFile::~RecordingFile() {
 Result<RecordingFile> RecordingFile::create(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (descriptor < 0) {
-    const std::string why = errno == EEXIST ? "is there already; choose another name for the recording"
-                                            : std::string("cannot be made: ") + std::strerror(errno);
+    const std::string why = errno == EEXIST ? "already exists; choose another name for the recording"
+                                            : std::string("cannot be created: ") + std::strerror(errno);
     return invalid_argument(path.string() + ": " + why);
   }
   return RecordingFile(path, descriptor);
@@ -49,7 +49,7 @@ Result<RecordingFile> RecordingFile::open(const std::filesystem::path& path) {
   struct stat about {};
   RecordingFile file(path, descriptor);
   if (::fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode))
-    return invalid_argument(path.string() + ": is no file");
+    return invalid_argument(path.string() + ": is not a regular file");
   return file;
 }
 
@@ -64,10 +64,11 @@ Result<void> RecordingFile::append(std::span<const std::byte> bytes) {
     const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(at));
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
-      const Error error{ErrorCode::Internal, path_.string() + ": cannot be written: " +
-                                                 (written < 0 ? std::strerror(errno) : "nothing was taken")};
+      const Error error{ErrorCode::Internal,
+                        path_.string() + ": cannot be written: " +
+                            (written < 0 ? std::strerror(errno) : "no bytes were written")};
       if (at > size_ && ::ftruncate(descriptor_, static_cast<off_t>(size_)) != 0) {
-        // A reader stops before the chunk that is cut.
+        // A reader stops before the incomplete chunk.
       }
       return error;
     }
@@ -84,7 +85,7 @@ Result<void> RecordingFile::read(uint64_t offset, std::span<std::byte> bytes) co
     if (got < 0 && errno == EINTR) continue;
     if (got < 0)
       return Error{ErrorCode::Internal, path_.string() + ": cannot be read: " + std::strerror(errno)};
-    if (got == 0) return invalid_data(path_.string() + ": is cut short");
+    if (got == 0) return invalid_data(path_.string() + ": is truncated");
     offset += static_cast<uint64_t>(got);
     bytes = bytes.subspan(static_cast<size_t>(got));
   }

@@ -10,10 +10,10 @@
 
 namespace livegs {
 
-// A file on disk that is appended to or read at any place. Errors name it. One thread.
+// A file on disk with append and random-access reads. Errors contain its name. One thread.
 class RecordingFile {
  public:
-  // A new one: InvalidArgument when something has that name already, or the folder cannot be written.
+  // Creates a new file. InvalidArgument if the name already exists or the folder cannot be written.
   static Result<RecordingFile> create(const std::filesystem::path& path);
   static Result<RecordingFile> open(const std::filesystem::path& path);
   RecordingFile(RecordingFile&& other) noexcept;
@@ -22,11 +22,11 @@ class RecordingFile {
 
   const std::filesystem::path& path() const { return path_; }
   uint64_t size() const { return size_; }
-  // All of the bytes, or none: what a full disk took of them is cut off again.
+  // Appends all bytes or none: a partial write on a full disk is truncated again.
   Result<void> append(std::span<const std::byte> bytes);
-  // As many bytes as `bytes` holds; InvalidData where the file ends before.
+  // Reads bytes.size() bytes. InvalidData if the file ends before.
   Result<void> read(uint64_t offset, std::span<std::byte> bytes) const;
-  // A file that grows has more now.
+  // Updates the size of a file that is still being written.
   void look_again();
 
  private:

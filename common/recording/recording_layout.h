@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-// Numbers of proto/recording_format.md that its writer and its reader share.
+// Constants of proto/recording_format.md shared by writer and reader.
 
 namespace livegs::recording_layout {
 
@@ -25,10 +25,10 @@ enum class ChunkKind : uint8_t {
 };
 inline constexpr size_t kChunkHeadBytes = 9;
 inline constexpr size_t kMaxPayloadBytes = (64u << 20) + (64u << 10);
-inline constexpr size_t kAssetPieceBytes = 1u << 20;  // of a file, too
+inline constexpr size_t kAssetPieceBytes = 1u << 20;  // pieces of assets and of files
 inline constexpr size_t kMaxFileNameBytes = 4096;
 
-// Ticks from one key tick to the next: what a seek decodes at most.
+// Ticks from one key tick to the next: the maximum that a seek decodes.
 inline constexpr uint64_t kKeyInterval = 128;
 
 }  // namespace livegs::recording_layout

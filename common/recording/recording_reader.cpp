@@ -56,33 +56,34 @@ Result<std::optional<RecordingReader::Chunk>> RecordingReader::read_chunk(uint64
   chunk.kind = head.read<uint8_t>();
   chunk.offset = offset;
   const auto check = head.read<uint32_t>();
-  if (size > kMaxPayloadBytes) return bad("holds a chunk of over 64 MiB at " + std::to_string(offset));
+  if (size > kMaxPayloadBytes)
+    return bad("contains a chunk of over 64 MiB at offset " + std::to_string(offset));
   if (file_.size() - offset - kChunkHeadBytes < size) return std::optional<Chunk>();
   chunk.payload.resize(size);
   if (auto read = file_.read(offset + kChunkHeadBytes, chunk.payload); !read) return read.error();
   uint32_t sum = static_cast<uint32_t>(crc32_z(0, &chunk.kind, 1));
   sum = static_cast<uint32_t>(crc32_z(sum, reinterpret_cast<const Bytef*>(chunk.payload.data()), size));
-  if (sum != check) return bad("was changed at " + std::to_string(offset) + ": its check sum is another");
+  if (sum != check) return bad("is damaged at offset " + std::to_string(offset) + ": wrong checksum");
   return std::optional<Chunk>(std::move(chunk));
 }
 
 Result<void> RecordingReader::read_start() {
   std::array<std::byte, kMagic.size()> magic;
-  if (file_.size() < magic.size()) return bad("is no recording: it is too short");
+  if (file_.size() < magic.size()) return bad("is not a recording: too short");
   if (auto read = file_.read(0, magic); !read) return read;
   const auto differs =
       std::mismatch(magic.begin(), magic.end(), kMagic.begin(),
                     [](std::byte byte, uint8_t wanted) { return std::to_integer<uint8_t>(byte) == wanted; });
   if (differs.first == magic.begin() + 6) {
     return unsupported(file_.path().string() + ": is a recording of version " +
-                       std::to_string(std::to_integer<int>(magic[6])) + ", this build reads version " +
+                       std::to_string(std::to_integer<int>(magic[6])) + "; this build reads version " +
                        std::to_string(kMagic[6]));
   }
-  if (differs.first != magic.end()) return bad("is no recording");
+  if (differs.first != magic.end()) return bad("is not a recording");
   auto chunk = read_chunk(magic.size());
   if (!chunk) return chunk.error();
   if (!*chunk || !is((*chunk)->kind, ChunkKind::Start) || !parse(start_, (*chunk)->payload))
-    return bad("does not say what it is of");
+    return bad("has no valid start chunk");
   first_ = magic.size() + kChunkHeadBytes + (*chunk)->payload.size();
   return {};
 }
@@ -127,7 +128,7 @@ Result<void> RecordingReader::look_through() {
   uint64_t objects_at = 0;  // 0: none since the last tick
   for (uint64_t at = first_;;) {
     auto read = read_chunk(at);
-    if (!read || !*read) break;  // up to here it can be read
+    if (!read || !*read) break;  // the readable part ends here
     const Chunk& chunk = **read;
     at += kChunkHeadBytes + chunk.payload.size();
     if (is(chunk.kind, ChunkKind::Objects)) objects_at = chunk.offset;
@@ -163,7 +164,7 @@ Result<RecordedEvent> RecordingReader::read_event(const Chunk& chunk) const {
   const auto tick = read_varint(in);
   RecordedEvent event;
   if (!tick || !parse(event.event, std::span(chunk.payload).subspan(in.offset())))
-    return bad("holds an event that cannot be read at " + std::to_string(chunk.offset));
+    return bad("contains an invalid event at offset " + std::to_string(chunk.offset));
   event.tick = *tick;
   return event;
 }
@@ -183,7 +184,7 @@ Result<std::optional<RecordedItem>> RecordingReader::next() {
     }
     if (is(chunk.kind, ChunkKind::Tick)) {
       auto record = decode_tick(chunk.payload, samples_);
-      if (!record) return bad("at " + std::to_string(chunk.offset) + ": " + record.error().message);
+      if (!record) return bad("at offset " + std::to_string(chunk.offset) + ": " + record.error().message);
       at_ += kChunkHeadBytes + chunk.payload.size();
       return std::optional<RecordedItem>(std::move(*record));
     }
@@ -194,11 +195,11 @@ Result<std::optional<RecordedItem>> RecordingReader::next() {
 Result<std::vector<uint64_t>> RecordingReader::read_objects(const Chunk& chunk) const {
   ByteReader in(chunk.payload);
   const auto tick = read_varint(in), count = read_varint(in);
-  if (!tick || !count || *count > in.remaining()) return bad("lists objects that cannot be read");
+  if (!tick || !count || *count > in.remaining()) return bad("contains an invalid object list");
   std::vector<uint64_t> offsets;
   for (uint64_t i = 0; i < *count; ++i) {
     const auto step = read_varint(in);
-    if (!step) return bad("lists objects that cannot be read");
+    if (!step) return bad("contains an invalid object list");
     offsets.push_back(i == 0 ? *step : offsets.back() + static_cast<uint64_t>(unzigzag(*step)));
   }
   return offsets;
@@ -206,26 +207,28 @@ Result<std::vector<uint64_t>> RecordingReader::read_objects(const Chunk& chunk) 
 
 Result<std::vector<v1::ObjectDescription>> RecordingReader::seek(int64_t simulated_ns) {
   if (keys_.empty())
-    return not_found(file_.path().string() + ": has no key tick; it broke off at its beginning");
+    return not_found(file_.path().string() +
+                     ": has no key tick; the recording is truncated at its beginning");
   auto after =
       std::upper_bound(keys_.begin(), keys_.end(), simulated_ns,
                        [](int64_t moment_ns, const KeyTick& key) { return moment_ns < key.simulated_ns; });
   const KeyTick& key = after == keys_.begin() ? *after : *std::prev(after);
   auto listed = read_chunk(key.offset);
   if (!listed) return listed.error();
-  if (!*listed || !is((*listed)->kind, ChunkKind::Objects)) return bad("lists no objects at a key tick");
+  if (!*listed || !is((*listed)->kind, ChunkKind::Objects)) return bad("has no object list at a key tick");
   auto offsets = read_objects(**listed);
   if (!offsets) return offsets.error();
   std::vector<v1::ObjectDescription> objects;
   for (const uint64_t offset : *offsets) {
     auto chunk = read_chunk(offset);
     if (!chunk) return chunk.error();
-    if (!*chunk || !is((*chunk)->kind, ChunkKind::Object)) return bad("describes no object where it should");
+    if (!*chunk || !is((*chunk)->kind, ChunkKind::Object))
+      return bad("has no object description at a key tick");
     auto event = read_event(**chunk);
     if (!event) return event.error();
     v1::SessionEvent& described = event->event;
     if (!described.has_object_added() && !described.has_object_changed())
-      return bad("describes no object where it should");
+      return bad("has no object description at a key tick");
     v1::ObjectDescription& object = described.has_object_added() ? *described.mutable_object_added()
                                                                  : *described.mutable_object_changed();
     if (!objects.empty() && object.object_id() <= objects.back().object_id())
@@ -241,7 +244,7 @@ Result<std::vector<std::byte>> RecordingReader::asset(const std::string& hash) {
   constexpr size_t kHead = 32 + 16;
   std::vector<std::byte> bytes;
   for (uint64_t at = first_;;) {
-    // The heads alone, but for what is looked for.
+    // Reads only the heads, except for the requested asset.
     std::array<std::byte, kChunkHeadBytes + kHead> head_bytes;
     if (at > file_.size() || file_.size() - at < kChunkHeadBytes) break;
     const size_t shown = std::min<uint64_t>(head_bytes.size(), file_.size() - at);
@@ -257,18 +260,18 @@ Result<std::vector<std::byte>> RecordingReader::asset(const std::string& hash) {
       if (!*chunk || (*chunk)->payload.size() < kHead) break;
       ByteReader piece(std::span<const std::byte>((*chunk)->payload).subspan(32));
       const auto offset = piece.read<uint64_t>(), total = piece.read<uint64_t>();
-      if (offset != bytes.size()) return bad("holds the pieces of an asset out of order");
+      if (offset != bytes.size()) return bad("contains the pieces of an asset out of order");
       bytes.insert(bytes.end(), (*chunk)->payload.begin() + kHead, (*chunk)->payload.end());
       if (bytes.size() >= total) return bytes;
     }
     at += kChunkHeadBytes + size;
   }
-  return not_found(file_.path().string() + ": does not hold the asset " + hash.substr(0, 12));
+  return not_found(file_.path().string() + ": does not contain the asset " + hash.substr(0, 12));
 }
 
 Result<void> RecordingReader::files(
     const std::function<Result<void>(const RecordedFilePiece& piece)>& take) const {
-  std::string name;  // of the file that is to go on, at `next` of `total`
+  std::string name;  // of the current file, at byte `next` of `total`
   uint64_t next = 0, total = 0;
   for (uint64_t at = first_;;) {
     std::array<std::byte, kChunkHeadBytes> head_bytes;
@@ -284,18 +287,18 @@ Result<void> RecordingReader::files(
       ByteReader in(payload);
       const auto length = read_varint(in);
       if (!length || *length == 0 || *length > kMaxFileNameBytes || *length > in.remaining())
-        return bad("holds a file without a name");
+        return bad("contains a file without a name");
       RecordedFilePiece piece;
       piece.name.assign(reinterpret_cast<const char*>(payload.data()) + in.offset(), *length);
       in.skip(*length);
       piece.offset = in.read<uint64_t>();
       piece.total = in.read<uint64_t>();
-      if (in.failed()) return bad("holds a piece of a file that cannot be read");
+      if (in.failed()) return bad("contains an invalid piece of a file");
       piece.bytes = payload.subspan(in.offset());
       const bool goes_on = next < total;
       if (piece.offset != next || (goes_on && (piece.name != name || piece.total != total)) ||
           piece.bytes.size() > piece.total - next || (piece.bytes.empty() && piece.total > 0)) {
-        return bad("holds the pieces of a file out of order");
+        return bad("contains the pieces of a file out of order");
       }
       if (auto taken = take(piece); !taken) return taken;
       name = piece.name;

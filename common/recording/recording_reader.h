@@ -26,40 +26,41 @@ struct RecordedEvent {
 };
 using RecordedItem = std::variant<RecordedEvent, TickRecord>;
 
-// A piece of a file that the scene was built from.
+// A piece of a file from which the scene was built.
 struct RecordedFilePiece {
-  std::string name;  // as the scene names it: never to be taken for a path as it is
+  std::string name;  // name in the scene; must not be used as a path unchecked
   uint64_t offset = 0, total = 0;
   std::span<const std::byte> bytes;
 };
 
-// Reads a recording, proto/recording_format.md, from its beginning or from any key tick; any bytes, with an
-// error for those that are none. Memory is bounded by the largest chunk and the index. One thread.
+// Reads a recording (proto/recording_format.md) from its start or from any key tick. Any bytes are accepted;
+// invalid ones give an error. Memory is bounded by the largest chunk and the index. One thread.
 class RecordingReader {
  public:
-  // By its index, or, where it has none because it was cut, or is being written, by a look at every chunk.
+  // Opens a recording by its index. If it has none, because it is truncated or still being written, every
+  // chunk is scanned.
   static Result<RecordingReader> open(const std::filesystem::path& path);
 
   const v1::RecordingStart& start() const { return start_; }
   const v1::RecordingTotals& totals() const { return totals_; }
   const std::vector<KeyTick>& keys() const { return keys_; }
-  // False: it breaks off; what it has up to there can be read.
+  // False: the recording is truncated; the part before can be read.
   bool ended_in_order() const { return ended_in_order_; }
   uint64_t bytes() const { return file_.size(); }
   const std::filesystem::path& path() const { return file_.path(); }
 
-  // The events and ticks in their order. Nothing at the end, also where the file breaks off; an error for
-  // bytes that were changed, which leaves seek().
+  // The next event or tick, in order. Empty at the end, also of a truncated file. Damaged bytes give an
+  // error; seek() still works.
   Result<std::optional<RecordedItem>> next();
   void rewind();
-  // To the last key tick that is not after the moment, or the first: the objects that are there then; next()
-  // goes on with that tick. NotFound in a recording without one.
+  // Seeks to the last key tick at or before this time, or to the first one. Returns the objects that exist
+  // then; next() continues with that tick. NotFound if the recording has no key tick.
   Result<std::vector<v1::ObjectDescription>> seek(int64_t simulated_ns);
-  // The bytes of an asset, whole, as proto/asset_format.md has them; NotFound when the recording has none of
-  // this name (64 hexadecimal digits). Whether they are it is for the caller to check.
+  // The complete bytes of an asset (proto/asset_format.md). NotFound if the recording has no asset with this
+  // hash (64 hexadecimal digits). The caller verifies the hash.
   Result<std::vector<std::byte>> asset(const std::string& hash);
-  // Each piece of the files that it holds: one file after the other, each from its beginning to its end.
-  // Stops at an error of `take`. A file that breaks off is left out if nothing of it came.
+  // Calls `take` for each piece of the recorded files: one file after the other, each from start to end.
+  // Stops at an error of `take`. A truncated file is left out if no piece of it was recorded.
   Result<void> files(const std::function<Result<void>(const RecordedFilePiece& piece)>& take) const;
 
  private:
@@ -70,7 +71,7 @@ class RecordingReader {
   };
   explicit RecordingReader(RecordingFile file) : file_(std::move(file)) {}
   Error bad(const std::string& what) const;
-  // Nothing where the file ends before its end.
+  // Empty if the file ends within the chunk.
   Result<std::optional<Chunk>> read_chunk(uint64_t offset) const;
   Result<RecordedEvent> read_event(const Chunk& chunk) const;
   Result<void> read_start();
@@ -83,7 +84,7 @@ class RecordingReader {
   v1::RecordingTotals totals_;
   std::vector<KeyTick> keys_;
   bool ended_in_order_ = false;
-  uint64_t first_ = 0, at_ = 0;  // offsets of chunks
+  uint64_t first_ = 0, at_ = 0;  // chunk offsets
   SamplesBefore samples_;
 };
 

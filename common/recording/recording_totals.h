@@ -10,21 +10,21 @@
 
 namespace livegs {
 
-// Where a tick without a frame stands in simulated time.
+// Simulated time of a tick without a frame.
 int64_t tick_time_ns(uint64_t tick, double rate_hz);
 
-// Counts what goes by, while it is written or read. Not locked.
+// Counts the content of a recording while it is written or read. Not thread-safe.
 class RecordingCount {
  public:
   void take(const v1::SessionEvent& event);
-  // `simulated_ns`: of its frame, or where it would be. Ticks before the first key tick lie before the
-  // recording.
+  // `simulated_ns`: time of the frame, or the time it would have. Ticks before the first key tick are not
+  // part of the recording.
   void take(const TickRecord& record, int64_t simulated_ns);
   const v1::RecordingTotals& totals() const { return totals_; }
 
  private:
   v1::RecordingTotals totals_;
-  std::map<uint32_t, uint32_t> revisions_;  // of objects that are there
+  std::map<uint32_t, uint32_t> revisions_;  // of existing objects
 };
 
 }  // namespace livegs

@@ -49,7 +49,7 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& pat
 Result<void> RecordingWriter::append(uint8_t kind, std::span<const std::byte> payload) {
   if (failed_) return *failed_;
   if (payload.size() > kMaxPayloadBytes) {
-    failed_ = Error{ErrorCode::TooLarge, file_.path().string() + ": a piece of the session is over 64 MiB"};
+    failed_ = Error{ErrorCode::TooLarge, file_.path().string() + ": a chunk of the session is over 64 MiB"};
     return *failed_;
   }
   uint32_t check = static_cast<uint32_t>(crc32_z(0, &kind, 1));
@@ -186,7 +186,7 @@ Result<void> RecordingWriter::finish() {
   trailer.write(offset);
   for (const uint8_t byte : kIndexMagic) trailer.write(byte);
   auto ended = file_.append(std::move(trailer).take());
-  failed_ = ended ? Error{ErrorCode::Internal, file_.path().string() + ": is finished"} : ended.error();
+  failed_ = ended ? Error{ErrorCode::Internal, file_.path().string() + ": already finished"} : ended.error();
   return ended;
 }
 

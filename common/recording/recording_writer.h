@@ -17,38 +17,38 @@
 
 namespace livegs {
 
-// One key tick, as the index has it.
+// One key tick of the index.
 struct KeyTick {
   uint64_t tick = 0;
   int64_t simulated_ns = 0;
-  uint64_t offset = 0;  // of its objects chunk
+  uint64_t offset = 0;  // offset of its objects chunk
 };
 
-// Writes a recording, proto/recording_format.md, chunk by chunk. After the first that the disk does not take,
-// every call answers with the same error, and the file is whole up to there. One thread.
+// Writes a recording (proto/recording_format.md), chunk by chunk. After the first failed write, every call
+// returns the same error, and the file is valid up to that point. One thread.
 class RecordingWriter {
  public:
   static Result<RecordingWriter> create(const std::filesystem::path& path, const v1::RecordingStart& start);
 
-  // Before the tick in which it came, changed or went.
+  // Adds an event that occurred at `tick`. Call before add_tick() of that tick.
   Result<void> add_event(uint64_t tick, const v1::SessionEvent& event);
-  // The bytes of the asset that the hash, 64 hexadecimal digits, names (proto/asset_format.md).
+  // Adds the bytes (proto/asset_format.md) of the asset with this hash, 64 hexadecimal digits.
   Result<void> add_asset(const std::string& hash, std::span<const std::byte> bytes);
 
-  // A file that the scene names so, 1 to 4096 bytes long.
+  // Adds a file by its name in the scene, 1 to 4096 bytes long.
   Result<void> add_file(const std::string& name, std::span<const std::byte> bytes);
 
   struct Tick {
     uint64_t tick = 0;
     TickActions actions;
-    std::optional<v1::SceneSource> scene;  // that took the place of the one before
-    const DriverFrame* drivers = nullptr;  // that it left behind; never null. Its tick is this one
+    std::optional<v1::SceneSource> scene;  // set if the scene was replaced
+    const DriverFrame* drivers = nullptr;  // state after the tick; never null; has the same tick number
   };
-  // What encode_tick() made of a tick before the recording began; before add_tick().
+  // Adds the result of encode_tick() for a tick before the start of the recording. Call before add_tick().
   Result<void> add_past(std::span<const std::byte> encoded);
-  // Ticks rise.
+  // Tick numbers must increase.
   Result<void> add_tick(Tick tick);
-  // Writes the index; afterwards nothing may be added.
+  // Writes the index. Nothing may be added afterwards.
   Result<void> finish();
 
   const v1::RecordingTotals& totals() const { return count_.totals(); }
@@ -65,7 +65,7 @@ class RecordingWriter {
   const bool inputs_only_;
   const double rate_hz_;
   RecordingCount count_;
-  std::map<uint32_t, uint64_t> described_at_;  // by object id, the offset of its newest description
+  std::map<uint32_t, uint64_t> described_at_;  // by object id, offset of the latest description
   std::vector<KeyTick> keys_;
   SamplesBefore samples_;
   DriverHashes hashes_;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint8_t kExact = 16, kReservedSampleFlags = 0xE0;
 
-// Calls `use` with each value of the sample, poses first.
+// Calls the functions for each value of the sample, poses first.
 template <class Sample, class UsePose, class UseButton>
 void each_value(Sample& sample, UsePose use_pose, UseButton use_button) {
   for (auto& hand : sample.hands) {

@@ -39,7 +39,7 @@ void write_actions(ByteWriter& out, const TickActions& actions, uint64_t tick, S
   write_ids(out, actions.cuts);
 }
 
-// A count of things of which each takes a byte at least.
+// Reads a count of entries that take at least one byte each.
 std::optional<size_t> read_count(ByteReader& in) {
   const auto count = read_varint(in);
   if (!count || *count > in.remaining()) return std::nullopt;
@@ -124,17 +124,18 @@ Result<TickRecord> decode_tick(std::span<const std::byte> bytes, SamplesBefore& 
   TickRecord record;
   const auto tick = read_varint(in);
   const auto flags = in.read<uint8_t>();
-  if (!tick || in.failed()) return bad("is cut short");
+  if (!tick || in.failed()) return bad("is truncated");
   if ((flags & kReservedTickFlags) != 0) return bad("sets a reserved bit");
   record.tick = *tick;
   record.key = (flags & kKey) != 0;
   if (record.key) before.clear();
   record.actions.stepped = (flags & kStepped) != 0;
-  if ((flags & kScene) != 0 && !read_message(in, bytes, record.scene.emplace())) return bad("names no scene");
+  if ((flags & kScene) != 0 && !read_message(in, bytes, record.scene.emplace()))
+    return bad("contains an invalid scene");
   if ((flags & kActions) != 0 && !read_actions(in, bytes, record, before))
-    return bad("has actions that cannot be read");
+    return bad("contains invalid actions");
   const auto hashes = read_count(in);
-  if (!hashes) return bad("is cut short");
+  if (!hashes) return bad("is truncated");
   uint64_t id = 0;
   for (size_t i = 0; i < *hashes; ++i) {
     const auto step = read_varint(in);
@@ -142,8 +143,8 @@ Result<TickRecord> decode_tick(std::span<const std::byte> bytes, SamplesBefore& 
       return bad("lists ids out of order");
     record.hashes.push_back({static_cast<uint32_t>(id), in.read<uint32_t>()});
   }
-  if (in.failed()) return bad("is cut short");
-  if ((flags & kFrame) == 0 && in.remaining() > 0) return bad("has bytes left over");
+  if (in.failed()) return bad("is truncated");
+  if ((flags & kFrame) == 0 && in.remaining() > 0) return bad("has trailing bytes");
   const std::span<const std::byte> frame = bytes.subspan(in.offset());
   if ((flags & kFrame) != 0 && frame.empty()) return bad("has no frame");
   record.frame.assign(frame.begin(), frame.end());

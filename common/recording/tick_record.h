@@ -15,7 +15,7 @@
 #include "recording/driver_hash.h"
 #include "recording/sample_codec.h"
 
-// One tick of a recording; proto/recording_format.md, "Tick".
+// One tick of a recording. See proto/recording_format.md, "Tick".
 
 namespace livegs {
 
@@ -24,17 +24,17 @@ struct SessionSamples {
   std::vector<InputSample> samples;  // oldest first
 };
 
-// What one tick took from outside, in the order in which it is applied. From the same scene, the same actions
-// give the same bits.
+// External input of one tick, in the order in which it is applied. The same scene and the same actions give
+// the same bits.
 struct TickActions {
   std::vector<v1::SceneChange> changes;
-  std::vector<uint64_t> over;           // sessions
+  std::vector<uint64_t> over;           // sessions that ended
   std::vector<SessionSamples> samples;  // ascending session
-  std::vector<uint64_t> released;       // sessions
-  std::vector<uint32_t> cuts;           // objects, in their order
+  std::vector<uint64_t> released;       // sessions that released everything
+  std::vector<uint32_t> cuts;           // objects that were cut, in order
   bool stepped = true;
 
-  // Nothing but the step.
+  // Whether the tick is only a step.
   bool empty() const {
     return changes.empty() && over.empty() && samples.empty() && released.empty() && cuts.empty();
   }
@@ -43,17 +43,17 @@ struct TickActions {
 struct TickRecord {
   uint64_t tick = 0;
   bool key = false;
-  std::optional<v1::SceneSource> scene;  // took the place of the one before
+  std::optional<v1::SceneSource> scene;  // the scene that replaced the previous one
   TickActions actions;
-  std::vector<ObjectHash> hashes;  // of objects that are not as they were
-  std::vector<std::byte> frame;    // of a stream; empty: none
+  std::vector<ObjectHash> hashes;  // of objects whose hash changed
+  std::vector<std::byte> frame;    // stream frame; empty: none
 };
 
-// The samples before, by session; a key tick begins anew.
+// The previous samples by session; a key tick starts again from none.
 using SamplesBefore = std::map<uint64_t, SampleBefore>;
 
 std::vector<std::byte> encode_tick(const TickRecord& record, SamplesBefore& before);
-// Accepts any bytes. After an error `before` is of no use until a key tick.
+// Accepts any bytes. After an error, `before` is invalid until the next key tick.
 Result<TickRecord> decode_tick(std::span<const std::byte> bytes, SamplesBefore& before);
 
 }  // namespace livegs

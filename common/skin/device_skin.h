@@ -9,32 +9,33 @@
 
 namespace livegs {
 
-// The kernels of one object where passes run, tied to their drivers: what skin_kernels does, on the device.
-// 40 bytes a kernel, 32 a cell and 64 a node of a lattice or a body of a rigid object; of these the last
-// alone are uploaded when the drivers move.
+// The kernels of one object on a backend, bound to their drivers: skin_kernels as a pass. Takes 40 bytes per
+// kernel, 32 per cell, and 64 per lattice node or rigid body. Moving the drivers uploads only the node or
+// body data.
 class DeviceSkin {
  public:
-  // Whether a pass skins kernels of this kind; those of particles (livegs-v1) are skin_kernels' alone.
+  // Whether a pass skins this kind. Particles (livegs-v1) are skinned by skin_kernels only.
   static bool skins(DriverKind kind) { return kind != DriverKind::Particles; }
 
-  // `backend` outlives the skin. `kept`: which of the bound kernels, ascending; empty: all.
-  // Precondition: skins(rest.kind).
+  // `backend` outlives the skin. `kept` lists the bound kernels to use, ascending; empty: all. Precondition:
+  // skins(rest.kind).
   static Result<DeviceSkin> create(Backend& backend, const RestBody& rest, const KernelBindings& bindings,
                                    std::span<const uint32_t> kept = {});
 
-  // Where the drivers are now: uploads 64 bytes each. Preconditions: as skin_kernels, of what the skin was
-  // made with.
+  // Uploads the current drivers, 64 bytes each. Preconditions: as for skin_kernels, with the arguments of
+  // create().
   Result<void> move(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers);
 
   // Records the pass that writes PosedKernelRow of the kept kernels [first, first + count) to the front of
-  // `posed`. Precondition: move() was called; the range is within size() and crosses no multiple of
+  // `posed`. Preconditions: move() was called; the range is within size() and does not cross a multiple of
   // kMaxPartKernels.
   Result<void> pose(uint32_t first, uint32_t count, BufferId posed) const;
 
   uint32_t size() const { return size_; }
   size_t device_bytes() const;
 
-  static constexpr uint32_t kMaxPartKernels = uint32_t{1} << 20;  // 40 MiB, of the 128 that lavapipe binds
+  // 40 MiB, of the 128 MiB that lavapipe binds
+  static constexpr uint32_t kMaxPartKernels = uint32_t{1} << 20;
 
  private:
   explicit DeviceSkin(Backend& backend) : backend_(&backend) {}
@@ -43,7 +44,7 @@ class DeviceSkin {
   Result<void> move_lattice(const RestBody& rest, const KernelBindings& bindings,
                             const ObjectDrivers& drivers);
 
-  // What the passes are told besides which kernels.
+  // Pass constants besides the kernel range.
   struct Lattice {
     uint32_t cell_count = 0, node_count = 0;
     float cell_width_m = 0;
@@ -54,7 +55,7 @@ class DeviceSkin {
   Backend* backend_;
   DriverKind kind_ = DriverKind::Rigid;
   uint32_t size_ = 0, body_count_ = 0;
-  std::vector<Buffer> rest_;  // by part
+  std::vector<Buffer> rest_;  // one per part
   Buffer cells_, drivers_;
   Lattice lattice_;
 };

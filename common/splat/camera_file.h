@@ -7,17 +7,17 @@
 #include "core/result.h"
 #include "splat/camera.h"
 
-// The JSON form of livegs.v1.CameraFile (proto/livegs/v1/scene.proto).
+// Camera files: the JSON form of livegs.v1.CameraFile (proto/livegs/v1/scene.proto).
 
 namespace livegs {
 
 struct PictureSize {
   int width = 640, height = 480;
 };
-// `size` replaces the width and height of the file.
+// `size` overrides the width and height of the file.
 Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional<PictureSize> size = {});
 
-// The camera of a file and the size of its pictures. Without a file: no camera, and `size` or its default.
+// The camera of a file and the size of its images. Without a file: no camera, and `size` or its default.
 struct PictureChoice {
   std::optional<Camera> camera;
   PictureSize size;
@@ -25,7 +25,7 @@ struct PictureChoice {
 Result<PictureChoice> picture_choice(const std::filesystem::path& camera_file,
                                      std::optional<PictureSize> size);
 
-// Writes a file for read_camera_file. An asymmetric frustum is not kept.
+// Writes a file for read_camera_file. Asymmetric frusta are not preserved.
 Result<void> write_camera_file(const std::filesystem::path& path, const Camera& camera);
 
 }  // namespace livegs

@@ -7,8 +7,8 @@
 
 namespace livegs {
 
-// The view a person would choose first: all of `bounds_m` in the picture, from in front (+z) and a little
-// above. `azimuth_rad` walks around to the right, `elevation_rad` up.
+// A camera that shows all of `bounds_m` from the front (+z) and slightly above. `azimuth_rad` moves it around
+// to the right, `elevation_rad` up.
 inline constexpr double kDefaultElevation_rad = 0.35;
 inline constexpr double kDefaultVerticalFov_rad = 0.7;
 Camera frame_bounds(const Eigen::AlignedBox3d& bounds_m, int width, int height, double azimuth_rad = 0.0,

@@ -6,16 +6,16 @@
 
 namespace livegs {
 
-// IEEE 754 binary16, as GLSL's packHalf2x16 and unpackHalf2x16 have it.
+// IEEE 754 binary16, with the semantics of GLSL's packHalf2x16 and unpackHalf2x16.
 
-// To nearest, ties to even; beyond 65504 it is infinity, and what is not a number stays so.
+// Rounds to nearest, ties to even. Larger values become infinity; NaN stays NaN.
 inline uint16_t half_of_float(float value) {
   const auto bits = std::bit_cast<uint32_t>(value);
   const auto sign = static_cast<uint16_t>((bits >> 16) & 0x8000u);
   const uint32_t magnitude = bits & 0x7fffffffu;
   if (magnitude > 0x7f800000u) return static_cast<uint16_t>(sign | 0x7e00u);
-  if (magnitude >= 0x477ff000u) return static_cast<uint16_t>(sign | 0x7c00u);  // 65520 and more
-  if (magnitude < 0x38800000u) {  // below 2^-14: steps of 2^-24, which adding 0.5 rounds to
+  if (magnitude >= 0x477ff000u) return static_cast<uint16_t>(sign | 0x7c00u);  // 65520 and above
+  if (magnitude < 0x38800000u) {  // below 2^-14 the step is 2^-24; adding 0.5 rounds to it
     const float shifted = std::bit_cast<float>(magnitude) + 0.5f;
     return static_cast<uint16_t>(sign | (std::bit_cast<uint32_t>(shifted) - 0x3f000000u));
   }

@@ -8,15 +8,14 @@
 #include "splat/camera.h"
 #include "splat/project/raster_options.h"
 
-// The CPU tile rasteriser: the oracle that every GPU path is compared with, and the renderer of machines
-// without a GPU. Kerbl et al. 2023 and Zwicker et al. 2001 (EWA splatting); cut-offs as in the reference
-// implementation: low-pass 0.3 px², opacity below 1/255 skipped, stop when transmittance would fall under
-// 1e-4.
+// The CPU tile rasteriser: the reference for every GPU path, and the renderer on machines without a GPU.
+// Kerbl et al. 2023 and Zwicker et al. 2001 (EWA splatting). Thresholds as in the reference implementation:
+// low-pass 0.3 px², opacity below 1/255 skipped, stop before transmittance falls under 1e-4.
 
 namespace livegs {
 
 // Draws all objects in one sorted set. Deterministic for any thread count. Buffers are kept between calls, so
-// one Rasteriser serves one stream of frames; it is not shared between threads.
+// one Rasteriser serves one sequence of frames. Not shared between threads.
 class Rasteriser {
  public:
   Rasteriser();

@@ -15,12 +15,12 @@
 namespace livegs {
 namespace {
 
-constexpr std::string_view kDigits = "0123456789ABCDEFGHJKMNPQRSTVWXYZ";  // Crockford's
+constexpr std::string_view kDigits = "0123456789ABCDEFGHJKMNPQRSTVWXYZ";  // Crockford's base 32
 constexpr size_t kGroup = 5, kCodeDigits = 25;
 
 int hexadecimal(char c) { return c >= 'a' ? c - 'a' + 10 : c - '0'; }
 
-// Its digits as pairing_code() writes them, without dashes; empty when it is no code.
+// The digits of a code as printed by pairing_code(), without dashes. Empty if the code is invalid.
 std::string code_digits(std::string_view code) {
   std::string digits;
   for (char c : code) {
@@ -44,7 +44,7 @@ Result<std::string> certificate_fingerprint(std::string_view pem) {
       PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr), &X509_free);
   unsigned char* der = nullptr;
   const int size = certificate ? i2d_X509(certificate.get(), &der) : -1;
-  if (size <= 0) return invalid_data("the certificate is none in PEM");
+  if (size <= 0) return invalid_data("certificate: not a PEM certificate");
   const std::vector<unsigned char> bytes(der, der + size);
   OPENSSL_free(der);
   return content_hash(std::as_bytes(std::span(bytes)));
@@ -70,8 +70,8 @@ std::string pairing_code(std::string_view fingerprint) {
 Result<void> check_pairing_code(std::string_view code) {
   if (!code_digits(code).empty()) return {};
   return invalid_argument(
-      "the pairing code is not five groups of five letters and digits, as the server shows it when it "
-      "starts");
+      "pairing code: must be five groups of five letters and digits; copy it from the output of the "
+      "server's start");
 }
 
 bool fits_pairing_code(std::string_view fingerprint, std::string_view code) {

@@ -28,7 +28,7 @@ Result<Known> read(const std::filesystem::path& file) {
     if (server.token.empty() || words >> more || server.fingerprint.size() != 64 ||
         server.fingerprint.find_first_not_of("0123456789abcdef") != std::string::npos) {
       return invalid_data(file.string() + ":" + std::to_string(number) +
-                          ": is not HOST:PORT FINGERPRINT TOKEN; take the line out and pair again");
+                          ": must be HOST:PORT FINGERPRINT TOKEN; remove the line and pair again");
     }
     if (server.token == "-") server.token.clear();
     known[address] = server;
@@ -64,7 +64,7 @@ Result<void> KnownServers::remember(const std::string& address, const KnownServe
 Result<void> KnownServers::remove_server_entry(const std::string& address) const {
   auto known = read(file_);
   if (!known) return known.error();
-  if (known->erase(address) == 0) return not_found(address + ": was not paired with");
+  if (known->erase(address) == 0) return not_found(address + ": not a paired server");
   return write(file_, *known);
 }
 

@@ -22,7 +22,7 @@ struct ServerAccess::Pin {
   std::string fingerprint;
   std::string code;
   bool found_by_code = false;
-  std::string shown;  // the last certificate that was refused; empty: none
+  std::string shown;  // fingerprint of the last rejected certificate; empty: none
 
   bool take(std::string_view pem) {
     const auto seen = certificate_fingerprint(pem);
@@ -40,17 +40,17 @@ struct ServerAccess::Pin {
   }
 };
 
-// Asked by gRPC in each handshake, with the certificate whose key the other end has proved to hold.
+// Called by gRPC in each handshake, with the certificate for which the peer has proved to own the key.
 class ServerAccess::Verifier final : public grpc::experimental::ExternalCertificateVerifier {
  public:
   explicit Verifier(std::shared_ptr<Pin> pin) : pin_(std::move(pin)) {}
   bool Verify(grpc::experimental::TlsCustomVerificationCheckRequest* request,
               std::function<void(grpc::Status)>, grpc::Status* status) override {
     const grpc::string_ref pem = request->peer_cert();
-    *status = pin_->take({pem.data(), pem.size()})
-                  ? grpc::Status::OK
-                  : grpc::Status(grpc::StatusCode::UNAUTHENTICATED, "another certificate than the one known");
-    return true;  // done at once
+    *status = pin_->take({pem.data(), pem.size()}) ? grpc::Status::OK
+                                                   : grpc::Status(grpc::StatusCode::UNAUTHENTICATED,
+                                                                  "certificate does not match the known one");
+    return true;  // completed synchronously
   }
   void Cancel(grpc::experimental::TlsCustomVerificationCheckRequest*) override {}
 
@@ -66,7 +66,8 @@ ServerAccess::ServerAccess(std::string address, Keys keys)
 
 std::shared_ptr<grpc::ChannelCredentials> ServerAccess::credentials() const {
   grpc::experimental::TlsChannelCredentialsOptions options;
-  options.set_verify_server_certs(false);  // nobody signed it: the verifier knows it
+  // no certificate authority is used; the verifier compares the certificate
+  options.set_verify_server_certs(false);
   options.set_check_call_host(false);
   options.set_certificate_verifier(grpc::experimental::ExternalCertificateVerifier::Create<Verifier>(pin_));
   auto channel = grpc::experimental::TlsCredentials(options);
@@ -81,14 +82,14 @@ Result<void> ServerAccess::refused() const {
     return Error{
         ErrorCode::PermissionDenied,
         address_ +
-            ": its certificate does not fit the pairing code: the code is another server's or mistyped, "
-            "or somebody is in between. Nothing was sent"};
+            ": the certificate does not match the pairing code; the code is mistyped or from another server, "
+            "or the connection is intercepted. No data was sent"};
   }
   return Error{
       ErrorCode::PermissionDenied,
       address_ +
-          ": its certificate is not the one paired with: somebody is in between, or the server was set up "
-          "anew. Nothing was sent. If you know that it was, pair again with --pair CODE (known " +
+          ": the certificate differs from the paired one; the connection is intercepted, or the server was "
+          "set up again. No data was sent. If the server was set up again, use --pair CODE (known " +
           pin_->fingerprint.substr(0, 16) + "…, shown " + pin_->shown.substr(0, 16) + "…)"};
 }
 
@@ -103,7 +104,7 @@ Result<void> ServerAccess::remember() const {
   const auto before = servers.find(address_);
   if (!before) return before.error();
   if (*before && (*before)->fingerprint == server.fingerprint && (*before)->token == server.token) return {};
-  log_info("%s: paired; its certificate and token are remembered in %s", address_.c_str(), file_.c_str());
+  log_info("%s: paired; certificate and token are saved in %s", address_.c_str(), file_.c_str());
   return servers.remember(address_, server);
 }
 
@@ -116,12 +117,14 @@ Result<std::string> given_token(const AccessOptions& options) {
     if (!text) return text.error();
     token = text->substr(0, text->find_first_of("\r\n"));
     if (token.empty())
-      return invalid_argument(options.token_file.string() + ": its first line holds no token");
+      return invalid_argument(options.token_file.string() +
+                              ": the first line is empty; it must contain the token");
   } else if (const char* set = std::getenv("LIVEGS_TOKEN"); set != nullptr) {
     token = set;
   }
   for (const char c : token) {
-    if (c <= ' ' || c > '~') return invalid_argument("the token holds a character that no token has");
+    if (c <= ' ' || c > '~')
+      return invalid_argument("token: contains an invalid character; use printable ASCII without spaces");
   }
   return token;
 }
@@ -149,8 +152,8 @@ Result<std::shared_ptr<ServerAccess>> choose_access(const std::string& address,
   if (options.pairing_code.empty() && !known) {
     if (parsed->loopback) return std::shared_ptr<ServerAccess>();
     return invalid_argument(address +
-                            ": is not this machine and not known yet; pair with it: --pair CODE, which the "
-                            "server shows when it starts");
+                            ": unknown remote server; pair with --pair CODE, using the code that the "
+                            "server prints at start");
   }
   ServerAccess::Keys keys;
   if (options.pairing_code.empty()) keys.fingerprint = known->fingerprint;

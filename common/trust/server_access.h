@@ -14,25 +14,25 @@ class ChannelCredentials;
 
 namespace livegs {
 
-// How a client reaches one server over TLS: the certificate it insists on and the token it shows. The
-// certificate is looked at in the handshake, before anything is sent, so that a token goes to nobody else.
-// Who signed it, its names and its dates do not matter: it is the one, or it is not. Any thread.
+// TLS access to one server: the pinned certificate and the token. The certificate is verified in the
+// handshake, before anything is sent, so the token cannot reach another server. Only the fingerprint counts;
+// issuer, names and dates are ignored. Any thread.
 class ServerAccess {
  public:
   struct Keys {
-    std::string fingerprint;   // the certificate's; or empty, and
-    std::string pairing_code;  // the code that it has to fit; the first that does is insisted on from then on
+    std::string fingerprint;   // fingerprint of the certificate; or empty, with
+    std::string pairing_code;  // the pairing code; the first certificate that matches it is pinned
     std::string token;         // empty: none
   };
   ServerAccess(std::string address, Keys keys);
 
-  // For a channel to the server. It may be used for any number.
+  // Credentials for channels to the server; may be used for any number of channels.
   std::shared_ptr<grpc::ChannelCredentials> credentials() const;
 
-  // Why the last certificate that was shown is not taken; OK when none was or it was the right one.
+  // The reason why the last certificate was rejected. OK if there was none, or if it was accepted.
   Result<void> refused() const;
 
-  // Writes what was found good to the file of known servers, if there is one and something in it is new.
+  // Saves the accepted certificate and token to the file of known servers, if there is one and they are new.
   Result<void> remember() const;
   void remember_in(std::filesystem::path file) { file_ = std::move(file); }
 
@@ -46,16 +46,16 @@ class ServerAccess {
 
 struct AccessOptions {
   std::string pairing_code;          // empty: the server is known, or on this machine
-  std::filesystem::path token_file;  // its first line; empty: LIVEGS_TOKEN, or what is remembered
-  std::filesystem::path state_dir;   // empty: the user's
+  std::filesystem::path token_file;  // token in its first line; empty: LIVEGS_TOKEN, or the saved token
+  std::filesystem::path state_dir;   // empty: the default folder of the user
 };
 
-// What to reach a server with: as it was paired with, or by a pairing code. Null, which is in the clear, for
-// an address of this machine that was never paired with. An error, and nothing is sent, for any other. A
-// token is never taken from a command line, which every process may read.
+// Selects the access to a server: by saved pairing data or by a pairing code. Null, which means no
+// encryption, for an address of this machine without pairing. An error, and no data is sent, for any other
+// address. A token is never passed on the command line, which every process may read.
 Result<std::shared_ptr<ServerAccess>> choose_access(const std::string& address, const AccessOptions& options);
 
-// Takes back what was remembered of a server.
+// Deletes the saved data of a server.
 Result<void> forget_server(const std::string& address, const std::filesystem::path& state_dir);
 
 }  // namespace livegs

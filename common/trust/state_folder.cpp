@@ -28,7 +28,8 @@ Result<std::filesystem::path> state_folder(const std::filesystem::path& given) {
   if (state != nullptr && *state == '/') return std::filesystem::path(state) / "livegs";
   const char* home = std::getenv("HOME");
   if (home != nullptr && *home == '/') return std::filesystem::path(home) / ".local" / "state" / "livegs";
-  return not_found("neither XDG_STATE_HOME nor HOME is set; choose a folder with --state-dir DIR");
+  return not_found(
+      "state folder: neither XDG_STATE_HOME nor HOME is set; choose a folder with --state-dir DIR");
 }
 
 Result<void> make_state_folder(const std::filesystem::path& folder) {
@@ -36,7 +37,7 @@ Result<void> make_state_folder(const std::filesystem::path& folder) {
   if (std::filesystem::is_directory(folder, error)) return {};
   if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
   if (::mkdir(folder.c_str(), 0700) == 0 || errno == EEXIST) return {};
-  Error refused = file_error(folder, "cannot be made");
+  Error refused = file_error(folder, "cannot be created");
   refused.message += "; choose another folder with --state-dir DIR";
   return refused;
 }
@@ -69,7 +70,8 @@ Result<std::string> read_secret_file(const std::filesystem::path& path) {
   struct stat about {};
   if (::stat(path.c_str(), &about) == 0 && (about.st_mode & 077) != 0) {
     return Error{ErrorCode::PermissionDenied,
-                 path.string() + ": others may read it; make it anew, or chmod 600 if nobody has"};
+                 path.string() +
+                     ": readable by other users; create it again, or run chmod 600 if it was not disclosed"};
   }
   return read_text_file(path, kMaxSecretBytes);
 }

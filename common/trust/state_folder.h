@@ -8,16 +8,16 @@
 
 namespace livegs {
 
-// Where keys, tokens and known servers are kept: `given`, or $XDG_STATE_HOME/livegs, or
-// $HOME/.local/state/livegs. It need not be there.
+// Folder of keys, tokens and known servers: `given`, or $XDG_STATE_HOME/livegs, or $HOME/.local/state/livegs.
+// The folder may not exist.
 Result<std::filesystem::path> state_folder(const std::filesystem::path& given);
-// Made, with mode 0700, if it is not there.
+// Creates the folder with mode 0700 if it does not exist.
 Result<void> make_state_folder(const std::filesystem::path& folder);
 
-// A file that only its owner may read, mode 0600, written beside it, synced and renamed over it. Its folder
-// is made.
+// Writes a file with mode 0600 atomically: a temporary file next to it is synced and renamed over it. Creates
+// the folder.
 Result<void> write_secret_file(const std::filesystem::path& path, std::string_view text);
-// PermissionDenied when others may read it too: then it is no secret any more.
+// Reads a secret. PermissionDenied if other users may read the file.
 Result<std::string> read_secret_file(const std::filesystem::path& path);
 
 }  // namespace livegs

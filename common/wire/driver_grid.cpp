@@ -15,22 +15,22 @@
 namespace livegs {
 namespace {
 
-// A component that was left out stays so while no other is larger by more than this part: ties do not flip to
-// and fro.
+// Hysteresis of the omitted quaternion component: it is kept until another one is larger by this factor, so
+// that near-ties do not alternate.
 constexpr double kLeftOutHysteresis = 1.05;
-// A body that has shrunk to less than this part of what its step was chosen for gets a finer one.
+// A body smaller than this fraction of the size for which its step was chosen gets a finer step.
 constexpr double kMaxShrinkage = 0.35;
-// Integers stay below 2^30, so that their second differences fit into 32 bits.
+// Limit of the integers, 2^30, so that their second differences fit 32 bits.
 constexpr double kMaxStepCount = 1073741824.0;
 
-// Adding this to a double leaves its integer part, rounded to nearest, in the low bits.
+// Adding this constant leaves the integer part of a double, rounded to nearest, in its low bits.
 constexpr double kRoundingBias = 6755399441055744.0;  // 1.5 * 2^52
 
 int32_t rounded(double value) {
   return static_cast<int32_t>(static_cast<uint32_t>(std::bit_cast<uint64_t>(value + kRoundingBias)));
 }
 
-// The exponent of the least power of two that is not below `value`.
+// Exponent of the smallest power of two that is >= `value`.
 int exponent_above(double value) {
   int exponent;
   const double mantissa = std::frexp(value, &exponent);
@@ -42,7 +42,7 @@ int coarse_enough(int exponent, double farthest_m) {
   return std::max(exponent, exponent_above(farthest_m / kMaxStepCount));
 }
 
-// Smallest and largest coordinates, eight positions at a time: 24 lanes, of which each stays with its axis.
+// Smallest and largest coordinates, eight positions at a time: 24 lanes, each with a fixed axis.
 std::pair<Eigen::Array3f, Eigen::Array3f> bounds_of(std::span<const Eigen::Vector3f> positions_m) {
   constexpr size_t kTogether = 8, kLanes = 3 * kTogether;
   std::array<float, kLanes> low, high;
@@ -93,7 +93,7 @@ int pose_exponent(const ObjectDrivers& drivers, const DriverGrid* before, const 
   return before ? std::max(before->exponent, fitting) : fitting;
 }
 
-// Smallest three of (x, y, z, w), with the sign that makes the one left out positive; zero is exact.
+// Smallest three of (x, y, z, w), with the sign that makes the omitted component positive; zero is exact.
 void pack(const Eigen::Vector4d& v, int left_out, double scale, int32_t* a, int32_t* b, int32_t* c) {
   const double signed_scale = v[left_out] < 0.0 ? -scale : scale;
   int32_t* to[3] = {a, b, c};

@@ -32,10 +32,10 @@ constexpr size_t kPoseBytes = 16;
 constexpr size_t kPositionBytes = 6;
 constexpr size_t kRotationBytes = 5;
 constexpr size_t kRawPositionBytes = 12, kRawRotationBytes = 16;
-// As for poses elsewhere: what floats of a unit quaternion are off by, and no more.
+// Tolerance of a unit quaternion stored as floats; the same as for other poses.
 constexpr float kUnitTolerance = 1e-3f;
 
-// What grows to hold points; a NaN or an infinity among them is our own mistake.
+// Grows to contain points. NaN or infinity here is a programming error.
 struct Bounds {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
@@ -67,7 +67,7 @@ void write_pose(ByteWriter& out, const QuantisedBox& box, const Pose& pose) {
   out.write(pack_quaternion(pose.orientation, kPoseComponentBits));
 }
 
-// Nothing where a spare bit is set.
+// Empty if a spare bit is set.
 std::optional<Pose> read_pose(ByteReader& in, const QuantisedBox& box) {
   const uint64_t position = in.read<uint64_t>();
   const uint64_t orientation = in.read<uint64_t>();
@@ -172,7 +172,7 @@ Error bad_object(size_t index, uint32_t object_id, const std::string& what) {
                       ") " + what);
 }
 
-// Preconditions: the object's kind is set, and its bytes are there.
+// Preconditions: the kind of the object is set, and its bytes are available.
 Result<ObjectDrivers> read_raw_drivers(ByteReader& in, size_t index, size_t count, ObjectDrivers object) {
   const uint32_t id = object.object_id;
   const bool rigid = object.kind == DriverKind::Rigid;
@@ -184,7 +184,7 @@ Result<ObjectDrivers> read_raw_drivers(ByteReader& in, size_t index, size_t coun
     if (object.kind == DriverKind::Lattice) continue;
     const Eigen::Quaternionf rotation = read_raw_rotation(in);
     if (!is_rotation(rotation))
-      return bad_object(index, id, "has a rotation that is none: driver " + std::to_string(i));
+      return bad_object(index, id, "has an invalid rotation: driver " + std::to_string(i));
     if (rigid)
       object.poses.push_back({position_m.cast<double>(), rotation.cast<double>().normalized()});
     else
@@ -202,7 +202,7 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
   const uint8_t revision = in.read<uint8_t>();
   const size_t count = in.read<uint32_t>();
   const uint32_t id = object.object_id;
-  if (in.failed()) return bad_object(index, id, "is cut short");
+  if (in.failed()) return bad_object(index, id, "is truncated");
   if (kind < static_cast<uint8_t>(DriverKind::Rigid) || kind > static_cast<uint8_t>(DriverKind::Particles)) {
     return bad_object(index, id, "has unknown kind " + std::to_string(kind));
   }
@@ -216,18 +216,18 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
   object.asleep = (flags & kAsleep) != 0;
   if (count == 0) return object;
 
-  // Counts are held against the bytes that are there before anything is allocated.
+  // Counts are checked against the available bytes before any allocation.
   const bool rigid = object.kind == DriverKind::Rigid;
   if (encoding == static_cast<uint8_t>(DriverEncoding::Raw)) {
     if (count > in.remaining() / raw_driver_bytes(object.kind))
-      return bad_object(index, id, "claims " + std::to_string(count) + " drivers but is cut short");
+      return bad_object(index, id, "claims " + std::to_string(count) + " drivers but is truncated");
     return read_raw_drivers(in, index, count, std::move(object));
   }
   const size_t driver_bytes =
       rigid ? kPoseBytes : kPositionBytes + (object.kind == DriverKind::Particles ? kRotationBytes : 0);
   if (count > in.remaining() / driver_bytes ||
       count * driver_bytes + (rigid ? 0 : kBoxBytes) > in.remaining()) {
-    return bad_object(index, id, "claims " + std::to_string(count) + " drivers but is cut short");
+    return bad_object(index, id, "claims " + std::to_string(count) + " drivers but is truncated");
   }
   if (rigid) {
     object.poses.reserve(count);
@@ -239,7 +239,7 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
     return object;
   }
   const QuantisedBox box = read_box(in);
-  if (!box.is_valid()) return bad_object(index, id, "has a box that is not finite or turned inside out");
+  if (!box.is_valid()) return bad_object(index, id, "has a box that is not finite or has negative edges");
   object.positions_m.reserve(count);
   for (size_t i = 0; i < count; ++i) {
     Eigen::Matrix<uint32_t, 3, 1> steps;
@@ -288,7 +288,7 @@ std::vector<std::byte> encode_frame(const DriverFrame& frame, DriverEncoding enc
 Result<DriverFrame> decode_frame(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxFrameBytes) {
     return Error{ErrorCode::TooLarge, "driver frame: " + std::to_string(bytes.size()) +
-                                          " bytes, over the limit of " + std::to_string(kMaxFrameBytes)};
+                                          " bytes; the limit is " + std::to_string(kMaxFrameBytes)};
   }
   ByteReader in(bytes);
   const uint32_t magic = in.read<uint32_t>();
@@ -305,10 +305,10 @@ Result<DriverFrame> decode_frame(std::span<const std::byte> bytes) {
   frame.simulated_ns = in.read<int64_t>();
   const size_t object_count = in.read<uint32_t>();
   const QuantisedBox box = read_box(in);
-  if (in.failed()) return invalid_data("driver frame: header is cut short");
-  if (!box.is_valid()) return invalid_data("driver frame: box is not finite or turned inside out");
+  if (in.failed()) return invalid_data("driver frame: header is truncated");
+  if (!box.is_valid()) return invalid_data("driver frame: box is not finite or has negative edges");
   if (object_count > in.remaining() / kObjectHeaderBytes) {
-    return invalid_data("driver frame: claims " + std::to_string(object_count) + " objects but is cut short");
+    return invalid_data("driver frame: claims " + std::to_string(object_count) + " objects but is truncated");
   }
   frame.objects.reserve(object_count);
   for (size_t i = 0; i < object_count; ++i) {

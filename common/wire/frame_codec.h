@@ -9,26 +9,25 @@
 #include "core/result.h"
 #include "skin/driver_frame.h"
 
-// DriverFrame to bytes and back. The byte layout is specified in proto/frame_format.md; that page comes
-// first.
+// Converts a DriverFrame to bytes and back. proto/frame_format.md specifies the byte layout and takes
+// precedence.
 
 namespace livegs {
 
-// The version both ends compare when a client joins. Raised by any change of the byte layout or of RestBody.
+// Protocol version, compared when a client joins. Increased by any change of the byte layout or of RestBody.
 inline constexpr uint32_t kProtocolVersion = 5;
 
-// No frame is larger; a decoder refuses more.
+// Maximum size of a frame, bytes. Decoders reject larger ones.
 inline constexpr size_t kMaxFrameBytes = 64u << 20;
 
-// A self-contained frame. Positions are quantised to 16 bits an axis in the object's own box, poses to 21
-// bits an axis in the frame's box and 62-bit smallest-three quaternions; the error bound of a position is
-// half a step: box edge / 65535 / 2; or raw, as floats. Preconditions: values are finite, in float too.
+// A self-contained frame. Quantised: positions with 16 bits per axis in the box of the object, poses with 21
+// bits per axis in the box of the frame and 62-bit smallest-three quaternions. The position error is at most
+// half a step: box edge / 65535 / 2. Raw: floats. Preconditions: values are finite, also as floats.
 enum class DriverEncoding : uint8_t { Quantised = 0, Raw = 1 };
 std::vector<std::byte> encode_frame(const DriverFrame& frame,
                                     DriverEncoding encoding = DriverEncoding::Quantised);
 
-// Accepts any bytes and answers with an error for those that are no frame. Memory is bounded by the input's
-// size.
+// Accepts any bytes; invalid ones give an error. Memory is bounded by the size of the input.
 Result<DriverFrame> decode_frame(std::span<const std::byte> bytes);
 
 }  // namespace livegs

@@ -15,15 +15,15 @@ using namespace stream_layout;
 
 namespace {
 
-// Buffers that are kept: fresh ones of this size cost more than what is done with them.
+// Buffers that are reused: allocating them for each frame costs more than the work itself.
 struct Buffers {
   std::vector<std::byte> body;
   GridScratch scratch;
 };
 
-// An object that is in the frame.
+// An object of the frame.
 struct Entry {
-  const GridHistory* before;  // null: it is new, or not as it was
+  const GridHistory* before;  // null: new, or in another form than before
   GridHistory* after;
 };
 
@@ -72,10 +72,10 @@ void write_object(RiceWriter& bits, const Entry& entry, uint32_t id_step, GridSc
 uint64_t tick_of(const StreamBaseline& baseline) { return baseline.tick; }
 
 bool same_state(const StreamBaseline& a, const StreamBaseline& b) {
-  // From what did not move for so long no straight line is drawn any more: when it came does not matter.
+  // Linear prediction is not used after such a long rest, so the time of the last frame does not matter.
   const auto rests = [&](const GridHistory& object) { return a.tick - object.tick >= kMaxGap; };
   const auto alike = [&](const auto& one, const auto& other) {
-    if (one == other) return true;  // both streams were sent it in one frame
+    if (one == other) return true;  // both streams received it in the same frame
     return one->now == other->now && ((rests(*one) && rests(*other)) ||
                                       (one->tick == other->tick && one->earlier_tick == other->earlier_tick &&
                                        one->earliest_tick == other->earliest_tick &&
@@ -152,7 +152,7 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
   }
   const std::span<const std::byte> body = bits.written();
 
-  // By ticks alone, so that streams with the same state take the same bytes.
+  // Depends only on ticks, so that streams with the same state get the same bytes.
   const bool hashed = options.hash_interval > 0 && (!baseline || frame.tick / options.hash_interval !=
                                                                      baseline->tick / options.hash_interval);
   ByteWriter out;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adaptive Rice codes whose parameter comes of what was left at the neighbours, as in LOCO-I (Weinberger,
-// Seroussi and Sapiro 2000); the layout is proto/frame_format.md, "Integers". What each step saved of four
-// torn blocks of 1331 nodes, bytes a frame, mean: at steps of 30.5 um and a straight line 14.5 k; less what
-// was left at the node before 13.8 k in rows and 13.4 k in Morton order, at the three nodes below 12.8 k, for
-// which any order that goes up along the axes does, so nodes stay in the lattice's own; between coarser nodes
-// all around, from coarse to fine, 12.6 k. At 57.2 um the three nodes below leave 11.1 k, with scales by what
-// was left at them 10.3 k, with a fitted curve for the line 9.6 k. The Laplacian of the velocities as a third
-// term would leave 9.0 k; it costs six more looks a node.
+// Adaptive Rice codes. As in LOCO-I (Weinberger, Seroussi and Sapiro 2000), the residuals at the neighbours
+// select the parameter. Layout: proto/frame_format.md, "Integers".
+//
+// A lattice node is predicted from its own past (fitted curve), then corrected by the residuals at the three
+// neighbours below it. This needs any order that ascends along the axes, so nodes keep the order of the
+// lattice. Predicting nodes between coarser ones on all sides gains little more. The Laplacian of the
+// velocities as a third term would gain more, but costs six further accesses per node.
 #include "wire/grid_coder.h"
 
 #include <algorithm>
@@ -17,14 +16,14 @@
 namespace livegs {
 namespace {
 
-// Four integers that are added at once: what is left of x, y and z before it is predicted from nodes beside,
-// and its magnitude.
+// Four integers that are added at once: the residuals of x, y and z before the neighbour correction, and
+// their magnitude.
 using Lanes = uint32_t __attribute__((vector_size(16)));
 
-constexpr uint32_t kMaxMagnitude = 1u << 20;             // counted of an integer
-constexpr uint64_t kPart[4] = {0, 65536, 32768, 21845};  // of a sum over so many neighbours
-constexpr uint64_t kMagnitudeAlone = 255;  // taken for four times the mean where there is no neighbour
-constexpr uint32_t kCoordinateStep = 4;    // expected of three of a node's, before anything is known
+constexpr uint32_t kMaxMagnitude = 1u << 20;             // limit of the counted magnitude of an integer
+constexpr uint64_t kPart[4] = {0, 65536, 32768, 21845};  // 1 / neighbour count, times 65536
+constexpr uint64_t kMagnitudeAlone = 255;  // replaces four times the mean if there is no neighbour
+constexpr uint32_t kCoordinateStep = 4;    // initial estimate for the sum of three coordinate steps of a node
 constexpr size_t kFitStride = 5, kCostStride = 8, kFewDrivers = 16;
 
 uint32_t bits_of(int32_t value) { return static_cast<uint32_t>(value); }
@@ -34,14 +33,14 @@ uint32_t magnitude(uint32_t zigzagged) {
   return std::min((zigzagged >> 1) + (zigzagged & 1u), kMaxMagnitude);
 }
 
-// Half octaves of four times the mean magnitude of a neighbour.
+// Class of the mean neighbour magnitude: half octaves of four times the mean.
 size_t magnitude_class(uint64_t sum, uint32_t count) {
   const uint64_t at = (count == 0 ? kMagnitudeAlone : (sum * kPart[count]) >> 14) + 4;
   const int top = std::bit_width(at) - 1;
   return static_cast<size_t>(2 * top + static_cast<int>(at >> (top - 1) & 1) - 4);
 }
 
-// What a class is expected to leave before anything is known.
+// Initial estimate of the residual of a class.
 uint32_t expected_of(size_t magnitude_class) {
   return ((2u + (magnitude_class & 1)) << (magnitude_class / 2)) / 2;
 }
@@ -81,7 +80,7 @@ void predict(Prediction prediction, const GridPast& past, size_t count, int32_t*
   }
 }
 
-// Codes one integer, of which `predicted` is known; returns the zigzag of what was left.
+// Codes one integer, given its prediction. Returns the zigzag of the residual.
 template <class Bits>
 uint32_t code_integer(Bits& bits, uint32_t predicted, int k, int32_t& value) {
   if constexpr (Bits::kReads) {
@@ -118,8 +117,8 @@ bool code_nodes(Bits& stream, DriverGrid& grid, Prediction prediction, const Gri
     return lanes;
   };
   const Lanes none = {0, 0, 0, 0};
-  std::memcpy(beside + 4 * n, &none, sizeof none);  // who has no neighbour there adds this
-  Lanes here = none;  // of the node before, nearly always the first neighbour: memory would be slower
+  std::memcpy(beside + 4 * n, &none, sizeof none);  // added for a missing neighbour
+  Lanes here = none;  // the node before, usually the first neighbour; a register avoids a memory round trip
   for (size_t i = 0; i < n; ++i) {
     const NodeNeighbours::Before& b = before[i];
     const Lanes others = at(b.nodes[1]) + at(b.nodes[2]);
@@ -150,8 +149,8 @@ bool code_nodes(Bits& stream, DriverGrid& grid, Prediction prediction, const Gri
   return true;
 }
 
-// One integer's prediction. `turned`: how many frames back, 1 to 3, the component left out was another; 0: in
-// none.
+// Prediction of one integer. `turned`: number of frames back, 1 to 3, at which the quaternion left out
+// another component; 0: in none of them.
 uint32_t predicted_at(Prediction prediction, const GridPast& past, size_t at, int turned) {
   if (turned == 1) return 0;
   const bool as_last = prediction == Prediction::Last || turned > 1;
@@ -241,7 +240,7 @@ bool code_coordinates(Bits& bits, std::vector<Eigen::Vector3i>& coordinates) {
     for (int d = 0; d < 3; ++d)
       magnitudes += magnitude(code_integer(bits, bits_of(expected[d]), k, place[d]));
     scale.add(magnitudes);
-    // Nodes stand in rows along x.
+    // Nodes are in rows along x.
     expected = place;
     expected[0] = static_cast<int32_t>(bits_of(place[0]) + 1);
     if (failed(bits)) return false;
@@ -267,7 +266,7 @@ void fit_curve(const DriverGrid& grid, GridPast& past) {
     vt += v * t;
     at += a * t;
   }
-  // A little pulls towards the straight line, so that nothing is divided by zero.
+  // A small weight towards the straight line prevents a division by zero.
   const double pull = 1.0 + 1e-6 * (vv + aa);
   vv += pull;
   aa += pull;

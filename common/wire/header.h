@@ -10,11 +10,11 @@
 
 namespace livegs {
 
-// The first bytes of a message: a magic number, then a version; their widths are the format's own.
+// The start of a message: a magic number, then a version. The format defines their widths.
 template <std::unsigned_integral Magic, std::unsigned_integral Version>
 struct MessageHeader {
-  const char* name;    // of the message, with which its errors begin
-  const char* begins;  // the magic number for people: " with LVGF"
+  const char* name;    // of the message; prefix of its errors
+  const char* begins;  // readable form of the magic number: " with LVGF"
   Magic magic;
   Version version;
 
@@ -23,12 +23,12 @@ struct MessageHeader {
     out.write(version);
   }
   Error invalid(const std::string& what) const { return invalid_data(std::string(name) + ": " + what); }
-  // What was read of both; `cut_short`: the header has more bytes than the message.
+  // Checks both fields after reading. `cut_short`: the message is shorter than the header.
   Result<void> check(Magic read_magic, Version read_version, bool cut_short) const {
-    if (cut_short || read_magic != magic) return invalid(std::string("does not begin") + begins);
+    if (cut_short || read_magic != magic) return invalid(std::string("must begin") + begins);
     if (read_version == version) return {};
     return unsupported(std::string(name) + ": version " + std::to_string(read_version) +
-                       ", this build reads version " + std::to_string(version) +
+                       "; this build reads version " + std::to_string(version) +
                        "; update the older of server and client");
   }
 };

@@ -20,7 +20,7 @@
 namespace livegs {
 namespace {
 
-constexpr MessageHeader<uint8_t, uint8_t> kHeader{"kernel frame", " like one", 0xD8, 2};
+constexpr MessageHeader<uint8_t, uint8_t> kHeader{"kernel frame", " with 0xD8", 0xD8, 2};
 constexpr size_t kObjectHeaderBytes = 9, kBoxBytes = 24;
 constexpr size_t kExactBytes = 52, kQuantisedBytes = 20;
 constexpr int kPositionBits = 16, kComponentBits = 12, kDeviationBits = 10;
@@ -37,7 +37,7 @@ double deviation_m(uint32_t steps) {
   return std::exp2(kMinDeviationLog2 + kDeviationOctaves * steps / kLastDeviation);
 }
 
-// Standard deviations along the kernel's own axes, and these as a rotation.
+// Standard deviations along the principal axes, and the axes as a rotation.
 void write_shape(ByteWriter& out, const Symmetric3f& covariance_m2) {
   const Symmetric3f& s = covariance_m2;
   Eigen::Matrix3d m;
@@ -113,7 +113,7 @@ Result<void> read_quantised(ByteReader& in, PosedKernels& kernels) {
   QuantisedBox box;
   for (int d = 0; d < 3; ++d) box.min_m[d] = in.read<float>();
   for (int d = 0; d < 3; ++d) box.edge_m[d] = in.read<float>();
-  if (!box.is_valid()) return bad("an object's box is not finite or turned inside out");
+  if (!box.is_valid()) return bad("the box of an object is not finite or has negative edges");
   for (size_t k = 0; k < kernels.positions_m.size(); ++k) {
     Eigen::Matrix<uint32_t, 3, 1> steps;
     for (int d = 0; d < 3; ++d) steps[d] = in.read<uint16_t>();
@@ -168,7 +168,7 @@ std::vector<std::byte> encode_kernels(const KernelFrame& frame, KernelEncoding e
 Result<KernelFrame> decode_kernels(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxFrameBytes)
     return Error{ErrorCode::TooLarge,
-                 "kernel frame: over the limit of " + std::to_string(kMaxFrameBytes) + " bytes"};
+                 "kernel frame: larger than the limit of " + std::to_string(kMaxFrameBytes) + " bytes"};
   ByteReader in(bytes);
   const uint8_t magic = in.read<uint8_t>(), version = in.read<uint8_t>(), encoding = in.read<uint8_t>(),
                 reserved = in.read<uint8_t>();
@@ -182,18 +182,18 @@ Result<KernelFrame> decode_kernels(std::span<const std::byte> bytes) {
   if (reserved != 0) return bad("sets a reserved bit");
   const bool exact = encoding == static_cast<uint8_t>(KernelEncoding::Exact);
   if (object_count > in.remaining() / kObjectHeaderBytes)
-    return bad("claims objects that its bytes cannot hold");
+    return bad("claims more objects than its bytes can hold");
   for (size_t i = 0; i < object_count; ++i) {
     ObjectKernels& object = frame.objects.emplace_back();
     object.object_id = in.read<uint32_t>();
     object.revision = in.read<uint8_t>();
     const size_t count = in.read<uint32_t>();
-    if (in.failed()) return bad("is cut short");
+    if (in.failed()) return bad("is truncated");
     if (count == 0) continue;
     const size_t box = exact ? 0 : kBoxBytes;
     if (in.remaining() < box || count > (in.remaining() - box) / (exact ? kExactBytes : kQuantisedBytes))
       return bad("object " + std::to_string(object.object_id) + " claims " + std::to_string(count) +
-                 " kernels but is cut short");
+                 " kernels but is truncated");
     object.kernels.resize(count);
     if (auto read = exact ? read_exact(in, object.kernels) : read_quantised(in, object.kernels); !read)
       return read.error();

@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-// Numbers to little-endian bytes and back, on a machine of any byte order.
+// Converts numbers to little-endian bytes and back, on machines of any byte order.
 
 namespace livegs {
 
 class ByteWriter {
  public:
-  // The lowest `width` bytes of `value`.
+  // Writes the lowest `width` bytes of `value`.
   void write_bits(uint64_t value, size_t width) {
     for (size_t i = 0; i < width; ++i) bytes_.push_back(static_cast<std::byte>(value >> (8 * i)));
   }
@@ -32,7 +32,8 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-// Reading past the end gives zeros and fails the reader for good, so a caller may check once a section.
+// Reading past the end returns zeros and sets the failed state permanently, so callers may check once per
+// section.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -61,7 +62,7 @@ class ByteReader {
     return std::bit_cast<double>(read<uint64_t>());
   }
 
-  // Past `count` bytes, as reading them does.
+  // Skips `count` bytes, with the same checks as reading them.
   void skip(size_t count) {
     failed_ = failed_ || count > remaining();
     offset_ = count > remaining() ? bytes_.size() : offset_ + count;

@@ -12,7 +12,7 @@
 namespace livegs {
 namespace {
 
-constexpr MessageHeader<uint8_t, uint8_t> kHeader{"publication", " like one", 0xD7, 1};
+constexpr MessageHeader<uint8_t, uint8_t> kHeader{"publication", " with 0xD7", 0xD7, 1};
 constexpr size_t kInstanceBytes = 16;
 constexpr const char* kDigits = "0123456789abcdef";
 
@@ -35,7 +35,7 @@ std::vector<std::byte> encode_publication(const Publication& publication) {
   out.write(publication.event_number);
   out.write(publication.stepped_ns);
   std::vector<std::byte> bytes = std::move(out).take();
-  // Who listens reads each frame by itself: finding neighbours anew would cost more than they save.
+  // A subscriber reads each frame separately: computing neighbours would cost more than they save.
   StreamOptions options;
   options.tell_neighbours = false;
   const std::vector<std::byte> frame = encode_stream_frame(publication.frame, nullptr, options).bytes;
@@ -54,7 +54,7 @@ Result<Publication> decode_publication(std::span<const std::byte> bytes) {
   }
   publication.event_number = in.read<uint64_t>();
   publication.stepped_ns = in.read<int64_t>();
-  if (in.failed()) return kHeader.invalid("is cut short");
+  if (in.failed()) return kHeader.invalid("is truncated");
   auto frame = StreamReader().read(bytes.subspan(in.offset()));
   if (!frame) return frame.error();
   publication.frame = std::move(*frame);

@@ -11,14 +11,14 @@
 #include "core/result.h"
 #include "skin/driver_frame.h"
 
-// A frame for anybody who listens; proto/frame_format.md, "Publications".
+// A frame for any subscriber. See proto/frame_format.md, "Publications".
 
 namespace livegs {
 
 struct Publication {
   std::string server_instance;  // 32 hexadecimal digits
-  uint64_t event_number = 0;    // of the scene that the frame is of
-  int64_t stepped_ns = 0;       // the monotonic clock of the machine: its step was done
+  uint64_t event_number = 0;    // event number of the scene at this frame
+  int64_t stepped_ns = 0;       // end of the step, on the monotonic clock of the server's machine
   DriverFrame frame;
 };
 

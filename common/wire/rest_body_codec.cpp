@@ -15,13 +15,13 @@ namespace {
 
 constexpr MessageHeader<uint32_t, uint16_t> kHeader{"rest body", " with LVGR", 0x5247564C, 1};
 constexpr uint8_t kPlain = 0;
-constexpr uint8_t kWithFills = 1;  // of a lattice
-constexpr uint8_t kWithRuns = 1;   // of a rigid object
+constexpr uint8_t kWithFills = 1;  // lattice
+constexpr uint8_t kWithRuns = 1;   // rigid object
 constexpr size_t kPoseBytes = 7 * 8;
 constexpr size_t kRunBytes = 2 * 4;
 constexpr size_t kParticleBytes = 3 * 4;
 
-// How far from 1 the length of a unit quaternion may be.
+// Tolerance of the length of a unit quaternion.
 constexpr double kUnitTolerance = 1e-3;
 
 template <class Vector>
@@ -54,13 +54,13 @@ Pose read_pose(ByteReader& in) {
 }
 
 bool is_unit(const Eigen::Quaterniond& quaternion) {
-  return std::abs(quaternion.norm() - 1.0) <= kUnitTolerance;  // false for a NaN
+  return std::abs(quaternion.norm() - 1.0) <= kUnitTolerance;  // false for NaN
 }
 
 bool is_valid(const Pose& pose) { return pose.position_m.allFinite() && is_unit(pose.orientation); }
 
 Error cut_short(const char* what) {
-  return invalid_data(std::string("rest body: ") + what + " is cut short");
+  return invalid_data(std::string("rest body: ") + what + " is truncated");
 }
 
 void write_lattice(ByteWriter& out, const RestBody& rest) {
@@ -112,16 +112,16 @@ Result<void> read_lattice(ByteReader& in, bool with_fills, RestBody& rest) {
   const size_t index_bytes = in.read<uint8_t>();
   if (in.failed()) return cut_short("lattice header");
   if (!is_valid(rest.object_from_lattice))
-    return invalid_data("rest body: object_from_lattice is no rigid transform");
+    return invalid_data("rest body: object_from_lattice is not a rigid transform");
   if (!std::isfinite(rest.cell_width_m) || rest.cell_width_m <= 0.0) {
     return invalid_data("rest body: cell width must be positive");
   }
   if (coordinate_bytes != 1 && coordinate_bytes != 2 && coordinate_bytes != 4) {
     return invalid_data("rest body: " + std::to_string(coordinate_bytes) +
-                        " bytes a coordinate; 1, 2 and 4 are known");
+                        " bytes per coordinate; expected 1, 2 or 4");
   }
   if (index_bytes != 2 && index_bytes != 4) {
-    return invalid_data("rest body: " + std::to_string(index_bytes) + " bytes an index; 2 and 4 are known");
+    return invalid_data("rest body: " + std::to_string(index_bytes) + " bytes per index; expected 2 or 4");
   }
   const size_t bytes_a_cell = 8 * index_bytes + (with_fills ? 8 : 0);
   if (node_count * 3 * coordinate_bytes + cell_count * bytes_a_cell > in.remaining()) {
@@ -144,8 +144,8 @@ Result<void> read_lattice(ByteReader& in, bool with_fills, RestBody& rest) {
     for (uint32_t& node : rest.cells[c]) {
       node = static_cast<uint32_t>(in.read_bits(index_bytes));
       if (node >= node_count) {
-        return invalid_data("rest body: cell " + std::to_string(c) + " names node " + std::to_string(node) +
-                            " of " + std::to_string(node_count));
+        return invalid_data("rest body: cell " + std::to_string(c) + " refers to node " +
+                            std::to_string(node) + " of " + std::to_string(node_count));
       }
     }
   }
@@ -163,7 +163,7 @@ Result<void> read_rigid(ByteReader& in, bool with_runs, RestBody& rest) {
   for (size_t b = 0; b < count; ++b) {
     rest.bodies.push_back(read_pose(in));
     if (!is_valid(rest.bodies.back())) {
-      return invalid_data("rest body: body " + std::to_string(b) + " has no rigid pose");
+      return invalid_data("rest body: body " + std::to_string(b) + " has an invalid pose");
     }
   }
   if (!with_runs) return {};
@@ -171,15 +171,15 @@ Result<void> read_rigid(ByteReader& in, bool with_runs, RestBody& rest) {
   const size_t run_count = in.read<uint32_t>();
   if (in.failed() || run_count > in.remaining() / kRunBytes) return cut_short("list of kernel runs");
   if (rest.revision == 0 || rest.revision > kMaxRevision) {
-    return invalid_data("rest body: revision " + std::to_string(rest.revision) + "; 1 to " +
-                        std::to_string(kMaxRevision) + " are known of a broken object");
+    return invalid_data("rest body: revision " + std::to_string(rest.revision) + "; expected 1 to " +
+                        std::to_string(kMaxRevision) + " for a broken object");
   }
   for (size_t r = 0; r < run_count; ++r) {
     RestBody::KernelRun run;
     run.body = in.read<uint32_t>();
     run.count = in.read<uint32_t>();
     if (run.body >= count) {
-      return invalid_data("rest body: kernel run " + std::to_string(r) + " names body " +
+      return invalid_data("rest body: kernel run " + std::to_string(r) + " refers to body " +
                           std::to_string(run.body) + " of " + std::to_string(count));
     }
     rest.kernel_runs.push_back(run);
@@ -239,8 +239,8 @@ std::vector<std::byte> encode_rest_body(const RestBody& rest) {
 
 Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxRestBodyBytes) {
-    return Error{ErrorCode::TooLarge, "rest body: " + std::to_string(bytes.size()) +
-                                          " bytes, over the limit of " + std::to_string(kMaxRestBodyBytes)};
+    return Error{ErrorCode::TooLarge, "rest body: " + std::to_string(bytes.size()) + " bytes; the limit is " +
+                                          std::to_string(kMaxRestBodyBytes)};
   }
   ByteReader in(bytes);
   const uint32_t magic = in.read<uint32_t>();
@@ -260,7 +260,7 @@ Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
   if (in.failed()) return cut_short("header");
   if (!std::isfinite(to_object.scale) || to_object.scale <= 0.0 || !is_unit(to_object.rotation) ||
       !to_object.translation_m.allFinite()) {
-    return invalid_data("rest body: object_from_asset is no similarity");
+    return invalid_data("rest body: object_from_asset is not a similarity");
   }
   Result<void> read = [&]() -> Result<void> {
     switch (kind) {

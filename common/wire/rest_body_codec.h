@@ -8,23 +8,22 @@
 #include "core/result.h"
 #include "skin/rest_body.h"
 
-// RestBody to bytes and back, exactly; proto/frame_format.md, "Rest state of an object".
+// Lossless codec of RestBody. See proto/frame_format.md, "Rest state of an object".
 
 namespace livegs {
 
-// No rest body is larger; a decoder refuses more. A lattice of a million nodes has 38 MB.
+// Maximum size of a rest body, bytes; decoders reject larger ones. A lattice of a million nodes has 38 MB.
 inline constexpr size_t kMaxRestBodyBytes = 64u << 20;
 
-// Of RestBody::revision: a frame has one byte for it. An object has at most 256 bodies, so it breaks less
-// often.
+// Maximum of RestBody::revision, which has one byte in a frame. An object has at most 256 bodies, so it
+// breaks fewer times.
 inline constexpr uint32_t kMaxRevision = 255;
 
-// Preconditions: values are finite, quaternions unit, scale and cell width positive, and cells name nodes
-// that exist.
+// Preconditions: values are finite, quaternions unit, scale and cell width positive, and cells refer to
+// existing nodes.
 std::vector<std::byte> encode_rest_body(const RestBody& rest);
 
-// Accepts any bytes and answers with an error for those that are no rest body. Memory is bounded by the
-// input's size.
+// Accepts any bytes; invalid ones give an error. Memory is bounded by the size of the input.
 Result<RestBody> decode_rest_body(std::span<const std::byte> bytes);
 
 }  // namespace livegs

@@ -8,17 +8,17 @@
 
 namespace livegs {
 
-// How far the reader of a stream is behind a frame, object by object.
+// The lag of the reader of a stream behind a frame, per object.
 struct ObjectLag {
   uint32_t object_id = 0;
-  double moved_m = 0;      // the largest distance of a driver from where the reader has it
-  double turned_rad = 0;   // the largest turn of one
-  uint64_t age_ticks = 0;  // since the frame that last held it
-  uint64_t integers = 0;   // that it takes
+  double moved_m = 0;      // largest distance of a driver from the reader's state
+  double turned_rad = 0;   // largest rotation of a driver since then
+  uint64_t age_ticks = 0;  // ticks since the last frame that held the object
+  uint64_t integers = 0;   // integers needed to send it
 };
 
-// Of the objects that the next frame of the stream would hold, those that may be left out of it: the reader
-// has them in the same form. In the frame's order. `precision`: what the stream is written with. Any thread.
+// The objects of the next frame that may be left out, because the reader has them in the same form. In the
+// order of the frame. `precision`: that of the stream. Any thread.
 std::vector<ObjectLag> lag_behind(const DriverFrame& frame, const StreamBaseline& baseline,
                                   const GridPrecision& precision = {});
 

@@ -12,26 +12,25 @@
 #include "wire/little_endian.h"
 #include "wire/varint.h"
 
-// What writing and reading a frame of a stream have in common; proto/frame_format.md, "Streams". For these
-// two alone.
+// Shared internals of the writer and the reader of stream frames. See proto/frame_format.md, "Streams".
 
 namespace livegs {
 
 namespace stream_layout {
-inline constexpr MessageHeader<uint8_t, uint8_t> kHeader{"stream frame", " like one", 0xD6, 2};
+inline constexpr MessageHeader<uint8_t, uint8_t> kHeader{"stream frame", " with 0xD6", 0xD6, 2};
 inline constexpr uint8_t kKeyFrame = 1, kHashed = 4;
-inline constexpr int32_t kMaxGap = 16;  // ticks over which a straight line is believed
+inline constexpr int32_t kMaxGap = 16;  // maximum ticks of a linear extrapolation
 inline constexpr int kMinExponent = -30, kMaxExponent = 30;
-// Low bits of the codes of numbers of objects, of steps between ids, of driver counts.
+// Rice parameters of object counts, of steps between ids and of driver counts.
 inline constexpr int kObjectCountBits = 4, kIdBits = 1, kDriverCountBits = 2;
 
 }  // namespace stream_layout
 
-// One object as the reader has it, and its integers in the frames of its own before, in the same form.
+// One object as stored by the reader, and its integers in its own earlier frames, in the same form.
 struct GridHistory {
   DriverGrid now;
   uint64_t tick = 0;
-  GridValues earlier, earliest;  // empty: there are none
+  GridValues earlier, earliest;  // empty: none
   uint64_t earlier_tick = 0, earliest_tick = 0;
 };
 
@@ -53,17 +52,17 @@ namespace stream_layout {
 
 uint32_t hash_of(const StreamBaseline& baseline);
 
-// Whether a straight line through the last two frames may be used, and a curve through the last three; both
-// ends decide it alike.
+// Whether linear prediction from the last two frames, or a curve through the last three, may be used. Both
+// ends apply the same rule.
 bool has_line(const GridHistory& before, uint64_t tick);
 bool has_curve(const GridHistory& before, uint64_t tick);
-// Keeps what was, where the next frame may be predicted from it too.
+// Stores the previous values if the next frame may be predicted from them.
 void remember(GridHistory& after, const GridHistory* before);
-// What there is to predict from; null: nothing.
+// The frames to predict from; null: none.
 GridPast past_of(const GridHistory* before, uint64_t tick);
 
-// Places for the objects of one frame. Few bodies share a piece of memory, of which each costs as much as a
-// body's integers; no more than these stay because of one that moves no more.
+// Storage for the objects of one frame. Small bodies share an allocation, because each one costs as much as
+// the integers of a body. A body that no longer moves keeps only its own small group alive.
 class HistoryPlaces {
  public:
   std::shared_ptr<GridHistory> take(size_t drivers);

@@ -17,7 +17,7 @@ Error bad(const std::string& what) { return kHeader.invalid(what); }
 
 struct Header {
   uint8_t flags = 0;
-  uint64_t tick = 0, gap = 0;  // gap 0: a key frame
+  uint64_t tick = 0, gap = 0;  // gap 0: a keyframe
   int64_t simulated_ns = 0;
   std::optional<uint32_t> hash;
 };
@@ -30,25 +30,25 @@ Result<Header> read_header(ByteReader& in) {
   if ((header.flags & ~(kKeyFrame | kHashed)) != 0) return bad("sets a reserved bit");
   const auto tick = read_varint(in);
   header.simulated_ns = in.read<int64_t>();
-  if (!tick) return bad("header is cut short");
+  if (!tick) return bad("header is truncated");
   header.tick = *tick;
   if ((header.flags & kKeyFrame) == 0) {
     const auto gap = read_varint(in);
-    if (!gap || *gap == 0 || *gap > *tick) return bad("names no frame before it");
+    if (!gap || *gap == 0 || *gap > *tick) return bad("has an invalid predecessor");
     header.gap = *gap;
   }
   if ((header.flags & kHashed) != 0) header.hash = in.read<uint32_t>();
-  if (in.failed()) return bad("header is cut short");
+  if (in.failed()) return bad("header is truncated");
   return header;
 }
 
-// Buffers that are kept: fresh ones of this size cost more than what is done with them.
+// Buffers that are reused: allocating them for each frame costs more than the work itself.
 struct Buffers {
   std::vector<std::byte> body;
   GridScratch scratch;
 };
 
-// Ids that ascend, each written as the step from the one before.
+// Ascending ids, each coded as the step from the one before.
 class IdReader {
  public:
   std::optional<uint32_t> next(RiceReader& bits) {
@@ -63,7 +63,7 @@ class IdReader {
   bool begun_ = false;
 };
 
-// A new object's form. Counts are held against the bits that are there before anything is allocated.
+// Form of a new object. Counts are checked against the available bits before any allocation.
 Result<DriverGrid> read_form(RiceReader& bits) {
   DriverGrid grid;
   const uint32_t kind = bits.bits(0, 2);
@@ -73,17 +73,17 @@ Result<DriverGrid> read_form(RiceReader& bits) {
   if (kind < static_cast<uint32_t>(DriverKind::Rigid)) return bad("an object has unknown kind 0");
   grid.kind = static_cast<DriverKind>(kind);
   if (grid.exponent < kMinExponent || grid.exponent > kMaxExponent)
-    return bad("an object's step is out of range");
+    return bad("the step of an object is out of range");
   if (grid.revision != 0 && grid.kind != DriverKind::Rigid) return bad("sets a reserved bit");
   const bool told = grid.kind == DriverKind::Lattice && bits.bits(0, 1) != 0;
   if (bits.failed() || grid.count > bits.remaining_bits() / kMinIntraDriverBits)
-    return bad("claims " + std::to_string(grid.count) + " drivers but is cut short");
+    return bad("claims " + std::to_string(grid.count) + " drivers but is truncated");
   if (!told) return grid;
   std::vector<Eigen::Vector3i> coordinates(grid.count);
-  if (!code_coordinates(bits, coordinates)) return bad("an object is cut short");
+  if (!code_coordinates(bits, coordinates)) return bad("an object is truncated");
   grid.neighbours = find_node_neighbours(std::move(coordinates));
-  if (!grid.neighbours) return bad("a node's coordinates are out of range");
-  if (grid.count > bits.remaining_bits() / kMinIntraDriverBits) return bad("an object is cut short");
+  if (!grid.neighbours) return bad("the coordinates of a node are out of range");
+  if (grid.count > bits.remaining_bits() / kMinIntraDriverBits) return bad("an object is truncated");
   return grid;
 }
 
@@ -109,7 +109,7 @@ Result<std::shared_ptr<GridHistory>> read_object(RiceReader& bits, GridScratch& 
     if (!before) return bad("predicts object " + std::to_string(id) + ", which was not sent before");
     if ((prediction == Prediction::Linear && !has_line(*before, tick)) ||
         (prediction == Prediction::Curve && !has_curve(*before, tick))) {
-      return bad("predicts from frames that are not there");
+      return bad("predicts from frames that were not sent");
     }
     past = past_of(before, tick);
     const DriverGrid& was = before->now;
@@ -127,7 +127,7 @@ Result<std::shared_ptr<GridHistory>> read_object(RiceReader& bits, GridScratch& 
   grid.asleep = asleep;
   grid.values = GridValues(grid.channels() * grid.count);
   if (!code_values(bits, grid, prediction, past, scales, scratch) || bits.failed())
-    return bad("an object is cut short");
+    return bad("an object is truncated");
   std::shared_ptr<GridHistory> after = places.take(grid.count);
   after->now = std::move(grid);
   after->tick = tick;
@@ -138,17 +138,17 @@ Result<std::shared_ptr<GridHistory>> read_object(RiceReader& bits, GridScratch& 
 Result<std::vector<uint32_t>> read_gone(RiceReader& bits, uint32_t count, const StreamBaseline* baseline) {
   std::vector<uint32_t> gone;
   IdReader ids;
-  if (count > bits.remaining_bits()) return bad("is cut short");
+  if (count > bits.remaining_bits()) return bad("is truncated");
   for (uint32_t i = 0; i < count; ++i) {
     const auto id = ids.next(bits);
     if (!id || bits.failed()) return bad("lists ids out of order");
-    if (!baseline || !baseline->find(*id)) return bad("takes away an object that is not there");
+    if (!baseline || !baseline->find(*id)) return bad("removes an object that does not exist");
     gone.push_back(*id);
   }
   return gone;
 }
 
-// The objects of the frame after it, from those before and those that are in it.
+// The objects after the frame: those before it, updated by those in it.
 std::vector<std::shared_ptr<const GridHistory>> joined(
     const StreamBaseline* baseline, const std::vector<uint32_t>& gone,
     const std::vector<std::shared_ptr<GridHistory>>& entries) {
@@ -172,15 +172,15 @@ std::vector<std::shared_ptr<const GridHistory>> joined(
 Result<StreamBaselinePtr> read_frame(std::span<const std::byte> bytes, const StreamBaseline* baseline) {
   if (bytes.size() > kMaxFrameBytes)
     return Error{ErrorCode::TooLarge,
-                 "stream frame: over the limit of " + std::to_string(kMaxFrameBytes) + " bytes"};
+                 "stream frame: larger than the limit of " + std::to_string(kMaxFrameBytes) + " bytes"};
   ByteReader in(bytes);
   const auto header = read_header(in);
   if (!header) return header.error();
   if (header->gap == 0) baseline = nullptr;
   if (header->gap > 0 && (!baseline || baseline->tick != header->tick - header->gap)) {
-    return Error{ErrorCode::Unavailable, "stream frame: follows frame " +
+    return Error{ErrorCode::Unavailable, "stream frame: the predecessor, frame " +
                                              std::to_string(header->tick - header->gap) +
-                                             ", which was not read; ask for a key frame"};
+                                             ", was not read; request a keyframe"};
   }
   thread_local Buffers buffers;
   RiceReader bits(buffers.body, bytes.subspan(in.offset()));
@@ -194,18 +194,18 @@ Result<StreamBaselinePtr> read_frame(std::span<const std::byte> bytes, const Str
   for (uint32_t i = 0; i < entry_count; ++i) {
     const auto id = ids.next(bits);
     if (!id) return bad("lists ids out of order");
-    if (bits.failed()) return bad("is cut short");
+    if (bits.failed()) return bad("is truncated");
     auto entry = read_object(bits, buffers.scratch, *id, baseline, header->tick, places, scales);
     if (!entry) return entry.error();
     entries.push_back(std::move(*entry));
   }
-  if (!bits.at_end()) return bad("holds fewer or more bits than its objects need");
+  if (!bits.at_end()) return bad("the number of bits does not match its objects");
   auto next = std::make_shared<StreamBaseline>();
   next->tick = header->tick;
   next->simulated_ns = header->simulated_ns;
   next->objects = joined(baseline, *gone, entries);
   if (header->hash && *header->hash != hash_of(*next))
-    return bad("this end is not as the other expects it; ask for a key frame");
+    return bad("the hash of the reader state is wrong; request a keyframe");
   return StreamBaselinePtr(std::move(next));
 }
 

@@ -6,7 +6,7 @@
 
 #include "wire/little_endian.h"
 
-// Integers of seven bits a byte, low ones first; proto/frame_format.md, "Frame".
+// Integers of seven bits per byte, low bits first. See proto/frame_format.md, "Frame".
 
 namespace livegs {
 
@@ -15,7 +15,7 @@ inline void write_varint(ByteWriter& out, uint64_t value) {
   out.write(static_cast<uint8_t>(value));
 }
 
-// Nothing where it is cut short or longer than 64 bits.
+// Empty if the input is truncated or longer than 64 bits.
 inline std::optional<uint64_t> read_varint(ByteReader& in) {
   uint64_t value = 0;
   for (int shift = 0; shift < 64; shift += 7) {
@@ -27,7 +27,7 @@ inline std::optional<uint64_t> read_varint(ByteReader& in) {
   return std::nullopt;
 }
 
-// Signed integers as unsigned ones that are small when they are near zero.
+// Maps signed integers to unsigned ones that are small if the value is near zero.
 inline uint64_t zigzag(int64_t value) {
   return static_cast<uint64_t>(value) << 1 ^ static_cast<uint64_t>(value >> 63);
 }

@@ -5,8 +5,8 @@
 
 namespace livegs {
 
-// A mixing of 64-bit words in order (constants of splitmix64); proto/frame_format.md, "Frame". Tells states
-// apart, keeps nobody out.
+// Hash of a sequence of 64-bit words (constants of splitmix64). See proto/frame_format.md, "Frame". It
+// detects different states; it is not cryptographic.
 class WordHash {
  public:
   void add(uint64_t word) {

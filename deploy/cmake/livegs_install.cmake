@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake --install build/release: the programs, the systemd service (not enabled), and the pages with their pictures.
+# cmake --install build/release: installs the programs, the systemd service (not enabled) and the pages with their pictures.
 include(GNUInstallDirs)
 set(LIVEGS_PAGES share/doc/livegs)
 foreach(program livegs livegs-server livegs-client)
@@ -12,8 +12,10 @@ install(FILES LICENSE DESTINATION ${LIVEGS_PAGES})
 install(FILES server/LICENSE DESTINATION ${LIVEGS_PAGES}/server)
 install(DIRECTORY deploy/pictures DESTINATION ${LIVEGS_PAGES}/deploy)
 install(DIRECTORY tests/bench/results DESTINATION ${LIVEGS_PAGES}/tests/bench)
-file(GLOB_RECURSE pages RELATIVE ${CMAKE_SOURCE_DIR} README.md client/*.md common/*.md prompts/*.md proto/*.md
+install(FILES tests/known_gaps.csv DESTINATION ${LIVEGS_PAGES}/tests)
+file(GLOB_RECURSE pages RELATIVE ${CMAKE_SOURCE_DIR} client/*.md common/*.md deploy/*.md prompts/*.md proto/*.md
      server/*.md tests/*.md)
+list(APPEND pages README.md CONTRIBUTING.md)
 foreach(page ${pages})
   get_filename_component(folder ${page} DIRECTORY)
   install(FILES ${page} DESTINATION ${LIVEGS_PAGES}/${folder})

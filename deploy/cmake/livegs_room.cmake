@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# Headers that most files include and that rarely change are precompiled, once for rooms and once for tests. This
-# roughly halves compile time. Targets that link CGAL are excluded: its rounding flags do not match.
+# Headers that most files include and that rarely change are precompiled once for the rooms and once for the tests.
+# Targets with CGAL are excluded: its rounding flags differ.
 option(LIVEGS_PRECOMPILE "Precompile the headers of Eigen, GoogleTest and the standard library" ON)
 set(LIVEGS_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory>
                           <optional> <span> <string> <variant> <vector>)
 
-# livegs_precompile(TARGET common|tests LIBRARIES...): reuses the precompiled headers unless LIBRARIES contain CGAL.
+# livegs_precompile(TARGET common|tests LIBRARIES...): uses the precompiled headers unless a library is CGAL's.
 function(livegs_precompile target set)
   if(NOT LIVEGS_PRECOMPILE OR "${ARGN}" MATCHES "CGAL")
     return()
@@ -13,7 +13,7 @@ function(livegs_precompile target set)
   if(NOT TARGET livegs_headers_${set})
     find_package(Eigen3 REQUIRED NO_MODULE)
     set(source ${CMAKE_BINARY_DIR}/headers_${set}.cpp)
-    file(CONFIGURE OUTPUT ${source} CONTENT "// Nothing but its precompiled headers.\n")
+    file(CONFIGURE OUTPUT ${source} CONTENT "// Holds the precompiled headers only.\n")
     add_library(livegs_headers_${set} OBJECT ${source})
     target_link_libraries(livegs_headers_${set} PRIVATE Eigen3::Eigen)
     set(headers ${LIVEGS_COMMON_HEADERS})
@@ -28,27 +28,26 @@ function(livegs_precompile target set)
   target_precompile_headers(${target} REUSE_FROM livegs_headers_${set})
 endfunction()
 
-# Several sources of a target are compiled as one translation unit, so that headers and templates are read once. Set
-# OFF for short rebuilds after editing one file.
+# Compiles several sources of a target as one unit, so that headers and templates are parsed once. OFF shortens the rebuild
+# after an edit of one file.
 option(LIVEGS_UNITY "Compile the sources of a target in batches" ON)
 set(LIVEGS_UNITY_BATCH 8)
 
-# Test sources are compiled for a short build: they run once, and the code under test is optimised in its own room.
-set(LIVEGS_TEST_FLAGS "-O1;-g0")
+# Test sources are compiled for a short build; the code under test is optimised in its own room.
+set(LIVEGS_TEST_FLAGS "-O1;-g0" CACHE STRING "Compile options of test sources")
 
 # Targets that are built only on request: `benches` and `nightly_tests`.
 add_custom_target(benches)
 add_custom_target(nightly_tests)
 
-# livegs_unite(TARGET): compiles the target in batches. Sources with their own compile options are compiled
-# separately.
+# livegs_unite(TARGET): compiles the target in batches. A source with its own compile options is compiled alone.
 function(livegs_unite target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${LIVEGS_UNITY} UNITY_BUILD_BATCH_SIZE ${LIVEGS_UNITY_BATCH})
 endfunction()
 
 # livegs_add_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...])
-#   A room is one static library, livegs_NAME, with the alias livegs::NAME. Include paths contain the room
-#   ("skin/driver_frame.h") and start at the folder above it: common/, server/ or client/.
+#   A room is one static library livegs_NAME with the alias livegs::NAME. Includes name the room ("skin/driver_frame.h");
+#   the include folder is the parent of the room: common/, server/ or client/.
 function(livegs_add_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(livegs_${name} STATIC ${ROOM_SOURCES})
@@ -73,10 +72,11 @@ function(livegs_add_test_program name)
 endfunction()
 
 # livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds] [SHARDS count] [SERIAL] [EACH])
-#   One GoogleTest program with one ctest entry per shard (SHARDS, default 2), so that data, tables and devices are
-#   loaded once per entry. The time of each TEST is written to test_times/ in the build tree.
-#   EACH: one ctest entry per TEST, for tests of whole programs. SERIAL: no other test runs at the same time.
-#   The label nightly excludes the program from the default build and test run.
+#   One GoogleTest program with one ctest entry per shard (SHARDS, 2 by default), so that data, tables and devices are loaded
+#   once. The times of its TESTs go to test_times/ in the build tree.
+#   EACH: one ctest entry per TEST, for tests of whole programs.
+#   SERIAL: no other test runs at the same time.
+#   LABELS nightly: neither built nor run by default. TIMEOUT: 900 s by default, 300 s with EACH.
 function(livegs_add_test name)
   cmake_parse_arguments(TEST "SERIAL;EACH" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT TEST_LABELS)
@@ -89,15 +89,14 @@ function(livegs_add_test name)
   endif()
   set(environment)
   if(LIVEGS_SANITIZE MATCHES address AND TEST_LABELS MATCHES vulkan)
-    # Drivers and layers keep memory until the process ends; none of these leaks has a frame in this project.
+    # Vulkan drivers and layers keep memory until the process ends; the leaks are not in our code.
     set(environment ASAN_OPTIONS=detect_leaks=0)
   endif()
   if(TEST_EACH)
     if(NOT TEST_TIMEOUT)
       set(TEST_TIMEOUT 300)
     endif()
-    # Several labels are one list-valued property. GoogleTest.cmake of CMake 3.25 expands its semicolons several
-    # times, which requires this number of escapes.
+    # Several labels are one list property; GoogleTest.cmake of CMake 3.25 expands its semicolons several times.
     string(REPEAT "\\" 7 escapes)
     string(REPLACE ";" "${escapes};" TEST_LABELS "${TEST_LABELS}")
     if(environment)
@@ -127,9 +126,8 @@ function(livegs_add_test name)
 endfunction()
 
 # livegs_add_second_device(NAME FILTER)
-#   Runs the tests of a program that match FILTER on SwiftShader (Debian package chromium-common). Unlike lavapipe,
-#   SwiftShader draws both eyes at once, as a GPU does, and rounds 16-bit floats to the nearest value. Nightly;
-#   skipped with a message if SwiftShader is not installed.
+#   Repeats the tests that match FILTER on SwiftShader (Debian package chromium-common), nightly. Unlike lavapipe, SwiftShader
+#   draws both eyes at once, as a GPU does, and rounds 16-bit floats to nearest. Skipped with a message if not installed.
 set(LIVEGS_SWIFTSHADER_ICD /usr/lib/chromium/vk_swiftshader_icd.json)
 function(livegs_add_second_device name filter)
   add_test(NAME SwiftShader.${name}
@@ -141,7 +139,7 @@ function(livegs_add_second_device name filter)
 endfunction()
 
 # livegs_add_bench(NAME SOURCES ... LINK ...)
-#   A program that the target `benches` builds. It is run by hand; its CSV is committed under tests/bench/results.
+#   A program that the target `benches` builds and that is run by hand; its CSV goes to tests/bench/results.
 function(livegs_add_bench name)
   cmake_parse_arguments(BENCH "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} EXCLUDE_FROM_ALL ${BENCH_SOURCES})
@@ -153,8 +151,7 @@ function(livegs_add_bench name)
 endfunction()
 
 # livegs_embed_text(TARGET FILE CONSTANT)
-#   Generates FILE.h in the build tree, with the text of FILE as the constant CONSTANT. The header is named after the
-#   last component of FILE.
+#   Generates NAME.h in the build tree with the text of FILE as the constant CONSTANT. NAME is the file name without folders.
 function(livegs_embed_text target file constant)
   cmake_path(GET file FILENAME name)
   set(header ${CMAKE_CURRENT_BINARY_DIR}/embedded/${name}.h)
@@ -168,9 +165,9 @@ function(livegs_embed_text target file constant)
 endfunction()
 
 # livegs_add_shader(TARGET NAME STAGE)
-#   Compiles NAME.STAGE.glsl (STAGE: comp, vert or frag; NAME may contain folders) to SPIR-V in the build tree. BASE
-#   is the last component of NAME. The header BASE.spv.h (comp) or BASE_STAGE.spv.h (vert, frag) holds the code as the
-#   array BASE[_STAGE]_spirv. Include paths of shaders contain the room, as in C++.
+#   Compiles NAME.STAGE.glsl (comp, vert or frag; NAME may have folders) to SPIR-V in the build tree. BASE.spv.h, or
+#   BASE_STAGE.spv.h for vert and frag, holds it as the array BASE[_STAGE]_spirv; BASE is the last part of NAME. Includes in
+#   shaders name the room, as in C++.
 function(livegs_add_shader target name stage)
   find_program(LIVEGS_GLSLANG glslangValidator REQUIRED)
   set(source ${CMAKE_CURRENT_SOURCE_DIR}/${name}.${stage}.glsl)

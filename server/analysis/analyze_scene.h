@@ -9,28 +9,29 @@
 
 #include "analysis/run/analysis_target.h"
 
-// The objects of a scene, worked out: each has its offline answer at once; then the model is asked about
-// them, several at a time, and every answer goes through the gate. A model that fails, hangs or lies leaves
-// the offline answer where it is.
+// Material analysis of all objects of a scene. Each object gets its offline estimate at once. The language
+// model is then queried for several objects concurrently, and every answer passes the acceptance gate. If the
+// model fails, times out or answers wrongly, the offline estimate stays in effect.
 
 namespace livegs {
 
-// Views of an object that take longer than this, wall time, are told: the machine is slow or busy, and the
-// ten seconds that an object may take are in danger.
+// Rendering the views of an object for longer than this (seconds, wall time) is logged as a warning. The time
+// budget of an object is ten seconds; slow views mean a slow or busy machine.
 inline constexpr double kViewTimeWarning_s = 2;
 
 struct AnalysisSummary {
   size_t objects = 0, accepted = 0, review = 0, refused = 0, failed = 0, cached = 0;
   std::int64_t prompt_tokens = 0, completion_tokens = 0;
   double cost_usd = 0;
-  double slowest_views_s = 0;  // of the objects that were asked about; wall time
-  std::string failure;  // the first reason why the model could not be asked; empty when it always could
+  double slowest_views_s = 0;  // over the queried objects; wall time
+  std::string failure;         // the first reason why a query failed; empty if none failed
 };
 
-// Blocks until every object is finished or `stop` is requested, which ends it within milliseconds. Never call
-// it on the simulation's thread. `endpoint` may be nullptr: everything stays offline. `update` is called by
-// one thread at a time, for every object first with Offline (before this asks anything) and last with
-// Finished. Given the same answers, the same result to the bit, however they come.
+// Blocks until every object is finished or `stop` is requested; a stop takes milliseconds.
+// Must not be called on the simulation thread. `endpoint` may be nullptr: the analysis is then offline only.
+// `update` is called from one thread at a time: first with Offline for every object, before any query, and
+// last with Finished.
+// The result is bitwise reproducible for the same answers, in whatever order they arrive.
 AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndpoint* endpoint,
                               const TargetViews& views, const AnalysisOptions& options,
                               const std::function<void(const AnalysisUpdate&)>& update,

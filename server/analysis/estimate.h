@@ -11,61 +11,62 @@
 #include "livegs/v1/physics.pb.h"
 #include "physics/material.h"
 
-// What an object is made of, worked out without any network: first its name, then its geometry and colour,
-// against a table of materials and of everyday objects. An inspectable model with ranges and reasons, never a
-// bare number.
+// Offline estimate of an object's physical parameters. The estimator compares the name, then the geometry and
+// colour with tables of materials and everyday objects. The model is inspectable: every value has a range and
+// a reason.
 
 namespace livegs {
 
-// How an asset looks: statistics over its kernels, weighted by opacity and area.
+// Appearance statistics over the kernels of an asset, weighted by opacity and area.
 struct AppearanceFacts {
   Eigen::Vector3f mean_rgb = Eigen::Vector3f::Zero();  // 0 … 1, display-encoded
   float saturation = 0.0f;                             // mean of the HSV saturation
   float hue_spread = 0.0f;                             // circular standard deviation of hue, radians
   float mean_opacity = 0.0f;                           // low for glass and haze
-  float gloss = 0.0f;  // share of colour that depends on the view direction, 0 … 1
+  float gloss = 0.0f;  // fraction of the colour that depends on the view direction, 0 … 1
 };
 AppearanceFacts appearance_facts(const GaussianAsset& asset);
 
-// Everything the estimator may look at. Lengths in metres, in the object frame (+Y up).
+// Input of the estimator. Lengths in metres, in the object frame (+Y up).
 struct ObjectFacts {
-  std::string name;  // a person's label or the asset's file name; may be empty
+  std::string name;  // a user's label or the asset's file name; may be empty
   MeshFacts mesh;
   AppearanceFacts appearance;
-  bool scale_known = false;  // metric, rather than guessed
-  bool solid = false;  // given as what takes up room (a shape, a list of points), not captured from outside
+  bool scale_known = false;  // metric, not guessed
+  bool solid = false;        // given as a volume (a shape, a list of points), not captured from outside
 };
 
-// The confidence of an estimate whose name states the material but not the object. An estimate by looks alone
-// has at most 0.35 and is never held against an author's or a model's material; one of at least this is.
-// Smaller: looks overrule authors. Larger: a named material is ignored.
+// Confidence of an estimate whose name states the material but not the object. An estimate from appearance
+// alone has at most 0.35. Below this constant, an estimate does not contradict the material of an author or a
+// model. If reduced, appearance overrules authors. If increased, a named material is ignored.
 inline constexpr double kMaterialNamedConfidence = 0.4;
-// How much of an estimate's confidence a guessed scale leaves.
+// Factor on the confidence of an estimate if the scale is guessed.
 inline constexpr double kGuessedScaleTrust = 0.8;
-// A guessed scale may be off by two, a volume by eight.
+// Uncertainty of a volume if the scale is guessed: a factor of two in length, eight in volume.
 inline constexpr double kGuessedVolumeRatio = 8.0;
 
-// Always answers. Every value carries low <= best <= high, its source and a reason. Pure; any thread.
+// Estimates all parameters; never fails. Every value has low <= best <= high, a source and a reason.
+// Pure; any thread.
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts);
 
-// What can be said of an author's words without the object: every number finite and within its physical
-// range, no contradictions. The message begins with the field's name and holds its range.
+// Checks an author's values without the object: every number is finite and within its physical range, and no
+// two contradict each other. The error begins with the field name and contains its range.
 Result<void> check_scene_physics(const v1::Physics& written);
-// What the author gave that is possible, but far from what the object was taken for or from any material: a
-// pillow of 2 GPa. It is used all the same; each line names the field and the range.
+// Lists an author's values that are possible but implausible for this object or for any material, such as a
+// pillow of 2 GPa. The values are used all the same. Each line names the field and the range.
 std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estimated,
                                              const v1::Physics& written, const v1::PhysicalParameters& merged,
                                              const ObjectFacts& facts);
 
-// What a scene's author wrote wins over what was estimated, value by value (source SCENE), and what depends
-// on it is worked out again (mass from density and fill, E from d_R, …). Fails when the author's words
-// contradict each other or leave the physical ranges; the message names the field. `by` PERSON: they are
-// edits.
+// Merges a scene author's values over the estimate, value by value (source SCENE), and recomputes the
+// dependent values (mass from density and fill, E from d_R, …).
+// `by` is PERSON for manual edits.
+// Fails if the author's values contradict each other or leave the physical ranges; the error names the field.
 Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters& estimated,
                                                    const v1::Physics& written, const ObjectFacts& facts,
                                                    v1::EstimatedValue::Source by = v1::EstimatedValue::SCENE);
 
-// To what a body is made with.
+// Converts the best values to the material of a simulated body.
 Material to_material(const v1::PhysicalParameters& parameters);
 
 }  // namespace livegs

@@ -46,7 +46,7 @@ bool is_scene(const fs::path& path) {
          (fs::is_directory(path, ignored) && !fs::exists(path / "meta.json", ignored));
 }
 
-// An asset is a scene of one object.
+// An asset is treated as a scene with one object.
 Result<SceneText> scene_of(const AnalyzeCommand& options) {
   if (is_scene(options.path)) return read_scene(options.path);
   SceneText alone{{}, "", options.path.filename().string()};
@@ -58,14 +58,14 @@ Result<SceneText> scene_of(const AnalyzeCommand& options) {
   return alone;
 }
 
-// A name may hold what moves a terminal's cursor or rewrites its title.
+// Names may contain control characters that move a terminal's cursor or change its title.
 std::string shown(const std::string& name) { return shown_text(name, 80); }
 std::string shown_message(const std::string& message) { return shown_text(message, 1000); }
 
-// While the rest of the scene is loaded and a model is asked.
+// Printed while the rest of the scene is loaded and the model is queried.
 void tell_first(const SceneObject& object) {
   const v1::EstimatedValue& mass = object.physics.mass_kg();
-  std::fprintf(stderr, "%s: at first %.4g g (%.4g to %.4g) of %s, %s\n", shown(object.name).c_str(),
+  std::fprintf(stderr, "%s: first estimate %.4g g (%.4g to %.4g) of %s, %s\n", shown(object.name).c_str(),
                1e3 * mass.best(), 1e3 * mass.low(), 1e3 * mass.high(),
                shown(object.physics.material()).c_str(),
                v1::Physics::Behavior_Name(object.physics.behavior()).c_str());
@@ -85,7 +85,7 @@ Result<nlohmann::ordered_json> to_json(const v1::PhysicalParameters& parameters)
   print.preserve_proto_field_names = true;
   std::string text;
   if (!google::protobuf::util::MessageToJsonString(parameters, &text, print).ok()) {
-    return Error{ErrorCode::Internal, "the answer could not be written as JSON"};
+    return Error{ErrorCode::Internal, "parameters: could not be converted to JSON"};
   }
   return nlohmann::ordered_json::parse(text);
 }
@@ -101,17 +101,17 @@ void tell_progress(const std::string& object, const AnalysisUpdate& update) {
   const std::string name = shown(object);
   switch (update.stage) {
     case AnalysisStage::Offline:
-      break;  // told when it was loaded
+      break;  // printed by tell_first
     case AnalysisStage::Asked:
-      std::fprintf(stderr, "%s: asked\n", name.c_str());
+      std::fprintf(stderr, "%s: request sent\n", name.c_str());
       break;
     case AnalysisStage::Repaired:
-      std::fprintf(stderr, "%s: would not do, asked again: %s\n", name.c_str(),
+      std::fprintf(stderr, "%s: answer rejected, asking again: %s\n", name.c_str(),
                    shown_message(update.turns.back().error).c_str());
       break;
     case AnalysisStage::Finished:
       std::fprintf(stderr, "%s: %s%s%s%s\n", name.c_str(), verdict_text(update),
-                   update.cached ? ", kept from before" : "", update.judgement.message.empty() ? "" : ": ",
+                   update.cached ? ", from the cache" : "", update.judgement.message.empty() ? "" : ": ",
                    shown_message(update.judgement.message).c_str());
   }
 }
@@ -122,8 +122,8 @@ struct Analysed {
   v1::PhysicalParameters parameters;
 };
 
-// What the object has after this: the answer in place of what its sidecar holds, under a person's edits and
-// the author's words.
+// Returns the resulting parameters of the object. The new answer replaces the one in the sidecar; manual
+// edits and values of the scene file have priority.
 Result<v1::PhysicalParameters> outcome(const SceneAnalysis::Object& object, const AnalysisUpdate& update) {
   v1::PhysicsFile file;
   if (!object.physics_file.empty()) {
@@ -139,15 +139,16 @@ Result<v1::PhysicalParameters> outcome(const SceneAnalysis::Object& object, cons
   return layered;
 }
 
-// What a model found is never overwritten by an estimate.
+// Stores an answer in the sidecar. An offline estimate never overwrites the answer of a model.
 Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& update, bool asked) {
   const std::string name = shown(object.name);
   if (object.physics_file.empty()) {
-    std::fprintf(stderr, "%s: there is no file to keep it in; write it into the scene file\n", name.c_str());
+    std::fprintf(stderr, "%s: the object has no sidecar file; write the values into the scene file\n",
+                 name.c_str());
     return {};
   }
   if (update.judgement.verdict == Verdict::NeedsReview) {
-    std::fprintf(stderr, "%s: kept as a proposal; take it with --accept \"%s\"\n", name.c_str(),
+    std::fprintf(stderr, "%s: saved as a proposal; apply it with --accept \"%s\"\n", name.c_str(),
                  name.c_str());
     return log_proposal(object.physics_file, update.judgement.proposal, update.record);
   }
@@ -158,13 +159,13 @@ Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& upd
   }
   auto kept = apply_analysis(object.physics_file, update.parameters, update.record);
   if (!kept) return kept.error();
-  std::fprintf(stderr, "%s: kept in %s; a server that runs takes it up when it loads the scene anew\n",
-               name.c_str(), shown_message(object.physics_file.string()).c_str());
+  std::fprintf(stderr, "%s: saved in %s; reload the scene on a running server to apply it\n", name.c_str(),
+               shown_message(object.physics_file.string()).c_str());
   return {};
 }
 
-// Views that are made once: the page shows those that the model was shown. Any thread; one object by one
-// thread at a time.
+// Draws the views of each object once; the page shows the views that were sent to the model. Any thread, but
+// only one thread at a time per object.
 class KeptViews {
  public:
   explicit KeptViews(TargetViews make) : make_(std::move(make)) {}
@@ -185,13 +186,14 @@ class KeptViews {
   std::map<uint32_t, Result<std::vector<TargetView>>> kept_;
 };
 
-// A page without pictures is still worth reading.
+// Writes the HTML page of an object. If drawing failed, the page has no pictures.
 Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object,
                      const AnalysisUpdate& update, const Result<std::vector<TargetView>>& views) {
   std::error_code made;
   fs::create_directories(folder, made);
   if (!views)
-    log_warn("%s: no views: %s", shown(object.name).c_str(), shown_message(views.error().message).c_str());
+    log_warn("%s: views could not be drawn: %s", shown(object.name).c_str(),
+             shown_message(views.error().message).c_str());
   const fs::path page = folder / (object_file_name(object.name) + ".html");
   return write_file_atomically(
       page, explain_page(object.target, update, views ? *views : std::vector<TargetView>{}));
@@ -224,7 +226,7 @@ int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
   return 0;
 }
 
-// A scene says these of each of its objects; nobody would hear of them here.
+// Refuses options for single assets if the input is a scene file, which sets them per object.
 Result<void> check_options(const AnalyzeCommand& options) {
   if (!is_scene(options.path)) return {};
   for (const auto& [option, field, given] : {std::tuple("--name", "name", !options.name.empty()),
@@ -232,7 +234,8 @@ Result<void> check_options(const AnalyzeCommand& options) {
                                              {"--up", "up", !options.up.empty()}}) {
     if (given) {
       return invalid_argument(std::string(option) +
-                              ": is for one asset; in a scene file give an object its \"" + field + "\"");
+                              ": is only for a single asset; in a scene file, give the object a \"" + field +
+                              "\"");
     }
   }
   return {};
@@ -269,12 +272,12 @@ int run(const AnalyzeCommand& options) {
   AnalysisOptions asked;
   asked.views = options.views;
   asked.cache = &cache;
-  asked.behind = false;  // a person waits for them
+  asked.behind = false;  // the user is waiting
   asked.neighbours = analysis->neighbours(*targets);
   KeptViews views(analysis->views());
-  // With an endpoint they are made while others wait for their answers.
+  // With an endpoint, views are drawn while requests for other objects are pending.
   for (size_t i = 0; explained && !*endpoint && i < targets->size(); ++i) {
-    std::fprintf(stderr, "%s: drawing its views, %zu of %zu\n",
+    std::fprintf(stderr, "%s: drawing views, %zu of %zu\n",
                  shown(object_of((*targets)[i].object_id)->name).c_str(), i + 1, targets->size());
     (void)views.of((*targets)[i].object_id, options.views);
   }
@@ -287,7 +290,7 @@ int run(const AnalyzeCommand& options) {
         one.object = object_of(update.object_id);
         one.update = update;
         if (*endpoint) tell_progress(one.object->name, update);
-        // At once: what was paid for is not lost when the rest is broken off.
+        // Saved at once, so that paid answers survive an interruption.
         if (options.write && update.stage == AnalysisStage::Finished) {
           if (auto kept = keep(*one.object, update, *endpoint != nullptr); !kept && all_kept) all_kept = kept;
         }
@@ -299,7 +302,7 @@ int run(const AnalyzeCommand& options) {
     if (explained) {
       const auto seen = views.of(one.object->target.object_id, options.views);
       AnalysisUpdate shown = one.update;
-      shown.parameters = one.parameters;  // what it has, as the table says
+      shown.parameters = one.parameters;  // the same values as in the table
       if (auto written = explain(options.explain, *one.object, shown, seen); !written)
         return report(written.error());
     }
@@ -309,15 +312,15 @@ int run(const AnalyzeCommand& options) {
   if (*endpoint) {
     std::fprintf(
         stderr,
-        "%zu objects: %zu accepted, %zu for review, %zu refused, %zu without answer; %lld + %lld tokens",
+        "%zu objects: %zu accepted, %zu for review, %zu refused, %zu without an answer; %lld + %lld tokens",
         summary.objects, summary.accepted, summary.review, summary.refused, summary.failed,
         static_cast<long long>(summary.prompt_tokens), static_cast<long long>(summary.completion_tokens));
     if (summary.cost_usd > 0) std::fprintf(stderr, ", %.4f USD", summary.cost_usd);
-    std::fprintf(stderr, "; views at most %.1f s an object", summary.slowest_views_s);
+    std::fprintf(stderr, "; views took at most %.1f s per object", summary.slowest_views_s);
     std::fputc('\n', stderr);
-    // It was to be asked, and answered nobody.
+    // A model was configured, but no request was answered.
     if (summary.failed == summary.objects && summary.objects > 0) {
-      return report({ErrorCode::Unavailable, summary.failure + "; what is printed are offline estimates"});
+      return report({ErrorCode::Unavailable, summary.failure + "; the printed values are offline estimates"});
     }
   }
   return 0;
@@ -328,64 +331,67 @@ int run(const AnalyzeCommand& options) {
 void add_analyze(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<AnalyzeCommand>();
   CLI::App* command =
-      app.add_subcommand("analyze", "Work out what objects are made of, with ranges and reasons");
+      app.add_subcommand("analyze", "Estimate the physical parameters of objects, with ranges and reasons");
   command->add_option("SCENE_OR_ASSET", options->path, "A *.scene.json, a folder of assets, or a splat asset")
       ->required();
-  command->add_option("--name", options->name, "What the asset shows; the file's name when left out");
-  command->add_option("--scale", options->scale, "Metres per unit of the asset; guessed when left out")
+  command->add_option("--name", options->name,
+                      "Name of the object that the asset shows (default: file name)");
+  command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)")
       ->check([](const std::string& text) {
         const double scale = std::strtod(text.c_str(), nullptr);
         return scale > 0 && std::isfinite(scale) ? "" : "is " + text + "; it must be above 0";
       });
-  command->add_option("--up", options->up, "The asset's up axis: x -x y -y z -z")->default_str("-y");
+  command->add_option("--up", options->up, "Up axis of the asset: x -x y -y z -z")->default_str("-y");
   command->add_flag("--json", options->json,
-                    "Print JSON: livegs.v1.PhysicalParameters, of a scene one an object");
+                    "Print JSON (livegs.v1.PhysicalParameters; for a scene, one per object)");
   command->add_option(
       "--endpoint", options->endpoint.url,
-      "A server that speaks OpenAI's chat completions; default: OPENAI_BASE_URL, with OPENAI_API_KEY. "
-      "Without one, offline estimates");
-  command->add_option("--model", options->endpoint.model, "The model to ask for; default: LIVEGS_MODEL");
+      "URL of a server with an OpenAI-compatible chat completions API (default: OPENAI_BASE_URL, with "
+      "OPENAI_API_KEY; without one, offline estimates are used)");
+  command->add_option("--model", options->endpoint.model, "Name of the model (default: LIVEGS_MODEL)");
   command
       ->add_option("--recorded", options->endpoint.recorded,
-                   "Replay the answers of this folder instead of asking")
+                   "Replay the answers in this folder instead of calling a model")
       ->check(CLI::ExistingDirectory);
   command->add_option("--record-answers", options->endpoint.record,
-                      "Keep the answers in this folder, for --recorded");
+                      "Save the answers in this folder, for --recorded");
   command
-      ->add_option(
-          "--prompts", options->endpoint.prompts,
-          "A folder of prompts: its files take the place of those of the same names that are built in")
+      ->add_option("--prompts", options->endpoint.prompts,
+                   "Folder of prompt files that replace built-in prompts with the same name")
       ->check(CLI::ExistingDirectory);
   command->add_option(
       "--price", options->endpoint.price,
-      "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: "
-      "LIVEGS_PRICE");
+      "US dollars per million tokens sent and received, as IN,OUT, to compute the cost (default: "
+      "LIVEGS_PRICE)");
   command
-      ->add_option("--model-deadline", options->endpoint.deadline_s,
-                   "The longest that one question may take with all its repeats, 1 to 3600 s; default: "
-                   "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 where the server is Ollama or llama.cpp")
+      ->add_option(
+          "--model-deadline", options->endpoint.deadline_s,
+          "Timeout of one question including retries, 1 to 3600 s (default: LIVEGS_MODEL_DEADLINE_S, "
+          "else 60, or 300 for Ollama and llama.cpp)")
       ->check(CLI::Range(1.0, 3600.0))
       ->type_name("SECONDS");
   command->add_flag("--web-search", options->endpoint.web_search,
-                    "Let the endpoint search the web once an object, where it can; off otherwise");
-  command->add_option("--views", options->views, "Looks at each object; 3 are put to the vote")
+                    "Allow one web search per object if the endpoint supports it (default: off)");
+  command
+      ->add_option("--views", options->views,
+                   "Number of questions per object, from different views; with 3 a vote decides")
       ->check(CLI::IsMember({1, 3}));
-  command->add_flag("--offline", options->endpoint.offline, "Ask nobody, whatever is set");
-  command->add_flag("--no-cache", options->no_cache, "Ask also what was answered before");
-  command->add_option(
-      "--explain", options->explain,
-      "Write one HTML page an object, NAME.html with other bytes than letters, digits, - and _ as %20: "
-      "views, prompt, raw answer, what the gate did, values");
-  command->add_flag("--write", options->write, "Keep the values beside the assets, as NAME.physics.json");
+  command->add_flag("--offline", options->endpoint.offline, "Do not call a model, even if one is configured");
+  command->add_flag("--no-cache", options->no_cache, "Do not use cached answers");
+  command->add_option("--explain", options->explain,
+                      "Write one HTML page per object to this folder: views, prompt, raw answer, checks and "
+                      "values. Pages are "
+                      "NAME.html; bytes other than letters, digits, - and _ are percent-encoded");
+  command->add_flag("--write", options->write, "Save the values next to the assets, as NAME.physics.json");
   CLI::Option* accept = command->add_option(
       "--accept", options->decision.accept,
-      "Apply what the last --write found for this OBJECT and kept for review; asks nobody");
-  CLI::Option* decline =
-      command->add_option("--decline", options->decision.decline,
-                          "What --accept would apply waits no longer; the OBJECT keeps its values");
-  CLI::Option* undo = command->add_option("--undo", options->decision.undo,
-                                          "Take back the last change of this OBJECT's values");
-  CLI::Option* redo = command->add_option("--redo", options->decision.redo, "Do again what --undo took back");
+      "Apply the proposal that the last --write saved for this OBJECT; no model is called");
+  CLI::Option* decline = command->add_option("--decline", options->decision.decline,
+                                             "Discard the proposal for this OBJECT and keep its values");
+  CLI::Option* undo =
+      command->add_option("--undo", options->decision.undo, "Undo the last change of this OBJECT's values");
+  CLI::Option* redo =
+      command->add_option("--redo", options->decision.redo, "Redo the change that --undo reverted");
   decline->excludes(accept);
   undo->excludes(accept)->excludes(decline);
   redo->excludes(accept)->excludes(decline)->excludes(undo);

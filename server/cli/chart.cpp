@@ -27,9 +27,9 @@ int run(const ChartCommand& options) {
   std::filesystem::create_directories(options.output, error);
   if (error) {
     return report(
-        {ErrorCode::PermissionDenied, options.output.string() + ": cannot be made: " + error.message()});
+        {ErrorCode::PermissionDenied, options.output.string() + ": cannot be created: " + error.message()});
   }
-  // Thousands of runs beyond what a solver can do are the point here; each would say so.
+  // Warnings are suppressed: the study runs solvers beyond their limits on purpose.
   set_log_level(LogLevel::Error);
   const int64_t start_ns = now_ns();
   int64_t told_ns = start_ns;
@@ -84,17 +84,17 @@ int run(const ChartCommand& options) {
 
 void add_chart(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ChartCommand>();
-  CLI::App* command = app.add_subcommand("chart",
-                                         "Run the canonical scenes, elastic and rigid, over substeps, cells "
-                                         "and stiffness and draw error against cost");
+  CLI::App* command =
+      app.add_subcommand("chart",
+                         "Run the benchmark scenes, elastic and rigid, over substeps, cell widths "
+                         "and stiffness, and plot error against cost");
   std::vector<std::string> names;
   for (const study::ChartScene& scene : study::chart_scenes()) names.push_back(scene.name);
   for (const study::RigidChartScene& scene : study::rigid_chart_scenes()) names.push_back(scene.name);
-  command->add_option("--output,-o", options->output, "Folder for chart.csv, chart.md and an SVG a scene")
+  command->add_option("--output,-o", options->output, "Folder for chart.csv, chart.md and one SVG per scene")
       ->capture_default_str();
-  command->add_option("--only", options->only, "One scene")->check(CLI::IsMember(names));
-  command->add_flag("--quick", options->quick,
-                    "Few substeps, one cell width, soft bodies: seconds instead of minutes");
+  command->add_option("--only", options->only, "Run this scene only")->check(CLI::IsMember(names));
+  command->add_flag("--quick", options->quick, "Short run: few substeps, one cell width, soft bodies");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -6,8 +6,8 @@
 
 #include "core/result.h"
 
-// The verbs of `livegs`. Each adds its options to `app` and, when it is the one that was called, runs and
-// returns the exit code: 0 done, 1 could not do it, 2 bad usage or input.
+// The commands of `livegs`. Each function adds a command and its options to `app`. If the command is
+// selected, it runs and sets the exit code: 0 success, 1 failure, 2 bad usage or input.
 
 namespace livegs {
 
@@ -22,8 +22,8 @@ void add_analyze(CLI::App& app, int& exit_code);
 void add_chart(CLI::App& app, int& exit_code);
 void add_ctl(CLI::App& app, int& exit_code);
 
-// Prints "livegs: " and the one line, and gives the exit code that belongs to it: 2 for what the user can
-// mend in the input, 1 for what the machine would not do.
+// Prints "livegs: " and the error on one line. Returns the exit code for it: 2 if the user can correct the
+// input, 1 otherwise.
 int report(const Error& error);
 
 }  // namespace livegs

@@ -12,12 +12,12 @@ void add_convert(CLI::App& app, int& exit_code) {
     std::filesystem::path from, to;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("convert", "Write a splat asset in another format");
+  CLI::App* command = app.add_subcommand("convert", "Convert a splat asset to another format");
   command
       ->add_option("FROM", options->from,
-                   "A .ply, .compressed.ply, .spz, .sog or .splat file, or an unpacked .sog folder")
+                   "Input: a .ply, .compressed.ply, .spz, .sog or .splat file, or an unpacked .sog folder")
       ->required();
-  command->add_option("TO", options->to, "A .ply or .spz file")->required();
+  command->add_option("TO", options->to, "Output: a .ply or .spz file")->required();
   command->callback([options, &exit_code] {
     auto file = read_asset(options->from);
     if (!file) return void(exit_code = report(file.error()));

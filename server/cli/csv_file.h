@@ -12,15 +12,15 @@
 
 namespace livegs {
 
-// A CSV file that is written row by row, as fast as the numbers can be formatted: a dump of kernels has a
-// hundred million of them. Cells follow one another; end_row() ends a row.
+// A buffered CSV writer for large files, such as dumps of kernels with a hundred million numbers. Cells are
+// appended in order; end_row() ends a row.
 class CsvFile {
  public:
   static Result<CsvFile> create(const std::filesystem::path& path, const char* header);
 
-  CsvFile& text(std::string_view value);  // quoted only when it must be (RFC 4180)
+  CsvFile& text(std::string_view value);  // quoted only if necessary (RFC 4180)
   CsvFile& integer(uint64_t value);
-  CsvFile& number(double value, int digits = 12);  // significant digits, as printf's %g writes them
+  CsvFile& number(double value, int digits = 12);  // significant digits, as with printf's %g
   template <class Vector>
   CsvFile& vector(const Vector& v, int digits = 12) {
     return number(v[0], digits).number(v[1], digits).number(v[2], digits);
@@ -32,7 +32,7 @@ class CsvFile {
   }
   void end_row();
 
-  // Whether everything reached the disk.
+  // Flushes and closes the file. Returns false if any write failed.
   bool close();
 
  private:
@@ -43,7 +43,7 @@ class CsvFile {
   void flush();
 
   std::unique_ptr<std::FILE, Closer> file_;
-  std::string rows_;  // not written yet
+  std::string rows_;  // not yet written
   bool fresh_row_ = true;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// livegs ctl: looks after a server that runs, over its Admin service.
+// livegs ctl: administers a running server through its Admin service.
 #include <google/protobuf/util/json_util.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/generic/generic_stub.h>
@@ -37,7 +37,8 @@ struct Options {
   double days = kTokenDays;
 };
 
-// By the state folder of a server of this user's on this machine, else as livegs-client does.
+// Uses the state folder of the user's own server on this machine; otherwise the same sources as
+// livegs-client.
 Result<std::shared_ptr<ServerAccess>> access_for(const Options& options) {
   const auto address = parse_host_port(options.server);
   if (!address) return address.error();
@@ -52,7 +53,7 @@ Result<std::shared_ptr<ServerAccess>> access_for(const Options& options) {
   return choose_access(options.server, options.access);
 }
 
-// A connection to the server, and how its refusals are told.
+// A connection to the server. Converts refusals to errors.
 class Server {
  public:
   static Result<Server> reach(const Options& options) {
@@ -81,8 +82,7 @@ class Server {
     return reply;
   }
 
-  // Whether it serves, by the standard health service: its request for the whole server is empty, and so is
-  // the name.
+  // Queries the standard health service. The empty request stands for the server as a whole.
   Result<bool> healthy() {
     grpc::GenericStub stub(channel_);
     grpc::ClientContext context;
@@ -117,9 +117,8 @@ class Server {
             : theirs ? ErrorCode::InvalidArgument
                      : ErrorCode::PermissionDenied,
             address_ + ": " +
-                (absent ? "no server answers; --server HOST:PORT says where it is, and one whose --state-dir "
-                          "is its own "
-                          "needs that here too"
+                (absent ? "server does not answer; give --server HOST:PORT, and --state-dir if the server "
+                          "was started with one"
                         : status.error_message())};
   }
 
@@ -146,20 +145,20 @@ std::string day(int64_t unix_s) {
 }
 
 void print_tokens(const v1::TokenList& list) {
-  std::printf("%-10s%-20s%-10s%-18s%-18s%s\n", "id", "name", "scope", "made (UTC)", "expires", "state");
+  std::printf("%-10s%-20s%-10s%-18s%-18s%s\n", "id", "name", "scope", "created (UTC)", "expires", "state");
   for (const v1::Token& token : list.tokens()) {
     std::printf("%-10s%-20s%-10s%-18s%-18s%s\n", token.id().c_str(), token.name().c_str(),
                 scope_name(token.scope()).c_str(), day(token.made_unix_s()).c_str(),
                 day(token.expires_unix_s()).c_str(),
                 token.revoked()                                   ? "revoked"
                 : token.expires_unix_s() <= system_wall_clock()() ? "expired"
-                                                                  : "holds");
+                                                                  : "valid");
   }
 }
 
 void print_clients(const v1::ServerStatus& status) {
   std::printf("%-10s%-18s%-26s%-16s%-10s%-11s%9s%9s%10s%10s%9s\n", "session", "name", "from", "token",
-              "scope", "state", "for s", "frames", "replaced", "MB", "trip ms");
+              "scope", "state", "joined s", "frames", "replaced", "MB", "trip ms");
   for (const v1::ClientStatus& client : status.clients()) {
     std::printf("%-10s%-18.17s%-26.25s%-16.15s%-10s%-11s%9.0f%9llu%10llu%10.1f%9.1f\n",
                 client.session().c_str(), client.name().c_str(), client.peer().c_str(),
@@ -180,21 +179,21 @@ void print_status(const v1::ServerStatus& status) {
     std::printf("certificate   sha256 %s\npairing code  %s\n", status.fingerprint().c_str(),
                 status.pairing_code().c_str());
   } else {
-    std::printf("certificate   none: in the clear, for this machine only\n");
+    std::printf("certificate   none; unencrypted, local connections only\n");
   }
   if (status.has_recording()) {
     const v1::RecordingStatus& recording = status.recording();
     std::printf("recording     %s: %s, %llu ticks, %.1f MB%s%s\n", recording.path().c_str(),
-                recording.recording() ? "is being written" : "has ended",
+                recording.recording() ? "recording" : "stopped",
                 static_cast<unsigned long long>(recording.ticks()),
                 static_cast<double>(recording.bytes()) * 1e-6, recording.message().empty() ? "" : "; ",
                 recording.message().c_str());
   }
-  std::printf("clients       %d here, %llu sessions so far\n", status.clients_size(),
+  std::printf("clients       %d connected, %llu sessions in total\n", status.clients_size(),
               static_cast<unsigned long long>(status.sessions()));
 }
 
-// Asks, and prints the reply as JSON if that is wanted, else as `table` does.
+// Sends a request and prints the reply, as JSON or by `table`.
 template <class Request, class Reply, class Table>
 int ask_and_print(const Options& options,
                   grpc::Status (v1::Admin::Stub::*method)(grpc::ClientContext*, const Request&, Reply*),
@@ -218,15 +217,15 @@ int add_token(const Options& options) {
   request.set_scope(*scope);
   request.set_days(options.days);
   return ask_and_print(options, &v1::Admin::Stub::AddToken, request, [](const v1::AddTokenReply& reply) {
-    // The token alone on standard output, so that it can go to a file without passing anybody's eyes.
-    std::fprintf(stderr, "token %s for %s, scope %s, until %s UTC; it is shown this once\n",
+    // Only the secret is printed to standard output, so that it can be redirected to a file unseen.
+    std::fprintf(stderr, "token %s for %s, scope %s, valid until %s UTC; the secret is shown only once\n",
                  reply.token().id().c_str(), reply.token().name().c_str(),
                  scope_name(reply.token().scope()).c_str(), day(reply.token().expires_unix_s()).c_str());
     std::printf("%s\n", reply.secret().c_str());
   });
 }
 
-// A path that the caller's shell completed, for a server on the same machine, which stands elsewhere.
+// Makes a path absolute if the server is on the same machine, because its working directory may differ.
 std::string recording_path(const Options& options) {
   const auto address = parse_host_port(options.server);
   return address && address->loopback ? std::filesystem::absolute(options.file).string() : options.file;
@@ -265,17 +264,17 @@ int health(const Options& options) {
 }  // namespace
 
 void add_ctl(CLI::App& app, int& exit_code) {
-  auto* ctl = app.add_subcommand("ctl", "Look after a server that runs");
+  auto* ctl = app.add_subcommand("ctl", "Administer a running server");
   ctl->require_subcommand(1);
   ctl->fallthrough();
   auto options = std::make_shared<Options>();
-  ctl->add_option("--server", options->server, "HOST:PORT")->capture_default_str();
+  ctl->add_option("--server", options->server, "HOST:PORT of the server")->capture_default_str();
   ctl->add_option("--state-dir", options->access.state_dir,
-                  "The server's, on this machine; else where paired servers are remembered");
-  ctl->add_option("--pair", options->access.pairing_code, "The pairing code of a server on another machine");
-  ctl->add_option("--token-file", options->access.token_file, "A file with a token of scope admin for it")
+                  "State folder of a local server, or of the pairings with remote servers");
+  ctl->add_option("--pair", options->access.pairing_code, "Pairing code of a remote server");
+  ctl->add_option("--token-file", options->access.token_file, "File with a token of scope admin")
       ->check(CLI::ExistingFile);
-  ctl->add_flag("--json", options->json, "As JSON");
+  ctl->add_flag("--json", options->json, "Print JSON");
   const auto add = [&, options](CLI::App* to, const char* name, const char* about, auto run) {
     auto* command = to->add_subcommand(name, about);
     command->fallthrough();
@@ -283,10 +282,10 @@ void add_ctl(CLI::App& app, int& exit_code) {
     return command;
   };
 
-  add(ctl, "status", "The server and its scene", [](const Options& given) {
+  add(ctl, "status", "Show the state of the server and its scene", [](const Options& given) {
     return ask_and_print(given, &v1::Admin::Stub::GetStatus, v1::GetStatusRequest(), print_status);
   });
-  add(ctl, "clients", "Who is there", [](const Options& given) {
+  add(ctl, "clients", "List connected clients", [](const Options& given) {
     return ask_and_print(given, &v1::Admin::Stub::GetStatus, v1::GetStatusRequest(), print_clients);
   });
   auto* kick = add(ctl, "kick", "End a client's session", [](const Options& given) {
@@ -294,68 +293,69 @@ void add_ctl(CLI::App& app, int& exit_code) {
     request.set_session(given.session);
     request.set_reason(given.reason);
     return ask_and_print(given, &v1::Admin::Stub::KickClient, request, [](const v1::KickClientReply& reply) {
-      std::printf("session %s has ended; it may join again while its token holds\n", reply.session().c_str());
+      std::printf("session %s ended; the client may rejoin while its token is valid\n",
+                  reply.session().c_str());
     });
   });
-  kick->add_option("SESSION", options->session, "As `clients` lists it; four digits or more")->required();
-  kick->add_option("--reason", options->reason, "What the client is told");
-  add(ctl, "health", "Whether it serves; exit code 0 if so", health);
-  auto* drain = add(ctl, "drain", "Say goodbye to all clients and end the server", [](const Options& given) {
+  kick->add_option("SESSION", options->session, "Session id as listed by `clients`; at least four digits")
+      ->required();
+  kick->add_option("--reason", options->reason, "Reason sent to the client");
+  add(ctl, "health", "Check whether the server is serving; exit code 0 if it is", health);
+  auto* drain = add(ctl, "drain", "Disconnect all clients and stop the server", [](const Options& given) {
     v1::DrainRequest request;
     request.set_reason(given.reason);
     return ask_and_print(given, &v1::Admin::Stub::Drain, request,
-                         [](const v1::DrainReply&) { std::printf("the server says goodbye and ends\n"); });
+                         [](const v1::DrainReply&) { std::printf("server is shutting down\n"); });
   });
-  drain->add_option("--reason", options->reason, "What clients are told");
+  drain->add_option("--reason", options->reason, "Reason sent to the clients");
 
-  auto* record =
-      ctl->add_subcommand("record", "Record the session into a file, to watch it or simulate it again");
+  auto* record = ctl->add_subcommand("record", "Record the session to a file, for playback or re-simulation");
   record->require_subcommand(1);
   record->fallthrough();
-  auto* begun = add(record, "start", "From the next tick on", start_recording);
-  begun->add_option("FILE", options->file, "A new file on the server's machine, *.lvgrec")->required();
+  auto* begun = add(record, "start", "Start recording at the next tick", start_recording);
+  begun->add_option("FILE", options->file, "New file on the server's machine, *.lvgrec")->required();
   begun->add_flag("--inputs-only", options->inputs_only,
-                  "Without frames: it can be simulated again, not watched");
+                  "Record inputs without frames: for re-simulation only, not for playback");
   begun->add_flag("--assets", options->with_assets,
-                  "With assets and files, so that it can be watched and simulated again anywhere");
-  add(record, "stop", "End it in order", stop_recording);
+                  "Include the scene's files, so that the recording works on any machine");
+  add(record, "stop", "Stop and complete the recording", stop_recording);
 
   auto* replayed =
-      add(ctl, "replay", "What a recording holds; no server is needed", [](const Options& given) {
+      add(ctl, "replay", "Show the contents of a recording (needs no server)", [](const Options& given) {
         ReplayOptions replaying = given.replaying;
         replaying.json = given.json;
         return replay(replaying);
       });
-  replayed->add_option("FILE", options->replaying.file, "A recording, *.lvgrec")->required();
-  replayed->add_flag(
-      "--verify", options->replaying.verify,
-      "Simulate it again, and tell whether every frame is equal to the bit; exit code 0 if so");
+  replayed->add_option("FILE", options->replaying.file, "Recording, *.lvgrec")->required();
+  replayed->add_flag("--verify", options->replaying.verify,
+                     "Simulate the recording again and compare all frames bit by bit; exit code 0 if equal");
   replayed
       ->add_option("--scene", options->replaying.folder,
-                   "The folder of the scene's files, if it holds none and they are not where they were")
+                   "Folder of the scene's files, if they are neither in the recording nor at their old path")
       ->check(CLI::ExistingDirectory);
 
-  auto* tokens = ctl->add_subcommand("tokens", "Who may do what");
+  auto* tokens = ctl->add_subcommand("tokens", "Manage access tokens");
   tokens->require_subcommand(1);
   tokens->fallthrough();
-  auto* made = add(tokens, "add", "Make a token, and print it: the only time", add_token);
-  made->add_option("NAME", options->token_name, "Who or what it is for")->required();
+  auto* made = add(tokens, "add", "Create a token and print its secret (shown only once)", add_token);
+  made->add_option("NAME", options->token_name, "User or purpose of the token")->required();
   made->add_option("--scope", options->scope,
-                   "view, interact, author or admin; each allows what those before do")
+                   "view, interact, author or admin; each includes the previous ones")
       ->capture_default_str();
-  made->add_option("--days", options->days, "That it holds")->capture_default_str();
-  add(tokens, "list", "All there are, and were in the last month", [](const Options& given) {
-    return ask_and_print(given, &v1::Admin::Stub::ListTokens, v1::ListTokensRequest(), print_tokens);
-  });
+  made->add_option("--days", options->days, "Validity in days")->capture_default_str();
+  add(tokens, "list", "List all tokens, including those that ended in the last month",
+      [](const Options& given) {
+        return ask_and_print(given, &v1::Admin::Stub::ListTokens, v1::ListTokensRequest(), print_tokens);
+      });
   auto* revoked =
-      add(tokens, "revoke", "End a token, and the sessions it opened, now", [](const Options& given) {
+      add(tokens, "revoke", "Revoke a token and end its sessions at once", [](const Options& given) {
         v1::RevokeTokenRequest request;
         request.set_id(given.token_id);
         return ask_and_print(given, &v1::Admin::Stub::RevokeToken, request, [](const v1::Token& token) {
-          std::printf("token %s (%s) is revoked\n", token.id().c_str(), token.name().c_str());
+          std::printf("token %s (%s) revoked\n", token.id().c_str(), token.name().c_str());
         });
       });
-  revoked->add_option("ID", options->token_id, "As `tokens list` shows it")->required();
+  revoked->add_option("ID", options->token_id, "Token id as listed by `tokens list`")->required();
 }
 
 }  // namespace livegs

@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-// Scenes and sidecars may hold any characters, and a terminal obeys some.
+// Names in scenes and sidecars may contain control characters for the terminal.
 std::string shown(const std::string& text) { return shown_text(text, 80); }
 
 Result<std::filesystem::path> sidecar_of(const std::string& name, const v1::Scene& scene,
@@ -25,8 +25,8 @@ Result<std::filesystem::path> sidecar_of(const std::string& name, const v1::Scen
     if (one == name && !paths[static_cast<size_t>(i)].empty()) return paths[static_cast<size_t>(i)];
     known += (known.empty() ? "" : ", ") + shown(one);
   }
-  return Error{ErrorCode::InvalidArgument,
-               "the scene has no \"" + shown(name) + "\"; it has: " + (known.empty() ? "nothing" : known)};
+  return Error{ErrorCode::InvalidArgument, "the scene has no object \"" + shown(name) +
+                                               "\"; available: " + (known.empty() ? "none" : known)};
 }
 
 std::string held_text(const v1::PhysicsFile& file) {
@@ -39,11 +39,11 @@ std::string held_text(const v1::PhysicsFile& file) {
                   1e3 * mass_kg.high());
     text += mass + shown(file.physics().material()) + ", " +
             v1::Physics::Behavior_Name(file.physics().behavior());
-    text += file.analysis().model().empty() ? ", offline" : ", of " + shown(file.analysis().model());
+    text += file.analysis().model().empty() ? ", offline" : ", from " + shown(file.analysis().model());
   } else {
-    text += "nothing was analysed, estimates hold";
+    text += "not analysed, offline estimates apply";
   }
-  return text + (file.has_edits() ? "; a person's edits in front of it" : "");
+  return text + (file.has_edits() ? "; overridden by manual edits" : "");
 }
 
 }  // namespace
@@ -62,8 +62,7 @@ int decide_physics(const PhysicsDecision& decision, const v1::Scene& scene,
                                                 : redo_physics(*path);
   if (!file) return report(file.error());
   std::printf("%s: %s\n", shown(name).c_str(), held_text(*file).c_str());
-  std::fprintf(stderr, "kept in %s; a server that runs takes it up when it loads the scene anew\n",
-               path->c_str());
+  std::fprintf(stderr, "saved in %s; reload the scene on a running server to apply it\n", path->c_str());
   return 0;
 }
 

@@ -8,16 +8,15 @@
 
 namespace livegs {
 
-// What a person decides about an object that was analysed, by its name in the scene; one of the four is
-// given.
+// A user's decision about an analysed object. Exactly one field is set, to the object's name in the scene.
 struct PhysicsDecision {
   std::string accept, decline, undo, redo;
 
   bool any() const { return !accept.empty() || !decline.empty() || !undo.empty() || !redo.empty(); }
 };
 
-// Changes the object's sidecar and prints what it holds now. Assets are not opened. `folder` and `scene_name`
-// as in sidecar_paths.h. The exit code.
+// Changes the object's sidecar and prints its new contents. Does not open assets. `folder` and `scene_name`
+// as in sidecar_paths.h. Returns the exit code.
 int decide_physics(const PhysicsDecision& decision, const v1::Scene& scene,
                    const std::filesystem::path& folder, const std::string& scene_name);
 

@@ -36,7 +36,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Kernels with each piece moved away from the middle by `apart` of its distance.
+// Moves the kernels of each piece away from `middle` by `apart` times the distance of the piece.
 PosedKernels posed(const PieceKernels& kernels, const Similarity& object_from_asset,
                    const VoronoiPieces& pieces, double apart, const Eigen::Vector3d& middle) {
   RestBody rest;
@@ -55,7 +55,7 @@ PosedKernels posed(const PieceKernels& kernels, const Similarity& object_from_as
   return out;
 }
 
-// A colour a piece, a third of a turn of the golden angle from one to the next.
+// Returns a colour for each piece. Consecutive hues differ by the golden angle.
 Eigen::Vector3f piece_colour(uint32_t piece) {
   const double hue = 2.399963 * piece;
   const Eigen::Array3d rgb = 0.55 + 0.35 * (Eigen::Array3d(0, 2.0944, 4.1888) + hue).cos();
@@ -146,27 +146,29 @@ int run(const FractureCommand& options) {
 
 void add_fracture(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<FractureCommand>();
-  CLI::App* command = app.add_subcommand("fracture", "Cut an asset into the pieces it would break into");
-  command->add_option("ASSET", options->asset, "A splat asset")->required();
-  command->add_option("--output", options->output, "Folder for pictures of the pieces, together and apart");
-  command->add_option("--pieces", options->pieces, "Pieces wanted")
+  CLI::App* command = app.add_subcommand("fracture", "Cut an asset into the pieces that it would break into");
+  command->add_option("ASSET", options->asset, "Splat asset")->required();
+  command->add_option("--output", options->output,
+                      "Folder for pictures of the pieces, assembled and separated");
+  command->add_option("--pieces", options->pieces, "Number of pieces")
       ->check(CLI::Range(size_t{1}, kMaxSeeds))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Another seed, other pieces")->capture_default_str();
-  command->add_option("--impact", options->impact_m, "Where the blow falls: x y z in metres, +Y up")
-      ->expected(3);
+  command->add_option("--seed", options->seed, "Seed of the pieces")->capture_default_str();
+  command->add_option("--impact", options->impact_m, "Point of impact: x y z in metres, +Y up")->expected(3);
   command->add_flag("--coarse", options->coarse,
-                    "Cut the coarse surface of a rigid body instead of the fine one");
-  command->add_option("--scale", options->scale, "Metres per unit of the asset; guessed when left out");
-  command->add_option("--up", options->up, "The asset's up axis: x -x y -y z -z")->default_str("-y");
-  command->add_option("--apart", options->apart, "How far pieces are drawn apart, in parts of their distance")
+                    "Cut the coarse surface of a rigid body instead of the fine surface");
+  command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)");
+  command->add_option("--up", options->up, "Up axis of the asset: x -x y -y z -z")->default_str("-y");
+  command
+      ->add_option("--apart", options->apart,
+                   "Displacement of the pieces relative to their distance from the centre")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   command->add_option("--width", options->width)->check(CLI::Range(1, 16384))->capture_default_str();
   command->add_option("--height", options->height)->check(CLI::Range(1, 16384))->capture_default_str();
-  command->add_option("--azimuth", options->azimuth_deg, "Degrees around, to the right")
+  command->add_option("--azimuth", options->azimuth_deg, "Azimuth of the camera in degrees, to the right")
       ->capture_default_str();
-  command->add_option("--elevation", options->elevation_deg, "Degrees up")
+  command->add_option("--elevation", options->elevation_deg, "Elevation of the camera in degrees")
       ->check(CLI::Range(-89.0, 89.0))
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -31,8 +31,8 @@ int print_scene(const std::filesystem::path& path) {
   }
   for (const v1::Joint& joint : scene->joints()) std::printf("joint        %s\n", joint_line(joint).c_str());
   std::printf("events       %d\n", scene->events_size());
-  // The rest of what could be wrong shows only when its assets are opened and its bodies made. What there is
-  // to warn of is printed below.
+  // Other errors are found only by loading assets and building bodies. Warnings are printed below, so the log
+  // is limited to errors.
   set_log_level(LogLevel::Error);
   auto built = Scene::load(path, {});
   if (!built) return report(built.error());
@@ -62,7 +62,7 @@ int print_asset(const std::filesystem::path& path) {
   const AssetSummary summary = summarise(file->asset);
   std::printf("format       %s", format_name(file->format));
   if (file->format_version > 0) std::printf(" v%d", file->format_version);
-  std::printf("\naxes         %s\n", file->y_up_in_file ? "y up in the file, turned to -y up here" : "-y up");
+  std::printf("\naxes         %s\n", file->y_up_in_file ? "y up in the file, converted to -y up" : "-y up");
   std::printf("kernels      %zu\n", summary.count);
   std::printf("SH degree    %d%s\n", summary.sh_degree,
               file->asset.antialiased ? ", trained antialiased" : "");
@@ -85,8 +85,8 @@ int print_asset(const std::filesystem::path& path) {
 void add_info(CLI::App& app, int& exit_code) {
   auto path = std::make_shared<std::filesystem::path>();
   CLI::App* command =
-      app.add_subcommand("info", "Print what a splat asset or a scene file holds, or what is wrong with it");
-  command->add_option("FILE", *path, "A splat file, an unpacked .sog folder, or a *.scene.json")->required();
+      app.add_subcommand("info", "Show the contents of a splat asset or a scene file, and check it");
+  command->add_option("FILE", *path, "Splat file, unpacked .sog folder, or *.scene.json")->required();
   command->callback([path, &exit_code] {
     exit_code = path->extension() == ".json" && path->filename() != "meta.json" ? print_scene(*path)
                                                                                 : print_asset(*path);

@@ -6,24 +6,7 @@
 #include "cli/commands.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
-
-namespace livegs {
-
-int report(const Error& error) {
-  std::fprintf(stderr, "livegs: %s\n", error.message.c_str());
-  switch (error.code) {
-    case ErrorCode::InvalidArgument:
-    case ErrorCode::InvalidData:
-    case ErrorCode::NotFound:
-    case ErrorCode::Unsupported:
-    case ErrorCode::TooLarge:
-      return 2;
-    default:
-      return 1;
-  }
-}
-
-}  // namespace livegs
+#include "core/require_processor.h"
 
 namespace {
 
@@ -34,14 +17,14 @@ const CLI::Option* option_of(const CLI::App* app, const std::string& name) {
   return nullptr;
 }
 
-// What is wrong with the word that stands where a command should; empty if it is none of ours.
+// Returns the error for an unknown word in the position of a command; empty if there is none.
 std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   const CLI::App* at = &app;
   std::string path = app.get_name();
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word.size() > 1 && word.front() == '-') {
-      const auto* option = option_of(at, word);  // with `=` it is none, and has its value
+      const auto* option = option_of(at, word);  // an option with `=` includes its value
       if (option && option->get_items_expected_max() > 0) ++i;
       continue;
     }
@@ -52,7 +35,7 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
     if (known == commands.end()) {
       std::string names;
       for (const CLI::App* one : commands) names += (names.empty() ? "" : ", ") + one->get_name();
-      return path + ": there is no \"" + word + "\"; there are " + names;
+      return path + ": unknown command \"" + word + "\"; available: " + names;
     }
     at = *known;
     path += " " + at->get_name();
@@ -63,21 +46,22 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Gaussian splats that behave like what they show: the LiveGS rooms from the shell.", "livegs");
+  livegs::require_processor();
+  CLI::App app("LiveGS: physically simulated Gaussian splats. Command line tools.", "livegs");
   app.set_version_flag("--version", LIVEGS_VERSION);
   app.require_subcommand(1);
   int threads = 0;
   bool quiet = false, verbose = false;
-  app.add_option("--threads", threads, "Threads to use; 0 means one a core. Results do not depend on it")
+  app.add_option("--threads", threads, "Number of threads (0: one per core); does not affect results")
       ->check(CLI::Range(0, 256));
-  app.add_flag("--quiet", quiet, "Say only what goes wrong");
-  app.add_flag("--verbose", verbose, "Say everything");
+  app.add_flag("--quiet", quiet, "Print errors only");
+  app.add_flag("--verbose", verbose, "Print debug messages");
   app.parse_complete_callback([&] {
     livegs::set_thread_count(threads);
     if (quiet) livegs::set_log_level(livegs::LogLevel::Warn);
     if (verbose) livegs::set_log_level(livegs::LogLevel::Debug);
   });
-  app.fallthrough();  // `livegs simulate … --threads 2` too
+  app.fallthrough();  // global options are also accepted after the command
 
   int exit_code = 0;
   livegs::add_info(app, exit_code);

@@ -61,12 +61,12 @@ int run(const MeshCommand& options) {
 void add_mesh(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<MeshCommand>();
   CLI::App* command =
-      app.add_subcommand("mesh", "Find the closed surface of an asset, as bodies are made from it");
-  command->add_option("ASSET", options->asset, "A splat asset")->required();
-  command->add_option("--output", options->output, "Write the surface as .obj");
-  command->add_option("--scale", options->scale, "Metres per unit of the asset; guessed when left out");
-  command->add_option("--up", options->up, "The asset's up axis: x -x y -y z -z")->default_str("-y");
-  command->add_flag("--rigid", options->rigid, "The coarse surface of a rigid body");
+      app.add_subcommand("mesh", "Reconstruct the closed surface of an asset, as used for its body");
+  command->add_option("ASSET", options->asset, "Splat asset")->required();
+  command->add_option("--output", options->output, "Output .obj file");
+  command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)");
+  command->add_option("--up", options->up, "Up axis of the asset: x -x y -y z -z")->default_str("-y");
+  command->add_flag("--rigid", options->rigid, "Reconstruct the coarse surface of a rigid body");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

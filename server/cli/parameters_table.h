@@ -7,7 +7,7 @@
 
 namespace livegs {
 
-// To standard output: all values of one object with ranges and reasons; or one row of a table of many.
+// Print to standard output: all values of one object with ranges and reasons, or one table row per object.
 void print_parameters(const v1::PhysicalParameters& parameters);
 void print_table_head();
 void print_table_row(const std::string& name, const v1::PhysicalParameters& parameters);

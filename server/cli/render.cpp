@@ -61,7 +61,7 @@ int draw(const RenderCommand& options, std::span<const DrawnObject> objects,
   return 0;
 }
 
-// An asset by itself, as a one-object still.
+// Draws an asset by itself, as a scene with one static object.
 int render_asset(const RenderCommand& options) {
   auto placed = place_asset(options.input, "", 1.0, options.up, "render");
   if (!placed) return report(placed.error());
@@ -105,7 +105,7 @@ int run(const RenderCommand& options) {
   const bool scene = options.input.string().ends_with(".scene.json") ||
                      (std::filesystem::is_directory(options.input, ignored) && !unpacked_sog);
   if (!scene && !options.frame.empty())
-    return report(invalid_argument("--frame: needs a scene, not a single asset"));
+    return report(invalid_argument("--frame: the input is a single asset; give a scene"));
   return scene ? render_scene(options) : render_asset(options);
 }
 
@@ -113,24 +113,23 @@ int run(const RenderCommand& options) {
 
 void add_render(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RenderCommand>();
-  CLI::App* command = app.add_subcommand("render", "Draw an asset or a scene's start to PNG");
-  command->add_option("INPUT", options->input, "A splat asset, a *.scene.json or a folder of assets")
-      ->required();
-  command->add_option("--output,-o", options->output, "The PNG to write")->capture_default_str();
-  command->add_option("--camera", options->camera, "A camera file; all of it from in front when left out");
-  command->add_option("--frame", options->frame, "Pose the scene by this recorded driver frame");
-  command->add_option("--up", options->up, "An asset's up axis: x -x y -y z -z")->default_str("-y");
+  CLI::App* command = app.add_subcommand("render", "Render an asset or the initial state of a scene to PNG");
+  command->add_option("INPUT", options->input, "Splat asset, *.scene.json or folder of assets")->required();
+  command->add_option("--output,-o", options->output, "Output PNG file")->capture_default_str();
+  command->add_option("--camera", options->camera, "Camera file (default: everything, from the front)");
+  command->add_option("--frame", options->frame, "Pose the scene with this recorded driver frame");
+  command->add_option("--up", options->up, "Up axis of an asset: x -x y -y z -z")->default_str("-y");
   command->add_option("--width", options->width)->check(CLI::Range(1, 16384))->capture_default_str();
   command->add_option("--height", options->height)->check(CLI::Range(1, 16384))->capture_default_str();
-  command->add_option("--azimuth", options->azimuth_deg, "Degrees around, to the right")
+  command->add_option("--azimuth", options->azimuth_deg, "Azimuth of the camera in degrees, to the right")
       ->capture_default_str();
-  command->add_option("--elevation", options->elevation_deg, "Degrees up")
+  command->add_option("--elevation", options->elevation_deg, "Elevation of the camera in degrees")
       ->check(CLI::Range(-89.0, 89.0))
       ->capture_default_str();
-  command->add_option("--turns", options->turns, "Pictures all around, numbered")
+  command->add_option("--turns", options->turns, "Number of pictures around the object, with numbered files")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
-  command->add_option("--background", options->background, "Red, green, blue, 0 to 1")
+  command->add_option("--background", options->background, "Background colour: red, green, blue, 0 to 1")
       ->expected(3)
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });

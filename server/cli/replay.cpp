@@ -26,18 +26,18 @@ void print_summary(RecordingReader& recording) {
   std::printf("length     %.1f s, ticks %llu to %llu, %.0f a second, %zu key ticks%s%s\n", length_s,
               count(totals.first_tick()), count(totals.last_tick()), start.rate_hz(), recording.keys().size(),
               start.inputs_only() ? "; inputs only" : "",
-              recording.ended_in_order() ? "" : "; it breaks off: the server or its disk failed");
+              recording.ended_in_order() ? "" : "; incomplete: the server or its disk failed");
   const auto objects = recording.seek(INT64_MIN);
   const size_t there = objects ? objects->size() : 0;
-  std::printf("objects    %zu at the beginning, %llu came, %llu went, %llu breaks\n", there,
+  std::printf("objects    %zu initially, %llu added, %llu removed, %llu breaks\n", there,
               count(totals.objects_added() - std::min<uint64_t>(there, totals.objects_added())),
               count(totals.objects_removed()), count(totals.breaks()));
-  std::printf("inputs     %llu samples of hands, %llu changes, %llu resets%s\n", count(totals.inputs()),
+  std::printf("inputs     %llu hand samples, %llu changes, %llu resets%s\n", count(totals.inputs()),
               count(totals.changes()), count(totals.resets()),
-              start.whole() ? "; from the beginning: --verify simulates it again" : "");
+              start.whole() ? "; complete from the start; use --verify to simulate it again" : "");
 }
 
-// Every check sum, up to its end or to where it breaks off.
+// Checks all check sums up to the end, or to the point where the file is cut off.
 Result<void> read_through(RecordingReader& recording) {
   recording.rewind();
   for (;;) {
@@ -71,11 +71,11 @@ int verify(RecordingReader& recording, const ReplayOptions& options) {
       std::printf(", \"tick\": %llu, \"object_id\": %u", count(difference->tick), difference->object_id);
     std::printf("}\n");
   } else if (difference) {
-    std::printf("not equal: at tick %llu (%.3f s) object %u (%s) %s\n", count(difference->tick),
+    std::printf("different: at tick %llu (%.3f s) object %u (%s) %s\n", count(difference->tick),
                 static_cast<double>(difference->tick) / recording.start().rate_hz(), difference->object_id,
                 difference->object.c_str(), difference->what.c_str());
   } else {
-    std::printf("equal to the bit: %llu ticks, %llu frames\n", count(seen->ticks), count(seen->frames));
+    std::printf("bit-equal: %llu ticks, %llu frames\n", count(seen->ticks), count(seen->frames));
   }
   return difference ? 1 : 0;
 }
@@ -92,7 +92,7 @@ int replay(const ReplayOptions& options) {
     print_summary(*recording);
   if (auto read = read_through(*recording); !read) return report(read.error());
   if (!options.json)
-    std::printf("whole      every check sum%s\n", recording->ended_in_order() ? "" : " up to there");
+    std::printf("checksums  valid%s\n", recording->ended_in_order() ? "" : " up to the incomplete end");
   return 0;
 }
 

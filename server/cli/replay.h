@@ -7,12 +7,12 @@ namespace livegs {
 
 struct ReplayOptions {
   std::string file;
-  std::string folder;  // of the scene's assets; empty: where they were
+  std::string folder;  // folder of the scene's assets; empty: their recorded location
   bool verify = false, json = false;
 };
 
-// livegs ctl replay: what a recording holds, or whether it comes out the same again. An exit code: 0 it does,
-// 1 it does not.
+// Implements livegs ctl replay: prints a summary of a recording, or verifies it by simulation. Returns the
+// exit code: 0 success or equal, 1 otherwise.
 int replay(const ReplayOptions& options);
 
 }  // namespace livegs

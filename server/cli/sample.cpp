@@ -11,8 +11,7 @@
 namespace livegs {
 namespace {
 
-// Where each sample asset starts: a little above the floor or on nothing at all, so that the scene moves at
-// once.
+// Initial poses of the sample assets: above the floor, so that the scene moves at once.
 constexpr const char* kSceneFile = R"({
   "rate_hz": 90,
   "substeps": 4,
@@ -37,7 +36,7 @@ int write_sample(const std::filesystem::path& folder, uint64_t seed) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
-    return report({ErrorCode::PermissionDenied, folder.string() + ": cannot be made: " + error.message()});
+    return report({ErrorCode::PermissionDenied, folder.string() + ": cannot be created: " + error.message()});
   for (const SampleAsset& sample : make_sample_assets(seed)) {
     const auto path = folder / (sample.name + ".ply");
     if (auto written = write_asset(path, sample.asset); !written) return report(written.error());
@@ -58,10 +57,9 @@ void add_sample(CLI::App& app, int& exit_code) {
     uint64_t seed = 1;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("sample", "Make a scene of our own: six objects and a room, in code");
-  command->add_option("DIR", options->folder, "Folder to write, made if it is not there")->required();
-  command->add_option("--seed", options->seed, "Another seed, other details")->capture_default_str();
+  CLI::App* command = app.add_subcommand("sample", "Generate the sample scene: six objects and a room");
+  command->add_option("DIR", options->folder, "Output folder, created if it does not exist")->required();
+  command->add_option("--seed", options->seed, "Seed of the details")->capture_default_str();
   command->callback([options, &exit_code] { exit_code = write_sample(options->folder, options->seed); });
 }
 

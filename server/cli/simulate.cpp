@@ -58,7 +58,7 @@ void tell_stiffness(const MaterialAccuracy& accuracy, nlohmann::json& summary) {
   summary["clipped"] = accuracy.clipped;
 }
 
-// Of what it is after the run: an elastic body may have been lost on the way.
+// Returns warnings about the state after the run, such as an elastic body that diverged and was reset.
 std::vector<std::string> warnings_of(const Scene& scene, const SceneObject& object) {
   const ElasticBody* body = scene.world().elastic_body(object.id);
   if (!body) return object.all_warnings();
@@ -154,9 +154,9 @@ nlohmann::json run_summary(const SimulateCommand& options, const Scene& scene, c
 }
 
 int run(const SimulateCommand& options) {
-  // A range check lets NaN through.
+  // NaN passes the range check of the option parser.
   if (!std::isfinite(options.seconds) || !std::isfinite(options.rate_hz)) {
-    return report(invalid_argument("--seconds, --rate: are not numbers"));
+    return report(invalid_argument("--seconds, --rate: must be finite numbers"));
   }
   SceneOptions scene_options;
   if (options.rate_hz > 0) scene_options.rate_hz = options.rate_hz;
@@ -178,7 +178,7 @@ int run(const SimulateCommand& options) {
   std::filesystem::create_directories(options.output, error);
   if (error)
     return report(
-        {ErrorCode::PermissionDenied, options.output.string() + ": cannot be made: " + error.message()});
+        {ErrorCode::PermissionDenied, options.output.string() + ": cannot be created: " + error.message()});
   std::optional<Camera> camera;
   if (!options.camera.empty()) {
     auto read = read_camera_file(options.camera);
@@ -246,37 +246,38 @@ int run(const SimulateCommand& options) {
 void add_simulate(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<SimulateCommand>();
   CLI::App* command =
-      app.add_subcommand("simulate", "Simulate a scene without a network and write what moved");
-  command->add_option("SCENE", options->scene, "A *.scene.json or a folder of assets")->required();
-  command->add_option("--seconds", options->seconds, "How long")
+      app.add_subcommand("simulate", "Simulate a scene offline and write its motion to files");
+  command->add_option("SCENE", options->scene, "*.scene.json or folder of assets")->required();
+  command->add_option("--seconds", options->seconds, "Simulated time in seconds")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
-  command->add_option("--output,-o", options->output, "Folder for the CSV files, pictures and summary.json")
+  command
+      ->add_option("--output,-o", options->output, "Output folder for CSV files, pictures and summary.json")
       ->required();
-  command->add_option("--rate", options->rate_hz, "Ticks a second, instead of the scene's")
+  command->add_option("--rate", options->rate_hz, "Ticks per second (default: from the scene)")
       ->check(CLI::Range(1.0, 1000.0));
-  command->add_option("--substeps", options->substeps, "Substeps a tick, instead of the scene's")
+  command->add_option("--substeps", options->substeps, "Substeps per tick (default: from the scene)")
       ->check(CLI::Range(1, 1024));
   command
       ->add_option(
           "--elastic-solver", options->solver,
-          "cells, the paper's baseline livegs-v1, or livegs-v1-steady: the baseline with its stiffness "
-          "freed from the substep")
+          "cells; livegs-v1, the paper's baseline; or livegs-v1-steady, the baseline with a stiffness that "
+          "does not depend on the substep")
       ->check(CLI::IsMember(kSolvers))
       ->capture_default_str();
-  command->add_option("--skinning", options->skinning, "lattice, or the paper's baseline livegs-v1")
+  command->add_option("--skinning", options->skinning, "lattice; or livegs-v1, the paper's baseline")
       ->check(CLI::IsMember({"lattice", "livegs-v1"}))
       ->capture_default_str();
   command->add_flag("--particles", options->particles, "Write particles.csv");
   command->add_flag("--kernels", options->kernels, "Write kernels.csv");
-  command->add_option("--render", options->camera, "Draw PNGs with this camera file");
-  command->add_flag("--pictures", options->draw, "Draw PNGs of everything from in front");
-  command->add_option("--every", options->every, "Draw every n-th frame")
+  command->add_option("--render", options->camera, "Render PNGs with this camera file");
+  command->add_flag("--pictures", options->draw, "Render PNGs of the whole scene from the front");
+  command->add_option("--every", options->every, "Render every Nth frame")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of the cuts that fragile objects break along")
+  command->add_option("--seed", options->seed, "Seed of the pieces of fragile objects")
       ->capture_default_str();
-  command->add_flag("--no-sleep", options->no_sleep, "Keep simulating what has come to rest");
+  command->add_flag("--no-sleep", options->no_sleep, "Do not put bodies at rest to sleep");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

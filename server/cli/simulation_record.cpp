@@ -7,7 +7,7 @@
 namespace livegs {
 namespace {
 
-// What gives back the same float.
+// Significant digits that reproduce a float exactly.
 constexpr int kFloatDigits = 9;
 
 const char* event_name(WorldEventKind kind) {
@@ -24,8 +24,8 @@ const char* event_name(WorldEventKind kind) {
   return "";
 }
 
-// Of a kernel of the object's first asset, and of each of its parts once the object is broken. Kernels of cut
-// faces follow, in their own order.
+// Returns the id of a kernel: its index in the object's original asset, also for its parts after a break.
+// Kernels of cut faces are numbered after those.
 size_t kernel_id(const SceneObject& object, size_t kernel) {
   if (object.rest.revision == 0) return kernel;
   const uint32_t source = object.broken->source[kernel];
@@ -116,7 +116,8 @@ Result<void> SimulationRecord::close() {
   fine &= events_.close();
   if (particles_) fine &= particles_->close();
   if (kernels_) fine &= kernels_->close();
-  if (!fine) return Error{ErrorCode::Internal, folder_.string() + ": writing failed; is the disk full?"};
+  if (!fine)
+    return Error{ErrorCode::Internal, folder_.string() + ": writing failed; check the free disk space"};
   return {};
 }
 

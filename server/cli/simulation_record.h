@@ -11,8 +11,8 @@
 
 namespace livegs {
 
-// The CSV files of `livegs simulate`: one row a thing a frame, frame 0 before any step, world axes, SI units;
-// twelve digits of what is computed in double, nine of what is single.
+// Writes the CSV files of `livegs simulate`: one row per item and frame, frame 0 before the first step. World
+// axes, SI units. Twelve digits for double precision values, nine for single precision.
 class SimulationRecord {
  public:
   struct Options {
@@ -21,10 +21,10 @@ class SimulationRecord {
   };
   static Result<SimulationRecord> open(const std::filesystem::path& folder, const Options& options);
 
-  // Writes the scene as it is. `drawing` has just posed it when kernels are recorded. Takes the world's
-  // events.
+  // Writes the current state of the scene. If kernels are recorded, `drawing` must just have posed it. Takes
+  // the world's events.
   void write(Scene& scene, const SceneDrawing& drawing);
-  // Fails if anything could not be written (a full disk, say).
+  // Fails if any write failed, for example on a full disk.
   Result<void> close();
 
  private:

@@ -8,7 +8,7 @@
 
 namespace livegs {
 
-// Indexed triangles, metres, counter-clockwise seen from outside.
+// Indexed triangles, metres, counter-clockwise as seen from outside.
 struct TriangleMesh {
   std::vector<Eigen::Vector3d> vertices_m;
   std::vector<std::array<uint32_t, 3>> triangles;

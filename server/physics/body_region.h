@@ -6,22 +6,22 @@
 #include <string>
 #include <variant>
 
-// Parts of an elastic body that are held, moved, loaded or made of something else. A region is chosen once,
-// at rest, by a box of the object's rest frame.
+// Parts of an elastic body that are held, moved, loaded, or made of another material. A region selects
+// material once, at rest, by a box in the object's rest frame.
 
 namespace livegs {
 
-// Prescribed motions give where a material point with rest position X is at time t, in the object's rest
-// frame placed by the pose the object started with. Times are seconds of simulation. A motion holds its end
-// until it is released.
+// Prescribed motions map a rest position X and a time t to a position in the rest frame; the object's initial
+// pose then maps it to the world. Times are in seconds of simulation. After its end, a motion holds its final
+// position until the region is released.
 
-// X + s d, s from 0 at start_s to 1 at end_s, linear.
+// X + s d; s rises linearly from 0 at start_s to 1 at end_s.
 struct DisplacementRamp {
   Eigen::Vector3d displacement_m = Eigen::Vector3d::Zero();
   double start_s = 0.0, end_s = 0.0;
 };
-// about + (I + s (A - I)) (X - about); s from 0 to 1 over start_s ... end_s, and, where return_end_s > end_s,
-// back to 0 over end_s ... return_end_s.
+// about + (I + s (A - I)) (X - about); s rises from 0 to 1 over start_s ... end_s. If return_end_s > end_s, s
+// then falls back to 0 over end_s ... return_end_s.
 struct AffineRamp {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
   Eigen::Vector3d about_m = Eigen::Vector3d::Zero();
@@ -39,27 +39,27 @@ struct ConstantVelocity {
 };
 using RegionMotion = std::variant<DisplacementRamp, AffineRamp, HalfSinePulse, ConstantVelocity>;
 
-// Where the material point `rest_m` of a moved region is at `time_s`; rest frame.
+// Position of the material point `rest_m` at `time_s`; rest frame.
 Eigen::Vector3d moved_point(const RegionMotion& motion, const Eigen::Vector3d& rest_m, double time_s);
-// Whether it takes any point elsewhere from one time to the other.
+// Whether the motion displaces any point between the two times.
 bool moves_between(const RegionMotion& motion, double from_s, double to_s);
 
-// What a region is made of instead of the body's own material. Unset values are the body's.
+// Material of a region. Unset values are taken from the body's own material.
 struct RegionMaterial {
   std::optional<double> youngs_modulus_pa;  // E* of the region
   std::optional<double> poisson_ratio;
-  std::optional<double> density_kg_m3;  // the body's mass changes with it
+  std::optional<double> density_kg_m3;  // changes the body's mass
   std::optional<double> plasticity;
 };
 
 struct BodyRegion {
   std::string name;
   Eigen::Vector3d min_m = Eigen::Vector3d::Zero(), max_m = Eigen::Vector3d::Zero();
-  bool boundary = false;               // all outer particles in place of the box; only for motions
-  bool fixed = false;                  // its material does not move
+  bool boundary = false;               // selects all outer particles instead of the box; only for motions
+  bool fixed = false;                  // the material does not move
   std::optional<RegionMotion> motion;  // excludes `fixed`
   std::optional<RegionMaterial> material;
-  // Force per area, world axes, on the body's faces in the box across the box's shortest edge: on the outer
+  // Force per area, world axes. Acts on the body's faces in the box across its shortest edge: the outer one
   // of the two.
   Eigen::Vector3d traction_pa = Eigen::Vector3d::Zero();
 
@@ -68,7 +68,7 @@ struct BodyRegion {
   }
 };
 
-// A region that is only fixed.
+// A region with `fixed` set and no other property.
 BodyRegion fixed_box(const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m);
 
 }  // namespace livegs

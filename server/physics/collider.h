@@ -9,7 +9,7 @@
 #include "geometry/field/distance_field.h"
 #include "geometry/mesh/triangle_tree.h"
 
-// What never moves and everything can touch.
+// Static collision geometry.
 
 namespace livegs {
 
@@ -18,27 +18,27 @@ struct RidgePoints;
 
 struct PlaneShape {};  // the half-space y <= 0 of the collider's frame is solid
 struct BoxShape {
-  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();              // full edge lengths, centred
-  std::shared_ptr<const ConvexPolyhedron> polyhedron = nullptr;  // the same; the World makes it
+  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();              // full edge lengths, centred on the origin
+  std::shared_ptr<const ConvexPolyhedron> polyhedron = nullptr;  // the same box; created by the World
 };
 struct SphereShape {
   double radius_m = 0.5;
 };
 struct FieldShape {
-  std::shared_ptr<const DistanceField>
-      field;  // a mesh or the captured background; immutable, shared by threads
-  std::shared_ptr<const RidgePoints> ridges = nullptr;  // what of it sticks out; none are felt without
-  // Of a surface that has no inside: the field is the distance to it on either side, the triangles give it
-  // near by, and what is nearer than this is solid.
+  // A mesh or the captured background; immutable, shared by threads.
+  std::shared_ptr<const DistanceField> field;
+  std::shared_ptr<const RidgePoints> ridges = nullptr;  // convex ridges; nullptr: none are tested
+  // Open surfaces only: the field is the unsigned distance, the triangles give the exact distance near the
+  // surface, and points closer than half_thickness_m are solid.
   std::shared_ptr<const TriangleTree> sheet = nullptr;
   double half_thickness_m = 0.0;
 };
-// What a point can jump over without being seen inside.
+// Minimum thickness of the solid, m. A point that moves farther per substep may tunnel through.
 double min_thickness_m(const FieldShape& shape);
 
-// A sphere trace advances by this part of a field's distance. Beyond its grid a field's distance is the way
-// to the grid and on from there, which may exceed the straight line by a factor of sqrt(2). Larger: a trace
-// may pass through a wall.
+// Safe fraction of a field's distance for one step of a sphere trace. Outside its grid the field returns the
+// distance to the grid plus the distance from there, up to sqrt(2) times the true one. Larger: a trace may
+// pass through a wall.
 inline constexpr double kFieldMarchFactor = 0.7;
 
 struct Collider {
@@ -48,15 +48,15 @@ struct Collider {
   double restitution = 0.2;
 };
 
-// Signed distance from a world point to the collider's surface (negative inside) and the unit normal there,
-// world frame, pointing out of the solid.
+// Signed distance from a world point to the collider's surface (negative inside) and the unit normal there
+// (world frame, out of the solid).
 struct SurfaceSample {
   double distance_m;
   Eigen::Vector3d normal;
 };
 SurfaceSample sample_surface(const Collider& collider, const Eigen::Vector3d& point_m);
 
-// The same of one collider for many points. Refers to the collider.
+// Samples one collider at many points. Keeps a reference to the collider.
 class ColliderProbe {
  public:
   explicit ColliderProbe(const Collider& collider);
@@ -74,7 +74,7 @@ class ColliderProbe {
   bool plane_;
 };
 
-// Of two touching things: friction is the geometric mean, restitution the larger one.
+// Material mixing of two bodies in contact: geometric mean of friction, maximum of restitution.
 double mixed_friction(double a, double b);
 double mixed_restitution(double a, double b);
 

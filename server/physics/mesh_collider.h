@@ -7,31 +7,30 @@
 
 namespace livegs {
 
-// Where a mesh sticks out: points along its convex edges, corners included, that may press into a face
-// between the points of what lies on them. In the mesh's frame.
+// Points along a mesh's convex edges, corners included, in the mesh's frame. They are tested against bodies
+// because an edge may press into a face between the body's contact points.
 struct RidgePoints {
   std::vector<Eigen::Vector3d> points_m;
   BoundingSphereTree tree;  // of points_m
 };
-// Along edges that turn by more than 30 degrees and those of one triangle only, at most `spacing_m` apart. A
-// groove is a ridge from behind, where there is a behind.
+// Samples edges with a dihedral angle of more than 30 degrees and boundary edges, at most `spacing_m` apart.
+// Concave edges are included for open surfaces, where the other side sees them as ridges.
 enum class ConcaveEdges { Skip, Include };
 RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m,
                          ConcaveEdges concave_edges = ConcaveEdges::Skip);
 
-// Both: a distance field of 64 cells along the longest side, and ridges at half a cell. Precondition: a
-// triangle with an area.
+// Both colliders have a distance field of 64 cells along the longest side and ridge points half a cell apart.
+// Precondition: at least one triangle has an area.
 
-// A closed mesh as a collider, exact where it is thin. Parts of it that are inside out are turned over; those
-// that face inwards within another are its hollows.
+// Solid collider of a closed mesh, exact at thin walls. Inside-out parts are flipped; parts that face inwards
+// inside another part are cavities.
 FieldShape mesh_collider(const TriangleMesh& mesh);
 
-// A mesh as a wall about its surface, solid for half its thickness on either side: of what is not closed
-// nobody can tell the inside, and of a room it is the inside that counts. Which way its triangles face makes
-// no difference.
+// Thin-wall collider of an open mesh (or a room): solid within half the wall thickness on either side of the
+// surface. The orientation of the triangles is ignored.
 FieldShape wall_collider(const TriangleMesh& mesh);
-// 4 mm, or a 64th of the length where that is less: thinner, and what is thrown at it gets through; thicker,
-// and what lies on it hovers.
+// Wall thickness, m: 4 mm, or 1/64 of the longest side if that is less. Thinner: fast objects tunnel.
+// Thicker: resting objects hover visibly.
 double wall_thickness_m(double longest_m);
 
 }  // namespace livegs

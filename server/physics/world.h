@@ -21,25 +21,26 @@
 #include "skin/driver_frame.h"
 #include "skin/rest_body.h"
 
-// Everything that moves, and the one substep loop that moves it. One thread owns a World; nothing in it
-// locks. step() uses several threads inside, and gives the same bits for any number of them.
+// The simulated world and its substep loop. One thread owns a World; there are no locks. step() uses several
+// threads internally, and its result does not depend on their number.
 
 namespace livegs {
 
 struct WorldSettings {
   Eigen::Vector3d gravity_m_s2{0, -9.81, 0};
-  double rate_hz = 90.0;  // ticks a second
-  int substeps = 4;       // a tick
+  double rate_hz = 90.0;  // ticks per second
+  int substeps = 4;       // per tick
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
-  double elastic_node_substeps = kMaxNodeSubsteps;  // a tick, of all elastic bodies (elastic_budget.h)
+  // Per tick, all elastic bodies together (elastic_budget.h).
+  double elastic_node_substeps = kMaxNodeSubsteps;
 };
 
 struct RigidBodyDescription {
   uint32_t object_id = 0;
   TriangleMesh mesh;          // object frame; closed
-  MassProperties properties;  // of 1 kg, object frame
-  // > 0: it is a sphere about its centre of mass and touches as one; the mesh is what breaks.
+  MassProperties properties;  // per kg, object frame
+  // > 0: a sphere about the centre of mass for contact; the mesh is only used for fracture.
   double sphere_radius_m = 0.0;
   Material material;
   Pose world_from_object;
@@ -57,36 +58,36 @@ struct BallDescription {
   double restitution = 0.6;
 };
 
-// A joint of a rigid object to the world, or to another rigid object. Points and directions are in the first
-// object's frame at rest; the joint is closed as the objects stand when it is added. The two do not touch
-// each other.
+// A joint of a rigid object to the world or to another rigid object. Points and directions are in the first
+// object's frame at rest. The joint is closed in the poses at the time of adding. Contact between the two
+// objects is disabled.
 struct BallJointDescription {
   uint32_t object_id = 0;
-  std::optional<uint32_t> other_id;  // none, or an object that never moves: the world
+  std::optional<uint32_t> other_id;  // none or a static object: the world
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
 };
 struct HingeJointDescription {
   uint32_t object_id = 0;
   std::optional<uint32_t> other_id;
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // any length but zero
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // any non-zero length
 };
 
-// A joint now. Errors are what is left of it: the distance of its two points, the angle between its two axes.
+// Current state of a joint. The errors are the distance of its two points and the angle between its two axes.
 struct JointState {
   uint32_t object_id = 0;
   std::optional<uint32_t> other_id;
   bool hinge = false;
-  Eigen::Vector3d point_m, axis;  // world; axis is zero for a ball joint
+  Eigen::Vector3d point_m, axis;  // world frame; axis is zero for a ball joint
   double error_m = 0, error_rad = 0;
-  double force_n = 0;  // that it bears, on average over the last substep
+  double force_n = 0;  // mean over the last substep
 };
 
 // One row of bodies.csv.
 struct BodyState {
   uint32_t object_id = 0;
-  uint32_t body_index = 0;  // within the object: 0 until it breaks
-  Pose world_from_body;     // the body's origin is its centre of mass, axes parallel to the object's at rest
+  uint32_t body_index = 0;  // within the object; 0 until it breaks
+  Pose world_from_body;     // origin: centre of mass; axes parallel to the object's at rest
   Eigen::Vector3d velocity_m_s, angular_velocity_rad_s;
   double mass_kg = 0;
   bool asleep = false;
@@ -97,9 +98,9 @@ struct WorldEvent {
   uint64_t tick = 0;
   WorldEventKind kind = WorldEventKind::Contact;
   uint32_t object_id = 0;
-  double impulse_n_s =
-      0;  // Contact: from other objects, summed over the tick, when above kReportedImpulse. Fracture: of
-          // impacts within 1/60 s and of what lasted, see rigid_blow.h; 0 when broken at will
+  // Contact: impulse from other objects, summed over the tick, if above kReportedImpulse_n_s. Fracture:
+  // impulse of impacts within 1/60 s and of sustained loads (impact_record.h); 0 after break_object().
+  double impulse_n_s = 0;
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
 };
 
@@ -107,11 +108,11 @@ struct RayHit {
   uint32_t object_id = 0;
   double distance_m = 0;
   Eigen::Vector3d rest_point_m;  // object frame, at rest
-  std::optional<uint32_t>
-      piece;  // of a broken object, one of the fragment that was met, the nearest to the point
+  // Broken objects only: the piece of the hit fragment that is nearest to the point.
+  std::optional<uint32_t> piece;
 };
 
-// Wall times of the last step, milliseconds.
+// Wall-clock times of the last step, milliseconds.
 struct StepTimes {
   double rigid_ms = 0, elastic_ms = 0, total_ms = 0;
 };
@@ -125,35 +126,35 @@ class World {
 
   const WorldSettings& settings() const;
 
-  // Ids are the caller's and unique; errors name the object's id and what is not physical.
+  // The caller chooses ids; they must be unique. Errors name the object's id and the invalid value.
   void add_collider(const Collider& collider);
   Result<void> add_static(uint32_t object_id, const Pose& world_from_object);
   Result<void> add_rigid(const RigidBodyDescription& description);
   Result<void> add_elastic(const ElasticBodyDescription& description);
   Result<void> add_ball(const BallDescription& description);
-  // Balls that have gone far; unknown ids are ignored. Forces and springs on it, and hands that hold it, go
-  // with it.
+  // Removes an object, for example a ball that is far away. Unknown ids are ignored. Forces, springs, grabs
+  // and joints of the object are removed too.
   void remove(uint32_t object_id);
 
-  // Errors name the objects. A joint goes when an object of it is removed.
+  // Errors name the objects. A joint is removed together with either of its objects.
   Result<void> add_ball_joint(const BallJointDescription& description);
   Result<void> add_hinge_joint(const HingeJointDescription& description);
-  std::vector<JointState> joints() const;  // in the order they were added
+  std::vector<JointState> joints() const;  // in the order of adding
 
-  // One tick: 1 / rate_hz seconds.
+  // Advances by one tick, 1 / rate_hz seconds.
   void step();
   uint64_t tick() const;
 
-  // A constant force (world frame) on a material point (rest object frame) from now until cleared. Ids are
-  // the caller's; setting one again replaces it. A force on an unknown object is ignored.
+  // Applies a constant force (world frame) at a material point (object frame at rest) until it is cleared.
+  // The caller chooses ids; an existing id is replaced. Forces on unknown objects are ignored.
   void set_force(uint64_t force_id, uint32_t object_id, const PointForce& force);
   void clear_force(uint64_t force_id);
-  // A material point is told by its place in the object at rest. Of a broken object it moves with the
-  // fragment that has `piece`, or, if none is told, the piece at that place: a point beside a surface, as a
-  // hand's is, may lie in the cell of another fragment than the one it was met with.
+  // A material point is specified by its position in the object at rest. In a broken object it moves with the
+  // fragment that contains `piece`, or without `piece` with the fragment at that position. Pass `piece` for
+  // points near a surface, such as a hand's: they may lie in the cell of another fragment.
 
-  // A spring of constant stiffness from a material point to a world point, damped critically for the mass it
-  // feels, its force bounded by max_force_n. Evaluated every substep.
+  // A spring of constant stiffness from a material point to a world point, critically damped for the
+  // effective mass, with its force bounded by max_force_n. Evaluated every substep.
   struct Spring {
     Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero(), target_m = Eigen::Vector3d::Zero();
     double stiffness_n_m = 50.0, max_force_n = 50.0;
@@ -161,81 +162,82 @@ class World {
   };
   void set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring);
   void clear_spring(uint64_t spring_id);
-  // The force a spring applied in the last substep, for the arrow a client draws; zero when there is none.
+  // Force of a spring in the last substep, for display; zero for unknown ids.
   Eigen::Vector3d spring_force_n(uint64_t spring_id) const;
 
-  // A hand closes on an object: from now on springs draw the material that is at the hand's place to where
-  // the hand is, and turn the object as the hand turns, from how both are now, so that nothing moves at
-  // first. Force and torque are bounded, wherever the hand goes. Of a broken object it holds the fragment
-  // whose surface is nearest, and of what breaks in the hand the one with the nearest piece. On an elastic
-  // object a few points about the hand are held instead of its orientation. Several hands may hold one
-  // object. Ids are the caller's, apart from those of set_spring; an id that is in use lets go first.
+  // Starts a grab: springs pull the material at the hand's position to the hand and rotate the object with
+  // it. Offsets are taken from the current poses, so there is no initial motion. Force and torque are bounded
+  // for any hand motion. A grab holds one body: in a broken object the fragment with the nearest surface, and
+  // after a break in the hand the fragment with the nearest piece. An elastic object is held at a few points
+  // near the hand instead of by its orientation. Several hands may hold one object. The caller chooses ids,
+  // independent of those of set_spring; an id in use is released first.
   struct Grip {
-    double frequency_hz = 8.0;  // of the object's whole mass on the springs, in air
+    double frequency_hz = 8.0;  // natural frequency of the whole mass on the springs, in air
     double max_force_n = 50.0, max_torque_n_m = 5.0;
   };
   Result<void> grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand, const Grip& grip);
-  // Where the hand is at the start of the next tick, and how it moves for `extrapolation_s` from then, at
-  // least during that tick: the time until it is likely to be heard of again. Then it stands. Not finite:
-  // ignored. Unknown ids are ignored too. What is let go flies on as it moves then.
+  // Pose of the hand at the start of the next tick and its velocity for `extrapolation_s` from then, at least
+  // for that tick. Set it to the expected time until the next update; afterwards the hand stops. Non-finite
+  // values and unknown ids are ignored. A released object keeps its velocity.
   void move_grab(uint64_t grab_id, const Pose& world_from_hand, const Eigen::Vector3d& velocity_m_s,
                  const Eigen::Vector3d& spin_rad_s, double extrapolation_s = 0.0);
   void release_grab(uint64_t grab_id);
   struct GrabState {
-    Eigen::Vector3d point_m;  // the material point that was at the hand's place, now
-    Eigen::Vector3d force_n,
-        torque_n_m;  // on the object, in the last substep; an elastic one has no torque of its own
-    std::optional<uint32_t> piece;  // of a broken object: it holds the fragment that has this one
+    Eigen::Vector3d point_m;  // current position of the material point at the hand
+    // Force and torque on the object in the last substep; the torque of an elastic object is zero.
+    Eigen::Vector3d force_n, torque_n_m;
+    std::optional<uint32_t> piece;  // broken objects: a piece of the held fragment
   };
-  std::optional<GrabState> grab_state(uint64_t grab_id) const;  // nothing: it holds nothing (any more)
+  std::optional<GrabState> grab_state(uint64_t grab_id) const;  // nullopt: no object is held
 
-  // The sum of the sizes of the impulses that contacts gave in the last tick, N s, to the body that has this
-  // point (rest object frame): the fragment of a broken object, else the whole. Resting is a contact.
+  // Sum of the magnitudes of the contact impulses of the last tick, N s, on the body with this point (object
+  // frame at rest): a fragment of a broken object, or the whole object. Resting contacts count.
   double contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
                              std::optional<uint32_t> piece = {}) const;
-  // Of that body, kg: what a hand that holds the point has to move. 0 for static and unknown objects.
+  // Mass of that body, kg. 0 for static and unknown objects.
   double mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
                     std::optional<uint32_t> piece = {}) const;
 
-  // The object that is nearest to a point and no farther than `reach_m`, static ones left out; `distance_m`
-  // is 0 inside. The rest point is the very point, beside the surface or not.
+  // Nearest non-static object within `reach_m` of a point; `distance_m` is 0 inside. The rest point is the
+  // queried point in the object frame; it is not projected onto the surface.
   std::optional<RayHit> nearest(const Eigen::Vector3d& point_m, double reach_m) const;
-  // The same of one object, however far it is: what grab() would hold. Nothing for static and unknown ones.
+  // The same for one object at any distance: the body that grab() would hold. nullopt for static and unknown
+  // ids.
   std::optional<RayHit> nearest_of(uint32_t object_id, const Eigen::Vector3d& point_m) const;
 
-  // What a ray from `origin_m` along the unit `direction` meets first within `max_distance_m`. Nothing where
-  // that is a collider or what stands still; those that hold `origin_m` are looked through.
+  // First object hit by the ray from `origin_m` along the unit `direction` within `max_distance_m`. nullopt
+  // if a collider or a static object is hit first. Colliders that contain `origin_m` are ignored.
   std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                                  double max_distance_m) const;
-  // Where a material point is now; the rest point itself for an unknown object.
+  // Current position of a material point; the rest point itself for an unknown object.
   Eigen::Vector3d world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
                               std::optional<uint32_t> piece = {}) const;
 
-  // Lets go of a fixed or moved region of an elastic object for good. Fails if there is none of that name.
+  // Releases a fixed or moved region of an elastic object permanently. Fails if the region does not exist.
   Result<void> release_region(uint32_t object_id, const std::string& region);
-  // The same behaviour only. Of an elastic object the cells stay, and its substeps keep to what others leave
-  // of elastic_node_substeps, or to an equal part of it if that is more. A rigid object that is fragile or
-  // has pieces needs a break_impulse_n_s of 1e-6 to 1e6.
+  // Changes the material; the behaviour must stay the same. Elastic objects keep their cells, and their
+  // substeps are limited to the unused part of elastic_node_substeps or an equal share of it, whichever is
+  // larger. Rigid objects that are fragile or have pieces need a break_impulse_n_s of 1e-6 to 1e6.
   Result<void> set_material(uint32_t object_id, const Material& material);
   const Material* material(uint32_t object_id) const;
 
-  // What a rigid object can break into (of the very mesh and fill it was added with); until then it does not
-  // break. From now on it does, if it is fragile, when the impulses of impacts on it, summed over 1/60 s
-  // wherever ticks end, with those of a millisecond of what lasts reach material().break_impulse_n_s: see
-  // rigid_blow.h. Its fragments break again, down to single pieces.
+  // Sets the pieces of a rigid object, cut from the mesh and fill it was added with; without pieces it does
+  // not break. A fragile object breaks if the impulses of impacts on it, summed over 1/60 s, plus one
+  // millisecond of sustained loads reach material().break_impulse_n_s (impact_record.h). Fragments break
+  // again, down to single pieces.
   Result<void> set_pieces(uint32_t object_id, std::shared_ptr<const BreakablePieces> pieces);
-  // Breaks it at a material point (rest object frame) as an impact of kForcedBreakFactor times what it bears
-  // would, without giving it any momentum. Fails, and says why, if there is nothing to break there.
+  // Breaks the object at a material point (object frame at rest) like an impact of kForcedBreakFactor times
+  // its threshold, without adding momentum. Fails with a reason if no bond breaks there.
   Result<void> break_object(uint32_t object_id, const Eigen::Vector3d& rest_point_m);
-  // The body (BodyState::body_index) of each piece; empty until the object breaks.
+  // BodyState::body_index of each piece; empty until the object breaks.
   std::span<const uint32_t> piece_bodies(uint32_t object_id) const;
-  uint32_t revision(uint32_t object_id) const;  // how often the object has broken
+  uint32_t revision(uint32_t object_id) const;  // number of fractures so far
 
-  // Without object_from_asset, which the scene fills in. Precondition: the object exists.
+  // Rest state without object_from_asset, which the scene adds. Precondition: the object exists.
   RestBody rest_body(uint32_t object_id) const;
-  DriverFrame drivers() const;  // objects in ascending id
+  DriverFrame drivers() const;  // objects by ascending id
   std::vector<BodyState> bodies() const;
-  const ElasticBody* elastic_body(uint32_t object_id) const;  // nullptr if it is not elastic
+  const ElasticBody* elastic_body(uint32_t object_id) const;  // nullptr if the object is not elastic
   BodyEnergy energy() const;
   std::vector<WorldEvent> take_events();
   StepTimes last_times() const;
@@ -245,7 +247,7 @@ class World {
   std::unique_ptr<State> state_;
 };
 
-// Contacts weaker than this over a tick are not reported as events.
+// Minimum impulse per tick of a reported contact event, N s. Larger: fewer events.
 inline constexpr double kReportedImpulse_n_s = 0.02;
 
 inline constexpr double kForcedBreakFactor = 2.5;

@@ -23,8 +23,8 @@
 #include "scene/scene_object.h"
 #include "skin/rest_body.h"
 
-// From a scene file, or a folder of assets, to a world that can be stepped and objects that can be drawn.
-// Used the same way by the server and by the offline tools.
+// Builds a world that can be stepped and objects that can be drawn from a scene file or a folder of assets.
+// Used by the server and by the offline tools.
 
 namespace livegs {
 
@@ -34,8 +34,8 @@ class SceneSource;  // livegs/v1/recording.proto
 class FragileTask;
 struct TriangleMesh;
 
-// A scene that runs. One thread owns it. `objects` grows when a ball is shot and shrinks when one is taken
-// away; ids are never used twice.
+// A running scene. Owned by one thread. `objects` grows when a ball is shot and shrinks when one is removed.
+// Ids are never reused.
 class Scene {
  public:
   Scene(Scene&&) noexcept;
@@ -43,61 +43,63 @@ class Scene {
   ~Scene();
   // `path` is a *.scene.json or a folder of assets. Errors name the file, the field and the remedy.
   static Result<Scene> load(const std::filesystem::path& path, const SceneOptions& options);
-  // The same from a parsed file; `folder` is what its paths are relative to.
+  // Builds a scene from a parsed file. Its paths are relative to `folder`.
   static Result<Scene> build(const v1::Scene& file, const std::filesystem::path& folder, std::string name,
                              const SceneOptions& options);
-  // The same from what source() said of a scene, with the assets in `folder`; its cuts are told.
+  // Rebuilds a scene from the result of source(), with the assets in `folder`. Cuts are applied by
+  // take_cuts() only.
   static Result<Scene> build_again(const v1::SceneSource& source, const std::filesystem::path& folder);
-  // What this was built from.
+  // Returns the input that this scene was built from.
   v1::SceneSource source() const;
 
-  // Applies the file's events that are due, then steps the world by one tick.
+  // Applies the file's events that are due, then advances the world by one tick.
   void step();
 
   World& world() { return *world_; }
   const World& world() const { return *world_; }
   const std::string& name() const { return name_; }
   const v1::Scene& file() const { return file_; }
-  const std::deque<SceneObject>& objects() const { return objects_; }  // ascending id; addresses stay
+  const std::deque<SceneObject>& objects() const { return objects_; }  // sorted by id; addresses are stable
   const SceneObject* find(std::string_view name) const;
   const SceneObject* find(uint32_t object_id) const;
-  // World bounds of all objects as they started, without the environment.
+  // World bounds of all objects in their initial poses, without the environment.
   const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
 
-  // Shoots a ball. The oldest is taken away when there are more than kMaxBalls.
+  // Shoots a ball. Removes the oldest one if there are more than kMaxBalls.
   const SceneObject& shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s);
-  // What every ball of every scene is drawn with. Any thread; the first call makes it.
+  // Returns the asset of all balls. Any thread; created by the first call.
   static const std::shared_ptr<const GaussianAsset>& ball_asset();
   static constexpr size_t kMaxBalls = 16;
 
-  // A force as the file's events have it, from the next tick on. Precondition: check_force() was content with
-  // it. Nothing happens when there is no such object.
+  // Applies a force event from the next tick on. Precondition: check_force() accepted it. Has no effect if
+  // the object does not exist.
   void apply_force(const v1::Event::Force& force);
 
-  // What an object is made of from the next tick on. It goes on as the kind of body it was built as: what of
-  // this holds only once the scene is loaded anew is told, a line each (lock_body_type).
+  // Sets the physical parameters of an object from the next tick on. The body type stays the same. Returns
+  // one line for each change that takes effect only after the scene is reloaded (lock_body_type).
   Result<std::vector<std::string>> set_physics(uint32_t object_id, v1::PhysicalParameters physics);
   BodyTypeLock body_type_lock(const SceneObject& object) const;
 
-  // Pieces of these objects, in this order, before the next step; waits for those that are still being made.
+  // Applies the cuts of these objects, in this order, before the next step. Blocks until they are ready.
   void take_cuts(std::span<const uint32_t> object_ids);
 
-  // Ids of objects that came, went or changed (broke, were cut, had their physics set) since the last call,
-  // for clients that are connected.
+  // Ids of objects that were added, removed or changed (broken, cut, new parameters) since the last call.
+  // Used to update connected clients.
   struct Changes {
     std::vector<uint32_t> added, removed, changed;
-    std::vector<uint32_t> cut;  // those whose pieces were done, in the order in which a step took them
+    std::vector<uint32_t> cut;  // objects whose pieces became ready, in the order that step() applied them
   };
   Changes take_changes();
 
  private:
   Scene();
   void apply(const v1::Event& event, uint64_t event_id);
-  Result<void> take_physics(SceneObject& object, v1::PhysicalParameters physics);  // of the same behaviour
-  void note_elastic(SceneObject& drawn) const;  // what its elastic body turned out to be
-  // Fragile objects: begins to cut them, takes what is done, and follows those that broke.
+  Result<void> take_physics(SceneObject& object,
+                            v1::PhysicalParameters physics);  // requires the same behaviour
+  void note_elastic(SceneObject& drawn) const;  // sets the stiffness report and mass of its elastic body
+  // Fragile objects: starts cuts, applies finished ones, and updates objects that broke.
   void begin_cut(const SceneObject& drawn);
-  void recut(const SceneObject& drawn);  // if it became fragile, or is to have another number of pieces
+  void recut(const SceneObject& drawn);  // if the object became fragile or its number of pieces changed
   void finish_cut(FragileTask& task);
   void apply_fractures();
   void report_recoveries();
@@ -113,15 +115,15 @@ class Scene {
   uint32_t next_id_ = 1;
   Eigen::AlignedBox3d bounds_m_;
   size_t next_event_ = 0;
-  uint64_t next_force_ = 0;                                    // of apply_force
-  std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id; in the order they began
-  std::map<size_t, GrabPath> paths_;                           // by the index of the event
+  uint64_t next_force_ = 0;                                    // counter of apply_force
+  std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id; in order of their start
+  std::map<size_t, GrabPath> paths_;                           // by event index
   ScriptedGrabs grabs_;
   std::deque<uint32_t> balls_;  // oldest first
   Changes changes_;
   std::vector<FragileTask> cutting_;
-  // Of rigid objects: the surface that is cut and the one that kernels lie on, and what they were last cut
-  // into.
+  // Rigid objects: the surface that is cut, the surface that the kernels lie on, and the settings of the last
+  // cut.
   struct Cuttable {
     std::shared_ptr<const TriangleMesh> mesh, fine;
     unsigned pieces = 0;
@@ -130,8 +132,7 @@ class Scene {
   std::map<uint32_t, Cuttable> cuttable_;
 };
 
-// What a path means, a scene file or a folder: what is to be built, what its paths are relative to, and what
-// it is called.
+// The scene that a path stands for, a scene file or a folder: its contents, base folder and name.
 struct SceneText {
   v1::Scene file;
   std::filesystem::path folder;
@@ -139,11 +140,11 @@ struct SceneText {
   bool of_file = false;
 };
 Result<SceneText> read_scene(const std::filesystem::path& path);
-// A scene file, checked as far as that goes without its assets. Comments (//, /* */) are allowed.
+// Reads and checks a scene file without opening its assets. Comments (//, /* */) are allowed.
 Result<v1::Scene> read_scene_file(const std::filesystem::path& path);
-// A force that a person applies: numbers, at most 1e5 N, for at most 60 s. InvalidArgument names the field.
+// Checks a force from a user: finite, at most 1e5 N, for at most 60 s. InvalidArgument names the field.
 Result<void> check_force(const v1::Event::Force& force);
-// A scene of every asset in a folder, standing in rows on a floor, all AUTO.
+// Makes a scene of all assets in a folder, in rows on a floor. All objects are AUTO.
 Result<v1::Scene> scene_of_folder(const std::filesystem::path& folder);
 
 }  // namespace livegs

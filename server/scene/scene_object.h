@@ -19,61 +19,64 @@
 namespace livegs {
 
 struct ObjectFacts;  // analysis/estimate.h
-struct BrokenAsset;  // scene/fragile_object.h
+struct BrokenAsset;  // scene/build/fragile_object.h
 
-// How a fragile object breaks.
+// Fracture state of a fragile object.
 struct Fragility {
-  uint32_t pieces = 0;           // it can break into; 0 while they are being made, or when it cannot be cut
-  uint32_t bodies = 1;           // it is in now
-  double break_impulse_n_s = 0;  // of the whole
-  double drop_height_m =
-      0;  // a free fall from here onto a hard floor that does not bounce back more than it breaks it
+  uint32_t pieces = 0;           // number of precut pieces; 0 until they are ready, or if it cannot be cut
+  uint32_t bodies = 1;           // number of bodies it currently consists of
+  double break_impulse_n_s = 0;  // impulse that breaks the unbroken object
+  double drop_height_m = 0;      // free fall onto a hard floor that breaks it, with its restitution
 };
 
-// One thing that is drawn. The environment is one too: it is `environment`, never moves and is never touched.
+// An object that is drawn. The environment is one too: `environment` is set, it never moves and has no
+// contacts.
 struct SceneObject {
   uint32_t id = 0;
   std::string name;
   bool environment = false;
-  std::shared_ptr<const GaussianAsset>
-      asset;  // shared with the service that sends it; broken->asset once it is broken
-  std::shared_ptr<const BrokenAsset> broken;  // of a fragile object, once prepared
-  std::optional<Fragility> fragility;         // of a fragile object
+  // Shared with the service that sends it; broken->asset after the object broke.
+  std::shared_ptr<const GaussianAsset> asset;
+  std::shared_ptr<const BrokenAsset> broken;  // fragile objects only, once prepared
+  std::optional<Fragility> fragility;         // fragile objects only
   RestBody rest;
-  v1::PhysicalParameters physics;      // with the source of each value
-  v1::Physics written;                 // the author's words in the scene file
-  std::filesystem::path physics_file;  // its sidecar, there or not (sidecar_paths.h); empty: it has none
-  std::shared_ptr<const v1::PhysicsFile>
-      sidecar;  // as it was read when the object was built; null without one
+  v1::PhysicalParameters physics;  // includes the source of each value
+  v1::Physics written;             // values given in the scene file
+  // Path of its sidecar, which may not exist (sidecar_paths.h); empty: none.
+  std::filesystem::path physics_file;
+  // Contents of the sidecar when the object was built; null if there was none.
+  std::shared_ptr<const v1::PhysicsFile> sidecar;
   double mass_kg = 0;
-  std::vector<Eigen::Vector3d> rest_particles_m;  // of an elastic body, object frame; empty otherwise
-  std::optional<ElasticAccuracy> elastic;         // of an elastic body, as it was built or last changed
-  std::string surface_note;           // how its surface was repaired or replaced; empty when it was not
+  std::vector<Eigen::Vector3d> rest_particles_m;  // elastic bodies only, object frame; else empty
+  std::optional<ElasticAccuracy> elastic;         // elastic bodies only, as built or last changed
+  std::string surface_note;           // how the surface was repaired or replaced; empty if it was not
   std::vector<std::string> warnings;  // found while it was built
-  std::shared_ptr<const ObjectFacts>
-      facts;  // what the analysis looked at; empty for the environment and balls
+  // Measurements used by the analysis; null for the environment and balls.
+  std::shared_ptr<const ObjectFacts> facts;
 
-  // What a person should know before it runs, a line each, without the object's name.
+  // Returns all warnings about the object, one line each, without its name.
   std::vector<std::string> all_warnings() const;
 };
 
 struct SceneOptions {
-  std::optional<double> rate_hz;  // override the scene's
+  std::optional<double> rate_hz;  // overrides the scene's value
   std::optional<int> substeps;
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
-  uint64_t seed = 1;            // of the cuts of fragile objects
-  bool wait_for_pieces = true;  // before load() returns; else they break only once their pieces are made
-  uint32_t first_object_id =
-      1;                    // of objects and balls: a scene that takes another's place has none of its ids
-  bool cut_fragile = true;  // false: nothing breaks, for those who only look
-  // By object, in place of the sidecars on disk; an object that is not in it has none. Null: those on disk.
+  uint64_t seed = 1;  // seed of the cuts of fragile objects
+  // load() waits until all pieces are ready; false: objects can break only once they are.
+  bool wait_for_pieces = true;
+  // First id of objects and balls. A scene that replaces another one starts above the ids of that scene.
+  uint32_t first_object_id = 1;
+  bool cut_fragile = true;  // false: no object breaks, for read-only uses
+  // Sidecars by object, used in place of those on disk; an object without an entry has none. Null: use the
+  // disk.
   std::shared_ptr<const std::map<std::string, v1::PhysicsFile>> sidecars;
-  // Called for each object as it is built, before the rest is: without id and rest. On any thread, one at a
-  // time.
+  // Called after each object is built, before the whole scene is. Id and rest are not set. Any thread; calls
+  // are serialised.
   std::function<void(const SceneObject&)> built;
-  bool recorded_cuts =
-      false;  // pieces that load() did not wait for come by take_cuts() alone, to simulate a run again
+  // Simulates a recorded run again: cuts that load() did not wait for are applied by take_cuts() only.
+  bool recorded_cuts = false;
 };
 
 }  // namespace livegs

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 21 and 22. References: Timoshenko's beam at nu 0; at nu 0.45, where the clamp holds the section's
-// width, the 3-D bar itself on finer and finer lattices (cantilever.h, cantilever_reference_test.cpp);
+// Scenes 21 and 22. References: Timoshenko's beam at nu 0; at nu 0.45, where the clamp prevents the section
+// from contracting, the 3-D bar on refined lattices (cantilever.h, cantilever_reference_test.cpp);
 // Saint-Venant's torsion.
 #include "accuracy/scene_checks.h"
 #include "known_gaps.h"
@@ -10,8 +10,8 @@
 namespace livegs::study {
 namespace {
 
-TEST(Cantilever, SagsByTimoshenkoAtNuZero) {
-  // Bar 3 % at 4 and 8 layers; the converged element is at .996 and .997.
+TEST(Cantilever, MatchesTimoshenkoAtNuZero) {
+  // Bar 3 % at 4 and 8 layers.
   for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz, 0.025), chosen(1e4, 0.0, rate_hz, 0.0125),
                                       chosen(1e5, 0.0, rate_hz, 0.025)}) {
@@ -20,15 +20,15 @@ TEST(Cantilever, SagsByTimoshenkoAtNuZero) {
   }
 }
 
-TEST(Cantilever, SagsByTheConvergedReferenceAtNu045) {
+TEST(Cantilever, MatchesTheConvergedReferenceAtNu045) {
   for (const double rate_hz : kRates_hz) {
     const study::Setup setup = chosen(1e4, 0.45, rate_hz, 0.025);
     expect_within_bar(run(cantilever(setup)), "deflection", setup);
   }
 }
 
-TEST(Torsion, TwistsBySaintVenant) {
-  // Bars 8 % at 4 layers, 4 % at 8; the converged element is at .967 and .991.
+TEST(Torsion, MatchesSaintVenant) {
+  // Bars: 8 % at 4 layers, 4 % at 8.
   for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz, 0.025), chosen(1e4, 0.3, rate_hz, 0.025),
                                       chosen(1e4, 0.0, rate_hz, 0.0125), chosen(1e4, 0.3, rate_hz, 0.0125),
@@ -38,9 +38,8 @@ TEST(Torsion, TwistsBySaintVenant) {
   }
 }
 
-TEST(Torsion, OfTwoLayersIsTooStiffAsChosen) {
-  // The cells it chooses are half the bar's thickness, and two layers of the converged element are too stiff
-  // by 12 %.
+TEST(Torsion, TwoLayersAreTooStiff) {
+  // The chosen cells are half as thick as the bar, and a converged element with two layers is too stiff.
   for (const double rate_hz : kRates_hz) {
     for (const double youngs_modulus_pa : {1e4, 1e5}) {
       const study::Setup setup = chosen(youngs_modulus_pa, 0.3, rate_hz, 0.0);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How clamp_stiffening's figures are made: the same bar on lattices of 4, 8 and 16 layers, at Courant numbers
-// so small that the lattice is the only error left, extrapolated to none by the rate at which it falls
-// (Aitken: stress is singular along the clamped edge, so the rate is nearer 1.4 than the element's 2).
+// Computes the references of clamp_stiffening: the same bar on lattices of 4, 8 and 16 layers, at Courant
+// numbers so small that only the lattice error remains. The limit is extrapolated from the rate of
+// convergence (Aitken); the stress singularity at the clamped edge reduces the rate from the element's 2 to
+// about 1.4.
 #include <cstdio>
 
 #include "accuracy/scene_checks.h"
@@ -10,7 +11,7 @@
 namespace livegs::study {
 namespace {
 
-TEST(CantileverReference, IsWhatFinerLatticesConvergeTo) {
+TEST(CantileverReference, IsTheLimitOfRefinedLattices) {
   for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
     double found[3];
     for (int i = 0; i < 3; ++i) {
@@ -20,7 +21,7 @@ TEST(CantileverReference, IsWhatFinerLatticesConvergeTo) {
     const double falls = (found[1] - found[0]) / (found[2] - found[1]);
     const double limit = found[2] + (found[2] - found[1]) / (falls - 1.0);
     std::printf("nu %.2f: %.4f %.4f %.4f, limit %.4f\n", poisson_ratio, found[0], found[1], found[2], limit);
-    // Half of what is still missing at 16 layers.
+    // Half of the remaining error at 16 layers.
     EXPECT_NEAR(limit, clamp_stiffening(poisson_ratio), 0.002) << "nu " << poisson_ratio;
   }
 }

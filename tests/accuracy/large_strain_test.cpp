@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes 24 and 27, affine boundary motions and two materials. References: closed forms of the material
-// itself (uniaxial.h, plastic_set.h), the boundary's own matrix, stress over each part's E.
+// (uniaxial.h, plastic_set.h), the matrix of the boundary, and stress divided by E of each part.
 #include "accuracy/scene_checks.h"
 #include "known_gaps.h"
 #include "study/elastic_scenes/plastic_set.h"
@@ -11,8 +11,8 @@
 namespace livegs::study {
 namespace {
 
-TEST(Squash, LosesTheVolumeThatItsMaterialLoses) {
-  // 30 % between frictionless plates at nu 0.45: V / V0 = 0.954, bar 1 % at Courant numbers up to 0.28.
+TEST(Squash, MatchesTheVolumeOfTheMaterial) {
+  // 30 % between frictionless plates at nu 0.45; bar 1 % at Courant numbers up to 0.28.
   for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup :
          {setup_of(1e4, 0.45, rate_hz, 8, 0.025), setup_of(1e5, 0.45, rate_hz, 32, 0.025)}) {
@@ -24,8 +24,8 @@ TEST(Squash, LosesTheVolumeThatItsMaterialLoses) {
   }
 }
 
-TEST(Squash, LosesAFewPerCentMoreAtTheChosenSubsteps) {
-  // A squashed cell is stiffer than its rest, and what a substep leaves undone grows with the square of its
+TEST(Squash, VolumeAtTheChosenSubsteps) {
+  // A compressed cell is stiffer than at rest, and the residual of a substep grows with the square of its
   // length.
   for (const double rate_hz : kRates_hz) {
     const study::Setup setup = chosen(1e5, 0.45, rate_hz, 0.025);
@@ -34,8 +34,8 @@ TEST(Squash, LosesAFewPerCentMoreAtTheChosenSubsteps) {
   }
 }
 
-TEST(Squash, LosesNoMoreInTheChosenCells) {
-  // Two layers, at the substeps they need.
+TEST(Squash, VolumeInTheChosenCells) {
+  // Two layers, with the substeps they need.
   for (const double rate_hz : kRates_hz) {
     const study::Setup setup = chosen(1e5, 0.45, rate_hz, 0.0);
     const Outcome outcome = run(squash(setup));
@@ -77,7 +77,7 @@ TEST(AffineRamp, ReachesTheInteriorAtTheChosenSubsteps) {
 
 TEST(TwoMaterials, ShareTheStrainByTheirModuli) {
   for (const double rate_hz : kRates_hz) {
-    for (const double joint_m : {0.0, 0.011}) {  // between cells, and through them
+    for (const double joint_m : {0.0, 0.011}) {  // between cells, and inside cells
       const study::Setup setup = setup_of(1e4, 0.3, rate_hz, 8, 0.025);
       const Outcome outcome = run(two_materials(setup, joint_m));
       expect_within_bar(outcome, "soft_strain", setup);
@@ -86,10 +86,10 @@ TEST(TwoMaterials, ShareTheStrainByTheirModuli) {
   }
 }
 
-// Of a block that keeps its volume while it is stretched: 0.128, 0.108 and 0.099 at these three, by
-// set_of_stretch. Strain minus yield, 0.2 - 0.1, is that of simple tension (below): at the same stretch
-// along, sides that give way by 1/sqrt(l) strain it more.
-TEST(PlasticSet, KnowsNeitherSubstepsNorTheRateOfLoading) {
+// Expected plastic strains of set_of_stretch for a block stretched at constant volume. They differ from
+// strain minus yield, which is for simple tension (below): at equal stretch along, sides contracting by
+// 1/sqrt(l) are strained more.
+TEST(PlasticSet, IsIndependentOfSubstepsAndLoadingRate) {
   for (const double poisson_ratio : gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45})) {
     for (const double speed : {1.0, 10.0}) {
       for (const double rate_hz : kRates_hz)
@@ -104,7 +104,7 @@ TEST(PlasticSet, KnowsNeitherSubstepsNorTheRateOfLoading) {
 }
 
 TEST(PlasticSet, IsStrainMinusYieldInTension) {
-  // The volume term resists what has set less across than along: BarSetsAtStrainMinusYield
+  // The volume term resists where less has set across than along: BarSetsAtStrainMinusYield
   // (plastic_flow_test.cpp).
   constexpr double kBar = 0.02;
   for (const double yield : {0.05, 0.1}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 8 and 23 and the pulse in a thin bar, all undamped. References: the axial mode and the wave of a bar
-// at nu 0, sqrt(E / rho); the physical pendulum.
+// Scenes 8 and 23 and the pulse in a thin bar, all undamped. References: the axial mode and the wave speed of
+// a bar at nu 0, sqrt(E / rho); the physical pendulum.
 #include <cmath>
 
 #include "accuracy/scene_checks.h"
@@ -13,7 +13,7 @@ namespace livegs::study {
 namespace {
 
 TEST(RingDown, KeepsFrequencyAndAmplitudeAtTheChosenSubsteps) {
-  // 1 % of the frequency, 0.9 of the amplitude after five periods, and never a gain.
+  // Bars: 1 % of the frequency, 0.9 of the amplitude after five periods, and never a gain.
   for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz, 0.025), chosen(1e5, 0.0, rate_hz, 0.025)}) {
       const Outcome outcome = run(ring_down(setup));
@@ -24,8 +24,8 @@ TEST(RingDown, KeepsFrequencyAndAmplitudeAtTheChosenSubsteps) {
   }
 }
 
-TEST(RingDown, LosesLittleMoreWithTwoCellsAcross) {
-  // Bars as above. Eight cells of 50 mm along the bar have a dispersion of (pi/8)²/24 = 0.6 % of their own.
+TEST(RingDown, LossWithTwoCellsIsSmall) {
+  // Bars as above. Eight cells of 50 mm along the bar have a dispersion of (pi/8)²/24 = 0.6 %.
   for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz), chosen(1e5, 0.0, rate_hz),
                                       chosen(1e6, 0.0, rate_hz), chosen(1e6, 0.0, rate_hz, 0.05)}) {
@@ -38,7 +38,7 @@ TEST(RingDown, LosesLittleMoreWithTwoCellsAcross) {
   }
 }
 
-TEST(Pulse, TravelsAtTheSpeedOfSoundInABarWhenTheStepResolvesIt) {
+TEST(Pulse, TravelsAtTheWaveSpeedIfResolved) {
   for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup :
          {setup_of(1e4, 0.0, rate_hz, 8, 0.025), chosen(1e5, 0.0, rate_hz, 0.025)}) {
@@ -48,7 +48,7 @@ TEST(Pulse, TravelsAtTheSpeedOfSoundInABarWhenTheStepResolvesIt) {
 }
 
 TEST(Pendulum, KeepsItsEnergy) {
-  // 1 % of the swing's energy in 10 s, from 5 and from 60 degrees.
+  // Bar: 1 % of the energy in 10 s, from 5 and from 60 degrees.
   for (const double amplitude_rad : {M_PI / 36, M_PI / 3}) {
     for (const double rate_hz : kRates_hz) {
       const study::Setup setup = chosen(1e6, 0.3, rate_hz, 0.05);
@@ -57,10 +57,9 @@ TEST(Pendulum, KeepsItsEnergy) {
   }
 }
 
-TEST(Pendulum, SwingsInTimeButForTheInertiaOfLumpedMasses) {
-  // A lattice's masses stand at the corners of its cells, so a body turns as if its moment of inertia were m
-  // a² / 3 larger. With that in the reference the bar is 0.1 %; without it the period is 0.2 % too long at 25
-  // mm, 0.9 % at 50.
+TEST(Pendulum, PeriodIncludesLumpedMassInertia) {
+  // Lattice masses are at the corners of cells, which increases the moment of inertia by m a² / 3. The
+  // reference includes this, with a bar of 0.1 %.
   for (const double width_m : {0.025, 0.05}) {
     const study::Setup setup = chosen(1e6, 0.3, 60.0, width_m);
     const Outcome outcome = run(pendulum(setup));

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the chart says of the other methods, and that it compares like with like.
+// Checks that the chart compares equal settings of the peers.
 #include "accuracy/scene_checks.h"
 #include "study/elastic_scenes/tension.h"
 
 namespace livegs::study {
 namespace {
 
-TEST(Bullet, ShowsTheModulusAskedForInTension) {
-  // Linear tetrahedra have uniform strain exactly.
+TEST(Bullet, HasTheRequestedModulusInTension) {
+  // Linear tetrahedra represent uniform strain exactly.
   study::Setup setup = setup_of(1e5, 0.3, 60.0, 4, 0.05);
   setup.engine = Engine::Bullet;
   const Outcome outcome = run(tension(setup));

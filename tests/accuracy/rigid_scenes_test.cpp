@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 2, 3, 6, 9, 16, 29 and breaking at 4 substeps: each bar is the catalogue's, each reference the
-// closed form that study/rigid_scenes.h names. Tests of single settings and of single bodies are with the
-// solver's own tests.
+// Scenes 2, 3, 6, 9, 16, 29 and breaking at 4 substeps. Bars are those of the catalogue, references the
+// closed forms in study/harness/rigid_scenes.h. Single settings and single bodies are tested with the solver.
 #include "accuracy/rigid_checks.h"
 #include "known_gaps.h"
 
 namespace livegs::study {
 namespace {
 
-TEST(Incline, HoldsSlidesAndNeverCreepsOverAllFrictions) {
+TEST(Incline, SlidesAtTheFrictionAngle) {
   for (const double rate_hz : kRates_hz) {
     const RigidSetup setup{.rate_hz = rate_hz};
     const RigidOutcome outcome = run(incline(setup));
@@ -17,7 +16,7 @@ TEST(Incline, HoldsSlidesAndNeverCreepsOverAllFrictions) {
   }
 }
 
-TEST(Stopping, IsWhereFrictionSaysAndStays) {
+TEST(Stopping, MatchesFrictionAndStaysAtRest) {
   for (const double rate_hz : kRates_hz) {
     const RigidSetup setup{.rate_hz = rate_hz};
     const RigidOutcome outcome = run(stopping(setup));
@@ -25,7 +24,7 @@ TEST(Stopping, IsWhereFrictionSaysAndStays) {
   }
 }
 
-TEST(RollingBox, AcceleratesByTheClosedFormInEveryDirection) {
+TEST(RollingBox, MatchesTheClosedFormInEveryDirection) {
   for (const double rate_hz : kRates_hz) {
     const RigidSetup setup{.rate_hz = rate_hz};
     const RigidOutcome outcome = run(rolling_box(setup));
@@ -33,7 +32,7 @@ TEST(RollingBox, AcceleratesByTheClosedFormInEveryDirection) {
   }
 }
 
-TEST(Tumbling, KeepsEnergyMomentumAndTime) {
+TEST(Tumbling, KeepsEnergyMomentumAndFlipTime) {
   for (const double rate_hz : kRates_hz) {
     const RigidSetup setup{.rate_hz = rate_hz};
     const RigidOutcome outcome = run(tumbling(setup));
@@ -42,7 +41,7 @@ TEST(Tumbling, KeepsEnergyMomentumAndTime) {
   }
 }
 
-// dominoes_reference_test says how far the reference has converged.
+// dominoes_reference_test verifies the convergence of the reference.
 TEST(Dominoes, FallAtTheConvergedSpeed) {
   for (const double rate_hz : kRates_hz) {
     const RigidSetup setup{.rate_hz = rate_hz};
@@ -64,7 +63,7 @@ TEST(BreakHeight, IsTheClosedForm) {
   }
 }
 
-TEST(SoftDepth, IsTheConvergedOne) {
+TEST(SoftDepth, MatchesTheConvergedDepth) {
   for (const double rate_hz : kRates_hz) {
     for (const double cell_width_m : {0.0, 0.025}) {
       const RigidSetup setup{.rate_hz = rate_hz, .parameter = cell_width_m};

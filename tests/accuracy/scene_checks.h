@@ -12,18 +12,18 @@
 #include "rates.h"
 #include "study/harness/setup.h"
 
-// The canonical scenes as tests: each runs through the seam that the world uses, each bar stands beside its
-// closed form or converged reference.
+// The canonical scenes as tests, run through the same interface as in the world. Each bar belongs to a closed
+// form or a converged reference.
 
 namespace livegs::study {
 
-// Stiffnesses out of reach are part of these tests; a warning for each would bury what fails.
+// Stiffnesses out of reach are intended here; their warnings would hide failures.
 inline const bool kQuietLog = [] {
   set_log_level(LogLevel::Error);
   return true;
 }();
 
-// The outcome of a scene that must be runnable.
+// The outcome of a supported scene; fails the test otherwise.
 inline Outcome run(Result<Outcome> outcome) {
   if (outcome) return std::move(*outcome);
   std::fprintf(stderr, "%s\n", outcome.error().message.c_str());
@@ -42,7 +42,7 @@ inline Setup setup_of(double youngs_modulus_pa, double poisson_ratio, double rat
   return setup;
 }
 
-// The scene's 4 substeps; the body takes what more it needs, and its own cells where no width is given.
+// The default 4 substeps. The body adds substeps if needed, and chooses its cells if no width is given.
 inline Setup chosen(double youngs_modulus_pa, double poisson_ratio, double rate_hz,
                     double cell_width_m = 0.0) {
   Setup setup = setup_of(youngs_modulus_pa, poisson_ratio, rate_hz, 4, cell_width_m);
@@ -50,11 +50,11 @@ inline Setup chosen(double youngs_modulus_pa, double poisson_ratio, double rate_
   return setup;
 }
 
-// What was asked for, and what the body made of it.
+// Requested settings and the resulting ones.
 inline std::string text_of(const Setup& setup, const Outcome& outcome) {
   char text[240];
   std::snprintf(text, sizeof text,
-                "E %g Pa, nu %g, %g Hz, %d substeps%s, cells %g m: took %d of %g m, Courant %.2f, says %s, "
+                "E %g Pa, nu %g, %g Hz, %d substeps%s, cells %g m: used %d of %g m, Courant %.2f, band %s,  "
                 "%.3f to %.3f",
                 setup.youngs_modulus_pa, setup.poisson_ratio, setup.rate_hz, setup.substeps,
                 setup.cells.choose ? " or more" : "", setup.cell_width_m, outcome.accuracy.substeps,
@@ -65,8 +65,8 @@ inline std::string text_of(const Setup& setup, const Outcome& outcome) {
 
 inline void expect_within_bar(const Outcome& outcome, const std::string& quantity, const Setup& setup) {
   const Measurement& m = outcome[quantity];
-  EXPECT_LE(m.error, m.bar) << quantity << " is " << m.measured << " for " << m.reference << "; "
-                            << text_of(setup, outcome);
+  EXPECT_LE(m.error, m.bar) << quantity << ": measured " << m.measured << " for reference " << m.reference
+                            << "; " << text_of(setup, outcome);
 }
 
 }  // namespace livegs::study

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene 20 at eight layers, which tension_test.cpp leaves out for time.
+// Scene 20 at eight layers, which would take too long in tension_test.cpp.
 #include <vector>
 
 #include "accuracy/scene_checks.h"
@@ -10,7 +10,7 @@
 namespace livegs::study {
 namespace {
 
-TEST(TensionFine, ShowsItsModulusWhereverTheProgramCallsItExact) {
+TEST(TensionFine, HasTheModulusWhereCalledExact) {
   int count = 0;
   for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
     for (const double poisson_ratio : {0.0, 0.3, 0.45}) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene 20: Young's modulus and Poisson's ratio that a bar shows against those asked for, by the closed form
-// of the material under uniaxial stress (uniaxial.h). Over every setting that the program itself calls exact
-// 5 % and 0.02; elsewhere inside the band that it states, and 10 % about the ceiling of what it clipped.
+// Scene 20: measured Young's modulus and Poisson's ratio of a bar compared with the requested ones, by the
+// closed form of the material under uniaxial stress (uniaxial.h). Tolerances: 5 % and 0.02 for every setting
+// that the program calls exact; otherwise the stated band, and 10 % around the ceiling of a clipped setting.
 #include "study/elastic_scenes/tension.h"
 
 #include <limits>
@@ -13,9 +13,8 @@
 namespace livegs::study {
 namespace {
 
-// What is announced before running holds: exact, a band with 1 % for the measurement, a ceiling within 10 %.
-// Goal: one ceiling, within 10 %; a body that chooses for itself keeps that, at cells and substeps given by
-// hand the ceiling has a range.
+// Checks the stated accuracy: exact, a band plus 1 % for the measurement, or a ceiling within 10 %. A body
+// that chooses its own settings has a single ceiling; with given cells and substeps, the ceiling has a range.
 void expect_as_described(const study::Setup& setup, const Outcome& outcome) {
   const ElasticAccuracy& accuracy = outcome.accuracy;
   const double modulus = outcome["youngs_modulus"].measured;
@@ -31,18 +30,18 @@ void expect_as_described(const study::Setup& setup, const Outcome& outcome) {
 
 class Tension : public testing::TestWithParam<std::tuple<double, double>> {};
 
-TEST_P(Tension, IsWhatTheBodySays) {
+TEST_P(Tension, MatchesTheStatedAccuracy) {
   const auto [youngs_modulus_pa, poisson_ratio] = GetParam();
   std::vector<study::Setup> setups;
   for (const double rate_hz : kRates_hz) {
-    setups.push_back(chosen(youngs_modulus_pa, poisson_ratio, rate_hz));         // its own cells and substeps
-    setups.push_back(chosen(youngs_modulus_pa, poisson_ratio, rate_hz, 0.025));  // its own substeps
+    setups.push_back(chosen(youngs_modulus_pa, poisson_ratio, rate_hz));         // own cells and substeps
+    setups.push_back(chosen(youngs_modulus_pa, poisson_ratio, rate_hz, 0.025));  // own substeps
     for (const double width_m : gate_or_full<double>({0.025, 0.1}, {0.025, 0.05, 0.1})) {
       for (const int substeps : gate_or_full<int>({1, 4, 16}, {1, 2, 4, 8, 16, 32, 64})) {
         setups.push_back(setup_of(youngs_modulus_pa, poisson_ratio, rate_hz, substeps, width_m));
       }
     }
-    // Particles nearer together and farther apart than the 25 mm of all others.
+    // Particle spacings smaller and larger than the default 25 mm.
     for (const double spacing_m : {0.0125, 0.05}) {
       std::vector<study::Setup> spaced = {chosen(youngs_modulus_pa, poisson_ratio, rate_hz),
                                           chosen(youngs_modulus_pa, poisson_ratio, rate_hz, 0.05)};
@@ -72,8 +71,7 @@ TEST_P(Tension, IsWhatTheBodySays) {
       EXPECT_NEAR(shown_pa / accuracy.reached_youngs_modulus_pa, 1.0, 0.1) << text_of(setup, outcome);
     }
   }
-  // Independent of substeps, cells, rate and spacing of particles: figures that are called exact differ by 5
-  // % at most.
+  // Settings that are called exact differ by at most 5 %, over substeps, cells, rates and particle spacings.
   if (youngs_modulus_pa > 1e7) {
     EXPECT_TRUE(exact_of_spacing.empty());
     return;
@@ -93,11 +91,10 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(name);
     });
 
-// Blocks and cubes of few cells, given and chosen: what pulls at them pulls at nodes that no other cell
-// holds.
+// Blocks and cubes of few cells, given and chosen. Loads act on nodes that belong to a single cell.
 class TensionOfBlocks : public testing::TestWithParam<std::tuple<int, int>> {};
 
-TEST_P(TensionOfBlocks, IsWhatTheBodySays) {
+TEST_P(TensionOfBlocks, MatchesTheStatedAccuracy) {
   const auto [along, across] = GetParam();
   const double longest_m = 0.1, width_m = longest_m / std::max(along, across);
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
@@ -132,7 +129,7 @@ TEST_P(TensionOfBlocks, IsWhatTheBodySays) {
       }
     }
   }
-  EXPECT_GE(exact, full_sets() ? 10 * static_cast<int>(kRates_hz.size()) : 1);  // of 54 a rate
+  EXPECT_GE(exact, full_sets() ? 10 * static_cast<int>(kRates_hz.size()) : 1);  // of 54 per rate
   EXPECT_LE(most / least - 1.0, 0.05) << least << " to " << most;
 }
 INSTANTIATE_TEST_SUITE_P(
@@ -145,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
              "Across";
     });
 
-// What is called exact is no corner: all of 1e4 to 1e6 Pa, with cells and substeps left to the program.
+// The exact range is not empty: it includes 1e4 to 1e6 Pa with chosen cells and substeps.
 TEST(TensionChosen, IsExactUpToAMegapascal) {
   for (const double rate_hz : kRates_hz) {
     for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {

@@ -8,7 +8,7 @@
 
 namespace livegs {
 
-// A fragile block that falls apart after a second, on a floor.
+// A fragile block on a floor. A scene event breaks it after `breaks_after_s`.
 inline Scene breaking_scene(double rate_hz = 90, uint32_t first_object_id = 1, double breaks_after_s = 1) {
   v1::Scene file;
   const auto parsed = google::protobuf::util::JsonStringToMessage(R"({
@@ -29,7 +29,7 @@ inline Scene breaking_scene(double rate_hz = 90, uint32_t first_object_id = 1, d
   return std::move(*scene);
 }
 
-// A wooden box and a soft cube, a metre apart on a floor, made of shapes: no assets are needed.
+// A rigid box and a soft cube, 1 m apart on a floor. Both are shapes, so the scene needs no assets.
 inline Scene box_scene(double rate_hz = 90, double box_size_m = 0.2, uint32_t first_object_id = 1) {
   v1::Scene file;
   const auto parsed = google::protobuf::util::JsonStringToMessage(R"({

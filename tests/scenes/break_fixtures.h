@@ -9,7 +9,7 @@
 #include "scenes/rigid_fixtures.h"
 #include "server/geometry/fracture/fracture_shapes.h"
 
-// A small cup of a quarter of a kilogram that breaks, for tests of breaking.
+// Fixtures of the fracture tests: a small fragile cup of 0.25 kg and its pieces.
 
 namespace livegs::break_fixtures {
 
@@ -40,7 +40,7 @@ inline const std::shared_ptr<const BreakablePieces>& cup_pieces() {
   return pieces;
 }
 
-// Its bottom at the height.
+// The cup with its bottom at `height_m`.
 inline RigidBodyDescription cup_at(double height_m, double restitution = 0.2) {
   RigidBodyDescription cup = body_of(kCup, small_cup(), kMass_kg);
   cup.material.fragile = true;

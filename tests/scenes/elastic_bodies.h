@@ -13,7 +13,7 @@
 #include "physics/elastic_body.h"
 #include "rates.h"
 
-// Bodies of the elastic tests: regular grids of particles, and the bar of physics.md section 2.
+// Bodies of the elastic tests: regular grids of particles, and the bar of section 2 of physics.md.
 
 namespace livegs::test {
 
@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 inline const Vector3d kNoGravity = Vector3d::Zero();
 inline const Vector3d kGravity{0, -9.81, 0};
 
-// Particles at the centres of the voxels of a box of full edges `size_m` about the origin.
+// Particles at the voxel centres of a box centred on the origin. `size_m` holds full edge lengths.
 inline ParticleSet particle_grid(const Vector3d& size_m, double spacing_m) {
   ParticleSet set;
   set.spacing_m = spacing_m;
@@ -64,7 +64,7 @@ inline ElasticBodyDescription describe_bar(double youngs_modulus_pa, double pois
                   poisson_ratio, cell_width_m);
 }
 
-// A body with what acts on it and the scene's clock.
+// An elastic body, the loads and colliders that act on it, and the scene's clock.
 struct Stage {
   double rate_hz = 60.0;
   int substeps = 4;
@@ -112,7 +112,7 @@ struct Stage {
   }
 };
 
-// Equal forces on a regular grid of points over the face x = const of the bar: a uniform traction.
+// A uniform traction on the bar's face x = `x_m`: equal forces on a regular grid of points.
 inline void add_end_traction(std::vector<PointForce>& forces, double x_m, double traction_pa) {
   constexpr int n = 8;
   const double force_n = traction_pa * kBarWidth_m * kBarWidth_m / (n * n);

@@ -10,7 +10,7 @@
 #include "physics/world.h"
 #include "rates.h"
 
-// Bodies and worlds of the rigid tests. VR sizes: a box of 10 cm unless a test says otherwise.
+// Bodies and worlds of the rigid tests, at VR sizes: boxes of 0.1 m unless a test says otherwise.
 
 namespace livegs::rigid_fixtures {
 
@@ -51,14 +51,14 @@ inline Collider floor_plane(double friction = 0.5, double restitution = 0.0) {
   return collider;
 }
 
-// A plane through the origin that falls towards +x.
+// A plane through the origin that slopes down towards +x.
 inline Collider incline(double angle_rad, double friction) {
   Collider collider{PlaneShape{}, Pose{}, friction, 0.0};
   collider.world_from_collider.orientation = Eigen::AngleAxisd(-angle_rad, Eigen::Vector3d::UnitZ());
   return collider;
 }
 
-// A different, repeatable orientation for each number.
+// A repeatable orientation, different for each number.
 inline Eigen::Quaterniond rotation_about(int number) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(
       0.7 * number, Eigen::Vector3d(std::sin(1.0 * number), std::cos(2.0 * number), 0.3).normalized()));

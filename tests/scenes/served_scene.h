@@ -11,7 +11,7 @@
 
 namespace livegs {
 
-// A server in this process that simulates a scene, from making to destruction.
+// An in-process server that simulates one scene from construction to destruction.
 class ServedScene {
  public:
   explicit ServedScene(Scene scene, std::function<void(const Scene&)> observe = {}) {
@@ -27,14 +27,14 @@ class ServedScene {
     loop->start();
   }
   ~ServedScene() {
-    server->shut_down("the test is over");
+    server->shut_down("test finished");
     loop->stop();
   }
   int port() const { return server->port(); }
 
   std::unique_ptr<GrpcServer> server;
   std::unique_ptr<SimulationLoop> loop;
-  std::atomic<uint64_t> tick{0};  // the newest that was simulated
+  std::atomic<uint64_t> tick{0};  // the newest simulated tick
 };
 
 }  // namespace livegs

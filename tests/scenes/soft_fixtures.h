@@ -4,14 +4,14 @@
 #include "scenes/elastic_bodies.h"
 #include "scenes/rigid_fixtures.h"
 
-// Elastic bodies in a world, for tests of contact with rigid ones and with each other.
+// Elastic bodies in a world, for tests of their contact with rigid bodies and with each other.
 
 namespace livegs::soft_fixtures {
 
 using namespace rigid_fixtures;
 using Eigen::Vector3d;
 
-// A block of full edges `size_m` about its centre.
+// A block centred on the origin. `size_m` holds full edge lengths.
 inline ElasticBodyDescription soft_block(uint32_t id, const Vector3d& size_m, double mass_kg,
                                          double youngs_modulus_pa, double spacing_m,
                                          double poisson_ratio = 0.3, double cell_width_m = 0.0) {
@@ -35,14 +35,14 @@ inline World world_with(ElasticSolver solver, double rate_hz, const Vector3d& gr
   return World(settings);
 }
 
-// The lowest particle.
+// Height of the lowest particle, m.
 inline double lowest_m(const World& world, uint32_t id) {
   double low = 1e300;
   for (const ParticleState& p : world.elastic_body(id)->particles()) low = std::min(low, p.position_m.y());
   return low;
 }
 
-// Linear momentum over that of the start, angular likewise.
+// Change of linear and angular momentum, each relative to its value at the start.
 struct Drift {
   double linear, angular;
 };
@@ -50,7 +50,7 @@ inline Drift momentum_drift(const BodyEnergy& before, const BodyEnergy& after) {
   return {(after.linear_momentum - before.linear_momentum).norm() / before.linear_momentum.norm(),
           (after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm()};
 }
-// The largest drift from now on, over so many ticks.
+// The largest drift over the next `ticks` ticks.
 inline Drift largest_drift(World& world, int ticks) {
   const BodyEnergy before = world.energy();
   Drift largest{0, 0};

@@ -9,7 +9,7 @@
 #include "physics/lattice/lattice.h"
 #include "server/physics/lattice/lattice_statics.h"
 
-// Sheets and cords of small cubes in a lattice turned against them, and what beams say of them.
+// Sheets and cords made of small cubes, in a lattice that is rotated against them.
 
 namespace livegs::test {
 
@@ -17,7 +17,8 @@ inline constexpr double kStripThickness_m = 0.003, kStripModulus_pa = 1e6, kStri
 
 struct Strip {
   double length_m = 0.2, width_m = 0.05;
-  double radius_m = 0.0;  // 0: flat, along x; else an arc in the xz plane that starts along x at 0 and falls
+  // 0: flat, along x; otherwise an arc in the xz plane that starts along x at 0 and bends down
+  double radius_m = 0.0;
 };
 
 struct StripPoint {
@@ -26,7 +27,7 @@ struct StripPoint {
   double volume_m3;
 };
 
-// One layer of cubes as thick as the strip.
+// A single layer of cubes, as thick as the strip.
 inline std::vector<StripPoint> strip_points(const Strip& strip) {
   const double t = kStripThickness_m;
   const int along = static_cast<int>(std::lround(strip.length_m / t));
@@ -47,7 +48,7 @@ inline std::vector<StripPoint> strip_points(const Strip& strip) {
   return points;
 }
 
-// The lattice is turned against the strip and shifted by a part of a cell.
+// Extent of the strip for a lattice that is rotated against it and shifted by a fraction of a cell.
 inline BodyExtent strip_extent(const std::vector<StripPoint>& points,
                                const Eigen::Quaterniond& object_from_lattice,
                                const Eigen::Vector3d& shift_m) {
@@ -63,12 +64,12 @@ inline BodyExtent strip_extent(const std::vector<StripPoint>& points,
     extent.min_m = extent.min_m.cwiseMin(centre - half);
     extent.max_m = extent.max_m.cwiseMax(centre + half);
   }
-  // The lattice is centred on the bounds: wider ones on one side shift it.
+  // The lattice is centred on the bounds, so wider bounds on one side shift it.
   extent.max_m += 2.0 * shift_m;
   return extent;
 }
 
-// What a cell measures of the displacements of its corners (thin_cell.h).
+// Matrix from the displacements of a cell's corners to its strain measures (plate_cell.h).
 inline Eigen::Matrix<double, 18, 24> cell_measures(const LatticeCell& cell, double cell_width_m) {
   const auto gradients = trilinear_gradients(cell.centroid, cell_width_m);
   Eigen::Matrix<double, 18, 24> measures = Eigen::Matrix<double, 18, 24>::Zero();
@@ -92,7 +93,7 @@ inline LatticeStatics::CellMatrix thin_matrices(const Lattice& lattice, const Is
   };
 }
 
-// Loads on points of the body, object axes.
+// Node loads equivalent to forces on points of the body. Forces are in object axes.
 inline std::vector<NodeLoad> loads_at(const Lattice& lattice, const std::vector<StripPoint>& points,
                                       const std::function<Eigen::Vector3d(const StripPoint&)>& force_n) {
   std::vector<NodeLoad> loads;

@@ -12,7 +12,7 @@ Result<std::unique_ptr<SplatRenderer>> made_or_cpu(RendererChoice choice, const 
     log_warn("%s", cpu->notice().c_str());
     return Result<std::unique_ptr<SplatRenderer>>(std::move(cpu));
   }
-  if (made) log_info("drawing with %s", (*made)->name().c_str());
+  if (made) log_info("renderer: %s", (*made)->name().c_str());
   return made;
 }
 
@@ -29,14 +29,14 @@ Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice) {
   options.pipeline_cache_folder = user_pipeline_cache_folder();
   auto device = VulkanDevice::create(options);
   if (!device && choice == RendererChoice::Vulkan) return device.error();
-  // A machine without a GPU has nothing to say to its person; one whose GPU has no memory left has.
+  // A missing GPU is not reported; a GPU that ran out of memory is.
   if (!device && device.error().code == ErrorCode::TooLarge)
     return made_or_cpu(choice, "vulkan", device.error());
   if (choice == RendererChoice::Auto && (!device || (*device)->is_software())) {
-    const std::string why = !device ? device.error().message
-                                    : "vulkan: " + (*device)->name() +
-                                          " is software; --renderer vulkan draws with it all the same";
-    log_info("drawing with the cpu: %s", why.c_str());
+    const std::string why =
+        !device ? device.error().message
+                : "vulkan: " + (*device)->name() + " is a software device; use it with --renderer vulkan";
+    log_info("renderer: cpu: %s", why.c_str());
     return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer());
   }
   return choose_renderer(choice, *std::move(device));

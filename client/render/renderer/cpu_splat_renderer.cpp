@@ -50,8 +50,8 @@ std::unique_ptr<SplatRenderer> create_cpu_renderer() {
 }
 
 std::unique_ptr<SplatRenderer> create_cpu_renderer_instead_of(const std::string& device, const Error& why) {
-  return std::make_unique<CpuSplatRenderer>(device + " cannot draw this: " + why.message +
-                                            "; the processor draws from here on");
+  return std::make_unique<CpuSplatRenderer>(device + ": rendering failed: " + why.message +
+                                            "; rendering continues on the CPU");
 }
 
 }  // namespace livegs

@@ -11,7 +11,7 @@ std::vector<uint32_t> most_visible_kernels(const GaussianAsset& asset, size_t co
   std::vector<uint32_t> kernels(asset.size());
   std::iota(kernels.begin(), kernels.end(), 0u);
   if (count >= kernels.size()) return kernels;
-  std::vector<double> shows(asset.size());  // its logarithm
+  std::vector<double> shows(asset.size());  // logarithm of the visibility
   for (size_t i = 0; i < shows.size(); ++i) {
     const Eigen::Vector3f& size = asset.log_scales[i];
     shows[i] =

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// The kernels of an asset that show most, `count` of them at most: by opacity times the product of their two
-// longest axes. Ascending. Of equals the first.
+// The `count` most visible kernels of an asset, or all: ranked by opacity times the product of the two
+// longest axes. Indices ascend. Ties go to the lower index.
 std::vector<uint32_t> most_visible_kernels(const GaussianAsset& asset, size_t count);
 
 }  // namespace livegs

@@ -12,7 +12,7 @@
 
 namespace livegs {
 
-// An object as of one revision, its kernels tied to their drivers.
+// One revision of an object, with its kernels bound to their drivers.
 struct BoundObject {
   std::shared_ptr<const GaussianAsset> asset;
   RestBody rest;
@@ -21,7 +21,7 @@ struct BoundObject {
   bool environment = false;
 };
 
-// What takes long of SceneView::add and change, about 0.1 s for 300k kernels, apart: on any thread.
+// The expensive part of SceneView::add and change, about 0.1 s for 300k kernels. Any thread.
 Result<BoundObject> bind_object(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
                                 bool environment);
 

@@ -11,20 +11,20 @@
 namespace livegs {
 namespace {
 
-// An environment whose middle is nearer than this to the objects' middle, in units of their size, is around
+// An environment whose centre is nearer than this to the objects' centre, relative to their size, surrounds
 // them.
 constexpr double kMaxCentreOffset = 0.15;
-// Room at the edge, of the picture or of its free columns, for what moves: 10 % of the half width.
+// Share of the half width (picture or free columns) that is filled; the rest is a margin for motion.
 constexpr double kFillShare = 0.9;
 
-// Of the angles from the view direction to the edges, along an axis: to the lower one against it.
+// Tangents of the angles from the view direction to the edges along an axis; `low` is positive towards -axis.
 struct Tangents {
   double low = 0, high = 0;
 };
 
 // The nearest camera with this orientation that sees all points. In its axes, with the camera at (cx, cz), a
-// point is inside its edges l and h if -l (cz - z) <= x - cx <= h (cz - z); both edges together need
-// (l + h) cz >= max(x + h z) - min(x - l z), and cx stands in the middle of what is left.
+// point is inside the edges l and h if -l (cz - z) <= x - cx <= h (cz - z). Both edges together require
+// (l + h) cz >= max(x + h z) - min(x - l z); cx is the centre of the remaining interval.
 Eigen::Vector3d nearest_position(const std::vector<Eigen::Vector3d>& points,
                                  const Eigen::Quaterniond& orientation,
                                  const std::array<Tangents, 2>& tangents) {

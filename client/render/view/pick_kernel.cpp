@@ -10,9 +10,9 @@
 namespace livegs {
 namespace {
 
-constexpr float kReach = 3.0f;        // standard deviations
-constexpr float kMinOpacity = 0.02f;  // of what counts
-constexpr float kMinTrace = 1e-6f;    // of the trace, added so that a flat kernel has an inverse
+constexpr float kReach = 3.0f;  // standard deviations
+constexpr float kMinOpacity = 0.02f;
+constexpr float kMinTrace = 1e-6f;  // times the trace, added to make a flat kernel invertible
 
 struct Crossing {
   float distance_m, opacity;
@@ -38,7 +38,7 @@ std::optional<PickedKernel> pick_kernel(std::span<const DrawnObject> objects, co
       covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
       covariance.diagonal().array() += kMinTrace * trace;
       const Eigen::Matrix3f inverse = covariance.inverse();
-      // (o + t d - p)ᵀ Σ⁻¹ (o + t d - p) is least at t = dᵀ Σ⁻¹ (p - o) / dᵀ Σ⁻¹ d.
+      // (o + t d - p)ᵀ Σ⁻¹ (o + t d - p) is minimal at t = dᵀ Σ⁻¹ (p - o) / dᵀ Σ⁻¹ d.
       const float bend = along.dot(inverse * along);
       const float distance = along.dot(inverse * to) / bend;
       const float exponent = (to - distance * along).dot(inverse * (to - distance * along));

@@ -29,11 +29,12 @@ bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
 Result<void> fits(size_t kernels, const RestBody& rest, const ObjectDrivers& drivers) {
   if (!drivers.kernels) return check_drivers(rest, drivers);
   if (const size_t told = drivers.kernels->positions_m.size(); told != kernels)
-    return invalid_data(std::to_string(told) + " kernels are sent of " + std::to_string(kernels));
+    return invalid_data(std::to_string(told) + " kernels were received, the object has " +
+                        std::to_string(kernels));
   return {};
 }
 
-// Whether a ray enters a box: the stretches of it between each pair of faces have something in common.
+// Whether a ray enters a box: the intervals between each pair of faces overlap.
 bool meets(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
            const Eigen::AlignedBox3d& box) {
   if (box.isEmpty()) return false;
@@ -51,7 +52,7 @@ bool meets(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
   return enters <= leaves;
 }
 
-// 1st to 99th percentile along each axis.
+// Bounds from the 1st to the 99th percentile along each axis.
 Eigen::AlignedBox3d robust_bounds(const std::vector<Eigen::Vector3f>& positions) {
   Eigen::AlignedBox3d box;
   if (positions.empty()) return box;
@@ -139,7 +140,7 @@ Result<void> SceneView::pose(const DriverFrame& frame) {
     const auto found = objects_.find(drivers.object_id);
     if (found == objects_.end()) continue;
     std::map<uint32_t, Object>& revisions = found->second;
-    // Shown moments ascend: what is older than this frame is not asked for again.
+    // Shown times ascend, so revisions older than this frame are no longer needed.
     if (revisions.contains(drivers.revision))
       revisions.erase(revisions.begin(), revisions.find(drivers.revision));
     Object& object = revisions.begin()->second;
@@ -226,11 +227,9 @@ RenderOptions SceneView::options_for(std::span<const Camera> eyes) const {
   const Camera& eye = eyes.front();
   RenderOptions options;
   options.background = kBackground;
-  // A head turns all the time: by distance from between the eyes that changes no kernel's place in the order,
-  // so that none pops, and one order holds for eyes that look apart. It leaves 36 to 50 dB of the picture by
-  // depth of a camera that looks at the thing, as captures are trained with; by depth of one that looks 30
-  // degrees past it 34 to 44 are left, from inside about as many (order.csv). One eye goes by depth, as
-  // `livegs render` does.
+  // Sorting by distance from the point between the eyes is invariant to head rotation, so kernels do not pop,
+  // and both eyes share one order. Captures are trained with depth order; the error of either order is in
+  // tests/bench/results, order.csv. A single eye uses depth, as `livegs render` does.
   options.order = eyes.size() == 2 ? DepthOrder::Distance : DepthOrder::ViewZ;
   options.min_contribution_px = min_contribution_px_;
   options.max_radius_px =

@@ -30,7 +30,7 @@ float distance_to_surface(std::span<const SurfaceKernel> surface, const Eigen::V
     const Symmetric3f& s = point.covariance_m2;
     const float along = s[0] * d.x() * d.x() + s[3] * d.y() * d.y() + s[5] * d.z() * d.z() +
                         2 * (s[1] * d.x() * d.y() + s[2] * d.x() * d.z() + s[4] * d.y() * d.z());
-    // The standard deviation of the kernel's marginal towards the place.
+    // Standard deviation of the kernel's marginal in the direction of the point.
     least = std::min(least, distance > 0 ? distance - std::sqrt(std::max(0.0f, along)) / distance : 0.0f);
   }
   return least;

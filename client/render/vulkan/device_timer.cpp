@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-constexpr uint32_t kReservedTimestamps = 16;  // moments for what follows projection
+constexpr uint32_t kReservedTimestamps = 16;  // timestamps reserved for the passes after projection
 
 }  // namespace
 
@@ -54,7 +54,7 @@ bool DeviceTimer::read(std::array<double, 6>& ms_of_pass) const {
       handles_.timestamp_bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << handles_.timestamp_bits) - 1;
   const double ms_a_step = 1e-6 * static_cast<double>(handles_.properties.limits.timestampPeriod);
   ms_of_pass.fill(0);
-  for (uint32_t i = 1; i < marks_; ++i) {  // the clock may run over
+  for (uint32_t i = 1; i < marks_; ++i) {  // the counter may wrap around
     ms_of_pass[static_cast<size_t>(passes_[i - 1])] +=
         ms_a_step * static_cast<double>((moments[i] - moments[i - 1]) & bits);
   }

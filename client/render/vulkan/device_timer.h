@@ -7,11 +7,11 @@
 
 namespace livegs {
 
-// What a picture's device time is spent on.
+// Passes that device time is attributed to.
 enum class DevicePass : uint8_t { Skin, Project, Sort, Draw, Resolve, None };
 
-// Moments between the passes of one picture, on the device's own clock: what the passes take, without what
-// the host does between them. One picture at a time.
+// Timestamps between the passes of one picture, on the device's clock: pass times without the host's time
+// between them. One picture at a time.
 class DeviceTimer {
  public:
   DeviceTimer(VulkanCommands& commands, const VulkanHandles& handles)
@@ -20,14 +20,12 @@ class DeviceTimer {
   DeviceTimer(const DeviceTimer&) = delete;
   DeviceTimer& operator=(const DeviceTimer&) = delete;
 
-  // Begins a picture. Where the queue has no clock nothing is recorded, here and below.
+  // Begins a picture. Without a timer on the queue this and the functions below record nothing.
   Result<void> begin();
-  // Records a moment, once all that was recorded before it is done: from here on it is `pass`. In a picture
-  // of very many parts skinning is counted as projection from some part on: moments are kept for what
-  // follows.
+  // Records a timestamp after all previous commands: from here on time counts as `pass`. In a picture with
+  // very many parts, skinning counts as projection from some part on, to reserve timestamps for later passes.
   Result<void> mark(DevicePass pass);
-  // Milliseconds of each pass, once all of them have run; false where there is no clock or a moment is
-  // missing.
+  // Milliseconds per pass, after all of them have run; false without a timer or if a timestamp is missing.
   bool read(std::array<double, 6>& ms_of_pass) const;
 
   static constexpr uint32_t kMaxTimestamps = 128;

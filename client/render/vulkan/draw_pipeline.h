@@ -7,15 +7,15 @@
 
 namespace livegs {
 
-// A pair of shaders that draw to one colour attachment, for one eye and for two, with one set of descriptors.
+// Shaders that draw to one colour attachment, for one eye and for two, with one descriptor set.
 class DrawPipeline {
  public:
   struct Description {
     std::span<const uint32_t> vertex_spirv, fragment_spirv;
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP;
     VkFormat format = VK_FORMAT_UNDEFINED;
-    bool front_to_back = false;  // what is drawn later lies behind: dst += (1 - dst.a) src, premultiplied
-    // Bindings 0, 1, ... of set 0, all of one type and one stage; push constants of one stage.
+    bool front_to_back = false;  // later draws lie behind: dst += (1 - dst.a) src, premultiplied
+    // Bindings 0, 1, ... of set 0, all of one type and stage; push constants for one stage.
     uint32_t binding_count = 0;
     VkDescriptorType binding_type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     VkShaderStageFlags binding_stage = VK_SHADER_STAGE_VERTEX_BIT;

@@ -7,8 +7,8 @@ layout(location = 2) flat in float down_y;
 
 layout(location = 0) out vec4 premultiplied;
 
-// What ProjectedKernel says of its fields. From the pixel's own place rather than from an interpolated one, which would be
-// wrong by pixels for splats much larger than the screen.
+// Evaluates a ProjectedKernel. Uses the pixel's own coordinates: interpolated ones would be wrong by pixels
+// for splats much larger than the screen.
 void main() {
   const vec2 d = gl_FragCoord.xy - centre_across.xy;
   const float u = centre_across.z * d.x + centre_across.w * d.y;

@@ -18,14 +18,14 @@ layout(location = 0) flat out vec4 centre_across;
 layout(location = 1) flat out vec4 colour_log2_opacity;
 layout(location = 2) flat out float down_y;
 
-// One splat an instance, nearest first: the parallelogram about the ellipse at whose rim alpha is 1/255. It is the square
-// about a circle, taken through the inverse of the root form, and has the area of the rectangle along the ellipse's axes,
-// of which no eigenvectors are needed.
+// One splat per instance, nearest first: the parallelogram around the ellipse at whose rim alpha is 1/255. It
+// is the square around a circle, transformed by the inverse of the root form. Its area equals that of the
+// rectangle along the ellipse's axes, without the need for eigenvectors.
 void main() {
   const uint place = order[gl_InstanceIndex];
   const bool left = constants.first_eye + gl_ViewIndex == 0;
   SplatRow row;
-  if (place < constants.part_rows) {  // nearly always: a scene of millions has more
+  if (place < constants.part_rows) {  // nearly always; scenes of millions of kernels need more parts
     if (left) row = left_rows_0[place];
     else row = right_rows_0[place];
   } else if (place < 2 * constants.part_rows) {
@@ -41,11 +41,11 @@ void main() {
   colour_log2_opacity = vec4(row.red, row.green, row.blue, row.log2_opacity);
   down_y = row.down_y;
   const float rim = row.log2_opacity + kSplatLog2Of255;
-  if (!(rim > 0.0)) {  // this eye sees nothing of it
+  if (!(rim > 0.0)) {  // not visible to this eye
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
   }
-  const float reach = sqrt(rim) + 1e-3;  // rounding cuts off no pixel; alpha decides
+  const float reach = sqrt(rim) + 1e-3;  // margin for rounding; the fragment shader decides by alpha
   const float u = (gl_VertexIndex & 1) == 0 ? -reach : reach;
   const float v = (gl_VertexIndex & 2) == 0 ? -reach : reach;
   const float dy = v / row.down_y;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the draw and the resolve are told, for C++ and GLSL alike.
+// Push constants of the draw and resolve passes, shared by C++ and GLSL.
 
 #ifdef __cplusplus
 #pragma once
@@ -12,11 +12,11 @@ using uint = uint32_t;
 struct DrawSplatsConstants {
   float width_px;
   float height_px;
-  uint first_eye;  // that view 0 is of
-  uint part_rows;  // in each buffer of rows but the last
+  uint first_eye;  // eye of view 0
+  uint part_rows;  // in each buffer of rows except the last
 };
 
-// Behind the splats, in the colour space they were trained in.
+// Background, in the colour space of training.
 struct ResolveConstants {
   float red;
   float green;

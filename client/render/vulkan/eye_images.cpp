@@ -85,7 +85,7 @@ void EyeImages::copy_blended(VkCommandBuffer commands) { copy(commands, blended_
 
 namespace {
 
-// One image a layer; `to_floats` turns `count` values from `at` on.
+// Reads one image per layer; `to_floats` converts `count` values from `at` on.
 template <class ToFloats>
 void read_layers(int width, int height, int eyes, std::vector<Image>& images, const ToFloats& to_floats) {
   images.resize(static_cast<size_t>(eyes));

@@ -10,11 +10,10 @@
 
 namespace livegs {
 
-// Two images of one layer an eye: what splats are blended into, and what the resolve writes; and memory
-// through which either comes back.
+// Two images with one layer per eye, the blend target and the resolve target, and a readback buffer.
 class EyeImages {
  public:
-  // blended_format: RGBA of 16- or 32-bit floats. width, height in px, eyes 1 or 2.
+  // blended_format: RGBA with 16- or 32-bit floats. width, height in px; eyes: 1 or 2.
   static Result<std::unique_ptr<EyeImages>> create(const VulkanHandles& handles, VkFormat blended_format,
                                                    int width, int height, int eyes);
   ~EyeImages();
@@ -33,14 +32,14 @@ class EyeImages {
   VkImageView blended_view() const { return blended_.view; }  // of all eyes
   VkImage resolved() const { return resolved_.image; }
   VkImageView resolved_view() const { return resolved_.view; }
-  // What a draw to `count` eyes from `first` on draws to: all of them, or one.
+  // Attachment of a draw to `count` eyes from `first` on: all of them, or one.
   VkImageView blended_target(int first, int count) const { return target(blended_, first, count); }
   VkImageView resolved_target(int first, int count) const { return target(resolved_, first, count); }
 
-  // Records a copy of one of the images, which is in TRANSFER_SRC_OPTIMAL.
+  // Records a copy of one of the images, which must be in TRANSFER_SRC_OPTIMAL.
   void copy_resolved(VkCommandBuffer commands);
   void copy_blended(VkCommandBuffer commands);
-  // What was copied, once the commands are done. Of the blended image: premultiplied colour, coverage.
+  // Reads the copy after the commands have finished. Blended image: premultiplied colour, coverage.
   void read_resolved(std::vector<Image>& images) const;
   void read_blended(std::vector<Image>& images) const;
 
@@ -66,7 +65,7 @@ class EyeImages {
   size_t blended_pixel_bytes() const { return blended_format_ == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8; }
 
   const VulkanHandles& handles_;
-  VulkanMemory memory_;  // for images alone, which may not lie beside buffers everywhere
+  VulkanMemory memory_;  // images only, since some devices cannot share memory between images and buffers
   VkFormat blended_format_;
   int width_, height_, eyes_;
   Layers blended_, resolved_;

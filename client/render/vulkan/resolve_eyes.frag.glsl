@@ -15,8 +15,8 @@ vec3 decode_srgb(vec3 encoded) {
   return mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
 }
 
-// Kernels were trained and are blended in display-encoded sRGB (KHR_gaussian_splatting: before any conversion). Once they
-// are, and the background is behind them, the light is decoded; the sRGB attachment encodes it again.
+// Kernels are trained and blended in display-encoded sRGB (KHR_gaussian_splatting: before any conversion).
+// After the background is added the light is decoded; the sRGB attachment encodes it again.
 void main() {
   const int eye = int(constants.first_eye) + gl_ViewIndex;
   const vec4 sum = texelFetch(blended, ivec3(ivec2(gl_FragCoord.xy), eye), 0);

@@ -23,7 +23,9 @@ class VulkanSplatPainter final : public SplatPass {
  public:
   VulkanSplatPainter(Backend& backend, VulkanCommands& commands, const VulkanHandles& handles)
       : backend_(backend), commands_(commands), handles_(handles), draw_(handles), resolve_(handles) {}
-  ~VulkanSplatPainter() override { (void)backend_.submit(); }  // nothing recorded outlives what it names
+  ~VulkanSplatPainter() override {
+    (void)backend_.submit();
+  }  // recorded commands must not outlive the objects they name
 
   Result<void> create(const Options& options);
   Result<void> paint(const FrameSplats& frame, int width, int height, int eyes) override;
@@ -47,7 +49,7 @@ class VulkanSplatPainter final : public SplatPass {
   VkFormat blended_format_ = VK_FORMAT_R16G16B16A16_SFLOAT;
   DrawPipeline draw_, resolve_;
   std::unique_ptr<EyeImages> images_;
-  std::optional<bool> multiview_works_;  // nothing before two eyes were asked for
+  std::optional<bool> multiview_works_;  // unset until two eyes were requested
 };
 
 bool can_blend(const VulkanHandles& handles, VkFormat format) {
@@ -88,7 +90,7 @@ Result<void> VulkanSplatPainter::create(const Options& options) {
   return {};
 }
 
-// Waits for all before and holds up all after: images change hands a few times a frame.
+// A full barrier; images change layout only a few times per frame.
 void VulkanSplatPainter::transition(VkCommandBuffer commands, VkImage image, VkImageLayout from,
                                     VkImageLayout to) {
   auto barrier = vulkan_info<VkImageMemoryBarrier2>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2);
@@ -113,7 +115,7 @@ void VulkanSplatPainter::begin_rendering(VkCommandBuffer commands, VkImageView v
   auto attachment = vulkan_info<VkRenderingAttachmentInfo>(VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO);
   attachment.imageView = view;
   attachment.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-  attachment.loadOp = load;  // to zeros: nothing is there, and all light passes
+  attachment.loadOp = load;  // cleared to zero: no coverage
   attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
   auto info = vulkan_info<VkRenderingInfo>(VK_STRUCTURE_TYPE_RENDERING_INFO);
   info.renderArea.extent = extent;
@@ -157,9 +159,9 @@ Result<void> VulkanSplatPainter::clear() {
   return {};
 }
 
-// Draws a plain background to both eyes at once and looks at it. Mesa's lavapipe 22.3.6 draws every block of
-// 4x4 pixels that a triangle covers whole to the first eye, whatever eye it is of; such a device draws the
-// eyes one after the other.
+// Draws a plain background to both eyes at once and verifies the result. Mesa's lavapipe 22.3.6 draws every
+// fully covered 4x4 block to the first eye, whatever the view index; on such a device the eyes are drawn one
+// after the other.
 Result<void> VulkanSplatPainter::try_multiview() {
   constexpr int kSide = 80;  // more than one of lavapipe's tiles
   if (auto made = make_images(kSide, kSide, 2); !made) return made;
@@ -184,16 +186,17 @@ Result<void> VulkanSplatPainter::paint(const FrameSplats& frame, int width, int 
   LIVEGS_ASSERT(width > 0 && height > 0 && (eyes == 1 || eyes == 2));
   const auto most = static_cast<int>(handles_.properties.limits.maxImageDimension2D);
   if (width > most || height > most) {
-    return Error{ErrorCode::TooLarge, "a picture of " + std::to_string(width) + "x" + std::to_string(height) +
-                                          "; " + handles_.name + " draws " + std::to_string(most) +
-                                          " pixels a side at most"};
+    return Error{ErrorCode::TooLarge, "picture of " + std::to_string(width) + "x" + std::to_string(height) +
+                                          ": " + handles_.name + " draws at most " + std::to_string(most) +
+                                          " pixels per side"};
   }
   if (eyes == 2 && !multiview_works_) {
     if (auto tried = try_multiview(); !tried) return tried;
   }
   if (auto made = make_images(width, height, eyes); !made) return made;
   const VulkanFunctions& vk = handles_.vk;
-  // The sets' last use has run: taking a picture out waits for it, and who paints submits what else was left.
+  // The last use of the sets has finished: taking out a picture waits for it, and the renderer submits any
+  // remaining commands.
   std::array<VkDescriptorBufferInfo, 1 + 2 * FrameSplats::kRowParts> buffers;
   buffers[0] = {commands_.buffer_of(frame.order()), 0, VK_WHOLE_SIZE};
   for (int e = 0; e < 2; ++e) {
@@ -269,7 +272,7 @@ Result<void> VulkanSplatPainter::read(std::vector<Image>& images) {
   transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
              VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
   if (auto recorded = commands_.record(); !recorded)
-    return recorded.error();  // the barrier that the host waits behind
+    return recorded.error();  // the barrier that the host waits for
   if (auto done = backend_.submit(); !done) return done;
   images_->read_resolved(images);
   return {};
@@ -284,7 +287,7 @@ Result<void> VulkanSplatPainter::copy_into(const DeviceImage& image) {
              VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
   transition(*commands, image.image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
              VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  VkImageBlit region{};  // a blit, since the image may have its channels in another order
+  VkImageBlit region{};  // a blit, since the channel order may differ
   region.srcSubresource =
       region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint32_t>(images_->eyes())};
   region.srcOffsets[1] = region.dstOffsets[1] = {images_->width(), images_->height(), 1};

@@ -18,8 +18,8 @@
 namespace livegs {
 namespace {
 
-constexpr double kKernelBackoff = 0.7;        // of the kernels, where memory has ended
-constexpr double kMinKernelShare = 1.0 / 64;  // with fewer, the CPU draws better
+constexpr double kKernelBackoff = 0.7;        // factor on the number of kernels when memory is exhausted
+constexpr double kMinKernelShare = 1.0 / 64;  // below this the CPU renders better
 
 class VulkanSplatRenderer final : public SplatRenderer {
  public:
@@ -43,31 +43,31 @@ class VulkanSplatRenderer final : public SplatRenderer {
                          const RenderOptions& options, const DeviceImage& image) override;
 
  private:
-  using TakeOut = std::function<Result<void>()>;  // of what was painted and resolved
+  using TakeOut = std::function<Result<void>()>;  // output of the painted and resolved picture
   Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                     const RenderOptions& options, const TakeOut& take_out);
   Result<void> draw_once(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                          const RenderOptions& options, const TakeOut& take_out);
   struct Held {
     DeviceKernels kernels;
-    std::optional<DeviceSkin> skin;  // of what a pass skins
+    std::optional<DeviceSkin> skin;  // for kinds that a pass skins
     uint64_t asset_version = 0, posed_version = 0;
   };
   Result<void> hold(std::span<const RenderedObject> objects);
   Result<Held> make_held(const RenderedObject& object);
   FrameSplats::Object frame_object(const Held& held);
-  // Milliseconds since the last call, after all that was asked for is done.
+  // Waits for all submitted work; milliseconds since the last call.
   Result<double> step_ms();
 
   std::shared_ptr<VulkanDevice> device_;
   std::unique_ptr<Backend> backend_;
   DeviceTimer timer_;
-  std::unique_ptr<SplatPass> painter_;  // runs what is recorded before the timer goes
+  std::unique_ptr<SplatPass> painter_;  // submits recorded commands before the timer is destroyed
   std::map<uint32_t, Held> held_;       // by object id
-  // Of each object's kernels, those that are drawn because no more fit into the device's memory, or into the
-  // buffers that it can bind; and how many there were when that was found.
+  // Share of each object's kernels that is drawn because the device's memory, or the buffers it can bind,
+  // hold no more; and the number of kernels when this was found.
   double share_ = 1;
-  bool binds_no_more_ = false;  // the second
+  bool binds_no_more_ = false;  // the limit is the buffers, not the memory
   uint64_t kernels_then_ = 0;
   FrameSplats frame_;
   VulkanRendererOptions options_;
@@ -107,7 +107,7 @@ Result<void> VulkanSplatRenderer::hold(std::span<const RenderedObject> objects) 
       drawn.insert(held_.extract(found));
     }
   }
-  held_ = std::move(drawn);  // what is left out gives its memory back before anything new asks for some
+  held_ = std::move(drawn);  // frees the data of removed objects before new allocations
   for (const RenderedObject& object : objects) {
     const uint32_t id = object.drawn.object_id;
     auto found = held_.find(id);
@@ -163,19 +163,19 @@ Result<void> VulkanSplatRenderer::draw_into(std::span<const RenderedObject> obje
 std::string VulkanSplatRenderer::notice() const {
   if (share_ == 1) return {};
   if (binds_no_more_)
-    return format_text("the buffers that %s can bind hold %.0f %% of the kernels; the rest is not drawn",
+    return format_text("bindable buffers of %s hold %.0f %% of the kernels; the rest is not drawn",
                        device_->name().c_str(), 100 * share_);
-  return format_text("the memory of %s holds %.0f %% of the kernels; the rest is not drawn",
+  return format_text("memory of %s holds %.0f %% of the kernels; the rest is not drawn",
                      device_->name().c_str(), 100 * share_);
 }
 
-// With fewer kernels where memory ends.
+// Draws with fewer kernels while memory is exhausted.
 Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                                        const RenderOptions& options, const TakeOut& take_out) {
   uint64_t kernels = 0;
   for (const RenderedObject& object : objects) kernels += object.drawn.asset->size();
   if (share_ < 1 &&
-      static_cast<double>(kernels) <= share_ * static_cast<double>(kernels_then_)) {  // so many fit
+      static_cast<double>(kernels) <= share_ * static_cast<double>(kernels_then_)) {  // this number fits
     share_ = 1;
     binds_no_more_ = false;
     held_.clear();
@@ -184,7 +184,7 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
   std::optional<Error> ended;
   if (share_ * static_cast<double>(kernels) > static_cast<double>(frame_.max_kernels()) &&
       frame_.max_kernels() > objects.size()) {
-    // Each object may have one more than its share.
+    // Rounding may add one kernel per object.
     share_ = static_cast<double>(frame_.max_kernels() - objects.size()) / static_cast<double>(kernels);
     binds_no_more_ = true;
     kernels_then_ = kernels;
@@ -211,7 +211,7 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
                                             const TakeOut& take_out) {
   LIVEGS_ASSERT(eyes.size() == 1 || eyes.size() == 2);
   LIVEGS_ASSERT(eyes.front().width == eyes.back().width && eyes.front().height == eyes.back().height);
-  // What a picture that failed left recorded runs now: nothing below may change what it names.
+  // Submits commands left by a failed picture, before anything they refer to is changed.
   if (auto done = backend_->submit(); !done) return done;
   const VulkanCommands::Traffic before = vulkan_commands(*backend_)->traffic();
   step_began_ns_ = now_ns();
@@ -235,7 +235,7 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
     if (auto done = frame_.project_prepared(kernels, splats); !done) return done;
     return timer_.mark(DevicePass::None);
   };
-  // A pass between two moments of the device's clock.
+  // Records a pass between two timestamps.
   const auto between_moments = [&](DevicePass pass, auto&& record) -> Result<void> {
     if (auto done = timer_.mark(pass); !done) return done;
     if (auto done = record(); !done) return done;

@@ -5,14 +5,14 @@
 
 namespace livegs {
 
-// When a client that lost its server opens the next connection: every 150 ms at first, so that a network that
-// heals shows pictures again within 300 ms; every 400 ms after a minute, so that a server that comes back
-// does within 500. Each pause is up to a fifth shorter, by `random`, so that the clients of one server do not
-// come in step.
+// Pause before the next connection attempt of a client that lost its server. 150 ms at first, so that
+// pictures return within 300 ms of a network recovery; 400 ms after a one-minute outage, so that a restarted
+// server is found within 500 ms. `random` shortens each pause by up to a fifth, which spreads the attempts of
+// several clients.
 inline constexpr int64_t kRetryPause_ns = 150'000'000;
 inline constexpr int64_t kLongRetryPause_ns = 400'000'000;
 inline constexpr int64_t kLongRetryAfter_ns = 60'000'000'000;
-// A connection that is not there after so long is given up: four round trips of a quarter of a second.
+// An attempt that is not connected after this time is abandoned: four round trips of 250 ms.
 inline constexpr int64_t kConnectTimeout_ns = 1'000'000'000;
 
 constexpr int64_t retry_pause_ns(int64_t outage_ns, uint32_t random) {

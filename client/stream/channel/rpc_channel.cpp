@@ -16,9 +16,9 @@
 namespace livegs {
 namespace {
 
-// How long a look at the connections that are being made takes.
+// Time to poll all connection attempts once.
 constexpr int64_t kPollInterval_ns = 5'000'000;
-// A scene's rest bodies come in one message; frames are smaller.
+// A scene's rest bodies arrive in one message; frames are smaller.
 constexpr int kMaxReplyBytes = 512 << 20;
 
 void quieten_grpc() {
@@ -34,8 +34,8 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& address, const Se
   quieten_grpc();
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxReplyBytes);
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // each channel is a connection of its own
-  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);          // a headset's server is on the same network
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // one connection per channel
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);          // the server of a headset is on the same network
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, static_cast<int>(kConnectTimeout_ns / 1'000'000));
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
@@ -62,7 +62,7 @@ std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, const
       attempts.push_back({make_channel(address, access), now});
       next_ns = now + retry_pause_ns(now - begun_ns, static_cast<uint32_t>(random()));
     }
-    // In turn: a connection comes about only while somebody waits for it.
+    // One after the other: gRPC makes progress on a connection only while a thread waits for it.
     for (const Attempt& attempt : attempts) {
       const std::chrono::nanoseconds share(kPollInterval_ns / static_cast<int64_t>(attempts.size()));
       if (attempt.channel->WaitForConnected(std::chrono::system_clock::now() + share)) return attempt.channel;
@@ -78,16 +78,16 @@ std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, const
 
 bool may_pass(const grpc::Status& status) {
   switch (status.error_code()) {
-    case grpc::StatusCode::UNAVAILABLE:        // the server is not there, going, or builds its scene
-    case grpc::StatusCode::CANCELLED:          // it took us for silent
-    case grpc::StatusCode::DEADLINE_EXCEEDED:  // an answer was lost
-    case grpc::StatusCode::NOT_FOUND:          // it forgot the session
+    case grpc::StatusCode::UNAVAILABLE:        // the server is down, shutting down, or building its scene
+    case grpc::StatusCode::CANCELLED:          // the server timed the session out
+    case grpc::StatusCode::DEADLINE_EXCEEDED:  // a reply was lost
+    case grpc::StatusCode::NOT_FOUND:          // the server discarded the session
     case grpc::StatusCode::ALREADY_EXISTS:
     case grpc::StatusCode::ABORTED:
-    case grpc::StatusCode::RESOURCE_EXHAUSTED:  // others were quicker
-    case grpc::StatusCode::INTERNAL:            // how gRPC calls a connection that broke inside a frame
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:  // another client took the slot
+    case grpc::StatusCode::INTERNAL:            // gRPC's code for a connection that broke inside a frame
     case grpc::StatusCode::UNKNOWN:
-    case grpc::StatusCode::OK:  // a stream that ended without a word
+    case grpc::StatusCode::OK:  // the stream ended without a status
       return true;
     default:
       return false;

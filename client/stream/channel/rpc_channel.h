@@ -12,25 +12,25 @@
 #include "core/result.h"
 #include "trust/server_access.h"
 
-// gRPC's connections and statuses, for the sources of this room only.
+// gRPC connections and statuses. Internal to this room.
 
 namespace livegs {
 
-// Not connected yet. `access`: null for a server in the clear.
+// Creates a channel without connecting. `access`: null for a connection without TLS.
 std::shared_ptr<grpc::Channel> make_channel(const std::string& address, const ServerAccess* access);
 
-// Waits so long, or until the caller wants to stop: then true.
+// Waits for `duration_ns` or until the caller requests a stop; returns true on a stop.
 using WaitOrStop = std::function<bool(int64_t duration_ns)>;
 
-// A connection that is up. Opens a fresh one after each pause of the retry schedule and takes whichever is
-// ready first: one whose first packets were lost would wait for seconds. Nothing when `give_up_ns` of
-// now_ns() has passed, the caller wants to stop, or the server shows another certificate than it should: then
-// `access` says so.
+// Returns a connected channel. A new connection is opened after each pause of the retry schedule and the
+// first that is ready is returned, because one whose first packets were lost would wait for seconds. Null if
+// now_ns() passes `give_up_ns`, on a stop, or if the server presents an unexpected certificate; `access`
+// holds that error.
 std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, const ServerAccess* access,
                                                int64_t give_up_ns, const WaitOrStop& wait);
 
 Error error_from(const grpc::Status& status, const std::string& prefix);
-// Whether another try may end otherwise.
+// Whether a retry may succeed.
 bool may_pass(const grpc::Status& status);
 
 }  // namespace livegs

@@ -26,8 +26,8 @@ Error system_error(const std::filesystem::path& path, const char* what) {
                                    "; choose another folder with --cache DIR"};
 }
 
-// HASH.part, held against other clients for as long as this lives: whoever comes second waits and then finds
-// the asset there. The system lets go of it if a client dies.
+// HASH.part, locked against other clients while this object lives. A second client waits for the lock and
+// then finds the asset in the cache. The system releases the lock if a client dies.
 class PartFile {
  public:
   static Result<PartFile> open(const std::filesystem::path& path, const std::stop_token& stop) {
@@ -39,13 +39,13 @@ class PartFile {
         if (errno != EINTR && errno != EWOULDBLOCK) return system_error(path, "cannot be locked");
         if (stop.stop_requested())
           return Error{ErrorCode::Unavailable,
-                       path.string() + ": another client fetches it; no longer waited for"};
+                       path.string() + ": another client fetches it; waiting was cancelled"};
         sleep_until_ns(now_ns() + kPollInterval_ns);
       }
       struct stat held {
       }, named{};
       ::fstat(file.descriptor_, &held);
-      // The client that was waited for has renamed it: start again with a new one.
+      // The other client has renamed the file: start again with a new one.
       if (::stat(path.c_str(), &named) != 0 || named.st_ino != held.st_ino) continue;
       file.size_ = static_cast<uint64_t>(held.st_size);
       return file;
@@ -97,7 +97,7 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
     if (!std::filesystem::exists(whole, error)) return {};
     auto bytes = read_file(whole);
     if (bytes && content_hash(*bytes) == hash) return std::move(*bytes);
-    log_warn("%s: is damaged; fetched again", whole.c_str());
+    log_warn("%s: the file is damaged; fetching it again", whole.c_str());
     return {};
   };
   if (auto bytes = cached(); !bytes.empty()) return Obtained{std::move(bytes), 0};
@@ -112,7 +112,7 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
 
   uint64_t fetched = 0;
   ProgressiveDecoder decoder;
-  std::optional<Error> spoilt;  // what is wrong with the bytes that came
+  std::optional<Error> spoilt;  // the error in the received bytes
   const auto decode = [&](std::span<const std::byte> bytes) -> Result<void> {
     const size_t before = decoder.blocks();
     if (auto decoded = decoder.take(bytes); !decoded) {
@@ -124,12 +124,12 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
   };
   const auto take = [&](uint64_t offset, uint64_t, std::span<const std::byte> bytes) -> Result<void> {
     if (offset != part->size() || bytes.size() > asset_bytes - part->size())
-      return invalid_data(name + ": its pieces do not come in order or are too many");
+      return invalid_data(name + ": pieces arrive out of order or exceed the size");
     if (!part->append(bytes)) return system_error(part_path, "cannot be written");
     fetched += bytes.size();
     return decode(bytes);
   };
-  // What lies there from an earlier attempt may be of no use; then once more from the start.
+  // Data from an earlier attempt may be invalid; in that case the fetch is repeated from the start.
   for (const bool resumed : {part->size() > 0, false}) {
     decoder = {};
     spoilt.reset();
@@ -151,8 +151,8 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
         std::filesystem::remove(part_path, error);
         return Obtained{std::move(bytes), fetched};
       }
-      spoilt = invalid_data("asset: " +
-                            std::string(asset ? "the bytes that came have another hash" : "breaks off"));
+      spoilt = invalid_data("asset: " + std::string(asset ? "the received bytes have a different hash"
+                                                          : "the data is incomplete"));
     }
     if (!part->truncate()) return system_error(part_path, "cannot be truncated");
     if (!resumed) break;

@@ -15,25 +15,25 @@
 
 namespace livegs {
 
-// Takes a piece of an asset, in order.
+// Consumes a piece of an asset, in order.
 using TakeChunk =
     std::function<Result<void>(uint64_t offset, uint64_t total_bytes, std::span<const std::byte>)>;
 
-// A folder of assets, each a .ply named by the SHA-256 of its bytes. What is in it never changes, so any
-// number of clients may share it. What comes is compressed and coarse first (proto/asset_format.md); as long
-// as it is not whole, or when it was cut off, it stays as HASH.part and is taken up again. Any thread.
+// A folder of assets, each a .ply named by the SHA-256 of its bytes. Files never change, so any number of
+// clients may share the folder. Assets are transferred compressed, coarse levels first
+// (proto/asset_format.md). An incomplete transfer is kept as HASH.part and resumed. Any thread.
 class AssetCache {
  public:
   explicit AssetCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   struct Obtained {
     std::vector<std::byte> bytes;  // of the .ply
-    uint64_t fetched_bytes = 0;    // 0: it was here
+    uint64_t fetched_bytes = 0;    // 0: it was in the cache
   };
-  // The asset of this name: from the folder if it is there and its bytes still have that hash, else by
-  // `fetch`, from the given offset on, of `asset_bytes` in all. Fails when the bytes that came, from zero at
-  // the second attempt, do not make the asset asked for. `progress` is called, on this thread, when more of
-  // it can be drawn. Waits while another client fetches it, until `stop` is requested: then Unavailable.
+  // Returns the asset with this hash: from the folder if the file is present and intact, else through
+  // `fetch`, from the given offset on, `asset_bytes` in all. Fails if the bytes do not match the hash after a
+  // second attempt from offset 0. `progress` is called on this thread when more kernels can be drawn. Waits
+  // while another client fetches the asset; returns Unavailable once `stop` is requested.
   using Fetch = std::function<Result<void>(uint64_t offset, const TakeChunk& take)>;
   using Progress = std::function<void(const ProgressiveDecoder& so_far)>;
   Result<Obtained> obtain(const std::string& hash, uint64_t asset_bytes, const Fetch& fetch,

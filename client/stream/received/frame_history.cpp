@@ -19,7 +19,7 @@ bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
          a.rotations.size() == b.rotations.size();
 }
 
-// What rests keeps its bits, so that it is not skinned again.
+// A body at rest keeps its exact bits, so that it is not skinned again.
 template <class Quaternion>
 void turn(Quaternion& a, const Quaternion& b, typename Quaternion::Scalar share) {
   if (a.coeffs() != b.coeffs()) a = nlerp(a, b, share);
@@ -38,7 +38,7 @@ void interpolate(ObjectDrivers& a, const ObjectDrivers& b, double share) {
   for (size_t i = 0; i < a.rotations.size(); ++i) turn(a.rotations[i], b.rotations[i], share_f);
 }
 
-// The object of this id, from `from` on; objects ascend by id.
+// The object with this id, searched from `from` on; objects are sorted by id.
 using Objects = std::vector<ObjectDrivers>;
 Objects::const_iterator find(Objects::const_iterator from, Objects::const_iterator end, uint32_t object_id) {
   while (from != end && from->object_id < object_id) ++from;

@@ -9,13 +9,13 @@
 
 namespace livegs {
 
-// The driver frames of the recent past, and the drivers of any moment between them. Moments are simulated
-// time (DriverFrame::simulated_ns), which runs evenly however the network delivers. Not locked.
+// The recent driver frames, and interpolation between them. Times are simulated time
+// (DriverFrame::simulated_ns), which is independent of network jitter. Not thread-safe.
 class FrameHistory {
  public:
   explicit FrameHistory(size_t max_frames) : max_frames_(max_frames) {}
 
-  // Frames come in order; one that is not newer than the newest is ignored. The oldest makes room.
+  // Appends a frame; one that is not newer than the newest is ignored. The oldest is dropped when full.
   void add(DriverFrame frame);
 
   bool empty() const { return frames_.empty(); }
@@ -23,16 +23,16 @@ class FrameHistory {
   const DriverFrame& oldest() const { return frames_.front(); }
   const DriverFrame& newest() const { return frames_.back(); }
 
-  // How far things go on as they moved when the next frame is late, in the shortest interval between frames.
+  // Maximum extrapolation when the next frame is late, in units of the shortest interval between frames.
   static constexpr int64_t kFramesAhead = 2;
 
-  // Positions are interpolated linearly, rotations by normalised lerp along the shorter way, between the two
-  // frames around the moment. Before the oldest that stands still; after the newest things go on as between
-  // the last two for at most kFramesAhead, and then stand. An object that is in the later frame only has not
-  // come yet; one in the earlier only is there until the later; one that broke between the two is whole until
-  // the later, and stands after it. Nothing while empty.
+  // Interpolates the two frames around the time: positions linearly, rotations by normalised lerp along the
+  // shorter arc. Before the oldest frame its pose is returned. After the newest, motion is extrapolated from
+  // the last two frames for up to kFramesAhead intervals and then stops. An object that is only in the later
+  // frame is omitted; one that is only in the earlier frame is kept until the later. A fractured object stays
+  // whole until the later frame. Nothing while empty.
   std::optional<DriverFrame> at(int64_t simulated_ns) const;
-  // Drops frames that at(t) for t >= simulated_ns does not need.
+  // Drops frames that at(t) does not need for t >= simulated_ns.
   void drop_before(int64_t simulated_ns);
 
  private:
@@ -42,11 +42,11 @@ class FrameHistory {
   std::deque<DriverFrame> frames_;
 };
 
-// `share` of the way from a to b, 0..1. Objects whose kind, revision or count differ, and kernels, are taken
-// from a.
+// Interpolates from a to b; `share` in 0..1. Objects whose kind, revision or count differ, and kernels, are
+// copied from a.
 DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share);
-// Beyond b, `share` of the way from a, 1 or more. Objects that sleep in b, or whose kind, revision or count
-// differ, or that a has not, and kernels, stand as in b.
+// Extrapolates beyond b; `share` >= 1 is measured from a. Objects that sleep in b, differ in kind, revision
+// or count, or are missing in a, and kernels, are copied from b.
 DriverFrame extrapolate(const DriverFrame& a, const DriverFrame& b, double share);
 
 }  // namespace livegs

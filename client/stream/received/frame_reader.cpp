@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-constexpr float kMinRotationLength = 1e-3f;  // of a rotation's length: what is shorter has no direction
+constexpr float kMinRotationLength = 1e-3f;  // a shorter quaternion has no usable direction
 
 DriverFrame as_drivers(KernelFrame frame) {
   DriverFrame drivers{frame.tick, frame.simulated_ns, {}};

@@ -11,19 +11,19 @@
 
 namespace livegs {
 
-// The frames of one stream, whatever the client asked for when it joined. One thread.
+// Decodes the frames of one stream in any encoding. One thread.
 class FrameReader {
  public:
   explicit FrameReader(v1::JoinRequest::Encoding encoding) : encoding_(encoding) {}
-  // Of kernels, which are large; or else of drivers.
+  // Whether frames hold kernels, which are large, instead of drivers.
   static bool is_kernel_encoding(v1::JoinRequest::Encoding encoding) {
     return encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
   }
 
-  // Accepts any bytes. Kernels come as objects that have `kernels`, which can be drawn, and no drivers.
+  // Accepts any bytes. Frames of kernels yield objects that have `kernels` and no drivers.
   Result<DriverFrame> read(std::span<const std::byte> bytes);
-  // Only a key frame helps (ask for one): before the first, and after a frame that could not be read. Never
-  // where each frame is by itself.
+  // Whether the stream can continue only with a key frame: at the start, and after a frame that could not be
+  // read. Never true if frames do not depend on each other.
   bool needs_key_frame() const { return encoding_ == v1::JoinRequest::DRIVERS && stream_.needs_key_frame(); }
 
  private:

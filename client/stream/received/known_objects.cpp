@@ -23,7 +23,7 @@ Result<KnownObjects::Difference> KnownObjects::replace(std::span<const v1::Objec
       (known == described_.end() ? difference.added : difference.changed).push_back(std::move(*object));
     }
     if (!described.emplace(description->object_id(), std::move(bytes)).second)
-      return invalid_data("object \"" + description->name() + "\": another has its id");
+      return invalid_data("object \"" + description->name() + "\": its id belongs to another object");
   }
   for (const auto& [id, bytes] : described_) {
     if (!described.contains(id)) difference.removed.push_back(id);

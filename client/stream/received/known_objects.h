@@ -11,11 +11,11 @@
 
 namespace livegs {
 
-// The objects of a server as it last described them, so that a client that comes back learns only what is not
-// as it was. Not locked.
+// The objects as the server last described them, so that a reconnecting client processes only the changes.
+// Not thread-safe.
 class KnownObjects {
  public:
-  // As read_description(), and remembered.
+  // Parses with read_description() and stores the description.
   Result<StreamedObject> take(const v1::ObjectDescription& description);
   void remove(uint32_t object_id) { described_.erase(object_id); }
 
@@ -23,7 +23,7 @@ class KnownObjects {
     std::vector<StreamedObject> added, changed;  // in the server's order
     std::vector<uint32_t> removed;
   };
-  // What is there now, and nothing else. Fails, changing nothing, when one cannot be read.
+  // Replaces all descriptions and returns the difference. Fails without a change if one cannot be read.
   Result<Difference> replace(std::span<const v1::ObjectDescription* const> now);
 
  private:

@@ -30,12 +30,12 @@ Result<StreamedObject> read_description(const v1::ObjectDescription& description
   const auto is_hash = [](const std::string& text) {
     return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
   };
-  if (!is_hash(object.asset_hash)) return fail("its asset_hash is no SHA-256");
+  if (!is_hash(object.asset_hash)) return fail("asset_hash is not a SHA-256");
   if (!object.broken_asset_hash.empty() && !is_hash(object.broken_asset_hash)) {
-    return fail("its broken_asset_hash is no SHA-256");
+    return fail("broken_asset_hash is not a SHA-256");
   }
   if (std::max(object.asset_bytes, object.broken_asset_bytes) > kMaxFileBytes) {
-    return fail("its asset is over 4 GiB");
+    return fail("the asset is over 4 GiB");
   }
   auto rest = decode_rest_body(std::as_bytes(std::span(description.rest_body())));
   if (!rest) return fail(rest.error().message);
@@ -43,7 +43,7 @@ Result<StreamedObject> read_description(const v1::ObjectDescription& description
   uint64_t kernels = 0;
   for (const RestBody::KernelRun& run : object.rest.kernel_runs) kernels += run.count;
   if (object.rest.revision > 0 && kernels != object.kernel_count) {
-    return fail("its rest body ties " + std::to_string(kernels) + " of its " +
+    return fail("the rest body binds " + std::to_string(kernels) + " of " +
                 std::to_string(object.kernel_count) + " kernels");
   }
   return object;

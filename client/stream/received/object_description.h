@@ -6,8 +6,8 @@
 
 namespace livegs {
 
-// Checked: the rest body decodes, the hash is one (64 hexadecimal digits: it becomes a file name), the size
-// is within what may be read.
+// Parses and validates a description: the rest body decodes, each hash is 64 hexadecimal digits (it becomes a
+// file name), and the asset size is within limits.
 Result<StreamedObject> read_description(const v1::ObjectDescription& description);
 
 }  // namespace livegs

@@ -19,11 +19,11 @@ struct ObjectRemoved {
 };
 using StreamItem = std::variant<ReceivedFrame, ObjectAdded, ObjectChanged, ObjectRemoved, ResumedSession>;
 
-// Where what there is to see comes from, in order: a stream, or a recording.
+// A source of scene items, in order: a live stream or a recording.
 class ItemSource {
  public:
   virtual ~ItemSource() = default;
-  // The next item, waiting for one. Nothing when there is no more.
+  // Waits for the next item. Nothing at the end.
   virtual std::optional<StreamItem> take() = 0;
 };
 

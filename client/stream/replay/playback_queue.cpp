@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-// About what the frame takes in memory.
+// Approximate memory use of a frame.
 size_t bytes_of(const ReceivedFrame& frame) {
   size_t bytes = sizeof(ReceivedFrame);
   if (!frame.drivers) return bytes;

@@ -11,18 +11,19 @@
 
 namespace livegs {
 
-// Between the stream's reader and a drawer that may be slower: everything in the order it came. Bounded: when
-// more than `max_bytes` of frames wait, the oldest are dropped and counted, events never. Any thread.
+// A queue between the stream's reader and a possibly slower renderer; items keep their order. When more than
+// `max_bytes` of frames wait, the oldest frames are dropped and counted. Events are never dropped. Any
+// thread.
 class PlaybackQueue final : public ItemSource {
  public:
   explicit PlaybackQueue(size_t max_bytes) : max_bytes_(max_bytes) {}
 
   void add(StreamItem item);
-  // No more will come; take() gives what waits and then nothing.
+  // Ends the input; take() returns the remaining items and then nothing.
   void close();
-  // The same, and what waits is not wanted either.
+  // Ends the input and discards the remaining items.
   void abandon();
-  // The oldest item, waiting for one. Nothing when closed and empty.
+  // Waits for the oldest item. Nothing when closed and empty.
   std::optional<StreamItem> take() override;
 
   uint64_t dropped_frames() const;

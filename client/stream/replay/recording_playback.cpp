@@ -15,7 +15,7 @@ Result<RecordingPlayback> RecordingPlayback::open(const std::filesystem::path& p
   if (recording->start().inputs_only()) {
     return invalid_argument(
         path.string() +
-        ": was recorded without frames; livegs ctl replay --verify can simulate it, but it cannot be seen");
+        ": the recording has no frames and cannot be shown; simulate it with livegs ctl replay --verify");
   }
   RecordingPlayback playback(std::move(*recording));
   if (auto sought = playback.seek(0); !sought) return sought.error();
@@ -61,7 +61,7 @@ Result<ReceivedFrame> RecordingPlayback::frame(const TickRecord& record) {
   return frame;
 }
 
-// A seek may go back before a break: what differs is taken away and put there anew.
+// A seek may go back before a fracture: objects that differ are removed and added again.
 Result<void> RecordingPlayback::take_difference(const std::map<uint32_t, v1::ObjectDescription>& described) {
   std::vector<const v1::ObjectDescription*> now;
   for (const auto& [id, description] : described) now.push_back(&description);
@@ -78,7 +78,7 @@ Result<void> RecordingPlayback::take_difference(const std::map<uint32_t, v1::Obj
 
 Result<void> RecordingPlayback::seek(double seconds) {
   error_.reset();
-  // What came and went stays to be taken, since the next difference begins there; its frame does not.
+  // Additions and removals stay queued, since the next difference starts from them; frames are dropped.
   std::erase_if(waiting_, [](const StreamItem& item) { return std::holds_alternative<ReceivedFrame>(item); });
   decoded_ = 0;
   const double length_ns = 1e9 * std::max(0.0, std::min(std::isfinite(seconds) ? seconds : 0.0, length_s()));
@@ -103,13 +103,14 @@ Result<void> RecordingPlayback::seek(double seconds) {
     if (!read) return read.error();
     ++decoded_;
     last = std::move(*read);
-    // The next one would be after it.
+    // The next frame would be after it.
     if (last->drivers->simulated_ns +
             static_cast<int64_t>(1e9 / std::max(1.0, recording_.start().rate_hz())) >
         moment_ns)
       break;
   }
-  if (!last) return invalid_data(recording_.path().string() + ": has no frame after a key tick");
+  if (!last)
+    return invalid_data(recording_.path().string() + ": no frame follows a key tick; the file is damaged");
   if (auto taken = take_difference(described); !taken) return taken;
   waiting_.push_back(std::move(*last));
   return {};

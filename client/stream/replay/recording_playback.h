@@ -14,30 +14,29 @@
 
 namespace livegs {
 
-// A recording (proto/recording_format.md) as what a stream would bring: from any moment on, objects before
-// the frames they move in. One thread.
+// Plays a recording (proto/recording_format.md) as a stream, from any time on. Objects come before the frames
+// that move them. One thread.
 class RecordingPlayback final : public ItemSource {
  public:
-  // InvalidArgument for one without frames.
+  // InvalidArgument for a recording without frames.
   static Result<RecordingPlayback> open(const std::filesystem::path& path);
 
   const v1::RecordingStart& start() const { return recording_.start(); }
-  double length_s() const;  // between its first frame and its last
+  double length_s() const;  // from the first frame to the last
 
-  // What comes next is what it takes to be at this moment after the first frame: objects that came, changed
-  // and went since the last item taken, and then the last frame that is not after it. Beyond the end: the
-  // last frame.
+  // Moves to `seconds` after the first frame. The next items are the objects added, changed and removed since
+  // the last item taken, followed by the last frame that is not later. Beyond the end: the last frame.
   Result<void> seek(double seconds);
   // Frames decoded by the last seek().
   size_t decoded() const { return decoded_; }
 
-  // Nothing at the end, and where the recording cannot be read further: then error() says why.
+  // Nothing at the end, or on a read error; error() then returns it.
   std::optional<StreamItem> take() override;
   const std::optional<Error>& error() const { return error_; }
 
  private:
   explicit RecordingPlayback(RecordingReader recording) : recording_(std::move(recording)) {}
-  // What the recording says of its objects, to `described`.
+  // Applies an event of the recording to `described`.
   static void follow(const v1::SessionEvent& event, std::map<uint32_t, v1::ObjectDescription>& described);
   Result<StreamItem> item(const v1::SessionEvent& event);
   Result<ReceivedFrame> frame(const TickRecord& record);

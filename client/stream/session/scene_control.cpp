@@ -18,11 +18,11 @@ constexpr std::chrono::seconds kControlDeadline{10};
 struct SceneControl::Connection {
   std::string address;
   std::unique_ptr<v1::LiveGs::Stub> stub;
-  std::mutex mutex;  // guards the two below
+  std::mutex mutex;  // guards the two members below
   std::set<grpc::ClientContext*> under_way;
   bool cancelled = false;
 
-  // A call's context, which cancel() knows while it lives.
+  // Registers the context of a call with cancel() while the call runs.
   class Call {
    public:
     explicit Call(Connection& connection) : connection_(connection) {

@@ -13,12 +13,12 @@
 
 namespace livegs {
 
-// What a person may do to a running scene besides touching it, over a connection of its own, so that no frame
-// waits behind it. Calls block, ten seconds at most; any thread. Errors are the server's one line, which
-// names the field.
+// Control of a running scene (parameters, analysis, run state) over its own connection, so that calls do not
+// delay frames. Calls block for up to ten seconds; any thread. Errors are the server's one-line message,
+// which names the field.
 class SceneControl {
  public:
-  // `access`: null in the clear.
+  // `access`: null for a connection without TLS.
   explicit SceneControl(const std::string& address, std::shared_ptr<const ServerAccess> access = nullptr);
   ~SceneControl();
 
@@ -26,16 +26,16 @@ class SceneControl {
   Result<v1::PhysicsReply> accept_proposal(const std::string& object, bool decline = false);
   Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo);
   Result<v1::RunState> control_run(const v1::ControlRunRequest& request);
-  // `force` in the object's rest coordinates, the direction in the world's.
-  // Gives the newest tick when it was taken; it acts from the next on.
+  // `force`: the point in rest coordinates of the object, the direction in world coordinates.
+  // Returns the newest tick at acceptance; the force acts from the next tick on.
   Result<uint64_t> apply_force(const v1::Event::Force& force);
 
-  // Until all are finished, however long that takes; no names: every object that is left to the analysis.
+  // Blocks until all objects are analysed, without a time limit. No names: every object marked for analysis.
   // `progress` is called on this thread.
   using Progress = std::function<void(const v1::AnalysisProgress&)>;
   Result<void> analyze(const std::vector<std::string>& objects, const Progress& progress);
 
-  // Ends calls that are under way, on whatever thread; those to come fail at once.
+  // Ends running calls on any thread; later calls fail at once.
   void cancel();
 
  private:

@@ -30,7 +30,7 @@ Result<void> check_vector(const Numbers& numbers, const std::string& field, bool
 
 Result<void> check_seconds(double seconds, const std::string& field) {
   if (seconds >= 0 && seconds <= 1e6) return {};
-  return invalid_data(field + ": is no time from 0 to 1e6 s");
+  return invalid_data(field + ": is not a time from 0 to 1e6 s");
 }
 
 Result<void> check_script(const v1::InputScript& script) {
@@ -60,7 +60,7 @@ Result<void> check_script(const v1::InputScript& script) {
       if (ball.aim_case() == v1::InputScript::Ball::kPoint) {
         checks.push_back(check_vector(ball.point().position_m(), field + ".ball.point.position_m", true));
       } else if (ball.object().empty()) {
-        return invalid_data(field + ".ball: has neither object nor point to aim at");
+        return invalid_data(field + ".ball: has no target; give object or point");
       }
     } else {
       return invalid_data(field + ": does nothing; give poke, grab or ball");
@@ -81,9 +81,8 @@ Pose aimed(const Eigen::Vector3d& from_m, const Eigen::Vector3d& direction) {
           Eigen::Quaterniond::FromTwoVectors(-Eigen::Vector3d::UnitZ(), direction.normalized()).normalized()};
 }
 
-// The flatter of the two directions in which a ball thrown at `speed` falls onto the mark; straight at it
-// when that is out of reach or overhead. With h up and d across: tan = (v² - sqrt(v⁴ - g (g d² + 2 h v²))) /
-// (g d).
+// The flatter of the two launch directions that hit the target at `speed`; straight at the target if it is
+// out of reach or overhead. With height h and distance d: tan = (v² - sqrt(v⁴ - g (g d² + 2 h v²))) / (g d).
 Eigen::Vector3d throw_direction(const Eigen::Vector3d& to_mark, double speed) {
   const double across = std::hypot(to_mark.x(), to_mark.z());
   const double squared = speed * speed;
@@ -167,7 +166,7 @@ void ScriptedHands::apply(Poke& poke, double time_s, const Locate& locate, HandS
     const auto extent = locate(poke.script.object());
     if (!extent) {
       poke.missed = true;
-      log_warn("script: no object is called \"%s\"", poke.script.object().c_str());
+      log_warn("script: no object is named \"%s\"; the action is skipped", poke.script.object().c_str());
       return;
     }
     const Eigen::Vector3d from_m = vector_or(poke.script.from_m(), settings_.eye_m);
@@ -176,13 +175,13 @@ void ScriptedHands::apply(Poke& poke, double time_s, const Locate& locate, HandS
   }
   const double share = poke.pull_s > 0 ? std::min(1.0, (time_s - poke.start_s) / poke.pull_s) : 1.0;
   hand.aim = hand.grip = poke.aim;
-  // Starts and ends at rest, as a hand does.
+  // Smoothstep: zero velocity at both ends.
   hand.aim.position_m += share * share * (3 - 2 * share) * poke.pull_m;
   hand.grip.position_m = hand.aim.position_m;
   hand.trigger = 1.0f;
 }
 
-// The hand is in the object's middle when it closes.
+// The grip closes at the centre of the object.
 void ScriptedHands::apply(Grab& grab, double time_s, const Locate& locate, HandSample& hand) {
   if (grab.missed || time_s < grab.script.start_s() || time_s >= grab.end_s()) return;
   if (!grab.begun) {
@@ -190,7 +189,7 @@ void ScriptedHands::apply(Grab& grab, double time_s, const Locate& locate, HandS
     const auto extent = locate(grab.script.object());
     if (!extent) {
       grab.missed = true;
-      log_warn("script: no object is called \"%s\"", grab.script.object().c_str());
+      log_warn("script: no object is named \"%s\"; the action is skipped", grab.script.object().c_str());
       return;
     }
     grab.from_m = extent->middle_m;
@@ -205,15 +204,14 @@ void ScriptedHands::apply(Grab& grab, double time_s, const Locate& locate, HandS
 
 void ScriptedHands::apply(Ball& ball, double time_s, const Locate& locate, HandSample& hand) {
   if (ball.shot || time_s < ball.script.time_s()) return;
-  if (hand.shoot)
-    return;  // another one in this very sample: it takes the next but one, after the button was let go
+  if (hand.shoot) return;  // another ball uses this sample; shoot in the sample after the button's release
   if (last_shot_sequence_ != 0 && sample_.sequence == last_shot_sequence_ + 1) return;
   ball.shot = true;
   Eigen::Vector3d mark = vector_or(ball.script.point().position_m(), Eigen::Vector3d::Zero());
   if (ball.script.aim_case() == v1::InputScript::Ball::kObject) {
     const auto extent = locate(ball.script.object());
     if (!extent) {
-      log_warn("script: no object is called \"%s\"", ball.script.object().c_str());
+      log_warn("script: no object is named \"%s\"; the action is skipped", ball.script.object().c_str());
       return;
     }
     mark = extent->middle_m;

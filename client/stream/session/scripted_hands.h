@@ -14,34 +14,34 @@
 
 namespace livegs {
 
-// An InputScript from a JSON file. Errors name the file and the field.
+// Reads an InputScript from a JSON file. Errors name the file and the field.
 Result<v1::InputScript> read_script_file(const std::filesystem::path& path);
 
-// What `--poke NAME` does: the ray takes the object at 1 s, draws the point it met up and lets go; balls
+// The script of `--poke NAME`: at 1 s the ray grabs the object, pulls the hit point up and releases; balls
 // follow at 3.5 s and 4.5 s.
 v1::InputScript poke_script(const std::string& object);
 
-// Where a named object is now and how long its longest side is.
+// Centre of a named object and the length of its longest side.
 struct ObjectExtent {
   Eigen::Vector3d middle_m;
   double size_m = 0;
 };
 
-// Plays a script as two hands would: the right one pokes, the left one shoots and grabs. Not locked.
+// Plays a script: the right hand pokes, the left hand shoots and grabs. Not thread-safe.
 class ScriptedHands {
  public:
   struct Settings {
-    Eigen::Vector3d eye_m;        // where a ray or a ball starts unless the script says
-    double ball_speed_m_s = 6.0;  // as the server says, to aim above the mark
+    Eigen::Vector3d eye_m;        // default origin of a ray or ball
+    double ball_speed_m_s = 6.0;  // as reported by the server, for aiming
   };
   ScriptedHands(v1::InputScript script, const Settings& settings);
 
-  // The hands at `time_s`, which never goes back. `locate` is asked once an action, when it starts; an object
-  // that is not there then is left alone.
+  // The hands at `time_s`, which must not decrease. `locate` is called once per action, at its start; an
+  // action whose object is missing is skipped.
   using Locate = std::function<std::optional<ObjectExtent>(const std::string& object)>;
   InputSample at(double time_s, const Locate& locate);
 
-  bool done(double time_s) const;  // nothing more will happen
+  bool done(double time_s) const;  // no action remains
 
  private:
   struct Poke {
@@ -72,7 +72,7 @@ class ScriptedHands {
   std::vector<Poke> pokes_;
   std::vector<Grab> grabs_;
   std::vector<Ball> balls_;
-  InputSample sample_;  // hands stay where they were
+  InputSample sample_;  // hands keep their last pose
   uint64_t last_shot_sequence_ = 0;
 };
 

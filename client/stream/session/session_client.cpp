@@ -32,17 +32,16 @@ namespace {
 using Clock = std::chrono::system_clock;  // gRPC's deadlines
 
 constexpr std::chrono::seconds kCallDeadline{10};
-// A session that is resumed asks again sooner, in case the answer was lost.
+// Deadline for resuming a session; short, so that a lost reply is retried soon.
 constexpr std::chrono::seconds kRejoinDeadline{2};
-constexpr int64_t kRetryInterval_ns = 100'000'000;  // a server that builds its scene
-// A call for an asset that takes longer is made again from where it was, if anything came; else the server is
-// given up, and what has arrived is kept for the next attempt.
+constexpr int64_t kRetryInterval_ns = 100'000'000;  // while the server builds its scene
+// A call for an asset that takes longer is repeated from the last byte if any data arrived. Otherwise the
+// fetch fails and the received data is kept for the next attempt.
 constexpr std::chrono::seconds kFetchTimeout{10};
 constexpr uint64_t kMinFetchRate_bytes_s = 1 << 20;
-// So many streams of kernels one after the other may be given up without a frame, each after twice as long as
-// the one before.
+// Consecutive streams of kernels without a frame before the session fails; the timeout doubles each time.
 constexpr int kMaxSilentStreams = 3;
-// Streams that bring no frame are opened less and less often, down to once in so long.
+// Upper bound of the pause between streams that deliver no frame.
 constexpr int64_t kMaxRetryPause_ns = 2'000'000'000;
 
 int64_t after(int64_t moment_ns, double duration_s) {
@@ -69,24 +68,24 @@ struct SessionClient::Connection {
   std::string address;
   ConnectOptions options;
   JoinedScene scene;
-  KnownObjects objects;  // the session's thread only, once it runs, like the next four
+  KnownObjects objects;  // the session thread only once it runs, like the next four
   ClockOffset clock;
   std::string session_id, server_instance;
   double rate_hz = 0;
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
-  int silent_streams = 0;  // without a frame, one after the other
+  int silent_streams = 0;  // consecutive, without a frame
   StreamSink* sink = nullptr;
   std::thread thread;
   std::atomic<bool> ended{false};
-  bool joined_thread = false;  // who calls stop() only
+  bool joined_thread = false;  // accessed by the caller of stop() only
 
   std::mutex mutex;  // guards everything below
   std::condition_variable changed;
   std::shared_ptr<v1::LiveGs::Stub> stub, asset_stub;
-  std::shared_ptr<SessionStream> stream;  // while there is one; shared with who is just sending
-  std::optional<ViewCone> view;           // that was told last
+  std::shared_ptr<SessionStream> stream;  // null while disconnected; shared with threads that send
+  std::optional<ViewCone> view;           // the last view set
   bool stopping = false, given_up = false;
-  std::set<grpc::ClientContext*> calls;  // that end when it is given up
+  std::set<grpc::ClientContext*> calls;  // cancelled on give-up
   Result<void> outcome;
 
   class Call;
@@ -103,11 +102,11 @@ struct SessionClient::Connection {
   int64_t first_silence_ns() const;
   SessionStream::Outcome stream_once();
 
-  // Last, so that it is gone before what it touches.
+  // Last, so that it is destroyed before the members it uses.
   std::optional<std::stop_callback<std::function<void()>>> on_stop;
 };
 
-// A call's context, which is cancelled when the connection is given up.
+// The context of a call, cancelled when the connection is given up.
 class SessionClient::Connection::Call {
  public:
   explicit Call(Connection& connection) : connection_(connection) {
@@ -137,13 +136,13 @@ void SessionClient::Connection::give_up() {
   changed.notify_all();
 }
 
-// True when the session is to end.
+// Returns true if the session is to end.
 bool SessionClient::Connection::wait(int64_t duration_ns) {
   std::unique_lock lock(mutex);
   return changed.wait_for(lock, std::chrono::nanoseconds(duration_ns), [&] { return stopping; });
 }
 
-// Connects, and joins with the session's id if there is one. Unavailable, without a message, when nobody
+// Connects and joins, with the session's id if there is one. Unavailable without a message if no server
 // answered.
 Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   v1::JoinRequest request;
@@ -181,7 +180,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
       if (!may_pass(status) || (full && session_id.empty())) return error_from(status, address);
       if (now_ns() + kRetryInterval_ns > give_up_ns || wait(kRetryInterval_ns))
         return error_from(status, address);
-      // The server is there but its scene is not, yet.
+      // The server runs but its scene is not ready.
     } while (status.error_code() == grpc::StatusCode::UNAVAILABLE &&
              channel->GetState(false) == GRPC_CHANNEL_READY);
     deadline = std::min(2 * deadline, kCallDeadline);
@@ -203,16 +202,15 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
     if (!reply.error().message.empty()) return reply.error();
     return Error{
         ErrorCode::Unavailable,
-        "no server answers at " + address + (options.access ? " over TLS, as it was paired with," : "") +
+        "no server answers at " + address + (options.access ? " over TLS (paired)" : "") +
             format_text(" within %.1f s; start one with livegs-server SCENE%s", options.timeout_s,
-                        options.access ? ", or forget this one with --unpair if it is in the clear now"
-                                       : "; if it asks for TLS, pair with it: --pair CODE")};
+                        options.access ? ", or remove the pairing with --unpair if it no longer uses TLS"
+                                       : "; if it requires TLS, pair first with --pair CODE")};
   }
   if (options.access) {
     if (auto remembered = options.access->remember(); !remembered) return remembered.error();
   }
-  if (reply->looks_only())
-    log_warn("%s: the token is of scope view: what the hands do is not taken", address.c_str());
+  if (reply->looks_only()) log_warn("%s: the token has view scope; input is ignored", address.c_str());
   connection->session_id = connection->scene.session_id = reply->session_id();
   connection->server_instance = reply->server_instance();
   connection->scene.rate_hz = connection->rate_hz = reply->rate_hz();
@@ -267,7 +265,7 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     const bool slow = status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED && offset > from;
     if ((!connection_broke(status) && !slow) || over || connection.wait(kRetryPause_ns))
       return error_from(status, prefix);
-    log_debug("%s: %s; on from byte %llu", prefix.c_str(), status.error_message().c_str(),
+    log_debug("%s: %s; resuming at byte %llu", prefix.c_str(), status.error_message().c_str(),
               static_cast<unsigned long long>(offset));
     std::lock_guard lock(connection.mutex);
     if (connection.asset_stub == stub)
@@ -353,14 +351,14 @@ void SessionClient::Connection::run() {
     silent_streams = done.silent && done.frames == 0 ? silent_streams + 1 : 0;
     const bool kernels = FrameReader::is_kernel_encoding(encoding);
     if (kernels && silent_streams >= kMaxSilentStreams) {
-      return end(Error{
-          ErrorCode::Unavailable,
-          address + format_text(": no frame of kernels came whole in %d tries: they are larger than the "
-                                "link carries; ask for --encoding drivers",
-                                silent_streams)});
+      return end(
+          Error{ErrorCode::Unavailable,
+                address + format_text(": no complete frame of kernels in %d attempts, the link is too slow; "
+                                      "use --encoding drivers",
+                                      silent_streams)});
     }
     if (!may_pass(done.status)) return end(error_from(done.status, address));
-    log_warn("%s: %s; connecting again", address.c_str(), done.reason.c_str());
+    log_warn("%s: %s; reconnecting", address.c_str(), done.reason.c_str());
     sink->on_lost(done.reason);
     fruitless_pause_ns =
         done.frames > 0 ? 0 : std::clamp(2 * fruitless_pause_ns, kRetryPause_ns, kMaxRetryPause_ns);
@@ -373,8 +371,9 @@ Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& los
   const auto reply = join(after(lost.heard_ns, options.reconnect_s));
   if (!reply) {
     if (!reply.error().message.empty() && reply.error().code != ErrorCode::Unavailable) return reply.error();
-    return Error{ErrorCode::Unavailable, "the server at " + address + " went away: " + lost.reason +
-                                             format_text("; looked for it for %.1f s", options.reconnect_s)};
+    return Error{ErrorCode::Unavailable,
+                 "server " + address + ": connection lost: " + lost.reason +
+                     format_text("; not restored within %.1f s", options.reconnect_s)};
   }
   ResumedSession resumed;
   resumed.same_server = reply->server_instance() == server_instance;
@@ -388,14 +387,14 @@ Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& los
   for (const v1::ObjectDescription& description : reply->objects()) descriptions.push_back(&description);
   auto difference = objects.replace(descriptions);
   if (!difference) return Error{difference.error().code, address + ": " + difference.error().message};
-  log_info("%s: back after %.1f s, %s; %zu objects are new, %zu changed, %zu went", address.c_str(),
-           resumed.outage_s, resumed.same_server ? "the same server" : "a server that was started anew",
+  log_info("%s: reconnected after %.1f s to %s; %zu objects added, %zu changed, %zu removed", address.c_str(),
+           resumed.outage_s, resumed.same_server ? "the same server" : "a restarted server",
            difference->added.size(), difference->changed.size(), difference->removed.size());
   sink->on_resumed(resumed);
   for (const uint32_t id : difference->removed) sink->on_object_removed(id);
   for (StreamedObject& object : difference->added) sink->on_object_added(std::move(object));
   for (StreamedObject& object : difference->changed) {
-    // Revisions count breaks of one simulation only.
+    // Revisions count the fractures of one simulation only.
     resumed.same_server ? sink->on_object_changed(std::move(object))
                         : sink->on_object_added(std::move(object));
   }

@@ -17,18 +17,18 @@ namespace livegs {
 namespace {
 
 constexpr std::chrono::milliseconds kKeepaliveInterval{50};
-constexpr std::chrono::milliseconds kPollInterval{50};  // whether the server is silent
-constexpr int64_t kSilenceGapFactor = 5;  // of the longest time that a frame of kernels took to come
+constexpr std::chrono::milliseconds kPollInterval{50};  // check for a silent server
+constexpr int64_t kSilenceGapFactor = 5;  // multiple of the longest gap between frames of kernels
 constexpr int64_t kHalfCloseTimeout_ns = 1'000'000'000;
 constexpr size_t kSamplesPerMessage = 3;
-constexpr int64_t kKeyFrameRetryInterval_ns =
-    250'000'000;  // for a key frame: the one that was asked for may be spoiled too
+// Between requests for a key frame: the requested one may be damaged too.
+constexpr int64_t kKeyFrameRetryInterval_ns = 250'000'000;
 
 Eigen::Vector3f vector_of(const google::protobuf::RepeatedField<float>& numbers) {
   return numbers.size() == 3 ? Eigen::Vector3f(numbers[0], numbers[1], numbers[2]) : Eigen::Vector3f::Zero();
 }
 
-// The first frame of a stream has waited for the client to be ready.
+// The first frame of a stream is excluded: it waits for the client to be ready.
 constexpr double kLateKernelFrame_ms = 150;
 constexpr size_t kMaxLateKernelFrames = 3;
 
@@ -67,10 +67,10 @@ SessionStream::Outcome SessionStream::run() {
       if (silent && !outcome_.silent) {
         outcome_.silent = true;
         outcome_.reason = most_ns <= kServerTimeout_ns
-                              ? "nothing came from it for a second"
-                              : format_text("nothing came from it for %.1f s", seconds_from_ns(most_ns));
+                              ? "no message for 1 s"
+                              : format_text("no message for %.1f s", seconds_from_ns(most_ns));
         if (streams_kernels_ && outcome_.frames == 0)
-          outcome_.reason += "; frames of kernels may be larger than the link carries";
+          outcome_.reason += "; frames of kernels may be too large for the link";
       }
       if (silent || (stopping_ns != 0 && now - stopping_ns > kHalfCloseTimeout_ns)) context_.TryCancel();
     }
@@ -115,7 +115,7 @@ void SessionStream::stop() {
 
 void SessionStream::write() {
   v1::ClientMessage message;
-  message.set_session_id(session_id_);  // in the first message only
+  message.set_session_id(session_id_);  // required in the first message only
   for (bool first = true;; first = false) {
     {
       std::unique_lock lock(mutex_);
@@ -186,13 +186,13 @@ Result<void> SessionStream::take(const v1::SessionEvent& event) {
       break;
     }
     case v1::SessionEvent::KIND_NOT_SET:
-      break;  // an event of a later version, which this one can do without
+      break;  // an event of a later protocol version, which can be ignored
   }
   return {};
 }
 
 void SessionStream::take_clock(const v1::ServerMessage& message, int64_t received_ns) {
-  if (message.echoed_ns() <= echoed_ns_ || message.heard_ns() == 0) return;  // heard of before
+  if (message.echoed_ns() <= echoed_ns_ || message.heard_ns() == 0) return;  // already processed
   echoed_ns_ = message.echoed_ns();
   ends_.clock.add({echoed_ns_, message.heard_ns(), message.sent_ns(), received_ns});
   std::lock_guard lock(mutex_);
@@ -206,9 +206,8 @@ void SessionStream::warn_of_late_kernels(const ReceivedFrame& frame) {
   if (late_kernel_frames_ < kMaxLateKernelFrames) return;
   warned_ = true;
   log_warn(
-      "frames of kernels are %.0f ms old when they can be drawn: moving, packing and sending %.1f MB takes "
-      "longer than the "
-      "ticks they are of; --encoding drivers is as current as the link",
+      "frames of kernels are %.0f ms late: transforming, packing and sending %.1f MB exceeds the tick "
+      "period; use --encoding drivers",
       age_ms, 1e-6 * static_cast<double>(frame.bytes));
 }
 

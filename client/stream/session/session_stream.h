@@ -24,52 +24,49 @@
 
 namespace livegs {
 
-// A server that says nothing for so long is not there: it says something every quarter of a second. A Wi-Fi
-// that stalls for 300 ms is waited out.
+// Silence after which the server counts as lost. The server sends at least every quarter of a second, and a
+// Wi-Fi stall of 300 ms is tolerated.
 inline constexpr int64_t kServerTimeout_ns = 1'000'000'000;
-// Nor while a message is on its way, though, and a frame of kernels may take seconds over a slow link. So
-// before its first frame more is waited for, and between frames of kernels some times what the longest took;
-// so much at most.
+// Upper bound of that timeout for frames of kernels, which may take seconds on a slow link. The timeout is
+// longer before the first frame, and a multiple of the longest gap between frames afterwards.
 inline constexpr int64_t kMaxSilence_ns = 30'000'000'000;
 
-// One Stream rpc of a session, from its opening to its status. gRPC types: for session_client.cpp only.
+// One Stream rpc of a session, from opening to status. Exposes gRPC types: for session_client.cpp only.
 class SessionStream {
  public:
-  // What outlives it: the sink is called by run() and its reader only; clock and objects are touched by no
-  // one else meanwhile.
+  // Objects that outlive the stream. The sink is called by run() and its reader only; clock and objects must
+  // not be used by others during run().
   struct Ends {
     StreamSink& sink;
     ClockOffset& clock;
     KnownObjects& objects;
   };
-  // `encoding`: of its frames, as Join said. `first_silence_ns`: how long nothing may come before the first
-  // frame.
+  // `encoding`: frame encoding reported by Join. `first_silence_ns`: timeout before the first frame.
   SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz,
                 v1::JoinRequest::Encoding encoding, int64_t first_silence_ns, Ends ends);
 
   struct Outcome {
     grpc::Status status;
-    std::optional<Error> error;  // what came cannot be used; no other stream would bring anything better
-    std::string reason;          // why it broke, for a person
-    bool silent = false;         // nothing came for too long
-    bool drained = false;        // the server said that it would
+    std::optional<Error> error;  // received data is unusable; a new stream would not help
+    std::string reason;          // readable reason for the break
+    bool silent = false;         // timed out
+    bool drained = false;        // the server announced its shutdown
     uint64_t frames = 0;
-    int64_t heard_ns = 0;  // when the last message came; or its opening
+    int64_t heard_ns = 0;  // time of the last message, or of the opening
   };
-  // Opens the stream and returns when it is over. A thread reads and calls the sink, another sends inputs,
-  // acknowledgements and, at least every 50 ms, a sign of life. Once.
+  // Opens the stream and returns when it is over. One thread reads and calls the sink, another sends inputs,
+  // acknowledgements and a keepalive at least every 50 ms. Call once.
   Outcome run();
-  // Any thread: a sample to send, meant for the tick that TickAim says; the last three travel in each
-  // message. The end: the server answers a half close by ending the stream, and one that does not within a
-  // second is left.
+  // Any thread. send() queues a sample for the tick from TickAim; each message carries the last three
+  // samples. stop() half-closes the stream; it is cancelled if the server does not end it within a second.
   void send(const InputSample& sample);
-  void set_view(const ViewCone& view);  // travels with the next message
+  void set_view(const ViewCone& view);  // sent with the next message
   void stop();
 
  private:
   void read();
   void write();
-  int64_t longest_silence_ns() const;  // under the lock
+  int64_t longest_silence_ns() const;  // requires the lock
   Result<void> take(v1::ServerMessage& message, int64_t received_ns);
   Result<void> take(const v1::SessionEvent& event);
   void take_clock(const v1::ServerMessage& message, int64_t received_ns);
@@ -84,22 +81,22 @@ class SessionStream {
   std::atomic<int64_t> longest_gap_ns_{0};  // between messages, or from the opening to the first
   const int64_t first_silence_ns_;
 
-  FrameReader frames_;  // the reader's thread only, like the next
+  FrameReader frames_;  // reader thread only, like the next
   int64_t echoed_ns_ = 0;
   const bool streams_kernels_;
-  size_t late_kernel_frames_ = 0;  // one after the other
+  size_t late_kernel_frames_ = 0;  // consecutive
   bool warned_ = false;
-  int64_t key_frame_requested_ns_ = std::numeric_limits<int64_t>::min() / 2;  // for a key frame, last
+  int64_t key_frame_requested_ns_ = std::numeric_limits<int64_t>::min() / 2;  // time of the last request
 
   std::mutex mutex_;  // guards everything below
-  std::condition_variable
-      to_send_;  // for the writer alone: a thread that is woken for nothing costs as much as a frame
+  // Used by the writer alone: each spurious wake-up costs as much as a frame.
+  std::condition_variable to_send_;
   std::condition_variable over_;  // for run()
   Outcome outcome_;
   TickAim aim_;
   std::deque<InputSample> samples_;  // the last three
   bool samples_new_ = false;
-  std::optional<ViewCone> view_;  // that was not sent yet
+  std::optional<ViewCone> view_;  // not sent yet
   uint64_t acknowledged_tick_ = 0;
   bool acknowledgement_new_ = false;
   bool key_frame_wanted_ = false;

@@ -22,8 +22,7 @@
 namespace livegs {
 namespace {
 
-constexpr std::chrono::milliseconds kSpectatorPollInterval{
-    50};  // whether it is to end, and whether frames stay away
+constexpr std::chrono::milliseconds kSpectatorPollInterval{50};  // check for a stop request and for silence
 constexpr int64_t kSilenceTimeout_ns = 1'000'000'000;
 constexpr std::chrono::seconds kSpectatorDeadline{10}, kFetchDeadline{600};
 constexpr int64_t kSpectatorRetry_ns = 100'000'000;
@@ -37,7 +36,7 @@ struct Spectator::Connection {
   std::unique_ptr<v1::LiveGs::Stub> assets;
   JoinedScene scene;
 
-  // The thread's, once it runs.
+  // Used by the thread only, once it runs.
   zmq::context_t context{1};
   zmq::socket_t frames{context, zmq::socket_type::sub};
   KnownObjects known;
@@ -52,7 +51,7 @@ struct Spectator::Connection {
 
   Result<v1::SceneDescription> describe();
   Result<KnownObjects::Difference> take(const v1::SceneDescription& described);
-  // Whether the frame is of the scene that is known, once the sink has been told of what that is.
+  // Whether the frame belongs to the known scene, after the sink was updated.
   bool follow(const Publication& publication);
   void run();
 };
@@ -107,15 +106,15 @@ bool Spectator::Connection::follow(const Publication& publication) {
 }
 
 void Spectator::Connection::run() {
-  int64_t heard_ns = 0;  // 0: nothing yet, which cannot be lost
+  int64_t heard_ns = 0;  // 0: nothing received yet, so the stream cannot be lost
   bool lost = false;
   while (!stopping) {
     zmq::message_t message;
     try {
-      if (!frames.recv(message)) {  // nothing for kSpectatorPollInterval
+      if (!frames.recv(message)) {  // no message within kSpectatorPollInterval
         if (!lost && heard_ns > 0 && now_ns() - heard_ns > kSilenceTimeout_ns) {
           lost = true;
-          sink->on_lost("nothing was published for a second");
+          sink->on_lost("nothing was published for 1 s");
         }
         continue;
       }
@@ -144,7 +143,7 @@ void Spectator::Connection::run() {
     frame.bytes = message.size();
     frame.stepped_ns = frame.encode_begun_ns = frame.sent_ns = publication->stepped_ns;
     frame.received_ns = received_ns;
-    frame.clock = ClockOffset::Estimate{};  // it is this machine's
+    frame.clock = ClockOffset::Estimate{};  // the server runs on this machine, so the clock is the same
     frame.run.set_simulated_s(seconds_from_ns(publication->frame.simulated_ns));
     frame.drivers = std::make_shared<const DriverFrame>(std::move(publication->frame));
     frame.decoded_ns = now_ns();
@@ -163,8 +162,8 @@ Result<std::unique_ptr<Spectator>> Spectator::subscribe(const std::string& serve
   connection->address = server;
   connection->access = std::move(access);
   try {
-    connection->frames.set(zmq::sockopt::conflate,
-                           1);  // before it connects: the newest frame and no other waits
+    // Set before connecting: only the newest frame is queued.
+    connection->frames.set(zmq::sockopt::conflate, 1);
     connection->frames.set(zmq::sockopt::maxmsgsize, static_cast<int64_t>(kMaxFrameBytes) + 64);
     connection->frames.set(zmq::sockopt::rcvtimeo, static_cast<int>(kSpectatorPollInterval.count()));
     connection->frames.set(zmq::sockopt::linger, 0);

@@ -12,32 +12,33 @@
 
 namespace livegs {
 
-// Watches a scene by the frames its server publishes (proto/frame_format.md, "Publications"): no session, no
-// hands, and no trace on the server but a subscription. However slow the sink is, the next frame it gets is
-// the newest. What frames do not carry is asked for over gRPC when their event number is a new one; frames of
-// a scene that is not known yet, or not any more, are left out.
+// Shows a scene from the frames its server publishes (proto/frame_format.md, "Publications"), without a
+// session or input; the server sees a subscription only. A slow sink always receives the newest frame next.
+// The scene description is requested over gRPC when the event number changes. Frames of an unknown or
+// outdated scene are dropped.
 class Spectator {
  public:
-  // `server` is HOST:PORT of its gRPC, `published` what livegs-server --publish said, tcp://127.0.0.1:PORT.
-  // Asks for the scene, again until the time is up while nobody answers or it is being built.
+  // `server`: HOST:PORT of its gRPC service; `published`: the address printed by livegs-server --publish,
+  // tcp://127.0.0.1:PORT. Requests the scene and retries until the timeout while no server answers or the
+  // scene is being built.
   static Result<std::unique_ptr<Spectator>> subscribe(const std::string& server, const std::string& published,
                                                       std::shared_ptr<const ServerAccess> access = nullptr,
                                                       double timeout_s = 5.0);
   ~Spectator();
 
   const JoinedScene& scene() const;  // as of subscribe()
-  // As of SessionClient::fetch_asset(), in one attempt. Any thread.
+  // As SessionClient::fetch_asset(), in one attempt. Any thread.
   Result<void> fetch_asset(const std::string& hash, uint64_t asset_bytes, uint64_t offset,
                            const TakeChunk& take);
 
-  // Calls the sink on a thread of its own until stop(). Once.
+  // Calls the sink on an internal thread until stop(). Call once.
   void start(StreamSink& sink);
   void stop();
 
   struct Totals {
-    uint64_t frames = 0;     // given to the sink
-    uint64_t left_out = 0;   // of another scene than is known
-    uint64_t described = 0;  // times the scene was asked for
+    uint64_t frames = 0;     // passed to the sink
+    uint64_t left_out = 0;   // dropped: of an unknown scene
+    uint64_t described = 0;  // number of scene requests
   };
   Totals totals() const;  // any thread
 

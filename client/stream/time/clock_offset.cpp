@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-// Bounds that exclude each other by more than this: a clock was set, or a machine slept.
+// Bounds that contradict each other by more than this indicate a clock adjustment or a suspended machine.
 constexpr int64_t kMaxBoundContradiction_ns = 1'000'000;
 
 }  // namespace

@@ -10,9 +10,9 @@
 namespace livegs {
 namespace {
 
-constexpr int64_t kMinRateSpan_ns = 1'000'000'000;  // that a rate is taken from
-constexpr double kRateNoise = 0.05;                 // what jitter makes of it
-constexpr double kCorrection_ns = 400e6;            // an error goes with this time constant
+constexpr int64_t kMinRateSpan_ns = 1'000'000'000;  // shortest span for a rate estimate
+constexpr double kRateNoise = 0.05;                 // rate error caused by jitter
+constexpr double kCorrection_ns = 400e6;            // time constant of the error correction
 
 }  // namespace
 
@@ -37,7 +37,8 @@ double PlayoutClock::wanted_ns(int64_t drawn_ns) const {
   if (arrivals_.size() < 2) return 0;
   const Arrival& newest = arrivals_.back();
   const double rate = this->rate();
-  // How long after the newest came, were everything even, one shows a moment of then.
+  // Time since the arrival that, at an even rate, corresponds to the simulated time; relative to the newest
+  // frame.
   const auto late = [&](int64_t received_ns, int64_t simulated_ns) {
     return static_cast<double>(received_ns - newest.received_ns) -
            static_cast<double>(simulated_ns - newest.simulated_ns) / rate;
@@ -57,7 +58,7 @@ int64_t PlayoutClock::at(int64_t now_ns, int64_t displayed_ns) {
   if (arrivals_.empty()) return 0;
   leads_ns_.push_back(displayed_ns - now_ns);
   if (leads_ns_.size() > kLeadsKept) leads_ns_.pop_front();
-  // A picture's frames have to be there when it is drawn, which is that much before it is seen.
+  // The frames of a picture must be available when it is drawn, which is `lead` before it is displayed.
   const int64_t lead = percentile(std::vector<int64_t>(leads_ns_.begin(), leads_ns_.end()), kOnTimeShare);
   const int64_t drawn_ns = displayed_ns - lead;
   const auto newest = static_cast<double>(arrivals_.back().simulated_ns);

@@ -6,36 +6,33 @@
 
 namespace livegs {
 
-// Which moment of the simulation a picture shows. Frames come unevenly; the moment shown advances evenly, a
-// little behind them, so that nearly every picture lies between two frames that are there. The delay follows
-// the network as the playout buffers of speech do (Ramjee et al. 1994, Adaptive playout mechanisms for
-// packetized audio applications): it is what 95 of 100 frames of the last two seconds would have needed to be
-// there before the moment after the frame before was shown. Moments received and displayed are of one clock,
-// the client's. Not locked.
+// Maps display time to simulated time. Frames arrive with jitter; the displayed time advances evenly,
+// slightly behind them, so that nearly every picture lies between two received frames. The delay adapts to
+// the network as in playout buffers for speech (Ramjee et al. 1994, Adaptive playout mechanisms for
+// packetized audio applications): it covers the lateness of 95 % of the frames of the last two seconds. Times
+// of arrival and display are of the client's clock. Not thread-safe.
 class PlayoutClock {
  public:
   static constexpr int64_t kWindow_ns = 2'000'000'000;
   static constexpr double kOnTimeShare = 0.95;
-  // More than the quickest frames need is not waited for; then things go on as they moved (FrameHistory), and
-  // then stand.
+  // Upper bound of the jitter delay. Beyond it, motion is extrapolated and then stops (FrameHistory).
   static constexpr int64_t kMaxJitter_ns = 100'000'000;
-  // The moment shown advances by so much faster or slower at most, while it is behind or ahead of where it
-  // should be...
+  // Maximum relative change of the playback rate during a correction...
   static constexpr double kMaxRateDeviation = 0.1;
-  // ... and jumps when it is off by more than this: after a halt, or when a stream came back.
+  // ... and the error above which the clock jumps, after a halt or a reconnect.
   static constexpr int64_t kMaxPlayoutError_ns = 200'000'000;
-  // After so long without a frame it begins anew: the simulation may have stood meanwhile.
+  // Silence after which the clock is reset, since the simulation may have been paused.
   static constexpr int64_t kSilenceTimeout_ns = 250'000'000;
 
-  // Frames in the order they came. One that is not newer says that the simulation stands.
+  // Frames in order of arrival. A frame that is not newer indicates a paused simulation.
   void arrived(int64_t simulated_ns, int64_t received_ns);
-  // Of a picture that is drawn now and seen at `displayed_ns`; calls in order, after the first arrived().
-  // Never goes back, but where it jumps; does not pass a simulation that stands.
+  // Simulated time of a picture that is drawn now and displayed at `displayed_ns`. Call in order, after the
+  // first arrived(). Monotonic except for jumps; does not pass the time of a paused simulation.
   int64_t at(int64_t now_ns, int64_t displayed_ns);
-  // Forgets everything, for a simulation that begins again.
+  // Discards all state, for a restarted simulation.
   void reset() { *this = PlayoutClock(); }
 
-  // Simulated time that passes in a client's time: 1, or what a server that does not keep up reaches.
+  // Simulated time per client time: 1, or less if the server does not keep up.
   double rate() const;
 
  private:

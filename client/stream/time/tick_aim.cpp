@@ -23,7 +23,7 @@ uint64_t TickAim::tick_at(int64_t now_ns) const {
   const auto rank =
       upward.begin() + static_cast<std::ptrdiff_t>(kArrivalShare * static_cast<double>(upward.size() - 1));
   std::nth_element(upward.begin(), rank, upward.end());
-  // The offset of the clocks is in there, as it is in the answer that is asked for: it need not be known.
+  // The clock offset is included in both the samples and the result, so it need not be known.
   const double periods = 1e-9 * static_cast<double>(now_ns + *rank - begun_ns_) * rate_hz_;
   const double ahead = std::max(1.0, std::ceil(periods));
   return ahead <= kMaxTicksAhead ? tick_ + static_cast<uint64_t>(ahead) : 0;

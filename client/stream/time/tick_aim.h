@@ -7,31 +7,30 @@
 
 namespace livegs {
 
-// Which tick of the server a sample of hands that is sent now should be meant for, so that each is applied as
-// long after it was taken as the others, though the network delivers them unevenly: the first tick that
-// begins after 95 of 100 such messages have arrived. On a quiet network that is the next one. Not locked.
+// Chooses the server tick for an input sample that is sent now, so that all samples have the same latency
+// despite network jitter: the first tick that begins after 95 % of such messages have arrived. On a quiet
+// network this is the next tick. Not thread-safe.
 class TickAim {
  public:
   explicit TickAim(double rate_hz) : rate_hz_(rate_hz) {}
 
-  // The tick of a frame that was received and when it began, by the server's clock; the next begins a period
-  // later.
+  // The tick of a received frame and its start by the server's clock; the next tick begins one period later.
   void add_frame(uint64_t tick, int64_t begun_ns);
-  // A message that was sent then has arrived then, the one by this clock, the other by the server's.
+  // A message sent at `sent_ns` (client clock) arrived at `heard_ns` (server clock).
   void arrived(int64_t sent_ns, int64_t heard_ns);
 
-  // 0, for "the next", while the clock or the way is not known, or would ask for more than kMaxTicksAhead.
+  // 0 ("the next tick") while the travel time is unknown or the result would exceed kMaxTicksAhead.
   uint64_t tick_at(int64_t now_ns) const;
 
  private:
   static constexpr size_t kArrivalsKept = 64;
   static constexpr double kArrivalShare = 0.95;
-  static constexpr int64_t kMaxTicksAhead = 15;  // the server believes 30
+  static constexpr int64_t kMaxTicksAhead = 15;  // the server accepts 30
 
   const double rate_hz_;
   uint64_t tick_ = 0;
-  int64_t begun_ns_ = 0;           // when that tick began, the server's clock
-  std::deque<int64_t> upward_ns_;  // heard - sent of the newest arrivals: travel and offset together
+  int64_t begun_ns_ = 0;           // start of that tick, server clock
+  std::deque<int64_t> upward_ns_;  // heard - sent of the newest arrivals: travel time plus offset
 };
 
 }  // namespace livegs

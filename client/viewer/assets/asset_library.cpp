@@ -40,7 +40,7 @@ Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_
                                                 RequestedAsset& asked) {
   AssetCache::Progress progress;
   if (shows_parts_) {
-    // A part costs who draws it as much as it holds: they double.
+    // Parts double in size, since each part costs the renderer as much as it holds.
     progress = [this, &asked, shown = size_t{0}](const ProgressiveDecoder& so_far) mutable {
       const size_t come = so_far.arrived() + so_far.arrived_harmonics();
       if (come < 2 * shown || so_far.complete()) return;
@@ -60,7 +60,7 @@ Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_
   auto obtained = cache_.obtain(hash, bytes, fetch, progress, stop_);
   if (!obtained) return obtained.error();
   if (stop_.stop_requested())
-    return Error{ErrorCode::Unavailable, "asset " + hash.substr(0, 12) + ": no longer wanted"};
+    return Error{ErrorCode::Unavailable, "asset " + hash.substr(0, 12) + ": the fetch was cancelled"};
   auto file = decode_asset(obtained->bytes, hash.substr(0, 12) + ".ply");
   if (!file) return file.error();
   return Loaded{std::make_shared<const GaussianAsset>(std::move(file->asset)), obtained->fetched_bytes};

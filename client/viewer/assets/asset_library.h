@@ -19,15 +19,15 @@
 
 namespace livegs {
 
-// The assets of a session or a recording, decoded, each once however many objects share it. Asking for one
-// starts its fetch on a thread of its own, so that a stream's reader never waits for a file. Any thread.
+// Decoded assets of a session or a recording, each loaded once for all objects that share it. A request
+// starts the fetch on its own thread, so that the reader of a stream never waits for a file. Any thread.
 class AssetLibrary {
  public:
-  // The bytes of an asset that the cache has not, from `offset` on; several at a time, on any thread.
+  // Fetches an asset that is not in the cache, from `offset` on; concurrent calls on any thread.
   using FetchAsset = std::function<Result<void>(const std::string& hash, uint64_t bytes, uint64_t offset,
                                                 const TakeChunk& take)>;
-  // The cache outlives the library, and so does what `fetch` needs. Its end waits for fetches that are under
-  // way: request `stop`, which `fetch` heeds as well, where nobody needs them any more.
+  // The cache and the dependencies of `fetch` must outlive the library. The destructor waits for running
+  // fetches; request `stop`, which `fetch` must observe as well, to end them early.
   AssetLibrary(FetchAsset fetch, const AssetCache& cache, std::stop_token stop = {})
       : fetch_(std::move(fetch)), cache_(cache), stop_(std::move(stop)) {}
   AssetLibrary(SessionClient& client, const AssetCache& cache, std::stop_token stop = {})
@@ -38,39 +38,39 @@ class AssetLibrary {
             cache, std::move(stop)) {}
 
   using Asset = std::shared_ptr<const GaussianAsset>;
-  // From now on, what has come of assets that are asked for can be had before they are whole.
+  // Makes partially received assets available before they are complete.
   void show_parts() { shows_parts_ = true; }
-  // The object's own asset and, if it has one, that of its fragments.
+  // Requests the object's asset and, if present, the asset of its fragments.
   void request(const StreamedObject& object);
-  // Waits for it. Precondition: it was asked for.
+  // Waits until the asset is loaded. Precondition: it was requested.
   Result<Asset> get(const std::string& hash);
 
-  // As much of it as has come.
+  // The part of an asset received so far.
   struct Arrived {
     Asset asset;
-    std::shared_ptr<const AssetPart> part;  // of which `asset` is the kernels; null: it is whole
-    size_t step = 0;                        // grows with what has come
+    std::shared_ptr<const AssetPart> part;  // owner of the kernels of `asset`; null: it is complete
+    size_t step = 0;                        // increases with the received data
   };
-  // Waits until there is more than of this step, 0 being nothing; until all is there unless parts are shown.
-  // Precondition: it was asked for.
+  // Waits for more data than at `than_step`; 0 means none. Waits for the complete asset unless parts are
+  // shown. Precondition: it was requested.
   Result<Arrived> wait_for_more(const std::string& hash, size_t than_step);
-  // Whether that would return at once.
+  // Whether wait_for_more() would return at once.
   bool has_more(const std::string& hash, size_t than_step) const;
 
-  // Over what has arrived.
+  // Totals of the received assets.
   struct Totals {
     size_t assets = 0, fetched = 0;
     uint64_t fetched_bytes = 0;
   };
   Totals totals() const;
 
-  // How far those are that were asked for.
+  // Progress of the requested assets.
   struct Progress {
     size_t assets = 0, ready = 0;
     uint64_t bytes = 0,
              arrived_bytes = 0;  // of all of them; of one in the cache all have arrived once it is read
-    // The first, in the order they were asked for, that is not ready: an object that has it. Empty when all
-    // are.
+    // Name of an object whose asset is the first in request order that is not ready. Empty when all are
+    // ready.
     std::string object;
     uint64_t object_bytes = 0, object_arrived_bytes = 0;
   };
@@ -81,13 +81,13 @@ class AssetLibrary {
     Asset asset;
     uint64_t fetched_bytes = 0;
   };
-  // Guarded by the mutex; shared with the thread that fetches it.
+  // Guarded by the mutex; shared with the fetching thread.
   struct RequestedAsset {
-    std::string object;  // that has it
+    std::string object;  // an object that uses it
     uint64_t bytes = 0, arrived_bytes = 0;
     std::optional<Result<Loaded>> loaded;
     std::shared_ptr<const AssetPart> part;
-    size_t step = 0;  // as Arrived has it
+    size_t step = 0;  // as in Arrived
   };
   void request(const std::string& hash, uint64_t bytes, const std::string& object);
   Result<Loaded> load(const std::string& hash, uint64_t bytes, RequestedAsset& asked);
@@ -101,8 +101,8 @@ class AssetLibrary {
   std::condition_variable arrived_;
   Totals totals_;
   std::map<std::string, std::shared_ptr<RequestedAsset>> assets_;
-  std::vector<std::shared_ptr<const RequestedAsset>> in_order_;  // they were asked for in
-  std::vector<std::future<void>> threads_;                       // last: they use all of the above
+  std::vector<std::shared_ptr<const RequestedAsset>> in_order_;  // in order of the requests
+  std::vector<std::future<void>> threads_;                       // last: they use all members above
 };
 
 }  // namespace livegs

@@ -7,7 +7,7 @@
 
 namespace livegs {
 
-// Fetches what the scene shows and adds it to the view; waits until all is there.
+// Loads the objects of the scene into the view; blocks until all are complete.
 Result<void> load_scene(const JoinedScene& scene, AssetLibrary& assets, SceneView& view);
 
 }  // namespace livegs

@@ -23,7 +23,7 @@ RestBody rest_of_part(const RestBody& rest, std::span<const uint32_t> indices) {
     while (run < rest.kernel_runs.size() && index >= end) {
       if (++run < rest.kernel_runs.size()) end += rest.kernel_runs[run].count;
     }
-    if (run == rest.kernel_runs.size()) break;  // also of an object that is not broken
+    if (run == rest.kernel_runs.size()) break;  // also for an object that is not fractured
     const uint32_t body = rest.kernel_runs[run].body;
     if (part.kernel_runs.empty() || part.kernel_runs.back().body != body)
       part.kernel_runs.push_back({body, 0});

@@ -8,9 +8,9 @@
 namespace livegs {
 namespace {
 
-// A head that looks around turns by 2 to 4 rad/s.
+// Margin for head rotation at 2 to 4 rad/s.
 constexpr double kTurnMargin_rad = 0.35;
-// And a step to the side in that time.
+// Margin for lateral motion in the same time.
 constexpr double kMotionMargin_m = 0.2;
 
 Eigen::Vector3d direction(const Camera& eye, double x_px, double y_px) {
@@ -43,7 +43,7 @@ ViewCone client_view_cone(std::span<const Camera> eyes) {
     }
   }
   cone.half_angle_rad = std::min(M_PI, cone.half_angle_rad + kTurnMargin_rad);
-  // From so far behind, the cone holds those of all points within apart_m.
+  // Moving back by this distance makes the cone contain those of all points within apart_m.
   cone.position_m -= cone.forward * (apart_m / std::sin(std::min(cone.half_angle_rad, 0.5 * M_PI)));
   return cone;
 }

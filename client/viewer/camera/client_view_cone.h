@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// What a server should take as seen: all that these eyes, one or two, show, and what they can turn to in the
-// tenth of a second in which the server hears of it and sends the next frame.
+// The region the server should treat as visible: everything these one or two eyes show, plus the motion
+// within the tenth of a second until the next frame for the new view arrives.
 ViewCone client_view_cone(std::span<const Camera> eyes);
 
 }  // namespace livegs

@@ -11,12 +11,11 @@
 
 namespace livegs {
 
-// Where one looks from at first: as the file says, or so that all of the posed scene is seen, in columns that
-// nothing covers.
+// The initial camera: from the file, or chosen so that the posed scene is visible in the columns `free`.
 Result<Camera> initial_camera(const SceneView& view, PictureSize size,
                               const std::filesystem::path& camera_file,
                               const std::optional<PictureColumns>& free = {});
-// That camera about the middle of the scene.
+// An orbit camera at that position around the centre of the scene.
 OrbitCamera orbit_of(const SceneView& view, const Camera& camera);
 
 }  // namespace livegs

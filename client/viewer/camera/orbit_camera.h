@@ -8,20 +8,20 @@
 
 namespace livegs {
 
-// A camera that looks at a point from a distance, as a mouse and a few keys move it.
+// A camera that looks at a target point from a distance, controlled by mouse and keys.
 class OrbitCamera {
  public:
   OrbitCamera() = default;
-  // Where `camera` stands; the point it looks at lies `distance_m` before it.
+  // Takes the pose of `camera`; the target is `distance_m` in front of it.
   OrbitCamera(const Camera& camera, double distance_m);
 
-  // Around the point: a drag over the height of the window is half a turn. The poles are not crossed.
+  // Rotates around the target; a drag over the window's height is half a turn. Stops at the poles.
   void orbit(const Eigen::Vector2d& moved_px, double window_height_px);
-  // With the point, so that what lies there follows the mouse.
+  // Moves camera and target so that the target plane follows the mouse.
   void pan(const Eigen::Vector2d& moved_px, double window_height_px);
-  // Nearer to the point: each notch leaves nine tenths of the way.
+  // Moves towards the target; each notch leaves nine tenths of the distance.
   void zoom(double notches);
-  // With the point, by `direction` in the camera's axes, as far a second as the point is away.
+  // Moves camera and target along `direction` (camera axes); speed per second: the distance to the target.
   void fly(const Eigen::Vector3d& direction, double passed_s);
 
   Camera camera(int width, int height) const;
@@ -35,9 +35,9 @@ class OrbitCamera {
   double vertical_fov_rad_ = 0.7;
 };
 
-// The ray of a pixel, from the eye: origin and -Z.
+// The ray through a pixel, from the eye: origin and -Z.
 Pose ray_through(const Camera& camera, const Eigen::Vector2d& pixel);
-// Where a point is seen; nothing if it lies behind the eye.
+// Projects a point; nothing if it is behind the eye.
 std::optional<Eigen::Vector2d> pixel_of(const Camera& camera, const Eigen::Vector3d& point_m);
 
 }  // namespace livegs

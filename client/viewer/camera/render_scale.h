@@ -7,32 +7,31 @@
 
 namespace livegs {
 
-// What a window's picture may take, by the refreshes a second of its monitor (0: not known, taken for 60):
-// nine tenths of two refreshes, 30 ms at 60 Hz. No less than 8 ms, of which a picture's way through main
-// memory alone takes some, and no more than 40, beyond which a slow monitor hides less than a slow hand sees.
+// Time budget of a window's picture for the monitor's refresh rate (0: unknown, 60 Hz is assumed): nine
+// tenths of two refreshes, 30 ms at 60 Hz. At least 8 ms, since the copy through main memory takes part of
+// it, and at most 40 ms, to stay responsive on slow monitors.
 inline double window_budget_ms(double refresh_hz) {
   return std::clamp(0.9 * 2000.0 / (refresh_hz > 0 ? refresh_hz : 60.0), 8.0, 40.0);
 }
 
-// Of pictures that are drawn at full size however long they take.
+// Budget for pictures that are always drawn at full size.
 inline constexpr double kUnlimitedBudget_ms = std::numeric_limits<double>::infinity();
 
-// How much smaller than its window a picture is drawn, and which kernels are left out of it, so that it is
-// drawn in time. Cost is taken to go with the number of pixels; steps of an eighth, and a dead zone, keep the
-// size from flickering. Both go together: at half the size, kernels that add less than a pixel of the window
-// are left out, at a quarter, the least size, less than three, and never more than four: that leaves captured
-// assets 34 dB and more, which is no less than the size does. Beyond that pictures are late rather than
-// empty: where each of a million kernels adds little, a threshold that went on would leave out all of them.
+// Chooses the size of a picture relative to its window, and the contribution threshold of its kernels, to
+// stay within the budget. Cost is assumed proportional to the number of pixels. Steps of an eighth and a dead
+// zone prevent flicker. The threshold grows with the reduction: one pixel of the window at half the size,
+// three at a quarter (the minimum), and at most four. A higher threshold would remove all kernels of assets
+// with many small ones, so pictures are late instead.
 class RenderScale {
  public:
   explicit RenderScale(double budget_ms) : budget_ms_(budget_ms) {}
 
-  // After a picture that took so long.
+  // Records a picture that took this long.
   void drew(double ms) {
     if (ms > 0.7 * budget_ms_ && ms < budget_ms_) return;
     const double next = std::clamp(
         wanted_ * std::clamp(std::sqrt(0.85 * budget_ms_ / std::max(ms, 1e-3)), 0.7, 1.1), kMinScale, 1.0);
-    // A step from 3/8 to 1/2 is more than the dead zone: it is taken if it will do, or sizes would alternate.
+    // The step from 3/8 to 1/2 exceeds the dead zone; it is taken only if it fits, to avoid oscillation.
     const double step = size(next) / value();
     if (step > 1.0 && ms * step * step > 0.95 * budget_ms_) return;
     wanted_ = next;
@@ -40,7 +39,7 @@ class RenderScale {
 
   double value() const { return size(wanted_); }  // 0.25..1
   int of(int pixels) const { return std::max(16, static_cast<int>(std::lround(value() * pixels))); }
-  // As RenderOptions has it, in pixels of the smaller picture: 0 while pictures are in time.
+  // As in RenderOptions, in pixels of the reduced picture; 0 while pictures are on time.
   float min_contribution_px() const { return static_cast<float>(value() * value() * (1.0 / wanted_ - 1.0)); }
 
  private:

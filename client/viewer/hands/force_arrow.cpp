@@ -8,9 +8,9 @@
 namespace livegs {
 namespace {
 
-constexpr double kWeightLength = 0.4;                                        // of the object's size
-constexpr double kUnknownLength_m_n = 0.01;                                  // of what has no weight
-constexpr double kShaftWidth = 0.10, kHeadWidth = 0.28, kHeadLength = 0.32;  // of the length
+constexpr double kWeightLength = 0.4;                                        // relative to the object's size
+constexpr double kUnknownLength_m_n = 0.01;                                  // for objects without a mass
+constexpr double kShaftWidth = 0.10, kHeadWidth = 0.28, kHeadLength = 0.32;  // relative to the length
 constexpr double kMinArrowLength_px = 4;
 
 }  // namespace
@@ -27,7 +27,7 @@ std::optional<ProjectedArrow> project_arrow(const Camera& camera, const Eigen::V
   if (!(length_m > 0)) return std::nullopt;
   const Eigen::Vector3d view = point_m - camera.world_from_camera.position_m;
   Eigen::Vector3d side = along.cross(view);
-  if (side.norm() < 1e-9 * length_m * view.norm()) return std::nullopt;  // straight at the eye
+  if (side.norm() < 1e-9 * length_m * view.norm()) return std::nullopt;  // along the line of sight
   side.normalize();
   const auto corner = [&](double forward, double width) -> Eigen::Vector3d {
     return point_m + forward * along + 0.5 * width * length_m * side;

@@ -9,18 +9,17 @@
 
 namespace livegs {
 
-// A force on an object of this mass and size is drawn 0.4 of its size long where it equals its weight, so
-// that a pull that lifts a hat and one that lifts a stool are both seen. Metres a newton; constant for an
-// object.
+// Length of a force arrow in metres per newton, constant for an object. The object's weight is drawn at 0.4
+// of its size, so that forces on light and heavy objects are both visible.
 double arrow_metres_per_newton(double mass_kg, double size_m);
 
-// An arrow as it is seen: a flat shape that stands in the world along the force and faces the eye, so that it
-// is foreshortened and shrinks with distance like a thing. Length and thickness go with the force.
+// The projection of an arrow: a flat shape in the world along the force that faces the eye, with perspective.
+// Length and width are proportional to the force.
 struct ProjectedArrow {
-  // Around it: tail left, neck left, barb left, tip, barb right, neck right, tail right. Pixels.
+  // Outline in pixels: tail left, neck left, barb left, tip, barb right, neck right, tail right.
   std::array<Eigen::Vector2d, 7> outline_px;
 };
-// Nothing when a part of it is behind the eye or it would be shorter than a few pixels.
+// Nothing if a part is behind the eye or the arrow is shorter than a few pixels.
 std::optional<ProjectedArrow> project_arrow(const Camera& camera, const Eigen::Vector3d& point_m,
                                             const Eigen::Vector3d& force_n, double metres_per_newton);
 

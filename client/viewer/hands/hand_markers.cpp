@@ -23,7 +23,7 @@ void add_kernel(GaussianAsset& asset, const Eigen::Vector3f& at, const Eigen::Ve
   asset.sh_dc.push_back((colour.array() - 0.5f) / kShBand0);
 }
 
-// Its bodies: the ray, the ball, and each bead.
+// Bodies of the asset: the ray, the ball, and one per bead.
 GaussianAsset hand_asset() {
   GaussianAsset asset;
   constexpr double step_m = kRayLength_m / kRayKernels;
@@ -63,7 +63,7 @@ void HandMarkers::append(const std::array<HandSample, 2>& hands, std::span<const
     if (!hands[hand].active) continue;
     ObjectDrivers& marks = drivers.objects.emplace_back();
     marks.object_id = kFirstId + hand;
-    // Beads without a force are within the ball.
+    // Without a force the beads are hidden inside the ball.
     marks.poses.assign(2 + kBeads, hands[hand].grip);
     marks.poses[0] = hands[hand].aim;
     for (const Force& force : forces) {

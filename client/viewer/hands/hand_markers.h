@@ -11,20 +11,20 @@
 
 namespace livegs {
 
-// What is seen of the hands in a headset: a ball where each is, its ray, and a row of beads from the point it
-// holds along the force there. They are kernels as all else, sorted with the scene.
+// Markers of the hands in a headset: a ball, a ray, and a row of beads along the force from the held point.
+// They are kernels and are sorted with the scene.
 class HandMarkers {
  public:
-  // Once. Their ids are the last two there are; a server counts from 1.
+  // Call once. Uses the two highest ids; servers count from 1.
   static Result<void> add_to(SceneView& view);
   static bool is_marker(uint32_t object_id);
 
-  // A force that a hand exerts.
+  // A force exerted by a hand.
   struct Force {
     size_t hand = 0;
-    Eigen::Vector3d point_m, arrow_m;  // from there to its tip
+    Eigen::Vector3d point_m, arrow_m;  // point of application, and vector from there to the tip
   };
-  // Adds the hands that are active to what a picture shows.
+  // Adds the active hands to the drivers of a picture.
   static void append(const std::array<HandSample, 2>& hands, std::span<const Force> forces,
                      DriverFrame& drivers);
 };

@@ -7,14 +7,14 @@
 namespace livegs {
 namespace {
 
-constexpr float kMinImpulse_n_s = 0.02f;           // less is not felt
-constexpr float kFullAmplitudeImpulse_n_s = 1.0f;  // as strong as the controller can
-constexpr float kRepeatRatio = 3.0f;               // times the usual
+constexpr float kMinImpulse_n_s = 0.02f;           // imperceptible below
+constexpr float kFullAmplitudeImpulse_n_s = 1.0f;  // maximum vibration
+constexpr float kRepeatRatio = 3.0f;               // relative to the last pulse
 constexpr double kContact_s = 0.02, kTake_s = 0.015;
 constexpr float kTakeAmplitude = 0.3f;
-constexpr double kFullAmplitudeSpeed_m_s = 1.5;  // a hand that goes as fast is felt in full
-constexpr int64_t kContactMatchWindow_ns =
-    300'000'000;  // what the server tells within it of a foreseen touch is that touch
+constexpr double kFullAmplitudeSpeed_m_s = 1.5;  // hand speed of the maximum vibration
+// A reported contact within this time of a predicted one is the same contact.
+constexpr int64_t kContactMatchWindow_ns = 300'000'000;
 constexpr int64_t kContactTimeout_ns = 100'000'000;
 
 }  // namespace

@@ -8,9 +8,8 @@
 
 namespace livegs {
 
-// When a controller vibrates and how strongly, so that a touch is felt once, whether it is foreseen here or
-// told by the server, which comes a network and a simulation later. Moments are of now_ns(). Pure; one
-// thread.
+// Decides when and how strongly a controller vibrates. Each contact is felt once, although the server reports
+// it later than it is predicted here. Times are of now_ns(). No I/O; one thread.
 class Haptics {
  public:
   struct Pulse {
@@ -18,27 +17,27 @@ class Haptics {
     double seconds = 0;
   };
 
-  // What a hand holds: 0 is nothing. Taking a thing is felt; touching begins anew either way.
+  // Reports the held object; 0: none. Grabbing produces a pulse. Contact state is reset on a change.
   std::optional<Pulse> holds(size_t hand, uint32_t object_id);
 
-  // Whether the hand, or what it holds, is about to touch something as it is drawn, going at this speed. The
-  // first word after holds() changed tells how things stand and is not felt: what is taken from a table
+  // Reports whether the hand, or the held object, is predicted to touch something, and the hand's speed. The
+  // first call after a change of holds() sets the state without a pulse, since an object taken from a table
   // touches it.
   std::optional<Pulse> foreseen(size_t hand, bool touches, double speed_m_s, int64_t now_ns);
 
-  // What contacts gave the held object in a tick. A touch lasts until there was nothing for a tenth of a
-  // second; within it only what is three times as strong as before is felt again.
+  // Reports the impulse of contacts on the held object in a tick. A contact lasts until a tenth of a second
+  // without impulse; within it only an impulse three times as strong produces a new pulse.
   std::optional<Pulse> told(size_t hand, float impulse_n_s, int64_t now_ns);
 
-  // Nothing is known of it in this picture: what is said next tells how things stand.
+  // No prediction is available in this picture; the next one sets the state without a pulse.
   void on_no_prediction(size_t hand) { hands_[hand].touches.reset(); }
 
  private:
   struct Hand {
     uint32_t held = 0;
     std::optional<bool> touches;
-    std::optional<int64_t> predicted_ns, impulse_ns;  // the last
-    float contact_impulse_n_s = 0;                    // of the touch that the server tells of
+    std::optional<int64_t> predicted_ns, impulse_ns;  // last times
+    float contact_impulse_n_s = 0;                    // of the contact reported by the server
   };
   std::array<Hand, 2> hands_;
 };

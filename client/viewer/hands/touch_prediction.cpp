@@ -9,11 +9,11 @@ namespace livegs {
 namespace {
 
 constexpr double kLookahead_s = 0.025;  // about two pictures
-constexpr int kSteps = 4;               // looked at on the way: 12 mm apart at 2 m/s
-constexpr float kHandRadius_m = 0.01f;  // the hand's ball
-constexpr float kContactDistance_m =
-    0.003f;  // kernels of two things come no closer than that where the server lets them touch
-constexpr float kReleaseDistance_m = 0.015f;  // more than this is needed to end a touch
+constexpr int kSteps = 4;               // samples along the path: 12 mm apart at 2 m/s
+constexpr float kHandRadius_m = 0.01f;  // the hand is a sphere
+// Kernel surfaces of touching objects come no closer than this, owing to the server's contact margin.
+constexpr float kContactDistance_m = 0.003f;
+constexpr float kReleaseDistance_m = 0.015f;  // hysteresis: a contact ends above this distance
 constexpr size_t kProbes = 64, kMaxSurfaceKernels = 4096;
 constexpr int64_t kMaxPictureInterval_ns = 500'000'000;  // between pictures
 
@@ -50,7 +50,7 @@ std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const Han
     const Eigen::Vector3f ahead = static_cast<float>(kLookahead_s) * velocity_m_s;
     box.extend(Eigen::AlignedBox3f(box.min() + ahead, box.max() + ahead));
     const Eigen::Vector3f wider =
-        Eigen::Vector3f::Constant(end_m + 0.05f);  // middles of large kernels are farther away
+        Eigen::Vector3f::Constant(end_m + 0.05f);  // centres of large kernels are farther away
     const Eigen::AlignedBox3f looked_at(box.min() - wider, box.max() + wider);
     std::vector<DrawnObject> others = view.drawn_near(looked_at);
     std::erase_if(others, [&](const DrawnObject& object) {

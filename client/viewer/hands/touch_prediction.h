@@ -9,17 +9,17 @@
 
 namespace livegs {
 
-// Whether a hand, or what it holds, comes to touch what is drawn within the next pictures: the hand is a
-// ball, the held object its kernels going along with the hand; both go on as they went since the last
-// picture. One thread.
+// Predicts whether a hand, or its held object, touches the drawn scene within the next pictures. The hand is
+// a sphere; the held object's kernels move with the hand. Velocities are extrapolated from the last picture.
+// One thread.
 class TouchPrediction {
  public:
   struct Touch {
     bool touches = false;
     double speed_m_s = 0;  // of the hand
   };
-  // Of what view.pose() was last given, for a picture seen then. `held_id` is what the hand has in its grip,
-  // 0: nothing. Nothing for a hand that is not active, or that was not at the last picture.
+  // For the last pose of the view and a picture displayed at `displayed_ns`. `held_id`: the grabbed object,
+  // 0: none. Nothing for a hand that is inactive or was missing in the last picture.
   std::optional<Touch> at(size_t hand, const HandSample& sample, uint32_t held_id, const SceneView& view,
                           int64_t displayed_ns);
 

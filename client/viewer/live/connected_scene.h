@@ -18,31 +18,29 @@
 
 namespace livegs {
 
-// What every display needs of a server.
+// Connection options of all displays.
 struct JoinOptions {
   std::string address;
-  std::shared_ptr<const ServerAccess> access;  // null: in the clear
-  std::filesystem::path cache;                 // of fetched assets; empty: the user's
+  std::shared_ptr<const ServerAccess> access;  // null: no TLS
+  std::filesystem::path cache;                 // for fetched assets; empty: the user's cache
   double connect_timeout_s = 5;
-  double reconnect_s =
-      std::numeric_limits<double>::infinity();  // how long a server that went away is looked for
+  double reconnect_s = std::numeric_limits<double>::infinity();  // time to try reconnecting
   RendererChoice renderer = RendererChoice::Auto;
-  double most_mbit_s = 0;       // what the link can take; 0: whatever the server gives
-  double rate_hz = 0;           // frames a second that there is a use for, 5 or more; 0: one each tick
-  uint32_t position_bits = 16;  // of elastic objects' positions: 16, 18 or 20
+  double most_mbit_s = 0;       // link bandwidth; 0: no limit
+  double rate_hz = 0;           // frames per second, at least 5; 0: one per tick
+  uint32_t position_bits = 16;  // elastic positions: 16, 18 or 20
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;  // of frames
-  bool reconnect_after_drain = true;                              // looks for a server that said goodbye, too
-  // Objects are shown with what has come of them; else, and where kernels are streamed, which are of the
-  // whole, once they are whole.
+  bool reconnect_after_drain = true;                              // also after an announced shutdown
+  // Shows partially received objects. If false, or for streamed kernels, which refer to the complete asset,
+  // objects appear once they are complete.
   bool coarse_first = true;
 };
 
-// Of fetched assets, in this folder; empty: the user's.
+// The cache of fetched assets in this folder; empty: the user's cache.
 Result<AssetCache> asset_cache(const std::filesystem::path& folder);
 
-// A session that looks for its server again, also one that was started anew; what it has fetched; and the
-// view that draws it, with all objects of the scene: whole, or as far as their assets have come. Made by
-// SceneLoader.
+// A session with automatic reconnect, its fetched assets, and the view that draws it. All objects of the
+// scene are in the view, complete or partial. Created by SceneLoader.
 struct ConnectedScene {
   ConnectedScene(std::stop_source ending, std::unique_ptr<SessionClient> joined, AssetCache kept,
                  std::unique_ptr<SplatRenderer> renderer)
@@ -54,7 +52,7 @@ struct ConnectedScene {
         view(std::move(renderer)) {}
   ~ConnectedScene() { stop.request_stop(); }
 
-  std::stop_source stop;  // ends the session and what is being fetched
+  std::stop_source stop;  // ends the session and running fetches
   const std::unique_ptr<SessionClient> client;
   const AssetCache cache;
   AssetLibrary assets;

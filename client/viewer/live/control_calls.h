@@ -14,13 +14,12 @@
 
 namespace livegs {
 
-// Calls to the server that a drawer makes without waiting: they are made one after the other on threads of
-// their own, analyses on another than what is quick, and answers are fetched when it is convenient. Any
-// thread.
+// Asynchronous calls to the server. Calls run one after the other on internal threads, analyses on a separate
+// thread from quick calls; replies are collected with take(). Any thread.
 class ControlCalls {
  public:
-  explicit ControlCalls(SceneControl& control);  // which outlives this
-  ~ControlCalls();                               // cancels what is under way
+  explicit ControlCalls(SceneControl& control);  // must outlive this object
+  ~ControlCalls();                               // cancels running calls
 
   void set_physics(std::string object, v1::Physics physics);
   void accept_proposal(std::string object, bool decline = false);
@@ -29,18 +28,18 @@ class ControlCalls {
   void control_run(v1::ControlRunRequest request);
   void apply_force(v1::Event::Force force);
 
-  // One of `physics`, `progress` and `refused` is there, or none for a call that was taken and says nothing.
+  // At most one of `physics`, `progress` and `refused` is set; none for an accepted call without a result.
   struct Answer {
     enum class Kind { Physics, Analysis, Run, Force };
     Kind kind = Kind::Physics;
-    std::string object;  // of Physics and Force
+    std::string object;  // for Physics and Force
     std::optional<v1::PhysicsReply> physics;
     std::optional<v1::AnalysisProgress> progress;
     std::optional<Error> refused;
-    uint64_t tick = 0;  // of Force: the newest when it was taken
-    bool last = true;   // no further answer of this call comes
+    uint64_t tick = 0;  // Force: the newest tick at acceptance
+    bool last = true;   // the final reply to this call
   };
-  std::vector<Answer> take();  // since the last call, in the order they came
+  std::vector<Answer> take();  // since the last call, in order of arrival
 
  private:
   class Lane {
@@ -60,7 +59,7 @@ class ControlCalls {
   SceneControl& control_;
   std::mutex mutex_;  // guards answers_
   std::vector<Answer> answers_;
-  Lane quick_, analyses_;  // last: their threads use all of the above
+  Lane quick_, analyses_;  // last: their threads use all members above
 };
 
 }  // namespace livegs

@@ -24,7 +24,7 @@ void FrameQueue::on_frame(ReceivedFrame frame) {
   std::lock_guard lock(mutex_);
   if (std::exchange(lost_, false)) {
     update_.back = true;
-    update_.lost.reset();  // it is over before anybody heard of it
+    update_.lost.reset();  // the outage ended before it was reported
   }
   if (std::exchange(holds_, false)) {
     update_.anew = true;
@@ -81,7 +81,7 @@ void FrameQueue::take_event(Event event, const SceneView& view) {
       return one.bound.valid() && one.event.id == object.id &&
              one.event.object->rest.revision == object.rest.revision;
     };
-    // A description also comes when somebody changed a mass.
+    // A description is also sent after a parameter change, such as the mass.
     const bool is_there =
         view.has(object.id, object.rest.revision) || std::any_of(pending_.begin(), pending_.end(), binds_it);
     if (pending.event.added || !is_there) pending.bound = objects_.bind(object);

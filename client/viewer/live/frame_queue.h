@@ -14,13 +14,13 @@
 
 namespace livegs {
 
-// What a stream brought, for a drawer that shows the present: of frames that were not taken in time the
-// oldest are dropped, events never.
+// Queue between a stream and a renderer that shows the present. The oldest unread frames are dropped, events
+// never.
 class FrameQueue final : public StreamSink {
  public:
   explicit FrameQueue(ProgressiveObjects& objects) : objects_(objects) {}
 
-  // On the session's threads.
+  // Called on the session's threads.
   void on_lost(const std::string& reason) override;
   void on_resumed(const ResumedSession& resumed) override;
   void on_frame(ReceivedFrame frame) override;
@@ -29,24 +29,24 @@ class FrameQueue final : public StreamSink {
   void on_object_removed(uint32_t object_id) override;
   void on_draining(const std::string& reason) override;
 
-  // On the drawer's: what came since the last call, events first, and more of assets that are being fetched.
-  // It waits for nothing: an object that is new, or broke, is fetched and tied to its drivers on a thread of
-  // its own and comes, with its first kernels, with a later call; until then a new one is not seen, and one
-  // that broke stands as it was. A server that was started anew shows itself when its first frame and all of
-  // its objects are there, so that the last picture can still be drawn.
+  // Renderer thread: returns updates since the last call, events first, and refinements of partial assets.
+  // Never blocks. New or fractured objects are fetched and bound on a worker thread and appear in a later
+  // call; until then new objects are hidden and fractured ones keep their previous state. A restarted server
+  // becomes visible once its first frame and all its objects are available, so that the last picture can be
+  // drawn until then.
   struct StreamUpdate {
     std::vector<ReceivedFrame> frames;      // oldest first
-    bool anew = false;                      // they are of a server that was started anew
+    bool anew = false;                      // the frames are from a restarted server
     std::vector<StreamedObject> described;  // added or changed
     std::vector<uint32_t> removed;
-    std::vector<uint32_t> refined;  // more of their kernels have come: kernels have other numbers
+    std::vector<uint32_t> refined;  // refined objects, whose kernels are renumbered
     std::optional<std::string> goodbye;
-    std::optional<std::string> lost;  // why the stream is gone
-    bool back = false;                // the frames are the first of a stream that came back
+    std::optional<std::string> lost;  // reason of a lost stream
+    bool back = false;                // the frames are the first after a reconnect
   };
   Result<StreamUpdate> take(SceneView& view);
 
-  // From now on every frame is kept, too, for a recording; or no longer.
+  // Starts or stops keeping every frame for a recording.
   void record_frames(bool keep);
   std::vector<ReceivedFrame> take_recorded();
 
@@ -58,23 +58,23 @@ class FrameQueue final : public StreamSink {
     bool added = false;
     uint32_t id = 0;
   };
-  // On its way to the view.
+  // Waiting to be added to the view.
   struct Pending {
     Event event;
-    std::future<Result<Binding>> bound;  // of one that has to be
+    std::future<Result<Binding>> bound;  // for objects that need a binding
     bool ready() const;
   };
   void take_event(Event event, const SceneView& view);
   Result<void> show(Pending pending, SceneView& view, StreamUpdate& update);
 
   ProgressiveObjects& objects_;
-  std::deque<Pending> pending_;  // the drawer's, in the order of events
-  std::vector<std::future<Result<Binding>>>
-      unwanted_;      // its as well: of objects that went before they were there
+  std::deque<Pending> pending_;  // renderer thread; in the order of events
+  // Renderer thread: bindings of objects that were removed before they were ready.
+  std::vector<std::future<Result<Binding>>> unwanted_;
   std::mutex mutex_;  // guards everything below
   std::vector<Event> events_;
-  size_t events_to_take_ = 0;  // those of before such a server
-  bool holds_ = false;         // the others, until the next frame
+  size_t events_to_take_ = 0;  // events from before a server restart
+  bool holds_ = false;         // holds the other events back until the next frame
   bool lost_ = false;
   StreamUpdate update_;
   bool records_frames_ = false;

@@ -11,26 +11,25 @@
 
 namespace livegs {
 
-// The frames of a live stream, and what a picture of it shows: a moment shortly before the newest, that
-// advances as evenly as the display. One thread.
+// Frames of a live stream, interpolated for display slightly behind the newest, at an even rate. One thread.
 class Playout {
  public:
-  // In the order they came.
+  // Frames in order of arrival.
   void add(ReceivedFrame frame);
-  // What comes next has nothing to do with what came: a server that was started anew.
+  // Discards all state after a server restart.
   void reset() { *this = Playout(); }
 
-  // The drivers of a picture that is drawn now and seen then, by now_ns(). Nothing before the first frame.
+  // Drivers of a picture that is drawn now and displayed at `displayed_ns` (now_ns() time). Nothing before
+  // the first frame.
   std::optional<DriverFrame> at(int64_t now_ns, int64_t displayed_ns);
-  // The newest frame that the last at() had reached: what its hands held was true at that moment. Null before
-  // at().
+  // The newest frame that the last at() had reached; its hand states match that picture. Null before at().
   const ReceivedFrame* shown() const { return shown_ ? &*shown_ : nullptr; }
 
  private:
   static constexpr size_t kFramesKept = 64;
   FrameHistory history_{kFramesKept};
   PlayoutClock clock_;
-  std::deque<ReceivedFrame> waiting_;  // not reached yet
+  std::deque<ReceivedFrame> waiting_;  // later than the last at()
   std::optional<ReceivedFrame> shown_;
 };
 

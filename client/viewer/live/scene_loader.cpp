@@ -20,9 +20,9 @@ std::string share_text(uint64_t arrived_bytes, uint64_t bytes) {
 }
 
 std::string text_of(const AssetLibrary::Progress& progress) {
-  if (progress.object.empty()) return "putting the scene together";
-  const std::string count = format_text("\n%zu of %zu assets are here", progress.ready, progress.assets);
-  if (progress.object_arrived_bytes >= progress.object_bytes) return progress.object + ": reading it" + count;
+  if (progress.object.empty()) return "assembling the scene";
+  const std::string count = format_text("\n%zu of %zu assets loaded", progress.ready, progress.assets);
+  if (progress.object_arrived_bytes >= progress.object_bytes) return progress.object + ": decoding" + count;
   return progress.object + ": " + share_text(progress.object_arrived_bytes, progress.object_bytes) + count;
 }
 
@@ -43,7 +43,7 @@ SceneLoader::SceneLoader(JoinOptions options, MakeRenderer make_renderer, Check 
 }
 
 SceneLoader::~SceneLoader() {
-  if (!thread_.joinable()) return;  // what was taken goes on
+  if (!thread_.joinable()) return;  // the thread was joined by take()
   stop_.request_stop();
   thread_.join();
 }
@@ -73,7 +73,7 @@ Result<void> SceneLoader::show_scene(ConnectedScene& live) const {
   const std::vector<StreamedObject>& objects = live.client->scene().objects;
   for (const StreamedObject& object : objects) live.objects.request(object);
   for (const StreamedObject& object : objects) {
-    if (stop_.stop_requested()) return Error{ErrorCode::Unavailable, "the scene is no longer wanted"};
+    if (stop_.stop_requested()) return Error{ErrorCode::Unavailable, "loading was cancelled"};
     if (auto added = live.objects.add(object, live.view); !added) return added;
   }
   return {};
@@ -108,7 +108,7 @@ Result<std::unique_ptr<ConnectedScene>> SceneLoader::load() {
   auto loaded = show_scene(*live);
   {
     std::lock_guard lock(mutex_);
-    loading_ = nullptr;  // it may be gone before anybody asks again
+    loading_ = nullptr;  // the scene may be destroyed before the next progress()
   }
   if (!loaded) return loaded.error();
   return live;

@@ -15,26 +15,25 @@
 
 namespace livegs {
 
-// Joins a server and loads what its scene shows, whole or until there is a first picture of each object
-// (JoinOptions), on a thread of its own, so that whoever waits can show how far it is and give up. The
-// functions are for the thread that made it.
+// Joins a server and loads its scene, completely or until each object has a first picture (JoinOptions), on
+// an internal thread. The caller can show the progress and cancel. Use on the thread that created it.
 class SceneLoader {
  public:
   using MakeRenderer = std::function<Result<std::unique_ptr<SplatRenderer>>()>;
-  // Whether the scene is one that can be shown; asked before anything is fetched.
+  // Checks whether the scene can be shown, before anything is fetched.
   using Check = std::function<Result<void>(const JoinedScene& scene)>;
-  // `make_renderer` and `check` are called on that thread.
+  // `make_renderer` and `check` are called on the internal thread.
   SceneLoader(JoinOptions options, MakeRenderer make_renderer, Check check = {});
-  ~SceneLoader();  // gives up what is not done yet, and waits no longer than an asset takes to be decoded
+  ~SceneLoader();  // cancels; waits at most for the decoding of one asset
 
-  // Waits so long at most; whether it is done.
+  // Waits up to `seconds`; returns whether loading is done.
   bool wait(double seconds);
   struct Progress {
     std::string text;  // "cup: 3.1 of 12.4 MB"
-    double share = 0;  // of all bytes, 0..1
+    double share = 0;  // fraction of all bytes, 0..1
   };
   Progress progress() const;
-  // Waits until it is done. Once.
+  // Waits until loading is done. Call once.
   Result<std::unique_ptr<ConnectedScene>> take();
 
  private:
@@ -48,7 +47,7 @@ class SceneLoader {
 
   mutable std::mutex mutex_;  // guards the next three
   std::condition_variable changed_;
-  const ConnectedScene* loading_ = nullptr;  // while its assets come
+  const ConnectedScene* loading_ = nullptr;  // while its assets load
   std::optional<Result<std::unique_ptr<ConnectedScene>>> done_;
   std::thread thread_;
 };

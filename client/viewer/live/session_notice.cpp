@@ -11,20 +11,20 @@ void SessionNotice::take(const FrameQueue::StreamUpdate& update, SessionClient& 
     log_warn("%s", text_.c_str());
   };
   if (!update.frames.empty() && !over_ && (update.back || !said_by_server_)) {
-    if (update.back) log_info("the server is back");
+    if (update.back) log_info("server reconnected");
     text_.clear();
     said_by_server_ = false;
   }
   if (update.goodbye) {
-    say("the server says goodbye: " + *update.goodbye);
+    say("server is shutting down: " + *update.goodbye);
     said_by_server_ = true;
   }
   if (update.lost && !said_by_server_)
-    say("the server has gone: " + *update.lost + "; looking for it");  // what it said itself stays
+    say("server disconnected: " + *update.lost + "; reconnecting");  // a message of the server is kept
   if (client.ended() && !over_) {
     over_ = true;
     const auto stopped = client.stop();
-    say("the session is over" + (stopped ? std::string() : ": " + stopped.error().message));
+    say("session ended" + (stopped ? std::string() : ": " + stopped.error().message));
   }
 }
 

@@ -8,13 +8,13 @@
 
 namespace livegs {
 
-// What is out of order with a session, in the words that its person reads, whatever they look at. One thread.
+// Problems of a session as text for the user, the same for all displays. One thread.
 class SessionNotice {
  public:
-  // After each take() of the stream. Logs what is new.
+  // Call after each take() of the stream. Logs new problems.
   void take(const FrameQueue::StreamUpdate& update, SessionClient& client);
 
-  // `otherwise`, what is of less weight, while all is well with the session.
+  // The notice, or `otherwise` if the session has no problem.
   std::string text(const std::string& otherwise) const { return text_.empty() ? otherwise : text_; }
 
  private:

@@ -18,7 +18,7 @@ std::unique_ptr<std::FILE, int (*)(std::FILE*)> open(const std::filesystem::path
 }
 
 Error cannot_write(const std::filesystem::path& path) {
-  return invalid_argument(path.string() + ": cannot be written: " + std::strerror(errno));
+  return invalid_argument(path.string() + ": the file cannot be written: " + std::strerror(errno));
 }
 
 }  // namespace
@@ -31,8 +31,7 @@ std::optional<double> age_ms(const ReceivedFrame& frame) {
 Result<ReceivedLog> ReceivedLog::create(const std::filesystem::path& path) {
   auto file = open(path,
                    "tick,stepped_ns,encode_begun_ns,sent_ns,received_ns,decoded_ns,clock_offset_ns,clock_"
-                   "uncertainty_ns,age_ms,"
-                   "bytes,server_step_ms,input_sequence,held_hands");
+                   "uncertainty_ns,age_ms,bytes,server_step_ms,input_sequence,held_hands");
   if (!file) return cannot_write(path);
   return ReceivedLog(std::move(file));
 }

@@ -15,29 +15,28 @@
 
 namespace livegs {
 
-// How long before it came the frame's step was done, by the server's clock as far as it is known; nothing
-// before the first estimate of it.
+// Time from the end of the frame's server step to its reception; nothing before the first clock estimate.
 std::optional<double> age_ms(const ReceivedFrame& frame);
 
-// frames.csv, a row a received frame, and what the rows come to. stepped_ns, encode_begun_ns and sent_ns are
-// of the server's clock, received_ns and decoded_ns of ours, which is clock_offset_ns behind it, give or take
-// clock_uncertainty_ns. One thread.
+// Writes frames.csv, one row per received frame, and computes a summary. stepped_ns, encode_begun_ns and
+// sent_ns are server clock; received_ns and decoded_ns are client clock. The server clock is ahead by
+// clock_offset_ns, plus or minus clock_uncertainty_ns. One thread.
 class ReceivedLog {
  public:
   static Result<ReceivedLog> create(const std::filesystem::path& path);
   void add(const ReceivedFrame& frame);
-  // The next tick belongs to another count.
+  // Restarts the tick count, after a server restart.
   void reset();
 
   struct Summary {
     uint64_t frames = 0;
-    uint64_t missed_ticks = 0;  // between the first and the last: skipped by the server's window
+    uint64_t missed_ticks = 0;  // within the received range: dropped by the server
     double seconds = 0;
-    double rate_hz = 0;                     // frames a second
-    double age_ms_p50 = 0, age_ms_p99 = 0;  // end of the server's step to received
+    double rate_hz = 0;                     // frames per second
+    double age_ms_p50 = 0, age_ms_p99 = 0;  // end of the server's step to reception
     double clock_uncertainty_ms = 0;        // of the ages, at the end
     double bytes_p50 = 0, bytes_p99 = 0;
-    double step_ms_p50 = 0, step_ms_p99 = 0;  // of the server
+    double step_ms_p50 = 0, step_ms_p99 = 0;  // on the server
   };
   Summary summary() const;
 
@@ -52,18 +51,18 @@ class ReceivedLog {
   int64_t first_ns_ = 0, last_ns_ = 0;
 };
 
-// timings.csv, a row a drawn picture. The device's times are empty where it has no clock.
+// Writes timings.csv, one row per drawn picture. Device times are empty without a device timer.
 class DrawnLog {
  public:
   static Result<DrawnLog> create(const std::filesystem::path& path);
 
   struct Row {
     uint64_t index = 0;
-    double simulated_s = 0;  // the moment that is shown
-    uint64_t tick = 0;       // of the newest frame in it
+    double simulated_s = 0;  // displayed simulated time
+    uint64_t tick = 0;       // newest frame in it
     int64_t received_ns = 0;
-    double age_ms = 0;  // of that frame when it came
-    double lag_ms = 0;  // from its coming to the end of drawing: a slow drawer's backlog
+    double age_ms = 0;  // age of that frame at reception
+    double lag_ms = 0;  // from reception to the end of drawing, including a backlog
     double skin_ms = 0, raster_ms = 0;
     size_t bytes = 0;
     double server_step_ms = 0;

@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kLastFrameTimeout_s = 1;  // later than it is to be
+constexpr double kLastFrameTimeout_s = 1;  // maximum wait after the nominal end
 
 std::optional<Eigen::Vector3d> middle_of(const DriverFrame& frame, uint32_t object_id) {
   const auto object = std::find_if(frame.objects.begin(), frame.objects.end(),
@@ -62,7 +62,7 @@ void OffscreenSink::on_frame(ReceivedFrame frame) {
     if (first_ns_ == 0) {
       first_ns_ = frame.received_ns;
       first_tick_ = static_cast<int64_t>(frame.tick);
-    } else if (ticks_reset_) {  // the script goes on where it would be by now
+    } else if (ticks_reset_) {  // the script continues at the current time
       const double now_s = last_time_s_ + seconds_from_ns(frame.received_ns - last_ns_);
       first_tick_ = static_cast<int64_t>(frame.tick) - std::llround(now_s * client_.scene().rate_hz);
     }
@@ -112,7 +112,7 @@ void OffscreenSink::on_object_changed(StreamedObject object) {
 void OffscreenSink::on_object_removed(uint32_t object_id) { queue_.add(ObjectRemoved{object_id}); }
 
 void OffscreenSink::on_draining(const std::string& reason) {
-  log_info("the server says goodbye: %s", reason.c_str());
+  log_info("server is shutting down: %s", reason.c_str());
   std::lock_guard lock(mutex_);
   draining_reason_ = reason;
   done_ = true;

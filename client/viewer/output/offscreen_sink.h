@@ -17,12 +17,12 @@
 
 namespace livegs {
 
-// What an offscreen client does with its stream, on the reader's thread: logs every frame, plays the script
-// against it, and puts it into the queue of the thread that draws.
+// Receives the stream of an offscreen client on the reader's thread: logs every frame, plays the script, and
+// queues frames for the drawing thread.
 class OffscreenSink final : public StreamSink {
  public:
-  // All outlive the recorder's last call. `seconds` after the first frame the recording is done, or a little
-  // later where none comes then; and so it is when there was none for patience_s(). 0: never.
+  // All arguments must outlive the last call. The recording is done `seconds` after the first frame, or
+  // slightly later if no frame arrives then, and also if none arrives within patience_s(). 0: never.
   OffscreenSink(SessionClient& client, AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log,
                 double seconds)
       : client_(client), assets_(assets), queue_(queue), log_(std::move(log)), seconds_(seconds) {}
@@ -35,33 +35,33 @@ class OffscreenSink final : public StreamSink {
   void on_object_removed(uint32_t object_id) override;
   void on_draining(const std::string& reason) override;
 
-  // From now on the hands move. An object is known by its name and its size; where it is, its drivers say.
+  // Starts the script. Objects are identified by name and size; their drivers give the position.
   struct Target {
     uint32_t object_id = 0;
     double size_m = 0;
   };
   void begin_script(ScriptedHands hands, std::map<std::string, Target> targets);
 
-  // Waits, at most so long, until the recording is done or the server drains. True when it is.
+  // Waits up to `seconds` until the recording is done or the server shuts down. Returns whether it is done.
   bool wait_done(double seconds);
   double patience_s() const { return std::max(seconds_, kFirstFrameTimeout_s); }
-  bool gave_up() const;  // no frame came
+  bool gave_up() const;  // no frame arrived
   std::string draining_reason() const;
-  // How often the stream was gone, and the time until it was joined again.
+  // Number of outages and the time until the session was resumed.
   struct Outages {
-    uint64_t count = 0, resumed = 0,
-             restarted = 0;  // restarted: of the resumed, with a server that was started anew
-    double seconds = 0;      // of the resumed
+    // `restarted` counts the resumed streams whose server was restarted.
+    uint64_t count = 0, resumed = 0, restarted = 0;
+    double seconds = 0;  // sum over the resumed
     std::string last_reason;
   };
   Outages outages() const;
   ReceivedLog::Summary summary() const;
-  // Objects that came or changed, by id, as the server last described them.
+  // Objects added or changed, by id, with their last description.
   std::map<uint32_t, StreamedObject> changed_objects() const;
 
  private:
   void play_script(const ReceivedFrame& frame);
-  double time_s(const ReceivedFrame& frame) const;  // of simulation, since the first frame
+  double time_s(const ReceivedFrame& frame) const;  // simulated, since the first frame
 
   SessionClient& client_;
   AssetLibrary& assets_;
@@ -72,10 +72,10 @@ class OffscreenSink final : public StreamSink {
   ReceivedLog log_;
   const double seconds_;
   int64_t first_ns_ = 0;
-  int64_t first_tick_ = 0;    // in ticks of the server that is there now
-  int64_t last_ns_ = 0;       // when the newest frame came
-  double last_time_s_ = 0;    // and its time_s()
-  bool ticks_reset_ = false;  // with the next frame
+  int64_t first_tick_ = 0;    // in ticks of the current server
+  int64_t last_ns_ = 0;       // arrival of the newest frame
+  double last_time_s_ = 0;    // its time_s()
+  bool ticks_reset_ = false;  // applies to the next frame
   Outages outages_;
   const int64_t made_ns_ = now_ns();
   bool done_ = false, gave_up_ = false;

@@ -19,7 +19,7 @@ Result<void> Player::play() {
     if (!taken) return taken;
   }
   if (history_.empty()) return {};
-  // Between the last display time and the last frame nothing else is to come: show that frame itself.
+  // After the last display time no further frame exists: show the last frame itself.
   if (!planned_) planned_ = display_.wait_frame();
   if (!planned_) return {};
   if (auto drawn = draw(history_.newest()); !drawn) return drawn;
@@ -51,8 +51,8 @@ void Player::take(const ResumedSession& resumed) {
   resets_ = (resets_ || !resumed.same_server) && !history_.empty();
 }
 
-// Frames of before the outage and after it are not interpolated: the last of before is shown until shortly
-// before.
+// Frames before and after an outage are not interpolated; the last frame before it is shown until shortly
+// before the first one after it.
 Result<void> Player::hold_until(const ReceivedFrame& frame) {
   DriverFrame held = history_.newest();
   if (resets_) {
@@ -63,7 +63,7 @@ Result<void> Player::hold_until(const ReceivedFrame& frame) {
   history_.add(std::move(held));
   if (auto drawn = draw_until_newest(); !drawn) return drawn;
   if (!resets_) return {};
-  history_ = FrameHistory(kFramesKept);  // drivers of the server before do not fit the objects of this one
+  history_ = FrameHistory(kFramesKept);  // the drivers of the old server do not match the new objects
   for (const StreamItem& item : std::exchange(postponed_, {})) {
     if (auto taken = take_object(item); !taken) return taken;
   }

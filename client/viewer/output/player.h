@@ -14,10 +14,9 @@
 
 namespace livegs {
 
-// Takes what comes from a stream or a recording and draws it at the display's times, on one thread. A display
-// time is shown as the moment of the simulation that lies as long after the first frame; the video is even,
-// whatever the network and the drawing did, because simulated time is. While the stream is gone, the last
-// picture stays.
+// Draws a stream or a recording at the display's times, on one thread. A display time maps to the simulated
+// time with the same offset from the first frame, so the video is even, independent of network and drawing.
+// During an outage the last picture is kept.
 class Player {
  public:
   // Called with the view posed by the first frame, before the first picture.
@@ -31,10 +30,10 @@ class Player {
         log_(std::move(log)),
         on_first_frame_(std::move(on_first_frame)) {}
 
-  // Until no more comes; then draws the very last frame by itself.
+  // Plays until the source ends; then draws the very last frame.
   Result<void> play();
 
-  // The first and the last picture. The last is of `last_frame`, not interpolated.
+  // The first and the last picture. The last one shows `last_frame` without interpolation.
   const std::optional<Image>& first_picture() const { return first_picture_; }
   const std::optional<Image>& last_picture() const { return last_picture_; }
   const DriverFrame* last_frame() const { return last_.drivers.get(); }  // null before the first
@@ -45,7 +44,7 @@ class Player {
   Result<void> take_object(const StreamItem& item);
   Result<void> take(const ObjectAdded& added);
   Result<void> take(const ObjectChanged& changed);
-  // What is drawn stands still until the next frame.
+  // Holds the picture until the next frame.
   void take(const ResumedSession& resumed);
   Result<void> hold_until(const ReceivedFrame& frame);
   Result<void> draw_until_newest();
@@ -58,18 +57,17 @@ class Player {
   DrawnLog log_;
   OnFirstFrame on_first_frame_;
 
-  // Enough for the frames on both sides of a picture; what is older was drawn.
+  // Covers the frames on both sides of a picture; older ones were drawn.
   static constexpr size_t kFramesKept = 8;
   FrameHistory history_{kFramesKept};
-  ReceivedFrame last_;  // the newest taken
-  // The history's time is simulated time plus this: it goes on when a server that was started anew begins at
-  // zero.
+  ReceivedFrame last_;  // the newest frame taken
+  // Offset from simulated to history time, which continues when a restarted server begins at zero.
   int64_t shift_ns_ = 0;
-  bool holds_ = false, resets_ = false;  // with the next frame
-  std::vector<StreamItem> postponed_;    // until then: objects of a server that was started anew
+  bool holds_ = false, resets_ = false;  // apply to the next frame
+  std::vector<StreamItem> postponed_;    // objects of a restarted server, until then
   std::optional<int64_t> first_simulated_ns_;
   std::optional<PlannedFrame> planned_;
-  std::vector<Image> pictures_;  // an eye each, of the last moment drawn
+  std::vector<Image> pictures_;  // one per eye, of the last draw
   std::optional<Image> first_picture_, last_picture_;
 };
 

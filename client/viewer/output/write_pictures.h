@@ -8,7 +8,7 @@
 
 namespace livegs {
 
-// first.png, last.png and last_frame.bin of what was played, if there was anything.
+// Writes first.png, last.png and last_frame.bin of the played pictures, if any.
 Result<void> write_pictures(const Player& player, const std::filesystem::path& folder);
 
 }  // namespace livegs

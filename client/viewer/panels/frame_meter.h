@@ -11,21 +11,21 @@
 
 namespace livegs {
 
-// The times of a window's pictures, for its graph and its latency line. Moments are of now_ns(). One thread.
+// Timing of a window's pictures, for the graph and the latency line. Times are of now_ns(). One thread.
 class FrameMeter {
  public:
-  // A sample of the hands was sent.
+  // Records that a sample of the hands was sent.
   void sampled(uint64_t sequence, int64_t sampled_ns);
-  // A picture of this frame was shown; it took `picture_ms` from the picture before, and its passes so long.
+  // Records a displayed picture of this frame, the time since the last picture, and its pass times.
   void shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms,
              const std::optional<DeviceTimes>& device = {});
 
   FrameGraph graph() const { return graph_; }
-  // Of the last second of pictures: how many, and how many ticks passed on the server.
+  // Pictures displayed and server ticks passed in the last second.
   double pictures_a_second() const;
   double ticks_a_second() const;
-  // From the newest sample of the hands that is in the last picture to that picture; nothing before there is
-  // one.
+  // Latency from the newest hand sample contained in the last picture to that picture; nothing before the
+  // first.
   std::optional<double> hand_to_picture_ms() const { return hand_to_picture_ms_; }
 
  private:

@@ -38,7 +38,7 @@ const char* fill_text(v1::Physics::Fill fill) {
   }
 }
 
-// Whole words of it.
+// Shortens a text at a word boundary.
 std::string shortened(const std::string& reason) {
   if (reason.size() <= kMaxReasonLength) return reason;
   const size_t space = reason.rfind(' ', kMaxReasonLength - 3);
@@ -49,15 +49,15 @@ std::string stiffness_text(const v1::ElasticAccuracy& elastic) {
   const std::string asked = quantity_text(elastic.youngs_modulus_pa(), Unit::Pascal);
   switch (elastic.band()) {
     case v1::ElasticAccuracy::EXACT:
-      return asked + " is simulated to 5 %";
+      return asked + ", simulated within 5 %";
     case v1::ElasticAccuracy::BAND:
-      return asked + format_text(" is simulated as %.2f to %.2f of it", elastic.modulus_ratio_low(),
+      return asked + format_text(", simulated at %.2f to %.2f of it", elastic.modulus_ratio_low(),
                                  elastic.modulus_ratio_high());
     case v1::ElasticAccuracy::CLIPPED:
-      return asked + " is out of reach at this rate; " +
+      return asked + " is too stiff for this rate; " +
              quantity_text(elastic.reached_youngs_modulus_pa(), Unit::Pascal) + " is simulated";
     default:
-      return asked + " is simulated, nobody knows how well";
+      return asked + " is simulated; its accuracy is unknown";
   }
 }
 
@@ -90,9 +90,9 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
   const v1::PhysicalParameters& physics = object.physics;
   std::vector<std::string> facts;
   if (!physics.label().empty()) {
-    facts.push_back(object.name + ": taken for " + physics.label() +
+    facts.push_back(object.name + ": likely " + physics.label() +
                     (physics.material().empty() ? "" : " of " + physics.material()) +
-                    format_text(", %.0f %% sure", 100 * physics.confidence()));
+                    format_text(" (%.0f %%)", 100 * physics.confidence()));
   }
   std::string is = std::string(behavior_text(physics.behavior())) + fill_text(physics.fill());
   is.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(is.front())));
@@ -100,9 +100,9 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
   facts.push_back(is);
   if (object.elastic) facts.push_back(stiffness_text(*object.elastic));
   if (object.fragility && object.fragility->bodies() > 1) {
-    facts.push_back(format_text("Broken into %u", object.fragility->bodies()));
-  } else if (object.fragility && physics.fragile()) {  // what was fragile keeps its pieces
-    facts.push_back(format_text("Breaks into up to %u when it falls %.2f m", object.fragility->pieces(),
+    facts.push_back(format_text("Broken into %u fragments", object.fragility->bodies()));
+  } else if (object.fragility && physics.fragile()) {  // a previously fragile object keeps its pieces
+    facts.push_back(format_text("Up to %u fragments after a drop of %.2f m", object.fragility->pieces(),
                                 object.fragility->drop_height_m()));
   }
   return facts;
@@ -149,7 +149,7 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
     panel.proposal = "Proposed: " + proposal;
   if (const auto said = messages_.find(selected_); said != messages_.end()) panel.messages = said->second;
   for (const std::string& warning : object->warnings) {
-    // Why a proposal needs review its analysis has said too, where it was asked for in this window.
+    // The analysis in this window has already reported why a proposal needs review.
     std::erase_if(panel.messages, [&](const auto& one) {
       return !one.refusal && !one.text.empty() && warning.ends_with(": " + one.text);
     });
@@ -222,7 +222,7 @@ void ObjectPanel::take_reply(const std::string& object, const v1::PhysicsReply& 
 
 void ObjectPanel::take_refusal(const std::string& object, const std::string& why) {
   if (--answers_missing_ <= 0) waiting_.clear();
-  answered_.erase(object);  // it waits still, or the server has said that it does not
+  answered_.erase(object);  // the proposal is still open, or the server has reported that it is not
   refuse(object, why);
 }
 
@@ -233,13 +233,13 @@ void ObjectPanel::refuse(const std::string& object, const std::string& why) {
 void ObjectPanel::take_progress(const v1::AnalysisProgress& progress) {
   if (progress.stage() != v1::AnalysisProgress::FINISHED) {
     progress_ = "Analysing " + progress.object() +
-                (progress.stage() == v1::AnalysisProgress::ASKED ? ": the model is asked" : "");
+                (progress.stage() == v1::AnalysisProgress::ASKED ? ": waiting for the model" : "");
     return;
   }
   progress_ = format_text("Analysed %u of %u: ", progress.finished(), progress.objects()) + progress.object();
   std::vector<ObjectsPanel::Message>& said = messages_[progress.object()];
   said.clear();
-  answered_.erase(progress.object());  // another answer, even where it says the same
+  answered_.erase(progress.object());  // a new reply, even with the same text
   if (!progress.message().empty()) said.push_back({false, progress.message()});
 }
 

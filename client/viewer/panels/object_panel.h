@@ -12,15 +12,15 @@
 
 namespace livegs {
 
-// An object in the words of a panel.
+// Panel texts of an object.
 ObjectsPanel::Entry list_entry(const StreamedObject& object);
-// What it was taken for, how sure that is, what it is now and how far its stiffness holds; a line each.
+// Classification and confidence, current state, and accuracy of the stiffness; one line each.
 std::vector<std::string> object_facts(const StreamedObject& object);
-// What a model's answer would make of it: "5.0 kg (4.5 to 5.5 kg) of softwood, rigid".
+// Effect of accepting a model's reply: "5.0 kg (4.5 to 5.5 kg) of softwood, rigid".
 std::string proposal_text(const v1::PhysicalParameters& proposal);
 ValueRow value_row(SliderParameter field, const v1::PhysicalParameters& physics);
 
-// What is asked of the server.
+// Requests to the server.
 struct SetPhysicsCall {
   std::string object;
   v1::Physics physics;
@@ -34,24 +34,23 @@ struct UndoPhysicsCall {
   bool redo = false;
 };
 struct AnalyzeCall {
-  std::vector<std::string> objects;  // empty: all that are left to the analysis
+  std::vector<std::string> objects;  // empty: all objects marked for analysis
 };
 using ObjectCall = std::variant<SetPhysicsCall, AcceptProposalCall, UndoPhysicsCall, AnalyzeCall>;
 
-// The objects panel over time: which object is selected, what the server said of it. It makes no calls
-// itself. On the drawer's thread.
+// State of the objects panel: the selection and the server's replies. Makes no calls. Renderer thread.
 class ObjectPanel {
  public:
   using Objects = std::map<uint32_t, StreamedObject>;  // by id
 
   ObjectsPanel shown(const Objects& objects) const;
-  // The calls that follow what a person did; what cannot be a value is refused here.
+  // Returns the calls for the user's actions; invalid values are rejected here.
   std::vector<ObjectCall> act(const PanelActions& actions, const Objects& objects);
 
   void select(const std::string& name) { selected_ = name; }
   const std::string& selected() const { return selected_; }
 
-  // What became of them.
+  // Results of the calls.
   void take_reply(const std::string& object, const v1::PhysicsReply& reply);
   void take_refusal(const std::string& object, const std::string& why);
   void take_progress(const v1::AnalysisProgress& progress);
@@ -62,11 +61,11 @@ class ObjectPanel {
   std::string open_proposal(
       const StreamedObject& object) const;  // in words; empty when there is none to answer
 
-  std::string selected_;  // by name, which a reset does not change
+  std::string selected_;  // by name, which is stable across a reset
   std::map<std::string, std::vector<ObjectsPanel::Message>> messages_;
-  // Proposals that were accepted or declined here, by object, until the server says that they wait no longer.
+  // Proposals accepted or declined here, by object, until the server confirms.
   std::map<std::string, std::string> answered_;
-  std::string waiting_;  // for the answer to a change of this object
+  std::string waiting_;  // object of a change that awaits its reply
   std::string progress_;
   int answers_missing_ = 0;
 };

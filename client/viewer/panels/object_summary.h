@@ -7,8 +7,8 @@
 
 namespace livegs {
 
-// An object in one line, for a person: what it is, its mass, and, when it is elastic, how far its stiffness
-// can be trusted at the cells and substeps the server chose.
+// One line about an object: type, mass, and for an elastic object the accuracy of its stiffness at the cells
+// and substeps chosen by the server.
 std::string object_summary(const StreamedObject& object);
 
 }  // namespace livegs

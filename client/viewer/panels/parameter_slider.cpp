@@ -10,7 +10,7 @@ namespace {
 struct FieldRow {
   const char* name;
   Unit unit;
-  double low, high;  // of the slider; the server accepts more, typed
+  double low, high;  // range of the slider; the server accepts more, typed
   bool logarithmic;
 };
 

@@ -10,28 +10,27 @@
 
 namespace livegs {
 
-// The values of an object that a person changes in the window. Pure functions; any thread.
+// Object parameters that can be edited in the window. Pure functions; any thread.
 enum class SliderParameter { Mass, YoungsModulus, DeformationResistance, Plasticity, BreakImpulse, Friction };
 
-// Those that mean something for an object: stiffness and plasticity of what is elastic, breaking of what is
-// not.
+// Parameters that apply to an object: stiffness and plasticity if elastic, fracture otherwise.
 std::vector<SliderParameter> slider_parameters(const v1::PhysicalParameters& physics);
 
 const char* parameter_name(SliderParameter field);  // "Young's modulus"
 Unit parameter_unit(SliderParameter field);
 
-// The field's place on its slider, 0 to 1, and back: logarithmic for mass, modulus and impulse, linear for
-// the others. Places outside are at its ends; values are rounded to three digits, as they are shown.
+// Converts between a value and its slider position, 0 to 1: logarithmic for mass, modulus and impulse,
+// otherwise linear. Positions are clamped; values are rounded to three digits, as displayed.
 double slider_position(SliderParameter field, double value);
 double slider_value(SliderParameter field, double position);
 
-// The modulus is that of the whole body, E* = s E, since that is what an edit of it sets; its range is that
-// of the product.
+// The displayed value. The modulus is that of the whole body, E* = s E, since an edit sets it; its range is
+// that of the product.
 v1::EstimatedValue shown_value(SliderParameter field, const v1::PhysicalParameters& physics);
 
-// What SetPhysics is asked for when the field shall have this value.
+// The SetPhysics request that sets the field to this value.
 v1::Physics edit_of(SliderParameter field, double value);
-// Nothing of an impulse is changed: the server works one out for what has just become fragile.
+// Leaves the impulse unchanged: the server computes one for a newly fragile object.
 v1::Physics edit_of_fragile(bool fragile);
 
 // "a person", "the scene file", …

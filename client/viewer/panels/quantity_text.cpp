@@ -11,9 +11,9 @@ namespace livegs {
 namespace {
 
 struct Prefix {
-  double factor;  // SI of one
+  double factor;  // value of one unit in SI
   const char* name;
-  double from;  // values of at least this are written so
+  double from;  // used for values from here on
 };
 
 std::span<const Prefix> prefixes_of(Unit unit) {
@@ -44,7 +44,7 @@ const Prefix* prefix_for(double value, Unit unit) {
   for (const Prefix& prefix : prefixes_of(unit)) {
     if (!chosen || std::abs(value) >= prefix.from) chosen = &prefix;
   }
-  // Nothing is nothing in the unit itself.
+  // Zero is written in the unit itself.
   if (value == 0) {
     for (const Prefix& prefix : prefixes_of(unit)) {
       if (prefix.factor == 1) chosen = &prefix;
@@ -103,7 +103,7 @@ Result<double> parse_quantity(std::string_view text, Unit unit) {
   for (const Prefix& prefix : prefixes_of(unit))
     names += (names.empty() ? "" : ", ") + std::string(prefix.name);
   const auto refuse = [&] {
-    return invalid_argument("\"" + plain + "\" is no number" +
+    return invalid_argument("\"" + plain + "\" is not a number" +
                             (names.empty() ? std::string() : "; give one, alone or with " + names));
   };
   double value = 0;

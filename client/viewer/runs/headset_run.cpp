@@ -28,7 +28,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kDrawBudgetShare = 0.8;  // for drawing
+constexpr double kDrawBudgetShare = 0.8;  // share of the picture interval for drawing
 constexpr size_t kMaxLatencies = 1 << 20;
 
 class HeadsetRun {
@@ -62,7 +62,7 @@ class HeadsetRun {
 
   Playout playout_;
   std::map<uint32_t, double> masses_kg_;  // by object id, like the next
-  std::map<uint32_t, double> sizes_m_;    // of those a hand has taken
+  std::map<uint32_t, double> sizes_m_;    // of objects that a hand has grabbed
   bool placed_ = false;
   int64_t placed_ns_ = 0;
   InputSample sample_;
@@ -75,12 +75,12 @@ class HeadsetRun {
   std::vector<Image> images_;
   int64_t last_ns_ = 0;
   SessionNotice notice_;
-  std::string run_message_;  // what the server says of its run
+  std::string run_message_;  // the server's message about its run
   double scale_budget_ms_ = 0;
   std::optional<RenderScale> scale_;
 };
 
-// One stands where the camera would, upright.
+// Places the user where the camera would be, upright.
 Result<void> HeadsetRun::place() {
   constexpr PictureSize kDefaultViewSize{640, 640};
   const auto first = initial_camera(view_, kDefaultViewSize, options_.camera_file);
@@ -124,13 +124,13 @@ void HeadsetRun::send_hands(int64_t displayed_ns) {
   const HeadsetInput& input = display_.input();
   sample_.hands = input.hands;
   ++sample_.sequence;
-  sample_.sampled_ns = displayed_ns;  // where the hands will be then
+  sample_.sampled_ns = displayed_ns;  // when the pose is predicted for
   meter_.sampled(sample_.sequence, now_ns());
   client_.send(sample_);
 }
 
-// Looked at once a picture, a hand that moves waits for the next: half a picture, and a whole one at worst.
-// So it is looked at after each thing that takes its time.
+// Sampling once per picture delays a hand motion by half a picture on average and by a whole one at worst. So
+// the hands are sampled again after each long step.
 void HeadsetRun::send_hands_again(int64_t displayed_ns) {
   if (display_.update_input()) send_hands(displayed_ns);
 }
@@ -141,7 +141,7 @@ void HeadsetRun::vibrate(size_t hand, const std::optional<Haptics::Pulse>& pulse
   ++vibrations_;
 }
 
-// What the server says: what a hand holds, and what contacts gave that.
+// Haptics from server data: held objects and their contact impulses.
 void HeadsetRun::feel(const ReceivedFrame& frame) {
   std::array<uint32_t, 2> held{};
   for (const HeldByHand& one : frame.hands) {
@@ -154,7 +154,7 @@ void HeadsetRun::feel(const ReceivedFrame& frame) {
   }
 }
 
-// What is about to touch, as it is drawn. An object that hangs on a ray does not go where the hand goes.
+// Haptics from predicted contacts. An object on a ray does not move with the hand.
 void HeadsetRun::foresee(int64_t displayed_ns) {
   const auto& hands = display_.input().hands;
   for (size_t hand = 0; hand < hands.size(); ++hand) {
@@ -171,7 +171,7 @@ void HeadsetRun::foresee(int64_t displayed_ns) {
   }
 }
 
-// As it was when a hand took it: looking at all of its kernels costs more than a picture.
+// Size at the time of the grab: computing it from all kernels costs more than a picture.
 double HeadsetRun::size_when_taken_m(uint32_t object_id) {
   const auto [known, fresh] = sizes_m_.try_emplace(object_id, 0.0);
   if (fresh) {
@@ -201,12 +201,12 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (auto posed = view_.prepare(*drivers); !posed) return posed;
   foresee(planned.display_time_ns);
   send_hands_again(planned.display_time_ns);
-  display_.update_views(planned);  // skinning took its time, and the head moves on
+  display_.update_views(planned);  // skinning took time, and the head has moved
   client_.set_view(client_view_cone(planned.views));
   const auto image = display_.acquire();
   if (!image) return display_.submit(planned, {});
   if (auto drawn = view_.draw_into(*drivers, planned.views, *image, images_); !drawn) {
-    planned.views.clear();  // the frame has begun, and ends without a picture
+    planned.views.clear();  // the frame was begun and ends without a picture
     (void)display_.submit(planned, {});
     return drawn;
   }
@@ -217,7 +217,7 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (display_.counts().pictures == before) return {};  // the session was lost meanwhile
   if (options_.on_picture) options_.on_picture(planned, view_);
   if (draws_ms_.size() < kMaxLatencies) draws_ms_.push_back(milliseconds_from_ns(drawn_ns - begun_ns));
-  // Of the first picture of each sample.
+  // For the first picture of each sample.
   const ReceivedFrame& shown = *playout_.shown();
   meter_.shown(shown, std::max(drawn_ns, planned.display_time_ns), milliseconds_from_ns(drawn_ns - last_ns_));
   last_ns_ = drawn_ns;
@@ -229,7 +229,7 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (!options_.scales) return {};
   const double budget_ms = 1e3 * kDrawBudgetShare * display_.period_s();
   if (!scale_ || std::abs(budget_ms - scale_budget_ms_) > 0.01) scale_.emplace(scale_budget_ms_ = budget_ms);
-  scale_->drew(view_.last_times().raster_ms);  // the rest of it does not go with the number of pixels
+  scale_->drew(view_.last_times().raster_ms);  // the rest is independent of the number of pixels
   display_.set_scale(scale_->value());
   view_.set_min_contribution(scale_->min_contribution_px());
   return {};
@@ -242,7 +242,7 @@ Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
     if (auto taken = poll_updates(); !taken) return taken;
     auto planned = display_.wait_frame();
     if (!planned) break;
-    if (auto taken = poll_updates(); !taken) return taken;  // what came while it waited
+    if (auto taken = poll_updates(); !taken) return taken;  // process updates received during the wait
     display_.set_notice(notice_.text(run_message_.empty() ? view_.notice() : run_message_));
     if (placed_) send_hands(planned->display_time_ns);
     if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned);
@@ -269,11 +269,11 @@ HeadsetRunSummary HeadsetRun::summary() const {
   return summary;
 }
 
-// Null when the runtime ended the session, or it was interrupted.
+// Null if the runtime ended the session or on an interrupt.
 Result<std::unique_ptr<ConnectedScene>> load_in_headset(SceneLoader& loading, HeadsetDisplay& display,
                                                         const std::atomic<bool>& interrupted) {
   while (!loading.wait(0)) {
-    const auto planned = display.wait_frame();  // sleeps
+    const auto planned = display.wait_frame();  // paced by the display
     if (!planned || interrupted) return std::unique_ptr<ConnectedScene>();
     display.set_notice(loading.progress().text);
     if (auto submitted = display.submit(*planned, {}); !submitted) return submitted.error();
@@ -285,7 +285,7 @@ Result<std::unique_ptr<ConnectedScene>> load_in_headset(SceneLoader& loading, He
 
 Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetDisplay& display,
                                       const std::atomic<bool>& interrupted) {
-  // Made before the loading begins: its device is the display's, which this thread goes on with.
+  // Created before loading starts, since it uses the display's device on this thread.
   auto renderer = choose_renderer(options.renderer, display.device());
   if (!renderer) return renderer.error();
   SceneLoader loading(options, [&] { return std::move(renderer); });
@@ -300,9 +300,10 @@ Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetD
   }
   HeadsetRun run(options, *(*live)->client, (*live)->objects, (*live)->view, display);
   const auto done = run.run(interrupted);
-  (*live)->stop.request_stop();  // nor does anybody wait for what is being fetched
+  (*live)->stop.request_stop();  // running fetches are not needed any more
   const auto finished = display.finish();
-  const auto stopped = (*live)->client->stop();  // before the run's stream goes, which its reader calls
+  const auto stopped =
+      (*live)->client->stop();  // before the run's stream is destroyed, which the reader calls
   if (!stopped) log_warn("%s", stopped.error().message.c_str());
   if (!done) return done.error();
   if (!finished) return finished.error();

@@ -4,7 +4,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kPictureInterval_s = 1.0 / 30;  // a display that nobody looks at does not hold it back
+constexpr double kPictureInterval_s = 1.0 / 30;  // limit for a hidden display, which does not pace
 
 }  // namespace
 

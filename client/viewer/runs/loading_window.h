@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// Shows in the window how far a loading is, until it is done. Null when the window was closed or it was
-// `interrupted`: the loading is to be given up.
+// Shows loading progress in the window until it is done. Null if the window was closed or on `interrupted`:
+// the caller must cancel the loading.
 Result<std::unique_ptr<ConnectedScene>> load_in_window(SceneLoader& loading, WindowDisplay& display,
                                                        const std::atomic<bool>& interrupted);
 

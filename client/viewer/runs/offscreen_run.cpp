@@ -23,7 +23,7 @@ namespace {
 constexpr double kWaitSlice_s = 0.05;
 constexpr std::chrono::milliseconds kOffscreenPollInterval{10};
 
-// What can be wrong before a server is asked.
+// Inputs that are validated before connecting.
 struct Prepared {
   PictureChoice picture;
   v1::InputScript script;
@@ -44,7 +44,7 @@ Result<Prepared> prepare(const OffscreenRunOptions& options) {
   return prepared;
 }
 
-// The object that the action names; a ball that is shot at a point names none.
+// The object that the action names; empty for a ball shot at a point.
 std::string named_by(const v1::InputScript::Action& action) {
   switch (action.kind_case()) {
     case v1::InputScript::Action::kPoke:
@@ -70,9 +70,7 @@ Result<void> check_names(const v1::InputScript& script, const JoinedScene& scene
       found = found || object.name == name;
       known += (known.empty() ? "" : ", ") + object.name;
     }
-    if (!found)
-      return not_found("the script's object \"" + name +
-                       "\": the scene has none of that name; it has: " + known);
+    if (!found) return not_found("the script's object \"" + name + "\": no such object; available: " + known);
   }
   return {};
 }
@@ -94,12 +92,12 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   auto prepared = prepare(options);
   if (!prepared) return prepared.error();
   JoinOptions join = options;
-  join.coarse_first = false;  // pictures that are kept show all there is
+  join.coarse_first = false;  // saved pictures show complete objects
   SceneLoader loading(
       std::move(join), [&] { return choose_renderer(options.renderer); },
       [&](const JoinedScene& joined) { return check_names(prepared->script, joined); });
   while (!loading.wait(kWaitSlice_s)) {
-    if (interrupted) return Error{ErrorCode::Unavailable, "interrupted before the scene was there"};
+    if (interrupted) return Error{ErrorCode::Unavailable, "interrupted before the scene was loaded"};
   }
   auto live = loading.take();
   if (!live) return live.error();
@@ -145,7 +143,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   }
   const Result<void> streamed = client.stop();
   queue.close();
-  if (!play_ended && !interrupted) log_info("the stream has ended; drawing what is left of it");
+  if (!play_ended && !interrupted) log_info("stream ended; drawing the remaining frames");
   for (; !play_ended; std::this_thread::sleep_for(kOffscreenPollInterval)) {
     if (interrupted) queue.abandon();
   }
@@ -177,7 +175,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   else if (!streamed)
     summary.stream_error = streamed.error();
   else if (recorder.gave_up())
-    summary.stream_error = Error{ErrorCode::Unavailable, options.address + ": no frame came within " +
+    summary.stream_error = Error{ErrorCode::Unavailable, options.address + ": no frame arrived within " +
                                                              format_text("%.0f s", recorder.patience_s())};
   return summary;
 }
@@ -190,21 +188,19 @@ std::string summary_text(const OffscreenRunSummary& summary) {
                       summary.assets.assets, static_cast<double>(summary.assets.fetched_bytes) * 1e-6);
   for (const std::string& line : summary.object_summaries) text += "  " + line + "\n";
   const ReceivedLog::Summary& received = summary.received;
-  text += format_text("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n",
+  text += format_text("received: %llu frames in %.1f s, %.1f per second of %.1f; %llu ticks not sent\n",
                       count(received.frames), received.seconds, received.rate_hz, summary.server_rate_hz,
                       count(received.missed_ticks));
   if (summary.outages.count > 0) {
     text += format_text(
-        "  the stream was gone %llu times and came back %llu times, after %.1f s in all, %llu of them from a "
-        "server that "
-        "was started anew; last reason: %.80s\n",
+        "  stream lost %llu times, resumed %llu times after %.1f s in total, %llu times from a restarted "
+        "server; last reason: %.80s\n",
         count(summary.outages.count), count(summary.outages.resumed), summary.outages.seconds,
         count(summary.outages.restarted), summary.outages.last_reason.c_str());
   }
   text += format_text(
-      "  staleness p50 %.2f ms, p99 %.2f ms, known to %.2f ms; %.0f bytes a frame p50, %.0f p99; server tick "
-      "p50 %.2f ms, p99 "
-      "%.2f ms\n",
+      "  staleness p50 %.2f ms, p99 %.2f ms, uncertainty %.2f ms; %.0f bytes per frame p50, %.0f p99; "
+      "server tick p50 %.2f ms, p99 %.2f ms\n",
       received.age_ms_p50, received.age_ms_p99, received.clock_uncertainty_ms, received.bytes_p50,
       received.bytes_p99, received.step_ms_p50, received.step_ms_p99);
   const DrawnLog::Summary& drawn = summary.drawn;
@@ -214,7 +210,7 @@ std::string summary_text(const OffscreenRunSummary& summary) {
       drawn.raster_ms_p50, drawn.raster_ms_p99);
   if (!summary.notice.empty()) text += "  " + summary.notice + "\n";
   if (summary.dropped_frames > 0) {
-    text += format_text("  %llu frames were dropped from a full backlog: the video skips\n",
+    text += format_text("  %llu frames dropped: the backlog was full; the video skips\n",
                         count(summary.dropped_frames));
   }
   return text;

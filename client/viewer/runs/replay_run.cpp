@@ -15,7 +15,7 @@
 namespace livegs {
 namespace {
 
-// A stretch of a recording, its assets asked for as they come.
+// A section of a recording; its assets are requested as objects appear.
 class Stretch final : public ItemSource {
  public:
   Stretch(RecordingPlayback& playback, AssetLibrary& assets, double seconds,
@@ -61,13 +61,14 @@ AssetLibrary::FetchAsset assets_of_recording(const std::filesystem::path& file) 
     }
     auto bytes = held->reader->asset(hash);
     if (!bytes && bytes.error().code == ErrorCode::NotFound) {
-      return not_found("asset " + hash.substr(0, 12) + ": is neither in the cache nor in " + file.string() +
+      return not_found("asset " + hash.substr(0, 12) + ": found neither in the cache nor in " +
+                       file.string() +
                        "; join its server once, or record with assets (livegs ctl record start --assets, "
                        "livegs-server --record-assets)");
     }
     if (!bytes) return bytes.error();
     if (bytes->size() != total || offset > total)
-      return invalid_data(file.string() + ": holds another asset than it says");
+      return invalid_data(file.string() + ": an embedded asset has the wrong hash; the file is damaged");
     return take(offset, total, std::span(*bytes).subspan(offset));
   };
 }

@@ -18,9 +18,8 @@ namespace {
 
 constexpr double kJump_s = 5;
 constexpr const char* kReplayHelp =
-    "right: turn   middle: shift\nwheel: nearer   WASDQE: fly\nP: pause   full stop: step\narrows: 5 s back "
-    "and on\n"
-    "Home: to the start   H: hide panels";
+    "right: rotate   middle: pan\nwheel: zoom   WASDQE: fly\nP: pause   full stop: step\n"
+    "arrows: back/forward 5 s\nHome: restart   H: hide panels";
 
 class ReplayWindow {
  public:
@@ -72,20 +71,20 @@ class ReplayWindow {
     return {};
   }
 
-  // Shows this moment next.
+  // Shows this time next.
   Result<void> go_to(double seconds) {
     seconds = std::clamp(seconds, 0.0, playback_.length_s());
     if (auto sought = playback_.seek(seconds); !sought) return sought;
     history_ = FrameHistory(kFramesKept);
     at_end_ = false;
     if (auto taken = take_frame(); !taken) return taken;
-    if (history_.empty()) return invalid_data(options_.file.string() + ": has no frame");
+    if (history_.empty()) return invalid_data(options_.file.string() + ": the recording has no frame");
     moment_ns_ = history_.newest().simulated_ns;
     first_ns_ = moment_ns_ - static_cast<int64_t>(1e9 * seconds);
     return {};
   }
 
-  // Up to and with the next frame.
+  // Takes items up to and including the next frame.
   Result<void> take_frame() {
     while (auto item = playback_.take()) {
       if (auto* frame = std::get_if<ReceivedFrame>(&*item)) {
@@ -136,7 +135,7 @@ class ReplayWindow {
     if (input.jump != 0) return go_to(shown_s() + kJump_s * input.jump);
     if (input.step || actions.step) {
       paused_ = true;
-      if (moment_ns_ >= history_.newest().simulated_ns) {  // else it halted before that one
+      if (moment_ns_ >= history_.newest().simulated_ns) {  // else playback was paused before that frame
         if (auto taken = take_frame(); !taken) return taken;
       }
       moment_ns_ = history_.newest().simulated_ns;
@@ -155,9 +154,9 @@ class ReplayWindow {
     overlay.panels.run.lines.push_back("recording " + options_.file.filename().string());
     overlay.panels.run.lines.push_back(format_text(
         "%.2f s of %.1f s, tick %llu%s%s", shown_s(), playback_.length_s(),
-        static_cast<unsigned long long>(tick_), paused_ ? ", paused" : "", at_end_ ? ", the end" : ""));
+        static_cast<unsigned long long>(tick_), paused_ ? ", paused" : "", at_end_ ? ", at the end" : ""));
     overlay.panels.run.lines.push_back(view_.renderer_name());
-    overlay.panels.run.lines.push_back(format_text("drawn at %.0f %%", 100.0 * scale_.value()));
+    overlay.panels.run.lines.push_back(format_text("resolution %.0f %%", 100.0 * scale_.value()));
     overlay.panels.run.help = kReplayHelp;
     return overlay;
   }
@@ -171,7 +170,7 @@ class ReplayWindow {
   OrbitCamera camera_;
   RenderScale scale_;
   FrameHistory history_{kFramesKept};
-  int64_t first_ns_ = 0, moment_ns_ = 0;  // simulated time of the first frame, and of what is shown
+  int64_t first_ns_ = 0, moment_ns_ = 0;  // simulated time of the first frame and of the picture
   uint64_t tick_ = 0;
   bool paused_ = false, at_end_ = false, panels_shown_ = true;
   std::vector<Image> pictures_;

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPollInterval{50};
 
-// Everything into the queue of the thread that draws.
+// Puts everything into the queue of the drawing thread.
 class Watcher final : public StreamSink {
  public:
   Watcher(AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log)
@@ -58,7 +58,7 @@ class Watcher final : public StreamSink {
   void on_object_removed(uint32_t object_id) override { queue_.add(ObjectRemoved{object_id}); }
   void on_draining(const std::string&) override {}
 
-  // Both 0 before the first.
+  // Both 0 before the first frame.
   struct Heard {
     int64_t first_ns = 0, last_ns = 0;
   };
@@ -79,20 +79,20 @@ class Watcher final : public StreamSink {
   int64_t first_ns_ = 0, last_ns_ = 0;
 };
 
-// Whoever subscribes where nobody publishes hears nothing, and no error either.
+// ZeroMQ reports no error if nothing is published at an address.
 Error nothing_came(const std::string& published, double waited_s) {
   constexpr std::string_view kTcp = "tcp://";
   const auto where = published.starts_with(kTcp)
                          ? parse_host_port(published.substr(kTcp.size()))
-                         : Result<HostPort>(invalid_argument("begins not with tcp://"));
+                         : Result<HostPort>(invalid_argument("does not start with tcp://"));
   const bool elsewhere = where && !where->loopback;
   return {
       ErrorCode::Unavailable,
       format_text(
           "--subscribe %s: nothing was published there within %.1f s; %s", published.c_str(), waited_s,
           elsewhere
-              ? "a server publishes on its own machine only: from others join it with livegs-client HOST:PORT"
-              : "give what livegs-server --publish says when it starts")};
+              ? "a server publishes on its own machine only; from other machines use livegs-client HOST:PORT"
+              : "use the address printed by livegs-server --publish")};
 }
 
 }  // namespace
@@ -143,7 +143,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   const int64_t begun_ns = now_ns();
   const double patience_s =
       options.seconds > 0 ? std::min(options.seconds, options.connect_timeout_s) : options.connect_timeout_s;
-  // Nothing comes between two frames, however healthy the server is.
+  // Healthy servers are silent between two frames.
   const double silence_s =
       std::max({options.reconnect_s, 1.0, 3 / std::max((*spectator)->scene().rate_hz, 0.1)});
   (*spectator)->start(watcher);
@@ -157,7 +157,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
       break;
     } else if (seconds_from_ns(now - heard.last_ns) >= silence_s) {
       ended = Error{ErrorCode::Unavailable,
-                    format_text("--subscribe %s: the server went away: nothing was published for %.1f s",
+                    format_text("--subscribe %s: connection lost: nothing was published for %.1f s",
                                 published.c_str(), seconds_from_ns(now - heard.last_ns))};
     }
     if (ended) break;
@@ -190,10 +190,9 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
 std::string summary_text(const SpectateSummary& summary) {
   const auto count = [](uint64_t value) { return static_cast<unsigned long long>(value); };
   return format_text(
-             "spectator of %s: %zu objects, scene asked for %llu times; %zu of %zu assets fetched\n"
-             "received: %llu frames in %.1f s, %.1f a second; %llu ticks missed, %llu frames left out; "
-             "staleness p50 %.2f ms, p99 "
-             "%.2f ms; %.0f bytes a frame p50\n"
+             "spectator of %s: %zu objects, scene requested %llu times; %zu of %zu assets fetched\n"
+             "received: %llu frames in %.1f s, %.1f per second; %llu ticks missed, %llu frames of unknown "
+             "scenes dropped; staleness p50 %.2f ms, p99 %.2f ms; %.0f bytes per frame p50\n"
              "drawn: %llu pictures by %s\n",
              summary.published.c_str(), summary.objects, count(summary.spectated.described),
              summary.assets.fetched, summary.assets.assets, count(summary.received.frames),

@@ -32,9 +32,8 @@ namespace {
 
 constexpr size_t kRightHand = 1;
 constexpr const char* kHelp =
-    "left: pull   right: turn   middle: shift\nwheel: nearer   WASDQE: fly   space: shoot\nP: pause   full "
-    "stop: step   "
-    "H: hide panels";
+    "left: pull   right: rotate   middle: pan\nwheel: zoom   WASDQE: fly   space: shoot\n"
+    "P: pause   full stop: step   H: hide panels";
 
 class WindowRun {
  public:
@@ -51,7 +50,7 @@ class WindowRun {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
   }
 
-  // Ends in order what was being recorded.
+  // Finishes a recording in progress before it returns.
   Result<void> run(const std::atomic<bool>& interrupted);
 
  private:
@@ -94,16 +93,16 @@ class WindowRun {
   std::optional<OrbitCamera> camera_;
   std::optional<ScriptedHands> script_;
   InputSample sample_;
-  RenderScale scale_;  // what is slower than its monitor bears is drawn smaller
+  RenderScale scale_;  // reduces the resolution of late pictures
   FrameMeter meter_;
   ObjectPanel panel_;
   ForceStudy study_;
   std::optional<StudyRecording> recording_;
-  bool records_options_ = false;              // recording_ is of the forces that were given at the start
-  std::string recorded_;                      // where the last recording is
-  std::optional<SceneView::Picked> pointed_;  // what the mouse is over
+  bool records_options_ = false;              // recording_ holds the forces given at the start
+  std::string recorded_;                      // path of the last recording
+  std::optional<SceneView::Picked> pointed_;  // kernel under the mouse
   bool was_left_ = false, panels_shown_ = true;
-  uint64_t force_until_tick_ = 0;  // of the panel's force
+  uint64_t force_until_tick_ = 0;  // for the force of the panel
   SessionNotice notice_;
   std::string refusal_;
   int64_t begun_ns_ = 0;
@@ -133,7 +132,7 @@ Result<void> WindowRun::first_frame() {
   if (!options_.poke.empty())
     script_.emplace(poke_script(options_.poke), ScriptedHands::Settings{eye, client_.scene().ball_speed_m_s});
   if (!options_.select.empty() && !named(options_.select))
-    return not_found("--select: the scene has no object \"" + options_.select + "\"");
+    return not_found("--select: no object is named \"" + options_.select + "\"");
   panel_.select(options_.select);
   begun_ns_ = now_ns();
   if (options_.forces.empty()) return {};
@@ -152,7 +151,7 @@ Result<ForceStudy> WindowRun::study_of(const v1::Event::Force& force) const {
   const StreamedObject* object = named(force.object());
   const Eigen::Vector3d rest_point_m(force.point_m(0), force.point_m(1), force.point_m(2));
   const auto kernel = object ? view_.nearest_kernel(object->id, rest_point_m) : std::nullopt;
-  if (!kernel) return not_found("--force: the scene has no object \"" + force.object() + "\"");
+  if (!kernel) return not_found("--force: no object is named \"" + force.object() + "\"");
   ForceStudy study;
   study.aim({force.object(), object->id, *kernel, rest_point_m});
   study.choose_force({force.force_n(0), force.force_n(1), force.force_n(2)}, force.duration_s());
@@ -191,7 +190,7 @@ void WindowRun::move_camera(const WindowInput& input) {
   camera_->fly(input.flown, input.passed_s);
 }
 
-// What is under the mouse, and, when it is pressed there, the object that the panels are about.
+// Picks the kernel under the mouse, and selects its object on a click.
 void WindowRun::point(const WindowInput& input, const Camera& window) {
   pointed_.reset();
   const bool pressed = input.left && !was_left_;
@@ -253,7 +252,7 @@ Result<void> WindowRun::finish_recording() {
   records_options_ = false;
   if (finished && std::filesystem::exists(video)) {  // not if its first picture failed
     recorded_ = video;
-    log_info("recorded %s", recorded_.c_str());
+    log_info("recording saved: %s", recorded_.c_str());
   }
   return finished;
 }
@@ -265,7 +264,7 @@ void WindowRun::abandon_recording() {
   stream_.record_frames(false);
 }
 
-// Nobody waits for the rest of it.
+// Ends the recording early.
 Result<void> WindowRun::cut_recording(const std::string& why) {
   const bool asked_for = records_options_;
   std::string left;
@@ -273,17 +272,17 @@ Result<void> WindowRun::cut_recording(const std::string& why) {
     const std::string drawn = recording_->drawn(), file = recording_->video_path();
     auto finished = finish_recording();
     if (!finished) return finished;
-    left = why + ": " + file + " ends early, with " + drawn;
+    left = why + ": " + file + " is incomplete: " + drawn;
   } else {
     abandon_recording();
-    left = why + " before the first picture of the recording was drawn: nothing is left of it";
+    left = why + " before the first picture of the recording; no video was written";
   }
   if (asked_for) return Error{ErrorCode::Unavailable, "--force: " + left};
   log_warn("%s", left.c_str());
   return {};
 }
 
-// What a person did to the panels of the last picture, or on the keyboard.
+// Applies the user's actions on the panels of the last picture and on the keyboard.
 void WindowRun::act(const WindowInput& input) {
   const PanelActions& actions = display_.actions();
   for (ObjectCall& call : panel_.act(actions, objects_)) {
@@ -331,7 +330,7 @@ Result<void> WindowRun::take_answers() {
         refusal_ = why;
         if (answer.refused) {
           abandon_recording();
-          // Nobody is there to choose another; what was asked for could not be done, whatever the reason.
+          // Without a user to choose another force, the requested recording has failed, whatever the reason.
           if (records_options_) return Error{ErrorCode::Unavailable, "--force: " + why};
           break;
         }
@@ -375,13 +374,13 @@ WindowPanels WindowRun::panels() const {
   run.notice = notice_.text(!refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "");
   if (run.notice.empty()) run.notice = view_.notice();
   run.lines.push_back(view_.renderer_name());
-  // Short enough to stand on one line: what is longer is broken behind the number's point.
-  run.lines.push_back(format_text("drawn at %.0f %%", 100.0 * scale_.value()) +
+  // Kept short enough for one line: longer text would be broken after the decimal point.
+  run.lines.push_back(format_text("resolution %.0f %%", 100.0 * scale_.value()) +
                       (scale_.min_contribution_px() > 0
-                           ? format_text(", leaving out under %.1g px", scale_.min_contribution_px())
+                           ? format_text(", culling under %.1g px", scale_.min_contribution_px())
                            : ""));
-  run.lines.push_back(format_text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(),
-                                  meter_.ticks_a_second()));
+  run.lines.push_back(
+      format_text("%.0f pictures/s, %.0f ticks/s", meter_.pictures_a_second(), meter_.ticks_a_second()));
   if (frame_) {
     run.lines.push_back(format_text("tick %llu, %.1f s simulated%s",
                                     static_cast<unsigned long long>(frame_->tick), frame_->run.simulated_s(),
@@ -389,7 +388,7 @@ WindowPanels WindowRun::panels() const {
   }
   if (const auto coming = arriving_.progress(); coming.objects > 0) {
     run.lines.push_back(format_text(
-        "%zu objects are still coming: %.0f %% of their kernels", coming.objects,
+        "loading %zu objects: %.0f %% of their kernels", coming.objects,
         100.0 * static_cast<double>(coming.kernels) / static_cast<double>(std::max<uint64_t>(coming.of, 1))));
   }
   run.graph = meter_.graph();
@@ -434,7 +433,7 @@ Result<void> WindowRun::keep_screenshot() {
   return write_png(options_.screenshots / format_text("window_%03d.png", screenshots_++), screenshot_);
 }
 
-// The present.
+// Draws a picture of the live scene.
 Result<void> WindowRun::picture(const PlannedFrame& planned) {
   const WindowInput& input = display_.input();
   const Eigen::Vector2i size = display_.size_px();
@@ -453,7 +452,7 @@ Result<void> WindowRun::picture(const PlannedFrame& planned) {
   return {};
 }
 
-// The next picture of the recording's video, without panels.
+// Draws the next picture of the recording's video, without panels.
 Result<void> WindowRun::recorded_picture(const PlannedFrame& planned) {
   const Eigen::Vector2i size = display_.size_px();
   view_.set_min_contribution(0);
@@ -473,7 +472,9 @@ Result<void> WindowRun::recorded_picture(const PlannedFrame& planned) {
 Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
   auto shown = show(interrupted);
   if (!recording_) return shown;
-  auto cut = cut_recording(!shown ? shown.error().message : interrupted ? "interrupted" : "the window ended");
+  auto cut = cut_recording(!shown        ? shown.error().message
+                           : interrupted ? "interrupted"
+                                         : "the window was closed");
   return shown ? cut : shown;
 }
 
@@ -498,10 +499,10 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
       if (records) {
         drawn = recorded_picture(*planned);
         if (!drawn && ends_with_recording()) return drawn;
-        // What broke meanwhile has other bodies than the frames that were kept.
+        // An object fractured meanwhile has other bodies than the recorded frames.
         if (!drawn) {
           if (auto finished = finish_recording(); !finished) return finished;
-          refusal_ = "the recording ends early: " + drawn.error().message;
+          refusal_ = "recording incomplete: " + drawn.error().message;
           log_warn("%s", refusal_.c_str());
           records = false;
         }
@@ -532,7 +533,7 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
         if (ends_with_recording()) break;
       }
     }
-    // Counted from the first frame, if there is to be one.
+    // Counted from the first frame, if one is expected.
     const bool counts = options_.seconds > 0 && (camera_ || client_.ended() ||
                                                  seconds_from_ns(now - begun_ns_) >= kFirstFrameTimeout_s);
     if (counts && seconds_from_ns(now - begun_ns_) >= options_.seconds) break;
@@ -552,7 +553,7 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height);
   if (!display) return display.error();
   JoinOptions join = options;
-  join.coarse_first = options.forces.empty();  // a recording that begins at once shows all there is
+  join.coarse_first = options.forces.empty();  // a recording that starts at once shows complete objects
   SceneLoader loading(std::move(join), [&] { return choose_renderer(options.renderer); });
   auto live = load_in_window(loading, **display, interrupted);
   if (!live) return live.error();
@@ -560,8 +561,9 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   SceneControl control(options.address, options.access);
   WindowRun run(options, *(*live)->client, control, (*live)->objects, (*live)->view, **display);
   const auto done = run.run(interrupted);
-  (*live)->stop.request_stop();                  // nor does anybody wait for what is being fetched
-  const auto stopped = (*live)->client->stop();  // before the run's stream goes, which its reader calls
+  (*live)->stop.request_stop();  // running fetches are not needed any more
+  const auto stopped =
+      (*live)->client->stop();  // before the run's stream is destroyed, which the reader calls
   if (!stopped) log_warn("%s", stopped.error().message.c_str());
   return done;
 }

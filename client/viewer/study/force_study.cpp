@@ -14,7 +14,7 @@ namespace livegs {
 namespace {
 
 constexpr double kRadian_deg = std::numbers::pi / 180;
-constexpr double kMaxForceDuration_s = 60;  // scene.cpp has the same
+constexpr double kMaxForceDuration_s = 60;  // scene.cpp has the same limit
 
 // "1 second", "0.3 seconds".
 std::string in_words(double value, const std::string& unit) {
@@ -45,7 +45,7 @@ std::string sentence_of(std::span<const ForceStudy> studies) {
   std::vector<std::pair<std::string, int>> told;  // what, at how many points
   for (const ForceStudy& study : studies) {
     const std::string what = "a force of " + in_words(study.force_n().norm(), "newton") + " to the " +
-                             (study.target() ? study.target()->object : "thing") + " for " +
+                             (study.target() ? study.target()->object : "object") + " for " +
                              in_words(study.duration_s(), "second");
     const auto same =
         std::find_if(told.begin(), told.end(), [&](const auto& one) { return one.first == what; });
@@ -72,8 +72,8 @@ v1::Event::Force ForceStudy::message() const {
 ForcePanel ForceStudy::shown(std::string progress) const {
   ForcePanel panel;
   panel.ready = target_.has_value();
-  panel.target = target_ ? "On the " + target_->object + ", where it was last clicked"
-                         : "Click on a thing in the picture to choose a point.";
+  panel.target = target_ ? "On the " + target_->object + ", at the clicked point"
+                         : "Click an object in the picture to choose a point.";
   panel.size_n = chosen_.size_n;
   panel.duration_s = chosen_.duration_s;
   panel.yaw_deg = chosen_.yaw_deg;
@@ -88,7 +88,7 @@ Result<v1::Event::Force> parse_force(const std::string& text) {
     return invalid_argument("--force " + text +
                             ": is not OBJECT:X,Y,Z:FX,FY,FZ:SECONDS, as in pillow:0,0.1,0:0,12,0:0.5");
   };
-  // The numbers stand last: a name may hold a colon.
+  // The numbers are last, since a name may contain a colon.
   size_t at = text.size();
   for (int part = 0; part < 3; ++part) {
     at = at == 0 ? std::string::npos : text.rfind(':', at - 1);

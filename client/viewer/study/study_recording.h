@@ -13,37 +13,37 @@
 
 namespace livegs {
 
-// A force on a thing, or several at once, as a video with its sentence beside it. First the frames are
-// collected, from a moment before the force to a while after it; then they are drawn one after the other,
-// evenly in simulated time, however slow drawing is. One thread.
+// Records one or more forces as a video with a description. Frames are collected from shortly before the
+// force to shortly after it, and then drawn evenly in simulated time, independent of drawing speed. One
+// thread.
 class StudyRecording {
  public:
   static constexpr double kLead_s = 0.5, kTail_s = 1.5, kRate_hz = 30;
 
-  // The folder is made. Writes NAME.mp4, NAME.txt (the sentence), NAME.json (the force as a scene file's
-  // event, or an array of them) and NAME_camera.json, NAME being study_001 or the next that is free.
-  // Precondition: there is a study, each has a target.
+  // Creates the folder. Writes NAME.mp4, NAME.txt (the description), NAME.json (the force as a scene file's
+  // event, or an array of them) and NAME_camera.json; NAME is study_001 or the next free one. Precondition:
+  // at least one study, each with a target.
   static Result<StudyRecording> begin(const std::filesystem::path& folder, std::vector<ForceStudy> studies,
                                       const Camera& camera, double tick_rate_hz);
 
-  // While it collects.
+  // Collecting.
   void add(const ReceivedFrame& frame);
-  bool wants_force();               // once, when the server is to be asked for all of them, in order
-  void force_taken(uint64_t tick);  // what it answered to the next of them
+  bool wants_force();               // true once: the caller must request all forces, in order
+  void force_taken(uint64_t tick);  // tick of the reply to the next request
   bool collecting() const { return !drawing_; }
 
-  // An object's kernels have other numbers now.
+  // An object's kernels were renumbered.
   void find_kernels_again(uint32_t object_id, const SceneView& view) {
     for (ForceStudy& study : studies_) study.find_kernel_again(object_id, view);
   }
 
-  // While it draws: the drivers of the next picture; nothing when all are drawn.
+  // Drawing: the drivers of the next picture; nothing when all are drawn.
   std::optional<DriverFrame> next() const;
   bool acts(size_t study) const;  // in the next picture
   Result<void> keep(const Image& picture);
   Result<void> finish();
-  void abandon();  // removes what begin() wrote; nothing else may follow
-  // How much of it was drawn, for who ends it early: "12 of 70 pictures, 0.4 of 2.3 s".
+  void abandon();  // removes the files of begin(); no further call is allowed
+  // Drawn part of the video, for an early end: "12 of 70 pictures, 0.4 of 2.3 s".
   std::string drawn() const;
   bool any_drawn() const { return drawn_ > 0; }
 
@@ -56,7 +56,7 @@ class StudyRecording {
   StudyRecording(std::filesystem::path stem, std::vector<ForceStudy> studies, double tick_rate_hz)
       : stem_(std::move(stem)), studies_(std::move(studies)), tick_rate_hz_(tick_rate_hz) {}
   double longest_s() const;
-  int pictures() const;  // in all, of the frames that are here
+  int pictures() const;  // total of the collected frames
   int64_t shown_ns() const;
 
   std::filesystem::path stem_;

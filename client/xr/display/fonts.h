@@ -5,8 +5,8 @@
 
 namespace livegs {
 
-// DejaVu Sans where it is installed (package fonts-dejavu-core), else ImGui's own font, larger.
-// `exact`: a pixel of the atlas is one of the glyph, for who copies them; else they are finer across.
+// Adds DejaVu Sans if it is installed (package fonts-dejavu-core), else ImGui's built-in font, enlarged.
+// `exact`: one atlas pixel per glyph pixel, for callers that copy glyphs; else horizontally oversampled.
 ImFont* add_window_font(ImFontAtlas& atlas, float size_px, bool exact = false);
 
 }  // namespace livegs

@@ -12,7 +12,8 @@ namespace livegs {
 Result<std::unique_ptr<OffscreenDisplay>> OffscreenDisplay::open(const OffscreenOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(options.folder, error);
-  if (error) return invalid_argument(options.folder.string() + ": cannot be made: " + error.message());
+  if (error)
+    return invalid_argument(options.folder.string() + ": the folder cannot be created: " + error.message());
   std::unique_ptr<OffscreenDisplay> display(new OffscreenDisplay(options));
   if (options.video) {
     auto video =
@@ -20,7 +21,7 @@ Result<std::unique_ptr<OffscreenDisplay>> OffscreenDisplay::open(const Offscreen
     if (video) {
       display->video_.emplace(std::move(*video));
     } else {
-      log_warn("%s; every picture becomes a PNG", video.error().message.c_str());
+      log_warn("%s; every picture is saved as PNG", video.error().message.c_str());
       display->options_.png_every = 1;
     }
   }

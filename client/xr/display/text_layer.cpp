@@ -21,7 +21,7 @@ constexpr std::array<uint8_t, 3> kLayerColour{16, 18, 22};
 struct TextPlate::Font {
   ImFontAtlas atlas;
   ImFont* font = nullptr;
-  const uint8_t* coverage = nullptr;  // the atlas, a byte a pixel
+  const uint8_t* coverage = nullptr;  // the font atlas, one byte per pixel
   int width = 0, height = 0;
 };
 
@@ -42,7 +42,7 @@ TextPlate::Picture TextPlate::draw(const std::string& text, std::array<uint8_t, 
   for (const char* at = text.data(); at < end && std::ssize(lines) < kMaxLines;) {
     const char* const paragraph = std::find(at, end, '\n');
     const char* next = font.CalcWordWrapPositionA(1.0f, at, paragraph, kWidth_px - 2 * kLayerMargin_px);
-    if (next == at && paragraph != at) ++next;  // not even one letter
+    if (next == at && paragraph != at) ++next;  // not even one character fits
     lines.emplace_back(at, next);
     at = next;
     while (at < paragraph && *at == ' ') ++at;

@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// Text on an opaque dark plate as a picture, for where there are no panels: in a headset. In DejaVu Sans
-// where it is installed (package fonts-dejavu-core), else in Dear ImGui's own font. One thread.
+// Renders text on an opaque dark plate into an image, for the headset, which has no panels. Uses DejaVu Sans
+// if it is installed (package fonts-dejavu-core), else Dear ImGui's built-in font. One thread.
 class TextPlate {
  public:
   TextPlate();
@@ -18,10 +18,10 @@ class TextPlate {
 
   struct Picture {
     int width_px = 0, height_px = 0;
-    std::vector<uint8_t> rgba;  // display-encoded, rows from the top
+    std::vector<uint8_t> rgba;  // display-encoded, top row first
   };
-  // As high as the text's lines, which are broken at the plate's width; what does not fit is left out. `ink`:
-  // 0..255.
+  // Draws the text, wrapped at the plate's width; the height follows the lines and the rest is cut off.
+  // `ink`: 0..255.
   Picture draw(const std::string& text, std::array<uint8_t, 3> ink) const;
   static constexpr int kWidth_px = 640, kMaxHeight_px = 256;
 

@@ -18,10 +18,11 @@ namespace livegs {
 
 Result<VideoFile> VideoFile::create(const std::filesystem::path& path, int width, int height,
                                     double rate_hz) {
-  // An ffmpeg that dies shows as a failed write, not as a signal.
+  // A terminated ffmpeg must show as a failed write, not as a signal.
   signal(SIGPIPE, SIG_IGN);
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) return Error{ErrorCode::Internal, path.string() + ": no pipe to ffmpeg"};
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    return Error{ErrorCode::Internal, path.string() + ": the pipe to ffmpeg cannot be created"};
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6f", rate_hz);
@@ -46,7 +47,7 @@ Result<VideoFile> VideoFile::create(const std::filesystem::path& path, int width
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-  // The signals that end a client are its own business: ffmpeg ends when its input does.
+  // Termination signals of the client must not reach ffmpeg, which ends when its input is closed.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -57,7 +58,7 @@ Result<VideoFile> VideoFile::create(const std::filesystem::path& path, int width
   ::close(ends[0]);
   if (failed != 0) {
     ::close(ends[1]);
-    return unsupported(path.string() + ": the ffmpeg command is not there; install it for a video");
+    return unsupported(path.string() + ": ffmpeg was not found; install it to write videos");
   }
   return VideoFile(path, ends[1], process);
 }
@@ -74,7 +75,8 @@ Result<void> VideoFile::add(const Image& image) {
   for (size_t written = 0; written < bytes.size();) {
     const ssize_t count = ::write(pipe_, bytes.data() + written, bytes.size() - written);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return Error{ErrorCode::Internal, path_.string() + ": ffmpeg took no more pictures"};
+    if (count <= 0)
+      return Error{ErrorCode::Internal, path_.string() + ": ffmpeg ended early; the video is incomplete"};
     written += static_cast<size_t>(count);
   }
   return {};

@@ -10,18 +10,18 @@
 
 namespace livegs {
 
-// An H.264 video, 4:2:0, written through the `ffmpeg` command: any player takes it. Odd sizes are padded by a
-// pixel.
+// An H.264 video, 4:2:0, written through the `ffmpeg` command; playable everywhere. Odd sizes are padded by
+// one pixel.
 class VideoFile {
  public:
-  // Unsupported when there is no ffmpeg to be found.
+  // Unsupported if ffmpeg is not installed.
   static Result<VideoFile> create(const std::filesystem::path& path, int width, int height, double rate_hz);
   VideoFile(VideoFile&& other) noexcept;
   VideoFile& operator=(VideoFile&&) = delete;
   ~VideoFile();
 
-  Result<void> add(const Image& image);  // of the size given
-  Result<void> finish();                 // waits for the file; more than once is fine
+  Result<void> add(const Image& image);  // of the size given to create()
+  Result<void> finish();                 // waits for the file; may be called repeatedly
 
  private:
   VideoFile(std::filesystem::path path, int pipe, pid_t process)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenXR 1.0: the session's states (section 9.3), the frame loop (10.4), the loss of a session (9.5).
+// OpenXR 1.0: session states (section 9.3), the frame loop (10.4), loss of a session (9.5).
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -17,7 +17,7 @@ namespace livegs {
 namespace {
 
 constexpr XrViewConfigurationType kStereo = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
-constexpr int64_t kRetry_ns = 500'000'000;  // between looks for a headset that went away
+constexpr int64_t kRetry_ns = 500'000'000;  // between attempts to find a lost headset
 constexpr int64_t kPoll_ns = 20'000'000;    // while there is nothing to draw
 constexpr int64_t kFinish_ns = 2'000'000'000;
 
@@ -61,21 +61,21 @@ class OpenXrDisplay final : public HeadsetDisplay {
   int width_ = 0, height_ = 0;
   XrEnvironmentBlendMode blend_mode_ = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
 
-  // Of the session.
+  // Session state.
   XrSession session_ = XR_NULL_HANDLE;
   XrSpace local_ = XR_NULL_HANDLE;
   std::optional<OpenXrSwapchain> swapchain_;
-  std::optional<OpenXrTextLayer> plate_;  // lasts, but for what of it is the session's
+  std::optional<OpenXrTextLayer> plate_;  // kept across sessions, except for its session objects
   XrSessionState state_ = XR_SESSION_STATE_UNKNOWN;
   bool running_ = false;
   int64_t next_try_ns_ = 0;
 
-  // Of the frame between wait_frame and submit.
+  // State of the frame between wait_frame and submit.
   bool begun_ = false, draws_ = false;
   XrTime display_time_ = 0;
   std::array<XrView, 2> views_{};
 
-  std::deque<XrTime> recentres_;  // to come
+  std::deque<XrTime> recentres_;  // pending
   Pose scene_from_local_;
   double scale_ = 1, period_s_ = 1.0 / 90;
   HeadsetInput input_;
@@ -85,11 +85,11 @@ class OpenXrDisplay final : public HeadsetDisplay {
   std::optional<Error> failure_;
 };
 
-// False where the call failed: the session is gone then, or with anything but its loss all is over.
+// False if the call failed: the session is then lost, or, for any other error, the display has ended.
 bool OpenXrDisplay::ok(XrResult result, const char* call) {
   if (XR_SUCCEEDED(result)) return true;
   if (result == XR_ERROR_SESSION_LOST) {
-    log_warn("openxr: the session is lost (%s); looking for the headset", call);
+    log_warn("openxr: session lost (%s); waiting for the headset", call);
     ++counts_.losses;
     end_session();
     next_try_ns_ = now_ns() + kRetry_ns;
@@ -116,7 +116,7 @@ Result<void> OpenXrDisplay::create(VulkanDeviceOptions options) {
   device_ = *std::move(device);
   if (!device_->can_draw())
     return Error{ErrorCode::Unavailable,
-                 "openxr: " + device_->name() + ", which the headset is at, does not draw"};
+                 "openxr: " + device_->name() + ", the headset's device, cannot draw; update its driver"};
   plate_.emplace(device_->handles());
   hands_ = std::make_unique<OpenXrHands>(*instance_);
   if (auto made = hands_->create(); !made) return made;
@@ -138,10 +138,10 @@ Result<void> OpenXrDisplay::create(VulkanDeviceOptions options) {
                                                     static_cast<uint32_t>(modes.size()), &count,
                                                     modes.data())) &&
       count > 0)
-    blend_mode_ = modes[0];  // the runtime's favourite
+    blend_mode_ = modes[0];  // the runtime's preferred mode
   for (XrView& view : views_) view = openxr_info<XrView>(XR_TYPE_VIEW);
   if (auto begun = begin_session(**system); !begun) return begun;
-  log_info("openxr: %s, %d x %d an eye, on %s", instance_->name().c_str(), width_, height_,
+  log_info("openxr: %s, %d x %d per eye, on %s", instance_->name().c_str(), width_, height_,
            device_->name().c_str());
   return {};
 }
@@ -202,10 +202,10 @@ void OpenXrDisplay::look_for_headset() {
   } else if (*system) {
     const auto begun = begin_session(**system);
     if (!begun) {
-      log_warn("%s; trying again", begun.error().message.c_str());
+      log_warn("%s; retrying", begun.error().message.c_str());
       end_session();
     } else {
-      log_info("openxr: the headset is back");
+      log_info("openxr: headset reconnected");
     }
   }
 }
@@ -254,7 +254,7 @@ void OpenXrDisplay::take_events() {
       ++counts_.recentres;
     } else if (event.type == XR_TYPE_EVENT_DATA_DISPLAY_REFRESH_RATE_CHANGED_FB) {
       const auto& changed = reinterpret_cast<const XrEventDataDisplayRefreshRateChangedFB&>(event);
-      log_info("openxr: %.0f pictures a second, %.0f before", changed.toDisplayRefreshRate,
+      log_info("openxr: refresh rate %.0f Hz (was %.0f Hz)", changed.toDisplayRefreshRate,
                changed.fromDisplayRefreshRate);
       ++counts_.refresh_changes;
     }
@@ -358,7 +358,8 @@ Result<void> OpenXrDisplay::submit(const PlannedFrame& frame, std::span<const Im
   if (!begun_) return {};
   if (!images.empty() && !swapchain_->acquired() && !acquire()) return {};
   const bool acquired = swapchain_->acquired();
-  const bool drawn = acquired && frame.views.size() == 2;  // else it was begun for a picture that failed
+  const bool drawn =
+      acquired && frame.views.size() == 2;  // else the frame was begun for a picture that failed
   if (!images.empty()) {
     if (auto done = swapchain_->upload(images); !done) return done;
   }
@@ -400,7 +401,7 @@ Result<void> OpenXrDisplay::finish() {
     const auto frame = wait_frame();
     if (frame && !ended_) (void)submit(*frame, {});
   }
-  // EXITING follows the end of the session at once; what waits for it no longer needs to.
+  // EXITING follows the end of the session at once, so there is no need to wait.
   if (!ended_ && session_) take_events();
   end_session();
   ended_ = true;

@@ -34,7 +34,7 @@ Result<void> OpenXrHands::create() {
   for (size_t hand = 0; hand < 2; ++hand) paths_[hand] = instance_.path(kUsers[hand]);
   auto info = openxr_info<XrActionSetCreateInfo>(XR_TYPE_ACTION_SET_CREATE_INFO);
   std::snprintf(info.actionSetName, XR_MAX_ACTION_SET_NAME_SIZE, "touch");
-  std::snprintf(info.localizedActionSetName, XR_MAX_LOCALIZED_ACTION_SET_NAME_SIZE, "Touching things");
+  std::snprintf(info.localizedActionSetName, XR_MAX_LOCALIZED_ACTION_SET_NAME_SIZE, "Touch objects");
   if (auto made = instance_.check(xrCreateActionSet(instance_.handle(), &info, &set_), "xrCreateActionSet");
       !made)
     return made;
@@ -77,7 +77,7 @@ void OpenXrHands::suggest(const char* profile, const char* shoot_left, const cha
   info.suggestedBindings = bindings.data();
   const auto taken = instance_.check(xrSuggestInteractionProfileBindings(instance_.handle(), &info),
                                      "xrSuggestInteractionProfileBindings");
-  if (!taken) log_warn("%s: %s; these controllers are left out", profile, taken.error().message.c_str());
+  if (!taken) log_warn("%s: %s; this controller is not supported", profile, taken.error().message.c_str());
 }
 
 XrResult OpenXrHands::attach(XrSession session) {
@@ -116,7 +116,7 @@ XrResult OpenXrHands::read(XrSpace space, XrTime time, std::array<HandSample, 2>
   info.countActiveActionSets = 1;
   info.activeActionSets = &active;
   if (const XrResult result = xrSyncActions(session_, &info); result != XR_SUCCESS)
-    return result;  // NOT_FOCUSED is one
+    return result;  // for example NOT_FOCUSED
   for (size_t hand = 0; hand < 2; ++hand) {
     if (const XrResult result = read_hand(hand, space, time, hands[hand]); XR_FAILED(result)) return result;
   }

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// The controllers: what of each profile means what, and what they do now. The action set belongs to the
-// instance and is attached to every session anew. One thread.
+// The controllers: their action bindings and current state. The action set belongs to the instance and is
+// attached to every new session. One thread.
 class OpenXrHands {
  public:
   explicit OpenXrHands(const OpenXrInstance& instance) : instance_(instance) {}
@@ -17,17 +17,17 @@ class OpenXrHands {
   OpenXrHands(const OpenXrHands&) = delete;
   OpenXrHands& operator=(const OpenXrHands&) = delete;
 
-  // Once: the actions, and bindings for each profile. One that the runtime does not take is logged and left
-  // out.
+  // Creates the actions and the bindings of each profile; call once. Profiles that the runtime rejects are
+  // logged and skipped.
   Result<void> create();
-  // For a session that is new, before its first frame.
+  // Attaches the actions to a new session, before its first frame.
   XrResult attach(XrSession session);
-  void detach();  // before the session is destroyed
+  void detach();  // call before the session is destroyed
 
-  // The hands at a moment, in `space`. Those without focus or that are not tracked are not active.
-  // SESSION_LOST is the only failure that has a meaning.
+  // Reads the hands at a time, in `space`. Untracked or unfocused hands are inactive. SESSION_LOST is the
+  // only failure to be handled.
   XrResult read(XrSpace space, XrTime time, std::array<HandSample, 2>& hands);
-  // amplitude 0..1; hand 0 left, 1 right.
+  // amplitude 0..1; hand: 0 left, 1 right.
   XrResult vibrate(size_t hand, float amplitude, double seconds);
 
  private:

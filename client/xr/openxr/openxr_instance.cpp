@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-constexpr const char* kTouchPlus = "XR_META_touch_controller_plus";  // newer than Debian's header
+constexpr const char* kTouchPlus = "XR_META_touch_controller_plus";  // missing in Debian's header
 constexpr const char* kRemedy =
     "start one (SteamVR, Monado, WiVRn) and make it the active one, or name its manifest in XR_RUNTIME_JSON";
 
@@ -37,10 +37,10 @@ bool OpenXrInstance::load(const char* call, Function& function) const {
 }
 
 Result<std::unique_ptr<OpenXrInstance>> OpenXrInstance::create() {
-  ::setenv("XR_LOADER_DEBUG", "none", 0);  // what it would say on standard error is in our message
+  ::setenv("XR_LOADER_DEBUG", "none", 0);  // the loader's message is part of the error below
   const std::set<std::string> there = extensions();
   if (there.empty())
-    return Error{ErrorCode::Unavailable, format_text("openxr: there is no runtime; %s", kRemedy)};
+    return Error{ErrorCode::Unavailable, format_text("openxr: no runtime is active; %s", kRemedy)};
   if (!there.contains(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME))
     return Error{ErrorCode::Unavailable,
                  format_text("openxr: the active runtime has no XR_KHR_vulkan_enable2; %s", kRemedy)};
@@ -59,7 +59,7 @@ Result<std::unique_ptr<OpenXrInstance>> OpenXrInstance::create() {
   if (const XrResult result = xrCreateInstance(&info, &made->instance_); XR_FAILED(result)) {
     made->instance_ = XR_NULL_HANDLE;
     return Error{ErrorCode::Unavailable,
-                 format_text("openxr: the runtime does not start (XrResult %d); %s", result, kRemedy)};
+                 format_text("openxr: the runtime failed to start (XrResult %d); %s", result, kRemedy)};
   }
   auto properties = openxr_info<XrInstanceProperties>(XR_TYPE_INSTANCE_PROPERTIES);
   if (XR_SUCCEEDED(xrGetInstanceProperties(made->instance_, &properties)))
@@ -93,7 +93,7 @@ Result<std::optional<XrSystemId>> OpenXrInstance::find_headset() {
 }
 
 Error OpenXrInstance::gone() const {
-  return {ErrorCode::Unavailable, "openxr: " + name_ + " is going away; start it and the client again"};
+  return {ErrorCode::Unavailable, "openxr: " + name_ + " is shutting down; restart it and the client"};
 }
 
 Result<void> OpenXrInstance::check(XrResult result, const char* call) const {
@@ -115,7 +115,7 @@ int64_t OpenXrInstance::moment_ns(XrTime time) const {
 XrPath OpenXrInstance::path(const char* text) const {
   XrPath made = XR_NULL_PATH;
   if (XR_FAILED(xrStringToPath(instance_, text, &made)))
-    log_warn("openxr: %s is no path to %s", text, name_.c_str());
+    log_warn("openxr: %s is not a valid path in %s", text, name_.c_str());
   return made;
 }
 

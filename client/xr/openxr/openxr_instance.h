@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// For the .cpp files of this room: it shows OpenXR's and Vulkan's types.
+// Internal to this room: exposes the types of OpenXR and Vulkan.
 
 #define XR_USE_GRAPHICS_API_VULKAN
 #define XR_USE_TIMESPEC
 #include <time.h>
 
 #include "compute/vulkan_maker.h"
-// After Vulkan's:
+// After Vulkan's headers:
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
@@ -21,7 +21,7 @@
 
 namespace livegs {
 
-// An empty structure of its type.
+// Returns an empty structure with its type set.
 template <class T>
 T openxr_info(XrStructureType type) {
   T info{};
@@ -29,7 +29,7 @@ T openxr_info(XrStructureType type) {
   return info;
 }
 
-// The instance: which runtime there is, what of its extensions is used, its clock. One thread.
+// The OpenXR instance: the runtime, its extensions and its clock. One thread.
 class OpenXrInstance {
  public:
   // Unavailable, with the remedy, when there is no runtime or one without Vulkan.
@@ -39,22 +39,21 @@ class OpenXrInstance {
   OpenXrInstance& operator=(const OpenXrInstance&) = delete;
 
   XrInstance handle() const { return instance_; }
-  const std::string& name() const { return name_; }  // the runtime's
+  const std::string& name() const { return name_; }  // name of the runtime
   bool has_touch_plus() const { return touch_plus_; }
   bool has_refresh_rates() const { return get_refresh_rate != nullptr; }
 
-  // The headset. Nothing while none is connected.
+  // Finds the headset. Nothing if none is connected.
   Result<std::optional<XrSystemId>> find_headset();
-  // Why all is over when the runtime goes, announced or not; with the remedy.
+  // The error for a runtime that shut down, announced or not; with the remedy.
   Error gone() const;
-  // OK, or the call and what OpenXR calls its result; gone() where that means that there is no runtime any
-  // more.
+  // OK, or an error with the call and the name of the result; gone() if the runtime is no longer available.
   Result<void> check(XrResult result, const char* call) const;
-  // A moment of OpenXR's clock by now_ns().
+  // Converts an OpenXR time to now_ns() time.
   int64_t moment_ns(XrTime time) const;
   XrPath path(const char* text) const;
 
-  // Of extensions; the first four are always there.
+  // Extension functions; the first four are always available.
   PFN_xrGetVulkanGraphicsRequirements2KHR get_requirements = nullptr;
   PFN_xrCreateVulkanInstanceKHR create_vulkan_instance = nullptr;
   PFN_xrGetVulkanGraphicsDevice2KHR get_vulkan_device = nullptr;
@@ -72,7 +71,7 @@ class OpenXrInstance {
   bool touch_plus_ = false;
 };
 
-// The device that the headset's pictures are made on.
+// Creates the Vulkan device that renders for the headset.
 class OpenXrVulkanMaker final : public VulkanMaker {
  public:
   OpenXrVulkanMaker(const OpenXrInstance& instance, XrSystemId system)

@@ -46,7 +46,7 @@ XrResult OpenXrSwapchain::create(XrSession session, int width, int height, int l
       XR_FAILED(result))
     return result;
   const auto format =
-      std::find_if(formats.begin(), formats.end(), [](int64_t one) {  // the runtime's favourite comes first
+      std::find_if(formats.begin(), formats.end(), [](int64_t one) {  // sorted by the runtime's preference
         return one == VK_FORMAT_R8G8B8A8_SRGB || one == VK_FORMAT_B8G8R8A8_SRGB;
       });
   if (format == formats.end()) return XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED;

@@ -12,7 +12,7 @@
 
 namespace livegs {
 
-// Images of both eyes, a layer each, or of one picture, in sRGB. One thread.
+// A swapchain in sRGB: one layer per eye, or a single layer. One thread.
 class OpenXrSwapchain {
  public:
   explicit OpenXrSwapchain(const VulkanHandles& handles) : handles_(handles) {}
@@ -20,16 +20,16 @@ class OpenXrSwapchain {
   OpenXrSwapchain(const OpenXrSwapchain&) = delete;
   OpenXrSwapchain& operator=(const OpenXrSwapchain&) = delete;
 
-  // Once. XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED where the runtime has no sRGB of 8 bits.
+  // Call once. XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED if the runtime has no 8-bit sRGB format.
   XrResult create(XrSession session, int width, int height, int layers = 2);
   XrSwapchain handle() const { return swapchain_; }
   bool acquired() const { return acquired_.has_value(); }
 
-  // Waits until one of the images is free, for as long as it takes.
+  // Waits until an image is free, without a timeout.
   XrResult acquire(DeviceImage& image);
-  // Writes pictures that were drawn elsewhere into the acquired image, from its top left on: one a layer.
+  // Copies pictures drawn elsewhere into the acquired image at its top left, one per layer.
   Result<void> upload(std::span<const Image> images);
-  // The same of one picture of display-encoded bytes, RGBA.
+  // Copies one picture of display-encoded RGBA bytes.
   Result<void> upload(std::span<const uint8_t> rgba, int width, int height);
   XrResult release();
 
@@ -43,7 +43,7 @@ class OpenXrSwapchain {
   int width_ = 0, height_ = 0, layers_ = 0;
   bool bgra_ = false;
   std::optional<uint32_t> acquired_;
-  // Of uploads.
+  // State of uploads.
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;

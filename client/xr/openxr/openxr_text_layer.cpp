@@ -4,10 +4,10 @@
 namespace livegs {
 namespace {
 
-// 44 degrees wide: inside what every headset shows to both eyes, and a line is two degrees high. What is
-// looked at stays free.
+// The plate is 44 degrees wide, which both eyes of every headset see, and a line is two degrees high. It lies
+// below the centre of the view, which stays free.
 constexpr float kDistance_m = 1.0f, kBelow_m = 0.2f, kWidth_m = 0.8f;
-constexpr std::array<uint8_t, 3> kInk{255, 138, 120};  // as the window's panels have what is out of order
+constexpr std::array<uint8_t, 3> kInk{255, 138, 120};  // the colour of errors in the window's panels
 
 }  // namespace
 

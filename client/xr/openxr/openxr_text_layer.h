@@ -11,8 +11,7 @@
 
 namespace livegs {
 
-// Text that stays before the eyes wherever the head turns: a quad in VIEW space, a little below where one
-// looks. One thread.
+// Text that is fixed to the view: a quad in VIEW space, slightly below the centre. One thread.
 class OpenXrTextLayer {
  public:
   explicit OpenXrTextLayer(const VulkanHandles& handles) : handles_(handles) {}
@@ -21,8 +20,8 @@ class OpenXrTextLayer {
   OpenXrTextLayer& operator=(const OpenXrTextLayer&) = delete;
 
   void set(const std::string& text) { text_ = text; }
-  void end();  // before the session goes
-  // The layer for the end of a frame, empty where there is no text; it holds until the next call.
+  void end();  // call before the session is destroyed
+  // The layer for xrEndFrame, empty without text; valid until the next call.
   XrResult layer(XrSession session, std::optional<XrCompositionLayerQuad>& layer);
 
  private:
@@ -31,7 +30,7 @@ class OpenXrTextLayer {
   const VulkanHandles& handles_;
   const TextPlate plate_;
   std::string text_, written_;
-  // Of the session.
+  // Session state.
   XrSpace view_ = XR_NULL_HANDLE;
   std::optional<OpenXrSwapchain> swapchain_;
   int height_px_ = 0;

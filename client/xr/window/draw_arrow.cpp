@@ -13,7 +13,7 @@ ImVec2 at(const Eigen::Vector2d& point) {
   return {static_cast<float>(point.x()), static_cast<float>(point.y())};
 }
 
-// Text on a dark plate whose left middle is here.
+// Draws text on a dark plate; `left_px` is the middle of its left edge.
 void draw_label(ImDrawList& list, const Eigen::Vector2d& left_px, const std::string& label, ImU32 ink) {
   const ImVec2 size = ImGui::CalcTextSize(label.c_str());
   const ImVec2 from(static_cast<float>(left_px.x()), static_cast<float>(left_px.y()) - 0.5f * size.y);

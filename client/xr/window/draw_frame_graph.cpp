@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kHeight_px = 74;
 
-// 1, 2, 5, 10, 20, …: at least `value`.
+// Rounds up to 1, 2, 5, 10, 20, …
 float round_up(float value) {
   float step = 1;
   for (int i = 0; step < value; ++i) step *= i % 3 == 1 ? 2.5f : 2.0f;

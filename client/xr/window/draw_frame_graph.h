@@ -5,8 +5,8 @@
 
 namespace livegs {
 
-// Three lines over one scale from 0 to the largest value, with the last value of each beneath. In the panel
-// that is being drawn, over its whole width.
+// Draws three lines on one scale from 0 to the maximum, with their last values below, across the current
+// panel.
 void draw_frame_graph(const FrameGraph& graph);
 
 }  // namespace livegs

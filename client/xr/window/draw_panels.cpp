@@ -27,7 +27,7 @@ bool button(const char* name, bool possible = true, float width_px = 0) {
   return pressed;
 }
 
-// Beside the last button if the panel is wide enough, else below it.
+// Continues on the line of the last button if the panel is wide enough.
 void same_line_if_it_fits(const char* button) {
   const ImGuiStyle& style = ImGui::GetStyle();
   const float needed = style.ItemSpacing.x + ImGui::CalcTextSize(button).x + 2 * style.FramePadding.x;
@@ -56,7 +56,7 @@ void PanelDrawer::place(Panel panel, float left_px, float top_px, float width_px
   ImGui::SetNextWindowSizeConstraints({width_px, 0}, {width_px, std::max(max_px, 1.0f)});
 }
 
-// A click on its bar opens or closes it when it is begun.
+// A click on a panel's title bar opens or closes it.
 void PanelDrawer::see_whether_open(Panel panel) {
   if (!stacked_ || ImGui::IsWindowCollapsed() == (open_ != panel)) return;
   open_ = open_ == panel ? Panel::None : panel;
@@ -78,7 +78,7 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   if (selected && !had_selection_) open_ = Panel::Objects;
   had_selection_ = selected;
   stacked_ = stacks;
-  // What is out of order is read there.
+  // The Run panel shows the notice.
   if (!panels.run.notice.empty() && !had_notice_) open_ = Panel::Run;
   had_notice_ = !panels.run.notice.empty();
 
@@ -98,8 +98,7 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
 
   const float right_px =
       std::min(kRightWidth_px, stacked_ ? across_px : width_px - kLeftWidth_px - 3 * kMargin_px);
-  // With an object open it takes the whole height: a panel that fits itself to what it holds is a picture
-  // late.
+  // With an object selected the panel takes the full height: automatic sizing lags one picture behind.
   place(Panel::Objects, stacked_ ? kMargin_px : width_px - right_px - kMargin_px,
         stacked_ ? below_px : kMargin_px, right_px, panels.objects.selected ? max_px : 0, max_px);
   ImGui::Begin("Objects", nullptr, ImGuiWindowFlags_NoResize);
@@ -123,14 +122,11 @@ void PanelDrawer::draw_loading(const LoadingPanel& loading, float width_px, floa
 
 void PanelDrawer::draw_run(const RunPanel& run, PanelActions& actions) {
   const float third = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
-  if (button(run.paused ? "Go on" : "Pause", true, third)) actions.pause = !run.paused;
+  if (button(run.paused ? "Resume" : "Pause", true, third)) actions.pause = !run.paused;
   ImGui::SameLine();
   actions.step = button("Step", true, third);
   ImGui::SameLine();
-  actions.reset = button(run.recorded  ? "To the start"
-                         : run.loading ? "Loading"
-                                       : "Reset",
-                         !run.loading, third);
+  actions.reset = button(run.recorded ? "Restart" : run.loading ? "Loading" : "Reset", !run.loading, third);
   if (!run.notice.empty()) coloured(kRefusalInk, run.notice);
   for (const std::string& line : run.lines) coloured(kDimInk, line);
   if (!run.recorded) draw_frame_graph(run.graph);
@@ -153,13 +149,13 @@ void PanelDrawer::draw_force(const ForcePanel& force, PanelActions& actions) {
     changed |=
         ImGui::SliderScalar((std::string("##") + name).c_str(), ImGuiDataType_Double, &value, &low, &high, "",
                             flags | ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
-    ImGui::SameLine();  // beside it: the grab would stand on it
+    ImGui::SameLine();  // on the same line: the slider's grab would overlap it
     ImGui::Text(format, value);
   };
   slider("Size", "%.3g N", set.size_n, 0.1, 1000, ImGuiSliderFlags_Logarithmic);
   slider("Time", "%.2f s", set.duration_s, 0.05, 10, ImGuiSliderFlags_Logarithmic);
-  slider("About", "%.0f deg", set.yaw_deg, -180, 180);
-  slider("Upwards", "%.0f deg", set.pitch_deg, -90, 90);
+  slider("Yaw", "%.0f deg", set.yaw_deg, -180, 180);
+  slider("Pitch", "%.0f deg", set.pitch_deg, -90, 90);
   if (changed) actions.force = set;
   const float half = 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   actions.apply_force = button("Apply", force.progress.empty(), half);
@@ -200,7 +196,7 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
     for (size_t i = 0; i < objects.rows.size(); ++i) draw_row(i, objects.rows[i], actions);
     if (objects.fragile) {
       bool fragile = *objects.fragile;
-      if (ImGui::Checkbox("Fragile: it breaks when it is hit", &fragile)) actions.fragile = fragile;
+      if (ImGui::Checkbox("Fragile: breaks on impact", &fragile)) actions.fragile = fragile;
     }
     for (const ObjectsPanel::Message& message : objects.messages) {
       coloured(message.refusal ? kRefusalInk : kNoteInk, message.text);
@@ -212,7 +208,7 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
       actions.decline = button("Decline");
     }
   } else {
-    coloured(kDimInk, "Click on a thing, here or in the picture, to see and change what it is made of.");
+    coloured(kDimInk, "Click an object, here or in the picture, to view and edit its material.");
   }
   ImGui::Spacing();
   if (objects.selected) {
@@ -243,7 +239,7 @@ void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& acti
                      ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
   const bool active = ImGui::IsItemActive(), released = ImGui::IsItemDeactivatedAfterEdit();
   const ImVec2 size = ImGui::GetItemRectSize();
-  if (row.range_high > row.range_low) {  // the estimate's range
+  if (row.range_high > row.range_low) {  // range of the estimate
     const float inside = size.x - 4;
     ImGui::GetWindowDrawList()->AddRectFilled(
         {from.x + 2 + inside * static_cast<float>(row.range_low), from.y + size.y - 4},
@@ -264,7 +260,7 @@ void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& acti
   ImGui::SameLine();
   ImGui::SetNextItemWidth(kTextWidth_px);
   const std::string shown = held && row.text_at ? row.text_at(held_position_) : row.value;
-  std::array<char, 64> text{};  // while a person types, ImGui has its own
+  std::array<char, 64> text{};  // ImGui keeps the text while it is edited
   std::snprintf(text.data(), text.size(), "%s", shown.c_str());
   if (ImGui::InputText("##value", text.data(), text.size(),
                        ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll)) {

@@ -9,17 +9,16 @@
 
 namespace livegs {
 
-// The columns of a window between its panels, or, of a recording, beside Run; none where too little is left
-// to show a scene in.
+// The columns of the window between the panels, or, for a recording, next to Run; none if too little space is
+// left.
 std::optional<std::pair<double, double>> columns_beside_panels(double width_px, bool recorded);
 
-// Draws the panels of a window with Dear ImGui and says what a person did to them. It keeps where a slider
-// that is held stands. Between ImGui's NewFrame and Render.
+// Draws the panels of a window with Dear ImGui and reports the user's actions. Keeps the position of a slider
+// that is dragged. Call between ImGui's NewFrame and Render.
 //
-// Run stands on the left and Objects on the right, where a person may move them until the window changes its
-// size. In one of less than kMinSideBySideWidth_px they stand one above the other, and at most one is open:
-// what opens one closes the other. The first thing that is selected opens Objects, and what is out of order
-// Run.
+// Run is on the left and Objects on the right; the user can move them until the window is resized. In a
+// window narrower than kMinSideBySideWidth_px they are stacked and at most one is open: opening one closes
+// the other. The first selection opens Objects, and a notice opens Run.
 class PanelDrawer {
  public:
   PanelActions draw(const WindowPanels& panels, float width_px, float height_px);
@@ -28,7 +27,7 @@ class PanelDrawer {
 
  private:
   enum class Panel { None, Run, Objects };
-  // Before and after a panel is begun. `max_px`: of its height; `height_px` 0: as high as what it holds.
+  // Before and after a panel is begun. `max_px`: maximum height; `height_px` 0: fits the contents.
   void place(Panel panel, float left_px, float top_px, float width_px, float height_px, float max_px);
   void see_whether_open(Panel panel);
 
@@ -38,12 +37,12 @@ class PanelDrawer {
   void draw_objects(const ObjectsPanel& objects, PanelActions& actions);
   void draw_row(size_t index, const ValueRow& row, PanelActions& actions);
 
-  float width_px_ = 0, height_px_ = 0;  // of the window the last time
+  float width_px_ = 0, height_px_ = 0;  // window size of the last call
   bool resized_ = false, stacked_ = false;
-  Panel open_ = Panel::Run;  // of those that are stacked
+  Panel open_ = Panel::Run;  // when stacked
   bool had_selection_ = false;
   bool had_notice_ = false;
-  std::string held_;  // the name of the row whose slider is held
+  std::string held_;  // name of the row whose slider is dragged
   float held_position_ = 0;
 };
 

@@ -76,19 +76,19 @@ GlfwWindowDisplay::~GlfwWindowDisplay() {
 
 Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int height) {
   if (!glfwInit()) {
-    return Error{ErrorCode::Unavailable, "window: no display to open one on (" + glfw_error() +
+    return Error{ErrorCode::Unavailable, "window: no display is available (" + glfw_error() +
                                              "); set DISPLAY, or use --display offscreen"};
   }
   initialised_ = true;
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (!window_) {
-    return Error{ErrorCode::Unavailable, "window: cannot be opened (" + glfw_error() +
-                                             "); is OpenGL there? --display offscreen needs none"};
+    return Error{ErrorCode::Unavailable,
+                 "window: opening failed (" + glfw_error() + "); install OpenGL, or use --display offscreen"};
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   ImGui::CreateContext();
-  ImGui::GetIO().IniFilename = nullptr;  // nothing is left in the folder it was started in
+  ImGui::GetIO().IniFilename = nullptr;  // ImGui must not write a file to the working directory
   set_window_style();
   panels_ = ImGui_ImplGlfw_InitForOpenGL(window_, true) && ImGui_ImplOpenGL2_Init();
   glGenTextures(1, &texture_);
@@ -129,7 +129,8 @@ void GlfwWindowDisplay::take_input() {
   const ImGuiIO& io = ImGui::GetIO();
   const double now_s = glfwGetTime();
   WindowInput taken;
-  if (planned_ > 0) taken.passed_s = now_s - last_s_;  // else what was loaded since the window was opened
+  if (planned_ > 0)
+    taken.passed_s = now_s - last_s_;  // else the time includes the loading since the window was opened
   last_s_ = now_s;
   glfwGetCursorPos(window_, &taken.mouse_px.x(), &taken.mouse_px.y());
   taken.moved_px = planned_ == 0 ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(taken.mouse_px - input_.mouse_px);
@@ -187,7 +188,7 @@ void GlfwWindowDisplay::draw_picture(const Image& image) {
 }
 
 void GlfwWindowDisplay::draw_overlay() {
-  ImDrawList& over = *ImGui::GetBackgroundDrawList();  // over the picture, under the panels
+  ImDrawList& over = *ImGui::GetBackgroundDrawList();  // above the picture, below the panels
   const Eigen::Vector2i size = size_px();
   for (const WindowArrow& arrow : overlay_.arrows) draw_arrow(over, arrow);
   if (overlay_.aim) draw_aim(over, *overlay_.aim);
@@ -205,7 +206,8 @@ Result<void> GlfwWindowDisplay::submit(const PlannedFrame&, std::span<const Imag
   glViewport(0, 0, width, height);
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
-  if (kept_) read_back(*std::exchange(kept_, nullptr));  // before the swap, after which nothing need be there
+  if (kept_)
+    read_back(*std::exchange(kept_, nullptr));  // before the swap, after which the contents are undefined
   glfwSwapBuffers(window_);
   return {};
 }
@@ -218,7 +220,7 @@ void GlfwWindowDisplay::read_back(Image& image) const {
   glReadBuffer(GL_BACK);
   glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
   image.pixels.assign(size_t{4} * image.width * image.height, 1.0f);
-  for (int y = 0; y < image.height; ++y) {  // OpenGL's rows run upwards
+  for (int y = 0; y < image.height; ++y) {  // OpenGL stores the bottom row first
     const uint8_t* from = bytes.data() + row * static_cast<size_t>(image.height - 1 - y);
     for (int x = 0; x < image.width; ++x) {
       for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<float>(from[3 * x + c]) / 255.0f;
@@ -233,7 +235,7 @@ bool WindowDisplay::is_possible() {
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   GLFWwindow* window = glfwCreateWindow(16, 16, "", nullptr, nullptr);
   if (window) glfwDestroyWindow(window);
-  glfwTerminate();  // forgets the hint as well
+  glfwTerminate();  // also resets the hint
   return window != nullptr;
 }
 

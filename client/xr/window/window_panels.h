@@ -8,16 +8,16 @@
 
 namespace livegs {
 
-// What the panels of a window show, as plain data: the window knows nothing of scenes and servers. Texts are
-// ready to be read.
+// Contents of the window's panels as plain data, independent of scenes and servers. Texts are ready for
+// display.
 
 struct ValueRow {
   std::string name, value;  // "Mass", "0.35 kg"
   std::string origin;       // "estimate, 0.2 to 0.6 kg"
   std::string reason;
   double position = 0;                         // on the slider, 0..1
-  double range_low = 0, range_high = 0;        // the band under it, 0..1; empty when equal
-  std::function<std::string(double)> text_at;  // of a position, while the slider is drawn
+  double range_low = 0, range_high = 0;        // the range below it, 0..1; empty if equal
+  std::function<std::string(double)> text_at;  // formats a position while the slider is dragged
 };
 
 struct ObjectsPanel {
@@ -26,65 +26,65 @@ struct ObjectsPanel {
   };
   std::vector<Entry> entries;
   std::optional<size_t> selected;
-  std::vector<std::string> facts;  // of the selected object, a line each
+  std::vector<std::string> facts;  // of the selected object, one per line
   std::vector<ValueRow> rows;
-  std::optional<bool> fragile;  // a tick box, when there is one
+  std::optional<bool> fragile;  // a tick box, if present
   struct Message {
-    bool refusal = false;  // else a note
+    bool refusal = false;  // true: an error; false: a note
     std::string text;
   };
   std::vector<Message> messages;
-  std::string proposal;  // what could be accepted or declined; empty when there is nothing
-  std::string progress;  // of an analysis or a change under way; empty when there is none
+  std::string proposal;  // a proposal to accept or decline; empty: none
+  std::string progress;  // of a running analysis or change; empty: none
 };
 
-// Times of the last pictures, oldest first, milliseconds.
+// Times of the last pictures in milliseconds, oldest first.
 struct FrameGraph {
   std::vector<float> picture_ms, tick_ms, age_ms;
-  std::vector<float> device_ms;  // of all passes of a picture; empty where the device has no clock
+  std::vector<float> device_ms;  // sum of all passes of a picture; empty if the device has no timer
 };
 
 struct RunPanel {
   bool paused = false, loading = false;
-  bool recorded = false;           // nothing can be done to the scene: it is watched, and begun anew
-  std::string notice;              // what is out of order, in red; empty when nothing is
-  std::vector<std::string> lines;  // status, one a line
+  bool recorded = false;           // playback of a recording: the scene cannot be changed
+  std::string notice;              // an error, in red; empty: none
+  std::vector<std::string> lines;  // status, one per line
   FrameGraph graph;
   std::string latency, help;
 };
 
-// A force of chosen size and direction for a chosen time.
+// A force with adjustable size, direction and duration.
 struct ForcePanel {
-  std::string target;  // what it acts on, or how to choose it
+  std::string target;  // target of the force, or how to choose it
   bool ready = false;  // a point is chosen
   double size_n = 5, duration_s = 1;
-  double yaw_deg = 0, pitch_deg = 90;  // of the direction: about +Y from +Z, and upwards
-  std::string sentence;                // what is done, in words
-  std::string progress;                // of a recording; empty when there is none
+  double yaw_deg = 0, pitch_deg = 90;  // direction: yaw about +Y from +Z, and elevation
+  std::string sentence;                // description of the force
+  std::string progress;                // of a recording; empty: none
 };
 
-// In place of all others, before there is anything to show.
+// Replaces all other panels until there is something to show.
 struct LoadingPanel {
   std::string text;
-  double share = 0;  // that is there, 0..1
+  double share = 0;  // loaded fraction, 0..1
 };
 
 struct WindowPanels {
   bool shown = true;
   std::optional<LoadingPanel> loading;
-  RunPanel run;  // alone where it is of a recording
+  RunPanel run;  // the only panel for a recording
   ForcePanel force;
   ObjectsPanel objects;
 };
 
-// What a person did to the panels in one picture.
+// The user's actions on the panels in one picture.
 struct PanelActions {
   std::optional<size_t> selected;  // an entry of the list
   struct Release {
     size_t row = 0;
     double position = 0;
   };
-  std::optional<Release> released;  // a slider was let go
+  std::optional<Release> released;  // a slider was released
   struct Typed {
     size_t row = 0;
     std::string text;

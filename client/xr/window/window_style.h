@@ -3,7 +3,7 @@
 
 #include <imgui.h>
 
-// How the window's panels look. For the sources of this room only; after ImGui's context is made.
+// Style of the window's panels. Internal to this room; requires ImGui's context.
 
 namespace livegs {
 

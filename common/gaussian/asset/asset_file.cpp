@@ -36,9 +36,8 @@ Result<AssetFile> read_by_content(Bytes bytes, std::string_view name) {
   if (begins_with(bytes, "NGSP"sv) || begins_with(bytes, "\x1f\x8b"sv)) return read_spz(bytes, name);
   if (begins_with(bytes, "PK"sv)) return read_sog_bundle(bytes, name);
   if (lower_case_extension(name) == ".splat") return read_splat(bytes, name);
-  return invalid_data(
-      std::string(name) +
-      ": is no Gaussian splat file that can be read (.ply, .compressed.ply, .spz, .sog or .splat)");
+  return invalid_data(std::string(name) +
+                      ": unknown format; use .ply, .compressed.ply, .spz, .sog or .splat");
 }
 
 Result<AssetFile> finished(Result<AssetFile> file, std::string_view name) {
@@ -76,7 +75,8 @@ Result<AssetFile> read_asset(const std::filesystem::path& path) {
     return finished(read_sog_folder(path, path.string()), path.string());
   if (lower_case_extension(path.string()) == ".json") {
     if (path.filename() != "meta.json") {
-      return invalid_data(path.string() + ": of .json only the meta.json of an unbundled .sog is an asset");
+      return invalid_data(path.string() +
+                          ": not an asset; only the meta.json of an unbundled .sog is accepted");
     }
     return finished(read_sog_folder(path.has_parent_path() ? path.parent_path() : ".", path.string()),
                     path.string());
@@ -89,7 +89,7 @@ Result<AssetFile> read_asset(const std::filesystem::path& path) {
 Result<void> write_asset(const std::filesystem::path& path, const GaussianAsset& asset,
                          const SpzOptions& spz) {
   const std::string extension = lower_case_extension(path.string());
-  if (asset.size() == 0) return invalid_argument(path.string() + ": an asset without kernels is not written");
+  if (asset.size() == 0) return invalid_argument(path.string() + ": cannot write an asset without kernels");
   if (extension == ".spz") {
     const Result<std::vector<std::byte>> bytes = encode_spz(asset, spz);
     if (!bytes) return bytes.error();
@@ -97,7 +97,7 @@ Result<void> write_asset(const std::filesystem::path& path, const GaussianAsset&
   }
   if (extension == ".ply" && !path.string().ends_with(".compressed.ply"))
     return write_file_atomically(path, encode_ply(asset));
-  return unsupported(path.string() + ": only .ply and .spz can be written");
+  return unsupported(path.string() + ": cannot write this format; use .ply or .spz");
 }
 
 }  // namespace livegs

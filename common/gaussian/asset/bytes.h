@@ -12,11 +12,12 @@
 
 namespace livegs {
 
-static_assert(std::endian::native == std::endian::little, "file formats are read as they lie in memory");
+static_assert(std::endian::native == std::endian::little,
+              "file formats are read in memory layout (little-endian)");
 
 using Bytes = std::span<const std::byte>;
 
-// Precondition: sizeof(T) bytes from `offset` on lie within `bytes`.
+// Precondition: `bytes` contains sizeof(T) bytes from `offset`.
 template <class T>
 T load(Bytes bytes, size_t offset) {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-constexpr int kGzipWindowBits = 15 + 16;  // zlib: 16 asks for a gzip header and trailer
+constexpr int kGzipWindowBits = 15 + 16;  // zlib: adding 16 requires a gzip header and trailer
 constexpr size_t kFirstPiece = size_t{1} << 20;
 constexpr int kFileZstdLevel = 12;
 
@@ -21,8 +21,8 @@ constexpr int kFileZstdLevel = 12;
 
 struct GunzipStream::State {
   z_stream stream{};
-  Bytes input;         // not yet handed to zlib
-  bool ended = false;  // the trailer was read and found right
+  Bytes input;         // not yet passed to zlib
+  bool ended = false;  // the trailer was read and verified
 };
 
 GunzipStream::GunzipStream(Bytes compressed, std::string_view name)
@@ -33,7 +33,7 @@ GunzipStream::GunzipStream(Bytes compressed, std::string_view name)
 
 GunzipStream::~GunzipStream() { inflateEnd(&state_->stream); }
 
-// Fills `out` as far as the stream goes; the result is short only at its end.
+// Fills `out` until the stream ends. The result is shorter than `size` only at the end.
 Result<size_t> GunzipStream::inflate_into(std::byte* out, size_t size) {
   z_stream& stream = state_->stream;
   size_t done = 0;
@@ -52,10 +52,10 @@ Result<size_t> GunzipStream::inflate_into(std::byte* out, size_t size) {
     if (status == Z_STREAM_END) {
       state_->ended = true;
     } else if (status == Z_BUF_ERROR) {
-      return invalid_data(name_ + ": the gzip stream is cut short");
+      return invalid_data(name_ + ": the gzip stream is truncated");
     } else if (status != Z_OK) {
       return invalid_data(name_ + ": the gzip stream is damaged (" +
-                          (stream.msg ? stream.msg : "no reason given") + ")");
+                          (stream.msg ? stream.msg : "no reason reported") + ")");
     }
   }
   return done;
@@ -71,7 +71,7 @@ Result<std::vector<std::byte>> GunzipStream::take(size_t size) {
     done += *got;
     if (done < bytes.size()) {
       return invalid_data(name_ + ": the gzip stream ends " + std::to_string(size - done) +
-                          " bytes before its header says");
+                          " bytes before the size in its header");
     }
   }
   return bytes;
@@ -113,7 +113,7 @@ Result<std::vector<std::byte>> zstd_decompress(Bytes frame, size_t size, std::st
     return invalid_data(std::string(name) + ": a zstd stream is damaged (" + ZSTD_getErrorName(got) + ")");
   if (got != size)
     return invalid_data(std::string(name) + ": a zstd stream ends " + std::to_string(size - got) +
-                        " bytes before its header says");
+                        " bytes before the size in its header");
   return bytes;
 }
 

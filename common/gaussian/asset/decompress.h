@@ -11,21 +11,21 @@
 
 namespace livegs {
 
-// One gzip member (RFC 1952) that fills its whole input, inflated piece by piece, so that memory follows what
-// the stream really holds and not what somebody says it holds.
+// One gzip member (RFC 1952) that fills its whole input. It is inflated in pieces, so memory follows the real
+// content of the stream, not a size claimed in a header.
 class GunzipStream {
  public:
-  // Both outlive the stream. `name` is what errors call the file.
+  // Both arguments outlive the stream. `name` is the name of the file in errors.
   GunzipStream(Bytes compressed, std::string_view name);
   ~GunzipStream();
   GunzipStream(const GunzipStream&) = delete;
   GunzipStream& operator=(const GunzipStream&) = delete;
 
-  // The next `size` bytes; an error if the stream ends before, or is damaged.
+  // Returns the next `size` bytes. An error if the stream ends before them or is damaged.
   Result<std::vector<std::byte>> take(size_t size);
 
-  // How many bytes are left to the end of the stream. They are thrown away; checksum and length are verified,
-  // and nothing may follow in the input.
+  // Reads and discards the rest of the stream; returns its length in bytes. Verifies the checksum and the
+  // length. An error if bytes follow the stream in the input.
   Result<size_t> drain();
 
  private:
@@ -37,7 +37,7 @@ class GunzipStream {
 
 std::vector<std::byte> gzip(Bytes bytes);
 
-// One zstd frame that decodes to exactly `size` bytes. The caller has bounded `size`.
+// Decompresses one zstd frame of exactly `size` bytes. The caller has bounded `size`.
 Result<std::vector<std::byte>> zstd_decompress(Bytes frame, size_t size, std::string_view name);
 std::vector<std::byte> zstd_compress(Bytes bytes);
 

@@ -9,13 +9,14 @@
 namespace livegs {
 namespace {
 
-// Squares of lengths stay finite and normal floats: 1e18^2 < FLT_MAX, e^86 < FLT_MAX, e^-86 > FLT_MIN.
+// Limits within which squared lengths stay finite, normal floats: 1e18^2 < FLT_MAX, e^86 < FLT_MAX, e^-86 >
+// FLT_MIN.
 constexpr float kMaxCoordinate = 1e18f;
 constexpr float kMaxLogScale = 43.0f;
 constexpr float kMinLogScale = -43.0f;
 
-// A float quaternion that was normalised in double is within 2^-23 of unit squared length; seven more steps
-// allow for ones normalised in float elsewhere.
+// Tolerance of the squared length of a unit quaternion. Normalising in double leaves a float within 2^-23 of
+// 1; seven more steps allow for quaternions that another program normalised in float.
 constexpr double kUnitTolerance = 1e-6;
 
 struct Repairs {
@@ -25,7 +26,7 @@ struct Repairs {
 };
 
 bool usable(const GaussianAsset& asset, size_t i) {
-  if (!(asset.positions[i].array().abs() <= kMaxCoordinate).all()) return false;  // false for NaN too
+  if (!(asset.positions[i].array().abs() <= kMaxCoordinate).all()) return false;  // false for NaN as well
   if (!(asset.log_scales[i].array() <= kMaxLogScale).all()) return false;
   if (!asset.rotations[i].coeffs().allFinite()) return false;
   if (std::isnan(asset.opacity_logits[i])) return false;
@@ -90,9 +91,9 @@ Result<void> establish_invariants(AssetFile& file, std::string_view name) {
     if (kept != i) move_kernel(asset, i, kept);
     ++kept;
   }
-  if (count == 0) return invalid_data(std::string(name) + ": holds no kernels");
+  if (count == 0) return invalid_data(std::string(name) + ": no kernels");
   if (kept == 0) {
-    return invalid_data(std::string(name) + ": none of its " + kernels(count) +
+    return invalid_data(std::string(name) + ": none of the " + kernels(count) +
                         " has finite values in range; is the file damaged?");
   }
   asset.resize(kept);

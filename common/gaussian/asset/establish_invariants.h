@@ -8,11 +8,11 @@
 
 namespace livegs {
 
-// Turns values as they stood in a file into a GaussianAsset that keeps its invariants: the last step of every
-// reader. asset_file.h states the policy. Values that keep them already are left alone to the bit.
+// Turns the values of a file into a GaussianAsset that meets its invariants. This is the last step of every
+// reader; asset_file.h states the policy. Valid values keep their bits.
 Result<void> establish_invariants(AssetFile& file, std::string_view name);
 
-// Whether a kernel is as it would leave it.
+// Whether a kernel already meets the invariants.
 bool meets_invariants(const GaussianAsset& asset, size_t kernel);
 
 }  // namespace livegs

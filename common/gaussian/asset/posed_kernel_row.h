@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Where a kernel is, as passes pass it on: skinning writes it, projection reads it. For C++ and GLSL alike,
-// scalars only, so that std430 and C++ lay the members out in the same way.
+// The pose of a kernel as passes exchange it: skinning writes it, projection reads it. Shared by C++ and
+// GLSL. Members are scalars, so std430 and C++ have the same layout.
 
 #ifdef __cplusplus
 #pragma once

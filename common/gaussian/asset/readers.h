@@ -8,8 +8,8 @@
 #include "gaussian/asset/bytes.h"
 #include "gaussian/asset/decoded_asset.h"
 
-// One reader a format, inside this room. Each gives the values as they stand in the file, turned to the frame
-// of GaussianAsset; establish_invariants is the caller's next step.
+// The readers, one per format, internal to this room. Each returns the values of the file in the frame of
+// GaussianAsset. The caller then calls establish_invariants.
 
 namespace livegs {
 
@@ -25,7 +25,7 @@ Result<AssetFile> read_splat(Bytes bytes, std::string_view name);
 
 Result<AssetFile> read_sog_bundle(Bytes bytes, std::string_view name);
 Result<AssetFile> read_sog_folder(const std::filesystem::path& folder, std::string_view name);
-// `total_bytes` of all files bounds how many kernels are believed.
+// `total_bytes`, the size of all files, limits the accepted kernel count.
 Result<AssetFile> read_sog(const SogFiles& files, uint64_t total_bytes, std::string_view name);
 
 }  // namespace livegs

@@ -10,8 +10,8 @@ namespace livegs {
 
 inline constexpr float kSqrtHalf = 0.70710678118654752f;
 
-// A unit quaternion from all components but its largest, which is positive and makes up the unit length.
-// Components are in the order of the format; `others` are in ascending order.
+// Rebuilds a unit quaternion from all components but its largest, which is positive and follows from the unit
+// length. Components are in the order of the format; `others` are in ascending order of index.
 inline Eigen::Vector4f from_smallest_three(unsigned largest, const std::array<float, 3>& others) {
   Eigen::Vector4f q;
   float squares = 0;

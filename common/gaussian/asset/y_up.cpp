@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-// What a real spherical harmonic becomes under (x, y, z) -> (x, -y, -z): every one is even or odd.
+// Sign of each real spherical harmonic under (x, y, z) -> (x, -y, -z); each one is even or odd.
 // l=1: y z x; l=2: xy yz zz xz xx-yy; l=3: y(3xx-yy) xyz y(..) z(..) x(..) z(xx-yy) x(xx-3yy).
 constexpr std::array<float, 15> kSignOfBasis = {-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1};
 

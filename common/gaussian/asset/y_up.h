@@ -5,8 +5,8 @@
 
 namespace livegs {
 
-// Between the frame of .spz (x right, y up, z back) and that of GaussianAsset (x right, y down, z forward):
-// half a turn about x. The turn is its own inverse and changes no magnitude.
+// Converts between the frame of .spz (x right, y up, z back) and that of GaussianAsset (x right, y down, z
+// forward): a half turn about x. The turn is its own inverse and changes no magnitude.
 void turn_half_about_x(GaussianAsset& asset);
 
 }  // namespace livegs

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// PlayCanvas .compressed.ply: kernels in chunks of 256, each value a fraction between the chunk's bounds,
-// four 32-bit words a kernel; SH of degree 1 and up in an element of their own, a byte a coefficient.
+// PlayCanvas .compressed.ply. Kernels are stored in chunks of 256 as four 32-bit words each; each value is a
+// fraction between the bounds of its chunk. SH of degree 1 and up are in a separate element, one byte per
+// coefficient.
 #include <optional>
 
 #include "gaussian/asset/readers.h"
@@ -50,7 +51,7 @@ float unpack_sh(float byte) {
   return 8.0f * ((byte + 0.5f) / 256.0f - 0.5f);
 }
 
-// Columns for `names`, all of them numbers of `element`.
+// Columns for the properties `names` of `element`; all must be numbers.
 Result<std::vector<PlyColumn>> columns_for(const PlyElement& element, std::span<const char* const> names,
                                            std::string_view file) {
   std::vector<PlyColumn> columns;
@@ -64,16 +65,16 @@ Result<std::vector<PlyColumn>> columns_for(const PlyElement& element, std::span<
   return columns;
 }
 
-// The degree of the element sh, 0 where there is none.
+// SH degree of the element sh; 0 if there is no such element.
 Result<int> sh_degree_of(const PlyElement* sh, uint64_t count, std::string_view name) {
   if (!sh) return 0;
   const std::string prefix = std::string(name) + ": element sh ";
-  if (sh->count != count) return invalid_data(prefix + "has not as many rows as element vertex");
+  if (sh->count != count) return invalid_data(prefix + "must have as many rows as element vertex");
   for (int degree = 1; degree <= 3; ++degree) {
     if (sh->properties.size() == static_cast<size_t>(3 * ((degree + 1) * (degree + 1) - 1))) return degree;
   }
   return invalid_data(prefix + "has " + std::to_string(sh->properties.size()) +
-                      " properties, which make no SH degree (9, 24 or 45 would)");
+                      " properties; expected 9, 24 or 45");
 }
 
 void unpack(const std::vector<ChunkBounds>& chunks, const std::vector<uint32_t>& words,
@@ -109,7 +110,7 @@ Result<AssetFile> read_compressed_ply(const PlyHeader& header, Bytes bytes, std:
   }
   const Result<int> degree = sh_degree_of(sh, vertex.count, name);
   if (!degree) return degree.error();
-  // Files of the first version have no colour bounds: colours lie between 0 and 1.
+  // Files of the first version have no colour bounds; their colours are between 0 and 1.
   const bool coloured = chunk.find("min_r").has_value();
   Result<std::vector<PlyColumn>> bounds =
       columns_for(chunk, std::span(kBounds).first(coloured ? kBounds.size() : kBoundsWithoutColour), name);

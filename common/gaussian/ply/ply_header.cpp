@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-// A real header is under 4 KiB; a megabyte leaves room for any comment.
+// Largest accepted header, bytes. Usual headers are under 4 KiB; the rest is room for comments.
 constexpr size_t kMaxHeaderBytes = size_t{1} << 20;
 
 std::optional<PlyScalar> scalar_named(std::string_view word) {
@@ -50,7 +50,9 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return words;
 }
 
-// Lines end in \n or \r\n. nullopt: there is none left within the limit.
+// Lines end in \
+//  or \\r\
+// . nullopt: no line is left within the limit.
 std::optional<std::string_view> next_line(std::string_view text, size_t& at) {
   const size_t end = text.substr(0, kMaxHeaderBytes).find('\n', at);
   if (end == std::string_view::npos) return std::nullopt;
@@ -60,30 +62,30 @@ std::optional<std::string_view> next_line(std::string_view text, size_t& at) {
   return line;
 }
 
-// Each returns what is wrong with the line, or nothing.
+// Each parser returns the problem with the line, or an empty text.
 std::string add_element(PlyHeader& header, const std::vector<std::string_view>& words) {
   uint64_t count = 0;
-  if (words.size() != 3) return "is no 'element NAME COUNT'";
+  if (words.size() != 3) return "is not 'element NAME COUNT'";
   const auto [end, error] = std::from_chars(words[2].data(), words[2].data() + words[2].size(), count);
-  if (error != std::errc() || end != words[2].data() + words[2].size()) return "has no count";
-  if (header.find(words[1])) return "names an element twice";
+  if (error != std::errc() || end != words[2].data() + words[2].size()) return "has no valid count";
+  if (header.find(words[1])) return "repeats an element name";
   header.elements.push_back({std::string(words[1]), count, {}});
   return "";
 }
 
 std::string add_property(PlyHeader& header, const std::vector<std::string_view>& words) {
-  if (header.elements.empty()) return "stands before any element";
+  if (header.elements.empty()) return "precedes all elements";
   PlyElement& element = header.elements.back();
   PlyProperty property;
   const bool list = words.size() == 5 && words[1] == "list";
-  if (!list && words.size() != 3) return "is no 'property TYPE NAME'";
+  if (!list && words.size() != 3) return "is not 'property TYPE NAME'";
   const std::optional<PlyScalar> type = scalar_named(words[words.size() - 2]);
   if (!type) return "has an unknown type";
   property.type = *type;
   if (list) {
     property.list_count_type = scalar_named(words[2]);
     if (!property.list_count_type) return "has an unknown type";
-    if (*property.list_count_type >= PlyScalar::Float32) return "counts a list in floats";
+    if (*property.list_count_type >= PlyScalar::Float32) return "has a list count of a float type";
   }
   property.name = words.back();
   element.properties.push_back(std::move(property));
@@ -91,11 +93,11 @@ std::string add_property(PlyHeader& header, const std::vector<std::string_view>&
 }
 
 std::string set_encoding(PlyHeader& header, const std::vector<std::string_view>& words) {
-  if (words.size() != 3 || words[2] != "1.0") return "is no format 1.0";
+  if (words.size() != 3 || words[2] != "1.0") return "is not format 1.0";
   if (words[1] == "ascii") return header.encoding = PlyEncoding::Ascii, "";
   if (words[1] == "binary_little_endian") return header.encoding = PlyEncoding::LittleEndian, "";
   if (words[1] == "binary_big_endian") return header.encoding = PlyEncoding::BigEndian, "";
-  return "names an unknown format";
+  return "has an unknown format";
 }
 
 bool has_duplicate_names(const PlyElement& element) {
@@ -105,7 +107,7 @@ bool has_duplicate_names(const PlyElement& element) {
   return std::adjacent_find(names.begin(), names.end()) != names.end();
 }
 
-// The fewest bytes `count` rows can take, saturating. In text a value is a digit and a separator.
+// Fewest bytes that `count` rows can take, saturating. In text, a value takes one digit and one separator.
 uint64_t min_bytes(const PlyElement& element, PlyEncoding encoding) {
   const uint64_t row =
       encoding == PlyEncoding::Ascii ? 2 * element.properties.size() : element.min_row_bytes();
@@ -118,14 +120,13 @@ Result<void> check_elements(const PlyHeader& header, uint64_t body_bytes, std::s
   if (header.encoding == PlyEncoding::Ascii) ++left;  // the last value needs no separator
   for (const PlyElement& element : header.elements) {
     if (has_duplicate_names(element)) {
-      return invalid_data(std::string(name) + ": element " + element.name +
-                          " has two properties of one name");
+      return invalid_data(std::string(name) + ": element " + element.name + " repeats a property name");
     }
     const uint64_t needed = min_bytes(element, header.encoding);
     if (needed > left) {
       return invalid_data(std::string(name) + ": element " + element.name + " claims " +
                           std::to_string(element.count) +
-                          " rows, more than the file has bytes for; it is cut short or its header is wrong");
+                          " rows, more than the file can hold; the file is truncated or its header is wrong");
     }
     left -= needed;
   }
@@ -171,7 +172,7 @@ Result<PlyHeader> parse_ply_header(Bytes file, std::string_view name) {
   PlyHeader header;
   size_t at = 0;
   bool has_format = false;
-  if (next_line(text, at) != "ply") return invalid_data(prefix + "is no PLY file");
+  if (next_line(text, at) != "ply") return invalid_data(prefix + "is not a PLY file");
   for (size_t number = 2;; ++number) {
     const std::optional<std::string_view> line = next_line(text, at);
     if (!line) return invalid_data(prefix + "the PLY header has no end_header");
@@ -190,7 +191,7 @@ Result<PlyHeader> parse_ply_header(Bytes file, std::string_view name) {
     } else if (words[0] == "property") {
       problem = add_property(header, words);
     } else {
-      problem = "is not known";
+      problem = "has an unknown keyword";
     }
     if (!problem.empty())
       return invalid_data(prefix + "line " + std::to_string(number) + " of the PLY header " + problem);

@@ -22,7 +22,7 @@ size_t size_of(PlyScalar type);
 struct PlyProperty {
   std::string name;
   PlyScalar type = PlyScalar::Float32;
-  std::optional<PlyScalar> list_count_type;  // set for a list, whose entries have `type`
+  std::optional<PlyScalar> list_count_type;  // set for a list; its entries have `type`
 };
 
 struct PlyElement {
@@ -31,7 +31,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   bool has_list() const;
-  size_t min_row_bytes() const;  // binary: exact where there is no list
+  size_t min_row_bytes() const;  // binary: exact if there is no list
   std::optional<size_t> find(std::string_view property) const;
 };
 
@@ -44,8 +44,8 @@ struct PlyHeader {
   const PlyElement* find(std::string_view element) const;
 };
 
-// Postcondition: the body is long enough for the rows of every element (lists taken as empty), so that memory
-// for `count` rows may be asked for.
+// Postcondition: the body is long enough for the rows of every element (lists counted as empty), so memory
+// for `count` rows may be allocated.
 Result<PlyHeader> parse_ply_header(Bytes file, std::string_view name);
 
 }  // namespace livegs

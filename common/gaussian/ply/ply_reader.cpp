@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 3DGS .ply as the INRIA trainer and everyone after it write it. Properties are found by name: their order,
-// their scalar types, normals and other elements differ from writer to writer.
+// 3DGS .ply as written by the INRIA trainer and compatible tools. Properties are found by name, because their
+// order, their scalar types, normals and further elements differ between writers.
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kRestPrefix = "f_rest_";
 
-// The index in f_rest_INDEX as it is usually written, without leading zeros.
+// INDEX of a property f_rest_INDEX, without leading zeros.
 std::optional<size_t> rest_index(std::string_view property) {
   const std::string_view digits = property.substr(kRestPrefix.size());
   size_t index = 0;
@@ -24,14 +24,14 @@ std::optional<size_t> rest_index(std::string_view property) {
   return index;
 }
 
-// The SH degree that the f_rest_* properties make, which must be numbered from 0 without a gap.
+// SH degree of the f_rest_* properties. They must be numbered from 0 without a gap.
 Result<int> sh_degree_of(const PlyElement& vertex, std::string_view name) {
   const std::string prefix = std::string(name) + ": ";
   size_t count = 0;
   for (const PlyProperty& property : vertex.properties) {
     if (!property.name.starts_with(kRestPrefix)) continue;
     if (!rest_index(property.name))
-      return invalid_data(prefix + "property " + property.name + " is no f_rest_NUMBER");
+      return invalid_data(prefix + "property " + property.name + " is not f_rest_NUMBER");
     ++count;
   }
   for (size_t i = 0; i < count; ++i) {
@@ -45,8 +45,7 @@ Result<int> sh_degree_of(const PlyElement& vertex, std::string_view name) {
   }
   if (count == 72)
     return unsupported(prefix + "has spherical harmonics of degree 4; save it with degree 3 or less");
-  return invalid_data(prefix + std::to_string(count) +
-                      " f_rest properties make no SH degree (0, 9, 24 or 45 would)");
+  return invalid_data(prefix + std::to_string(count) + " f_rest properties; expected 0, 9, 24 or 45");
 }
 
 bool says_antialiased(const PlyHeader& header) {
@@ -55,7 +54,7 @@ bool says_antialiased(const PlyHeader& header) {
   });
 }
 
-// Collects where each property goes; the first one missing is the error.
+// Collects the destination of each property. The first missing property is the error.
 class PlyColumns {
  public:
   PlyColumns(const PlyElement& vertex, std::string_view name) : vertex_(vertex), name_(name) {}
@@ -65,7 +64,7 @@ class PlyColumns {
     if (!index) {
       fail("has no property " + property + "; is this a Gaussian splat file?");
     } else if (vertex_.properties[*index].list_count_type) {
-      fail("has a list where property " + property + " should be one number");
+      fail("has a list as property " + property + "; expected one number");
     } else {
       columns_.push_back({*index, first, nullptr, stride});
     }
@@ -116,7 +115,7 @@ Result<AssetFile> read_gaussian_ply(const PlyHeader& header, Bytes bytes, std::s
   const Result<int> degree = sh_degree_of(*vertex, name);
   if (!degree) return degree.error();
 
-  // Look for the properties before there is memory for their values.
+  // Check the properties before allocating memory for their values.
   AssetFile file;
   file.asset.sh_degree = *degree;
   file.asset.resize(1);

@@ -42,7 +42,7 @@ double load_scalar(const std::byte* at, PlyScalar type, bool swapped) {
   return 0;
 }
 
-// Out of range becomes infinite, which the language leaves open for a plain cast.
+// Converts to float; out of range becomes infinite (a plain cast would be undefined).
 float narrow(double value) {
   constexpr double kMax = std::numeric_limits<float>::max();
   if (value > kMax) return std::numeric_limits<float>::infinity();
@@ -102,7 +102,7 @@ Result<void> PlyRows::read_varying(const PlyElement& element, std::span<const Pl
       const bool good = property.list_count_type ? skip_list(property) : next_value(property.type, value);
       if (!good) {
         return invalid_data(name_ + ": row " + std::to_string(row) + " of element " + element.name +
-                            " has no readable " + property.name + "; the file is cut short or damaged");
+                            " has an invalid " + property.name + "; the file is truncated or damaged");
       }
       if (column_of[p]) store(*column_of[p], row, value);
     }
@@ -132,7 +132,7 @@ bool PlyRows::next_number_in_text(double& value) {
   const auto [parsed, error] = std::from_chars(text, stop, value);
   if (parsed != stop) return false;
   if (error == std::errc::result_out_of_range) {
-    // Too small counts as zero, too large as infinite.
+    // Underflow counts as zero, overflow as infinite.
     const std::string_view word(text, static_cast<size_t>(stop - text));
     const bool tiny = word.find("e-") != word.npos || word.find("E-") != word.npos;
     value = tiny ? 0 : std::numeric_limits<double>::infinity();

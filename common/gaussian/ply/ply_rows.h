@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// Where the values of one property go: row r to first[r * stride], as a float or as a whole number of 32
-// bits.
+// Destination of the values of one property: row r is written to first[r * stride], as a float or as a 32-bit
+// integer.
 struct PlyColumn {
   size_t property = 0;  // index in the element; not a list
   float* floats = nullptr;
@@ -21,11 +21,11 @@ struct PlyColumn {
 // The body of a PLY file, read element by element in the order of the header.
 class PlyRows {
  public:
-  // Both outlive the reader.
+  // Both references outlive the reader.
   PlyRows(const PlyHeader& header, Bytes file, std::string_view name)
       : encoding_(header.encoding), left_(file.subspan(header.body_offset)), name_(name) {}
 
-  // Reads (or, with no columns, skips) all rows of the next element.
+  // Reads all rows of the next element, or skips them if there are no columns.
   Result<void> read(const PlyElement& element, std::span<const PlyColumn> columns);
 
   size_t bytes_left() const { return left_.size(); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// .splat: records of 32 bytes and nothing else. Position and standard deviations as floats, colour and
-// opacity as four bytes, the quaternion w x y z as four more.
+// .splat: records of 32 bytes without a header. Position and standard deviations are floats, colour and
+// opacity four bytes, the quaternion w x y z four bytes.
 #include <cmath>
 
 #include "gaussian/asset/readers.h"
@@ -16,7 +16,7 @@ constexpr size_t kRecordBytes = 32;
 Result<AssetFile> read_splat(Bytes bytes, std::string_view name) {
   if (bytes.empty() || bytes.size() % kRecordBytes != 0) {
     return invalid_data(std::string(name) + ": " + std::to_string(bytes.size()) +
-                        " bytes are no whole number of 32-byte records");
+                        " bytes are not a multiple of the 32-byte record");
   }
   AssetFile file;
   file.format = AssetFormat::Splat;
@@ -31,7 +31,7 @@ Result<AssetFile> read_splat(Bytes bytes, std::string_view name) {
       const auto offset = static_cast<size_t>(4 * axis);
       asset.positions[i][axis] = load<float>(record, offset);
       asset.log_scales[i][axis] =
-          std::log(load<float>(record, 12 + offset));  // negative: NaN, and the kernel goes
+          std::log(load<float>(record, 12 + offset));  // negative: NaN; the kernel is dropped later
       asset.sh_dc[i][axis] =
           (static_cast<float>(byte_at(record, 24 + static_cast<size_t>(axis))) / 255.0f - 0.5f) / kShBand0;
     }

@@ -10,7 +10,7 @@ namespace {
 
 enum class Way : uint8_t { Planes = 0, Differences = 1, Palette = 2 };
 
-// Floats as whole numbers in the same order; the other way round too.
+// Maps float bits to integers in the same order, and back.
 uint32_t ordered(uint32_t word) { return word & 0x80000000u ? ~word : word | 0x80000000u; }
 uint32_t unordered(uint32_t number) { return number & 0x80000000u ? number & 0x7FFFFFFFu : ~number; }
 
@@ -28,7 +28,7 @@ std::vector<uint32_t> differences_of(std::span<const uint32_t> words) {
   return folded;
 }
 
-// What an ideal coder of single bytes would take of `width` planes, bytes.
+// Size under an ideal byte-wise entropy coder of `width` planes, bytes.
 double entropy_bytes(std::span<const uint32_t> words, int width) {
   std::array<std::array<uint32_t, 256>, 4> counts{};
   for (const uint32_t word : words) {
@@ -52,7 +52,7 @@ void append_planes(ColumnBytes& out, std::span<const uint32_t> words, int width)
   }
 }
 
-// The distinct values, ascending; nothing where they are too many to be worth it.
+// The distinct values, ascending; empty if there are too many for a palette to pay off.
 std::vector<uint32_t> palette_of(std::span<const uint32_t> words) {
   constexpr size_t kLook = 1024;
   std::vector<uint32_t> values(words.begin(),

@@ -16,11 +16,11 @@ using namespace progressive_layout;
 
 Error bad(const char* what) { return invalid_data(std::string("asset: ") + what); }
 
-// Column by column out of a block.
+// Reads the columns of a block in order.
 class Columns {
  public:
   Columns(Bytes raw, size_t count) : raw_(raw), words_(count) {}
-  // False once a column was none.
+  // False after a column was invalid.
   template <class Take>
   bool each(const Take& take) {
     good_ = good_ && decode_column(raw_, words_);
@@ -41,7 +41,7 @@ class Columns {
 
 }  // namespace
 
-// The kernels that `order` names by their arrival; those whose harmonics have not come have none.
+// The kernels listed in `order` by arrival index. Harmonics that have not arrived are zero.
 GaussianAsset ProgressiveDecoder::gathered(std::span<const uint32_t> order, int degree) const {
   GaussianAsset to;
   to.sh_degree = degree;
@@ -86,16 +86,16 @@ Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
   while (!left.empty()) {
     const bool brings_kernels = indices_.size() < count_;
     if (!brings_kernels && (degree_ == 0 || with_harmonics_ == count_))
-      return fail(bad("bytes follow its last block"));
+      return fail(bad("bytes follow the last block"));
     if (left.size() < kBlockHeadBytes) break;
     const auto size = load<uint32_t>(left, 0), kernels = load<uint32_t>(left, 4);
     const size_t columns = brings_kernels ? kKernelColumns : harmonics;
     if (kernels == 0 || kernels > kMaxBlockKernels ||
         (brings_kernels ? kernels > count_ - indices_.size() : kernels != block_counts_[harmonic_blocks_])) {
-      return fail(bad("a block has another number of kernels than it may"));
+      return fail(bad("a block has a wrong number of kernels"));
     }
     if (size < min_payload_bytes(columns, kernels) || size > max_payload_bytes(columns, kernels))
-      return fail(bad("a block is shorter or longer than its kernels can be"));
+      return fail(bad("a block has a size that does not fit its kernels"));
     if (left.size() - kBlockHeadBytes < size) break;
     if (auto taken = take_block(left.subspan(kBlockHeadBytes, size), kernels); !taken)
       return fail(taken.error());
@@ -108,15 +108,15 @@ Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
 Result<void> ProgressiveDecoder::take_head(Bytes head) {
   if (!std::equal(kMagic.begin(), kMagic.end(), head.begin(),
                   [](uint8_t a, std::byte b) { return a == std::to_integer<uint8_t>(b); })) {
-    return bad("does not begin as one that is sent does; is the server of another version?");
+    return bad("wrong magic number or version; use client and server of the same version");
   }
   count_ = load<uint32_t>(head, 8);
   degree_ = static_cast<int>(byte_at(head, 12));
   const unsigned flags = byte_at(head, 13);
   if (count_ == 0 || degree_ > 3 || flags > kAntialiased || load<uint16_t>(head, 14) != 0)
-    return bad("has no kernels, or more harmonics or flags than there are");
+    return bad("no kernels, or unknown harmonics or flags");
   if (count_ * sizeof(float) * (kFloatColumns + harmonic_columns(degree_)) > kMaxDecodedBytes)
-    return bad("is over 4 GiB");
+    return bad("larger than 4 GiB");
   asset_.antialiased = flags != 0;
   has_head_ = true;
   return {};
@@ -125,7 +125,7 @@ Result<void> ProgressiveDecoder::take_head(Bytes head) {
 Result<void> ProgressiveDecoder::take_block(Bytes payload, uint32_t count) {
   const bool brings_kernels = indices_.size() < count_;
   const size_t frame = ZSTD_findFrameCompressedSize(payload.data(), payload.size());
-  if (ZSTD_isError(frame)) return bad("a block is no zstd frame");
+  if (ZSTD_isError(frame)) return bad("a block is not a zstd frame");
   const Bytes padding = payload.subspan(frame);
   if (std::any_of(padding.begin(), padding.end(), [](std::byte byte) { return byte != std::byte{0}; }))
     return bad("bytes follow the zstd frame of a block");
@@ -135,7 +135,7 @@ Result<void> ProgressiveDecoder::take_block(Bytes payload, uint32_t count) {
   if (ZSTD_isError(size)) return bad("a block is damaged");
   const Bytes columns = Bytes(raw).first(size);
   if (brings_kernels ? !take_kernels(columns, count) : !take_harmonics(columns, count))
-    return bad("a block's columns are damaged");
+    return bad("the columns of a block are damaged");
   ++blocks_;
   return {};
 }
@@ -214,9 +214,9 @@ std::optional<GaussianAsset> ProgressiveDecoder::whole() const {
 Result<GaussianAsset> decode_progressive(std::span<const std::byte> bytes) {
   ProgressiveDecoder decoder;
   if (auto taken = decoder.take(bytes); !taken) return taken.error();
-  if (!decoder.complete()) return bad("breaks off");
+  if (!decoder.complete()) return bad("truncated");
   auto whole = decoder.whole();
-  if (!whole) return bad("has a kernel twice");
+  if (!whole) return bad("a kernel is repeated");
   return std::move(*whole);
 }
 

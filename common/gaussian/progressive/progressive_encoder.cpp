@@ -17,10 +17,10 @@ namespace {
 
 using namespace progressive_layout;
 
-// Of what compresses at all, higher levels take twice the time for 1 %.
+// zstd level. Higher levels take more than twice the time for a gain of about one percent.
 constexpr int kZstdLevel = 3;
 
-// Opacity times the mean area of its shadow, up to a factor that all have in common.
+// Contribution of a kernel: opacity times mean projected area, up to a common factor.
 double contribution(const GaussianAsset& asset, size_t kernel) {
   const Eigen::Array3d s = asset.log_scales[kernel].cast<double>().array().exp();
   return static_cast<double>(opacity_of_logit(asset.opacity_logits[kernel])) *
@@ -31,7 +31,7 @@ std::vector<uint32_t> by_contribution(const GaussianAsset& asset) {
   std::vector<double> adds(asset.size());
   for (size_t i = 0; i < adds.size(); ++i) {
     adds[i] = contribution(asset, i);
-    if (!(adds[i] >= 0)) adds[i] = 0;  // not of an asset that keeps its invariants
+    if (!(adds[i] >= 0)) adds[i] = 0;  // only for an asset that violates its invariants
   }
   std::vector<uint32_t> order(asset.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -39,7 +39,7 @@ std::vector<uint32_t> by_contribution(const GaussianAsset& asset) {
   return order;
 }
 
-// One zstd frame, in which every plane of a column begins a block of its own, with its own statistics.
+// Writes one zstd frame. Every plane of a column starts a new zstd block with its own statistics.
 class FrameWriter {
  public:
   FrameWriter() : context_(ZSTD_createCCtx(), &ZSTD_freeCCtx) {
@@ -95,8 +95,8 @@ class Encoder {
     for (size_t at = 0, size = kFirstBlockKernels; at < order_.size();
          size = std::min(2 * size, kMaxBlockKernels)) {
       const auto block = std::span(order_).subspan(at, std::min(size, order_.size() - at));
-      // Inside a block kernels stand as in the asset: neighbours there are often neighbours in space, and
-      // gaps between ascending numbers are small.
+      // Kernels keep the order of the asset within a block: neighbours there are often neighbours in space,
+      // and gaps between ascending indices are small.
       std::sort(block.begin(), block.end());
       blocks.push_back(block);
       at += block.size();

@@ -7,7 +7,7 @@
 
 #include "gaussian/progressive/column_codec.h"
 
-// Numbers of proto/asset_format.md that its encoder and its decoder share.
+// Constants of proto/asset_format.md shared by encoder and decoder.
 
 namespace livegs::progressive_layout {
 
@@ -15,8 +15,8 @@ inline constexpr std::array<uint8_t, 8> kMagic{'L', 'V', 'G', 'A', 'S', 'T', 1, 
 inline constexpr size_t kHeadBytes = 16, kBlockHeadBytes = 8;
 inline constexpr uint8_t kAntialiased = 1;
 
-// The first block is small, so that something can be drawn soon; each next one is twice as large, up to
-// these.
+// Kernels per block. The first block is small, so that drawing can start early. Each next one is twice as
+// large, up to the maximum.
 inline constexpr size_t kFirstBlockKernels = 1024, kMaxBlockKernels = 32768;
 
 // Index, position, log-scale, rotation, opacity, colour.
@@ -33,7 +33,7 @@ inline constexpr size_t max_raw_bytes(size_t columns, size_t kernels) {
 inline constexpr size_t min_payload_bytes(size_t columns, size_t kernels) {
   return (columns * kernels * sizeof(float) + kMaxBlockRatio - 1) / kMaxBlockRatio;
 }
-// Of zstd's frames, which store what does not compress: a bit more than it.
+// Upper bound of a zstd frame, bytes. zstd stores incompressible data with a small overhead.
 inline constexpr size_t max_payload_bytes(size_t columns, size_t kernels) {
   return max_raw_bytes(columns, kernels) + max_raw_bytes(columns, kernels) / 16 + 8192;
 }

@@ -39,10 +39,10 @@ class Bundle : public SogFiles {
     size_t done = 0;
     while (done < bytes.size()) {
       const zip_int64_t got = zip_fread(entry.get(), bytes.data() + done, bytes.size() - done);
-      if (got <= 0) return invalid_data(prefix + "file " + file + " of the archive is damaged or cut short");
+      if (got <= 0) return invalid_data(prefix + "file " + file + " of the archive is damaged or truncated");
       done += static_cast<size_t>(got);
     }
-    // The checksum is compared when the end is met.
+    // libzip verifies the checksum when the end is read.
     std::byte beyond;
     if (zip_fread(entry.get(), &beyond, 1) != 0)
       return invalid_data(prefix + "file " + file + " of the archive is damaged");
@@ -72,7 +72,8 @@ class Folder : public SogFiles {
 Result<std::vector<std::byte>> SogFiles::read(std::string_view file) const {
   const bool plain = !file.empty() && file != "." && file != ".." &&
                      file.find_first_of(std::string_view("/\\:\0", 4)) == file.npos;
-  if (!plain) return invalid_data(name_ + ": meta.json: '" + std::string(file) + "' is no plain file name");
+  if (!plain)
+    return invalid_data(name_ + ": meta.json: '" + std::string(file) + "' is not a plain file name");
   return read_plain_name(std::string(file));
 }
 
@@ -86,7 +87,7 @@ Result<std::unique_ptr<SogFiles>> open_sog_bundle(Bytes zip, std::string_view na
     const std::string reason = zip_error_strerror(&error);
     zip_error_fini(&error);
     if (source) zip_source_free(source);
-    return invalid_data(std::string(name) + ": is no readable zip archive (" + reason + ")");
+    return invalid_data(std::string(name) + ": is not a readable zip archive (" + reason + ")");
   }
   zip_error_fini(&error);
   return std::unique_ptr<SogFiles>(std::make_unique<Bundle>(std::move(archive), zip.size(), name));

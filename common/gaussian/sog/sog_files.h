@@ -18,16 +18,16 @@ class SogFiles {
   explicit SogFiles(std::string_view name) : name_(name) {}
   virtual ~SogFiles() = default;
 
-  // A name with a path in it is refused: nothing outside the asset is ever opened.
+  // Rejects names that contain a path: files outside the asset are never opened.
   Result<std::vector<std::byte>> read(std::string_view file) const;
 
  protected:
   virtual Result<std::vector<std::byte>> read_plain_name(const std::string& file) const = 0;
 
-  std::string name_;  // what errors call the asset
+  std::string name_;  // name of the asset in errors
 };
 
-// `zip` outlives the result.
+// `zip` must outlive the result.
 Result<std::unique_ptr<SogFiles>> open_sog_bundle(Bytes zip, std::string_view name);
 std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& folder, std::string_view name);
 

@@ -13,8 +13,7 @@ constexpr double kMaxCount = 4294967295.0;
 constexpr size_t kMaxPalette = 65536;  // labels have 16 bits
 constexpr size_t kCodebook = 256;
 
-// Reads members of meta.json; the first thing that is wrong stays as the error, and everything after it
-// answers with an empty value.
+// Reads members of meta.json. The first problem is kept as the error; later reads return empty values.
 class MetaReader {
  public:
   explicit MetaReader(std::string_view name) : name_(name) {}
@@ -40,7 +39,7 @@ class MetaReader {
     const Json& value = member(object, key);
     const double number = value.is_number() ? value.get<double>() : 0;
     if (!(number >= 1 && number <= kMaxCount && number == std::floor(number))) {
-      fail(std::string(key) + " is no whole number from 1 to 4294967295");
+      fail(std::string(key) + " must be a whole number from 1 to 4294967295");
       return 1;
     }
     return static_cast<size_t>(number);
@@ -61,7 +60,7 @@ class MetaReader {
   std::string file(const Json& object, size_t index, size_t of) {
     const Json& files = member(object, "files");
     if (!files.is_array() || files.size() != of || !files[index].is_string()) {
-      fail("files is no list of " + std::to_string(of) + " names");
+      fail("files must be a list of " + std::to_string(of) + " names");
       return "";
     }
     return files[index].get<std::string>();
@@ -71,13 +70,13 @@ class MetaReader {
   std::vector<float> list(const Json& array, const char* key, size_t size) {
     std::vector<float> values;
     if (!array.is_array() || array.size() != size) {
-      fail(std::string(key) + " is no list of " + std::to_string(size) + " numbers");
+      fail(std::string(key) + " must be a list of " + std::to_string(size) + " numbers");
       return values;
     }
     for (const Json& entry : array) {
       const double number = entry.is_number() ? entry.get<double>() : NAN;
       if (!(std::abs(number) <= 1e30)) {
-        fail(std::string(key) + " holds something that is no number within 1e30");
+        fail(std::string(key) + " must contain only numbers within 1e30");
         return {};
       }
       values.push_back(static_cast<float>(number));
@@ -93,8 +92,8 @@ SogPalette palette_of(MetaReader& read, const Json& json) {
   SogPalette palette;
   palette.count = read.count(json, "count");
   const size_t degree = read.count(json, "bands");
-  if (degree > 3) read.fail("shN.bands is none of 1, 2 or 3");
-  if (palette.count > kMaxPalette) read.fail("shN.count is over 65536");
+  if (degree > 3) read.fail("shN.bands must be 1, 2 or 3");
+  if (palette.count > kMaxPalette) read.fail("shN.count must be at most 65536");
   palette.degree = static_cast<int>(std::min<size_t>(degree, 3));
   palette.codebook = read.codebook(json);
   palette.centroids_file = read.file(json, 0, 2);
@@ -102,13 +101,14 @@ SogPalette palette_of(MetaReader& read, const Json& json) {
   return palette;
 }
 
-// Version 1 carries no version: bounds instead of codebooks, and the count in the shape of the means.
+// Version 1 has no version member. It has bounds instead of codebooks, and the count is in the shape of the
+// means.
 void read_version_1(MetaReader& read, const Json& json, SogMeta& meta) {
   meta.version = 1;
   const Json& means = read.member(json, "means");
   const Json shape = means.contains("shape") ? means["shape"] : Json();
   if (!shape.is_array() || shape.size() != 2) {
-    read.fail("has no version, but not the means.shape of SOG version 1 either");
+    read.fail("has neither a version nor the means.shape of SOG version 1");
     return;
   }
   meta.count = read.count(Json{{"means.shape", shape[0]}}, "means.shape");
@@ -120,7 +120,7 @@ void read_version_1(MetaReader& read, const Json& json, SogMeta& meta) {
   meta.sh0.mins = read.numbers<4>(sh0, "mins");
   meta.sh0.maxs = read.numbers<4>(sh0, "maxs");
   if (json.contains("shN"))
-    read.fail("SOG version 1 with view-dependent colour (shN) is not read; convert it to version 2");
+    read.fail("SOG version 1 with view-dependent colour (shN) is not supported; convert it to version 2");
 }
 
 void read_version_2(MetaReader& read, const Json& json, SogMeta& meta) {
@@ -138,7 +138,7 @@ Result<SogMeta> parse_sog_meta(Bytes bytes, std::string_view name) {
   const auto* text = reinterpret_cast<const char*>(bytes.data());
   const Json json = Json::parse(text, text + bytes.size(), nullptr, false);
   if (json.is_discarded() || !json.is_object())
-    return invalid_data(std::string(name) + ": meta.json is no readable JSON object");
+    return invalid_data(std::string(name) + ": meta.json is not a valid JSON object");
 
   MetaReader read(name);
   SogMeta meta;
@@ -150,7 +150,7 @@ Result<SogMeta> parse_sog_meta(Bytes bytes, std::string_view name) {
   } else {
     return unsupported(std::string(name) + ": meta.json: SOG version " +
                        version->dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 20) +
-                       " is not read, 1 and 2 are");
+                       " is not supported; use version 1 or 2");
   }
   const Json& means = read.member(json, "means");
   meta.means_min = read.numbers<3>(means, "mins");

@@ -12,22 +12,22 @@
 
 namespace livegs {
 
-// How three bytes of a pixel become three values: by a table, or (version 1) as fractions between bounds.
+// Maps three bytes of a pixel to three values: by a table or, in version 1, as fractions between bounds.
 struct SogScale {
   std::vector<float> codebook;     // 256 values, or none
-  std::array<float, 4> mins = {};  // the fourth is used by sh0 of version 1 only: its opacity logit
+  std::array<float, 4> mins = {};  // the fourth is only used by sh0 of version 1: its opacity logit
   std::array<float, 4> maxs = {};
   std::string file;
 };
 
 struct SogPalette {
   size_t count = 0;
-  int degree = 0;  // called bands in the file
+  int degree = 0;  // called "bands" in the file
   std::vector<float> codebook;
   std::string centroids_file, labels_file;
 };
 
-// meta.json of a SOG asset, checked: every number that must be there is there and finite.
+// The checked content of meta.json: all required numbers exist and are finite.
 struct SogMeta {
   int version = 2;
   size_t count = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// PlayCanvas SOG: a property an image, a kernel a pixel; SH of degree 1 and up as an index into a palette.
+// PlayCanvas SOG: one image per property, one pixel per kernel. SH of degree 1 and up are indices into a
+// palette.
 #include <cmath>
 
 #include "gaussian/asset/readers.h"
@@ -13,11 +14,12 @@ namespace livegs {
 namespace {
 
 constexpr uint64_t kMaxMetaBytes = uint64_t{16} << 20;
-constexpr uint64_t kBytesPerKernel = 5 * 4;  // pixels of the images every asset has
+constexpr uint64_t kBytesPerKernel = 5 * 4;  // pixels of the required images
 constexpr size_t kPaletteColumns = 64;
 constexpr unsigned kFirstQuaternionTag = 252;
 
-// Images are rectangles, so a few pixels are left over: at most two rows and some for tiny ones.
+// Upper bound of the pixels of an image. Images are rectangles, so some pixels are unused: at most two rows,
+// and more for tiny images.
 size_t max_pixels_for(size_t count) { return 2 * count + 65536; }
 
 class SogDecoder {
@@ -41,7 +43,7 @@ class SogDecoder {
  private:
   Error off(const std::string& what) const { return invalid_data(std::string(name_) + ": " + what); }
 
-  // An image with a pixel for every kernel.
+  // Reads an image with at least one pixel per kernel.
   Result<WebpPlane> plane(const std::string& file) const {
     const Result<std::vector<std::byte>> bytes = files_.read(file);
     if (!bytes) return bytes.error();
@@ -59,7 +61,7 @@ class SogDecoder {
     if (!low) return low.error();
     const Result<WebpPlane> high = plane(meta_.means_high_file);
     if (!high) return high.error();
-    asset_.resize(meta_.count);  // both images are there: the count is true
+    asset_.resize(meta_.count);  // both images were decoded, so the count is plausible
     for (size_t i = 0; i < meta_.count; ++i) {
       for (size_t axis = 0; axis < 3; ++axis) {
         const auto word = static_cast<float>(low->pixel(i)[axis] | high->pixel(i)[axis] << 8);
@@ -88,7 +90,7 @@ class SogDecoder {
     return {};
   }
 
-  // Alpha names the largest of w x y z, red green blue are the others.
+  // Alpha selects the largest of w x y z; red, green and blue are the others.
   Result<void> quats() {
     const Result<WebpPlane> image = plane(meta_.quats_file);
     if (!image) return image.error();
@@ -99,7 +101,7 @@ class SogDecoder {
       const uint8_t* p = image->pixel(i);
       if (p[3] < kFirstQuaternionTag) {
         return off("the rotation of kernel " + std::to_string(i) + " has tag " + std::to_string(p[3]) +
-                   ", none of 252 to 255");
+                   "; expected 252 to 255");
       }
       const Eigen::Vector4f wxyz = from_smallest_three(p[3] - kFirstQuaternionTag,
                                                        {component(p[0]), component(p[1]), component(p[2])});
@@ -130,19 +132,19 @@ class SogDecoder {
     const size_t rest = asset_.sh_rest_count();
     const size_t width = kPaletteColumns * rest;
     const size_t rows = (palette.count + kPaletteColumns - 1) / kPaletteColumns;
-    // Writers round the rows up; twice as many is generous.
+    // Writers round the rows up; the limit allows twice the needed rows.
     const Result<WebpPlane> image =
         decode_webp_plane(*bytes, width * (2 * rows + 64), name_, palette.centroids_file);
     if (!image) return image.error();
     if (image->width != width || image->height < rows) {
       return off("image " + palette.centroids_file + " is " + std::to_string(image->width) + " x " +
-                 std::to_string(image->height) + ", but " + std::to_string(palette.count) + " entries need " +
+                 std::to_string(image->height) + "; " + std::to_string(palette.count) + " entries need " +
                  std::to_string(width) + " x " + std::to_string(rows));
     }
     for (size_t i = 0; i < meta_.count; ++i) {
       const size_t label = static_cast<size_t>(labels->pixel(i)[0] | labels->pixel(i)[1] << 8);
       if (label >= palette.count) {
-        return off("kernel " + std::to_string(i) + " names entry " + std::to_string(label) +
+        return off("kernel " + std::to_string(i) + " refers to entry " + std::to_string(label) +
                    " of a palette of " + std::to_string(palette.count));
       }
       const uint8_t* entry = image->pixel(label / kPaletteColumns * width + label % kPaletteColumns * rest);
@@ -171,7 +173,7 @@ Result<AssetFile> read_sog(const SogFiles& files, uint64_t total_bytes, std::str
   const Result<SogMeta> meta = parse_sog_meta(*meta_json, name);
   if (!meta) return meta.error();
   if (meta->count * kBytesPerKernel > kMaxCompressionRatio * total_bytes) {
-    return invalid_data(std::string(name) + ": claims " + std::to_string(meta->count) +
+    return invalid_data(std::string(name) + ": meta.json claims " + std::to_string(meta->count) +
                         " kernels, more than " + std::to_string(total_bytes) + " bytes can hold");
   }
   Result<GaussianAsset> asset = SogDecoder(files, *meta, name).decode();

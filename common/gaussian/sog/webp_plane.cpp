@@ -16,20 +16,20 @@ Result<WebpPlane> decode_webp_plane(Bytes bytes, size_t max_pixels, std::string_
   const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
   WebPBitstreamFeatures features;
   if (WebPGetFeatures(data, bytes.size(), &features) != VP8_STATUS_OK)
-    return invalid_data(prefix + "is no WebP");
+    return invalid_data(prefix + "is not a WebP");
   if (features.has_animation || features.format != kLossless) {
-    return invalid_data(prefix + "is not a lossless WebP, and its numbers cannot be trusted");
+    return invalid_data(prefix + "is not a lossless WebP; export it without loss");
   }
   WebpPlane image;
   image.width = static_cast<size_t>(features.width);
   image.height = static_cast<size_t>(features.height);
   if (image.pixels() > max_pixels) {
-    return invalid_data(prefix + "has " + std::to_string(image.pixels()) + " pixels, over the " +
-                        std::to_string(max_pixels) + " it could need");
+    return invalid_data(prefix + "has " + std::to_string(image.pixels()) + " pixels; the limit is " +
+                        std::to_string(max_pixels) + " pixels");
   }
   image.rgba.resize(4 * image.pixels());
   if (!WebPDecodeRGBAInto(data, bytes.size(), image.rgba.data(), image.rgba.size(), 4 * features.width)) {
-    return invalid_data(prefix + "is damaged or cut short");
+    return invalid_data(prefix + "is damaged or truncated");
   }
   return image;
 }

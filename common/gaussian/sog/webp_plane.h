@@ -10,7 +10,7 @@
 
 namespace livegs {
 
-// An image whose pixels are numbers: four bytes (r g b a) a pixel, rows from the top.
+// An image whose pixels are data: four bytes (r g b a) per pixel, rows from the top.
 struct WebpPlane {
   size_t width = 0;
   size_t height = 0;
@@ -20,7 +20,7 @@ struct WebpPlane {
   const uint8_t* pixel(size_t i) const { return rgba.data() + 4 * i; }
 };
 
-// A lossless WebP of at most `max_pixels`. `name` is what errors call the file, `plane` the image in it.
+// Decodes a lossless WebP of at most `max_pixels`. `name` is the file and `plane` the image in errors.
 Result<WebpPlane> decode_webp_plane(Bytes bytes, size_t max_pixels, std::string_view name,
                                     std::string_view plane);
 

@@ -7,9 +7,9 @@
 #include "gaussian/asset/bytes.h"
 #include "gaussian/gaussian_asset.h"
 
-// What all versions of .spz share: planes of quantised values, one property after the other.
-//
-//   positions  9 bytes a kernel: 3 signed 24-bit numbers times 2^-fractional_bits (version 1: 3 half floats)
+// Planes of quantised values, one property after the other; common to all versions of .spz.
+// Sizes are bytes per kernel.
+//   positions  9: 3 signed 24-bit numbers times 2^-fractional_bits (version 1: 3 half floats)
 //   alphas     1: opacity * 255
 //   colours    3: sh_dc * 0.15 * 255 + 127.5
 //   scales     3: (log-scale + 10) * 16
@@ -39,10 +39,10 @@ static_assert(sizeof(SpzHeader) == 16);
 
 enum SpzPlane { kSpzPositions, kSpzAlphas, kSpzColours, kSpzScales, kSpzRotations, kSpzSh, kSpzPlaneCount };
 
-// Bytes a kernel in each plane.
+// Bytes per kernel in each plane.
 std::array<uint64_t, kSpzPlaneCount> spz_plane_widths(const SpzHeader& header);
 
-// The kernels, y up as they are stored. Degree 4 is left out. Precondition: each plane holds its width times
+// Unpacks the kernels, y up as stored. Degree 4 is left out. Precondition: each plane holds its width times
 // header.count bytes.
 GaussianAsset unpack_spz(const SpzHeader& header, const std::array<Bytes, kSpzPlaneCount>& planes);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// .spz (Niantic). Versions 1 to 3: the header and the planes in one gzip member. Version 4: a header in the
-// clear, a table of sizes, then a zstd frame a plane.
+// .spz (Niantic). Versions 1 to 3: header and planes in one gzip member. Version 4: an uncompressed header, a
+// table of sizes, then one zstd frame per plane.
 #include "gaussian/asset/decompress.h"
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset/y_up.h"
@@ -15,13 +15,14 @@ constexpr int kPositionBits = 24;
 
 Result<void> check_header(const SpzHeader& header, size_t file_bytes, std::string_view name) {
   const std::string prefix = std::string(name) + ": ";
-  if (header.count == 0) return invalid_data(prefix + "its header says it has no kernels");
+  if (header.count == 0) return invalid_data(prefix + "the header declares no kernels");
   if (header.sh_degree > kSpzMaxShDegree) {
-    return invalid_data(prefix + "SH degree " + std::to_string(header.sh_degree) + " is none of 0 to 4");
+    return invalid_data(prefix + "SH degree " + std::to_string(header.sh_degree) +
+                        " is not supported; expected 0 to 4");
   }
   if (header.fractional_bits > kPositionBits) {
-    return invalid_data(prefix + "positions cannot have " + std::to_string(header.fractional_bits) +
-                        " fractional bits of 24");
+    return invalid_data(prefix + "positions with " + std::to_string(header.fractional_bits) +
+                        " fractional bits; at most 24 are possible");
   }
   uint64_t width = 0;
   for (const uint64_t plane : spz_plane_widths(header)) width += plane;
@@ -50,9 +51,10 @@ Result<AssetFile> read_gzipped(Bytes bytes, std::string_view name) {
   const Result<std::vector<std::byte>> start = stream.take(sizeof(SpzHeader));
   if (!start) return start.error();
   const auto header = load<SpzHeader>(*start, 0);
-  if (header.magic != kSpzMagic) return invalid_data(prefix + "is gzip, but does not hold an .spz");
+  if (header.magic != kSpzMagic) return invalid_data(prefix + "is a gzip file, but does not contain an .spz");
   if (header.version < 1 || header.version > 3) {
-    return unsupported(prefix + "spz version " + std::to_string(header.version) + " is none of 1 to 4");
+    return unsupported(prefix + "spz version " + std::to_string(header.version) +
+                       " is not supported; expected 1 to 4");
   }
   const Result<void> checked = check_header(header, bytes.size(), name);
   if (!checked) return checked.error();
@@ -83,7 +85,8 @@ Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
                         " must be compressed with gzip");
   }
   if (header.version != 4)
-    return unsupported(prefix + "spz version " + std::to_string(header.version) + " is none of 1 to 4");
+    return unsupported(prefix + "spz version " + std::to_string(header.version) +
+                       " is not supported; expected 1 to 4");
   if (bytes.size() < kHeader4Bytes) return invalid_data(prefix + "ends within the spz header");
   const Result<void> checked = check_header(header, bytes.size(), name);
   if (!checked) return checked.error();
@@ -93,12 +96,12 @@ Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
   const size_t stream_count = header.reserved;
   const size_t table = load<uint32_t>(bytes, sizeof(SpzHeader));
   if (stream_count != needed) {
-    return invalid_data(prefix + "has " + std::to_string(stream_count) + " streams where SH degree " +
+    return invalid_data(prefix + "has " + std::to_string(stream_count) + " streams; SH degree " +
                         std::to_string(header.sh_degree) + " needs " + std::to_string(needed));
   }
   if (table < kHeader4Bytes || table > bytes.size() ||
       (bytes.size() - table) / kStreamEntryBytes < stream_count) {
-    return invalid_data(prefix + "its table of streams lies outside the file");
+    return invalid_data(prefix + "the table of streams lies outside the file");
   }
   size_t at = table + stream_count * kStreamEntryBytes;
   std::array<std::vector<std::byte>, kSpzPlaneCount> storage;
@@ -108,11 +111,11 @@ Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
     const auto size = load<uint64_t>(bytes, table + p * kStreamEntryBytes + 8);
     if (size != widths[p] * header.count) {
       return invalid_data(prefix + "stream " + std::to_string(p) + " has " + std::to_string(size) +
-                          " bytes, but " + std::to_string(header.count) + " kernels need " +
+                          " bytes; " + std::to_string(header.count) + " kernels need " +
                           std::to_string(widths[p] * header.count));
     }
     if (compressed > bytes.size() - at)
-      return invalid_data(prefix + "is cut short within stream " + std::to_string(p));
+      return invalid_data(prefix + "is truncated within stream " + std::to_string(p));
     Result<std::vector<std::byte>> plane = zstd_decompress(bytes.subspan(at, compressed), size, name);
     if (!plane) return plane.error();
     storage[p] = std::move(*plane);

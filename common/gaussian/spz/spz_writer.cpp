@@ -20,7 +20,8 @@ using Planes = std::array<std::vector<std::byte>, kSpzPlaneCount>;
 
 uint8_t to_byte(float value) { return static_cast<uint8_t>(std::clamp(std::round(value), 0.0f, 255.0f)); }
 
-// As many fractional bits as asked for, or as fit the farthest kernel into 24 bits; negative where none do.
+// The requested number of fractional bits, or fewer if the farthest kernel does not fit 24 bits. Negative if
+// no number fits.
 int fitting_fractional_bits(const GaussianAsset& asset, int wanted) {
   float farthest = 0;
   for (const Eigen::Vector3f& position : asset.positions)
@@ -59,8 +60,7 @@ void append_smallest_three(std::vector<std::byte>& plane, const Eigen::Quaternio
   append(plane, word);
 }
 
-// Rounded to the middle of a bucket of 2^(8 - bits) steps, so that fewer different bytes are left to
-// compress.
+// Rounds to the middle of a bucket of 2^(8 - bits) steps, so that fewer distinct bytes remain to compress.
 uint8_t quantise_sh(float value, int bits) {
   const int bucket = 1 << (8 - bits);
   const int byte = static_cast<int>(std::round(std::clamp(value, -2.0f, 2.0f) * 128.0f)) + 128;
@@ -116,7 +116,7 @@ std::vector<std::byte> in_streams(SpzHeader header, const Planes& planes) {
   }
   std::vector<std::byte> file;
   append(file, header);
-  append(file, uint32_t{32});               // where the table is: right behind this header
+  append(file, uint32_t{32});               // offset of the table: directly after this header
   append(file, std::array<uint8_t, 12>{});  // reserved
   file.insert(file.end(), table.begin(), table.end());
   file.insert(file.end(), streams.begin(), streams.end());
@@ -131,10 +131,10 @@ Result<std::vector<std::byte>> encode_spz(const GaussianAsset& asset, const SpzO
                             " cannot be written; choose 2, 3 or 4");
   }
   if (options.sh1_bits < 1 || options.sh1_bits > 8 || options.sh_rest_bits < 1 || options.sh_rest_bits > 8) {
-    return invalid_argument("spz: SH coefficients keep 1 to 8 bits");
+    return invalid_argument("spz: SH coefficients must keep 1 to 8 bits");
   }
   if (options.fractional_bits < 0 || options.fractional_bits > 24) {
-    return invalid_argument("spz: positions have 0 to 24 fractional bits");
+    return invalid_argument("spz: positions must have 0 to 24 fractional bits");
   }
   if (asset.size() == 0) return invalid_argument("spz: an asset without kernels cannot be written");
   const int fractional_bits = fitting_fractional_bits(asset, options.fractional_bits);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint64_t kAxisBits = 21;
 
-// z, y, x from the highest bits down; a step along an axis never carries into the next.
+// z, y, x from the highest bits down. A step along an axis never carries into the next field.
 uint64_t key_of(const Eigen::Vector3i& c) {
   const auto part = [&](int axis) {
     return static_cast<uint64_t>(c[axis] + kMaxNodeCoordinate + 1) << (kAxisBits * axis);
@@ -33,7 +33,7 @@ NodeNeighboursPtr find_node_neighbours(std::vector<Eigen::Vector3i> coordinates)
   auto found = std::make_shared<NodeNeighbours>();
   found->before.assign(n, {{n, n, n}, 0});
   for (uint64_t axis = 0; axis < 3; ++axis) {
-    // Places ascend, and those one cell below them too: one walk finds them all.
+    // Keys ascend, and so do the keys one cell below them: a single pass finds all neighbours.
     auto below = places.begin();
     for (const auto& [key, node] : places) {
       const uint64_t wanted = key - (uint64_t{1} << (kAxisBits * axis));

@@ -10,7 +10,8 @@
 namespace livegs {
 namespace {
 
-// A standard deviation is held to this, so that no covariance overflows: exp() of a finite log scale may.
+// Upper limit of a standard deviation, m. Prevents covariance overflow: exp() of a finite log-scale may be
+// infinite.
 constexpr double kMaxStandardDeviation_m = 1e6;
 
 Result<void> check_similarity(const Similarity& object_from_asset) {
@@ -18,7 +19,7 @@ Result<void> check_similarity(const Similarity& object_from_asset) {
                       object_from_asset.rotation.coeffs().allFinite() &&
                       object_from_asset.translation_m.allFinite();
   if (!finite || object_from_asset.scale <= 0.0) {
-    return invalid_argument("rest body: object_from_asset needs a positive scale and finite values");
+    return invalid_argument("rest body: object_from_asset must have a positive scale and finite values");
   }
   return {};
 }

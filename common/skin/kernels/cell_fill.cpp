@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-// A box that enters a part by less than this, in parts, does not touch it.
+// Minimum overlap of a box with a part, in parts. A smaller overlap does not count as contact.
 constexpr float kMinOverlap = 1e-3f;
 
 }  // namespace
@@ -33,7 +33,7 @@ uint64_t fill_of_box(const Eigen::Vector3f& low, const Eigen::Vector3f& high) {
 
 FillDistance fill_distance(uint64_t fill, const Eigen::Vector3f& point) {
   if (fill == 0) fill = kFullCell;
-  // Squared distance along one axis to each of the four parts.
+  // Squared distance to each of the four parts along each axis.
   std::array<std::array<float, kFillParts>, 3> along;
   FillDistance distance;
   for (int d = 0; d < 3; ++d) {

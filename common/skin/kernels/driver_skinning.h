@@ -11,15 +11,14 @@
 #include "skin/kernels/kernel_bindings.h"
 #include "skin/rest_body.h"
 
-// Inside the room: what stands behind bind_kernels and skin_kernels, one pair a kind of driver.
+// Internal to this room: the implementations of bind_kernels and skin_kernels, one pair per driver kind.
 
 namespace livegs {
 
-// Kernels a block of parallel_for takes: about 0.2 ms of work, so that threads stay busy and the overhead
-// small.
+// Kernels per block of parallel_for: enough work to hide the overhead, small enough to balance the threads.
 inline constexpr size_t kSkinBlock = 2048;
 
-// Drivers in use at once: LIVE-GS sets m = 4.
+// Particles per kernel: m = 4 in LIVE-GS.
 inline constexpr int kParticlesPerKernel = 4;
 
 // Kernels at rest in the object frame.
@@ -45,7 +44,7 @@ Result<void> bind_lattice(const RestKernels& kernels, const RestBody& rest, Kern
 Result<void> bind_particles(const RestKernels& kernels, const RestBody& rest, KernelBindings& bindings);
 Result<void> bind_rigid(const RestKernels& kernels, const RestBody& rest, KernelBindings& bindings);
 
-// A rigid body as it moves its kernels.
+// The pose of a rigid body in the form used for skinning.
 struct TurnedBody {
   Eigen::Matrix3f world_from_body;
   Eigen::Vector3f position_m;
@@ -54,8 +53,8 @@ struct TurnedBody {
 };
 std::vector<TurnedBody> turned_bodies(const RestBody& rest, const ObjectDrivers& drivers);
 
-// Preconditions as skin_kernels; `kernels` and `deformation_gradients`, if given, have the right length
-// already.
+// Preconditions: as for skin_kernels. `kernels` and `deformation_gradients`, if given, already have the right
+// length.
 void skin_lattice(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers,
                   PosedKernels& kernels, std::vector<Eigen::Matrix3f>* deformation_gradients);
 void skin_particles(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers,

@@ -11,32 +11,34 @@
 
 namespace livegs {
 
-// One kernel's tie to the drivers of its object. Built once from the rest state by bind_kernels.
+// The binding of one kernel to the drivers of its object. Computed once, from the rest state, by
+// bind_kernels.
 struct KernelBinding {
-  std::array<uint32_t, 4>
-      drivers{};  // Lattice: [0] is the cell. Particles: the four nearest. Rigid: [0] is the body
-  std::array<float, 4>
-      weights{};  // Lattice: [0..2] local coordinates, 0..1 inside the cell. Particles: sum to 1
+  // Lattice: [0] is the cell. Particles: the four nearest. Rigid: [0] is the body
+  std::array<uint32_t, 4> drivers{};
+  // Lattice: [0..2] local coordinates, 0..1 inside the cell. Particles: sum to 1
+  std::array<float, 4> weights{};
 };
 
-// One term of the gradient of a lattice node: column `axis` += weight_per_m * (position of neighbour - of
-// node).
+// One term of the gradient of a lattice node: column `axis` += weight_per_m * (neighbour position - node
+// position).
 struct NodeGradientTerm {
   uint32_t neighbour = 0;
   uint32_t axis = 0;
   float weight_per_m = 0.0f;
 };
 
-// Besides the ties, what skinning needs of the rest state, worked out once: a rigid kernel takes 145 ns to
-// bind, most of it its covariance, and 10 ns to skin.
+// Bindings and derived rest data of all kernels. The data are precomputed because binding a kernel costs much
+// more than skinning it, mostly for its covariance.
 struct KernelBindings {
   DriverKind kind = DriverKind::Rigid;
   std::vector<KernelBinding> kernels;
 
-  // Each kernel at rest. Lattice: along the lattice's axes. Particles: in the object frame. Rigid: in its
-  // body's.
+  // Rest covariance of each kernel. Lattice: in the axes of the lattice. Particles: in the object frame.
+  // Rigid: in the frame of its body.
   std::vector<Symmetric3f> rest_covariances_m2;
-  std::vector<Eigen::Vector3f> rest_positions_m;  // Particles and Rigid, the same frames; empty for Lattice
+  // Particles and Rigid, in the same frames; empty for Lattice
+  std::vector<Eigen::Vector3f> rest_positions_m;
 
   // Lattice: the terms of node n are node_terms[node_terms_begin[n]] up to node_terms_begin[n + 1].
   std::vector<NodeGradientTerm> node_terms;

@@ -10,12 +10,12 @@ namespace {
 constexpr float kReachDeviations = 3.0f;
 constexpr float kRounding = 1.0001f;
 
-float extent_m(const Symmetric3f& covariance_m2) {  // the trace bounds the largest variance
+float extent_m(const Symmetric3f& covariance_m2) {  // the trace is an upper bound of the largest variance
   return kReachDeviations * std::sqrt(std::max(0.0f, covariance_m2[0] + covariance_m2[3] + covariance_m2[5]));
 }
 
-// Inside its cell a kernel's place is a mean of nodes; its offset beyond, and its own size, are stretched by
-// F.
+// A kernel inside its cell is at a mean of node positions. F stretches its offset outside the cell, and its
+// own size.
 float lattice_reach_m(const RestBody& rest, const KernelBindings& bindings) {
   float reach_m = 0;
   for (size_t k = 0; k < bindings.kernels.size(); ++k) {
@@ -27,7 +27,8 @@ float lattice_reach_m(const RestBody& rest, const KernelBindings& bindings) {
   return kMaxKernelStretch * reach_m;
 }
 
-// A kernel's place is a mean over its particles of where it would be as a rigid part of each.
+// The position of a kernel is a mean over its particles; each term moves the kernel rigidly with that
+// particle.
 float particle_reach_m(const RestBody& rest, const KernelBindings& bindings) {
   float reach_m = 0;
   for (size_t k = 0; k < bindings.kernels.size(); ++k) {
@@ -48,7 +49,7 @@ KernelReach kernel_reach(const RestBody& rest, const KernelBindings& bindings) {
   if (rest.kind == DriverKind::Lattice) reach.drivers_m = kRounding * lattice_reach_m(rest, bindings);
   if (rest.kind == DriverKind::Particles) reach.drivers_m = kRounding * particle_reach_m(rest, bindings);
   if (rest.kind != DriverKind::Rigid) return reach;
-  reach.bodies_m.assign(rest.bodies.size(), -1.0f);  // none of its own
+  reach.bodies_m.assign(rest.bodies.size(), -1.0f);  // no kernels
   for (size_t k = 0; k < bindings.kernels.size(); ++k) {
     float& body_m = reach.bodies_m[bindings.kernels[k].drivers[0]];
     body_m = std::max(body_m, kRounding * (bindings.rest_positions_m[k].norm() +

@@ -8,15 +8,15 @@
 
 namespace livegs {
 
-// How far kernels may be from their drivers, three standard deviations included, however they move: worked
-// out once, so that whoever looks for kernels at a place can leave out an object without skinning it.
+// Maximum distance of kernels from their drivers under any motion, including three standard deviations.
+// Computed once; spatial queries use it to skip an object without skinning it.
 struct KernelReach {
-  std::vector<float> bodies_m;  // Rigid: of each body, from its origin
-  float drivers_m = 0;          // Lattice, Particles: from the box about all drivers
+  std::vector<float> bodies_m;  // Rigid: for each body, from its origin
+  float drivers_m = 0;          // Lattice, Particles: from the bounding box of all drivers
 };
 KernelReach kernel_reach(const RestBody& rest, const KernelBindings& bindings);
 
-// A box that all kernels are in. `drivers` fit the rest body, or are kernels.
+// A box that contains all kernels. `drivers` fit the rest body, or are kernels.
 Eigen::AlignedBox3f box_of_kernels(const KernelReach& reach, const ObjectDrivers& drivers);
 
 }  // namespace livegs

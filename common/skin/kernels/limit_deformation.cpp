@@ -25,17 +25,17 @@ LaneVector cross(const LaneVector& a, const LaneVector& b) {
 
 Lanes dot(const LaneVector& a, const LaneVector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// Newton's iteration takes a singular value s to (s + 1/s) / 2. From the ends of the range, 4 and 0.25:
-// 2.1, 1.3, 1.03, 1.0006, 1 + 2e-7, and then float has no more digits.
+// Newton's iteration maps a singular value s to (s + 1/s) / 2. From the ends of the range, 4 and 0.25, it
+// gives 2.1, 1.3, 1.03, 1.0006, 1 + 2e-7; one more step reaches float precision.
 constexpr int kNewtonSteps = 6;
 static_assert(kMaxKernelStretch <= 4.0f && kMinKernelStretch >= 0.25f);
 static_assert(kMaxKernelStretch == kKernelStretchLimit && kMinKernelStretch * kKernelStretchLimit == 1.0f);
 
-// From three columns of any angles; convergence is quadratic, and four sweeps were the most seen.
+// Sweeps from columns at any angles. Convergence is quadratic; the limit leaves a margin.
 constexpr int kJacobiSweeps = 6;
 
-// A stretch below which its direction is no longer known: the nodes of a cell of 10 mm, as floats some metres
-// from the origin, are that much off.
+// Minimum stretch with a reliable direction. Node positions are floats some metres from the origin, so a
+// smaller stretch of a 10 mm cell is rounding error.
 constexpr float kMinKnownStretch = 1e-4f;
 
 struct Vector {
@@ -51,7 +51,7 @@ Vector cross(const Vector& a, const Vector& b) {
 }
 Vector unit(const Vector& v) { return (1.0f / std::sqrt(dot(v, v))) * v; }
 
-// One-sided Jacobi: turns two columns of F V, and those of V with them, until they are at right angles.
+// One-sided Jacobi step: rotates two columns of F V, and those of V with them, until they are orthogonal.
 void part_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {
   const float alpha = dot(b[p], b[p]), beta = dot(b[q], b[q]), gamma = dot(b[p], b[q]);
   if (gamma * gamma <= 1e-14f * alpha * beta) return;
@@ -72,8 +72,8 @@ void order_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {  // the longe
   std::swap(v[p], v[q]);
 }
 
-// The twin of limit_by_singular_values in limit_deformation.glsl, step by step. In plain floats, so that both
-// crush a cell in the same way where rounding decides which.
+// CPU twin of limit_by_singular_values in limit_deformation.glsl, step by step. Uses plain floats, so that
+// both choose the same result if rounding decides how a cell collapses.
 void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rotation) {
   const float scale = gradient.cwiseAbs().maxCoeff();
   if (scale < kMinKnownStretch) {
@@ -96,8 +96,8 @@ void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rot
   v[1] = unit(v[1] - dot(v[0], v[1]) * v[0]);
   v[2] = cross(v[0], v[1]);
 
-  // Left singular vectors. A body crushed to a plane keeps its third axis along the plane's normal; one
-  // crushed to a line turns as the line did, by the shortest way.
+  // Left singular vectors. If the body is flattened to a plane, the third axis is the normal of the plane. If
+  // it is flattened to a line, the rotation is the shortest one that follows the line.
   Vector u[3];
   u[0] = unit(b[0]);
   const Vector second = b[1] - dot(u[0], b[1]) * u[0];
@@ -110,7 +110,7 @@ void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rot
     u[1] = unit(turned - dot(u[0], turned) * u[0]);
   }
   u[2] = cross(u[0], u[1]);
-  // Negative where the gradient is inverted.
+  // Negative if the gradient is inverted.
   const float third = dot(u[2], v[2].x * f[0] + v[2].y * f[1] + v[2].z * f[2]);
 
   const float sigma[3] = {scale * std::sqrt(dot(b[0], b[0])), scale * second_length, scale * third};
@@ -128,7 +128,7 @@ void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rot
 }  // namespace
 
 void limit_deformations(LimitedDeformations& deformations) {
-  // Columns of the gradients, a lane each.
+  // Columns of the gradients, one gradient per lane.
   LaneVector column[3];
   for (int lane = 0; lane < kDeformationLanes; ++lane) {
     const float* entries = deformations.gradients[lane].data();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The twin of limit_deformation.cpp, where the reasons stand. What decides between two ways to crush a cell is `precise`,
-// so that rounding decides alike on every device.
+// GPU twin of limit_deformation.cpp, which explains the steps. Values that select between two ways to flatten
+// a cell are `precise`, so that rounding selects the same way on every device.
 
 const int kNewtonSteps = 6;
 const int kJacobiSweeps = 6;
@@ -138,7 +138,7 @@ LimitedDeformation limit_by_singular_values(mat3 gradient) {
   return LimitedDeformation(limited, quaternion_of(turn));
 }
 
-// Singular values held to kMinStretch..kMaxStretch, and the rotation.
+// Clamps the singular values to kMinStretch..kMaxStretch and finds the rotation.
 LimitedDeformation limit_deformation(mat3 gradient) {
   vec3 c0 = gradient[0];
   vec3 c1 = gradient[1];

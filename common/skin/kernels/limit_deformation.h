@@ -7,11 +7,11 @@
 
 namespace livegs {
 
-// As many gradients are taken at once as an AVX register has floats: one at a time, the polar factor alone
-// waits 80 ns on its own divisions.
+// Gradients per call: one per float of an AVX register. A single polar factor would be limited by division
+// latency.
 inline constexpr int kDeformationLanes = 8;
 
-// Deformation gradients fit to draw with, and their rotations.
+// Deformation gradients limited for drawing, and their rotations.
 struct LimitedDeformations {
   std::array<Eigen::Matrix3f, kDeformationLanes> gradients;
   std::array<Eigen::Quaternionf, kDeformationLanes> rotations;  // unit; polar factor R of gradient = R S
@@ -19,8 +19,8 @@ struct LimitedDeformations {
 
 // Clamps the singular values of each gradient to kMinKernelStretch..kMaxKernelStretch, in place, and finds
 // its rotation (S is symmetric positive definite). The smallest singular value carries the sign of the
-// determinant (Irving et al. 2004, Invertible finite elements), so an inverted cell gives what a flat one
-// gives. A gradient that is not finite gives the identity. Lanes do not influence one another.
+// determinant (Irving et al. 2004, Invertible finite elements), so an inverted cell gives the same result as
+// a flat one. A gradient that is not finite gives the identity. Lanes are independent.
 void limit_deformations(LimitedDeformations& deformations);
 
 }  // namespace livegs

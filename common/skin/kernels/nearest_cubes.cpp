@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-// Centres of a leaf at most: fewer make the tree deeper, more cost distances.
+// Maximum centres per leaf. Smaller leaves make the tree deeper; larger ones cost more distance tests.
 constexpr size_t kLeafSize = 8;
 
 size_t middle_of(size_t begin, size_t end) { return begin + (end - begin) / 2; }
@@ -26,7 +26,7 @@ struct NearestCubes::Search {
   std::span<Neighbour> nearest;
   size_t found = 0;
 
-  // Equal distances are followed too, so that the lowest index is always found.
+  // Follows equal distances too, so that the lowest index is always found.
   bool may_hold_nearer(float bound) const {
     return found < nearest.size() || bound <= nearest[found - 1].distance_squared;
   }
@@ -46,7 +46,7 @@ struct NearestCubes::Search {
 NearestCubes::NearestCubes(std::span<const Eigen::Vector3f> centres, float half_width)
     : half_width_(half_width) {
   LIVEGS_ASSERT(!centres.empty());
-  size_t deepest = 1;  // nodes of a tree whose largest leaf fits
+  size_t deepest = 1;  // nodes of a tree whose largest leaf fits the limit
   for (size_t largest = centres.size(); largest > kLeafSize; largest -= largest / 2)
     deepest = 2 * deepest + 1;
   nodes_.resize(deepest);
@@ -77,7 +77,7 @@ void NearestCubes::build(size_t node, size_t begin, size_t end, std::span<const 
 }
 
 float NearestCubes::distance_squared(size_t node, const Eigen::Vector3f& point) const {
-  // Rounds as the distance to a centre on the bound does, so it is never above that of a cube within.
+  // Rounds like the distance to a centre on the bound, so it never exceeds that of a cube inside.
   const Eigen::Array3f below = nodes_[node].low.array() - point.array(),
                        above = point.array() - nodes_[node].high.array();
   return (below.max(above) - half_width_).max(0.0f).matrix().squaredNorm();

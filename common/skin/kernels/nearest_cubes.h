@@ -9,10 +9,9 @@
 
 namespace livegs {
 
-// Finds the nearest of many equal, axis-aligned cubes (of points, when their half width is 0) by a k-d tree
-// over their centres. A uniform grid was no faster, and haze far outside made it visit most of its bins: 100k
-// kernels, a tenth of them haze, bound to 7200 cells in 275 ms where the tree takes 97. Built once; queries
-// may come from any thread.
+// Finds the nearest of many equal, axis-aligned cubes (points, if their half width is 0) with a k-d tree over
+// their centres. A uniform grid is slower for assets with distant haze, because a query visits most of its
+// bins. Built once; queries may run on any thread.
 class NearestCubes {
  public:
   struct Neighbour {
@@ -23,12 +22,13 @@ class NearestCubes {
   // Preconditions: at least one centre, all finite; half_width >= 0.
   NearestCubes(std::span<const Eigen::Vector3f> centres, float half_width);
 
-  // Fills `nearest`, nearest first, with as many as it holds or as there are, and returns how many. Of two at
-  // the same distance the lower index comes first.
+  // Fills `nearest`, nearest first, up to its size or the number of cubes; returns the number found. Ties are
+  // in order of index.
   size_t find(const Eigen::Vector3f& point, std::span<Neighbour> nearest) const;
 
  private:
-  // Bounds of the centres below. Node n has children 2n + 1 and 2n + 2, each with half of its centres.
+  // Bounds of the centres in the subtree. Node n has children 2n + 1 and 2n + 2, each with half of its
+  // centres.
   struct Node {
     Eigen::Vector3f low;
     Eigen::Vector3f high;
@@ -41,8 +41,8 @@ class NearestCubes {
 
   float half_width_;
   std::vector<Node> nodes_;
-  std::vector<uint32_t> indices_;         // of the caller, in the order of leaves
-  std::vector<Eigen::Vector3f> centres_;  // in that order
+  std::vector<uint32_t> indices_;         // index in the caller's list, in leaf order
+  std::vector<Eigen::Vector3f> centres_;  // in leaf order
 };
 
 }  // namespace livegs

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the passes of skinning read of a kernel, for C++ and GLSL alike. Scalars only, so that std430 and C++
-// lay the members out in the same way.
+// Rest data of a kernel as read by the skinning passes. Shared by C++ and GLSL. Members are scalars, so
+// std430 and C++ have the same layout.
 
 #ifdef __cplusplus
 #pragma once
@@ -10,7 +10,7 @@ namespace livegs {
 using uint = uint32_t;
 #endif
 
-// A kernel at rest. Rigid: in the frame of its body. Lattice: its covariance along the lattice's axes.
+// A kernel at rest. Rigid: in the frame of its body. Lattice: covariance in the axes of the lattice.
 struct RestKernelRow {
   uint driver;  // Rigid: the body. Lattice: the cell
   float at_x;   // Rigid: position, m. Lattice: local coordinates, 0..1 inside the cell

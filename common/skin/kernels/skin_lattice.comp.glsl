@@ -20,7 +20,7 @@ void main() {
 
   const vec3 local = vec3(k.at_x, k.at_y, k.at_z);
   const vec3 at = clamp(local, 0.0, 1.0);
-  // As the twin sums it, term by term: F decides how a crushed cell is drawn.
+  // Summed term by term as in the CPU twin, because F decides how a flattened cell is drawn.
   precise vec3 far = 1.0 - at;
   precise vec4 position = vec4(0.0);
   precise vec4 dx = vec4(0.0);
@@ -40,7 +40,8 @@ void main() {
 
   vec3 place = position.xyz;
   const vec3 offset = constants.cell_width_m * (local - at);
-  if (offset != vec3(0.0)) {  // outside of its cell: the first cell width turns with F there, the rest with the body's mean
+  // outside its cell: the first cell width moves with F at that point, the rest with the mean F of the body
+  if (offset != vec3(0.0)) {
     const mat3 body = transpose(mat3(constants.body_xx, constants.body_xy, constants.body_xz, constants.body_yx,
                                      constants.body_yy, constants.body_yz, constants.body_zx, constants.body_zy,
                                      constants.body_zz));

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A kernel rides in a trilinear cell. The gradient of a node along an axis is the mean, over the cells around
-// the node, of that cell's trilinear gradient at its corner, which is the edge that leaves the corner along
-// the axis. Cells of a lattice have one volume, so the volume-weighted mean is the plain one. Inside a body
-// these are central differences, on its surface one-sided ones, and in a body one cell thick the exact
-// gradient of the trilinear map. Nodal gradients interpolate over a face from the face's own nodes, which
-// both its cells share: no seam.
+// Each kernel is embedded in a trilinear cell. The gradient of a node along an axis is the mean over the
+// adjacent cells of the trilinear gradient at the corner of the node, that is, the cell edge from the corner
+// along the axis. All cells have the same volume, so the volume-weighted mean is the plain mean.
+//
+// This gives central differences inside a body, one-sided differences on its surface, and the exact gradient
+// of the trilinear map in a body one cell thick. Interpolation over a face uses only the nodes of the face,
+// which both cells share, so there is no seam.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,8 +25,8 @@ namespace {
 
 constexpr size_t kNodeBlock = 512;
 
-// Cells that a kernel looks for the nearest material in: those about a cell, and some more where parts of the
-// object have cells of their own.
+// Cells that are compared to find the nearest material of a kernel: those around a cell, and more if parts of
+// the object have separate cells at the same place.
 constexpr size_t kCellsConsidered = 48;
 
 Result<void> check_lattice(const RestBody& rest) {
@@ -45,7 +46,7 @@ Result<void> check_lattice(const RestBody& rest) {
     for (int corner = 0; corner < 8; ++corner) {
       const uint32_t node = rest.cells[i][corner];
       if (node >= rest.node_coordinates.size()) {
-        return invalid_argument("rest body: cell " + std::to_string(i) + " names node " +
+        return invalid_argument("rest body: cell " + std::to_string(i) + " refers to node " +
                                 std::to_string(node) + " of " + std::to_string(rest.node_coordinates.size()));
       }
       for (int d = 0; d < 3; ++d) {
@@ -62,8 +63,8 @@ Result<void> check_lattice(const RestBody& rest) {
 }
 
 void bind_node_gradients(const RestBody& rest, KernelBindings& bindings) {
-  using Edge =
-      std::tuple<uint32_t, uint32_t, uint32_t, bool>;  // node, axis, neighbour, neighbour is at -axis
+  // node, axis, neighbour, neighbour is at -axis
+  using Edge = std::tuple<uint32_t, uint32_t, uint32_t, bool>;
   std::vector<Edge> edges;
   edges.reserve(rest.cells.size() * 24);
   std::vector<uint32_t> cells_around(rest.node_coordinates.size(), 0);
@@ -93,7 +94,7 @@ void bind_node_gradients(const RestBody& rest, KernelBindings& bindings) {
   }
 }
 
-// How the body deforms as a whole: the mean over its nodes, each counted once a cell, as mass would.
+// Mean deformation of the body over its nodes, each counted once per cell, as a mass weighting would.
 Eigen::Matrix3f mean_gradient(const RestBody& rest, std::span<const NodeState> states) {
   Eigen::Array<double, 8, 1> x = Eigen::Array<double, 8, 1>::Zero(), yz = x;
   for (const std::array<uint32_t, 8>& cell : rest.cells) {
@@ -148,7 +149,8 @@ Result<void> bind_lattice(const RestKernels& kernels, const RestBody& rest, Kern
   if (Result<void> checked = check_lattice(rest); !checked) return checked.error();
   bind_node_gradients(rest, bindings);
 
-  // Cell units about the first cell: small numbers, so that float is enough to search with.
+  // In cell units relative to the first cell: the numbers are small, so float is precise enough for the
+  // search.
   const Eigen::Vector3d origin = rest.node_coordinates[rest.cells[0][0]].cast<double>();
   std::vector<Eigen::Vector3f> centres;
   centres.reserve(rest.cells.size());
@@ -246,7 +248,8 @@ void skin_lattice(const RestBody& rest, const KernelBindings& bindings, const Ob
 
   parallel_for(bindings.kernels.size(), kSkinBlock, [&](size_t begin, size_t end) {
     LatticeLanes lanes;
-    // Groups are counted from the block's start, so a kernel's lane does not depend on the threads.
+    // Groups are counted from the start of the block, so the lane of a kernel does not depend on the number
+    // of threads.
     for (size_t group = begin; group < end; group += kDeformationLanes) {
       const size_t count = std::min<size_t>(kDeformationLanes, end - group);
       for (size_t lane = 0; lane < count; ++lane) {

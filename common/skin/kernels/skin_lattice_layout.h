@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the pass skin_lattice reads besides RestKernelRow, for C++ and GLSL alike; it writes PosedKernelRow.
+// Input of the pass skin_lattice besides RestKernelRow; its output is PosedKernelRow. Shared by C++ and GLSL.
 //
-// Cells are eight uints each, the nodes at their corners; bit 0 of a corner is +x, bit 1 +y, bit 2 +z. Nodes
-// are four vec4 each: where the node is, m; then how the body deforms there, dx/dX, dx/dY and dx/dZ with X Y
-// Z along the lattice's axes. The fourth lanes are spare, 0.
+// A cell is eight uints, the nodes at its corners: bit 0 of a corner is +x, bit 1 +y, bit 2 +z. A node is
+// four vec4: its position, m, then the deformation of the body there, dx/dX, dx/dY and dx/dZ, with X Y Z
+// along the axes of the lattice. The fourth lanes are unused and 0.
 
 #ifdef __cplusplus
 #pragma once
@@ -19,16 +19,16 @@ const uint kLatticeNodeFloats = 16;
 
 struct SkinLatticeConstants {
   uint kernel_count;
-  uint first_kernel;  // where their rest rows begin; the posed rows begin at 0
-  uint cell_count;    // a kernel of a cell past the end rides in the last
+  uint first_kernel;  // start of their rest rows; the posed rows start at 0
+  uint cell_count;    // a kernel with a cell index past the end uses the last cell
   uint node_count;    // likewise
   float cell_width_m;
-  // lattice_from_asset, the rotation alone.
+  // lattice_from_asset, rotation only.
   float qx;
   float qy;
   float qz;
   float qw;
-  // How the body deforms as a whole, by rows: what haze rides on beyond a cell width from its cell.
+  // Mean deformation of the body, by rows. Haze beyond one cell width from its cell moves with it.
   float body_xx;
   float body_xy;
   float body_xz;
@@ -40,7 +40,7 @@ struct SkinLatticeConstants {
   float body_zz;
 };
 
-// A kernel is stretched to this at most and shrunk to one over it, as skin_kernels.h has it.
+// Maximum stretch of a kernel; the minimum is its inverse. Same limits as in skin_kernels.h.
 const uint kKernelStretchLimit = 4;
 
 #ifdef __cplusplus

@@ -13,12 +13,12 @@
 namespace livegs {
 namespace {
 
-// Below this distance a kernel sits on its particle, which then has all the weight.
+// Below this distance, m, a kernel coincides with its particle, which then has the whole weight.
 constexpr float kCoincident_m = 1e-7f;
 
-// sin(t a) / sin(a) for cos a = 1 + below, -0.1 <= below <= 0, 0 <= t <= 1: Eberly 2011, A fast and accurate
-// algorithm for computing slerp. Each term is at most 5 % of the one before, so six leave less than float
-// resolves.
+// sin(t a) / sin(a) for cos a = 1 + below, -0.1 <= below <= 0, 0 <= t <= 1 (Eberly 2011, A fast and accurate
+// algorithm for computing slerp). Each term is at most 5 % of the one before, so six terms reach float
+// precision.
 float sine_ratio(float t, float below) {
   const float tt = t * t;
   float sum = 1.0f;
@@ -29,8 +29,8 @@ float sine_ratio(float t, float below) {
   return t * sum;
 }
 
-// Spherical interpolation the short way. Neighbouring particles turn nearly alike: no trigonometry below 26
-// degrees.
+// Shortest-path spherical interpolation. Rotations of neighbouring particles are similar; below 26 degrees no
+// trigonometric function is needed.
 Eigen::Quaternionf slerp(const Eigen::Quaternionf& from, const Eigen::Quaternionf& to, float t) {
   float cosine = from.dot(to);
   const float sign = cosine < 0.0f ? -1.0f : 1.0f;

@@ -22,21 +22,21 @@ Result<void> bind_rigid(const RestKernels& kernels, const RestBody& rest, Kernel
     origins_m.push_back(object_from_body.position_m.cast<float>());
     body_from_object.push_back(object_from_body.inverse());
   }
-  std::vector<uint32_t> body_of;  // by kernel; empty: the nearest
+  std::vector<uint32_t> body_of;  // one per kernel; empty: the nearest
   for (const RestBody::KernelRun& run : rest.kernel_runs) {
     if (run.body >= rest.bodies.size()) {
-      return invalid_argument("rest body: kernels go with body " + std::to_string(run.body) + " of " +
+      return invalid_argument("rest body: a kernel run refers to body " + std::to_string(run.body) + " of " +
                               std::to_string(rest.bodies.size()));
     }
     if (run.count > kernels.positions_m.size() - body_of.size()) {
-      return invalid_argument("rest body: its runs have more than the asset's " +
-                              std::to_string(kernels.positions_m.size()) + " kernels");
+      return invalid_argument("rest body: kernel runs cover more than the " +
+                              std::to_string(kernels.positions_m.size()) + " kernels of the asset");
     }
     body_of.insert(body_of.end(), run.count, run.body);
   }
   if (!rest.kernel_runs.empty() && body_of.size() != kernels.positions_m.size()) {
-    return invalid_argument("rest body: its runs have " + std::to_string(body_of.size()) +
-                            " of the asset's " + std::to_string(kernels.positions_m.size()) + " kernels");
+    return invalid_argument("rest body: kernel runs cover " + std::to_string(body_of.size()) + " of the " +
+                            std::to_string(kernels.positions_m.size()) + " kernels of the asset");
   }
   const NearestCubes bodies(origins_m, 0.0f);
 

@@ -15,7 +15,8 @@ void main() {
   const RestKernelRow k = rest[constants.first_kernel + i];
   const RigidPoseRow p = poses[min(k.driver, constants.body_count - 1)];
 
-  // GLSL takes columns: this is R transposed, so v * turn is R v, and its products below are written that way round.
+  // GLSL matrices are built from columns: this is R transposed, so v * turn is R v; the products below are
+  // transposed accordingly.
   const mat3 turn = mat3(p.r00, p.r01, p.r02, p.r10, p.r11, p.r12, p.r20, p.r21, p.r22);
   const mat3 s = mat3(k.sxx_m2, k.sxy_m2, k.sxz_m2, k.sxy_m2, k.syy_m2, k.syz_m2, k.sxz_m2, k.syz_m2, k.szz_m2);
   const vec3 position = vec3(k.at_x, k.at_y, k.at_z) * turn + vec3(p.x_m, p.y_m, p.z_m);

@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-// The twin of main() in pose_rigid_kernels.comp.glsl.
+// CPU twin of main() in pose_rigid_kernels.comp.glsl.
 PosedKernelRow posed_row(const RestKernelRow& kernel, const RigidPoseRow& p) {
   const float r[3][3] = {{p.r00, p.r01, p.r02}, {p.r10, p.r11, p.r12}, {p.r20, p.r21, p.r22}};
   const float s[3][3] = {{kernel.sxx_m2, kernel.sxy_m2, kernel.sxz_m2},

@@ -6,8 +6,9 @@
 
 namespace livegs {
 
-// The pass that moves kernels with their rigid bodies: position R x + t, covariance R S Rᵀ, what skin_kernels
-// computes for DriverKind::Rigid. An item is a kernel. Buffers: RestKernelRow, RigidPoseRow, PosedKernelRow.
+// The pass that moves kernels with their rigid bodies: position R x + t, covariance R S Rᵀ. Same result as
+// skin_kernels for DriverKind::Rigid. One item per kernel. Buffers: RestKernelRow, RigidPoseRow,
+// PosedKernelRow.
 const Pass& pose_rigid_kernels_pass();
 
 }  // namespace livegs

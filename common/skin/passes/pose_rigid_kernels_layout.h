@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the pass pose_rigid_kernels reads besides RestKernelRow, for C++ and GLSL alike; it writes
-// PosedKernelRow. Scalars only, so that std430 and C++ lay the members out in the same way.
+// Input of the pass pose_rigid_kernels besides RestKernelRow; its output is PosedKernelRow. Shared by C++ and
+// GLSL. Members are scalars, so std430 and C++ have the same layout.
 
 #ifdef __cplusplus
 #pragma once
@@ -12,7 +12,7 @@
 namespace livegs {
 #endif
 
-// world_from_body: rows of [R | t], t in metres; and world_from_asset, the rotation alone.
+// world_from_body as rows of [R | t], t in metres; and world_from_asset, the rotation only.
 struct RigidPoseRow {
   float r00;
   float r01;
@@ -34,8 +34,8 @@ struct RigidPoseRow {
 
 struct PoseRigidKernelsConstants {
   uint kernel_count;
-  uint first_kernel;  // where their rest rows begin; the posed rows begin at 0
-  uint body_count;    // a kernel of a body past the end moves with the last
+  uint first_kernel;  // start of their rest rows; the posed rows start at 0
+  uint body_count;    // a kernel with a body index past the end moves with the last body
 };
 
 #ifdef __cplusplus

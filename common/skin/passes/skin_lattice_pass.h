@@ -6,8 +6,8 @@
 
 namespace livegs {
 
-// The pass that moves kernels with the lattice they ride in: what skin_kernels computes for
-// DriverKind::Lattice. An item is a kernel. Buffers: RestKernelRow, cells, nodes, PosedKernelRow
+// The pass that moves kernels with the lattice that embeds them. Same result as skin_kernels for
+// DriverKind::Lattice. One item per kernel. Buffers: RestKernelRow, cells, nodes, PosedKernelRow
 // (skin_lattice_layout.h).
 const Pass& skin_lattice_pass();
 

@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-// Columns are the camera's axes in the world. A view straight along `up` has no horizon; any will do then.
+// The columns are the camera axes in the world. If the view is along `up`, the horizon is arbitrary.
 Eigen::Quaterniond orientation_towards(const Eigen::Vector3d& forward, const Eigen::Vector3d& up) {
   const Eigen::Vector3d back = -forward.normalized();
   Eigen::Vector3d right = up.normalized().cross(back);

@@ -23,13 +23,13 @@ constexpr double kMaxSide_px = 16384;
 Result<double> number_of(double number, double low, double high, const std::string& field) {
   if (number >= low && number <= high) return number;
   char range[96];
-  std::snprintf(range, sizeof range, ": is %g; it must be between %g and %g", number, low, high);
+  std::snprintf(range, sizeof range, ": %g is out of range; use a number from %g to %g", number, low, high);
   return invalid_data(field + range);
 }
 
 Result<Eigen::Vector3d> vector_of(const Numbers& numbers, const std::string& field) {
   if (numbers.size() != 3) {
-    return invalid_data(field + ": has " + std::to_string(numbers.size()) + " numbers; give 3");
+    return invalid_data(field + ": " + std::to_string(numbers.size()) + " numbers; expected 3");
   }
   for (int i = 0; i < 3; ++i) {
     const auto number =
@@ -56,7 +56,7 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
                         " (field names are those of CameraFile in proto/livegs/v1/scene.proto)");
   }
   if (file.position_m().empty() || file.look_at_m().empty()) {
-    return invalid_data(name + ": position_m and look_at_m are needed");
+    return invalid_data(name + ": position_m and look_at_m are required");
   }
   const auto position = vector_of(file.position_m(), name + ": position_m");
   if (!position) return position.error();
@@ -66,7 +66,7 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
   if (file.up_size() > 0) up = vector_of(file.up(), name + ": up");
   if (!up) return up.error();
   if ((*target - *position).cross(*up).norm() < 1e-9) {
-    return invalid_data(name + ": up is along the view direction, or look_at_m is position_m");
+    return invalid_data(name + ": up is parallel to the view direction, or look_at_m equals position_m");
   }
   const auto fov_deg = number_of(file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0, kMinFov_deg,
                                  kMaxFov_deg, name + ": vertical_fov_deg");
@@ -101,7 +101,7 @@ Result<void> write_camera_file(const std::filesystem::path& path, const Camera& 
   print.add_whitespace = true;
   std::string text;
   if (!google::protobuf::util::MessageToJsonString(file, &text, print).ok()) {
-    return Error{ErrorCode::Internal, path.string() + ": the camera has no JSON form"};
+    return Error{ErrorCode::Internal, path.string() + ": the camera cannot be converted to JSON"};
   }
   return write_file_atomically(path, text);
 }

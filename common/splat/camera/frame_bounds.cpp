@@ -14,7 +14,7 @@ Camera frame_bounds(const Eigen::AlignedBox3d& bounds_m, int width, int height, 
                                   std::cos(azimuth_rad) * std::cos(elevation_rad));
   const double tangent_y = std::tan(0.5 * kDefaultVerticalFov_rad);
   const double tangent_x = tangent_y * width / height;
-  // The nearest distance from which every corner of the box lies within both half angles.
+  // The smallest distance at which all corners of the box are within both half angles.
   Camera camera =
       look_at(centre + direction, centre, Eigen::Vector3d::UnitY(), kDefaultVerticalFov_rad, width, height);
   const Eigen::Matrix3d camera_from_world =

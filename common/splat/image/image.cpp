@@ -12,7 +12,7 @@ std::vector<uint8_t> rgb_bytes(const Image& image) {
   std::vector<uint8_t> bytes(3 * count);
   for (size_t i = 0; i < count; ++i) {
     for (size_t c = 0; c < 3; ++c) {
-      // The order of the arguments sends NaN to 0.
+      // This argument order maps NaN to 0.
       const float value = std::min(1.0f, std::max(0.0f, image.pixels[4 * i + c]));
       bytes[3 * i + c] = static_cast<uint8_t>(value * 255.0f + 0.5f);
     }

@@ -13,11 +13,11 @@
 namespace livegs {
 namespace {
 
-// 8192 x 4096: twice the widest eye buffer in either direction, 512 MiB once decoded to floats.
+// Maximum image size: 8192 x 4096 pixels, twice the widest eye buffer in each direction; 512 MiB as floats.
 constexpr size_t kMaxPngPixels = size_t{1} << 25;
 
-// Deflate cannot expand a byte to more than 1032 (RFC 1951: 258 bytes a match of two bits), and a byte holds
-// at most 8 pixels, so a file can be asked for no more pixels than this a byte.
+// Maximum pixels per file byte. Deflate expands a byte at most 1032 times (RFC 1951: 258 bytes per match of
+// two bits), and a byte has at most 8 pixels.
 constexpr size_t kMaxPixelsPerByte = 1032 * 8;
 
 void append_bytes(png_structp png, png_bytep data, size_t size) {
@@ -42,7 +42,7 @@ void keep_error(png_structp png, png_const_charp message) {
 
 void ignore_warning(png_structp, png_const_charp) {}
 
-// Only plain variables live here, because libpng leaves by longjmp.
+// Only trivially destructible locals are allowed here, because libpng exits by longjmp.
 bool encode(const uint8_t* rows, int width, int height, int channels, int compression,
             std::vector<std::byte>* bytes, char* message) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, keep_error, ignore_warning);
@@ -57,7 +57,7 @@ bool encode(const uint8_t* rows, int width, int height, int channels, int compre
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   png_set_compression_level(png, compression);
-  // Choosing among all five filters costs more than level 1 of deflate itself.
+  // Choosing among all five filters takes more time than deflate at level 1.
   if (compression < 6)
     png_set_filter(png, PNG_FILTER_TYPE_BASE, compression == 0 ? PNG_FILTER_NONE : PNG_FILTER_SUB);
   png_write_info(png, info);
@@ -82,13 +82,13 @@ std::vector<uint8_t> rgba_bytes(const Image& image) {
 
 Result<std::vector<std::byte>> encode_png(const Image& image, bool with_alpha, int compression) {
   if (compression < 0 || compression > 9) {
-    return invalid_argument("PNG compression " + std::to_string(compression) + " is not in 0..9");
+    return invalid_argument("PNG compression " + std::to_string(compression) + " is out of range; use 0..9");
   }
   if (image.width <= 0 || image.height <= 0 ||
       image.pixels.size() != 4 * static_cast<size_t>(image.width) * image.height) {
-    return invalid_argument("an image of " + std::to_string(image.width) + " x " +
+    return invalid_argument("PNG: an image of " + std::to_string(image.width) + " x " +
                             std::to_string(image.height) + " pixels with " +
-                            std::to_string(image.pixels.size()) + " values is not written as PNG");
+                            std::to_string(image.pixels.size()) + " values cannot be written");
   }
   const std::vector<uint8_t> rows = with_alpha ? rgba_bytes(image) : rgb_bytes(image);
   std::vector<std::byte> bytes;
@@ -110,7 +110,7 @@ Result<Image> decode_png(std::span<const std::byte> bytes) {
   png_image header = {};
   header.version = PNG_IMAGE_VERSION;
   if (bytes.empty() || !png_image_begin_read_from_memory(&header, bytes.data(), bytes.size())) {
-    const std::string why = bytes.empty() ? "no bytes" : header.message;
+    const std::string why = bytes.empty() ? "the file is empty" : header.message;
     png_image_free(&header);
     return invalid_data("PNG: " + why);
   }
@@ -120,12 +120,12 @@ Result<Image> decode_png(std::span<const std::byte> bytes) {
     png_image_free(&header);
     if (count > kMaxPngPixels) {
       return Error{ErrorCode::TooLarge,
-                   "PNG: " + size + " pixels are more than " + std::to_string(kMaxPngPixels)};
+                   "PNG: " + size + " pixels exceed the limit of " + std::to_string(kMaxPngPixels)};
     }
-    return invalid_data("PNG: " + size + " pixels cannot come from " + std::to_string(bytes.size()) +
-                        " bytes");
+    return invalid_data("PNG: " + size + " pixels cannot be encoded in " + std::to_string(bytes.size()) +
+                        " bytes; the file is damaged");
   }
-  // Without the flag 16-bit files would be taken for linear light.
+  // Without the flag, libpng treats 16-bit files as linear light.
   header.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
   header.format = PNG_FORMAT_RGBA;
   std::vector<uint8_t> values(4 * count);
@@ -142,7 +142,7 @@ Result<Image> decode_png(std::span<const std::byte> bytes) {
 }
 
 Result<Image> read_png(const std::filesystem::path& path) {
-  // No filter makes a row longer than its values and deflate adds under 1 %, so no useful file is larger.
+  // Filters do not lengthen rows and deflate adds under 1 %, so no valid file is larger.
   const Result<std::vector<std::byte>> bytes = read_file(path, 9 * kMaxPngPixels);
   if (!bytes) return bytes.error();
   Result<Image> image = decode_png(*bytes);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kUploadBlock = 4096;  // kernels
 
-// log2 of the sigmoid. In doubles: of a faint kernel the logarithm of a rounded opacity would be off.
+// log2 of the sigmoid, in doubles: for a faint kernel, the logarithm of a rounded opacity would be wrong.
 float log2_opacity(float logit) {
   return static_cast<float>(-std::log1p(std::exp(-static_cast<double>(logit))) * M_LOG2E);
 }
@@ -26,7 +26,7 @@ float log2_opacity(float logit) {
 Result<DeviceKernels> DeviceKernels::create(Backend& backend, const GaussianAsset& asset,
                                             std::vector<uint32_t> kept) {
   if (asset.size() > UINT32_MAX) {
-    return Error{ErrorCode::TooLarge, std::to_string(asset.size()) + " kernels; a device draws 2^32 at most"};
+    return Error{ErrorCode::TooLarge, std::to_string(asset.size()) + " kernels; a device draws at most 2^32"};
   }
   DeviceKernels kernels(backend);
   LIVEGS_ASSERT(kept.empty() || kept.back() < asset.size());

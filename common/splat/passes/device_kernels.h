@@ -8,19 +8,20 @@
 
 namespace livegs {
 
-// The kernels of one asset where passes run. They lie in parts, so that no buffer is larger than a device
-// binds: 128 MiB on lavapipe, which is 1.4 million kernels with three bands. 16 bytes a kernel, up to 92 for
-// its bands, and 52 if it is the host that poses them.
+// The kernels of one asset on a backend. They are split into parts, so that no buffer exceeds the binding
+// limit of a device (lavapipe: 128 MiB, or 1.4 million kernels with three bands). Takes 16 bytes per kernel,
+// up to 92 for its bands, and 52 if the host computes the poses.
 class DeviceKernels {
  public:
-  // `backend` outlives the kernels. `kept`: which of the asset's kernels, ascending; empty: all.
+  // `backend` must outlive the kernels. `kept` lists the used kernels of the asset, ascending; empty: all.
   static Result<DeviceKernels> create(Backend& backend, const GaussianAsset& asset,
                                       std::vector<uint32_t> kept = {});
 
-  // Where the asset's kernels are now, those that are not kept as well: for kernels that no pass skins.
+  // Uploads the poses of all kernels of the asset, including those that are not kept. For kernels that no
+  // pass skins.
   Result<void> pose(const PosedKernels& kernels);
 
-  // What project_splats reads, for kernels [first, first + count). `posed` is empty before pose().
+  // Input of project_splats for kernels [first, first + count). `posed` is empty before pose().
   struct Part {
     uint32_t first = 0, count = 0;
     Buffer posed, looks, bands;

@@ -32,7 +32,7 @@ uint32_t keys_here(const SortKeysConstants& constants, std::span<const std::byte
                                                  : row_at<SortedCount>(counted, 0).instance_count;
 }
 
-// The twin of sort_count.comp.glsl: an item is a thread, and ranges begin at whole groups.
+// CPU twin of sort_count.comp.glsl. An item is a thread; ranges start at whole groups.
 void sort_count(const PassArguments& arguments, size_t begin, size_t end) {
   const auto constants = row_at<SortKeysConstants>(arguments.constants, 0);
   const std::span<const uint32_t> keys = words_of(arguments.buffers[0]);
@@ -50,7 +50,7 @@ void sort_count(const PassArguments& arguments, size_t begin, size_t end) {
   }
 }
 
-// The twin of sort_scan.comp.glsl, which is one group: the first range does it all.
+// CPU twin of sort_scan.comp.glsl, which is a single group: the first range does all the work.
 void sort_scan(const PassArguments& arguments, size_t begin, size_t) {
   if (begin != 0) return;
   const auto constants = row_at<SortKeysConstants>(arguments.constants, 0);
@@ -63,7 +63,7 @@ void sort_scan(const PassArguments& arguments, size_t begin, size_t) {
   }
 }
 
-// The twin of sort_scatter.comp.glsl.
+// CPU twin of sort_scatter.comp.glsl.
 void sort_scatter(const PassArguments& arguments, size_t begin, size_t end) {
   const auto constants = row_at<SortKeysConstants>(arguments.constants, 0);
   const std::span<const uint32_t> keys = words_of(arguments.buffers[0]);
@@ -118,7 +118,7 @@ const Pass& sort_scatter_pass() {
 
 Result<KeySorter> KeySorter::create(Backend& backend, uint32_t capacity) {
   if (capacity == 0 || capacity > kMaxKeys) {
-    return invalid_argument("key sorter: room for " + std::to_string(capacity) + " keys; ask for 1 to " +
+    return invalid_argument("key sorter: capacity of " + std::to_string(capacity) + " keys; expected 1 to " +
                             std::to_string(kMaxKeys));
   }
   KeySorter sorter(backend);
@@ -143,7 +143,7 @@ size_t KeySorter::device_bytes() const {
 
 Result<void> KeySorter::run_pass(uint32_t count, uint32_t shift, uint32_t flags) {
   auto& [keys, values, spare_keys, spare_values, table, counted] = buffers_;
-  // A whole row of the table is counted each time, so that tiles left empty count as empty.
+  // A whole row of the table is always counted, so that unused tiles have zero counts.
   const uint32_t tiles = tiles_of(count);
   const SortKeysConstants constants{count, tiles, shift, flags};
   const auto bytes = std::as_bytes(std::span(&constants, 1));
@@ -163,7 +163,7 @@ Result<void> KeySorter::run_pass(uint32_t count, uint32_t shift, uint32_t flags)
 
 Result<void> KeySorter::sort(uint32_t count, const Options& options) {
   if (count > capacity_) {
-    return invalid_argument("key sorter: " + std::to_string(count) + " keys; it was made for " +
+    return invalid_argument("key sorter: " + std::to_string(count) + " keys; the capacity is " +
                             std::to_string(capacity_));
   }
   if (count == 0) {
@@ -178,7 +178,7 @@ Result<void> KeySorter::sort(uint32_t count, const Options& options) {
     }
     if (auto done = run_pass(count, shift, flags); !done) return done;
   }
-  return {};  // an even number of passes: keys() and values() are what they were
+  return {};  // the number of passes is even: keys() and values() are the same buffers as before
 }
 
 }  // namespace livegs

@@ -9,24 +9,27 @@
 
 namespace livegs {
 
-// Sorts 32-bit keys, each with a 32-bit value, where the passes run: ascending, equal keys in the order they
-// came. Floats are sorted by ordered_key (radix_sort.h). A least-significant-digit radix sort of eight passes
-// of four bits (Satish, Harris and Garland 2009, section 4, without its local sort). Nothing in it depends on
-// the size of a subgroup, no sum on the order of atomics, and the CPU twins give the same bits.
+// Sorts 32-bit keys with 32-bit values on a backend: ascending and stable. Floats are sorted by ordered_key
+// (radix_sort.h).
 //
-// Owns its buffers, 16 bytes a key and 64 bytes for 2048 of them.
+// A least-significant-digit radix sort with eight passes of four bits (Satish, Harris and Garland 2009,
+// section 4, without the local sort). The result does not depend on the subgroup size or the order of
+// atomics; the CPU twins give the same bits.
+//
+// Owns its buffers: 16 bytes per key, and 64 bytes per 2048 keys.
 class KeySorter {
  public:
-  // For up to `capacity` keys, 1..kMaxKeys; the backend outlives the sorter.
+  // Creates a sorter for up to `capacity` keys, 1..kMaxKeys. The backend must outlive the sorter.
   static Result<KeySorter> create(Backend& backend, uint32_t capacity);
 
   struct Options {
-    bool index_values = false;  // values are the keys' own places, 0 1 2 ...; what `values` holds is not read
-    bool drops_keys = false;    // keys of kSortDroppedKey are left out, as are their values
+    // values are the indices of the keys, 0 1 2 ...; the content of `values` is not read
+    bool index_values = false;
+    bool drops_keys = false;  // keys equal to kSortDroppedKey are removed with their values
   };
 
-  // Sorts what the first `count` words of keys() and values() hold, count <= capacity, in place. counted()
-  // then says how many are left.
+  // Sorts the first `count` entries of keys() and values() in place; count <= capacity. counted() then holds
+  // the number of remaining keys.
   Result<void> sort(uint32_t count, const Options& options);
 
   BufferId keys() const { return buffers_[0].id(); }
@@ -35,14 +38,14 @@ class KeySorter {
   uint32_t capacity() const { return capacity_; }
   size_t device_bytes() const;
 
-  static constexpr uint32_t kMaxKeys = uint32_t{1} << 25;  // 128 MiB of keys: what lavapipe binds
+  static constexpr uint32_t kMaxKeys = uint32_t{1} << 25;  // 128 MiB of keys, the binding limit of lavapipe
 
  private:
   explicit KeySorter(Backend& backend) : backend_(&backend) {}
   Result<void> run_pass(uint32_t count, uint32_t shift, uint32_t flags);
 
   Backend* backend_;
-  Buffer buffers_[6];  // keys, values, the same to sort into, table, count
+  Buffer buffers_[6];  // keys, values, the same as sort targets, table, count
   uint32_t capacity_ = 0;
 };
 

@@ -30,14 +30,14 @@ vec3 turned_back(PosedKernelRow k, vec3 v) {  // conj(q) v q
   return v + k.qw * twice + cross(axis, twice);
 }
 
-// The product of the covariance and a row.
+// Product of the covariance and a row.
 vec3 spread(PosedKernelRow k, vec3 r) {
   return vec3(k.sxx_m2 * r.x + k.sxy_m2 * r.y + k.sxz_m2 * r.z,
               k.sxy_m2 * r.x + k.syy_m2 * r.y + k.syz_m2 * r.z,
               k.sxz_m2 * r.x + k.syz_m2 * r.y + k.szz_m2 * r.z);
 }
 
-// What the eyes share: the cofactors of the covariance, without cancellation.
+// Shared by both eyes: the cofactors of the covariance, computed without cancellation.
 struct Cofactors {
   float xx, xy, xz, yy, yz, zz;
 };
@@ -51,7 +51,7 @@ Cofactors cofactors(PosedKernelRow k) {
                    product_difference(k.sxx_m2, k.syy_m2, k.sxy_m2, k.sxy_m2));
 }
 
-// Where and how large the kernel is to the eye, colour left out. False where nothing of it can be seen.
+// Position and size of the kernel for the eye, without colour. False if nothing of it is visible.
 bool project(EyeView eye, PosedKernelRow k, Cofactors c, float kernel_log2_opacity, out SplatRow row) {
   row = SplatRow(0.0, 0.0, 0.0, 0.0, 0.0, kCulled_log2, 0.0, 0.0, 0.0);
   const vec3 offset = vec3(k.x_m, k.y_m, k.z_m) - vec3(eye.x_m, eye.y_m, eye.z_m);
@@ -69,7 +69,7 @@ bool project(EyeView eye, PosedKernelRow k, Cofactors c, float kernel_log2_opaci
   const float sharp_xx = dot(across, row_x);
   const float sharp_yy = dot(spread(k, row_y), row_y);
   float xy = dot(across, row_y);
-  // The determinant of J S Jᵀ by Cauchy and Binet: n adj(S) nᵀ, n the cross product of the rows.
+  // Determinant of J S Jᵀ by Cauchy-Binet: n adj(S) nᵀ, with n the cross product of the rows.
   const vec3 n = cross(row_x, row_y);
   const vec3 spread_n = vec3(c.xx * n.x + c.xy * n.y + c.xz * n.z, c.xy * n.x + c.yy * n.y + c.yz * n.z,
                              c.xz * n.x + c.yz * n.y + c.zz * n.z);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zwicker et al. 2001, EWA splatting, equations 26-31, as project_kernels.cpp has it in doubles. The
-// determinant is Cauchy's and Binet's; difference of products by Dekker 1971.
+// Zwicker et al. 2001, EWA splatting, equations 26-31; project_kernels.cpp has the same in doubles.
+// Determinant by Cauchy-Binet; difference of products by Dekker 1971.
 #include "splat/passes/project_splats.h"
 
 #include <algorithm>
@@ -60,7 +60,7 @@ Row3 offset_from(const PosedKernelRow& k, float x_m, float y_m, float z_m) {
   return {k.x_m - x_m, k.y_m - y_m, k.z_m - z_m};
 }
 
-// The twin of project() in project_splats.comp.glsl, step by step.
+// CPU twin of project() in project_splats.comp.glsl, step by step.
 bool project(const EyeView& eye, const PosedKernelRow& k, const Cofactors& c, float kernel_log2_opacity,
              bool antialiased, SplatRow& row) {
   row = {0, 0, 0, 0, 0, kCulled_log2, 0, 0, 0};

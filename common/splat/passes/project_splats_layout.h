@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the pass project_splats reads and writes, for C++ and GLSL alike. Scalars only, so that std430 and C++
-// lay the members out in the same way.
+// Data of the pass project_splats. Shared by C++ and GLSL. Members are scalars, so std430 and C++ have the
+// same layout.
 
 #ifdef __cplusplus
 #pragma once
@@ -11,8 +11,8 @@
 namespace livegs {
 #endif
 
-// What of a kernel does not move. Its bands above the first lie in a buffer of their own as half floats, two
-// a word, coefficient by coefficient, three channels each.
+// Constant appearance of a kernel. Its bands above the first are in a separate buffer as half floats, two per
+// word, coefficient by coefficient, three channels each.
 struct KernelLookRow {
   float log2_opacity;
   float dc_red;
@@ -20,7 +20,7 @@ struct KernelLookRow {
   float dc_blue;
 };
 
-// One eye. image_from_world by rows: image axes are x right, y down, z forward.
+// One eye. image_from_world by rows; image axes are x right, y down, z forward.
 struct EyeView {
   float xx;
   float xy;
@@ -38,19 +38,18 @@ struct EyeView {
   float focal_y_px;
   float centre_x_px;
   float centre_y_px;
-  float min_slope_x;  // where the Jacobian is held
+  float min_slope_x;  // clamping range of the Jacobian
   float max_slope_x;
   float min_slope_y;
   float max_slope_y;
   float near_m;
   float width_px;
   float height_px;
-  float max_radius_px;          // 0: none
-  float min_log2_contribution;  // of opacity * 2 pi sqrt(det), in px; kCulled_log2: none
+  float max_radius_px;          // 0: no limit
+  float min_log2_contribution;  // of opacity * 2 pi sqrt(det), in px; kCulled_log2: no limit
 };
 
-// The eyes, and what orders kernels for all of them: depth along `axis` from `origin`, or the distance from
-// it.
+// The eyes, and the sort key of kernels for both: depth along `axis` from `origin`, or distance from it.
 struct FrameViews {
   EyeView eye[2];
   float origin_x_m;
@@ -63,14 +62,14 @@ struct FrameViews {
   uint by_distance;  // 1: distance; 0: depth along the axis
 };
 
-// A kernel as one eye sees it; the root form of ProjectedKernel.
+// A kernel projected for one eye; the root form of ProjectedKernel.
 struct SplatRow {
   float centre_x_px;
   float centre_y_px;
   float across_x;
   float across_y;
   float down_y;
-  float log2_opacity;  // kCulled_log2 where the eye sees nothing of it; the rest is then 0
+  float log2_opacity;  // kCulled_log2 if the eye does not see the kernel; the rest is then 0
   float red;
   float green;
   float blue;
@@ -78,13 +77,13 @@ struct SplatRow {
 
 struct ProjectSplatsConstants {
   uint kernel_count;
-  uint first_kernel;  // where their looks and bands begin
-  uint first_posed;   // where their posed rows begin
-  uint first_key;     // where the keys of these kernels begin
-  uint first_row;     // where their rows begin
-  uint sh_degree;     // to evaluate, 0..3
-  uint sh_row_words;  // from one kernel's bands to the next's
-  uint antialiased;   // 1: opacity makes up for the low-pass
+  uint first_kernel;  // start of their looks and bands
+  uint first_posed;   // start of their posed rows
+  uint first_key;     // start of their keys
+  uint first_row;     // start of their rows
+  uint sh_degree;     // degree to evaluate, 0..3
+  uint sh_row_words;  // words per kernel in the bands buffer
+  uint antialiased;   // 1: opacity compensates for the low-pass
 };
 
 const uint kProjectGroup = 128;

@@ -12,7 +12,7 @@ constexpr int kDigitBits = 11;
 constexpr size_t kDigits = size_t{1} << kDigitBits;
 constexpr int kPasses = 3;  // 33 bits
 constexpr size_t kHistogramBlock =
-    1 << 16;  // items a histogram is taken of; 2048 counters are then 3 % of the work
+    1 << 16;  // items per histogram; the 2048 counters are then 3 % of the work
 
 uint32_t digit_of(uint32_t key, int pass) { return (key >> (pass * kDigitBits)) & (kDigits - 1); }
 
@@ -22,7 +22,7 @@ void radix_sort(std::vector<KeyedIndex>& items, std::vector<KeyedIndex>& scratch
   scratch.resize(items.size());
   const size_t blocks = (items.size() + kHistogramBlock - 1) / kHistogramBlock;
   std::vector<std::array<uint32_t, kDigits>> first(
-      blocks);  // counts, then where the block's run of a digit begins
+      blocks);  // counts, then the start of the block's run of each digit
   for (int pass = 0; pass < kPasses; ++pass) {
     parallel_for(items.size(), kHistogramBlock, [&](size_t begin, size_t end) {
       auto& counts = first[begin / kHistogramBlock];

@@ -8,8 +8,7 @@
 
 namespace livegs {
 
-// Unsigned keys in the order of the floats they come from, over the whole line: negative numbers in reverse,
-// -0 directly before +0.
+// Unsigned keys in the order of the floats, including negative numbers; -0 is directly before +0.
 inline uint32_t ordered_key(float value) {
   const uint32_t bits = std::bit_cast<uint32_t>(value);
   return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
@@ -20,8 +19,8 @@ struct KeyedIndex {
   uint32_t index;
 };
 
-// Ascending by key; equal keys keep their order. Three passes of 11 bits; a pass in which all keys agree is
-// left out. `scratch` is resized to the items' length and its contents are lost.
+// Sorts ascending by key; stable. Three passes of 11 bits; a pass with equal digits is skipped. `scratch` is
+// resized to the length of the items; its contents are lost.
 void radix_sort(std::vector<KeyedIndex>& items, std::vector<KeyedIndex>& scratch);
 
 }  // namespace livegs

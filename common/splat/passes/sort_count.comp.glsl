@@ -11,7 +11,7 @@ layout(push_constant) uniform Constants { SortKeysConstants constants; };
 
 shared uint counts[kSortDigits];
 
-// How often each digit stands in each tile: table[digit][tile].
+// Counts each digit in each tile: table[digit][tile].
 void main() {
   const uint thread = gl_LocalInvocationID.x;
   const uint tile = gl_WorkGroupID.x;

@@ -10,8 +10,8 @@ layout(push_constant) uniform Constants { SortKeysConstants constants; };
 
 shared uint sums[kSortGroup];
 
-// One group: every entry of the table becomes the sum of those before it. Each thread takes a stretch; the stretches'
-// sums are scanned by doubling (Hillis and Steele 1986).
+// A single group replaces each entry of the table by the sum of those before it. Each thread sums a range;
+// the sums of the ranges are scanned by doubling (Hillis and Steele 1986).
 void main() {
   const uint thread = gl_LocalInvocationID.x;
   const uint entries = kSortDigits * constants.tile_capacity;

@@ -12,22 +12,22 @@ layout(std430, set = 0, binding = 4) writeonly restrict buffer SortedKeys { uint
 layout(std430, set = 0, binding = 5) writeonly restrict buffer SortedValues { uint sorted_values[]; };
 layout(push_constant) uniform Constants { SortKeysConstants constants; };
 
-const uint kRows = kSortDigits / 2;             // a row of counters for two digits, one in each half word
-const uint kLanes = kSortGroup / kRows;         // threads that scan a row together
-const uint kStretch = kSortGroup / kLanes;      // counters each of them takes
+const uint kRows = kSortDigits / 2;  // a row of counters for two digits, one per half word
+const uint kLanes = kSortGroup / kRows;  // threads that scan a row together
+const uint kStretch = kSortGroup / kLanes;  // counters per thread
 
-// ranks[row][thread]: how many keys of the row's digits the threads before this one hold. A tile has 2048 keys, so that
-// a half word never overflows.
+// ranks[row][thread]: number of keys of the row's digits in the threads before this one. A tile has 2048
+// keys, so a half word cannot overflow.
 shared uint ranks[kRows * kSortGroup];
 shared uint sums[kSortGroup];
 
-// Each thread counts its eight consecutive keys by digit, the counters are scanned over the threads, and each thread
-// walks its keys again: equal digits keep their order, and no thread waits for another's counter.
+// Each thread counts its eight consecutive keys by digit; the counters are scanned over the threads; each
+// thread visits its keys again. Equal digits keep their order, and no atomics are needed.
 void main() {
   const uint thread = gl_LocalInvocationID.x;
   const uint tile = gl_WorkGroupID.x;
   const bool first_pass = (constants.flags & kSortFirstPass) != 0;
-  // The scan of the first pass has written the count of keys that are left; all are still here.
+  // The scan of the first pass has written the number of remaining keys, but all keys are still stored.
   const uint count = first_pass ? constants.key_count : counted.instance_count;
   const bool drops = (constants.flags & kSortDropsKeys) != 0;
   const uint begin = min(tile * kSortTile + thread * kSortKeysPerThread, count);
@@ -43,7 +43,7 @@ void main() {
   barrier();
 
   const uint lane = thread % kLanes;
-  const uint stretch = thread * kStretch;  // rows lie one after the other, so stretches do too
+  const uint stretch = thread * kStretch;  // rows are consecutive, and so are ranges
   uint sum = 0;
   for (uint i = stretch; i < stretch + kStretch; ++i) sum += ranks[i];
   sums[thread] = sum;

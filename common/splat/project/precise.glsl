@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arithmetic that is the same on every device, and on the CPU: precise.h.
+// Arithmetic with identical results on every device and on the CPU (precise.h).
 
-// a b - c d with one rounding of each product made up for (Dekker 1971; Kahan). Unlike with fma, nothing depends on
-// whether the device has one.
+// a b - c d with compensated rounding of each product (Dekker 1971; Kahan). Does not use fma, which only some
+// devices have.
 float product_error(float a, float b, float product) {
   precise float wide_a = 4097.0 * a;
   precise float high_a = wide_a - (wide_a - a);
@@ -21,8 +21,9 @@ float product_difference(float a, float b, float c, float d) {
   return difference;
 }
 
-// log2 of a positive finite number, to a few roundings of the result: x = 2^e m with m in [sqrt(1/2), sqrt(2)), and
-// ln m = 2 artanh((m - 1) / (m + 1)) as a series, cut at s^11 / 11 < 4e-10. Devices' own log2 differ by 1e-5.
+// log2 of a positive finite number, accurate to a few roundings: x = 2^e m with m in [sqrt(1/2), sqrt(2)),
+// and ln m = 2 artanh((m - 1) / (m + 1)) as a series, with a truncation error s^11 / 11 < 4e-10. The log2 of
+// devices differs by up to 1e-5.
 float log2_of(float x) {
   uint bits = floatBitsToUint(x);
   int exponent = int(bits >> 23) - 127;

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdint>
 
-// The twins of precise.glsl, where each step is explained.
+// CPU twins of precise.glsl, which explains the steps.
 
 namespace livegs {
 
@@ -18,14 +18,14 @@ inline float product_error(float a, float b, float product) {
   return ((high_a * high_b - product) + high_a * low_b + low_a * high_b) + low_a * low_b;
 }
 
-// a b - c d, without the cancellation. |a|, |b|, |c| and |d| under 1e34.
+// a b - c d without cancellation. |a|, |b|, |c| and |d| under 1e34.
 inline float product_difference(float a, float b, float c, float d) {
   const float first = a * b;
   const float second = c * d;
   return (first - second) + (product_error(a, b, first) - product_error(c, d, second));
 }
 
-// x positive, finite and normal.
+// x must be positive, finite and normal.
 inline float log2_of(float x) {
   const auto bits = std::bit_cast<uint32_t>(x);
   int exponent = static_cast<int>(bits >> 23) - 127;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kHalfLog2E = 0.72134752044448170;  // exp(-x/2) = 2^(-kHalfLog2E x)
 
-// The projected covariance: xx, xy, yy in px², without the low-pass.
+// The projected covariance xx, xy, yy in px², without the low-pass.
 struct ScreenCovariance {
   double xx, xy, yy;
 };
@@ -31,7 +31,7 @@ ScreenCovariance project_covariance(const Symmetric3f& s, const Eigen::Vector3d&
 
 double sigmoid(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
 
-// Rises from 0 at near_m to 1 at three times that.
+// Rises from 0 at near_m to 1 at three times near_m.
 double near_fade(double depth_m, double near_m) {
   if (near_m <= 0.0) return 1.0;
   return std::min(1.0, (depth_m - near_m) / (2.0 * near_m));
@@ -81,7 +81,7 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
   ScreenCovariance s = project_covariance(posed.covariances_m2[kernel], row_x, row_y);
 
   const double sharp_det = std::max(0.0, s.xx * s.yy - s.xy * s.xy);
-  // Not (xx + low)(yy + low) - xy²: that difference loses the width of a needle.
+  // Not (xx + low)(yy + low) - xy²: cancellation there would lose the width of a needle.
   double det = sharp_det + kLowPassPx2 * (s.xx + s.yy) + kLowPassPx2 * kLowPassPx2;
   double xx = s.xx + kLowPassPx2, yy = s.yy + kLowPassPx2;
   if (!(det > 0.0) || !(xx > 0.0) || !(yy > 0.0) || !std::isfinite(det)) return false;

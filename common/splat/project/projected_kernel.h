@@ -12,11 +12,11 @@ inline constexpr float kMaxAlpha = 0.99f;
 inline constexpr double kLowPassPx2 = 0.3;  // variance added to the projected ellipse
 inline constexpr float kLog2Of255 = 7.99435344f;
 
-// A kernel as an ellipse on the screen, one cache line. The quadratic form is kept as its triangular root, in
-// units that make alpha a power of two: with d = pixel - centre,
+// A kernel as an ellipse on the screen; one cache line. The quadratic form is stored as its triangular root,
+// scaled so that alpha is a power of two. With d = pixel - centre,
 //   u = across_x * d.x + across_y * d.y,   v = down_y * d.y,   alpha = 2^(log2_opacity - u² - v²).
-// A root costs less to evaluate than the form, and a needle of hundreds of pixels keeps its width: in floats
-// the form would lose it to cancellation.
+// The root is cheaper to evaluate than the form, and needles of hundreds of pixels keep their width, which
+// cancellation in a float form would lose.
 struct alignas(64) ProjectedKernel {
   float centre_x_px, centre_y_px;
   float across_x, across_y, down_y;
@@ -26,7 +26,7 @@ struct alignas(64) ProjectedKernel {
   uint32_t object_slot;
   uint32_t tile_bound;  // tiles of the bounding box on the screen, at least 1
 
-  // Where alpha is kMinAlpha: u² + v² of the ellipse's rim.
+  // u² + v² on the rim of the ellipse, where alpha is kMinAlpha.
   float rim() const { return log2_opacity + kLog2Of255; }
 };
 static_assert(sizeof(ProjectedKernel) == 64);

@@ -36,7 +36,7 @@ Eigen::Vector3f evaluate_sh_colour(const Eigen::Vector3f& dc, const Eigen::Vecto
   Eigen::Vector3f sum = Eigen::Vector3f::Constant(0.5f) + kShDc * dc;
   const int count = (degree + 1) * (degree + 1) - 1;
   for (int k = 0; k < count; ++k) sum += bands[k] * rest[k];
-  // The order of the arguments sends NaN to 0.
+  // This argument order maps NaN to 0.
   return {std::max(0.0f, sum.x()), std::max(0.0f, sum.y()), std::max(0.0f, sum.z())};
 }
 

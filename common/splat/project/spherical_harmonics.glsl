@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// spherical_harmonics.cpp in GLSL. Included after the buffer `bands_of`, which holds coefficients as half floats.
+// GLSL twin of spherical_harmonics.cpp. Include after the buffer `bands_of`, which has coefficients as half
+// floats.
 
 const float kShDc = 0.28209479;
 
-// All bands above the first at a unit direction, not clamped. Two coefficients are three words: r g, b r, g b.
+// Sum of all bands above the first in a unit direction, not clamped. Two coefficients are three words: r g, b
+// r, g b.
 vec3 bands_towards(vec3 direction, uint degree, uint first_word) {
   const float x = direction.x, y = direction.y, z = direction.z;
   const float xx = x * x, yy = y * y, zz = z * z;

@@ -10,16 +10,16 @@ namespace livegs {
 namespace {
 
 constexpr size_t kRun = 4096;        // kernels
-constexpr size_t kBinPrefetch = 16;  // kernels between a prefetch and its use
+constexpr size_t kBinPrefetch = 16;  // prefetch distance in kernels
 
-// First and last pixel whose centre lies in [begin, end], held to [0, size).
+// First and last pixel with its centre in [begin, end], clamped to [0, size).
 TileSpan pixels_between(float begin, float end, int size) {
   const float last = static_cast<float>(size);
   return {static_cast<int>(std::ceil(std::clamp(begin - 0.5f, 0.0f, last))),
           static_cast<int>(std::floor(std::clamp(end - 0.5f, -1.0f, last - 1.0f)))};
 }
 
-// The ellipse in the frame of its triangular root: v runs over the rows, and at v the rim lies at
+// The ellipse in the frame of its triangular root: v runs over the rows. At v, the rim is at
 // x = centre + (-slope v ± sqrt(rim - v²)) / across_x.
 struct Rim {
   explicit Rim(const ProjectedKernel& kernel)
@@ -44,7 +44,7 @@ struct Rim {
     if (v_top > reach || v_bottom < -reach) return {1, 0};
     const auto held = [&](float v) { return std::clamp(v, v_top, v_bottom); };
     const auto half = [&](float v) { return std::sqrt(std::max(0.0f, rim - v * v)); };
-    // The right rim rises up to v_rightmost and falls beyond it; the left one is its mirror image.
+    // The right rim rises up to v_rightmost and falls after it; the left rim is its mirror image.
     const float v_right = held(v_rightmost), v_left = held(-v_rightmost);
     const TileSpan pixels = pixels_between(centre_x + (-slope * v_left - half(v_left)) * width,
                                            centre_x + (-slope * v_right + half(v_right)) * width, grid.width);
@@ -73,7 +73,7 @@ void TileBins::fill(std::span<const ProjectedKernel> kernels, std::span<const ui
     run.touches.clear();
     run.next.assign(tile_count, 0);
     for (size_t i = begin; i < end; ++i) {
-      // Depth order leaps through memory; without this the loop waits for it half of its time.
+      // Depth order gives random memory accesses. The prefetch hides their latency.
       if (i + kBinPrefetch < end) __builtin_prefetch(&kernels[order[i + kBinPrefetch]]);
       const uint32_t kernel = order[i];
       const Rim rim(kernels[kernel]);

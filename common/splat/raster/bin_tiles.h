@@ -16,17 +16,17 @@ struct TileGrid {
   size_t size() const { return static_cast<size_t>(columns()) * rows(); }
 };
 
-// The pixels of one strip of tiles whose centres an ellipse's rim can hold: tile columns first..last, none
-// where first > last. `row` is the strip's tile row.
+// The pixels of one strip of tiles that may be inside an ellipse: tile columns first..last, empty if first >
+// last. `row` is the tile row of the strip.
 struct TileSpan {
   int first, last;
 };
 TileSpan ellipse_tile_span(const ProjectedKernel& kernel, const TileGrid& grid, int row);
 
-// For each tile, which kernels touch it, in the order they were given.
+// The kernels that touch each tile, in the given order.
 class TileBins {
  public:
-  // `order` holds indices into `kernels`, nearest first. Tiles whose entry in `live` is 0 get nothing.
+  // `order` lists indices of `kernels`, nearest first. Tiles with a 0 in `live` stay empty.
   void fill(std::span<const ProjectedKernel> kernels, std::span<const uint32_t> order, const TileGrid& grid,
             std::span<const uint32_t> live);
 
@@ -38,10 +38,10 @@ class TileBins {
   struct Touch {
     uint32_t tile, kernel;
   };
-  // What one run of kernels touches; runs are filled in parallel and then merged in order.
+  // Tile coverage of one run of kernels. Runs are filled in parallel and then merged in order.
   struct Run {
     std::vector<Touch> touches;
-    std::vector<uint32_t> next;  // a tile's count, then the place of its next kernel
+    std::vector<uint32_t> next;  // count of a tile, then the position of its next kernel
   };
   std::vector<Run> runs_;
   std::vector<uint32_t> first_;

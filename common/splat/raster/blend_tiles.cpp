@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kerbl et al. 2023, section 6 and algorithm 2. A tile's 256 pixels are 32 runs of eight; run b is row b %
-// 16, left half for b < 16, right half otherwise. A kernel visits only the runs that its ellipse touches and
-// that still let light through.
+// Kerbl et al. 2023, section 6 and algorithm 2. The 256 pixels of a tile are 32 runs of eight: run b is row b
+// % 16, left half for b < 16, right half otherwise. A kernel is evaluated only in runs that its ellipse
+// touches and that are not yet opaque.
 #include "splat/raster/blend_tiles.h"
 
 #include <algorithm>
@@ -19,11 +19,11 @@ constexpr float kMinTransmittance = 1e-4f;  // (1 - kMaxAlpha)²
 constexpr float kHalfway = 0.5f;
 constexpr size_t kTilesPerBlock = 4;
 
-// The rim is widened by this much, in powers of two of alpha, so that rounding drops no pixel; whether a
-// pixel counts is decided by its alpha.
+// Margin of the rim, in powers of two of alpha, so that rounding drops no pixel. The alpha of a pixel decides
+// whether it counts.
 constexpr float kRimMargin = 1e-3f;
 
-// A kernel in the frame of a tile: `u` and `v` at the tile's first pixel.
+// A kernel in the frame of a tile: `u` and `v` at the first pixel of the tile.
 struct PlacedKernel {
   PlacedKernel(const ProjectedKernel& k, float tile_x, float tile_y)
       : dx(tile_x + 0.5f - k.centre_x_px), dy(tile_y + 0.5f - k.centre_y_px) {}
@@ -39,10 +39,11 @@ uint32_t touched_runs(const ProjectedKernel& kernel, const PlacedKernel& placed)
     const Lanes v = kernel.down_y * dy;
     const Lanes left_over = rim - v * v;
     const Lanes reach = sqrt(max(left_over, lanes(0.0f))) * width;
-    const Lanes middle = -(kernel.across_y * width) * dy - placed.dx;  // of the rim, from the first pixel
+    // of the rim, relative to the first pixel
+    const Lanes middle = -(kernel.across_y * width) * dy - placed.dx;
     const LaneMask in_rows = left_over >= 0.0f;
     const Lanes first = middle - reach, last = middle + reach;
-    // Half a pixel of play at either end, for rounding of centres that lie far off the screen.
+    // A margin of half a pixel at both ends, for the rounding of centres far outside the screen.
     const uint32_t left_runs = mask_bits(in_rows & (first <= 7.5f) & (last >= -0.5f));
     const uint32_t right_runs = mask_bits(in_rows & (first <= 15.5f) & (last >= 7.5f));
     runs |= (left_runs << (8 * half)) | (right_runs << (16 + 8 * half));
@@ -50,8 +51,8 @@ uint32_t touched_runs(const ProjectedKernel& kernel, const PlacedKernel& placed)
   return runs;
 }
 
-// Adds the kernel to the live runs that it touches and answers which of them have finished. kShares: `share`
-// takes the kernel's weights.
+// Blends the kernel into the live runs that it touches; returns the runs that became opaque. kShares: `share`
+// receives the weights of the kernel.
 template <bool kShares>
 uint32_t blend_kernel(const ProjectedKernel& kernel, const PlacedKernel& placed, uint32_t runs,
                       TileState& tile, float* share) {
@@ -94,7 +95,7 @@ uint32_t blend_kernel(const ProjectedKernel& kernel, const PlacedKernel& placed,
   return finished;
 }
 
-// Runs that hold at least one pixel of the image.
+// Runs that contain at least one pixel of the image.
 uint32_t runs_inside(int columns, int rows) {
   uint32_t runs = 0;
   for (int row = 0; row < std::min(rows, kTileSize); ++row) {
@@ -105,7 +106,7 @@ uint32_t runs_inside(int columns, int rows) {
 }
 
 float* share_of(TileShares& shares, uint32_t slot) {
-  // Neighbours in depth are mostly of one object, so the last one found is looked at first.
+  // Neighbours in depth are mostly of the same object, so the search starts with the last one.
   for (size_t i = shares.slots.size(); i-- > 0;) {
     if (shares.slots[i] == slot) return shares.shares[i].of_pixel;
   }
@@ -151,7 +152,7 @@ void TileBlender::blend(std::span<const ProjectedKernel> kernels, const TileBins
       const float tile_y = static_cast<float>(t / grid_.columns() * kTileSize);
       uint32_t live = live_[t];
       for (size_t i = 0; i < bin.size() && live != 0; ++i) {
-        // The bins walk through the kernels in leaps, which the processor cannot foresee.
+        // The bins access kernels in random order, which hardware prefetching cannot predict.
         if (i + 8 < bin.size()) __builtin_prefetch(&kernels[bin[i + 8]]);
         const ProjectedKernel& kernel = kernels[bin[i]];
         const PlacedKernel placed(kernel, tile_x, tile_y);

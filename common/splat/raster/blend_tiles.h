@@ -14,37 +14,37 @@ namespace livegs {
 
 inline constexpr int kTilePixels = kTileSize * kTileSize;
 
-// What has been blended into one tile so far, row by row.
+// Blending state of one tile, row by row.
 struct alignas(32) TileState {
-  // Left to pass; a pixel that would let less than 1e-4 through is finished and keeps its last value with a
-  // minus sign. Pixels beyond the image's edge hold 0.
+  // Remaining transmittance. A pixel that would fall below 1e-4 is finished and keeps its last value with a
+  // minus sign. Pixels outside the image are 0.
   float transmittance[kTilePixels];
   float red[kTilePixels], green[kTilePixels], blue[kTilePixels];
   float depth_m[kTilePixels];
 };
 
-// How much of each pixel's opacity came from which object, for the objects that have touched the tile.
+// Share of each object in the opacity of each pixel, for the objects that touch the tile.
 struct TileShares {
   struct alignas(32) Share {
     float of_pixel[kTilePixels];
   };
-  std::vector<uint32_t> slots;  // in order of arrival
-  std::vector<Share> shares;    // one a slot
+  std::vector<uint32_t> slots;  // in order of first use
+  std::vector<Share> shares;    // one per slot
 };
 
-// Blends front to back, in as many calls as it takes: the tiles keep their state in between.
+// Blends front to back in any number of calls. The tiles keep their state between calls.
 class TileBlender {
  public:
-  // Clears all tiles. With one object slot shares are not kept: they are the coverage.
+  // Clears all tiles. With a single object slot, shares are not stored; they equal the coverage.
   void begin(const TileGrid& grid, size_t object_slots);
 
-  // The kernels of each bin lie behind all that was blended since begin.
+  // The kernels of each bin must be behind all kernels blended since begin().
   void blend(std::span<const ProjectedKernel> kernels, const TileBins& bins);
 
-  // One word a tile, a bit for each run of eight pixels that still lets light through.
+  // One word per tile, one bit for each run of eight pixels that is not yet opaque.
   std::span<const uint32_t> live() const { return live_; }
 
-  // `object_ids` maps slots to ids.
+  // Writes the picture. `object_ids` maps slots to ids.
   void resolve(const Eigen::Vector3f& background, std::span<const uint32_t> object_ids,
                RasterisedView& view) const;
 

@@ -35,12 +35,12 @@ FrameViews frame_views(std::span<const Camera> eyes, const FrameSplats::Options&
   return views;
 }
 
-// Of kernels that passes pose: an eighth of the frame takes little memory and still fills a device.
+// Kernels posed per dispatch: an eighth of the frame takes little memory and still fills a device.
 uint32_t rows_posed_at_once(uint32_t kernels) {
   return std::min(kernels, std::max(kernels / 8, kMinPoseBatch));
 }
 
-// How many more than are wanted a buffer may hold: beyond that it is made anew.
+// Maximum spare capacity of a buffer. A buffer with more is allocated again.
 uint32_t most_spare(uint32_t wanted) { return std::max(wanted / 16, 256u); }
 
 }  // namespace
@@ -69,8 +69,8 @@ Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
   for (int i = 0; i < 4; ++i)
     fits = fits && held[i] >= wanted[i] && held[i] <= wanted[i] + most_spare(wanted[i]);
   if (fits) return {};
-  // A little more than asked for where something grows, so that a ball more is room enough. All goes before
-  // anything is made: the old and the new together might not fit.
+  // Growing buffers get spare capacity, so that a few more kernels fit. All buffers are released before new
+  // ones are allocated, because old and new might not fit together.
   const bool grows = sorter_.has_value();
   release();
   const auto with_spare = [&](uint32_t count) {
@@ -80,7 +80,7 @@ Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
   };
   const auto failed = [&](const Error& error) {
     release();
-    return Error{error.code, "a frame of " + std::to_string(kernels) + " kernels: " + error.message};
+    return Error{error.code, "frame: " + std::to_string(kernels) + " kernels; " + error.message};
   };
   const auto make = [&](Buffer& buffer, size_t bytes) -> Result<void> {
     auto made = Buffer::create(*backend_, bytes);
@@ -125,8 +125,8 @@ Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<con
     poses = poses || object.pose;
   }
   if (total > max_kernels()) {
-    return Error{ErrorCode::TooLarge, "a frame of " + std::to_string(total) +
-                                          " kernels; the device's buffers hold " +
+    return Error{ErrorCode::TooLarge, "frame: " + std::to_string(total) +
+                                          " kernels; the buffers of the device hold at most " +
                                           std::to_string(max_kernels())};
   }
   kernel_count_ = static_cast<uint32_t>(total);
@@ -162,7 +162,7 @@ Result<void> FrameSplats::project_prepared(std::span<const Object> objects, cons
       const uint32_t at_once = object.pose ? posed_held_ : part.count;
       for (uint32_t first = 0, count = 0; first < part.count; first += count) {
         count = std::min(
-            {at_once, part.count - first, part_rows_ - place % part_rows_});  // of one part of either
+            {at_once, part.count - first, part_rows_ - place % part_rows_});  // within one part of both
         if (object.pose) {
           if (auto done = object.pose(part.first + first, count, posed_.id()); !done) return done;
         }

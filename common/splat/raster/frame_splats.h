@@ -13,56 +13,56 @@
 
 namespace livegs {
 
-// What one frame draws: the splats of all objects in one set, for one eye or two, and the one order in which
-// both eyes draw them. Buffers are kept and go with the scene's size: 52 bytes a kernel for one eye, 88 for
-// two, and 6.5 for kernels that passes pose: those are posed and projected an eighth of the frame at a time.
-// An eye's rows lie in up to kRowParts buffers, so that each is one that the device binds: 128 MiB on
-// lavapipe are 3.7 million kernels.
+// The splats of all objects of one frame in one set, for one eye or two, and the draw order shared by both
+// eyes. Buffers are kept and sized by the scene: 52 bytes per kernel for one eye, 88 for two, and 6.5 for
+// kernels posed by passes, which are posed and projected an eighth of the frame at a time. The rows of an eye
+// are in up to kRowParts buffers, each within the binding limit of the device (lavapipe: 128 MiB, or 3.7
+// million kernels).
 class FrameSplats {
  public:
   struct Options {
-    DepthOrder order = DepthOrder::Distance;  // from between the eyes
+    DepthOrder order = DepthOrder::Distance;  // from the midpoint between the eyes
     int max_sh_degree = 3;
-    float max_radius_px = 0, min_contribution_px = 0;  // as eye_view has them
+    float max_radius_px = 0, min_contribution_px = 0;  // as in eye_view
   };
 
-  // What a frame knows of an object.
+  // An object of the frame.
   struct Object {
     const DeviceKernels* kernels = nullptr;
-    // Records a pass that writes PosedKernelRow of the kernels [first, first + count) to the front of
-    // `posed`; they are of one part. None: kernels->pose() has said where they are.
+    // Records a pass that writes PosedKernelRow of the kernels [first, first + count), all of one part, to
+    // the front of `posed`. Empty: kernels->pose() has set the poses.
     std::function<Result<void>(uint32_t first, uint32_t count, BufferId posed)> pose;
   };
 
-  // `max_part_rows`: kernels whose rows share a buffer; 0: as many as the backend binds.
+  // `max_part_rows`: kernels whose rows share a buffer; 0: the maximum that the backend can bind.
   explicit FrameSplats(Backend& backend, uint32_t max_part_rows = 0);
   FrameSplats(const FrameSplats&) = delete;
   FrameSplats& operator=(const FrameSplats&) = delete;
 
-  // Makes room for these objects and sets the eyes, for the passes of project. TooLarge when the device
-  // cannot hold them all.
+  // Allocates space for these objects and sets the eyes for project_prepared(). TooLarge if the device cannot
+  // hold them all.
   Result<void> prepare(std::span<const Object> objects, std::span<const Camera> eyes, const Options& options);
-  // Poses, culls, projects and shades all kernels for one eye or two, those that were prepared.
+  // Poses, culls, projects and shades all prepared kernels for one eye or two.
   Result<void> project_prepared(std::span<const Object> objects, const Options& options);
-  // Both.
+  // prepare() and project_prepared().
   Result<void> project(std::span<const Object> objects, std::span<const Camera> eyes, const Options& options);
-  // Nearest first. Call after project.
+  // Sorts nearest first. Call after project().
   Result<void> sort();
 
-  // Gives all buffers back until the next frame.
+  // Releases all buffers until the next frame.
   void release_buffers() { release(); }
 
-  // After sort: places in rows(), and how many of them are drawn.
+  // After sort(): indices into rows(), and the number that are drawn.
   BufferId order() const { return sorter_->values(); }
   BufferId counted() const { return sorter_->counted(); }
-  // SplatRow of eye 0 or 1: part p has those of the places from p * part_rows() on. A part that is not there
-  // is the first; with one eye the second has one row.
+  // SplatRow of eye 0 or 1: part p has the indices from p * part_rows() on. A missing part is replaced by the
+  // first. With one eye, the second eye has one row.
   BufferId rows(int eye, int part = 0) const {
     return (rows_[eye][part] ? rows_[eye][part] : rows_[eye][0]).id();
   }
   uint32_t part_rows() const { return part_rows_; }
-  static constexpr int kRowParts =
-      3;  // two eyes' and the order are seven buffers; a device binds eight or more (pass.h)
+  // three per eye and the order are seven buffers; a device binds at least eight (pass.h)
+  static constexpr int kRowParts = 3;
   uint64_t max_kernels() const {
     return std::min<uint64_t>(KeySorter::kMaxKeys, uint64_t{kRowParts} * part_rows_);
   }

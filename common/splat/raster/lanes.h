@@ -6,7 +6,7 @@
 #include <immintrin.h>
 #endif
 
-// Eight floats at once, in the compiler's vector types: AVX2 where the target has it, plain code elsewhere.
+// Eight floats in compiler vector types: AVX2 if the target has it, scalar code otherwise.
 
 namespace livegs {
 
@@ -21,7 +21,7 @@ inline Lanes& lanes_at(float* aligned) { return *reinterpret_cast<Lanes*>(aligne
 inline Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
 inline Lanes max(Lanes a, Lanes b) { return a > b ? a : b; }
 
-// Bit i tells whether lane i is set.
+// Bit i is set if lane i is set.
 inline uint32_t mask_bits(LaneMask mask) {
 #ifdef __AVX__
   return static_cast<uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
@@ -41,11 +41,11 @@ inline Lanes sqrt(Lanes x) {
 #endif
 }
 
-// 2^x for -126 <= x <= 126, relative error below 4e-7: x splits into the nearest whole number, which goes to
-// the exponent, and a fraction in [-0.5, 0.5], on which the polynomial meets 2^f at the six Chebyshev nodes
-// (1.6e-7), the rest being rounding.
+// 2^x for -126 <= x <= 126, relative error below 4e-7. x is split into the nearest integer, which becomes the
+// exponent, and a fraction in [-0.5, 0.5]. The polynomial interpolates 2^f at the six Chebyshev nodes (error
+// 1.6e-7); the rest is rounding.
 inline Lanes exp2(Lanes x) {
-  constexpr float kRound = 12582912.0f;  // 1.5 * 2^23: adding it leaves whole numbers only
+  constexpr float kRound = 12582912.0f;  // 1.5 * 2^23: adding it rounds to an integer
   const Lanes shifted = x + kRound;
   const Lanes f = x - (shifted - kRound);
   Lanes y = lanes(1.33908633e-3f);

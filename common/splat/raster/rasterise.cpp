@@ -15,15 +15,15 @@ namespace livegs {
 namespace {
 
 constexpr size_t kProjectBlock = 1024;  // kernels
-constexpr size_t kRasterPrefetch = 16;  // kernels between a prefetch and its use
+constexpr size_t kRasterPrefetch = 16;  // prefetch distance in kernels
 
-// Kernels are binned and blended in batches, nearest first, so that tiles already opaque take no more of them
-// and the bins of a camera inside an object stay bounded. A batch is whole groups whose bounding boxes cover
-// about this many tiles.
+// Kernels are binned and blended in batches, nearest first, so that opaque tiles receive no more kernels and
+// the bins stay bounded for a camera inside an object. A batch consists of whole groups; their bounding boxes
+// cover about this number of tiles.
 constexpr size_t kGroup = 1024;  // kernels
 constexpr size_t kBatchTiles = size_t{1} << 20;
 
-// Kernels of all objects in one row: object o's begin at first[o].
+// The kernels of all objects in one sequence: object o starts at first[o].
 struct KernelRange {
   std::vector<size_t> first;
   size_t total = 0;
@@ -40,13 +40,13 @@ struct KernelRange {
     }
   }
 
-  // Of the object that holds kernel i.
+  // Index of the object that contains kernel i.
   size_t object_of(size_t i) const {
     return static_cast<size_t>(std::upper_bound(first.begin(), first.end(), i) - first.begin()) - 1;
   }
 };
 
-// Objects of one id share a slot. Slots are in order of first appearance.
+// Objects with the same id share a slot. Slots are in order of first appearance.
 struct ObjectSlots {
   std::vector<uint32_t> ids;
   std::vector<uint32_t> slot_of_object;
@@ -63,7 +63,7 @@ struct ObjectSlots {
 }  // namespace
 
 struct Rasteriser::Buffers {
-  std::vector<ProjectedKernel> projected;  // block by block, each packed to its front
+  std::vector<ProjectedKernel> projected;  // block by block, each compacted to its front
   std::vector<uint32_t> block_counts;
   std::vector<float> order_depths_m;
   std::vector<KeyedIndex> keys, key_scratch;
@@ -84,7 +84,7 @@ void Rasteriser::Buffers::project(std::span<const DrawnObject> objects, const Ob
   const KernelRange range(objects);
   const Projection projection(camera);
   const size_t blocks = (range.total + kProjectBlock - 1) / kProjectBlock;
-  // Grown, never shrunk: entries beyond the counts are left over from earlier frames.
+  // Never shrunk: entries beyond the counts are stale.
   if (projected.size() < range.total) {
     projected.resize(range.total);
     order_depths_m.resize(range.total);

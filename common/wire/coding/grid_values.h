@@ -9,9 +9,8 @@
 
 namespace livegs {
 
-// The integers of one object. Written once, by who makes it, then shared: copies of many are the same memory,
-// copies of few (a single body has seven) their own, since each piece of memory costs as much as a hundred
-// integers.
+// The integers of one object. Filled once by their creator, then shared. Copies of large arrays share memory;
+// small arrays (a single body has seven integers) are copied, because an allocation would cost more.
 class GridValues {
  public:
   GridValues() = default;
@@ -22,7 +21,7 @@ class GridValues {
   size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
   const int32_t* data() const { return count_ > kFew ? many_.get() : few_.data(); }
-  int32_t* data() { return count_ > kFew ? many_.get() : few_.data(); }  // before it is shared only
+  int32_t* data() { return count_ > kFew ? many_.get() : few_.data(); }  // only before the values are shared
   int32_t operator[](size_t i) const { return data()[i]; }
   bool operator==(const GridValues& other) const {
     return count_ == other.count_ &&

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 
-// Smallest three, as proto/frame_format.md has it: 2 + 3 * component_bits bits, zero exact.
+// Smallest-three encoding (proto/frame_format.md): 2 + 3 * component_bits bits; zero is exact.
 
 namespace livegs {
 

@@ -10,25 +10,25 @@
 #include <span>
 #include <vector>
 
-// Integers as Rice codes in a stream of bits, the lowest of a byte first; proto/frame_format.md, "Bits".
-// Writer and reader have the same face, so that what codes a grid is written once: code() takes what is to be
-// written and returns what is read.
+// Rice codes in a bit stream, lowest bit of a byte first. Layout: proto/frame_format.md, "Bits". Writer and
+// reader have the same interface, so each coder is written once: code() takes the value to write and returns
+// the value read.
 
 namespace livegs {
 
-inline constexpr int kMaxZeros = 24;  // of a code; then 32 bits as they are
+inline constexpr int kMaxZeros = 24;  // of a code; then 32 raw bits follow
 inline constexpr int kMaxRiceBits = 24;
 
 inline uint64_t little_endian(uint64_t word) {
   return std::endian::native == std::endian::little ? word : __builtin_bswap64(word);
 }
 
-// Both are some registers' worth over memory that others hold: a loop takes a copy and gives it back, since
-// what it writes could otherwise be the reader itself, for all the compiler knows.
+// Writer and reader keep their state in registers over memory owned by others. Loops work on a copy and store
+// it back at the end; otherwise the compiler must assume that the written memory aliases the object.
 class RiceWriter {
  public:
   static constexpr bool kReads = false;
-  // Over room for `max_codes` codes or strings of bits in all.
+  // Allocates room for at most `max_codes` codes or bit strings.
   RiceWriter(std::vector<std::byte>& buffer, size_t max_codes) {
     if (buffer.size() < 7 * max_codes + 16) buffer.resize(7 * max_codes + 16);
     begin_ = at_ = buffer.data();
@@ -42,7 +42,7 @@ class RiceWriter {
     }
     return value;
   }
-  // As three calls of code(), as one string of bits where that has room.
+  // Same as three calls of code(), in one bit string if it fits.
   void three(const std::array<uint32_t, 3>& values, int k) {
     const std::array<uint32_t, 3> zeros = {values[0] >> k, values[1] >> k, values[2] >> k};
     const uint32_t count = zeros[0] + zeros[1] + zeros[2] + 3 * (static_cast<uint32_t>(k) + 1);
@@ -73,17 +73,17 @@ class RiceWriter {
     const uint64_t word = little_endian(waiting_);
     std::memcpy(at_, &word, 8);
     at_ += count_ >> 3;
-    waiting_ >>= count_ & ~7;  // 56 at most: 7 bits waited, and none has more than kMaxBits
+    waiting_ >>= count_ & ~7;  // 56 at most: 7 bits were pending, and a code has at most kMaxBits
     count_ &= 7;
   }
 
   std::byte *begin_ = nullptr, *at_ = nullptr;
-  uint64_t waiting_ = 0;  // fewer than 8 bits between calls
+  uint64_t waiting_ = 0;  // fewer than 8 pending bits between calls
   int count_ = 0;
 };
 
-// Behind the end it reads zeros. Who reads asks failed() before it takes what it read for true, and after a
-// driver's codes at least: no more than kSlack bytes are there behind the end.
+// Reads zeros past the end. Callers must check failed() before using values, at least once per driver: only
+// kSlack bytes are padded after the end.
 class RiceReader {
  public:
   static constexpr bool kReads = true;
@@ -105,7 +105,7 @@ class RiceReader {
     return static_cast<uint32_t>(zeros) << k |
            (static_cast<uint32_t>(word >> (zeros + 1)) & ((uint32_t{1} << k) - 1));
   }
-  // As three calls of code(), from one look at the bits while they suffice.
+  // Same as three calls of code(), from a single load while the bits suffice.
   void three(std::array<uint32_t, 3>& values, int k) {
     uint64_t word = peek();
     const uint32_t mask = (uint32_t{1} << k) - 1;
@@ -128,14 +128,14 @@ class RiceReader {
   }
   bool failed() const { return at_ > end_; }
   uint64_t remaining_bits() const { return end_ - std::min(end_, at_); }
-  // Whether what is left are fewer than 8 bits, all of them 0.
+  // Whether the remaining bits are fewer than 8 and all 0.
   bool at_end() const {
     return at_ <= end_ && end_ - at_ < 8 &&
            (at_ == end_ || std::to_integer<unsigned>(data_[at_ / 8]) >> (at_ % 8) == 0);
   }
 
  private:
-  uint64_t peek() const {  // 57 bits at least
+  uint64_t peek() const {  // at least 57 bits
     uint64_t word;
     std::memcpy(&word, data_ + at_ / 8, 8);
     return little_endian(word) >> (at_ % 8);
@@ -145,13 +145,13 @@ class RiceReader {
   uint64_t at_ = 0, end_ = 0;  // bits
 };
 
-// How large integers are in a class of theirs, as a mean that forgets; both ends keep it alike.
+// Running mean of the magnitude of one class of integers. Both ends update it in the same way.
 class RiceScale {
  public:
   static constexpr int kMeanShift = 5;
-  // `expected`: of the sum of the magnitudes of three integers, which add() is given too.
+  // `expected`: initial sum of the magnitudes of three integers, the quantity passed to add().
   explicit RiceScale(uint32_t expected = 64) : mean_(expected << kMeanShift) { choose(); }
-  // Low bits that suit a code of such an integer's zigzag.
+  // Rice parameter for the zigzag of such an integer.
   int k() const { return k_; }
   void add(uint32_t sum) {
     mean_ += sum - (mean_ >> kMeanShift);

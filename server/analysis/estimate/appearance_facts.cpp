@@ -7,8 +7,6 @@
 namespace livegs {
 namespace {
 
-constexpr float kShDc = 0.28209479f;  // Y_00
-
 struct HueSaturation {
   float hue_rad, saturation;
 };
@@ -37,17 +35,17 @@ AppearanceFacts appearance_facts(const GaussianAsset& asset) {
   const size_t rest_count = asset.sh_rest_count();
   for (size_t i = 0; i < asset.size(); ++i) {
     const double opacity = 1.0 / (1.0 + std::exp(-static_cast<double>(asset.opacity_logits[i])));
-    // The area a flat kernel shows: the product of its two larger axes.
+    // Visible area of a flat kernel: the product of its two larger axes.
     Eigen::Array3d scale = asset.log_scales[i].cast<double>().array().exp();
     std::sort(scale.data(), scale.data() + 3);
     const double area = scale[1] * scale[2], weight = opacity * area;
     if (!std::isfinite(weight) || weight <= 0) continue;
     const Eigen::Vector3f rgb =
-        (asset.sh_dc[i].array() * kShDc + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f).matrix();
+        (asset.sh_dc[i].array() * kShBand0 + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f).matrix();
     const HueSaturation colour = hue_saturation(rgb);
     double directional = 0;
     for (size_t k = 0; k < rest_count; ++k) directional += asset.sh_rest[i * rest_count + k].squaredNorm();
-    const double constant = (rgb / kShDc).squaredNorm();
+    const double constant = (rgb / kShBand0).squaredNorm();
     weight_sum += weight;
     opacity_sum += weight * opacity;
     rgb_sum += weight * rgb.cast<double>();

@@ -16,11 +16,11 @@ struct Field {
   double value, low, high;
 };
 
-// Densities of materials, from aerogel-light foam to osmium.
+// Density range of materials, from aerogel-like foam to osmium.
 constexpr double kMinDensity_kg_m3 = 0.1, kMaxDensity_kg_m3 = 25000;
 
-// What an author types may be this factor outside the estimated range before it is remarked on: a correction
-// is welcome, a slip of units is not.
+// Factor outside the estimated range above which an author's value is remarked on. Corrections stay below it,
+// slips of units do not.
 constexpr double kImplausibleRatio = 10.0;
 
 std::string remark(const char* field, double value, const char* unit, const std::string& instead, double low,
@@ -67,7 +67,7 @@ Result<void> check_scene_physics(const Physics& written) {
   if (const int parts = written.interior_rgb_size(); (parts != 0 && parts != 3) || !in_range) {
     return invalid_argument("interior_rgb: must be three numbers between 0 and 1: red, green and blue");
   }
-  // JSON may hold an enumerator as a number, and any number passes.
+  // JSON may hold an enumerator as a number, and the parser accepts any number.
   if (!Physics::Behavior_IsValid(written.behavior())) {
     return invalid_argument("behavior: is " + std::to_string(written.behavior()) +
                             "; give AUTO, STATIC, RIGID or ELASTIC");
@@ -77,10 +77,11 @@ Result<void> check_scene_physics(const Physics& written) {
                             "; give SOLID, SHELL, OPEN_SHELL or FILLED");
   }
   if (written.has_mass_kg() && written.has_density_kg_m3()) {
-    return invalid_argument("density_kg_m3: stands beside mass_kg; give one of them");
+    return invalid_argument("density_kg_m3: given together with mass_kg; give only one of them");
   }
   if (written.has_youngs_modulus_pa() && written.has_deformation_resistance()) {
-    return invalid_argument("deformation_resistance: stands beside youngs_modulus_pa; give one of them");
+    return invalid_argument(
+        "deformation_resistance: given together with youngs_modulus_pa; give only one of them");
   }
   return {};
 }
@@ -93,11 +94,11 @@ std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estim
   };
   const bool telling = estimated.confidence() >= kMaterialNamedConfidence;
   const std::string taken_for = "a " + estimated.label() + " of " + estimated.material() + " has";
-  // Told stiffness is that of the whole body, so it is held against s E.
+  // The author's stiffness is that of the whole body, so it is compared with s E.
   const double told = merged.structure_coefficient().best() * merged.youngs_modulus_pa().best();
   const double low = estimated.structure_coefficient().low() * estimated.youngs_modulus_pa().low();
   const double high = estimated.structure_coefficient().high() * estimated.youngs_modulus_pa().high();
-  // A cube of jelly is what shapes are for; a captured cup of jelly is a slip.
+  // A soft shape is intended, such as a cube of jelly; a captured object this soft is a slip.
   const bool too_soft = !facts.solid && told < low / kImplausibleRatio;
   if (telling && written.has_youngs_modulus_pa() && (too_soft || told > high * kImplausibleRatio)) {
     doubts.push_back(remark("youngs_modulus_pa", told, "Pa", taken_for, low, high));

@@ -5,21 +5,20 @@
 
 #include "analysis/estimate/object_classes.h"
 
-// The widths below are judgements, not fits: how much things of one kind differ, and how well a surface made
-// from kernels tells.
+// The widths below are judgements, not fits. They cover the variation within a class and the error of a
+// surface reconstructed from kernels.
 
 namespace livegs {
 namespace {
 
-constexpr double kProportionSd = 0.3;  // of the logarithms of the box's two ratios, among things of a kind
-constexpr double kGuessedSizeLogSd =
-    0.7;  // of the logarithm of a size whose scale is a guess: a factor 2 either way
-constexpr double kBroadShare = 0.02;  // of a kind's things that look like nothing in particular …
-constexpr double kBroadSd = 1.5;      // … with this width
+constexpr double kProportionSd = 0.3;      // of the logarithms of the box's two ratios, within a class
+constexpr double kGuessedSizeLogSd = 0.7;  // of the logarithm of a guessed size: a factor of 2 either way
+constexpr double kBroadShare = 0.02;       // weight of the broad component, for atypical objects …
+constexpr double kBroadSd = 1.5;           // … and its width
 
 double normal(double value, double sd) { return std::exp(-0.5 * value * value / (sd * sd)) / sd; }
 
-// With a broad foot, so that one odd measure never rules a kind out.
+// Normal density with a broad tail, so that one odd measurement never excludes a class.
 double forgiving(double value, double sd) {
   return (1 - kBroadShare) * normal(value, sd) + kBroadShare * normal(value, std::max(sd, kBroadSd));
 }
@@ -29,7 +28,7 @@ double size_fit(const ObjectRow& row, const ObjectFacts& facts) {
   const double longest = std::log(box_m[0]), middle = std::log(box_m[1]), shortest = std::log(box_m[2]);
   const double usual_longest = std::log(row.size_m.best), usual_middle = std::log(row.middle_m),
                usual_shortest = std::log(row.short_m);
-  // The range in the table is meant to hold nine of ten.
+  // The range in the table encloses 90 %.
   double sd = std::max(0.12, std::log(row.size_m.high / row.size_m.low) / 3.29);
   if (!facts.scale_known) sd = std::hypot(sd, kGuessedSizeLogSd);
   const double size = (longest + middle + shortest - usual_longest - usual_middle - usual_shortest) / 3;
@@ -37,8 +36,8 @@ double size_fit(const ObjectRow& row, const ObjectFacts& facts) {
          forgiving(middle - shortest - usual_middle + usual_shortest, kProportionSd);
 }
 
-// How much of their box things fill, and how much that differs, of the logarithm: the emptier the more, and
-// captured walls and frames make it more again.
+// Box filling of a class and its spread (of the logarithm). The spread grows with emptiness, and captured
+// walls and frames increase it further.
 struct Filling {
   double usual, sd;
 };
@@ -51,11 +50,11 @@ Filling usual_filling(const ObjectRow& row, bool hollow_seen) {
 double shape_fit(const ObjectRow& row, const MeshFacts& mesh) {
   double fit = 1;
   const bool open_kind = row.fill == v1::Physics::OPEN_SHELL, hollow_seen = mesh.openness > 0.2;
-  // A hollow that can be looked into is seen in things that have one; in one of three a lid of haze closes
-  // it.
+  // A hollow that is seen implies an open class. In one of three open objects haze closes the hollow.
   if (!open_kind && hollow_seen) fit *= std::max(0.1, 1 - 2 * (mesh.openness - 0.2));
   if (open_kind && !hollow_seen && mesh.solidity > 0.6) fit *= 0.33;
-  // No wall is thinner in the mesh than it is, but for noise; most are thicker, in scans and in alpha shapes.
+  // A wall of the mesh is not thinner than the real one, except for noise. Most are thicker, in scans and
+  // alpha shapes.
   if (open_kind && mesh.mean_wall_m > 0 && mesh.mean_wall_m < row.wall_m.low) {
     fit *= std::max(0.02, std::exp(-0.5 * std::pow(std::log(mesh.mean_wall_m / row.wall_m.low) / 0.3, 2)));
   }
@@ -67,12 +66,12 @@ double shape_fit(const ObjectRow& row, const MeshFacts& mesh) {
   return fit;
 }
 
-// A tie-break: colours tell little of what a thing weighs.
+// Tie-break by appearance: colours carry little information about mass.
 double looks_fit(const MaterialRow& material, const AppearanceFacts& look) {
   const Eigen::Vector3f& rgb = look.mean_rgb;
   const std::string& kind = material.material_class;
   if (look.mean_opacity > 0 && look.mean_opacity < 0.35f && look.saturation < 0.25f) {
-    return kind == "glass" ? 3 : kind == "plastic" ? 1.5 : 1;  // half transparent and colourless
+    return kind == "glass" ? 3 : kind == "plastic" ? 1.5 : 1;  // semi-transparent and colourless
   }
   if (look.saturation > 0.25f && rgb.y() > 1.1f * rgb.x() && rgb.y() > 1.2f * rgb.z()) {
     return kind == "plant" ? 3 : 1;  // mostly green

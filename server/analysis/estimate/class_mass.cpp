@@ -12,19 +12,20 @@
 namespace livegs {
 namespace {
 
-// Ranges in the tables hold nine of ten: 3.29 standard deviations wide.
+// Ranges in the tables enclose 90 %: 3.29 standard deviations wide.
 constexpr double kRange90Deviations = 3.29;
-// Of the logarithm: how well a volume and an area of a captured surface are known. Sheets and threads are
-// drawn as thick as the surface's radius allows, so that their volume says little.
+// Standard deviation of the logarithm of a captured surface's volume and area. Sheets and threads are drawn
+// as thick as the surface radius allows, so their volume is uncertain.
 constexpr double kVolumeSd = 0.15, kThinVolumeSd = 0.6, kAreaSd = 0.15;
-constexpr double kMaxThickening_ln = 0.25;  // ln of by how much, of what is not resolved at all: a judgement
-// Both looks share the size, and who wrote both tables.
+// Upper bound of ln(thickening) of unresolved features. A judgement.
+constexpr double kMaxThickening_ln = 0.25;
+// Both estimates share the size and the author of the tables.
 constexpr double kLooksCorrelation = 0.3;
-// No estimate from looks is better than this, of ln(mass).
+// Lower bound of the sd of ln(mass) for estimates from appearance.
 constexpr double kMinSd = 0.05;
-// A material that its kind usually is not of: how much less its kind says.
+// Additional sd of ln(mass) for a material unusual in the class.
 constexpr double kOtherMaterialSd = 0.35;
-// Of the logarithm of a size whose scale is a guess, as in kind_likelihood.
+// Sd of the logarithm of a guessed size, as in kind_likelihood.
 constexpr double kGuessedSizeSd = 0.7;
 
 const MessageTemplates& reasons() { return MessageTemplates::reasons(); }
@@ -37,7 +38,7 @@ bool walled(const ObjectRow& row) {
   return row.fill == v1::Physics::SHELL || row.fill == v1::Physics::OPEN_SHELL;
 }
 
-// Walls of things that people make of a material.
+// Usual wall thickness of objects of a material.
 Span3 usual_wall_m(const MaterialRow& material) {
   const auto mm = [](double low, double best, double high) {
     return Span3{1e-3 * low, 1e-3 * best, 1e-3 * high};
@@ -53,7 +54,7 @@ Span3 usual_wall_m(const MaterialRow& material) {
   return mm(1, 2.5, 6);
 }
 
-// The size the object most likely has, as a factor on what was measured, and what is left unknown.
+// Most likely size as a factor on the measured size, and its remaining uncertainty.
 struct Size {
   double factor = 1, sd = 0;
 };
@@ -61,15 +62,15 @@ Size true_size(const ObjectRow& row, const ObjectFacts& facts) {
   if (facts.scale_known) return {};
   const double usual_sd = std::max(0.12, std::log(row.size_m.high / row.size_m.low) / kRange90Deviations);
   const Eigen::Vector3d box_m = sorted_box_m(facts.mesh).cwiseMax(1e-5);
-  const double towards =
-      std::log(row.size_m.best * row.middle_m * row.short_m / box_m.prod()) / 3;  // the usual size
+  // ln of the factor to the usual size.
+  const double towards = std::log(row.size_m.best * row.middle_m * row.short_m / box_m.prod()) / 3;
   const double share =
       kGuessedSizeSd * kGuessedSizeSd / (kGuessedSizeSd * kGuessedSizeSd + usual_sd * usual_sd);
   return {std::exp(share * towards), usual_sd * std::sqrt(share)};
 }
 
-// Of the logarithm: how far density times filled volume misses the usual mass of the kind's own usual thing.
-// What is put together of parts is not as full as its outline; of a bed or a chair the surface tells little.
+// Error of density times filled volume for the typical object of the class, in ln(mass). Assemblies are less
+// full than their outline; the surface of a bed or a chair says little.
 double own_misfit(const ObjectRow& row) {
   const double volume_m3 = row.box_filling * row.size_m.best * row.middle_m * row.short_m;
   return std::log(row.mass_kg / (material_row(row.material).density_kg_m3.best * volume_m3));
@@ -88,7 +89,7 @@ Physics physics_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   physics.density_kg_m3 = material.density_kg_m3.best;
   if (walled(row) && !facts.solid) {
     const Span3 wall_m = kind.material ? usual_wall_m(*kind.material) : row.wall_m;
-    // Where a hollow was captured its wall counts twice in the area, inside and out.
+    // The area of a captured hollow counts the wall twice, inside and outside.
     const bool both_sides =
         row.fill == v1::Physics::OPEN_SHELL && (mesh.openness > 0.15 || mesh.solidity < 0.6);
     const double area_m2 = std::max(both_sides ? 0.5 * mesh.area_m2 : mesh.area_m2, 1e-12);
@@ -98,7 +99,7 @@ Physics physics_mass(const ObjectClass& kind, const ObjectFacts& facts) {
     physics.extent = area_m2;
   } else {
     const double volume_m3 = std::max(mesh.volume_m3, 1e-12);
-    // What is thinner than the surface's radius is drawn thicker than it is.
+    // Features thinner than the surface radius are drawn too thick.
     const double resolved = mesh.mean_wall_m / min_drawn_wall_m(mesh);
     const double thin = std::clamp(1.5 - resolved, 0.0, 1.0);
     const double volume_sd = facts.solid ? 0.02 : kVolumeSd + (kThinVolumeSd - kVolumeSd) * thin;
@@ -143,7 +144,7 @@ ClassMass kind_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   const Physics physics = physics_mass(kind, facts);
   ClassMass result;
   if (facts.solid) {
-    result.mass = physics.mass;  // told as what takes up room: nothing is hidden
+    result.mass = physics.mass;  // given as a volume: no hidden hollow
   } else {
     const LogNormal looks[] = {usual, physics.mass};
     result.mass = fuse(looks, kLooksCorrelation);

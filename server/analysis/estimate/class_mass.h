@@ -7,18 +7,18 @@
 
 namespace livegs {
 
-// The mass of an object of one kind, ln kilograms, from two looks: what such things weigh at this size, and
-// density times what the surface encloses, or times its wall.
+// Mass of an object of one class, in ln kilograms, from two estimates: the usual mass of such objects at this
+// size, and density times the enclosed volume or the wall volume.
 struct ClassMass {
   LogNormal mass;
-  double usual_kg = 0;    // the first look alone
-  double physics_kg = 0;  // the second look alone
-  // Its factors: a density and an area of wall, or, where the wall is 0, a volume.
+  double usual_kg = 0;    // the first estimate alone
+  double physics_kg = 0;  // the second estimate alone
+  // Factors of the second estimate: density and wall area, or, if the wall is 0, volume.
   double density_kg_m3 = 0, wall_m = 0, extent = 0;
 };
 ClassMass kind_mass(const ObjectClass& kind, const ObjectFacts& facts);
 
-// Over all kinds the object may be: best is the mean in the logarithm, low and high hold nine of ten.
+// Mass over all classes the object may have. Best is the mean of the logarithm; low and high enclose 90 %.
 MassEstimate mass_of_classes(const ObjectClasses& kinds, const ObjectFacts& facts);
 
 }  // namespace livegs

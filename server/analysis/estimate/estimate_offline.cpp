@@ -10,9 +10,9 @@
 #include "analysis/knowledge/tables.h"
 #include "core/format_text.h"
 
-// Label first, then geometry, then colour: a name with written priors halves the error that geometry alone
-// leaves, and hollowness matters more than density. object_classes and kind_mass are in that order; each
-// value says why.
+// Precedence: label, then geometry, then colour. A name with table priors halves the error of geometry alone,
+// and hollowness matters more than density. object_classes and class_mass use this order. Every value has a
+// reason.
 
 namespace livegs {
 namespace {
@@ -27,12 +27,12 @@ void set(EstimatedValue& value, const Span3& span, std::string reason) {
   value.set_reason(std::move(reason));
 }
 
-// A judgement with a relative spread, kept within [low, high].
+// A judgement with a relative spread, clamped to [low, high].
 Span3 around(double best, double spread, double low, double high) {
   return {std::max(low, best * (1 - spread)), best, std::min(high, best * (1 + spread))};
 }
 
-// What the object is taken for, and why.
+// Assumed class of the object, and the reason.
 struct Guess {
   ObjectClass kind;
   const MaterialRow* material = nullptr;
@@ -57,14 +57,14 @@ Guess guess_by_name(const ObjectClasses& kinds, const ObjectFacts& facts) {
                                 guess.material->name.c_str());
   }
   if (kinds.match.tail == NameMatch::Tail::Unknown) {
-    guess.reason += format_text("; what \"%s\" means there is not known", kinds.match.tail_words.c_str());
+    guess.reason += format_text("; the meaning of \"%s\" there is unknown", kinds.match.tail_words.c_str());
     guess.confidence *= 0.7;
   }
   if (guess.kind.probability < 0.995) guess.reason += format_text(" (%.0f %%)", 100 * guess.kind.probability);
   return guess;
 }
 
-// The material that the likely kinds share, and the likeliest of them.
+// Material shared by the likely classes, and the likeliest class.
 Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   Guess guess;
   double best = -1;
@@ -82,12 +82,13 @@ Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   }
   guess.wall_m = guess.kind.row->wall_m;
   guess.confidence = 0.1 + 0.25 * best;
-  guess.reason = format_text("no name tells; of things of its size and shape, like a %s, %.0f %% are of it",
-                             guess.kind.row->label.c_str(), 100 * best);
+  guess.reason =
+      format_text("unknown name; among things of this size and shape, like a %s, %.0f %% are made of it",
+                  guess.kind.row->label.c_str(), 100 * best);
   if (kinds.match.row) {
     guess.reason = format_text(
-        "a \"%s\" is not known, \"%s\" is only part of its name; of things of its size and shape, "
-        "like a %s, %.0f %% are of it",
+        "\"%s\" is unknown, and \"%s\" is only part of the name; among things of this size and shape, like a "
+        "%s, %.0f %% are made of it",
         facts.name.c_str(), kinds.match.alias.c_str(), guess.kind.row->label.c_str(), 100 * best);
   }
   if (kinds.material.row && guess.material->material_class == kinds.material.row->material_class) {
@@ -97,7 +98,7 @@ Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   return guess;
 }
 
-// What it is made of, where that is more than one thing: the shares are of its mass.
+// Sets the parts of an object of several materials; shares are fractions of its mass.
 void set_parts(const ObjectClass& kind, v1::PhysicalParameters& answer) {
   for (const ObjectPart& part : kind.row->parts) {
     add_material_part(answer, part.name, part.material, part.mass_share);
@@ -163,7 +164,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
        deformation_resistance(stiffness.high)},
       "from E* = s E by the paper's map");
   if (answer.fragile()) {
-    // Falls of 0.2, 0.5 and 1.2 m onto a hard floor: the speeds at which such things usually break.
+    // Drop heights of 0.2, 0.5 and 1.2 m onto a hard floor: the range in which such objects usually break.
     const double mass_kg = answer.mass_kg().best();
     set(*answer.mutable_break_impulse_n_s(), {2.0 * mass_kg, 3.1 * mass_kg, 4.9 * mass_kg},
         format_text("%s things break in falls of about half a metre", material.material_class.c_str()));

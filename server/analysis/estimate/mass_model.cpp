@@ -16,7 +16,7 @@ MassEstimate estimate_mass(const Span3& density_kg_m3, v1::Physics::Fill fill, c
   const bool walled = (fill == v1::Physics::SHELL || fill == v1::Physics::OPEN_SHELL) && wall_m.best > 0;
   MassEstimate estimate;
   if (walled) {
-    // An open shell that was captured inside and out encloses little: its area counts each wall twice.
+    // An open shell captured inside and outside encloses little, and its area counts each wall twice.
     const bool both_walls = fill == v1::Physics::OPEN_SHELL && facts.mesh.mean_wall_m < 3 * wall_m.high;
     const double wall_area = both_walls ? 0.5 * area : area;
     const auto mass = [&](double density, double wall) {
@@ -29,7 +29,8 @@ MassEstimate estimate_mass(const Span3& density_kg_m3, v1::Physics::Fill fill, c
     estimate.mass_kg = {density_kg_m3.low * volume, density_kg_m3.best * volume, density_kg_m3.high * volume};
     estimate.reason = volume_factors(density_kg_m3.best, volume);
   }
-  // A captured surface's volume or area is good to about a quarter; a guessed scale to a factor two in mass.
+  // The volume or area of a captured surface is uncertain by about a quarter; a guessed scale adds a factor
+  // of two in mass.
   const double spread = facts.scale_known ? 1.25 : 2.0;
   estimate.mass_kg.low = std::clamp(estimate.mass_kg.low / spread, kMassRange_kg.low, kMassRange_kg.high);
   estimate.mass_kg.best = std::clamp(estimate.mass_kg.best, kMassRange_kg.low, kMassRange_kg.high);

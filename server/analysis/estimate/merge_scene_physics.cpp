@@ -10,7 +10,7 @@ namespace {
 using v1::EstimatedValue;
 using v1::Physics;
 
-// Whose words they are, and how reasons speak of that.
+// Author of the values, and the wording of reasons.
 struct Author {
   EstimatedValue::Source source;
   const char* whose;                 // "the scene's"
@@ -62,8 +62,8 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
   if (written.has_fracture_pieces()) merged.set_fracture_pieces(written.fracture_pieces());
   if (written.interior_rgb_size() > 0) *merged.mutable_interior_rgb() = written.interior_rgb();
 
-  // What was told about stiffness alone means the body as a whole: no structure coefficient is guessed on top
-  // of it.
+  // A stiffness given without a structure coefficient is that of the whole body; no coefficient is guessed
+  // for it.
   const bool stiffness_told = written.has_youngs_modulus_pa() || written.has_deformation_resistance();
   if (stiffness_told && !written.has_structure_coefficient()) {
     told_as(*merged.mutable_structure_coefficient(), 1.0, whose + " stiffness is that of the whole body");
@@ -79,7 +79,7 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
             "from E* = s E by the paper's map");
   }
 
-  // The mass follows what was told of density, fill and wall, unless it was told itself.
+  // The mass follows the given density, fill and wall, unless it is given itself.
   const MaterialRow* row = find_material_row(merged.material());
   const bool filled_anew = written.fill() != Physics::FILL_UNKNOWN || written.has_wall_thickness_m();
   const bool mass_estimated = merged.mass_kg().source() == EstimatedValue::OFFLINE;

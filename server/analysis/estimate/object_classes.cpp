@@ -7,9 +7,9 @@
 namespace livegs {
 namespace {
 
-// How much more likely a kind becomes when the name also tells its class of materials ("metal bowl").
+// Odds factor of a class whose material class the name also states ("metal bowl").
 constexpr double kNamedMaterialOdds = 30;
-// How far size and shape may move the probabilities that a name gives.
+// Bound of the likelihood ratio by which size and shape change the probabilities of a name.
 constexpr double kMaxLikelihoodRatio = 50;
 
 bool told(const ObjectClasses& found, const ObjectRow& row) {
@@ -24,7 +24,7 @@ void normalise(std::vector<ObjectClass>& kinds) {
                    [](const ObjectClass& a, const ObjectClass& b) { return a.probability > b.probability; });
 }
 
-// A fake of something else: "toy hammer", "artificial lemon".
+// Row of an imitation: "toy hammer", "artificial lemon".
 const ObjectRow* replica_row(const ObjectRow& row, const std::string& rest) {
   if (row.category == "toy" || row.category == "replica" || row.category == "ball") return nullptr;
   const std::string words = ' ' + rest + ' ';
@@ -37,7 +37,7 @@ const ObjectRow* replica_row(const ObjectRow& row, const std::string& rest) {
   return nullptr;
 }
 
-// The name without what was understood of it: an "apple" is not told to be of the material apple.
+// The name without the matched words: "apple" does not also state the material apple.
 std::string without(std::string words, const std::string& alias) {
   const size_t at = words.find(alias);
   return at == std::string::npos ? words : words.erase(at, alias.size());
@@ -62,7 +62,7 @@ void kinds_by_name(const ObjectFacts& facts, ObjectClasses& found) {
                                  [&](const ObjectClass& kind) { return told(found, *kind.row); });
     for (ObjectClass& kind : found.kinds) {
       if (any && told(found, *kind.row)) kind.probability *= kNamedMaterialOdds;
-      // "wooden" beside something that is of wood anyway adds nothing to what its kind says; "oak" does.
+      // "wooden" adds nothing for a class that is wood by default; "oak" does.
       const bool differs =
           found.material.outright ? found.material.row->name != kind.row->material : !told(found, *kind.row);
       if (differs && (!any || told(found, *kind.row))) kind.material = found.material.row;
@@ -72,11 +72,11 @@ void kinds_by_name(const ObjectFacts& facts, ObjectClasses& found) {
     found.kinds.front().probability = 1;
     return;
   }
-  // The first thing a name means may have any size; what else it may mean has to fit.
+  // The first meaning of a name may have any size; its other meanings must fit.
   double most = 0;
   std::vector<double> fits;
   for (const ObjectClass& kind : found.kinds) {
-    // A replica has the size and shape of what it stands for.
+    // A replica has the size and shape of its original.
     fits.push_back(kind_likelihood(kind.row->category == "replica" ? row : *kind.row, facts));
     most = std::max(most, fits.back());
   }
@@ -86,11 +86,11 @@ void kinds_by_name(const ObjectFacts& facts, ObjectClasses& found) {
   normalise(found.kinds);
 }
 
-// How far a name is believed whose last word is not in the table: it may be a place or a person, and a "mug
-// tuesday" is a mug. Where that word makes another thing of it, next to nothing is left. Judgements.
+// Weight of a name whose last word is not in the table. An unknown word may be a place or a person: a "mug
+// tuesday" is a mug. A word that forms another object leaves almost no weight. Judgements.
 constexpr double kTailUnknown = 0.5, kTailOther = 0.05;
 
-// How much oftener than another kind it stands in a room or is captured. A judgement.
+// Relative frequency of a class in rooms and captures. A judgement.
 double commonness(const ObjectRow& row) {
   if (row.category == "package") return 2;
   if (row.category == "living" || row.category == "vehicles") return 0.3;
@@ -107,7 +107,7 @@ void kinds_by_looks(const ObjectFacts& facts, ObjectClasses& found) {
     found.kinds.push_back({&row, weight, nullptr});
   }
   normalise(found.kinds);
-  // Those that make no difference are left out.
+  // Negligible classes are removed.
   size_t kept = 0;
   double sum = 0;
   while (kept < found.kinds.size() && sum < 0.995) sum += found.kinds[kept++].probability;

@@ -9,7 +9,7 @@
 
 namespace livegs {
 
-// A value of PhysicalParameters and the field of Physics that tells it.
+// A value of PhysicalParameters and the field of Physics that sets it.
 struct PhysicsValue {
   const char* name;  // of both
   const v1::EstimatedValue& (v1::PhysicalParameters::*get)() const;
@@ -19,16 +19,16 @@ struct PhysicsValue {
 };
 std::span<const PhysicsValue> physics_values();
 
-// Whether a person or the scene said it: nothing else takes its place.
+// True if the value is from a user or the scene; such a value is not replaced.
 bool is_locked(const v1::EstimatedValue& value);
 
 inline Span3 span_of(const v1::EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
 
-// `mass_share`: of the object's mass, 0 to 1.
+// `mass_share`: fraction of the object's mass, 0 to 1.
 void add_material_part(v1::PhysicalParameters& parameters, const std::string& name,
                        const std::string& material, double mass_share);
 
-// Who said a value, in a word for a person: "offline" (the offline estimator), "model", "scene", "person",
+// Name of a value's source for users: "offline" (the offline estimator), "model", "scene", "person",
 // "default", "unknown".
 const char* source_name(v1::EstimatedValue::Source source);
 

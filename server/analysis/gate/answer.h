@@ -11,8 +11,8 @@
 #include "analysis/text/message_templates.h"
 #include "core/result.h"
 
-// What a language model answers about one object, in the schema `livegs.analysis/1`, read without trusting a
-// byte of it. This is the one place where grams, megapascals and millimetres become SI.
+// A language model's answer about one object, in the schema `livegs.analysis/1`, parsed as untrusted input.
+// Grams, megapascals and millimetres are converted to SI only here.
 
 namespace livegs {
 
@@ -23,17 +23,17 @@ inline constexpr size_t kMaxAnswerSources = 8;
 
 struct AnswerPart {
   std::string name;
-  const MaterialRow* material = nullptr;  // of the table
-  double share = 0;                       // of the mass; the parts' shares add up to 1
+  const MaterialRow* material = nullptr;  // row of the table
+  double share = 0;                       // fraction of the mass; the parts' shares sum to 1
   std::optional<double> thickness_m;
 };
 
 struct Answer {
-  std::string name, description, evidence;  // printable, cut to a length; only ever shown
+  std::string name, description, evidence;  // printable, truncated; for display only
   std::optional<double> name_confidence;
   std::optional<bool> replica;
-  std::vector<std::string> kb_ids;                     // rows of the tables it went by; those that there are
-  v1::Physics::Fill fill = v1::Physics::FILL_UNKNOWN;  // FILL_UNKNOWN: an assembly
+  std::vector<std::string> kb_ids;                     // existing table rows that the answer cites
+  v1::Physics::Fill fill = v1::Physics::FILL_UNKNOWN;  // FILL_UNKNOWN for an assembly
   v1::Physics::Behavior behavior = v1::Physics::RIGID;
   std::vector<AnswerPart> parts;  // largest share first; at least one
   Span3 mass_kg;
@@ -44,18 +44,19 @@ struct Answer {
   std::optional<double> friction, restitution;
   std::optional<double> longest_side_m;
   double confidence = 0.5;
-  bool blind = false;                // given without having seen the pictures
-  std::vector<std::string> changes;  // what was read otherwise than it stands there, a line each
+  bool blind = false;                // given without pictures
+  std::vector<std::string> changes;  // values that were interpreted or corrected, one line each
 };
 
-// The object in the text, also among prose or in a fence, checked: UTF-8, size, depth, types, enumerators,
-// finite, low <= best <= high, within kMaxRangeRatio, within the ranges above. The error is one line of
-// prompts/complaints.json that names the field and tells the model how to mend it. Pure; any bytes; any
-// thread.
+// Parses and checks the answer object in a text, also within prose or a fence. Checks: UTF-8, size, depth,
+// types, enumerators, finite values, low <= best <= high, kMaxRangeRatio and the ranges above. The error is
+// one line of prompts/complaints.json; it names the field and the correction for the model.
+// Pure; accepts any bytes; any thread.
 Result<Answer> read_answer(std::string_view text,
                            const MessageTemplates& words = MessageTemplates::built_in());
 
-// Text of a model, fit to be shown: control characters and broken UTF-8 gone, at most `characters` long.
+// Sanitises a model's text for display: removes control characters and invalid UTF-8, truncates at
+// `characters`.
 std::string shown_text(std::string_view text, size_t characters);
 
 }  // namespace livegs

@@ -44,7 +44,7 @@ Result<json> answer_object(std::string_view text, const MessageTemplates& words)
   if (!is_utf8(text)) return invalid_data(words.say("not_utf8"));
   std::optional<json> found;
   bool too_deep = false;
-  // Each search for a closing brace may run to the end, so their number is bounded.
+  // Bounds the number of searches for a closing brace, each of which may scan to the end.
   int searches = 0;
   for (size_t at = text.find('{'); at != std::string_view::npos && searches < 64; ++searches) {
     const auto [end, depth] = json_extent(text, at, kMaxAnswerDepth);

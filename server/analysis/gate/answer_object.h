@@ -9,9 +9,9 @@
 
 namespace livegs {
 
-// The one JSON object with a "mass_g" in a text, which may stand among prose or in a fence. Any bytes.
-// Errors, in the words of prompts/complaints.json: too long, not UTF-8, nested too deep, no such object, more
-// than one that differ.
+// Extracts the one JSON object with a "mass_g" from a text, also within prose or a fence. Accepts any bytes.
+// Errors, as lines of prompts/complaints.json: too long, not UTF-8, nested too deeply, no such object,
+// several different ones.
 Result<nlohmann::json> answer_object(std::string_view text,
                                      const MessageTemplates& words = MessageTemplates::built_in());
 

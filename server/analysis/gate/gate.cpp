@@ -9,7 +9,7 @@
 #include "core/format_text.h"
 #include "physics/material.h"
 
-// Fusion: step 9 of the gate, whose outcome step 8 (gate_prior.h) then judges.
+// Fusion: step 9 of the gate. Step 8 (prior_check.h) judges its result.
 
 namespace livegs {
 namespace {
@@ -17,18 +17,17 @@ namespace {
 using v1::EstimatedValue;
 using v1::Physics;
 
-// A guessed scale may be off by as much.
+// Uncertainty factor of a guessed scale.
 constexpr double kMaxSizeRatio = 2.0;
-// A 90 % range reaches 1.645 standard deviations to each side. Models give ranges that are too narrow, so
-// none counts as better than 10 % in mass; a single number as good to a third.
+// A 90 % range is 1.645 standard deviations to each side. Models give ranges that are too narrow: a range is
+// not narrower than 10 % in mass, and a single number counts as uncertain by a third.
 constexpr double kRangeDeviations = 3.29;
 constexpr double kMinDeviation = 0.10, kSingleValueDeviation = 0.33;
 constexpr double kMaxConfidence = 0.95;
-// Rubber and wood vary less from piece to piece than numbers for friction and bounce do from source to
-// source.
+// Friction and restitution vary more between sources than rubber or wood does between pieces.
 constexpr double kLinearSpread = 0.15;
 
-// The one door: whatever was widened, fused or put to the vote on its way here, it ends within `hard`.
+// Sets a value, clamped to `hard`. All widened, fused and voted values pass through this function.
 void set(EstimatedValue& value, const Span3& span, ValueRange hard, std::string reason) {
   const auto kept = [&](double one) { return std::clamp(one, hard.low, hard.high); };
   value.set_low(kept(std::min(span.low, span.best)));
@@ -43,11 +42,11 @@ double deviation(const Span3& span) {
   return std::max(kMinDeviation, std::log(span.high / span.low) / kRangeDeviations);
 }
 
-// Two 90 % ranges as one: means weighed by inverse variance, in logarithms.
+// Fuses two 90 % ranges: means weighted by inverse variance, in logarithms.
 Span3 fuse(const Span3& a, const Span3& b) {
   const double sa = deviation(a), sb = deviation(b), wa = 1 / (sa * sa), wb = 1 / (sb * sb);
   const double mean = (wa * std::log(a.best) + wb * std::log(b.best)) / (wa + wb);
-  // Where they disagree by more than their ranges say, the range covers that too.
+  // Ranges that disagree by more than their widths: the result covers the gap.
   const double apart = std::abs(std::log(a.best / b.best));
   const double half =
       0.5 * kRangeDeviations * std::sqrt(1 / (wa + wb)) + 0.25 * std::max(0.0, apart - sa - sb);
@@ -61,7 +60,7 @@ std::string model_says(const Answer& answer) {
   return (answer.blind ? "the model, without pictures: " : "the model saw: ") + answer.evidence;
 }
 
-// Wall of the part that most of a shell's mass is in.
+// Wall thickness of the part with most of a shell's mass.
 std::optional<double> wall_of(const Answer& answer, const ObjectFacts& facts) {
   for (const AnswerPart& part : answer.parts) {
     if (!part.thickness_m) continue;
@@ -71,7 +70,8 @@ std::optional<double> wall_of(const Answer& answer, const ObjectFacts& facts) {
   return std::nullopt;
 }
 
-// The answer's own, also where it has none: the estimate's belong to the thing that the estimate took it for.
+// Takes the parts of the answer, even if there are none: the estimate's parts belong to the class assumed
+// there.
 void set_parts(const Answer& answer, v1::PhysicalParameters& result) {
   result.clear_parts();
   if (answer.parts.size() < 2) return;
@@ -80,22 +80,22 @@ void set_parts(const Answer& answer, v1::PhysicalParameters& result) {
   }
 }
 
-// How far friction (as a factor), restitution and plasticity of a thing are from its material's: finish and
-// wear.
+// Maximum deviation of friction (a factor), restitution and plasticity from those of the material, due to
+// finish and wear.
 constexpr double kFrictionReach = 2.0, kRestitutionReach = 0.3, kPlasticityReach = 0.4;
 
-// What is told of a value, brought within reach of the material's.
+// Clamps a value of the answer to the reach of the material's.
 double within_reach(double told, double low, double high, const char* field, const MaterialRow& material,
                     std::vector<std::string>& changes) {
   const double kept = std::clamp(told, low, high);
   if (kept != told)
-    changes.push_back(format_text("%s: %.3g was brought to %.3g, as near as %s comes to it", field, told,
-                                  kept, material.name.c_str()));
+    changes.push_back(format_text("%s: %.3g was changed to %.3g, the limit for %s", field, told, kept,
+                                  material.name.c_str()));
   return kept;
 }
 
-// What the answer comes to, put in place of all that is not locked. Whether E is held against the prior
-// depends on whether both speak of the same material.
+// Applies the answer to all values that are not locked. E is fused with the prior only if both name the same
+// material.
 v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
                              const v1::PhysicalParameters& offline, std::vector<std::string>& changes) {
   v1::PhysicalParameters result = offline;
@@ -113,12 +113,12 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
 
   EstimatedValue& mass = *result.mutable_mass_kg();
   if (is_locked(mass)) {
-    changes.push_back("mass_g: left out, the mass is " +
+    changes.push_back("mass_g: ignored, the mass is " +
                       std::string(mass.source() == EstimatedValue::PERSON ? "a person's" : "the scene's"));
   } else if (kMassRange_kg.holds(mass.best())) {
     const Span3 both = fuse(answer.mass_kg, span_of(mass));
     set(mass, both, kMassRange_kg,
-        format_text("%.4g g by the model and %.4g g by geometry and kind, weighed by their ranges; ",
+        format_text("%.4g g by the model and %.4g g by geometry and kind, weighted by their ranges; ",
                     answer.mass_kg.best * 1e3, mass.best() * 1e3) +
             model_says(answer));
     changes.push_back(format_text("mass_g: %.4g fused with %.4g to %.4g", answer.mass_kg.best * 1e3,
@@ -132,7 +132,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
     if (answer.youngs_modulus_pa && same_class && kYoungsRange_pa.holds(young.best())) {
       const double prior = young.best();
       set(young, fuse(*answer.youngs_modulus_pa, span_of(young)), kYoungsRange_pa,
-          format_text("%.3g MPa by the model, weighed with the table's %.3g MPa; ",
+          format_text("%.3g MPa by the model, weighted with the table's %.3g MPa; ",
                       answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6) +
               material.name);
       changes.push_back(format_text("young_mpa: %.4g fused with %.4g to %.4g",
@@ -199,7 +199,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
                              model_says(answer));
   result.set_fragile(answer.fragile);
   if (answer.fragile && !is_locked(result.break_impulse_n_s())) {
-    // Falls of 0.2, 0.5 and 1.2 m, as the offline estimate has them.
+    // Drop heights of 0.2, 0.5 and 1.2 m, as in the offline estimate.
     const double kg = result.mass_kg().best();
     set(*result.mutable_break_impulse_n_s(), {2.0 * kg, 3.1 * kg, 4.9 * kg},
         {0, 5 * std::max(kg, kMassRange_kg.high)}, "a fall of about half a metre");
@@ -207,20 +207,20 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   return result;
 }
 
-// What else it says of the object, for the person who reads the record: no value rests on it.
+// Other statements of the answer, for the reader of the record; they affect no value.
 std::vector<std::string> remarks_of(const Answer& answer, const ObjectFacts& facts) {
   std::vector<std::string> remarks;
-  std::string name = "it took the object for \"" + answer.name + "\"";
-  if (answer.name_confidence) name += format_text(", sure of that to %.2g", *answer.name_confidence);
-  if (answer.replica) name += *answer.replica ? ", a toy or a fake of one" : ", a real one";
+  std::string name = "the object was taken for \"" + answer.name + "\"";
+  if (answer.name_confidence) name += format_text(", with confidence %.2g", *answer.name_confidence);
+  if (answer.replica) name += *answer.replica ? ", a toy or an imitation" : ", a real one";
   remarks.push_back(std::move(name));
   const double stands_m = facts.mesh.size_m.maxCoeff();
   if (answer.longest_side_m && stands_m > 0) {
     std::string size =
-        format_text("it took it to be %.3g m long; it stands %.3g m long", *answer.longest_side_m, stands_m);
+        format_text("assumed length %.3g m; length in the scene %.3g m", *answer.longest_side_m, stands_m);
     if (std::abs(std::log(*answer.longest_side_m / stands_m)) > std::log(kMaxSizeRatio)) {
-      size += facts.scale_known ? ", which was measured"
-                                : ", which is a guess: if the model is right, give the object a scale";
+      size += facts.scale_known ? ", which is measured"
+                                : ", which is a guess; if the model is right, set the scale of the object";
     }
     remarks.push_back(std::move(size));
   }

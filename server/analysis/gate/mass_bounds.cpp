@@ -11,21 +11,21 @@ namespace {
 
 using v1::Physics;
 
-// Nothing that stands is lighter than air; the thinnest films that are sold (cling film, rescue blankets,
-// balloons) weigh more than this.
+// Lower bounds of density and areal density: air, and the thinnest films sold (cling film, rescue blankets,
+// balloons).
 constexpr double kAir_kg_m3 = 1.0, kFilm_kg_m2 = 5e-3;
-// A hull, or a density of the table, is that much too small at most.
+// Maximum factor by which a hull, or a table density, is too small.
 constexpr double kRoomSlack = 4.0, kFoamSlack = 2.0;
-// A surface is a lump's where it is compact and thicker than the reconstruction draws it anyway.
+// A surface is that of a lump if it is compact and thicker than the thinnest wall of the reconstruction.
 constexpr double kCompactSolidity = 0.7, kCompactOpenness = 0.15, kMinResolvedRatio = 1.5;
-// People call solid what is of one stuff: a bed, a wheel, a shell of the sea, a candlestick. A surface around
-// its members holds up to that much air, and no member is thinner than sheet metal. What fills its box least
-// in objects.csv and is drawn true, a ladle, holds 32 times its stuff.
+// Solid objects of one material may enclose air: a bed, a wheel, a seashell, a candlestick. kAirSlack is the
+// maximum ratio of enclosed volume to material; kMinMemberThickness_m is the thickness of sheet metal. The
+// emptiest resolved class of objects.csv, a ladle, has a ratio of 32.
 constexpr double kAirSlack = 64.0, kMinMemberThickness_m = 1e-4;
-// A wall is told in round millimetres, of its thickest place, and may be pierced; rubber that was blown up,
-// as it was before: five times as long and wide.
+// Wall thickness is stated in round millimetres at the thickest place, and walls may be pierced. That of
+// inflated rubber may be stated before inflation; kBlownSlack allows five times the length and width.
 constexpr double kWallSlack = 12.0, kBlownSlack = 25.0;
-// A part of less than this share of the mass names nothing.
+// Parts below this share of the mass are not named.
 constexpr double kMinNamedShare = 0.1;
 
 bool of_class(const MaterialRow& material, std::initializer_list<const char*> classes) {
@@ -33,13 +33,13 @@ bool of_class(const MaterialRow& material, std::initializer_list<const char*> cl
                      [&](const char* one) { return material.material_class == one; });
 }
 
-// Cloth, stuffing, paper, leaves and wickerwork hold air between themselves, machines within.
+// True for materials that hold air: cloth, stuffing, paper, leaves, wickerwork; and for machines.
 bool airy(const MaterialRow& material) {
   return of_class(material, {"textile", "stuffed", "paper", "plant", "assembly"}) ||
          material.name == "wicker";
 }
 
-// Whether it comes as films, foils, threads and veneers.
+// True for materials that come as films, foils, threads or veneers.
 bool comes_thin(const MaterialRow& material) {
   return !of_class(material, {"ceramic", "glass", "stone", "food", "stuffed", "assembly", "other"});
 }
@@ -53,14 +53,14 @@ double box_area_m2(const MeshFacts& mesh) {
   return 2 * (box_m[0] * box_m[1] + box_m[1] * box_m[2] + box_m[2] * box_m[0]);
 }
 
-// Of the stuff that it names, how much there must be by what it says of the filling; 0: nothing is said. What
-// is filled or put together may hold what it does not name, and a surface may enclose air.
+// Minimum volume of the named materials for the stated fill, m³; 0 if unknown. Filled objects and assemblies
+// may contain unnamed material, and a surface may enclose air.
 double least_stuff_m3(const Answer& answer, const ObjectFacts& facts) {
   const MeshFacts& mesh = facts.mesh;
   for (const AnswerPart& part : answer.parts) {
     if (part.share >= kMinNamedShare && airy(*part.material)) return 0;
   }
-  // A hull's area is at most its box's: what is captured inside and out counts once.
+  // The area of a hull is at most that of its box; surfaces captured inside and outside count once.
   const double seen_m2 = std::min(mesh.area_m2, box_area_m2(mesh));
   if (answer.fill == Physics::SOLID) {
     const bool compact =
@@ -70,7 +70,7 @@ double least_stuff_m3(const Answer& answer, const ObjectFacts& facts) {
   }
   const std::optional<double> wall_m = answer.parts.front().thickness_m;
   if ((answer.fill != Physics::SHELL && answer.fill != Physics::OPEN_SHELL) || !wall_m) return 0;
-  // What is open may have been captured inside and out.
+  // An open object may have been captured inside and outside.
   const double wall_m2 = answer.fill == Physics::OPEN_SHELL ? 0.5 * mesh.area_m2 : seen_m2;
   const bool blown = answer.fill == Physics::SHELL && of_class(*answer.parts.front().material, {"elastomer"});
   return std::min(*wall_m * wall_m2, mesh.volume_m3) / (blown ? kBlownSlack : kWallSlack);
@@ -90,24 +90,24 @@ double min_mass_kg(const Answer& answer, const ObjectFacts& facts) {
 std::string mass_at_odds(const Answer& answer, const ObjectFacts& facts) {
   double least_m3 = 0, most_m3 = 0;
   for (const AnswerPart& part : answer.parts) {
-    // Foams come much denser than those of the table.
+    // Foams exist at much higher densities than those of the table.
     const double slack = of_class(*part.material, {"foam"}) ? kFoamSlack : 1.0;
     least_m3 += answer.mass_kg.best * part.share / (slack * part.material->density_kg_m3.high);
     most_m3 += answer.mass_kg.best * part.share / part.material->density_kg_m3.low;
   }
   const double scale = facts.scale_known ? 1.0 : kGuessedVolumeRatio;
   const double holds_m3 = std::max(facts.mesh.volume_m3, facts.mesh.hull_volume_m3);
-  // What is filled may hold what it does not name.
+  // Filled objects may contain unnamed material.
   if (answer.fill != Physics::FILLED && holds_m3 > 0 && least_m3 > holds_m3 * kRoomSlack * scale) {
-    return format_text("mass_g.best: %.4g g of %s take up %.3g cm3 at least, and the object is of %.3g cm3",
+    return format_text("mass_g.best: %.4g g of %s take up at least %.3g cm3, and the object has %.3g cm3",
                        answer.mass_kg.best * 1e3, materials_of(answer).c_str(), least_m3 * 1e6,
                        holds_m3 * 1e6);
   }
   const double needed_m3 = least_stuff_m3(answer, facts) / scale;
   if (most_m3 >= needed_m3) return "";
-  return format_text("mass_g.best: %.4g g of %s are %.3g cm3 at most, and %s has %.3g cm3 of it at least",
+  return format_text("mass_g.best: %.4g g of %s are at most %.3g cm3, and %s has at least %.3g cm3 of it",
                      answer.mass_kg.best * 1e3, materials_of(answer).c_str(), most_m3 * 1e6,
-                     answer.fill == Physics::SOLID ? "a thing of this size, be it hollow,"
+                     answer.fill == Physics::SOLID ? "a thing of this size, even if hollow,"
                                                    : "a wall of this thickness and area",
                      needed_m3 * 1e6);
 }

@@ -6,21 +6,21 @@
 #include "analysis/estimate.h"
 #include "analysis/gate/answer.h"
 
-// What the room that an object takes up and the stuff that an answer names leave open for its mass, whatever
-// it is called. Pure; any thread.
+// Mass bounds from an object's volume and the materials of an answer, independent of its name. Pure; any
+// thread.
 
 namespace livegs {
 
-// The least that a thing of this size and stuff weighs, kilograms, for a metric scale: the air of its box;
-// for what is blown, rolled, spun or woven thin the thinnest film on every face that is seen, and nothing
-// where its surface is drawn thicker than it is. 0: nothing is known.
+// Minimum mass of an object of this size and material, in kilograms, for a metric scale: the air in its box.
+// For materials that are blown, rolled, spun or woven thin: the thinnest film on every visible face, or
+// nothing if the surface is drawn too thick. 0 if unknown.
 double min_mass_kg(const Answer& answer, const ObjectFacts& facts);
 
-// Whether the materials that it names take up more room than there is, or too little for what it says of the
-// filling: why, one line for a person; empty: neither.
+// Checks the volume of the answer's materials against the object: too large for the room, or too small for
+// the stated fill. Returns the reason as one line for a user, or "" if consistent.
 std::string mass_at_odds(const Answer& answer, const ObjectFacts& facts);
 
-// The materials of its largest parts.
+// Names the materials of the largest parts.
 std::string materials_of(const Answer& answer);
 
 }  // namespace livegs

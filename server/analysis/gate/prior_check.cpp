@@ -18,7 +18,7 @@ using v1::EstimatedValue;
 using v1::Physics;
 
 constexpr double kMaxPriorRatio = 8.0;
-// A part of less than this share of the mass holds nothing and names nothing.
+// Parts below these shares of the mass are not structural, or not named.
 constexpr double kMinStructuralShare = 0.05, kMinNamedPriorShare = 0.1;
 
 Span3 product(const Span3& a, const Span3& b) { return {a.low * b.low, a.best * b.best, a.high * b.high}; }
@@ -28,9 +28,9 @@ bool far(double value, const Span3& prior) {
   return !within && !(std::abs(std::log(value / prior.best)) <= std::log(kMaxPriorRatio));
 }
 
-// One of the things that the name may mean.
+// A possible meaning of the name.
 struct KnownKind {
-  std::vector<std::string> classes;  // of its material, then of its parts'
+  std::vector<std::string> classes;  // of its material, then of its parts
   Span3 stiffness_pa;                // E* = s E
 };
 
@@ -43,8 +43,8 @@ bool means(const ObjectRow& name, const ObjectRow& thing) {
                                         [&](const auto& other) { return other.label == thing.label; });
 }
 
-// Empty where the object is not known by a name. The scale is left out of it: it moves the mass, not the
-// material.
+// Possible meanings of the name; empty if the name is unknown. The scale is ignored because it changes the
+// mass, not the material.
 std::vector<KnownKind> known_kinds(const ObjectClasses& found, const ObjectFacts& facts,
                                    const v1::PhysicalParameters& offline) {
   const bool named = found.match.row && found.match.tail == NameMatch::Tail::Nothing;
@@ -61,13 +61,13 @@ std::vector<KnownKind> known_kinds(const ObjectClasses& found, const ObjectFacts
   const auto material_of = [](const ObjectClass& kind) -> const MaterialRow& {
     return kind.material ? *kind.material : material_row(kind.row->material);
   };
-  // A "wooden bowl" means none of steel, where it means any of wood.
+  // "wooden bowl" excludes steel bowls and keeps all bowls of wood.
   const auto told = [&](const ObjectClass& kind) {
     return found.material.row && material_of(kind).material_class == found.material.row->material_class;
   };
   const bool any_told = std::any_of(found.kinds.begin(), found.kinds.end(), told);
   for (const ObjectClass& kind : found.kinds) {
-    if (found.kinds.size() > 1 && !means(*found.match.row, *kind.row)) continue;  // by its looks
+    if (found.kinds.size() > 1 && !means(*found.match.row, *kind.row)) continue;  // added by appearance
     if (any_told && !told(kind)) continue;
     KnownKind one;
     one.classes.push_back(material_of(kind).material_class);
@@ -78,9 +78,8 @@ std::vector<KnownKind> known_kinds(const ObjectClasses& found, const ObjectFacts
   return known;
 }
 
-// Whether what it is made of is what one of the kinds may be of. What is put together may be of anything; and
-// that a thing is of another hard or of another soft material than its name says is the model's to see, where
-// it agrees on the thing.
+// True if the materials fit one of the known classes. An assembly may have any material. A hard material may
+// replace another hard one, and a soft one another soft one, if the answer agrees on the class.
 bool material_fits(const Answer& answer, const ObjectClasses& found, const std::vector<KnownKind>& known) {
   const auto fits = [&](const std::string& material_class, bool agreed) {
     for (const KnownKind& kind : known) {
@@ -106,7 +105,7 @@ bool material_fits(const Answer& answer, const ObjectClasses& found, const std::
   return agreed && any(true);
 }
 
-// What is rigid is held by something that is; a crumb of stoneware in foam holds nothing.
+// A rigid object needs a rigid structural part; a small stoneware part in foam is not structural.
 std::string rigid_at_odds(const Answer& answer, const v1::PhysicalParameters& proposal) {
   if (proposal.behavior() != Physics::RIGID) return "";
   double young = 0;
@@ -135,12 +134,12 @@ std::string behaviour_far(const v1::PhysicalParameters& proposal, const v1::Phys
     if (rigid ? kind.stiffness_pa.best >= kSoftStiffness_pa : kind.stiffness_pa.best <= kRigidStiffness_pa)
       return "";
   }
-  return format_text("behaviour: %s, where a thing called \"%s\" is %s, with s E = %.3g MPa",
+  return format_text("behaviour: %s, but an object called \"%s\" is %s, with s E = %.3g MPa",
                      rigid ? "rigid" : "elastic", offline.label().c_str(), rigid ? "elastic" : "rigid",
                      known.front().stiffness_pa.best * 1e-6);
 }
 
-// Held against each other as E* = s E: what one calls thin, the other calls soft.
+// Compares E* = s E, because a thin structure and a soft material are interchangeable.
 std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& proposal,
                           const std::vector<KnownKind>& known) {
   const EstimatedValue& young = proposal.youngs_modulus_pa();
@@ -185,7 +184,7 @@ std::string check_prior(const Answer& answer, const ObjectFacts& facts, const v1
   if (known.empty()) return "";
   if (auto why = behaviour_far(proposal, offline, known); !why.empty()) return why;
   if (!material_fits(answer, found, known)) {
-    return format_text("parts: %s, where a thing called \"%s\" is of %s", materials_of(answer).c_str(),
+    return format_text("parts: %s, but an object called \"%s\" is made of %s", materials_of(answer).c_str(),
                        offline.label().c_str(), offline.material().c_str());
   }
   return stiffness_far(answer, proposal, known);

@@ -6,14 +6,16 @@
 #include "analysis/estimate.h"
 #include "analysis/gate/answer.h"
 
-// Step 8 of the gate. `proposal` is what the answer comes to, fused with `offline`, what the object has now.
+// Step 8 of the gate. `proposal` holds the answer fused with `offline`, the current values of the object.
 
 namespace livegs {
 
-// Far from what was known, or at odds with itself in what it would install: why, one line; empty when it is
-// neither. E* = s E, behaviour and material are those of the proposal, so that a null in the answer hides
-// nothing. They are held against all that the name may mean, however uncertain the scale is; where no name is
-// known, against nothing.
+// Compares a proposal with the prior and checks its consistency. Returns the reason for a review as one line,
+// or "" if none.
+//
+// E* = s E, behaviour and material are those of the proposal, so that a null in the answer is checked as
+// well. They are compared with all meanings of the name, for any uncertainty of scale. Without a known name
+// they are not compared.
 std::string check_prior(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                         const v1::PhysicalParameters& proposal);
 

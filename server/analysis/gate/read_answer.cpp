@@ -10,8 +10,8 @@
 #include "analysis/knowledge/tables.h"
 #include "analysis/text/prompt_text.h"
 
-// Steps 1 to 4 of the gate: parse, schema, order, hard ranges. The first thing that is wrong ends the
-// reading; what is merely odd is mended and noted.
+// Steps 1 to 4 of the gate: parse, schema, order, hard ranges. The first error ends the reading; unusual
+// values are corrected and noted.
 
 namespace livegs {
 namespace {
@@ -36,7 +36,7 @@ class Reader {
  public:
   Reader(const json& object, const MessageTemplates& words) : object_(object), words_(words) {}
 
-  // Each gives nothing and keeps the first error where the field will not do.
+  // The readers below return nothing and store the first error if a field is invalid.
   const json* find(const char* field) const {
     const auto found = object_.find(field);
     return found == object_.end() || found->is_null() ? nullptr : &*found;
@@ -76,7 +76,7 @@ class Reader {
     const json* value = find(field);
     return value && !failed() ? number(*value, field, range) : std::nullopt;
   }
-  // {low, best, high}; a bare number stands for all three.
+  // {low, best, high}; a bare number is used for all three.
   std::optional<Span3> span(const json& value, const std::string& field, ValueRange range, double factor) {
     if (value.is_number()) {
       const auto one = number(value, field, range, factor);
@@ -157,8 +157,7 @@ class Reader {
     if (failed()) return;
     if (!(sum > 0)) return fail("parts_no_share");
     if (std::abs(sum - 1) > 0.02) {
-      answer.changes.push_back("parts: the shares added up to " + number_text(sum) +
-                               " and were brought to 1");
+      answer.changes.push_back("parts: the shares added up to " + number_text(sum) + " and were scaled to 1");
     }
     for (AnswerPart& part : answer.parts) part.share /= sum;
     std::stable_sort(answer.parts.begin(), answer.parts.end(),
@@ -190,9 +189,9 @@ class Reader {
     }
     const auto thickness = value.find("thickness_mm");
     if (!failed() && thickness != value.end() && !thickness->is_null()) {
-      // A solid part may well say 0.
+      // A solid part may have thickness 0.
       if (thickness->is_number() && thickness->get<double>() == 0) {
-        answer.changes.push_back(field + ".thickness_mm: 0 was left out");
+        answer.changes.push_back(field + ".thickness_mm: 0 was ignored");
       } else {
         part.thickness_m = number(*thickness, field + ".thickness_mm", kWallRange_m, 1e-3);
       }
@@ -210,9 +209,9 @@ class Reader {
         answer.plasticity = one->plasticity;
     }
     if (!answer.plasticity && !failed())
-      answer.changes.push_back("plasticity_level: is not of the ladder, left out");
+      answer.changes.push_back("plasticity_level: not a level of the scale, ignored");
   }
-  // No value rests on these four: what will not do of them is left out and the answer stands.
+  // The next four fields affect no value: invalid ones are ignored and the answer stays valid.
   void size() {
     const json* value = find("size_m");
     if (!value || failed()) return;
@@ -226,7 +225,7 @@ class Reader {
     if (sound) {
       answer.longest_side_m = longest;
     } else {
-      answer.changes.push_back("size_m: is not three lengths in metres, left out");
+      answer.changes.push_back("size_m: not three lengths in metres, ignored");
     }
   }
   void confidence() {
@@ -236,7 +235,7 @@ class Reader {
     if (kUnitRange.holds(number)) {
       answer.confidence = number;
     } else {
-      answer.changes.push_back("confidence: is no number from 0 to 1, left out");
+      answer.changes.push_back("confidence: not a number from 0 to 1, ignored");
     }
   }
   void name_confidence() {
@@ -246,7 +245,7 @@ class Reader {
     if (kUnitRange.holds(number)) {
       answer.name_confidence = number;
     } else {
-      answer.changes.push_back("name_confidence: is no number from 0 to 1, left out");
+      answer.changes.push_back("name_confidence: not a number from 0 to 1, ignored");
     }
   }
   void sources() {
@@ -263,7 +262,8 @@ class Reader {
         ++unknown;
       }
     }
-    if (unknown > 0) answer.changes.push_back("kb_ids: " + std::to_string(unknown) + " of no row, left out");
+    if (unknown > 0)
+      answer.changes.push_back("kb_ids: " + std::to_string(unknown) + " without a row, ignored");
   }
   void ignored_fields() {
     size_t ignored = 0;
@@ -272,11 +272,11 @@ class Reader {
       const bool known = std::any_of(std::begin(kKnownFields), std::end(kKnownFields),
                                      [&](const char* one) { return field == one; });
       if (!known && ++ignored <= 4)
-        answer.changes.push_back(shown_text(field, 32) + ": is no field, left out");
+        answer.changes.push_back(shown_text(field, 32) + ": not a field of the schema, ignored");
     }
   }
 
-  // By a line of prompts/complaints.json.
+  // Stores the error as a line of prompts/complaints.json.
   void fail(std::string_view line,
             std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
     if (!error_) error_ = invalid_data(words_.say(line, slots));
@@ -291,7 +291,7 @@ class Reader {
     fail("other_type",
          {{"field", field}, {"type", std::string("JSON ") + value.type_name()}, {"form", words_.say(form)}});
   }
-  // Of a field's numbers.
+  // Unit of a field's numbers.
   std::string unit_of(const std::string& field) const {
     if (field.starts_with("mass_g")) return words_.say("unit_mass");
     return field.starts_with("young_mpa") ? words_.say("unit_young") : "";
@@ -315,7 +315,7 @@ std::string shown_text(std::string_view text, size_t characters) {
     bool whole = length > 0 && i + length <= text.size();
     for (size_t k = 1; whole && k < length; ++k)
       whole = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
-    // U+200B … U+200F, U+2028 … U+202E and U+2066 … U+2069 hide text or turn it round.
+    // U+200B … U+200F, U+2028 … U+202E and U+2066 … U+2069 hide text or reverse its direction.
     const bool hides = whole && length == 3 && c == 0xe2 &&
                        ((text[i + 1] == '\x80' && ((text[i + 2] >= '\x8b' && text[i + 2] <= '\x8f') ||
                                                    (text[i + 2] >= '\xa8' && text[i + 2] <= '\xae'))) ||

@@ -9,19 +9,19 @@
 #include "analysis/gate/mass_bounds.h"
 #include "core/format_text.h"
 
-// What an answer says of itself, held together: units, physics, consistency (steps 5 to 7 of the gate).
+// Consistency of an answer in itself: units, physics, consistency (steps 5 to 7 of the gate).
 
 namespace livegs {
 namespace {
 
 using v1::Physics;
 
-// The table's ranges are of good material; products vary by this much more.
+// Slack on the table's ranges, which are those of good material; products vary more.
 constexpr double kMaterialSlack = 3.0;
 constexpr double kMassSlack = 2.0;
-// Nothing on earth is denser.
+// Above the densest solid.
 constexpr double kMaxAnswerDensity_kg_m3 = 23000;
-// What brings a slip of units back: kilograms given for grams; pascals, kilopascals or gigapascals for
+// Correction factors for slips of units: kilograms for grams; pascals, kilopascals or gigapascals for
 // megapascals.
 constexpr double kMassSlips[] = {1e3};
 constexpr double kYoungsSlips[] = {1e-6, 1e-3, 1e3};
@@ -34,7 +34,7 @@ Span3 times(const Span3& span, double factor) {
   return {span.low * factor, span.best * factor, span.high * factor};
 }
 
-// The moduli of all its materials.
+// Range of the moduli of all its materials.
 Span3 youngs_of(const std::vector<AnswerPart>& parts) {
   Span3 range = parts.front().material->youngs_modulus_pa;
   for (const AnswerPart& part : parts) {
@@ -44,8 +44,7 @@ Span3 youngs_of(const std::vector<AnswerPart>& parts) {
   return range;
 }
 
-// What the object would weigh of the materials the answer names, filled as it says. An assembly may be
-// anything from thin walls to solid.
+// Mass of an object of the answer's materials and fill. An assembly ranges from thin walls to solid.
 Span3 mass_of(const Answer& answer, const ObjectFacts& facts) {
   Span3 density = answer.parts.front().material->density_kg_m3;
   double wall_m = 0;
@@ -63,11 +62,12 @@ Span3 mass_of(const Answer& answer, const ObjectFacts& facts) {
   return mass;
 }
 
-// The slip after which `value` fits `range`, when it is also what separates it from `prior`; 1: none.
+// Returns the correction factor that brings `value` into `range`, if it also explains the distance to
+// `prior`; 1 if none.
 double slip(double value, double prior, const Span3& range, double slack, ValueRange hard,
             std::span<const double> slips) {
   if (within(value, range, slack) || !(prior > 0)) return 1;
-  for (const double factor : slips) {  // what it is held against is itself good to a factor of three
+  for (const double factor : slips) {  // the prior itself is uncertain by a factor of three
     const double mended = value * factor, off = prior / mended;
     if (off > 1.0 / 3.0 && off < 3.0 && within(mended, range, slack) && hard.holds(mended)) return factor;
   }
@@ -79,23 +79,21 @@ void mend_units(Answer& answer, const ObjectFacts& facts, const v1::PhysicalPara
                            kMassRange_kg, kMassSlips);
   if (mass != 1 && kMassRange_kg.holds(answer.mass_kg.low * mass) &&
       kMassRange_kg.holds(answer.mass_kg.high * mass)) {
-    answer.changes.push_back(
-        format_text("mass_g.best: %g g was taken for another unit and read as %g g, as its materials and "
-                    "its size say",
-                    answer.mass_kg.best * 1e3, answer.mass_kg.best * mass * 1e3));
+    answer.changes.push_back(format_text(
+        "mass_g.best: %g g was taken for another unit and read as %g g, which fits its materials and size",
+        answer.mass_kg.best * 1e3, answer.mass_kg.best * mass * 1e3));
     answer.mass_kg = times(answer.mass_kg, mass);
   }
   if (!answer.youngs_modulus_pa) return;
-  // The table knows a modulus better than any prior does.
+  // The table is a better prior of a modulus than the estimate.
   const Span3 material = youngs_of(answer.parts);
   const double young = slip(answer.youngs_modulus_pa->best, std::sqrt(material.low * material.high), material,
                             kMaterialSlack, kYoungsRange_pa, kYoungsSlips);
   if (young != 1 && kYoungsRange_pa.holds(answer.youngs_modulus_pa->low * young) &&
       kYoungsRange_pa.holds(answer.youngs_modulus_pa->high * young)) {
-    answer.changes.push_back(
-        format_text("young_mpa.best: %g MPa was taken for another unit and read as %g MPa, as its material "
-                    "says",
-                    answer.youngs_modulus_pa->best * 1e-6, answer.youngs_modulus_pa->best * young * 1e-6));
+    answer.changes.push_back(format_text(
+        "young_mpa.best: %g MPa was taken for another unit and read as %g MPa, which fits its material",
+        answer.youngs_modulus_pa->best * 1e-6, answer.youngs_modulus_pa->best * young * 1e-6));
     answer.youngs_modulus_pa = times(*answer.youngs_modulus_pa, young);
   }
 }
@@ -142,7 +140,7 @@ std::optional<Error> make_consistent(Answer& answer, const MessageTemplates& wor
                                       {"high", short_text(material.high * 1e-6)},
                                       {"material", name}}));
   }
-  // Where no modulus is given, the stiffest part holds the rest.
+  // Without a modulus, the stiffest part is structural.
   double stiffest = 0;
   for (const AnswerPart& part : answer.parts)
     stiffest = std::max(stiffest, part.material->youngs_modulus_pa.best);
@@ -151,7 +149,7 @@ std::optional<Error> make_consistent(Answer& answer, const MessageTemplates& wor
   if (answer.behavior == Physics::ELASTIC && stiffness > kRigidStiffness_pa) {
     answer.behavior = Physics::RIGID;
     answer.changes.push_back(
-        format_text("behaviour: elastic was changed to rigid, since s E = %.3g MPa is above %g MPa",
+        format_text("behaviour: elastic was changed to rigid, because s E = %.3g MPa is above %g MPa",
                     stiffness * 1e-6, kRigidStiffness_pa * 1e-6));
   } else if (answer.behavior == Physics::RIGID && stiffness < kSoftStiffness_pa && !answer.fragile) {
     return invalid_data(words.say("rigid_yet_soft", {{"stiffness", short_text(stiffness * 1e-6)},
@@ -163,7 +161,7 @@ std::optional<Error> make_consistent(Answer& answer, const MessageTemplates& wor
     if (!any) return invalid_data(words.say("fragile_yet_tough", {{"material", name}}));
     if (answer.behavior == Physics::ELASTIC) {
       answer.fragile = false;
-      answer.changes.push_back("fragile: cleared, since what bends visibly does not shatter");
+      answer.changes.push_back("fragile: cleared, because a visibly bending material does not shatter");
     }
   }
   return std::nullopt;

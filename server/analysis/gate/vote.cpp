@@ -25,7 +25,7 @@ std::vector<Value> each(std::span<const Answer> answers, std::optional<Value> An
   return found;
 }
 
-// Medians of the bests; the range reaches over all bests and the median ends.
+// Median of the best values; the range covers all best values and the median low and high.
 Span3 span_median(const std::vector<Span3>& spans) {
   std::vector<double> low, best, high;
   for (const Span3& span : spans) {
@@ -37,7 +37,7 @@ Span3 span_median(const std::vector<Span3>& spans) {
           std::max(log_median(high), *std::max_element(best.begin(), best.end()))};
 }
 
-// What most say; of equals, what was said first.
+// The most frequent value; ties to the first.
 template <class Key, class Of>
 size_t majority(std::span<const Answer> answers, Of of) {
   size_t first = 0, most = 0;
@@ -58,7 +58,7 @@ size_t majority(std::span<const Answer> answers, Of of) {
 Answer vote(std::span<const Answer> answers) {
   LIVEGS_ASSERT(!answers.empty());
   if (answers.size() == 1) return answers.front();
-  // Parts, fill, behaviour and fragility are one judgement: they come together from one answer.
+  // Parts, fill, behaviour and fragility are one judgement and are taken from one answer.
   const size_t chosen = majority<std::string>(answers, [](const Answer& one) {
     return one.parts.front().material->name + "/" + std::to_string(one.behavior) + std::to_string(one.fill) +
            (one.fragile ? "!" : "");
@@ -67,7 +67,8 @@ Answer vote(std::span<const Answer> answers) {
   std::vector<Span3> masses;
   for (const Answer& answer : answers) masses.push_back(answer.mass_kg);
   result.mass_kg = span_median(masses);
-  // The moduli of different materials have no middle; only those of the chosen one are asked.
+  // A median of the moduli of different materials is meaningless; only answers with the chosen material
+  // count.
   std::vector<Span3> young, structure;
   for (const Answer& answer : answers) {
     if (answer.parts.front().material != result.parts.front().material || answer.behavior != result.behavior)
@@ -89,9 +90,8 @@ Answer vote(std::span<const Answer> answers) {
   result.confidence = median(confidences);
   const auto [least, most] = std::minmax_element(
       masses.begin(), masses.end(), [](const Span3& a, const Span3& b) { return a.best < b.best; });
-  result.changes.push_back(format_text("%zu views were asked; mass_g from %.4g to %.4g, their median is %.4g",
-                                       answers.size(), least->best * 1e3, most->best * 1e3,
-                                       result.mass_kg.best * 1e3));
+  result.changes.push_back(format_text("%zu views; mass_g from %.4g to %.4g, median %.4g", answers.size(),
+                                       least->best * 1e3, most->best * 1e3, result.mass_kg.best * 1e3));
   return result;
 }
 

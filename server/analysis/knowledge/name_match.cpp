@@ -12,7 +12,7 @@
 namespace livegs {
 namespace {
 
-// Where `words` stands in `text` as whole words, a plural allowed: its start and end; npos if it does not.
+// Position of `words` in `text` as whole words, a plural allowed: start and end, or npos.
 struct Place {
   size_t begin = std::string::npos, end = 0;
   bool found() const { return begin != std::string::npos; }
@@ -48,8 +48,8 @@ std::string joined(std::string words) {
   return words;
 }
 
-// Where an alias stands when its words are written together, or apart: "hotdog" for "hot dog", "bird house"
-// for "birdhouse". Short ones are left alone: chance writes them too.
+// Position of an alias whose words are joined or split in the name: "hotdog" for "hot dog", "bird house" for
+// "birdhouse". Aliases shorter than this are skipped because they occur by chance.
 constexpr size_t kMinJoinedLength = 6;
 Place find_joined(const std::string& text, const std::string& alias) {
   const std::string together = joined(alias);
@@ -64,7 +64,7 @@ Place find_joined(const std::string& text, const std::string& alias) {
   return {};
 }
 
-// Words people use for a whole class of materials.
+// Common words for a whole class of materials.
 constexpr std::pair<const char*, const char*> kClassWords[] = {{"fur", "plush"},
                                                                {"wooden", "hardwood"},
                                                                {"wood", "hardwood"},
@@ -87,7 +87,7 @@ bool names_a_class(const std::string& alias) {
                      [&](const auto& word) { return alias == word.first; });
 }
 
-// "leather", "metal": of what, and not what.
+// True for "leather" or "metal": the word names a material, not an object.
 bool names_a_material(const std::string& word) {
   const MaterialRow* row = find_material_row(word);
   if (!row) return names_a_class(word);
@@ -98,13 +98,13 @@ bool names_a_material(const std::string& word) {
   return false;
 }
 
-// One alias that stands in a name.
+// An alias found in a name.
 struct Found {
   const ObjectRow* row = nullptr;
   const std::string* alias = nullptr;
   Place place;
-  bool exact = true;  // else its words are written together, or apart
-  size_t part = 0;    // of the name, between prepositions; the first is the thing
+  bool exact = true;  // false if its words are joined or split in the name
+  size_t part = 0;    // index of the part of the name, split at prepositions; the first is the object
   NameMatch::Tail tail = NameMatch::Tail::Nothing;
   std::string tail_words;
 };
@@ -113,13 +113,13 @@ void look_behind(const std::string& part_of_name, size_t from, Found& found) {
   for (const std::string& word :
        words_of(std::string_view(part_of_name).substr(std::min(from, part_of_name.size())))) {
     if (is_stop_word(word) || names_a_material(word)) continue;
-    found.tail =
-        is_head_noun(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;  // the last one's
+    // The last word decides.
+    found.tail = is_head_noun(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;
     found.tail_words += (found.tail_words.empty() ? "" : " ") + word;
   }
 }
 
-// Which of two stands for the thing.
+// True if `a` identifies the object better than `b`.
 bool better(const Found& a, const Found& b) {
   const auto weight = [](const Found& one) {
     const bool ends = one.tail == NameMatch::Tail::Nothing;
@@ -131,7 +131,7 @@ bool better(const Found& a, const Found& b) {
   return weight(a) > weight(b);
 }
 
-// Starts of the parts of a name: "can of tuna on a table" is "can", "of tuna", "on a table".
+// Starts of the parts of a name: "can of tuna on a table" has "can", "of tuna" and "on a table".
 struct Part {
   size_t begin = 0, end = 0;
   bool of = false;
@@ -150,7 +150,7 @@ std::vector<Part> parts_of(const std::string& words) {
   return parts;
 }
 
-// What stands after its "of" is what it holds; and what is sold packed, so that its row knows the package.
+// True for containers, whose contents follow "of", and for packed goods, whose row includes the package.
 bool holds_things(const ObjectRow& row) { return row.category == "package" || row.category == "bags"; }
 bool is_packed(const ObjectRow& row) { return row.category == "package"; }
 
@@ -175,7 +175,7 @@ std::string normalised_name(std::string_view name) {
 NameMatch match_name(std::string_view name) {
   const std::string words = normalised_name(name);
   const std::vector<Part> parts = parts_of(words);
-  std::vector<Found> best(parts.size());  // of each part
+  std::vector<Found> best(parts.size());  // per part
   for (const ObjectRow& row : object_table()) {
     for (const std::string& alias : row.names) {
       Found found;
@@ -196,13 +196,13 @@ NameMatch match_name(std::string_view name) {
     if (found.row && (!thing || better(found, *thing))) thing = &found;
   }
   if (!thing) return {};
-  // What is packed has a row of its own, which knows what it weighs: a can of tuna.
+  // Packed goods have a row of their own with the filled mass: a can of tuna.
   const size_t next = thing->part + 1;
   const bool holds = holds_things(*thing->row) && thing->place.end <= parts[thing->part].end;
   if (holds && next < parts.size() && parts[next].of && best[next].row && is_packed(*best[next].row))
     thing = &best[next];
   NameMatch match{thing->row, *thing->alias, thing->tail, thing->tail_words};
-  // "slice of bread": the thing stands before it, and is not known.
+  // "slice of bread": the object is the word before "of", and it is unknown.
   if (thing->part > 0 && match.tail == NameMatch::Tail::Nothing && !best[thing->part - 1].row) {
     const Part& before = parts[thing->part - 1];
     for (const std::string& word :

@@ -8,37 +8,40 @@
 
 namespace livegs {
 
-// A name as it is compared: lower case, plain letters, digits and separators to single spaces,
-// "lego_house_50k" to "lego house k".
+// Normalises a name for comparison: lower case, no diacritics, digits and separators replaced by single
+// spaces. "lego_house_50k" becomes "lego house k".
 std::string normalised_name(std::string_view name);
 
-// The row of the object table a name speaks of, and by which of its names. All its words stand together in
-// the name, a plural s or es allowed, "hotdog" for "hot dog" and the other way round. The one that ends the
-// name is the thing
-// ("kitchen scale", "curtain rod"), of several the longest; what stands behind a preposition is not ("cup
-// with a lid"), and of "can of tuna" it is the tuna that has a row of its own. A word for a class of
-// materials ("wood", "glass") counts only where nothing else does. `row` is null when there is none.
+// Object row matched by a name, and the alias that matched.
+//
+// The words of an alias must be adjacent in the name. A plural s or es is allowed, and so is "hotdog" for
+// "hot dog" and the reverse. Rules of precedence:
+// - The last alias is the object ("kitchen scale", "curtain rod"); of several, the longest.
+// - Words after a preposition are not the object ("cup with a lid"). "can of tuna" matches tuna, which has a
+//   row of its own.
+// - A word for a class of materials ("wood", "glass") is used only if nothing else matches.
+// `row` is null if nothing matches.
 struct NameMatch {
   const ObjectRow* row = nullptr;
   std::string alias;
-  // What stands behind it in the name, but for colours and the like. Of a "cake stand" the cake says little,
-  // of a "mug tuesday" the mug a lot.
+  // Words after the alias, except colours and similar ones. AnotherThing ("cake stand") makes the match weak;
+  // Unknown ("mug tuesday") weakens it little.
   enum class Tail { Nothing, Unknown, AnotherThing };
   Tail tail = Tail::Nothing;
   std::string tail_words;  // "stand"; empty for Nothing
 };
 NameMatch match_name(std::string_view name);
 
-// A material named outright ("marble_bust"), or by a word for its class ("wooden"), which says less: null
-// when there is none.
+// Material matched by a name ("marble_bust"), or by a word for its class ("wooden"), which is weaker. `row`
+// is null if nothing matches.
 struct MaterialMatch {
   const MaterialRow* row = nullptr;
   bool outright = false;
 };
 MaterialMatch match_material(std::string_view name);
 
-// The longest side, in metres, that an object of this name usually has: {low, best, high}; all zero when the
-// name says nothing. Used to guess the scale of an asset that is not metric.
+// Usual longest side, in metres, of an object of this name: {low, best, high}; all zero if the name is
+// unknown. Used to guess the scale of an asset that is not metric.
 struct SizePrior {
   double low_m = 0, best_m = 0, high_m = 0;
   std::string label;

@@ -7,7 +7,7 @@
 namespace livegs {
 namespace {
 
-// Each sorted.
+// Each table is sorted.
 constexpr std::string_view kStopWords[] = {
     "again",      "antique",    "asset",     "back",    "bare",    "beautiful", "big",      "black",
     "blue",       "bottom",     "bright",    "broken",  "brown",   "capture",   "clean",    "cleaned",

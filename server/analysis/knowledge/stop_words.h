@@ -3,19 +3,19 @@
 
 #include <string_view>
 
-// Words of names that are not the thing itself. A name's last noun says what it is ("bird cage"), unless what
-// stands there is no noun.
+// Words in names that do not name the object. The last noun of a name is the object ("bird cage"), unless the
+// last word is not a noun.
 
 namespace livegs {
 
-// Says nothing of what the thing is: a colour, a state, a place, a word of files and captures, a stray
-// letter.
+// True for words without information about the object: colours, states, places, words of files and captures,
+// single letters.
 bool is_stop_word(std::string_view word);
 
-// After a noun it makes another thing of it: the cage of a bird, the case of a violin.
+// True for nouns that form another object with the noun before them: bird cage, violin case.
 bool is_head_noun(std::string_view word);
 
-// What stands behind it is not the thing: "cup with a lid". "of" is not among them.
+// True for prepositions before words that are not the object: "cup with a lid". Excludes "of".
 bool is_preposition(std::string_view word);
 
 }  // namespace livegs

@@ -11,10 +11,10 @@
 namespace livegs {
 namespace {
 
-// Okapi BM25's usual constants.
+// Usual constants of Okapi BM25.
 constexpr double kTermSaturation = 1.2, kLengthWeight = 0.75;
-// How much a perfect trigram overlap and a table's own alias count, in units of BM25's score, which is 2 to 6
-// for one rare word. An alias decides; trigrams only where no word fits.
+// Scores of a perfect trigram overlap and of a table alias, in units of the BM25 score (2 to 6 for one rare
+// word). An alias decides; trigrams matter only if no word matches.
 constexpr double kTrigramWeight = 3.0, kAliasWeight = 8.0, kMaterialOfObject = 0.6;
 constexpr double kMinTrigramShare = 0.3, kMinScore = 0.6;
 constexpr std::size_t kMaxQueryLength = 200;
@@ -25,8 +25,8 @@ std::vector<std::string> search_words_of(std::string_view text) {
   for (std::size_t begin = 0; begin < plain.size();) {
     const std::size_t end = std::min(plain.find(' ', begin), plain.size());
     std::string word = plain.substr(begin, end - begin);
-    if (word.size() > 3 && word.back() == 's' && word[word.size() - 2] != 's')
-      word.pop_back();  // a plain plural
+    // A plain plural.
+    if (word.size() > 3 && word.back() == 's' && word[word.size() - 2] != 's') word.pop_back();
     if (!word.empty()) words.push_back(std::move(word));
     begin = end + 1;
   }
@@ -141,7 +141,7 @@ std::vector<KnowledgeHit> search_knowledge(std::string_view query, std::size_t c
 }
 
 std::vector<const MaterialRow*> similar_materials(const MaterialRow& material, std::size_t count) {
-  // Moduli spread over nine decades, densities over three.
+  // Moduli span nine decades, densities three.
   constexpr double kModulusWeight = 0.3, kOtherClass = 1.0, kOtherFragility = 0.5;
   std::vector<std::pair<double, const MaterialRow*>> others;
   for (const MaterialRow& row : material_table()) {

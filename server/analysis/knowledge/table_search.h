@@ -9,7 +9,7 @@
 
 namespace livegs {
 
-// A row of either table: "material:stoneware", "object:mug". One of the pointers is null.
+// A row of either table, for example "material:stoneware" or "object:mug". One of the pointers is null.
 struct KnowledgeHit {
   std::string id;
   const MaterialRow* material = nullptr;
@@ -17,17 +17,20 @@ struct KnowledgeHit {
   double score = 0;
 };
 
-// The rows that words speak of, best first, at most `count`; empty where nothing fits. BM25 over the words of
-// names, classes and aliases (Robertson & Zaragoza 2009), the share of common character trigrams for what is
-// misspelt or joined, and the tables' own aliases, through which an object also brings its material. Pure;
-// any thread.
+// Searches both tables; returns at most `count` rows, best first, and none if nothing matches.
+//
+// The score is the sum of three terms:
+// - BM25 over the words of names, classes and aliases (Robertson & Zaragoza 2009);
+// - the fraction of common character trigrams, for misspelt and joined words;
+// - the aliases of the tables; an object also scores its material.
+// Pure; any thread.
 std::vector<KnowledgeHit> search_knowledge(std::string_view query, std::size_t count);
 
-// The materials that are most like one, itself left out: nearest in the logarithms of density and modulus, of
-// the same class and as fragile first. `count` of them, or all others.
+// Returns the materials most similar to one, excluding itself: nearest in log density and log modulus, with
+// the same class and fragility first. Returns `count` of them, or all others if fewer.
 std::vector<const MaterialRow*> similar_materials(const MaterialRow& material, std::size_t count);
 
-// The row with this id, or the one whose bare name it is (materials first).
-KnowledgeHit find_knowledge(std::string_view id);  // no pointer where there is none
+// Finds the row with this id, or with this bare name (materials first).
+KnowledgeHit find_knowledge(std::string_view id);  // both pointers null if not found
 
 }  // namespace livegs

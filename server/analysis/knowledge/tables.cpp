@@ -23,7 +23,7 @@ std::vector<std::string> split(std::string_view text, char separator) {
   }
 }
 
-// Rows of a CSV without quoting, header left out; every row has `columns` cells.
+// Splits a CSV without quoting into rows, without the header. Every row has `columns` cells.
 std::vector<std::vector<std::string>> rows_of(std::string_view csv, size_t columns) {
   std::vector<std::vector<std::string>> rows;
   bool header = true;
@@ -58,7 +58,7 @@ std::vector<MaterialRow> parse_materials() {
   return table;
 }
 
-// "a:0.2|b:0.1" as cells of a and 0.2, b and 0.1.
+// Splits "a:0.2|b:0.1" into the cells a and 0.2, b and 0.1.
 std::vector<std::vector<std::string>> pieces_of(const std::string& cell, size_t columns) {
   std::vector<std::vector<std::string>> pieces;
   for (const std::string& piece : split(cell, '|')) {

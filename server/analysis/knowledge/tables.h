@@ -7,10 +7,11 @@
 
 #include "livegs/v1/physics.pb.h"
 
-// The tables the offline estimator looks things up in: materials.csv and objects.csv beside this file,
-// compiled in. Sources of materials.csv: T handbook typical values, S F I M R public tables (see README.md of
-// this room), O our own judgement. objects.csv is our own general knowledge: what everyday things are made
-// of, how large they usually are and what they weigh; nothing in it was fitted to a set of objects.
+// Lookup tables of the offline estimator, compiled in from materials.csv and objects.csv in this folder.
+//
+// Sources in materials.csv: T typical handbook values; S F I M R public tables (see README.md of this room);
+// O own judgement. objects.csv is own general knowledge of the materials, usual sizes and masses of everyday
+// objects; its values are not fitted to a set of objects.
 
 namespace livegs {
 
@@ -25,13 +26,13 @@ struct MaterialRow {
   bool fragile;
 };
 
-// Another thing that a name may mean: an enamel mug for "mug".
+// Another meaning of a name: an enamel mug for "mug".
 struct ObjectAlternative {
   std::string label;  // of another row
   double probability = 0;
 };
 
-// A part of a thing of several materials.
+// A part of an object of several materials.
 struct ObjectPart {
   std::string name, material;
   double mass_share = 0;
@@ -41,42 +42,41 @@ struct ObjectRow {
   std::string label;
   std::vector<std::string> names;  // the label and its aliases, lower case
   std::string category;            // kitchen, package, fruit, tool, …
-  std::string material;            // a MaterialRow's name
+  std::string material;            // name of a MaterialRow
   v1::Physics::Fill fill;
   Span3 wall_m, size_m;      // of the wall; of the longest side
-  double middle_m, short_m;  // the other two sides of a usual one's smallest box
-  double box_filling;        // how much of that box it fills, 0 … 1: a ball 0.52, a can 0.77, a carton 0.93
-  double mass_kg;            // of a usual one
-  double mass_log_sd;        // of ln(mass) among things of this kind and size
+  double middle_m, short_m;  // other two sides of the smallest box of a typical one
+  double box_filling;        // fraction of that box that it fills, 0 … 1: ball 0.52, can 0.77, carton 0.93
+  double mass_kg;            // of a typical one
+  double mass_log_sd;        // of ln(mass) among objects of this class and size
   Span3 structure_coefficient;
-  std::vector<ObjectAlternative> alternatives;  // the rest of the probability is the row's own
-  std::vector<ObjectPart> parts;                // empty for things of one material
-  std::string source;                           // letters of README.md, never empty
+  std::vector<ObjectAlternative> alternatives;  // the rest of the probability is the row itself
+  std::vector<ObjectPart> parts;                // empty for objects of one material
+  std::string source;                           // source letters of README.md, never empty
 };
 
-// How mass grows with the edge of a thing of this kind: 3 for what is full (food, packages, blocks, stones),
-// 2 for shells, frames and machines, whose walls grow little (within categories of furniture and household
-// goods the measured exponent is 1.8: analysis.md 5.2).
+// Exponent of mass over edge length for objects of this class. 3 for filled things (food, packages, blocks,
+// stones); 2 for shells, frames and machines, whose wall thickness grows little.
 double mass_exponent(const ObjectRow& row);
 
-// Parsed once; aborts if a table that was compiled in is malformed (a test reads both).
+// Parsed once. Aborts if a compiled-in table is malformed (a test reads both).
 const std::vector<MaterialRow>& material_table();
 const std::vector<ObjectRow>& object_table();
 const MaterialRow& material_row(std::string_view name);       // precondition: the name is in the table
-const MaterialRow* find_material_row(std::string_view name);  // nullptr for another name
-const ObjectRow* find_object_row(std::string_view label);  // by label, not by alias; nullptr for another one
+const MaterialRow* find_material_row(std::string_view name);  // nullptr if not found
+const ObjectRow* find_object_row(std::string_view label);     // by label, not by alias; nullptr if not found
 
-// What a thing does with a bend or a dent, by comparison: each level of plasticity (LIVE-GS's p, 0 springs
-// back, 1 stays) with things that have it. Ascending.
+// Level of plasticity with reference objects, for judgement by comparison. LIVE-GS's p: 0 springs back, 1
+// keeps its shape after a bend or dent. Ascending.
 struct PlasticityLevel {
   double plasticity = 0;
-  std::string level;                    // what the answer's schema calls it; empty: between two that it has
+  std::string level;  // name in the answer schema; empty for a level between two of the schema
   std::vector<std::string> references;  // "cloth", "rope"
 
   std::string text() const;  // "felt, cloth, rope"
 };
 const std::vector<PlasticityLevel>& plasticity_ladder();
-// By a level's name or one of its references; nullptr for another word.
+// Finds a level by its name or one of its references; nullptr if not found.
 const PlasticityLevel* find_plasticity_level(std::string_view word);
 const PlasticityLevel& nearest_plasticity_level(double plasticity);
 

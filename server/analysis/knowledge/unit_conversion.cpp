@@ -4,8 +4,7 @@
 #include <cmath>
 #include <string>
 
-// Inches, pounds and what follows from them are exact since the international yard and pound agreement of
-// 1959.
+// Inches, pounds and derived units are exact (international yard and pound agreement, 1959).
 
 namespace livegs {
 namespace {

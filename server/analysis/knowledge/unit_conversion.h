@@ -8,9 +8,9 @@
 
 namespace livegs {
 
-// A value in another unit of the same quantity: length, area, volume, mass, density, pressure, force. Units
-// as people write them: mm, in, cm3, l, oz, lb, g/cm3, psi. The error names the unit that is not known or
-// does not fit.
+// Converts a value to another unit of the same quantity: length, area, volume, mass, density, pressure or
+// force. Accepts common spellings: mm, in, cm3, l, oz, lb, g/cm3, psi. The error names the unit that is
+// unknown or does not fit.
 Result<double> convert_unit(double value, std::string_view from, std::string_view to,
                             const MessageTemplates& words = MessageTemplates::built_in());
 

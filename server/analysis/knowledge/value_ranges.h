@@ -3,7 +3,7 @@
 
 namespace livegs {
 
-// No answer leaves these. Kilograms, pascals, metres.
+// Hard limits of every answer. Kilograms, pascals, metres.
 struct ValueRange {
   double low, high;
   bool holds(double value) const { return value >= low && value <= high; }  // false for NaN
@@ -15,7 +15,7 @@ inline constexpr ValueRange kUnitRange{0, 1};
 inline constexpr ValueRange kFrictionRange{0, 2};
 inline constexpr ValueRange kWallRange_m{1e-5, 1};
 inline constexpr ValueRange kSizeRange_m{1e-4, 1000};
-// A range wider than this says nothing.
+// A range with a larger ratio of high to low carries no information.
 inline constexpr double kMaxRangeRatio = 20.0;
 
 }  // namespace livegs

@@ -56,7 +56,7 @@ std::optional<std::string> AnswerCache::failure(const std::string& key) const {
     if (!failed) return std::nullopt;
     found = failures_.emplace(key, std::move(*failed)).first;
   }
-  // A clock that was set back does not make ten minutes longer.
+  // Bounds the remaining time in case the clock was set back.
   const int64_t left_ns = found->second.first - clock_ns_();
   if (left_ns > 0 && left_ns <= kFailureLifetime_ns) return found->second.second;
   failures_.erase(found);
@@ -83,7 +83,7 @@ void AnswerCache::keep(const std::string& key, const RawAnswer& answer) {
     text = written_as(shorter);
   }
   if (auto written = write_file_atomically(folder_ / (key + ".json"), text); !written) {
-    log_debug("analysis: the answer is not kept for later: %s", written.error().message.c_str());
+    log_debug("analysis: answer not cached: %s", written.error().message.c_str());
   }
 }
 
@@ -97,7 +97,7 @@ void AnswerCache::keep_failure(const std::string& key, const std::string& messag
   const std::string text =
       Json{{"until_ns", until_ns}, {"message", message}}.dump(1, ' ', false, Json::error_handler_t::replace);
   if (auto written = write_file_atomically(failure_path(folder_, key), text); !written) {
-    log_debug("analysis: the failure is not kept for later: %s", written.error().message.c_str());
+    log_debug("analysis: failure not cached: %s", written.error().message.c_str());
   }
 }
 

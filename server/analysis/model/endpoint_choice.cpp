@@ -22,7 +22,7 @@ Result<void> read_price(const std::string& text, EndpointSettings& settings) {
   if (!(cells >> in >> comma >> out) || comma != ',' || !(cells >> std::ws).eof() || !(in >= 0 && in < 1e6) ||
       !(out >= 0 && out < 1e6)) {
     return invalid_argument(
-        "LIVEGS_PRICE: has to be two numbers, US dollars a million tokens sent and received, as in "
+        "LIVEGS_PRICE: must be two numbers, US dollars per million tokens sent and received, as in "
         "0.15,0.60");
   }
   settings.usd_per_million_prompt_tokens = in;
@@ -30,7 +30,7 @@ Result<void> read_price(const std::string& text, EndpointSettings& settings) {
   return {};
 }
 
-// Seconds; 0 where nothing is said.
+// Seconds; 0 if unset.
 Result<double> read_deadline(double told_s) {
   const char* text = std::getenv("LIVEGS_MODEL_DEADLINE_S");
   const char* name = told_s != 0 ? "--model-deadline" : "LIVEGS_MODEL_DEADLINE_S";
@@ -38,7 +38,7 @@ Result<double> read_deadline(double told_s) {
   char* end = nullptr;
   const double seconds = told_s != 0 ? told_s : std::strtod(text, &end);
   if ((end && *end != '\0') || !(seconds >= 1 && seconds <= kMaxDeadline_s)) {
-    return invalid_argument(std::string(name) + ": has to be seconds, 1 to 3600");
+    return invalid_argument(std::string(name) + ": must be 1 to 3600 seconds");
   }
   return seconds;
 }
@@ -48,8 +48,7 @@ std::string_view without_slashes(std::string_view url) {
   return url;
 }
 
-// A key belongs to one address, that of OPENAI_BASE_URL, and where that is not set to OpenAI's, as for other
-// programs.
+// The key belongs to one address: that of OPENAI_BASE_URL, or OpenAI's if unset, as in other programs.
 void take_url(const std::string& url, EndpointSettings& settings) {
   const char* key = std::getenv("OPENAI_API_KEY");
   const std::string home = settings.base_url.empty() ? kOpenAiUrl : settings.base_url;
@@ -60,17 +59,17 @@ void take_url(const std::string& url, EndpointSettings& settings) {
   }
   settings.api_key = {};
   if (!key || !*key) return;
-  log_warn("--endpoint: OPENAI_API_KEY is not sent there, it belongs to %s; set OPENAI_BASE_URL to send it",
+  log_warn("--endpoint: OPENAI_API_KEY belongs to %s and is not sent; set OPENAI_BASE_URL to send it",
            home == kOpenAiUrl ? "api.openai.com" : "the address in OPENAI_BASE_URL");
 }
 
-// Whoever gives a folder wants to hear what is wrong with it, also where nobody is asked.
+// Validates a given prompt folder even if the language model is disabled.
 Result<std::unique_ptr<ModelEndpoint>> unused_prompts(const EndpointChoice& choice,
                                                       std::unique_ptr<ModelEndpoint> none) {
   if (choice.prompts.empty()) return none;
   const auto prompts = PromptSet::load(choice.prompts);
   if (!prompts) return prompts.error();
-  log_warn("--prompts: %s: its texts are sound, and nobody is asked with them: %s", choice.prompts.c_str(),
+  log_warn("--prompts: %s: valid, but no language model is in use; %s", choice.prompts.c_str(),
            choice.offline ? "leave out --offline" : "give --endpoint or set OPENAI_BASE_URL");
   return none;
 }
@@ -88,8 +87,8 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   const bool told = !choice.url.empty() || !choice.model.empty() || !choice.record.empty();
   if (choice.offline && (told || !choice.recorded.empty())) {
     return invalid_argument(
-        "--offline: asks nobody; leave it out, or leave out --endpoint, --model, --record-answers and "
-        "--recorded");
+        "--offline: disables the language model; leave it out, or leave out --endpoint, --model, "
+        "--record-answers and --recorded");
   }
   if (!choice.recorded.empty() && told) {
     return invalid_argument(

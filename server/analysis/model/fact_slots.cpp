@@ -24,7 +24,7 @@ std::string size_text(const Eigen::Vector3d& size_m, Words words) {
                             {"depth", format_text("%.3g", size_m.z())}});
 }
 
-// What a person or the scene's author told, by its field.
+// Values given by a user or the scene's author, by field.
 std::string told_text(const v1::PhysicalParameters& known, Words words) {
   std::string line;
   for (const PhysicsValue& value : physics_values()) {
@@ -72,7 +72,7 @@ std::string neighbours_text(std::span<const SceneObjectFacts> neighbours, Words 
     std::string known;
     if (other.mass_kg > 0)
       known += words.say("neighbour_mass", {{"mass", format_text("%.4g", 1e3 * other.mass_kg)}});
-    // A sidecar may say anything.
+    // A sidecar may contain any text.
     for (const std::string& word : {other.material, other.behavior}) {
       if (!word.empty())
         known += words.say("neighbour_word", {{"word", line_text(word, kMaxMaterialLength)}});
@@ -100,8 +100,8 @@ std::string material_line(const MaterialRow& row, Words words) {
                                 {"fragile", row.fragile ? words.say("material_fragile") : ""}});
 }
 
-// The materials of the likely kinds, likeliest first, of their parts, and then what is most like the first of
-// them.
+// Materials of the likely classes, likeliest first, then of their parts, then those most similar to the
+// first.
 std::string materials_text(const ObjectClasses& kinds, Words words) {
   std::vector<const MaterialRow*> nearest;
   const auto add = [&](const MaterialRow* material) {

@@ -11,15 +11,16 @@
 
 namespace livegs {
 
-// How many objects that were analysed before are told of.
+// Maximum number of previously analysed neighbours in a prompt.
 inline constexpr size_t kMaxNeighbourSlots = 12;
 
-// What is known of an object, as text for the slots of prompts/user.md: name, size, scale, mesh, looks,
-// neighbours, materials, offline (not camera, which belongs to a view). Slots of which nothing is known are
-// left out. Sizes in metres and centimetres, masses in grams, moduli in MPa, as a model is asked to answer.
-// `neighbours` in the order they were analysed, oldest first: the newest kMaxNeighbourSlots are told, a line
-// each, its name quoted. The object's own name is as given: who fills the prompt quotes it.
-// The words between the figures are those of prompts/facts.json.
+// Known facts of an object as text for the slots of prompts/user.md: name, size, scale, mesh, looks,
+// neighbours, materials, offline (not camera, which belongs to a view).
+//
+// Slots without facts are absent. Sizes are in metres and centimetres, masses in grams, moduli in MPa, as in
+// the answer. `neighbours` are in order of analysis, oldest first; the newest kMaxNeighbourSlots get a line
+// each, with a quoted name. The object's own name is unquoted; the caller quotes it. Texts are from
+// prompts/facts.json.
 std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                                               std::span<const SceneObjectFacts> neighbours,
                                               const MessageTemplates& words = MessageTemplates::built_in());

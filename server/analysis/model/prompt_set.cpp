@@ -30,13 +30,13 @@ namespace livegs {
 namespace {
 
 constexpr std::uint64_t kMaxPromptBytes = 1 << 20;
-constexpr std::size_t kMaxProblemLength = 600;  // characters of a validator's message
+constexpr std::size_t kMaxProblemLength = 600;  // length of a validator's message, in characters
 constexpr std::size_t kVersionDigits = 12;
 
 struct BuiltIn {
   const char* name;
   const char* text;
-  const char* slot;  // has to stand in it; null: none
+  const char* slot;  // required slot; null: none
 };
 constexpr BuiltIn kBuiltIn[] = {{"system.md", kSystemPrompt, nullptr},
                                 {"user.md", kUserPrompt, "{{name}}"},
@@ -61,7 +61,7 @@ Result<OrderedJson> parse_prompt_file(const std::string& text) {
   return value;
 }
 
-// What a line of such a file may be filled with. The search is filled from what fills the question.
+// Allowed slots of the lines of a file. The search uses the slots of the question.
 SlotNames known_slots(std::string_view file) {
   SlotNames known, question;
   for (const BuiltIn& one : kBuiltIn) {
@@ -73,19 +73,18 @@ SlotNames known_slots(std::string_view file) {
   return known;
 }
 
-bool holds_lines(std::string_view file) {  // checked line by line
+bool holds_lines(std::string_view file) {  // validated line by line
   return std::find(std::begin(MessageTemplates::kFiles), std::end(MessageTemplates::kFiles), file) !=
          std::end(MessageTemplates::kFiles);
 }
 
-// A person's own text in place of a file.
+// Reads a user's replacement of a file.
 Result<std::string> read_own(const std::filesystem::path& path, const BuiltIn& file) {
   auto text = read_text_file(path, kMaxPromptBytes);
   if (!text) return text;
   if (file.slot && text->find(file.slot) == std::string::npos) {
-    return invalid_data(
-        path.string() + ": has no " + file.slot +
-        ": write it where that is to stand, or delete the file so that the built-in one counts");
+    return invalid_data(path.string() + ": has no " + file.slot +
+                        ": write it where the text belongs, or delete the file to use the built-in one");
   }
   if (holds_lines(file.name)) return text;
   if (auto checked = check_slots(*text, known_slots(file.name)); !checked) {
@@ -94,7 +93,7 @@ Result<std::string> read_own(const std::filesystem::path& path, const BuiltIn& f
   return text;
 }
 
-// A mistyped name of a file would leave the built-in one in its place.
+// Reports files with unknown names: a mistyped name would leave the built-in text in effect.
 void tell_of_strangers(const std::filesystem::path& folder) {
   SlotNames names;
   for (const BuiltIn& file : kBuiltIn) names.emplace(file.name);
@@ -104,12 +103,12 @@ void tell_of_strangers(const std::filesystem::path& folder) {
     if (names.contains(name) || name == "README.md" || name == "judged.json" || name.starts_with('.'))
       continue;
     const std::string meant = meant_word(name, names);
-    log_warn("%s: is not read, no prompt has this name%s", line_text(entry.path().string(), 300).c_str(),
-             meant.empty() ? "" : ("; if " + meant + " is meant, rename it").c_str());
+    log_warn("%s: ignored, no prompt has this name%s", line_text(entry.path().string(), 300).c_str(),
+             meant.empty() ? "" : ("; if " + meant + " is meant, rename the file").c_str());
   }
 }
 
-// The one enumeration that stands for the names of the material table.
+// Fills the enumeration that represents the names of the material table.
 void put_materials(OrderedJson& schema) {
   if (schema.is_array() && schema.size() == 1 && schema[0] == "{{material_ids}}") {
     schema.clear();
@@ -128,7 +127,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
   std::string everything;
   std::error_code failed;
   if (!folder.empty() && !std::filesystem::is_directory(folder, failed)) {
-    return not_found(folder.string() + ": no such folder of prompts");
+    return not_found(folder.string() + ": prompt folder not found");
   }
   const auto wrong = [&](const char* file, const std::string& what) {
     return invalid_data((folder / file).string() + ": " + what);
@@ -161,7 +160,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
   for (const OrderedJson& example : *examples) {
     if (!example.is_object() || !example.contains("facts") || !example["facts"].is_string() ||
         !example.contains("answer")) {
-      return wrong("examples.json", "an example needs \"facts\", a text, and \"answer\"");
+      return wrong("examples.json", "an example needs \"facts\" (a string) and \"answer\"");
     }
   }
   set.examples_ = std::move(*examples);
@@ -178,7 +177,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
   set.tools_ = OrderedJson::array();
   for (const ToolDescriptor& tool : ToolBox::descriptors()) {
     const std::string purpose = text_member(*descriptions, tool.name.c_str());
-    if (purpose.empty()) return wrong("tools.json", "does not tell what " + tool.name + " is for");
+    if (purpose.empty()) return wrong("tools.json", "tool " + tool.name + " has no purpose");
     set.tools_.push_back({{"type", "function"},
                           {"function",
                            {{"name", tool.name},

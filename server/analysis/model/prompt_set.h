@@ -13,12 +13,12 @@
 
 namespace livegs {
 
-// The texts of prompts/, ready to be sent. Read once; then immutable, any thread.
+// Texts of prompts/ in the form of requests. Read once, then immutable; any thread.
 class PromptSet {
  public:
-  // What is compiled in, with the files of `folder` in place of those of the same name; an empty path: none.
-  // Fails on a file that is not what its name says: no JSON, a template without its slots or with one that
-  // nothing fills. The message has the file's path. A file of another name is told in the log and not read.
+  // Loads the built-in texts, with files of the same name in `folder` replacing them; an empty path replaces
+  // none. Fails on an invalid file: not JSON, a template without its slots or with an unknown slot. The error
+  // contains the path of the file. Files with other names are ignored with a log line.
   static Result<PromptSet> load(const std::filesystem::path& folder);
 
   const std::string& version() const { return version_; }  // "1-3f2a9c01d2e4"
@@ -28,14 +28,13 @@ class PromptSet {
   std::string tools_turn() const;
   std::string answer_turn(bool schema_in_words) const;
   std::string repair(std::string_view problem) const;
-  std::string caption(
-      const std::string& name) const;  // of a picture: its words, or the name where there are none
+  std::string caption(const std::string& name) const;  // caption of a picture, or its name if it has none
   std::string search(const std::map<std::string, std::string>& slots) const;
 
   const MessageTemplates& words() const { return words_; }
   const OrderedJson& answer_schema() const { return schema_; }
   const std::vector<std::string>& answer_fields() const { return fields_; }
-  const OrderedJson& tools() const { return tools_; }  // as a request has them
+  const OrderedJson& tools() const { return tools_; }  // in the form of a request
   int example_count() const { return static_cast<int>(examples_.size()); }
 
  private:

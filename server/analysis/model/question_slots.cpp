@@ -18,7 +18,7 @@ std::map<std::string, std::string> complete_slots(const AnalysisQuestion& questi
     std::string result = tools.call(tool, dump_json(arguments));
     if (!result.starts_with("{\"error\"")) slots[slot] = std::move(result);
   };
-  // Plain, because a tool's arguments are JSON and a name may hold anything.
+  // Sanitised, because the arguments of a tool are JSON and a name may contain any bytes.
   const std::string name = plain_text(slots["name"], 80);
   fill("mesh", "mesh_facts", OrderedJson::object());
   if (!tools.scene().empty()) fill("neighbours", "list_scene_objects", OrderedJson::object());

@@ -8,9 +8,8 @@
 
 namespace livegs {
 
-// The slots of a question with those that tools can fill and nobody gave: mesh, category, materials,
-// neighbours. With these in the prompt a model needs no tool for an ordinary object, which saves a round
-// trip.
+// Slots of a question, completed by those that tools provide: mesh, category, materials, neighbours. With
+// them in the prompt a model needs no tool call for an ordinary object, which saves a round trip.
 std::map<std::string, std::string> complete_slots(const AnalysisQuestion& question, const ToolBox& tools);
 
 }  // namespace livegs

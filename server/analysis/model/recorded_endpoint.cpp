@@ -9,9 +9,10 @@
 #include "core/file.h"
 #include "core/log.h"
 
-// A folder of recordings: endpoint.json names the model that was asked last; <key>.json is one answer each.
-// The key is the SHA-256 of what was asked: prompt version (which stands for every prompt text and the
-// schema), model, slots and pictures; of a repair also the answer before it and what was found wrong.
+// Folder of recordings. endpoint.json names the last model; every <key>.json is one answer.
+//
+// The key is the SHA-256 of the question: prompt version (which covers all prompt texts and the schema),
+// model, slots and pictures. For a repair it also covers the previous answer and the complaint.
 
 namespace livegs {
 namespace {
@@ -50,7 +51,7 @@ class RecordedEndpoint final : public ModelEndpoint {
   }
 
   std::filesystem::path file_of(const std::string& key) const { return folder_ / (key + ".json"); }
-  // What recordings are filed under: the name that was configured, since a server may call itself by another.
+  // Recordings are keyed by the configured model name, because a server may report another one.
   std::string model() const { return live_ ? live_->state().model : recorded_model_; }
   ModelEndpoint* live() const { return live_.get(); }
   const PromptSet& prompts() const { return prompts_; }
@@ -94,7 +95,7 @@ class RecordedExchange final : public Conversation {
     OrderedJson asked = {{"after", key_}, {"answer", hash_of(last_.json)}, {"problem", plain_text(message)}};
     return find(std::move(asked), stop, [&](std::stop_token token) -> Result<RawAnswer> {
       if (!live_) {
-        // The first answer was replayed; the conversation has to be had before it can go on.
+        // The first answer was replayed; the live conversation must be held before it can continue.
         live_ = endpoint_.live()->start(tools_);
         if (auto first = live_->ask(question_, token); !first) return first.error();
       }
@@ -113,11 +114,10 @@ class RecordedExchange final : public Conversation {
       return kept;
     }
     if (!endpoint_.live()) {
-      return not_found(
-          endpoint_.folder().string() + ": holds no answer " + key_.substr(0, 12) + " about " +
-          quoted_text(question_.slots["name"]) +
-          "; the prompts, the model or the views have changed since, or it was never asked: record it "
-          "with an endpoint set");
+      return not_found(endpoint_.folder().string() + ": holds no answer " + key_.substr(0, 12) + " about " +
+                       quoted_text(question_.slots["name"]) +
+                       "; the prompts, the model or the views changed, or the question was never recorded: "
+                       "record it with an endpoint set");
     }
     Result<RawAnswer> answer = ask_live(stop);
     if (!answer) return answer;
@@ -171,10 +171,10 @@ Result<std::unique_ptr<ModelEndpoint>> open_recorded_endpoint(const std::filesys
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
     if (failed)
-      return Error{ErrorCode::PermissionDenied, folder.string() + ": cannot be made: " + failed.message()};
+      return Error{ErrorCode::PermissionDenied, folder.string() + ": cannot be created: " + failed.message()};
     if (live->state().model.empty()) {
       return invalid_argument(
-          "LIVEGS_MODEL: has to be set for a recording, which is filed under the model's name");
+          "LIVEGS_MODEL: must be set for a recording, which is keyed by the name of the model");
     }
   } else {
     const auto text = read_text_file(folder / "endpoint.json", kMaxRecordingBytes);
@@ -182,7 +182,7 @@ Result<std::unique_ptr<ModelEndpoint>> open_recorded_endpoint(const std::filesys
     model = head ? text_member(*head, "model") : "";
     if (model.empty()) {
       return not_found(folder.string() +
-                       ": holds no recorded answers; record them first, with an endpoint set");
+                       ": contains no recorded answers; record them first, with an endpoint set");
     }
   }
   return std::unique_ptr<ModelEndpoint>(

@@ -14,7 +14,7 @@
 namespace livegs {
 namespace {
 
-constexpr std::size_t kMaxChanceMatch = 8;  // characters of a key that may stand in a text by chance
+constexpr std::size_t kMaxChanceMatch = 8;  // key characters that may match by chance
 
 }  // namespace
 
@@ -24,7 +24,7 @@ Secret::Secret(std::string_view text) {
   page_size_ = (text.size() + page - 1) / page * page;
   void* memory = ::mmap(nullptr, page_size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   LIVEGS_ASSERT(memory != MAP_FAILED);
-  // All are best effort: a kernel that refuses leaves an ordinary page.
+  // All are best effort: if the kernel refuses, the page is an ordinary one.
   (void)::prctl(PR_SET_DUMPABLE, 0);
   ::madvise(memory, page_size_, MADV_DONTDUMP);
   (void)::mlock(memory, page_size_);
@@ -67,7 +67,7 @@ std::string Secret::redact(std::string_view text) const {
     stretches.insert(key.substr(i, kMaxChanceMatch));
   std::string clean;
   clean.reserve(text.size());
-  std::size_t hidden_to = 0;  // the text up to here belongs to the key
+  std::size_t hidden_to = 0;  // end of the last match of the key
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (i + kMaxChanceMatch <= text.size() && stretches.contains(text.substr(i, kMaxChanceMatch))) {
       if (hidden_to <= i) clean += "[key]";

@@ -7,10 +7,11 @@
 
 namespace livegs {
 
-// A key. It lives in a page of its own that is zeroed when it goes; it cannot be copied or printed. libcurl
-// copies it for the length of a request, and the environment it came from keeps it, so a process that has
-// held a key writes no core file from then on, and no other process of the same user may read its memory or
-// /proc/PID/environ (PR_SET_DUMPABLE; a debugger has to start it, or run as root).
+// A secret key in a page of its own that is zeroed on destruction. It can be neither copied nor printed.
+//
+// libcurl copies the key during a request, and the environment keeps it. Therefore a process that holds a key
+// disables core files and the access of other processes of the same user to its memory and /proc/PID/environ
+// (PR_SET_DUMPABLE). A debugger must start the process or run as root.
 class Secret {
  public:
   Secret() = default;
@@ -24,8 +25,8 @@ class Secret {
   bool empty() const { return size_ == 0; }
   std::string_view reveal() const { return {page_, size_}; }
 
-  // `text` with every stretch of eight or more characters of the secret replaced by "[key]". Words shorter
-  // than that, such as the "none" that local servers are given, are no secret.
+  // Returns `text` with every run of eight or more characters of the secret replaced by "[key]". Shorter
+  // secrets, such as the "none" of local servers, are not redacted.
   std::string redact(std::string_view text) const;
 
  private:
@@ -34,7 +35,7 @@ class Secret {
   std::size_t size_ = 0, page_size_ = 0;
 };
 
-// Overwrites what a string holds, in a way the compiler keeps, and empties it.
+// Overwrites and empties a string; the compiler does not remove the write.
 void wipe(std::string& text);
 
 }  // namespace livegs

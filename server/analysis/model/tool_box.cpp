@@ -20,7 +20,7 @@ constexpr double kMaxLength_m = 100, kMaxPartDensity_kg_m3 = 23000;
 
 using Answer = OrderedJson;
 
-// Four digits: what a range from a table is good for, and short.
+// Rounds to four digits: the precision of a table range, and short.
 double rounded(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
@@ -71,12 +71,12 @@ Answer describe(const KnowledgeHit& hit) {
           {"structure_s", range(row.structure_coefficient)}};
 }
 
-// The arguments of one call, read with guards; the first thing that is wrong is kept for the answer.
+// Arguments of one call, read with guards; the first error is kept for the result.
 class Arguments {
  public:
   Arguments(const Json& object, const MessageTemplates& words) : object_(object), words_(words) {}
 
-  // A number in low … high; also one written as text, as small models do.
+  // Reads a number in low … high; accepts a number written as text, as small models do.
   double number(const char* name, double low, double high) {
     const std::optional<double> value = optional_number(name, low, high);
     if (!value) wrong("number_needed", {{"argument", name}});
@@ -109,7 +109,7 @@ class Arguments {
     wrong("array_needed", {{"argument", name}});
     return nullptr;
   }
-  // By a line of prompts/tool_words.json.
+  // Stores the error as a line of prompts/tool_words.json.
   void wrong(std::string_view line,
              std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
     if (error_.empty()) error_ = words_.say(line, slots);
@@ -153,7 +153,7 @@ Answer category_prior(const ToolBox& box, Arguments& in) {
   const SizePrior usual = size_prior(facts.name);
   const bool measured = facts.mesh.volume_m3 > 0 && facts.mesh.area_m2 > 0;
   if (sizes[0] && sizes[1] && sizes[2]) {
-    // What was measured, brought to the size that is asked about; without a mesh, the box itself.
+    // Measurements scaled to the requested size; without a mesh, the box.
     const double asked = *sizes[0] * *sizes[1] * *sizes[2];
     const double box_volume = facts.mesh.size_m.prod();
     if (measured && box_volume > 0) {
@@ -271,7 +271,7 @@ Answer mesh_facts_of(const ToolBox& box, Arguments& in) {
 Answer list_scene_objects(const ToolBox& box, Arguments&) {
   Answer list = Answer::array();
   const auto& scene = box.scene();
-  // The newest are the last.
+  // The newest are last.
   for (std::size_t i = scene.size() - std::min(scene.size(), kMaxSceneObjects); i < scene.size(); ++i) {
     const SceneObjectFacts& object = scene[i];
     Answer line = {{"name", quoted_text(object.name)}};
@@ -381,7 +381,7 @@ std::string ToolBox::call(std::string_view name, std::string_view arguments) con
   if (arguments.size() > kMaxArgumentLength) return error_text(words_->say("arguments_too_long"));
   Result<Json> parsed = arguments.empty() ? Result<Json>(Json::object()) : parse_json(arguments);
   if (parsed && parsed->is_null()) parsed = Json::object();
-  // Some servers wrap the object in one more text.
+  // Some servers encode the object as a JSON string.
   if (parsed && parsed->is_string()) parsed = parse_json(parsed->get<std::string>());
   if (!parsed || !parsed->is_object()) return error_text(words_->say("arguments_no_object"));
   Arguments in(*parsed, *words_);

@@ -9,24 +9,24 @@
 #include "analysis/estimate.h"
 #include "analysis/text/message_templates.h"
 
-// The functions a language model may call while it looks at one object. Every one is total: any arguments,
-// however wrong, give a JSON object back, {"error": ...} where they make no sense. They read the tables and
-// what is known of the object and its scene; none touches a file, a shell or the network. Pure; any thread.
+// Tools for a language model's questions about one object. Every function is total: any arguments give a JSON
+// object, {"error": ...} if they are invalid. Tools read the tables and the facts of the object and its
+// scene. They do not access files, a shell or the network. Pure; any thread.
 
 namespace livegs {
 
-// Another object of the scene, as the model is told of it.
+// Another object of the scene, as described to the model.
 struct SceneObjectFacts {
-  std::string name;      // as a person or a file calls it; quoted before a model sees it
-  std::string material;  // empty while nothing is known
+  std::string name;      // from a user or a file; quoted before it is sent to a model
+  std::string material;  // empty if unknown
   std::string behavior;  // "rigid", "elastic", "static"
-  double mass_kg = 0;    // 0: not known
+  double mass_kg = 0;    // 0 if unknown
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
-  double distance_m = 0;  // from the object asked about
-  bool analysed = false;  // by a model or a person, rather than offline
+  double distance_m = 0;  // from the object in question
+  bool analysed = false;  // by a model or a user, not offline
 };
 
-// Name and parameters of one tool; what it is for is told in prompts/tools.json.
+// Name and parameters of one tool; its purpose is in prompts/tools.json.
 struct ToolDescriptor {
   std::string name;
   std::string parameters;  // a JSON schema of the portable strict subset
@@ -35,13 +35,13 @@ struct ToolDescriptor {
 class ToolBox {
  public:
   ToolBox() = default;
-  // `words` outlives it.
+  // `words` must outlive the tool box.
   explicit ToolBox(ObjectFacts object, std::vector<SceneObjectFacts> scene = {},
                    const MessageTemplates& words = MessageTemplates::built_in());
 
   static const std::vector<ToolDescriptor>& descriptors();
 
-  // `arguments` as they came from the model. The answer is at most 4 KiB.
+  // Calls a tool with arguments as received from the model. The result has at most 4 KiB.
   std::string call(std::string_view tool, std::string_view arguments) const;
 
   const ObjectFacts& object() const { return object_; }

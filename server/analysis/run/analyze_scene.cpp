@@ -19,7 +19,7 @@
 namespace livegs {
 namespace {
 
-// Pictures are packed and sent on these threads: behind everything that has a deadline.
+// Lowers the priority of this thread, which packs and sends pictures, below threads with deadlines.
 void step_behind() {
   pthread_setname_np(pthread_self(), "analysis");
   (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), 15);
@@ -42,13 +42,13 @@ SceneObjectFacts facts_for_others(const AnalysisNeighbour& one, bool analysed,
   return facts;
 }
 
-// The objects in flight and those that are done. Any thread.
+// Objects in flight and finished objects. Any thread.
 class Course {
  public:
   Course(std::span<const AnalysisTarget> targets, std::span<const AnalysisNeighbour> others)
       : targets_(targets), others_(others), done_(targets.size()) {}
 
-  // The next object once all that it is to be told of is done; nothing when there is none left or it is to
+  // Returns the next object once all its neighbours in range are finished; nullopt after the last one or on a
   // stop.
   std::optional<size_t> take(std::stop_token stop) {
     std::unique_lock lock(mutex_);
@@ -62,8 +62,8 @@ class Course {
     while (first_open_ < done_.size() && done_[first_open_]) ++first_open_;
     changed_.notify_all();
   }
-  // At most kMaxNeighbours: estimates, then those that a person, the scene or a model told of before, each
-  // the nearest last; then those that are done as far back as it may see them, the newest last.
+  // At most kMaxNeighbours: first estimates, then objects known from a user, the scene or a model, each group
+  // with the nearest last; then finished ones within the context lag, newest last.
   std::vector<SceneObjectFacts> neighbours_of(size_t index) {
     std::lock_guard lock(mutex_);
     std::vector<SceneObjectFacts> estimated, told, analysed;
@@ -94,7 +94,7 @@ class Course {
  private:
   std::span<const AnalysisTarget> targets_;
   std::span<const AnalysisNeighbour> others_;
-  std::mutex mutex_;  // guards all below
+  std::mutex mutex_;  // guards the members below
   std::condition_variable_any changed_;
   size_t next_ = 0, first_open_ = 0;
   std::vector<std::optional<std::pair<v1::PhysicalParameters, bool>>> done_;
@@ -112,7 +112,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
   }
   AnalysisSummary summary;
   summary.objects = targets.size();
-  std::mutex mutex;  // guards the calls of update and summary
+  std::mutex mutex;  // serialises calls of update, and guards summary
   const auto offline_of = [&](size_t index) {
     AnalysisUpdate first;
     first.index = index;
@@ -122,7 +122,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
   };
   for (size_t i = 0; i < targets.size(); ++i) update(offline_of(i));
 
-  if (endpoint) endpoint->get_ready(stop);  // a question's hash holds the model's name
+  if (endpoint) endpoint->get_ready(stop);  // a question's hash includes the model's name
   const EndpointState known = endpoint ? endpoint->state() : EndpointState{};
   Course course(targets, options.neighbours);
   std::vector<bool> finished(targets.size(), false);
@@ -181,10 +181,11 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
   }
   if (summary.slowest_views_s > kViewTimeWarning_s) {
     log_warn(
-        "analysis: the views of an object took up to %.1f s (%.0f s are usual): this machine is slow or busy",
+        "analysis: rendering the views of an object took up to %.1f s (usually below %.0f s); the machine is "
+        "slow or busy",
         summary.slowest_views_s, kViewTimeWarning_s);
   }
-  // What was not asked keeps its estimate.
+  // Objects that were not queried keep their estimate.
   for (size_t i = 0; i < targets.size(); ++i) {
     if (finished[i]) continue;
     AnalysisUpdate last = offline_of(i);

@@ -21,12 +21,12 @@ std::string three_digits(double value) {
   return text;
 }
 
-// Every part with its length before it, so that no two questions spell the same.
+// Each part is preceded by its length, so that different questions have different encodings.
 void add(std::string& text, const std::string& part) {
   text += std::to_string(part.size()) + ":" + part + "\n";
 }
 
-// Everything the answer may depend on.
+// Hash of all inputs of the answer.
 std::string question_hash(const AnalysisQuestion& question, const AnalysisTarget& target,
                           const std::vector<SceneObjectFacts>& neighbours, const EndpointState& endpoint,
                           const std::string& prompt_version) {
@@ -105,7 +105,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       if (!answer) turn.error = answer.error().message;
       if (answer && raw.blind) {
         answer->blind = true;
-        answer->changes.push_back("pictures: the model takes none and was asked without");
+        answer->changes.push_back("pictures: not accepted by the model; the question was sent without them");
       }
       update.turns.push_back(std::move(turn));
       if (!answer) return false;
@@ -114,7 +114,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       return true;
     };
 
-    // Of a model that is not known nothing can be told again.
+    // Caching requires a known model name.
     AnswerCache* const cache = state.model.empty() ? nullptr : options.cache;
     if (cache) {
       if (const auto failed = cache->failure(key)) {
@@ -146,7 +146,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
     if (!taken && !stop.stop_requested()) {
       staged(AnalysisStage::Repaired);
       const std::string wrong = update.turns.back().error;
-      // Tokens and time of a repair are those of the whole conversation so far; it is counted once.
+      // Tokens and time of a repair include the whole conversation; it is counted once.
       v1::AnalysisRecord before = update.record;
       auto again = exchange->repair(wrong, stop);
       if (again) {
@@ -161,10 +161,10 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       }
     }
     if (taken) {
-      // One that was given blind is not worth keeping: the server may see the next time.
+      // Blind answers are not cached: the server may accept pictures next time.
       if (cache && !raw->blind) cache->keep(key, *raw);
     } else {
-      const std::string why = "the answer would not do: " + update.turns.back().error;
+      const std::string why = "faulty answer: " + update.turns.back().error;
       if (cache && !raw->blind && !stop.stop_requested()) cache->keep_failure(key, why);
       give_up(why);
     }

@@ -5,10 +5,10 @@
 
 namespace livegs {
 
-// One object and the model: a look, a question, an answer through the gate, once more if it would not do; for
-// each view. `known` is the endpoint's state before anything was asked, so that a question's hash does not
-// depend on what was learned since. Fills in all of `update` but its index, and calls `staged` when the
-// question or the repair is under way. Blocks.
+// Queries the model about one object: views, a question for each, the gate, and one repair if the answer is
+// faulty. `known` is the state of the endpoint before the first query, so that a question's hash does not
+// depend on later state. Fills all of `update` except its index; calls `staged` when a question or repair is
+// sent. Blocks.
 void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>& neighbours,
                ModelEndpoint& endpoint, const EndpointState& known, const TargetViews& views,
                const AnalysisOptions& options, const std::function<void(AnalysisStage)>& staged,

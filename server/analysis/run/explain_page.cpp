@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-// The policy forbids scripts and everything from elsewhere, should an escape ever be missed.
+// The policy forbids scripts and external content, in case an escape is missed.
 constexpr const char* kHead = R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
@@ -68,14 +68,14 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-// Four digits, without an exponent where a person can do without.
+// Formats four digits, without an exponent where readable.
 std::string number(double value) {
   if (std::abs(value) < 1e4 || std::abs(value) >= 1e7) return format_text("%.4g", value);
   const double step = std::pow(10, std::floor(std::log10(std::abs(value))) - 3);
   return format_text("%.0f", std::round(value / step) * step);
 }
 
-// Where one range lies beside the other, on a logarithmic scale; grey before, blue after.
+// Compares two ranges on a logarithmic scale; grey before, blue after.
 std::string range_bar(const v1::EstimatedValue& before, const v1::EstimatedValue& after) {
   if (!(before.low() > 0) || !(after.low() > 0)) return "";
   const double low = std::log(std::min(before.low(), after.low())),
@@ -115,7 +115,7 @@ Shown shown(std::string_view name) {
   return {"break impulse", "N s", 1};
 }
 
-// With `before`, also what each value was and where its range has gone.
+// With `before`, the table also has the previous values and the changes of ranges.
 std::string value_table(const v1::PhysicalParameters& now, const v1::PhysicalParameters* before) {
   std::string html = "<table>\n<tr><th></th><th>value</th><th>90 % range</th>";
   if (before) html += "<th>before (grey), now (blue)</th><th>before</th>";
@@ -138,7 +138,7 @@ std::string value_table(const v1::PhysicalParameters& now, const v1::PhysicalPar
   return html + "</table>\n";
 }
 
-// An enumerator as a word: OPEN_SHELL, "open shell".
+// Formats an enumerator as words: OPEN_SHELL as "open shell".
 std::string word(std::string name) {
   for (char& c : name) c = c == '_' ? ' ' : static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   return escaped(name);
@@ -160,7 +160,7 @@ std::string figure(const AnalysisImage& image) {
          escaped(image.caption) + "\"><figcaption>" + escaped(image.caption) + "</figcaption></figure>\n";
 }
 
-// Each look once: where it was taken from, then its pictures.
+// Lists each view once: its camera, then its pictures.
 std::string view_section(const AnalysisUpdate& update, std::span<const TargetView> views) {
   std::string html;
   const auto add = [&](const std::string& camera, std::span<const AnalysisImage> images) {
@@ -185,7 +185,7 @@ std::string view_section(const AnalysisUpdate& update, std::span<const TargetVie
 std::string turn_section(const AnalysisTurn& turn, size_t index) {
   std::string html = "<h2>Turn " + std::to_string(index + 1) +
                      (turn.repair.empty() ? ": the question" : ": a repair") + "</h2>\n";
-  if (!turn.repair.empty()) html += "<p>The model was told:</p><pre>" + escaped(turn.repair) + "</pre>\n";
+  if (!turn.repair.empty()) html += "<p>Sent to the model:</p><pre>" + escaped(turn.repair) + "</pre>\n";
   if (!turn.question.slots.empty()) {
     html += "<table>\n";
     for (const auto& [slot, value] : turn.question.slots) {
@@ -200,10 +200,10 @@ std::string turn_section(const AnalysisTurn& turn, size_t index) {
         escaped(turn.answer.transcript) + "</pre></details>\n";
   }
   for (const std::string& warning : turn.answer.warnings) html += "<p>" + escaped(warning) + "</p>\n";
-  html += "<p>Answer of " + escaped(turn.answer.model) + ", as it came:</p><pre>" +
+  html += "<p>Answer of " + escaped(turn.answer.model) + ", as received:</p><pre>" +
           escaped(turn.answer.json) + "</pre>\n";
-  html += turn.error.empty() ? "<p>The gate read it.</p>\n"
-                             : "<p>The gate would not have it: " + escaped(turn.error) + "</p>\n";
+  html += turn.error.empty() ? "<p>The gate accepted its form.</p>\n"
+                             : "<p>The gate refused it: " + escaped(turn.error) + "</p>\n";
   return html;
 }
 
@@ -223,7 +223,7 @@ std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& upd
       std::string(verdict == Verdict::Accepted ? "The model's answer was accepted."
                   : verdict == Verdict::NeedsReview
                       ? "The model's answer needs review; the object keeps its values."
-                  : update.turns.empty() ? "No model was heard; the object keeps its values."
+                  : update.turns.empty() ? "No model was queried; the object keeps its values."
                                          : "The model's answer was refused; the object keeps its values.") +
       "</p>\n";
   if (!update.judgement.message.empty()) html += "<p>" + escaped(update.judgement.message) + "</p>\n";
@@ -260,7 +260,7 @@ std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& upd
         {"tokens", std::to_string(record.prompt_tokens()) + " in, " +
                        std::to_string(record.completion_tokens()) + " out"},
         {"cost", record.cost_usd() > 0 ? number(record.cost_usd()) + " USD" : "unknown"},
-        {"wall time", update.cached ? "kept from before" : number(record.wall_s()) + " s"},
+        {"wall time", update.cached ? "from the cache" : number(record.wall_s()) + " s"},
         {"question", record.question_hash()},
         {"answer", record.answer_hash()}};
     for (const auto& [title, text] : rows) {

@@ -8,12 +8,13 @@
 
 namespace livegs {
 
-// One object's analysis as one self-contained HTML page, for a person: the views, what was asked, the raw
-// answer, what the gate did, and the values with their ranges. Nothing in it is fetched or run: pictures are
-// data URLs, and all text that came from a model, a file or a person is escaped. `views` are the looks at the
-// object, those that the model was shown if it was asked; none: what went with the questions is shown. The
-// values are update.parameters: hand over what the object has in the end, a person's edits and the scene's
-// words in it. Precondition: stage Finished.
+// Renders one object's analysis as a self-contained HTML page: views, question, raw answer, actions of the
+// gate, and values with ranges.
+//
+// The page fetches and runs nothing: pictures are data URLs, and all text from a model, a file or a user is
+// escaped. `views` are the views sent to the model; if empty, those of the questions are used. The values are
+// update.parameters and should include the user's edits and the scene's values.
+// Precondition: stage Finished.
 std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& update,
                          std::span<const TargetView> views = {});
 

@@ -13,8 +13,8 @@
 namespace livegs {
 namespace {
 
-// One core each at most; `behind`, a small part of it while others want it. Not the idle class, which beside
-// busy programs gets nothing at all for minutes.
+// At most one core per thread; with `behind`, a small part of it while others need it. The idle class is
+// unsuitable: next to busy programs it may get no time for minutes.
 constexpr int kBackgroundNice = 15;
 void become_drawer(bool behind) {
   pthread_setname_np(pthread_self(), "views");
@@ -33,7 +33,7 @@ ViewPrefetcher::ViewPrefetcher(std::span<const AnalysisTarget> targets, const Ta
       made_(targets.size()),
       asked_to_stop_(std::move(stop)) {
   follow_.emplace(asked_to_stop_, [this] { ended_.request_stop(); });
-  // Beside a simulation half of the cores stay free of drawing, for the threads that share a tick.
+  // Next to a simulation, half of the cores are reserved for the threads of the tick.
   const size_t cores = std::max(1u, std::thread::hardware_concurrency() / (behind_ ? 2 : 1));
   for (size_t i = 0; i < std::min({cores, kContextLag, targets.size()}); ++i) {
     threads_.emplace_back([this] { work(); });

@@ -13,24 +13,24 @@
 
 namespace livegs {
 
-// Makes the views of a scene's objects in their order while others wait for their answers, so that drawing
-// and waiting overlap. Threads of its own.
+// Renders the views of a scene's objects in order, on its own threads, while queries wait for answers.
+// Rendering and waiting overlap.
 class ViewPrefetcher {
  public:
-  // How many objects may be drawn and not yet asked about: bounds the memory, about a megabyte an object.
+  // Maximum number of objects rendered but not yet queried. Bounds the memory, about one megabyte per object.
   static constexpr size_t kMaxAhead = 2 * kContextLag;
 
-  // `targets` and `views` outlive this.
+  // `targets` and `views` must outlive this.
   ViewPrefetcher(std::span<const AnalysisTarget> targets, const TargetViews& views,
                  const AnalysisOptions& options, std::stop_token stop);
-  ~ViewPrefetcher();  // stops what is being made
+  ~ViewPrefetcher();  // stops the rendering
 
   struct Made {
     Result<std::vector<TargetView>> views;
-    double wall_s = 0;  // that making them took
+    double wall_s = 0;  // of rendering them
   };
-  // The views of target `index`, once. Blocks until they are made or a stop is requested, which is an error.
-  // Each target is to be taken, in any order that keeps within kContextLag of the first one that is left.
+  // Returns the views of target `index`; call once per target. Blocks until they are ready; a requested stop
+  // is an error. Every target must be taken, in any order within kContextLag of the first one left.
   Made take(size_t index);
 
  private:
@@ -41,7 +41,7 @@ class ViewPrefetcher {
   const int count_;
   const bool behind_;
 
-  std::mutex mutex_;  // guards what follows, but the threads
+  std::mutex mutex_;  // guards all members below except the threads
   std::condition_variable_any changed_;
   size_t next_ = 0, taken_ = 0;
   std::vector<std::optional<Made>> made_;

@@ -22,7 +22,7 @@ std::string exact(double value) {
   return text;
 }
 
-// Behaviour, fill and fragility as one text each.
+// Behaviour, fill and fragility as text.
 std::string behavior_text(const v1::PhysicalParameters& p) { return std::to_string(p.behavior()); }
 std::string fill_text(const v1::PhysicalParameters& p) { return std::to_string(p.fill()); }
 std::string fragile_text(const v1::PhysicalParameters& p) { return p.fragile() ? "true" : "false"; }
@@ -58,7 +58,7 @@ Result<bool> take_manual_edits(v1::PhysicsFile& file) {
     const double best = (p.*value.get)().best();
     if (!differs(value.name, exact(best))) continue;
     (edits.*value.tell)(best);
-    // Alone, so that the message names the very field.
+    // Checked alone, so that the message names the field.
     Physics alone;
     (alone.*value.tell)(best);
     if (auto checked = check_scene_physics(alone); !checked) {
@@ -72,7 +72,7 @@ Result<bool> take_manual_edits(v1::PhysicsFile& file) {
       (p.*value.mutable_value)()->Clear();
     }
   }
-  // A modulus and the resistance that follows from it are one statement.
+  // A modulus and the resistance derived from it are one statement.
   if (edits.has_youngs_modulus_pa()) edits.clear_deformation_resistance();
   if (!Physics::Behavior_IsValid(p.behavior())) {
     return invalid_argument("physics.behavior: is " + behavior_text(p) + "; give STATIC, RIGID or ELASTIC");
@@ -107,7 +107,7 @@ Result<bool> take_manual_edits(v1::PhysicsFile& file) {
       renamed = true;
     }
     if (!Physics::Behavior_IsValid(p.behavior()) || !Physics::Fill_IsValid(p.fill())) {
-      return invalid_argument("as_decided: was changed by hand; delete the file, or undo the change");
+      return invalid_argument("as_decided: was changed by hand; delete the file or undo the change");
     }
   }
   const bool any = renamed || edits.ByteSizeLong() > 0;
@@ -129,7 +129,7 @@ std::string overridden_edits(const Physics& edits, const Physics& written) {
   }
   if (names.empty()) return {};
   return "the edit of " + names +
-         " has no effect, because the scene file writes it; take it out of there to edit it here";
+         " has no effect, because the scene file sets it; remove it there to edit it here";
 }
 
 std::string physics_name(std::string_view name) { return shown_text(name, 80); }

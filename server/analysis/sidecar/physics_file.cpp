@@ -24,11 +24,11 @@ namespace fs = std::filesystem;
 using v1::PhysicsLogRecord;
 
 constexpr size_t kMaxLogBytes = 64 << 20;
-// Sizes that differ by more than this are not the same thing any more.
+// Size ratio above which a stored analysis no longer applies to size-dependent values.
 constexpr double kMaxSizeChange = 1.05;
 
-// What counts where the file of one object is not there: mug.physics.json for mug.physics.left.json; empty
-// for others.
+// Sidecar used if that of one object does not exist: mug.physics.json for mug.physics.left.json; empty for
+// others.
 fs::path default_path(const fs::path& sidecar) {
   const std::string name = sidecar.stem().string();  // without .json
   const size_t dot = name.rfind('.');
@@ -46,17 +46,17 @@ std::string one_line(std::string text) {
 }
 
 Error newer(double version) {
-  return {ErrorCode::Unsupported, format_text("a newer LiveGS wrote it (layout %.0f, this one reads up to "
-                                              "%u): update this one, or move it and its .log away to "
-                                              "go on without them; nothing in them is changed",
-                                              version, kPhysicsLayout)};
+  return {ErrorCode::Unsupported,
+          format_text("written by a newer LiveGS (layout %.0f, this one reads up to %u); update LiveGS, or "
+                      "move the file and its .log away. Neither is modified",
+                      version, kPhysicsLayout)};
 }
 
 Result<v1::PhysicsFile> parse_sidecar(const std::string& text) {
   const Result<Json> json = parse_commented_json(text);
   if (!json) return json.error();
-  if (!json->is_object()) return invalid_data("must hold one JSON object");
-  // Before what such a file may hold that nobody here knows.
+  if (!json->is_object()) return invalid_data("must contain one JSON object");
+  // Checked before unknown contents of a newer layout.
   if (const auto version = number_member(*json, "version"); version && *version > kPhysicsLayout)
     return newer(*version);
   v1::PhysicsFile file;
@@ -65,15 +65,15 @@ Result<v1::PhysicsFile> parse_sidecar(const std::string& text) {
     return invalid_data(one_line(std::string(status.message())) +
                         " (field names are those of PhysicsFile in proto/livegs/v1/physics.proto)");
   }
-  if (file.version() > kPhysicsLayout) return newer(file.version());  // written as text
+  if (file.version() > kPhysicsLayout) return newer(file.version());  // stored as text
   if (auto checked = check_scene_physics(file.edits()); !checked) {
     return invalid_argument("edits." + checked.error().message);
   }
   return file;
 }
 
-// Who deletes a sidecar forgets what its log says. The log only grows, so the next one begins with a
-// TAKEN_OVER: of the asset's sidecar, or of nothing.
+// Deleting a sidecar invalidates its log. The log is append-only, so the next sidecar begins with a
+// TAKEN_OVER record: of the asset's sidecar, or empty.
 std::vector<PhysicsLogRecord> since_begun(std::vector<PhysicsLogRecord> log) {
   const auto begun = std::find_if(log.rbegin(), log.rend(), [](const PhysicsLogRecord& record) {
     return record.action() == PhysicsLogRecord::TAKEN_OVER;
@@ -107,7 +107,7 @@ Result<SidecarState> read_sidecar_state(const fs::path& path) {
   if (!text && text.error().code != ErrorCode::NotFound) return text.error();
   const auto in_file = [&](const Error& error) {
     const char* remedy =
-        error.code == ErrorCode::Unsupported ? "" : "; mend it, or delete the file to forget it";
+        error.code == ErrorCode::Unsupported ? "" : "; correct it, or delete the file to discard it";
     return Error{error.code, path.string() + ": " + error.message + remedy};
   };
   if (text) {
@@ -121,7 +121,7 @@ Result<SidecarState> read_sidecar_state(const fs::path& path) {
     kept.manually_edited = *edited;
   }
   if (!kept.there) {
-    // Gone, it was deleted, whatever its log says.
+    // A missing sidecar was deleted, whatever its log contains.
     kept.forgotten = !kept.log.empty();
     kept.log.clear();
     if (const fs::path other = default_path(path); !other.empty()) {
@@ -134,7 +134,7 @@ Result<SidecarState> read_sidecar_state(const fs::path& path) {
     return kept;
   }
   kept.log = since_begun(std::move(kept.log));
-  // Ended between the log and the sidecar: the last change is in the log only.
+  // The process ended between log and sidecar: the last change is in the log only.
   const PhysicsLogRecord *newest = nullptr, *before = nullptr;
   for (const PhysicsLogRecord& record : kept.log) {
     if (is_revision(record)) before = std::exchange(newest, &record);
@@ -145,7 +145,7 @@ Result<SidecarState> read_sidecar_state(const fs::path& path) {
       kept.file = newest->file();
     return kept;
   }
-  // What was edited by hand may be in the log already, and the change that it was found by after it.
+  // The log may already hold a manual edit, followed by the change during which it was found.
   const auto holds_edit = [&](const PhysicsLogRecord& record) {
     return record.action() == PhysicsLogRecord::EDIT_BY_HAND && record.previous() == kept.on_disk &&
            same_content(record.file(), kept.file);
@@ -178,14 +178,14 @@ std::string object_file_name(std::string_view object) {
     const bool plain =
         (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
     const auto byte = static_cast<unsigned char>(c);
-    // "physics" itself would read as an asset's own sidecar.
+    // "physics" alone would look like the sidecar of an asset.
     if (plain && !(name.empty() && object == "physics")) {
       name += c;
     } else {
       name += {'%', kHex[byte >> 4], kHex[byte & 15]};
     }
   }
-  // A file's name has 255 bytes at most, and a Chinese letter takes nine here.
+  // File names are limited to 255 bytes, and a Chinese character takes nine here.
   constexpr size_t kMaxNameBytes = 150, kKeptNameBytes = 100, kHashDigits = 16;
   if (name.size() <= kMaxNameBytes) return name;
   size_t kept = kKeptNameBytes;
@@ -228,8 +228,8 @@ Result<v1::PhysicsFile> read_physics_file(const fs::path& path) {
 
 std::optional<v1::PhysicsFile> open_proposal(std::span<const PhysicsLogRecord> log) {
   for (auto record = log.rbegin(); record != log.rend(); ++record) {
-    // An edit that comes after it is another answer than the model's. One by hand comes into the log with
-    // whatever follows it, perhaps the acceptance.
+    // A later edit supersedes the model's answer. A manual edit is logged together with the next change,
+    // which may be the acceptance.
     if (record->action() == PhysicsLogRecord::ANALYSIS || record->action() == PhysicsLogRecord::EDIT) break;
     if (record->action() != PhysicsLogRecord::PROPOSAL) continue;
     if (record->file().has_physics()) return record->file();
@@ -263,7 +263,7 @@ Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& o
   v1::PhysicalParameters physics = offline;
   if (file.has_physics()) {
     physics = file.physics();
-    // What a person or a scene had told when it was asked is theirs, and holds only while they say it.
+    // Values given by a user or a scene apply only while they are given.
     for (const PhysicsValue& value : physics_values()) {
       if (is_locked((physics.*value.get)())) *(physics.*value.mutable_value)() = (offline.*value.get)();
     }
@@ -273,10 +273,10 @@ Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& o
       *physics.mutable_wall_thickness_m() = offline.wall_thickness_m();
       *physics.mutable_break_impulse_n_s() = offline.break_impulse_n_s();
       char line[160];
-      std::snprintf(
-          line, sizeof line,
-          "was analysed %.3g m long and stands %.3g m long: its mass is estimated anew; analyze it again",
-          analysed_m, now_m);
+      std::snprintf(line, sizeof line,
+                    "was analysed at a length of %.3g m and is now %.3g m long; its mass is estimated again, "
+                    "analyze it to update",
+                    analysed_m, now_m);
       note = line;
     }
   }

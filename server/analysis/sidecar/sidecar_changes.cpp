@@ -13,7 +13,7 @@
 #include "analysis/sidecar/manual_edits.h"
 #include "analysis/sidecar/sidecar_state.h"
 
-// How a sidecar changes: under a lock on its log, which is appended to and synced before the sidecar is
+// Changes of a sidecar, under a lock on its log. The log is appended to and synced before the sidecar is
 // replaced.
 
 namespace livegs {
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using v1::PhysicsLogRecord;
 
-// Protobuf writes a map in an order of its own each time; files are to be the same to the byte.
+// Protobuf writes maps in arbitrary order; sorting makes files identical to the byte.
 void sort_decided(nlohmann::ordered_json& json) {
   if (!json.is_object()) return;
   for (auto& [name, value] : json.items()) {
@@ -57,7 +57,7 @@ class LockedLog {
       const fs::path folder = sidecar.has_parent_path() ? sidecar.parent_path() : ".";
       return Error{ErrorCode::PermissionDenied,
                    sidecar.string() + ": cannot be written: " + std::strerror(errno) + "; make " +
-                       folder.string() + " writable to keep what was decided"};
+                       folder.string() + " writable to save decisions"};
     }
     LockedLog log(fd, path);
     while (::flock(fd, LOCK_EX) != 0) {
@@ -83,7 +83,7 @@ class LockedLog {
     if (end < 0 || ::ftruncate(fd_, end) != 0 || ::lseek(fd_, end, SEEK_SET) != end) return error();
     for (size_t done = 0; done < line->size();) {
       step("append");
-      // In halves, so that a test can end the process within a line.
+      // Written in halves, so that a test can end the process within a line.
       const size_t part = std::max<size_t>(1, (line->size() - done + 1) / 2);
       const ssize_t wrote = ::write(fd_, line->data() + done, done == 0 ? part : line->size() - done);
       if (wrote < 0 && errno == EINTR) continue;
@@ -112,7 +112,7 @@ class LockedLog {
   Error error() const {
     return {ErrorCode::PermissionDenied, path_.string() + ": cannot be written: " + std::strerror(errno)};
   }
-  // After the last whole line.
+  // Offset after the last complete line.
   off_t end_of_lines() const {
     off_t end = ::lseek(fd_, 0, SEEK_END);
     char last = 0;
@@ -124,7 +124,7 @@ class LockedLog {
   fs::path path_;
 };
 
-// The revisions that can be gone back to and forward to from the last record.
+// Revisions available for undo and redo from the last record.
 struct ChangeCourse {
   std::vector<uint64_t> back, forward;
 };
@@ -165,7 +165,8 @@ std::optional<v1::PhysicsFile> content_of(const std::vector<PhysicsLogRecord>& l
   return std::nullopt;
 }
 
-// One change under the lock. `change` makes the next content from what is kept, and says which action it was.
+// Runs one change under the lock. `change` derives the next content from the current one and returns the
+// action.
 template <class Change>
 Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& before, const Change& change) {
   auto log = LockedLog::open(path, before);
@@ -173,9 +174,8 @@ Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& befor
   auto kept = read_sidecar_state(path);
   if (!kept) return kept.error();
   uint64_t newest = std::max(kept->file.revision(), kept->newest);
-  // What the log does not know: what a person wrote, what the asset's sidecar holds, that a sidecar was
-  // deleted, or one that came without its log. It becomes a revision of its own, that can be gone back to;
-  // nothing stays revision 0.
+  // Unlogged state becomes a revision of its own, available for undo: a manual edit, the asset's sidecar, a
+  // deletion, or a sidecar without its log. An empty state stays revision 0.
   std::optional<PhysicsLogRecord> found;
   const bool unknown = kept->file.revision() > 0 && !content_of(kept->log, kept->file.revision());
   if (kept->manually_edited || kept->taken_over || kept->forgotten || unknown) {
@@ -197,7 +197,7 @@ Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& befor
     if (auto appended = log->append(*found, before); !appended) return appended.error();
   }
   if (!kept->there) {
-    // What counted until now before the change: where the log is ahead of nothing, the sidecar was deleted.
+    // State before the change. If the log is not ahead of a file, the sidecar was deleted.
     v1::PhysicsFile first = kept->file;
     first.set_version(kPhysicsLayout);
     auto text = json_of(first, true);
@@ -260,7 +260,7 @@ Result<v1::PhysicsFile> accept_proposal(const fs::path& path, const WriteStep& b
                        record.set_action(PhysicsLogRecord::ANALYSIS);
                        const auto proposal = open_proposal(kept.log);
                        if (!proposal) {
-                         return not_found(path.string() + ": nothing is proposed; analyse it again");
+                         return not_found(path.string() + ": no proposal; analyse it again");
                        }
                        v1::PhysicsFile next = kept.file;
                        take_proposal(*proposal, next);
@@ -273,7 +273,7 @@ Result<v1::PhysicsFile> decline_proposal(const fs::path& path, const WriteStep& 
                      [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
                        record.set_action(PhysicsLogRecord::PROPOSAL);
                        if (!open_proposal(kept.log))
-                         return not_found(path.string() + ": nothing is proposed");
+                         return not_found(path.string() + ": no proposal to decline");
                        return v1::PhysicsFile();
                      });
 }

@@ -7,31 +7,29 @@
 #include "core/result.h"
 #include "livegs/v1/physics.pb.h"
 
-// Sidecar and log as they stand, for what reads them (physics_file.cpp) and what changes them
-// (physics_changes.cpp).
+// Current state of sidecar and log, for the reader (physics_file.cpp) and the writer (sidecar_changes.cpp).
 
 namespace livegs {
 
 inline constexpr uint32_t kPhysicsLayout = 1;
 
-// Both together.
+// Sidecar and log together.
 struct SidecarState {
   v1::PhysicsFile file;
-  std::vector<v1::PhysicsLogRecord> log;  // what counts of it
-  uint64_t newest = 0;                    // revision in all of it
-  bool forgotten = false;                 // it has records that count no more, and nothing says so yet
+  std::vector<v1::PhysicsLogRecord> log;  // records in effect
+  uint64_t newest = 0;                    // highest revision in the whole log
+  bool forgotten = false;                 // the log has obsolete records, and no record marks this yet
   bool manually_edited = false;
-  bool there = false;       // the sidecar
-  bool taken_over = false;  // not there, and the asset's counts in its place
-  uint64_t on_disk = 0;     // revision of the sidecar as it stands
+  bool there = false;       // the sidecar exists
+  bool taken_over = false;  // the sidecar does not exist, and that of the asset is in effect
+  uint64_t on_disk = 0;     // revision of the sidecar file
 };
 
 inline bool is_revision(const v1::PhysicsLogRecord& record) {
   return record.action() != v1::PhysicsLogRecord::PROPOSAL;
 }
 
-// The sidecar as it counts, or what counts in its place, and its log. Reads only; errors as of
-// read_physics_file().
+// Reads the effective sidecar and its log. Read-only; errors as for read_physics_file().
 Result<SidecarState> read_sidecar_state(const std::filesystem::path& path);
 
 std::filesystem::path log_path(const std::filesystem::path& sidecar);

@@ -6,7 +6,8 @@
 namespace livegs {
 namespace {
 
-// U+00C0 to U+017F, Latin-1 Supplement and Latin Extended-A, in order; a dot for what is no letter.
+// Letters of U+00C0 to U+017F (Latin-1 Supplement and Latin Extended-A), in order. A dot marks a code point
+// that is not a letter.
 constexpr std::string_view kLatin =
     "A A A A A A AE C E E E E I I I I D N O O O O O . O U U U U Y Th ss "
     "a a a a a a ae c e e e e i i i i d n o o o o o . o u u u u y th y "
@@ -35,7 +36,7 @@ std::string fold_diacritics(std::string_view text) {
   for (size_t i = 0; i < text.size(); ++i) {
     const auto lead = static_cast<unsigned char>(text[i]);
     const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0u;
-    if (lead < 0xC3 || lead > 0xCD || (next & 0xC0) != 0x80) {  // no character of two bytes from U+00C0 on
+    if (lead < 0xC3 || lead > 0xCD || (next & 0xC0) != 0x80) {  // not a two-byte character of U+00C0 or above
       plain += text[i];
       continue;
     }

@@ -6,9 +6,9 @@
 
 namespace livegs {
 
-// UTF-8 text with Latin letters that carry marks brought to plain ones ("crème brûlée" to "creme brulee",
-// "Straße" to "strasse"), also where the mark is a character of its own, as some file systems write it.
-// Everything else stays as it is.
+// Replaces Latin letters with diacritics in UTF-8 text by plain letters: "crème brûlée" becomes "creme
+// brulee", "Straße" becomes "strasse". Combining marks, which some file systems write, are removed. Other
+// text is unchanged.
 std::string fold_diacritics(std::string_view text);
 
 }  // namespace livegs

@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-constexpr std::size_t kMaxAttempts = 200;  // opening braces that are tried in one text
+constexpr std::size_t kMaxAttempts = 200;  // maximum number of opening braces tried in one text
 constexpr std::size_t kMaxProseLength = std::size_t{256} << 10;
 
 bool too_deep(std::string_view text) {

@@ -30,10 +30,10 @@ Result<MessageTemplates> MessageTemplates::read(const std::map<std::string, std:
     const auto json = given == texts.end() ? own : nlohmann::json::parse(given->second, nullptr, false);
     if (!json.is_object()) return invalid_data(path + "not a JSON object");
     for (const auto& [name, text] : json.items()) {
-      if (!text.is_string()) return invalid_data(path + name + " is no text");
-      if (!own.contains(name)) return invalid_data(path + name + " is no line that is ever said");
+      if (!text.is_string()) return invalid_data(path + name + " is not a string");
+      if (!own.contains(name)) return invalid_data(path + name + " is not a line of this file; remove it");
       if (!words.lines_.emplace(name, text.get<std::string>()).second)
-        return invalid_data(path + name + " stands in another file already");
+        return invalid_data(path + name + " is already defined in another file; remove it");
       const SlotNames known = slots_of(own[name].get<std::string>());
       if (auto checked = check_slots(text.get<std::string>(), known); !checked)
         return invalid_data(path + name + ", " + checked.error().message);

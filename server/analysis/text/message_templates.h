@@ -12,26 +12,25 @@
 
 namespace livegs {
 
-// The lines of prompts/ that are put together from figures, by their names in these files: what is told of an
-// object (facts.json), what is wrong with an answer (complaints.json), what tools say beside numbers
-// (tool_words.json). Immutable; any thread.
+// Text lines of prompts/ with slots for values, by their names: facts of an object (facts.json), faults of an
+// answer (complaints.json) and texts of tool results (tool_words.json).
+// Immutable; any thread.
 class MessageTemplates {
  public:
   static constexpr const char* kFiles[] = {"facts.json", "complaints.json", "tool_words.json"};
 
   static const MessageTemplates& built_in();
-  // `texts` by the names of kFiles; a file that is not given is the one that is compiled in. Fails on what is
-  // no object of texts, on a file that lacks a line of its own or has one more, and on a slot that the line
-  // does not have; the message begins with the file's path in `folder`.
+  // Reads the lines from `texts`, keyed by the names of kFiles; a missing file is replaced by the compiled-in
+  // one. Fails if a text is not an object of strings, if a file lacks a line or has an extra one, or if a
+  // line has an unknown slot. The error begins with the path of the file in `folder`.
   static Result<MessageTemplates> read(const std::map<std::string, std::string>& texts,
                                        const std::filesystem::path& folder = "prompts");
-  // Not of prompts/: how an estimate says where a mass comes from (mass_reasons.json), which a person reads
-  // and the line of an offline estimate takes along. It is written into sidecars, so no folder of prompts
-  // takes its place.
+  // Texts of the origin of a mass estimate (mass_reasons.json), for users and for the line of the offline
+  // estimate. They are written into sidecars and therefore not replaced by a prompt folder.
   static const MessageTemplates& reasons();
 
-  // The line with its {{slots}} filled, in one pass: what they are filled with is not looked at again. A name
-  // that is in no file gives itself: a test finds it.
+  // Returns the line with its {{slots}} filled in one pass; inserted values are not scanned again. An unknown
+  // name is returned unchanged; a test detects it.
   std::string say(std::string_view line,
                   std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) const;
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxShownLength = 40;
 
-// Levenshtein's, with two neighbours that changed places as one step.
+// Damerau-Levenshtein distance: an exchange of two adjacent characters is one step.
 std::size_t steps_between(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
   std::iota(last.begin(), last.end(), std::size_t{0});
@@ -42,10 +42,10 @@ std::string list_of(const SlotNames& known) {
 }
 
 std::string remedy(std::string_view slot, const SlotNames& known) {
-  if (known.empty()) return "nothing in this text is filled: take it out";
+  if (known.empty()) return "no slot of this text is filled; remove it";
   if (const std::string meant = meant_word(slot, known); !meant.empty())
-    return "write " + braced(meant) + " or take it out";
-  return "take it out or write one of " + list_of(known);
+    return "write " + braced(meant) + " or remove it";
+  return "remove it or write one of " + list_of(known);
 }
 
 }  // namespace
@@ -73,10 +73,10 @@ Result<void> check_slots(std::string_view text, const SlotNames& known) {
       if (known.empty() && !(lower_case(slot) && close == slot.size())) continue;
       const std::string shown = line_text(slot, kMaxShownLength);
       if (close != slot.size())
-        return invalid_data(at + "{{" + shown + " has no end: write it as {{slot}}, on one line");
-      if (slot.empty()) return invalid_data(at + "{{}} names no slot: " + remedy(slot, known));
+        return invalid_data(at + "{{" + shown + " has no end; write it as {{slot}}, on one line");
+      if (slot.empty()) return invalid_data(at + "{{}} does not name a slot; " + remedy(slot, known));
       if (!known.contains(slot))
-        return invalid_data(at + braced(shown) + " is filled by nothing: " + remedy(slot, known));
+        return invalid_data(at + braced(shown) + " is not a known slot; " + remedy(slot, known));
       open += slot.size() + 2;
     }
   }

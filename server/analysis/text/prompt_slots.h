@@ -7,22 +7,22 @@
 
 #include "core/result.h"
 
-// The {{slots}} of a text of prompts/, so that one that a person has mistyped is told instead of being left
-// out in silence.
+// Validation of the {{slots}} in the texts of prompts/: a mistyped slot is reported instead of silently left
+// out.
 
 namespace livegs {
 
 using SlotNames = std::set<std::string, std::less<>>;
 
-// Those that stand in the text.
+// Returns the slots in the text.
 SlotNames slots_of(std::string_view text);
 
-// Fails on the first slot that is not one of `known`, that names none or that has no end; one line: which
-// line of the text, the slot, what to do. In a text that is never filled (`known` empty) only what looks like
-// a slot counts, {{lower_case}}.
+// Fails on the first slot that is not in `known`, is unnamed or unclosed. The error is one line with the line
+// number, the slot and the remedy. In a text without slots (`known` empty) only {{lower_case}} is treated as
+// a slot.
 Result<void> check_slots(std::string_view text, const SlotNames& known);
 
-// The one of `known` that a person may have meant, or "".
+// Returns the member of `known` that was probably meant, or "".
 std::string meant_word(std::string_view word, const SlotNames& known);
 
 }  // namespace livegs

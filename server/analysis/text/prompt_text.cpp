@@ -4,7 +4,7 @@
 namespace livegs {
 namespace {
 
-// The bytes of the character that begins at `at`: 1 to 4, or 0 where there is none that is whole and UTF-8.
+// Length in bytes of the UTF-8 character at `at`: 1 to 4, or 0 if it is invalid or truncated.
 std::size_t character_size(std::string_view text, std::size_t at) {
   const auto lead = static_cast<unsigned char>(text[at]);
   const std::size_t size = lead < 0x80                   ? 1
@@ -19,7 +19,7 @@ std::size_t character_size(std::string_view text, std::size_t at) {
   return size;
 }
 
-// C0, DEL and C1 controls, and the characters that turn the direction of writing or have no width.
+// True for C0, DEL and C1 controls, and for bidirectional controls and zero-width characters.
 bool is_control(std::string_view character) {
   const auto first = static_cast<unsigned char>(character[0]);
   if (character.size() == 1) return first < 0x20 || first == 0x7F;
@@ -31,7 +31,7 @@ bool is_control(std::string_view character) {
          (code >= 0x2060 && code <= 0x206F) || code == 0xFEFF;
 }
 
-// What may stand between double quotes; `own`: braces and angle brackets with it.
+// Sanitises text for use between double quotes. `own` keeps braces and angle brackets.
 std::string on_one_line(std::string_view text, std::size_t longest, bool own) {
   std::string line;
   std::size_t count = 0;

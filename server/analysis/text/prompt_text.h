@@ -8,24 +8,23 @@
 
 namespace livegs {
 
-// A name or a text of an object as a model may see it: in double quotes, at most `longest` characters,
-// without control characters, quotes or angle brackets, so that it can neither end its line nor imitate what
-// stands around it.
+// Quotes untrusted text of an object for a prompt: double quotes, at most `longest` characters, without
+// control characters, quotes or angle brackets. The text can neither end its line nor imitate its
+// surroundings.
 std::string quoted_text(std::string_view text, std::size_t longest = 80);
-// The same without the quotes around it: a text from anybody as a part of a line of our own.
+// The same without quotes, for untrusted text within a trusted line.
 std::string line_text(std::string_view text, std::size_t longest = 80);
-// A line of our own in double quotes: braces and angle brackets stay as they are written. What others gave it
-// must have come into it by line_text.
+// Quotes a trusted line; braces and angle brackets are kept. Untrusted parts must have passed line_text().
 std::string quoted_line(std::string_view line, std::size_t longest);
 
-// Facts: control characters but newlines left out, runs of dashes that could end the data broken up, cut at
-// `longest` bytes.
+// Sanitises facts: removes control characters except newlines, breaks up runs of dashes that could end the
+// data, and truncates at `longest` bytes.
 std::string plain_text(std::string_view text, std::size_t longest = 4000);
 
-// `{{slot}}` by what `value_of` gives for it, in one pass: values are not looked at again.
+// Replaces each `{{slot}}` by the result of `value_of`, in one pass; inserted values are not scanned again.
 std::string fill_line(std::string_view line,
                       const std::function<std::string(std::string_view slot)>& value_of);
-// The same line by line. One with a slot that is absent or empty is left out.
+// Fills the slots line by line. A line with an absent or empty slot is left out.
 std::string fill_slots(std::string_view text, const std::map<std::string, std::string>& slots);
 
 }  // namespace livegs

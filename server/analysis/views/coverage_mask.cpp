@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kMaskShDc = 0.28209479f;  // Y_00
 
-// What drawing needs of every `step`-th kernel.
+// Copies every `step`-th kernel for drawing.
 void paint(const DrawnObject& object, size_t step, float value, GaussianAsset& asset, PosedKernels& kernels) {
   const size_t count = (object.asset->size() + step - 1) / step;
   asset.positions.resize(count);
@@ -50,7 +50,7 @@ CoverageMaskScene::CoverageMaskScene(std::span<const DrawnObject> scene, uint32_
     PosedKernels& kernels = kernels_.emplace_back();
     paint(object, step, is_target ? 1.0f : 0.0f, asset, kernels);
     member.painted = {&asset, step == 1 ? object.kernels : &kernels, object.object_id};
-    // Three standard deviations of the widest kernel beyond the centres.
+    // Centres extended by three standard deviations of the widest kernel.
     Eigen::AlignedBox3d bounds;
     float widest_m2 = 0;
     for (size_t i = 0; i < object.kernels->positions_m.size(); ++i) {
@@ -68,7 +68,7 @@ CoverageMaskScene::CoverageMaskScene(std::span<const DrawnObject> scene, uint32_
   }
 }
 
-// Whether the ball around it reaches into the camera's pyramid.
+// True if the bounding sphere intersects the camera frustum.
 bool CoverageMaskScene::sees(const Camera& camera, const Member& member) const {
   const Eigen::Vector3d place = camera.world_from_camera.inverse() * member.centre_m;
   if (-place.z() < -member.radius_m) return false;

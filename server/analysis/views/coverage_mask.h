@@ -12,13 +12,12 @@
 
 namespace livegs {
 
-// A scene painted by who is who: the target white, everything else black, so that a picture of it holds each
-// pixel's share of light that comes from the target, by the very blend that draws the scene. Keeps pointers
-// to what it was made from.
+// Scene painted for a coverage mask: the target white, everything else black. Rendered with the blending of
+// the scene itself, each pixel is the fraction of light from the target. Keeps pointers to the given objects.
 class CoverageMaskScene {
  public:
-  // At most so many kernels of the target and of everything else together: every k-th is taken, k times as
-  // wide in area.
+  // `max_kernels` limits the kernels of the target and of all other objects together: if exceeded, every k-th
+  // is used, with k times the area.
   CoverageMaskScene(std::span<const DrawnObject> scene, uint32_t target_id,
                     size_t target_kernels = std::numeric_limits<size_t>::max(),
                     size_t other_kernels = std::numeric_limits<size_t>::max());
@@ -26,14 +25,14 @@ class CoverageMaskScene {
   CoverageMaskScene& operator=(const CoverageMaskScene&) = delete;
 
   std::span<const DrawnObject> target() const { return target_; }  // alone, white
-  // Those that may be seen by the camera, painted, and in their own colours.
+  // Objects that may be visible to the camera, painted, and the same in their own colours.
   std::vector<DrawnObject> seen_by(const Camera& camera) const;
   std::vector<DrawnObject> coloured_seen_by(const Camera& camera) const;
 
  private:
   struct Member {
     DrawnObject own, painted;
-    Eigen::Vector3d centre_m;  // of the ball around it
+    Eigen::Vector3d centre_m;  // of the bounding sphere
     double radius_m;
   };
   bool sees(const Camera& camera, const Member& member) const;

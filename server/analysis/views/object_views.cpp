@@ -16,16 +16,16 @@ namespace livegs {
 namespace {
 
 constexpr double kVerticalFov_rad = 0.7;
-constexpr double kFillShare =
-    0.7;  // of the picture's height, by the ball around the target: what stands around it shows too
-constexpr int kThumbnail_px = 160;  // long side of the pictures by which cameras are judged
+// Bounding sphere of the target over picture height; leaves a margin for its surroundings.
+constexpr double kFillShare = 0.7;
+constexpr int kThumbnail_px = 160;  // long side of the thumbnails that score the cameras
 constexpr double kUprightElevation_rad = 0.35, kSteepElevation_rad = 0.8;
-constexpr double kSteepBonus = 0.85;        // people see and photograph most things from a little above
-constexpr double kCloseRingDistance = 0.5;  // of the distance: inside what stands close around the target
-constexpr double kMinVisibleShare =
-    0.3;  // visible share of the best camera under which the close ring is tried
+constexpr double kSteepBonus = 0.85;  // most objects are seen and photographed from slightly above
+// Fraction of the distance; the close ring lies inside obstacles near the target.
+constexpr double kCloseRingDistance = 0.5;
+constexpr double kMinVisibleShare = 0.3;        // visible share below which the close ring is tried
 constexpr double kMinViewSeparation_rad = 0.9;  // between views of one object
-// Kernels that the thumbnails are drawn with: of the target, of everything else.
+// Number of kernels in thumbnails: of the target, and of everything else.
 constexpr size_t kTargetKernels = 30'000, kOtherKernels = 120'000;
 
 struct Ring {
@@ -50,15 +50,14 @@ Camera camera_at(const Ring& ring, double azimuth_rad, double elevation_rad, int
   return camera;
 }
 
-// Of light that reaches the camera from the target, in pixels.
+// Sum of a channel over all pixels: the light from the target, in pixels.
 double sum_of(const Image& image, int channel) {
   double sum = 0;
   for (size_t i = static_cast<size_t>(channel); i < image.pixels.size(); i += 4) sum += image.pixels[i];
   return sum;
 }
 
-// The middle of the target and the radius of the ball around it, a 500th of its kernels left out on each
-// side.
+// Bounds of the target without the outermost 1/500 of its kernels on each side.
 Eigen::AlignedBox3d bounds_of(std::span<const DrawnObject> target) {
   std::array<std::vector<double>, 3> places;
   for (const DrawnObject& object : target) {
@@ -110,7 +109,7 @@ std::vector<Candidate> judge_ring(const CoverageMaskScene& thin, const Ring& rin
   return ring_candidates;
 }
 
-// The best, then the best of those that look from elsewhere.
+// Selects the best candidate, then the best of those with another direction.
 std::vector<Candidate> choose(std::vector<Candidate> candidates, size_t count) {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.judged.score > b.judged.score; });
@@ -131,7 +130,7 @@ std::vector<Candidate> choose(std::vector<Candidate> candidates, size_t count) {
   return chosen;
 }
 
-// The camera with a longer lens, so that what `silhouette` shows fills the picture.
+// Camera with a longer lens, so that `silhouette` fills the picture.
 Camera close_up(const Camera& camera, const Image& silhouette, int long_side_px) {
   int left = silhouette.width, right = -1, top = silhouette.height, bottom = -1;
   for (int y = 0; y < silhouette.height; ++y) {
@@ -144,7 +143,7 @@ Camera close_up(const Camera& camera, const Image& silhouette, int long_side_px)
     }
   }
   if (right < 0) return camera;
-  // A twentieth more on each side, and a pixel of the thumbnail.
+  // Margin: a twentieth on each side, and a pixel of the thumbnail.
   const double scale = static_cast<double>(camera.width) / silhouette.width;
   const double wide = 1.1 * (right - left + 3) * scale, high = 1.1 * (bottom - top + 3) * scale;
   const double zoom = long_side_px / std::max(wide, high);
@@ -158,7 +157,7 @@ Camera close_up(const Camera& camera, const Image& silhouette, int long_side_px)
   return close;
 }
 
-// One channel of `from` in all three, fully opaque.
+// Copies one channel of `from` to all three, fully opaque.
 Image grey(const Image& from) {
   Image image = from;
   for (size_t i = 0; i < image.pixels.size(); i += 4) {
@@ -222,8 +221,8 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
     const Ring close{ring.target_m, kCloseRingDistance * ring.distance_m};
     for (Candidate& candidate :
          judge_ring(thin, close, thumb_width, thumb_height, rasteriser, options.stop)) {
-      candidate.judged.score *=
-          kCloseRingDistance * kCloseRingDistance;  // the area it would have on the wide ring
+      // The area it would have on the wide ring.
+      candidate.judged.score *= kCloseRingDistance * kCloseRingDistance;
       tried.push_back(candidate);
     }
   }

@@ -15,8 +15,8 @@
 #include "splat/camera.h"
 #include "splat/image.h"
 
-// What a person, or a model that looks, is shown of one object: pictures from the best of a ring of cameras
-// around it, drawn by the CPU rasteriser, so that what hides it is exact and no segmentation is needed.
+// Pictures of one object for a user or a vision model. The best cameras of a ring around the object are
+// selected. The CPU rasteriser draws the pictures, so occlusion is exact and no segmentation is needed.
 
 namespace livegs {
 
@@ -24,43 +24,43 @@ struct ViewOptions {
   int long_side_px = 768;     // of every picture, 32 … 4096
   int view_count = 1;         // 1 fast, 3 for a vote; 1 … 12
   double aspect = 4.0 / 3;    // width over height of the scene picture, 0.5 … 2
-  std::stop_token stop = {};  // looked at before every picture; once requested: Unavailable, "cancelled"
+  std::stop_token stop = {};  // checked before every picture; if requested: Unavailable, "cancelled"
 };
 
-// One view. All pictures but the cut-out are seen by `camera` and have its size.
+// One view. All pictures except the cut-out are taken by `camera` and have its size.
 struct ObjectView {
   Camera camera;
   Image scene;     // everything, over a grey ground
-  Image outlined;  // the same with a line around what is seen of the target
-  Image mask;  // white where the target is seen; the share of each pixel's light that comes from it, 0 … 1
-  Image cutout;  // the target alone, whole, filling the picture, over white; same place, longer lens
+  Image outlined;  // the same with an outline of the visible part of the target
+  Image mask;      // fraction of each pixel's light from the target, 0 … 1 (white)
+  Image cutout;    // the whole target alone, filling the picture, over white; same position, longer lens
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  // centre of the target's bounds, world frame
-  double distance_m = 0;                               // from the camera to there
-  double azimuth_rad = 0;    // of the camera around the target, 0 in front (+z), to the right
+  double distance_m = 0;                               // from the camera to `target_m`
+  double azimuth_rad = 0;    // of the camera around the target; 0 in front (+z), positive to the right
   double elevation_rad = 0;  // above the horizon
-  double visible_share = 0;  // of the target's silhouette that nothing hides, 0 … 1
-  double area_share = 0;     // of the picture that shows the target, 0 … 1
-  double score = 0;          // by which the views are ordered, best first
+  double visible_share = 0;  // unoccluded fraction of the target's silhouette, 0 … 1
+  double area_share = 0;     // fraction of the picture covered by the target, 0 … 1
+  double score = 0;          // sort key of the views, best first
 };
 
-// A camera of the ring, as it was judged, in the order of the ring.
+// A candidate camera of the ring with its score, in ring order.
 struct ViewCandidate {
   double azimuth_rad = 0, elevation_rad = 0;
-  double area_share = 0;     // of the picture that shows the target
-  double visible_share = 0;  // of its silhouette that nothing hides
-  double score = 0;          // area_share * visible_share * a bonus for seeing it upright
+  double area_share = 0;     // fraction of the picture covered by the target
+  double visible_share = 0;  // unoccluded fraction of its silhouette
+  double score = 0;          // area_share * visible_share * a bonus for an upright view
 };
 
-// The best views of object `object_id` among `scene`, best first and well apart. Fails when no object has
-// that id, when it has nothing to draw, or when an option is out of its range. Deterministic; any thread, no
-// state is kept. `candidates`, when given, receives all cameras that were tried.
+// Renders the best views of object `object_id` in `scene`, best first and well separated.
+// Fails if no object has that id, if it has no kernels to draw, or if an option is out of range.
+// Deterministic; any thread, stateless. `candidates`, if given, receives all cameras that were tried.
 Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene, uint32_t object_id,
                                              const ViewOptions& options = {},
                                              std::vector<ViewCandidate>* candidates = nullptr);
 
-// Where the camera stood, in words and metres, for a person: "from the front right, 20 degrees above, …".
+// Describes the camera position for a user: "from the front right, 20 degrees above, …".
 std::string describe_camera(const ObjectView& view);
-// The same in figures, for prompts/user.md: camera_position and target_position ("x, y, z", metres, world
+// Numeric camera slots for prompts/user.md: camera_position and target_position ("x, y, z", metres, world
 // frame), camera_distance (m), camera_azimuth and camera_elevation (degrees), camera_seen (percent).
 std::map<std::string, std::string> camera_slots(const ObjectView& view);
 

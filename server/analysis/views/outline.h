@@ -5,11 +5,10 @@
 
 namespace livegs {
 
-// `picture` with a line of `width_px` around where `mask` (same size, first channel) is a half or more. The
-// line lies outside of the mask, so that it covers nothing of what it marks; only at the picture's edge it
-// has no room.
+// Draws a line of `width_px` around the region of `picture` in which `mask` (same size, first channel) is at
+// least 0.5. The line is outside the region and covers none of it; at the picture's edge it is cut off.
 Image outlined(const Image& picture, const Image& mask, int width_px);
 
-inline constexpr float kOutline_rgb[3] = {1.0f, 0.0f, 0.85f};  // a colour that few things have
+inline constexpr float kOutline_rgb[3] = {1.0f, 0.0f, 0.85f};  // a rare colour in scenes
 
 }  // namespace livegs

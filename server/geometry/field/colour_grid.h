@@ -8,18 +8,18 @@
 
 #include "geometry/field/regular_grid.h"
 
-// Inside the room.
+// Private to the geometry room.
 
 namespace livegs {
 
-// The colour of what lies nearest, roughly: cells with points have their mean, others, layer by layer from
-// those, the mean of the cells beside them that came before. Immutable; any thread.
+// Approximate colour of the nearest point, on a grid. A cell with points stores their mean colour. Other
+// cells are filled layer by layer with the mean of their filled neighbours. Immutable; any thread.
 class ColourGrid {
  public:
-  // Colours are finite; there is at least one point. About a hundred thousand cells.
+  // Precondition: finite colours and at least one point. The grid has about a hundred thousand cells.
   ColourGrid(std::span<const Eigen::Vector3d> points_m, std::span<const Eigen::Vector3f> colours);
 
-  // Points outside the box of the points go with its border.
+  // Returns the colour at a point. Points outside the grid get the colour of its border.
   Eigen::Vector3f at(const Eigen::Vector3d& point_m) const { return colours_[cell_of(point_m)]; }
 
  private:

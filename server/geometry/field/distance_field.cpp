@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Nodes within one cell of the surface get the exact distance to their nearest triangle. Farther out each
-// node is offered the nearest triangles of its neighbours, in eight sweeps over the grid (the
-// closest-triangle propagation of Bridson's level-set construction); what it settles on is the distance to
-// some triangle, so never too small. The sign comes from scanlines, which a bad normal cannot upset.
+// Nodes within one cell of the surface store the exact distance to their nearest triangle. Farther nodes are
+// filled by closest-triangle propagation (Bridson's level-set construction) in eight passes over the grid.
+// The result is the distance to some triangle, so it is never too small. The sign comes from scanlines, which
+// are robust against bad normals.
 #include "geometry/field/distance_field.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace livegs {
 namespace {
 
-// In cells. A sheet without thickness is not one that anything can be inside of.
+// Minimum thickness in cells. A sheet without thickness has no inside.
 constexpr double kMinThickness = 0.01;
 
 class NearestTriangles {
@@ -47,7 +47,7 @@ class NearestTriangles {
     }
   }
 
-  // All nodes that can lie within one cell of the triangle.
+  // Visits all nodes that may be within one cell of the triangle.
   void fill_band(int32_t triangle) {
     Eigen::AlignedBox3d box;
     for (uint32_t vertex : mesh_.triangles[triangle]) box.extend(mesh_.vertices_m[vertex]);
@@ -63,7 +63,7 @@ class NearestTriangles {
     }
   }
 
-  // One pass from one corner of the grid to the opposite one; bits of `direction` turn axes round.
+  // Runs one pass from a corner of the grid to the opposite one; bits of `direction` reverse the axes.
   void sweep(int direction) {
     const Eigen::Vector3i step(direction & 1 ? -1 : 1, direction & 2 ? -1 : 1, direction & 4 ? -1 : 1);
     const Eigen::Vector3i& counts = grid_.counts;
@@ -75,7 +75,7 @@ class NearestTriangles {
         for (int a = 0; a < counts.x(); ++a) {
           const int i = step.x() > 0 ? a : counts.x() - 1 - a;
           const size_t node = grid_.index(i, j, k);
-          if (distance2_[node] <= band2) continue;  // exact already
+          if (distance2_[node] <= band2) continue;  // already exact
           const Eigen::Vector3d point_m = grid_.point_m(i, j, k);
           int32_t tried = triangle_[node];
           const auto take = [&](size_t neighbour) {
@@ -96,7 +96,7 @@ class NearestTriangles {
 
   const TriangleMesh& mesh_;
   const RegularGrid& grid_;
-  std::vector<int32_t> triangle_;  // -1: none yet
+  std::vector<int32_t> triangle_;  // -1: not set
   std::vector<float> distance2_;
 };
 
@@ -129,7 +129,7 @@ DistanceField::Sample DistanceField::sample(const Eigen::Vector3d& point_m) cons
   const Eigen::Array3d top = (counts_.array() - 1).cast<double>();
   const Eigen::Array3d place = ((point_m - origin_m_) / cell_m_).array();
   const Eigen::Array3d clamped = place.max(0.0).min(top);
-  // A point that is no number must not be read from anywhere: it gives a distance that is none.
+  // A NaN position must not produce an out-of-range index; the resulting distance is NaN.
   const Eigen::Array3i node = clamped.cast<int>().max(0).min(counts_.array() - 2);
   const Eigen::Array3d f = clamped - node.cast<double>();
 
@@ -145,7 +145,7 @@ DistanceField::Sample DistanceField::sample(const Eigen::Vector3d& point_m) cons
   if (!is_thin_.empty() && is_thin_[cell] && (place == clamped).all()) {
     const TriangleTree::Nearest nearest = triangles_->nearest(point_m);
     const Eigen::Vector3d away = point_m - nearest.foot_m;
-    // Where pieces of a mesh overlap, a face within the other one bounds nothing.
+    // Where parts of a mesh overlap, a face inside another part is not a boundary.
     const bool buried =
         std::max({d[0], d[1], d[dy], d[dy + 1], d[dz], d[dz + 1], d[dz + dy], d[dz + dy + 1]}) < 0.0f;
     const double side = buried || nearest.normal.dot(away) < 0.0 ? -1.0 : 1.0;
@@ -165,7 +165,7 @@ DistanceField::Sample DistanceField::sample(const Eigen::Vector3d& point_m) cons
   const Eigen::Vector3d way_m = cell_m_ * (place - clamped).matrix();
   const double way_length_m = way_m.norm();
   if (way_length_m > 0.0) {
-    // The surface lies about distance_m * gradient behind the grid's edge; the gradient points from there.
+    // The surface lies about distance_m * gradient behind the grid's edge; the gradient points away from it.
     const Eigen::Vector3d from_surface = way_m + std::max(sample.distance_m, 0.0) * sample.gradient;
     if (from_surface.norm() > 0.0) sample.gradient = from_surface.normalized();
     sample.distance_m += way_length_m;

@@ -7,8 +7,8 @@
 namespace livegs {
 namespace {
 
-// +1 or -1 when the edge a→b, seen along x, crosses the half-line from (y, z) towards +y upwards or downwards
-// in z; else 0. A function of the edge and not of its direction, up to the sign.
+// Crossing of the edge a→b with the half-line from (y, z) towards +y, seen along x: +1 or -1 for upwards or
+// downwards in z, else 0. Swapping a and b changes only the sign.
 int edge_crossing(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double y, double z) {
   if ((a.z() > z) == (b.z() > z)) return 0;
   const bool upwards = b.z() > z;
@@ -19,7 +19,7 @@ int edge_crossing(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double y, 
   return upwards ? 1 : -1;
 }
 
-// Nodes of one axis within [low, high], clamped to the grid: first and one past the last.
+// Returns the nodes of one axis within [low, high], clamped to the grid: first index and one past the last.
 std::pair<int, int> node_range(double low, double high, double origin, double cell, int count) {
   const double limit = count;
   const double first = std::clamp(std::ceil((low - origin) / cell - 1e-9), 0.0, limit);
@@ -49,7 +49,7 @@ std::vector<uint8_t> nodes_inside(const TriangleMesh& mesh, const RegularGrid& g
         if (exits == 0) continue;
         const double way = normal.y() * (node.y() - a.y()) + normal.z() * (node.z() - a.z());
         double x = normal.x() != 0.0 ? a.x() - way / normal.x() : low.x();
-        x = std::clamp(x, low.x(), high.x());  // an edge-on triangle divides by almost nothing
+        x = std::clamp(x, low.x(), high.x());  // an edge-on triangle divides by almost zero
         const double beyond = std::floor((x - grid.origin_m.x()) / grid.cell_m) + 1.0;
         if (beyond >= counts.x()) continue;
         winding[grid.index(static_cast<int>(std::max(beyond, 0.0)), j, k)] -= exits;

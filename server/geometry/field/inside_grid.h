@@ -9,10 +9,10 @@
 
 namespace livegs {
 
-// For each node of the grid 1 where the mesh winds around it, else 0; overlapping pieces count once,
-// inward-facing cavities are outside. Scanlines along x. Whether a line meets a triangle is decided edge by
-// edge with one formula that both neighbours share, so a line through an edge or a vertex is counted neither
-// twice nor never: with a closed mesh no error runs along a line, whatever the rounding.
+// Returns for each node of the grid 1 if the mesh winds around it, else 0. Overlapping parts count once;
+// inward-facing cavities are outside. Uses scanlines along x. Neighbouring triangles share one formula for
+// each edge, so a line through an edge or a vertex is counted exactly once. For a closed mesh, no error
+// spreads along a scanline, whatever the rounding.
 std::vector<uint8_t> nodes_inside(const TriangleMesh& mesh, const RegularGrid& grid);
 
 }  // namespace livegs

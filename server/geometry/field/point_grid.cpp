@@ -47,12 +47,12 @@ bool PointGrid::has_neighbour_within(const Eigen::Vector3d& point_m, double radi
 uint32_t PointGrid::nearest(const Eigen::Vector3d& point_m) const {
   LIVEGS_ASSERT(!points_m_.empty());
   const Eigen::Vector3i middle = cell_of(point_m);
-  // From a point outside the bounds a ring of cells lies at least as far as from the nearest point inside.
+  // For a query outside the bounds, each ring of cells is at least as far as from the nearest point inside.
   const int last_ring = cells_.counts.maxCoeff();
   double best2 = std::numeric_limits<double>::max();
   int32_t best = -1;
   for (int ring = 0; ring <= last_ring; ++ring) {
-    const double clear_m = (ring - 1) * cells_.cell_m;  // no point of this ring is nearer
+    const double clear_m = (ring - 1) * cells_.cell_m;  // minimum distance of the points in this ring
     if (best >= 0 && clear_m > 0.0 && clear_m * clear_m > best2) break;
     for (int k = std::max(middle.z() - ring, 0); k <= std::min(middle.z() + ring, cells_.counts.z() - 1);
          ++k) {

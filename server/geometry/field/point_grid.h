@@ -10,21 +10,20 @@
 
 namespace livegs {
 
-// Points sorted into cubic cells, for nearest-neighbour questions. Points are numbered in order of insertion;
-// ties go to the smaller number.
+// Points in cubic cells, for nearest-neighbour queries. Points are numbered in order of insertion; ties go to
+// the lower number.
 class PointGrid {
  public:
-  // Points inserted later lie within `bounds_m`. Cells are cell_m wide, or wider where that would be too
-  // many.
+  // All points must lie within `bounds_m`. Cells are cell_m wide, or wider to limit their number.
   PointGrid(const Eigen::AlignedBox3d& bounds_m, double cell_m);
 
   void insert(const Eigen::Vector3d& point_m);
   size_t size() const { return points_m_.size(); }
 
-  // Is there a point nearer than radius_m?
+  // Returns whether a point is closer than radius_m.
   bool has_neighbour_within(const Eigen::Vector3d& point_m, double radius_m) const;
 
-  // Number of the nearest point. Precondition: there is one.
+  // Returns the number of the nearest point. Precondition: the grid is not empty.
   uint32_t nearest(const Eigen::Vector3d& point_m) const;
 
  private:
@@ -32,7 +31,7 @@ class PointGrid {
 
   RegularGrid cells_;
   std::vector<int32_t> last_in_cell_;  // -1: empty
-  std::vector<int32_t> one_before_;    // in the same cell
+  std::vector<int32_t> one_before_;    // previous point in the same cell, or -1
   std::vector<Eigen::Vector3d> points_m_;
 };
 

@@ -20,22 +20,22 @@
 namespace livegs {
 namespace {
 
-// Volume samples along an edge of a voxel: with 3 the voxel's own centre is one of them.
+// Number of volume samples along an edge of a voxel. An odd number includes the voxel's centre.
 constexpr int kSamplesPerVoxel = 3;
-// Half a voxel diagonal is taken this much shorter, so that a corner of a box cut into whole voxels, which
-// lies at that distance exactly, is taken whatever the rounding.
+// Relative reduction of half a voxel diagonal. The corners of a box cut into whole voxels are exactly at that
+// distance and must be taken despite rounding.
 constexpr double kSlack = 1e-9;
-// A spacing that makes more voxels than this is widened: ten times what is simulated at any speed.
+// Maximum number of voxels; the spacing is enlarged above it. About ten times the number that runs in real
+// time.
 constexpr double kMaxVoxels = 1 << 20;
-// Each particle has at least this part of a voxel before volumes are scaled to the body's: no particle is
-// massless.
+// Minimum volume of a particle, in voxels, before volumes are scaled to the body's. Prevents massless
+// particles.
 constexpr double kMinParticleVolume = 0.01;
 
-// What carries a body hangs together when the voxels about two particles nearly touch, or, where particles
-// stand for less than a voxel each, the cubes of their volume: cells are at least one and a half of those
-// wide.
+// Distance below which two particles are connected: in voxels, or, if the particles stand for less than a
+// voxel each, in edges of the cubes of their volume. Lattice cells are at least one and a half of those wide.
 constexpr double kJointVoxels = 1.5, kJointCubes = 2.0;
-// Points on triangles are this far apart at first, in voxels, and this much closer at each further try.
+// Initial spacing of points on triangles, in voxels, and its reduction factor per retry.
 constexpr double kCoverVoxels = 0.75, kCoverRefinement = 0.7;
 constexpr size_t kMaxCoverPoints = 20000;
 
@@ -59,8 +59,8 @@ void for_each_inside(const TriangleMesh& mesh, const RegularGrid& grid, const Vi
   }
 }
 
-// Each sample of the volume goes to the particle nearest to it. What the samples miss of the mesh's volume
-// (sheets thinner than they are apart) is spread over the surface in the same way.
+// Assigns each volume sample to its nearest particle. Volume that the samples miss, in sheets thinner than
+// their spacing, is distributed over the surface in the same way.
 std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedBox3d& bounds,
                                  double spacing_m, double volume_m3, const PointGrid& particles) {
   std::vector<double> volumes_m3(particles.size(), 0.0);
@@ -92,9 +92,9 @@ std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedB
   return volumes_m3;
 }
 
-// Few points on a rod lie more on one side than on the other. Volumes change as little as it takes to have
-// their centre where the mesh's is, by a factor linear in the place; where that would take more than
-// kMaxShift of one, by so much less.
+// Shifts the centre of the volumes to the centre of the mesh, because few points on a rod are unevenly
+// distributed. Volumes are scaled by a factor that is linear in position, with the least total change. The
+// factor changes by at most kMaxShift.
 void centre_volumes(const TriangleMesh& mesh, ParticleSet& particles) {
   constexpr double kMaxShift = 0.7;
   const Eigen::Vector3d wanted_m = solid_mass_properties(mesh).centre_of_mass_m;
@@ -121,7 +121,7 @@ void centre_volumes(const TriangleMesh& mesh, ParticleSet& particles) {
   }
 }
 
-// Pieces that particles make when those nearer than joint_m are joined.
+// Returns the number of connected groups of particles if those closer than joint_m are connected.
 int piece_count(const std::vector<Eigen::Vector3d>& points_m, double joint_m) {
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3d& point : points_m) bounds.extend(point);
@@ -143,7 +143,7 @@ int piece_count(const std::vector<Eigen::Vector3d>& points_m, double joint_m) {
   std::sort(places.begin(), places.end());
   DisjointSets sets(points_m.size());
   for (const Place& own : places) {
-    for (int row = 0; row < 9; ++row) {  // cells of one row follow each other
+    for (int row = 0; row < 9; ++row) {  // cells of a row are consecutive
       const std::array<int, 3> first = {own.cell[0] + row / 3 - 1, own.cell[1] + row % 3 - 1,
                                         own.cell[2] - 1};
       auto other = std::lower_bound(places.begin(), places.end(), Place{first, 0});
@@ -160,8 +160,8 @@ int piece_count(const std::vector<Eigen::Vector3d>& points_m, double joint_m) {
   return count;
 }
 
-// In an order of its own, the same everywhere: one after another, the first face of a plate would take all
-// the places and leave none to the other.
+// Shuffles the points reproducibly. In the original order, the first face of a plate would take all the
+// places and leave none to the other.
 void shuffle(std::vector<Eigen::Vector3d>& points_m) {
   std::mt19937_64 engine(1);
   for (size_t left = points_m.size(); left > 1; --left)

@@ -11,13 +11,11 @@
 namespace livegs {
 namespace {
 
-// From a cell's middle to a face, in cells: half a cell beyond its corners.
+// Search distance from a cell's centre to a face, in cells: half a cell beyond its corners.
 constexpr double kFaceReach_cells = 0.5 * std::numbers::sqrt3 + 0.5;
-constexpr double kOpposedCosine =
-    -0.5;  // cosine of normals that look away from each other; a wedge of 60 degrees
-constexpr double kParallelCosine = -0.9;  // of the faces of a wall
-constexpr double kAlignedCosine =
-    0.75;  // cosine of a normal with the mean of all: none within it look away from each other
+constexpr double kOpposedCosine = -0.5;   // cosine of opposed normals; a wedge of 60 degrees
+constexpr double kParallelCosine = -0.9;  // cosine of the normals of parallel faces of a wall
+constexpr double kAlignedCosine = 0.75;   // cosine to the mean normal; normals within it are not opposed
 
 struct NearFace {
   uint32_t cell;

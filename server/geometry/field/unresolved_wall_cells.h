@@ -9,14 +9,14 @@
 
 namespace livegs {
 
-// Where a mesh is thinner than a grid can tell: a board between two layers of nodes has none of them inside,
-// and one of two cells has a single layer.
+// Regions of a mesh too thin for a grid. A board between two layers of nodes contains no node, and a board of
+// two cells contains a single layer.
 struct UnresolvedWallCells {
-  std::vector<uint8_t> is_thin;  // by the cell's lowest node; empty: nowhere
-  double thinnest_m = 0.0;       // about the thinnest wall with parallel faces among them; infinite: none
+  std::vector<uint8_t> is_thin;  // by the cell's lowest node; empty: none
+  double thinnest_m = 0.0;  // approximate thickness of the thinnest wall with parallel faces; infinity: none
 };
-// Marks the cells that have two faces near, turned away from each other, that are less than some two and a
-// half cells apart through the material.
+// Marks the cells near two opposed faces that are less than about two and a half cells apart through the
+// material.
 UnresolvedWallCells unresolved_wall_cells(const TriangleMesh& mesh, const RegularGrid& grid);
 
 }  // namespace livegs

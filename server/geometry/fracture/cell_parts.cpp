@@ -22,7 +22,7 @@ double volume_of(const ClippedCell& cell, const CellPart& part) {
   return six / 6.0;
 }
 
-// How often the part winds round a point (van Oosterom and Strackee 1983).
+// Winding number of the part around a point (van Oosterom and Strackee 1983).
 double winding(const ClippedCell& cell, const CellPart& part, const Vector3d& point) {
   double angle = 0.0;
   for (const auto& triangle : part.triangles) {
@@ -46,7 +46,7 @@ void append(CellPart& part, const CellPart& more) {
 }  // namespace
 
 std::vector<CellPart> connected_parts(const ClippedCell& cell, uint32_t number) {
-  // The triangles of a face belong together even where its loops touch no common vertex: a bridge joins them.
+  // The triangles of a face are connected even if its loops share no vertex, because a bridge joins them.
   DisjointSets joined(cell.vertices_m.size());
   for (const auto& triangle : cell.triangles) {
     joined.join(triangle[0], triangle[1]);
@@ -79,7 +79,7 @@ std::vector<CellPart> connected_parts(const ClippedCell& cell, uint32_t number) 
   const size_t body_count = bodies.size();
   std::vector<std::vector<size_t>> held(body_count);
   for (size_t h = 0; h < hollows.size(); ++h) {
-    // The smallest body round it.
+    // Selects the smallest enclosing part.
     size_t best = 0;
     double least = INFINITY;
     const Vector3d& point = cell.vertices_m[hollows[h].triangles[0][0]];

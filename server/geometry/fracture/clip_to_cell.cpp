@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A face is the set of its directed edges, in no order; each edge runs once each way, in two faces. Cutting
-// by a plane keeps that: in each face that crosses it, the points where the boundary leaves and comes back
-// are joined in pairs by new edges, and the same edges, turned round, bound the new face that lies in the
-// plane. So the surface is closed after every cut however the points were judged, and no face, convex or not,
-// needs a triangulation before the last.
+// A face is an unordered set of directed edges. Each edge occurs once in each direction, in two faces. A cut
+// by a plane preserves this invariant. In each face that crosses the plane, the points where the boundary
+// leaves and enters are joined in pairs by new edges. The reversed new edges bound the new face in the plane.
+// So the surface is closed after each cut, whatever the classification of the points. Faces, convex or not,
+// are triangulated only after the last cut.
 #include "geometry/fracture/clip_to_cell.h"
 
 #include <Eigen/Geometry>
@@ -19,7 +19,7 @@ using Edge = std::array<uint32_t, 2>;
 
 struct Faces {
   std::vector<uint32_t> labels;
-  std::vector<uint32_t> begin{0};  // edges of face f: begin[f] up to begin[f + 1]
+  std::vector<uint32_t> begin{0};  // edges of face f: begin[f] to begin[f + 1] - 1
   std::vector<Edge> edges;
   void close_face(uint32_t label) {
     labels.push_back(label);
@@ -28,7 +28,7 @@ struct Faces {
 };
 
 struct Plane {
-  Eigen::Vector3d normal;  // from the lower cell to the higher
+  Eigen::Vector3d normal;  // from the cell with the lower number to the other
   double offset;
 };
 Plane bisector(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
@@ -59,7 +59,7 @@ class CellClipper {
     const bool is_low = cell_ < neighbour;
     const Plane plane = is_low ? bisector(seeds_m_[cell_], seeds_m_[neighbour])
                                : bisector(seeds_m_[neighbour], seeds_m_[cell_]);
-    // Distance beyond the plane; a point on it belongs to the lower cell.
+    // Distance beyond the plane; a point on the plane belongs to the cell with the lower number.
     beyond_.resize(out_.vertices_m.size());
     outside_.resize(out_.vertices_m.size());
     bool any_outside = false;
@@ -100,7 +100,8 @@ class CellClipper {
     return length > 0.0 ? Eigen::Vector3d(normal / length) : Eigen::Vector3d::UnitX();
   }
 
-  // Where the edge (u, w) meets the plane; the same vertex for both its faces, which name it.
+  // Returns the intersection of the edge (u, w) with the plane. The name gives both faces of the edge the
+  // same vertex.
   uint32_t cut_vertex(uint32_t u, uint32_t w, uint32_t label, uint32_t neighbour) {
     const uint32_t low = std::min(u, w), high = std::max(u, w);
     const auto [found, is_new] = cut_vertices_.try_emplace((uint64_t{high} << 32) | low, 0u);
@@ -190,7 +191,7 @@ class CellClipper {
       const std::array<uint32_t, 3> triangle{edges[0][0], edges[1][0], edges[2][0]};
       return add(std::span(&triangle, 1));
     }
-    // Loops, through local numbers of the corners.
+    // Builds loops with local corner indices.
     std::sort(edges.begin(), edges.end());
     std::vector<std::vector<uint32_t>> loops;
     std::vector<uint8_t> used(edges.size(), 0);

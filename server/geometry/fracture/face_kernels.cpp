@@ -16,23 +16,23 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// All in parts of the spacing. Deviation of a kernel of the grid: its neighbours a spacing away overlap to an
-// opacity of 0.97 where three meet.
+// Lengths below are relative to the spacing. Standard deviation of a grid kernel. Where three neighbours
+// meet, their combined opacity is 0.97.
 constexpr double kGridDeviation = 0.6;
-constexpr double kMinRimDistance = 0.3;  // of a kernel of the grid
-// Rows along the rim: the one nearest to it follows the walls of thin things closer in, the other is for
-// wider faces.
+constexpr double kMinRimDistance = 0.3;  // minimum distance of a grid kernel from the rim
+// Rows of kernels along the rim. The first row follows the walls of thin parts, the second covers wider
+// faces.
 constexpr double kRimStep = 0.6, kRimAlong = 0.45, kRimInsets[] = {0.2, 0.55};
 constexpr double kThickness = 0.02;
-// A kernel reaches a rim at this many deviations or more, where its opacity is a seventh.
+// Minimum distance of a kernel from the rim, in standard deviations. Its opacity there is a seventh.
 constexpr double kDeviationsToRim = 2.0;
 
-// The largest deviation of a kernel this far from the rim.
+// Returns the maximum standard deviation of a kernel at this distance from the rim.
 double widest(double rim, double most_overhang) {
   return std::min(rim / kDeviationsToRim, (rim + most_overhang) / 3.0);
 }
 
-// The triangles of one bond that lie in one plane, seen from the first piece.
+// The triangles of one bond in one plane, as seen from the first piece.
 struct Face {
   Vector3d origin, right, up, normal;
   std::vector<std::array<Vector2d, 3>> triangles;
@@ -41,7 +41,7 @@ struct Face {
   Vector3d at(const Vector2d& p) const { return origin + p.x() * right + p.y() * up; }
 };
 
-// From a point to the nearest one of an edge.
+// Returns the vector from a point to the nearest point of an edge.
 Vector2d way_to(const Vector2d& p, const std::array<Vector2d, 2>& edge) {
   const Vector2d way = edge[1] - edge[0];
   const double length2 = way.squaredNorm();
@@ -49,7 +49,7 @@ Vector2d way_to(const Vector2d& p, const std::array<Vector2d, 2>& edge) {
   return edge[0] + t * way - p;
 }
 
-// Distance to the rim, negative outside.
+// Returns the distance to the rim, negative outside.
 double rim_distance(const Face& face, const Vector2d& p) {
   double nearest = std::numeric_limits<double>::max();
   bool inside = false;
@@ -78,7 +78,7 @@ std::vector<Face> faces_of(const VoronoiPiece& piece, uint32_t bond) {
     const double size = cross.norm(), longest2 = std::max({(vertices[b] - vertices[a]).squaredNorm(),
                                                            (vertices[c] - vertices[b]).squaredNorm(),
                                                            (vertices[a] - vertices[c]).squaredNorm()});
-    // Slivers have no normal of their own: they go with the first plane they lie in.
+    // Slivers have no reliable normal; they are added to the first plane that they lie in.
     const bool sliver = size < 1e-6 * longest2;
     const Vector3d normal = sliver ? Vector3d::Zero() : Vector3d(cross / size);
     const double near = 1e-6 * std::sqrt(longest2);
@@ -122,11 +122,11 @@ std::vector<Face> faces_of(const VoronoiPiece& piece, uint32_t bond) {
 }
 
 struct FlatKernel {
-  Vector2d place, along;  // along: unit, of the first deviation
+  Vector2d place, along;  // along: unit direction of the first deviation
   double along_m, across_m;
 };
 
-// Smaller until it reaches no farther beyond any edge than it may.
+// Shrinks the kernel until it extends no farther beyond an edge than allowed.
 void fit(const Face& face, double overhang, FlatKernel& kernel) {
   double share = 1.0;
   for (const auto& edge : face.rim) {
@@ -135,7 +135,7 @@ void fit(const Face& face, double overhang, FlatKernel& kernel) {
     const double along = way.dot(kernel.along), across2 = std::max(0.0, distance * distance - along * along);
     const double deviation = std::sqrt(along * along * kernel.along_m * kernel.along_m +
                                        across2 * kernel.across_m * kernel.across_m);
-    // Three deviations towards the edge, by the distance: 3 deviation / distance against distance + overhang.
+    // Condition at distance d to the edge: 3 deviations are at most d + overhang.
     if (deviation > 0.0) share = std::min(share, distance * (distance + overhang) / (3.0 * deviation));
   }
   kernel.along_m *= share;
@@ -172,21 +172,21 @@ void add_grid(const Face& face, double spacing, double overhang, std::vector<Fla
 
 void add_rim(const Face& face, double spacing, double overhang, double first_inset, bool closer,
              std::vector<FlatKernel>& out) {
-  // Steps run on from edge to edge, so that a rim of many short edges gets no more kernels than one of few
-  // long ones.
+  // The step continues across edges, so that a rim of many short edges gets no more kernels than one of few
+  // long edges.
   double walked = 0.0;
   for (const auto& [a, b] : face.rim) {
     const double length = (b - a).norm();
     if (!(length > 0.0)) continue;
     const Vector2d along = (b - a) / length,
-                   inwards(-along.y(), along.x());  // counter-clockwise: inside is left
+                   inwards(-along.y(), along.x());  // counter-clockwise: the inside is on the left
     const double step = kRimStep * spacing;
     for (double next = (std::floor(walked / step) + 1.0) * step; next <= walked + length; next += step) {
       const Vector2d on = a + (next - walked) * along;
       for (double inset = first_inset * spacing; inset > 0.02 * spacing; inset *= 0.5) {
         const Vector2d place = on + inset * inwards;
         const double rim = rim_distance(face, place);
-        if (rim < 0.7 * inset) {  // the wall is thinner than that
+        if (rim < 0.7 * inset) {  // the wall is thinner than the inset
           if (closer) continue;
           break;
         }

@@ -13,11 +13,11 @@
 namespace livegs {
 namespace {
 
-// Nodes of the grid that says what is inside, about; the candidates are jittered nodes. A wall of a 60th of
-// the size still shows at 64 nodes a side.
+// Approximate number of nodes of the grid of inside points; candidates are jittered nodes. With 64 nodes per
+// side, walls of a 60th of the size are still sampled.
 constexpr double kGridNodes = 64.0 * 64.0 * 64.0;
 constexpr size_t kMinInsidePoints = 4000;
-// Candidates a seed: more spread them more evenly, fewer more at random.
+// Candidates per seed. A larger value distributes seeds more evenly, a smaller one more randomly.
 constexpr size_t kCandidates = 12;
 
 class Random {
@@ -38,7 +38,7 @@ double density(const Eigen::Vector3d& point, const SeedOptions& options, double 
   return 1.0 + (options.impact_density - 1.0) * nearest;
 }
 
-// Nodes inside, of a grid that is refined until it has enough of them.
+// Returns the inside nodes of a grid that is refined until it has at least kMinInsidePoints of them.
 std::vector<Eigen::Vector3d> inside_points(const TriangleMesh& mesh, const Eigen::AlignedBox3d& bounds,
                                            double& cell_m) {
   const Eigen::Vector3d size = bounds.sizes().cwiseMax(1e-3 * bounds.sizes().maxCoeff());
@@ -48,7 +48,7 @@ std::vector<Eigen::Vector3d> inside_points(const TriangleMesh& mesh, const Eigen
     points.clear();
     RegularGrid grid;
     grid.cell_m = affordable_cell_m(cell_m, bounds.sizes());
-    grid.origin_m = bounds.min().array() + 0.37 * grid.cell_m;  // off the planes of faces along the axes
+    grid.origin_m = bounds.min().array() + 0.37 * grid.cell_m;  // offset from axis-aligned faces
     grid.counts = (bounds.sizes() / grid.cell_m).array().ceil().cast<int>().max(1);
     const std::vector<uint8_t> inside = nodes_inside(mesh, grid);
     for (int k = 0; k < grid.counts.z(); ++k) {
@@ -66,12 +66,13 @@ std::vector<Eigen::Vector3d> inside_points(const TriangleMesh& mesh, const Eigen
 
 Result<std::vector<Eigen::Vector3d>> fracture_seeds(const TriangleMesh& mesh, const SeedOptions& options) {
   if (options.count < 1 || options.count > kMaxSeeds) {
-    return invalid_argument("fracture: " + std::to_string(options.count) + " pieces asked for; give 1 to " +
+    return invalid_argument("fracture: " + std::to_string(options.count) + " pieces requested; give 1 to " +
                             std::to_string(kMaxSeeds));
   }
   if (!(options.impact_density >= 1.0 && options.impact_density <= 1e3) ||
       !(options.impact_reach > 0.0 && options.impact_reach <= 1e3)) {
-    return invalid_argument("fracture: impact_density must lie in 1 … 1000 and impact_reach in 0 … 1000");
+    return invalid_argument(
+        "fracture: impact_density or impact_reach is out of range; give 1 to 1000 and 0 to 1000");
   }
   for (const auto& impact : options.impacts_m) {
     if (!impact.allFinite()) return invalid_argument("fracture: an impact point is not finite");
@@ -90,7 +91,7 @@ Result<std::vector<Eigen::Vector3d>> fracture_seeds(const TriangleMesh& mesh, co
   const double reach_m = options.impact_reach * bounds.diagonal().norm();
   std::vector<Eigen::Vector3d> seeds;
   while (seeds.size() < options.count) {
-    // As likely as the density there, by rejection.
+    // Rejection sampling, with a probability proportional to the local density.
     Eigen::Vector3d best = points[0];
     double best_score = -1.0;
     for (size_t tried = 0; tried < kCandidates; ++tried) {
@@ -100,7 +101,7 @@ Result<std::vector<Eigen::Vector3d>> fracture_seeds(const TriangleMesh& mesh, co
         candidate = points[random.below(points.size())];
         weight = density(candidate, options, reach_m);
       } while (random.uniform() * options.impact_density > weight);
-      // A tenth of a cell of jitter, so that no two seeds and no plane lie on the grid.
+      // A jitter of a tenth of a cell, so that seeds and bisector planes do not coincide with the grid.
       for (int axis = 0; axis < 3; ++axis) candidate[axis] += 0.1 * cell_m * (random.uniform() - 0.5);
       double nearest = 1e300;
       for (const auto& seed : seeds) nearest = std::min(nearest, (candidate - seed).norm());

@@ -18,16 +18,17 @@ namespace {
 
 constexpr size_t kBlock = 1024;
 constexpr float kShDc = 0.28209479f;              // Y_00
-constexpr double kDefaultOverhang = 1.0 / 200.0;  // of the diagonal
+constexpr double kDefaultOverhang = 1.0 / 200.0;  // relative to the diagonal
 constexpr double kMaxOpacity = 0.998;
 constexpr double kMinPieceOpacity = 1.0 / 255.0;
 constexpr double kInteriorOpacity = 0.98;
-// A kernel says what colour the surface has from this opacity on.
+// Minimum opacity of a kernel that defines the surface colour.
 constexpr double kOpaque = 0.3;
-// Of the colour of a kernel on a cut face: the part that the surface nearest to it gives; the rest is the
-// mean of its face, which keeps a speckled glaze from running through the clay.
+// Weight of the nearest surface kernel in the colour of a kernel on a cut face. The rest is the mean of the
+// face, so that a speckled glaze does not continue into the clay.
 constexpr float kMinDistanceShare = 0.25f;
-// Of the largest standard deviation: a part is never flatter, so that a renderer's inverse has its digits.
+// Minimum ratio of the smallest to the largest standard deviation of a part. Limits the loss of precision
+// when a renderer inverts the covariance.
 constexpr double kMinFlatness = 1e-3;
 
 struct Kernel {
@@ -83,12 +84,13 @@ double body_diagonal_m(const VoronoiPieces& pieces) {
   return bounds.diagonal().norm();
 }
 
-// Kernels on cut faces as far apart as those of the surface are wide, but no more than `most`.
+// Returns the spacing of kernels on cut faces: the width of surface kernels, at least as large as
+// `max_interior` requires.
 double interior_spacing_m(const GaussianAsset& asset, double scale, const VoronoiPieces& pieces,
                           const PieceKernelOptions& options) {
   double area_m2 = 0.0;
   for (const VoronoiBond& bond : pieces.bonds) area_m2 += bond.area_m2;
-  // Two sides, a hexagon of 0.87 spacing² each, and as many again along rims at most.
+  // Two sides, a hexagon of 0.87 spacing² per kernel, and at most the same number along rims.
   const double least_m =
       std::sqrt(4.0 * area_m2 / (0.87 * static_cast<double>(std::max<size_t>(options.max_interior, 1))));
   if (options.interior_spacing_m > 0.0) return std::max(options.interior_spacing_m, least_m);
@@ -101,7 +103,7 @@ double interior_spacing_m(const GaussianAsset& asset, double scale, const Vorono
   }
   if (widths.empty()) return std::max(least_m, body_diagonal_m(pieces) / 100.0);
   const double width_m = std::exp(static_cast<double>(percentile(std::move(widths), 0.5))) * scale;
-  // A deviation of 0.6 spacings is what a kernel on a face gets.
+  // A kernel on a face has a standard deviation of 0.6 spacings.
   return std::clamp(width_m / 0.6, least_m, std::max(least_m, body_diagonal_m(pieces) / 40.0));
 }
 
@@ -165,7 +167,7 @@ void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_
 
 Result<PieceKernels> make_piece_kernels(const GaussianAsset& asset, const Similarity& object_from_asset,
                                         const VoronoiPieces& pieces, const PieceKernelOptions& options) {
-  if (pieces.pieces.empty()) return invalid_argument("fracture: no pieces to bind kernels to");
+  if (pieces.pieces.empty()) return invalid_argument("fracture: there are no pieces; cut the body first");
   if (!(options.max_overhang_m >= 0.0) || !(options.interior_spacing_m >= 0.0)) {
     return invalid_argument("fracture: max_overhang_m and interior_spacing_m must not be negative");
   }

@@ -14,19 +14,19 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A Gaussian much larger than the body would become thousands of parts; at this many they are held back
-// instead.
+// Maximum number of parts. A Gaussian much larger than the body would have thousands; at the limit, parts are
+// flattened instead.
 constexpr size_t kMaxParts = 96;
-// Narrower Gaussians that stand for one are this many of their deviations apart: their sum ripples by 2
-// exp(-pi²/2) or 1.4 %. They reach as far as this many of the one's, and are at least so wide in parts of it.
+// Spacing of narrower Gaussians, in their standard deviations: their sum has a ripple of 2 exp(-pi²/2), 1.4
+// %. They cover kNarrowReach deviations of the original and are at least kMinNarrowing of its width.
 constexpr double kNarrowSpacing = 2.0, kNarrowReach = 3.2, kMinNarrowing = 0.2;
 
-// The nearest plane that the part's ellipsoid crosses.
+// The nearest plane that the ellipsoid of a part crosses.
 struct Crossing {
   uint32_t neighbour = ~0u;
   Vector3d normal = Vector3d::UnitX();  // out of the part's cell
-  double deviation_m = 0.0;             // standard deviation along it
-  double end = 0.0;                     // the plane, in deviations from the mean
+  double deviation_m = 0.0;             // standard deviation along the normal
+  double end = 0.0;                     // distance of the plane from the mean, in standard deviations
 };
 
 CutName cut_name(uint32_t a, uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
@@ -60,7 +60,7 @@ Crossing nearest_crossing(const GaussianPart& part, const VoronoiPieces& pieces)
   return nearest;
 }
 
-// What lies below `end` deviations along `normal`.
+// Returns the part of the Gaussian below `end` standard deviations along `normal`.
 GaussianPart below(const GaussianPart& part, const Vector3d& normal, double deviation_m, double end) {
   const TruncatedNormal cut = normal_below(end);
   const Vector3d along = part.covariance_m2 * normal / deviation_m;
@@ -71,8 +71,8 @@ GaussianPart below(const GaussianPart& part, const Vector3d& normal, double devi
   return half;
 }
 
-// A Gaussian of variance 1 is one of variance w² convolved with one of 1 - w²; here the latter is sampled
-// along the normal, a spacing apart.
+// A Gaussian of variance 1 is the convolution of Gaussians of variance w² and 1 - w². The latter is sampled
+// along the normal.
 void add_narrower(const GaussianPart& part, const Crossing& crossing, double width, double min_opacity,
                   std::vector<GaussianPart>& out) {
   const Vector3d along = part.covariance_m2 * crossing.normal / crossing.deviation_m;
@@ -97,8 +97,8 @@ double overhang_m(const Crossing& crossing) {
                   kSplitDeviations * std::sqrt(high.variance) + high.mean + crossing.end);
 }
 
-// Rounding, other planes' cuts and kMaxParts may leave a part reaching too far: it is pressed flat until it
-// does not, and grows more opaque for it.
+// Flattens a part that still extends too far because of rounding, cuts of other planes or kMaxParts. Its
+// opacity increases accordingly.
 void hold_back(GaussianPart& part, const VoronoiPieces& pieces, double max_overhang_m) {
   for (uint32_t neighbour : pieces.cell_neighbours[part.cell]) {
     if (one_piece(pieces, part.cell, neighbour)) continue;
@@ -128,7 +128,7 @@ std::vector<GaussianPart> split_gaussian(const Vector3d& mean_m, const Matrix3d&
       continue;
     }
     const CutName planes = cut_name(part.cell, crossing.neighbour);
-    if (crossing.end <= -kSplitDeviations) {  // wholly in the neighbour
+    if (crossing.end <= -kSplitDeviations) {  // completely in the neighbour
       part.cell = crossing.neighbour;
       part.cuts.push_back(planes);
       open.push_back(std::move(part));
@@ -155,15 +155,15 @@ std::vector<GaussianPart> split_gaussian(const Vector3d& mean_m, const Matrix3d&
     open.back().cell = crossing.neighbour;
     open.back().cuts.push_back(planes);
   }
-  // A cut along one plane may carry a mean a little way across another.
+  // A cut along one plane may move a mean slightly across another.
   for (GaussianPart& part : done) part.cell = pieces.cell_at(part.mean_m);
-  // The largest part in the cell of the mean first; the order of the others is that of their making.
+  // The largest part in the cell of the mean is first; the others stay in order of creation.
   size_t first = 0;
   double most = -1.0;
   for (size_t k = 0; k < done.size(); ++k) {
     if (done[k].cell == whole.cell && done[k].opacity > most) most = done[k].opacity, first = k;
   }
-  if (most < 0.0) {  // all of it was too faint: it stays as it was
+  if (most < 0.0) {  // all parts are too faint: the original is kept
     done.assign(1, whole);
     first = 0;
   }

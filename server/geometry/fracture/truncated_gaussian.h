@@ -6,15 +6,15 @@
 
 namespace livegs {
 
-// The standard normal distribution cut off at `end`: what is below it.
+// The standard normal distribution truncated to values below `end`.
 struct TruncatedNormal {
-  double mass = 1.0;      // of the whole, 0 … 1
-  double mean = 0.0;      // below 0
+  double mass = 1.0;      // fraction of the whole, 0 … 1
+  double mean = 0.0;      // negative
   double variance = 1.0;  // 0 … 1
 };
 
-// With h = p(end) / P(end): mass P, mean -h, variance 1 - end h - h². Below -6 the tail's own expansion,
-// h = -end - 1/end + 2/end³ and variance 1/end² - 6/end⁴, for want of digits.
+// With h = p(end) / P(end): mass P, mean -h, variance 1 - end h - h². Below -6 the asymptotic expansion is
+// used against cancellation: h = -end - 1/end + 2/end³ and variance 1/end² - 6/end⁴.
 inline TruncatedNormal normal_below(double end) {
   const double mass = 0.5 * std::erfc(-end / std::numbers::sqrt2);
   if (end < -6.0) {

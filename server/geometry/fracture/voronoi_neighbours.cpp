@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// voro++ (Rycroft 2009) works with absolute tolerances of 1e-11, so everything is scaled to a unit box.
+// voro++ (Rycroft 2009) uses absolute tolerances of 1e-11, so the input is scaled to a unit box.
 #include "geometry/fracture/voronoi_neighbours.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ std::vector<std::vector<uint32_t>> voronoi_neighbours(std::span<const Eigen::Vec
   Eigen::AlignedBox3d box = bounds_m;
   for (const auto& seed : seeds_m) box.extend(seed);
   const double scale = 1.0 / box.diagonal().norm();
-  // A margin, so that no seed lies on a wall.
+  // A margin keeps seeds off the walls.
   const Eigen::Vector3d half = (0.5 * scale * box.sizes()).array() + 0.01;
   const int blocks = std::max(1, static_cast<int>(std::cbrt(static_cast<double>(seeds_m.size()) / 5.0)));
   voro::container container(-half.x(), half.x(), -half.y(), half.y(), -half.z(), half.z(), blocks, blocks,
@@ -34,8 +34,8 @@ std::vector<std::vector<uint32_t>> voronoi_neighbours(std::span<const Eigen::Vec
       for (int id : ids) {
         if (id < 0) continue;  // a wall
         neighbours[seed].push_back(static_cast<uint32_t>(id));
-        neighbours[static_cast<uint32_t>(id)].push_back(
-            seed);  // both ways, whatever rounding says of a tiny face
+        // Symmetric even if rounding removes a tiny face on one side.
+        neighbours[static_cast<uint32_t>(id)].push_back(seed);
       }
     } while (loop.inc());
   }

@@ -9,9 +9,9 @@
 
 namespace livegs {
 
-// For each seed the seeds whose Voronoi cells share a face with its own inside `bounds_m`, nearest first
-// (voro++). Symmetric. Precondition: seeds finite and apart. Seeds outside the bounds are allowed. One thread
-// at a time.
+// Returns for each seed the seeds whose Voronoi cells share a face with its cell inside `bounds_m`, nearest
+// first (voro++). Symmetric. Precondition: finite and distinct seeds; they may lie outside the bounds. Not
+// thread-safe.
 std::vector<std::vector<uint32_t>> voronoi_neighbours(std::span<const Eigen::Vector3d> seeds_m,
                                                       const Eigen::AlignedBox3d& bounds_m);
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// 1. Each cell is clipped on its own, in parallel (clip_to_cell). 2. What it holds falls into connected
-// parts.
-// 3. Vertices of the same name, found from up to four cells, become one, so that the two sides of a cut face
-// have the same boundary. 4. Slivers join a neighbour: the faces between them are left out, and the rest
-// closes by itself.
+// 1. Each cell is clipped separately, in parallel (clip_to_cell).
+// 2. Its contents are split into connected parts.
+// 3. Vertices with the same name, found in up to four cells, are merged, so that both sides of a cut face
+// have
+//    the same boundary.
+// 4. Slivers are merged with a neighbour. The faces between them are dropped, which leaves the rest closed.
 #include "geometry/fracture/voronoi_pieces.h"
 
 #include <Eigen/Geometry>
@@ -26,10 +27,11 @@ namespace livegs {
 namespace {
 
 constexpr size_t kMaxCells = 4096;
-constexpr double kMinVolumeShare = 1e-9;   // smaller ones have no volume beyond rounding
-constexpr double kMinSeedDistance = 1e-9;  // of the diagonal
+constexpr double kMinVolumeShare =
+    1e-9;  // minimum volume relative to the whole; smaller parts are rounding errors
+constexpr double kMinSeedDistance = 1e-9;  // relative to the diagonal
 
-// A cut face seen from its lower part, and its area: what bonds are made of.
+// A cut face seen from its lower part, with its area. Bonds are sums of contacts.
 struct Contact {
   uint32_t first, second;  // parts, first < second
   double area_m2 = 0.0;
@@ -38,10 +40,10 @@ struct Contact {
 };
 
 struct PartList {
-  std::vector<CellPart> parts;              // in order of cells
+  std::vector<CellPart> parts;              // sorted by cell
   std::vector<Eigen::Vector3d> vertices_m;  // shared
-  std::vector<std::vector<uint32_t>>
-      facing;  // by part and triangle: the part on the other side of a cut face, or ~0
+  // By part and triangle: the part on the other side of a cut face, or ~0.
+  std::vector<std::vector<uint32_t>> facing;
 };
 
 struct NameHash {
@@ -52,7 +54,7 @@ struct NameHash {
   }
 };
 
-// One vertex a name, at the place the lowest cell found it.
+// Keeps one vertex per name, at the position found by the cell with the lowest number.
 void share_vertices(std::vector<std::vector<CellPart>>& by_cell, const std::vector<ClippedCell>& cells,
                     PartList& list) {
   std::unordered_map<VertexName, uint32_t, NameHash> shared;
@@ -73,11 +75,11 @@ void share_vertices(std::vector<std::vector<CellPart>>& by_cell, const std::vect
   }
 }
 
-// For each cut face the part of the other cell that shares most of its corners.
+// Finds for each cut face the part of the other cell that shares most of its corners.
 void find_facing_parts(PartList& list, size_t cell_count) {
   std::vector<std::vector<uint32_t>> parts_of_cell(cell_count);
   for (uint32_t p = 0; p < list.parts.size(); ++p) parts_of_cell[list.parts[p].cell].push_back(p);
-  // Corners of the faces of each part towards each cell.
+  // Corners of the faces between each part and each cell.
   std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> corners;
   for (uint32_t p = 0; p < list.parts.size(); ++p) {
     for (const CellPart::Face& face : list.parts[p].faces) {
@@ -156,7 +158,7 @@ Eigen::Vector3d part_middle(const PartList& list, const CellPart& part) {
   return box.center();
 }
 
-// Sets of parts that make one piece each.
+// Returns sets of parts; each set makes one piece.
 DisjointSets join_slivers(const PartList& list, const std::vector<Contact>& contacts,
                           const CutOptions& options) {
   const auto count = static_cast<uint32_t>(list.parts.size());
@@ -172,7 +174,7 @@ DisjointSets join_slivers(const PartList& list, const std::vector<Contact>& cont
       if (sets.find(p) == p && (smallest == ~0u || volumes[p] < volumes[smallest])) smallest = p;
     }
     if (left <= options.most_pieces && volumes[smallest] >= least * whole) break;
-    // The neighbour with the largest shared area; of none, the set nearest by middles.
+    // The neighbour with the largest shared area; without neighbours, the set with the nearest centre.
     std::map<uint32_t, double> areas;
     for (const Contact& contact : contacts) {
       const uint32_t a = sets.find(contact.first), b = sets.find(contact.second);
@@ -201,7 +203,7 @@ DisjointSets join_slivers(const PartList& list, const std::vector<Contact>& cont
   return sets;
 }
 
-// Does every edge run as often one way as the other?
+// Returns whether each edge occurs equally often in both directions.
 bool is_balanced(std::span<const std::array<uint32_t, 3>> triangles) {
   std::vector<std::array<uint32_t, 2>> forward, backward;
   for (const auto& triangle : triangles) {
@@ -232,7 +234,7 @@ void add_pieces(const PartList& list, DisjointSets& sets, VoronoiPieces& out) {
     parts_of_piece[piece].push_back(p);
   }
 
-  // Bonds in order of piece numbers.
+  // Bonds are sorted by piece numbers.
   std::map<std::pair<uint32_t, uint32_t>, VoronoiBond> bonds;
   for (const Contact& contact : contacts_of(list)) {
     uint32_t a = piece_of_part[contact.first], b = piece_of_part[contact.second];
@@ -276,7 +278,7 @@ void add_pieces(const PartList& list, DisjointSets& sets, VoronoiPieces& out) {
       }
     }
     if (!inner.empty() && !is_balanced(triangles)) {
-      // The two sides of a face between joined slivers do not match: keep both, which encloses the same
+      // The two sides of a face between joined slivers do not match. Both are kept, which encloses the same
       // volume.
       triangles.insert(triangles.end(), inner.begin(), inner.end());
       triangle_bond.resize(triangles.size(), kNoBond);
@@ -322,8 +324,8 @@ void add_pieces(const PartList& list, DisjointSets& sets, VoronoiPieces& out) {
   }
 }
 
-// Cells that hold nothing go. Kernels reach beyond the body, so neighbours are found in a box three times as
-// wide.
+// Removes empty cells. Neighbours are found in a box three times as wide, because kernels extend beyond the
+// body.
 void drop_empty_cells(VoronoiPieces& out, const Eigen::AlignedBox3d& bounds) {
   uint32_t count = 0;
   for (uint32_t c = 0; c < out.seeds_m.size(); ++c) {
@@ -357,7 +359,7 @@ Result<void> check(const TriangleMesh& mesh, std::span<const Eigen::Vector3d> se
     for (size_t b = 0; b < a; ++b) {
       if (!((seeds_m[a] - seeds_m[b]).norm() > least_m)) {
         return invalid_argument("fracture: seeds " + std::to_string(b) + " and " + std::to_string(a) +
-                                " are at the same place; leave one out");
+                                " are at the same place; remove one");
       }
     }
   }
@@ -374,19 +376,19 @@ Result<VoronoiPieces> cut_voronoi_pieces(const TriangleMesh& mesh, std::span<con
     welded = weld_vertices(mesh);
     const MeshTopology topology = mesh_topology(welded);
     if (!topology.closed) {
-      return invalid_data(
-          "fracture: the mesh is open (" + std::to_string(open_edge_count(welded)) +
-          " edges lack a neighbour), so it has no inside to cut; close it, or make a closed one with "
-          "reconstruct_surface");
+      return invalid_data("fracture: the mesh is open (" + std::to_string(open_edge_count(welded)) +
+                          " edges lack a neighbour) and cannot be cut; close it, or make a closed one with "
+                          "reconstruct_surface");
     }
     body = &welded;
   }
   if (Result<void> checked = check(*body, seeds_m); !checked) return checked.error();
   if (!(signed_volume_m3(*body) > 0.0)) {
-    return invalid_data("fracture: the mesh is inside out or encloses nothing; turn its triangles round");
+    return invalid_data("fracture: the mesh is inside out or encloses no volume; reverse its triangles");
   }
   if (!(options.smallest_share >= 0.0 && options.smallest_share < 1.0) || options.most_pieces < 1) {
-    return invalid_argument("fracture: smallest_share must lie in 0 … 1 and most_pieces be at least 1");
+    return invalid_argument(
+        "fracture: smallest_share or most_pieces is out of range; give 0 to 1 and at least 1");
   }
 
   VoronoiPieces out;
@@ -437,8 +439,8 @@ uint32_t VoronoiPieces::locate(const Eigen::Vector3d& point_m) const {
 uint32_t VoronoiPieces::locate_in(uint32_t cell, const Eigen::Vector3d& point_m) const {
   const std::vector<Part>& parts = cell_parts[cell];
   if (parts.size() == 1) return parts[0].piece;
-  // A way from inside one part to another part leaves the first, so the surface nearest to a point in a part
-  // is its.
+  // A path from one part to another leaves the first part, so the nearest surface belongs to the part that
+  // contains the point.
   uint32_t best = parts[0].piece;
   double nearest = std::numeric_limits<double>::max();
   for (const Part& part : parts) {

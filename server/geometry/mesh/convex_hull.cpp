@@ -16,7 +16,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 
-// Exactly: no four of the points span a volume.
+// Returns whether no four of the points span a volume. Exact.
 bool is_flat(const std::vector<Point>& cloud) {
   const auto end = cloud.end();
   if (cloud.empty()) return true;
@@ -28,8 +28,8 @@ bool is_flat(const std::vector<Point>& cloud) {
   return std::all_of(c, end, [&](const Point& p) { return CGAL::coplanar(a, *b, *c, p); });
 }
 
-// CGAL keeps facets in an order that follows addresses in memory: corners by their coordinates and triangles
-// by their corners give the same bits for the same cloud.
+// CGAL's order of facets depends on memory addresses. Corners sorted by coordinates and triangles sorted by
+// corners give the same bits for the same cloud.
 void put_in_order(TriangleMesh& mesh) {
   std::vector<uint32_t> order(mesh.vertices_m.size()), place(order.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -56,10 +56,10 @@ TriangleMesh convex_hull(std::span<const Eigen::Vector3d> points_m) {
   std::vector<Point> cloud;
   cloud.reserve(points_m.size());
   for (const auto& point : points_m) cloud.emplace_back(point.x(), point.y(), point.z());
-  // CGAL 5.5 makes of a flat cloud a polygon with indices past its corners, or throws.
+  // CGAL 5.5 throws for a flat cloud, or returns a polygon with invalid indices.
   if (is_flat(cloud)) return {};
-  // Into a Surface_mesh, which brings exactly decided planes along; the overload for plain arrays rounds
-  // them, and thin bodies break it.
+  // Surface_mesh uses exact plane predicates. The overload for plain arrays rounds them, which fails for thin
+  // bodies.
   CGAL::Surface_mesh<Point> surface;
   CGAL::convex_hull_3(cloud.begin(), cloud.end(), surface);
   TriangleMesh hull;

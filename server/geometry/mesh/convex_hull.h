@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// The convex hull, triangulated, outwards; empty when the points lie in one plane. Exact predicates.
-// Precondition: all values finite.
+// Returns the convex hull, triangulated, outward-facing; empty if the points lie in one plane. Exact
+// predicates. Precondition: finite values.
 TriangleMesh convex_hull(std::span<const Eigen::Vector3d> points_m);
 
 }  // namespace livegs

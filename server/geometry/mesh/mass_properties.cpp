@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sums over tetrahedra (origin, a, b, c) and over triangles (a, b, c) of the exact moments of a simplex:
-//   integral of x xᵀ over a tetrahedron = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), over a triangle = A/12 (the
-//   same),
-// with s = a + b + c. The same integrals as Mirtich 1996 and Eberly 2002, without their polynomials.
+// Sums the exact moments over tetrahedra (origin, a, b, c) or triangles (a, b, c). With s = a + b + c, the
+// integral of x xᵀ is
+//   over a tetrahedron V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), over a triangle A/12 times the same sum.
+// These are the integrals of Mirtich 1996 and Eberly 2002 without their polynomials.
 #include "geometry/mesh/mass_properties.h"
 
 #include "core/assert.h"
@@ -17,7 +17,7 @@ struct Moments {
   Eigen::Matrix3d volume_second = Eigen::Matrix3d::Zero(), area_second = Eigen::Matrix3d::Zero();
 };
 
-// About the middle of the bounding box, so that a body far from the origin loses no digits.
+// Relative to the middle of the bounding box, for precision of bodies far from the origin.
 Moments moments_about(const TriangleMesh& mesh, const Eigen::Vector3d& middle) {
   Moments total;
   for (const auto& triangle : mesh.triangles) {

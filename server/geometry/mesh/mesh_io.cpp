@@ -13,10 +13,10 @@ namespace livegs {
 namespace {
 
 constexpr uint64_t kMaxObjBytes = uint64_t{256} << 20;
-// The largest coordinate, metres: beyond it squares and products of lengths lose meaning in double precision.
+// Maximum coordinate, metres. Larger values lose precision in squares and products of lengths.
 constexpr double kMaxCoordinate_m = 1e9;
 
-// Takes the next word off the front of `line`; empty at its end.
+// Removes the first word of `line` and returns it; empty at the end.
 std::string_view next_word(std::string_view& line) {
   const size_t begin = line.find_first_not_of(" \t\r");
   if (begin == std::string_view::npos) return line = {};
@@ -54,17 +54,17 @@ Result<TriangleMesh> read_obj(const std::filesystem::path& path) {
       for (int axis = 0; axis < 3; ++axis) {
         if (!parse(next_word(line), vertex[axis])) return fail("a vertex needs three numbers");
         if (!(std::abs(vertex[axis]) <= kMaxCoordinate_m))
-          return fail("a coordinate is not finite or beyond 1e9 m");
+          return fail("a coordinate is not finite or exceeds 1e9 m");
       }
       mesh.vertices_m.push_back(vertex);
     } else if (keyword == "f") {
       polygon.clear();
       for (std::string_view word = next_word(line); !word.empty(); word = next_word(line)) {
         int64_t index = 0;
-        if (!parse(word.substr(0, word.find('/')), index)) return fail("a face index is no number");
+        if (!parse(word.substr(0, word.find('/')), index)) return fail("a face index is not a number");
         const auto count = static_cast<int64_t>(mesh.vertices_m.size());
         if (index < 0) index += count + 1;
-        if (index < 1 || index > count) return fail("a face names a vertex that has not been given");
+        if (index < 1 || index > count) return fail("a face refers to a vertex that does not exist");
         polygon.push_back(static_cast<uint32_t>(index - 1));
       }
       if (polygon.size() < 3) return fail("a face needs three vertices");
@@ -77,7 +77,7 @@ Result<TriangleMesh> read_obj(const std::filesystem::path& path) {
     }
   }
   if (mesh.triangles.empty())
-    return invalid_data(path.string() + ": no face; is this a Wavefront .obj surface?");
+    return invalid_data(path.string() + ": no face; give a Wavefront .obj file with a surface");
   return mesh;
 }
 

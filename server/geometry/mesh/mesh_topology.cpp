@@ -10,10 +10,10 @@
 namespace livegs {
 namespace {
 
-// A directed edge of a triangle; sorts by its undirected edge first.
+// A directed edge of a triangle, sorted by its undirected edge first.
 struct HalfEdge {
   uint32_t low, high;
-  bool forward;  // runs from low to high
+  bool forward;  // direction is from low to high
   uint32_t triangle;
   auto edge() const { return std::pair(low, high); }
 };
@@ -45,7 +45,7 @@ MeshTopology mesh_topology(const TriangleMesh& mesh) {
   topology.closed = !mesh.triangles.empty();
   bool pairs_only = true;
   int edge_count = 0;
-  // Corners of triangles that share an edge at the same vertex are one fan.
+  // Corners that share an edge at the same vertex belong to one fan.
   DisjointSets fans(mesh.triangles.size() * 3);
   const std::vector<HalfEdge> half_edges = sorted_half_edges(mesh);
   for (size_t begin = 0; begin < half_edges.size();) {
@@ -103,8 +103,8 @@ std::vector<int> mesh_pieces(const TriangleMesh& mesh) {
 
 double signed_volume_m3(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return 0.0;
-  const Eigen::Vector3d origin =
-      mesh.vertices_m[mesh.triangles[0][0]];  // near the mesh, against cancellation
+  // A point near the mesh, against cancellation.
+  const Eigen::Vector3d origin = mesh.vertices_m[mesh.triangles[0][0]];
   double six_volumes = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const Eigen::Vector3d p = mesh.vertices_m[a] - origin;

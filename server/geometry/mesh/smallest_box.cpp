@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Freeman and Shapira 1975: the smallest rectangle around a convex polygon has one of its edges in a side.
+// Freeman and Shapira 1975: the smallest rectangle around a convex polygon has a side along one of its edges.
 #include "geometry/mesh/smallest_box.h"
 
 #include <Eigen/Geometry>
@@ -13,13 +13,14 @@
 namespace livegs {
 namespace {
 
-// Directions tried, largest faces first. Twice as many shrink the boxes of captured things by less than 1 %.
+// Number of directions that are tried, largest faces first. More directions give slightly smaller boxes and
+// cost more time.
 constexpr size_t kMaxDirections = 48;
 constexpr double kParallelCosineLimit = 0.999;  // cosine of 2.6 degrees
 
 std::vector<Eigen::Vector3d> directions_of(const TriangleMesh& hull) {
   struct Direction {
-    Eigen::Vector3d way;  // of the first such face
+    Eigen::Vector3d way;  // normal of the first such face
     double area_m2;
   };
   std::vector<Direction> faces;
@@ -52,7 +53,7 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Ve
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-// Andrew 1979: the hull of points in the plane, anticlockwise.
+// Returns the convex hull of points in the plane, counter-clockwise (Andrew 1979).
 std::vector<Eigen::Vector2d> hull_of(std::vector<Eigen::Vector2d> points) {
   std::sort(points.begin(), points.end(),
             [](const auto& a, const auto& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });

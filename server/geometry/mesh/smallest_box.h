@@ -7,10 +7,11 @@
 
 namespace livegs {
 
-// Edges of a small box around a convex mesh, longest first, metres, whichever way it lies: of all boxes that
-// have one of the mesh's largest faces in a side (or a coordinate axis across it), the smallest. The smallest
-// box of all touches with a face or three edges (O'Rourke 1985); for things with a flat side this is it, for
-// round ones within a few percent. Deterministic. Precondition: closed and convex, as convex_hull makes it.
+// Returns the edges of a small box of any orientation around a convex mesh, longest first, metres. It is the
+// smallest box with a side along one of the mesh's largest faces or a coordinate axis. The true minimum
+// touches with a face or three edges (O'Rourke 1985): the result is exact for objects with a flat side and
+// within a few per cent for round ones. Deterministic. Precondition: closed and convex, as returned by
+// convex_hull.
 Eigen::Vector3d smallest_box_m(const TriangleMesh& hull);
 
 }  // namespace livegs

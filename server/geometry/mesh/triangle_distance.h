@@ -5,8 +5,8 @@
 
 namespace livegs {
 
-// The point of the triangle (a, b, c) nearest to p; degenerate triangles allowed. By the Voronoi region of
-// the triangle in which p lies (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+// Returns the point of the triangle (a, b, c) nearest to p; degenerate triangles are allowed. Uses the
+// Voronoi regions of the triangle (Ericson 2005, Real-Time Collision Detection, 5.1.5).
 Eigen::Vector3d closest_point_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                                           const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 

@@ -20,7 +20,7 @@ void for_each_triangle_piece(
     for (int i = 0; i < parts; ++i) {
       for (int j = 0; j < parts - i; ++j) {
         visit(p + ((i + 1.0 / 3.0) * u + (j + 1.0 / 3.0) * v) / parts, area_m2);
-        // The one beside it that stands on its head.
+        // The adjacent inverted triangle.
         if (j < parts - i - 1) visit(p + ((i + 2.0 / 3.0) * u + (j + 2.0 / 3.0) * v) / parts, area_m2);
       }
     }

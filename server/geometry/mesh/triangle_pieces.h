@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// Every triangle in equal small ones whose edges are at most `edge_m` long (none is cut into more than 512²
-// of them), in order, each by its centre and its area in m².
+// Splits each triangle into equal smaller ones with edges of at most `edge_m` (at most 512² per triangle).
+// Calls `visit` for each in order, with its centre and its area in m².
 void for_each_triangle_piece(
     const TriangleMesh& mesh, double edge_m,
     const std::function<void(const Eigen::Vector3d& centre_m, double area_m2)>& visit);

@@ -11,7 +11,7 @@ namespace livegs {
 namespace {
 
 constexpr uint32_t kLeafTriangles = 4;
-// Feet nearer to each other than this part of the distance to them are one.
+// Relative distance below which two projections count as the same point.
 constexpr double kFootTolerance = 1e-9;
 
 double squared_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& min,
@@ -59,7 +59,7 @@ void TriangleTree::add_box(uint32_t begin, uint32_t end) {
 TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d& point_m) const {
   Nearest best{INFINITY, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY()};
   double least2 = INFINITY, squarest = -1.0;
-  std::array<uint32_t, 64> waiting;  // halves: never deeper than the logarithm of their number
+  std::array<uint32_t, 64> waiting;  // never deeper than the logarithm of the number of triangles
   size_t count = 0;
   if (!boxes_.empty()) waiting[count++] = 0;
   while (count > 0) {

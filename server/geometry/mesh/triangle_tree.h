@@ -10,19 +10,19 @@
 
 namespace livegs {
 
-// The triangle of a mesh that is nearest to a point, by nested boxes. Immutable after building; any thread
-// may ask.
+// A bounding volume hierarchy for the triangle nearest to a point. Immutable after construction; any thread
+// may query.
 class TriangleTree {
  public:
-  // Triangles without area are left out.
+  // Triangles without area are skipped.
   explicit TriangleTree(const TriangleMesh& mesh);
 
   struct Nearest {
-    double distance_m;  // infinite where there is no triangle
+    double distance_m;  // infinity if there is no triangle
     Eigen::Vector3d foot_m;
-    // Unit, of the nearest triangle. Of several that share the foot, on an edge or at a corner, of the one
-    // whose plane is farthest from the point: of a closed mesh its side is the point's (Sigg 2003, Signed
-    // distance transform, 3).
+    // Unit normal of the nearest triangle. If several share the nearest point, on an edge or at a corner, the
+    // one whose plane is farthest from the point. For a closed mesh its sign is the side of the point (Sigg
+    // 2003, Signed distance transform, 3).
     Eigen::Vector3d normal;
   };
   Nearest nearest(const Eigen::Vector3d& point_m) const;
@@ -36,8 +36,8 @@ class TriangleTree {
   };
   struct Box {
     Eigen::Vector3d min_m, max_m;
-    uint32_t begin, end;  // of triangles_
-    uint32_t second;      // its second child, the first one follows it; 0: a leaf
+    uint32_t begin, end;  // range in triangles_
+    uint32_t second;      // index of the second child; the first one is next; 0: a leaf
   };
   void add_box(uint32_t begin, uint32_t end);
 

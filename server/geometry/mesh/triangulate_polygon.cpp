@@ -30,7 +30,7 @@ bool same_place(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() == b.x() && a.y() == b.y();
 }
 
-// Does the segment from a to b cross_of an edge of the loop anywhere but at its own ends?
+// Returns whether the segment from a to b crosses an edge of the loop, except at its own ends.
 bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Loop& loop, Points points) {
   for (size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
     const Eigen::Vector2d &c = points[loop[j]], &d = points[loop[i]];
@@ -42,7 +42,7 @@ bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Loop& loo
   return false;
 }
 
-// Does the direction to p leave corner `at` into the polygon?
+// Returns whether the direction to p points into the polygon at corner `at`.
 bool opens_towards(const Loop& loop, size_t at, const Eigen::Vector2d& p, Points points) {
   const Eigen::Vector2d &before = points[loop[(at + loop.size() - 1) % loop.size()]],
                         &here = points[loop[at]], &after = points[loop[(at + 1) % loop.size()]];
@@ -50,10 +50,10 @@ bool opens_towards(const Loop& loop, size_t at, const Eigen::Vector2d& p, Points
   return cross_of(before, here, p) > 0 || cross_of(here, after, p) > 0;
 }
 
-// Joins a hole to the polygon by the shortest bridge that crosses nothing.
+// Joins a hole to the polygon by the shortest bridge that crosses no edge.
 void join_hole(Loop& polygon, const Loop& hole, const std::vector<Loop>& others, Points points) {
-  // From the rightmost corner of the hole: everything to its right belongs to the polygon or to holes joined
-  // already.
+  // Starts at the rightmost corner of the hole: the region to its right belongs to the polygon or to holes
+  // that are already joined.
   size_t from = 0;
   for (size_t h = 1; h < hole.size(); ++h) {
     if (points[hole[h]].x() > points[hole[from]].x()) from = h;
@@ -83,7 +83,7 @@ void join_hole(Loop& polygon, const Loop& hole, const std::vector<Loop>& others,
   polygon = std::move(joined);
 }
 
-// Is no corner of the polygon that bends inwards within the ear (a, b, c)?
+// Returns whether no reflex corner of the polygon lies in the ear (a, b, c).
 bool is_ear(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Loop& polygon,
             const std::vector<uint8_t>& reflex, Points points) {
   if (!(cross_of(a, b, c) > 0)) return false;
@@ -123,7 +123,7 @@ std::vector<PolygonRegion> nest_loops(std::vector<Loop> loops, Points points) {
     size_t best = outer_count, best_votes = 0;
     double best_area = std::numeric_limits<double>::max();
     for (size_t r = 0; r < outer_count; ++r) {
-      // By most of its corners: one of them may touch the outer loop.
+      // Decided by the majority of corners, because some may touch the outer loop.
       size_t votes = 0;
       for (uint32_t corner : loops[l]) votes += inside_loop(points[corner], regions[r].loops[0], points);
       if (2 * votes <= loops[l].size() || areas[r] >= best_area) continue;
@@ -176,7 +176,8 @@ std::vector<std::array<uint32_t, 3>> triangulate(const PolygonRegion& region, Po
       if (!reflex[i] && is_ear(a, b, c, polygon, reflex, points)) ear = i;
     }
     if (ear == n) {
-      // Nothing but rounding left: cut off the corner with the least area, which changes the shape least.
+      // Only rounding errors are left: the corner with the smallest area is removed, which changes the shape
+      // least.
       double least = std::numeric_limits<double>::max();
       for (size_t i = 0; i < n; ++i) {
         const auto [a, b, c] = corner_points(i);
@@ -189,7 +190,7 @@ std::vector<std::array<uint32_t, 3>> triangulate(const PolygonRegion& region, Po
     const size_t left = polygon.size();
     update(ear % left);
     update((ear + left - 1) % left);
-    at = (ear + 1) % left;  // every other corner first, which keeps the triangles from fanning out
+    at = (ear + 1) % left;  // every other corner first, which avoids fans of thin triangles
   }
   if (polygon.size() == 3) triangles.push_back({polygon[0], polygon[1], polygon[2]});
   return triangles;

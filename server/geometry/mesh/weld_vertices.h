@@ -7,10 +7,10 @@
 
 namespace livegs {
 
-// Vertices at exactly the same place become one, in order of first use; triangles that collapse are left out.
+// Merges vertices at exactly the same position, in order of first use, and removes triangles that collapse.
 TriangleMesh weld_vertices(const TriangleMesh& mesh);
 
-// Edges with more triangles one way than the other: 0 for a closed mesh.
+// Returns the number of edges that do not occur equally often in both directions: 0 for a closed mesh.
 size_t open_edge_count(const TriangleMesh& mesh);
 
 }  // namespace livegs

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Edelsbrunner and Mücke 1994, Three-dimensional alpha shapes. Of CGAL we take the Delaunay triangulation,
-// whose exact predicates are what matters; sorting all simplices by alpha, as CGAL's Alpha_shape_3 does,
-// costs more than the triangulation itself and only one radius at a time is asked for here.
+// Edelsbrunner and Mücke 1994, Three-dimensional alpha shapes. Uses CGAL's Delaunay triangulation with its
+// exact predicates. CGAL's Alpha_shape_3 is not used, because it sorts all simplices by alpha, which costs
+// more than the triangulation. Only one radius at a time is needed here.
 #include "geometry/surface/alpha_complex.h"
 
 #include <CGAL/Delaunay_triangulation_3.h>
@@ -24,9 +24,9 @@ namespace {
 
 struct CellInfo {
   double radius2 = 0.0;  // squared circumradius
-  bool reached = false;  // by the ball, from outside
-  std::array<int32_t, 4> face =
-      {};  // triangle of the body's surface opposite each corner, where there is one
+  bool reached = false;  // reached by the ball from outside
+  // Triangle of the body's surface opposite each corner, if there is one.
+  std::array<int32_t, 4> face = {};
 };
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -39,11 +39,10 @@ using Delaunay =
 using Cell = Delaunay::Cell_handle;
 using Vertex = Delaunay::Vertex_handle;
 
-// Corners of the face opposite corner i of a positively oriented tetrahedron, counter-clockwise seen from
+// Corners of the face opposite corner i of a positively oriented tetrahedron, counter-clockwise as seen from
 // outside.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-// A point counts as inside a sphere only if it is by this much: cospherical clouds (grids) must not be torn
-// by rounding.
+// Relative tolerance for a point inside a sphere. Cospherical clouds (grids) must not be split by rounding.
 constexpr double kInsideSphere = 1.0 - 1e-9;
 
 Point to_cgal(const Eigen::Vector3d& p) { return Point(p.x(), p.y(), p.z()); }
@@ -53,8 +52,8 @@ Eigen::Vector3d position(const Vertex& vertex) {
   return {p.x(), p.y(), p.z()};
 }
 
-// Positions in order of the vertices' numbers. In which order CGAL gives the corners of a cell or triangle
-// may depend on where its cells lie in memory; rounding, and so what is decided by it, must not.
+// Returns positions sorted by vertex number. CGAL's order of the corners of a cell or triangle may depend on
+// memory addresses. Sorting makes rounding, and decisions based on it, deterministic.
 template <size_t N>
 std::array<Eigen::Vector3d, N> numbered_positions(std::array<Vertex, N> vertices) {
   std::sort(vertices.begin(), vertices.end(),
@@ -93,7 +92,7 @@ Circle circumcircle(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Ei
 
 struct AlphaComplex::Impl {
   Delaunay delaunay;
-  std::vector<Vertex> vertices;  // in order of their numbers; the cloud's first, then those that were added
+  std::vector<Vertex> vertices;  // sorted by number; vertices of the cloud first, then added ones
   size_t cloud_size = 0;
 
   void renumber() {
@@ -120,7 +119,7 @@ struct AlphaComplex::Impl {
     return {cell->vertex(kFace[i][0]), cell->vertex(kFace[i][1]), cell->vertex(kFace[i][2])};
   }
 
-  // Does the ball stick in this triangle? Both cells beside it are larger than the ball.
+  // Returns whether the ball cannot pass through this triangle; both adjacent cells are larger than the ball.
   bool blocked(const Cell& cell, int i, double radius2) const {
     const auto [p, q, r] = numbered_positions(face_vertices(cell, i));
     const Circle circle = circumcircle(p, q, r);
@@ -211,8 +210,8 @@ size_t AlphaComplex::thicken_sheets(double radius, double thickness) {
   impl.flood(radius);
   const double radius2 = radius * radius;
 
-  // Triangles in which the ball sticks although it has been on both sides. Small ones too: they close the
-  // gaps between tetrahedra, and without them a captured palm falls into 30 pieces instead of 7.
+  // Triangles that block the ball although it has been on both sides. Small ones are included: they close
+  // gaps between tetrahedra, without which leaves fall apart.
   struct SheetTriangle {
     std::array<uint32_t, 3> corners;
     Eigen::Vector3d double_area;
@@ -236,7 +235,7 @@ size_t AlphaComplex::thicken_sheets(double radius, double thickness) {
           normals[corner].dot(sheet.double_area) < 0.0 ? -sheet.double_area : sheet.double_area;
     }
   }
-  // Threads: points on no body and no sheet that have a neighbour within the ball.
+  // Threads: points on neither a body nor a sheet that have a neighbour within the ball.
   std::vector<bool> held = impl.on_body();
   for (const auto& sheet : sheets) {
     for (uint32_t corner : sheet.corners) held[corner] = true;
@@ -258,7 +257,7 @@ size_t AlphaComplex::thicken_sheets(double radius, double thickness) {
       impl.add(middle + half, vertex);
       impl.add(middle - half, vertex);
       ++thickened;
-    } else if (thread[v]) {  // a small tetrahedron round the point, in no direction in particular
+    } else if (thread[v]) {  // a small tetrahedron of fixed orientation around the point
       for (const Eigen::Vector3d& way : {Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(1, -1, -1),
                                          Eigen::Vector3d(-1, 1, -1), Eigen::Vector3d(-1, -1, 1)}) {
         impl.add(middle + 0.5 * thickness * way.normalized(), vertex);
@@ -274,7 +273,7 @@ AlphaComplex::Body AlphaComplex::body(double radius) {
   impl.flood(radius);
 
   struct Face {
-    std::array<uint32_t, 3> corners;  // numbers of points, smallest first
+    std::array<uint32_t, 3> corners;  // point numbers, smallest first
     Cell cell;
     int opposite;
   };
@@ -293,8 +292,8 @@ AlphaComplex::Body AlphaComplex::body(double radius) {
   for (size_t f = 0; f < faces.size(); ++f)
     faces[f].cell->info().face[faces[f].opposite] = static_cast<int32_t>(f);
 
-  // Two triangles run beside each other along an edge if a walk round it *inside* the body leads from one to
-  // the other. Each half-edge so has one twin, also where four or more triangles meet.
+  // Two triangles are twins along an edge if a path around it *inside* the body leads from one to the other.
+  // So each half-edge has one twin, also where four or more triangles meet.
   PairedTriangles surface;
   surface.twins.resize(faces.size() * 3);
   const auto half_edge_from = [&](size_t face, uint32_t point) {

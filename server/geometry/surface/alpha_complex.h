@@ -10,15 +10,15 @@
 
 namespace livegs {
 
-// The alpha complexes of one point cloud (Edelsbrunner and Mücke 1994): which tetrahedra and triangles of its
-// Delaunay triangulation an eraser ball of a given radius cannot sweep away. The triangulation is made once,
-// any radius can be asked for afterwards.
+// The alpha complexes of a point cloud (Edelsbrunner and Mücke 1994): the tetrahedra and triangles of its
+// Delaunay triangulation that an eraser ball of a given radius cannot remove. One triangulation serves all
+// radii.
 //
-// The body of a cloud of kernels is what such a ball cannot reach *from outside*: kernels lie on the surface
-// of a thing, so the plain alpha shape of a ball is a hollow skin, or nothing. Everything behind the skin
-// belongs to the body.
+// The body of a cloud of kernels is the region that such a ball cannot reach *from outside*. Kernels lie on
+// the surface of an object, so the plain alpha shape is a hollow skin or empty. The region behind the skin is
+// part of the body.
 //
-// Not thread-safe. Lengths in the units of the points, best near 1.
+// Not thread-safe. Lengths are in the units of the points, preferably near 1.
 class AlphaComplex {
  public:
   // Duplicates are allowed; values must be finite.
@@ -27,27 +27,27 @@ class AlphaComplex {
   AlphaComplex(const AlphaComplex&) = delete;
   AlphaComplex& operator=(const AlphaComplex&) = delete;
 
-  // 3, or less when all points lie in a plane (2), on a line (1) or in one place (0). Below 3 nothing else
-  // may be asked but thicken_plane.
+  // Returns 3, or less if all points lie in a plane (2), on a line (1) or at one position (0). Below 3 only
+  // thicken_plane may be called.
   int dimension() const;
 
-  // Median over the points of the distance to the nearest other.
+  // Returns the median distance to the nearest other point.
   double median_gap() const;
 
   // Gives a cloud of dimension 2 the given thickness.
   void thicken_plane(double thickness);
 
-  // Sheets and threads of points that bound no volume at this radius get a thickness, by further points on
-  // both sides. Returns how many points were thickened.
+  // Gives sheets and threads without volume at this radius a thickness, by adding points on both sides.
+  // Returns the number of thickened points.
   size_t thicken_sheets(double radius, double thickness);
 
   struct Body {
-    TriangleMesh
-        mesh;  // closed, manifold, outwards; parts that touch in an edge or vertex are separate pieces
-    double covered = 0.0;  // part of the cloud that lies in it or on it
+    TriangleMesh mesh;     // closed, manifold, outward-facing; parts that touch only in an edge or vertex are
+                           // separate pieces
+    double covered = 0.0;  // fraction of the cloud that lies in or on the mesh
   };
-  // What the ball cannot reach. May be empty. The order of vertices and triangles depends on the points
-  // alone.
+  // Returns the region that the ball cannot reach; may be empty. The order of vertices and triangles depends
+  // only on the points.
   Body body(double radius);
 
  private:

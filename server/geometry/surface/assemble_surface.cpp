@@ -13,8 +13,8 @@ constexpr uint32_t kNone = UINT32_MAX;
 
 uint32_t next_in_triangle(uint32_t half_edge) { return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1; }
 
-// For each half-edge the vertex in its middle, shared with its twin, where its ends are also the ends of
-// another pair.
+// Returns for each half-edge the vertex at its midpoint, shared with its twin, if another pair has the same
+// ends.
 std::vector<uint32_t> split_doubled_edges(const PairedTriangles& surface, TriangleMesh& mesh) {
   struct Pair {
     uint32_t low, high, half_edge;
@@ -43,7 +43,7 @@ std::vector<uint32_t> split_doubled_edges(const PairedTriangles& surface, Triang
 
 TriangleMesh assemble_surface(const PairedTriangles& surface,
                               const std::function<Eigen::Vector3d(uint32_t point)>& position) {
-  // Half-edge h stands for the corner it starts from. Round a vertex the twin's end is the same corner.
+  // Half-edge h represents its start corner. Around a vertex, the end of the twin is the same corner.
   DisjointSets fans(surface.twins.size());
   for (uint32_t h = 0; h < surface.twins.size(); ++h) fans.join(h, next_in_triangle(surface.twins[h]));
 
@@ -66,10 +66,11 @@ TriangleMesh assemble_surface(const PairedTriangles& surface,
   const size_t triangle_count = mesh.triangles.size();
   for (size_t t = 0; t < triangle_count; ++t) {
     std::array<uint32_t, 3> v = mesh.triangles[t];
-    std::array<uint32_t, 3> m{middles[3 * t], middles[3 * t + 1], middles[3 * t + 2]};  // of v0v1, v1v2, v2v0
+    std::array<uint32_t, 3> m{middles[3 * t], middles[3 * t + 1],
+                              middles[3 * t + 2]};  // of edges v0v1, v1v2, v2v0
     const auto splits = 3 - std::count(m.begin(), m.end(), kNone);
     if (splits == 0) continue;
-    // Turned so that with one split it is the first edge's, with two the first and second's.
+    // Rotated so that one split is on the first edge, and two splits are on the first and second edge.
     while (m[0] == kNone || (splits == 2 && m[1] == kNone)) {
       std::rotate(v.begin(), v.begin() + 1, v.end());
       std::rotate(m.begin(), m.begin() + 1, m.end());

@@ -11,17 +11,17 @@
 
 namespace livegs {
 
-// A closed surface as it comes out of a triangulation: triangles over numbered points, and which runs beside
-// which along each edge. Half-edge 3 t + k of triangle t goes from its corner k to corner k + 1; a half-edge
-// and its twin join the same two points in opposite directions.
+// A closed surface from a triangulation: triangles with point numbers, and the pairing of their half-edges.
+// Half-edge 3 t + k of triangle t goes from its corner k to corner k + 1. A half-edge and its twin join the
+// same two points in opposite directions.
 struct PairedTriangles {
   std::vector<std::array<uint32_t, 3>> corners;
   std::vector<uint32_t> twins;
 };
 
-// An indexed mesh that is manifold as `twins` says it, though the surface may touch itself: a point at which
-// several fans meet becomes as many vertices, and where two pairs of triangles would still share both ends of
-// an edge, the edge of the later pair is split in the middle. Shape and volume do not change; vertices are
+// Builds an indexed mesh that is manifold according to `twins`, even if the surface touches itself. A point
+// where several fans meet becomes several vertices. If two pairs of triangles still share both ends of an
+// edge, the edge of the later pair is split in the middle. Shape and volume do not change; vertices are
 // numbered in order of use.
 TriangleMesh assemble_surface(const PairedTriangles& surface,
                               const std::function<Eigen::Vector3d(uint32_t point)>& position);

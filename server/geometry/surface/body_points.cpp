@@ -11,18 +11,19 @@
 namespace livegs {
 namespace {
 
-// Kernels of a lower opacity are haze. At 0.2 the thin leaves of a captured palm fall into 41 pieces instead
-// of 27; at 0.05 the mist round its pot stays.
+// Minimum opacity of a kernel; fainter kernels are haze. A higher value splits thin leaves, a lower one keeps
+// haze around an object.
 constexpr float kMinOpacity = 0.1f;
-// Far from the rest: kernels are sorted into cells of this part of the bounding-box diagonal; a group of
-// touching cells with less than this part of all kernels is left out. The box shrinks to what is left, and
-// again, until nothing goes. A leaf is a chain of cells that hangs on its plant, however thin and long.
+// Removal of isolated groups. Kernels are sorted into cells of kLinkCell of the bounding-box diagonal. A
+// group of adjacent cells with less than kMinShare of all kernels is dropped. This is repeated with the
+// smaller box until nothing changes. A leaf is a chain of cells connected to its plant, however thin and
+// long.
 constexpr double kLinkCell = 0.02;
 constexpr double kMinShare = 1e-3;
 constexpr int kMaxRounds = 12;
-// A kernel longer or wider than this part of the diagonal stands for more than its centre: further points
-// this far apart out to one standard deviation (0.6 of its opacity), so that few large kernels close a leaf
-// or a wall as many small ones do. At most four to a side along each axis, then farther apart.
+// Kernels larger than this fraction of the diagonal get additional points with this spacing, up to one
+// standard deviation (0.6 of the opacity). So few large kernels close a leaf or a wall like many small ones.
+// At most kMaxSpreadPoints per side and axis, then with a wider spacing.
 constexpr double kSpread = 0.01;
 constexpr int kMaxSpreadPoints = 4;
 
@@ -32,7 +33,8 @@ Eigen::AlignedBox3d bounds_of(const std::vector<Eigen::Vector3d>& points) {
   return bounds;
 }
 
-// Number of the group of touching occupied cells (26 neighbours) for each point, and the size of each group.
+// For each point the number of its group of adjacent occupied cells (26 neighbours), and the size of each
+// group.
 struct Groups {
   std::vector<int32_t> of_point;
   std::vector<size_t> sizes;
@@ -91,7 +93,7 @@ Groups linked_groups(const std::vector<Eigen::Vector3d>& points, const Eigen::Al
   return groups;
 }
 
-// Drops from `kernels` (and their `points`) what is far from the rest.
+// Removes isolated groups from `kernels` and `points`.
 void drop_far(std::vector<uint32_t>& kernels, std::vector<Eigen::Vector3d>& points) {
   for (int round = 0; round < kMaxRounds; ++round) {
     const Eigen::AlignedBox3d bounds = bounds_of(points);

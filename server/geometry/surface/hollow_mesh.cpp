@@ -19,16 +19,16 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMinCells = 32.0, kMaxHollowCells = 96.0;
-constexpr double kCellsOfWall = 1.5;  // wanted across it
-// Vertices stay this part of an edge away from its ends, so that no two are in one place.
+constexpr double kCellsOfWall = 1.5;  // target number of cells across the wall
+// Minimum distance of vertices from the ends of an edge, relative to the edge; keeps vertices distinct.
 constexpr double kVertexClearance = 0.02;
-// Parts of the hollow with less of its volume than this are left out.
+// Minimum volume of a part of the cavity, relative to the cavity; smaller parts are dropped.
 constexpr double kMinComponentShare = 0.01;
-// A body with less air than this part of what its outer surface encloses is no shell, but has bubbles.
+// Minimum volume of the cavity relative to the outer surface's; a body with less air is not a shell.
 constexpr double kMinHollowShare = 0.1;
 
-// Cubes in six tetrahedra about the diagonal (Kuhn 1960): neighbours agree on the diagonals of their faces.
-// Corners by their bits: 1 along x, 2 along y, 4 along z.
+// Each cube is split into six tetrahedra around its diagonal (Kuhn 1960), so that neighbours share the
+// diagonals of their faces. Corner bits: 1 along x, 2 along y, 4 along z.
 constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
     {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
 
@@ -36,7 +36,7 @@ struct Grid {
   double cell_m;
   Vector3d origin_m;
   Eigen::Vector3i counts;
-  std::vector<double> values;  // below 0 in the hollow
+  std::vector<double> values;  // negative in the cavity
 
   size_t index(int x, int y, int z) const {
     return static_cast<size_t>(x) +
@@ -66,7 +66,7 @@ Grid depth_grid(const TriangleMesh& mesh, double wall_m) {
   return grid;
 }
 
-// Where the values are 0. Faces the side where they are below it.
+// Returns the surface where the values are 0. It faces the negative side.
 TriangleMesh level_set(const Grid& grid) {
   TriangleMesh mesh;
   std::map<std::pair<size_t, size_t>, uint32_t> vertices;
@@ -117,7 +117,7 @@ TriangleMesh level_set(const Grid& grid) {
   return mesh;
 }
 
-// Volumes of the parts of a mesh, by number.
+// Returns the volume of each part of a mesh.
 std::vector<double> part_volumes(const TriangleMesh& mesh, const std::vector<int>& part_of) {
   std::vector<double> volumes;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -139,9 +139,9 @@ Result<TriangleMesh> hollow_mesh(const TriangleMesh& mesh, double wall_m) {
     return invalid_argument(text);
   };
   if (!(wall_m >= kMinWallShare * longest))
-    return refuse("is too thin to be cut; it needs a 64th of the length");
+    return refuse("is too thin to be cut; give at least a 64th of the length");
   const TriangleMesh inner = level_set(depth_grid(mesh, wall_m));
-  if (inner.triangles.empty()) return refuse("leaves nothing hollow; call it SOLID");
+  if (inner.triangles.empty()) return refuse("leaves no cavity; set fill to SOLID");
   const std::vector<int> part_of = mesh_pieces(inner);
   const std::vector<double> volumes = part_volumes(inner, part_of);
   double hollow = 0.0;

@@ -6,18 +6,17 @@
 
 namespace livegs {
 
-// The thinnest wall, in parts of the longest side, that the grid of hollow_mesh can tell from nothing.
+// Minimum wall thickness relative to the longest side that the grid of hollow_mesh can resolve.
 inline constexpr double kMinWallShare = 1.0 / 64.0;
 
-// A closed solid made into a closed wall around air: its surface, and one inside it that faces the hollow.
-// The inner one is where the distance to the outer is `wall_m`, by marching tetrahedra (Doi and Koide 1991)
-// on a grid of 32 to 96 cells along the longest side; its volume is right within a few hundredths. Any
-// thread; the same bits for the same input. Errors: a wall thinner than kMinWallShare, or so thick that
-// nothing is left inside.
+// Turns a closed solid into a closed wall around a cavity: its surface, and an inner surface at the distance
+// `wall_m` that faces the cavity. Uses marching tetrahedra (Doi and Koide 1991) on a grid of 32 to 96 cells
+// along the longest side. The volume is accurate to a few per cent. Any thread; deterministic. Errors: a wall
+// thinner than kMinWallShare, or so thick that no cavity remains.
 Result<TriangleMesh> hollow_mesh(const TriangleMesh& mesh, double wall_m);
 
-// Whether parts of a closed mesh face inwards, and enclose a tenth or more of what the others do: it is a
-// wall around air.
+// Returns whether parts of a closed mesh face inwards and enclose at least a tenth of the volume of the
+// others.
 bool has_hollow(const TriangleMesh& mesh);
 
 }  // namespace livegs

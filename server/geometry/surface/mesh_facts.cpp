@@ -19,23 +19,22 @@
 namespace livegs {
 namespace {
 
-// Openness: cells along the longest side, and rays from each of them. 24 cells resolve a cup's mouth; twice
-// as many change the openness of a cup by less than 0.03.
+// Resolution of the openness: cells along the longest side, and rays per cell. 24 cells resolve the mouth of
+// a cup; more cells change the result only slightly.
 constexpr int kOpennessCells = 24;
 constexpr int kOpennessRays = 48;
-// A place in a hollow sees the body along at least this part of its rays. In the mouth of a cup it is a half,
-// at half its depth 0.9; half-way down into a hemispherical bowl 0.72; before a plate or in the bend of a
-// banana below a half.
+// Minimum fraction of rays that hit the body from a point in a cavity. It is 0.5 in the mouth of a cup and
+// 0.9 at half its depth, 0.72 halfway into a hemispherical bowl, and below 0.5 in front of a plate.
 constexpr double kMaxHollowFill = 0.65;
 constexpr int kMaxSteps = 64;
 
-// 0 at `low`, 1 at `high`, linear in the logarithm.
+// Returns 0 at `low` and 1 at `high`, linear in the logarithm.
 double score(double value, double low, double high) {
   if (!(value > 0.0)) return 0.0;
   return std::clamp(std::log(value / low) / std::log(high / low), 0.0, 1.0);
 }
 
-// Directions spread evenly over the sphere (a Fibonacci lattice).
+// Returns directions distributed evenly over the sphere (a Fibonacci lattice).
 std::vector<Eigen::Vector3d> ray_directions() {
   std::vector<Eigen::Vector3d> directions;
   for (int n = 0; n < kOpennessRays; ++n) {
@@ -47,8 +46,8 @@ std::vector<Eigen::Vector3d> ray_directions() {
   return directions;
 }
 
-// Does the ray meet the surface before it leaves the box? Marches by the distance to the surface. A sheet
-// thinner than a cell shows in the field as a trough no deeper than half a cell.
+// Returns whether the ray hits the surface inside the box, by sphere tracing. A sheet thinner than a cell
+// appears in the field as a minimum of at most half a cell.
 bool meets_body(const DistanceField& field, const Eigen::AlignedBox3d& box, Eigen::Vector3d place,
                 const Eigen::Vector3d& way) {
   for (int step = 0; step < kMaxSteps && box.contains(place); ++step) {
@@ -59,7 +58,7 @@ bool meets_body(const DistanceField& field, const Eigen::AlignedBox3d& box, Eige
   return false;
 }
 
-// Volume of the room outside the body, within its hull, from where most ways end at the body.
+// Returns the volume outside the body and inside its hull from which most rays hit the body.
 double hollow_volume_m3(const TriangleMesh& mesh, const TriangleMesh& hull) {
   const Eigen::AlignedBox3d bounds = mesh_bounds_m(mesh);
   const double cell_m = bounds.sizes().maxCoeff() / kOpennessCells;
@@ -117,7 +116,7 @@ MeshFacts mesh_facts(const TriangleMesh& mesh) {
     facts.openness = hollow_m3 / (hollow_m3 + solid.volume_m3);
   }
   facts.rod = score(facts.principal_size_m[0] / facts.principal_size_m[1], 2.5, 10.0);
-  // Unrolled, a sheet of half the area is this wide beside its length; a rod is not wider than it is thick.
+  // Width of the unrolled sheet of half the area. For a rod it equals the thickness.
   const double width_m = facts.area_m2 / (2.0 * facts.principal_size_m[0]);
   facts.thin_sheet = score(width_m / facts.mean_wall_m, 12.0, 50.0);
   return facts;

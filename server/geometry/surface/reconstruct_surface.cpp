@@ -17,37 +17,37 @@
 namespace livegs {
 namespace {
 
-// All below in parts of the bounding-box diagonal, or of the alpha radius where it says so.
+// Values are relative to the bounding-box diagonal, or to the alpha radius where noted.
 
-// Voxels in which one point is kept before triangulating, in parts of the alpha radius. A third keeps volume
-// within 2 % and every vertex within a third of the radius; finer costs time with the square.
+// Voxel size for thinning before the triangulation, relative to the alpha radius. A third keeps the volume
+// within 2 % and each vertex within a third of the radius; smaller voxels cost quadratically more time.
 constexpr double kThinning = 1.0 / 3.0;
-// A ball wider than this many median gaps between points slips through no hole that chance sampling leaves in
-// a surface: of n random points the largest empty disc has about sqrt(ln n / pi) mean spacings, the median
-// nearest neighbour 0.47 of one; 4 covers n = 60 000.
+// Minimum ball radius in median gaps between points, so that the ball does not pass through random holes. For
+// n random points the largest empty disc is about sqrt(ln n / pi) mean spacings, and the median nearest
+// neighbour is 0.47 of one. A value of 4 covers n = 60 000.
 constexpr double kGapsPerRadius = 4.0;
-// Thickness given to sheets and threads that bound no volume, in parts of the alpha radius.
+// Thickness of sheets and threads without volume, relative to the alpha radius.
 constexpr double kSheetThickness = 0.1;
-// The radius grows by this factor from try to try, at most this often: 0.03 of the diagonal becomes 0.34.
+// Growth of the radius per retry, and maximum number of tries: 0.03 of the diagonal becomes 0.34.
 constexpr double kRadiusGrowth = 1.5;
 constexpr int kRadiusTries = 7;
-// A body must hold this part of the points.
+// Minimum fraction of the points that a body must contain.
 constexpr double kMinCoveredShare = 0.8;
-// A larger radius that joins all pieces is taken if it swells the body no more than this.
+// Maximum growth of the volume for a larger radius that joins all pieces.
 constexpr double kMaxSwelling = 1.25;
-// A rigid body stands on its lowest points, so a few strays under a captured base would make it rock and
-// fall: a voxel of the coarse surface with less than this part of the usual number of kernels is left out.
+// Minimum number of kernels in a voxel of the coarse surface, relative to the median. A rigid body stands on
+// its lowest points, so stray kernels under a captured base would make it rock and fall.
 constexpr double kMinVoxelShare = 0.15;
-// A hull thinner than a ball of this radius, over a diagonal of 1, is taken for flat.
+// Maximum volume of a hull that is treated as flat, for a diagonal of 1.
 constexpr double kMinVolume = 1e-7;
-// The least edge of a box put in place of a flat or straight cloud, in parts of its longest edge.
+// Minimum edge of a box that replaces a flat or straight cloud, relative to its longest edge.
 constexpr double kMinBoxEdge = 0.02;
-// Edge of the box put in place of a single place in space, for want of any other length.
+// Edge of the box that replaces a single point, metres.
 constexpr double kPointBox_m = 0.01;
 
 void add_note(std::string& note, const std::string& more) { note += (note.empty() ? "" : "; ") + more; }
 
-// A box along the principal axes of the cloud, none of its edges nothing.
+// Returns a box along the principal axes of the cloud, with no edge of zero length.
 TriangleMesh principal_box(std::span<const Eigen::Vector3d> points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& point : points) mean += point;
@@ -71,8 +71,7 @@ struct Candidate {
   SmallComponents dropped;
 };
 
-// What the alpha complex at this radius amounts to, or nothing if it is empty or leaves too much of the cloud
-// out.
+// Returns the alpha shape at this radius, or nothing if it is empty or omits too much of the cloud.
 std::optional<Candidate> try_radius(AlphaComplex& complex, double radius) {
   complex.thicken_sheets(radius, kSheetThickness * radius);
   AlphaComplex::Body body = complex.body(radius);
@@ -87,7 +86,7 @@ std::optional<Candidate> try_radius(AlphaComplex& complex, double radius) {
   return candidate;
 }
 
-// The first radius that holds the cloud, or a larger one that holds it in one piece at little cost.
+// Returns the first radius that contains the cloud, or a larger one that joins its pieces at little cost.
 std::optional<Candidate> alpha_body(AlphaComplex& complex, double first_radius) {
   std::optional<Candidate> best;
   double radius = first_radius;
@@ -108,10 +107,12 @@ SurfaceOptions rigid_surface_options() { return {.alpha_radius = 0.1, .downsampl
 
 Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
                                     const SurfaceOptions& options) {
-  if (points_m.empty()) return invalid_argument("surface: no points; is the object transparent or empty?");
+  if (points_m.empty())
+    return invalid_argument("surface: no points; check that the object is opaque and not empty");
   if (!(options.alpha_radius > 1e-4 && options.alpha_radius <= 10.0) ||
       !(options.downsample >= 0.0 && options.downsample <= 1.0)) {
-    return invalid_argument("surface: alpha_radius must lie in 1e-4 … 10 and downsample in 0 … 1 diagonals");
+    return invalid_argument(
+        "surface: alpha_radius or downsample is out of range; give 1e-4 to 10 and 0 to 1 diagonals");
   }
   Eigen::AlignedBox3d bounds;
   for (size_t p = 0; p < points_m.size(); ++p) {
@@ -121,7 +122,7 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
   }
   const double diagonal_m = bounds.diagonal().norm();
   if (!(diagonal_m <= 1e12))
-    return invalid_data("surface: points are more than 1e12 m apart; what is their unit?");
+    return invalid_data("surface: points are more than 1e12 m apart; check their unit");
 
   Surface surface;
   if (!(diagonal_m > 1e-9 * (1.0 + bounds.center().norm()))) {
@@ -129,11 +130,11 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
     for (auto& vertex : surface.mesh.vertices_m) vertex += bounds.center();
     surface.source = SurfaceSource::Box;
     surface.note =
-        format_text("all %zu points lie in one place: a box of %g m", points_m.size(), kPointBox_m);
+        format_text("all %zu points coincide: replaced by a box of %g m", points_m.size(), kPointBox_m);
     return surface;
   }
 
-  // Triangulated at unit size about the origin, so that nothing depends on the unit or the place.
+  // Triangulated at unit size about the origin, so that the result does not depend on unit and position.
   std::vector<Eigen::Vector3d> cloud;
   cloud.reserve(points_m.size());
   for (const auto& point_m : points_m) cloud.push_back((point_m - bounds.center()) / diagonal_m);
@@ -145,14 +146,13 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
   double radius = options.alpha_radius;
   if (complex.dimension() == 2) {
     complex.thicken_plane(kSheetThickness * radius);
-    add_note(surface.note,
-             format_text("flat: given a thickness of %.3g m", kSheetThickness * radius * diagonal_m));
+    add_note(surface.note, format_text("flat: thickened to %.3g m", kSheetThickness * radius * diagonal_m));
   }
   if (complex.dimension() == 3) {
     const double gap = complex.median_gap();
     const double least_radius = kGapsPerRadius * gap;
-    if (least_radius > radius && gap > voxel && surface.note.empty()) {  // a gap below that is thinning's own
-      add_note(surface.note, format_text("points are %.3g m apart, too far for a radius of %.3g m",
+    if (least_radius > radius && gap > voxel && surface.note.empty()) {  // smaller gaps come from thinning
+      add_note(surface.note, format_text("points are %.3g m apart, too sparse for a radius of %.3g m",
                                          gap * diagonal_m, radius * diagonal_m));
       radius = least_radius;
     }
@@ -164,12 +164,12 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
     surface.source =
         body->radius > options.alpha_radius ? SurfaceSource::LargerAlphaShape : SurfaceSource::AlphaShape;
     if (surface.source == SurfaceSource::LargerAlphaShape) {
-      add_note(surface.note, format_text("alpha radius %.3g m instead of %.3g m to hold the points together",
+      add_note(surface.note, format_text("alpha radius raised to %.3g m from %.3g m to connect the points",
                                          surface.alpha_radius_m, options.alpha_radius * diagonal_m));
     }
     if (body->pieces > 1) add_note(surface.note, format_text("in %d pieces", body->pieces));
     if (body->dropped.count > 0) {
-      add_note(surface.note, format_text("%d specks dropped, %.2g of the volume", body->dropped.count,
+      add_note(surface.note, format_text("%d small parts removed, %.2g of the volume", body->dropped.count,
                                          body->dropped.volume_share));
     }
   } else {
@@ -178,12 +178,13 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
     if (signed_volume_m3(surface.mesh) >= kMinVolume) {
       surface.source = SurfaceSource::ConvexHull;
       surface.note =
-          format_text("no alpha shape up to %.3g m holds the points: their convex hull", radius * diagonal_m);
+          format_text("no alpha shape up to %.3g m contains the points: replaced by their convex hull",
+                      radius * diagonal_m);
     } else {
       surface.source = SurfaceSource::Box;
       surface.mesh = principal_box(cloud);
       surface.note =
-          format_text("the %zu points lie on a line or a sliver: a box round them", points_m.size());
+          format_text("the %zu points lie on a line or in a sliver: replaced by a box", points_m.size());
     }
   }
   for (auto& vertex : surface.mesh.vertices_m) vertex = bounds.center() + diagonal_m * vertex;

@@ -9,8 +9,8 @@
 namespace livegs {
 namespace {
 
-constexpr double kMinComponentVolume = 1e-3;  // of the whole
-constexpr double kMinComponentLength = 0.05;  // of the whole's diagonal
+constexpr double kMinComponentVolume = 1e-3;  // relative to the whole
+constexpr double kMinComponentLength = 0.05;  // relative to the diagonal of the whole
 
 }  // namespace
 

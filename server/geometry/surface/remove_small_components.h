@@ -7,15 +7,15 @@ namespace livegs {
 
 struct SmallComponents {
   int count = 0;
-  double volume_share = 0.0;  // of the whole, before
+  double volume_share = 0.0;  // relative to the original volume
 };
 
-// Takes away the separate pieces of a closed mesh that are neither large nor long: less than a thousandth of
-// the volume and less than a twentieth of the bounding-box diagonal. Leaves of a plant stay, floaters go. The
-// largest piece always stays.
+// Removes separate pieces of a closed mesh that are small and short: less than a thousandth of the volume and
+// less than a twentieth of the bounding-box diagonal. Leaves of a plant are kept, floaters are removed. The
+// largest piece is always kept.
 SmallComponents remove_small_components(TriangleMesh& mesh);
 
-// The mesh without vertices that no triangle uses; order is kept.
+// Removes vertices that no triangle uses; the order is kept.
 void remove_unused_vertices(TriangleMesh& mesh);
 
 }  // namespace livegs

@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-// A surface of revolution about +Y: rings of (radius, height) from the top down, closed by a pole at either
+// A surface of revolution about +Y: rings of (radius, height) from the top down, closed by a pole at each
 // end.
 TriangleMesh revolve(double top_m, const std::vector<std::pair<double, double>>& rings_m, double bottom_m,
                      int segments) {
@@ -70,7 +70,7 @@ TriangleMesh sphere_mesh(double radius_m, int subdivisions) {
     }
   }
   for (auto& vertex : mesh.vertices_m) vertex.normalize();
-  // Faces of the icosahedron: all triples at the edge length, turned outwards.
+  // Faces of the icosahedron: all vertex triples at the edge length, outward-facing.
   const double edge = 2.0 / std::sqrt(1.0 + g * g);
   const auto adjacent = [&](uint32_t a, uint32_t b) {
     return std::abs((mesh.vertices_m[a] - mesh.vertices_m[b]).norm() - edge) < 1e-6;

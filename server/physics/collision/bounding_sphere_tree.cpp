@@ -7,6 +7,7 @@
 namespace livegs {
 namespace {
 
+// Maximum number of points in a leaf. Larger: fewer nodes, more points tested.
 constexpr uint32_t kLeafPoints = 6;
 
 }  // namespace
@@ -24,7 +25,7 @@ void BoundingSphereTree::add_group(std::span<const Eigen::Vector3d> points_m, ui
   for (uint32_t i = begin; i < end; ++i)
     squared = std::max(squared, (points_m[order_[i]] - centre).squaredNorm());
   const size_t own = groups_.size();
-  // Rounding must not leave a point outside.
+  // The margin keeps every point inside despite rounding.
   groups_.push_back({centre, (1.0 + 1e-9) * std::sqrt(squared), begin, end, 0});
   if (end - begin > kLeafPoints) {
     Eigen::Index axis;

@@ -9,16 +9,16 @@
 
 namespace livegs {
 
-// Points in nested groups, each within a ball, so that those far from a surface are passed over many at a
-// time. Holds indices only; immutable after building, any thread may ask.
+// Bounding sphere hierarchy over points, used to skip points far from a surface. Stores indices only.
+// Immutable after construction; safe for concurrent queries.
 class BoundingSphereTree {
  public:
   BoundingSphereTree() = default;
   explicit BoundingSphereTree(std::span<const Eigen::Vector3d> points_m);
 
-  // Appends to `found` the indices, in ascending order, of all points that may lie within `reach_m` of a
-  // surface, and of some that do not. `clearance_m(p)`, in the frame of the points, is never more than the
-  // distance to it.
+  // Appends to `found` the indices, ascending, of all points that may be within `reach_m` of a surface
+  // (conservative: some are farther). `clearance_m(p)`, in the frame of the points, is a lower bound of the
+  // distance from p to the surface.
   template <class Clearance>
   void near(const Clearance& clearance_m, double reach_m, std::vector<uint32_t>& found) const {
     const auto first = static_cast<std::ptrdiff_t>(found.size());
@@ -39,8 +39,8 @@ class BoundingSphereTree {
   struct Group {
     Eigen::Vector3d centre_m;
     double radius_m;
-    uint32_t begin, end;  // of order_
-    uint32_t after;       // the next group that is not within this one
+    uint32_t begin, end;  // range in order_
+    uint32_t after;       // index of the next group outside this one
   };
   void add_group(std::span<const Eigen::Vector3d> points_m, uint32_t begin, uint32_t end);
 

@@ -9,18 +9,17 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Nearer to a sheet than this, in cells, its triangles are asked: a grid rounds off where it bends, and where
-// it ends. Nodes of the cells it goes through are up to 1.73 away from it, so that none of these is passed
-// over.
+// Within this distance of a sheet, in cells, the triangles are sampled, because the grid rounds off bends and
+// borders. Nodes of the cells that the sheet crosses are up to 1.73 cells away, so all of these are covered.
 constexpr double kSheetCells = 2.0;
 
-// Each works in the collider's own frame.
+// The following functions work in the collider's frame.
 
 SurfaceSample sample(const PlaneShape&, const Vector3d& point) { return {point.y(), Vector3d::UnitY()}; }
 
 SurfaceSample sample(const SphereShape& sphere, const Vector3d& point) {
   const double radius = point.norm();
-  // The centre has no nearest surface point; up is as good as any and always the same.
+  // At the centre the normal is undefined; use a fixed direction.
   const Vector3d normal = radius > 0.0 ? Vector3d(point / radius) : Vector3d::UnitY();
   return {radius - sphere.radius_m, normal};
 }

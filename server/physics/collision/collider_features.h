@@ -9,17 +9,17 @@
 
 namespace livegs {
 
-// What sticks out of a collider and may press into a body's face between the body's own contact points:
-// points of a box's edges and corners or a mesh's ridges (radius 0; half its thickness on a wall about a
-// surface), a sphere's centre (its radius).
+// Convex features of a collider, which may press into a face between a body's contact points: points on the
+// edges and corners of a box or the ridges of a mesh (radius 0, or half the wall thickness of a thin-wall
+// collider), or the centre of a sphere (its radius).
 struct ColliderFeature {
   uint64_t id;
-  Eigen::Vector3d point_m;  // world
+  Eigen::Vector3d point_m;  // world frame
   double radius_m;
 };
 
-// Those within `reach_m` of `centre_m`. Edge points stand at fixed places of the edge, `spacing_m` apart, so
-// that their ids last; those of a mesh are as far apart as it was made with. Planes have none.
+// Features within `reach_m` of `centre_m`. Points on box edges have fixed positions `spacing_m` apart, so
+// their ids are stable; mesh ridges have the spacing of their construction. Planes have no features.
 std::vector<ColliderFeature> collider_features(const Collider& collider, const Eigen::Vector3d& centre_m,
                                                double reach_m, double spacing_m);
 

@@ -21,8 +21,8 @@ struct CellHash {
   }
 };
 
-// Fills one triangle with a regular pattern whose step is at most `spacing_m` along each edge; corners
-// excluded.
+// Fills one triangle with a regular pattern of points, excluding corners. The step is at most `spacing_m`
+// along each edge.
 void fill_triangle(const std::array<Eigen::Vector3d, 3>& corner, double spacing_m,
                    std::vector<Eigen::Vector3d>& points) {
   const double longest = std::max(
@@ -57,7 +57,7 @@ void keep_extremes(const std::vector<Eigen::Vector3d>& vertices, std::vector<Eig
   for (const size_t index : extremes) kept.push_back(vertices[index]);
 }
 
-// Twice the volume over the area: of a sheet, from face to face.
+// Mean thickness: twice the volume divided by the surface area.
 double mean_thickness_m(const TriangleMesh& mesh) {
   double area_m2 = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -83,7 +83,7 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
                 static_cast<int64_t>(std::floor(point.y() / spacing_m)),
                 static_cast<int64_t>(std::floor(point.z() / spacing_m))};
   };
-  std::unordered_map<Cell, std::vector<Eigen::Vector3d>, CellHash> taken;  // by cell: what is kept there
+  std::unordered_map<Cell, std::vector<Eigen::Vector3d>, CellHash> taken;  // kept points by cell
   for (const Eigen::Vector3d& point : kept) taken[cell_of(point)].push_back(point);
   const auto is_near_kept = [&](const Eigen::Vector3d& point) {
     const Cell centre = cell_of(point);
@@ -100,8 +100,8 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
     }
     return false;
   };
-  // The most exposed first, so that what touches first is what stays. Vertices before the filling: edges are
-  // sharp.
+  // Farthest points first, so that the first points to touch are kept. Vertices are taken before filling
+  // points because edges are sharp.
   const auto take = [&](std::vector<Eigen::Vector3d> points) {
     std::stable_sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
       return a.squaredNorm() > b.squaredNorm();
@@ -128,7 +128,7 @@ double inner_radius_m(const RigidShape& shape) {
   const double inside = -shape.sample(centre).distance_m;
   if (!(inside > 0.0)) return 0.0;
   if (!shape.field) return inside;
-  // A field is off by up to a cell.
+  // The field has an error of up to one cell, so the triangles are used.
   double nearest = INFINITY;
   for (const auto& [a, b, c] : shape.mesh.triangles) {
     const auto& at = shape.mesh.vertices_m;
@@ -206,7 +206,8 @@ DistanceField::Sample RigidShape::sample(const Eigen::Vector3d& point_m) const {
     }
     return nearest;
   }
-  // Beyond the grid's margin the field only knows an upper bound; the way to the bounding box is a lower one.
+  // Outside the grid's margin the field is only an upper bound; the distance to the bounding box is a lower
+  // bound.
   const Eigen::Vector3d nearest = point_m.cwiseMax(min_m).cwiseMin(max_m);
   const Eigen::Vector3d away = point_m - nearest;
   const double length = away.norm();

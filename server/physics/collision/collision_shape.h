@@ -11,44 +11,45 @@
 #include "physics/collision/bounding_sphere_tree.h"
 #include "physics/collision/convex_polyhedron.h"
 
-// What a rigid body is for contact: points against the surfaces of others, and a distance field against their
-// points. A ball is its radius alone.
+// Contact geometry of a rigid body: contact points, tested against other surfaces, and a distance field,
+// tested by the points of others. A ball has only a radius.
 
 namespace livegs {
 
-// At most this many contact points a body: 400 samples of a collider are about 10 µs.
+// Maximum number of contact points per body. Larger: finer contact, more time (400 samples of a collider take
+// about 10 µs).
 inline constexpr size_t kMaxContactPoints = 400;
-// No point of the surface is much farther than this from a contact point, in parts of the longest side of the
-// bounding box. Smaller: finer bumps are felt, more points.
+// Spacing of contact points, relative to the longest side of the bounding box. Smaller: finer bumps collide,
+// more points.
 inline constexpr double kContactPointSpacing = 1.0 / 16.0;
-// Cells of a body's own distance field along the longest side of its bounding box.
+// Distance field cells along the longest side of the bounding box.
 inline constexpr double kBodyFieldCells = 32.0;
 
 // All lengths in the body frame: origin at the centre of mass, axes parallel to the object's at rest.
 struct RigidShape {
-  double sphere_radius_m = 0.0;  // > 0: a ball, and nothing below is filled but the bounds
+  double sphere_radius_m = 0.0;  // > 0: a ball; of the fields below only the bounds are set
   TriangleMesh mesh;
   std::vector<Eigen::Vector3d> contact_points_m;
-  BoundingSphereTree contact_tree;  // of contact_points_m
+  BoundingSphereTree contact_tree;  // over contact_points_m
   double contact_spacing_m = 0.0;
-  // Where the mesh is one: exact, and used in place of the field. Both are shared by copies.
+  // Set if the mesh is convex: exact, replaces the field. Both are shared by copies.
   std::shared_ptr<const ConvexPolyhedron> convex;
   std::shared_ptr<const DistanceField> field;
-  // Several shapes that hold together, in place of a field: the distance is the least of theirs. Within, it
-  // is that to the nearest face of a part, open or not.
+  // Compound shape, replaces the field: the distance is the minimum over the parts. Inside, it is the
+  // distance to the nearest face of a part, whether that face is open or not.
   struct Part;
   std::vector<Part> parts;
   Eigen::Vector3d min_m, max_m;
   double bounding_radius_m = 0.0;  // about the centre of mass
-  double wall_m = INFINITY;        // how thick its material is on average, of one that is not convex
-  double inner_radius_m =
-      0.0;  // of a ball about the centre of mass that lies within; 0: that centre is outside
+  double wall_m = INFINITY;        // mean wall thickness of a non-convex shape
+  // Radius of the largest ball about the centre of mass inside the shape; 0: the centre is outside.
+  double inner_radius_m = 0.0;
 
   bool is_ball() const { return sphere_radius_m > 0.0; }
-  // Signed distance to the body's surface. Never more than the true distance away from it, so that it can be
-  // marched.
+  // Signed distance to the surface. Outside it is a lower bound of the true distance, so it is safe for
+  // marching.
   DistanceField::Sample sample(const Eigen::Vector3d& point_m) const;
-  // How much farther from the surface than the true distance a sample may be: a cell of the field.
+  // Upper bound of the error of a sampled distance: one cell of the field.
   double sample_error_m() const;
 };
 
@@ -57,25 +58,25 @@ struct RigidShape::Part {
   Eigen::Vector3d offset_m;
 };
 
-// How finely a body's surface is felt. Of many small ones each needs less.
+// Resolution of a contact shape. Each of many small bodies needs less.
 struct ShapeDetail {
   double field_cells = kBodyFieldCells;         // along the longest side of its bounding box
-  double point_spacing = kContactPointSpacing;  // in parts of that side
+  double point_spacing = kContactPointSpacing;  // relative to that side
   size_t max_points = kMaxContactPoints;
   DistanceField::Thin thin = DistanceField::Thin::Exact;
 };
 
-// Precondition: a closed mesh with a volume.
+// Contact shape of a mesh. Precondition: the mesh is closed and has a volume.
 RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m,
                       const ShapeDetail& detail = {});
 RigidShape ball_shape(double radius_m);
-// RigidShape::inner_radius_m of a shape that is not a ball.
+// Computes RigidShape::inner_radius_m of a shape that is not a ball.
 double inner_radius_m(const RigidShape& shape);
 
-// Points of the surface. Few vertices (up to three quarters of `max_points`) are all kept: a round thing
-// rolls on them, and every facet that is left out costs it speed. Of more, those at least `spacing_m` apart,
-// the most exposed (farthest from the origin) first; the extremes along 26 directions always stay. Long edges
-// and large triangles are filled, `spacing_m` apart.
+// Contact points of a surface. If there are few vertices (up to 3/4 of `max_points`), all are kept: a round
+// body rolls on them and would lose speed at a missing facet. Otherwise vertices at least `spacing_m` apart
+// are kept, the farthest from the origin first; the extremes along 26 directions are always kept. Long edges
+// and large triangles are filled with points `spacing_m` apart.
 std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m,
                                             size_t max_points = kMaxContactPoints);
 

@@ -9,26 +9,25 @@
 
 namespace livegs {
 
-// Where a moving sphere (or a point: radius 0) first meets a surface.
+// First contact of a moving sphere (or point: radius 0) with a surface.
 struct SphereCastHit {
-  double displacement_m = 0;  // travelled until then
-  double separation_m = 0;    // at the start, along the normal of the surface that is met
+  double displacement_m = 0;  // distance travelled until contact
+  double separation_m = 0;    // at the start, along the normal of the contact
   Eigen::Vector3d normal;
 };
 
-// A point's displacement in a step is swept if it exceeds this part of the thickness of the other body: of a
-// collider its thinnest wall, of a rigid body the smallest side of its box. Larger: points tunnel through.
-// Smaller: more time.
+// A point is swept if its displacement per step exceeds this fraction of the other body's thickness: the
+// thinnest wall of a collider, or the smallest side of a rigid body's box. Larger: points tunnel. Smaller:
+// more time.
 inline constexpr double kMaxUnsweptPart = 0.2;
 
-// Conservative advancement: marches along `displacement_m` by the distance that is certainly free. `sample`
-// gives the signed distance at a point, never more than the true one. Surfaces that the sphere leaves or
-// slides along are passed by.
+// Conservative advancement along `displacement_m`. `sample` returns the surface at a point; its distance must
+// be a lower bound of the true one. Surfaces that the sphere moves away from or along are ignored.
 template <class Sample>
 std::optional<SphereCastHit> cast_sphere(const Sample& sample, const Eigen::Vector3d& start_m,
                                          const Eigen::Vector3d& displacement_m, double radius_m,
                                          double tolerance_m) {
-  constexpr int kMaxMarches = 64;  // a grazing path may end unresolved: it is tried again in the next substep
+  constexpr int kMaxMarches = 64;  // a grazing path may stay unresolved until the next substep
   const double length = displacement_m.norm();
   if (!(length > 0.0)) return std::nullopt;
   const Eigen::Vector3d direction = displacement_m / length;

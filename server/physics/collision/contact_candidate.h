@@ -6,15 +6,15 @@
 
 namespace livegs {
 
-// A place where two surfaces are close, before manifolds are made of them.
+// A pair of close surface points, before reduction to contact manifolds.
 struct ContactCandidate {
-  uint64_t feature_id = 0;  // the same place in the next substep has the same id
-  Eigen::Vector3d point_m;  // world
-  Eigen::Vector3d normal;   // unit, world, from the other towards the first body
+  uint64_t feature_id = 0;  // stable for the same features across substeps
+  Eigen::Vector3d point_m;  // world frame
+  Eigen::Vector3d normal;   // unit, world frame, from the other body towards the first
   double separation_m = 0;  // negative when overlapping
 };
 
-// Features below this are points of the first body's mesh.
+// Feature ids below this are points of the first body's mesh.
 inline constexpr uint64_t kForeignFeature = uint64_t{1} << 32;
 
 }  // namespace livegs

@@ -15,14 +15,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPlaneTolerance = 1e-5;  // of the size: closer to a plane than this is in it
+constexpr double kPlaneTolerance = 1e-5;  // relative to the size: vertices closer to a plane lie in it
 
 struct Welded {
   std::vector<Vector3d> vertices;
   std::vector<std::array<uint16_t, 3>> triangles;
 };
 
-// Vertices at one place become one; triangles without area go.
+// Merges coincident vertices and removes degenerate triangles.
 std::optional<Welded> weld(const TriangleMesh& mesh) {
   if (mesh.vertices_m.size() > 4 * kMaxPolyhedronVertices) return std::nullopt;
   Welded welded;
@@ -47,9 +47,9 @@ Vector3d area_of(const Welded& mesh, size_t triangle) {
   return (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
 }
 
-using DirectedEdges = std::map<std::pair<uint16_t, uint16_t>, size_t>;  // to the triangle on their left
+using DirectedEdges = std::map<std::pair<uint16_t, uint16_t>, size_t>;  // value: the triangle on the left
 
-// The boundary of a set of triangles as one loop; empty if it is not one.
+// Boundary of a set of triangles as one loop; empty if it is not a single loop.
 std::vector<uint16_t> boundary_loop(const Welded& mesh, const std::vector<size_t>& region) {
   std::map<uint16_t, uint16_t> next;
   std::map<std::pair<uint16_t, uint16_t>, int> count;
@@ -107,7 +107,7 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh) {
     }
   }
 
-  // Faces grow from the largest triangles, whose planes are the surest.
+  // Faces grow from the largest triangles, whose planes are the most accurate.
   std::vector<size_t> order(count);
   for (size_t t = 0; t < count; ++t) order[t] = t;
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
@@ -147,7 +147,7 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh) {
         {normal, offset, static_cast<uint16_t>(hull.loops.size()), static_cast<uint16_t>(loop.size())});
     hull.loops.insert(hull.loops.end(), loop.begin(), loop.end());
   }
-  // Vertices inside a face are of no use: what is left is renumbered.
+  // Removes vertices in the interior of faces and renumbers the others.
   std::vector<uint16_t> kept = hull.loops;
   std::sort(kept.begin(), kept.end());
   kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
@@ -187,7 +187,7 @@ ConvexPolyhedron::Sample ConvexPolyhedron::sample(const Vector3d& point_m) const
     }
   }
   if (highest <= 0.0) return {highest, top->normal};
-  // The nearest point lies on a face that sees the point.
+  // The nearest point lies on a face whose plane has the sample on its outer side.
   double nearest2 = -1.0;
   Vector3d nearest = point_m;
   const auto offer = [&](const Vector3d& foot) {

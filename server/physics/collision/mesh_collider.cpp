@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Van Oosterom and Strackee 1983, The solid angle of a plane triangle: what a mesh winds around sees all of
-// it, 4 pi.
+// Solid angle: Van Oosterom and Strackee 1983, The solid angle of a plane triangle. It is 4 pi inside a
+// closed mesh.
 #include "physics/mesh_collider.h"
 
 #include <Eigen/Geometry>
@@ -16,14 +16,18 @@
 namespace livegs {
 namespace {
 
+// Cells of the distance field along the longest side. Larger: finer features, memory grows with the cube.
 constexpr double kFieldCells = 64.0;
+// Spacing of ridge points, in cells.
 constexpr double kRidgeCells = 0.5;
+// Limit of ridge points per collider; the spacing is doubled above it.
 constexpr size_t kMaxRidgePoints = 32768;
+// See wall_thickness_m.
 constexpr double kWallThickness_m = 0.004;
 constexpr double kRidgeCosine = 0.866;  // cosine of 30 degrees
 
 struct Corner {
-  Eigen::Vector3d normal;  // of the triangle, not a unit
+  Eigen::Vector3d normal;  // of the triangle, not normalised
   uint32_t opposite;
 };
 
@@ -44,7 +48,7 @@ double solid_angle(const TriangleMesh& mesh, const Part& part, const Eigen::Vect
   return sum;
 }
 
-// Every closed part faces outwards, but for those that face inwards within another: hollows.
+// Orients every closed part outwards, except inward-facing parts inside another part, which are cavities.
 TriangleMesh turned_out(TriangleMesh mesh) {
   const std::vector<int> part_of = mesh_pieces(mesh);
   std::vector<Part> parts;
@@ -70,7 +74,7 @@ TriangleMesh turned_out(TriangleMesh mesh) {
   return mesh;
 }
 
-// Each triangle both ways round, so that there is no inside.
+// Adds the reverse of each triangle, so that there is no inside.
 TriangleMesh both_ways(const TriangleMesh& mesh) {
   TriangleMesh both = mesh;
   for (const auto& [a, b, c] : mesh.triangles) both.triangles.push_back({a, c, b});
@@ -92,7 +96,7 @@ RidgePoints affordable_ridges(const TriangleMesh& mesh, double cell_m, ConcaveEd
 RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, ConcaveEdges concave_edges) {
   const TriangleMesh welded = weld_vertices(mesh);
   const auto& at = welded.vertices_m;
-  std::map<std::pair<uint32_t, uint32_t>, Corner> sides;  // by directed edge
+  std::map<std::pair<uint32_t, uint32_t>, Corner> sides;  // key: directed edge
   for (const auto& [a, b, c] : welded.triangles) {
     const Eigen::Vector3d normal = (at[b] - at[a]).cross(at[c] - at[a]);
     sides[{a, b}] = {normal, c};

@@ -22,9 +22,10 @@ struct KeyHash {
   }
 };
 
+// Maximum number of marching steps out of a solid; thin walls need few.
 constexpr int kMaxMarches = 32;
 
-// What a point could jump over.
+// Thickness that a point can tunnel through, m.
 double thickness_m(const Collider& collider) {
   if (const auto* box = std::get_if<BoxShape>(&collider.shape)) return box->size_m.minCoeff();
   if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) return 2.0 * sphere->radius_m;
@@ -32,7 +33,7 @@ double thickness_m(const Collider& collider) {
   return INFINITY;
 }
 
-// Particles by voxel, to ask what lies near a point.
+// Hash grid of particles for neighbourhood queries.
 class VoxelMap {
  public:
   VoxelMap(const ParticleSet& particles, double edge) : particles_(particles), edge_(edge) {
@@ -40,7 +41,7 @@ class VoxelMap {
       voxels_[key(particles.positions_m[i])].push_back(i);
   }
 
-  // Whether `accept` takes any of the particles within a cube.
+  // Whether `accept` returns true for any particle within a cube.
   template <class Accept>
   bool any_within(const Vector3d& centre, double half, const Accept& accept) const {
     const Key low = key(centre - Vector3d::Constant(half)), high = key(centre + Vector3d::Constant(half));
@@ -65,7 +66,8 @@ class VoxelMap {
   }
   const ParticleSet& particles_;
   double edge_;
-  std::unordered_map<Key, std::vector<size_t>, KeyHash> voxels_;  // looked up only, never walked
+  // Never iterated, so the hash order has no effect.
+  std::unordered_map<Key, std::vector<size_t>, KeyHash> voxels_;
 };
 
 }  // namespace
@@ -83,7 +85,7 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
 
   Vector3d middle = Vector3d::Zero();
   for (size_t i = 0; i < count; ++i) middle += particles.volumes_m3[i] / volume * particles.positions_m[i];
-  // From the centroid of the material within two voxels.
+  // Direction away from the centroid of the material within two voxels.
   const auto away_from_material = [&](const Vector3d& p) -> Vector3d {
     Vector3d away = Vector3d::Zero();
     map.any_within(p, 2.0 * edge, [&](size_t j) {
@@ -95,7 +97,7 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
     return away.norm() > 0.0 ? Vector3d(away.normalized()) : Vector3d::UnitY();
   };
 
-  // Where the mesh is known, whole voxels that end before or after its outermost faces end at them.
+  // Snaps points on the outermost voxel faces to the mesh bounds, if there is a mesh.
   Eigen::AlignedBox3d mesh, voxels;
   for (const Vector3d& vertex : particles.mesh_vertices_m) mesh.extend(vertex);
   for (size_t i = 0; i < count; ++i) {
@@ -123,7 +125,7 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
       points.push_back({static_cast<uint32_t>(i), p, 0.0, {away_from_material(p)}});
       continue;
     }
-    std::array<std::array<bool, 2>, 3> open{};  // whether nothing lies on each side
+    std::array<std::array<bool, 2>, 3> open{};  // whether each side is empty
     bool inner = true;
     for (int d = 0; d < 3; ++d) {
       for (const int side : {0, 1}) {

@@ -11,12 +11,14 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr int kMaxCells = 32;            // along an axis
-constexpr int kMaxNeighbours = 48;       // elements that speak for one place
-constexpr int kMaxFaces = 3;             // that meet at one place
-constexpr double kSameFaceCosine = 0.5;  // cosine between normals of one face
-constexpr double kMaxHollow = 1e-3;      // of the reach: how hollow an edge may be and still count as convex
-constexpr double kFacingCosine = -0.3;   // cosine between normals of points that look at each other
+constexpr int kMaxCells = 32;            // per axis
+constexpr int kMaxNeighbours = 48;       // elements per query
+constexpr int kMaxFaces = 3;             // faces that meet at one point
+constexpr double kSameFaceCosine = 0.5;  // minimum cosine between normals of one face
+// Maximum concavity of an edge that counts as convex, relative to the reach.
+constexpr double kMaxHollow = 1e-3;
+constexpr double kFacingCosine = -0.3;  // maximum cosine between normals of opposite faces
+// Maximum number of samples along a path. Longer paths are sampled more coarsely.
 constexpr int kMaxProbes = 64;
 
 bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {
@@ -89,13 +91,13 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m,
   }
   if (nearest < 0) return std::nullopt;
   const SurfaceElement& first_lead = elements_[near[nearest]];
-  if (first_lead.normal.squaredNorm() < 0.5) {  // balls: the nearest one alone
+  if (first_lead.normal.squaredNorm() < 0.5) {  // balls: only the nearest counts
     const Vector3d away = point_m - first_lead.position_m;
     const double distance = away.norm();
     return SurfaceDepth{distance - first_lead.radius_m,
                         distance > 0.0 ? Vector3d(away / distance) : Vector3d::UnitY(), first_lead.index};
   }
-  // Faces, the nearest first. Those beyond an edge that is hollow do not count.
+  // Groups elements into faces, nearest first. Faces beyond a concave edge do not count.
   std::optional<SurfaceDepth> deepest, facing;
   std::array<bool, kMaxNeighbours> taken{};
   int leader = nearest;

@@ -8,42 +8,42 @@
 #include <span>
 #include <vector>
 
-// The surface of a deformed body as points with normals, to ask how deep something is inside it: the signed
-// distance is the weighted mean of the distances to the tangent planes of nearby points (implicit moving
-// least squares, Kolluri 2008). Points of faces that meet in an edge are kept apart: within a convex edge the
-// distance is the largest of the faces' (their intersection). Exact on flat faces and edges however coarse;
-// on a surface of curvature k it is off by up to k s²/8, s the spacing of the points.
+// Surface of a deformed body as points with normals, for penetration depth queries. The signed distance is
+// the weighted mean of the distances to the tangent planes of nearby points (implicit moving least squares,
+// Kolluri 2008). Points of faces that meet at an edge are kept apart: inside a convex edge the distance is
+// the maximum over the faces (their intersection). Exact on flat faces and edges at any spacing; on a surface
+// of curvature k the error is at most k s²/8 with point spacing s.
 
 namespace livegs {
 
 struct SurfaceElement {
-  Eigen::Vector3d position_m;  // world
-  Eigen::Vector3d normal;      // unit, outwards; zero: the element is a ball of `radius_m`
+  Eigen::Vector3d position_m;  // world frame
+  Eigen::Vector3d normal;      // outward unit normal; zero: the element is a ball of `radius_m`
   double radius_m = 0.0;
-  uint32_t index = 0;  // the body's own
+  uint32_t index = 0;  // index within the body
 };
 
-// What is known of a place near the surface.
+// Result of a depth query.
 struct SurfaceDepth {
   double distance_m;       // negative inside
-  Eigen::Vector3d normal;  // outwards
-  uint32_t element;        // the nearest one's index
+  Eigen::Vector3d normal;  // outward
+  uint32_t element;        // index of the nearest element
 };
 
-// Elements in a regular grid. Immutable after building.
+// Uniform grid of surface elements. Immutable after construction.
 class PointSurface {
  public:
-  // `reach_m`: how far from an element it speaks for the surface; 1.5 spacings leave no gap. Keeps a view of
+  // `reach_m` is the support radius of an element; 1.5 spacings leave no gap. Keeps a reference to
   // `elements`.
   PointSurface(const std::vector<SurfaceElement>& elements, double reach_m);
 
-  // Nothing where no element is within reach. `own` are the faces of the asking point, if it lies on a
-  // surface: inside an edge the face it is measured from is one that they look at, and there is nothing where
-  // they look at none.
+  // Signed distance at a point; nullopt if no element is within reach. `own` are the faces at the querying
+  // point if it lies on a surface. Inside an edge, only faces opposite to one of `own` are considered, and
+  // the result is nullopt if there are none.
   std::optional<SurfaceDepth> depth(const Eigen::Vector3d& point_m,
                                     std::span<const SurfaceElement> own = {}) const;
-  // The same for a point that comes along `displacement_m`: followed in steps of half the reach, so that it
-  // meets the side it came from; the distance is that of its end.
+  // The same for a point that moved by `displacement_m`: samples the path in steps of half the reach, so that
+  // the side of first contact is found. The distance is that of the end point.
   std::optional<SurfaceDepth> swept_depth(const Eigen::Vector3d& end_m, const Eigen::Vector3d& displacement_m,
                                           std::span<const SurfaceElement> own = {}) const;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Separating axes with the edge pairs that can be one found on the Gauss map (Gregorius 2013, The separating
-// axis test between convex polyhedra), then the incident face cut by the sides of the reference face.
+// Separating axis test with edge pairs pruned on the Gauss map (Gregorius 2013, The separating axis test
+// between convex polyhedra), followed by clipping of the incident face against the reference face.
 #include "physics/collision/polyhedron_manifold.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using Edge = ConvexPolyhedron::Edge;
 using Face = ConvexPolyhedron::Face;
 
-// Both in a's axes, from a's origin.
+// A polyhedron in a's axes, relative to a's origin.
 struct Side {
   const ConvexPolyhedron& shape;
   std::array<Vector3d, kMaxPolyhedronVertices> vertices;
@@ -48,10 +48,10 @@ struct FaceAxis {
 struct EdgeAxis {
   double gap = -INFINITY;
   size_t a = 0, b = 0;
-  Vector3d normal = Vector3d::UnitY();  // out of a
+  Vector3d normal = Vector3d::UnitY();  // pointing out of a
 };
 
-// Of equal gaps the first face stays, so that a body lying exactly in another has a direction too.
+// The first face wins ties, so that coincident bodies have a defined direction too.
 FaceAxis best_face(const Side& of, const Side& other, double reach) {
   FaceAxis best;
   for (size_t f = 0; f < of.shape.faces.size(); ++f) {
@@ -69,7 +69,7 @@ EdgeAxis best_edges(const Side& a, const Side& b, double reach) {
     const Vector3d along_a = a.vertices[ea.to] - a.vertices[ea.from];
     for (size_t k = 0; k < b.shape.edges.size(); ++k) {
       const Edge& eb = b.shape.edges[k];
-      // The arcs of the two edges on the Gauss map of the difference cross: only then is there a face of it.
+      // The two edges form a face of the Minkowski difference only if their arcs on the Gauss map cross.
       const double left = b.normals[eb.left].dot(along_a), right = b.normals[eb.right].dot(along_a);
       if (left * right >= 0.0) continue;
       const Vector3d along_b = b.vertices[eb.to] - b.vertices[eb.from];
@@ -78,7 +78,7 @@ EdgeAxis best_edges(const Side& a, const Side& b, double reach) {
       if (other_left * other_right >= 0.0 || left * other_right >= 0.0) continue;
       Vector3d normal = along_a.cross(along_b);
       const double length2 = normal.squaredNorm();
-      if (length2 < 1e-6 * along_a.squaredNorm() * along_b.squaredNorm()) continue;  // as good as parallel
+      if (length2 < 1e-6 * along_a.squaredNorm() * along_b.squaredNorm()) continue;  // nearly parallel
       normal /= std::sqrt(length2);
       if (normal.dot(a.vertices[ea.from] - a.centre) < 0.0) normal = -normal;
       const double gap = normal.dot(b.vertices[eb.from] - a.vertices[ea.from]);
@@ -89,7 +89,7 @@ EdgeAxis best_edges(const Side& a, const Side& b, double reach) {
   return best;
 }
 
-// A corner of the cut polygon: its id, and that of the edge which starts at it.
+// A corner of the clipped polygon: its id and the id of the edge that starts there.
 struct PolygonCorner {
   Vector3d point;
   uint64_t id, edge;
@@ -99,7 +99,7 @@ constexpr size_t kMaxCorners = 2 * kMaxPolyhedronVertices;
 uint64_t face_pair_id(uint64_t reference, uint64_t incident) { return (reference << 16) | (incident << 22); }
 constexpr uint64_t kEdgePair = uint64_t{1} << 30;
 
-// Cuts `other`'s face that looks most against `normal` by the sides of `of`'s face.
+// Clips `other`'s most antiparallel face to `normal` against the sides of `of`'s face.
 struct Cut {
   std::array<PolygonCorner, kMaxCorners> first, second;
   PolygonCorner *corners = first.data(), *spare = second.data();
@@ -113,7 +113,7 @@ struct Cut {
       if (height <= 0.0 && kept < kMaxCorners) spare[kept++] = from;
       if ((height <= 0.0) == (next <= 0.0) || kept == kMaxCorners) continue;
       const double share = height / (height - next);
-      // Leaving, the polygon goes on along the cutting plane; entering, along the edge that was cut.
+      // At an exit the polygon continues along the clipping plane, at an entry along the clipped edge.
       spare[kept++] = {from.point + share * (to.point - from.point), 256 + from.edge * 64 + side,
                        height <= 0.0 ? 64 + side : from.edge};
     }
@@ -122,7 +122,7 @@ struct Cut {
   }
 };
 
-// Calls take(point of `other`, gap, id).
+// Calls take(point of `other`, gap, id) for each contact.
 template <class Take>
 void cut_faces(const Side& of, size_t face_index, const Side& other, double reach, const Take& take) {
   const Face& face = of.shape.faces[face_index];
@@ -151,7 +151,7 @@ void cut_faces(const Side& of, size_t face_index, const Side& other, double reac
     any = true;
   }
   if (any) return;
-  // Overlapping, yet not over this face: the deepest corner.
+  // The bodies overlap but not over this face: use the deepest corner.
   size_t deepest = 0;
   for (size_t v = 1; v < other.shape.vertices_m.size(); ++v) {
     if (normal.dot(other.vertices[v]) < normal.dot(other.vertices[deepest])) deepest = v;

@@ -10,8 +10,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Sweeps end when a sweep changes the impulses by less than this part of them. More sweeps share the weight
-// more evenly.
+// The iteration stops when a sweep changes the impulses by less than this fraction of their sum. More sweeps
+// distribute the weight more evenly.
 constexpr int kMaxIterations = 8;
 constexpr double kConvergence = 0.02;
 
@@ -23,7 +23,7 @@ void prepare(ContactConstraint& row, double step_s) {
   const Matrix3d response = row.a->response(row.anchor_a) + row.b->response(row.anchor_b);
   row.displacement_before_m = relative_displacement(row);
   row.normal_response = row.normal.dot(response * row.normal);
-  // No direction in the tangent plane gives way more than the sum of both.
+  // Upper bound of the response in any direction of the tangent plane.
   const Vector3d tangent = row.normal.unitOrthogonal(), bitangent = row.normal.cross(tangent);
   const double k1 = tangent.dot(response * tangent), k2 = bitangent.dot(response * bitangent);
   row.tangent_response = std::max(k1, k2) + std::abs(tangent.dot(response * bitangent));
@@ -33,7 +33,7 @@ void prepare(ContactConstraint& row, double step_s) {
   row.least_gap_m = std::min(0.0, gap_before + row.push_m_s * step_s);
 }
 
-// How much the row's impulse changed.
+// Returns the magnitude of the change of the row's impulse.
 double solve(ContactConstraint& row) {
   if (!(row.normal_response > 0.0)) return 0.0;
   const Vector3d displacement = relative_displacement(row);

@@ -10,9 +10,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Coordinates beyond this are a mistake of units; inside it every index fits its type.
+// Larger coordinates indicate wrong units. Below this limit every lattice index fits its type.
 constexpr double kMaxCoordinate_m = 1e6;
-// The body's extent over a particle's edge: bounds the lattice by the size of the input.
+// Maximum ratio of body extent to particle edge; bounds the lattice by the size of the input.
 constexpr double kMaxExtentInEdges = 1e6;
 
 Error not_physical(const ElasticBodyDescription& description, const std::string& what) {
@@ -31,35 +31,35 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
   const ParticleSet& set = d.particles;
   const size_t count = set.positions_m.size();
   if (count == 0) return not_physical(d, "no particles; an elastic body needs at least one");
-  if (set.volumes_m3.size() != count) return not_physical(d, "volumes_m3 has not one entry a particle");
+  if (set.volumes_m3.size() != count) return not_physical(d, "volumes_m3 must have one entry per particle");
   if (!set.on_surface.empty() && set.on_surface.size() != count) {
-    return not_physical(d, "on_surface has not one entry a particle");
+    return not_physical(d, "on_surface must have one entry per particle");
   }
   if (!d.particle_velocities_m_s.empty() && d.particle_velocities_m_s.size() != count) {
-    return not_physical(d, "particle_velocities_m_s has not one entry a particle");
+    return not_physical(d, "particle_velocities_m_s must have one entry per particle");
   }
   Vector3d low = set.positions_m[0], high = low;
   double volume = 0.0;
   for (size_t i = 0; i < count; ++i) {
     if (!finite(set.positions_m[i]))
-      return not_physical(d, "a particle's position is not finite or beyond 1e6 m");
+      return not_physical(d, "a particle position is not finite or beyond 1e6 m; check the unit");
     if (!std::isfinite(set.volumes_m3[i]) || set.volumes_m3[i] <= 0.0) {
-      return not_physical(d, "a particle's volume is " + number(set.volumes_m3[i]) + "; it must be above 0");
+      return not_physical(d, "a particle volume is " + number(set.volumes_m3[i]) + "; it must be above 0");
     }
     volume += set.volumes_m3[i];
     low = low.cwiseMin(set.positions_m[i]);
     high = high.cwiseMax(set.positions_m[i]);
   }
   for (const Vector3d& velocity : d.particle_velocities_m_s) {
-    if (!finite(velocity)) return not_physical(d, "a particle's velocity is not finite");
+    if (!finite(velocity))
+      return not_physical(d, "a particle velocity is not finite or beyond 1e6 m/s; check the unit");
   }
   if (!std::isfinite(set.spacing_m) || set.spacing_m < 0.0)
     return not_physical(d, "spacing_m must be 0 or above");
   const double edge =
       set.spacing_m > 0.0 ? std::min(set.spacing_m, std::cbrt(volume / count)) : std::cbrt(volume / count);
   if ((high - low).maxCoeff() > kMaxExtentInEdges * edge || std::cbrt(volume) > kMaxCoordinate_m) {
-    return not_physical(
-        d, "the particles are a million times further apart than they are wide; check the spacing");
+    return not_physical(d, "the extent is over a million times the particle size; check spacing_m");
   }
   return {};
 }
@@ -89,14 +89,14 @@ Result<void> check_material(const ElasticBodyDescription& d) {
 Result<void> check_motion(const ElasticBodyDescription& d) {
   if (!finite(d.world_from_object.position_m) || !finite(d.velocity_m_s) ||
       !finite(d.angular_velocity_rad_s) || !d.initial_deformation.allFinite()) {
-    return not_physical(d, "its pose, velocity or initial deformation is not finite");
+    return not_physical(d, "pose, velocity or initial_deformation is not finite; check the input");
   }
   if (!(std::abs(d.world_from_object.orientation.norm() - 1.0) < 1e-3)) {
-    return not_physical(d, "the orientation is not a unit quaternion");
+    return not_physical(d, "orientation is not a unit quaternion; normalise it");
   }
   for (const BodyRegion& region : d.regions) {
     if (!region.min_m.allFinite() || !region.max_m.allFinite() || !region.traction_pa.allFinite()) {
-      return not_physical(d, "region " + region.name + " is not finite");
+      return not_physical(d, "region " + region.name + " is not finite; check its box and traction");
     }
   }
   if (!(d.cell_width_m >= 0.0) || !std::isfinite(d.cell_width_m)) {

@@ -29,7 +29,7 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
   for (int k = 0; k < count; ++k) {
     const SubstepPart part{k * (substep_s / count), substep_s / count};
     for (SteppedBody& stepped : bodies) {
-      // A sleeper that was pushed in the last step takes part from now on.
+      // A sleeping body that was pushed in the last step takes part from this step on.
       if (stepped.steps == 0 && k > 0 && !stepped.body->asleep()) {
         stepped.steps = stepped.body->begin_substep(stepped.context);
       }
@@ -60,7 +60,7 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
   }
 }
 
-// Here, since the seam stands below the solver of several bodies.
+// Defined here because ElasticBody is a lower layer than the solver of several bodies.
 void ElasticBody::substep(const SubstepContext& context) {
   SteppedBody alone{this, context};
   step_elastic_bodies({&alone, 1});

@@ -10,13 +10,12 @@ namespace livegs {
 struct SteppedBody {
   ElasticBody* body;
   SubstepContext context;
-  int steps = 0;  // it asked for
+  int steps = 0;  // requested by the body
 };
 
-// One substep of elastic bodies that may touch each other, all neighbours of any of them included, in the
-// order given. They take as many steps as the one among them that needs most, side by side: elasticity, then
-// contact of all at once, so that neither pushes a body that has gone on already or has yet to start. One
-// thread.
+// One substep of elastic bodies that may touch each other, including all their neighbours, in the given
+// order. All bodies take the largest number of steps that any of them needs. In each step elasticity of all
+// bodies precedes contact of all bodies, so that every contact sees both bodies at the same time. One thread.
 void step_elastic_bodies(std::span<SteppedBody> bodies);
 
 }  // namespace livegs

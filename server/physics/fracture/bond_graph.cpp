@@ -19,16 +19,16 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The pieces that hang together with the struck one, and the load of their bonds by unit impulse.
+// Bonds of the body of the struck piece, with the load of each per unit impulse.
 struct LoadedGroup {
-  std::vector<uint32_t> bonds;   // unbroken, in order of number
-  std::vector<double> impulses;  // through each of `bonds`, over its integrity
+  std::vector<uint32_t> bonds;   // unbroken, by index
+  std::vector<double> impulses;  // through each of `bonds`, divided by its integrity
   double area_m2 = 0.0;
-  double cross_section_m2 = 0.0;  // volume by length
-  double integrity = 1.0;         // how much the integrity of bonds lowers the threshold
+  double cross_section_m2 = 0.0;  // volume / length
+  double integrity = 1.0;         // factor on the threshold due to damaged bonds
 };
 
-// The longest side of the solid box with the same moments.
+// Longest side of the solid box with the same moments of inertia.
 double length_of(const BondGraph::Piece& body) {
   const Matrix3d spread = 0.5 * body.inertia.trace() * Matrix3d::Identity() - body.inertia;
   const double variance =
@@ -76,7 +76,7 @@ LoadedGroup loads_of(const BondGraph& graph, const Impact& impact) {
     stiffness(i, i) += k, stiffness(j, j) += k;
     stiffness(i, j) -= k, stiffness(j, i) -= k;
   }
-  // Displacements are free up to a shift: hold the first piece.
+  // Displacements are defined up to a translation: fix the first piece.
   Eigen::MatrixX3d displacement = Eigen::MatrixX3d::Zero(count, 3);
   displacement.bottomRows(count - 1) =
       stiffness.bottomRightCorner(count - 1, count - 1).ldlt().solve(momentum.bottomRows(count - 1));
@@ -101,15 +101,15 @@ double threshold_n_s(const BondGraph& graph, const LoadedGroup& group) {
   return graph.break_impulse_n_s * group.area_m2 / graph.whole_area_m2 * group.integrity;
 }
 
-// The faces between two sets of pieces.
+// Faces between two groups of pieces.
 struct Seam {
   uint32_t first, second;
   double impulse, area_m2;
   std::vector<uint32_t> bonds;
 };
 
-// The seams in the order in which sets are joined across them, least mean load first (average linkage, Sokal
-// and Michener 1958). Ties go to the lower bond.
+// Seams in the order in which groups are merged across them, least mean load first (average linkage, Sokal
+// and Michener 1958). The lower bond wins ties.
 std::vector<Seam> joined_seams(const BondGraph& graph, const LoadedGroup& group) {
   std::vector<Seam> open, closed;
   for (size_t k = 0; k < group.bonds.size(); ++k) {
@@ -125,7 +125,7 @@ std::vector<Seam> joined_seams(const BondGraph& graph, const LoadedGroup& group)
     const uint32_t kept = open[least].first, gone = open[least].second;
     closed.push_back(std::move(open[least]));
     open.erase(open.begin() + static_cast<std::ptrdiff_t>(least));
-    // What bounded `gone` bounds `kept`; two seams with the same neighbour become one.
+    // Seams of `gone` become seams of `kept`; two seams with the same neighbour are merged.
     std::fill(seam_to.begin(), seam_to.end(), -1);
     size_t count = 0;
     for (size_t s = 0; s < open.size(); ++s) {
@@ -171,7 +171,7 @@ BondGraph make_bond_graph(const VoronoiPieces& pieces, double mass_kg, double br
   }
   if (graph.bonds.empty()) least_m2 = 1e-6;
   for (;;) {
-    // The nearest two pieces of different groups.
+    // Connects the nearest two pieces of different groups.
     const std::vector<uint32_t> groups = connected_groups(graph);
     double nearest = std::numeric_limits<double>::max();
     BondGraph::Bond bond{0, 0, least_m2};
@@ -220,7 +220,7 @@ void accumulate_damage(BondGraph& graph, const Impact& impact) {
   double most = 0.0;
   for (size_t k = 0; k < group.bonds.size(); ++k) most = std::max(most, load(k));
   if (!(most > 0.0)) return;
-  // The most loaded one, if it were whole, would break at this.
+  // Impulse that breaks the most loaded bond at full integrity.
   const double breaks_n_s = graph.break_impulse_n_s * group.area_m2 / graph.whole_area_m2;
   for (size_t k = 0; k < group.bonds.size(); ++k) {
     const double borne = impact.impulse_n_s.norm() / breaks_n_s * load(k) / most;

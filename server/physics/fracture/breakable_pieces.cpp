@@ -12,15 +12,16 @@
 namespace livegs {
 namespace {
 
-// Cells of a piece's distance field along its longest side: the time to prepare a body goes with the cube.
-// Sherds fit each other without a gap: exact where they are thin, they cost a third more and rest no better.
+// Resolution of a piece. Preparation time grows with the cube of field_cells. Fragments fit each other
+// without gaps, so exact thin walls would cost more time and not improve resting contact.
 constexpr ShapeDetail kPieceDetail{.field_cells = 16.0,
                                    .point_spacing = 1.0 / 8.0,
                                    .max_points = 96,
                                    .thin = DistanceField::Thin::ByTheGrid};
-constexpr size_t kOutsidePoints = 32;  // of a piece
-constexpr size_t kFacePoints = 12;     // of one cut face
-// A piece with less of the outside than this part of its share of the volume is no piece of a shell.
+constexpr size_t kOutsidePoints = 32;  // per piece
+constexpr size_t kFacePoints = 12;     // per cut face
+// Minimum outer area of a shell's piece, relative to its volume^(2/3). Below it the body is treated as a
+// solid.
 constexpr double kMinOutsideShare = 0.05;
 
 TriangleMesh triangles_on(const VoronoiPiece& piece, uint32_t bond) {
@@ -40,7 +41,8 @@ TriangleMesh triangles_on(const VoronoiPiece& piece, uint32_t bond) {
   return mesh;
 }
 
-// Farthest point sampling (Gonzalez 1985) from the point farthest from `centre` on; ties go to the first.
+// Farthest point sampling (Gonzalez 1985), starting with the point farthest from `centre`. The first point
+// wins ties.
 std::vector<Eigen::Vector3d> spread(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& centre,
                                     size_t most) {
   std::vector<Eigen::Vector3d> chosen;
@@ -78,7 +80,7 @@ std::vector<BreakablePiece::SurfacePoints> surface_points(const VoronoiPiece& pi
   return surface;
 }
 
-// Of a piece of a shell: its part of the outside. Cut faces weigh nothing.
+// Mass properties of a shell's piece from its outer surface; cut faces have no mass.
 MassProperties outside_mass(const VoronoiPiece& piece) {
   const TriangleMesh outside = triangles_on(piece, kNoBond);
   MassProperties mass = shell_mass_properties(outside);
@@ -190,7 +192,7 @@ RigidShape joined_shape(const BreakablePieces& pieces, std::span<const uint32_t>
   for (const Eigen::Vector3d& vertex : shape.mesh.vertices_m) {
     shape.bounding_radius_m = std::max(shape.bounding_radius_m, vertex.norm());
   }
-  // The first points of each list, as many as may be.
+  // Takes a prefix of each list within the limit of contact points.
   const size_t most = std::max<size_t>(1, kMaxContactPoints / members.size());
   for (const uint32_t member : members) {
     size_t left = most;

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// With k the speed at the impact's place by unit impulse, J ended an approach of u = k J / (1 + e). An
-// impulse x has taken u x - k x² / 2 of the energy.
+// With k the velocity change at the point per unit impulse, J reversed a closing speed u = k J / (1 + e). A
+// partial impulse x has absorbed the energy u x - k x² / 2.
 double impact_energy_loss_j(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
                             const Eigen::Vector3d& arm_m, double borne, double restitution) {
   const double size = impulse_n_s.norm();
@@ -35,7 +35,7 @@ void recoil(std::span<RigidBody* const> bodies, std::span<const OpenedFace> face
     push(face.first, -impulse);
     push(face.second, impulse);
   }
-  // Impulses that add up to nothing add no energy with a rigid motion, only of their own.
+  // The impulses sum to zero, so they exchange no energy with a common rigid motion.
   double by_unit_j = 0.0;
   for (size_t i = 0; i < bodies.size(); ++i) {
     by_unit_j += 0.5 * pushes[i].impulse_n_s.squaredNorm() / bodies[i]->mass_kg +

@@ -13,7 +13,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The principal axes are taken when their bounding box is smaller than this part of the object axes' one.
+// The principal axes are used if their bounding box is smaller than this fraction of that along the object
+// axes.
 constexpr double kPrincipalAxesRatio = 0.9;
 
 struct Bounds {
@@ -25,8 +26,8 @@ struct Bounds {
   double volume() const { return (max - min).prod(); }
 };
 
-// Of a mesh where its vertices are: cubes about the few particles of a slender bar lie tighter along some
-// oblique axes.
+// Bounds of the vertices if there is a mesh. Cubes about the few particles of a slender bar would fit tighter
+// along some oblique axes.
 Bounds bounds_along(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
   Bounds bounds;
   for (const Vector3d& vertex : particles.mesh_vertices_m) bounds.add(lattice_from_object * vertex);
@@ -52,8 +53,7 @@ Matrix3d principal_axes(const ParticleSet& particles) {
   }
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
   Matrix3d axes = solver.eigenvectors();
-  for (int d = 0; d < 3;
-       ++d) {  // the sign of an eigenvector is arbitrary: its largest entry is made positive
+  for (int d = 0; d < 3; ++d) {  // the sign of an eigenvector is arbitrary: make its largest entry positive
     Eigen::Index largest;
     axes.col(d).cwiseAbs().maxCoeff(&largest);
     if (axes(largest, d) < 0.0) axes.col(d) = -axes.col(d);
@@ -62,7 +62,7 @@ Matrix3d principal_axes(const ParticleSet& particles) {
   return axes;
 }
 
-// How far the surface goes: of a mesh where all its vertices are, of a list of points where they are.
+// Bounds of the surface: of all mesh vertices, or of all points of a list.
 Bounds surface_bounds(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
   Bounds bounds;
   const auto& points = particles.mesh_vertices_m.empty() ? particles.positions_m : particles.mesh_vertices_m;
@@ -70,10 +70,10 @@ Bounds surface_bounds(const ParticleSet& particles, const Matrix3d& lattice_from
   return bounds;
 }
 
-// Whether the voxel centres alone describe the solid: they hold most of its volume, and reach to within a
-// voxel of every face. Then mesh vertices, which would carry mass half outside the body, are contact samples
-// only. A potted plant fails the second test: its leaves hold no voxel centre, and the pot must not be
-// stretched over them.
+// Whether the voxel centres alone describe the solid: they hold most of its volume and reach every face to
+// within a voxel. Mesh vertices are then contact samples only; mass at them would lie half outside the body.
+// A potted plant fails the second test: its leaves contain no voxel centre, and the pot must not be stretched
+// over them.
 bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object,
                  const Bounds& surface) {
   if (particles.surface_carries || particles.on_surface.size() != particles.positions_m.size()) return false;
@@ -92,13 +92,13 @@ bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& la
          ((voxels.max - surface.max).cwiseAbs().array() <= reach).all();
 }
 
-// Whole voxels end before or after the true faces. Of a compact body along the object's axes the outermost
-// are cut or lengthened to them: a box is filled exactly. Volumes were shared by samples, some to an edge of
-// a voxel: a box that has about its own is taken to be full, and what that adds or takes is made up by the
-// others. False, and nothing changed, where full ones are not nearly all.
+// Whole voxels end before or after the true faces. The outermost voxels of a compact body along the object's
+// axes are cut or extended to the faces, so that a box is filled exactly. Voxel volumes were estimated by
+// sampling. A voxel near its full volume is set to full, and the other voxels absorb the difference. Returns
+// false, without changes, unless nearly all voxels are full.
 bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
   constexpr double kEdgeTolerance = 0.25, kRounding = 1e-6, kMinFullShare = 0.8, kFilled = 0.999;
-  // What fills its bounding box has no partial ones: its sections are as wide as they look.
+  // A body that fills its bounding box has no partial voxels.
   const bool filled = volume >= kFilled * surface.volume();
   std::vector<MassBox> boxes = extent.boxes;
   std::vector<char> full;
@@ -120,7 +120,7 @@ bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
     (full.back() ? full_m3 : partial_m3) += box.volume_m3;
   }
   if (full_m3 < kMinFullShare * volume) return false;
-  // All of the change falls to the partial ones where they can bear it.
+  // The partial voxels absorb the whole change if they can.
   const bool bearable = partial_m3 > 0.0 && std::abs(volume - full_m3 - partial_m3) < 0.5 * partial_m3;
   for (size_t i = 0; i < boxes.size(); ++i) {
     if (!bearable) boxes[i].volume_m3 *= volume / (full_m3 + partial_m3);
@@ -130,10 +130,10 @@ bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
   return true;
 }
 
-// A bar, a rod or a plate of less than some voxels has few particles inside, and cubes about its vertices are
-// a poor picture of it: a bar of 2.4 m by 0.1 m was held by a hinge, and a plate of 3 mm got 0.3 of its load.
-// What fills a good part of its bounds is cut into boxes of its own, along the lattice axes, no longer than a
-// voxel and some to each edge. False, and nothing changed, where they do not make up its volume.
+// Bars, rods and plates thinner than a few voxels contain few particles, and cubes about their vertices
+// represent them poorly. A mesh that fills a good part of its bounds is instead cut into boxes along the
+// lattice axes, no longer than a voxel and with a minimum number along each edge. Returns false, without
+// changes, if the boxes do not match the volume.
 bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object,
               const Bounds& surface, BodyExtent& extent) {
   constexpr double kSolid = 0.4, kVolumeTolerance = 0.1;
@@ -146,7 +146,7 @@ bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& latti
         std::clamp(std::ceil(size[d] / particles.spacing_m), 1.0 * kMinEdge, 1.0 * kMaxEdge));
   }
   const Vector3d edge = size.cwiseQuotient(grid.counts.cast<double>());
-  grid.origin_m = Vector3d::Constant(0.5);  // in edges of a box
+  grid.origin_m = Vector3d::Constant(0.5);  // in box edges
   TriangleMesh mesh;
   mesh.triangles = particles.mesh_triangles;
   for (const Vector3d& vertex : particles.mesh_vertices_m) {
@@ -210,7 +210,7 @@ BodyExtent measure_extent(const ParticleSet& particles) {
   }
   for (MassBox& box : extent.boxes) box.volume_m3 *= volume / used;
   if (!along_object_axes(extent) || !end_at_faces(surface, volume, extent)) {
-    // Voxels stand obliquely, or the body is little more than surface: all are stretched.
+    // The voxels are oblique, or the body is little more than surface: stretch all boxes.
     const Vector3d stretch = (surface.max - surface.min).cwiseQuotient(material.max - material.min);
     for (MassBox& box : extent.boxes) {
       box.centre_m = surface.min + (box.centre_m - material.min).cwiseProduct(stretch);

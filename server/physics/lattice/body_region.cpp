@@ -7,7 +7,7 @@
 namespace livegs {
 namespace {
 
-// 0 before `start`, 1 after `end`; a ramp of no length is a step.
+// 0 before `start`, 1 after `end`; a ramp of zero length is a step.
 double ramp(double t, double start, double end) {
   if (t <= start && start < end) return 0.0;
   return t >= end ? 1.0 : (t - start) / (end - start);
@@ -42,7 +42,7 @@ Eigen::Vector3d moved_point(const RegionMotion& motion, const Eigen::Vector3d& r
   return std::visit(MovedTo{rest_m, time_s}, motion);
 }
 
-// Every motion is affine in the rest position: one that moves none of these four moves nothing.
+// Every motion is affine in the rest position: if these four points do not move, no point does.
 bool moves_between(const RegionMotion& motion, double from_s, double to_s) {
   for (const Eigen::Vector3d& rest_m : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0),
                                         Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {

@@ -13,10 +13,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// In parts of a box edge: less and jitter opens cracks, more and slits close.
+// Maximum gap in box edges. A smaller value lets jitter open cracks; a larger one closes slits.
 constexpr double kMaxLinkGap = 0.5;
 
-// Boxes by the cubes of space their centres lie in.
+// Boxes, binned by the cubic cell that contains their centre.
 class BoxGrid {
  public:
   BoxGrid(const BodyExtent& extent, double cube_m) : extent_(extent), cube_m_(cube_m) {
@@ -25,12 +25,12 @@ class BoxGrid {
     std::sort(places_.begin(), places_.end(), before);
   }
 
-  // Every other box whose centre is in the cube of box i or next to it.
+  // Visits every other box with its centre in the bin of box i or in an adjacent bin.
   void for_each_near(uint32_t i, const std::function<void(uint32_t)>& take) const {
     const Vector3i own = cube_of(extent_.boxes[i].centre_m);
     for (int z = -1; z <= 1; ++z) {
       for (int y = -1; y <= 1; ++y) {
-        // Cubes of one row follow each other.
+        // Bins of one row are consecutive.
         auto place =
             std::lower_bound(places_.begin(), places_.end(), Place{own + Vector3i(-1, y, z), 0}, before);
         for (; place != places_.end() && place->cube.z() == own.z() + z && place->cube.y() == own.y() + y &&
@@ -66,7 +66,7 @@ class BoxGrid {
 
 std::vector<std::pair<uint32_t, uint32_t>> link_boxes(const BodyExtent& extent, double max_gap_m) {
   const size_t count = extent.boxes.size();
-  // A box stands for the material about it at least as far as half its spacing.
+  // A box represents at least the material within half its spacing.
   const double least_half_m = 0.5 * extent.spacing_m;
   double widest_half_m = 0.0;
   std::vector<Vector3d> halves(count);
@@ -94,7 +94,7 @@ std::vector<std::pair<uint32_t, uint32_t>> link_boxes(const BodyExtent& extent, 
     });
   }
 
-  // Across gaps: the largest part waits for the others to reach it.
+  // Bridges gaps: the smaller parts search with a growing range until they reach the rest.
   while (widest_m < max_gap_m) {
     std::vector<uint32_t> part(count), size(count, 0);
     for (uint32_t i = 0; i < count; ++i) ++size[part[i] = parts.find(i)];

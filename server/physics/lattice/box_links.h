@@ -7,14 +7,14 @@
 
 #include "physics/lattice/lattice.h"
 
-// Which boxes of material hang together.
+// Connectivity of the boxes of material.
 
 namespace livegs {
 
-// Pairs i < j of BodyExtent::boxes, ascending. Two boxes are linked when the gap between them along every
-// axis is at most half a box edge (touching edges and corners count, jittered grids stay whole, and a missing
-// row of voxels is a gap). Parts that nothing links are joined to the rest by links across the gaps between
-// them, the narrowest first, up to `max_gap_m`: a body of dust is still one body.
+// Pairs i < j of BodyExtent::boxes, ascending. Two boxes are linked if the gap between them along every axis
+// is at most half a box edge. Shared edges and corners count as links and jittered grids stay connected, but
+// a missing row of voxels is a gap. Separate parts are then linked to the rest across the gaps between them,
+// narrowest first, up to `max_gap_m`, so that scattered points still form one body.
 std::vector<std::pair<uint32_t, uint32_t>> link_boxes(const BodyExtent& extent, double max_gap_m);
 
 }  // namespace livegs

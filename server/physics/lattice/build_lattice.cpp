@@ -18,13 +18,13 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// Cells are counted as if the body were shorter by this part of one.
+// Tolerance of the cell count along an axis, in cells: a thinner outer layer is dropped.
 constexpr double kMinLayer = 1e-3;
-// A node is never lighter than this part of an inner one.
+// Minimum node mass relative to an inner node.
 constexpr double kMinNodeMass = 1e-6;
-// Less than this part of a cell of a material is rounding.
+// Material below this fraction of a cell is treated as rounding.
 constexpr double kMinMaterialPart = 1e-9;
-// A cell is fixed when all but this part of it is.
+// A cell is fixed if all but this fraction of it is.
 constexpr double kMinFreePart = 1e-3;
 
 struct MaterialMoments {
@@ -39,7 +39,7 @@ struct Moments {
   uint64_t fill = 0;
 
   void add(const BoxPiece& piece) {
-    // Uniform over an interval: its half length is the square root of three variances.
+    // Half-length of a uniform interval: sqrt(3 variance).
     const Vector3d half = (3.0 * (piece.mean_square - piece.mean.cwiseAbs2())).cwiseMax(0.0).cwiseSqrt();
     const auto in_cell = [](const Vector3d& local) -> Eigen::Vector3f {
       return (0.5 * (local + Vector3d::Ones())).cast<float>();
@@ -61,7 +61,7 @@ bool meets(const BodyExtent& extent, const BodyRegion& region) {
          ((extent.max_m - region.min_m).array() > 0.0).all();
 }
 
-// Where lattice planes stand along each axis: centred on the body, or through a held region's inner face.
+// Origin of the lattice planes along each axis: centred on the body, or on a held region's inner face.
 Vector3d lattice_origin(const BodyExtent& extent, double cell_width_m, std::span<const BodyRegion> regions) {
   Vector3d origin;
   for (int d = 0; d < 3; ++d) {
@@ -105,9 +105,9 @@ LatticeCell make_cell(const Moments& moments) {
   return cell;
 }
 
-// Points of an irregular list fill the cells within a body unevenly, 8 of them in one and 7 in the next, and
-// a body of uneven stiffness shows neither its modulus nor a mean strain. A cell with cells all around that
-// is about full is; mass stays where the points are.
+// The points of an irregular list fill inner cells unevenly, and uneven stiffness distorts both the apparent
+// modulus and the mean strain. An inner cell that is nearly full is therefore treated as full; the node
+// masses keep the distribution of the points.
 void fill_inner_cells(Lattice& lattice) {
   constexpr double kFullTolerance = 0.3;
   const std::vector<uint8_t> cells_around = cells_around_nodes(lattice);
@@ -122,7 +122,7 @@ void fill_inner_cells(Lattice& lattice) {
   }
 }
 
-// No node is too light to be moved, and the sum stays the body's volume.
+// Raises the smallest node volumes so that every node can be moved; the total stays the body's volume.
 void set_node_volumes(Lattice& lattice) {
   const size_t count = lattice.node_coordinates.size();
   const double floor_m3 = kMinNodeMass * std::pow(lattice.cell_width_m, 3);
@@ -161,10 +161,10 @@ std::vector<uint8_t> cells_around_nodes(const Lattice& lattice) {
 Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<const BodyRegion> regions) {
   const Vector3d origin = lattice_origin(extent, cell_width_m, regions);
 
-  // What hangs together in which cells, then the cells and nodes that takes.
+  // First pass: connected material in each cell, then the virtual cells and nodes.
   std::vector<BoxInCell> entries;
   std::vector<uint32_t> entry_of_piece;
-  uint32_t begin = 0;  // of the box's entries
+  uint32_t begin = 0;  // first entry of the box
   cut_boxes(extent, origin, cell_width_m, regions, [&](const BoxPiece& piece) {
     if (entries.empty() || entries.back().box != piece.box) begin = static_cast<uint32_t>(entries.size());
     uint32_t entry = begin;

@@ -12,21 +12,21 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// A slice of a box thinner than this part of a cell goes to the neighbouring cell, so that rounding makes no
-// cell of nearly nothing.
+// A slice of a box thinner than this fraction of a cell goes to the neighbouring cell, so that rounding does
+// not create nearly empty cells.
 constexpr double kMinSlice = 1e-3;
-// Cuts nearer than this part of a cell are one.
+// Cuts closer than this fraction of a cell are merged.
 constexpr double kSameCut = 1e-9;
 constexpr int kPartsOfStraddling = 4;
 
-// What of an interval lies in one cell and between two cuts: part of its length, mean and mean square of the
-// local coordinate.
+// Part of an interval within one cell and between two cuts: fraction of its length, mean and mean square of
+// the local coordinate.
 struct Slice {
   int cell;
   double part, mean, mean_square;
 };
 
-// `low`, `high` and `cuts` in cells.
+// `low`, `high` and `cuts` are in cells.
 void cut_interval(double low, double high, std::span<const double> cuts, std::vector<double>& ends,
                   std::vector<Slice>& slices) {
   const auto snapped = [](double x) {
@@ -63,7 +63,7 @@ void cut_interval(double low, double high, std::span<const double> cuts, std::ve
 
 bool matters(const BodyRegion& region) { return !region.boundary && (region.fixed || region.material); }
 
-// Whether some face of a region goes through the box.
+// Whether a face of the region intersects the box.
 bool straddles(const BodyExtent& extent, const MassBox& box, const BodyRegion& region) {
   Vector3d low = Vector3d::Constant(1e300), high = Vector3d::Constant(-1e300);
   for (int c = 0; c < 8; ++c) {

@@ -7,32 +7,31 @@
 #include "physics/body_region.h"
 #include "physics/lattice/lattice.h"
 
-// The boxes of a body cut by the planes of a lattice and by the faces of regions. A particle is a box along
-// the lattice axes, and a box cut by lattice planes is again boxes: so the moments of the material in each
-// cell are exact. (Point samples of the particles alias with the lattice, elastic-study.md 2.1.)
+// Cuts the boxes of a body by the planes of a lattice and the faces of regions. A particle is a box along the
+// lattice axes, and lattice planes cut a box into boxes, so the moments of the material in each cell are
+// exact. Point samples of the particles would alias with the lattice (elastic-study.md 2.1).
 
 namespace livegs {
 
-// A box, whole or cut, within one cell.
+// A box or a part of it, within one cell.
 struct BoxPiece {
-  uint32_t box;          // BodyExtent::boxes
-  Eigen::Vector3i cell;  // lattice planes stand at whole numbers, from the origin given
+  uint32_t box;          // box index in BodyExtent::boxes
+  Eigen::Vector3i cell;  // lattice planes are at integers, relative to the given origin
   double volume_m3;
   Eigen::Vector3d mean, mean_square;  // of the local coordinates, -1 ... 1
   uint16_t material;                  // 0: the body's own; k: of the k-th region that has a material
   bool fixed;                         // in a fixed region
 };
 
-// The body's own and one a region that has a material.
+// One for the body, plus one per region that has a material.
 size_t material_count(std::span<const BodyRegion> regions);
 
-// Whether the lattice lies along the object's axes, so that faces of regions are planes of constant
-// coordinate.
+// Whether the lattice axes are the object's axes, so that region faces are planes of constant coordinate.
 bool along_object_axes(const BodyExtent& extent);
 
-// Calls `take` for every piece, box by box. Regions cut boxes exactly at their faces where the lattice lies
-// along the object's axes; else a box that straddles a face is cut into quarters along each edge, each wholly
-// where its centre is.
+// Calls `take` for every piece, box by box. If the lattice is along the object's axes, regions cut boxes
+// exactly at their faces. Otherwise a box that straddles a face is divided into quarters along each edge, and
+// the centre of each part decides its region.
 void cut_boxes(const BodyExtent& extent, const Eigen::Vector3d& origin_m, double cell_width_m,
                std::span<const BodyRegion> regions, const std::function<void(const BoxPiece&)>& take);
 

@@ -14,8 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// Particles outside every cell ride in the nearest one, at most this far beyond its faces (local
-// coordinates).
+// Particles outside all cells are embedded in the nearest one, clamped to this local coordinate.
 constexpr double kMaxLocal = 2.0;
 
 }  // namespace
@@ -78,7 +77,7 @@ EmbeddedPoint Lattice::embed(const Vector3d& object_point_m) const {
     for (; found != cells_by_place.end() && cells[*found].coordinates == coordinates; ++found)
       consider(*found);
   };
-  // Within reach of int and finite, or it is far outside anyway.
+  // Guards the conversion to int; a point that fails is far outside in any case.
   if ((point.array().abs() < 1e9).all()) {
     const Vector3i own = point.array().floor().cast<int>();
     consider_at(own);
@@ -86,7 +85,7 @@ EmbeddedPoint Lattice::embed(const Vector3d& object_point_m) const {
       consider_at(own + Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
     }
   }
-  // Any other cell is a whole cell away.
+  // All other cells are at least one cell away.
   if (least.to_material > 1.0f) {
     for (uint32_t i = 0; i < cells.size(); ++i) consider(i);
   }

@@ -5,7 +5,7 @@
 
 namespace livegs {
 
-// A material point: its nodes with their weights.
+// A material point as nodes and weights.
 struct NodeSample {
   uint32_t nodes[8];
   float weights[8];

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of a mesh: columns across a face, an edge, and samples in each.
+// For meshes: columns across a face along each edge, and depth samples per column.
 constexpr int kColumns = 48, kDepthSamples = 16;
 
 struct LoadBounds {
@@ -20,7 +20,7 @@ struct LoadBounds {
 };
 
 struct BoxFace {
-  Vector3d min_m, max_m;  // of the region, cut to the body's bounds
+  Vector3d min_m, max_m;  // of the region, clipped to the body's bounds
   int across;
   double at_m;
 };
@@ -36,10 +36,10 @@ BoxFace face_of(const LoadBounds& body, const BodyRegion& region) {
   return face;
 }
 
-// By the mesh itself: boxes about the particles of what is thinner than a voxel are not where the mesh is,
-// and a plate of 0.5 mm got 0.3 of its load. Each column of the region is as much of the face as of it is
-// inside; those in a quarter of a cell act as one, four on a whole face of it, so that a cell that is held by
-// them does not turn.
+// Load points from the mesh itself: boxes about the particles of a body thinner than a voxel are not where
+// the mesh is. Each column of the region has the area of its face times the fraction of its depth that is
+// inside. The columns in a quarter of a cell act as one point. A full face has four, so that a cell held by
+// them cannot rotate.
 std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& lattice,
                                  const BodyRegion& region) {
   LoadBounds body;
@@ -115,7 +115,7 @@ std::vector<LoadPoint> load_points(const ParticleSet& particles, const BodyExten
   if (!particles.mesh_triangles.empty()) points = load_mesh(particles, lattice, region);
   if (!points.empty()) return points;
   const BoxFace face = face_of(bounds_in_object_axes(extent), region);
-  // The cutter tells pieces inside a region by its material.
+  // The cutter marks pieces inside a region by its material.
   BodyRegion loaded;
   loaded.min_m = face.min_m;
   loaded.max_m = face.max_m;

@@ -6,8 +6,7 @@
 #include "physics/body_region.h"
 #include "physics/lattice/lattice.h"
 
-// Where a region's traction acts: the outer face of the region's material, as points of the lattice with an
-// area each.
+// Distribution of a region's traction: the outer face of its material, as lattice points with areas.
 
 namespace livegs {
 
@@ -16,11 +15,11 @@ struct LoadPoint {
   double area_m2;
 };
 
-// The face lies across the shortest edge of the region's box cut to the body's bounds (object axes; of equal
-// edges the first); it is the one of the two nearer to the body's bound. The areas are the volume that the
-// region holds of the mesh, over its thickness: so they sum to the face's where the region is full. Of a list
-// of points it is that of the boxes, exact where the lattice lies along the object's axes. Empty when the
-// region holds no material.
+// The face lies across the shortest edge of the region's box, clipped to the body's bounds (object axes; the
+// first of equal edges). Of the two faces it is the one nearer to the body's bound. The areas are the volume
+// of the mesh in the region over the region's thickness, so they sum to the area of the face if the region is
+// full. For a list of points the boxes are used instead of the mesh; this is exact if the lattice is along
+// the object's axes. Empty if the region holds no material.
 std::vector<LoadPoint> load_points(const ParticleSet& particles, const BodyExtent& extent,
                                    const Lattice& lattice, const BodyRegion& region);
 

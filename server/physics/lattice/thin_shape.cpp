@@ -11,17 +11,17 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A sheet of at most this part of a cell's width is thin.
+// Maximum thickness of a thin sheet, in cell widths.
 constexpr double kMaxThinRatio = 0.5;
-// A cell as full as this holds no thin sheet, however it lies: sqrt(2) times the above, rounded up.
+// A fuller cell holds no thin sheet in any orientation: sqrt(2) times the above, rounded up.
 constexpr double kMaxThinFill = 0.75;
-// The area of a flat piece over the root of the product of its two variances: 12 of a rectangle, 4 pi of an
+// Area of a flat shape over the root of the product of its two variances: 12 for a rectangle, 4 pi for an
 // ellipse.
 constexpr double kAreaOverVariance = 12.3;
-// In cells squared: no shape is thinner, so that nothing is divided by zero.
+// Lower bound of the variance in squared cell widths; avoids division by zero.
 constexpr double kMinVariance = 1e-8;
 
-// Boxes linked to box i are to[begin[i]] ... to[begin[i + 1]].
+// Boxes linked to box i are to[begin[i]] ... to[begin[i + 1] - 1].
 struct Neighbours {
   std::vector<uint32_t> begin, to;
 
@@ -45,7 +45,7 @@ struct ShapeMoments {
   Vector3d first = Vector3d::Zero();  // about the cube's centre
   Matrix3d second = Matrix3d::Zero();
 
-  // What of a box is in the cube; false if nothing.
+  // Adds the part of a box inside the cube; false if it is empty.
   bool add(const MassBox& box, const Vector3d& centre_m, double half_m) {
     const Vector3d low = (box.centre_m - box.half_m - centre_m).cwiseMax(-half_m);
     const Vector3d high = (box.centre_m + box.half_m - centre_m).cwiseMin(half_m);
@@ -73,8 +73,7 @@ std::optional<ThinShape> thin_shape(const ShapeMoments& moments, double cell_wid
   if (thickness_m >= kMaxThinRatio * cell_width_m) return std::nullopt;
   shape.variance_m2[0] = std::min(thickness_m * thickness_m / 12.0, shape.variance_m2[1]);
   shape.axes = solver.eigenvectors();
-  for (int k = 0; k < 3;
-       ++k) {  // the sign of an eigenvector is arbitrary: its largest entry is made positive
+  for (int k = 0; k < 3; ++k) {  // the sign of an eigenvector is arbitrary: make its largest entry positive
     Eigen::Index largest;
     shape.axes.col(k).cwiseAbs().maxCoeff(&largest);
     if (shape.axes(largest, k) < 0.0) shape.axes.col(k) = -shape.axes.col(k);

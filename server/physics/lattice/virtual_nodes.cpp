@@ -17,7 +17,7 @@ using Links = std::span<const std::pair<uint32_t, uint32_t>>;
 
 bool neighbours(const Vector3i& a, const Vector3i& b) { return ((a - b).cwiseAbs().array() <= 1).all(); }
 
-// Entries of box i are begin[i] ... begin[i + 1].
+// Entries of box i are begin[i] ... begin[i + 1] - 1.
 std::vector<uint32_t> entries_by_box(std::span<const BoxInCell> entries) {
   std::vector<uint32_t> begin(1, 0);
   for (uint32_t e = 0; e < entries.size(); ++e) {
@@ -27,7 +27,7 @@ std::vector<uint32_t> entries_by_box(std::span<const BoxInCell> entries) {
   return begin;
 }
 
-// Calls `take` for pairs of entries that hang together: of one box, or of two linked ones.
+// Calls `take` for pairs of connected entries: of one box, or of two linked boxes.
 template <class Take>
 void for_each_joint(const std::vector<uint32_t>& begin, Links links, Take take) {
   for (size_t box = 0; box + 1 < begin.size(); ++box) {
@@ -42,7 +42,7 @@ void for_each_joint(const std::vector<uint32_t>& begin, Links links, Take take) 
   }
 }
 
-// Numbers the materials: cells by z, y, x, then by first entry.
+// Numbers the materials by cell (z, y, x), then by first entry.
 struct Materials {
   std::vector<Vector3i> cells;
   std::vector<uint32_t> of_entry;
@@ -65,7 +65,7 @@ Materials number_materials(std::span<const BoxInCell> entries, DisjointSets& joi
   return materials;
 }
 
-// The node of corner c of material m, as the root of 8 m + c.
+// Node of corner c of material m, as the root of 8 m + c.
 DisjointSets share_nodes(const std::vector<uint32_t>& begin, Links links, const Materials& materials) {
   DisjointSets corners(8 * materials.cells.size());
   std::unordered_set<uint64_t> done;
@@ -84,8 +84,8 @@ DisjointSets share_nodes(const std::vector<uint32_t>& begin, Links links, const 
   return corners;
 }
 
-// Parity for the first material of a cell; others take what the cells about their nodes leave. Returns a
-// material that found no colour, or the number of materials.
+// The first material of a cell gets the cell's parity; the others get a colour that is free at their nodes.
+// Returns a material without a free colour, or the number of materials.
 uint32_t colour_materials(const std::vector<Vector3i>& cells,
                           const std::vector<std::array<uint32_t, 8>>& nodes, size_t node_count,
                           uint32_t colour_count, std::vector<uint32_t>& colours) {
@@ -148,7 +148,7 @@ VirtualCells make_virtual_cells(std::span<const BoxInCell> entries, Links links,
       for (uint32_t c = 0; c < 8; ++c) nodes[m][c] = node_of[corners.find(8 * m + c)];
     }
 
-    // Materials of one cell that share every node move as one: they are one.
+    // Materials of one cell with the same eight nodes move as one and are merged.
     std::vector<std::pair<uint32_t, uint32_t>> same;
     for (uint32_t m = 1; m < count; ++m) {
       for (uint32_t n = m; n-- > 0 && materials.cells[n] == materials.cells[m];) {

@@ -8,20 +8,19 @@
 #include <utility>
 #include <vector>
 
-// Cells and nodes for parts of a body that touch only in the picture (Molino et al. 2004, "A virtual node
-// algorithm for changing mesh topology during simulation"; Nesme et al. 2009, "Preserving topology and
-// elasticity for embedded deformable models").
+// Separate cells and nodes for parts of a body that are close but not connected (Molino et al. 2004, "A
+// virtual node algorithm for changing mesh topology during simulation"; Nesme et al. 2009, "Preserving
+// topology and elasticity for embedded deformable models").
 //
-//     | A |  | B |      Two fingers in one row of cells. Inside the cell they do not hang together, so each
-//     has a cell
-//   +-|---|--|---|-+    of its own there, with upper nodes of its own. Below, in the palm, they do: the cells
-//   of both | |   |  |   | |    share the nodes of that row.
+//     | A |  | B |       Two fingers in one row of cells. They are not connected within the cell, so each
+//   +-|---|--|---|-+     has its own cell there, with its own upper nodes. They are connected in the palm
+//   | |   |  |   | |     below: both cells share the nodes of that row.
 //   +-|---|--|---|-+
 //     |   palm   |
 
 namespace livegs {
 
-// A box has material in a cell. Entries of one box follow each other, no cell twice.
+// Marks a box with material in a cell. Entries of one box are consecutive; a cell occurs once per box.
 struct BoxInCell {
   uint32_t box;
   Eigen::Vector3i cell;
@@ -38,9 +37,9 @@ struct VirtualCells {
   std::vector<uint32_t> cell_of_entry;
 };
 
-// The material in one cell is one as far as boxes in it are linked; two such materials share a node of their
-// cells as far as links around that node join them. `links` as link_boxes gives them. At most `colour_count`
-// colours: where those do not suffice, materials in one cell are joined.
+// Boxes of one cell form one material if they are linked. Two materials share a node of their cells if links
+// around that node connect them. `links` are those of link_boxes. Uses at most `colour_count` colours; if
+// they are not enough, materials of one cell are merged.
 VirtualCells make_virtual_cells(std::span<const BoxInCell> entries,
                                 std::span<const std::pair<uint32_t, uint32_t>> links, uint32_t colour_count);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// LIVE-GS (Mao et al.): the table that turns the stiffness s E into a deformation resistance. That its blend
-// is no stiffness, and the conversion that makes it one: physics.md 0.
+// LIVE-GS (Mao et al.): the table that maps the stiffness s E to a deformation resistance. The resistance is
+// a blend factor, not a stiffness; physics.md section 0 derives the conversion.
 #include "physics/material.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ struct BreakPoint {
 };
 constexpr std::array<BreakPoint, 5> kTable{{{0.0, 0.0}, {1e5, 0.1}, {1e6, 0.5}, {5e7, 0.8}, {2e8, 1.0}}};
 
-// Both ends are met exactly, so that a round trip through a break point is the break point.
+// Linear interpolation that is exact at both ends, so that break points survive a round trip.
 double between(double x, double x0, double x1, double y0, double y1) {
   const double t = (x - x0) / (x1 - x0);
   return t >= 1.0 ? y1 : y0 + t * (y1 - y0);

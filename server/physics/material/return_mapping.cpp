@@ -15,11 +15,11 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using EigenSolver = Eigen::SelfAdjointEigenSolver<Matrix3d>;
 
-// A cell with less of its volume than this has no shape to speak of: it recovers first.
+// Cells below this volume ratio are degenerate and do not flow; shape recovery restores them first.
 constexpr double kMinVolumeRatio = 0.1;
-// A cell stretched a hundredfold is on its way back too.
+// Cells with a larger norm of F D⁻¹ are degenerate too.
 constexpr double kMaxStretch = 100.0;
-// Strain beyond the yield by less than this part of it is rounding.
+// Relative excess over the yield radius that is treated as rounding.
 constexpr double kStressRounding = 1e-13;
 
 Matrix3d stretch_of(const Matrix3d& f) {
@@ -30,18 +30,18 @@ Matrix3d stretch_of(const Matrix3d& f) {
 
 Matrix3d deviator(const Matrix3d& m) { return m - m.trace() / 3.0 * Matrix3d::Identity(); }
 
-// Rounding of both invariants taken back.
+// Symmetrises the matrix and scales it to determinant 1, which removes rounding.
 Matrix3d of_unit_volume(const Matrix3d& m) {
   const Matrix3d symmetric = 0.5 * (m + m.transpose());
   return symmetric / std::cbrt(symmetric.determinant());
 }
 
-// The positive matrix deviator + beta I of determinant 1. Its mean eigenvalue is beta, which the geometric
-// mean 1 never exceeds; above 1 the determinant is convex and grows with beta, so Newton's steps come down to
-// the one root.
+// The positive definite matrix deviator + beta I of determinant 1. Its mean eigenvalue is beta, which is at
+// least 1, the geometric mean. There the determinant is convex and increases with beta, so Newton's method
+// decreases monotonically to the only root.
 Matrix3d with_unit_volume(const Matrix3d& deviator) {
   const Vector3d values = EigenSolver(deviator, Eigen::EigenvaluesOnly).eigenvalues();
-  double beta = 1.0 - values[0];  // values[0] is the least: every factor is 1 or more
+  double beta = 1.0 - values[0];  // values[0] is the smallest, so every factor is >= 1
   for (int i = 0; i < 60; ++i) {
     const Vector3d x = values.array() + beta;
     const double step = (x.prod() - 1.0) / (x[0] * x[1] + x[1] * x[2] + x[2] * x[0]);
@@ -51,8 +51,7 @@ Matrix3d with_unit_volume(const Matrix3d& deviator) {
   return of_unit_volume(deviator + beta * Matrix3d::Identity());
 }
 
-// exp(s ln D) with the largest s <= 1 that keeps |exp(s ln D) - I| within the limit: the distance grows with
-// s.
+// exp(s ln D) with the largest s <= 1 for which |exp(s ln D) - I| <= limit. The distance increases with s.
 Matrix3d within_limit(const Matrix3d& plastic_part, double limit) {
   if ((plastic_part - Matrix3d::Identity()).norm() <= limit) return plastic_part;
   const EigenSolver solver(plastic_part);
@@ -68,10 +67,10 @@ Matrix3d within_limit(const Matrix3d& plastic_part, double limit) {
 
 }  // namespace
 
-// The width b of a bar stretched to 1 + y with free sides, by the energy of the cells (elastic-study.md 2.2):
+// Width b of a bar stretched to 1 + y with free sides, from the cells' energy (elastic-study.md 2.2):
 //   2 mu (b - 1) + lambda (det F - 1) (1 + y) b = 0,  det F = (1 + y) b²,  lambda / 2 mu = nu / (1 - 2 nu).
-// Both terms grow with b from (1 + y)^(-1/2), where the second is zero, and are convex: Newton from 1 comes
-// down.
+// Both terms increase with b from (1 + y)^(-1/2), where the second is zero, and are convex. Newton's method
+// starts at 1 and decreases monotonically.
 YieldSurface yield_surface(double plasticity, double poisson_ratio) {
   const double p = std::clamp(plasticity, 0.0, 1.0), nu = std::clamp(poisson_ratio, 0.0, 0.49);
   const double length = 1.0 + (1.0 - p), ratio = nu / (1.0 - 2.0 * nu);
@@ -100,7 +99,7 @@ PlasticFlow flow_plastically(const YieldSurface& surface, const Matrix3d& elasti
   double left = surface.radius;
   if (limited != flowed) {
     left = deviator(stretch - limited).norm();
-    if (!(left < size * (1.0 - 1e-12))) return none;  // at the limit already, and pushed outward
+    if (!(left < size * (1.0 - 1e-12))) return none;  // at the limit and pushed outwards
   }
   return {limited, size * size - left * left, true};
 }

@@ -5,11 +5,10 @@
 
 namespace livegs {
 
-// Fragments of one object, at most.
+// Maximum number of bodies of one object (fragments after a fracture).
 inline constexpr uint32_t kMaxBodiesOfObject = 256;
 
-// A body by one number, unique in the world: of an elastic object the only one, of a rigid one that or a
-// fragment.
+// Number of a body, unique in the world. An elastic object has one body; a rigid object has one per fragment.
 inline uint64_t body_id_of(uint32_t object_id, uint32_t body_index = 0) {
   return uint64_t{object_id} * kMaxBodiesOfObject + body_index;
 }

@@ -8,15 +8,15 @@
 namespace livegs {
 namespace {
 
-// The part of the motion that is split off turns by no more than this in a step, rad; beyond so many steps it
-// is faster than anything that is looked at.
+// The rotation of the y-z difference per step is at most kMaxSplitTurn_rad (rad). At more than
+// kMaxRotationSteps steps the body rotates too fast to be resolved visually.
 constexpr double kMaxSplitTurn_rad = 0.05, kMaxRotationSteps = 64.0;
 
 }  // namespace
 
 Eigen::Quaterniond rotation_exp(const Eigen::Vector3d& angle_rad) {
   const double half = 0.5 * angle_rad.norm();
-  // sin(x)/x by its series where the quotient would lose digits: the next term is below 1e-17 there.
+  // The series of sin(x)/x avoids cancellation near 0: the next term is below 1e-17 there.
   const double sinc = half > 1e-4 ? std::sin(half) / half : 1.0 - half * half / 6.0;
   Eigen::Quaterniond turn;
   turn.w() = std::cos(half);
@@ -31,8 +31,8 @@ Eigen::Matrix3d rotated_tensor(const Eigen::Quaterniond& world_from_body, const 
 
 PrincipalAxes principal_axes(const Eigen::Matrix3d& inertia) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solved(inertia);
-  const Eigen::Vector3d inverse = solved.eigenvalues().cwiseInverse();  // falling
-  // The first and the last axis are the candidates to be unlike; columns turn in a circle, so that they stay
+  const Eigen::Vector3d inverse = solved.eigenvalues().cwiseInverse();  // descending
+  // The distinct moment is the first or the last one. Columns are permuted cyclically, which keeps the axes
   // right-handed.
   const int first = inverse[0] - inverse[1] > inverse[1] - inverse[2] ? 0 : 2;
   Eigen::Matrix3d axes;
@@ -55,7 +55,7 @@ Eigen::Quaterniond rotate_freely(const Eigen::Quaterniond& orientation, const Pr
   const double step_s = duration_s / steps;
   const Eigen::Quaterniond ball = rotation_exp(step_s * reference * momentum);
   Eigen::Quaterniond turned = orientation * axes.body_from_axes;
-  // About an axis of the body, at the rate of the momentum along it, which such a turn leaves as it is.
+  // Rotates about a body axis at the rate of the momentum along it, which the rotation leaves unchanged.
   const auto turn_about = [&](int axis, double rate_per_momentum) {
     if (rate_per_momentum == 0.0) return;
     const double along = (turned * Eigen::Vector3d::Unit(axis)).dot(momentum);

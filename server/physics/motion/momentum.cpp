@@ -55,6 +55,7 @@ Vector3d solve_inertia(const Matrix3d& inertia, const Vector3d& l) {
 }
 
 Quaterniond extract_rotation(const Matrix3d& matrix, const Quaterniond& warm) {
+  // Iteration limit; Newton from a close start needs few.
   constexpr int kMaxTurns = 40;
   const double size = matrix.norm();
   if (!(size > 0.0)) return warm;
@@ -63,12 +64,12 @@ Quaterniond extract_rotation(const Matrix3d& matrix, const Quaterniond& warm) {
     const Matrix3d m = q.toRotationMatrix().transpose() * matrix / size;
     const Vector3d tau(m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1));
     const Matrix3d k = m.trace() * Matrix3d::Identity() - 0.5 * (m + m.transpose());
-    // A cord sixteen times as long as thick has 4e-3 here.
+    // Slender bodies have small determinants: a cord of aspect ratio 16 has 4e-3.
     const bool upright =
         k(0, 0) > 1e-5 && k(0, 0) * k(1, 1) - k(0, 1) * k(0, 1) > 1e-8 && k.determinant() > 1e-12;
     if (!upright && i > 0) {
-      // Far away, and perhaps slender: all at once. What has no second direction keeps the turn about its
-      // first.
+      // Far from the solution, and possibly slender: use the SVD. A matrix of rank 1 keeps the rotation about
+      // its axis.
       const Eigen::JacobiSVD<Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
       if (svd.singularValues()[1] > 1e-5 * svd.singularValues()[0]) {
         Matrix3d u = svd.matrixU();

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <span>
 
-// The motion of a set of point masses as a whole: what an elastic body shares with a rigid one.
+// Rigid part of the motion of a set of point masses: mass, centre, momentum, angular momentum and inertia.
 
 namespace livegs {
 
@@ -24,13 +24,13 @@ BodyMomentum body_momentum(std::span<const Eigen::Vector3d> positions_m,
                            std::span<const Eigen::Vector3d> velocities_m_s,
                            std::span<const double> masses_kg);
 
-// The angular velocity with angular momentum `l`. Turning about an axis that all masses lie on is nothing:
-// such directions are left out.
+// Angular velocity for the angular momentum `l`. Axes with a negligible moment (all masses on a line) are
+// omitted.
 Eigen::Vector3d solve_inertia(const Eigen::Matrix3d& inertia, const Eigen::Vector3d& l);
 
-// The rotation of `matrix` (its polar factor; the nearest upright one for a flattened or inverted matrix),
-// starting from `warm`: Newton's form of Müller et al. 2016, A robust method to extract the rotational part
-// of deformations.
+// Rotation factor of `matrix` (polar decomposition; the nearest proper rotation for a flattened or inverted
+// matrix). Newton's method from `warm`: Müller et al. 2016, A robust method to extract the rotational part of
+// deformations.
 Eigen::Quaterniond extract_rotation(const Eigen::Matrix3d& matrix, const Eigen::Quaterniond& warm);
 
 }  // namespace livegs

@@ -7,11 +7,11 @@
 
 namespace livegs {
 
-// Metres per second; scenes stay below 100. Smaller: shots of balls may be stopped. Larger: divergence is
-// seen later.
+// Speed limit, m/s; scenes stay below 100. Smaller: fast shots may be stopped. Larger: divergence is detected
+// later.
 inline constexpr double kMaxValidSpeed_m_s = 1e6;
-// Metres from the origin, an axis; scenes stay below 1000. Beyond it a double resolves 0.1 µm, too little for
-// contact.
+// Coordinate limit per axis, m; scenes stay below 1000. Beyond it a double resolves only 0.1 µm, too coarse
+// for contact.
 inline constexpr double kMaxValidCoordinate_m = 1e9;
 
 inline bool is_valid_position(const Eigen::Vector3d& position_m) {

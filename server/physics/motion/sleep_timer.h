@@ -3,17 +3,17 @@
 
 namespace livegs {
 
-// When a body has been still for long enough to sleep.
+// Sleep state of a body: it may sleep after kStillTime_s below kStillSpeed_m_s.
 class SleepTimer {
  public:
   explicit SleepTimer(bool may_sleep) : may_sleep_(may_sleep) {}
 
-  // A node faster than this, in the world frame, keeps its body awake.
+  // A body with a node faster than this (world frame) stays awake. Larger: slow motion may stop.
   static constexpr double kStillSpeed_m_s = 0.02;
   static constexpr double kStillTime_s = 0.5;
 
-  // Once a frame; true when the body falls asleep now. A body that is forced, or falls, is not at rest; one
-  // that waits for its company only becomes rested.
+  // Call once per tick. Returns true if the body falls asleep now. Unsupported bodies and bodies under a
+  // force are not still. A deferred body only becomes able to sleep.
   bool tick(double frame_s, double fastest_m_s, bool supported, bool forced) {
     if (!may_sleep_ || asleep_) return false;
     still_s_ = fastest_m_s < kStillSpeed_m_s && supported && !forced ? still_s_ + frame_s : 0.0;

@@ -7,10 +7,12 @@
 namespace livegs {
 namespace {
 
-constexpr double kFastPairThicknesses = 6.0;  // in a substep, of the two thicknesses together
-constexpr double kMaxTurn_rad = 0.25;         // rad, of the smaller one when a corner of it is stopped
+constexpr double kFastPairThicknesses = 6.0;  // displacement per substep, relative to both thicknesses
+// rotation of the smaller body per sub-interval after a corner is stopped
+constexpr double kMaxTurn_rad = 0.25;
+// Maximum number of sub-intervals. Larger: faster thin pairs are resolved, more time.
 constexpr int kMaxCcdSubsteps = 32;
-constexpr size_t kMaxContactSubsteps = 1024;  // manifolds times parts
+constexpr size_t kMaxContactSubsteps = 1024;  // manifolds times sub-intervals
 
 double thickness_m(const RigidShape& shape) {
   return shape.convex ? 2.0 * shape.inner_radius_m : shape.wall_m;

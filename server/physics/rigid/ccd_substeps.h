@@ -5,10 +5,10 @@
 
 namespace livegs {
 
-// In how many equal parts an island's substep is done, each with contacts of its own: 1 but where two free
-// bodies that are not balls come at each other by many times their thickness in a substep. A corner that is
-// stopped there turns the body over within the substep, and contacts that were found at its start say nothing
-// of the face that comes then. What joints hold, and islands of very many contacts, are not cut up.
+// Number of sub-intervals of an island's substep; contacts are recomputed in each. Greater than 1 only if two
+// free, non-spherical bodies approach by several times their thickness per substep. A stopped corner then
+// turns a body over within the substep, and contacts found at its start miss the faces that arrive later.
+// Islands with joints or very many contacts are not subdivided.
 int ccd_substeps(const RigidIsland& island, double duration_s);
 
 }  // namespace livegs

@@ -7,11 +7,12 @@
 namespace livegs {
 namespace {
 
-constexpr double kMaxMassRatio = 12.5;  // of masses, that the usual steps bear: 1:10 sags by 0.1 mm
+constexpr double kMaxMassRatio = 12.5;  // mass ratio that the default steps support without visible sag
+// Maximum factor on solver steps. Larger: less sag at high mass ratios, more time.
 constexpr int kMaxStepFactor = 4;
-constexpr int kMaxManifoldSteps = 256;  // times steps
-constexpr double kSupportCosine =
-    0.5;  // cosine of a normal with the vertical, from which on one body lies on another
+constexpr int kMaxManifoldSteps = 256;  // manifolds times the factor
+// Minimum cosine between a supporting normal and the vertical.
+constexpr double kSupportCosine = 0.5;
 
 }  // namespace
 
@@ -22,7 +23,7 @@ int mass_ratio_substeps(const RigidIsland& island, const Eigen::Vector3d& gravit
     const RigidBody &owner = *contact.owner, *other = contact.manifold->other;
     if (owner.joints || (other && other->joints)) return 1;
     if (!other || other->asleep || owner.asleep) continue;
-    const double up = -contact.manifold->normal.dot(gravity_m_s2);  // the normal points to the owner
+    const double up = -contact.manifold->normal.dot(gravity_m_s2);  // the normal points towards the owner
     if (std::abs(up) <= upwards) continue;
     ratio = std::max(ratio, up > 0.0 ? owner.mass_kg / other->mass_kg : other->mass_kg / owner.mass_kg);
   }

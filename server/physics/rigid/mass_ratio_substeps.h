@@ -5,10 +5,10 @@
 
 namespace livegs {
 
-// How many times as many solver steps an island takes as one in which nothing heavy lies on something light:
-// 1 to 4. Contacts are as stiff as the square of the step rate, so that what bears r times its mass sinks by
-// r / (steps)², and weight finds its way down a stack of light things in as many steps fewer. What joints
-// hold, and islands of very many contacts, take no more.
+// Factor on the number of solver steps of an island with a heavy body on a light one: 1 to 4. Contact
+// stiffness grows with the square of the step rate: a body under r times its mass sinks in proportion to r /
+// factor², and weight propagates down a stack in fewer substeps. Islands with joints or very many contacts
+// use 1.
 int mass_ratio_substeps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_s2);
 
 }  // namespace livegs

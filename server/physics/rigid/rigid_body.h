@@ -18,63 +18,65 @@ namespace livegs {
 class JointGroup;
 struct RigidSpring;
 
-// One rigid body or ball in motion. World frame unless a name says body; the body's origin is its centre of
-// mass. One thread at a time. The velocity solver reads and writes velocity, angular velocity and angular
-// momentum together through apply_impulse; everything else reads.
+// A rigid body or ball. World frame unless a name says body; the body's origin is its centre of mass. Used by
+// one thread at a time. The velocity solver changes velocity, angular velocity and angular momentum together
+// through apply_impulse; other code only reads them.
 struct RigidBody {
   uint32_t object_id = 0;
-  uint32_t body_index = 0;  // within the object: 0 until it breaks; under kMaxBodiesOfObject
-  Eigen::Vector3d rest_centre_m = Eigen::Vector3d::Zero();  // the centre of mass at rest, object frame
+  uint32_t body_index = 0;  // within the object; 0 until it breaks; < kMaxBodiesOfObject
+  Eigen::Vector3d rest_centre_m = Eigen::Vector3d::Zero();  // centre of mass at rest, object frame
   RigidShape shape;
 
   double mass_kg = 0.0;
-  Eigen::Matrix3d unit_inertia_body = Eigen::Matrix3d::Identity();  // of 1 kg: by set_unit_inertia
-  PrincipalAxes unit_axes;                                          // of it
+  Eigen::Matrix3d unit_inertia_body = Eigen::Matrix3d::Identity();  // per kg; set by set_unit_inertia
+  PrincipalAxes unit_axes;                                          // of unit_inertia_body
   double friction = 0.5;
   double restitution = 0.2;
 
   Pose world_from_body;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();  // about the centre of mass, kg m²/s: the state
-  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  // follows from it: see update_turning
+  // State variable; about the centre of mass, kg m²/s.
+  Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  // derived, see update_turning
 
   bool asleep = false;
-  // Over the tick: an elastic body bears or pushes it; and one of its company is not ready to sleep.
+  // During the tick: in contact with an elastic body; a member of its sleep island cannot sleep yet.
   bool in_elastic_contact = false, island_awake = false;
-  double still_s = 0.0;  // for how long it has been slower than the sleep speed
-  uint64_t sleep_group =
-      0;              // bodies that fell asleep together wake together: the lowest id of them, plus one
-  uint32_t slot = 0;  // its place in the list that is being worked on
+  double still_s = 0.0;  // time below the sleep speed
+  // Group of bodies that fell asleep together and wake together: their lowest id plus one.
+  uint64_t sleep_group = 0;
+  uint32_t slot = 0;  // index in the list being processed
 
-  // What resists an impulse now; zero while asleep, so that a sleeper is as good as a wall.
+  // Inverse mass and inertia for the solver; zero while asleep, so that a sleeping body acts as static.
   double inverse_mass = 0.0;
   Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();
 
   Eigen::Vector3d substep_velocity_m_s = Eigen::Vector3d::Zero();  // at the start of the substep
   Eigen::Vector3d substep_acceleration_m_s2 = Eigen::Vector3d::Zero();
-  bool pushed_by_owner = false;            // in this substep, by a manifold that another body owns
-  bool has_body_contact = false;           // in this substep, as owner or not
-  std::vector<RigidBody*> near;            // pairs this body owns: ascending id, see rigid_broad_phase.h
-  std::vector<ContactManifold> manifolds;  // where this body is the first of the pair
-  std::vector<ContactManifold> previous_manifolds;  // of the substep before, for warm starting
+  bool pushed_by_owner = false;   // in this substep, by a manifold of another owner
+  bool has_body_contact = false;  // in this substep, as either body of a pair
+  // Partners in the pairs that this body owns, ascending id (rigid_broad_phase.h).
+  std::vector<RigidBody*> near;
+  std::vector<ContactManifold> manifolds;           // of the pairs that this body owns
+  std::vector<ContactManifold> previous_manifolds;  // of the previous substep, for warm starting
 
-  std::vector<RigidSpring*> springs;  // that hands hold it by, in this substep
-  JointGroup* joints = nullptr;       // the bodies it hangs together with by joints; nullptr: none
+  std::vector<RigidSpring*> springs;  // in this substep
+  JointGroup* joints = nullptr;       // group of jointed bodies; nullptr: none
 
-  // Over the tick: from all that touches it, and, for its object's events, without what other bodies of the
-  // object gave.
+  // Contact impulses over the tick, from all contacts and, for events, without other bodies of the same
+  // object.
   double contact_impulse_n_s = 0.0;
   double external_contact_impulse_n_s = 0.0;
   Eigen::Vector3d external_contact_moment = Eigen::Vector3d::Zero();  // impulse times point
-  double last_tick_contact_impulse_n_s = 0.0;                         // contact_impulse_n_s of the last tick
-  bool can_break = false;  // it has pieces: its impacts are counted
+  double last_tick_contact_impulse_n_s = 0.0;                         // of the last tick
+  bool can_break = false;  // it has pieces, so impacts are recorded
   ImpactRecord impacts;
-  double tick_energy_j = 0.0;  // of its motion and its weight, at the start of the tick
+  double tick_energy_j = 0.0;  // kinetic and potential energy at the start of the tick
 
-  // Unique in a world and ascending as its list of bodies; below kColliderBit.
+  // Unique in a world and ascending in its list of bodies; below kColliderBit.
   uint64_t body_id() const { return body_id_of(object_id, body_index); }
 
-  // Where a material point (object frame, at rest) is, from the centre of mass, world axes.
+  // Arm of a material point (object frame at rest) from the centre of mass, world axes.
   Eigen::Vector3d arm_of(const Eigen::Vector3d& rest_point_m) const {
     return world_from_body.orientation * (rest_point_m - rest_centre_m);
   }
@@ -84,18 +86,18 @@ struct RigidBody {
   }
   void wake();
   void set_unit_inertia(const Eigen::Matrix3d& of_one_kg);
-  // Refreshes what follows from orientation, angular momentum and sleep.
+  // Updates the values derived from orientation, angular momentum and sleep.
   void update_turning();
   void set_angular_velocity(const Eigen::Vector3d& velocity_rad_s);
-  // An impulse at `arm_m` from the centre of mass.
+  // Applies an impulse at `arm_m` from the centre of mass.
   void apply_impulse(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m);
   void apply_angular_impulse(const Eigen::Vector3d& impulse);
-  // Moves by the present velocities. Where no contact held it, displacement is the mean of the velocities
-  // before and after (exact for a constant acceleration, sliding included); along the normals of contacts
-  // that pushed, it is that after. Impulses between two bodies move them by the velocity after, which keeps
-  // their angular momentum; so do the springs of hands, which reckon with it.
+  // Integrates the pose. Without contact the displacement uses the mean of the velocities before and after
+  // the substep (exact for constant acceleration, including sliding). Along the normals of pushing contacts
+  // it uses the velocity after. Impulses between two bodies and springs also act with the velocity
+  // after, which conserves angular momentum.
   void move(double duration_s);
-  // How move() would move it now.
+  // Predictions of move() for the current velocities.
   Eigen::Vector3d mean_velocity(double duration_s) const;  // of the centre of mass
   Eigen::Quaterniond orientation_after(double duration_s) const;
 
@@ -104,13 +106,14 @@ struct RigidBody {
   }
 };
 
-// Slower than this at three points of the body for kTimeToSleep_s, and touching something: it sleeps. At a
-// size of 1 m 0.03 m/s (Jolt's value), with the square root of size below, as speeds under gravity go.
+// Sleep criterion: slower than this at three points for kTimeToSleep_s, in contact. The speed is for a size
+// of 1 m (Jolt's value) and scales with the square root of size below, like speeds under gravity. Larger:
+// bodies sleep earlier and may stop while moving visibly.
 inline constexpr double kSleepSpeed_m_s = 0.03;
 inline constexpr double kTimeToSleep_s = 0.5;
 double sleep_speed_m_s(const RigidShape& shape);
-// The largest speed of the centre of mass, which moves with `velocity_m_s`, and of two points at right angles
-// on the bounding sphere.
+// Maximum speed of the centre of mass, moving with `velocity_m_s`, and of two points at right angles on the
+// bounding sphere.
 double three_point_speed_m_s(const RigidBody& body, const Eigen::Vector3d& velocity_m_s);
 
 }  // namespace livegs

@@ -12,11 +12,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Wider boxes are found again less often and have more neighbours.
-constexpr double kBoxMargin = 0.05;        // of the bounding radius
-constexpr double kExpectedSubsteps = 8.0;  // of motion at the present speed
+// Enlargement of boxes. Larger: fewer updates, more pairs.
+constexpr double kBoxMargin = 0.05;        // relative to the bounding radius
+constexpr double kExpectedSubsteps = 8.0;  // substeps of motion at the current speed
 
-// The box the body may sweep in `time_s`, turning included.
+// Box swept by the body in `time_s`, including rotation.
 void body_box(const RigidBody& body, double margin_m, double time_s, double gravity_m_s2, Vector3d& low,
               Vector3d& high) {
   const double radius = body.shape.bounding_radius_m;
@@ -66,7 +66,7 @@ void RigidBroadPhase::update(std::span<RigidBody* const> bodies, double gravity_
 }
 
 void RigidBroadPhase::find_pairs() {
-  // Along the axis where the bodies are spread the widest.
+  // Sorts along the axis of the largest variance.
   Vector3d mean = Vector3d::Zero(), square = Vector3d::Zero();
   for (const Box& box : boxes_) {
     const Vector3d middle = 0.5 * (box.low + box.high);

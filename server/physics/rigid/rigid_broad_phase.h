@@ -10,15 +10,15 @@
 
 namespace livegs {
 
-// Which rigid bodies may touch: boxes around them, wider than the bodies by a margin and by some ticks'
-// motion, sorted along one axis. The pairs stay good until a body leaves its box, so that they are looked for
-// only now and then. Pairs of two sleepers are left out. One thread.
+// Sweep and prune over bounding boxes, enlarged by a margin and by the motion of some substeps. Pairs stay
+// valid until a body leaves its box, so they are rarely recomputed. Pairs of two sleeping bodies are omitted.
+// Not thread-safe.
 class RigidBroadPhase {
  public:
-  // Fills body.near of every body: the partners it owns (a ball before a mesh, then the lower id), ascending.
-  // Does nothing while all bodies are where they were expected. `bodies` in ascending id.
+  // Fills body.near of every body with the partners it owns, ascending. The owner is a ball before a mesh,
+  // then the lower id. Does nothing while all bodies are within their boxes. `bodies` is in ascending id.
   void update(std::span<RigidBody* const> bodies, double gravity_m_s2, double duration_s);
-  // Bodies were added, removed, woken or sent to sleep.
+  // Call after bodies were added, removed, woken or put to sleep.
   void invalidate() { known_ = false; }
 
  private:
@@ -29,12 +29,12 @@ class RigidBroadPhase {
   void find_pairs();
 
   bool known_ = false;
-  std::vector<Box> boxes_;       // of `bodies`, in their order
-  std::vector<uint32_t> order_;  // of boxes_, by their low end along axis_
+  std::vector<Box> boxes_;       // parallel to `bodies`
+  std::vector<uint32_t> order_;  // indices of boxes_, sorted by the lower end along axis_
   int axis_ = 0;
 };
 
-// The first of a pair, whose manifolds theirs are.
+// Whether `a` owns the pair and stores its manifolds.
 bool owns_pair(const RigidBody& a, const RigidBody& b);
 
 }  // namespace livegs

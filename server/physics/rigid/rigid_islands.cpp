@@ -10,9 +10,9 @@
 namespace livegs {
 
 namespace {
-// What a body would fall in a substep of a 240th of a second: a sleeper nearer than that below one that is
-// awake is woken, since nobody knows yet that something else holds it. Such two have to fall asleep together,
-// or they take turns for good.
+// Free fall in a substep of 1/240 s, m. A sleeping body closer than this below an awake one is woken, because
+// it may be supported by it. The two have to fall asleep together; otherwise they wake each other
+// alternately.
 constexpr double kNearlyTouching_m = 2.5e-4;
 }  // namespace
 
@@ -37,7 +37,7 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
         sets.join(body->slot, manifold.other->slot);
     }
   }
-  // Roots are the lowest of their sets, so islands come in ascending id.
+  // Roots are the smallest elements of their sets, so islands are in ascending id.
   std::vector<RigidIsland> islands;
   std::vector<uint32_t> island_of(bodies.size(), 0);
   for (RigidBody* body : bodies) {

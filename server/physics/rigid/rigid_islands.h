@@ -9,24 +9,25 @@
 
 namespace livegs {
 
-// Awake bodies that touch each other directly or through others, and all their contacts. Walls and sleepers
-// do not join what they touch. Islands share nothing that is written, so that each is one thread's.
+// Simulation island: awake bodies connected by contacts, and their contacts. Static and sleeping bodies do
+// not connect islands. Islands share no mutable data, so each is solved by one thread.
 struct RigidIsland {
   struct Contact {
     RigidBody* owner;
     ContactManifold* manifold;
   };
-  std::vector<RigidBody*> bodies;  // the lowest first, against gravity: sweeps go from the ground up
-  std::vector<Contact> contacts;   // in the order of their owners
+  std::vector<RigidBody*> bodies;  // from the ground up, so that sweeps start at the bottom
+  std::vector<Contact> contacts;   // ordered by owner
 };
 
-// The islands of `bodies` (ascending id), ordered by the lowest id in them. `manifolds_join`: every manifold,
-// or those that touch only (for sleep). Sleeping owners' manifolds with awake bodies count too.
+// Islands of `bodies` (ascending id), ordered by their lowest id. `link` selects the manifolds that connect
+// bodies: all, or only touching ones (for sleep). Manifolds of sleeping owners with awake bodies are
+// included.
 enum class IslandLink { AnyManifold, TouchingManifold };
 std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, IslandLink link,
                                        const Eigen::Vector3d& gravity_m_s2);
 
-// Pressed together, overlapping, or nearer than a body falls in a substep.
+// Whether the contact pushes, overlaps, or is closer than a body falls in one substep.
 bool is_touching(const ContactManifold& manifold);
 
 }  // namespace livegs

@@ -35,7 +35,7 @@ std::optional<double> ray_cast(const RigidBody& body, const Eigen::Vector3d& ori
     const Eigen::Vector3d ac = body.shape.mesh.vertices_m[triangle[2]] - corner;
     const Eigen::Vector3d p = ray.cross(ac);
     const double determinant = ab.dot(p);
-    if (determinant <= 0.0) continue;  // parallel, or seen from behind
+    if (determinant <= 0.0) continue;  // parallel or back-facing
     const Eigen::Vector3d t = origin - corner;
     const double u = t.dot(p);
     if (u < 0.0 || u > determinant) continue;

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// Distance along the unit `direction` to the first surface of the body that faces the ray: its triangles, or
-// a ball's sphere. Nothing when the ray misses or starts inside a ball.
+// Distance along the unit `direction` to the first front-facing surface of the body: its triangles, or the
+// sphere of a ball. nullopt if the ray misses or starts inside a ball.
 std::optional<double> ray_cast(const RigidBody& body, const Eigen::Vector3d& origin_m,
                                const Eigen::Vector3d& direction);
 

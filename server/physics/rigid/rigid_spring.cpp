@@ -15,8 +15,8 @@
 namespace livegs {
 namespace {
 
-// The mean velocity of the point over the step: with the arm's turn in it, a body that swings round the point
-// is held on its circle instead of being flung outwards.
+// Mean velocity of the point over the step. It includes the rotation of the arm, so that a body swinging
+// about the point stays on its circle.
 Eigen::Vector3d point_velocity(const RigidBody& body, const RigidSpring& spring, double step_s) {
   const Eigen::Vector3d turned = rotation_exp(step_s * body.angular_velocity_rad_s) * spring.arm_m;
   return body.velocity_m_s + (turned - spring.arm_m) / step_s;
@@ -39,15 +39,15 @@ void prepare_spring(RigidBody& body, RigidSpring& spring, double step_s) {
   if (spring.turn_rad_s > 0.0) {
     const Eigen::AngleAxisd apart(spring.target_orientation * body.world_from_body.orientation.conjugate());
     spring.twist_rad = std::remainder(apart.angle(), 2.0 * std::numbers::pi) * apart.axis();
-    // In proportion to the inertia, so that thin things turn as well damped about each axis.
+    // Proportional to the inertia, so that slender bodies are equally damped about each axis.
     const Eigen::Matrix3d inertia =
         rotated_tensor(body.world_from_body.orientation, body.mass_kg * body.unit_inertia_body);
     spring.turn_stiffness = spring.turn_rad_s * spring.turn_rad_s * inertia;
     spring.turn_rate = 2.0 * spring.turn_rad_s * inertia + step_s * spring.turn_stiffness;
   }
   const Eigen::Matrix3d cross = cross_matrix(spring.arm_m);
-  Eigen::Matrix<double, 6, 6>
-      response;  // of the point's velocity and the spin to an impulse at it and a turn
+  // Response of the point's velocity and the spin to an impulse at the point and an angular impulse.
+  Eigen::Matrix<double, 6, 6> response;
   response.topLeftCorner<3, 3>() =
       body.inverse_mass * Eigen::Matrix3d::Identity() - cross * body.inverse_inertia * cross;
   response.topRightCorner<3, 3>() = -cross * body.inverse_inertia;
@@ -65,8 +65,8 @@ void prepare_spring(RigidBody& body, RigidSpring& spring, double step_s) {
   apply(body, spring, step_s * spring.force_n, step_s * spring.torque_n_m);
 }
 
-// F = k (d + h (u - v')) + c (u - v'), u the target's velocity, v' that of the point with F in it; likewise
-// the torque.
+// F = k (d + h (u - v')) + c (u - v'), with the target's velocity u and the point's velocity v' including F.
+// The torque is analogous.
 void solve_spring(RigidBody& body, RigidSpring& spring, double step_s) {
   Eigen::Matrix<double, 6, 1> missing;
   missing.head<3>() =

@@ -8,33 +8,33 @@ namespace livegs {
 
 struct RigidBody;
 
-// A damped spring from a point of a rigid body to a moving place in the world, and, for a hand that grabs,
-// from the body's orientation to one in the world. Solved as soft rows among the contacts: the force is that
-// of the positions and velocities at the end of the step, with gravity, contacts and joints in them, so that
-// any stiffness and mass are stable and at rest force is stiffness times stretch. Damping is critical for the
-// mass felt at the point. Both force and torque are bounded, whatever the target does.
+// A damped spring from a point of a rigid body to a moving target; for grabs also from the body's orientation
+// to a target orientation. Solved implicitly as soft constraint rows together with gravity, contacts and
+// joints, so it is stable for any stiffness and mass, and at rest the force is stiffness times stretch.
+// Damping is critical for the effective mass at the point. Force and torque are bounded for any target
+// motion.
 struct RigidSpring {
   Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();  // object frame
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero(), target_velocity_m_s = Eigen::Vector3d::Zero();
   double stiffness_n_m = 0, max_force_n = 0;
-  double turn_rad_s =
-      0;  // the frequency at which orientation follows, about every axis; 0: the body turns freely
+  // Angular frequency of the orientation spring about every axis; 0: rotation is free.
+  double turn_rad_s = 0;
   double max_torque_n_m = 0;
   Eigen::Quaterniond target_orientation = Eigen::Quaterniond::Identity();  // world from body
   Eigen::Vector3d target_spin_rad_s = Eigen::Vector3d::Zero();
 
-  // Of the last step; the next one starts from it.
+  // Result of the last step, used for warm starting.
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero(), torque_n_m = Eigen::Vector3d::Zero();
 
-  // Of the step: how the body answers, where it starts.
+  // Per-step data: response of the body and initial errors.
   Eigen::Vector3d arm_m = Eigen::Vector3d::Zero(), stretch_m = arm_m, twist_rad = arm_m;
-  double rate = 0;  // N s/m: what a velocity changes the force by, within the step
+  double rate = 0;  // N s/m: change of the force per velocity within the step
   Eigen::Matrix3d turn_rate = Eigen::Matrix3d::Zero(), turn_stiffness = turn_rate;  // N m s, N m
   Eigen::Matrix<double, 6, 6> inverse = Eigen::Matrix<double, 6, 6>::Identity();
 };
 
-// The parts of one step, in the order of use: prepare, which starts with the force of the step before, then
-// solve in each sweep of the push.
+// Phases of one step, in order: prepare_spring (applies the previous force), then solve_spring in each sweep
+// of the push phase.
 void prepare_spring(RigidBody& body, RigidSpring& spring, double step_s);
 void solve_spring(RigidBody& body, RigidSpring& spring, double step_s);
 

@@ -20,18 +20,19 @@
 namespace livegs {
 namespace {
 
-// A substep's contacts, found once, are solved in this many short steps of one sweep each: against heavy
-// things on light ones and tall stacks that does more than as many sweeps of one step (Macklin et al. 2019,
-// Small steps in physics simulation), since the contacts may be that much stiffer. The corners of a body that
-// strikes share the impact only after some sweeps of one step.
+// Solver steps per substep, with one sweep each; contacts are found once per substep. Small steps converge
+// better than iterations for high mass ratios and tall stacks (Macklin et al. 2019, Small steps in physics
+// simulation), because contacts may be stiffer. Impacts take several sweeps, so that the corners of a body
+// share the impulse.
 constexpr int kSolverSteps = 4;
+// Sweeps with bias per step.
 constexpr int kPushIterations = 1;
-constexpr int kRelaxIterations = 2;  // with one, a pyramid never comes to rest
+constexpr int kRelaxIterations = 2;  // with one, large piles do not come to rest
 constexpr int kImpactIterations = 4;
 
-constexpr int kMaxWarnings = 10;  // in a process
+constexpr int kMaxWarnings = 10;  // per process
 
-// What fell asleep together wakes together, and so does what is joined. Returns whether anything woke.
+// Bodies that fell asleep together, or are joined, wake together. Returns whether any body woke.
 bool wake_groups(std::span<RigidBody* const> bodies) {
   for (RigidBody* body : bodies) {
     if (!body->asleep && body->joints) body->joints->wake_together();
@@ -51,7 +52,7 @@ bool wake_groups(std::span<RigidBody* const> bodies) {
   return true;
 }
 
-// Whether the manifold will press within the substep; the last relaxing sweep looks a step farther.
+// Whether the manifold will push within the substep. The last relax sweep looks ahead one more step.
 bool will_touch(const RigidBody& owner, const ContactManifold& manifold, double duration_s) {
   for (int i = 0; i < manifold.point_count; ++i) {
     const ContactPoint& point = manifold.points[i];
@@ -67,7 +68,7 @@ bool will_touch(const RigidBody& owner, const ContactManifold& manifold, double 
   return false;
 }
 
-// Sleepers that will be touched wake before the contact is solved.
+// Wakes sleeping bodies that will be touched, before contacts are solved.
 bool wake_on_contact(std::span<RigidBody* const> bodies, double duration_s) {
   bool any = false;
   for (RigidBody* body : bodies) {
@@ -82,7 +83,7 @@ bool wake_on_contact(std::span<RigidBody* const> bodies, double duration_s) {
   return any;
 }
 
-// Contacts are looked for with the velocity that the body would have after the substep without them.
+// Integrates velocities without contacts; contact search uses the result.
 void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& gravity, double duration_s) {
   body.velocity_m_s += load.implicit_impulse_n_s / body.mass_kg;
   body.apply_angular_impulse(load.angular_impulse);
@@ -110,7 +111,7 @@ void report_contacts(RigidBody& body, ContactManifold& manifold) {
     if (!body.asleep) report_contact_point(body, manifold, manifold.other, point, point.normal, where);
     if (manifold.other && !manifold.other->asleep)
       report_contact_point(*manifold.other, manifold, &body, point, -point.normal, where);
-    // The impulse of an impact is no forecast of the next substep's.
+    // An impact's impulse is not an estimate for the next substep.
     if (point.impact_speed_m_s >= manifold.restitution_speed_m_s) {
       point.impulse_n_s = 0.0;
       struck = true;
@@ -139,7 +140,7 @@ void scale_restitution(ContactManifold& manifold, double part) {
   }
 }
 
-// What hands and joints gave in the step loads a body as contacts do.
+// Records loads of springs and joints, which strain a body like contacts.
 void record_held_loads(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s) {
   for (RigidBody* body : island.bodies) {
     if (!body->can_break) continue;
@@ -165,7 +166,7 @@ bool is_impact(const ContactManifold& manifold) {
   return false;
 }
 
-// Decides how the bodies will move, which their joints reckon with.
+// Selects the integration of the bodies (see RigidBody::move), which joints take into account.
 void mark_contacts(RigidBody& body, ContactManifold& manifold) {
   if (!manifold.other || total_impulse(manifold) <= 0.0) return;
   if (!body.asleep) body.has_body_contact = true;
@@ -179,7 +180,8 @@ bool has_finite_motion(const RigidBody& body) {
          body.angular_momentum.allFinite() && body.angular_velocity_rad_s.allFinite();
 }
 
-// What no longer moves finitely would take all that it touches along: the island stands still where it was.
+// Restores the start of the substep, at rest, for a diverged island. Otherwise non-finite values would spread
+// through contacts.
 void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses,
                               std::span<JointGroup* const> joints) {
   static std::atomic<int> warnings{0};
@@ -187,9 +189,9 @@ void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses,
                                  [](const RigidBody* body) { return !has_finite_motion(*body); });
   if (warnings.fetch_add(1) < kMaxWarnings) {
     log_warn(
-        "object %u: its motion ran out of bounds; it and what it touches are stopped where they were. Look "
-        "for parts "
-        "that overlap, or of very different mass, or raise substeps",
+        "object %u: motion diverged; its island is stopped at the last valid poses. Check for overlapping "
+        "parts "
+        "and large mass ratios, or increase substeps",
         (*lost)->object_id);
   }
   for (size_t i = 0; i < island.bodies.size(); ++i) {
@@ -209,14 +211,14 @@ void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses,
   for (JointGroup* group : joints) group->reset_impulses();
 }
 
-// Impulses are those of a step: the next one is `factor` as long.
+// Rescales accumulated impulses for the next step, which is `factor` times as long.
 void scale_impulses(ContactManifold& manifold, double factor) {
   for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].impulse_n_s *= factor;
   manifold.friction_impulse_n_s *= factor;
   manifold.twist_impulse *= factor;
 }
 
-// In `times` as many steps as is usual, each so much shorter; contacts keep impulses of the usual ones.
+// Solves an island in `times` as many steps as usual. Contacts keep the impulses of usual steps.
 void solve_island(RigidIsland& island, double duration_s, int times) {
   const auto each = [&](const auto& visit) {
     for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.manifold);
@@ -299,8 +301,8 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
   for (RigidBody* body : island.bodies) body->impacts.end_substep(*body, impact_fraction, duration_s);
 }
 
-// The substep in `parts`, each with contacts of its own. Its bodies meet nobody but each other, colliders and
-// sleepers: other islands may be on other threads.
+// Solves an island's substep in `ccd_count` parts, each with its own contacts. Its bodies only interact with
+// each other, colliders and sleeping bodies, because other islands may run on other threads.
 void solve_ccd_substeps(RigidIsland& island, std::span<const Collider> colliders, double gravity_m_s2,
                         double duration_s, int ccd_count) {
   const double part_s = duration_s / ccd_count;
@@ -356,7 +358,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
   accelerate_awake();
   broad_phase.update(bodies, gravity_m_s2.norm(), duration_s);
 
-  std::vector<RigidBody*> active;  // awake, or first of a pair with an awake one
+  std::vector<RigidBody*> active;  // awake, or owner of a pair with an awake body
   for (RigidBody* body : bodies) {
     const auto awake = [](const RigidBody* other) { return !other->asleep; };
     if (!body->asleep || std::any_of(body->near.begin(), body->near.end(), awake)) active.push_back(body);
@@ -366,7 +368,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
       find_contacts(*active[i], colliders, gravity_m_s2.norm(), duration_s);
   });
   if (wake_on_contact(active, duration_s)) {
-    // They start with the contacts that they fell asleep with.
+    // Woken bodies reuse the contacts from before they slept.
     wake_groups(bodies);
     broad_phase.invalidate();
     accelerate_awake();

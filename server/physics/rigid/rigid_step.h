@@ -10,23 +10,22 @@
 
 namespace livegs {
 
-// What pushes one rigid body through a substep besides gravity and contact.
+// External loads on a rigid body in one substep, except gravity and contact.
 struct RigidLoad {
-  Eigen::Vector3d impulse_n_s = Eigen::Vector3d::Zero();  // of forces: spread over the substep
-  // Of elastic bodies, which reckon with a body that moves by the velocity after it.
+  Eigen::Vector3d impulse_n_s = Eigen::Vector3d::Zero();  // from forces, spread over the substep
+  // From elastic bodies, which assume motion with the velocity after the impulse.
   Eigen::Vector3d implicit_impulse_n_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_impulse = Eigen::Vector3d::Zero();  // about the centre of mass
 };
 
-// One substep of all rigid bodies and balls (ascending id), `loads` in the same order. Contacts are found
-// again in each substep. A sleeper that is touched wakes, and with it all that fell asleep together; sleepers
-// cost nothing.
+// One substep of all rigid bodies and balls (ascending id), with `loads` in the same order. Contacts are
+// recomputed each substep. A sleeping body wakes on contact, with all bodies that fell asleep with it.
 void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const RigidLoad> loads,
                        std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2,
                        double duration_s, RigidBroadPhase& broad_phase);
 
-// The sleep test at the end of a tick. Bodies that touch each other sleep together, when all of them have
-// been still for long enough; sleepers lose what motion they have left.
+// Sleep test at the end of a tick. Touching bodies fall asleep together when all have been still for long
+// enough; their remaining velocity is set to zero.
 void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadPhase& broad_phase);
 
 }  // namespace livegs

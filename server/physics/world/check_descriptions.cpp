@@ -42,7 +42,7 @@ Result<void> check_mesh(uint32_t id, const TriangleMesh& mesh) {
   for (const auto& triangle : mesh.triangles) {
     for (const uint32_t index : triangle) {
       if (index >= mesh.vertices_m.size())
-        return refuse(id, "a triangle of the mesh names a vertex it does not have");
+        return refuse(id, "a triangle of the mesh refers to a missing vertex");
     }
   }
   return {};
@@ -66,7 +66,7 @@ Result<void> check_settings(const WorldSettings& settings) {
 
 Result<void> check_pose(uint32_t object_id, const Pose& pose) {
   LIVEGS_TRY(check_finite(object_id, "position_m", pose.position_m));
-  // Nine printed digits of a unit quaternion stay well within this.
+  // The tolerance admits quaternions printed with nine digits.
   if (!(std::abs(pose.orientation.norm() - 1.0) < 1e-3)) {
     return refuse(object_id, "orientation is not a unit quaternion");
   }
@@ -82,7 +82,8 @@ Result<void> check_material(uint32_t object_id, const Material& material) {
   LIVEGS_TRY(check_range(object_id, "loss_factor", material.loss_factor, 0.0, 2.0));
   LIVEGS_TRY(check_range(object_id, "friction", material.friction, 0.0, 2.0));
   LIVEGS_TRY(check_range(object_id, "restitution", material.restitution, 0.0, 1.0));
-  if (material.behavior == Behavior::Auto) return refuse(object_id, "behavior is AUTO; analyse it first");
+  if (material.behavior == Behavior::Auto)
+    return refuse(object_id, "behavior is AUTO; analyse the object first");
   return {};
 }
 
@@ -103,9 +104,9 @@ Result<void> check_rigid(const RigidBodyDescription& description) {
   if (!inertia.allFinite()) return refuse(id, "inertia is not finite");
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia, Eigen::EigenvaluesOnly);
   const Eigen::Vector3d moments = solver.eigenvalues();  // ascending
-  // A flat body has the largest moment equal to the sum of the others; no body has more.
+  // The largest moment is at most the sum of the other two; a flat body has equality.
   if (!(moments[0] > 0.0) || moments[2] > 1.001 * (moments[0] + moments[1])) {
-    return refuse(id, "inertia is not that of a body; is the mesh closed and oriented outwards?");
+    return refuse(id, "inertia is not physical; check that the mesh is closed and oriented outwards");
   }
   return {};
 }

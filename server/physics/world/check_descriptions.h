@@ -4,15 +4,15 @@
 #include "core/result.h"
 #include "physics/world.h"
 
-// What the world refuses, at its door: values that are not physical. Messages name the object, the field and
-// the range.
+// Validation of descriptions passed to the World. Errors name the object, the field and the range.
 
 namespace livegs {
 
 Result<void> check_settings(const WorldSettings& settings);
 Result<void> check_pose(uint32_t object_id, const Pose& pose);
 Result<void> check_material(uint32_t object_id, const Material& material);
-// Of what can break: below it standing would be an impact. The same range as a scene's.
+// Range of a breakable body's threshold, equal to the range in scene files. Below the minimum, standing would
+// count as an impact.
 inline constexpr double kMinBreakImpulse_n_s = 1e-6, kMaxBreakImpulse_n_s = 1e6;
 Result<void> check_break_impulse(uint32_t object_id, const Material& material);
 Result<void> check_rigid(const RigidBodyDescription& description);

@@ -9,7 +9,7 @@ namespace livegs {
 Eigen::Vector3d spring_force(const World::Spring& spring, const Eigen::Vector3d& target_velocity_m_s,
                              const ElasticBody& body, double mass_kg, double duration_s) {
   const ElasticAccuracy accuracy = body.accuracy();
-  // What resists at the point within one substep: the mass of a cell and the stiffness of its material.
+  // Effective mass and stiffness of the point within one substep: those of one cell.
   const double cell_mass = mass_kg / std::max<double>(1.0, static_cast<double>(accuracy.cells));
   const double cell_stiffness =
       std::min(accuracy.reached_youngs_modulus_pa, body.material().effective_youngs_modulus_pa()) *

@@ -87,7 +87,8 @@ namespace {
 
 Result<void> check_new_id(const WorldObject* present, uint32_t object_id) {
   if (!present) return {};
-  return invalid_argument("object " + std::to_string(object_id) + ": the id is already in use");
+  return invalid_argument("object " + std::to_string(object_id) +
+                          ": the id is already in use; choose another");
 }
 
 Pose normalized(Pose pose) {
@@ -179,7 +180,7 @@ Result<void> World::add_elastic(const ElasticBodyDescription& description) {
 void World::remove(uint32_t object_id) {
   const auto found = state_->objects.find(object_id);
   if (found == state_->objects.end()) return;
-  // Contacts name bodies by pointer: none may outlive its body. What leaned on it must move.
+  // Contacts refer to bodies by pointer, so they must not outlive a body. Bodies in contact with it wake.
   if (const RigidObject* rigid = found->second.rigid()) {
     for (size_t i = 0; i < rigid->body_count(); ++i) {
       for (const ContactManifold& manifold : rigid->body_at(i).manifolds) {
@@ -193,7 +194,7 @@ void World::remove(uint32_t object_id) {
     }
   }
   state_->objects.erase(found);
-  // An id may be used again, by something that nobody holds.
+  // The id may be reused by an object without forces, springs and grabs.
   const auto on_it = [&](const auto& entry) { return entry.second.object_id == object_id; };
   std::erase_if(state_->forces, on_it);
   std::erase_if(state_->springs, on_it);
@@ -228,11 +229,11 @@ void World::clear_force(uint64_t force_id) {
 
 Result<void> World::set_material(uint32_t object_id, const Material& material) {
   WorldObject* object = state_->find(object_id);
-  if (!object) return not_found("object " + std::to_string(object_id) + ": there is none of this id");
+  if (!object) return not_found("object " + std::to_string(object_id) + ": unknown id");
   const Material* present = this->material(object_id);
   if (present->behavior != material.behavior) {
     return invalid_argument("object " + std::to_string(object_id) +
-                            ": behavior cannot change; remove the object and add it anew");
+                            ": behavior cannot change; remove the object and add it again");
   }
   if (StaticObject* fixed = object->fixed()) {
     fixed->material = material;
@@ -277,8 +278,7 @@ Result<void> World::release_region(uint32_t object_id, const std::string& region
   WorldObject* object = state_->find(object_id);
   ElasticObject* elastic = object ? object->elastic() : nullptr;
   if (!elastic || !elastic->body->release_region(region)) {
-    return not_found("object " + std::to_string(object_id) + ": it holds or moves no region called " +
-                     region);
+    return not_found("object " + std::to_string(object_id) + ": no fixed or moved region is named " + region);
   }
   object->wake();
   return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Who may touch whom among elastic and rigid bodies, and how those that lie on each other sleep and wake.
+// Coupling of elastic and rigid bodies: neighbour search, impulse exchange, and common sleep islands.
 #include <algorithm>
 #include <cmath>
 
@@ -13,10 +13,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// What a rigid body is expected to gain in a substep is believed up to twice what gravity gives: it is right
-// for what rests, and wrong right after an impact.
+// Limit of a rigid body's predicted velocity change per substep, in multiples of gravity. The prediction is
+// right at rest and wrong directly after an impact.
 constexpr double kMaxPredictedGravities = 2.0;
-// Bodies within this part of an elastic one's reach are met, beyond what they move in a substep.
+// Margin of the neighbour search, relative to an elastic body's radius, beyond the motion in a substep.
 constexpr double kReachMargin = 0.1;
 
 Eigen::AlignedBox3d box_of(const RigidShape& shape, const Pose& at) {
@@ -34,7 +34,7 @@ Eigen::AlignedBox3d wider(const Eigen::AlignedBox3d& box, double by_m) {
   return {box.min().array() - by_m, box.max().array() + by_m};
 }
 
-// Whether surfaces come within `room_m` of each other, as far as the boxes of their parts say.
+// Whether surfaces may come within `room_m` of each other, tested with the boxes of their parts.
 bool may_meet(const ElasticBody& a, const ElasticBody& b, const Eigen::AlignedBox3d& bounds_of_b,
               double room_m) {
   const Eigen::AlignedBox3d of_a = a.surface_bounds_m(wider(bounds_of_b, room_m));
@@ -49,8 +49,8 @@ double distance_m(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
 
 }  // namespace
 
-// The copies of rigid bodies for this substep; every elastic body's neighbours; and the groups that share
-// any.
+// Builds proxies of rigid bodies for this substep, the neighbours of every elastic body, and the groups of
+// elastic bodies that share a rigid body.
 std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elastic_groups(double duration_s) {
   if (elastic_objects.empty()) return {};
   const double gain_m_s = duration_s * settings.gravity_m_s2.norm();
@@ -135,8 +135,8 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
   return groups;
 }
 
-// What elastic bodies gave to rigid ones in this substep. What only balances the change that is expected of
-// gravity and rigid contacts acts over the substep like these; the rest acts at its start.
+// Applies the impulses of elastic bodies to rigid ones. The part that balances the predicted change by
+// gravity and rigid contacts is spread over the substep; the rest acts at its start.
 void World::State::apply_elastic_impulses(double duration_s) {
   if (elastic_objects.empty()) return;
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
@@ -157,23 +157,23 @@ void World::State::apply_elastic_impulses(double duration_s) {
     body.external_contact_impulse_n_s += size;
     body.external_contact_moment += copy.contact_moment;
     const double struck = impact.norm();
-    // Where the copy was: impulses that came later in the substep moved it less. Those that balance come
-    // evenly.
+    // Corrects the pose to that of the proxy: later impulses in the substep displaced it less. Balancing
+    // impulses are evenly distributed.
     const double steps = copy.step_impulse_n_s / size, even = 0.5 * (steps - 1.0) / steps * duration_s;
     body.world_from_body.position_m += even * part / body.mass_kg * balance - copy.position_lag_m;
     const double turned = struck / std::max(copy.impulse_n_s.norm(), struck);
     body.world_from_body.orientation =
         (rotation_exp(-turned * copy.orientation_lag_rad) * body.world_from_body.orientation).normalized();
     body.update_turning();
-    // What is soft takes its time: its push is a force, however it came.
+    // Soft contact lasts long, so it counts as a sustained force.
     if (body.can_break)
       body.impacts.record_force(body, copy.impulse_n_s,
                                 copy.contact_moment / size - body.world_from_body.position_m);
   }
 }
 
-// Wakes a body if it sleeps, when `awake` says that one of its company is awake. Returns whether it is awake
-// now; what is no body never is.
+// Wakes a sleeping body if `awake` (a member of its island is awake). Returns whether the body is awake now;
+// false for unknown ids.
 bool World::State::wake_body(uint64_t body_id, bool awake) {
   const auto found =
       std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), body_id,
@@ -188,7 +188,7 @@ bool World::State::wake_body(uint64_t body_id, bool awake) {
   return !object->asleep();
 }
 
-// Whoever lay on one that is awake now wakes too.
+// Wakes bodies in contact with awake ones.
 void World::State::wake_islands() {
   if (elastic_objects.empty()) return;
   bool again = true;
@@ -206,8 +206,8 @@ void World::State::wake_islands() {
   for (RigidBody* body : rigid_bodies) body->in_elastic_contact = false;
 }
 
-// Bodies that pushed each other in this tick fall asleep together: rigid ones first, when every elastic one
-// is rested; then those.
+// Puts bodies that pushed each other in this tick to sleep together: rigid bodies once every elastic one can
+// sleep, then the elastic ones.
 void World::State::sleep_islands(double tick_s) {
   if (!settings.sleep) {
     for (ElasticObject* elastic : elastic_objects) elastic->contacts_this_tick.clear();

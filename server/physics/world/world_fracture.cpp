@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a rigid object becomes several. A body that breaks hands each fragment the velocity its material has at
-// that place, v + w x r, and its own share of mass and inertia: mass, linear and angular momentum are those
-// of the whole to rounding. Kinetic energy is that and what the strain of the impact gives back: see
-// fracture_recoil.h.
+// Fracture of a rigid object into fragments. Each fragment receives the velocity of its material, v + w x r,
+// and its share of mass and inertia, so mass, linear and angular momentum are conserved to rounding. Kinetic
+// energy grows only by the recoil (fracture_recoil.h).
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,12 +13,12 @@
 namespace livegs {
 namespace {
 
-// Blows below this part of the break impulse of the whole break nothing, of a fragment either.
+// Impacts below this fraction of the whole object's threshold are ignored, for fragments too.
 constexpr double kMinImpactRatio = 0.01;
-// Impulses whose sum is at least this part of the sum of their sizes point one way.
+// Impulses with |sum| >= this fraction of the sum of magnitudes have a common direction.
 constexpr double kMinDirectionality = 0.99;
 
-// Contacts of the body that was are void: their features are gone. What leaned on it wakes.
+// Removes contacts of the broken body, whose features no longer exist, and wakes bodies in contact with it.
 void discard_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
   for (ContactManifold& manifold : broken.manifolds) {
     if (manifold.other && manifold.other->asleep) manifold.other->wake();
@@ -39,7 +38,7 @@ void set_mass_properties(RigidBody& body, const MassProperties& properties, doub
   body.rest_centre_m = properties.centre_of_mass_m;
 }
 
-// Makes `body` the part `members` of what `whole` was. Both may be the same.
+// Makes `body` the fragment `members` of `whole`. They may be the same object.
 void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject& object,
                      std::span<const uint32_t> members) {
   const MassProperties properties = joined_mass(*object.pieces, members);
@@ -72,7 +71,7 @@ BondGraph bond_graph_of(const RigidObject& object) {
   return graph;
 }
 
-// The piece of this body that was struck at a point which may lie a little off its surface.
+// Piece of this body at a struck point, which may be slightly off the surface.
 uint32_t nearest_piece(const RigidObject& object, uint32_t body_index, const Eigen::Vector3d& point_m) {
   uint32_t nearest = 0;
   double least = INFINITY;
@@ -96,8 +95,8 @@ Impact impact_of(const RigidObject& object, uint32_t body_index, const ImpulseAc
   return impact;
 }
 
-// Takes back what contacts gave (axes of the body), as far as the motion has no more than `most_j` then: it
-// was given over some substeps, in which the body turned.
+// Removes the fraction `part` of contact impulses (body axes), limited so that the energy is at most
+// `most_j`: the impulses acted over several substeps, in which the body rotated.
 void undo_contact_impulse(RigidBody& body, const ImpulseAccumulator& given, double part, double most_j) {
   const Eigen::Vector3d impulse = -part * (body.world_from_body.orientation * given.total_n_s);
   const Eigen::Vector3d moment = -part * (body.world_from_body.orientation * given.total_moment);
@@ -114,7 +113,7 @@ void undo_contact_impulse(RigidBody& body, const ImpulseAccumulator& given, doub
   body.apply_angular_impulse(share * moment);
 }
 
-// Faces of the bonds that broke, where they part bodies.
+// Applies the recoil to the faces of broken bonds between different bodies.
 void apply_fracture_energy(RigidObject& object, std::span<const uint32_t> broken, double energy_j) {
   std::vector<RigidBody*> bodies;
   std::vector<OpenedFace> faces;
@@ -124,7 +123,7 @@ void apply_fracture_energy(RigidObject& object, std::span<const uint32_t> broken
     return at;
   };
   for (const uint32_t bond : broken) {
-    if (bond >= object.pieces->cut.bonds.size()) continue;  // of parts that touch nothing
+    if (bond >= object.pieces->cut.bonds.size()) continue;  // bonds of isolated parts have no face
     const VoronoiBond& face = object.pieces->cut.bonds[bond];
     RigidBody& first = object.body_at(object.body_of(face.first));
     RigidBody& second = object.body_at(object.body_of(face.second));
@@ -171,14 +170,15 @@ bool World::State::fracture_body(uint32_t object_id, RigidObject& object, uint32
   std::vector<std::vector<uint32_t>> groups;
   for (auto& [first, group] : members) groups.push_back(std::move(group));
   RigidBody& body = object.body_at(body_index);
-  // Never more than it had when the tick began.
+  // The energy must not exceed that at the start of the tick.
   undo_contact_impulse(body, given, undone_fraction,
                        body.tick_energy_j - (energy_j(body) - body.kinetic_j()));
   if (object.piece_bodies.empty()) {
     object.piece_bodies.assign(group_of.size(), 0);
     assign_grabs_to_pieces(object_id, object);
   }
-  // In a jam impulses are far larger than the approach they ended: they cannot have taken more than was lost.
+  // In a jam, impulses far exceed the approach they ended, so the recoil is limited to the energy that was
+  // lost.
   const double most_j = kRecoilEnergyFraction * std::max(0.0, local_energy_loss_j(body));
   split_body(object_id, object, body_index, groups);
   apply_fracture_energy(object, broken, std::min(recoil_j, most_j));
@@ -221,17 +221,17 @@ void World::State::process_impacts() {
                                episode = body.impacts.take_ended_episode();
       if (!object->material.fragile) continue;
       const double faint_n_s = kMinImpactRatio * object->bonds.break_impulse_n_s;
-      // Only once an episode of impacts is over: while it lasts it is one impact, and has to break what is as
-      // it was before.
+      // Damage is applied after an episode of impacts: until then it is one impact on the undamaged body.
       if (episode.impulse_n_s >= faint_n_s)
         accumulate_damage(object->bonds, impact_of(*object, index, episode));
       if (sum.impulse_n_s < faint_n_s) continue;
       const Impact impact = impact_of(*object, index, sum);
       const Eigen::Vector3d where =
           body.world_from_body * Eigen::Vector3d(impact.point_m - body.rest_centre_m);
-      // What the bonds did not bear was never passed on: of an impact from the floor, fragments keep the
-      // velocity they had before it, less the part that broke them, and go on until they hit the floor
-      // themselves. Blows from other bodies are kept whole, because those have had theirs.
+      // The impulse above the threshold was never transmitted. After an impact on a static object, fragments
+      // keep their previous velocity minus the part that broke the bonds, and continue until they hit the
+      // object themselves. Impulses from other bodies are kept, because those bodies have already received
+      // the opposite.
       double undone_fraction = 0.0;
       const bool one_way = sum.push_n_s.norm() > kMinDirectionality * sum.impulse_n_s;
       double borne = 1.0;
@@ -240,8 +240,8 @@ void World::State::process_impacts() {
         undone_fraction = 1.0 - borne;
       }
       const Eigen::Vector3d arm = impact.point_m - body.rest_centre_m;
-      const double restitution =
-          body.in_elastic_contact ? 1.0 : sum.restitution;  // what is soft takes no energy at once
+      // Soft contact dissipates no energy at once.
+      const double restitution = body.in_elastic_contact ? 1.0 : sum.restitution;
       const double recoil_j =
           kRecoilEnergyFraction * impact_energy_loss_j(body, sum.push_n_s, arm, borne, restitution);
       if (!fracture_body(id, *object, index, impact, sum, undone_fraction, recoil_j)) continue;
@@ -256,10 +256,10 @@ Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const Breakab
   const std::string name = "object " + std::to_string(object_id);
   WorldObject* thing = state_->find(object_id);
   RigidObject* object = thing ? thing->rigid() : nullptr;
-  if (!object) return not_found(name + ": there is no rigid object of this id to break");
-  if (object->revision > 0) return invalid_argument(name + ": it is broken already");
+  if (!object) return not_found(name + ": there is no rigid object with this id");
+  if (object->revision > 0) return invalid_argument(name + ": the object is already broken");
   if (!(object->material.break_impulse_n_s > 0.0)) {
-    return invalid_argument(name + ": break_impulse_n_s is not positive; give one to a fragile object");
+    return invalid_argument(name + ": break_impulse_n_s is not positive; set it for fragile objects");
   }
   std::vector<uint32_t> all(pieces->pieces.size());
   std::iota(all.begin(), all.end(), 0u);
@@ -267,8 +267,8 @@ Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const Breakab
   RigidBody& body = *object->body;
   const double apart = (whole.centre_of_mass_m - body.rest_centre_m).norm();
   if (apart > 1e-6 * body.shape.bounding_radius_m) {
-    return invalid_argument(name + ": its pieces are of another body: their centre of mass is " +
-                            std::to_string(apart) + " m away");
+    return invalid_argument(name + ": the pieces belong to another body: their centre of mass is " +
+                            std::to_string(apart) + " m off");
   }
   const Eigen::Vector3d spin = body.angular_velocity_rad_s;
   body.set_unit_inertia(whole.inertia_m2);
@@ -283,10 +283,10 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   const std::string name = "object " + std::to_string(object_id);
   WorldObject* thing = state_->find(object_id);
   RigidObject* object = thing ? thing->rigid() : nullptr;
-  if (!object) return not_found(name + ": there is no rigid object of this id to break");
+  if (!object) return not_found(name + ": there is no rigid object with this id");
   if (!object->pieces)
-    return invalid_argument(name +
-                            ": it has no pieces to break into; make it fragile, or wait until it is cut");
+    return invalid_argument(
+        name + ": there are no pieces yet; make the object fragile, or wait for the cut to finish");
   Impact impact;
   impact.piece = object->pieces->cut.locate(rest_point_m);
   impact.point_m = rest_point_m;
@@ -298,12 +298,12 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   impact.impulse_n_s = direction;
   const double threshold = break_threshold_n_s(object->bonds, impact);
   if (!std::isfinite(threshold))
-    return invalid_argument(name + ": the piece at this point breaks no further");
+    return invalid_argument(name + ": the piece at this point cannot break further");
   impact.impulse_n_s = kForcedBreakFactor * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
   thing->wake();
   if (!state_->fracture_body(object_id, *object, index, impact, {}, 0.0, 0.0)) {
-    return invalid_argument(name + ": nothing breaks at this point");
+    return invalid_argument(name + ": no bond breaks at this point");
   }
   state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});
   state_->list_bodies();

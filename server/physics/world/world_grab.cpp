@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What hands do to objects: the ray's spring and the grab.
+// Springs of ray pulls and grabs.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,22 +12,23 @@
 namespace livegs {
 namespace {
 
-// A palm: an elastic object is held by points within this distance of the hand.
+// Radius of the palm, m: an elastic object is held at points within this distance of the hand.
 constexpr double kPalmRadius_m = 0.05;
+// Larger: a more even grip, more springs.
 constexpr size_t kMaxGripPoints = 6;
-constexpr double kHandTimeoutTicks = 3.0;  // later than that a hand is at rest
+constexpr double kHandTimeoutTicks = 3.0;  // after this many ticks without update the hand's velocity is zero
 
 double squared(double value) { return value * value; }
 
-// The nearest particle to the hand, then always the one farthest from those taken, within the palm.
+// Farthest point sampling within the palm, starting with the particle nearest to the hand.
 std::vector<GripPoint> grip_points_in_palm(const ElasticObject& elastic, const Pose& world_from_hand) {
   const std::vector<Eigen::Vector3d>& rest = elastic.rest_particles_m;
   const Pose hand_from_world = world_from_hand.inverse();
-  std::vector<Eigen::Vector3d> seen;  // in the hand's frame
+  std::vector<Eigen::Vector3d> seen;  // hand frame
   for (const Eigen::Vector3d& point : rest)
     seen.push_back(hand_from_world * elastic.body->world_point(point));
-  std::vector<double> apart(
-      seen.size());  // from the nearest that is taken; before the first, minus that from the hand
+  // Distance to the nearest chosen point; before the first, minus the distance to the hand.
+  std::vector<double> apart(seen.size());
   for (size_t i = 0; i < seen.size(); ++i) apart[i] = -seen[i].norm();
   std::vector<GripPoint> grip_points;
   while (grip_points.size() < kMaxGripPoints) {
@@ -46,8 +47,9 @@ std::vector<GripPoint> grip_points_in_palm(const ElasticObject& elastic, const P
   return grip_points;
 }
 
-// From the surface to a point in the shape's frame, negative within. A field knows it near the surface only:
-// farther off it tells the way to the box about a bent sherd, and takes it for nearer than what is.
+// Signed distance from the surface to a point in the shape's frame, negative inside. Far from the surface a
+// field returns the distance to the bounding box, too small for a curved fragment, so triangles are used
+// there.
 double surface_distance_m(const RigidShape& shape, const Eigen::Vector3d& local_m) {
   const double told = shape.sample(local_m).distance_m;
   if (told <= 0.0 || shape.is_ball() || shape.convex) return told;
@@ -60,10 +62,10 @@ double surface_distance_m(const RigidShape& shape, const Eigen::Vector3d& local_
   return std::sqrt(least);
 }
 
-// The body of an object whose surface is nearest to a point, if one is no farther than `reach_m`.
+// Body of an object with the surface nearest to a point, within `reach_m`.
 struct NearestBody {
   std::optional<size_t> index;
-  double distance_m = INFINITY;  // negative within
+  double distance_m = INFINITY;  // negative inside
   Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();
 };
 NearestBody nearest_body(const RigidObject& object, const Eigen::Vector3d& point_m, double reach_m) {
@@ -122,7 +124,8 @@ void World::State::gather_springs(double duration_s) {
     body.wake();
     body.springs.push_back(&row);
   };
-  // Critically damped for `mass_kg`. Gives the force, of a body that takes springs that of the last step.
+  // Adds a spring, critically damped for `mass_kg`. Returns its force; with implicit springs that of the last
+  // step.
   const auto draw = [&](ElasticObject& elastic, const World::Spring& spring, const Eigen::Vector3d& velocity,
                         double mass_kg, PointSpring& point) {
     if (!elastic.body->takes_springs()) {
@@ -157,7 +160,7 @@ void World::State::gather_springs(double duration_s) {
     held.force_n.setZero();
     WorldObject* object = find(held.object_id);
     if (!object || object->fixed()) continue;
-    // Hands go on moving until they are heard of again; one that should have been stands, and soon at rest.
+    // Hands are extrapolated until their next update. After the timeout their velocity is zero.
     const double tick_s = 1.0 / settings.rate_hz;
     const double extrapolation_s = std::max(held.extrapolation_s, tick_s);
     Pose hand = held.world_from_hand;
@@ -220,13 +223,13 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
   release_grab(grab_id);
   const std::string name = "object " + std::to_string(object_id);
   const WorldObject* object = state_->find(object_id);
-  if (!object) return not_found("grab: there is no " + name);
-  if (object->fixed()) return invalid_argument("grab: " + name + " never moves");
+  if (!object) return not_found("grab: unknown " + name);
+  if (object->fixed())
+    return invalid_argument("grab: " + name + " is static; only moving objects can be grabbed");
   if (auto checked = check_pose(object_id, world_from_hand); !checked) return checked;
   if (!(grip.frequency_hz > 0.0 && grip.frequency_hz <= 100.0) || !(grip.max_force_n >= 0.0) ||
       !(grip.max_torque_n_m >= 0.0)) {
-    return invalid_argument("grab of " + name +
-                            ": frequency_hz is not within 0 to 100, or a bound is negative");
+    return invalid_argument("grab of " + name + ": frequency_hz is outside 0 to 100, or a bound is negative");
   }
   ActiveGrab held;
   held.object_id = object_id;
@@ -234,7 +237,7 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
   held.world_from_hand = {world_from_hand.position_m, world_from_hand.orientation.normalized()};
   if (const RigidObject* rigid = object->rigid()) {
     const NearestBody nearest = nearest_body(*rigid, world_from_hand.position_m, INFINITY);
-    if (!nearest.index) return invalid_argument("grab of " + name + ": the hand is out of this world");
+    if (!nearest.index) return invalid_argument("grab of " + name + ": the hand position is out of range");
     held.rest_point_m = nearest.rest_point_m;
     held.piece = rigid->piece_nearest_to(*nearest.index, nearest.rest_point_m);
     held.hand_from_object = held.world_from_hand.orientation.conjugate() *

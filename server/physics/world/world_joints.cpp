@@ -10,14 +10,14 @@ namespace {
 
 std::string named(uint32_t object_id) { return "object " + std::to_string(object_id); }
 
-// The object of a joint, or why it cannot be one.
+// Rigid object of a joint, or an error.
 Result<RigidObject*> rigid_part(WorldObject* object, uint32_t object_id) {
-  if (!object) return not_found("joint: there is no " + named(object_id));
+  if (!object) return not_found("joint: unknown " + named(object_id));
   if (object->elastic()) {
     return invalid_argument("joint: " + named(object_id) + " is elastic; joints hold rigid objects only");
   }
   if (object->fixed()) {
-    return invalid_argument("joint: " + named(object_id) + " never moves; name the object that does first");
+    return invalid_argument("joint: " + named(object_id) + " is static; name the moving object first");
   }
   return object->rigid();
 }
@@ -53,8 +53,8 @@ Result<void> World::State::add_joint(const HingeJointDescription& description, b
       if (!other_part) return other_part.error();
       held.other_id = description.other_id;
       RigidObject& object = **other_part;
-      // Fragments have the axes of their object, so the body that holds the point follows from where it is at
-      // rest.
+      // Fragments keep their object's axes, so the body that contains the point follows from its rest
+      // position.
       const Pose from_world = object.body->world_from_body.inverse();
       held.other_point_m = from_world * held.other_point_m + object.body->rest_centre_m;
       held.other_axis = from_world.orientation * held.other_axis;
@@ -88,7 +88,7 @@ void World::State::link_joints() {
   });
   for (ActiveJoint& held : joints) {
     RigidJoint& joint = held.joint;
-    joint = running(held);  // with its impulses
+    joint = running(held);  // including its impulses
     RigidBody& a = find(held.object_id)->rigid()->body_with(held.point_m);
     joint.a = &a;
     joint.anchor_a_m = held.point_m - a.rest_centre_m;

@@ -10,13 +10,14 @@ namespace livegs {
 namespace {
 
 constexpr double kFragmentTolerance = 1e-5;  // in bounding radii
-// What lies on a collider or stands against it, and gives a little, is met all the same.
+// Objects up to this distance behind a collider's surface are still hit, m: resting objects overlap slightly.
 constexpr double kSurfaceTolerance_m = 0.005;
+// Minimum step and maximum number of steps of a ray march.
 constexpr double kMinMarch_m = 0.001;
 constexpr int kMaxRayMarches = 4096;
 
-// The way to a collider, or `most_m` where it is not met before. One that holds the ray's start does not stop
-// it: a camera stands behind a wall to look into a room.
+// Distance to a collider, or `most_m` if it is not hit before. Colliders that contain the ray's start are
+// ignored: a camera may be behind a wall.
 double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
               double most_m) {
   const ColliderProbe probe(collider);
@@ -40,7 +41,7 @@ double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const E
 std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                                       double max_distance_m) const {
   std::optional<RayHit> nearest;
-  const RigidObject* met = nullptr;  // if it is a rigid one, and which body of it
+  const RigidObject* met = nullptr;  // if the hit is a rigid object; met_index is its body
   size_t met_index = 0;
   const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point,
                          const RigidObject* rigid = nullptr, size_t index = 0) {
@@ -55,7 +56,7 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
         const RigidBody& body = rigid->body_at(i);
         const auto distance = livegs::ray_cast(body, origin_m, direction);
         if (!distance) continue;
-        // Of a fragment, a point just within, so that it is told from the pieces beyond its cut faces.
+        // For fragments, a point slightly inside, to distinguish it from pieces beyond the cut faces.
         const double depth =
             rigid->fragments.empty() ? 0.0 : kFragmentTolerance * body.shape.bounding_radius_m;
         const Eigen::Vector3d point = origin_m + (*distance + depth) * direction;

@@ -18,11 +18,11 @@
 #include "physics/rigid/rigid_step.h"
 #include "physics/world.h"
 
-// The inside of a World. Maps are ordered: every sum over objects is in ascending id.
+// Internal state of a World. Maps are ordered, so that sums over objects are in ascending id.
 
 namespace livegs {
 
-// Events nobody takes are forgotten from the oldest on.
+// Maximum number of pending events; the oldest are discarded.
 inline constexpr size_t kMaxEvents = 65536;
 
 struct StaticObject {
@@ -31,21 +31,21 @@ struct StaticObject {
 };
 
 struct RigidObject {
-  std::unique_ptr<RigidBody> body;  // the whole; once it is broken, the fragment with body_index 0
-  std::vector<std::unique_ptr<RigidBody>> fragments;  // the others, body_index 1, 2, …
+  std::unique_ptr<RigidBody> body;                    // the whole object, or the fragment with body_index 0
+  std::vector<std::unique_ptr<RigidBody>> fragments;  // fragments with body_index 1, 2, …
   Material material;
 
-  // Fragile objects: what they can break into, nullptr until it is prepared.
+  // Pieces of fragile objects; nullptr until they are prepared.
   std::shared_ptr<const BreakablePieces> pieces;
-  BondGraph bonds;                     // as they are now, if there are pieces
+  BondGraph bonds;                     // current bonds, if there are pieces
   std::vector<uint32_t> piece_bodies;  // body_index of each piece; empty until it breaks
-  uint32_t revision = 0;               // counts its breaks
+  uint32_t revision = 0;               // number of fractures
 
   uint32_t body_of(uint32_t piece) const { return piece_bodies.empty() ? 0 : piece_bodies[piece]; }
   size_t body_count() const { return 1 + fragments.size(); }
   RigidBody& body_at(size_t index) { return index == 0 ? *body : *fragments[index - 1]; }
   const RigidBody& body_at(size_t index) const { return index == 0 ? *body : *fragments[index - 1]; }
-  // The one that holds a material point (object frame, at rest): of the piece, if one is told.
+  // Body that contains a material point (object frame at rest), by `piece` if given.
   RigidBody& body_with(const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece = {}) {
     return body_at(index_with(rest_point_m, piece));
   }
@@ -56,8 +56,8 @@ struct RigidObject {
     if (piece_bodies.empty()) return 0;
     return body_of(piece && *piece < piece_bodies.size() ? *piece : pieces->cut.locate(rest_point_m));
   }
-  // For hands: the piece of a body whose surface is nearest to a point (object frame, at rest), by its
-  // triangles; none while the object is whole.
+  // Piece of a body whose triangles are nearest to a point (object frame at rest); nullopt while the object
+  // is whole. Used by grabs.
   std::optional<uint32_t> piece_nearest_to(size_t body_index, const Eigen::Vector3d& rest_point_m) const;
 };
 
@@ -65,13 +65,14 @@ struct ElasticObject {
   std::unique_ptr<ElasticBody> body;
   std::vector<Eigen::Vector3d> rest_particles_m;  // object frame
   uint32_t object_id = 0;
-  // Of one substep, in its own memory so that bodies can run on different threads.
+  // Per-substep data, separate for each body because bodies run on different threads.
   std::vector<RigidProxy*> near_bodies;
   std::vector<ElasticNeighbour> near_elastic;
   std::vector<PointForce> forces;
-  // Bodies it pushed in the last tick it was awake, by body_id_of, ascending: they sleep and wake together.
+  // Ids (body_id_of, ascending) of bodies in contact during the last tick while awake. They sleep and wake
+  // together.
   std::vector<uint64_t> contacts_last_tick, contacts_this_tick;
-  // Over the tick, from everything it touches.
+  // Sums over the tick, from all contacts.
   double contact_impulse_n_s = 0;
   Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();
   double last_tick_contact_impulse_n_s = 0;  // contact_impulse_n_s of the last tick
@@ -99,15 +100,15 @@ struct ActiveForce {
 struct ActiveSpring {
   uint32_t object_id = 0;
   World::Spring spring;
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of the last substep
-  RigidSpring row;                                    // of a rigid object; with its own force
-  PointSpring point = {};                             // of an elastic one
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // in the last substep
+  RigidSpring row;                                    // rigid objects; includes the force
+  PointSpring point = {};                             // elastic objects
 };
 
-// What a hand holds of an elastic object: one of the points near it.
+// One point of an elastic object held by a hand.
 struct GripPoint {
   Eigen::Vector3d rest_point_m;
-  Eigen::Vector3d hand_point_m;  // where it belongs, in the hand's frame
+  Eigen::Vector3d hand_point_m;  // target position, hand frame
   PointSpring point = {};
 };
 
@@ -115,23 +116,24 @@ struct ActiveGrab {
   uint32_t object_id = 0;
   World::Grip grip;
   Eigen::Vector3d rest_point_m;
-  std::optional<uint32_t> piece;  // of an object that has broken
+  std::optional<uint32_t> piece;  // broken objects only
   Pose world_from_hand;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
-  double extrapolation_s = 0, since_update_s = 0;  // from when it was set, and since
+  // Extrapolation from the last update; time since the last update.
+  double extrapolation_s = 0, since_update_s = 0;
   Eigen::Quaterniond hand_from_object = Eigen::Quaterniond::Identity();
-  RigidSpring row;                                    // of a rigid object
-  std::vector<GripPoint> grip_points;                 // of an elastic one
-  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of an elastic one, in the last substep
+  RigidSpring row;                                    // rigid objects
+  std::vector<GripPoint> grip_points;                 // elastic objects
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // elastic objects, in the last substep
 };
 
 struct ActiveJoint {
   uint32_t object_id = 0;
-  std::optional<uint32_t> other_id;           // of an object that moves
-  std::optional<uint32_t> declared_id;        // as it was given
+  std::optional<uint32_t> other_id;           // the other object if it moves
+  std::optional<uint32_t> declared_id;        // as described by the caller
   Eigen::Vector3d point_m, axis;              // object frame, at rest
-  Eigen::Vector3d other_point_m, other_axis;  // of the other object, or of the world
-  RigidJoint joint;                           // as it was when groups were last made
+  Eigen::Vector3d other_point_m, other_axis;  // in the frame of the other object, or the world
+  RigidJoint joint;                           // state when groups were last built
   const JointGroup* group = nullptr;
 };
 
@@ -142,19 +144,19 @@ struct World::State {
   std::map<uint64_t, ActiveForce> forces;
   std::map<uint64_t, ActiveSpring> springs;
   std::map<uint64_t, ActiveGrab> grabs;
-  std::vector<ActiveJoint> joints;  // as they were added; ids count from 1
+  std::vector<ActiveJoint> joints;  // in the order of adding; ids start at 1
   std::vector<std::unique_ptr<JointGroup>> joint_groups;
   std::vector<WorldEvent> events;
   uint64_t tick = 0;
   StepTimes times;
 
-  // Views of `objects`, ascending id; made again when it changes.
+  // Views of `objects` in ascending id, rebuilt when it changes.
   std::vector<RigidBody*> rigid_bodies;
   std::vector<ElasticObject*> elastic_objects;
   std::vector<RigidLoad> loads;
   RigidBroadPhase broad_phase;
-  // Of each rigid body: its copy for elastic ones, and how its velocities changed in the last substep,
-  // without what elastic ones gave it.
+  // For each rigid body: its proxy for elastic bodies, and its velocity change in the last substep without
+  // the impulses of elastic bodies.
   std::vector<RigidProxy> rigid_proxies;
   struct VelocityChange {
     Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
@@ -166,18 +168,17 @@ struct World::State {
   void list_bodies();
   void wake_all();
   Result<void> add_joint(const HingeJointDescription& description, bool hinge);
-  void link_joints();  // groups of the joints there are, after joints or bodies came or went
+  void link_joints();  // rebuilds joint groups after joints or bodies changed
   const RigidJoint& running(const ActiveJoint& held) const;
 
   void gather_loads(double duration_s);
-  void gather_springs(double duration_s);  // of hands
-  // Hands that hold an object as it breaks for the first time: each the piece beside it.
+  void gather_springs(double duration_s);  // of set_spring() and grabs
+  // At the first fracture of an object, assigns to each grab of it the nearest piece.
   void assign_grabs_to_pieces(uint32_t object_id, const RigidObject& object);
   void step_elastic(double start_s, double duration_s);
   void step_rigid(double duration_s);
-  // world_contact.cpp
-  // Elastic bodies that may touch each other step together; groups of those that share a rigid body, one
-  // after another.
+  // world_coupling.cpp. Elastic bodies that may touch each other step together. The result groups those that
+  // share a rigid body; the sets of a group step one after another.
   using CoupledBodies = std::vector<ElasticObject*>;
   std::vector<std::vector<CoupledBodies>> build_elastic_groups(double duration_s);
   void apply_elastic_impulses(double duration_s);
@@ -185,20 +186,20 @@ struct World::State {
   bool wake_body(uint64_t body_id, bool awake);
   void sleep_islands(double tick_s);
   void report_contacts();
-  // Of the motion of a rigid body, and its weight's.
+  // Kinetic and potential energy of a rigid body.
   double energy_j(const RigidBody& body) const;
-  // What it and those that it can have met in this tick have lost since the tick began.
+  // Energy lost since the start of the tick by the body and its possible contacts.
   double local_energy_loss_j(const RigidBody& body) const;
-  // At the end of a tick: what was struck hard enough comes apart.
+  // Fractures bodies above their threshold, at the end of a tick.
   void process_impacts();
-  // Breaks what an impact on one body breaks. Returns whether the body came apart.
-  // The part `undone_fraction` of what contacts gave it is taken from it first, never beyond the energy it
-  // began the tick with; `recoil_j`, as far as it and what it met have lost ten times as much, drives the
-  // fragments apart.
+  // Applies an impact to one body. Returns whether the body came apart. First removes the fraction
+  // `undone_fraction` of the contact impulses, limited so that its energy does not exceed that at the start
+  // of the tick. Fragments then receive the kinetic energy `recoil_j`, limited to kRecoilEnergyFraction of
+  // local_energy_loss_j().
   bool fracture_body(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
                      const ImpulseAccumulator& given, double undone_fraction, double recoil_j);
-  // Makes a body of each group of pieces (at least two groups, together all of the body's); the largest keeps
-  // the index.
+  // Creates a body for each group of pieces (at least two groups, which together are the body). The largest
+  // group keeps the index.
   void split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
                   const std::vector<std::vector<uint32_t>>& groups);
   void report_sleep();

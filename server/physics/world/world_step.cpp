@@ -18,7 +18,7 @@ size_t index_of(const std::vector<RigidBody*>& bodies, const RigidBody& body) {
 
 }  // namespace
 
-// Forces and springs, as they are at the start of the substep.
+// Gathers forces and springs at the start of the substep.
 void World::State::gather_loads(double duration_s) {
   std::fill(loads.begin(), loads.end(), RigidLoad{});
   for (ElasticObject* elastic : elastic_objects) elastic->forces.clear();
@@ -30,7 +30,7 @@ void World::State::gather_loads(double duration_s) {
       RigidBody& body = rigid->body_with(rest_point);
       RigidLoad& load = loads[index_of(rigid_bodies, body)];
       load.impulse_n_s += duration_s * force;
-      // A sleeper bears it as it did when it fell asleep, and nobody takes the sum of its substeps.
+      // A sleeping body's load is unchanged, and its record is not read.
       if (body.can_break && !body.asleep)
         body.impacts.record_force(body, duration_s * force, body.arm_of(rest_point));
       load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
@@ -42,7 +42,8 @@ void World::State::gather_loads(double duration_s) {
   gather_springs(duration_s);
 }
 
-// What shares a rigid body is stepped on one thread, ascending; groups that share none on different threads.
+// Elastic bodies that share a rigid body are stepped on one thread, in ascending order. Independent groups
+// run on different threads.
 void World::State::step_elastic(double start_s, double duration_s) {
   const auto groups = build_elastic_groups(duration_s);
   parallel_for(groups.size(), 1, [&](size_t begin, size_t end) {
@@ -61,7 +62,7 @@ void World::State::step_elastic(double start_s, double duration_s) {
           context.touched_ids = &elastic->contacts_this_tick;
           stepped.push_back({elastic->body.get(), context});
         }
-        step_elastic_bodies(stepped);  // a sleeper that is pushed or touched wakes by itself
+        step_elastic_bodies(stepped);  // sleeping bodies wake on contact
       }
     }
   });
@@ -74,7 +75,7 @@ void World::State::step_rigid(double duration_s) {
     return;
   }
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
-    // Without what elastic bodies gave.
+    // Excludes the impulses of elastic bodies.
     const RigidBody& body = *rigid_bodies[i];
     velocity_changes[i].velocity_m_s = body.velocity_m_s + rigid_proxies[i].impulse_n_s / body.mass_kg;
     velocity_changes[i].spin_rad_s =

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A thrown stoneware cup: bare clay foot, speckled cream glaze with two painted cobalt rings, celadon inside.
+// A thrown stoneware cup: unglazed clay foot, speckled cream glaze with two painted cobalt rings, celadon
+// inside.
 #include <algorithm>
 #include <cmath>
 
@@ -43,7 +44,7 @@ class CupGlaze {
     a.overlap = 0.75;
     const double cloud = fractal_noise(p / 0.018, 3, seed_);
     if (inside) {
-      // Celadon pools darker and bluer towards the bottom.
+      // The celadon is deeper and bluer towards the bottom.
       const double depth = smooth_step(0.085, 0.012, p.y());
       a.albedo = blend(linear_from_hex(0xC3DDD0), linear_from_hex(0x6FA79C), depth);
       a.albedo *= 1 + 0.05 * cloud;
@@ -52,14 +53,14 @@ class CupGlaze {
     }
     speckle(p, a);
     if (!inside) paint(p, s.part, a);
-    // The glaze is thin on the lip and shows the warm body.
+    // The glaze is thin on the lip, where the warm clay shows through.
     const double lip = s.part == kBody ? smooth_step(0.0978, 0.0993, p.y()) : 0.0;
     a.albedo = blend(a.albedo, linear_from_hex(0xA9794F), 0.65 * lip);
     if (s.part == kBody && !inside) bare_foot(p, a);
     return a;
   }
 
-  // Signed distance to the nearest painted ring, negative under the paint. The brush wavers.
+  // Signed distance to the nearest painted ring, metres, negative under the paint. The brush line wavers.
   double ring_distance_m(const Vector3d& p) const {
     const double angle = std::atan2(p.x(), p.z());
     const Vector3d around(4.4 * std::cos(angle), 4.4 * std::sin(angle), 0.0);
@@ -69,7 +70,7 @@ class CupGlaze {
   }
 
  private:
-  // Iron specks, 0.3 to 1.3 mm, with a brown halo.
+  // Iron specks of 0.3 to 1.3 mm with a brown halo.
   void speckle(const Vector3d& p, Appearance& a) const {
     const double fine = speckle_distance(p / 0.0034, 0.26, 0.08, 0.24, seed_ + 11) * 0.0034;
     const double coarse = speckle_distance(p / 0.009, 0.20, 0.05, 0.13, seed_ + 29) * 0.009;
@@ -77,7 +78,7 @@ class CupGlaze {
     a.albedo = blend(linear_from_hex(0x3E2B20), a.albedo, smooth_step(-0.0003, 0.0004, coarse));
   }
 
-  // Cobalt by brush: edges waver, the colour thins where the brush ran dry.
+  // Brushed cobalt: wavering edges, and a thinner colour where the brush was dry.
   void paint(const Vector3d& p, int part, Appearance& a) const {
     if (part == kHandle) return;
     const double angle = std::atan2(p.x(), p.z());
@@ -93,8 +94,8 @@ class CupGlaze {
         0.0128 +
         0.0012 * fractal_noise(Vector3d(3 * std::cos(angle), 3 * std::sin(angle), 7.0), 2, seed_ + 53);
     const double bare = smooth_step(edge_m + 0.0004, edge_m - 0.0004, p.y());
-    const double drop =
-        smooth_step(0.0012, 0.0, std::abs(p.y() - edge_m - 0.0007));  // glaze gathers at its edge
+    // The glaze is thicker at its edge.
+    const double drop = smooth_step(0.0012, 0.0, std::abs(p.y() - edge_m - 0.0007));
     a.albedo = blend(a.albedo, linear_from_hex(0xC7AE88), 0.45 * drop);
     const Vector3d clay = linear_from_hex(0xB98E66) * (1 + 0.10 * fractal_noise(p / 0.0016, 2, seed_ + 59));
     a.albedo = blend(a.albedo, clay, bare);
@@ -110,7 +111,7 @@ class CupGlaze {
 GaussianAsset make_cup(uint64_t seed) {
   Random random(seed * 8 + 1);
   const Profile profile = cup_profile();
-  // Thrown by hand: a trace out of round.
+  // Thrown by hand: slightly oval.
   const double oval = 0.004 + 0.004 * random.uniform(), turn = random.uniform(0, 6.28);
   SurfaceSamples samples;
   ParametricSurface body = lathe(profile, 0.00104, kBody);
@@ -119,7 +120,7 @@ GaussianAsset make_cup(uint64_t seed) {
     const double round = 1 + oval * std::cos(2 * (u - turn));
     return Vector3d(p.x() * round, p.y(), p.z() * round);
   };
-  // Finer where the brush lines and the lip are.
+  // Finer at the brush lines and the lip.
   body.refinement = [profile](double, double v) {
     const double y = profile.at(v).y();
     if (v > kInsideStartShare) return 1.0;

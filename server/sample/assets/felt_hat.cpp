@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 constexpr double kSweatbandFrom_m = 0.0048, kSweatbandTo_m = 0.036;  // heights on the block
 constexpr int kFelt = 0, kRibbon = 1, kBow = 2, kKnot = 3;
 
-// Inside from the top down, out under the brim, round its edge, back over it and up the crown.
+// The profile runs down the inside, out under the brim, around its edge, back over it and up the crown.
 Profile hat_profile() {
   return Profile({{0.0, 0.1135},    {0.030, 0.1135},  {0.056, 0.1115},  {0.0705, 0.1020}, {0.0760, 0.0860},
                   {0.0785, 0.0600}, {0.0805, 0.0300}, {0.0830, 0.0120}, {0.0890, 0.0045}, {0.1000, 0.0020},
@@ -29,21 +29,21 @@ Profile hat_profile() {
                   {0.0320, 0.1200}, {0.0, 0.1200}});
 }
 
-// From a round block to a worn hat. Front is +z.
+// Deforms a round block to a worn hat. The front is +z.
 Vector3d worn(Vector3d p) {
   const double radius = std::hypot(p.x(), p.z());
   const double front = radius > 1e-9 ? p.z() / radius : 0.0, side = radius > 1e-9 ? p.x() / radius : 0.0;
   const double high = smooth_step(0.045, 0.118, p.y());
-  // A head is longer than wide; the brim less so.
+  // A head is longer than wide; the brim is less oval.
   const double oval = 0.90 + 0.05 * smooth_step(0.09, 0.15, radius);
   p.x() *= oval;
-  // Fingers pinched the front of the crown together and pressed a trough along its top.
+  // The front of the crown is pinched, with a crease along the top.
   const double pinch = high * smooth_step(0.005, 0.075, p.z());
   p.x() *= 1 - 0.34 * pinch;
   const double across = p.x() / (0.026 + 0.006 * front), along = (p.z() + 0.004) / 0.058;
   p.y() -= 0.027 * high * std::exp(-across * across - std::pow(std::abs(along), 3.0));
   p.y() += 0.010 * high * smooth_step(-0.07, 0.08, p.z());
-  // Brim: sides curl up, front and back dip.
+  // Brim: the sides curl up, front and back dip.
   const double out = smooth_step(0.088, 0.152, radius);
   p.y() += out * out * (0.024 * side * side - 0.009 * front * front);
   p.y() += 0.0012 * out * std::sin(3 * std::atan2(side, front) + 0.6);
@@ -62,7 +62,7 @@ class HatCloth {
   }
 
  private:
-  // Matted fibres of several dyed tones; short strokes in every direction.
+  // Matted fibres of several dyed tones: short strokes in all directions.
   Appearance felt(const SurfaceSample& s) const {
     const Vector3d& p = s.position_m;
     Appearance a;
@@ -86,7 +86,7 @@ class HatCloth {
     Appearance a;
     const Vector3d& p = s.position_m;
     const double height_m = profile_.at(s.v).y();
-    if (height_m < kSweatbandTo_m) {  // leather, with a stitched edge
+    if (height_m < kSweatbandTo_m) {  // leather with a stitched edge
       a.albedo = linear_from_hex(0x7B4E2E) * (1 + 0.12 * fractal_noise(p / 0.004, 3, seed_ + 21));
       if (height_m > kSweatbandTo_m - 0.003) a.albedo *= std::sin(s.u * 160) > 0 ? 1.7 : 0.55;
       a.gloss = 0.06;
@@ -100,7 +100,7 @@ class HatCloth {
     return a;
   }
 
-  // Grosgrain: ribs run up the ribbon, two millimetres apart and finer.
+  // Grosgrain: ribs along the ribbon's width, two millimetres apart, with finer structure.
   Appearance ribbon(const SurfaceSample& s) const {
     const Vector3d& p = s.position_m;
     Appearance a;
@@ -124,7 +124,7 @@ GaussianAsset make_felt_hat(uint64_t seed) {
   Random random(seed * 8 + 3);
   const Profile profile = hat_profile();
   const double soft = 0.0018;
-  double brim_edge = 0.0;  // share of the profile at which the brim's edge lies
+  double brim_edge = 0.0;  // share of the profile at which the edge of the brim lies
   for (int i = 0; i <= 512; ++i)
     if (profile.at(i / 512.0).x() > profile.at(brim_edge).x()) brim_edge = i / 512.0;
   const auto shaped = [soft, seed](Vector3d p) {
@@ -139,7 +139,7 @@ GaussianAsset make_felt_hat(uint64_t seed) {
   felt.refinement = [brim_edge](double, double v) { return v < brim_edge - 0.02 ? 1.0 : 0.88; };
   sample_surface(felt, random, samples);
 
-  // The ribbon hugs the crown 1.2 mm off the felt, its edges turned in.
+  // The ribbon lies 1.2 mm off the felt, with its edges turned in.
   const auto crown_radius_m = [profile, brim_edge](double y) { return profile.radius_at(y, brim_edge, 1.0); };
   const double low_m = 0.0135, high_m = 0.0455;
   ParametricSurface ribbon = lathe(profile, 0.0018, kRibbon);
@@ -152,7 +152,7 @@ GaussianAsset make_felt_hat(uint64_t seed) {
   };
   sample_surface(ribbon, random, samples);
 
-  // The bow sits on the wearer's left (+x): two flat loops and a knot over their waist.
+  // The bow is on the wearer's left (+x): two flat loops and a knot over their middle.
   const double middle = 1.5707963;
   ParametricSurface bow = ribbon;
   bow.part = kBow;

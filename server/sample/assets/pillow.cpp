@@ -20,7 +20,7 @@ constexpr int kTop = 0, kBottom = 1, kPiping = 2;
 constexpr double kHalf_m = 0.2305;
 constexpr double kHalfTurn = 1.5707963267948966;
 
-// Stripes, by the distance of their middle from the pillow's own and half their width.
+// Stripes: distance of their centre from the pillow's centre, and half their width.
 struct Band {
   double centre_m, half_m;
 };
@@ -30,7 +30,7 @@ class PillowShape {
  public:
   explicit PillowShape(uint64_t seed) : seed_(seed) {}
 
-  // a, b in -1..1: angles to the edges, so that the steep rim is evenly resolved.
+  // a and b in -1..1 are angles to the edges, so that the steep rim is sampled evenly.
   Vector3d top(double a, double b) const {
     const double s = std::sin(kHalfTurn * a), t = std::sin(kHalfTurn * b);
     const double dome = std::cos(kHalfTurn * a) * std::cos(kHalfTurn * b);
@@ -44,13 +44,13 @@ class PillowShape {
     const double dome = std::cos(kHalfTurn * a) * std::cos(kHalfTurn * b);
     const Vector3d flat = seam_plane(s, t);
     const double sag = 0.085 * std::pow(dome, 0.66) + wrinkles(s, t, dome, seed_ + 5);
-    // Its own weight presses it flat on the floor.
+    // The pillow is flattened on the floor by its own weight.
     constexpr double kFlat_m = 0.052;
     const double depth = sag - 0.5 * (sag - kFlat_m + std::sqrt((sag - kFlat_m) * (sag - kFlat_m) + 4e-5));
     return {flat.x(), seam_height(s, t) - std::max(0.0, depth), flat.z()};
   }
 
-  // u in 0..1 once around the seam, corners rounded by the stiffness of the cord.
+  // u in 0..1 is the position along the seam; corners are rounded by the stiffness of the cord.
   Vector3d seam(double u) const {
     constexpr int kReach = 3;
     constexpr double kStep = 0.0022;
@@ -70,7 +70,7 @@ class PillowShape {
     return p;
   }
 
-  // The filling pulls the middle of each edge in and leaves the corners standing out, blunted a little.
+  // The filling pulls the middle of each edge inwards, so that the corners protrude slightly.
   static double pull(double along) { return 0.070 * (1 - along * along); }
 
   static Vector3d seam_plane(double s, double t) {
@@ -83,7 +83,7 @@ class PillowShape {
     return 0.004 * value_noise(Vector3d(1.1 * s, 1.1 * t, 3.0), seed_ + 17) - 0.006 * s * s * t * t;
   }
 
-  // Gathers run in from the seam; longer folds from the corners; a soft dent where a head lay.
+  // Gathers at the seam, longer folds from the corners, and a soft dent in the middle.
   static double wrinkles(double s, double t, double dome, uint64_t seed) {
     const double edge = std::exp(-dome / 0.22) * std::min(1.0, dome / 0.05);
     const double toward_s = std::pow(std::abs(s), 6.0) * (1 - std::pow(t, 8.0)),
@@ -104,14 +104,14 @@ class PillowShape {
   uint64_t seed_;
 };
 
-// Signed distance to the nearest stripe, negative inside, for a pillow whose middle is at x = 0.
+// Signed distance to the nearest stripe, metres, negative inside, for a pillow centred at x = 0.
 double stripe_distance_m(double x) {
   double nearest_m = 1.0;
   for (const Band& b : kBands) nearest_m = std::min(nearest_m, std::abs(std::abs(x) - b.centre_m) - b.half_m);
   return nearest_m;
 }
 
-// Finer sampling where the colour changes.
+// Finer sampling near colour changes.
 double near_stripe(double x) {
   return 0.72 + 0.28 * smooth_step(0.002, 0.004, std::abs(stripe_distance_m(x)));
 }
@@ -127,18 +127,18 @@ class Linen {
     a.overlap = 0.80;
     a.flatness = 0.16;
     if (s.part == kPiping) {
-      // Cord under bias-cut cloth: a twill line runs round it.
+      // Cord under bias-cut cloth, with a twill line around it.
       const double twist = std::sin(420 * s.u * 6.283 + 2 * s.v);
       a.albedo = linear_from_hex(0x3C4F78) * (1 + 0.14 * twist + 0.08 * fractal_noise(p / 0.004, 2, seed_));
       return a;
     }
-    // Every kernel is a piece of one thread, warp or weft; each thread has its own tone and swells (slubs).
-    // Along the edge of a stripe only warp shows, which keeps it sharp.
+    // Each kernel is a piece of one warp or weft thread. Each thread has its own tone and thickness (slubs).
+    // At the edge of a stripe only warp is shown, which keeps it sharp.
     const double edge_m = std::abs(stripe_distance_m(p.x()));
     a.across = edge_m < 0.004 ||
                lattice_random(static_cast<int64_t>(std::floor(p.x() / 0.0011)),
                               static_cast<int64_t>(std::floor(p.z() / 0.0011)), s.part, seed_ + 2) < 0.5;
-    // dP/du is along z on the top sheet and along x below.
+    // dP/du is along z on the top sheet and along x on the bottom sheet.
     const bool warp = a.across;
     if (s.part == kTop) a.across = !a.across;
     a.elongation = 2.0;
@@ -150,7 +150,7 @@ class Linen {
     const double shade =
         1 + 0.16 * tone + 0.10 * std::max(0.0, slub) + 0.03 * fractal_noise(p / 0.05, 2, seed_ + 3);
     Vector3d cloth = linear_from_hex(0xD8CCB4);
-    // Stripes are woven in, so the weft keeps a little of the ground.
+    // Stripes are woven in, so the weft keeps some of the ground colour.
     const double stripe = smooth_step(0.0003, -0.0003, stripe_distance_m(p.x()));
     cloth = blend(cloth, linear_from_hex(0x465A86), stripe * (warp ? 0.96 : 0.82));
     a.albedo = cloth * shade;
@@ -173,7 +173,7 @@ GaussianAsset make_pillow(uint64_t seed) {
   top.spacing_m = 0.0028;
   top.part = kTop;
   ParametricSurface bottom = top;
-  // dP/du x dP/dv is up for (z, x) and down for (x, z).
+  // dP/du x dP/dv points up for (z, x) and down for (x, z).
   top.position_m = [shape](double u, double v) { return shape.top(v, u); };
   bottom.position_m = [shape](double u, double v) { return shape.bottom(u, v); };
   bottom.part = kBottom;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A spider plant: arching striped blades from a terracotta pot on its saucer.
+// A spider plant: arching striped blades in a terracotta pot on its saucer.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 using namespace sample;
 using Eigen::Vector3d;
 
-constexpr int kPot = 0, kSaucer = 1, kSoil = 2, kLeaf = 3;  // leaves 3, 4, 5, ...
+constexpr int kPot = 0, kSaucer = 1, kSoil = 2, kLeaf = 3;  // leaves are numbered 3, 4, 5, ...
 constexpr int kLeafCount = 36;
 constexpr double kSoil_m = 0.1235;
 constexpr double kHeight_m = 0.50;
@@ -57,7 +57,7 @@ Profile saucer_profile() {
                   {0.0, 0.0055}});
 }
 
-// One blade: its spine, the direction across it and its width, by the share of the way to the tip.
+// One blade: its spine, lateral direction and width, as functions of the relative distance to the tip.
 struct Blade {
   static constexpr int kSteps = 64;
   std::array<Vector3d, kSteps + 1> spine;
@@ -66,7 +66,7 @@ struct Blade {
 
   double half_width_m(double s) const {
     const double shape = std::pow(s + 0.02, 0.32) * std::pow(std::max(0.0, 1.0 - s), 0.85);
-    return 0.5 * width_m * shape / 0.519 + 0.0003;  // 0.519 is its largest value
+    return 0.5 * width_m * shape / 0.519 + 0.0003;  // 0.519 is the maximum of the shape
   }
   Vector3d at(double s, double q) const {
     const double place = std::clamp(s, 0.0, 1.0) * kSteps;
@@ -86,7 +86,7 @@ struct Blade {
 
 Blade grow(int index, Random& random) {
   Blade blade;
-  // Old blades stand outside and hang; young ones stand up in the middle.
+  // Old blades are at the outside and hang; young ones stand upright in the middle.
   const double age = (index + 0.5) / kLeafCount;
   const double azimuth = 2.399963229728653 * index + 0.35 * random.uniform(-1, 1);
   double elevation = 1.52 - 0.70 * std::pow(age, 0.9) + 0.08 * random.uniform(-1, 1);
@@ -136,7 +136,7 @@ class PlantSkin {
     a.overlap = 0.74;
     a.opacity = 0.97;
     a.flatness = 0.14;
-    // Cream stripe down the middle with a streaked edge; parallel veins beside it.
+    // A cream stripe along the middle with a streaked edge, and parallel veins next to it.
     const double streak = value_noise(Vector3d(along * 14, q * 9, s.part), seed_ + 1);
     const double stripe = smooth_step(0.40, 0.26, std::abs(q) + 0.07 * streak) *
                           smooth_step(0.0, 0.10, along) * smooth_step(0.99, 0.86, along);
@@ -166,7 +166,7 @@ class PlantSkin {
     const double cloud = fractal_noise(p / 0.035, 4, seed_ + 11),
                  grit = fractal_noise(p / 0.0022, 2, seed_ + 12);
     a.albedo = linear_from_hex(s.part == kPot ? 0xC4693F : 0xB86540) * (1 + 0.13 * cloud + 0.08 * grit);
-    // Turning lines, and lime bloom that water leaves low on the wall.
+    // Turning marks, and a lime bloom on the lower part of the wall.
     a.albedo *= 1 + 0.04 * std::sin(p.y() / 0.0011) * (0.5 + 0.5 * cloud);
     const double bloom = smooth_step(
         0.05, 0.55,
@@ -211,7 +211,7 @@ GaussianAsset make_potted_plant(uint64_t seed) {
   soil.u_max = 2 * std::numbers::pi;
   soil.cells_u = soil.cells_v = 64;
   soil.position_m = [seed](double u, double v) {
-    // v runs from the rim inwards so that the patch faces up.
+    // v runs from the rim inwards, so that the patch faces up.
     const double r = 0.0648 * (1 - v);
     const Vector3d flat(r * std::sin(u), 0, r * std::cos(u));
     const double bumps = 0.0035 * fractal_noise(flat / 0.012, 3, seed + 81);
@@ -225,7 +225,7 @@ GaussianAsset make_potted_plant(uint64_t seed) {
     blades.push_back(grow(i, random));
     for (const Vector3d& p : blades.back().spine) top_m = std::max(top_m, p.y());
   }
-  // The tallest blade reaches the stated height.
+  // Scaled so that the tallest blade has the specified height.
   const double grow_by = (kHeight_m - kSoil_m) / (top_m - kSoil_m);
   for (int i = 0; i < kLeafCount; ++i) {
     Blade& blade = blades[i];

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A corner of a room: oak parquet in herringbone, painted skirting, plaster walls with the light of a tall
-// window on them, a framed print. Flat things need few kernels, laid row by row; only edges and the print are
-// fine.
+// A corner of a room: oak parquet in herringbone, painted skirting, plaster walls lit by a tall window, and a
+// framed print. Flat surfaces need few kernels, laid row by row; only edges and the print are fine.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -22,11 +21,11 @@ using Eigen::Vector3d;
 constexpr int kBoard = 0, kSeam = 1, kWall = 2, kSkirting = 3, kFrame = 4, kPrint = 5, kMat = 6;
 constexpr double kRoomHalf_m = 1.5, kWallHeight_m = 2.4;
 constexpr double kSkirtingHeight_m = 0.11, kSkirtingDepth_m = 0.016;
-const Vector3d kPictureLow_m(-0.42, 1.10, -kRoomHalf_m);  // its lower left corner
+const Vector3d kPictureLow_m(-0.42, 1.10, -kRoomHalf_m);  // lower left corner of the picture
 constexpr double kPictureWidth_m = 0.62, kPictureHeight_m = 0.82;
 constexpr double kBoardLength_m = 0.48, kBoardWidth_m = 0.08;
 
-// A flat rectangle of kernels, one row after another, jittered by a fifth of the spacing.
+// A flat rectangle of kernels in rows, jittered by a fifth of the spacing.
 void lay_rectangle(const Vector3d& corner_m, const Vector3d& along_m, const Vector3d& across_m,
                    double spacing_m, double stretch, int part, Random& random, SurfaceSamples& samples) {
   const Vector3d tangent = along_m.normalized(), normal = along_m.cross(across_m).normalized();
@@ -91,7 +90,7 @@ class Decor {
       a.overlap = 1.0;
       return;
     }
-    // v holds the board's number, u the way across it: each board has its own cut, tone and streaks.
+    // v is the board's number, u the position across it. Each board has its own cut, tone and streaks.
     const auto board = static_cast<int64_t>(s.v);
     const auto dice = [&](int64_t which) { return lattice_random(board, which, 0, seed_ + 11); };
     const double along_m = p.dot(s.tangent) + 3.1 * dice(3);
@@ -112,7 +111,7 @@ class Decor {
                              value_noise(p / 0.12, seed_ + 36));
   }
 
-  // A print in flat inks: sun and its reflection between hills.
+  // A print in flat inks: the sun and its reflection between hills.
   void print(const SurfaceSample& s, Appearance& a) const {
     const double x = s.u * 2 - 1, y = s.v * 2 - 1;
     Vector3d ink = blend(linear_from_hex(0xF0D2A4), linear_from_hex(0xE9A071), smooth_step(0.9, -0.2, y));
@@ -133,13 +132,13 @@ class Decor {
     a.gloss_width = 0.4;
   }
 
-  // The window is tall, four panes by two, out of sight on the right; its light falls on the back wall and
-  // the floor, softer the farther it travels. The rest of the room lies in what it scatters.
+  // Light of a tall window, four panes by two, out of view on the right. It falls on the back wall and the
+  // floor and gets softer with distance. The rest of the room is lit by scattered light.
   static double window_light(const SurfaceSample& s) {
     const Vector3d light = key_direction();
     const Vector3d q = s.position_m + 0.004 * s.normal;
     const double travel_m = (2.6 - q.x()) / light.x();
-    const Vector3d at = q + light * travel_m;  // where the ray crosses the window's plane
+    const Vector3d at = q + light * travel_m;  // intersection of the ray with the window's plane
     const double blur_m = 0.010 + 0.012 * travel_m;
     const auto opening = [&](double value, double low, double high) {
       return smooth_step(low - blur_m, low + blur_m, value) *
@@ -156,7 +155,7 @@ class Decor {
     return gradient + 0.42 * through;
   }
 
-  // Where planes meet, each takes the sky from the other: a narrow crease and a wide falling off.
+  // Ambient occlusion where planes meet: a narrow crease and a wide falloff.
   static double corner_shade(const SurfaceSample& s) {
     const auto crease = [](double distance_m) {
       const double d = std::max(0.0, distance_m);
@@ -172,12 +171,12 @@ class Decor {
   uint64_t seed_;
 };
 
-// Herringbone: boards at right angles, each pair stepping by one width. Boards are clipped to the room.
+// Herringbone: boards at right angles, each pair offset by one width. Boards are clipped to the room.
 void lay_parquet(Random& random, SurfaceSamples& samples) {
   const Eigen::Rotation2Dd turn(0.78539816339);
   const double length = kBoardLength_m, width = kBoardWidth_m;
   int number = 0;
-  // Rows across one board, closer at its edges so that the seam stays crisp.
+  // Rows across one board, closer at its edges so that the seam stays sharp.
   const double rows_m[] = {0.0022, 0.0085, 0.0170, 0.0270, 0.0400, 0.0530, 0.0630, 0.0715, 0.0778};
   const double sizes_m[] = {0.0040, 0.0074, 0.0092, 0.0115, 0.0130, 0.0115, 0.0092, 0.0074, 0.0040};
   const auto inside = [](const Eigen::Vector2d& p, double margin) {
@@ -218,8 +217,8 @@ void lay_parquet(Random& random, SurfaceSamples& samples) {
     for (int i = 0; i < 24; ++i) put((i + 0.5) * length / 24, 0.0, 0.00075, 17.0, kSeam, true, 0.0004);
     for (int i = 0; i < 4; ++i) put(0.0, (i + 0.5) * width / 4, 0.00075, 17.0, kSeam, false, 0.0004);
   };
-  // In the lattice of the pattern: boards along the first axis at (i w, i w + 2 L j), then the one that meets
-  // it.
+  // Lattice of the pattern: boards along the first axis at (i w, i w + 2 L j), then the perpendicular board
+  // that meets them.
   for (int j = -8; j <= 8; ++j)
     for (int i = -60; i <= 60; ++i) {
       const Eigen::Vector2d step(i * width + j * length, i * width - j * length);
@@ -231,7 +230,7 @@ void lay_parquet(Random& random, SurfaceSamples& samples) {
 void lay_skirting(Random& random, SurfaceSamples& samples) {
   const double h = kSkirtingHeight_m, d = kSkirtingDepth_m;
   const double bevel = 0.008;
-  // Back wall's board faces +z, the left wall's +x; each has a face, a bevel and a top.
+  // The board on the back wall faces +z, the one on the left wall +x. Each has a face, a bevel and a top.
   lay_rectangle({-kRoomHalf_m + d, 0, -kRoomHalf_m + d}, {2 * kRoomHalf_m - d, 0, 0}, {0, h - bevel, 0},
                 0.012, 2.0, kSkirting, random, samples);
   lay_rectangle({-kRoomHalf_m + d, h - bevel, -kRoomHalf_m + d}, {2 * kRoomHalf_m - d, 0, 0},
@@ -275,14 +274,14 @@ void lay_picture(Random& random, SurfaceSamples& samples) {
   face(b, b, width - b, height - b, 0.0095, 0.0058, kPrint);
 }
 
-// How far inside the frame's outline a point of the back wall lies; negative outside. Nothing is laid behind
-// the picture: a wide kernel that close would be drawn over it from the side.
+// Distance of a point of the back wall inside the frame's outline, metres; negative outside. No kernels are
+// placed behind the picture, because wide kernels so close would be drawn over it from the side.
 double picture_depth_m(const Vector3d& p) {
   return std::min({p.x() - kPictureLow_m.x(), kPictureLow_m.x() + kPictureWidth_m - p.x(),
                    p.y() - kPictureLow_m.y(), kPictureLow_m.y() + kPictureHeight_m - p.y()});
 }
 
-// Plaster, irregular so that no row shows; finer along its edges so that they are straight.
+// Plaster, irregular so that no rows are visible; finer along the edges so that they are straight.
 void lay_wall(const std::function<Vector3d(double, double)>& position_m, bool behind_picture, Random& random,
               SurfaceSamples& samples) {
   ParametricSurface wall;

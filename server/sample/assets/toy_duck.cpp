@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A bath duck of soft vinyl: blown body with head, wings and upturned tail, orange beak, painted eyes.
-// Shape: signed distances and polynomial smooth minimum (Quilez 2013).
+// The shape uses signed distances and the polynomial smooth minimum (Quilez 2013).
 #include <algorithm>
 #include <cmath>
 
@@ -22,14 +22,14 @@ double smooth_min(double a, double b, double width) {
   return std::min(a, b) - 0.25 * h * h * width;
 }
 
-// Distance to an ellipsoid, good near its surface.
+// Distance to an ellipsoid, accurate near its surface.
 double ellipsoid(const Vector3d& p, const Vector3d& radii) {
   const double near = p.cwiseQuotient(radii).norm();
   const double slope = p.cwiseQuotient(radii.cwiseProduct(radii)).norm();
   return slope > 1e-9 ? near * (near - 1) / slope : -radii.minCoeff();
 }
 
-// A turn about x that tips +z up by the angle.
+// A rotation about x that raises +z by the angle.
 struct Tip {
   explicit Tip(double angle_rad) : c(std::cos(angle_rad)), s(std::sin(angle_rad)) {}
   Vector3d operator()(const Vector3d& p) const {
@@ -50,7 +50,7 @@ double body_distance(const Vector3d& p) {
                  0.024);  // tail
   d = smooth_min(d, (p - kHeadCentre).norm() - kHeadRadius, 0.012);
   d = smooth_min(d, ellipsoid(p - Vector3d(0, 0.1125, 0.017), {0.0045, 0.0055, 0.008}), 0.008);  // tuft
-  // Wings: pads that lift off towards the tail.
+  // Wings: pads that rise towards the tail.
   const Vector3d side(std::abs(p.x()), p.y(), p.z());
   const double back_m = 0.5 * (-p.z() - 0.02 + std::hypot(p.z() + 0.02, 0.012));
   const Vector3d w = wing_tip(side - Vector3d(0.0385 - 0.10 * back_m, 0.044, -0.012));
@@ -61,7 +61,7 @@ double body_distance(const Vector3d& p) {
 
 double beak_distance(const Vector3d& p) {
   static const Tip upper_tip(0.22), lower_tip(0.10);
-  const double lift = 0.16 * p.x() * p.x() / 0.016;  // corners of the mouth turn up
+  const double lift = 0.16 * p.x() * p.x() / 0.016;  // the corners of the mouth turn up
   const Vector3d q(p.x(), p.y() - lift, p.z());
   const double upper = ellipsoid(upper_tip(q - Vector3d(0, 0.0800, 0.0530)), {0.0165, 0.0054, 0.0175});
   const double lower = ellipsoid(lower_tip(q - Vector3d(0, 0.0738, 0.0490)), {0.0128, 0.0040, 0.0132});
@@ -96,7 +96,7 @@ class Vinyl {
       nostrils(p, a);
       return a;
     }
-    // Dye a little deeper below, bleached by the sun on top.
+    // The dye is slightly deeper below and bleached by the sun on top.
     a.albedo = blend(linear_from_hex(0xF5B70C), linear_from_hex(0xFFD83A), smooth_step(0.01, 0.1, p.y()));
     a.albedo *= 1 + 0.03 * cloud;
     a.subsurface = Vector3d(0.34, 0.17, 0.0);
@@ -112,7 +112,7 @@ class Vinyl {
     const Vector3d catchlight = eye_centre(sign) + Vector3d(0.0013, 0.0018, 0.0006);
     a.albedo =
         blend(a.albedo, linear_from_hex(0xFFFFFF), smooth_step(0.0017, 0.0011, (p - catchlight).norm()));
-    // Blush sprayed on the cheeks.
+    // Sprayed blush on the cheeks.
     const Vector3d cheek = kHeadCentre + kHeadRadius * Vector3d(sign * 0.80, -0.10, 0.58).normalized();
     a.albedo = blend(linear_from_hex(0xF7902A), a.albedo,
                      0.62 + 0.38 * smooth_step(0.001, 0.010, (p - cheek).norm()));
@@ -134,7 +134,7 @@ class Vinyl {
 GaussianAsset make_toy_duck(uint64_t seed) {
   Random random(seed * 8 + 5);
   ImplicitSurface duck;
-  // The beak begins 20 mm before this plane: behind it only the body counts.
+  // The beak begins 20 mm in front of this plane; behind it only the body is evaluated.
   constexpr double kBehindBeak_m = 0.015;
   duck.distance_m = [](const Vector3d& p) {
     const double body_m = body_distance(p);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A workshop stool in oiled oak: dished round seat of three boards, four turned legs whose wedged tenons show
-// as end grain in the seat, a ring of stretchers.
+// A workshop stool in oiled oak: a dished round seat of three boards, four turned legs with wedged tenons
+// that show as end grain in the seat, and a ring of stretchers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -52,7 +52,7 @@ Profile seat_profile() {
                   {0.0, 0.4438}});
 }
 
-// Radius against the share of the leg from foot to top: taper, two beads, a vase, the shoulder.
+// Radius by height along the leg, from foot to top: taper, two beads, a vase, the shoulder.
 Profile leg_profile() {
   return Profile({{0.0, 0.0},      {0.0100, 0.0005}, {0.0118, 0.0035}, {0.0124, 0.012}, {0.0150, 0.070},
                   {0.0172, 0.118}, {0.0178, 0.128},  {0.0150, 0.1345}, {0.0150, 0.138}, {0.0182, 0.144},
@@ -86,7 +86,7 @@ class OiledOak {
  private:
   void seat(const SurfaceSample& s, Appearance& a) const {
     const Vector3d& p = s.position_m;
-    // Three boards; each was cut from its own place in the log.
+    // Three boards, each cut from a different part of the log.
     const int board = p.z() < -0.052 ? 0 : p.z() < 0.060 ? 1 : 2;
     const double shift_m[3] = {0.031, 0.0, -0.022};
     const double depth_m[3] = {0.052, 0.070, 0.045};
@@ -99,7 +99,7 @@ class OiledOak {
     const double joint_m = std::min(std::abs(p.z() + 0.052), std::abs(p.z() - 0.060));
     a.albedo *= 0.55 + 0.45 * smooth_step(0.0003, 0.0016, joint_m);
     for (int leg = 0; leg < 4; ++leg) tenon(leg, p, a);
-    // Worn and handled: darker where hands lift it.
+    // Darker at the edge, from handling.
     a.albedo *= 1 - 0.10 * smooth_step(0.150, 0.165, std::hypot(p.x(), p.z()));
   }
 
@@ -123,7 +123,7 @@ class OiledOak {
     const Vector3d& p = s.position_m;
     const bool leg = s.part < kStretcher;
     const int other = leg ? s.part - kLeg : s.part - kStretcher;
-    // Grain along the piece: legs nearly upright, stretchers level.
+    // Grain along the piece: legs are nearly vertical, stretchers horizontal.
     Vector3d grain;
     if (leg) {
       const Vector3d off = p - leg_at(other, p.y());
@@ -137,7 +137,7 @@ class OiledOak {
     tone.late = blend(tone.early, tone.late, 0.7);
     a.albedo = wood_albedo(grain, tone, seed_ + 300 + 17 * s.part);
     if (leg) {
-      // Dirt and oil stay in the grooves of the turning; feet are scuffed.
+      // Dirt and oil in the grooves of the turning; scuffed feet.
       const double share = p.y();
       for (const double groove_m : {0.1363, 0.164, 0.3535, 0.374})
         a.albedo *= 1 - 0.30 * smooth_step(0.005, 0.0, std::abs(share - groove_m));
@@ -155,7 +155,7 @@ GaussianAsset make_wooden_stool(uint64_t seed) {
   Random random(seed * 8 + 6);
   SurfaceSamples samples;
   const Profile seat_curve = seat_profile();
-  // The seat as a polar patch, its kernels stretched along the boards (x): distances in x count for less.
+  // The seat is a polar patch with kernels stretched along the boards (x), so distances in x count less.
   constexpr double kStretch = 1.7;
   ParametricSurface seat = lathe(seat_curve, 0.0021, kSeat);
   seat.stretch = kStretch;
@@ -178,7 +178,7 @@ GaussianAsset make_wooden_stool(uint64_t seed) {
     Vector3d along = Vector3d::UnitX() - s.normal * s.normal.x();
     if (along.norm() > 0.5) {
       s.tangent = along.normalized();
-    } else {  // end of the boards: round kernels there
+    } else {  // end of the boards: round kernels
       s.stretch = 1.0;
     }
   }
@@ -193,7 +193,7 @@ GaussianAsset make_wooden_stool(uint64_t seed) {
     turned.v_max = 2 * std::numbers::pi;
     turned.cells_u = 256;
     turned.cells_v = 32;
-    // Down the leg (u) and round it (v), so that the long axis of the kernels follows the grain.
+    // u runs down the leg and v around it, so that the long axis of the kernels follows the grain.
     const Vector3d axis = (leg_top(leg) - leg_foot(leg)) / 0.430;
     const Vector3d foot = leg_foot(leg);
     turned.position_m = [leg_curve, axis, foot](double u, double v) {

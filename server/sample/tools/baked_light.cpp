@@ -23,16 +23,15 @@ constexpr int kDirectionSets = 16;
 const Vector3d kKeyColour(0.92, 0.85, 0.76);
 const Vector3d kSkyColour(0.62, 0.65, 0.70);  // straight up
 const Vector3d kHorizonColour(0.50, 0.49, 0.47);
-const Vector3d kFloorColour(0.25, 0.22, 0.19);  // light back from the floor, away from the object
+const Vector3d kFloorColour(0.25, 0.22, 0.19);  // light reflected by the floor, away from the object
 
 struct Directions {
   std::vector<Vector3d> sky;
   std::array<Vector3d, kKeyDirections> key;
 };
 
-// A Fibonacci sphere for the sky; a small disc about the key direction for the window. Sets are turned
-// against each other, so that the edges of single directions become grain finer than the texture instead of
-// steps.
+// A Fibonacci sphere for the sky, and a small disc around the key direction for the window. The sets are
+// rotated relative to each other, which turns the steps of single directions into fine grain.
 Directions make_directions(int set, int sky_count) {
   Directions d;
   const double turn = 2 * std::numbers::pi * set / kDirectionSets;
@@ -49,7 +48,7 @@ Directions make_directions(int set, int sky_count) {
   return d;
 }
 
-// Irradiance over pi on one side of a surface.
+// Irradiance divided by pi on one side of a surface.
 struct Light {
   Vector3d diffuse;
   double key_visibility;
@@ -68,7 +67,8 @@ class Illumination {
     const Directions& directions = directions_[set % kDirectionSets];
     Light light{Vector3d::Zero(), 0.0, 0.0};
     double weights = 0.0;
-    // Never all dark: these objects are turned over, and a black underside would look like a hole.
+    // Minimum light from below, because these objects can be turned over and a black underside would look
+    // like a hole.
     constexpr double kMinFloorLight = 0.45;
     const double contact =
         kMinFloorLight +
@@ -83,7 +83,7 @@ class Illumination {
       light.sky_visibility += cosine * visible;
       weights += cosine;
     }
-    // Light that was blocked has bounced inside the object; a tenth of it comes back.
+    // A tenth of the blocked light returns after bounces inside the object.
     if (weights > 0) {
       light.sky_visibility /= weights;
       light.diffuse = light.diffuse / weights + (1 - light.sky_visibility) * Vector3d(0.10, 0.09, 0.08);
@@ -92,7 +92,7 @@ class Illumination {
     for (const Vector3d& d : directions.key)
       if (face.dot(d) > -0.05) key += seen(point_m, face, d) / kKeyDirections;
     light.key_visibility = key;
-    // A window is wide: light wraps a little past the terminator.
+    // A window is wide, so its light extends slightly past the terminator.
     const double wrapped = std::max(0.0, (normal.dot(key_direction()) + 0.15) / 1.15);
     light.diffuse += kKeyColour * key * wrapped;
     return light;
@@ -108,14 +108,14 @@ class Illumination {
   std::array<Directions, kDirectionSets> directions_;
 };
 
-// Half a turn about x: y up to -Y up, z towards the viewer to z forward.
+// A rotation by 180 degrees about x: y up to -Y up, z towards the viewer to z forward.
 Vector3d asset_from_model(const Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 
 Vector3d reflect(const Vector3d& towards, const Vector3d& normal) {
   return 2 * normal.dot(towards) * normal - towards;
 }
 
-// Highlights by width, projected once: widths are rounded to steps of 0.05.
+// Highlights by width, projected once; widths are rounded to steps of 0.05.
 class LobeTable {
  public:
   explicit LobeTable(int degree) {
@@ -150,7 +150,7 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
   asset.sh_degree = options.sh_degree;
   asset.resize(samples.size());
   const size_t rest_count = asset.sh_rest_count();
-  // The window is tall: upright things mirror its lower half. Opposite it, dimmer, the bright room.
+  // The window is tall, so upright surfaces reflect its lower half. The bright room opposite is dimmer.
   const Vector3d window_direction = Vector3d(0.62, 0.24, 0.72).normalized();
   const Vector3d fill_direction = Vector3d(-0.7, 0.45, 0.55).normalized();
   std::vector<std::array<double, 2>> jitter(samples.size());  // of size and opacity, drawn in order
@@ -169,7 +169,7 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
     Vector3d display;
     if (a.two_sided) {
       const Light back = illumination.at(s.position_m, -s.normal, -normal, i);
-      const Vector3d leaf_light(0.75, 1.0, 0.25);  // what passes through a leaf is yellow-green
+      const Vector3d leaf_light(0.75, 1.0, 0.25);  // light transmitted by a leaf is yellow-green
       Vector3d back_radiance = options.exposure * back.diffuse.cwiseProduct(a.back_albedo);
       const Vector3d through_front =
           a.translucency * back.diffuse.cwiseProduct(a.albedo).cwiseProduct(leaf_light);

@@ -6,17 +6,17 @@
 
 namespace livegs::sample {
 
-// Colours are linear-light RGB until a kernel is written; kernels hold display-encoded sRGB.
+// Colours are linear-light RGB until a kernel is written; kernels store display-encoded sRGB.
 
-// 0xRRGGBB as a painter names it, to linear light.
+// Converts a display colour 0xRRGGBB to linear light.
 Eigen::Vector3d linear_from_hex(uint32_t rgb);
 
 // IEC 61966-2-1, one channel, 0..1.
 double linear_from_srgb(double encoded);
 double srgb_from_linear(double linear);
 
-// Linear radiance to display values in 0..1: identity in the mid-tones, a soft shoulder above 0.7 so that lit
-// surfaces keep their hue instead of clipping.
+// Converts linear radiance to display values in 0..1: identity in the mid-tones, with a soft shoulder above
+// 0.7 so that bright surfaces keep their hue instead of clipping.
 Eigen::Vector3d display_from_radiance(const Eigen::Vector3d& radiance);
 
 inline Eigen::Vector3d blend(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double share) {

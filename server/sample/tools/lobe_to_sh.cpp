@@ -8,7 +8,7 @@
 namespace livegs::sample {
 namespace {
 
-constexpr int kPoints = 64;  // exact to degree 127: narrow lobes are resolved
+constexpr int kPoints = 64;  // exact to degree 127, sufficient for narrow lobes
 
 double legendre(int l, double x) {
   switch (l) {
@@ -27,7 +27,7 @@ struct Rule {
   std::array<double, kPoints> node, weight;
 };
 
-// Newton on the Legendre polynomial, from Tricomi's estimate of its roots.
+// Newton's method on the Legendre polynomial, from Tricomi's estimate of its roots.
 Rule gauss_legendre() {
   Rule rule;
   for (int i = 0; i < kPoints; ++i) {

@@ -20,7 +20,7 @@ OcclusionGrid::OcclusionGrid(const SurfaceSamples& samples, int cells) {
   nz_ = static_cast<int>(span.z()) + 6;
   density_.assign(static_cast<size_t>(nx_) * ny_ * nz_, 0.0f);
   for (const SurfaceSample& s : samples) {
-    // A saturated sheet across a cell sums to optical depth 3, shared between the eight nearest cells.
+    // A saturated sheet across a cell has an optical depth of 3, distributed to the eight nearest cells.
     const double depth = 3.0 * s.spacing_m * s.spacing_m * s.stretch / 0.65 / (cell_m_ * cell_m_);
     const Eigen::Vector3d place = (s.position_m - low_m_) / cell_m_;
     const Eigen::Vector3d base = (place - Eigen::Vector3d::Constant(0.5)).array().floor();
@@ -57,8 +57,8 @@ double OcclusionGrid::transmittance(const Eigen::Vector3d& point_m, const Eigen:
   const auto inside = [&] {
     return p.x() >= 0 && p.y() >= 0 && p.z() >= 0 && p.x() < end.x() && p.y() < end.y() && p.z() < end.z();
   };
-  // Steps grow as the cone of light that a direction stands for widens; far ones take the nearest cell. Past
-  // depth 4 it is dark.
+  // Steps grow with the width of the cone of light of a direction; distant steps use the nearest cell. Above
+  // a depth of 4 no light is left.
   float depth = 0.0f, step = 0.9f;
   p += 0.5f * toward;
   for (int near = 0; near < 4 && inside() && depth < 4.0f; ++near, p += step * toward, step *= 1.15f)

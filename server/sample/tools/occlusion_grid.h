@@ -8,15 +8,15 @@
 
 namespace livegs::sample {
 
-// How much of the light from a direction reaches a point past the object itself: the samples' area in a
-// coarse grid of cubes, smoothed, marched along a ray. Soft by nature, which is what baked shading wants.
+// Fraction of the light from a direction that reaches a point past the object itself. The samples' area is
+// stored in a coarse grid, smoothed, and ray-marched. The result is soft, as required for baked shading.
 class OcclusionGrid {
  public:
-  // `cells` along the longest side of the samples' box.
+  // `cells`: number of cells along the longest side of the samples' bounding box.
   explicit OcclusionGrid(const SurfaceSamples& samples, int cells = 72);
 
-  // 0..1. Marching starts `clearance` cells away from the point along its normal, so that a surface does not
-  // shade itself.
+  // Returns a value in 0..1. Marching starts `clearance` cells from the point along its normal, which avoids
+  // self-shadowing.
   double transmittance(const Eigen::Vector3d& point_m, const Eigen::Vector3d& normal,
                        const Eigen::Vector3d& direction, double clearance = 1.8) const;
   double cell_m() const { return cell_m_; }
@@ -28,7 +28,7 @@ class OcclusionGrid {
   Eigen::Vector3d low_m_;
   double cell_m_ = 1.0;
   int nx_ = 0, ny_ = 0, nz_ = 0;
-  std::vector<float> density_;  // of a crossing of one cell: optical depth
+  std::vector<float> density_;  // optical depth of a path across one cell
 };
 
 }  // namespace livegs::sample

@@ -28,7 +28,7 @@ std::array<int32_t, 8> PoissonDisk::lists_near(const Eigen::Vector3d& point) con
   for (int corner = 0; corner < 8; ++corner) {
     const size_t b = bucket(x + (corner & 1), y + ((corner >> 1) & 1), z + (corner >> 2));
     seen[corner] = b;
-    // Two cells may share a bucket; its list is walked once.
+    // Two cells may share a bucket; its list is visited once.
     const bool again = std::find(seen.begin(), seen.begin() + corner, b) != seen.begin() + corner;
     heads[corner] = again ? -1 : heads_[b];
   }
@@ -46,7 +46,8 @@ bool PoissonDisk::take(const Eigen::Vector3d& point, const Eigen::Vector3d& norm
 }
 
 bool PoissonDisk::fill(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
-  // Kernels of standard deviation 0.75 radius and opacity 0.95; a hole is where more than 5 % passes.
+  // Kernels with a standard deviation of 0.75 radius and an opacity of 0.95; a hole is a point where more
+  // than 5 % of the light passes.
   constexpr double kSigma = 0.75, kOpacity = 0.95, kClosed = 0.05;
   double transmittance = 1.0;
   for (int32_t i : lists_near(point))

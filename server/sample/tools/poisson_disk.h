@@ -8,20 +8,19 @@
 
 namespace livegs::sample {
 
-// Poisson-disc thinning: a dart is taken when no earlier dart on the same side of the surface lies nearer
-// than its radius. Random packing leaves holes nearly a radius wide; `fill` takes darts that fall into them,
-// where the kernels of the darts around would let light through. Hashed grid with cells twice as wide as the
-// largest radius: the eight nearest cells hold every neighbour that matters.
+// Poisson-disc thinning: a dart is accepted if no earlier dart on the same side of the surface is within its
+// radius. Random packing leaves holes up to a radius wide. `fill` accepts darts in holes where the kernels of
+// the surrounding darts would let light through. The hashed grid has cells twice as wide as the largest
+// radius, so the eight nearest cells contain all relevant neighbours.
 class PoissonDisk {
  public:
   PoissonDisk(double largest_radius, size_t expected_darts);
 
-  // Normals decide the side: darts whose normals point apart do not see each other (two faces of a thin
-  // wall).
+  // Normals define the side: darts with opposed normals (two faces of a thin wall) do not affect each other.
   bool take(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius);
 
-  // Taken when the optical depth of the darts around, drawn as kernels of their radius, is below what a
-  // closed surface needs.
+  // Accepted if the optical depth of the surrounding darts, drawn as kernels of their radius, is below that
+  // of a closed surface.
   bool fill(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius);
 
  private:
@@ -31,11 +30,11 @@ class PoissonDisk {
     int32_t next;
   };
   size_t bucket(int64_t x, int64_t y, int64_t z) const;
-  // The heads of the eight lists that hold what is near the point.
+  // Returns the heads of the eight lists near the point.
   std::array<int32_t, 8> lists_near(const Eigen::Vector3d& point) const;
   void add(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius);
 
-  double cell_;  // width
+  double cell_;  // width of a cell
   std::vector<int32_t> heads_;
   std::vector<Dart> darts_;
 };

@@ -10,8 +10,8 @@ namespace {
 constexpr int kStepsPerSpan = 32;
 constexpr int kEvenPoints = 1024;
 
-// Barry and Goldman's evaluation with knots at the square root of chord length; equal points give straight
-// ends.
+// Barry and Goldman's evaluation with knots at the square root of the chord length; coincident points give
+// straight ends.
 Eigen::Vector2d span_point(const Eigen::Vector2d p[4], double share) {
   double knot[4] = {0, 0, 0, 0};
   for (int i = 1; i < 4; ++i) knot[i] = knot[i - 1] + std::sqrt((p[i] - p[i - 1]).norm());

@@ -7,18 +7,18 @@
 
 namespace livegs::sample {
 
-// Random numbers whose bits do not depend on the standard library: the generator is specified by the
-// standard, its distributions are not, so both conversions are ours.
+// Reproducible random numbers on all platforms. The standard specifies the generator but not its
+// distributions, so both conversions are implemented here.
 class Random {
  public:
   explicit Random(uint64_t seed) : bits_(seed * 0x9E3779B97F4A7C15ull + 0x632BE59BD9B4E019ull) {}
 
-  // [0, 1), 53 bits.
+  // Returns a value in [0, 1) with 53 bits.
   double uniform() { return static_cast<double>(bits_() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
 
-  // Mean 0, variance 1. Box and Muller 1958; the second value of the pair is dropped, so a call has no
-  // memory.
+  // Normal distribution with mean 0 and variance 1 (Box and Muller 1958). The second value of the pair is
+  // discarded, so a call has no state.
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(6.283185307179586 * uniform());

@@ -19,7 +19,7 @@ void line_up_along_edge(const std::function<double(const SurfaceSample&)>& dista
     }
     slope -= sample.normal * sample.normal.dot(slope);
     const double steepness = slope.norm();
-    // Where the surface runs along the edge's own direction there is nothing to gain.
+    // Skipped where the distance hardly changes along the surface.
     if (!(steepness > 0.3)) continue;
     const double to_m = from_m < 0 ? -margin_m : margin_m;
     sample.position_m += slope * ((to_m - from_m) / (steepness * steepness));

@@ -8,10 +8,9 @@
 
 namespace livegs::sample {
 
-// A painted edge drawn by kernels frays, because centres lie at random distances from it. Moves every sample
-// that is nearer than `margin_m` to the edge (the zero line of `distance_m`, metres, slope near one) along
-// the surface until it is that far, on its own side: the kernels then line up along the edge. Samples for
-// which `distance_m` is not finite are left alone.
+// Sharpens a painted edge, which would otherwise look frayed because kernel centres lie at random distances.
+// Each sample within `margin_m` of the edge (the zero line of `distance_m`, metres, slope near one) is moved
+// along the surface to that distance, on its own side. Samples with a non-finite `distance_m` are not moved.
 void line_up_along_edge(const std::function<double(const SurfaceSample&)>& distance_m, double margin_m,
                         SurfaceSamples& samples);
 

@@ -10,13 +10,12 @@
 namespace livegs::sample {
 namespace {
 
-// Random sequential packing saturates at 0.70 discs per spacing². Of the darts per saturated disc, the later
-// ones only fill holes.
+// Random sequential packing saturates at 0.70 discs per spacing². The later darts per disc only fill holes.
 constexpr double kSaturation = 0.70;
 constexpr double kDartsPerDisc = 6.5;
-constexpr double kFillStartShare = 0.55;  // share of the darts after which holes are filled
+constexpr double kFillStartShare = 0.55;  // fraction of the darts after which holes are filled
 constexpr double kGolden = 0.6180339887498949;
-constexpr double kMaxTurn_rad = 0.35;  // of the normal within one spacing
+constexpr double kMaxTurn_rad = 0.35;  // maximum rotation of the normal within one spacing
 
 struct Cell {
   double u, v, spacing_m, cumulative;
@@ -51,7 +50,7 @@ void sample_surface(const ParametricSurface& surface, Random& random, SurfaceSam
       corners[j * (nu + 1) + i] = surface.position_m(surface.u_min + i * du, surface.v_min + j * dv);
   const auto corner = [&](int i, int j) -> const Eigen::Vector3d& { return corners[j * (nu + 1) + i]; };
 
-  // Cell normals, then the largest turn per metre towards the next cell in either direction.
+  // Cell normals, then the largest rotation per metre towards the next cell in either direction.
   std::vector<Eigen::Vector3d> normals(static_cast<size_t>(nu) * nv);
   std::vector<double> areas(normals.size());
   for (int j = 0; j < nv; ++j)
@@ -116,10 +115,10 @@ void sample_implicit(const ImplicitSurface& surface, Random& random, SurfaceSamp
   constexpr int kCells = 64;  // along the longest side
   const Eigen::Vector3d size = surface.max_m - surface.min_m;
   const double width_m = size.maxCoeff() / kCells;
-  // Darts start in a shell about the surface and fall on it along the gradient. A cell that the shell crosses
-  // has its centre within the shell and half a diagonal (0.87 widths) of the surface.
+  // Darts start in a shell around the surface and are projected onto it along the gradient. A cell crossed by
+  // the shell has its centre within the shell's width plus half a diagonal (0.87 widths) of the surface.
   const double shell_m = 1.5 * surface.spacing_m;
-  std::vector<Eigen::Vector3d> corners;  // of those cells
+  std::vector<Eigen::Vector3d> corners;  // corners of those cells
   for (int k = 0; k * width_m < size.z(); ++k)
     for (int j = 0; j * width_m < size.y(); ++j)
       for (int i = 0; i * width_m < size.x(); ++i) {
@@ -127,7 +126,7 @@ void sample_implicit(const ImplicitSurface& surface, Random& random, SurfaceSamp
         const Eigen::Vector3d centre = low + Eigen::Vector3d::Constant(0.5 * width_m);
         if (std::abs(surface.distance_m(centre)) < shell_m + 0.95 * width_m) corners.push_back(low);
       }
-  // Tetrahedral differences: four evaluations.
+  // Tetrahedral finite differences: four evaluations.
   const auto gradient = [&](const Eigen::Vector3d& p) {
     constexpr double kStep_m = 2e-5;
     Eigen::Vector3d g = Eigen::Vector3d::Zero();

@@ -10,38 +10,38 @@
 namespace livegs::sample {
 
 // A patch P(u, v) over a rectangle of parameters. The normal is dP/du x dP/dv, so the order of the parameters
-// chooses the side; `tangent` is along dP/du. Poles and creases are allowed.
+// selects the side; `tangent` is along dP/du. Poles and creases are allowed.
 struct ParametricSurface {
   std::function<Eigen::Vector3d(double u, double v)> position_m;
   double u_min = 0.0, u_max = 1.0, v_min = 0.0, v_max = 1.0;
-  double spacing_m = 0.002;  // wanted distance between neighbours, before curvature makes it finer
-  double stretch = 1.0;      // neighbours along dP/du are this much farther apart (wood grain, leaf blades)
+  double spacing_m = 0.002;  // target distance between neighbours; curvature may reduce it
+  double stretch = 1.0;      // factor on the distance of neighbours along dP/du (wood grain, leaf blades)
   int part = 0;
-  int cells_u = 64, cells_v = 64;  // the grid on which area and curvature are measured
-  // Extra refinement, a factor on spacing_m in (0, 1]; empty for none.
+  int cells_u = 64, cells_v = 64;  // grid on which area and curvature are measured
+  // Additional refinement, a factor on spacing_m in (0, 1]; empty for none.
   std::function<double(double u, double v)> refinement;
-  // Points for which this is false are left out (hidden inside another part); empty keeps all.
+  // Points for which this is false are removed (hidden inside another part); empty keeps all.
   std::function<bool(const Eigen::Vector3d& position_m)> keep;
-  // Where distances between samples are measured, when that is not the surface itself: a stretched surface
-  // maps its long direction shorter by `stretch`. Empty for the position.
+  // Position in which distances between samples are measured: a stretched surface shortens its long direction
+  // by `stretch`. Empty: the position itself.
   std::function<Eigen::Vector3d(double u, double v, const Eigen::Vector3d& position_m)> metric;
 };
 
 // Appends an even, irregular covering of the surface: Poisson-disc darts (Cook 1986) over area-weighted
-// candidates until hardly any place is left, about 0.65 samples per spacing². Where the surface turns by more
-// than a third of a radian within one spacing, spacing shrinks (to a third at most).
+// candidates until almost no space is left, about 0.65 samples per spacing². Where the normal rotates by more
+// than a third of a radian within one spacing, the spacing shrinks to a third at most.
 void sample_surface(const ParametricSurface& surface, Random& random, SurfaceSamples& samples);
 
-// Zero set of a distance-like function (negative inside, gradient near unit length close to the surface).
+// Zero set of a distance-like function: negative inside, gradient near unit length close to the surface.
 struct ImplicitSurface {
   std::function<double(const Eigen::Vector3d& position_m)> distance_m;
-  Eigen::Vector3d min_m, max_m;  // a box that holds the surface
+  Eigen::Vector3d min_m, max_m;  // a box that contains the surface
   double spacing_m = 0.001;
   // Factor on spacing_m in (0, 1]; empty for none.
   std::function<double(const Eigen::Vector3d& position_m)> refinement;
 };
 
-// Appends an even covering as above; u and v stay 0, tangents are arbitrary.
+// Appends an even covering as above; u and v are 0, tangents are arbitrary.
 void sample_implicit(const ImplicitSurface& surface, Random& random, SurfaceSamples& samples);
 
 }  // namespace livegs::sample

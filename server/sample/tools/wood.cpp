@@ -17,7 +17,7 @@ Vector3d wood_albedo(const Vector3d& p, const WoodTone& tone, uint64_t seed) {
   const double z = p.z() + 0.010 * fractal_noise(slow + Vector3d(7.3, 1.7, 4.1), 2, seed + 2);
   const double ring = std::hypot(y, z) / tone.ring_m + 0.35 * value_noise(slow * 2.5, seed + 3);
   const double year = std::floor(ring), phase = ring - year;
-  // Summer wood builds up through the year and stops short at winter.
+  // Late wood increases through the year and ends abruptly in winter.
   double late = smooth_step(0.25, 0.88, phase) * smooth_step(1.0, 0.93, phase);
   late *= 0.55 + 0.45 * lattice_random(static_cast<int64_t>(year), 0, 0, seed + 4);
   Vector3d albedo = blend(tone.early, tone.late, late);

@@ -6,12 +6,12 @@
 
 namespace livegs::sample {
 
-// Solid wood: growth rings about the x axis of `grain_m`, cut wherever the surface happens to run, so that
-// long grain, cathedrals and end grain come out by themselves.
+// Solid texture of wood: growth rings about the x axis of `grain_m`. Long grain, cathedrals and end grain
+// follow from the orientation of the surface.
 struct WoodTone {
-  Eigen::Vector3d early, late;  // spring and summer wood, linear light
+  Eigen::Vector3d early, late;  // early and late wood, linear light
   double ring_m = 0.006;
-  double detail = 1.0;  // strength of fibres and pores, which kernels wider than 2 mm cannot carry
+  double detail = 1.0;  // strength of fibres and pores, which kernels wider than 2 mm cannot resolve
 };
 
 Eigen::Vector3d wood_albedo(const Eigen::Vector3d& grain_m, const WoodTone& tone, uint64_t seed);

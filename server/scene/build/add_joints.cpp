@@ -15,12 +15,11 @@ Result<void> add_joints(const v1::Scene& file,
     for (const std::string& part : {parts.object, parts.other}) {
       if (part.empty()) continue;
       const SceneObject* object = find(part);
-      // Of AUTO objects it is known only now.
+      // The behaviour of AUTO objects is known only after they are built.
       const v1::Physics::Behavior behavior = object->physics.behavior();
       if (behavior == v1::Physics::ELASTIC || (part == parts.object && behavior == v1::Physics::STATIC)) {
-        return invalid_argument(name + ": \"" + part + "\" was found to be " +
-                                v1::Physics::Behavior_Name(behavior) +
-                                "; joints hold rigid objects: set its physics.behavior to RIGID");
+        return invalid_argument(name + ": \"" + part + "\" is " + v1::Physics::Behavior_Name(behavior) +
+                                "; joints need rigid objects, set its physics.behavior to RIGID");
       }
       if (part == parts.object) {
         hinge.object_id = object->id;

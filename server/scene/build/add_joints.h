@@ -11,7 +11,7 @@
 
 namespace livegs {
 
-// Puts the file's joints into the world of its objects. Errors name the joint and the object.
+// Adds the file's joints to the world that holds its objects. Errors name the joint and the object.
 Result<void> add_joints(const v1::Scene& file,
                         const std::function<const SceneObject*(const std::string&)>& find, World& world);
 

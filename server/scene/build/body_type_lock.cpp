@@ -9,14 +9,14 @@ std::vector<std::string> lock_body_type(const BodyTypeLock& built, v1::PhysicalP
   std::vector<std::string> later;
   const auto never = fracture_warning(physics);
   if (physics.behavior() != built.behavior) {
-    later.push_back("behavior: it stays " + v1::Physics::Behavior_Name(built.behavior) +
-                    " until the scene is loaded anew, then it is " +
+    later.push_back("behavior: stays " + v1::Physics::Behavior_Name(built.behavior) +
+                    " until the scene is reloaded, then changes to " +
                     v1::Physics::Behavior_Name(physics.behavior()));
     physics.set_behavior(built.behavior);
     physics.set_behavior_reason(later.back());
   }
   if (physics.fragile() && !built.can_break) {
-    later.push_back(never.value_or("fragile: it cannot break until the scene is loaded anew"));
+    later.push_back(never.value_or("fragile: no effect until the scene is reloaded"));
   }
   return later;
 }

@@ -8,14 +8,16 @@
 
 namespace livegs {
 
-// What an object was built as when its scene was loaded; it stays that until the scene is loaded anew.
+// The body type chosen for an object when its scene was loaded. It stays the same until the scene is
+// reloaded.
 struct BodyTypeLock {
   v1::Physics::Behavior behavior = v1::Physics::RIGID;
-  bool can_break = false;  // its kernels can be cut into pieces while it runs
+  bool can_break = false;  // its kernels can be cut into pieces at run time
 };
 
-// Sets the behaviour of `physics` back to what the object was built as. The result is what of it takes effect
-// only when the scene is loaded anew, one line each, for a person; empty when all of it holds at once.
+// Sets the behaviour of `physics` back to the type that the object was built as. Returns one line, for
+// display, for each change that takes effect only after a reload. Returns an empty list if all changes apply
+// at once.
 std::vector<std::string> lock_body_type(const BodyTypeLock& built, v1::PhysicalParameters& physics);
 
 }  // namespace livegs

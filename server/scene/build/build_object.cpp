@@ -22,17 +22,17 @@
 namespace livegs {
 namespace {
 
-// What all three forms come down to.
+// Common result of the three forms of an object: asset, shape and list of points.
 struct Form {
   std::shared_ptr<const GaussianAsset> asset;
   Similarity object_from_asset;
-  std::vector<Eigen::Vector3d> points_m;  // for surfaces; empty for shapes
+  std::vector<Eigen::Vector3d> points_m;  // for the surface; empty for shapes
   TriangleMesh mesh;                      // fine surface, object frame
-  ParticleSet particles;                  // points only
+  ParticleSet particles;                  // only for a list of points
   std::vector<Eigen::Vector3d> particle_velocities_m_s;
   std::string surface_note;
   bool scale_known = true;
-  std::string scale_reason = "told by the scene";
+  std::string scale_reason = "given in the scene file";
 };
 
 TriangleMesh mesh_of(const v1::Shape& shape) {
@@ -56,13 +56,12 @@ Result<Form> form_of_points(const v1::Object& object, const std::filesystem::pat
   auto surface = reconstruct_surface(list->positions_m, elastic_surface_options());
   if (!surface) return surface.error();
   Form form;
-  form.mesh = std::move(surface->mesh);  // its note is of no interest: the points are the body
+  form.mesh = std::move(surface->mesh);  // the note about repairs is dropped: the points are the body
   ParticleSet& particles = form.particles;
   particles.spacing_m =
       object.has_spacing_m() ? object.spacing_m() : filling_spacing_m(list->positions_m, form.mesh);
   if (!(particles.spacing_m > 0)) {
-    return invalid_data(object.points() +
-                        ": the spacing of its points is zero; give spacing_m or points that differ");
+    return invalid_data(object.points() + ": point spacing is zero; give spacing_m or distinct points");
   }
   const double volume = particles.spacing_m * particles.spacing_m * particles.spacing_m;
   const size_t count = list->positions_m.size();
@@ -102,7 +101,8 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
   return form;
 }
 
-// The volume of a list of points is its particles'; of everything else, what its surface encloses.
+// The volume of a list of points is the sum over its particles; the volume of other forms is enclosed by the
+// surface.
 ObjectFacts facts_of(const Form& form, const std::string& name, bool captured) {
   ObjectFacts facts;
   facts.name = name;
@@ -117,8 +117,9 @@ ObjectFacts facts_of(const Form& form, const std::string& name, bool captured) {
   return facts;
 }
 
-// A rigid asset collides as LIVE-GS's coarse mesh; shapes as themselves, and what can break as the fine
-// surface that is cut: its pieces have crisp edges, and their masses add up to the whole's.
+// Selects the collision mesh of a rigid body. An asset uses the coarse mesh of LIVE-GS. A shape uses its own
+// mesh. A fragile asset uses the fine surface that is cut, so that its fragments have sharp edges and their
+// masses add up to the mass of the whole.
 Result<TriangleMesh> rigid_mesh(const Form& form, bool fine) {
   if (fine) return form.mesh;
   auto surface = reconstruct_surface(form.points_m, rigid_surface_options());
@@ -131,7 +132,7 @@ MassProperties properties_of(const TriangleMesh& mesh, Fill fill) {
   return shell ? shell_mass_properties(mesh) : solid_mass_properties(mesh);
 }
 
-// Where the object's material is, at rest.
+// Bounds of the material in the rest state, object frame, metres.
 Eigen::AlignedBox3d material_bounds(const ParticleSet& particles, const TriangleMesh& mesh, bool points) {
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3d& vertex : points ? particles.positions_m : mesh.vertices_m)
@@ -140,11 +141,12 @@ Eigen::AlignedBox3d material_bounds(const ParticleSet& particles, const Triangle
   return {bounds.min() - half, bounds.max() + half};
 }
 
-// A region that misses the object would silently do nothing.
+// Refuses a region that does not overlap the object, because it would have no effect.
 Result<void> check_reach(const BodyRegion& region, const Eigen::AlignedBox3d& material,
                          const std::string& field) {
   const double slack = 1e-6 * material.sizes().maxCoeff();
-  // A traction or a material needs a volume, a plane is enough to hold or move what it touches.
+  // A traction or a material needs an overlap with a volume. A plane is enough to fix or move the points on
+  // it.
   const bool plane_will_do = !region.material && region.traction_pa.isZero(0.0);
   const Eigen::Array3d overlap =
       region.max_m.cwiseMin(material.max()).array() - region.min_m.cwiseMax(material.min()).array();
@@ -152,7 +154,7 @@ Result<void> check_reach(const BodyRegion& region, const Eigen::AlignedBox3d& ma
   char message[200];
   std::snprintf(
       message, sizeof message,
-      ": holds nothing of the object, which reaches from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m at rest",
+      ": does not overlap the object, which extends from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m at rest",
       material.min().x(), material.min().y(), material.min().z(), material.max().x(), material.max().y(),
       material.max().z());
   return invalid_argument((region.name.empty() ? "" : "region \"" + region.name + "\": ") + field + ".box" +
@@ -177,9 +179,9 @@ Result<ElasticBodyDescription> elastic_description(const v1::Object& object, For
   return body;
 }
 
-// Empty, or why the spacing that the scene gives its particles is taken for a slip: so few of them say next
-// to nothing of the shape, and particles of a list that are given more than the room between them weigh more
-// than the body.
+// Returns why the `spacing_m` of the scene file is probably a mistake, or an empty string. A spacing is
+// doubtful if fewer than kMinCellsAlong particles span the longest side, or if the particles of a list fill
+// more than kMaxVolumeRatio times the volume of the body.
 std::string doubtful_spacing(const v1::Object& object, const ParticleSet& particles, const TriangleMesh& mesh,
                              double longest_side_m) {
   constexpr double kMinCellsAlong = 4.0, kMaxVolumeRatio = 2.0;
@@ -191,7 +193,7 @@ std::string doubtful_spacing(const v1::Object& object, const ParticleSet& partic
     if (fitting_m > 0.0 && ratio > kMaxVolumeRatio) {
       std::snprintf(
           text, sizeof text,
-          "spacing_m: %.4g m lets its points fill %.3g times the volume they lie in; leave it out, or give "
+          "spacing_m: %.4g m makes the points fill %.3g times the volume of the body; omit it, or give "
           "about %.4g",
           object.spacing_m(), ratio, fitting_m);
     }
@@ -200,15 +202,14 @@ std::string doubtful_spacing(const v1::Object& object, const ParticleSet& partic
   const double most_m = longest_side_m / kMinCellsAlong;
   if (object.spacing_m() > most_m * (1.0 + 1e-9)) {
     std::snprintf(text, sizeof text,
-                  "spacing_m: %.4g m is more than a quarter of its longest side, so that %zu particles are "
-                  "all it is known "
-                  "by; leave it out, or give at most %.4g",
+                  "spacing_m: %.4g m is more than a quarter of the longest side, which leaves only %zu "
+                  "particles; omit it, or give at most %.4g",
                   object.spacing_m(), particles.positions_m.size(), most_m);
   }
   return text;
 }
 
-// What only something that deforms can have; empty when there is none of it.
+// Returns the first field that is valid only for elastic objects, or an empty string.
 std::string needs_elastic(const v1::Object& object, const Form& form) {
   if (object.regions_size() > 0) return "regions";
   if (!object.initial_deformation().empty()) return "initial_deformation";
@@ -245,7 +246,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   auto before = with_physics_file(offline, kept, facts, kept_note);
   if (!before) {
     return fail({before.error().code, kept_in.string() + ": edits." + before.error().message +
-                                          "; mend it, or delete the file to forget it"});
+                                          "; correct it, or delete the file"});
   }
   const v1::PhysicalParameters estimated = std::move(*before);
   auto parameters = merge_scene_physics(estimated, object.physics(), facts);
@@ -271,8 +272,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   if (material.behavior != Behavior::Elastic && !elastic_only.empty()) {
     return invalid_argument(
         field + "." + elastic_only + ": " + (elastic_only == "points" ? "have velocities, which are" : "is") +
-        " for elastic objects, and this one is " + v1::Physics::Behavior_Name(parameters->behavior()) +
-        "; set physics.behavior to ELASTIC");
+        " only for elastic objects, and this object is " +
+        v1::Physics::Behavior_Name(parameters->behavior()) + "; set physics.behavior to ELASTIC");
   }
   std::optional<ElasticBodyDescription> elastic;
   if (material.behavior == Behavior::Elastic) {
@@ -285,7 +286,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       built.drawn.warnings.push_back(doubt);
     }
     elastic->material = material;
-    // Only where nobody said that it is elastic, and nothing needs it to be.
+    // Replaces an elastic body by a rigid one only if ELASTIC was not set by the user and is not required.
     if (object.physics().behavior() == v1::Physics::AUTO && kept.edits().behavior() == v1::Physics::AUTO &&
         elastic_only.empty()) {
       if (const auto reason = too_stiff_for_lattice(*elastic, settings.rate_hz, settings.substeps)) {
@@ -328,12 +329,13 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       built.cut_mesh = std::make_shared<const TriangleMesh>(body.mesh);
       built.fine_mesh =
           shape || material.fragile ? built.cut_mesh : std::make_shared<const TriangleMesh>(form->mesh);
-      // Closed all round, it is known from outside only: the wall is made for it.
+      // A captured closed surface shows only the outside of a hollow object; the inner wall is generated.
       if (material.fragile && material.fill == Fill::Shell && !has_hollow(body.mesh)) {
         if (auto hollow = hollow_mesh(body.mesh, material.wall_thickness_m)) {
           built.cut_mesh = built.fine_mesh = std::make_shared<const TriangleMesh>(std::move(*hollow));
         } else {
-          built.drawn.warnings.push_back("physics.fill: it breaks as a solid: " + hollow.error().message);
+          built.drawn.warnings.push_back("physics.fill: the object breaks as a solid: " +
+                                         hollow.error().message);
         }
       }
       body.properties = properties_of(*built.cut_mesh, material.fill);

@@ -16,30 +16,32 @@ namespace livegs {
 
 struct StaticBodyDescription {
   Pose world_from_object;
-  FieldShape shape;  // what others touch
+  FieldShape shape;  // collision shape for other bodies
   double friction = 0.5, restitution = 0.2;
 };
 
-// One object of a scene, ready to be put into a world: what is drawn, what it is made of, and its body.
+// One object of a scene, ready to be added to a world: drawing data, physical parameters and body.
 struct BuiltObject {
-  SceneObject drawn;  // without id and rest
+  SceneObject drawn;  // id and rest are not set
   Similarity object_from_asset;
-  std::vector<Eigen::Vector3d> body_points_m;  // what takes up room, object frame
+  std::vector<Eigen::Vector3d> body_points_m;  // points that the body occupies, object frame
   std::variant<StaticBodyDescription, RigidBodyDescription, ElasticBodyDescription> body;
-  // Of a rigid body: what is cut when it is fragile, and the fine surface that its kernels lie on.
+  // Rigid bodies only: the surface that is cut if the object is fragile, and the fine surface that the
+  // kernels lie on.
   std::shared_ptr<const TriangleMesh> cut_mesh, fine_mesh;
   double build_ms = 0;
 };
 
-// What was decided about an object.
+// The sidecar of an object: the physical parameters that were estimated or edited before.
 struct ObjectSidecar {
-  std::filesystem::path path;             // where it is kept; empty: nowhere
-  const v1::PhysicsFile* told = nullptr;  // takes the place of what stands there; null leaves that
+  std::filesystem::path path;             // location on disk; empty if the object has no sidecar
+  const v1::PhysicsFile* told = nullptr;  // replaces the file on disk; null: read the file
 };
 
-// Asset, shape or points to surface, facts, parameters and body. Pure but for reading files: objects of a
-// scene are built in parallel. `index` picks a colour for what has none; `field` is what errors call the
-// object; `settings` are the world's it will live in.
+// Builds an object from its asset, shape or points: surface, facts, parameters and body. No side effects
+// other than reading files, so the objects of a scene are built in parallel. `index` selects a colour for
+// uncoloured objects. `field` names the object in errors. `settings` belong to the world that the object is
+// added to.
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field, const WorldSettings& settings,
                                  const ObjectSidecar& sidecar = {});

@@ -7,9 +7,11 @@
 namespace livegs {
 namespace {
 
-// Of the strain by its own weight. A cube of 0.5 stands.
+// Compressive strain under its own weight above which a body is reported as too soft. A cube still stands at
+// a strain of 0.5.
 constexpr double kMaxSag = 0.7;
-constexpr double kMinReportedAnisotropy = 1.02;  // so much stiffer across than along
+// Minimum ratio of stiffness across to along that is reported.
+constexpr double kMinReportedAnisotropy = 1.02;
 
 v1::ElasticAccuracy::Band band_message(ElasticBand band) {
   switch (band) {
@@ -80,43 +82,41 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
     if (!material.clipped) return;
     warnings.push_back(
         where +
-        format_text("stiffness clipped from %.3g to %.3g Pa, the most that cells of %.3g mm reach in %d "
-                    "substeps; a higher rate or a rigid body would be stiffer",
+        format_text("stiffness is clipped from %.3g to %.3g Pa, the maximum for cells of %.3g mm and %d "
+                    "substeps; raise the rate, or use a rigid body",
                     material.youngs_modulus_pa, material.reached_youngs_modulus_pa,
                     1e3 * accuracy.cell_width_m, accuracy.substeps));
   };
   warn(accuracy, "");
   if (accuracy.thin_part > kMaxThinPart) {
     warnings.push_back(format_text(
-        "%.0f %% of it is sheets or cords thinner than half a cell of %.3g mm that do not lie along the "
-        "cells: such things measured %.2g to %.2g of the stiffness they should have in bending",
+        "%.0f %% of the volume is sheets or cords thinner than half a cell of %.3g mm that are not aligned "
+        "with the cells; their bending stiffness is %.2g to %.2g of the correct value",
         100.0 * accuracy.thin_part, 1e3 * accuracy.cell_width_m, kThinBendsFrom, kThinBendsTo));
   }
   if (accuracy.over_budget) {
     warnings.push_back(format_text(
-        "so thin and wide that its %zu nodes in cells of %.3g mm are the most that a frame has time for: it "
-        "bends, "
-        "folds and touches more coarsely than it should; make it smaller, thicker or of several objects",
+        "too thin and wide for the time budget: limited to %zu nodes in cells of %.3g mm, bending, folding "
+        "and contact are coarser than they should be; make it smaller, thicker or split it into several "
+        "objects",
         accuracy.nodes, 1e3 * accuracy.cell_width_m));
   }
   if (accuracy.unbudgeted_cell_width_m > 0) {
     warnings.push_back(format_text(
-        "its part of the scene's elastic budget leaves it cells of %.3g mm and %d substeps; alone it would "
-        "have cells of %.3g mm and reach %.3g Pa: fewer or smaller elastic objects, or a larger "
-        "elastic_budget_ms, give it more",
+        "the elastic budget limits it to cells of %.3g mm and %d substeps; alone it would have cells of "
+        "%.3g mm and reach %.3g Pa; use fewer or smaller elastic objects, or raise elastic_budget_ms",
         1e3 * accuracy.cell_width_m, accuracy.substeps, 1e3 * accuracy.unbudgeted_cell_width_m,
         accuracy.unbudgeted_reached_pa));
   }
   if (accuracy.sag > kMaxSag) {
     warnings.push_back(format_text(
-        "too soft to carry itself: its own weight strains it by %.2g, and what is inside may hang through "
-        "what it lies on; %.2g Pa would strain it by a tenth",
+        "too soft to carry its own weight: strain %.2g, inner points may sink through the support; a modulus "
+        "of %.2g Pa would strain it by a tenth",
         accuracy.sag, 10.0 * accuracy.sag * accuracy.youngs_modulus_pa));
   }
   if (accuracy.recovery_count > 0) {
-    warnings.push_back(
-        format_text("its motion ran out of bounds: it was put back at rest, in its rest shape, %d time%s",
-                    accuracy.recovery_count, accuracy.recovery_count == 1 ? "" : "s"));
+    warnings.push_back(format_text("simulation diverged: reset to the rest shape %d time%s",
+                                   accuracy.recovery_count, accuracy.recovery_count == 1 ? "" : "s"));
   }
   for (const RegionAccuracy& region : accuracy.regions) warn(region, region.name + ": ");
   return warnings;

@@ -5,7 +5,7 @@ namespace livegs {
 
 std::optional<std::string> fracture_warning(const v1::PhysicalParameters& physics) {
   if (!physics.fragile() || physics.behavior() == v1::Physics::RIGID) return std::nullopt;
-  return "fragile: has no effect, only what is RIGID breaks, and this is " +
+  return "fragile: no effect, only RIGID objects break, and this object is " +
          v1::Physics::Behavior_Name(physics.behavior());
 }
 

@@ -8,7 +8,7 @@
 
 namespace livegs {
 
-// Why what is said to be fragile will not break, a line for a person; nothing where it may.
+// Returns why an object marked as fragile cannot break, or nothing if it can. One line, for display.
 std::optional<std::string> fracture_warning(const v1::PhysicalParameters& physics);
 
 }  // namespace livegs

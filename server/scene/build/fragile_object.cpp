@@ -16,7 +16,8 @@ namespace {
 
 constexpr double kFineFieldCells = 64.0;
 
-// Numbers of the kernels that are drawn: not those of cut faces outside of `surface`, if there is one.
+// Returns the indices of the kernels to draw. Kernels of cut faces that lie outside `surface` are left out;
+// null keeps all.
 std::vector<uint32_t> kernels_within(const PieceKernels& kernels, const Similarity& object_from_asset,
                                      const TriangleMesh* surface) {
   std::vector<uint32_t> kept(kernels.piece.size());
@@ -32,7 +33,7 @@ std::vector<uint32_t> kernels_within(const PieceKernels& kernels, const Similari
   return kept;
 }
 
-// Kernels in the order of their pieces.
+// Sorts the kernels by piece.
 BrokenAsset ordered_by_piece(const PieceKernels& kernels, std::vector<uint32_t> order, size_t piece_count) {
   std::stable_sort(order.begin(), order.end(),
                    [&](uint32_t a, uint32_t b) { return kernels.piece[a] < kernels.piece[b]; });
@@ -105,7 +106,7 @@ FragileTask::FragileTask(uint32_t object_id, TriangleMesh mesh, Fill fill,
   const auto prepare = [mesh = std::move(mesh), fill, asset = std::move(asset), own] {
     return prepare_fragile(mesh, fill, *asset, own);
   };
-  // Without a thread the object does not break, and says why.
+  // If no thread can be started, the object does not break and its warning gives the reason.
   try {
     future_ = std::async(std::launch::async, prepare);
   } catch (const std::system_error& error) {

@@ -17,21 +17,21 @@
 #include "physics/breakable_pieces.h"
 #include "skin/rest_body.h"
 
-// What a fragile object needs to break within a frame, made at load on a thread of its own: its pieces and
-// the kernels it is drawn with afterwards.
+// Data that a fragile object needs to break within one frame: its pieces and their kernels. Prepared on a
+// worker thread when the scene is loaded.
 
 namespace livegs {
 
-// The kernels of a broken object, ordered by piece: those of the original, split where a cut crosses them,
-// and those of the cut faces. The same for every break of the object; what changes is the body each piece is
-// in.
+// The kernels of a fractured object, sorted by piece: the original kernels, split where a cut crosses them,
+// and the kernels of the cut faces. All breaks of the object share this asset; only the body of each piece
+// changes.
 struct BrokenAsset {
   std::shared_ptr<const GaussianAsset> asset;
-  std::vector<uint32_t> piece_kernels;  // how many of each piece
-  std::vector<uint32_t> source;         // of each kernel: the original's it is a part of, or kInteriorKernel
+  std::vector<uint32_t> piece_kernels;  // number of kernels per piece
+  std::vector<uint32_t> source;         // per kernel: index of the original kernel, or kInteriorKernel
 };
 
-// Which kernels go with which body.
+// Returns the runs of kernels that belong to each body.
 std::vector<RestBody::KernelRun> kernel_runs(const BrokenAsset& broken,
                                              std::span<const uint32_t> piece_bodies);
 
@@ -44,19 +44,19 @@ struct FragileObject {
 struct FragileOptions {
   BreakableOptions pieces;
   Similarity object_from_asset;
-  // Where a coarser surface is cut, the fine one that the kernels lie on: those of cut faces outside it are
-  // left out.
+  // Set if a coarser surface is cut: the fine surface that the kernels lie on. Kernels of cut faces outside
+  // this surface are left out.
   std::shared_ptr<const TriangleMesh> fine_mesh;
-  std::optional<Eigen::Vector3f> interior_rgb;  // as Material has it
+  std::optional<Eigen::Vector3f> interior_rgb;  // as in Material
 };
-// `mesh` is closed, in the object frame.
+// Cuts `mesh`, which is closed and in the object frame, into pieces and splits the kernels.
 Result<FragileObject> prepare_fragile(const TriangleMesh& mesh, Fill fill, const GaussianAsset& asset,
                                       const FragileOptions& options);
 
-// Metres that a free fall onto a hard floor has, at which m sqrt(2 g H) (1 + e) is the break impulse.
+// Height in metres of a free fall onto a hard floor at which m sqrt(2 g H) (1 + e) equals the break impulse.
 double drop_height_m(const Material& material, double gravity_m_s2);
 
-// One preparation that runs. Ends it, and waits, when it goes.
+// A preparation that runs on a worker thread. The destructor cancels it and waits.
 class FragileTask {
  public:
   FragileTask(uint32_t object_id, TriangleMesh mesh, Fill fill, std::shared_ptr<const GaussianAsset> asset,
@@ -69,7 +69,7 @@ class FragileTask {
   bool ready() const {
     return !taken() && future_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
-  Result<FragileObject> take() { return future_.get(); }  // waits; once
+  Result<FragileObject> take() { return future_.get(); }  // blocks until the result is ready; call once
   bool taken() const { return !future_.valid(); }
 
  private:

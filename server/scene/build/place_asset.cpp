@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-// Assets between these, longest side, may be metric captures of things in a room.
+// Range of the longest side of an asset that may be a metric capture of a household object.
 constexpr double kMinObjectSize_m = 0.02;
 constexpr double kMaxObjectSize_m = 3.0;
 
@@ -33,7 +33,7 @@ Guess guess_scale(double longest_units, std::string_view name) {
   const SizePrior prior = size_prior(name);
   if (prior.best_m > 0) {
     if (longest_units >= prior.low_m && longest_units <= prior.high_m) {
-      std::snprintf(reason, sizeof reason, "taken as metres: %.3g fits a %s", longest_units,
+      std::snprintf(reason, sizeof reason, "assumed to be metres: %.3g fits a %s", longest_units,
                     prior.label.c_str());
       return {1.0, reason};
     }
@@ -42,10 +42,10 @@ Guess guess_scale(double longest_units, std::string_view name) {
     return {prior.best_m / longest_units, reason};
   }
   if (longest_units >= kMinObjectSize_m && longest_units <= kMaxObjectSize_m) {
-    std::snprintf(reason, sizeof reason, "guessed: %.3g units are taken as metres", longest_units);
+    std::snprintf(reason, sizeof reason, "guessed: %.3g units are assumed to be metres", longest_units);
     return {1.0, reason};
   }
-  std::snprintf(reason, sizeof reason, "guessed: nothing is known, the longest side is set to %.3g m",
+  std::snprintf(reason, sizeof reason, "guessed: the name is unknown, the longest side is set to %.3g m",
                 kDefaultSize_m);
   return {kDefaultSize_m / longest_units, reason};
 }
@@ -67,11 +67,11 @@ Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_v
   const double longest = longest_side(placed.body_points_m);
   if (!(longest > 0))
     return invalid_data(std::string(field) + ".asset: " + path.filename().string() +
-                        ": holds no kernels that make up a body");
+                        ": no kernel is opaque enough to form a body");
   if (scale) {
     placed.object_from_asset.scale = *scale;
     placed.scale_known = true;
-    placed.scale_reason = "told by the scene";
+    placed.scale_reason = "given in the scene file";
   } else if (file->y_up_in_file) {
     placed.scale_known = true;
     placed.scale_reason = "the format is metric";

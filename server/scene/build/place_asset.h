@@ -14,19 +14,21 @@
 
 namespace livegs {
 
-// An asset as it stands in a scene: metres, +Y up.
+// An asset in scene units: metres, +Y up.
 struct PlacedAsset {
   std::shared_ptr<const GaussianAsset> asset;
   Similarity object_from_asset;
-  bool scale_known = false;                    // told by the scene or by the format, rather than guessed
+  bool scale_known = false;                    // given by the scene file or the format, not guessed
   std::string scale_reason;                    // one sentence
-  std::vector<Eigen::Vector3d> body_points_m;  // the kernels that make up the body, object frame
+  std::vector<Eigen::Vector3d> body_points_m;  // positions of the kernels that form the body, object frame
 };
 
-// Reads `path`, turns `up` ("-y" when empty) to +Y and scales to metres. Without `scale`: an .spz is metric;
-// an asset whose size fits what its name usually measures is taken as metric; otherwise the name's usual size
-// is used, and for a name that says nothing a longest side of kDefaultSize_m when the asset's own is not that
-// of a thing in a room.
+// Reads `path`, rotates `up` ("-y" if empty) to +Y and scales to metres. Without `scale`, the scale is chosen
+// by the first rule that applies:
+// - An .spz file is metric.
+// - An asset whose size fits its name is metric.
+// - An asset with a known name gets the usual size of that object.
+// - Other assets are metric if the size is that of a household object, else kDefaultSize_m long.
 inline constexpr double kDefaultSize_m = 0.4;
 Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_view name,
                                 std::optional<double> scale, std::string_view up, std::string_view field);

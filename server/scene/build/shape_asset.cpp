@@ -9,11 +9,11 @@ namespace {
 
 constexpr float kShDc = 0.28209479f;   // Y_00
 constexpr float kOpacityLogit = 3.5f;  // 0.97
-constexpr float kFlatness = 0.12f;     // thickness of a surface kernel in parts of its width
+constexpr float kFlatness = 0.12f;     // thickness of a surface kernel relative to its width
 
 Eigen::Vector3f dc_from_rgb(const Eigen::Vector3f& rgb) { return (rgb.array() - 0.5f).matrix() / kShDc; }
 
-// The n-th point of the R2 sequence (Roberts 2018): even, without a seed.
+// Returns the n-th point of the R2 low-discrepancy sequence (Roberts 2018). Needs no seed.
 Eigen::Vector2d even_point(size_t n) {
   constexpr double kPlastic = 1.32471795724474602596;
   const double u = 0.5 + static_cast<double>(n) / kPlastic,
@@ -46,7 +46,7 @@ GaussianAsset mesh_asset(const TriangleMesh& mesh, const Eigen::Vector3f& rgb, s
     if (st.x() + st.y() > 1.0) st = Eigen::Vector2d::Ones() - st;
     const Eigen::Vector3d &pa = mesh.vertices_m[a], &pb = mesh.vertices_m[b], &pc = mesh.vertices_m[c];
     const Eigen::Vector3d normal = (pb - pa).cross(pc - pa).normalized();
-    // Sunk by its own thickness, so that what is seen is where the mesh is.
+    // Offset inwards by the kernel's thickness, so that the visible surface coincides with the mesh.
     const Eigen::Vector3d point = pa + st.x() * (pb - pa) + st.y() * (pc - pa) - kFlatness * width * normal;
     asset.positions[i] = point.cast<float>();
     asset.log_scales[i] = Eigen::Vector3f(std::log(width), std::log(width), std::log(kFlatness * width));
@@ -76,7 +76,7 @@ GaussianAsset point_asset(std::span<const Eigen::Vector3d> points_m, double spac
 }
 
 Eigen::Vector3f palette_rgb(size_t index) {
-  // Hues a golden angle apart, at one lightness.
+  // Hues are a golden angle apart, at constant lightness.
   const double hue = 0.07 + 0.61803398875 * static_cast<double>(index);
   Eigen::Vector3f rgb;
   for (int channel = 0; channel < 3; ++channel) {

@@ -9,16 +9,16 @@
 
 namespace livegs {
 
-// Kernels for things that were not captured, so that they can be drawn: flat ones spread over a mesh, shaded
-// by one fixed light. The asset's frame is the mesh's (metres, +Y up), so its object_from_asset is the
-// identity.
+// Makes kernels for a mesh that was not captured: flat kernels distributed over the surface and shaded by one
+// fixed light. The asset uses the mesh's frame (metres, +Y up), so object_from_asset is the identity.
 GaussianAsset mesh_asset(const TriangleMesh& mesh, const Eigen::Vector3f& rgb, size_t kernel_count = 6000);
 
-// One round kernel a point, its standard deviation half the spacing, so that neighbours just close.
+// Makes one round kernel per point. The standard deviation is half the spacing, so that neighbours just close
+// the gaps.
 GaussianAsset point_asset(std::span<const Eigen::Vector3d> points_m, double spacing_m,
                           const Eigen::Vector3f& rgb);
 
-// A colour for the n-th object that has none: well apart from its neighbours' colours.
+// Returns the default colour of object n, distinct from the colours of its neighbours in the list.
 Eigen::Vector3f palette_rgb(size_t index);
 
 }  // namespace livegs

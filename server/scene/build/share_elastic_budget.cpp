@@ -18,7 +18,7 @@ void share_elastic_budget(std::span<std::optional<Result<BuiltObject>>> built,
   std::vector<ResolutionRequest> requests;
   for (auto& object : built) {
     auto* elastic = std::get_if<ElasticBodyDescription>(&(**object).body);
-    if (!elastic || !check_elastic_body(*elastic)) continue;  // the world says what is wrong with it
+    if (!elastic || !check_elastic_body(*elastic)) continue;  // World::add_elastic reports the error
     bodies.push_back(elastic);
     requests.push_back(resolution_request(*elastic, settings.rate_hz, settings.substeps));
     requests.back().max_node_substeps = budget;
@@ -30,9 +30,8 @@ void share_elastic_budget(std::span<std::optional<Result<BuiltObject>>> built,
   }
   if (share == budget) return;
   log_warn(
-      "the elastic budget, %.3g ms a tick, does for %.3g ms of each of %zu elastic objects: some get wider "
-      "cells or are less "
-      "stiff than alone. Fewer or smaller ones, or a larger elastic_budget_ms, give them more",
+      "elastic budget: %.3g ms a tick leaves %.3g ms for each of %zu elastic objects, so some have wider "
+      "cells or less stiffness; use fewer or smaller ones, or raise elastic_budget_ms",
       kNodeSubstep_ms * budget, kNodeSubstep_ms * share, bodies.size());
 }
 

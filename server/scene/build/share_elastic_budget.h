@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// Gives each elastic body its part of the world's budget (elastic_budget.h):
-// ElasticBodyDescription::max_node_substeps. All results are successes.
+// Sets ElasticBodyDescription::max_node_substeps of each elastic body to its share of the world's budget
+// (elastic_budget.h). Precondition: all results are successes.
 void share_elastic_budget(std::span<std::optional<Result<BuiltObject>>> built, const WorldSettings& settings);
 
 }  // namespace livegs

@@ -16,9 +16,10 @@ std::optional<std::string> too_stiff_for_lattice(const ElasticBodyDescription& b
   const double reached_pa = choose_resolution(request).youngs_modulus_pa;
   if (!(request.youngs_modulus_pa > kMaxStiffnessRatio * reached_pa)) return std::nullopt;
   char reason[160];
-  std::snprintf(reason, sizeof reason,
-                "E* = %.3g Pa is %.0f times what its cells can reach at %g Hz (%.3g Pa): rigid",
-                request.youngs_modulus_pa, request.youngs_modulus_pa / reached_pa, rate_hz, reached_pa);
+  std::snprintf(
+      reason, sizeof reason,
+      "E* = %.3g Pa is %.0f times the maximum of its cells at %g Hz (%.3g Pa): built as a rigid body",
+      request.youngs_modulus_pa, request.youngs_modulus_pa / reached_pa, rate_hz, reached_pa);
   return reason;
 }
 

@@ -8,12 +8,12 @@
 
 namespace livegs {
 
-// A body that is this many times stiffer than any lattice in reach would be simulated as something far softer
-// than it is: better not to bend it at all.
+// Ratio of requested to reachable stiffness above which an AUTO object is built as a rigid body. A larger
+// value simulates stiff objects as far softer elastic ones.
 inline constexpr double kMaxStiffnessRatio = 10.0;
 
-// Why the body would better be rigid, by the cells and substeps that would be chosen for it; nothing when it
-// may well deform.
+// Returns why the body should be rigid, based on the cells and substeps that would be chosen for it. Returns
+// nothing if an elastic body can represent it.
 std::optional<std::string> too_stiff_for_lattice(const ElasticBodyDescription& body, double rate_hz,
                                                  int substeps);
 

@@ -15,10 +15,10 @@ Error missing(const std::string& field, const std::string& remedy) {
   return invalid_argument(field + ": " + remedy);
 }
 
-// Bounds the work of a hostile file; a body is cut at every region.
+// Limits the work that a malicious file can cause: a body is cut at each region.
 constexpr int kMaxRegions = 256;
 
-// Names come from the file: one line of an error stays one line.
+// Names are user input; line breaks and long names are removed so that an error stays on one line.
 std::string quoted(std::string name) {
   constexpr size_t kMaxNameLength = 64;
   if (name.size() > kMaxNameLength) name = name.substr(0, kMaxNameLength - 3) + "...";
@@ -53,12 +53,12 @@ Result<void> check_shape(const v1::Shape& shape, const std::string& field) {
   return {};
 }
 
-// Held rigid, an object has no parts of its own.
+// Refuses regions and initial deformations on objects that are not elastic.
 Result<void> check_deformable(const v1::Object& object, const std::string& field) {
   const v1::Physics::Behavior behavior = object.physics().behavior();
   if (behavior == v1::Physics::AUTO || behavior == v1::Physics::ELASTIC) return {};
-  const std::string why = "is for elastic objects, and this one is " + v1::Physics::Behavior_Name(behavior) +
-                          "; set physics.behavior to ELASTIC";
+  const std::string why = "is only for elastic objects, and this object is " +
+                          v1::Physics::Behavior_Name(behavior) + "; set physics.behavior to ELASTIC";
   if (object.regions_size() > 0) return missing(field + ".regions", why);
   if (!object.initial_deformation().empty()) return missing(field + ".initial_deformation", why);
   return {};
@@ -66,8 +66,8 @@ Result<void> check_deformable(const v1::Object& object, const std::string& field
 
 Result<void> check_regions(const v1::Object& object, const std::string& field) {
   if (object.regions_size() > kMaxRegions) {
-    return missing(field + ".regions", "are " + std::to_string(object.regions_size()) + "; the most is " +
-                                           std::to_string(kMaxRegions));
+    return missing(field + ".regions", "has " + std::to_string(object.regions_size()) +
+                                           " entries; the maximum is " + std::to_string(kMaxRegions));
   }
   std::set<std::string> names;
   for (int i = 0; i < object.regions_size(); ++i) {
@@ -80,12 +80,12 @@ Result<void> check_regions(const v1::Object& object, const std::string& field) {
     };
     if (auto checked = region_value(region, name); !checked) return fail(checked.error());
     if (!region.name().empty() && !names.insert(region.name()).second) {
-      return fail(missing(name + ".name", "stands twice; names are unique within an object"));
+      return fail(missing(name + ".name", "is used twice; names must be unique within an object"));
     }
     if (region.material().has_density_kg_m3() && object.physics().has_mass_kg()) {
-      return fail(missing(name + ".material.density_kg_m3", "changes the mass, but " + field +
-                                                                ".physics.mass_kg tells it; give " + field +
-                                                                ".physics.density_kg_m3 instead"));
+      return fail(missing(
+          name + ".material.density_kg_m3",
+          "conflicts with " + field + ".physics.mass_kg; give " + field + ".physics.density_kg_m3 instead"));
     }
   }
   return {};
@@ -119,7 +119,7 @@ Result<void> check_object(const v1::Object& object, const std::string& field) {
                             field + ".angular_velocity_rad_s"));
   if (object.has_spacing_m()) LIVEGS_CHECK(number_value(object.spacing_m(), 1e-4, 10, field + ".spacing_m"));
   if (object.has_kernel_per_point() && object.form_case() != v1::Object::kPoints) {
-    return missing(field + ".kernel_per_point", "is for points; this object has none, leave it out");
+    return missing(field + ".kernel_per_point", "is only for points; omit it");
   }
   LIVEGS_CHECK(matrix_value(object.initial_deformation(), field + ".initial_deformation"));
   if (auto checked = check_scene_physics(object.physics()); !checked) {

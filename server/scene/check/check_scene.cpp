@@ -58,13 +58,13 @@ Result<void> check_release(const v1::Object& object, const std::string& region_n
     if (!region_name.empty() && region.name() == region_name) {
       if (held) return {};
       return missing_field(field,
-                           "\"" + region_name + "\" is neither fixed nor moved; there is nothing to release");
+                           "\"" + region_name + "\" is neither fixed nor moved; name a region that is");
     }
     if (held && !region.name().empty()) known += (known.empty() ? "" : ", ") + region.name();
   }
   return missing_field(field, "the object has no region called \"" + region_name + "\"; " +
-                                  (known.empty() ? "it has none that is named and fixed or moved"
-                                                 : "fixed or moved are: " + known));
+                                  (known.empty() ? "it has no named region that is fixed or moved"
+                                                 : "fixed or moved regions: " + known));
 }
 
 Result<void> check_event(const v1::Event& event, const Objects& objects, const std::string& field) {
@@ -80,7 +80,7 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       return missing_field(name + ".object", "\"" + hand.object() + "\" is STATIC and cannot be moved");
     }
     if (hand.path().empty())
-      return missing_field(name + ".path", "is missing_field; name a CSV of where the hand goes");
+      return missing_field(name + ".path", "is missing_field; name a CSV file with the path of the hand");
     return {};
   };
   switch (event.action_case()) {
@@ -130,7 +130,7 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       return check_hand(event.pull(), field + ".pull");
     case v1::Event::ACTION_NOT_SET:
       return missing_field(
-          field, "does nothing; give force, ball, grab, pull, break, set_physics or release_region");
+          field, "has no action; give force, ball, grab, pull, break, set_physics or release_region");
   }
   return {};
 }
@@ -162,7 +162,7 @@ Result<void> check_scene(const v1::Scene& scene) {
     if (auto checked = check_object(scene.objects(i), field); !checked)
       return of_object(checked.error(), name);
     if (!objects.emplace(name, &scene.objects(i)).second)
-      return missing_field(field + ".name", "\"" + name + "\" stands twice; names are unique");
+      return missing_field(field + ".name", "\"" + name + "\" is used twice; names must be unique");
   }
   for (int i = 0; i < scene.joints_size(); ++i) {
     const auto find = [&](const std::string& name) {

@@ -6,8 +6,8 @@
 
 namespace livegs {
 
-// What can be said about a scene without opening its assets: lengths of lists, ranges, names that refer to
-// nothing or stand twice. The error names the field.
+// Checks a scene file without opening its assets: list lengths, ranges, dangling references and duplicate
+// names. The error names the field.
 Result<void> check_scene(const v1::Scene& scene);
 
 }  // namespace livegs

@@ -16,7 +16,7 @@ Result<void> check_joint(const v1::Joint& joint,
                          const std::function<const v1::Object*(const std::string&)>& find,
                          const std::string& field) {
   if (joint.kind_case() == v1::Joint::KIND_NOT_SET)
-    return invalid_argument(field + ": is neither; give ball or hinge");
+    return invalid_argument(field + ": has no type; give ball or hinge");
   const JointParts parts = parts_of(joint);
   const std::string name = field + "." + parts.kind;
   if (parts.object.empty()) return invalid_argument(name + ".object: is missing; name the object that moves");
@@ -25,18 +25,19 @@ Result<void> check_joint(const v1::Joint& joint,
   const v1::Object* const other = parts.other.empty() ? nullptr : find(parts.other);
   if (!parts.other.empty() && !other) {
     return invalid_argument(name + ".other: no object is called \"" + parts.other +
-                            "\"; leave it out for the world");
+                            "\"; omit it to attach to the world");
   }
-  if (object == other) return invalid_argument(name + ".other: is the object itself");
+  if (object == other)
+    return invalid_argument(name + ".other: is the same object; name another one, or omit it");
   if (object->physics().behavior() == v1::Physics::STATIC) {
     return invalid_argument(name + ".object: \"" + parts.object +
-                            "\" is STATIC and never moves; name the object that does, and this one as other");
+                            "\" is STATIC; name the moving object here, and this one as other");
   }
   for (const v1::Object* one : {object, other}) {
     if (one && one->physics().behavior() == v1::Physics::ELASTIC) {
       return invalid_argument(
           name + ": \"" + (one == object ? parts.object : parts.other) +
-          "\" is ELASTIC; joints hold rigid objects: make it RIGID, or hold it by a fixed region");
+          "\" is ELASTIC, but joints need rigid objects; make it RIGID, or use a fixed region");
     }
   }
   if (auto point = vector_value(*parts.point_m, Eigen::Vector3d::Zero(), name + ".point_m"); !point)

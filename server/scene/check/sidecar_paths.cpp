@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the sidecar stands beside; empty for a shape of no file.
+// Returns the file that the sidecar is stored next to. Empty for a shape of a scene without a file.
 fs::path beside(const v1::Object& object, const fs::path& folder, const std::string& scene_name) {
   switch (object.form_case()) {
     case v1::Object::kAsset:
@@ -27,7 +27,7 @@ fs::path beside(const v1::Object& object, const fs::path& folder, const std::str
 
 std::vector<fs::path> sidecar_paths(const v1::Scene& scene, const fs::path& folder,
                                     const std::string& scene_name) {
-  std::map<fs::path, int> users;  // by sidecar, so that cup.ply and cup.spz share theirs
+  std::map<fs::path, int> users;  // by sidecar, so that cup.ply and cup.spz share one
   std::vector<fs::path> paths;
   for (const v1::Object& object : scene.objects()) {
     const fs::path file = beside(object, folder, scene_name);

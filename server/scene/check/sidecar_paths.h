@@ -9,11 +9,12 @@
 
 namespace livegs {
 
-// Where what is decided about each object of a scene is kept, in the scene's order, whether it is there or
-// not. What shows an asset alone has the asset's sidecar, what shares it has its own, named after the object;
-// one of its own that is there already stays in use. A shape's stands beside the scene file, `scene_name` in
-// `folder`; empty where that is no
-// *.scene.json. Looks at the disk.
+// Returns the path of each object's sidecar (NAME.physics.json), in the scene's order, whether the file
+// exists or not. Reads the file system.
+// - An asset that only one object uses: the asset's sidecar.
+// - An asset that several objects share: one sidecar per object, named after the object.
+// - An existing sidecar named after the object always takes precedence.
+// - A shape: next to the scene file `scene_name` in `folder`; empty if that is not a *.scene.json.
 std::vector<std::filesystem::path> sidecar_paths(const v1::Scene& scene, const std::filesystem::path& folder,
                                                  const std::string& scene_name);
 

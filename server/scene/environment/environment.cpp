@@ -21,17 +21,18 @@ namespace livegs {
 namespace {
 
 const Eigen::Vector3f kEnvironmentRgb(0.62f, 0.6f, 0.57f);
-constexpr double kFloorMargin_m = 0.8;  // how far a drawn floor reaches beyond the objects
-// An object is in a thing if this part of its points is: one on a rough floor has some below.
+constexpr double kFloorMargin_m = 0.8;  // distance that a drawn floor extends beyond the objects
+// Fraction of an object's points inside a solid above which the object is embedded in it. Objects on a rough
+// floor have a few points below its surface.
 constexpr double kInsideShare = 0.75;
 constexpr size_t kSampledPoints = 400;
-// A mesh of less volume than this part of its length cubed is a surface, as one that has each face both ways
-// round.
+// Minimum volume of a solid relative to its length cubed. A mesh below is a surface, such as one with every
+// face in both orientations.
 constexpr double kMinSolidVolume = 1e-6;
 
 struct Standing {
   SceneObject* drawn;
-  std::vector<Eigen::Vector3d> points_m;  // world, as it starts
+  std::vector<Eigen::Vector3d> points_m;  // world frame, initial pose
 
   Eigen::Vector3d centre_m() const {
     Eigen::AlignedBox3d bounds;
@@ -73,12 +74,12 @@ const Standing* first_in(const Collider& collider, std::span<const Standing> sta
 void warn_of_stuck(const Collider& collider, std::span<const Standing> standing, const std::string& field) {
   for (const Standing& one : standing) {
     if (!one.is_in(collider)) continue;
-    one.drawn->warnings.push_back("pose: it starts inside " + field +
-                                  ", which pushes it out; move it, or take that out of its way");
+    one.drawn->warnings.push_back("pose: starts inside " + field +
+                                  " and is pushed out; move the object or the collider");
   }
 }
 
-// Gives the collider its shape. `collider` is placed already.
+// Sets the shape of a collider from a mesh. Precondition: the collider's pose is set.
 Result<void> shape_mesh(const TriangleMesh& file, std::span<const Standing> standing,
                         const std::string& field, Collider& collider) {
   const TriangleMesh mesh = weld_vertices(file);
@@ -89,24 +90,25 @@ Result<void> shape_mesh(const TriangleMesh& file, std::span<const Standing> stan
         0.5 * (mesh.vertices_m[b] - mesh.vertices_m[a]).cross(mesh.vertices_m[c] - mesh.vertices_m[a]).norm();
   }
   if (!(area_m2 > 0.0))
-    return invalid_data(field + ": none of its triangles has an area; export it with its faces");
+    return invalid_data(field + ": all triangles have zero area; export the mesh with its faces");
   const std::string wall =
-      format_text("a wall of %.2g mm about its surface", 1e3 * wall_thickness_m(longest_m));
+      format_text("a wall of %.2g mm around its surface", 1e3 * wall_thickness_m(longest_m));
   if (const size_t open = open_edge_count(mesh); open > 0) {
     log_info(
-        "%s: %zu of its edges are open, or have faces that look opposite ways: %s; close it to make it solid",
+        "%s: %zu edges are open or join faces of opposite orientation, using %s; close the mesh to make it "
+        "solid",
         field.c_str(), open, wall.c_str());
     collider.shape = wall_collider(mesh);
     return {};
   }
   if (std::abs(signed_volume_m3(mesh)) < kMinSolidVolume * longest_m * longest_m * longest_m) {
-    log_info("%s: encloses nothing: %s", field.c_str(), wall.c_str());
+    log_info("%s: encloses no volume, using %s", field.c_str(), wall.c_str());
     collider.shape = wall_collider(mesh);
     return {};
   }
   collider.shape = mesh_collider(mesh);
   if (const Standing* one = first_in(collider, standing)) {
-    log_info("%s: %s stands in it, so it is a room: %s", field.c_str(), one->drawn->name.c_str(),
+    log_info("%s: contains %s, so it is treated as a room, using %s", field.c_str(), one->drawn->name.c_str(),
              wall.c_str());
     collider.shape = wall_collider(mesh);
   }
@@ -155,14 +157,14 @@ void append(GaussianAsset& all, const GaussianAsset& part, const Pose& pose) {
   }
 }
 
-// Square tiles of two greys around the objects, fading out towards the rim.
+// Makes square tiles of two greys around the objects, which fade out towards the rim.
 GaussianAsset tiled_floor(double height_m, const Eigen::AlignedBox3d& objects_m) {
   const Eigen::Vector3d centre =
       objects_m.isEmpty() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(objects_m.center());
   const double reach =
       (objects_m.isEmpty() ? 0.5 : 0.5 * std::max(objects_m.sizes().x(), objects_m.sizes().z())) +
       kFloorMargin_m;
-  constexpr int kAcross = 150;  // kernels along an edge
+  constexpr int kAcross = 150;  // number of kernels along an edge
   const double step = 2 * reach / kAcross;
   const double tile = std::max(0.1, std::pow(2.0, std::round(std::log2(reach / 8))));
   GaussianAsset floor;

@@ -16,22 +16,22 @@
 
 namespace livegs {
 
-// What a scene stands in: colliders, and something to draw. An environment without an asset is drawn as its
-// colliders: a tiled floor for a level plane, boxes and spheres as they are.
+// The surroundings of a scene: colliders and an asset to draw. If the file names no asset, the colliders are
+// drawn: a tiled floor for a level plane, boxes and spheres as given.
 struct BuiltEnvironment {
   std::vector<Collider> colliders;
   std::shared_ptr<const GaussianAsset> asset;  // null when there is nothing to draw
   Similarity object_from_asset;
   Pose world_from_object;
 };
-// A mesh that is not closed, and one that something stands in, is a wall about its surface; a captured room
-// is open for what stands in it (interior_collider.h). An object that starts within what is solid all the
-// same gets a warning. Precondition: all objects could be built.
+// Builds the environment. A mesh that is open or contains an object becomes a wall around its surface. A
+// captured room is opened around the objects in it (interior_collider.h). An object that still starts inside
+// a solid gets a warning. Precondition: all objects were built successfully.
 Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
                                            const std::filesystem::path& folder,
                                            std::span<std::optional<Result<BuiltObject>>> built);
 
-// World bounds of all objects as they start.
+// Returns the world bounds of all objects in their initial poses, metres.
 Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObject>>> built);
 
 }  // namespace livegs

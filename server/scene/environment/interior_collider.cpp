@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr size_t kMaxCuts = 4;
 constexpr int kMaxMarches = 256;
-constexpr double kHeightStep = 0.5;  // of heights that are tried, in radii of the ball
+constexpr double kHeightStep = 0.5;  // step between candidate heights, in ball radii
 
 void append(TriangleMesh& all, const TriangleMesh& part) {
   const auto start = static_cast<uint32_t>(all.vertices_m.size());
@@ -34,7 +34,7 @@ double diagonal_m(std::span<const Vector3d> points_m) {
   return (high - low).norm();
 }
 
-// Between the cuts, each part a radius beyond them.
+// Reconstructs the parts between the cuts. Each part extends one radius beyond its cuts.
 Result<TriangleMesh> cut_surface(std::span<const Vector3d> points_m, const Vector3d& up, double radius_m,
                                  const std::vector<double>& cuts_m) {
   TriangleMesh all;
@@ -48,7 +48,8 @@ Result<TriangleMesh> cut_surface(std::span<const Vector3d> points_m, const Vecto
     }
     if (part.empty()) continue;
     SurfaceOptions options = elastic_surface_options();
-    options.alpha_radius = radius_m / std::max(diagonal_m(part), radius_m);  // the same ball in every part
+    options.alpha_radius =
+        radius_m / std::max(diagonal_m(part), radius_m);  // the same ball radius for each part
     auto surface = reconstruct_surface(part, options);
     if (!surface) return surface.error();
     append(all, surface->mesh);
@@ -56,8 +57,9 @@ Result<TriangleMesh> cut_surface(std::span<const Vector3d> points_m, const Vecto
   return all;
 }
 
-// From `place_m` straight up the room ends where what is filled does. The height between at which the fewest
-// points lie within a radius: not in a ceiling, a table or a floor, which would close the parts again.
+// Returns the height of the cut above `place_m`. The room ends where the filled region above that point ends.
+// The cut is made at the height with the fewest points within one radius. This avoids a ceiling, a table top
+// or a floor, which would close the parts again.
 double cut_height(std::span<const Vector3d> points_m, const Vector3d& up, double radius_m,
                   const FieldShape& filled, const Vector3d& place_m) {
   double ceiling = 0.0;
@@ -88,7 +90,7 @@ Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const V
   if (!surface) return surface.error();
   FieldShape shape = mesh_collider(surface->mesh);
   const double radius_m = surface->alpha_radius_m;
-  if (!(radius_m > 0.0)) return shape;  // a hull or a box in its place
+  if (!(radius_m > 0.0)) return shape;  // a convex hull or box was used instead
   std::vector<double> cuts_m;
   std::vector<Vector3d> places = stuck(shape);
   for (size_t next = 0, tried = 0; next < places.size() && tried < kMaxCuts; ++tried) {
@@ -109,7 +111,7 @@ Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const V
     next = 0;
   }
   if (!cuts_m.empty())
-    log_info("environment: a room, opened for what stands in it (%zu cuts)", cuts_m.size());
+    log_info("environment: closed room opened around the objects in it, %zu cuts", cuts_m.size());
   return shape;
 }
 

@@ -11,12 +11,14 @@
 
 namespace livegs {
 
-// The collider of a captured background. As of any capture it is what a ball cannot reach from outside, so a
-// closed room is filled. Where `stuck` finds things in it (their centres, in the frame of the points), the
-// room is cut level, above one of them and where there is least to cut, into an upper and a lower part that
-// overlap by the ball's radius: the ball gets into each, and together they are the room with its walls,
-// floor, ceiling and what stands on them. A cut that sets nothing free is not made; four are tried. `up` is a
-// unit, in that frame too.
+// Builds the collider of a captured background. The solid is the region that a ball cannot reach from
+// outside, so a closed room is filled at first. `stuck` returns the centres of objects inside a solid, in the
+// frame of the points. For such objects the room is cut horizontally into an upper and a lower part:
+// - The cut lies above one of the objects, at the height with the fewest points.
+// - The parts overlap by the ball's radius. The ball can enter each part, so their union is the room with its
+//   walls, floor, ceiling and furniture.
+// - A cut that frees no object is discarded. At most four cuts are tried.
+// `up` is a unit vector in the frame of the points.
 using EmbeddedObjects = std::function<std::vector<Eigen::Vector3d>(const FieldShape&)>;
 Result<FieldShape> interior_collider(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& up,
                                      const EmbeddedObjects& stuck);

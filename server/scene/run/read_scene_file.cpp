@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-// A folder with one scene file means that scene.
+// A folder with exactly one scene file stands for that scene.
 std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path& folder) {
   std::optional<std::filesystem::path> found;
   std::error_code error;
@@ -29,10 +29,11 @@ Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
   if (!text) return text.error();
   const std::string name = path.filename().string();
 
-  // nlohmann-json knows comments and says where a mistake stands; protobuf knows the schema.
+  // nlohmann-json accepts comments and reports error positions; protobuf checks the schema.
   const Result<Json> json = parse_commented_json(*text);
   if (!json) return invalid_data(name + ": " + json.error().message);
-  if (!json->is_object()) return invalid_data(name + ": must hold one JSON object, a scene");
+  if (!json->is_object())
+    return invalid_data(name + ": must be one JSON object; see proto/livegs/v1/scene.proto");
 
   v1::Scene scene;
   const auto status = google::protobuf::util::JsonStringToMessage(dump_json(*json), &scene);

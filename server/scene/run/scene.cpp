@@ -26,19 +26,19 @@
 namespace livegs {
 namespace {
 
-// The one kind of ball that is shot: a rubber ball of 60 mm.
+// The ball that is shot: a rubber ball 60 mm in diameter.
 constexpr double kBallRadius_m = 0.03;
 constexpr double kBallMass_kg = 0.1;
 const Eigen::Vector3f kBallRgb(0.85f, 0.25f, 0.2f);
 
-// Ids of forces of the file's events; hands and tools use ids without this bit.
+// Marks the force ids of events in the scene file. Hands and tools use ids without this bit.
 constexpr uint64_t kEventForceBit = uint64_t{1} << 63;
-constexpr uint64_t kPersonForceBit = uint64_t{1} << 62;  // of apply_force
+constexpr uint64_t kPersonForceBit = uint64_t{1} << 62;  // marks the force ids of apply_force
 
-constexpr int kMaxRecoveryWarnings = 3;  // of one object
+constexpr int kMaxRecoveryWarnings = 3;  // per object
 constexpr double kMaxForce_n = 1e5, kMaxForceDuration_s = 60;
 
-// Of three numbers that were checked.
+// Converts a list that was checked to have three numbers.
 Eigen::Vector3d vector_of(const Numbers& numbers) {
   return vector_value(numbers, Eigen::Vector3d::Zero(), "").value();
 }
@@ -57,7 +57,7 @@ Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& 
   return settings;
 }
 
-// What takes the place of an object's sidecar; null: the one on disk.
+// Returns the given sidecar of an object; null: read it from disk.
 const v1::PhysicsFile* sidecar_of(const SceneOptions& options, const v1::Object& object, int index) {
   static const v1::PhysicsFile kNone;
   if (!options.sidecars) return nullptr;
@@ -73,13 +73,13 @@ void log_built(const BuiltObject& built) {
            built.build_ms, drawn.surface_note.empty() ? "" : "; ", drawn.surface_note.c_str());
 }
 
-// The world knows objects by their numbers; here the name stands before it.
+// Removes the numeric id that the World puts before its messages. The caller adds the object's name.
 std::string without_id(const std::string& message, uint32_t object_id) {
   const std::string by_id = "object " + std::to_string(object_id) + ": ";
   return message.starts_with(by_id) ? message.substr(by_id.size()) : message;
 }
 
-// What is known of the body once it is in the world.
+// Logs the properties of a body that are known once it is in the world.
 void log_notes(const SceneObject& drawn) {
   if (drawn.elastic) log_info("%s: %s", drawn.name.c_str(), accuracy_line(*drawn.elastic).c_str());
   const double alone_kg = drawn.physics.mass_kg().best();
@@ -121,11 +121,11 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
                    [](const v1::Event& a, const v1::Event& b) { return a.time_s() < b.time_s(); });
   scene.world_ = std::make_unique<World>(*settings);
 
-  // Each object is built by itself, so several at a time; the results are put together in the file's order.
+  // Objects are independent, so they are built in parallel. The results are added in the file's order.
   const auto count = static_cast<size_t>(file.objects_size());
   const std::vector<std::filesystem::path> kept_in = sidecar_paths(file, folder, scene.name_);
   std::vector<std::optional<Result<BuiltObject>>> built(count);
-  std::mutex telling;  // guards the calls of options.built
+  std::mutex telling;  // serialises the calls of options.built
   parallel_for(count, 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const int index = static_cast<int>(i);
@@ -227,7 +227,7 @@ void Scene::begin_cut(const SceneObject& object) {
   drawn(object.id).fragility = fragility;
   FragileOptions options;
   options.object_from_asset = object.rest.object_from_asset;
-  // By its place in the scene: a scene that is loaded anew, with other ids, is cut into the same pieces.
+  // Seeded by the object's index in the scene, so that a reloaded scene with new ids has the same pieces.
   options.pieces.seed = options_.seed + (object.id - options_.first_object_id) + 1;
   Cuttable& cuttable = cuttable_.at(object.id);
   cuttable.pieces = material.fracture_pieces;
@@ -254,7 +254,7 @@ void Scene::recut(const SceneObject& object) {
 void Scene::finish_cut(FragileTask& task) {
   SceneObject& object = drawn(task.object_id());
   auto fragile = task.take();
-  if (world_->revision(object.id) > 0) return;  // it broke as it was cut before
+  if (world_->revision(object.id) > 0) return;  // the object broke into its previous pieces
   const auto set = fragile ? world_->set_pieces(object.id, fragile->pieces) : Result<void>(fragile.error());
   if (!set) {
     object.warnings.push_back("cannot break: " + without_id(set.error().message, object.id));
@@ -291,9 +291,8 @@ void Scene::report_recoveries() {
       continue;
     changes_.changed.push_back(object.id);
     log_warn(
-        "%s: its motion ran out of bounds; it is put back at rest, in its rest shape. Look for what presses "
-        "or moves it by "
-        "more than its size in a frame, or raise substeps",
+        "%s: simulation diverged and was reset to the rest shape; check for motion larger than the object "
+        "per frame, or raise substeps",
         object.name.c_str());
   }
 }
@@ -323,7 +322,7 @@ void Scene::step() {
   const double rate_hz = world_->settings().rate_hz;
   for (; next_event_ < static_cast<size_t>(file_.events_size()); ++next_event_) {
     const v1::Event& event = file_.events(static_cast<int>(next_event_));
-    // An event acts from the first tick that starts at its time or later.
+    // An event takes effect in the first tick that starts at or after its time.
     if (static_cast<double>(tick) < std::ceil(event.time_s() * rate_hz - 1e-6)) break;
     apply(event, next_event_);
   }
@@ -334,8 +333,8 @@ void Scene::step() {
 }
 
 Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters physics) {
-  // What is fragile no longer may come without a break impulse; its pieces keep the strength they were cut
-  // with.
+  // An object that is not fragile any more may have no break impulse. Its pieces keep the strength that they
+  // were cut with.
   if (object.fragility && !physics.fragile() && !physics.has_break_impulse_n_s()) {
     *physics.mutable_break_impulse_n_s() = object.physics.break_impulse_n_s();
   }
@@ -363,7 +362,8 @@ BodyTypeLock Scene::body_type_lock(const SceneObject& object) const {
 
 Result<std::vector<std::string>> Scene::set_physics(uint32_t object_id, v1::PhysicalParameters physics) {
   const Material* present = world_->material(object_id);
-  if (!present || !find(object_id)) return not_found("object " + std::to_string(object_id) + ": is gone");
+  if (!present || !find(object_id))
+    return not_found("object " + std::to_string(object_id) + ": does not exist");
   SceneObject& object = drawn(object_id);
   std::vector<std::string> later = lock_body_type(body_type_lock(object), physics);
   if (auto taken = take_physics(object, std::move(physics)); !taken) return taken.error();
@@ -377,11 +377,11 @@ Result<void> check_force(const v1::Event::Force& force) {
     auto value = vector_value(*numbers, Eigen::Vector3d::Zero(), field);
     if (!value) return value.error();
     if (!(value->norm() <= kMaxForce_n)) {
-      return invalid_argument(std::string(field) + ": is too large; at most 1e5, in newtons or metres");
+      return invalid_argument(std::string(field) + ": is too large; the maximum is 1e5 (N or m)");
     }
   }
   if (!(force.duration_s() > 0 && force.duration_s() <= kMaxForceDuration_s)) {
-    return invalid_argument("force.duration_s: must be over 0 and at most 60");
+    return invalid_argument("force.duration_s: must be above 0 and at most 60");
   }
   return {};
 }

@@ -16,25 +16,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxFolderDepth = 3;  // folders below the one that was named
-constexpr double kGap_m = 0.25;     // between neighbours
+constexpr int kMaxFolderDepth = 3;  // subfolder levels that are searched
+constexpr double kGap_m = 0.25;     // gap between neighbours
 
-// Things fall a little, so that something happens at once; but what is slender is set down gently, because a
-// fall on a captured, uneven base would tip it: toppling takes an energy that goes with (width / height)².
+// Initial height above the floor, so that the scene moves at once. Slender objects start lower, because a
+// fall on an uneven captured base would tip them over. The energy to topple scales with (width / height)².
 constexpr double kDropHeight_m = 0.15;
 double drop_height_m(const Eigen::Vector3d& size_m) {
   const double slenderness = std::min(size_m.x(), size_m.z()) / size_m.y();
   return kDropHeight_m * std::clamp(0.5 * slenderness * slenderness, 0.02, 1.0);
 }
 
-// Of several files with one stem the first kind is taken: exact before quantised.
+// Preference among files with the same stem: exact formats before quantised ones.
 constexpr const char* kEndings[] = {".ply", ".spz", ".sog", ".compressed.ply", ".splat"};
 
-// How good a file's ending is, and its path without it; nothing if it is no asset.
+// Returns the preference rank of a file's extension and its path without it; nothing if it is not an asset.
 std::optional<std::pair<int, std::string>> asset_stem(const fs::path& path) {
   const std::string text = path.string();
   if (path.filename() == "meta.json") return {{2, path.parent_path().string()}};
-  for (int rank : {3, 0, 1, 2, 4}) {  // .compressed.ply before .ply
+  for (int rank : {3, 0, 1, 2, 4}) {  // .compressed.ply is tested before .ply
     const std::string_view ending = kEndings[rank];
     if (text.ends_with(ending)) return {{rank, text.substr(0, text.size() - ending.size())}};
   }
@@ -46,7 +46,7 @@ bool names_environment(const std::string& stem) {
   return name.starts_with("room") || name.starts_with("environment") || name.starts_with("background");
 }
 
-// Assets under `folder`, one a stem, in order of their paths.
+// Finds the assets under `folder`, one per stem, sorted by path.
 std::map<std::string, fs::path> find_assets(const fs::path& folder) {
   std::map<std::string, std::pair<int, fs::path>> best;
   std::error_code error;
@@ -97,7 +97,7 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder) {
   }
   if (standing.empty()) {
     return not_found(folder.string() +
-                     ": holds no splat assets (.ply, .spz, .sog, .splat) and no *.scene.json");
+                     ": contains no splat assets (.ply, .spz, .sog, .splat) and no *.scene.json");
   }
   std::vector<std::string> failures(standing.size());
   parallel_for(standing.size(), 1, [&](size_t begin, size_t end) {
@@ -111,12 +111,12 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder) {
     }
   });
   for (const std::string& failure : failures) {
-    if (!failure.empty()) log_warn("left out: %s", failure.c_str());
+    if (!failure.empty()) log_warn("asset skipped: %s", failure.c_str());
   }
   std::erase_if(standing, [](const Standing& one) { return one.bounds.isEmpty(); });
-  if (standing.empty()) return invalid_data(folder.string() + ": none of its assets can be read");
+  if (standing.empty()) return invalid_data(folder.string() + ": no asset can be read; see the log");
 
-  // Rows from the back to the front, the tallest behind; each row centred on x = 0, the first at z = 0.
+  // Places the objects in rows, tallest at the back. Rows are centred on x = 0 and the first is at z = 0.
   std::stable_sort(standing.begin(), standing.end(), [](const Standing& a, const Standing& b) {
     return a.bounds.sizes().y() > b.bounds.sizes().y();
   });
@@ -135,7 +135,7 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder) {
       v1::Object& object = *scene.add_objects();
       object.set_name(one.name);
       object.set_asset(fs::relative(one.path, folder).string());
-      // A guess is made again, with its reason, when the object is built; only its outcome is needed here.
+      // Only the resulting scale is needed here. build_object() guesses it again, with its reason.
       const Eigen::Vector3d size = one.bounds.sizes();
       const Eigen::Vector3d target(x + 0.5 * size.x(), 0.5 * size.y() + drop_height_m(size), z + 0.5 * depth);
       const Eigen::Vector3d position = target - one.bounds.center();

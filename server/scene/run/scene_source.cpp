@@ -38,7 +38,7 @@ Result<Scene> Scene::build_again(const v1::SceneSource& source, const std::files
   if (source.has_substeps()) options.substeps = source.substeps();
   const auto solver = kSolvers.find(source.elastic_solver());
   if (solver == kSolvers.end())
-    return unsupported("elastic solver \"" + source.elastic_solver() + "\": is not known here");
+    return unsupported("elastic solver \"" + source.elastic_solver() + "\": not supported by this version");
   options.elastic_solver = solver->second;
   options.seed = source.seed();
   options.sleep = source.sleep();

@@ -11,10 +11,10 @@
 namespace livegs {
 namespace {
 
-constexpr double kMaxGripWeights = 20.0;  // times its weight, at most
+constexpr double kMaxGripWeights = 20.0;  // maximum grip force relative to the object's weight
 constexpr double kMinGripForce_n = 5.0;
-constexpr double kGripLever_m = 0.2;        // torque of the grip: its force at this lever
-constexpr double kMaxGrabDistance_m = 0.1;  // as far as a live hand reaches
+constexpr double kGripLever_m = 0.2;        // lever arm that turns the grip force into its maximum torque
+constexpr double kMaxGrabDistance_m = 0.1;  // the same reach as a live hand
 constexpr size_t kMaxPathRows = 100'000;
 constexpr uint64_t kMaxPathBytes = 64 << 20;
 constexpr double kMaxPathCoordinate_m = 1000.0;
@@ -62,25 +62,25 @@ Result<GrabPath> read_grab_path(const std::filesystem::path& path) {
     const std::string where = name + ": line " + std::to_string(line) + ": ";
     const double time_s = numbers[0];
     if (time_s < 0.0 || time_s > 1e6 || (!result.times_s.empty() && time_s <= result.times_s.back())) {
-      return invalid_data(where + "time_s must rise, from 0 to 1e6");
+      return invalid_data(where + "time_s must increase, from 0 to 1e6");
     }
     Pose pose{{numbers[1], numbers[2], numbers[3]}, Eigen::Quaterniond::Identity()};
     if (numbers.size() == 8)
       pose.orientation = Eigen::Quaterniond(numbers[4], numbers[5], numbers[6], numbers[7]);
     if (pose.position_m.cwiseAbs().maxCoeff() > kMaxPathCoordinate_m) {
-      return invalid_data(where + "a place farther than 1000 m");
+      return invalid_data(where + "position is beyond 1000 m");
     }
     if (std::abs(pose.orientation.norm() - 1.0) > 0.01)
-      return invalid_data(where + "qw,qx,qy,qz is no unit quaternion");
+      return invalid_data(where + "qw,qx,qy,qz is not a unit quaternion");
     pose.orientation.normalize();
     if (result.poses.size() == kMaxPathRows)
-      return Error{ErrorCode::TooLarge, name + ": has more than 100000 rows"};
+      return Error{ErrorCode::TooLarge, name + ": too many rows; the maximum is 100000"};
     result.times_s.push_back(time_s);
     result.poses.push_back(pose);
     return {};
   };
   if (auto read = read_csv_lines(path, layout, take); !read) return read.error();
-  if (result.poses.empty()) return invalid_data(name + ": holds no rows");
+  if (result.poses.empty()) return invalid_data(name + ": contains no rows");
   return result;
 }
 
@@ -90,9 +90,8 @@ Result<void> ScriptedGrabs::begin(World& world, uint64_t grab_id, uint32_t objec
   const auto met = world.nearest_of(object_id, hand.position_m);
   if (met && met->distance_m > kMaxGrabDistance_m) {
     log_warn(
-        "object %u: the grab's point_m (%.3g, %.3g, %.3g) is %.3g m from it; it is in the object's own rest "
-        "coordinates, "
-        "in metres, and nearest to it there is (%.3g, %.3g, %.3g)",
+        "object %u: the grab's point_m (%.3g, %.3g, %.3g) is %.3g m away from the object; give rest "
+        "coordinates of the object in metres, the nearest point is (%.3g, %.3g, %.3g)",
         object_id, rest_point_m.x(), rest_point_m.y(), rest_point_m.z(), met->distance_m,
         met->rest_point_m.x(), met->rest_point_m.y(), met->rest_point_m.z());
   }

@@ -14,20 +14,21 @@
 
 namespace livegs {
 
-// How firmly a hand of a person holds an object of this mass: it lifts and swings it, and can be pulled off.
+// Returns the grip of a user's hand for an object of this mass. It lifts and swings the object, and can be
+// pulled off.
 World::Grip hand_grip(double mass_kg);
 
-// A held point follows like a mass on a spring of this frequency, whatever the object weighs: at 3 Hz it
-// trails the hand by 28 mm under its own weight, (2 pi f)^2 = 355 / s^2 against 9.81 m/s^2.
+// Natural frequency of the spring of a ray, for an object of any mass. The object lags the hand by g / (2 pi
+// f)^2, 28 mm at 3 Hz. A higher value follows the hand more closely and pulls more abruptly.
 inline constexpr double kSpringFrequency_hz = 3.0;
-// The spring lifts an object and swings it, but pulls with no more than this many times its weight, and at
-// least with kMinSpringForce_n, which is what a finger presses a doorbell with.
+// Maximum force of the spring relative to the object's weight: enough to lift and swing it. The force limit
+// is at least kMinSpringForce_n, about the force of a finger on a doorbell.
 inline constexpr double kMaxSpringWeights = 6.0;
 inline constexpr double kMinSpringForce_n = 2.0;
-// Of a ray that draws an object of this mass: a stiffness that stays as it is while it pulls.
+// Returns the spring of a ray for an object of this mass. The stiffness is constant during the pull.
 World::Spring ray_spring(double mass_kg);
 
-// Where a hand goes: poses at rising times, straight between them. At its last row it opens.
+// Path of a hand: poses at increasing times with linear interpolation. The hand opens at the last pose.
 struct GrabPath {
   std::vector<double> times_s;
   std::vector<Pose> poses;
@@ -40,20 +41,20 @@ struct GrabPath {
   Motion at(double time_s) const;
 };
 
-// CSV with the header time_s,x,y,z or time_s,x,y,z,qw,qx,qy,qz. Errors name the file, the line and what is
-// wrong.
+// Reads a CSV file with the header time_s,x,y,z or time_s,x,y,z,qw,qx,qy,qz. Errors name the file, the line
+// and the problem.
 Result<GrabPath> read_grab_path(const std::filesystem::path& path);
 
-// The hands of a scene file's grab and pull events.
+// Runs the grab and pull events of a scene file.
 class ScriptedGrabs {
  public:
-  // Closes a hand on the point of an object. `grab_id` is the caller's and unique.
+  // Closes a hand on a point of an object. `grab_id` is chosen by the caller and must be unique.
   Result<void> begin(World& world, uint64_t grab_id, uint32_t object_id, const Eigen::Vector3d& rest_point_m,
                      const GrabPath& path, double now_s);
-  // A ray takes hold of it instead. `spring_id` is the caller's and unique.
+  // Attaches a ray's spring instead. `spring_id` is chosen by the caller and must be unique.
   void begin_pull(World& world, uint64_t spring_id, uint32_t object_id, const Eigen::Vector3d& rest_point_m,
                   const GrabPath& path, double now_s);
-  // Moves hands to where they are at `now_s`, the start of a tick, and opens those whose path has ended.
+  // Moves the hands to their positions at `now_s`, the start of a tick. Opens hands whose path has ended.
   void move(World& world, double now_s);
 
  private:
@@ -61,7 +62,8 @@ class ScriptedGrabs {
     uint64_t id;
     GrabPath path;
     double start_s;
-    std::optional<std::pair<uint32_t, World::Spring>> pull;  // of which object; a grab otherwise
+    // Set for a pull: the object and the spring; else a grab.
+    std::optional<std::pair<uint32_t, World::Spring>> pull;
   };
   std::vector<Running> running_;
 };

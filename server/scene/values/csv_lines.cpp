@@ -17,7 +17,7 @@ Result<void> read_csv_lines(
   const auto text = read_text_file(path, layout.max_bytes);
   if (!text) return text.error();
   const std::string name = path.filename().string();
-  std::vector<double> numbers;  // as many as the header has names
+  std::vector<double> numbers;  // one per column of the header
   size_t line_number = 0;
   for (size_t begin = 0; begin < text->size();) {
     const size_t end = std::min(text->find('\n', begin), text->size());

@@ -13,15 +13,15 @@
 namespace livegs {
 
 struct CsvLayout {
-  // The two headers that are allowed, without spaces: "x,y,z". The number of names is the number of columns.
+  // The two allowed headers, without spaces: "x,y,z". The number of names is the number of columns.
   const char* header;
   const char* longer_header;
-  double max_magnitude;  // of a number; infinity: any finite number
-  uint64_t max_bytes;    // of the file
+  double max_magnitude;  // limit of each number; infinity: any finite number
+  uint64_t max_bytes;    // limit of the file size
 };
 
-// Calls `take` for each row of numbers, in order; line 1 is the first. Empty lines are skipped. Errors name
-// the file, the line and the column. An error of `take` ends the reading and is returned as it is.
+// Calls `take` for each row of numbers, in order; line 1 is the header. Empty lines are skipped. Errors name
+// the file, the line and the column. An error from `take` ends the reading and is returned unchanged.
 Result<void> read_csv_lines(
     const std::filesystem::path& path, const CsvLayout& layout,
     const std::function<Result<void>(size_t line, std::span<const double> numbers)>& take);

@@ -12,16 +12,17 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kMinStep = 0.9, kMaxStep = 1.8;  // of the median nearest distance
-constexpr double kFirstReachSteps = 12.0;      // of that about the middle: so many steps are looked at first,
-constexpr Eigen::Index kFirstPointCount = 64;  // and so many points
-constexpr size_t kMaxRefinedPoints = 20000;    // of those that the step is refined on
-constexpr double kMinSideRatio =
-    2.5;  // times the nearest distance: along a shorter side there is no grid to see
-constexpr double kMinStructureFactor = 0.12,
-                 kMinNoiseRatio = 8.0;  // least structure factor, and over that of as many points anywhere
+constexpr double kMinStep = 0.9, kMaxStep = 1.8;  // search range, relative to the median nearest distance
+// The first estimate uses points within this many steps of the middle, and at least kFirstPointCount points.
+constexpr double kFirstReachSteps = 12.0;
+constexpr Eigen::Index kFirstPointCount = 64;
+constexpr size_t kMaxRefinedPoints = 20000;  // points used to refine the step
+// Minimum side relative to the nearest distance; no grid can be detected along a shorter side.
+constexpr double kMinSideRatio = 2.5;
+// Minimum structure factor, and its minimum ratio to that of the same number of random points.
+constexpr double kMinStructureFactor = 0.12, kMinNoiseRatio = 8.0;
 
-// The mean over the axes of |mean exp(2 pi i x / step)|², x a column.
+// Returns the mean over the axes of |mean exp(2 pi i x / step)|², where x is a column.
 double structure_factor(const Eigen::MatrixX3d& columns, const std::vector<int>& axes, double step_m) {
   double sum = 0.0;
   for (const int axis : axes) {
@@ -31,8 +32,8 @@ double structure_factor(const Eigen::MatrixX3d& columns, const std::vector<int>&
   return sum / static_cast<double>(axes.size());
 }
 
-// By least squares, each coordinate against the whole number of steps that it is nearest to. (The peak itself
-// is pulled to longer steps, for which straying is less: 3 % of the volume in 9 points a side.)
+// Refines the step by least squares of each coordinate against its nearest multiple of the step. The peak
+// alone is biased towards longer steps, for which the deviations are relatively smaller.
 double fitted_step(const Eigen::MatrixX3d& columns, const std::vector<int>& axes, double step_m) {
   double both = 0.0, whole = 0.0;
   for (const int axis : axes) {
@@ -49,7 +50,7 @@ struct Found {
   double step_m = 0.0, factor = 0.0;
 };
 
-// Of the rows of `along`, nearest to the middle first.
+// Searches the rows of `along`, sorted by distance from the middle.
 Found look_along(const Eigen::MatrixX3d& along, const Eigen::VectorXd& distances_m, double nearest_m) {
   const auto within = [&](double reach_m) {
     return std::upper_bound(distances_m.begin(), distances_m.end(), reach_m) - distances_m.begin();
@@ -68,7 +69,7 @@ Found look_along(const Eigen::MatrixX3d& along, const Eigen::VectorXd& distances
       longest = std::max(longest, size);
     }
     if (axes.empty()) return {};
-    // A peak is step² / size wide.
+    // A peak has a width of step² / size.
     best = {};
     for (double step = low; step <= high; step += 0.1 * step * step / longest) {
       const double factor = structure_factor(part, axes, step);
@@ -77,7 +78,7 @@ Found look_along(const Eigen::MatrixX3d& along, const Eigen::VectorXd& distances
     if (best.step_m == 0.0) return {};
     const double least = std::max(kMinStructureFactor, kMinNoiseRatio / static_cast<double>(count));
     if (best.factor < least) return {};
-    // To a tenth of what was looked at, by the top of a parabola.
+    // Refines the peak by a parabola through three samples, a tenth of the scan range apart.
     const double d = 0.1 * best.step_m * best.step_m / longest;
     const double before = structure_factor(part, axes, best.step_m - d),
                  after = structure_factor(part, axes, best.step_m + d);
@@ -99,7 +100,7 @@ double grid_spacing_m(const std::vector<Vector3d>& points_m, double nearest_m) {
   for (const Vector3d& point : points_m) mean += point / static_cast<double>(points_m.size());
   Matrix3d spread = Matrix3d::Zero();
   for (const Vector3d& point : points_m) spread += (point - mean) * (point - mean).transpose();
-  // A hollow list has nothing at its middle: the point that is nearest to it.
+  // A hollow list has no point at its middle; the nearest point is used.
   const Vector3d centre =
       *std::min_element(points_m.begin(), points_m.end(), [&](const Vector3d& a, const Vector3d& b) {
         return (a - mean).squaredNorm() < (b - mean).squaredNorm();

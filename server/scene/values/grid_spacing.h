@@ -6,11 +6,11 @@
 
 namespace livegs {
 
-// The step of the cubic grid that points strayed from, each by less than half of it, or 0 where none is seen.
-// Looked for along the world's axes and along the points' own, between 0.9 and 1.8 times `nearest_m`, their
-// median distance to the nearest other point. By the structure factor, as a powder's lattice constant is
-// found by diffraction: its peak stays where it is however far points stray at random, only lower, by sinc(2
-// pi j) where each strays by up to j of a step.
+// Returns the step of the cubic grid that the points were jittered from, each by less than half a step, or 0
+// if no grid is detected. Searches along the world axes and the points' principal axes, between 0.9 and 1.8
+// times `nearest_m`, the median distance to the nearest other point. The method is the structure factor, as
+// for lattice constants in powder diffraction. Random jitter does not move its peak. A jitter of up to j
+// steps per axis lowers it by the factor sinc(2 pi j).
 double grid_spacing_m(const std::vector<Eigen::Vector3d>& points_m, double nearest_m);
 
 }  // namespace livegs

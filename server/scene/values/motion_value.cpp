@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 
 constexpr double kMaxOffset_m = 1000.0;
 constexpr double kMaxSpeed_m_s = 1000.0;
-// A pulse shorter than this is over between two substeps.
+// Minimum pulse duration, seconds. A shorter pulse ends between two substeps.
 constexpr double kMinPulse_s = 1e-6;
 
 Result<Vector3d> needed_vector(const Numbers& numbers, double largest, const char* unit,
@@ -25,7 +25,7 @@ Result<void> check_order(double start_s, double end_s, const std::string& field,
   if (auto number = number_value(end_s, 0, kMaxTime_s, field + "." + end); !number) return number.error();
   if (end_s >= start_s) return {};
   char message[96];
-  std::snprintf(message, sizeof message, ": is %g, before %s, which is %g; swap or move them", end_s, start,
+  std::snprintf(message, sizeof message, ": is %g, before %s, which is %g; swap or change them", end_s, start,
                 start_s);
   return invalid_argument(field + "." + end + message);
 }
@@ -41,7 +41,7 @@ Result<RegionMotion> read(const v1::Motion::DisplacementRamp& ramp, const std::s
 
 Result<RegionMotion> read(const v1::Motion::AffineRamp& ramp, const std::string& field) {
   if (ramp.matrix().empty()) {
-    return invalid_argument(field + ".matrix: is missing; give nine numbers row by row");
+    return invalid_argument(field + ".matrix: is missing; give nine numbers, row by row");
   }
   auto matrix = matrix_value(ramp.matrix(), field + ".matrix");
   if (!matrix) return matrix.error();
@@ -54,7 +54,8 @@ Result<RegionMotion> read(const v1::Motion::AffineRamp& ramp, const std::string&
     auto order = check_order(ramp.end_s(), ramp.return_end_s(), field, "end_s", "return_end_s");
     if (!order) return order.error();
     if (ramp.return_end_s() == ramp.end_s()) {
-      return invalid_argument(field + ".return_end_s: is end_s; give a later time, or leave it out to stay");
+      return invalid_argument(
+          field + ".return_end_s: equals end_s; give a later time, or omit it to keep the deformation");
     }
   }
   return RegionMotion(AffineRamp{*matrix, *about, ramp.start_s(), ramp.end_s(), ramp.return_end_s()});
@@ -74,7 +75,7 @@ Result<RegionMotion> read(const v1::Motion::HalfSinePulse& pulse, const std::str
 
 Result<RegionMotion> read(const v1::Motion::ConstantVelocity& steady, const std::string& field) {
   auto velocity =
-      needed_vector(steady.velocity_m_s(), kMaxSpeed_m_s, "metres a second", field + ".velocity_m_s");
+      needed_vector(steady.velocity_m_s(), kMaxSpeed_m_s, "metres per second", field + ".velocity_m_s");
   if (!velocity) return velocity.error();
   const double end_s = steady.has_end_s() ? steady.end_s() : kMaxTime_s;
   if (auto order = check_order(steady.start_s(), end_s, field, "start_s", "end_s"); !order)

@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// The motion of a region. Times are seconds of simulation from 0 to kMaxTime_s and in order. A constant
-// velocity without an end has kMaxTime_s for one. `field` is what an error calls the motion.
+// Reads the motion of a region. Times are simulated seconds from 0 to kMaxTime_s, in increasing order. A
+// constant velocity without an end time ends at kMaxTime_s. `field` names the motion in errors.
 inline constexpr double kMaxTime_s = 1e6;
 Result<RegionMotion> motion_value(const v1::Motion& motion, const std::string& field);
 

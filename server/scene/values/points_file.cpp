@@ -14,7 +14,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kMaxMagnitude = 1e6;  // metres, metres a second
+constexpr double kMaxMagnitude = 1e6;  // metres or metres per second
 constexpr uint64_t kMaxFileBytes = 256 << 20;
 
 }  // namespace
@@ -32,23 +32,23 @@ Result<PointList> read_points_file(const std::filesystem::path& path) {
     return {};
   };
   if (auto read = read_csv_lines(path, layout, take); !read) return read.error();
-  if (list.positions_m.empty()) return invalid_data(name + ": holds no points");
+  if (list.positions_m.empty()) return invalid_data(name + ": contains no points");
   return list;
 }
 
 namespace {
 
-// The distance to the nearest other point, of enough points for a median; ascending.
+// Returns the distances to the nearest other point for a sample of the points, sorted.
 std::vector<double> nearest_distances_m(const std::vector<Eigen::Vector3d>& points_m) {
   const size_t count = points_m.size();
   if (count < 2) return {};
-  // Sorted along x, a point's nearest neighbour is found by looking both ways until x alone is farther.
+  // With points sorted by x, the search goes both ways until the distance in x alone is larger.
   std::vector<uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     return points_m[a].x() != points_m[b].x() ? points_m[a].x() < points_m[b].x() : a < b;
   });
-  constexpr size_t kSamples = 1001;  // every k-th point
+  constexpr size_t kSamples = 1001;  // samples every stride-th point
   const size_t stride = std::max<size_t>(1, count / kSamples);
   std::vector<double> nearest;
   for (size_t i = 0; i < count; i += stride) {
@@ -80,15 +80,16 @@ double filling_spacing_m(const std::vector<Eigen::Vector3d>& points_m,
   const std::vector<double> nearest = nearest_distances_m(points_m);
   if (nearest.empty()) return 0.0;
   const double median = nearest[nearest.size() / 2];
-  constexpr double kMaxRegularDeviation = 0.02;  // of the median, from the 10th to the 90th part of a hundred
+  // Relative to the median, between the 10th and 90th percentile.
+  constexpr double kMaxRegularDeviation = 0.02;
   if (nearest[nearest.size() * 9 / 10] - nearest[nearest.size() / 10] < kMaxRegularDeviation * median)
     return median;
   if (const double step = grid_spacing_m(points_m, median); step > 0.0) return step;
 
-  // The mesh runs through the outermost points, half a spacing inside the body; a box or an ellipsoid that
-  // grows by g on every side grows by (1 + 2 g / size) along each axis. Points that stray push it outwards,
-  // those that stray inwards are behind it: as measured on jittered blocks of 6 to 32 points a side, by two
-  // thirds of what nearest neighbours are nearer than nine tenths of the spacing.
+  // The mesh passes through the outermost points, half a spacing inside the body. A box or an ellipsoid that
+  // grows by g on every side grows by (1 + 2 g / size) along each axis. Jitter moves the mesh outwards,
+  // because points that moved inwards lie behind it. The outward bias is kPushed of the amount by which the
+  // nearest neighbours are closer than kMaxStraying spacings. Both values are fitted to jittered blocks.
   constexpr double kMaxStraying = 0.9, kPushed = 0.65;
   const double volume_m3 = signed_volume_m3(through_outermost);
   const Eigen::Array3d size_m = mesh_bounds_m(through_outermost).sizes().array();

@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-// Steel yields far below.
+// Limit of a traction, pascals; well above the yield stress of steel.
 constexpr double kMaxTraction_pa = 1e9;
 
 Error refusal(const std::string& field, const std::string& why) {
@@ -18,9 +18,9 @@ Error refusal(const std::string& field, const std::string& why) {
 Result<void> read_box(const v1::Region& region, const std::string& field, BodyRegion& body) {
   body.boundary = region.boundary();
   if (body.boundary && region.has_box())
-    return refusal(field + ".boundary", "stands beside box; give one of them");
+    return refusal(field + ".boundary", "conflicts with box; give one of them");
   if (body.boundary && !region.has_motion()) {
-    return refusal(field + ".boundary", "is only for a region with a motion; give a motion, or a box");
+    return refusal(field + ".boundary", "needs a motion; give a motion, or a box");
   }
   if (!body.boundary && !region.has_box()) {
     return refusal(field + ".box", "is missing; give min_m and max_m, or {} for the whole object");
@@ -58,7 +58,7 @@ Result<RegionMaterial> material_value(const v1::Physics& written, const std::str
   for (const auto& [name, given] : meaningless) {
     if (!given) continue;
     return refusal(field + "." + name,
-                   "means nothing in a region; give it in the object's physics. A region has "
+                   "is not supported in a region; give it in the object's physics, a region accepts "
                    "youngs_modulus_pa, poisson_ratio, density_kg_m3 and plasticity");
   }
   if (auto checked = check_scene_physics(written); !checked) {
@@ -80,7 +80,7 @@ Result<BodyRegion> region_value(const v1::Region& region, const std::string& fie
   body.fixed = region.fixed();
   if (auto read = read_box(region, field, body); !read) return read.error();
   if (region.has_motion()) {
-    if (body.fixed) return refusal(field + ".motion", "stands beside fixed; give one of them");
+    if (body.fixed) return refusal(field + ".motion", "conflicts with fixed; give one of them");
     auto motion = motion_value(region.motion(), field + ".motion");
     if (!motion) return motion.error();
     body.motion = std::move(*motion);
@@ -95,10 +95,10 @@ Result<BodyRegion> region_value(const v1::Region& region, const std::string& fie
   if (!traction) return traction.error();
   body.traction_pa = *traction;
   if (body.boundary && (body.material || !body.traction_pa.isZero(0.0))) {
-    return refusal(field + ".boundary", "has a motion only; give a box for a material or a traction");
+    return refusal(field + ".boundary", "supports a motion only; give a box for a material or a traction");
   }
   if (!body.fixed && !body.motion && !body.material && body.traction_pa.isZero(0.0)) {
-    return refusal(field, "does nothing; give fixed, motion, material or traction_pa, or leave it out");
+    return refusal(field, "has no effect; give fixed, motion, material or traction_pa, or omit the region");
   }
   return body;
 }

@@ -9,9 +9,9 @@
 
 namespace livegs {
 
-// A region of a scene file as the physics room takes it. Sides of the box that are left out lie at
-// ±kMaxCoordinate. Every number is bounded; what contradicts itself or would do nothing is refused.
-// `field` is what an error calls the region: "objects[0].regions[2]".
+// Converts a region of a scene file. Sides of the box that are not given are at ±kMaxCoordinate. All numbers
+// are bounded. Contradictory or ineffective regions are refused. `field` names the region in errors:
+// "objects[0].regions[2]".
 Result<BodyRegion> region_value(const v1::Region& region, const std::string& field);
 
 }  // namespace livegs

@@ -11,29 +11,29 @@
 #include "core/result.h"
 #include "livegs/v1/scene.pb.h"
 
-// The value forms of scene files: lists of numbers to vectors and poses. `field` is what an error calls the
-// value: "objects[2].pose.position_m".
+// Converts the values of scene files, lists of numbers, to vectors, rotations and poses. `field` names the
+// value in errors: "objects[2].pose.position_m".
 
 namespace livegs {
 
 using Numbers = google::protobuf::RepeatedField<double>;
 
-// Three finite numbers no larger than `largest`; `fallback` when the list is empty.
+// Reads three finite numbers of magnitude at most `largest`. Returns `fallback` for an empty list.
 inline constexpr double kMaxCoordinate = 1e6;
 Result<Eigen::Vector3d> vector_value(const Numbers& numbers, const Eigen::Vector3d& fallback,
                                      std::string_view field, double largest = kMaxCoordinate);
 Result<Eigen::Quaterniond> quaternion_value(const Numbers& numbers, std::string_view field);
 Result<Pose> pose_value(const v1::PlacedAt& pose, std::string_view field);
 
-// Nine numbers row by row, each from -kMaxDeformation to it; the identity when the list is empty.
+// Reads nine numbers, row by row, each within ±kMaxDeformation. Returns the identity for an empty list.
 inline constexpr double kMaxDeformation = 100.0;
 Result<Eigen::Matrix3d> matrix_value(const Numbers& numbers, std::string_view field);
 
-// Finite and within [low, high].
+// Returns `number` if it is finite and within [low, high].
 Result<double> number_value(double number, double low, double high, std::string_view field);
 
-// The rotation that turns an asset's up axis ("-y" when empty) to +Y. About x for "-y", so that an RDF
-// asset's x stays.
+// Returns the rotation from an asset's up axis ("-y" if empty) to +Y. For "-y" the rotation is about x, so
+// that the x axis of an RDF asset is kept.
 Result<Eigen::Quaterniond> up_value(std::string_view axis, std::string_view field);
 
 }  // namespace livegs

@@ -18,8 +18,8 @@ struct SceneAnalysis::Snapshot {
 
 namespace {
 
-// As the asset stands in the scene at the start, undeformed. Not by the drivers of its body: those depend on
-// what it is made of (centre of mass, cells), and the question of an object must not depend on the answer.
+// Poses the kernels as at the start of the scene, undeformed. The drivers of the body are not used: they
+// depend on the material (centre of mass, cells), and a query must not depend on its answer.
 Result<PosedKernels> placed_kernels(const SceneObject& object, const Pose& world_from_object) {
   RestBody rest;
   rest.object_from_asset = object.rest.object_from_asset;
@@ -33,8 +33,8 @@ Result<PosedKernels> placed_kernels(const SceneObject& object, const Pose& world
   return kernels;
 }
 
-// world_from_object of everything, in the scene's order: of the file's objects as it places them, of the rest
-// (environment, balls), whose bodies depend on nothing that was found out, now.
+// Returns world_from_object of all objects, in the scene's order. Objects of the file are at their initial
+// poses. The environment and balls are at their current poses, which do not depend on estimated parameters.
 std::vector<Pose> places_of(const Scene& scene) {
   std::vector<Pose> places;
   const DriverFrame now = scene.world().drivers();
@@ -42,8 +42,8 @@ std::vector<Pose> places_of(const Scene& scene) {
   for (const SceneObject& object : scene.objects()) {
     Pose place;
     if (object.facts) {
-      place =
-          pose_value(scene.file().objects(of_file++).pose(), "").value();  // checked when the file was read
+      // Checked when the file was read.
+      place = pose_value(scene.file().objects(of_file++).pose(), "").value();
     } else {
       for (const ObjectDrivers& drivers : now.objects) {
         if (drivers.object_id == object.id) place = drivers.poses.at(0) * object.rest.bodies.at(0).inverse();
@@ -58,7 +58,7 @@ std::vector<Pose> places_of(const Scene& scene) {
 
 Result<SceneAnalysis> SceneAnalysis::of(const Scene& scene, bool with_kernels) {
   auto snapshot = std::make_shared<Snapshot>();
-  std::map<uint32_t, Eigen::Vector3d> centres_m;  // of what is drawn; the origin without kernels
+  std::map<uint32_t, Eigen::Vector3d> centres_m;  // empty without kernels: all objects are at the origin
   if (with_kernels) {
     const std::vector<Pose> places = places_of(scene);
     for (size_t i = 0; i < places.size(); ++i) {
@@ -108,7 +108,7 @@ Result<std::vector<AnalysisTarget>> SceneAnalysis::targets(const std::vector<std
     std::string all;
     for (const Object& one : snapshot_->objects) all += (all.empty() ? "" : ", ") + one.name;
     return not_found("object: the scene has no \"" + shown_text(name, 80) +
-                     "\" that can be analysed; it has: " + (all.empty() ? "nothing" : all));
+                     "\" that can be analysed; available: " + (all.empty() ? "none" : all));
   }
   for (const Object& one : snapshot_->objects) {
     const bool wanted = names.empty() ? one.written.behavior() == v1::Physics::AUTO

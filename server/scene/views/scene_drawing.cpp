@@ -8,7 +8,8 @@
 namespace livegs {
 namespace {
 
-// An elastic body as the paper streams it: its particles, with the rotation of each one's deformation.
+// Builds the drivers of an elastic body as streamed by the LIVE-GS paper: one per particle, with the rotation
+// of its deformation.
 RestBody particle_rest(const SceneObject& object) {
   RestBody rest;
   rest.kind = DriverKind::Particles;

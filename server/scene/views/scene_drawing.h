@@ -13,19 +13,19 @@ namespace livegs {
 
 enum class Skinning { Lattice, LivegsV1 };
 
-// A scene's kernels, posed by a frame of its drivers and ready for the rasteriser. Binds each object once;
+// Poses a scene's kernels by a frame of its drivers, ready for the rasteriser. Binds each object once and
 // keeps its buffers between frames.
 class SceneDrawing {
  public:
-  // LivegsV1 drives elastic objects by their particles and the paper's four nearest, whatever solver moves
-  // them.
+  // LivegsV1 drives elastic objects by their particles, the four nearest per kernel as in the paper, for any
+  // solver.
   explicit SceneDrawing(Skinning skinning = Skinning::Lattice) : skinning_(skinning) {}
 
-  // Poses every object of `scene`. With a `frame` (from a file, say) its drivers are used in place of the
-  // world's; fails if they do not fit the scene. The result is valid until the next call.
+  // Poses all objects of `scene`. If `frame` is given (from a file), its drivers replace those of the world;
+  // fails if they do not match the scene. The result is valid until the next call.
   Result<std::vector<DrawnObject>> pose(const Scene& scene, const DriverFrame* frame = nullptr);
 
-  // The F of each kernel of an object in the last pose(), kept only when asked for.
+  // The deformation gradient F of each kernel of an object in the last pose(). Stored only if enabled.
   void keep_deformation_gradients(bool keep) { keep_gradients_ = keep; }
   const std::vector<Eigen::Matrix3f>& deformation_gradients(uint32_t object_id) const;
   const PosedKernels& kernels(uint32_t object_id) const;

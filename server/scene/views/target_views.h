@@ -9,10 +9,10 @@
 
 namespace livegs {
 
-// Longest side of the pictures, in pixels.
+// Longest side of a view, in pixels.
 inline constexpr int kViewLongSide_px = 768;
 
-// Kernels of a scene at one moment.
+// Kernels of a scene at one instant.
 struct ViewedScene {
   struct Object {
     uint32_t object_id = 0;
@@ -22,9 +22,9 @@ struct ViewedScene {
   std::vector<Object> objects;
 };
 
-// `count` looks at an object, best first, as PNG: the scene with the object outlined, and the object alone
-// over white, both for a model; and the mask, for a person. Deterministic; any thread. A requested stop ends
-// it after the picture that is being drawn.
+// Draws up to `count` views of an object, best first, as PNG. Each view has the scene with the object
+// outlined and the object alone on white, for a model, and the mask, for the user. Deterministic; any thread.
+// A stop request takes effect after the current view.
 Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t object_id, int count,
                                              std::stop_token stop);
 

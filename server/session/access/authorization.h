@@ -8,9 +8,9 @@
 
 namespace livegs {
 
-// What whoever calls may do, and by which token.
+// The rights of a caller and the token that grants them.
 struct Grant {
-  std::string token_id, token_name;  // empty in the clear, where everybody on this machine may do everything
+  std::string token_id, token_name;  // empty without TLS, where every local caller is an admin
   v1::Scope scope = v1::ADMIN;
 
   bool allows(v1::Scope needed) const { return scope >= needed; }
@@ -18,7 +18,7 @@ struct Grant {
 
 // "view", "interact", "author", "admin".
 std::string scope_name(v1::Scope scope);
-// InvalidArgument, with the names there are, for any other.
+// InvalidArgument for any other name; the message lists the valid names.
 Result<v1::Scope> parse_scope(const std::string& name);
 
 }  // namespace livegs

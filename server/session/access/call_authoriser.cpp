@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kBearer = "Bearer ";
 
-// The token a call shows; empty: none.
+// The bearer token of a call; empty if there is not exactly one.
 std::string_view token_in(const grpc::AuthMetadataProcessor::InputMetadata& metadata) {
   const auto found = metadata.find("authorization");
   if (found == metadata.end() || metadata.count("authorization") != 1) return {};
@@ -25,7 +25,7 @@ v1::Scope required_scope(std::string_view path) {
       {"/livegs.v1.LiveGs/Join", v1::VIEW},
       {"/livegs.v1.LiveGs/FetchAsset", v1::VIEW},
       {"/livegs.v1.Spectators/DescribeScene", v1::VIEW},
-      {"/livegs.v1.LiveGs/Stream", v1::VIEW},  // what hands do is taken with INTERACT only
+      {"/livegs.v1.LiveGs/Stream", v1::VIEW},  // hand input additionally requires INTERACT
       {"/livegs.v1.LiveGs/AnalyzeObject", v1::VIEW},
       {"/livegs.v1.LiveGs/ApplyForce", v1::INTERACT},
       {"/livegs.v1.LiveGs/AnalyzeScene", v1::AUTHOR},
@@ -47,15 +47,16 @@ grpc::Status CallAuthoriser::Process(const InputMetadata& metadata, grpc::AuthCo
   const auto grant = tokens_.check(token_in(metadata));
   if (!grant) return {grpc::StatusCode::UNAUTHENTICATED, grant.error().message};
   if (!grant->allows(needed)) {
-    return {grpc::StatusCode::PERMISSION_DENIED, "the token \"" + grant->token_name + "\" is of scope " +
+    return {grpc::StatusCode::PERMISSION_DENIED, "token \"" + grant->token_name + "\": has scope " +
                                                      scope_name(grant->scope) + "; this call needs " +
                                                      scope_name(needed)};
   }
   std::lock_guard lock(mutex_);
-  // Tokens are few; those that have ended are not worth a sweep.
+  // Entries of ended tokens are kept: kMaxTokens bounds the map.
   TokenBucket& calls = calls_.try_emplace(grant->token_id, kMaxCallsPerSecond, kMaxCallsAtOnce).first->second;
   if (!calls.try_take(now_ns())) {
-    return {grpc::StatusCode::RESOURCE_EXHAUSTED, "more than 200 calls a second with this token"};
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED,
+            "calls: more than 200 a second with this token; send fewer"};
   }
   return grpc::Status::OK;
 }

@@ -14,33 +14,35 @@
 
 namespace livegs {
 
-// What a call needs, by its path ("/livegs.v1.LiveGs/Join"). Nothing at all for the health check, which tells
-// no more than an open port; admin for a path that is not listed, so that a call that is forgotten here is
-// shut and not open.
+// The scope that a call requires, by its path ("/livegs.v1.LiveGs/Join"). The health check requires none,
+// since it reveals no more than an open port. An unlisted path requires admin, so that a call missing from
+// the list is denied.
 v1::Scope required_scope(std::string_view path);
 
-// Of one token: a client that joins fetches an asset a call.
+// Rate limit per token: calls a second and burst size. The burst covers a client that fetches its assets
+// after joining, one call each.
 inline constexpr double kMaxCallsPerSecond = 200, kMaxCallsAtOnce = 2000;
 
-// The one place where calls are let in: gRPC asks it of each, of every service, before its handler sees
-// anything. With TLS only; in the clear there is none. Non-blocking: a look-up in memory.
+// Authorises every call of every service before its handler runs. Used with TLS only; without TLS there is no
+// authorisation. Non-blocking: one look-up in memory.
 class CallAuthoriser final : public grpc::AuthMetadataProcessor {
  public:
   explicit CallAuthoriser(const TokenStore& tokens) : tokens_(tokens) {}
 
   bool IsBlocking() const override { return false; }
-  // UNAUTHENTICATED: a token is missing, wrong, revoked or expired, and the message says which.
-  // PERMISSION_DENIED: it does not reach so far. RESOURCE_EXHAUSTED: it calls too often.
+  // UNAUTHENTICATED: the token is missing, wrong, revoked or expired; the message says which.
+  // PERMISSION_DENIED: the scope of the token is too narrow. RESOURCE_EXHAUSTED: the token exceeds its rate
+  // limit.
   grpc::Status Process(const InputMetadata& metadata, grpc::AuthContext* context, OutputMetadata* consumed,
                        OutputMetadata* response) override;
 
  private:
   const TokenStore& tokens_;
   std::mutex mutex_;                          // guards calls_
-  std::map<std::string, TokenBucket> calls_;  // by token
+  std::map<std::string, TokenBucket> calls_;  // by token id
 };
 
-// Whose call this is, for a handler. `tokens` null: in the clear.
+// The grant of a call, for its handler. `tokens` is null without TLS.
 Result<Grant> grant_of(const grpc::CallbackServerContext& context, const TokenStore* tokens);
 
 }  // namespace livegs

@@ -20,9 +20,9 @@ namespace livegs {
 namespace {
 
 constexpr int kBacklog = 512;
-// As gRPC sets it on sockets it listens on itself: unanswered bytes end the connection.
+// The value that gRPC sets on its own sockets: unacknowledged bytes end the connection after this time.
 constexpr unsigned kTcpUserTimeout_ms = 3000;
-// Descriptors are short: the next try is worth nothing before some are closed.
+// Wait before the next accept when the process has run out of descriptors.
 constexpr useconds_t kDescriptorRetry_us = 50'000;
 
 void set(int socket, int level, int option, int value) {
@@ -44,7 +44,7 @@ int listen_on(const addrinfo& address, int port) {
   sockaddr_storage at{};
   std::memcpy(&at, address.ai_addr, address.ai_addrlen);
   if (address.ai_family == AF_INET6) {
-    // [::] is every address of either kind.
+    // [::] accepts IPv4 and IPv6.
     const bool any = IN6_IS_ADDR_UNSPECIFIED(&reinterpret_cast<sockaddr_in6&>(at).sin6_addr);
     set(socket, IPPROTO_IPV6, IPV6_V6ONLY, any ? 0 : 1);
     reinterpret_cast<sockaddr_in6&>(at).sin6_port = htons(static_cast<uint16_t>(port));
@@ -58,7 +58,7 @@ int listen_on(const addrinfo& address, int port) {
   return -1;
 }
 
-// The system's usual limit of 1024 descriptors is fewer than connections and files together.
+// Raises the descriptor limit: the usual 1024 is below connections and files together.
 void allow_descriptors() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -66,7 +66,7 @@ void allow_descriptors() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// Where a connection comes from, as text, and whether that is this machine.
+// The peer address as text; sets `loopback` if the peer is this machine.
 std::string address_of(const sockaddr_storage& from, socklen_t size, bool& loopback) {
   char host[NI_MAXHOST] = "";
   ::getnameinfo(reinterpret_cast<const sockaddr*>(&from), size, host, sizeof host, nullptr, 0,
@@ -103,7 +103,7 @@ Result<std::unique_ptr<ConnectionLimiter>> ConnectionLimiter::listen(const std::
     if (socket < 0) {
       why = errno;
       if (why == EADDRINUSE) break;
-      continue;  // localhost may have an address of a kind that the machine has not
+      continue;  // localhost may resolve to an address family that this machine does not have
     }
     door->listeners_.push_back(socket);
     door->port_ = port_of(socket);
@@ -181,7 +181,7 @@ void ConnectionLimiter::take(int listener) {
   to_->HandleNewConnection(&connection);
 }
 
-// Looks which connections are still there only when there seem to be too many.
+// Checks which connections are still open only when a limit seems to be reached.
 bool ConnectionLimiter::has_room(const std::string& address, bool loopback) {
   const auto too_many = [&] {
     const auto same = std::count_if(admitted_.begin(), admitted_.end(),

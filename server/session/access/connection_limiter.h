@@ -12,31 +12,31 @@
 
 namespace livegs {
 
-// A client has three connections: its stream, its assets, its control calls.
+// Total connections. A client has three: stream, assets and control calls.
 inline constexpr size_t kMaxConnections = 1024;
-// From one address that is not this machine's, so that nobody alone keeps the others out.
+// Connections from one remote address, so that a single host cannot use up the total.
 inline constexpr size_t kMaxConnectionsPerAddress = 256;
 
-// Listens, and hands connections to gRPC as long as there are not too many; gRPC itself takes any number. One
-// that is too many is closed at once. On a thread of its own.
+// Accepts connections on its own thread and passes them to gRPC up to the limits above; gRPC itself has no
+// such limit. Excess connections are closed at once.
 class ConnectionLimiter {
  public:
-  // Listens on every address that HOST stands for, on one port; 0 lets the system choose it. Unavailable when
-  // the port is in use or the host is none of this machine's.
+  // Listens on every address of `host`, on one port; port 0 lets the system choose. Unavailable if the port
+  // is in use or the host is not an address of this machine.
   static Result<std::unique_ptr<ConnectionLimiter>> listen(const std::string& host, int port);
   ~ConnectionLimiter();
   ConnectionLimiter(const ConnectionLimiter&) = delete;
   ConnectionLimiter& operator=(const ConnectionLimiter&) = delete;
 
   int port() const { return port_; }
-  // From now on connections are taken; those that came before wait in the system's queue.
+  // Starts accepting. Earlier connections wait in the backlog of the system.
   void open(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to);
-  // From now on nobody gets in; those who are in stay. More than once is fine.
+  // Stops accepting; open connections stay open. May be called more than once.
   void close();
 
  private:
-  // A connection that gRPC has. It closes it when it likes, and tells nobody: it is still there as long as
-  // its descriptor is the same socket.
+  // A connection owned by gRPC, which closes it without notice. It is still open as long as its descriptor
+  // refers to the same socket.
   struct Admitted {
     int descriptor = -1;
     unsigned long inode = 0;
@@ -50,9 +50,9 @@ class ConnectionLimiter {
 
   std::vector<int> listeners_;
   int port_ = 0;
-  int stop_ = -1;  // readable when the thread is to end
+  int stop_ = -1;  // readable when the thread must end
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to_;
-  std::vector<Admitted> admitted_;  // the thread's only
+  std::vector<Admitted> admitted_;  // accessed by the thread only
   std::thread thread_;
 };
 

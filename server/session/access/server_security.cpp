@@ -27,7 +27,7 @@ constexpr const char* kKeyFile = "server.key";
 constexpr const char* kCertificateFile = "server.crt";
 constexpr const char* kAdminFile = "admin.token";
 constexpr const char* kRunningFile = "running";
-constexpr long kCertificateDays = 3650;  // clients go by its fingerprint, not by its dates
+constexpr long kCertificateDays = 3650;  // clients check the fingerprint, not the dates
 
 struct Identity {
   std::string certificate_pem, key_pem;
@@ -43,7 +43,7 @@ std::string pem_of(Write write) {
 }
 
 Result<Identity> make_identity() {
-  const Error failed{ErrorCode::Internal, "libssl made no certificate"};
+  const Error failed{ErrorCode::Internal, "certificate: libssl could not create one"};
   const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"), &EVP_PKEY_free);
   const std::unique_ptr<X509, decltype(&X509_free)> certificate(X509_new(), &X509_free);
   if (!key || !certificate) return failed;
@@ -75,7 +75,7 @@ Result<Identity> make_identity() {
   return identity;
 }
 
-// Whether the key is the certificate's: a server would fail at each handshake else.
+// True if the key matches the certificate. Otherwise every handshake would fail.
 bool belong_together(const Identity& identity) {
   const auto bio = [](const std::string& text) {
     return std::unique_ptr<BIO, decltype(&BIO_free)>(
@@ -89,7 +89,8 @@ bool belong_together(const Identity& identity) {
   return certificate && key && X509_check_private_key(certificate.get(), key.get()) == 1;
 }
 
-// The folder's, or a new one. A key whose certificate was never written is of no use to anybody.
+// Reads the identity from the folder, or creates one. A key without a certificate was never used and is
+// replaced.
 Result<Identity> identity_in(const std::filesystem::path& folder) {
   std::error_code error;
   if (!std::filesystem::exists(folder / kCertificateFile, error)) {
@@ -98,7 +99,7 @@ Result<Identity> identity_in(const std::filesystem::path& folder) {
     if (auto written = write_secret_file(folder / kKeyFile, made->key_pem); !written) return written.error();
     if (auto written = write_secret_file(folder / kCertificateFile, made->certificate_pem); !written)
       return written.error();
-    log_info("%s: made a certificate", folder.c_str());
+    log_info("%s: certificate created", folder.c_str());
     return made;
   }
   auto certificate = read_text_file(folder / kCertificateFile, 1 << 20);
@@ -109,7 +110,7 @@ Result<Identity> identity_in(const std::filesystem::path& folder) {
   if (!belong_together(identity)) {
     return invalid_data(
         folder.string() +
-        ": server.key and server.crt do not belong together; take both away, and clients pair anew");
+        ": server.key and server.crt do not match; remove both files and pair the clients again");
   }
   return identity;
 }
@@ -130,10 +131,10 @@ Result<std::unique_ptr<ServerSecurity>> ServerSecurity::open(const std::filesyst
   }
   if (::flock(security->lock_, LOCK_EX | LOCK_NB) != 0) {
     ::close(std::exchange(security->lock_, -1));
-    return Error{ErrorCode::Unavailable,
-                 folder.string() +
-                     ": another server has its keys here; stop it, or give this one a folder of "
-                     "its own with --state-dir DIR"};
+    return Error{
+        ErrorCode::Unavailable,
+        folder.string() +
+            ": is in use by another server; stop that server, or choose another folder with --state-dir DIR"};
   }
   auto identity = identity_in(folder);
   if (!identity) return identity.error();
@@ -163,11 +164,13 @@ ServerSecurity::~ServerSecurity() {
 void ServerSecurity::set_port(int port) {
   const std::string text = std::to_string(port) + "\n";
   if (::ftruncate(lock_, 0) != 0 || ::pwrite(lock_, text.data(), text.size(), 0) < 0)
-    log_warn("%s: its port cannot be written: %s", folder_.c_str(), std::strerror(errno));
+    log_warn("%s: the port could not be saved: %s; livegs ctl cannot find this server", folder_.c_str(),
+             std::strerror(errno));
 }
 
 Result<LocalServer> find_local_server(const std::filesystem::path& folder) {
-  const Error none = not_found("no server with TLS runs here; its folder would be " + folder.string());
+  const Error none =
+      not_found("no server with TLS is running on this machine; its folder would be " + folder.string());
   const int running = ::open((folder / kRunningFile).c_str(), O_RDONLY | O_CLOEXEC);
   if (running < 0) return none;
   const bool held = ::flock(running, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;

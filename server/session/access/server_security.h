@@ -10,15 +10,15 @@
 
 namespace livegs {
 
-// Who a server is, and whom it lets in: everything in its state folder. One server at a time has it.
-//   server.key, server.crt   a self-signed certificate of an EC key on P-256, made at the first run; key 0600
-//   tokens.json              see token_store.h; 0600
-//   admin.token              of scope admin, new at each start, for `livegs ctl` of whoever owns the folder;
-//   0600 running                  locked while a server runs; holds its port
+// The identity of a server and its tokens: all files of its state folder. One server at a time uses a folder.
+//   server.key, server.crt   self-signed certificate of an EC key on P-256, created at the first run; key
+//   0600 tokens.json              see token_store.h; 0600 admin.token              token of scope admin, new
+//   at each start, for `livegs ctl` of the folder's owner; 0600 running                  locked while a
+//   server runs; contains its port
 class ServerSecurity {
  public:
-  // PermissionDenied when files are others' to read or the folder cannot be written, Unavailable while
-  // another server has it.
+  // PermissionDenied if other users may read the files or the folder is not writable. Unavailable if another
+  // server uses the folder.
   static Result<std::unique_ptr<ServerSecurity>> open(const std::filesystem::path& folder,
                                                       WallClock clock = system_wall_clock());
   ~ServerSecurity();
@@ -29,7 +29,7 @@ class ServerSecurity {
   const std::string& key_pem() const { return key_pem_; }
   const std::string& fingerprint() const { return fingerprint_; }
   TokenStore& tokens() { return *tokens_; }
-  void set_port(int port);  // for who looks for the running server
+  void set_port(int port);  // published for find_local_server()
 
  private:
   ServerSecurity() = default;
@@ -39,7 +39,7 @@ class ServerSecurity {
   std::unique_ptr<TokenStore> tokens_;
 };
 
-// What `livegs ctl` of whoever owns the folder reaches its server with. NotFound when none runs there.
+// Port and credentials with which `livegs ctl` connects to the server of this folder. NotFound if none runs.
 struct LocalServer {
   int port = 0;
   std::string fingerprint, token;

@@ -20,12 +20,11 @@
 namespace livegs {
 namespace {
 
-constexpr std::string_view kPrefix =
-    "livegs_";  // so that a person, and who scans for secrets, knows what it is
+constexpr std::string_view kPrefix = "livegs_";  // recognisable to people and to secret scanners
 constexpr size_t kSecretBytes = 32;
 constexpr size_t kMaxName = 64;
 constexpr int64_t kDay_s = 86400;
-constexpr int64_t kExpiredTokenRetention_s = 30 * kDay_s;  // it ended
+constexpr int64_t kExpiredTokenRetention_s = 30 * kDay_s;  // after expiry
 constexpr const char* kScopeNames[] = {"view", "interact", "author", "admin"};
 
 template <size_t kBytes>
@@ -36,7 +35,7 @@ std::array<unsigned char, kBytes> random_bytes() {
   return bytes;
 }
 
-// Six bits a character, the alphabet of RFC 4648 section 5.
+// base64url (RFC 4648 section 5) without padding.
 std::string token_text() {
   constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
   std::string text(kPrefix);
@@ -72,7 +71,7 @@ Result<v1::Scope> parse_scope(const std::string& name) {
   for (int i = 0; i < 4; ++i) {
     if (name == kScopeNames[i]) return static_cast<v1::Scope>(v1::VIEW + i);
   }
-  return invalid_argument("scope \"" + name + "\": is none of view, interact, author, admin");
+  return invalid_argument("scope \"" + name + "\": is not one of view, interact, author, admin");
 }
 
 WallClock system_wall_clock() {
@@ -91,8 +90,8 @@ Result<std::unique_ptr<TokenStore>> TokenStore::open(std::filesystem::path file,
   if (!text) return text.error();
   const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &store->tokens_);
   if (!parsed.ok()) {
-    return invalid_data(store->file_.string() + ": is no list of tokens: " + std::string(parsed.message()) +
-                        "; move it away, and all tokens end");
+    return invalid_data(store->file_.string() + ": is not a list of tokens: " +
+                        std::string(parsed.message()) + "; remove the file to invalidate all tokens");
   }
   return store;
 }
@@ -109,12 +108,13 @@ Result<void> TokenStore::write() const {
 Result<TokenStore::Made> TokenStore::add(const std::string& name, v1::Scope scope, double days) {
   if (name.empty() || name.size() > kMaxName ||
       !std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isprint(c) != 0; })) {
-    return invalid_argument("name: say who or what the token is for, in 1 to 64 printable characters");
+    return invalid_argument(
+        "name: must have 1 to 64 printable characters; use the name of the user or device");
   }
   if (scope < v1::VIEW || scope > v1::ADMIN)
-    return invalid_argument("scope: is none of view, interact, author, admin");
+    return invalid_argument("scope: is not one of view, interact, author, admin");
   if (days == 0) days = kTokenDays;
-  if (!(days > 0 && days <= kMaxTokenDays)) return invalid_argument("days: is not above 0 and at most 3650");
+  if (!(days > 0 && days <= kMaxTokenDays)) return invalid_argument("days: must be above 0 and at most 3650");
   Made made;
   made.secret = token_text();
   const int64_t now_s = clock_();
@@ -133,7 +133,8 @@ Result<TokenStore::Made> TokenStore::add(const std::string& name, v1::Scope scop
                tokens.end());
   if (static_cast<size_t>(tokens.size()) >= kMaxTokens) {
     tokens_ = before;
-    return Error{ErrorCode::TooLarge, "there are 1000 tokens already"};
+    return Error{ErrorCode::TooLarge,
+                 "tokens: the limit of 1000 is reached; wait until expired tokens are removed"};
   }
   v1::Token& kept = *tokens.Add();
   kept = made.token;
@@ -149,7 +150,7 @@ std::string TokenStore::add_local_admin() {
   const std::string secret = token_text();
   std::lock_guard lock(mutex_);
   local_admin_.set_id("local");
-  local_admin_.set_name("who runs the server");
+  local_admin_.set_name("local admin");
   local_admin_.set_scope(v1::ADMIN);
   local_admin_.set_sha256(hash_of(secret));
   return secret;
@@ -160,13 +161,14 @@ Result<v1::Token> TokenStore::revoke(const std::string& id) {
   for (v1::Token& token : *tokens_.mutable_tokens()) {
     if (token.id() != id) continue;
     token.set_revoked(
-        true);  // also when it cannot be written: rather refused until the server ends than let in
+        true);  // before the write: if it fails, the token is still refused until the server ends
     if (auto written = write(); !written) return written.error();
     v1::Token told = token;
     told.clear_sha256();
     return told;
   }
-  return not_found("there is no token \"" + id.substr(0, kMaxName) + "\"; livegs ctl tokens lists them");
+  return not_found("token \"" + id.substr(0, kMaxName) +
+                   "\": does not exist; run livegs ctl tokens to list the tokens");
 }
 
 std::vector<v1::Token> TokenStore::list() const {
@@ -178,9 +180,9 @@ std::vector<v1::Token> TokenStore::list() const {
 
 Result<void> TokenStore::check_record(const v1::Token& token) const {
   if (token.revoked())
-    return denied("the token \"" + token.name() + "\" was revoked; ask who runs the server");
+    return denied("token \"" + token.name() + "\": was revoked; ask the server's operator for a new one");
   if (token.id() != local_admin_.id() && clock_() >= token.expires_unix_s()) {
-    return denied("the token \"" + token.name() + "\" has expired; ask who runs the server for a new one");
+    return denied("token \"" + token.name() + "\": has expired; ask the server's operator for a new one");
   }
   return {};
 }
@@ -188,7 +190,8 @@ Result<void> TokenStore::check_record(const v1::Token& token) const {
 Result<Grant> TokenStore::check(std::string_view secret) const {
   if (secret.empty()) {
     return denied(
-        "this server asks for a token: --token-file FILE or LIVEGS_TOKEN; livegs ctl tokens add makes one");
+        "token: is required; pass --token-file FILE or set LIVEGS_TOKEN (create one with livegs ctl tokens "
+        "add)");
   }
   const std::string hash = hash_of(secret);
   std::lock_guard lock(mutex_);
@@ -198,7 +201,9 @@ Result<Grant> TokenStore::check(std::string_view secret) const {
   }
   if (equal_in_constant_time(local_admin_.sha256(), hash)) found = &local_admin_;
   if (found == nullptr)
-    return denied("the token is none of this server's; look whether it is whole, or ask who runs it");
+    return denied(
+        "token: is not known to this server; check that it is complete, or ask the server's operator for a "
+        "new one");
   if (auto good = check_record(*found); !good) return good.error();
   return grant_of(*found);
 }
@@ -209,7 +214,7 @@ Result<void> TokenStore::check_still(const Grant& grant) const {
   for (const v1::Token& token : tokens_.tokens()) {
     if (token.id() == grant.token_id) return check_record(token);
   }
-  return denied("the token is none of this server's any more");
+  return denied("token: is no longer known to this server; ask the server's operator for a new one");
 }
 
 }  // namespace livegs

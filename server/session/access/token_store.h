@@ -16,34 +16,35 @@ namespace livegs {
 inline constexpr size_t kMaxTokens = 1000;
 inline constexpr double kTokenDays = 90, kMaxTokenDays = 3650;
 
-// Seconds since 1970.
+// Returns seconds since 1970.
 using WallClock = std::function<int64_t()>;
 WallClock system_wall_clock();
 
-// The tokens of a server, in a file that holds their SHA-256 and not themselves. A fast hash will do: a token
-// is 256 random bits, so whoever reads the file has nothing to guess from, as he would have with a password.
-// Revoked and expired ones stay listed for a month, so that who shows one is told what it was. Any thread.
+// The tokens of a server. The file stores their SHA-256 hashes, not the tokens. A fast hash is sufficient: a
+// token has 256 random bits, so it cannot be guessed from its hash. Revoked and expired tokens stay listed
+// for a month, so that a refused caller gets the reason. Any thread.
 class TokenStore {
  public:
-  // The file need not be there. InvalidData when it is none of ours.
+  // The file may be missing. InvalidData if it is not a token file.
   static Result<std::unique_ptr<TokenStore>> open(std::filesystem::path file,
                                                   WallClock clock = system_wall_clock());
 
   struct Made {
     v1::Token token;
-    std::string secret;  // nobody can find it again
+    std::string secret;  // not stored, cannot be recovered
   };
-  // InvalidArgument for a name, scope or number of days that will not do. On disk when it returns.
+  // Creates a token and writes the file before it returns. InvalidArgument for an invalid name, scope or
+  // number of days.
   Result<Made> add(const std::string& name, v1::Scope scope, double days);
-  // A token that holds as long as this store lives and is in no file of its.
+  // Creates an admin token that is valid for the lifetime of this store and is not written to the file.
   std::string add_local_admin();
   Result<v1::Token> revoke(const std::string& id);
-  std::vector<v1::Token> list() const;  // without their hashes
+  std::vector<v1::Token> list() const;  // without hashes
 
-  // What a token allows. PermissionDenied, with what to do, when it is missing (empty), unknown, revoked or
-  // expired. Every hash is compared, each in constant time.
+  // The grant of a token. PermissionDenied, with a remedy, if it is missing (empty), unknown, revoked or
+  // expired. All hashes are compared, each in constant time.
   Result<Grant> check(std::string_view secret) const;
-  // The same of a token that was good before.
+  // The same check for a token that was valid before.
   Result<void> check_still(const Grant& grant) const;
 
  private:
@@ -56,7 +57,7 @@ class TokenStore {
   const WallClock clock_;
   mutable std::mutex mutex_;  // guards everything below
   v1::TokenFile tokens_;
-  v1::Token local_admin_;  // without a hash: none
+  v1::Token local_admin_;  // no hash: not created
 };
 
 }  // namespace livegs

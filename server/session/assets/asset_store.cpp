@@ -41,7 +41,7 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const Ga
   encoding_.insert(asset.get());
   lock.unlock();
   std::shared_ptr<const AssetBytes> encoded;
-  std::exception_ptr failed;  // memory was short: who waits tries for itself
+  std::exception_ptr failed;  // out of memory; a waiting caller retries the encoding
   try {
     encoded = std::make_shared<const AssetBytes>(encoder_(*asset));
   } catch (...) {
@@ -52,7 +52,8 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const Ga
   encoded_.notify_all();
   if (failed) std::rethrow_exception(failed);
   Kept& kept =
-      by_hash_.try_emplace(encoded->hash, encoded, std::nullopt).first->second;  // equal content is kept once
+      // equal content is stored once
+      by_hash_.try_emplace(encoded->hash, encoded, std::nullopt).first->second;
   kept.unused_since_ns.reset();
   by_asset_.emplace(asset, kept.bytes);
   return kept.bytes;
@@ -71,7 +72,7 @@ std::shared_ptr<const AssetBytes> AssetStore::find(std::string_view hash) const 
 
 void AssetStore::drop_unused(const std::set<std::string>& told, int64_t now_ns) {
   std::lock_guard lock(mutex_);
-  // Those of a scene that another has taken the place of are nobody's any more.
+  // Assets of a replaced scene have no other owner any more.
   std::erase_if(by_asset_, [](const auto& known) { return known.first.use_count() == 1; });
   std::set<std::string_view> used;
   for (const auto& [asset, bytes] : by_asset_) used.insert(bytes->hash);

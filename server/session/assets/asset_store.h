@@ -16,46 +16,43 @@
 
 namespace livegs {
 
-// The bytes of an asset as clients fetch them (proto/asset_format.md), and the hash it is named by: that of
-// its lossless .ply, so that a name does not hang on how it is compressed.
+// An asset as clients fetch it (proto/asset_format.md). `hash` identifies it: the hash of its lossless .ply,
+// so that it does not depend on the compression.
 struct AssetBytes {
   std::string hash;
   std::vector<std::byte> bytes;
-  // In the asset's units: the diagonal of the box around its kernels, and the largest standard deviation of
-  // one.
+  // In the asset's units: the diagonal of the bounding box of its kernels, and the largest standard deviation
+  // of a kernel.
   double diagonal = 0, deviation = 0;
 };
 
 AssetBytes encode_asset(const GaussianAsset& asset);
 
-// So long bytes are kept after the last object that is drawn with them went: a client that joined before may
-// come to them so late (kJoinTimeout_ns), and one that is behind hears of the change later.
+// Time for which bytes are kept after the last object that uses them is removed. A client that joined earlier
+// may fetch them this late (kJoinTimeout_ns), and a client that lags receives the removal later.
 inline constexpr int64_t kUnusedAssetLifetime_ns = 120'000'000'000;
 
-// Every asset of the scene, encoded and hashed once, whoever asks and however many objects share it. Any
-// thread.
+// Encodes and hashes every asset of the scene once, however many objects and clients use it. Any thread.
 class AssetStore {
  public:
-  using Encoder =
-      std::function<AssetBytes(const GaussianAsset&)>;  // any thread; in tests one that takes its time
+  using Encoder = std::function<AssetBytes(const GaussianAsset&)>;  // called on any thread
   explicit AssetStore(Encoder encoder = encode_asset) : encoder_(std::move(encoder)) {}
 
-  // Encodes on the calling thread the first time, and on no other, so that a tick beside it is not held up:
-  // see asset_bench. Who asks for it meanwhile waits for that.
+  // Encodes at the first call, on the calling thread and without worker threads, so that a concurrent tick is
+  // not delayed (asset_bench). Concurrent calls for the same asset wait for the result.
   std::shared_ptr<const AssetBytes> add(const std::shared_ptr<const GaussianAsset>& asset);
   bool has(const std::shared_ptr<const GaussianAsset>& asset) const;
   std::shared_ptr<const AssetBytes> find(std::string_view hash) const;  // nullptr if unknown
-  // Drops what nobody needs any more: neither an object that somebody holds is drawn with it, nor was a
-  // client told of it
-  // (`told`) within the last kUnusedAssetLifetime_ns. Who is just sending it holds it.
+  // Discards assets that no object uses and that are not in `told`, the hashes known to clients, for
+  // kUnusedAssetLifetime_ns. A transfer in progress holds its own reference.
   void drop_unused(const std::set<std::string>& told, int64_t now_ns);
-  std::vector<std::string> hashes() const;  // of all there is
+  std::vector<std::string> hashes() const;  // of all stored assets
 
  private:
   const Encoder encoder_;
   mutable std::mutex mutex_;  // guards everything below
   std::condition_variable encoded_;
-  std::set<const GaussianAsset*> encoding_;  // on some thread, right now
+  std::set<const GaussianAsset*> encoding_;  // being encoded on some thread
   std::map<std::shared_ptr<const GaussianAsset>, std::shared_ptr<const AssetBytes>> by_asset_;
   struct Kept {
     std::shared_ptr<const AssetBytes> bytes;

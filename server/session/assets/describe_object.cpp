@@ -22,8 +22,8 @@ size_t driver_count(const RestBody& rest) {
   return 0;
 }
 
-// See ObjectDescription.reach_m. Bodies and particles may move any kernel of theirs, so that is the whole
-// asset.
+// See ObjectDescription.reach_m. Rigid bodies and particles may move any of their kernels, so their reach is
+// the whole asset.
 double reach_m(const RestBody& rest, const AssetBytes& asset) {
   const double own_m = rest.kind == DriverKind::Lattice ? std::numbers::sqrt3 * rest.cell_width_m
                                                         : rest.object_from_asset.scale * asset.diagonal;

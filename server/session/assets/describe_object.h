@@ -7,8 +7,8 @@
 
 namespace livegs {
 
-// What a client is told of an object: RestBody encoded, asset named by its hash. Encodes its asset if
-// `assets` does not have it yet; the one it breaks into is named if it has.
+// The description of an object for clients: its encoded RestBody and the hash of its asset. Encodes the asset
+// if `assets` does not contain it. The asset of its fragments is included only if it is already encoded.
 v1::ObjectDescription describe_object(const SceneObject& object, AssetStore& assets);
 
 }  // namespace livegs

@@ -11,10 +11,10 @@
 namespace livegs {
 namespace {
 
-constexpr double kMinDistance_m = 0.25;       // what is nearer counts as this near
-constexpr double kDefaultDistance_m = 1;      // to a client that says nothing of its eye
-constexpr double kOutOfViewWeight = 1.0 / 8;  // of what it would count in view
-// An elastic object's kernels are farther from its nodes where it is stretched.
+constexpr double kMinDistance_m = 0.25;       // lower bound of the distance
+constexpr double kDefaultDistance_m = 1;      // if the client sends no view
+constexpr double kOutOfViewWeight = 1.0 / 8;  // relative to an object in view
+// Factor on the reach of elastic objects: stretching moves kernels away from their nodes.
 constexpr double kStretchAllowance = 2;
 
 bool holds(std::span<const uint32_t> ids, uint32_t id) {
@@ -62,7 +62,7 @@ std::vector<uint32_t> over_budget(const DriverFrame& frame, const StreamBaseline
   struct Waiting {
     uint32_t object_id;
     uint64_t integers;
-    double weight;  // a byte
+    double weight;  // priority per byte
   };
   std::vector<Waiting> waiting;
   uint64_t integers = 0;

@@ -20,7 +20,8 @@ bool KernelPoser::bind_object(Object& object) {
   if (bindings)
     object.bindings = *std::move(bindings);
   else
-    log_warn("%s: its kernels are not streamed: %s", object.name.c_str(), bindings.error().message.c_str());
+    log_warn("%s: kernels are not streamed: %s; ask for frames of drivers", object.name.c_str(),
+             bindings.error().message.c_str());
   return !object.failed;
 }
 
@@ -36,8 +37,10 @@ KernelFrame KernelPoser::pose(const DriverFrame& frame, KernelEncoding encoding)
     bytes += kernel_bytes(object.asset->size(), encoding);
     if (bytes > kMaxFrameBytes) {
       if (!std::exchange(warned_of_room_, true))
-        log_warn("%s and what comes after it is not streamed as kernels: a frame holds no more",
-                 object.name.c_str());
+        log_warn(
+            "%s: this and later objects are not streamed as kernels: the frame is full; ask for frames of "
+            "drivers",
+            object.name.c_str());
       break;
     }
     if (!bind_object(object) || !check_drivers(object.rest, drivers)) continue;

@@ -12,16 +12,16 @@
 
 namespace livegs {
 
-// Where the kernels of a scene's objects are in frames of its drivers, for streams of kernels. Ties them to
-// their drivers when they are first asked for. One thread.
+// Computes the kernels of a scene from its driver frames, for kernel streams. Binds the kernels of an object
+// at first use. One thread.
 class KernelPoser {
  public:
-  // An object that came, or changed; the revision before is kept for frames that are still of it.
+  // Adds a new or changed object. The previous revision is kept for frames that still use it.
   void take(const SceneObject& object);
   void remove(uint32_t object_id) { objects_.erase(object_id); }
 
-  // Objects that were not told of, or do not fit what was told, are left out; so are those, the last, that a
-  // frame of this encoding has no room for, with a line in the log.
+  // Omits objects that are unknown or do not match their description. If the frame exceeds its size limit in
+  // this encoding, the last objects are omitted with a log line.
   KernelFrame pose(const DriverFrame& frame, KernelEncoding encoding);
 
  private:
@@ -30,7 +30,7 @@ class KernelPoser {
     std::shared_ptr<const GaussianAsset> asset;
     RestBody rest;
     std::optional<KernelBindings> bindings;
-    bool failed = false;  // they cannot be tied
+    bool failed = false;  // the kernels cannot be bound
   };
   static bool bind_object(Object& object);
 

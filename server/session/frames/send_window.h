@@ -12,24 +12,23 @@
 
 namespace livegs {
 
-// What one client is sent next, and when. gRPC's own flow control lets seconds of frames queue up before it
-// pushes back, and OnWriteDone means "handed to the transport" only; so the client acknowledges frames, and
-// no more than WindowSize says, one to four, are under way. A frame that has to wait is replaced by the next
-// one: the newest wins. Events are kept, in order, and go out with the next write even when the window is
-// shut.
+// Flow control for one client. gRPC buffers seconds of frames before it applies back pressure, and
+// OnWriteDone means only that the transport has the message. The client therefore acknowledges frames, and
+// WindowSize limits the unacknowledged ones. A frame that has to wait is replaced by the next one. Events are
+// kept in order and go out with the next write, even when the window is full.
 //
 // Not locked; no gRPC types.
 class SendWindow {
  public:
-  // A client that lets so many events wait is not reading.
+  // More waiting events than this mean that the client does not read.
   static constexpr size_t kMaxWaitingEvents = 1024;
 
-  // Between the ticks that are offered.
+  // Time between offered ticks.
   void set_interval(int64_t interval_ns) { interval_ns_ = interval_ns, size_.set_interval(interval_ns); }
   void offer(std::shared_ptr<const TickEncodings> tick);
-  // False when there are too many, and the client has to go.
+  // False if too many events wait; the stream must end.
   bool add_event(const v1::SessionEvent& event);
-  // Everything up to `tick` has arrived. Numbers that were never sent change nothing.
+  // The client has received everything up to `tick`. Ticks that were never sent are ignored.
   void acknowledge(uint64_t tick, int64_t now_ns);
 
   struct Outgoing {
@@ -37,14 +36,14 @@ class SendWindow {
     std::vector<v1::SessionEvent> events;
     bool slow = false;  // WindowSize::slow()
   };
-  // What to write now, if there is anything that may be; it counts as sent. Without `frames`, events only.
+  // The next message, which then counts as sent; nothing if there is none. Without `frames`, events only.
   std::optional<Outgoing> take(int64_t now_ns, bool frames = true);
 
-  // As for a stream that begins: nothing waits, nothing is in flight. Counts go on.
+  // Resets the state for a new stream; the counters continue.
   void restart();
 
   size_t in_flight() const { return in_flight_.size(); }
-  size_t size() const { return size_.frames(); }  // how many may be
+  size_t size() const { return size_.frames(); }  // the window, in frames
   uint64_t sent() const { return sent_; }
   uint64_t replaced() const { return replaced_; }
 

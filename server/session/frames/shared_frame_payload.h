@@ -5,7 +5,8 @@
 
 namespace livegs {
 
-// See published_tick.h. Tag and length of field 15, then the frame's bytes, in one slice that gRPC counts.
+// See tick_encodings.h. The tag and length of field 15 and the bytes of the frame, in one reference-counted
+// slice.
 struct SharedFramePayload {
   grpc::Slice slice;
 };

@@ -31,8 +31,8 @@ SharedFramePayload make_frame_tail(std::span<const std::byte> frame) {
   return {grpc::Slice(slice, grpc::Slice::STEAL_REF)};
 }
 
-// A tick that is encoded so often already makes clients seem slow by itself: who has no cap shares from then
-// on.
+// Encodings per tick beyond which uncapped clients share one. More encodings would delay frames until the
+// clients appear slow.
 constexpr size_t kMaxSharedEncodings = 8;
 
 EncodedFrame whole_frame(std::span<const std::byte> frame) {

@@ -16,13 +16,12 @@
 
 namespace livegs {
 
-// The tail of a v1::ServerMessage: its field 15, `frame`, as it stands on the wire. Concatenated protobuf
-// fields are one message, so every client's own header and this tail, which all share, make one.
-// Reference-counted by gRPC where it is sent; what that is, only published_tick.cpp and stream_call.cpp
-// know.
+// The tail of a v1::ServerMessage: its field 15, `frame`, in wire format. Concatenated protobuf fields form
+// one message, so each client's own header plus this shared tail is one message. gRPC counts the references.
+// Defined only for tick_encodings.cpp and stream_call.cpp (shared_frame_payload.h).
 struct SharedFramePayload;
 
-// What encoding costs and gives, over all ticks. Any thread.
+// Encoding times and sizes over all ticks. Any thread.
 class EncodingRecord {
  public:
   struct Summary {
@@ -38,19 +37,19 @@ class EncodingRecord {
   DurationHistogram bytes_, ms_;
 };
 
-// A frame as it is written to streams that all have the same baseline.
+// An encoded frame for all streams with the same baseline.
 struct EncodedFrame {
   std::shared_ptr<const SharedFramePayload> tail;
   StreamBaselinePtr next;
   size_t bytes = 0;
 };
 
-// By object id, v1::ObjectDescription.reach_m.
+// v1::ObjectDescription.reach_m by object id.
 using ObjectReaches = std::map<uint32_t, double>;
 
-// A tick, for any number of clients: encoded when the first of those that have the same is written to. One
-// that missed a frame is encoded for by itself, and three frames later has what the others have. Immutable to
-// who looks at it; any thread.
+// One tick for any number of clients. Each variant is encoded once, at the first write that needs it. A
+// client that missed a frame needs its own encoding and shares again three frames later. The observable state
+// is immutable; any thread.
 class TickEncodings {
  public:
   TickEncodings(DriverFrame frame, std::shared_ptr<EncodingRecord> record)
@@ -61,27 +60,25 @@ class TickEncodings {
   int64_t stepped_ns = 0;
   double step_ms = 0;
   RunStatus run;
-  std::vector<SessionHands> hands;               // ascending session
-  std::shared_ptr<const ObjectReaches> reaches;  // null: everything is seen by everybody
+  std::vector<SessionHands> hands;               // ordered by session
+  std::shared_ptr<const ObjectReaches> reaches;  // null: no culling
 
-  // With all that moved, at 16 bits. `written`: the baseline of what a stream has been written so far; null
-  // for a key frame.
+  // The frame with all moved objects, at 16 bits. `written`: the baseline of the stream; null for a keyframe.
   EncodedFrame against(const StreamBaselinePtr& written) const;
-  // Without what does not fit and, to a client that is not uncongested, what it does not see;
-  // proto/frame_format.md, "What a frame leaves out".
+  // Omits objects that exceed the budget and, for congested clients, objects outside the view; see
+  // proto/frame_format.md, "Deferred objects".
   EncodedFrame for_client(const StreamBaselinePtr& written, const ClientView& who,
                           double budget_bytes = std::numeric_limits<double>::infinity()) const;
-  // Whole, and to be read without any before, for those who asked for another encoding than DRIVERS.
-  // Precondition: kernels have been kept.
+  // A keyframe for clients with an encoding other than DRIVERS. Precondition for kernels: keep() was called.
   EncodedFrame keyframe(v1::JoinRequest::Encoding encoding) const;
   void keep(v1::JoinRequest::Encoding encoding, std::vector<std::byte> frame);
 
  private:
   EncodedFrame encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out,
                        int position_bits) const;
-  size_t encodings() const;  // so far
+  size_t encodings() const;
   std::span<const ObjectBall> balls() const;
-  // A stream's ticks grow; should they not, it begins anew.
+  // Ticks of a stream increase; otherwise it restarts with a keyframe.
   StreamBaselinePtr usable(const StreamBaselinePtr& written) const {
     return written && tick_of(*written) < frame_.tick ? written : nullptr;
   }
@@ -94,10 +91,10 @@ class TickEncodings {
     int position_bits;
     EncodedFrame frame;
   };
-  mutable std::mutex mutex_;  // held while one is encoded: the others of that baseline wait for it
+  mutable std::mutex mutex_;  // held during encoding: other clients with that baseline wait for it
   mutable std::once_flag balls_made_;
   mutable std::vector<ObjectBall> balls_;
-  mutable std::vector<Made> made_;  // few: clients that keep up are alike
+  mutable std::vector<Made> made_;  // few: clients that keep up share
   mutable std::map<v1::JoinRequest::Encoding, EncodedFrame> keyframes_;
 };
 

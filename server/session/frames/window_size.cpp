@@ -8,20 +8,22 @@
 namespace livegs {
 namespace {
 
-// A decision is taken by so many answers, or by those of so long if they are few: a stall of 300 ms delays
-// four of them.
+// Acknowledgements per decision; the minimum if kMaxDecisionInterval_ns has passed. A stall delays at most
+// four of them, so it does not dominate the statistics.
 constexpr size_t kAnswersPerDecision = 32, kMinAnswers = 8;
 constexpr int64_t kMaxDecisionInterval_ns = 2'000'000'000;
-// Enough to see that a size which was too large is so still.
+// Acknowledgements that decide whether a size that was too large is still too large.
 constexpr size_t kTrialAnswerCount = 12;
 constexpr size_t kLoneFrameCount = 5;
 constexpr int64_t kLoneMeasurementLifetime_ns = 10'000'000'000;
 constexpr int64_t kMinPause_ns = 10'000'000'000, kMaxPause_ns = 40'000'000'000;
-// Answers farther apart than ticks, by more than noise; round trips longer than alone, by more than noise.
+// Acknowledgements count as slow if their interval exceeds the tick interval by this ratio. A queue exists if
+// round trips exceed those of lone frames by the second ratio. Both are above the noise.
 constexpr double kSlowdownRatio = 1.1, kQueueRatio = 1.25;
-// The share of a frame that a window may lack to fill a pipe: four fifths of its pace remain.
+// Fraction of a frame by which the window may fall short of filling the link; the rate stays above 4/5.
 constexpr double kMaxPipeGap = 0.25;
-// By so much of an interval has a round trip to fall below the limit at which the window grew.
+// Hysteresis, in tick intervals: a round trip must fall this far below the growth limit before the window
+// shrinks.
 constexpr double kHysteresis = 0.25;
 
 int64_t median(std::vector<int64_t>& values) {
@@ -30,7 +32,7 @@ int64_t median(std::vector<int64_t>& values) {
   return *middle;
 }
 
-// Without the longest eighth: a stall is no pace.
+// Mean without the longest eighth, which excludes stalls.
 int64_t usual_mean(std::vector<int64_t>& values) {
   std::sort(values.begin(), values.end());
   const auto end = values.end() - static_cast<std::ptrdiff_t>(values.size() / 8);
@@ -126,11 +128,12 @@ void WindowSize::judge(int64_t now_ns) {
     queued_until_ns_ = now_ns + pause_ns_;
     return;
   }
-  if (size_ >= queued_at_) {  // what stood in the way is gone
+  if (size_ >= queued_at_) {  // the queue is gone
     queued_at_ = kMaxFrames + 1;
     pause_ns_ = 0;
   }
-  if (size_ == kMaxFrames) note_slow(now_ns);  // narrow and so far that no queue shows, or too far for four
+  // either slow with a queue hidden by the latency, or too far away for four frames
+  if (size_ == kMaxFrames) note_slow(now_ns);
   if (size_ < kMaxFrames && (size_ + 1 < queued_at_ || now_ns >= queued_until_ns_)) ++size_;
 }
 

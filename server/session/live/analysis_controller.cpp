@@ -41,10 +41,10 @@ v1::AnalysisProgress::Verdict verdict_of(const AnalysisUpdate& update) {
 }
 
 constexpr const char* kDecisionRemedy =
-    "Accept in the window or livegs analyze --accept takes it; Decline, --decline or an edit of the object "
-    "ends it";
+    "accept it in the window or with livegs analyze --accept; decline it there, with --decline, or by "
+    "editing the object";
 
-// As a client may read it; where that leaves something out, the log has it.
+// The message without server paths, for clients; logs the full message if they differ.
 std::string told(const std::string& object, const std::string& message) {
   std::string line = redact_paths(message);
   if (line != message) log_warn("%s: %s", shown_text(object, 80).c_str(), message.c_str());
@@ -56,7 +56,7 @@ const std::string& logged(const std::string& object, const std::string& warning)
   return warning;
 }
 
-// One line an object: what became of its question, and what a person can do.
+// Logs the result for an object, with what the user can do.
 void log_finished(const std::string& name, const v1::AnalysisProgress& progress) {
   const std::string shown = shown_text(name, 80);
   const std::string why = progress.message().empty() ? "" : ": " + progress.message();
@@ -64,12 +64,12 @@ void log_finished(const std::string& name, const v1::AnalysisProgress& progress)
     case v1::AnalysisProgress::ACCEPTED:
       return log_info("analysis: %s: accepted%s", shown.c_str(), why.c_str());
     case v1::AnalysisProgress::NEEDS_REVIEW:
-      return log_info("analysis: %s: needs review%s; kept as a proposal: %s", shown.c_str(), why.c_str(),
+      return log_info("analysis: %s: needs review%s; kept as a proposal; %s", shown.c_str(), why.c_str(),
                       kDecisionRemedy);
     case v1::AnalysisProgress::REFUSED:
       return log_info("analysis: %s: refused%s", shown.c_str(), why.c_str());
     default:
-      return;  // nobody answered: that is told once for all
+      return;  // a missing answer is logged once for all objects
   }
 }
 
@@ -96,23 +96,21 @@ void AnalysisController::begin() {
   for (const auto& [id, known] : known_) {
     const std::string name = shown_text(known.object->name, 80);
     if (waits(id)) {
-      log_info("analysis: %s: a proposal waits from before: %s", name.c_str(), kDecisionRemedy);
+      log_info("analysis: %s: a proposal from an earlier run waits; %s", name.c_str(), kDecisionRemedy);
       continue;
     }
     if (known.object->written.behavior() != v1::Physics::AUTO) continue;
     const auto kept = known.decided->present();
     if (!kept || !kept->analysis().model().empty()) continue;
     if (known.decided->answer_undone()) {
-      log_info(
-          "analysis: %s: its answer was taken back or declined and it is not asked about again until "
-          "somebody does",
-          name.c_str());
+      log_info("analysis: %s: skipped: its answer was undone or declined; analyse it again by name",
+               name.c_str());
     } else {
       names.push_back(known.object->name);
     }
   }
   if (!endpoint_ || names.empty()) return;
-  log_info("analysis: %s is asked about %zu objects", endpoint_->state().name.c_str(), names.size());
+  log_info("analysis: asking %s about %zu objects", endpoint_->state().name.c_str(), names.size());
   if (auto begun = analyze(
           names, [](const auto&) { return true; }, [] {});
       !begun) {
@@ -125,7 +123,7 @@ void AnalysisController::find_proposals() {
     if (const auto proposal = known.decided->proposal()) {
       add_proposal(id, *proposal);
     } else {
-      remove_proposal(id);  // another program has accepted it
+      remove_proposal(id);  // accepted by another program
     }
   }
 }
@@ -163,8 +161,7 @@ SceneAnalysis::Object AnalysisController::loaded(const Known& known) {
 void AnalysisController::replace(Scene scene) {
   std::lock_guard deciding(deciding_);
   const auto anew = SceneAnalysis::of(scene, false);
-  if (!anew)
-    log_warn("reset: %s", anew.error().message.c_str());  // a sidecar that was spoilt since it was loaded
+  if (!anew) log_warn("reset: %s", anew.error().message.c_str());  // a sidecar was damaged after loading
   find_proposals();
   std::vector<v1::SceneChange> changes;
   for (const auto& [id, known] : known_) {
@@ -188,7 +185,7 @@ Result<void> AnalysisController::analyze(std::vector<std::string> objects, Progr
   std::lock_guard lock(mutex_);
   if (requests_.size() >= kMaxWaiting) {
     return Error{ErrorCode::TooLarge,
-                 std::to_string(kMaxWaiting) + " analyses are waiting already; try again later"};
+                 std::to_string(kMaxWaiting) + " analyses are waiting, the maximum; try again later"};
   }
   requests_.push_back({std::move(*targets), std::move(progress), std::move(ended), std::move(stop)});
   changed_.notify_one();
@@ -267,7 +264,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
             v1::PhysicsFile waiting;
             *waiting.mutable_physics() = update.judgement.proposal;
             *waiting.mutable_analysis() = update.record;
-            add_proposal(update.object_id, waiting);  // the scene stays as it is
+            add_proposal(update.object_id, waiting);  // the scene is unchanged
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
             if (const std::string note = apply_answer(update); !note.empty())
@@ -288,8 +285,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
       stop);
   if (endpoint_) {
     log_info(
-        "analysis: %zu objects: %zu accepted (%zu kept from before), %zu for review, %zu refused, %zu "
-        "without answer; "
+        "analysis: %zu objects: %zu accepted (%zu cached), %zu for review, %zu refused, %zu without answer; "
         "%lld tokens in, %lld out",
         summary.objects, summary.accepted, summary.cached, summary.review, summary.refused, summary.failed,
         static_cast<long long>(summary.prompt_tokens), static_cast<long long>(summary.completion_tokens));
@@ -362,7 +358,7 @@ Result<v1::PhysicsReply> AnalysisController::set_physics(const std::string& obje
   remove_proposal((*known)->object->target.object_id);
   if (!name.empty() && file->has_physics()) {
     note += (note.empty() ? "" : "; ") +
-            std::string("its values were found under another name; analyse it again");
+            std::string("the values were estimated under another name; analyse it again");
   }
   const std::string unheard = overridden_edits(physics, loaded(**known).written);
   if (!unheard.empty()) note += (note.empty() ? "" : "; ") + unheard;

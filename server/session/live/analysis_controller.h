@@ -18,25 +18,24 @@ namespace livegs {
 
 struct AnalysisControllerOptions {
   int views = 1;
-  std::filesystem::path answers;  // where accepted answers are kept between runs; empty: in memory
+  std::filesystem::path answers;  // folder of accepted answers; empty: in memory
 };
 
-// The analysis of a scene that is running. It has threads of its own that stand behind the simulation's; what
-// it finds changes the scene at a tick boundary, one object as one change. Requests are worked off one after
-// the other.
+// Analyses the objects of a running scene on its own threads, with lower priority than the simulation.
+// Results are applied at a tick boundary, one object at a time. Requests are processed in order.
 class AnalysisController final : public AnalysisControl {
  public:
-  // `endpoint` may be nullptr: everything stays offline. `loop` outlives this.
+  // `endpoint` may be null: offline estimates only. `loop` must outlive this.
   AnalysisController(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
                      const AnalysisControllerOptions& options = {});
-  ~AnalysisController() override;  // cancels, within milliseconds
+  ~AnalysisController() override;  // cancels the current request within milliseconds
 
-  // Asks about every AUTO object that no model's values are kept for yet, but for those whose answer a person
-  // took back or has still to judge. Returns at once.
+  // Starts the analysis of every AUTO object without values from a model, except those whose answer was
+  // undone or waits for a decision. Returns at once.
   void begin();
 
-  // Gives the loop a scene that was loaded anew. What its file says, what was measured of it and what it was
-  // built as hold from now on, and what was decided while it was loaded is applied at its first tick.
+  // Passes a reloaded scene to the loop. Its file, measurements and body types are used from now on.
+  // Decisions made during loading are applied at its first tick.
   void replace(Scene scene);
 
   Result<void> analyze(std::vector<std::string> objects, Progress progress, std::function<void()> ended,
@@ -57,26 +56,27 @@ class AnalysisController final : public AnalysisControl {
     std::vector<AnalysisTarget> targets;
     Progress progress;
     std::function<void()> ended;
-    std::stop_token stop;  // of whoever asked for it
+    std::stop_token stop;  // requested by the caller
   };
   static constexpr size_t kMaxWaiting = 8;
 
   void run(std::stop_token stop);
   void work(Request& request, std::stop_token stop);
-  // What objects have now, in the targets and beside them.
+  // Updates the targets with their current values and returns the other objects.
   std::vector<AnalysisNeighbour> refresh(std::vector<AnalysisTarget>& targets);
-  // Takes an answer into the object's decided values and the scene; empty, or why not.
+  // Applies an answer to the stored values and to the scene. Returns the error or warnings; empty without
+  // any.
   std::string apply_answer(const AnalysisUpdate& update);
-  // What the object has with `file`, brought into the scene at the next tick.
+  // Applies `file` to the object at the next tick; returns its resulting values.
   Result<v1::PhysicsReply> apply(const Known& known, const v1::PhysicsFile& file, const std::string& note);
-  // The same without the last step.
+  // The resulting values only, without applying them.
   Result<v1::PhysicsReply> reply_of(const Known& known, const v1::PhysicsFile& file, const std::string& note);
   static v1::SceneChange change_of(const v1::PhysicsReply& reply);
-  // As it was loaded last.
+  // The object as last loaded.
   SceneAnalysis::Object loaded(const Known& known);
   Result<Known*> find(const std::string& name);
-  // Proposals that nobody has judged yet: the log tells of them, and whoever watches. They change nothing of
-  // the scene.
+  // Proposals that wait for a decision. They are logged and reported to the watcher, and do not change the
+  // scene.
   void find_proposals();
   void add_proposal(uint32_t object_id, const v1::PhysicsFile& proposal);
   void remove_proposal(uint32_t object_id);
@@ -87,13 +87,13 @@ class AnalysisController final : public AnalysisControl {
   SimulationLoop& loop_;
   AnalysisControllerOptions options_;
   AnswerCache cache_;
-  std::map<uint32_t, Known> known_;  // not changed after construction
+  std::map<uint32_t, Known> known_;  // constant after construction
 
-  // Held from a decision until the loop has it, so that the scene has what was decided last. Before mutex_.
+  // Locked from a decision until the loop has it, so that the last decision wins. Locked before mutex_.
   std::mutex deciding_;
   std::mutex mutex_;                                    // guards the next five
-  std::map<uint32_t, SceneAnalysis::Object> reloaded_;  // by the id it had at first
-  std::map<uint32_t, v1::PhysicsFile> proposals_;       // proposals, by object
+  std::map<uint32_t, SceneAnalysis::Object> reloaded_;  // by initial id
+  std::map<uint32_t, v1::PhysicsFile> proposals_;       // by object id
   Proposed proposed_;
   std::condition_variable_any changed_;
   std::deque<Request> requests_;

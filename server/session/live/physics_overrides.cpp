@@ -12,15 +12,17 @@ Result<v1::PhysicsFile> PhysicsOverrides::change(const OnDisk& on_disk, const In
   std::lock_guard lock(mutex_);
   if (!file_.empty()) {
     auto changed = on_disk();
-    if (changed) proposal_.reset();  // of an earlier time when it could not be written
+    if (changed) proposal_.reset();  // from an earlier failed write
     if (changed || changed.error().code != ErrorCode::PermissionDenied) return changed;
-    note = changed.error().message + "; they hold until the server ends";
+    note = changed.error().message + "; the values are kept until the server ends";
     if (auto kept = read_physics_file(file_)) revisions_ = {std::move(*kept)};
     if (!proposal_) proposal_ = open_proposal(read_decisions(file_));
     current_ = 0;
     file_.clear();
   } else if (current_ == 0 && revisions_.size() == 1) {
-    note = "there is no file to keep it in: it holds until the server ends; write it into the scene file";
+    note =
+        "the object has no file for its values: they are kept until the server ends; add them to the scene "
+        "file";
   }
   return in_memory();
 }
@@ -55,7 +57,7 @@ Result<v1::PhysicsFile> PhysicsOverrides::step(bool redo, std::string& note) {
   return change([&] { return redo ? redo_physics(file_) : undo_physics(file_); },
                 [&]() -> Result<v1::PhysicsFile> {
                   if (redo ? current_ + 1 >= revisions_.size() : current_ == 0) {
-                    return not_found(std::string("there is nothing to ") + (redo ? "redo" : "undo"));
+                    return not_found(std::string("physics: nothing to ") + (redo ? "redo" : "undo"));
                   }
                   current_ += redo ? 1 : -1;
                   return revisions_[current_];
@@ -75,7 +77,7 @@ void PhysicsOverrides::propose(const v1::PhysicalParameters& physics, const v1::
 Result<v1::PhysicsFile> PhysicsOverrides::accept(std::string& note) {
   return change([&] { return accept_proposal(file_); },
                 [&]() -> Result<v1::PhysicsFile> {
-                  if (!proposal_) return not_found("nothing is proposed; analyse it again");
+                  if (!proposal_) return not_found("proposal: does not exist; analyse the object again");
                   v1::PhysicsFile next = revisions_[current_];
                   take_proposal(*proposal_, next);
                   proposal_.reset();
@@ -87,7 +89,7 @@ Result<v1::PhysicsFile> PhysicsOverrides::accept(std::string& note) {
 Result<v1::PhysicsFile> PhysicsOverrides::decline(std::string& note) {
   return change([&] { return decline_proposal(file_); },
                 [&]() -> Result<v1::PhysicsFile> {
-                  if (!proposal_) return not_found("nothing is proposed");
+                  if (!proposal_) return not_found("proposal: does not exist; there is nothing to decline");
                   proposal_.reset();
                   return revisions_[current_];
                 },

@@ -12,23 +12,22 @@
 
 namespace livegs {
 
-// What was decided about one object of a running scene: in its sidecar, or, for what has none and where the
-// folder cannot be written, in memory until the server ends. Any thread.
+// The stored physics of one object of a running scene: in its sidecar, or in memory until the server ends if
+// there is no sidecar or the folder is not writable. Any thread.
 class PhysicsOverrides {
  public:
   explicit PhysicsOverrides(std::filesystem::path file) : file_(std::move(file)) {}
 
-  // Each gives what holds from now on. `note` says, once, that it is not kept on disk.
+  // Each returns the resulting file. `note` is set once if the values are not stored on disk.
   Result<v1::PhysicsFile> apply(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record,
                                 std::string& note);
   Result<v1::PhysicsFile> edit(const v1::Physics& edits, const std::string& name, std::string& note);
   Result<v1::PhysicsFile> step(bool redo, std::string& note);
   void propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record);
-  Result<v1::PhysicsFile> accept(
-      std::string& note);  // what was proposed last; NotFound when there is nothing
-  Result<v1::PhysicsFile> decline(std::string& note);  // the same
+  Result<v1::PhysicsFile> accept(std::string& note);   // the last proposal; NotFound if none
+  Result<v1::PhysicsFile> decline(std::string& note);  // likewise
   Result<v1::PhysicsFile> present() const;
-  std::optional<v1::PhysicsFile> proposal() const;  // that accept() would take; its physics and analysis
+  std::optional<v1::PhysicsFile> proposal() const;  // the last proposal: its physics and analysis
   bool answer_undone() const;                       // physics_file.h
 
  private:
@@ -36,7 +35,7 @@ class PhysicsOverrides {
   template <class OnDisk, class InMemory>
   Result<v1::PhysicsFile> change(const OnDisk& on_disk, const InMemory& in_memory, std::string& note);
 
-  mutable std::mutex mutex_;    // guards all below
+  mutable std::mutex mutex_;    // guards everything below
   std::filesystem::path file_;  // empty: in memory
   std::vector<v1::PhysicsFile> revisions_ = std::vector<v1::PhysicsFile>(1);
   size_t current_ = 0;

@@ -12,7 +12,7 @@ namespace livegs {
 namespace {
 
 constexpr uint32_t kMaxSteps = 1000;
-// Of each loading: more objects and balls than one scene sees.
+// Ids reserved for each loaded scene: more than its objects and balls.
 constexpr uint32_t kIdsPerLoad = 1u << 20;
 constexpr uint32_t kMaxResets = 4000;
 
@@ -38,7 +38,7 @@ Result<RunStatus> RunController::control(const v1::ControlRunRequest& request) {
       if (auto begun = reset(); !begun) return begun.error();
       break;
     case v1::ControlRunRequest::ACTION_NOT_SET:
-      return invalid_argument("action: give pause, step_ticks or reset");
+      return invalid_argument("action: is not set; use pause, step_ticks or reset");
   }
   return loop_.run_status();
 }
@@ -46,8 +46,10 @@ Result<RunStatus> RunController::control(const v1::ControlRunRequest& request) {
 Result<void> RunController::reset() {
   std::lock_guard lock(mutex_);
   const RunStatus now = loop_.run_status();
-  if (now.loading) return Error{ErrorCode::Unavailable, "reset: the scene is being loaded already"};
-  if (now.resets >= kMaxResets) return Error{ErrorCode::TooLarge, "reset: too many; start the server anew"};
+  if (now.loading)
+    return Error{ErrorCode::Unavailable, "reset: a reset is already in progress; try again later"};
+  if (now.resets >= kMaxResets)
+    return Error{ErrorCode::TooLarge, "reset: too many resets; restart the server"};
   loop_.set_loading(true, "");
   const auto failed = [this](const std::string& why) {
     log_warn("reset: %s", why.c_str());
@@ -60,11 +62,11 @@ Result<void> RunController::reset() {
         auto scene = load_(first_id);
         if (!scene) return failed(scene.error().message);
         loaded_ ? loaded_(*std::move(scene)) : loop_.replace(*std::move(scene));
-      } catch (const std::exception& error) {  // memory is short: the scene that runs has what it needs
+      } catch (const std::exception& error) {  // out of memory: the running scene is not affected
         failed(error.what());
       }
     });
-  } catch (const std::exception& error) {  // there is no thread for it
+  } catch (const std::exception& error) {  // the thread could not be created
     failed(error.what());
     return Error{ErrorCode::Unavailable, std::string("reset: ") + error.what()};
   }

@@ -10,17 +10,17 @@
 
 namespace livegs {
 
-// Halts, steps and resets a running scene for its clients. A reset loads the scene on a thread of its own
-// while the old one goes on, and puts it in its place at a tick boundary.
+// Pauses, steps and resets a running scene for clients. A reset loads the scene on its own thread while the
+// old one continues, and replaces it at a tick boundary.
 class RunController final : public RunControl {
  public:
-  // Loads the very scene that runs, its first object with this id.
+  // Loads the scene again, with this id for its first object.
   using Load = std::function<Result<Scene>(uint32_t first_object_id)>;
-  // Takes a loaded scene, on the loading thread, and gives it to the loop; left out: the loop has it at once.
+  // Passes a loaded scene to the loop; called on the loading thread. Default: directly.
   using Loaded = std::function<void(Scene)>;
-  // `loop` outlives this.
+  // `loop` must outlive this.
   RunController(SimulationLoop& loop, Load load, Loaded loaded = {});
-  ~RunController() override;  // waits for a scene that is being loaded
+  ~RunController() override;  // waits until loading has finished
 
   Result<RunStatus> control(const v1::ControlRunRequest& request) override;
   Result<void> apply_force(const v1::Event::Force& force) override;

@@ -35,7 +35,7 @@ void add(MetricFamily& to, double value, Labels labels = {}) {
 
 struct Quantiles {
   uint64_t count = 0;
-  double sum = 0;  // 0 when it is not kept
+  double sum = 0;  // 0 if not recorded
   std::vector<ClientMetric::Quantile> at;
 };
 
@@ -59,11 +59,12 @@ constexpr double kMs = 1e-3;
 void collect_simulation(const SimulationSummary& simulation, std::vector<MetricFamily>& families) {
   auto& ticks = families.emplace_back(family("livegs_ticks_total", "Ticks simulated", MetricType::Counter));
   add(ticks, static_cast<double>(simulation.ticks));
-  auto& late = families.emplace_back(
-      family("livegs_late_ticks_total", "Ticks not done before the next was due", MetricType::Counter));
+  auto& late = families.emplace_back(family(
+      "livegs_late_ticks_total", "Ticks that finished after the next one was due", MetricType::Counter));
   add(late, static_cast<double>(simulation.late_ticks));
-  auto& slips = families.emplace_back(
-      family("livegs_schedule_slips_total", "Times the schedule of ticks was given up", MetricType::Counter));
+  auto& slips = families.emplace_back(family("livegs_schedule_slips_total",
+                                             "Times the tick schedule was reset because ticks were late",
+                                             MetricType::Counter));
   add(slips, static_cast<double>(simulation.slips));
   auto& seconds =
       families.emplace_back(family("livegs_tick_seconds", "Wall time of a tick's step", MetricType::Summary));
@@ -96,13 +97,13 @@ void collect_publisher(const PublisherSummary& publisher, std::vector<MetricFami
 
 void collect_sessions(const SessionTable& table, std::vector<MetricFamily>& families) {
   const SessionTable::Status status = table.status();
-  auto& serving =
-      families.emplace_back(family("livegs_serving", "Whether clients are let in", MetricType::Gauge));
+  auto& serving = families.emplace_back(family("livegs_serving", "1 if clients may join", MetricType::Gauge));
   add(serving, status.open ? 1 : 0);
   auto& sessions = families.emplace_back(family("livegs_sessions", "Sessions by state", MetricType::Gauge));
   add(sessions, static_cast<double>(status.streaming), {{"state", "streaming"}});
   add(sessions, static_cast<double>(status.clients - status.streaming), {{"state", "waiting"}});
-  auto& total = families.emplace_back(family("livegs_sessions_total", "Sessions ever", MetricType::Counter));
+  auto& total =
+      families.emplace_back(family("livegs_sessions_total", "Sessions since the start", MetricType::Counter));
   add(total, static_cast<double>(table.totals().sessions));
 
   auto sent = family("livegs_client_frames_sent_total", "Frames written to a client", MetricType::Counter);
@@ -110,20 +111,18 @@ void collect_sessions(const SessionTable& table, std::vector<MetricFamily>& fami
                          "Frames replaced by newer ones before they were written", MetricType::Counter);
   auto bytes =
       family("livegs_client_bytes_total", "Bytes of messages written to a client", MetricType::Counter);
-  auto send = family("livegs_client_send_seconds", "From handing a message to the transport to its taking it",
-                     MetricType::Summary);
+  auto send =
+      family("livegs_client_send_seconds", "Time until the transport accepts a message", MetricType::Summary);
   auto answer =
       family("livegs_client_round_trip_seconds",
-             "From writing a frame to hearing that it was decoded: the network's round trip and the client's "
-             "share",
+             "Time from writing a frame to its acknowledgement: network round trip plus client decoding",
              MetricType::Summary);
   auto stale = family(
       "livegs_client_staleness_seconds",
-      "From the end of a tick's step to hearing that its frame was decoded: staleness and half a round "
-      "trip",
+      "Time from the end of a step to the acknowledgement of its frame: staleness plus half a round trip",
       MetricType::Summary);
-  auto window =
-      family("livegs_client_window_frames", "Frames that may be under way to a client", MetricType::Gauge);
+  auto window = family("livegs_client_window_frames", "Maximum number of frames in flight to a client",
+                       MetricType::Gauge);
   for (const auto& session : table.sessions_now()) {
     const Labels client = {{"client", session->id.substr(0, 8)}};
     const ClientTimes times = session->times();
@@ -144,7 +143,7 @@ class Collector final : public prometheus::Collectable {
   explicit Collector(Metrics::Sources sources) : sources_(std::move(sources)) {}
   std::vector<MetricFamily> Collect() const override {
     std::vector<MetricFamily> families;
-    auto& about = families.emplace_back(family("livegs_info", "The version that runs", MetricType::Gauge));
+    auto& about = families.emplace_back(family("livegs_info", "Version of the server", MetricType::Gauge));
     add(about, 1, {{"version", kVersion}});
     collect_simulation(sources_.simulation(), families);
     collect_publisher(sources_.publisher(), families);
@@ -171,8 +170,8 @@ Result<std::unique_ptr<Metrics>> Metrics::serve(int port, Sources sources) {
   parts->collector = std::make_shared<Collector>(std::move(sources));
   try {
     parts->exposer = std::make_unique<prometheus::Exposer>("127.0.0.1:" + std::to_string(port), 1);
-  } catch (const std::exception&) {  // civetweb says no more than that it could not
-    return Error{ErrorCode::Unavailable, "cannot serve metrics on 127.0.0.1:" + std::to_string(port) +
+  } catch (const std::exception&) {  // civetweb gives no reason
+    return Error{ErrorCode::Unavailable, "metrics: cannot listen on 127.0.0.1:" + std::to_string(port) +
                                              ": the port is in use; give another with --metrics PORT"};
   }
   parts->exposer->RegisterCollectable(parts->collector);

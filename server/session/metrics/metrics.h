@@ -11,10 +11,9 @@
 
 namespace livegs {
 
-// What a server counts, for Prometheus to fetch: GET http://127.0.0.1:PORT/metrics. Everything is gathered
-// when it is asked for, from what is counted anyway, on a thread of its own. A client's label is the first
-// eight digits of its session's id, and goes with the session. Nothing of it is secret, but it is for this
-// machine only.
+// Counters of a server for Prometheus: GET http://127.0.0.1:PORT/metrics. Values are collected on request, on
+// a separate thread, from counters that exist anyway. A client's label is the first eight digits of its
+// session id and exists as long as the session. The values are not secret, but the port is local only.
 class Metrics {
  public:
   struct Sources {
@@ -22,7 +21,7 @@ class Metrics {
     std::function<SimulationSummary()> simulation;
     std::function<PublisherSummary()> publisher;
   };
-  // Port 0 lets the system choose. Unavailable when the port is in use. The sources outlive it.
+  // Port 0 lets the system choose. Unavailable if the port is in use. The sources must outlive the object.
   static Result<std::unique_ptr<Metrics>> serve(int port, Sources sources);
   ~Metrics();
   int port() const;

@@ -41,7 +41,7 @@ std::string run_summary(const Scene& scene, const SimulationSummary& simulated,
     if (object.environment || object.facts) append_object(text, object);
   }
   const double rate = simulated.run_s > 0 ? static_cast<double>(simulated.ticks) / simulated.run_s : 0.0;
-  text += format_text("simulation: %llu ticks in %.1f s, %.1f a second of %.1f\n",
+  text += format_text("simulation: %llu ticks in %.1f s, %.1f per second (target %.1f)\n",
                       static_cast<unsigned long long>(simulated.ticks), simulated.run_s, rate,
                       scene.world().settings().rate_hz);
   text += format_text(

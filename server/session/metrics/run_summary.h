@@ -8,9 +8,8 @@
 
 namespace livegs {
 
-// What a run of the server came to, for a person: a block an object (kernels, elastic or rigid, how far its
-// numbers hold, mass, stiffness, where each value came from), then the ticks and the frames. Balls are
-// counted, not listed.
+// Human-readable summary of a server run. One block per object (kernels, elastic or rigid, accuracy, mass,
+// stiffness, source of each value), then ticks and frames. Balls are counted, not listed.
 std::string run_summary(const Scene& scene, const SimulationSummary& simulated,
                         const PublisherSummary& published, const SessionTable::Totals& sessions);
 

@@ -15,9 +15,9 @@
 namespace livegs {
 namespace {
 
-// How often silent sessions are looked for when no tick comes.
+// Interval of the session sweep when there are no ticks.
 constexpr std::chrono::milliseconds kSweepInterval{100};
-// How often assets that nobody needs are looked for.
+// Interval of the sweep of unused assets.
 constexpr int64_t kAssetSweepInterval_ns = 1'000'000'000;
 
 template <class Happened>
@@ -26,7 +26,7 @@ void go_before(std::vector<Happened>& older, std::vector<Happened>& newer) {
   newer = std::move(older);
 }
 
-// Ids are never used twice, so all that came, then all that changed, then all that went is the order of any
+// Merges two ticks. Ids are never reused, so added, then changed, then removed is a valid order for any
 // number of ticks.
 void go_before(TickResult& older, TickResult& newer) {
   go_before(older.added, newer.added);
@@ -34,7 +34,7 @@ void go_before(TickResult& older, TickResult& newer) {
   go_before(older.removed, newer.removed);
 }
 
-// Of what waits for its kernels: as clients know it, or not at all.
+// Replaces pending objects by the state that clients have, or omits them.
 void show_held(DriverFrame& drivers, const auto& held_objects) {
   if (held_objects.empty()) return;
   std::erase_if(drivers.objects, [&](ObjectDrivers& one) {
@@ -103,11 +103,11 @@ void FramePublisher::encode(const std::shared_ptr<const GaussianAsset>& asset, b
   const auto waiting = std::find(to_encode_.begin(), to_encode_.end(), asset);
   if (waiting != to_encode_.end() && !stands_still) return;
   if (waiting != to_encode_.end()) to_encode_.erase(waiting);
-  // What is seen to stand still goes before what may break some day.
+  // Objects that are waiting to be shown have priority over objects that may break later.
   to_encode_.insert(stands_still ? to_encode_.begin() : to_encode_.end(), asset);
 }
 
-// Never waits: one asset is encoded at a time, the others queue.
+// Does not block: encodes one asset at a time, the others queue.
 void FramePublisher::encode_next() {
   if (encoding_.valid()) {
     if (encoding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
@@ -115,7 +115,7 @@ void FramePublisher::encode_next() {
     std::erase(to_encode_, encoded_);
     encoded_.reset();
   }
-  // What another has encoded meanwhile, and what nobody draws any more.
+  // Drops assets that were encoded meanwhile or are no longer used.
   std::erase_if(to_encode_, [&](const auto& asset) { return asset.use_count() == 1 || assets_.has(asset); });
   if (to_encode_.empty()) return;
   encoded_ = to_encode_.front();
@@ -149,7 +149,8 @@ FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
       encode(object.asset, true);
       continue;
     }
-    // What has just been cut is told of when its other kernels are encoded; by then it may have broken.
+    // A freshly cut object is announced when the asset of its fragments is encoded. It may have fractured by
+    // then.
     const bool cut = object.broken && object.rest.revision == 0 && !assets_.has(object.broken->asset);
     const bool waits = cut && !cut_.contains(object.id);
     if (cut) {

@@ -12,6 +12,7 @@
 namespace livegs {
 namespace {
 
+// A warning is logged after this many consecutive frames that take this long.
 constexpr int64_t kSlowFrame_ns = 100'000'000;
 constexpr size_t kMaxSlowFrames = 3;
 
@@ -20,7 +21,7 @@ constexpr size_t kMaxSlowFrames = 3;
 KernelPublisher::KernelPublisher(SessionTable& table) : table_(table) {
   thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "kernels");
-    set_serial_here(true);  // the cores are the simulation's
+    set_serial_here(true);  // leaves the other cores to the simulation
     run();
   });
 }
@@ -61,14 +62,14 @@ void KernelPublisher::publish(std::shared_ptr<TickEncodings> tick) {
   changed_.notify_one();
 }
 
-// The first frame ties kernels to drivers, and says nothing of the next.
+// The first frame includes binding kernels to drivers, so one slow frame is not reported.
 void KernelPublisher::note_time(int64_t took_ns, size_t bytes) {
   slow_ = took_ns > kSlowFrame_ns ? slow_ + 1 : 0;
   if (warned_ || slow_ < kMaxSlowFrames) return;
   warned_ = true;
   log_warn(
-      "kernels: to move and encode a frame of %.1f MB takes %.0f ms, so that is how old it is at least; "
-      "drivers are not held up",
+      "kernels: posing and encoding a frame of %.1f MB takes %.0f ms, which delays it; use driver frames for "
+      "lower latency",
       1e-6 * static_cast<double>(bytes), milliseconds_from_ns(took_ns));
 }
 

@@ -9,13 +9,13 @@ namespace livegs {
 namespace {
 
 constexpr std::string_view kTcp = "tcp://";
-// For a subscriber that conflates, what waits on this side is one frame too old already.
+// Send queue, in frames. A subscriber with ZMQ_CONFLATE needs only the newest frame.
 constexpr int kMaxQueuedFrames = 2;
 
 }  // namespace
 
-// XPUB is PUB that also tells of subscriptions: the first byte of what it receives is 1 when the first
-// subscriber comes, and 0 when the last has gone.
+// An XPUB socket is PUB plus subscription messages: the first byte is 1 for the first subscriber, 0 after the
+// last unsubscribes.
 struct ZmqPublisher::Socket {
   zmq::context_t context{1};
   zmq::socket_t frames{context, zmq::socket_type::xpub};
@@ -27,15 +27,15 @@ ZmqPublisher::ZmqPublisher(std::unique_ptr<Socket> socket) : socket_(std::move(s
 ZmqPublisher::~ZmqPublisher() = default;
 
 Result<std::unique_ptr<ZmqPublisher>> ZmqPublisher::bind(const std::string& address) {
-  const auto where = address.starts_with(kTcp) ? parse_host_port(address.substr(kTcp.size()))
-                                               : Result<HostPort>(invalid_argument("begins not with tcp://"));
+  const auto where = address.starts_with(kTcp)
+                         ? parse_host_port(address.substr(kTcp.size()))
+                         : Result<HostPort>(invalid_argument("does not begin with tcp://"));
   if (!where)
-    return invalid_argument("--publish " + address + ": give tcp://127.0.0.1:PORT; " + where.error().message);
+    return invalid_argument("--publish " + address + ": use tcp://127.0.0.1:PORT; " + where.error().message);
   if (!where->loopback) {
-    return invalid_argument(
-        "--publish " + address +
-        ": frames are published without tokens or encryption, so on this machine only; give "
-        "tcp://127.0.0.1:PORT, and let other machines join with livegs-client HOST:PORT");
+    return invalid_argument("--publish " + address +
+                            ": is not local, and frames are published without tokens or encryption; use "
+                            "tcp://127.0.0.1:PORT, and livegs-client HOST:PORT on other machines");
   }
   auto socket = std::make_unique<Socket>();
   try {
@@ -61,7 +61,7 @@ bool ZmqPublisher::has_subscribers() {
       if (said.size() > 0) socket_->has_subscribers = *said.data<uint8_t>() == 1;
     }
   } catch (const zmq::error_t&) {
-    // Nobody is told apart by it; the next look tells.
+    // Ignored: the state is read again at the next call.
   }
   return socket_->has_subscribers;
 }
@@ -72,7 +72,7 @@ void ZmqPublisher::publish(const Publication& publication) {
     if (socket_->frames.send(zmq::buffer(bytes.data(), bytes.size()), zmq::send_flags::dontwait))
       ++published_;
   } catch (const zmq::error_t&) {
-    // A frame that nobody gets is followed by the next.
+    // Ignored: the next frame follows.
   }
 }
 

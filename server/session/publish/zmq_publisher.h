@@ -11,20 +11,20 @@
 
 namespace livegs {
 
-// Publishes frames to whoever listens on this machine, by ZeroMQ: each by itself (a key frame), in one part,
-// without a topic, so that a subscriber with ZMQ_CONFLATE has the newest and never an old one, however slow
-// it is. Nobody is asked who he is: that is why other machines are refused. One thread, but for address().
+// Publishes frames to local subscribers by ZeroMQ. Each frame is a keyframe in one part without a topic, so a
+// slow subscriber with ZMQ_CONFLATE always has the newest one. Subscribers are not authenticated, so remote
+// addresses are refused. One thread, except for address().
 class ZmqPublisher {
  public:
-  // tcp://127.0.0.1:PORT, tcp://localhost:PORT or tcp://[::1]:PORT; port 0 lets the system choose.
-  // InvalidArgument for others, Unavailable when the port is in use.
+  // Accepts tcp://127.0.0.1:PORT, tcp://localhost:PORT or tcp://[::1]:PORT; port 0 lets the system choose.
+  // InvalidArgument for others, Unavailable if the port is in use.
   static Result<std::unique_ptr<ZmqPublisher>> bind(const std::string& address);
   ~ZmqPublisher();
 
-  const std::string& address() const;  // as it was bound
-  // Whether anybody listens: else a frame need not be made.
+  const std::string& address() const;  // as bound
+  // True if there are subscribers; otherwise no frame is needed.
   bool has_subscribers();
-  // Never waits; who does not keep up misses it.
+  // Does not block; a slow subscriber misses frames.
   void publish(const Publication& publication);
   uint64_t published() const { return published_; }
 

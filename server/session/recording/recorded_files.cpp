@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Every field of a scene that names a file.
+// Visits every field of a scene that names a file.
 void for_each_path(v1::Scene& scene, const std::function<void(std::string& path)>& visit) {
   const auto visit_given = [&](std::string* path) {
     if (!path->empty()) visit(*path);
@@ -39,7 +39,7 @@ void for_each_path(v1::Scene& scene, const std::function<void(std::string& path)
   }
 }
 
-// The files in the folder of an asset that is one, or of the meta.json in it, which names them.
+// The files of an asset that is a folder, or of the folder of its meta.json.
 std::vector<std::string> files_in(const fs::path& folder, const std::string& name) {
   std::vector<std::string> files;
   std::error_code error;
@@ -52,7 +52,7 @@ std::vector<std::string> files_in(const fs::path& folder, const std::string& nam
   return files;
 }
 
-// The last part of a path, where it is a name of its own.
+// The last component of a path; empty if it is not a valid file name.
 std::string last_part(const fs::path& path) {
   const std::string name = path.filename().string();
   return name == "." || name == ".." || name.find('\0') != std::string::npos ? "" : name;
@@ -88,7 +88,7 @@ Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& h
     if (!held.insert(name).second) continue;
     const auto bytes = read_file(fs::path(source.folder()) / name);
     if (!bytes) {
-      log_warn("recording: %s; it is not in the recording, and has to be there when that is verified",
+      log_warn("recording: %s; the file is not embedded and must be available for --verify",
                bytes.error().message.c_str());
       continue;
     }
@@ -107,11 +107,11 @@ UnpackedFiles::~UnpackedFiles() {
   if (!folder_.empty()) fs::remove_all(folder_, error);
 }
 
-// Files of one folder come into one folder, since an asset may be several; its name stays, as an asset may be
-// called by it.
+// Files of one folder are unpacked into one folder, since an asset may consist of several. The folder keeps
+// its name, which may be the name of the asset.
 Result<fs::path> UnpackedFiles::place(const std::string& name) {
   const std::string file = last_part(name), folder = fs::path(name).parent_path().string();
-  if (file.empty()) return invalid_data("holds a file without a name");
+  if (file.empty()) return invalid_data("contains a file without a name");
   auto known = folders_.find(folder);
   if (known == folders_.end()) {
     const std::string called = last_part(folder);
@@ -122,7 +122,7 @@ Result<fs::path> UnpackedFiles::place(const std::string& name) {
   fs::create_directories(folder_ / known->second, error);
   if (error)
     return Error{ErrorCode::Internal,
-                 (folder_ / known->second).string() + ": cannot be made: " + error.message()};
+                 (folder_ / known->second).string() + ": cannot be created: " + error.message()};
   const std::string path = (fs::path(known->second) / file).string();
   paths_[name] = path;
   return folder_ / path;
@@ -136,8 +136,8 @@ Result<UnpackedFiles> UnpackedFiles::unpack(const RecordingReader& recording) {
     if (unpacked.folder_.empty()) {
       std::string made = (fs::temp_directory_path() / "livegs_replay_XXXXXX").string();
       if (::mkdtemp(made.data()) == nullptr)
-        return Error{ErrorCode::Internal,
-                     made + ": cannot be made: " + std::strerror(errno) + "; give another folder by TMPDIR"};
+        return Error{ErrorCode::Internal, made + ": cannot be created: " + std::strerror(errno) +
+                                              "; set TMPDIR to another folder"};
       unpacked.folder_ = made;
     }
     if (piece.offset == 0) {
@@ -150,7 +150,7 @@ Result<UnpackedFiles> UnpackedFiles::unpack(const RecordingReader& recording) {
               static_cast<std::streamsize>(piece.bytes.size()));
     out.flush();
     if (!out)
-      return Error{ErrorCode::Internal, path.string() + ": cannot be written; give another folder by TMPDIR"};
+      return Error{ErrorCode::Internal, path.string() + ": cannot be written; set TMPDIR to another folder"};
     return {};
   });
   if (!done) return Error{done.error().code, recording.path().string() + ": " + done.error().message};

@@ -14,20 +14,20 @@
 
 namespace livegs {
 
-// The files that a scene is built from, besides its own: assets, lists of points, meshes and paths of hands,
-// named as the scene names them. Those of an asset that is a folder are FOLDER/FILE.
+// The files that a scene refers to: assets, point lists, meshes and hand paths, named as in the scene. Files
+// of an asset that is a folder are FOLDER/FILE.
 std::vector<std::string> files_of(const v1::SceneSource& source);
 
-// Writes those into a recording that it does not hold yet, as they are on the disk now. One that cannot be
-// read is told in the log and left out. Fails only with the recording.
+// Embeds the files that are not in `held`, with their current content. An unreadable file is logged and
+// omitted. Fails only if the recording cannot be written.
 Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& held,
                          RecordingWriter& recording);
 
-// The files that a recording holds, in a folder of their own that goes with this. What a scene calls them is
-// never taken for a path: it may be anywhere, or "../".
+// The embedded files of a recording, unpacked into a temporary folder that is removed with this object. Names
+// from the recording are never used as paths: they may be absolute or contain "../".
 class UnpackedFiles {
  public:
-  // Without any file when the recording holds none.
+  // Empty if the recording contains no files.
   static Result<UnpackedFiles> unpack(const RecordingReader& recording);
   UnpackedFiles(UnpackedFiles&& other) noexcept;
   UnpackedFiles& operator=(UnpackedFiles&&) = delete;
@@ -35,7 +35,7 @@ class UnpackedFiles {
 
   bool empty() const { return paths_.empty(); }
   const std::filesystem::path& folder() const { return folder_; }
-  // The scene with the paths that its files have in folder(); what is not there keeps its own.
+  // The scene with paths into folder(); paths of files that are not embedded are unchanged.
   v1::SceneSource placed(v1::SceneSource source) const;
 
  private:
@@ -44,8 +44,8 @@ class UnpackedFiles {
   std::string path_of(const std::string& name) const;
 
   std::filesystem::path folder_;
-  std::map<std::string, std::string> paths_;    // of files, within folder_, by the scene's name for them
-  std::map<std::string, std::string> folders_;  // likewise, of their folders
+  std::map<std::string, std::string> paths_;    // paths of files in folder_, by their name in the scene
+  std::map<std::string, std::string> folders_;  // paths of their folders, likewise
 };
 
 }  // namespace livegs

@@ -19,16 +19,16 @@
 namespace livegs {
 namespace {
 
-// So long stop() waits for the disk; what waits then is written all the same.
+// Time that stop() waits for the disk; the rest is written later.
 constexpr std::chrono::seconds kStopTimeout{3};
 
 }  // namespace
 
-// One tick, as the simulation left it.
+// One tick to write.
 struct SessionRecorder::Job {
   TickActions actions;
-  std::optional<v1::SceneSource> scene;  // that took a place in this tick
-  // Of the first tick: what it begins with.
+  std::optional<v1::SceneSource> scene;  // scene that replaced the current one in this tick
+  // First tick only: the start of the recording.
   bool begins = false, whole = false;
   v1::SceneSource begun_with;
   Blocks past;
@@ -39,7 +39,7 @@ struct SessionRecorder::Job {
   size_t bytes = 0;
 };
 
-// A recording that is written. The thread's alone.
+// A recording in progress. Recorder thread only.
 class SessionRecorder::Session {
  public:
   Session(std::filesystem::path path, RecordingOptions options, AssetStore& assets)
@@ -55,8 +55,8 @@ class SessionRecorder::Session {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  // Memory that is short ends the recording as a full disk does: without an index, since what it was short
-  // for may be half there.
+  // Running out of memory ends the recording, as a full disk does. No index is written, since the last write
+  // may be incomplete.
   template <typename Write>
   Result<void> unless_thrown(Write&& write) {
     if (thrown_) return *thrown_;
@@ -135,7 +135,7 @@ class SessionRecorder::Session {
   AssetStore& assets_;
   std::optional<RecordingWriter> writer_;
   std::optional<Error> thrown_;
-  std::set<std::string> held_, files_;  // hashes of assets, and names of files, that it has
+  std::set<std::string> held_, files_;  // embedded assets by hash, embedded files by name
 };
 
 SessionRecorder::SessionRecorder(AssetStore& assets, size_t max_history_bytes)
@@ -156,23 +156,24 @@ SessionRecorder::~SessionRecorder() {
 }
 
 Result<void> SessionRecorder::start(const std::filesystem::path& path, const RecordingOptions& options) {
-  if (path.empty()) return invalid_argument("recording: give a file");
-  // Told now, not when the first tick has come.
+  if (path.empty()) return invalid_argument("recording: path is empty; give a file");
+  // Checked here rather than at the first tick, so that the caller gets the error.
   std::error_code error;
   if (std::filesystem::exists(path, error)) {
-    return invalid_argument(path.string() + ": is there already; choose another name for the recording");
+    return invalid_argument(path.string() + ": already exists; choose another name for the recording");
   }
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   if (!std::filesystem::is_directory(folder, error)) {
-    return invalid_argument(path.string() + ": cannot be made: the server has no folder " + folder.string());
+    return invalid_argument(path.string() + ": cannot be created: the server has no folder " +
+                            folder.string());
   }
   if (::access(folder.c_str(), W_OK) != 0) {
-    return invalid_argument(path.string() + ": cannot be made: the server may not write into " +
+    return invalid_argument(path.string() + ": cannot be created: the server may not write to " +
                             folder.string());
   }
   std::lock_guard lock(mutex_);
   if (session_)
-    return invalid_argument("recording: one is being written already, " + session_->path().string());
+    return invalid_argument("recording: is already in progress; stop it first: " + session_->path().string());
   session_ = std::make_unique<Session>(path, options, assets_);
   ++sessions_;
   begins_ = true;
@@ -186,7 +187,7 @@ Result<void> SessionRecorder::start(const std::filesystem::path& path, const Rec
 Result<v1::RecordingStatus> SessionRecorder::stop() {
   std::unique_lock lock(mutex_);
   if (!session_) {
-    return not_found("recording: none is being written" +
+    return not_found("recording: none is in progress" +
                      (status_.message().empty() ? "" : "; " + status_.message()));
   }
   ends_ = true;
@@ -229,7 +230,7 @@ void SessionRecorder::append_history(const TickActions& actions, const TickResul
   history_.whole = false;
   history_.open = {};
   history_.full = {};
-  log_info("recordings that begin from now on cannot be simulated again: more was done than is kept");
+  log_info("recording: the input history is full; recordings that start from now on cannot be verified");
 }
 
 void SessionRecorder::record(const TickActions& taken, const TickResult& tick, const Scene& scene) {
@@ -270,18 +271,18 @@ void SessionRecorder::record(const TickActions& taken, const TickResult& tick, c
     if (!session_ || ends_ || sessions_ != session) return;
     waiting_bytes_ += job->bytes;
     waiting_.push_back(std::move(job));
-    if (waiting_bytes_ > kMaxQueuedBytes) fail("the disk is too slow for the session");
+    if (waiting_bytes_ > kMaxQueuedBytes) fail("the disk is too slow; record to a faster disk");
   }
   changed_.notify_all();
 }
 
-// Under the lock. What waits is dropped; the thread ends what is written.
+// mutex_ must be held. Drops waiting ticks; the thread then ends the recording.
 void SessionRecorder::fail(const std::string& why) {
   waiting_.clear();
   waiting_bytes_ = 0;
   ends_ = true;
   if (!status_.message().empty()) return;
-  status_.set_message("the recording ends at tick " + std::to_string(status_.last_tick()) + ": " + why);
+  status_.set_message("recording: ended at tick " + std::to_string(status_.last_tick()) + ": " + why);
 }
 
 void SessionRecorder::run() {
@@ -297,7 +298,7 @@ void SessionRecorder::run() {
       auto written = session.write(*job);
       lock.lock();
       if (!written) {
-        fail(written.error().message + "; the session goes on");
+        fail(written.error().message + "; the session continues");
       } else {
         status_.set_ticks(status_.ticks() + 1);
         status_.set_last_tick(job->drivers.tick);
@@ -311,7 +312,7 @@ void SessionRecorder::run() {
       const auto finished = session.finish();
       lock.lock();
       if (!finished && status_.message().empty())
-        fail(finished.error().message + "; what it has can be read");
+        fail(finished.error().message + "; the recorded part can be read");
       status_.set_bytes(session.bytes());
       status_.set_recording(false);
       if (!status_.message().empty())

@@ -18,36 +18,36 @@
 
 namespace livegs {
 
-// What waits to be written may hold this much; a disk that is further behind ends the recording, never the
+// Bytes of ticks that may wait to be written. A disk that lags further behind ends the recording, not the
 // session.
 inline constexpr size_t kMaxQueuedBytes = 256u << 20;
 
-// What was done since the scene was built may hold this much: about two hours of two tracked hands. A
-// recording that begins later than that cannot be simulated again.
+// Bytes of input history since the scene was built: about two hours of two tracked hands. A recording that
+// starts after more than that cannot be verified.
 inline constexpr size_t kMaxHistoryBytes = 64u << 20;
 
 struct RecordingOptions {
-  bool inputs_only = false;  // no frames: it can be simulated again, not watched
-  // With what objects are drawn with, so that it can be watched anywhere, and with the files that the scene
-  // was built from, as they are when the recording begins, so that it can be simulated again anywhere.
+  bool inputs_only = false;  // no frames: can be verified, not played
+  // Also embeds the assets, for playing anywhere, and the files of the scene as they are at the start, for
+  // verifying anywhere.
   bool assets = false;
 };
 
-// Records the session that runs into a file (proto/recording_format.md), on a thread of its own: a tick never
-// waits for the disk. A full disk ends the recording with one line; what was written can be read. What was
-// done before a recording began is kept and written into it first, so that it can be simulated again from the
-// beginning. Any thread, but for record(), which is the simulation's.
+// Records the running session into a file (proto/recording_format.md) on its own thread, so that ticks do not
+// wait for the disk. A full disk ends the recording with one log line; the file stays readable. Inputs from
+// before the start are kept and written first, so that the session can be simulated from its beginning. Any
+// thread, except for record(), which is for the simulation thread.
 class SessionRecorder final : public TickRecorder {
  public:
   // `assets` outlives the recorder.
   explicit SessionRecorder(AssetStore& assets, size_t max_history_bytes = kMaxHistoryBytes);
-  ~SessionRecorder() override;  // ends a recording in order
+  ~SessionRecorder() override;  // finishes a recording
 
-  // From the next tick on. InvalidArgument when the file is there already or cannot be made, or one is being
-  // written.
+  // Starts at the next tick. InvalidArgument if the file already exists or cannot be created, or if a
+  // recording is in progress.
   Result<void> start(const std::filesystem::path& path, const RecordingOptions& options = {});
-  // Writes what waits, and the index; waits for it, three seconds at most. NotFound when none is being
-  // written.
+  // Writes the waiting ticks and the index; blocks for at most three seconds. NotFound if no recording is in
+  // progress.
   Result<v1::RecordingStatus> stop();
   v1::RecordingStatus status() const;
 
@@ -61,13 +61,13 @@ class SessionRecorder final : public TickRecorder {
   void fail(const std::string& why);
   void append_history(const TickActions& actions, const TickResult& tick, const Scene& scene);
 
-  // Ticks that had anything to say, as encode_tick() has them, since the first; the simulation's thread only.
-  // Full blocks are shared with the recording that begins, so that a tick copies one at most.
+  // Encoded ticks with actions since the first tick; simulation thread only. Full blocks are shared with a
+  // new recording, so that its first tick copies at most one block.
   using Block = std::vector<std::vector<std::byte>>;
   using Blocks = std::vector<std::shared_ptr<const Block>>;
   static constexpr size_t kTicksPerBlock = 256;
   struct History {
-    v1::SceneSource scene;  // that the first tick began with
+    v1::SceneSource scene;  // initial scene
     bool begun = false, whole = true;
     Blocks full;
     Block open;
@@ -78,15 +78,16 @@ class SessionRecorder final : public TickRecorder {
   History history_;
 
   AssetStore& assets_;
-  mutable std::mutex mutex_;  // guards everything below but the thread
+  mutable std::mutex mutex_;  // guards everything below except the thread
   std::condition_variable changed_;
-  std::unique_ptr<Session> session_;  // while one is written; its file is the thread's alone
-  uint64_t sessions_ = 0;             // so far: a tick goes to the one that it was made for
+  std::unique_ptr<Session>
+      session_;            // recording in progress, or null; its file is accessed by the thread only
+  uint64_t sessions_ = 0;  // recordings so far: a tick belongs to one of them
   std::deque<std::unique_ptr<Job>> waiting_;
   size_t waiting_bytes_ = 0;
-  bool begins_ = false;   // with the next tick
-  bool ends_ = false;     // when all that waits is written
-  bool closing_ = false;  // so does the thread
+  bool begins_ = false;   // start with the next tick
+  bool ends_ = false;     // end when all waiting ticks are written
+  bool closing_ = false;  // end the thread as well
   v1::RecordingStatus status_;
   std::thread thread_;
 };

@@ -23,10 +23,9 @@ class Verifier {
 
   Result<Verification> run(const std::function<void(uint64_t tick)>& progress) {
     if (!recording_.start().whole()) {
-      return invalid_argument(
-          recording_.path().string() +
-          ": has not all that was done since its scene was built, so that it cannot be simulated "
-          "again; record from the first tick on, with livegs-server --record");
+      return invalid_argument(recording_.path().string() +
+                              ": does not contain all inputs since the scene was built; to verify, record "
+                              "from the first tick with livegs-server --record");
     }
     if (folder_.empty()) {
       auto unpacked = UnpackedFiles::unpack(recording_);
@@ -79,15 +78,15 @@ class Verifier {
     return name;
   }
 
-  // What came in a tick, or was there, is drawn with the asset that it was drawn with.
+  // Checks that added objects have the recorded assets.
   void compare_assets(const std::vector<SceneObject>& objects, uint64_t tick) {
     for (const SceneObject& object : objects) {
       const auto recorded = added_.find(object.id);
       if (recorded == added_.end()) {
         names_[object.id] = object.name;
-        differ(tick, object.id, "was not there");
+        differ(tick, object.id, "is not in the recording");
       } else if (asset_name(object.asset) != recorded->second) {
-        differ(tick, object.id, "has another asset");
+        differ(tick, object.id, "has a different asset");
       }
     }
   }
@@ -95,7 +94,8 @@ class Verifier {
   Result<void> take(const TickRecord& record) {
     if (run_->tick() == 0) {
       const auto& objects = run_->scene().objects();
-      // Of a later recording more may have come by its first tick; here what it begins with.
+      // A recording that starts later may have more objects at its first tick; only the initial ones are
+      // compared.
       if (record.key) compare_assets({objects.begin(), objects.end()}, 0);
       if (seen_.difference) return {};
     }
@@ -111,13 +111,13 @@ class Verifier {
     const TickResult tick = run_->advance(record.actions);
     ++seen_.ticks;
     if (tick.drivers.tick != record.tick)
-      return invalid_data(recording_.path().string() + ": its ticks do not rise");
+      return invalid_data(recording_.path().string() + ": ticks are not increasing; the file is damaged");
     begun_ = begun_ || record.key;
     if (!begun_) return {};
     for (const ObjectHash& one : record.hashes) hashes_[one.object_id] = one.hash;
     Hashes now;
     for (const ObjectDrivers& object : tick.drivers.objects) now[object.object_id] = driver_hash(object);
-    compare(hashes_, now, record.tick, "moves otherwise");
+    compare(hashes_, now, record.tick, "moves differently");
     if (!record.frame.empty()) return compare_frame(record, tick.drivers);
     return {};
   }
@@ -126,12 +126,12 @@ class Verifier {
     for (const auto& [id, hash] : recorded) {
       const auto own = now.find(id);
       if (own == now.end())
-        differ(tick, id, "is not there");
+        differ(tick, id, "is missing");
       else if (own->second != hash)
         differ(tick, id, what);
     }
     for (const auto& [id, hash] : now) {
-      if (!recorded.contains(id)) differ(tick, id, "was not there");
+      if (!recorded.contains(id)) differ(tick, id, "is not in the recording");
     }
   }
 
@@ -143,14 +143,14 @@ class Verifier {
     for (const ObjectDrivers& object : recorded->objects) was[object.object_id] = driver_hash(object);
     for (const ObjectDrivers& object : frame_of(*written_).objects)
       now[object.object_id] = driver_hash(object);
-    compare(was, now, record.tick, "has another frame");
+    compare(was, now, record.tick, "has a different frame");
     ++seen_.frames;
     return {};
   }
 
   RecordingReader& recording_;
   const std::filesystem::path folder_;
-  std::optional<UnpackedFiles> files_;  // that the recording holds
+  std::optional<UnpackedFiles> files_;  // embedded in the recording
   std::map<std::shared_ptr<const GaussianAsset>, std::string> asset_names_;
   std::optional<SceneRun> run_;
   bool begun_ = false;

@@ -13,21 +13,22 @@
 namespace livegs {
 
 struct Verification {
-  // Where the run that is simulated again first is not the one that was recorded.
+  // The first difference between the recorded and the repeated run.
   struct Difference {
-    uint64_t tick = 0;  // 0: before the first
+    uint64_t tick = 0;  // 0: before the first tick
     uint32_t object_id = 0;
     std::string object, what;
   };
-  uint64_t ticks = 0;   // simulated again
-  uint64_t frames = 0;  // compared
+  uint64_t ticks = 0;   // ticks simulated
+  uint64_t frames = 0;  // frames compared
   std::optional<Difference> difference;
 };
 
-// Builds the scene of a recording anew, with the files in `folder` (empty: those that it holds, or, where it
-// holds none, where they were), does again what was done, and compares the drivers of every tick to the last
-// bit, and every frame. Stops at the first difference. InvalidArgument when the recording has not all that
-// was done since its scene was built, NotFound and others when that cannot be loaded.
+// Builds the scene of a recording again, repeats its inputs and compares the drivers of every tick, bit by
+// bit, and every frame. Stops at the first difference. `folder` contains the files of the scene; if empty,
+// the embedded files are used, or the original paths if none are embedded. InvalidArgument if the recording
+// does not contain all inputs since the scene was built; NotFound and other errors if the scene cannot be
+// loaded.
 Result<Verification> verify_recording(RecordingReader& recording, const std::filesystem::path& folder,
                                       const std::function<void(uint64_t tick)>& progress = {});
 

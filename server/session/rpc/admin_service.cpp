@@ -28,9 +28,9 @@ bool sayable(const std::string& reason) {
 }
 
 const grpc::Status kNotSayable(grpc::StatusCode::INVALID_ARGUMENT,
-                               "reason: is not of at most 200 printable characters");
+                               "reason: is longer than 200 characters or not printable; shorten it");
 const grpc::Status kNoTokens(grpc::StatusCode::FAILED_PRECONDITION,
-                             "this server is in the clear and asks for no tokens; start it with --tls on");
+                             "tokens: are not used without TLS; start the server with --tls on");
 
 const char* state_name(ClientSession::State state) {
   switch (state) {
@@ -97,9 +97,9 @@ grpc::ServerUnaryReactor* AdminService::KickClient(grpc::CallbackServerContext* 
                                                    const v1::KickClientRequest* request,
                                                    v1::KickClientReply* reply) {
   if (!sayable(request->reason())) return finish(context, kNotSayable);
-  const Error why{
-      ErrorCode::PermissionDenied,
-      "who runs the server ended this session" + (request->reason().empty() ? "" : ": " + request->reason())};
+  const Error why{ErrorCode::PermissionDenied,
+                  "session: was ended by the server's operator" +
+                      (request->reason().empty() ? "" : ": " + request->reason())};
   const auto ended = table_.end_session(request->session(), why);
   if (!ended) return finish(context, to_status(ended.error()));
   reply->set_session(ended->substr(0, 8));
@@ -112,7 +112,7 @@ grpc::ServerUnaryReactor* AdminService::AddToken(grpc::CallbackServerContext* co
   if (!security_) return finish(context, kNoTokens);
   auto made = security_->tokens().add(request->name(), request->scope(), request->days());
   if (!made) return finish(context, to_status(made.error()));
-  log_info("token %s: made for \"%s\", scope %s", made->token.id().c_str(), made->token.name().c_str(),
+  log_info("token %s: created for \"%s\", scope %s", made->token.id().c_str(), made->token.name().c_str(),
            scope_name(made->token.scope()).c_str());
   *reply->mutable_token() = std::move(made->token);
   reply->set_secret(std::move(made->secret));
@@ -130,7 +130,7 @@ grpc::ServerUnaryReactor* AdminService::RevokeToken(grpc::CallbackServerContext*
                                                     const v1::RevokeTokenRequest* request, v1::Token* reply) {
   if (!security_) return finish(context, kNoTokens);
   auto revoked = security_->tokens().revoke(request->id());
-  table_.end_unauthorised();  // also when it could not be kept on disk
+  table_.end_unauthorised();  // also if the file could not be written
   if (!revoked) return finish(context, to_status(revoked.error()));
   log_info("token %s: revoked", revoked->id().c_str());
   *reply = std::move(*revoked);
@@ -146,7 +146,8 @@ grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* conte
     drain = drain_;
   }
   if (!drain)
-    return finish(context, {grpc::StatusCode::UNAVAILABLE, "this server is still building its scene"});
+    return finish(context,
+                  {grpc::StatusCode::UNAVAILABLE, "server: the scene is still loading; try again later"});
   drain(request->reason().empty() ? "the server is being drained"
                                   : "the server is being drained: " + request->reason());
   return finish(context, grpc::Status::OK);
@@ -157,7 +158,7 @@ grpc::ServerUnaryReactor* AdminService::StartRecording(grpc::CallbackServerConte
                                                        v1::RecordingStatus* reply) {
   auto started = recorder_.start(request->path(), {request->inputs_only(), request->assets()});
   if (!started) return finish(context, to_status(started.error()));
-  log_info("recording %s", request->path().c_str());
+  log_info("recording %s: started", request->path().c_str());
   *reply = recorder_.status();
   return finish(context, grpc::Status::OK);
 }

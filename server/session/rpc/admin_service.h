@@ -12,8 +12,8 @@
 
 namespace livegs {
 
-// livegs.v1.Admin: `livegs ctl` talks to it. Who may is the gate's business; in the clear everybody on this
-// machine may but for tokens, which would outlive this server. Every call answers at once.
+// livegs.v1.Admin, used by `livegs ctl`. CallAuthoriser checks the caller. Without TLS every local caller may
+// use it, except for tokens, which would outlive this server. No call blocks.
 class AdminService final
     : public v1::Admin::WithCallbackMethod_GetStatus<
           v1::Admin::WithCallbackMethod_KickClient<v1::Admin::WithCallbackMethod_AddToken<
@@ -22,7 +22,7 @@ class AdminService final
                       v1::Admin::WithCallbackMethod_StopRecording<v1::Admin::Service>>>>>>>> {
  public:
   using Drainer = std::function<void(const std::string& reason)>;
-  // `security` null: in the clear.
+  // `security` is null without TLS.
   AdminService(SessionTable& table, ServerSecurity* security, SessionRecorder& recorder);
 
   void set_drain(Drainer drain);

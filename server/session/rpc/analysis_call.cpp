@@ -7,8 +7,9 @@ namespace livegs {
 
 AnalysisCall::AnalysisCall(AnalysisControl* control, const v1::AnalyzeSceneRequest& request) {
   if (!control) {
-    Finish(
-        {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server analyses nothing"});
+    Finish({grpc::StatusCode::UNAVAILABLE,
+            "analysis: is not available: the scene is still loading or this server has no analysis; try "
+            "again later"});
     return;
   }
   line_->call = this;
@@ -51,16 +52,16 @@ void AnalysisCall::OnWriteDone(bool ok) {
   line_->waiting.pop_front();
   if (ok) return write_next();
   line_->call = nullptr;
-  Finish({grpc::StatusCode::CANCELLED, "the client has gone"});
+  Finish({grpc::StatusCode::CANCELLED, "the client disconnected"});
 }
 
-// With a write under way, its end comes next and finishes.
+// With a write in progress, OnWriteDone follows and finishes the call.
 void AnalysisCall::OnCancel() {
   gone_.request_stop();
   std::lock_guard lock(line_->mutex);
   if (!line_->call || line_->writing) return;
   line_->call = nullptr;
-  Finish({grpc::StatusCode::CANCELLED, "the client has gone"});
+  Finish({grpc::StatusCode::CANCELLED, "the client disconnected"});
 }
 
 void AnalysisCall::OnDone() {

@@ -13,22 +13,22 @@
 
 namespace livegs {
 
-// One AnalyzeScene rpc: progress in order, as it comes. Deletes itself. When the client cancels or goes,
-// nothing more is asked.
+// One AnalyzeScene rpc: streams progress in order. Deletes itself. If the client cancels or disconnects, the
+// analysis stops.
 class AnalysisCall final : public grpc::ServerWriteReactor<v1::AnalysisProgress> {
  public:
-  // `control` may be nullptr: UNAVAILABLE.
+  // `control` may be null: UNAVAILABLE.
   AnalysisCall(AnalysisControl* control, const v1::AnalyzeSceneRequest& request);
 
  private:
-  // What the analysis's thread and gRPC's share, and which outlives the call.
+  // State shared by the analysis thread and gRPC's threads; outlives the call.
   struct Line {
-    std::mutex mutex;  // guards what follows
+    std::mutex mutex;  // guards the members below
     AnalysisCall* call = nullptr;
     std::deque<v1::AnalysisProgress> waiting;
     bool writing = false, ended = false;
   };
-  void write_next();  // the line is locked
+  void write_next();  // line_->mutex must be held
   void OnWriteDone(bool ok) override;
   void OnCancel() override;
   void OnDone() override;

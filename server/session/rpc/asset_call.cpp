@@ -8,10 +8,11 @@ namespace livegs {
 AssetCall::AssetCall(std::shared_ptr<const AssetBytes> asset, uint64_t offset)
     : asset_(std::move(asset)), offset_(offset) {
   if (!asset_) {
-    Finish({grpc::StatusCode::NOT_FOUND, "asset_hash: the scene has no such asset; Join lists those it has"});
+    Finish({grpc::StatusCode::NOT_FOUND,
+            "asset_hash: is not an asset of the scene; use a hash from the reply of Join"});
   } else if (offset_ > asset_->bytes.size()) {
     Finish({grpc::StatusCode::OUT_OF_RANGE,
-            "offset: is behind the asset's " + std::to_string(asset_->bytes.size()) + " bytes"});
+            "offset: is past the end of the asset, " + std::to_string(asset_->bytes.size()) + " bytes"});
   } else {
     write_next();
   }

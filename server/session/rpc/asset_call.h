@@ -10,13 +10,14 @@
 
 namespace livegs {
 
-// What a connection that breaks loses of a piece is fetched again.
+// Bytes of a chunk. A broken connection loses at most one chunk, which is fetched again.
 inline constexpr size_t kAssetChunkBytes = 64u << 10;
 
-// One FetchAsset rpc: chunks in order from an offset. gRPC's flow control paces it. Deletes itself.
+// One FetchAsset rpc: sends chunks in order from an offset, paced by gRPC's flow control. Deletes itself.
 class AssetCall final : public grpc::ServerWriteReactor<v1::AssetChunk> {
  public:
-  // `asset` may be nullptr: NOT_FOUND. An offset behind the end is OUT_OF_RANGE, at the end an empty stream.
+  // `asset` may be null: NOT_FOUND. An offset past the end gives OUT_OF_RANGE, an offset at the end an empty
+  // stream.
   AssetCall(std::shared_ptr<const AssetBytes> asset, uint64_t offset);
 
  private:

@@ -28,17 +28,16 @@ namespace {
 
 constexpr const char* kServiceName = "livegs.v1.LiveGs";
 
-// Everything a client sends is small.
+// Client messages are small.
 constexpr int kMaxRequestBytes = 16 << 10;
 constexpr int kMaxStreamsPerConnection = 16;
 static_assert(3 * kMaxSessions < kMaxConnections,
-              "a client has three, and some room is left for who only asks");
-// What clients that still read need on a machine that is busy to hear the reason; only one that does not
-// takes it all.
+              "a client has three connections; the rest is for unary calls");
+// Time for clients on a busy machine to receive the reason. Only a client that does not read uses all of it.
 constexpr std::chrono::seconds kShutdownTimeout{3};
 
-// Health and reflection are switched on for the process, before the first server is built; what gRPC has to
-// say goes to the log, so that a program's own one line is not drowned.
+// Enables health checks and reflection for the process, before the first server is built. Redirects gRPC's
+// own log to the debug log.
 void set_up_process() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -52,22 +51,20 @@ void limit(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
-  // Who opens a connection and says nothing, and who is done with it, does not keep it: three seconds for the
-  // handshake, and more than the two minutes that a client may take from Join to Stream without a call.
+  // Closes connections without a handshake after 3 s, and idle ones after 180 s. The latter exceeds the two
+  // minutes that a client may take from Join to Stream (kJoinTimeout_ns).
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 3000);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 180'000);
-  // A machine that fell off the network is noticed within four seconds; sessions have their own, shorter
-  // patience.
+  // Detects a lost peer within four seconds. Sessions have their own, shorter timeouts.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 1000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 3000);
-  // Only while a call is open: between joining and its stream a client may load assets for longer, and
-  // nothing in it answers a ping then.
+  // Pings only during calls: a client that loads assets between Join and Stream does not answer pings.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 500);
 }
 
-// In the clear there is no gate: gRPC 1.51 ends the process when credentials without TLS are given one.
+// Without TLS no authoriser is installed: gRPC 1.51 aborts if insecure credentials have one.
 std::shared_ptr<grpc::ServerCredentials> credentials(ServerSecurity* security) {
   if (!security) return grpc::InsecureServerCredentials();
   grpc::SslServerCredentialsOptions options(GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
@@ -85,7 +82,7 @@ Result<void> check_listen_address(const std::string& address, bool secure) {
   if (parsed->loopback || secure) return {};
   return invalid_argument(
       "--listen " + address +
-      ": other machines are let in with TLS and tokens only; leave --tls off out, or listen on "
+      ": needs TLS and tokens, since it is not a local address; remove --tls off, or listen on "
       "127.0.0.1, localhost or [::1]");
 }
 
@@ -96,7 +93,7 @@ struct GrpcServer::Parts {
     if (security)
       table.check_grants_with(
           [security](const Grant& grant) { return security->tokens().check_still(grant); });
-    publisher = std::make_unique<FramePublisher>(table, assets);  // its thread looks at the table at once
+    publisher = std::make_unique<FramePublisher>(table, assets);  // starts a thread that uses the table
   }
   SessionTable table;
   AssetStore assets;
@@ -108,7 +105,7 @@ struct GrpcServer::Parts {
   std::unique_ptr<ConnectionLimiter> door;
   std::unique_ptr<ZmqPublisher> zmq_publisher;
   std::unique_ptr<FramePublisher> publisher;
-  // Where an analysis tells of its proposals; shared with it, for either may end first.
+  // Target of the proposals of an analysis. Shared, since either side may end first.
   struct Proposals {
     std::mutex mutex;  // guards table
     SessionTable* table = nullptr;
@@ -134,7 +131,7 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::listen(const std::string& addres
   builder.RegisterService(&parts->admin);
   limit(builder);
   parts->server = builder.BuildAndStart();
-  if (!parts->server) return Error{ErrorCode::Internal, "gRPC made no server for " + address};
+  if (!parts->server) return Error{ErrorCode::Internal, "gRPC: could not create a server for " + address};
   parts->server->GetHealthCheckService()->SetServingStatus(false);
   parts->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
   parts->door = std::move(*door);
@@ -164,7 +161,7 @@ void GrpcServer::open(const std::string& scene_name, double rate_hz,
 }
 
 void GrpcServer::open(const Scene& scene, InputSink& inputs) {
-  // Else the first that is shot would be seen only once it is encoded.
+  // Otherwise the first ball would be visible only after its asset is encoded.
   (void)parts_->assets.add(Scene::ball_asset());
   std::vector<const SceneObject*> objects;
   for (const SceneObject& object : scene.objects()) objects.push_back(&object);

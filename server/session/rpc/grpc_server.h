@@ -18,59 +18,59 @@ namespace livegs {
 class ServerSecurity;
 class SessionRecorder;
 
-// HOST:PORT, checked: a port, and, unless `secure`, an address of this very machine: any other is listened on
-// with TLS and tokens only.
+// Checks HOST:PORT: a valid port and, unless `secure`, a loopback address. Other addresses require TLS and
+// tokens.
 Result<void> check_listen_address(const std::string& address, bool secure);
 
-// The gRPC server with its sessions, its publisher, health and reflection. It knows a scene only as objects
-// to describe and ticks to send on.
+// The gRPC server with its sessions, publisher, health checks and reflection. Its only inputs from a scene
+// are object descriptions and ticks.
 //
-//   auto server = GrpcServer::listen("127.0.0.1:9780");        health NOT_SERVING, Join answers UNAVAILABLE
+//   auto server = GrpcServer::listen("127.0.0.1:9780");        health NOT_SERVING, Join returns UNAVAILABLE
 //   SimulationLoop loop(std::move(scene), server->ticks());
 //   server->open(loop.scene(), loop); loop.start();            clients may join
 //   loop.stop(); server->shut_down("reason");
 class GrpcServer {
  public:
-  // In the clear, or with `security` over TLS with a token for each call; it outlives the server. Fails with
-  // Unavailable when the port is in use, InvalidArgument when the address may not be listened on.
+  // Without TLS if `security` is null, else with TLS and a token per call; `security` must outlive the
+  // server. Unavailable if the port is in use, InvalidArgument if check_listen_address() fails.
   static Result<std::unique_ptr<GrpcServer>> listen(const std::string& address,
                                                     ServerSecurity* security = nullptr);
   ~GrpcServer();
 
   int port() const;
   TickSink& ticks();
-  // For SimulationLoop::record_with(); livegs ctl starts and stops it.
+  // For SimulationLoop::record_with(); controlled by livegs ctl.
   SessionRecorder& recorder();
 
-  // Encodes every asset on the calling thread, then lets clients in. `inputs` outlives shut_down().
+  // Encodes every asset on the calling thread, then lets clients join. `inputs` must outlive shut_down().
   void open(const std::string& scene_name, double rate_hz, std::span<const SceneObject* const> objects,
             InputSink& inputs);
   void open(const Scene& scene, InputSink& inputs);
-  // How many clients may be there, 1 to kMaxSessions; kDefaultSessions when it is not called. Before open().
+  // Maximum number of sessions, 1 to kMaxSessions; kDefaultSessions by default. Call before open().
   void admit(size_t clients);
-  // No client is sent more than this, megabits a second of messages, whatever it wishes for; before open().
+  // Limits the message rate of each client, megabits a second, whatever it requests. Call before open().
   void cap_clients(double mbit_s);
-  // From now on every frame is published there, too (ZmqPublisher::bind()); before the first tick. The
-  // address as bound.
+  // Publishes every frame there too (ZmqPublisher::bind()); returns the bound address. Call before the first
+  // tick.
   Result<std::string> publish(const std::string& address);
-  // From now on clients may analyse and edit what things are made of. `analysis` outlives shut_down().
+  // Enables analysis and edits of materials. `analysis` must outlive shut_down().
   void open_analysis(AnalysisControl& analysis);
-  // What `livegs ctl drain` calls, once or more, on a thread of gRPC's; it outlives shut_down().
+  // Callback for `livegs ctl drain`, called one or more times on a gRPC thread; must outlive shut_down().
   void open_drain(std::function<void(const std::string& reason)> drain);
-  // From now on clients may halt, step and reset it. `run` outlives shut_down().
+  // Enables pause, step and reset. `run` must outlive shut_down().
   void open_run(RunControl& run);
-  // Encodes what this scene draws, on the calling thread, so that nothing waits for that when it takes the
-  // other's place.
+  // Encodes the assets of this scene on the calling thread, so that no encoding is pending when it replaces
+  // the current scene.
   void encode_ahead(const Scene& scene);
 
-  // Tells every client, waits for their streams to end, at most three seconds, then ends them. More than once
-  // is fine.
+  // Sends the reason to every client, waits up to three seconds for their streams to end, then aborts them.
+  // May be called more than once.
   void shut_down(const std::string& reason);
 
   SessionTable::Totals sessions() const;
-  const SessionTable& session_table() const;  // for who counts
+  const SessionTable& session_table() const;  // for metrics
   size_t client_count() const;
-  size_t streaming_count() const;  // of those, with an open stream
+  size_t streaming_count() const;  // sessions with an open stream
   PublisherSummary published() const;
 
  private:

@@ -23,13 +23,12 @@ namespace {
 
 constexpr size_t kMaxClientName = 64;
 constexpr double kBytesPerMbit = 1e6 / 8;
-// A client that wishes for less would wait seconds for its first frame.
+// Minimum bandwidth cap. With less, the first frame would take seconds.
 constexpr double kMinMbit_s = 0.1;
-// Frames that come less often than this are no motion: the client's playout takes the next for a new
-// beginning.
+// Minimum frame rate. Below it the client's playout restarts at every frame.
 constexpr double kMinRate_hz = 5;
 
-// A client's name goes to the log: printable ASCII only.
+// Client names are logged: replaces all but printable ASCII.
 std::string printable(const std::string& name) {
   std::string text = name.substr(0, kMaxClientName);
   for (char& c : text) {
@@ -39,7 +38,9 @@ std::string printable(const std::string& name) {
 }
 
 Error no_analysis() {
-  return {ErrorCode::Unavailable, "the scene is still being built, or this server edits nothing"};
+  return {ErrorCode::Unavailable,
+          "physics: cannot be changed: the scene is still loading or this server allows no edits; try again "
+          "later"};
 }
 
 grpc::Status answer(Result<v1::PhysicsReply> result, v1::PhysicsReply& reply) {
@@ -74,12 +75,12 @@ grpc::ServerUnaryReactor* GrpcService::Join(grpc::CallbackServerContext* context
 
 namespace {
 
-// Whether frames of the scene can be sent so.
+// Checks that frames of the scene can be sent in this encoding.
 Result<void> check_encoding(v1::JoinRequest::Encoding encoding, const SessionTable::Described& scene) {
   if (!v1::JoinRequest::Encoding_IsValid(encoding)) {
     return invalid_argument("encoding: " + std::to_string(encoding) +
-                            " is none; 0 to 3 are DRIVERS, DRIVERS_RAW, KERNELS and KERNELS_EXACT, "
-                            "livegs.v1.JoinRequest.Encoding");
+                            " is not a livegs.v1.JoinRequest.Encoding; use 0 to 3 (DRIVERS, DRIVERS_RAW, "
+                            "KERNELS, KERNELS_EXACT)");
   }
   if (!is_kernel_encoding(encoding)) return {};
   size_t bytes = kKernelFrameHeaderBytes, kernels = 0;
@@ -91,9 +92,9 @@ Result<void> check_encoding(v1::JoinRequest::Encoding encoding, const SessionTab
   }
   if (bytes <= kMaxFrameBytes) return {};
   return invalid_argument("encoding: the scene's " + std::to_string(kernels) + " kernels take " +
-                          std::to_string(bytes >> 20) + " MiB, where a frame holds " +
-                          std::to_string(kMaxFrameBytes >> 20) + "; ask for DRIVERS" +
-                          (encoding == v1::JoinRequest::KERNELS ? "" : ", or KERNELS, which take less"));
+                          std::to_string(bytes >> 20) + " MiB, more than the limit of a frame, " +
+                          std::to_string(kMaxFrameBytes >> 20) + " MiB; use DRIVERS" +
+                          (encoding == v1::JoinRequest::KERNELS ? "" : " or KERNELS, which are smaller"));
 }
 
 }  // namespace
@@ -102,30 +103,29 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
                                v1::JoinReply& reply) {
   if (request.protocol_version() != kProtocolVersion) {
     return {grpc::StatusCode::FAILED_PRECONDITION,
-            "the client speaks protocol version " + std::to_string(request.protocol_version()) +
-                " and this server, livegs " + kVersion + ", speaks " + std::to_string(kProtocolVersion) +
+            "protocol: the client has version " + std::to_string(request.protocol_version()) +
+                " and the server (livegs " + kVersion + ") version " + std::to_string(kProtocolVersion) +
                 "; update the older one"};
   }
   const double wish_mbit_s = request.most_mbit_s();
   if (wish_mbit_s != 0 && !(wish_mbit_s >= kMinMbit_s)) {  // NaN too
     return {grpc::StatusCode::INVALID_ARGUMENT,
-            "most_mbit_s: is not 0.1 or more; leave it out, or 0, for whatever the server gives"};
+            "most_mbit_s: must be at least 0.1; use 0 for the limit of the server"};
   }
   const double wish_hz = request.rate_hz();
   if (wish_hz != 0 && !(wish_hz >= kMinRate_hz)) {
-    return {grpc::StatusCode::INVALID_ARGUMENT,
-            "rate_hz: is not 5 or more; leave it out, or 0, for a frame each tick"};
+    return {grpc::StatusCode::INVALID_ARGUMENT, "rate_hz: must be at least 5; use 0 for a frame each tick"};
   }
   const uint32_t position_bits = request.position_bits() == 0 ? 16 : request.position_bits();
   if (!may_ask_for(position_bits)) {
-    return {grpc::StatusCode::INVALID_ARGUMENT, "position_bits: " + std::to_string(position_bits) +
-                                                    " is neither 16, 18 nor 20; leave it out, or 0, for 16"};
+    return {grpc::StatusCode::INVALID_ARGUMENT,
+            "position_bits: " + std::to_string(position_bits) + " is not 16, 18 or 20; use 0 for 16"};
   }
   const auto scene = table_.described();
   if (!scene) return to_status(scene.error());
   if (auto checked = check_encoding(request.encoding(), *scene); !checked) return to_status(checked.error());
   auto grant = grant_of(context, tokens_);
-  if (!grant) return to_status(grant.error());  // it ended between the gate and here
+  if (!grant) return to_status(grant.error());  // it was revoked or expired after authorisation
   const v1::Scope scope = grant->scope;
   const std::string token = grant->token_name;
   const std::string name = printable(request.client_name()), peer = context.peer();
@@ -221,7 +221,9 @@ grpc::ServerUnaryReactor* GrpcService::ControlRun(grpc::CallbackServerContext* c
 grpc::Status GrpcService::control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const {
   RunControl* run = run_;
   if (!run)
-    return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server halts nothing"};
+    return {grpc::StatusCode::UNAVAILABLE,
+            "run: cannot be controlled: the scene is still loading or this server allows no control; try "
+            "again later"};
   const auto status = run->control(request);
   if (!status) return to_status(status.error());
   write_run(*status, reply);
@@ -240,7 +242,9 @@ grpc::Status GrpcService::apply_force(const v1::ApplyForceRequest& request,
                                       v1::ApplyForceReply& reply) const {
   RunControl* run = run_;
   if (!run)
-    return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server takes no forces"};
+    return {grpc::StatusCode::UNAVAILABLE,
+            "force: cannot be applied: the scene is still loading or this server accepts no forces; try "
+            "again later"};
   if (!table_.object(request.force().object())) return unknown_object(request.force().object());
   reply.set_tick(table_.status().tick);
   if (auto applied = run->apply_force(request.force()); !applied) return to_status(applied.error());
@@ -250,8 +254,9 @@ grpc::Status GrpcService::apply_force(const v1::ApplyForceRequest& request,
 grpc::Status GrpcService::unknown_object(const std::string& name) const {
   std::string known;
   for (const std::string& one : table_.object_names()) known += (known.empty() ? "" : ", ") + one;
-  return {grpc::StatusCode::NOT_FOUND, "object: the scene has no \"" + printable(name) +
-                                           "\"; it has: " + (known.empty() ? "nothing yet" : known)};
+  return {grpc::StatusCode::NOT_FOUND,
+          "object: \"" + printable(name) +
+              "\" is not in the scene; it contains: " + (known.empty() ? "nothing yet" : known)};
 }
 
 grpc::Status GrpcService::analyze(const v1::AnalyzeObjectRequest& request,

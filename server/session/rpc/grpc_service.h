@@ -13,8 +13,8 @@
 
 namespace livegs {
 
-// livegs.v1.LiveGs over gRPC's callback API. Every call answers from the session table and the asset store;
-// none waits for the simulation.
+// livegs.v1.LiveGs over gRPC's callback API. Calls are served from the session table and the asset store;
+// none blocks on the simulation.
 class GrpcService final
     : public v1::LiveGs::WithRawCallbackMethod_Stream<v1::LiveGs::WithCallbackMethod_GetServerInfo<
           v1::LiveGs::WithCallbackMethod_Join<v1::LiveGs::WithCallbackMethod_FetchAsset<
@@ -23,7 +23,7 @@ class GrpcService final
                       v1::LiveGs::WithCallbackMethod_ControlRun<v1::LiveGs::WithCallbackMethod_AcceptProposal<
                           v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>>> {
  public:
-  // `tokens`: those that the gate asks for; null in the clear.
+  // `tokens` is null without TLS.
   GrpcService(SessionTable& table, const AssetStore& assets, const TokenStore* tokens)
       : table_(table), assets_(assets), tokens_(tokens) {}
 
@@ -57,12 +57,12 @@ class GrpcService final
                                        const v1::ApplyForceRequest* request,
                                        v1::ApplyForceReply* reply) override;
 
-  // What a client's stream may take, bytes a second, if it does not wish for less. Before the first one
-  // joins.
+  // Upper limit of a client's stream, bytes a second; the client may request less. Call before the first
+  // Join.
   void set_cap(double bytes_s) { cap_bytes_s_ = bytes_s; }
-  // From now on clients may halt, step and reset; nullptr: no more. It outlives the calls.
+  // Enables pause, step and reset; null disables them. Must outlive the calls.
   void set_run(RunControl* run) { run_ = run; }
-  // From now on clients may analyse and edit; nullptr: no more. It outlives the calls.
+  // Enables analysis and edits; null disables them. Must outlive the calls.
   void set_analysis(AnalysisControl* analysis) { analysis_ = analysis; }
 
  private:

@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// The one place where an ErrorCode becomes a code of gRPC. A path of this machine is told as a name, and
-// whole in the log.
+// Maps an ErrorCode to a gRPC code. Paths of this machine are redacted for the client; the log keeps the full
+// message.
 inline grpc::Status to_status(const Error& error) {
   const auto code = [&] {
     switch (error.code) {
@@ -33,7 +33,7 @@ inline grpc::Status to_status(const Error& error) {
     return grpc::StatusCode::INTERNAL;
   }();
   std::string told = redact_paths(error.message);
-  if (told != error.message) log_warn("a client was told: %s", error.message.c_str());
+  if (told != error.message) log_warn("client request failed: %s", error.message.c_str());
   return {code, std::move(told)};
 }
 

@@ -17,8 +17,8 @@ grpc::ServerUnaryReactor* SpectatorService::DescribeScene(grpc::CallbackServerCo
   };
   if (request->protocol_version() != kProtocolVersion) {
     return finish({grpc::StatusCode::FAILED_PRECONDITION,
-                   "the client speaks protocol version " + std::to_string(request->protocol_version()) +
-                       " and this server, livegs " + kVersion + ", speaks " +
+                   "protocol: the client has version " + std::to_string(request->protocol_version()) +
+                       " and the server (livegs " + kVersion + ") version " +
                        std::to_string(kProtocolVersion) + "; update the older one"});
   }
   const auto scene = table_.described();

@@ -6,8 +6,8 @@
 
 namespace livegs {
 
-// livegs.v1.Spectators: what published frames do not carry. Who may ask is the gate's business. Answers at
-// once.
+// livegs.v1.Spectators: the scene data that published frames do not contain. CallAuthoriser checks the
+// caller. Does not block.
 class SpectatorService final : public v1::Spectators::CallbackService {
  public:
   explicit SpectatorService(const SessionTable& table) : table_(table) {}

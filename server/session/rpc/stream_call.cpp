@@ -20,7 +20,7 @@ void write_floats(google::protobuf::RepeatedField<float>& out, const Eigen::Vect
   for (int i = 0; i < 3; ++i) out.Add(static_cast<float>(value[i]));
 }
 
-// What a session's hands hold in a tick; null: nothing is known of them.
+// The hands of a session in a tick; null if it has none.
 const SessionHands* hands_of(const TickEncodings& tick, SessionNumber session) {
   const auto own = std::lower_bound(
       tick.hands.begin(), tick.hands.end(), session,
@@ -38,7 +38,7 @@ std::vector<uint32_t> held_by(const SessionHands* hands) {
   return held;
 }
 
-// Everything of a message but its frame, the moments it was made at and what it echoes.
+// The message without the frame, the send times and the echoed times.
 v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber session) {
   v1::ServerMessage header;
   for (const v1::SessionEvent& event : outgoing.events) *header.add_events() = event;
@@ -82,7 +82,7 @@ StreamCall* StreamCall::start(SessionTable& table, Result<Grant> grant,
 }
 
 void StreamCall::OnReadDone(bool ok) {
-  if (!ok) {  // the client is done, or gone
+  if (!ok) {  // the client closed its side or disconnected
     request_finish(grpc::Status::OK);
     return;
   }
@@ -100,7 +100,8 @@ std::optional<grpc::Status> StreamCall::take_message() {
   {
     grpc::ProtoBufferReader reader(&incoming_);
     if (!reader.status().ok() || !message.ParseFromZeroCopyStream(&reader)) {
-      return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "the message is no livegs.v1.ClientMessage");
+      return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT,
+                          "message: is not a livegs.v1.ClientMessage; update the client");
     }
   }
   const int64_t heard_ns = now_ns();
@@ -109,7 +110,8 @@ std::optional<grpc::Status> StreamCall::take_message() {
   {
     std::lock_guard lock(mutex_);
     if (!messages_.try_take(heard_ns)) {
-      return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "more than 1000 messages a second");
+      return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
+                          "messages: more than 1000 a second; send fewer");
     }
     session = session_;
     stream = stream_;
@@ -117,16 +119,15 @@ std::optional<grpc::Status> StreamCall::take_message() {
   if (!session) {
     session = table_.find(message.session_id());
     if (!session || session->who.grant.token_id != grant_.token_id) {
-      return grpc::Status(grpc::StatusCode::NOT_FOUND, "session_id: no such session; call Join first");
+      return grpc::Status(grpc::StatusCode::NOT_FOUND, "session_id: is not a session; call Join first");
     }
     const auto attached = session->attach(weak_from_this());
     if (!attached) {
       return session->state() == ClientSession::State::Streaming
                  ? grpc::Status(grpc::StatusCode::ALREADY_EXISTS,
-                                "session_id: the session has a stream already")
-                 : grpc::Status(
-                       grpc::StatusCode::NOT_FOUND,
-                       "session_id: the session lost its stream; call Join with resumed_session_id first");
+                                "session_id: the session already has a stream")
+                 : grpc::Status(grpc::StatusCode::NOT_FOUND,
+                                "session_id: the session is parked; call Join with resumed_session_id first");
     }
     stream = attached->stream;
     log_info("session %.8s: streaming to %s", session->id.c_str(), context_.peer().c_str());
@@ -142,7 +143,7 @@ std::optional<grpc::Status> StreamCall::take_message() {
   const auto view = check_view(message);
   if (!view) return to_status(view.error());
   if (!session->acknowledge(stream, message.acknowledged_tick(), heard_ns)) {
-    return grpc::Status(grpc::StatusCode::ABORTED, "the session goes on in another stream");
+    return grpc::Status(grpc::StatusCode::ABORTED, "session: continues in another stream");
   }
   session->heard_ns = heard_ns;
   {
@@ -197,7 +198,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
                                    ? tick.for_client(baseline_, who, budget_.available_bytes(now_ns()))
                                    : tick.keyframe(encoding_);
     baseline_ = frame.next;
-    slices.push_back(frame.tail->slice);  // counted, not copied
+    slices.push_back(frame.tail->slice);  // shared, not copied
   }
   written_ns_ = now_ns();
   if (outgoing.tick)
@@ -218,7 +219,7 @@ void StreamCall::OnWriteDone(bool ok) {
   writing_ = false;
   if (ok) session_->add_send(milliseconds_from_ns(now_ns() - written_ns_));
   if (!ok && !finish_status_)
-    finish_status_ = grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone");
+    finish_status_ = grpc::Status(grpc::StatusCode::CANCELLED, "the client disconnected");
   if (finish_status_)
     finish_if_idle(lock);
   else
@@ -229,7 +230,7 @@ void StreamCall::OnCancel() { request_finish(grpc::Status::CANCELLED); }
 
 void StreamCall::request_finish(const grpc::Status& status) {
   std::lock_guard lock(mutex_);
-  // A client that hangs up on hearing the farewell is still told why.
+  // A client that hangs up after the draining event still gets the reason.
   if (!finish_status_) finish_status_ = status.ok() && finish_when_flushed_ ? *finish_when_flushed_ : status;
   finish_if_idle(lock);
 }
@@ -252,13 +253,13 @@ void StreamCall::end_without_session() {
   std::lock_guard lock(mutex_);
   if (session_ || finish_status_) return;
   finish_status_ = grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED,
-                                "no message came within 2 s; the first one names the session");
+                                "stream: no message within 2 s; send the session_id first");
   finish_if_idle(lock);
 }
 
 void StreamCall::abort() {
   std::lock_guard lock(mutex_);
-  if (!done_) context_.TryCancel();  // also ends a write that the client does not read
+  if (!done_) context_.TryCancel();  // also aborts a write that the client does not read
 }
 
 void StreamCall::OnDone() {
@@ -270,16 +271,14 @@ void StreamCall::OnDone() {
     done_ = true;
     session = session_;
     stream = stream_;
-    // A message that was refused ends the session too. Not so a client that vanished, which never heard the
-    // status.
+    // A refused message ends the session. A vanished client keeps its session: it did not receive the status.
     const bool refused = finish_status_ && finish_status_->error_code() == grpc::StatusCode::INVALID_ARGUMENT;
     in_order = refused || (finish_status_ && finish_status_->ok() && !context_.IsCancelled());
   }
   if (session) {
     table_.stream_ended(*session, stream, in_order);
-    log_info("session %.8s: its stream %s, %llu frames sent, %llu replaced by newer ones",
-             session->id.c_str(), in_order ? "ended" : "broke",
-             static_cast<unsigned long long>(session->frames_sent()),
+    log_info("session %.8s: stream %s, %llu frames sent, %llu replaced by newer ones", session->id.c_str(),
+             in_order ? "ended" : "broke", static_cast<unsigned long long>(session->frames_sent()),
              static_cast<unsigned long long>(session->frames_replaced()));
   }
   const std::shared_ptr<StreamCall> last_share = std::move(self_);

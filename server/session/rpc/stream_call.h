@@ -17,20 +17,20 @@
 
 namespace livegs {
 
-// A client at 240 Hz sends a sample and an acknowledgement a frame.
+// Rate limit of client messages. A client at 240 Hz sends a sample and an acknowledgement per frame.
 inline constexpr double kMaxMessagesPerSecond = 1000;
 
-// One Stream rpc. Messages are raw: a header of this client's own and the frame's tail that all share, in one
-// ByteBuffer. gRPC calls the On… functions, on its own threads and not in any order between them; the
-// publisher calls the SessionWriter side. Lives until OnDone.
+// One Stream rpc. A message is raw bytes: the client's own header and the shared tail of the frame, in one
+// ByteBuffer. gRPC calls the On… functions on its own threads, unordered; the publisher calls the
+// SessionWriter functions. Lives until OnDone.
 //
-// One read and one write are under way at a time, Finish is called once and never while a write is, whatever
-// comes first: the client's half close, its cancellation, a bad message, a failed write, close() or abort().
+// At most one read and one write are in progress. Finish is called once and never during a write, whichever
+// event occurs first: half close, cancellation, bad message, failed write, close() or abort().
 class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                          public SessionWriter,
                          public std::enable_shared_from_this<StreamCall> {
  public:
-  // `grant`: whose call it is; an error ends it at once.
+  // `grant`: the caller's rights; an error ends the call at once.
   static StreamCall* start(SessionTable& table, Result<Grant> grant, grpc::CallbackServerContext& context);
 
   void wake() override;
@@ -58,28 +58,28 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   SessionTable& table_;
   const Grant grant_;
   grpc::CallbackServerContext& context_;
-  std::shared_ptr<StreamCall> self_;  // gRPC's share, given back in OnDone
+  std::shared_ptr<StreamCall> self_;  // gRPC's reference, released in OnDone
 
-  grpc::ByteBuffer incoming_;  // of the read that is under way
+  grpc::ByteBuffer incoming_;  // buffer of the current read
 
   std::mutex mutex_;                        // guards everything below
   std::shared_ptr<ClientSession> session_;  // set by the first message
-  uint64_t stream_ = 0;                     // of the session's streams, which one this is
-  int64_t echoed_ns_ = 0;                   // sent_ns of the newest message of the client
-  int64_t heard_ns_ = 0;                    // when that came
+  uint64_t stream_ = 0;                     // number of this stream within the session
+  int64_t echoed_ns_ = 0;                   // sent_ns of the newest client message
+  int64_t heard_ns_ = 0;                    // when that message was received
   int64_t written_ns_ = 0;                  // when the last message was handed to gRPC
   struct Written {
     uint64_t tick = 0;
     int64_t stepped_ns = 0, written_ns = 0;
   };
-  std::deque<Written> unacknowledged_;  // frames, at most a window of them
+  std::deque<Written> unacknowledged_;  // frames in flight, at most one window
   TokenBucket messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
   SendBudget budget_;
-  int position_bits_ = 16;  // as the session asked for, like the next
+  int position_bits_ = 16;  // requested at Join, like encoding_
   v1::JoinRequest::Encoding encoding_ = v1::JoinRequest::DRIVERS;
-  std::optional<ViewCone> view_;  // what the client said last
-  StreamBaselinePtr baseline_;    // of what was written; null: the next frame is a key frame
-  grpc::ByteBuffer outgoing_;     // of the write that is under way: it outlives OnWriteDone
+  std::optional<ViewCone> view_;  // newest view of the client
+  StreamBaselinePtr baseline_;    // baseline of the last frame; null: the next frame is a keyframe
+  grpc::ByteBuffer outgoing_;     // buffer of the current write
   bool writing_ = false;
   std::optional<grpc::Status> finish_when_flushed_;
   std::optional<grpc::Status> finish_status_;

@@ -15,55 +15,56 @@
 
 namespace livegs {
 
-// The wire side of a session: woken when there may be something to write. Any thread.
+// The connection of a session. Any thread.
 class SessionWriter {
  public:
   virtual ~SessionWriter() = default;
   virtual void wake() = 0;
-  // Writes a message of no content if nothing was written for kKeepaliveInterval_ns.
+  // Writes an empty message if nothing was written for kKeepaliveInterval_ns.
   virtual void send_keepalive(int64_t now_ns) = 0;
-  // Writes what waits, then ends the stream with UNAVAILABLE and `reason`.
+  // Writes waiting events, then ends the stream with UNAVAILABLE and `reason`.
   virtual void close(const std::string& reason) = 0;
-  // Ends the stream with the error as soon as the write that is under way is done. What waits is not written.
+  // Ends the stream with the error after the current write; waiting messages are dropped.
   virtual void end(const Error& why) = 0;
   // Ends the stream with DEADLINE_EXCEEDED if it has no session yet.
   virtual void end_without_session() = 0;
-  // Ends the stream at once, whether or not the client still reads.
+  // Ends the stream at once, even if the client does not read.
   virtual void abort() = 0;
 };
 
 inline constexpr int64_t kKeepaliveInterval_ns = 200'000'000;
 
-// Who has a session.
+// The client of a session.
 struct ClientIdentity {
   Grant grant;
-  std::string name, peer;  // as it calls itself, printable; its address
+  std::string name, peer;  // its own name, printable; its address
 };
 
-// What a client asked for when it joined; it holds for the streams that it opens until it joins again.
+// The options of a Join; valid for all streams until the next Join.
 struct JoinTerms {
   double max_bytes_s = std::numeric_limits<double>::infinity();
   int position_bits = 16;
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
-  uint64_t every = 1;            // tick
-  int64_t tick_ns = 11'111'111;  // between ticks
+  uint64_t every = 1;            // every Nth tick is sent
+  int64_t tick_ns = 11'111'111;  // tick interval
 };
 
 inline bool is_kernel_encoding(v1::JoinRequest::Encoding encoding) {
   return encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
 }
 
-// How long things took in a session so far, milliseconds.
+// Latencies of a session so far, milliseconds.
 struct ClientTimes {
-  DurationHistogram send_ms;        // from handing a message to gRPC to gRPC's having passed it on
-  DurationHistogram round_trip_ms;  // from writing a frame to hearing that it was decoded
-  DurationHistogram staleness_ms;   // from the end of its tick's step to that
+  DurationHistogram send_ms;        // from StartWrite to OnWriteDone
+  DurationHistogram round_trip_ms;  // from writing a frame to its acknowledgement
+  DurationHistogram staleness_ms;   // from the end of the step to the acknowledgement
 };
 
-// One client from Join on: joined, then streaming, and parked when its stream broke, until it joins again or
-// its time is up. Events are collected from each Join, so that none is lost before its stream opens; a parked
-// session collects none, since its client is told of all objects when it comes back. Streams of one session
-// are numbered, and what the one before still says is not heard. Any thread.
+// The session of one client from its Join on. It is joined, then streaming, and parked when its stream
+// breaks, until the client joins again or the session times out. Events are collected from each Join on, so
+// that none is lost before the stream opens. A parked session collects none, since the client receives all
+// objects when it joins again. Streams of a session are numbered; messages of an earlier stream are ignored.
+// Any thread.
 class ClientSession {
  public:
   ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_at_ns,
@@ -81,7 +82,7 @@ class ClientSession {
   const SessionNumber number;
   const ClientIdentity who;
   const int64_t joined_ns;
-  std::atomic<int64_t> heard_ns;  // of the last message, or of Join
+  std::atomic<int64_t> heard_ns;  // time of the last message or Join
   std::atomic<uint64_t> bytes_sent{0};
 
   enum class State { Joined, Streaming, Parked };
@@ -90,8 +91,8 @@ class ClientSession {
     return state_;
   }
 
-  // The client joined again: as after its first Join. Returns the writer of the stream it left, to be
-  // aborted.
+  // Resets the state as after the first Join. Returns the writer of the previous stream, which the caller
+  // must abort.
   std::shared_ptr<SessionWriter> rejoin(int64_t now_ns, const JoinTerms& terms = {}) {
     std::lock_guard lock(mutex_);
     heard_ns = now_ns;
@@ -104,10 +105,10 @@ class ClientSession {
     return std::exchange(writer_, {}).lock();
   }
   struct Attached {
-    uint64_t stream = 0;  // its number
+    uint64_t stream = 0;  // number of the stream
     JoinTerms terms;
   };
-  // The stream that begins. Nothing if another stream has the session, or it has to join again.
+  // Attaches a new stream. Nothing if another stream is attached or the client must join again.
   std::optional<Attached> attach(std::weak_ptr<SessionWriter> writer) {
     std::lock_guard lock(mutex_);
     if (state_ != State::Joined) return std::nullopt;
@@ -115,7 +116,7 @@ class ClientSession {
     writer_ = std::move(writer);
     return Attached{stream_, terms_};
   }
-  // That stream is over. False if the session has gone on without it.
+  // Parks the session when this stream ends. False if the session has moved to another stream.
   bool park(uint64_t stream) {
     std::lock_guard lock(mutex_);
     if (stream != stream_ || state_ != State::Streaming) return false;
@@ -124,7 +125,7 @@ class ClientSession {
     window_.restart();
     return true;
   }
-  // The stream it has or waits for, and what writes it, if anything does.
+  // The current or expected stream, with its writer if there is one.
   struct Stream {
     std::shared_ptr<SessionWriter> writer;
     uint64_t number = 0;
@@ -134,7 +135,8 @@ class ClientSession {
     return {writer_.lock(), stream_};
   }
   std::shared_ptr<SessionWriter> writer() const { return stream().writer; }
-  // That stream is over, whether it has begun or not. Nothing if the session has gone on to another.
+  // Parks the session even if this stream was never attached. No effect if the session has moved to another
+  // stream.
   void give_up(uint64_t stream) {
     std::lock_guard lock(mutex_);
     if (stream != stream_) return;
@@ -143,33 +145,33 @@ class ClientSession {
     window_.restart();
   }
 
-  // False when its stream has to end: too many events wait.
+  // False if too many events wait; the stream must end.
   bool add_event(const v1::SessionEvent& event) {
     std::lock_guard lock(mutex_);
     return state_ == State::Parked || window_.add_event(event);
   }
-  // What its frames are, as it joined last.
+  // The encoding requested at the last Join.
   v1::JoinRequest::Encoding encoding() const {
     std::lock_guard lock(mutex_);
     return terms_.encoding;
   }
-  // `kernels`: which the tick has been given; without, it is for those who are sent drivers. Nothing for
-  // those who asked for something else.
+  // Offers a tick. `kernels`: the kernel encoding that was added to the tick; none for driver frames. Ignored
+  // if the client requested another encoding.
   void offer(std::shared_ptr<const TickEncodings> tick,
              std::optional<v1::JoinRequest::Encoding> kernels = {}) {
     std::lock_guard lock(mutex_);
     if (state_ == State::Parked ||
         (kernels ? terms_.encoding != *kernels : is_kernel_encoding(terms_.encoding)))
       return;
-    // The same ticks for all of the same pace, so that they share bytes; should the one be left out, the next
-    // in its place.
+    // Clients with the same rate get the same ticks, so that they share encodings. If a tick is missing, the
+    // next one takes its place.
     const uint64_t turn = tick->tick() / terms_.every;
     if (offered_ && turn == turn_) return;
     offered_ = true;
     turn_ = turn;
     window_.offer(std::move(tick));
   }
-  // False if this is not the session's stream any more.
+  // False if this is not the current stream of the session.
   bool acknowledge(uint64_t stream, uint64_t tick, int64_t now_ns) {
     std::lock_guard lock(mutex_);
     if (stream != stream_ || state_ != State::Streaming) return false;
@@ -194,7 +196,7 @@ class ClientSession {
     std::lock_guard lock(mutex_);
     return times_;
   }
-  // How many frames may be under way.
+  // Maximum number of frames in flight.
   size_t window() const {
     std::lock_guard lock(mutex_);
     return window_.size();
@@ -209,13 +211,13 @@ class ClientSession {
   }
 
  private:
-  mutable std::mutex mutex_;  // guards everything below; taken last, never held while anything else is called
+  mutable std::mutex mutex_;  // guards everything below; locked last, no calls while held
   State state_ = State::Joined;
   uint64_t stream_ = 1;
   SendWindow window_;
   JoinTerms terms_;
-  uint64_t turn_ = 0;     // of the tick it was offered last
-  bool offered_ = false;  // one since this stream began
+  uint64_t turn_ = 0;     // turn of the last offered tick
+  bool offered_ = false;  // a tick was offered since this stream began
   ClientTimes times_;
   std::weak_ptr<SessionWriter> writer_;
 };

@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-// 128 bits that cannot be guessed: whoever holds them is the session.
+// A random 128-bit id. It authenticates the session, so it must not be guessable.
 std::string random_id() {
   std::random_device device;
   char text[33];
@@ -19,7 +19,7 @@ std::string random_id() {
   return text;
 }
 
-// Begins the warning that says why a proposal waits.
+// Prefix of the warning with the reason for a proposal.
 const std::string kNeedsReview = "needs review: ";
 
 std::shared_ptr<const ObjectReaches> reaches_of(std::span<const SessionTable::Object> objects) {
@@ -83,10 +83,9 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
           }
         }
         if (!parked_longest) {
-          return Error{
-              ErrorCode::TooLarge,
-              std::to_string(max_sessions_) +
-                  " clients are here already; try again later, or start the server with a larger --clients"};
+          return Error{ErrorCode::TooLarge, std::to_string(max_sessions_) +
+                                                " clients are connected, the maximum; try again later, or "
+                                                "start the server with a larger --clients"};
         }
         remove(*parked_longest, lock);
       }
@@ -159,14 +158,14 @@ void SessionTable::end_unauthorised() {
 }
 
 Result<std::string> SessionTable::end_session(std::string_view id_begin, const Error& why) {
-  if (id_begin.size() < 4) return invalid_argument("session: give four or more digits of its id");
+  if (id_begin.size() < 4) return invalid_argument("session: id is too short; give four or more digits");
   std::shared_ptr<ClientSession> found;
   for (const auto& session : sessions_now()) {
     if (!session->id.starts_with(id_begin)) continue;
-    if (found) return invalid_argument("session: several begin so; give more digits");
+    if (found) return invalid_argument("session: several ids have this prefix; give more digits");
     found = session;
   }
-  if (!found) return not_found("session: none begins so; livegs ctl clients lists them");
+  if (!found) return not_found("session: no id has this prefix; run livegs ctl clients to list the sessions");
   end(*found, why);
   return found->id;
 }
@@ -187,7 +186,7 @@ uint64_t SessionTable::deliver(std::shared_ptr<TickEncodings> tick, std::span<co
       const auto known = std::find_if(objects_.begin(), objects_.end(), [&](const Object& one) {
         return one->object_id() == object->object_id();
       });
-      if (known == objects_.end()) continue;  // it went meanwhile
+      if (known == objects_.end()) continue;  // removed meanwhile
       *known = with_proposal(object);
       *events.emplace_back().mutable_object_changed() = **known;
     }
@@ -224,7 +223,7 @@ void SessionTable::broadcast(std::span<const v1::SessionEvent> events, std::vect
 void SessionTable::abort_streams(std::span<const StalledSession> stalled) {
   for (const auto& [session, stream] : stalled) {
     if (stream.writer) stream.writer->abort();
-    session->give_up(stream.number);  // when it comes back it is told of all there is
+    session->give_up(stream.number);  // the client receives all objects when it joins again
   }
 }
 
@@ -316,18 +315,19 @@ void SessionTable::sweep(int64_t now) {
       continue;
     }
     if (state == ClientSession::State::Streaming) {
-      log_info("session %.8s: silent for %.1f s, its stream ends", session->id.c_str(),
+      log_info("session %.8s: silent for %.1f s; stream ended, session parked", session->id.c_str(),
                seconds_from_ns(silent_ns));
-      // First cancelled, then parked: else a client that hangs up in between is told that all went well.
+      // Abort before parking: otherwise a client that hangs up in between gets status OK.
       if (writer) writer->abort();
       session->give_up(stream);
     } else {
       {
-        std::lock_guard lock(mutex_);  // under which clients come back
+        std::lock_guard lock(mutex_);  // also held while a client rejoins
         if (session->state() != state || now - session->heard_ns.load() < patience_ns) continue;
         remove(*session, lock);
       }
-      log_info("session %.8s: silent for %.1f s, dropped", session->id.c_str(), seconds_from_ns(silent_ns));
+      log_info("session %.8s: silent for %.1f s; session dropped", session->id.c_str(),
+               seconds_from_ns(silent_ns));
     }
   }
 }
@@ -347,8 +347,8 @@ std::vector<std::string> SessionTable::object_names() const {
 }
 
 void SessionTable::on_input(const ClientSession& session, std::span<const InputSample> samples) {
-  // The lock is held until it was heard: what comes after on_session_closed() would be kept for a session
-  // that nobody ends any more.
+  // The lock is held during the call: input after on_session_closed() would create state that is never
+  // removed.
   std::lock_guard lock(mutex_);
   if (inputs_ != nullptr && session.who.grant.allows(v1::INTERACT) && sessions_.contains(session.id))
     inputs_->on_input(session.number, samples);

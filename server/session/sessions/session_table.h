@@ -17,99 +17,96 @@
 
 namespace livegs {
 
-// Unless it is told another number, up to kMaxSessions: a client has three connections, and kMaxConnections
-// are let in.
+// Default and upper limit of sessions. A client has three connections, and kMaxConnections is the total.
 inline constexpr size_t kDefaultSessions = 64, kMaxSessions = 320;
-// A stream that sends nothing for so long is over, one that has just begun too: clients send a sign of life
+// A stream without messages for this time is ended, also before its first message. Clients send at least
 // every 50 ms.
 inline constexpr int64_t kSilenceTimeout_ns = 2'000'000'000;
-// So long a stream that was told to end may take to write what it is writing.
+// Time for a stream to finish its current write before it is aborted.
 inline constexpr int64_t kEndTimeout_ns = 500'000'000;
-// So often it is looked whether tokens still hold.
+// Interval of the token checks.
 inline constexpr int64_t kGrantCheckInterval_ns = 1'000'000'000;
-// So long a session is kept whose stream broke.
+// Time for which a parked session is kept.
 inline constexpr int64_t kParkedTimeout_ns = 30'000'000'000;
-// From Join to Stream a client fetches assets and ties kernels to drivers, which may take a while.
+// Time from Join to Stream, in which a client fetches assets and binds kernels.
 inline constexpr int64_t kJoinTimeout_ns = 120'000'000'000;
 
-// Who is there and what there is to see. Objects and sessions stand under one lock, so that the list a client
-// is given and the events it gets afterwards fit together. Any thread.
+// The sessions and the objects of the scene. One lock guards both, so that a client's object list and its
+// later events are consistent. Any thread.
 class SessionTable {
  public:
   SessionTable();
   using Object = std::shared_ptr<const v1::ObjectDescription>;
 
-  // Random, drawn when the table was made.
+  // Random id of this server run.
   const std::string& instance() const { return instance_; }
-  // How many sessions there may be, parked ones included, 1 to kMaxSessions; before open().
+  // Maximum number of sessions including parked ones, 1 to kMaxSessions; call before open().
   void set_max_sessions(size_t sessions) { max_sessions_ = sessions; }
-  // From now on clients may join. `inputs` outlives the table's sessions.
+  // Lets clients join. `inputs` must outlive the sessions.
   void open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs);
-  // Ends every stream with the reason; nobody joins any more.
+  // Ends every stream with the reason; later joins fail.
   void close(const std::string& reason);
 
   struct Joined {
     std::shared_ptr<ClientSession> session;
     std::vector<Object> objects;
   };
-  // `resumed_id`: of a session to go on with, if it is still there and was opened with the same token; else,
-  // and when empty, a new one. Unavailable before open and after close, TooLarge when as many as may be are
-  // there; of those the one parked longest makes room.
+  // `resumed_id`: a session to resume, if it exists and was opened with the same token; otherwise a new
+  // session is created. Unavailable before open() and after close(). TooLarge if the table is full; the
+  // longest parked session is dropped first.
   Result<Joined> join(std::string_view resumed_id = {}, ClientIdentity who = {}, const JoinTerms& terms = {});
   std::shared_ptr<ClientSession> find(std::string_view session_id) const;
-  // A stream that has no session until its first message names one; kSilenceTimeout_ns later sweep() ends it
-  // if there was none.
+  // Registers a stream. sweep() ends it if its first message does not name a session within
+  // kSilenceTimeout_ns.
   void stream_begun(std::weak_ptr<SessionWriter> writer);
-  // The session's stream of this number is over: in order, and so is the session, or it broke, and the
-  // session waits for its client. Nothing if the session has gone on without that stream.
+  // Ends a stream of the session. `in_order`: the session ends too; otherwise it is parked. No effect if the
+  // session has moved to another stream.
   void stream_ended(ClientSession& session, uint64_t stream, bool in_order);
 
-  // Whether what a session was opened with still holds; asked once a second and by end_unauthorised(). Before
-  // open().
+  // Checks that a grant is still valid; called once a second and by end_unauthorised(). Set before open().
   using GrantCheck = std::function<Result<void>(const Grant&)>;
   void check_grants_with(GrantCheck check) { grant_check_ = std::move(check); }
-  // Ends every session whose grant does not hold any more, with the reason why.
+  // Ends every session whose grant is not valid any more, with the reason.
   void end_unauthorised();
-  // Ends the one session whose id begins so; its id. NotFound for none, InvalidArgument for several or too
-  // few digits.
+  // Ends the session whose id has this prefix; returns the id. NotFound for none, InvalidArgument for several
+  // or for fewer than four digits.
   Result<std::string> end_session(std::string_view id_begin, const Error& why);
 
-  // A new tick for everybody, with what came, changed and went in it. The event number from then on.
+  // Offers a tick to all sessions, with the objects added, changed and removed in it. Returns the new event
+  // number.
   uint64_t deliver(std::shared_ptr<TickEncodings> tick, std::span<const Object> added,
                    std::span<const Object> changed, std::span<const uint32_t> removed);
-  // Objects of this name are described with this answer of a model, which waits for a person, and why it does
-  // among their warnings; nullptr: none waits any more. Who is there is told at once, whether there are ticks
-  // or not.
+  // Adds the proposal of a model, and the reason why it needs a decision, to the descriptions of objects of
+  // this name; null removes it. Clients are notified at once, even without ticks.
   void propose(const std::string& object, const v1::PhysicsFile* proposal);
-  // Whether anybody who is there asked for frames of this encoding.
+  // True if a streaming client requested this encoding.
   bool has_clients_for(v1::JoinRequest::Encoding encoding) const;
-  // A tick whose kernels are kept in it as `encoding`, for those who asked for that. After deliver() of it.
+  // Offers a tick with kernels of this encoding to the clients that requested it. Call after deliver().
   void deliver_kernels(std::shared_ptr<const TickEncodings> tick, v1::JoinRequest::Encoding encoding);
-  // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long;
-  // sees to it that the others on_input something.
+  // Ends silent streams, drops timed-out sessions and sends keepalives to the others.
   void sweep(int64_t now_ns);
 
-  // The scene, for who has no session. Unavailable before open and after close.
+  // The scene, for callers without a session. Unavailable before open() and after close().
   struct Described {
     std::string scene;
     double rate_hz = 0;
-    uint64_t event_number = 0;  // births, deaths and changes so far
+    uint64_t event_number = 0;  // added, removed and changed objects so far
     std::vector<Object> objects;
   };
   Result<Described> described() const;
-  Object object(std::string_view name) const;  // nullptr if unknown
+  Object object(std::string_view name) const;  // null if unknown
   std::vector<std::string> object_names() const;
-  // Of what clients may fetch now.
+  // Hashes of the assets that clients may fetch.
   std::set<std::string> asset_hashes() const;
   std::vector<std::shared_ptr<ClientSession>> sessions_now() const;
-  // Nothing of a session that may only look, and nothing once it was removed.
+  // Forwards input. Ignored for sessions without INTERACT and for removed sessions.
   void on_input(const ClientSession& session, std::span<const InputSample> samples);
 
   struct Status {
     std::string scene;
     double rate_hz = 0;
     uint64_t tick = 0;
-    size_t objects = 0, clients = 0, streaming = 0;  // clients: parked ones too
+    size_t objects = 0, clients = 0, streaming = 0;  // clients includes parked ones
     bool open = false;
   };
   Status status() const;
@@ -117,11 +114,12 @@ class SessionTable {
   struct Totals {
     uint64_t sessions = 0, frames_sent = 0, frames_replaced = 0;
   };
-  Totals totals() const;  // over sessions that have ended
+  Totals totals() const;  // of ended sessions
 
  private:
-  Object with_proposal(Object object) const;  // under the lock
-  // Tells everybody, under the lock; adds those who do not read, to be cut off without it, to the list.
+  Object with_proposal(Object object) const;  // mutex_ must be held
+  // Adds events to all sessions; mutex_ must be held. Sessions that do not read are appended to `stalled`, to
+  // be aborted without the lock.
   struct StalledSession {
     std::shared_ptr<ClientSession> session;
     ClientSession::Stream stream;
@@ -137,26 +135,26 @@ class SessionTable {
   size_t max_sessions_ = kDefaultSessions;
   mutable std::mutex mutex_;  // guards everything below
   bool open_ = false;
-  std::string closed_reason_ = "the scene is still being built";
+  std::string closed_reason_ = "server: the scene is still loading; try again later";
   std::string scene_;
   double rate_hz_ = 0;
   uint64_t tick_ = 0;
   uint64_t event_number_ = 0;
   InputSink* inputs_ = nullptr;
-  std::vector<Object> objects_;                       // the environment first
+  std::vector<Object> objects_;                       // environment first
   std::shared_ptr<const ObjectReaches> reaches_;      // of objects_
-  std::map<std::string, v1::PhysicsFile> proposals_;  // by the object's name
+  std::map<std::string, v1::PhysicsFile> proposals_;  // by object name
   std::map<std::string, std::shared_ptr<ClientSession>, std::less<>> sessions_;
   SessionNumber next_number_ = 1;
   int64_t grants_checked_ns_ = 0;
-  // Streams of the last two seconds, oldest first. None of them is looked at again.
+  // Streams of the last two seconds, oldest first; each is checked once.
   struct Begun {
     std::weak_ptr<SessionWriter> writer;
     int64_t begun_ns = 0;
   };
   std::deque<Begun> begun_;
-  // Streams that were told to end, and when: one that is amid a write which its client does not read is cut
-  // off.
+  // Streams that are ending, and since when. A stream whose client does not read the current write is
+  // aborted.
   struct Ending {
     std::weak_ptr<SessionWriter> writer;
     int64_t told_ns = 0;

@@ -19,7 +19,7 @@ void HandControls::apply(Scene& scene, SessionNumber session, const InputSample&
   for (size_t i = 0; i < hands.size(); ++i) {
     Hand& hand = hands[i];
     const HandSample& input = sample.hands[i];
-    if (!input.active) {  // a hand that is lost from view holds nothing
+    if (!input.active) {  // an untracked hand releases its object
       release_hand(scene, spring_id(session, i), hand);
       hand.triggered = hand.shooting = hand.squeezed = hand.tracked = false;
       continue;
@@ -39,8 +39,7 @@ void HandControls::apply(Scene& scene, SessionNumber session, const InputSample&
 void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const HandSample& input) {
   const bool pressed = input.trigger > (hand.triggered ? kTriggerReleased : kTriggerPressed);
   World& world = scene.world();
-  if (pressed && !hand.triggered &&
-      !hand.grabbing) {  // cast once: a ray that is swept over things does not pick them up
+  if (pressed && !hand.triggered && !hand.grabbing) {  // cast once: a moving ray does not pick up objects
     if (const auto hit = world.ray_cast(input.aim.position_m, ray_direction(input.aim), kRayReach_m)) {
       hand.holding = true;
       hand.object_id = hit->object_id;
@@ -53,9 +52,9 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
   if (!pressed && hand.holding) release_hand(scene, spring, hand);
   if (!hand.holding) return;
 
-  // Of the fragment, once it has broken.
+  // The mass of the fragment after fracture.
   const double mass_kg = world.mass_at_kg(hand.object_id, hand.rest_point_m, hand.piece);
-  if (mass_kg <= 0) return;  // what never moves is not pulled
+  if (mass_kg <= 0) return;  // static objects are not pulled
   World::Spring pull = ray_spring(mass_kg);
   pull.rest_point_m = hand.rest_point_m;
   pull.piece = hand.piece;
@@ -63,9 +62,9 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
   world.set_spring(spring, hand.object_id, pull);
 }
 
-// The grip's velocity from two samples, by the client's clock as far as it is likely. Of several looks at one
-// moment, as a headset takes them while a picture is made, the last says best where the hand is, and none how
-// fast.
+// Estimates the velocity of the grip from two samples, by the client's clock if its interval is plausible. A
+// headset sends several samples per frame at nearly the same time: the last one gives the best position, but
+// no velocity.
 void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_ns) {
   const double passed_s = 1e-9 * (static_cast<double>(sampled_ns) - static_cast<double>(hand.sampled_ns));
   const bool told = hand.tracked && std::abs(passed_s) <= kMaxSampleInterval_s;
@@ -97,7 +96,7 @@ void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_n
 void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const HandSample& input) {
   const bool squeezed = input.squeeze > (hand.squeezed ? kSqueezeReleased : kSqueezePressed);
   World& world = scene.world();
-  if (squeezed && !hand.squeezed) {  // a hand that is closed already takes nothing
+  if (squeezed && !hand.squeezed) {  // a hand that is already closed grabs nothing
     if (const auto met = world.nearest(input.grip.position_m, kGrabReach_m)) {
       if (const double mass_kg = world.mass_at_kg(met->object_id, met->rest_point_m, met->piece);
           mass_kg > 0) {

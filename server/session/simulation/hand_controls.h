@@ -10,48 +10,47 @@
 #include "scene/scene.h"
 #include "session/tick/tick_result.h"
 
-// What controllers do to the world: the ray's spring, the grab and the ball shooter. The simulation's thread
-// only.
+// Applies controllers to the world: ray spring, grab and ball shooter. Simulation thread only.
 
 namespace livegs {
 
-// The trigger's threshold, and how much it must ease before the ray lets go, so that a finger that rests on
-// it does not chatter.
+// Trigger thresholds for press and release, 0..1. The difference prevents flicker when a finger rests on the
+// trigger.
 inline constexpr float kTriggerPressed = 0.5f;
 inline constexpr float kTriggerReleased = 0.4f;
 
-// A ray reaches across a room, not to the horizon.
+// Length of the ray: across a room.
 inline constexpr double kRayReach_m = 20.0;
 
-// A hand that closes takes the nearest object within this distance of its grip.
+// Maximum distance from the grip to the nearest object for a grab.
 inline constexpr double kGrabReach_m = 0.1;
 inline constexpr float kSqueezePressed = 0.5f;
 inline constexpr float kSqueezeReleased = 0.4f;
-// A thrown object goes as the hand went: its velocity is averaged over about this time, and bounded, since
-// samples come from outside.
+// Time constant of the hand velocity that a thrown object takes over. The velocity is limited by
+// kMaxHandSpeed_m_s and kMaxHandSpin_rad_s, since samples are untrusted.
 inline constexpr double kHandSmoothing_s = 0.03;
-// Between samples a hand goes on as it went, for as long as the last two were apart: a client that draws
-// slowly throws as well as one that draws fast. Those further apart than this say nothing of how it moved.
+// Longest interval between samples that gives a velocity. Between samples the hand is extrapolated for the
+// length of the last interval, so that the client's frame rate does not affect throws.
 inline constexpr double kMaxSampleInterval_s = 0.3;
-inline constexpr double kMinSampleInterval_s = 0.002;  // nor do those that are closer
+inline constexpr double kMinSampleInterval_s = 0.002;  // shortest such interval
 inline constexpr double kMaxHandSpeed_m_s = 15.0;
 inline constexpr double kMaxHandSpin_rad_s = 30.0;
 
-// An underarm throw.
+// Speed of a ball: an underarm throw.
 inline constexpr double kBallSpeed_m_s = 6.0;
-// A hand shoots no faster: a client that flickers its button cannot flood the scene.
+// Minimum time between shots of a hand, so that a client cannot flood the scene.
 inline constexpr double kMinShotInterval_s = 0.1;
 
 class HandControls {
  public:
-  // Applies one sample of a session. Balls are counted against simulated time, `now_s`.
+  // Applies one sample of a session. `now_s` is simulated time and limits the rate of shots.
   void apply(Scene& scene, SessionNumber session, const InputSample& sample, double now_s);
-  // Lets go of what a session holds; on_session_closed() also drops its state.
+  // Releases the objects held by a session; on_session_closed() also drops its state.
   void release(Scene& scene, SessionNumber session);
   void on_session_closed(Scene& scene, SessionNumber session);
-  // Lets go of an object that was taken out of the world.
+  // Releases an object that was removed from the world.
   void release_object(Scene& scene, uint32_t object_id);
-  // Nobody holds anything any more, since the scene is not to be touched.
+  // True if a hand of the session holds an object.
 
   bool holding(SessionNumber session) const;
   std::array<HeldPoint, 2> held_points(const Scene& scene, SessionNumber session) const;
@@ -63,16 +62,16 @@ class HandControls {
     bool holding = false;
     bool shooting = false;
     bool squeezed = false;
-    bool grabbing = false;  // in place of the ray's holding
-    bool tracked = false;   // grip and the two below are of the sample before
+    bool grabbing = false;  // grabbed; excludes holding by the ray
+    bool tracked = false;   // grip, sampled_ns and velocities are from the previous sample
     Pose grip;
     int64_t sampled_ns = 0;
-    double extrapolation_s = 0;  // until the next sample is likely
+    double extrapolation_s = 0;  // expected time until the next sample
     Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
     uint32_t object_id = 0;
     Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();
-    std::optional<uint32_t> piece;  // of the fragment the ray met
-    double distance_m = 0;          // along the ray, where the point was met
+    std::optional<uint32_t> piece;  // fragment hit by the ray
+    double distance_m = 0;          // distance of the hit along the ray
     double last_shot_s = -1e9;
   };
   using Hands = std::array<Hand, 2>;

@@ -11,17 +11,19 @@
 
 namespace livegs {
 
-// A client is untrusted: nothing of a message reaches the world before it has passed here.
-inline constexpr int kMaxSamplesPerMessage = 8;  // a client sends three
+// Validation of client messages. Clients are untrusted: only checked values reach the world.
+inline constexpr int kMaxSamplesPerMessage = 8;  // a client sends three per message
 inline constexpr double kMaxHandPosition_m = 1000.0;
 
-// The samples of a message, oldest first. Refused, with the field's name: a number that is not finite, a
-// position out of the bound above, a vector of the wrong length, a quaternion that is no rotation (norm off
-// by over 1 %), trigger or squeeze outside 0..1, sequences that do not rise, more samples than the bound.
+// The samples of a message, oldest first. Fails with the field's name for:
+//   - a number that is not finite, or a position outside kMaxHandPosition_m;
+//   - a vector of the wrong length, or a quaternion whose norm differs from 1 by more than 1 %;
+//   - trigger or squeeze outside 0..1;
+//   - sequences that do not increase, or more than kMaxSamplesPerMessage samples.
 Result<std::vector<InputSample>> check_inputs(const v1::ClientMessage& message);
 
-// What the client looks at, if the message says. Refused likewise: an eye out of the bound above, a direction
-// whose length is off 1 by over 1 %, an angle outside 0..pi.
+// The view of the client, if the message contains one. Fails likewise for a position outside
+// kMaxHandPosition_m, a direction whose length differs from 1 by more than 1 %, or an angle outside 0..pi.
 Result<std::optional<ViewCone>> check_view(const v1::ClientMessage& message);
 
 }  // namespace livegs

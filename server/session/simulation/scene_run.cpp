@@ -12,7 +12,7 @@ void apply(Scene& scene, const v1::SceneChange& change) {
     scene.apply_force(change.force());
   } else if (change.has_set_physics()) {
     const std::string& name = change.set_physics().object();
-    const SceneObject* object = scene.find(name);  // by name: a reset gives new ids
+    const SceneObject* object = scene.find(name);  // by name: a reset assigns new ids
     if (!object) return;
     const auto set = scene.set_physics(object->id, change.set_physics().physics());
     if (!set) log_warn("%s: %s", name.c_str(), set.error().message.c_str());
@@ -32,7 +32,7 @@ void SceneRun::replace(Scene next) {
   simulated_before_ns_ = simulated_ns_;
   for (const SceneObject& object : scene_.objects()) controls_.release_object(scene_, object.id);
   replaced_.assign(known_ids_.begin(), known_ids_.end());
-  (void)next.take_changes();  // all of it is new
+  (void)next.take_changes();  // every object of the scene is new
   scene_ = std::move(next);
   scene_is_new_ = true;
 }

@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-// A scene of one tick a second still stops at once.
+// Longest sleep, so that a loop with a low tick rate stops promptly.
 constexpr int64_t kMaxSleep_ns = 50'000'000;
 
 }  // namespace
@@ -128,7 +128,7 @@ std::vector<v1::SceneChange> SimulationLoop::take_next_scene() {
     ++run_.resets;
   }
   scene_run_.replace(*std::move(next));
-  log_info("reset: %zu objects are as they were loaded", scene().objects().size());
+  log_info("reset: %zu objects reloaded", scene().objects().size());
   return changes;
 }
 
@@ -181,7 +181,7 @@ TickActions SimulationLoop::take_actions(std::vector<v1::SceneChange> changes) {
 void SimulationLoop::log_every_second(int64_t stepped_ns) {
   if (stepped_ns - logged_ns_ < 1'000'000'000) return;
   const SimulationSummary now = summary();
-  log_debug("simulation: tick %llu, %.1f a second, step p50 %.2f ms p99 %.2f ms, %llu late, %llu slips",
+  log_debug("simulation: tick %llu, %.1f per second, step p50 %.2f ms p99 %.2f ms, %llu late, %llu slips",
             static_cast<unsigned long long>(scene().world().tick()),
             static_cast<double>(now.ticks - logged_ticks_) / seconds_from_ns(stepped_ns - logged_ns_),
             now.step_ms_p50, now.step_ms_p99, static_cast<unsigned long long>(now.late_ticks),

@@ -17,65 +17,64 @@
 
 namespace livegs {
 
-// A session that was silent for so long holds nothing any more.
+// A session without input for this time releases its objects.
 inline constexpr int64_t kInputTimeout_ns = 500'000'000;
 
-// A sample that is meant for a tick further ahead is not believed and goes into the next.
+// A sample for a tick further ahead than this is applied at the next tick.
 inline constexpr uint64_t kMaxTicksAhead = 30;
 
-// Samples of one session that wait for their tick. At 90 Hz a tick sees one; more wait while ticks are late
-// or the client sends ahead.
+// Waiting samples per session. At 90 Hz a tick consumes one; more wait while ticks are late or if the client
+// sends ahead. The oldest are dropped.
 inline constexpr size_t kMaxWaitingSamples = 64;
 
-// A tick that starts later than this many periods gives up the schedule: time slips, and no burst of ticks
-// follows.
+// A tick that starts later than this many periods resets the schedule, so that no burst of ticks follows.
 inline constexpr int kMaxPeriodsBehind = 2;
 
 struct SimulationSummary {
   uint64_t ticks = 0;
-  uint64_t late_ticks = 0;  // whose step was not done before the next tick was due
-  uint64_t slips = 0;       // times the schedule was given up
+  uint64_t late_ticks = 0;  // finished after the next tick was due
+  uint64_t slips = 0;       // resets of the schedule
   double run_s = 0;
   double step_ms_p50 = 0, step_ms_p99 = 0, step_ms_max = 0, step_ms_total = 0;
   uint64_t shots = 0;
 };
 
-// Runs a Scene on a thread of its own, at the scene's rate against an absolute schedule. Inputs come by
-// queue, ticks go out as values: nothing in here waits for a client.
+// Runs a Scene on its own thread, at the scene's rate on an absolute schedule. Inputs are queued and ticks
+// are values: nothing blocks on a client.
 //
-// A failed allocation ends the process: scene_memory.h refuses scenes that do not fit, and a restarted server
-// gets its clients back.
+// A failed allocation ends the process: scene_memory.h refuses scenes that do not fit, and clients resume
+// after a restart.
 class SimulationLoop : public InputSink {
  public:
-  // `sink` outlives the loop. `observe`, if given, sees the scene after each step, on the loop's thread.
+  // `sink` must outlive the loop. `observe`, if given, is called with the scene after each step, on the
+  // loop's thread.
   SimulationLoop(Scene scene, TickSink& sink, std::function<void(const Scene&)> observe = {});
   ~SimulationLoop() override;
 
   void start();
-  void stop();  // returns when the tick that is running is done; more than once is fine
+  void stop();  // returns after the current tick; may be called more than once
 
   void on_input(SessionNumber session, std::span<const InputSample> samples) override;
   void on_session_closed(SessionNumber session) override;
 
-  // From the first tick on; it outlives the loop. Before start().
+  // Records from the first tick on. `recorder` must outlive the loop. Call before start().
   void record_with(TickRecorder& recorder) { recorder_ = &recorder; }
 
-  // Changes the scene at the beginning of the next tick, on the loop's thread, in the order of the calls. Any
-  // thread; returns at once. What is posted after the last tick is dropped.
+  // Queues a change for the next tick, in the order of the calls. Any thread; returns at once. Changes after
+  // the last tick are dropped.
   void post(v1::SceneChange change);
 
-  // Halted, ticks go on with the same drivers, inputs and changes are taken, and nothing moves.
+  // While paused, ticks continue with unchanged drivers: inputs and changes are accepted, nothing moves.
   void pause(bool paused);
-  void step_paused(uint32_t ticks);  // halts after this many more ticks
-  // What clients are told: a scene is being loaded, or why that failed.
+  void step_paused(uint32_t ticks);  // pauses after this many more ticks
+  // Sets the status for clients: loading, or the reason of a failure.
   void set_loading(bool loading, std::string message);
-  // At the next tick this scene takes the place of the one that runs, before anything that was posted and
-  // before `changes`, which come after that; what is posted from now on goes to it. Its ids are all new;
-  // ticks and the clients' simulated time go on.
+  // Replaces the scene at the next tick, before any posted change. `changes` are applied after the changes
+  // posted so far; later ones go to the new scene. All ids are new; ticks and simulated time continue.
   void replace(Scene scene, std::vector<v1::SceneChange> changes = {});
   RunStatus run_status() const;
 
-  // Precondition: not running.
+  // Precondition: the loop is not running.
   const Scene& scene() const { return scene_run_.scene(); }
   SimulationSummary summary() const;  // any thread
 
@@ -83,26 +82,26 @@ class SimulationLoop : public InputSink {
   struct Mailbox {
     std::deque<InputSample> samples;
     int64_t heard_ns = 0;
-    uint64_t seen_sequence = 0;  // the newest ever put in
+    uint64_t seen_sequence = 0;  // newest sequence received
   };
 
   void run();
   void tick();
-  // What was posted up to the moment at which the scene of this tick was settled.
+  // Takes the posted changes and, if there is one, the next scene.
   std::vector<v1::SceneChange> take_next_scene();
   TickActions take_actions(std::vector<v1::SceneChange> changes);
-  // Of a session's samples those whose tick has come, and all before them.
+  // Removes and returns the samples that are due at `tick`, and all before them.
   static std::vector<InputSample> due(std::deque<InputSample>& samples, uint64_t tick);
   void log_every_second(int64_t now_ns);
 
-  SceneRun scene_run_;  // the loop's thread only
+  SceneRun scene_run_;  // loop thread only
   TickSink& sink_;
   std::function<void(const Scene&)> observe_;
   TickRecorder* recorder_ = nullptr;
 
   mutable std::mutex mutex_;  // guards everything down to closed_sessions_
   RunStatus run_;
-  uint32_t steps_left_ = 0;  // while halted
+  uint32_t steps_left_ = 0;  // while paused
   std::optional<Scene> next_scene_;
   std::vector<v1::SceneChange> posted_;
   std::map<SessionNumber, Mailbox> mailboxes_;
@@ -115,7 +114,7 @@ class SimulationLoop : public InputSink {
   uint64_t shots_ = 0;
   int64_t started_ns_ = 0, ended_ns_ = 0;
 
-  int64_t logged_ns_ = 0;  // the loop's thread only
+  int64_t logged_ns_ = 0;  // loop thread only
   uint64_t logged_ticks_ = 0;
 
   std::atomic<bool> stopping_{false};

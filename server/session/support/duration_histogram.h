@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// Percentiles of positive numbers over days in 12 kB: bins 2 % wide from 1e-4 to 1e9, the middle (in the
-// logarithm) of a bin being its answer, so an answer is within 1 % of a value that was added. Not locked.
+// Percentiles of positive values in constant memory (12 kB). Bins are 2 % wide, from 1e-4 to 1e9. The result
+// is the geometric middle of a bin, so it is within 1 % of a recorded value. Not locked.
 class DurationHistogram {
  public:
   void add(double value) {
@@ -21,7 +21,7 @@ class DurationHistogram {
     largest_ = std::max(largest_, value);
   }
 
-  // `share` in 0..1; 0 when nothing was added.
+  // `share` is in 0..1. Returns 0 if there are no values.
   double percentile(double share) const {
     const uint64_t rank = static_cast<uint64_t>(share * static_cast<double>(count_));
     uint64_t seen = 0;

@@ -23,7 +23,7 @@ std::string redact_paths(std::string_view message) {
       end = std::min(end, message.find(stop, at + 1));
     const std::string_view path = message.substr(at, end - at);
     const size_t slash = path.find_last_of('/', path.find_last_not_of('/'));
-    // A slash alone is no path.
+    // A single slash is not a path.
     told +=
         slash == std::string_view::npos || path.size() < 2 || path[1] == ' ' ? path : path.substr(slash + 1);
     at = end;

@@ -6,10 +6,9 @@
 
 namespace livegs {
 
-// A message as a client may read it: of every absolute path its last part alone, since where a server keeps
-// its files is nobody's business. A path begins where a word does and ends before ": ", a quote, "; ", " /"
-// or the end, so folders with spaces in their names go too. Who tells a client so has the log keep the
-// message as it was.
+// The message with every absolute path reduced to its last component, so that clients do not see the server's
+// folders. A path starts at the start of a word and ends before ": ", a quote, "; ", " /" or the end, so
+// folder names with spaces are removed too. The caller logs the full message.
 std::string redact_paths(std::string_view message);
 
 }  // namespace livegs

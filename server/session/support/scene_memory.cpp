@@ -19,25 +19,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The constants are counted from the types, on the low side: a value that is too large refuses scenes that
-// would fit, one that is too small only lets the machine run out of memory. `pull_soak` holds 169 MB with the
-// sample scene, without clients.
+// Estimates from the sizes of types, on the low side. A value that is too large refuses scenes that would
+// fit. A value that is too small only lets the machine run out of memory.
 
-// Bytes for each kernel at the peak of loading: the decoded asset (236 with all bands of colour), its .ply
-// and its progressive form while it is encoded, and the points of its body.
+// Bytes per kernel at the peak of loading: the decoded asset (236 with all colour bands), its .ply and
+// progressive encodings, and the points of its body.
 constexpr uint64_t kKernelBytes = 800;
-// Bytes for each body: lattice, surface and its search trees, and the kernels of a shape.
+// Bytes per body: lattice, surface, search trees and the kernels of a shape.
 constexpr uint64_t kBodyBytes = 8u << 20;
-// Bytes for each client: four frames of 100 kB under way, the buffers of three connections, 64 waiting
-// events.
+// Bytes per client: four frames of 100 kB in flight, the buffers of three connections and 64 waiting events.
 constexpr uint64_t kClientBytes = 1u << 20;
-// Bytes for the process without a scene: code, gRPC with its threads, tables of materials.
+// Bytes of the process without a scene: code, gRPC with its threads, material tables.
 constexpr uint64_t kServerBytes = 48u << 20;
 
-// The usual size of a kernel in a file, bytes. The smallest usual one, so that kernels are rather over- than
-// undercounted.
+// Bytes of a kernel in a file: the smallest usual value, so that kernels are overestimated.
 constexpr uint64_t kSplatBytes = 32, kSpzBytes = 16, kSogBytes = 10;
-// A header of a .ply has about twenty lines a band of colour.
+// A .ply header has about twenty lines per colour band.
 constexpr size_t kMaxHeaderBytes = 16u << 10;
 
 std::optional<uint64_t> number_after(std::string_view text, std::string_view key) {
@@ -102,7 +99,7 @@ constexpr std::array<GroupFiles, 2> kHierarchies{
 
 uint64_t left_in_group(const fs::path& group, const GroupFiles& files) {
   constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
-  const auto limit = number_after(read_text(group / files.limit, kMaxStateBytes), "");  // "max" is none
+  const auto limit = number_after(read_text(group / files.limit, kMaxStateBytes), "");  // "max": no limit
   const auto used = number_after(read_text(group / files.used, kMaxStateBytes), "");
   if (!limit || !used) return kNoLimit;
   const uint64_t reclaimable =
@@ -111,8 +108,8 @@ uint64_t left_in_group(const fs::path& group, const GroupFiles& files) {
   return *limit - std::min(*limit, held);
 }
 
-// A limit of a group holds for all groups below it. In a container the group's own folder may be the root of
-// the mount.
+// A group's limit applies to all groups below it. In a container the group's own folder may be the mount
+// root.
 uint64_t left_in_groups(const fs::path& root) {
   uint64_t left = std::numeric_limits<uint64_t>::max();
   const std::string groups = read_text(root / "proc/self/cgroup", kMaxStateBytes);

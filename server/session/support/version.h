@@ -3,7 +3,7 @@
 
 namespace livegs {
 
-// As in the top-level CMakeLists.txt, which passes it in.
+// Set by the top-level CMakeLists.txt.
 inline constexpr const char* kVersion = LIVEGS_VERSION;
 
 }  // namespace livegs

@@ -7,13 +7,12 @@
 
 namespace livegs {
 
-// What clients may do to the course of a running scene. Any thread; no call waits for the simulation or for a
-// scene that is loaded.
+// Run operations of clients on a running scene. Any thread; no call blocks on the simulation or on loading.
 class RunControl {
  public:
   virtual ~RunControl() = default;
   virtual Result<RunStatus> control(const v1::ControlRunRequest& request) = 0;
-  // On an object that is there.
+  // The object must exist.
   virtual Result<void> apply_force(const v1::Event::Force& force) = 0;
 };
 

@@ -12,79 +12,76 @@
 #include "scene/scene.h"
 #include "skin/driver_frame.h"
 
-// The seam between the simulation, which knows no client, and the service, which knows no body. Values go
-// through it in both directions; neither side waits for the other.
+// The interface between the simulation, which has no notion of clients, and the service, which has no notion
+// of bodies. Values are passed in both directions; neither side blocks on the other.
 
 namespace livegs {
 
-// The server's own number for a session: never sent, never used twice.
+// The server's internal number of a session: never sent, never reused.
 using SessionNumber = uint64_t;
 
-// What one hand of a session holds, for the ray and the force arrow.
+// The point that one hand of a session holds, for the ray and the force arrow.
 struct HeldPoint {
   bool holding = false;
   uint32_t object_id = 0;
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  // now, world frame
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  // current, world frame
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
-  bool grabbed = false;  // in the hand, not on the ray
+  bool grabbed = false;  // grabbed, not pulled by the ray
   Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();
-  double contact_impulse_n_s = 0;  // that contacts gave the object in this tick
+  double contact_impulse_n_s = 0;  // contact impulse on the object in this tick
 };
 
 struct SessionHands {
   SessionNumber session = 0;
-  uint64_t input_sequence = 0;  // the newest sample applied
+  uint64_t input_sequence = 0;  // newest applied sample
   std::array<HeldPoint, 2> hands;
 };
 
-// What the simulation does.
+// State of the simulation.
 struct RunStatus {
   bool paused = false;
-  bool loading = false;  // a reset is under way
+  bool loading = false;  // a reset is in progress
   uint32_t resets = 0;
-  double simulated_s = 0;  // since the scene was loaded
-  std::string message;     // why the last reset failed
+  double simulated_s = 0;  // since the current scene was loaded
+  std::string message;     // reason for the last failed reset
 };
 
-// Everything one tick left behind.
+// The result of one tick.
 struct TickResult {
   DriverFrame drivers;
-  int64_t stepped_ns = 0;  // when the step was done
+  int64_t stepped_ns = 0;  // end of the step
   double step_ms = 0;
   RunStatus run;
-  bool scene_is_new = false;       // it took the place of another: all of it is added, all of that removed
+  bool scene_is_new = false;       // scene replaced: `added` has all new objects, `removed` all old ones
   std::vector<SceneObject> added;  // since the tick before
   std::vector<uint32_t> removed;
-  std::vector<SceneObject> changed;  // broke, were cut, or had their physics set; as they are now
-  std::vector<SessionHands> hands;   // ascending session
-  std::vector<uint32_t>
-      cuts;  // fragile objects whose pieces were done, in the order in which the step took them
+  std::vector<SceneObject> changed;  // fractured, cut or with new physics; current state
+  std::vector<SessionHands> hands;   // ordered by session
+  std::vector<uint32_t> cuts;        // fragile objects whose pieces became ready, in order
 };
 
-// Takes ticks, on the simulation's thread, and returns at once.
+// Receives ticks on the simulation thread; returns at once.
 class TickSink {
  public:
   virtual ~TickSink() = default;
   virtual void publish(TickResult&& tick) = 0;
 };
 
-// Takes what each tick took from outside and what it left behind, on the simulation's thread, and returns at
-// once.
+// Records the inputs and the result of each tick. Called on the simulation thread; returns at once.
 class TickRecorder {
  public:
   virtual ~TickRecorder() = default;
   virtual void record(const TickActions& actions, const TickResult& tick, const Scene& scene) = 0;
 };
 
-// Takes what clients do. Any thread, one at a time; returns at once and calls nobody who asks the session
-// table.
+// Receives client input. Any thread, one call at a time; returns at once and must not call the session table.
 class InputSink {
  public:
   virtual ~InputSink() = default;
-  // A sign of life of a session, with the samples it brought: oldest first, each already checked, repeated
-  // ones welcome (a sequence that was seen before is skipped).
+  // Resets the input timeout of the session and queues its samples, oldest first and already validated.
+  // Samples with a sequence that was already received are skipped.
   virtual void on_input(SessionNumber session, std::span<const InputSample> samples) = 0;
-  // The session is gone; what it held is let go. It is not heard any more.
+  // The session has ended: releases its held objects. No further input of it may follow.
   virtual void on_session_closed(SessionNumber session) = 0;
 };
 

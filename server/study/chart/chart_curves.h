@@ -11,34 +11,34 @@
 namespace livegs::study {
 
 struct CurvePoint {
-  int substeps = 0;      // a frame
-  double cost_ms = 0.0;  // of processor time a simulated second
-  double error = 0.0;    // infinite when the run did not stay finite
+  int substeps = 0;      // per frame
+  double cost_ms = 0.0;  // processor time per simulated second
+  double error = 0.0;    // infinite if the run diverged
 };
 
-// One method over substeps, from few to many.
+// One method over substeps, ascending.
 struct Curve {
   std::string label;  // "cells, 25 mm"
   std::vector<CurvePoint> points;
 
-  // The cheapest point within the bar; nothing where there is none.
+  // The cheapest point within the bar; empty if there is none.
   std::optional<CurvePoint> cheapest_within(double bar) const;
   CurvePoint best() const;  // smallest error
 };
 
-// A figure is several panels side by side, or one.
+// One panel of a figure; panels are side by side.
 struct Panel {
-  std::string name;   // for the page: "1e+05 Pa"
-  std::string title;  // above the panel, gnuplot's enhanced text: "E = 10^{5} Pa"
+  std::string name;   // name on the page: "1e+05 Pa"
+  std::string title;  // above the panel, in gnuplot's enhanced text: "E = 10^{5} Pa"
   std::string quantity;
-  std::string unit;  // of errors: "relative" and "absolute" are shown in percent
+  std::string unit;  // unit of errors: "relative" and "absolute" are shown in percent
   double bar = 0.0;
   std::vector<Curve> curves;
-  std::optional<CurvePoint> chosen;  // what the program takes by itself
+  std::optional<CurvePoint> chosen;  // the cells and substeps chosen by the program
   ElasticAccuracy chosen_accuracy;
 };
 
-// One panel a modulus, curves in the order they were run. Precondition: the scene measures `quantity`.
+// One panel per modulus, curves in run order. Precondition: the scene measures `quantity`.
 std::vector<Panel> panels_of(const ChartScene& scene, const std::string& quantity,
                              const std::vector<ChartRow>& rows);
 

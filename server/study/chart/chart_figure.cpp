@@ -14,9 +14,10 @@
 namespace livegs::study {
 namespace {
 
-// Okabe and Ito's colours, told apart by the colour-blind; the width of `cells` is told by shade and symbol.
+// Colours of Okabe and Ito, which are distinguishable with colour blindness. Shade and symbol show the width
+// of `cells`.
 struct Style {
-  const char* prefix;  // of the curve's label
+  const char* prefix;  // prefix of the curve's label
   const char* colour;
   int dash, symbol;
   double line;
@@ -44,14 +45,14 @@ Style style_of(const std::string& label) {
   return {"", "#444444", 3, 1, 1.0};
 }
 
-// Inside single quotes gnuplot wants a quote twice.
+// Doubles quotes, as gnuplot requires inside single quotes.
 std::string quoted(const std::string& text) {
   std::string twice;
   for (const char c : text) twice += c == '\'' ? "''" : std::string(1, c);
   return twice;
 }
 
-// "youngs_modulus" as one says it.
+// "youngs_modulus" in readable form.
 std::string words(std::string quantity) {
   std::replace(quantity.begin(), quantity.end(), '_', ' ');
   return quantity;
@@ -64,7 +65,7 @@ struct Range {
 };
 constexpr Range kPercentRange{1e-5, 20.0};
 
-// From the least error drawn to the largest, the bar inside, and at most four decades below it.
+// The range of drawn errors, including the bar and at most four decades below it.
 Range error_range(const Panel& panel) {
   Range range{panel.bar, panel.bar};
   for (const Curve& curve : panel.curves) {
@@ -136,7 +137,7 @@ void plot_panel(std::FILE* out, const Figure& figure, size_t index, const Range&
   std::fprintf(out, "\n");
 }
 
-// A strip without axes that holds the names of the curves.
+// A strip without axes with the names of the curves.
 void plot_key(std::FILE* out, const Figure& figure) {
   const Panel& panel = figure.panels.front();
   std::fprintf(
@@ -152,8 +153,7 @@ void plot_key(std::FILE* out, const Figure& figure) {
                  style.colour, style.dash, style.symbol, style.line, curve.label.c_str());
   }
   if (panel.chosen) {
-    std::fprintf(out,
-                 "NaN with points pt 3 ps 1.3 lw 2.4 lc rgb '#B00020' title 'what the program chooses', ");
+    std::fprintf(out, "NaN with points pt 3 ps 1.3 lw 2.4 lc rgb '#B00020' title 'chosen by the program', ");
   }
   std::fprintf(out, "NaN with lines dt 3 lw 1.2 lc rgb '#444444' title '%s'\n",
                figure.same_axis ? bar_text(panel).c_str() : "bar");
@@ -164,8 +164,8 @@ void plot_key(std::FILE* out, const Figure& figure) {
 Figure elastic_figure(const ChartScene& scene, std::vector<Panel> panels) {
   char settings[256];
   std::snprintf(settings, sizeof settings,
-                "density 1000 kg/m^3, nu %g, 60 Hz; each curve from few substeps a frame to many, numbered "
-                "on the thick one",
+                "density 1000 kg/m^3, nu %g, 60 Hz; each curve from few to many substeps per frame, "
+                "numbered on the thick curve",
                 scene.poisson_ratio);
   const std::string quantity = panels.empty() ? "" : words(panels.front().quantity);
   return {scene.title + ", " + quantity, settings, std::move(panels), true};
@@ -176,7 +176,7 @@ Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg)
   if (panels.empty()) return {};
   const std::string path = svg.string();
   if (path.find_first_of("'\n") != std::string::npos) {
-    return invalid_argument(path + ": a quote in the path; choose another --output");
+    return invalid_argument(path + ": the path contains a quote; choose another --output");
   }
   Range costs{1e300, 0.0};
   for (const Panel& panel : panels) {
@@ -196,7 +196,7 @@ Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg)
   std::fprintf(out,
                "set multiplot\nset logscale xy\nset grid xtics ytics lc rgb '#e4e4e4'\nunset key\n"
                "set tmargin at screen 0.825\nset bmargin at screen 0.285\nset tics font ',10'\n"
-               "set format x '10^{%%T}'\nset xlabel 'ms of CPU a simulated second' offset 0,0.4\n");
+               "set format x '10^{%%T}'\nset xlabel 'ms of CPU per simulated second' offset 0,0.4\n");
   std::fprintf(out, "set label 1 '%s' at screen 0.02,0.965 font ',14' noenhanced\n",
                quoted(figure.title).c_str());
   std::fprintf(out, "set label 2 '%s' at screen 0.02,0.925 font ',10' tc rgb '#555555'\n",
@@ -214,7 +214,7 @@ Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg)
   std::error_code ignored;
   std::filesystem::remove(script, ignored);
   if (!drawn_well)
-    return Error{ErrorCode::Unavailable, "gnuplot did not draw " + path + "; install gnuplot-nox"};
+    return Error{ErrorCode::Unavailable, "gnuplot: could not draw " + path + "; install gnuplot-nox"};
   return {};
 }
 

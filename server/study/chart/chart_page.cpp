@@ -15,7 +15,7 @@ std::string modulus(double pa) { return format_text("%.0e Pa", pa); }
 
 std::string percent(double error) { return error_text(error, "relative"); }
 
-// How far a method's figure moves over substeps: the smallest and largest E_app / E of livegs-v1 in tension.
+// The spread of livegs-v1 over substeps: smallest and largest E_app / E in tension.
 std::string v1_spread(const std::vector<ChartRow>& rows) {
   std::string words;
   for (const Engine engine : {Engine::LivegsV1, Engine::LivegsV1Steady}) {
@@ -43,12 +43,11 @@ std::string v1_spread(const std::vector<ChartRow>& rows) {
     if (each.empty()) continue;
     words +=
         engine == Engine::LivegsV1
-            ? "`livegs-v1` blends toward its goals by the same share every substep, so its stiffness is that "
-              "of the "
-              "substep count: over " +
+            ? "`livegs-v1` blends towards its goals by a constant share per substep, so its stiffness "
+              "depends on the substep count: over " +
                   std::to_string(substeps.first) + " to " + std::to_string(substeps.second) +
-                  " substeps E_app / E goes from" + each + ".\n"
-            : "`livegs-v1 steady`, whose blend is converted once to a stiffness at 1/240 s:" + each + ".\n";
+                  " substeps E_app / E ranges over" + each + ".\n"
+            : "`livegs-v1 steady`, with a blend converted once to a stiffness at 1/240 s:" + each + ".\n";
   }
   return words;
 }
@@ -85,18 +84,15 @@ std::string table(const std::vector<ChartRow>& rows) {
     }
   }
   if (words.empty()) return words;
-  return "## What each modulus gets\n\nAt the scene's 4 substeps and the default budget, cells and substeps "
-         "left to the "
-         "program. The bar of 0.4 x 0.1 x 0.1 m, particles 25 mm apart, nu 0.3 in tension and 0 in "
-         "ring-down.\n\n"
-         "| Hz | E asked for | cells | substeps | Courant | band | predicted E_app / E | measured | nu "
-         "measured (0.3) | "
-         "ring-down f | amplitude left | us a frame | `livegs-v1`, E_app / E |\n"
-         "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
+  return "## Results by modulus\n\n4 substeps requested, default budget, cells and substeps chosen by the "
+         "program. Bar of 0.4 x 0.1 x 0.1 m, particles 25 mm apart, nu 0.3 in tension and 0 in "
+         "ring-down.\n\n| Hz | requested E | cells | substeps | Courant | band | predicted E_app / E | "
+         "measured | nu measured (0.3) | ring-down f | amplitude left | us per frame | `livegs-v1`, E_app "
+         "/ E |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
          words + "\n";
 }
 
-// What a longitudinal pulse does at one step and another.
+// A table of longitudinal pulses at different steps, with an explanation.
 std::string pulse_remark(const std::vector<ChartRow>& rows) {
   constexpr double kVeryShort = 0.1;  // Courant number
   std::string lines;
@@ -110,29 +106,25 @@ std::string pulse_remark(const std::vector<ChartRow>& rows) {
     lines += format_text("| %s | %.3g mm | %s%d | %.2f | %s | %s | %.2f |\n",
                          modulus(row.setup.youngs_modulus_pa).c_str(), 1e3 * a.cell_width_m,
                          row.setup.cells.choose ? "chosen: " : "", a.substeps, a.courant, name_of(a.band),
-                         std::isfinite(speed) ? format_text("%.3f", speed).c_str() : "does not arrive",
+                         std::isfinite(speed) ? format_text("%.3f", speed).c_str() : "not measured",
                          row.outcome["height"].measured);
   }
   if (lines.empty()) return lines;
   const std::string overshoot = tallest > 1.0
                                     ? format_text(
-                                          " In very short steps (Courant number under %.1f) its height "
-                                          "overshoots, by %.0f %% at most, although the body is "
-                                          "called exact: that is said of the stiffness, not of a front.",
+                                          " With very short steps (Courant number under %.1f) its height "
+                                          "overshoots by up to %.0f %%, although the body is called exact:"
+                                          " this refers to the stiffness, not to a wave front.",
                                           kVeryShort, 100.0 * (tallest - 1.0))
                                     : std::string();
-  return "## A pulse in a thin bar\n\nA bump of velocity, 0.4 m wide at its foot, in the middle of a free "
-         "bar of 2.4 x 0.1 x "
-         "0.1 m at 60 Hz parts into two halves, which should travel at sqrt(E / rho) and keep their height. "
-         "A sweep "
-         "carries a stress little more than one cell a substep: at a step that resolves the wave (Courant "
-         "number well "
-         "under 1), in cells much narrower than the bump, the pulse is right; at the scene's 4 substeps a "
-         "stiff bar's pulse "
-         "comes early or late and flat, or not at all before its echo would. The cells that this bar chooses "
-         "are for its "
-         "stiffness and nearly as wide as the bump: no step makes its pulse right there, it comes late and "
-         "flat. A body that hangs, stands or is pressed does not care; one that is struck shows it." +
+  return "## A pulse in a thin bar\n\nA velocity pulse, 0.4 m wide at its foot, starts in the middle of a "
+         "free bar of 2.4 x 0.1 x 0.1 m at 60 Hz. It splits into two halves, which should travel at sqrt(E"
+         " / rho) and keep their height. One Gauss-Seidel pass transports a stress little more than one "
+         "cell per substep. The pulse is right if the step resolves the wave (Courant number well under 1)"
+         " and the cells are much narrower than the pulse. With the default 4 substeps, the pulse of a "
+         "stiff bar is early or late and flat, or missing before its echo. The cells chosen for this bar "
+         "fit its stiffness and are nearly as wide as the pulse, so no step gives the right pulse. This "
+         "matters for struck bodies, not for hanging, standing or pressed ones." +
          overshoot +
          "\n\n"
          "| E | cells | substeps | Courant | band | speed over sqrt(E / rho) | height kept "
@@ -145,26 +137,18 @@ std::string pulse_remark(const std::vector<ChartRow>& rows) {
 std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how,
                        const std::string& version) {
   std::string page =
-      "# Accuracy against cost\n\nMade by `livegs chart" + (how.empty() ? std::string() : " " + how) +
+      "# Accuracy and cost\n\nGenerated by `livegs chart" + (how.empty() ? std::string() : " " + how) +
       "`, version " + version +
-      ". Every figure here was measured in this one run, in one process; `chart.csv` has all of it, one line "
-      "a "
-      "measurement, with every setting. Costs are processor time of substeps and ends of frames on one core "
-      "of a machine "
-      "that does other things as well: compare them with each other, not with another day's.\n\n"
-      "Methods: `cells` (embedded lattice of eight-node cells, BDF2, numerical compliance taken off), the "
-      "same without "
-      "either or both of these, the paper's `livegs-v1` and its steady form, and `bullet`, the deformable "
-      "body of "
-      "Bullet 3 (five tetrahedra a cube, corotated linear elasticity, implicit Euler, its own Krylov solver "
-      "as it "
-      "comes). On the curves nothing is chosen: cells and substeps are as given, however wrong. Only `cells` "
-      "is run in three "
-      "widths. BDF1 and uncompensated cells are run in cells of 25 mm only, and Bullet, which costs a "
-      "hundred times as much a "
-      "node, with cubes of 50 mm only and with at most 4 or 16 substeps: \"not within the bar\" is said of "
-      "these runs, and "
-      "nothing of other widths or more substeps.\n\n";
+      ". All figures were measured in one run, in one process; `chart.csv` contains all of them, one "
+      "measurement per line, with every setting. Costs are processor time of substeps and ends of frames "
+      "on one core of a shared machine: compare them only within this page.\n\nMethods: `cells` (embedded "
+      "lattice of eight-node cells, BDF2, compensated numerical compliance), the same without either or "
+      "both, the paper's `livegs-v1` and its steady form, and `bullet`, the deformable body of Bullet 3 "
+      "(five tetrahedra per cube, corotated linear elasticity, implicit Euler, its own Krylov solver with "
+      "default settings). On the curves, cells and substeps are fixed, not chosen. Only `cells` is run in "
+      "three widths. BDF1 and uncompensated cells are run in cells of 25 mm only. Bullet costs a hundred "
+      "times as much per node, so it is run with cubes of 50 mm and at most 4 or 16 substeps. \"Not within"
+      " the bar\" refers to these runs only.\n\n";
   page += table(rows);
   page += pulse_remark(rows);
   for (const ChartScene& scene : chart_scenes()) {
@@ -178,7 +162,7 @@ std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how
       page += "\n";
     }
     if (scene.max_bullet_substeps == 0)
-      page += "- Bullet is not run here: it has no plasticity, and is not connected to plates.\n";
+      page += "- Bullet is not run here: it has no plasticity and is not connected to plates.\n";
     if (scene.max_bullet_substeps == 0) page += "\n";
     if (scene.name == "tension") page += v1_spread(rows) + "\n";
   }

@@ -9,9 +9,9 @@
 
 namespace livegs::study {
 
-// The page in Markdown: where each method wins and loses, in words made from the rows; the table of what each
-// modulus gets; a picture a scene (NAME.svg beside it). `how` is printed as it was run ("quick" or "full"),
-// `version` too.
+// Writes the page in Markdown: a comparison of the methods generated from the rows, the table by modulus, and
+// one figure per scene (NAME.svg next to it). `how` is the kind of run ("quick" or "full"); it is printed, as
+// is `version`.
 std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how, const std::string& version);
 
 }  // namespace livegs::study

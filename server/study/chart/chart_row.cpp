@@ -35,7 +35,7 @@ std::string chart_csv(const std::vector<ChartRow>& rows) {
   for (const ChartRow& row : rows) {
     const ElasticAccuracy& a = row.outcome.accuracy;
     const Cost& cost = row.outcome.cost;
-    // What a substep works on: nodes, or particles where there are none.
+    // Unit of work of a substep: nodes, or particles for solvers without nodes.
     const double work =
         static_cast<double>(a.nodes > 0 ? a.nodes : a.particles) * static_cast<double>(cost.substeps);
     for (const Measurement& m : row.outcome.measurements) {

@@ -8,15 +8,16 @@
 
 namespace livegs::study {
 
-// One run of one scene. Several measurements of a run are several lines of the file.
+// One run of one scene. Each measurement of a run is a line of the file.
 struct ChartRow {
   std::string scene;    // "tension"
-  std::string variant;  // "" on the curves; "table" for what the program chooses by itself
+  std::string variant;  // "" on the curves; "table" for values chosen by the program
   Setup setup;
   Outcome outcome;
 };
 
-// RFC 4180, one header line. The columns up to `bar` are those of every accuracy run of the project.
+// CSV (RFC 4180) with one header line. The columns up to `bar` are common to all accuracy runs of the
+// project.
 std::string chart_csv(const std::vector<ChartRow>& rows);
 
 }  // namespace livegs::study

@@ -19,9 +19,8 @@ std::span<const ChartScene> chart_scenes() {
   static const std::vector<ChartScene> scenes = {
       {"tension",
        "Tension",
-       "A free bar of 0.4 x 0.1 x 0.1 m is pulled at both ends by 0.5 % of E; error of the modulus it shows "
-       "over its "
-       "middle half.",
+       "A free bar of 0.4 x 0.1 x 0.1 m is pulled at both ends by 0.5 % of E. Figure: error of the "
+       "measured modulus over its middle half.",
        [](const Setup& setup) { return tension(setup); },
        {1e4, 1e5, 1e6, 1e7},
        0.3,
@@ -30,8 +29,8 @@ std::span<const ChartScene> chart_scenes() {
        {"youngs_modulus", "poisson_ratio"}},
       {"cantilever",
        "Cantilever",
-       "The bar is clamped at one end and sags by 1 % of its length; error of the deflection against "
-       "Timoshenko's beam.",
+       "The bar is clamped at one end and sags by 1 % of its length. Figure: error of the deflection "
+       "compared with Timoshenko's beam.",
        [](const Setup& setup) { return cantilever(setup); },
        {1e4, 1e5, 1e6},
        0.0,
@@ -40,8 +39,8 @@ std::span<const ChartScene> chart_scenes() {
        {"deflection"}},
       {"torsion",
        "Torsion",
-       "The free bar is twisted by torques at its ends; error of the twist of its middle half against "
-       "Saint-Venant's.",
+       "The free bar is twisted by torques at its ends. Figure: error of the twist of its middle half "
+       "compared with Saint-Venant's.",
        [](const Setup& setup) { return torsion(setup); },
        {1e4, 1e5, 1e6},
        0.3,
@@ -50,9 +49,8 @@ std::span<const ChartScene> chart_scenes() {
        {"twist"}},
       {"ring_down",
        "Ring-down",
-       "The free bar is let go from 0.5 % stretch, undamped; error of the frequency of its lowest axial "
-       "mode, and what is "
-       "lost of its amplitude after five periods.",
+       "The free bar is released from 0.5 % stretch, undamped. Figures: error of the frequency of its "
+       "lowest axial mode, and amplitude lost after five periods.",
        [](const Setup& setup) { return ring_down(setup); },
        {1e4, 1e5, 1e6},
        0.0,
@@ -61,9 +59,8 @@ std::span<const ChartScene> chart_scenes() {
        {"frequency", "amplitude"}},
       {"squash",
        "Squash by 30 %",
-       "A block of 0.1 m is pressed between frictionless plates to 70 % of its height at nu 0.45; error of "
-       "its volume "
-       "against its own material's closed form.",
+       "A block of 0.1 m is pressed between frictionless plates to 70 % of its height at nu 0.45. Figure: "
+       "error of its volume compared with the closed form of its material.",
        [](const Setup& setup) { return squash(setup); },
        {1e4, 1e5, 1e6},
        0.45,
@@ -72,11 +69,9 @@ std::span<const ChartScene> chart_scenes() {
        {"volume_ratio"}},
       {"pendulum",
        "Pendulum",
-       "The bar hangs from a line of held particles and swings freely from 5 degrees for 10 s: energy of the "
-       "swing that is "
-       "lost, and error of the period. Lattice masses stand at the corners of cells, which makes a body turn "
-       "as if its "
-       "moment of inertia were m a^2 / 3 larger; wide cells swing slower for it.",
+       "The bar hangs from a line of fixed particles and swings freely from 5 degrees for 10 s. Figures: "
+       "energy lost by the swing, and error of the period. Lattice masses are at the corners of cells, "
+       "which increases the moment of inertia by m a^2 / 3; wide cells swing slower.",
        [](const Setup& setup) { return pendulum(setup); },
        {1e6},
        0.3,
@@ -85,11 +80,9 @@ std::span<const ChartScene> chart_scenes() {
        {"energy_lost", "period"}},
       {"plastic_set",
        "Plastic set",
-       "A block's whole boundary is stretched by twice its yield strain of 0.1, keeping its volume, and let "
-       "go; error of the "
-       "strain that stays against return mapping's closed form for that stretch, 0.108 (goal 0.1, strain "
-       "minus yield, which "
-       "is what stays in simple tension).",
+       "The whole boundary of a block is stretched by twice its yield strain of 0.1 at constant volume and"
+       " released. Figure: error of the plastic strain compared with the closed form of return mapping for"
+       " this stretch, 0.108. In simple tension it is strain minus yield, 0.1.",
        [](const Setup& setup) { return plastic_set(setup, 10.0); },
        {1e4, 1e5},
        0.3,

@@ -10,17 +10,17 @@
 
 namespace livegs::study {
 
-// A scene of the chart and the settings that it is drawn at.
+// A scene of the chart and its settings.
 struct ChartScene {
-  std::string name;     // "tension"; files are named after it
+  std::string name;     // "tension"; also the file name
   std::string title{};  // "Tension: E_app / E"
-  std::string what{};   // one sentence for the page: body, load, what is measured
+  std::string what{};   // for the page: body, load and figures
   Result<Outcome> (*run)(const Setup&);
-  std::vector<double> youngs_moduli_pa{};  // a panel each
+  std::vector<double> youngs_moduli_pa{};  // one panel each
   double poisson_ratio = 0.3;
-  std::vector<double> cell_widths_m{};    // the first is the one that variants are shown at
-  int max_bullet_substeps = 16;           // 0: Bullet cannot run it
-  std::vector<std::string> quantities{};  // measurements that are drawn, a figure each
+  std::vector<double> cell_widths_m{};    // variants are run at the first width
+  int max_bullet_substeps = 16;           // 0: not supported by Bullet
+  std::vector<std::string> quantities{};  // drawn measurements, one figure each
 
   // "tension.svg" for the first, "tension_poisson_ratio.svg" for others.
   std::string figure(const std::string& quantity) const;

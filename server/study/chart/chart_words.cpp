@@ -19,7 +19,7 @@ namespace {
 
 std::string cost(double ms) { return ms < 100 ? format_text("%.2g ms", ms) : format_text("%.0f ms", ms); }
 
-// Costs nearer to each other than this are the machine's noise.
+// Cost ratio below which costs are equal within measurement noise.
 constexpr double kSameCost = 1.15;
 
 struct Contender {
@@ -27,7 +27,7 @@ struct Contender {
   CurvePoint point;
 };
 
-// Curves that meet the bar, cheapest first; ties keep their order.
+// Curves within the bar, cheapest first; ties keep their order.
 std::vector<Contender> ranking(const Panel& panel) {
   std::vector<Contender> contenders;
   for (const Curve& curve : panel.curves) {
@@ -44,17 +44,18 @@ std::string compare_curves(const Panel& panel) {
   const std::vector<Contender> ranked = ranking(panel);
   std::string words = "- **" + panel.name + ".** ";
   if (ranked.empty()) {
-    words += "Nothing meets the bar. ";
+    words += "No method meets the bar. ";
   } else {
     const Contender& first = ranked.front();
-    words += format_text("Cheapest: `%s` at %d substeps, %s of CPU a simulated second (error %s)",
+    words += format_text("Cheapest: `%s` at %d substeps, %s of CPU per simulated second (error %s)",
                          first.curve->label.c_str(), first.point.substeps, cost(first.point.cost_ms).c_str(),
                          error_text(first.point.error, panel.unit).c_str());
     for (size_t i = 1; i < ranked.size(); ++i) {
       const double times = ranked[i].point.cost_ms / first.point.cost_ms;
-      words += format_text("%s `%s` at %d, %s", i == 1 ? "; then" : ",", ranked[i].curve->label.c_str(),
-                           ranked[i].point.substeps,
-                           times < kSameCost ? "as dear" : format_text("%.2g times the cost", times).c_str());
+      words += format_text(
+          "%s `%s` at %d, %s", i == 1 ? "; then" : ",", ranked[i].curve->label.c_str(),
+          ranked[i].point.substeps,
+          times < kSameCost ? "the same cost" : format_text("%.2g times the cost", times).c_str());
     }
     words += ". ";
   }
@@ -69,9 +70,9 @@ std::string compare_curves(const Panel& panel) {
   if (panel.chosen) {
     const ElasticAccuracy& a = panel.chosen_accuracy;
     words += format_text(
-        "Left to itself at 4 substeps the program takes %.3g mm cells and %d substeps: error %s for %s%s.",
+        "With 4 requested substeps the program chooses %.3g mm cells and %d substeps: error %s for %s%s.",
         1e3 * a.cell_width_m, a.substeps, error_text(panel.chosen->error, panel.unit).c_str(),
-        cost(panel.chosen->cost_ms).c_str(), a.clipped ? ", and says that the stiffness is clipped" : "");
+        cost(panel.chosen->cost_ms).c_str(), a.clipped ? ", and reports clipped stiffness" : "");
   }
   return words + "\n";
 }

@@ -86,8 +86,8 @@ std::vector<Panel> rigid_panels(const RigidChartScene& scene, const std::vector<
 
 Figure rigid_figure(const RigidChartScene& scene, const std::vector<RigidRow>& rows) {
   return {scene.title, scene.settings, rigid_panels(scene, rows), false,
-          "60 Hz, 1 to 32 substeps a frame, numbered on ours. Upper edge: fell, flew apart or never "
-          "happened; lower: less"};
+          "60 Hz, 1 to 32 substeps per frame, numbered on livegs. Upper edge: fell, exploded or did not "
+          "happen; lower: less"};
 }
 
 std::string rigid_csv(const std::vector<RigidRow>& rows) {

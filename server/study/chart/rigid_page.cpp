@@ -6,12 +6,12 @@
 namespace livegs::study {
 namespace {
 
-// Which runs did not come through, by engine.
+// Lists the failed runs by engine.
 std::string accidents(const RigidChartScene& scene, const std::vector<RigidRow>& rows) {
   std::string words;
   for (const RigidRow& row : rows) {
     if (row.scene != &scene || row.outcome.end == RunEnd::Ok) continue;
-    words += words.empty() ? "- Did not come through: " : ", ";
+    words += words.empty() ? "- Failed runs: " : ", ";
     words += format_text("`%s` at %d", engine_name(row.setup.engine).c_str(), row.setup.substeps);
     if (scene.parameters.size() > 1) words += " with " + scene.text_of(row.setup.parameter);
     words += format_text(" (%s)", name_of(row.outcome.end));
@@ -24,17 +24,14 @@ std::string accidents(const RigidChartScene& scene, const std::vector<RigidRow>&
 std::string rigid_page(const std::vector<RigidRow>& rows) {
   if (rows.empty()) return "";
   std::string page =
-      "# Rigid bodies\n\nThe same scenes for ours (`livegs`), Bullet 3 (`bullet`: sequential impulse, 10 "
-      "iterations, single "
-      "precision) and the Open Dynamics Engine (`ode quick`: over-relaxation, 20 iterations; `ode`: its "
-      "exact "
-      "complementarity solver, where that can be paid), one after the other on one thread of this process, "
-      "at 60 Hz. A "
-      "substep is one step of the peer, of the same length; each does its own iterations in it. Same shapes, "
-      "masses, "
-      "inertias and frictions; no restitution, no damping, no sleep but where it is measured; margins and "
-      "error reduction as "
-      "the engines come. Bullet makes three contact points with a plane at once, as its makers advise.\n\n";
+      "# Rigid bodies\n\nThe same scenes with LiveGS (`livegs`), Bullet 3 (`bullet`: sequential impulse, "
+      "10 iterations, single precision) and the Open Dynamics Engine (`ode quick`: over-relaxation, 20 "
+      "iterations; `ode`: its exact complementarity solver, where the cost permits). They run one after "
+      "the other on one thread of this process at 60 Hz. A substep is one step of the peer of the same "
+      "length, with the peer's own iterations. Shapes, masses, inertias and frictions are equal. There is "
+      "no restitution, no damping, and no sleep except where it is measured. Margins and error reduction "
+      "are the defaults of the engines. Bullet creates three contact points with a plane at once, as its "
+      "documentation recommends.\n\n";
   for (const RigidChartScene& scene : rigid_chart_scenes()) {
     const std::vector<Panel> panels = rigid_panels(scene, rows);
     if (panels.empty()) continue;

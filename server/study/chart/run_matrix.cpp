@@ -10,7 +10,7 @@
 namespace livegs::study {
 namespace {
 
-// Every curve of one panel: one scene at one modulus.
+// Plans all curves of one panel: one scene at one modulus.
 void plan_panel(const ChartScene& scene, double youngs_modulus_pa, const ChartPlan& plan,
                 std::vector<PlannedRun>& runs) {
   const std::vector<int> substeps =
@@ -43,7 +43,7 @@ void plan_panel(const ChartScene& scene, double youngs_modulus_pa, const ChartPl
   for (const Engine engine : {Engine::LivegsV1, Engine::LivegsV1Steady, Engine::Bullet}) {
     Setup setup;
     setup.engine = engine;
-    // Bullet costs a hundred times as much a node, so it gets wide cells and few substeps.
+    // Bullet costs a hundred times as much per node, so it gets wide cells and few substeps.
     if (engine == Engine::Bullet) setup.cell_width_m = 0.05;
     curve(setup, engine == Engine::Bullet ? scene.max_bullet_substeps : 64);
   }
@@ -55,7 +55,7 @@ void plan_panel(const ChartScene& scene, double youngs_modulus_pa, const ChartPl
   runs.push_back({&scene, "chosen", chosen});
 }
 
-// What each E gets at the scene's 4 substeps and default budget.
+// Plans the table by modulus: 4 requested substeps, default budget.
 void plan_table(const ChartPlan& plan, std::vector<PlannedRun>& runs) {
   for (const ChartScene& scene : chart_scenes()) {
     if (scene.name != "tension" && scene.name != "ring_down") continue;
@@ -77,7 +77,7 @@ void plan_table(const ChartPlan& plan, std::vector<PlannedRun>& runs) {
   }
 }
 
-// A pulse at steps that resolve it and at the scene's own.
+// Plans pulses at steps that resolve the wave and at the default step.
 void plan_pulse(const ChartPlan& plan, std::vector<PlannedRun>& runs) {
   static const ChartScene scene{.name = "pulse", .run = [](const Setup& setup) { return pulse(setup); }};
   for (const double modulus : {1e4, 1e5, 1e6}) {

@@ -10,12 +10,12 @@
 namespace livegs::study {
 
 struct ChartPlan {
-  std::string only;    // a scene's name, or empty for all
+  std::string only;    // name of a scene; empty: all
   bool quick = false;  // fewer substeps, moduli and widths: seconds instead of minutes
 };
 
-// The runs of the scenes' curves, and of the table of what the program chooses by itself at the scene's 4
-// substeps. Always the same for the same plan.
+// The runs of all curves, and of the table of values chosen by the program at 4 requested substeps.
+// Deterministic for a plan.
 struct PlannedRun {
   const ChartScene* scene = nullptr;
   std::string variant;
@@ -23,8 +23,8 @@ struct PlannedRun {
 };
 std::vector<PlannedRun> plan_runs(const ChartPlan& plan);
 
-// Runs them on all threads and gives rows in the order of the plan; what an engine cannot run is left out.
-// `progress` is called with what is done and the whole, from any thread, one call at a time.
+// Runs on all threads; rows are in the order of the plan, and unsupported runs are left out. `progress` is
+// called with the number of finished runs and the total, from any thread, one call at a time.
 std::vector<ChartRow> run_all(const std::vector<PlannedRun>& runs,
                               const std::function<void(size_t done, size_t of, const PlannedRun&)>& progress);
 

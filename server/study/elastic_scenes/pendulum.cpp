@@ -21,7 +21,7 @@ double pendulum_period_s(double hinge_m, double amplitude_rad, double youngs_mod
                          double density_kg_m3) {
   const double arm_m = 0.5 * kBarLength_m - hinge_m;
   const double inertia =
-      (kBarLength_m * kBarLength_m + kBarWidth_m * kBarWidth_m) / 12 + arm_m * arm_m;  // of 1 kg
+      (kBarLength_m * kBarLength_m + kBarWidth_m * kBarWidth_m) / 12 + arm_m * arm_m;  // for 1 kg
   // 2 K(k) / pi = 1 / agm(1, cos(theta0 / 2)) with k = sin(theta0 / 2).
   double a = 1.0, b = std::cos(0.5 * amplitude_rad);
   for (int i = 0; i < 8; ++i) {
@@ -30,11 +30,11 @@ double pendulum_period_s(double hinge_m, double amplitude_rad, double youngs_mod
     a = mean;
   }
   const double rigid_s = 2 * M_PI * std::sqrt(inertia / (kGravity_m_s2 * arm_m)) / a;
-  // Hanging, the rod stretches by u = (rho g / E)(L x - x²/2): its arm grows by 2/3 rho g L / E and its
-  // inertia by 5/4 of that unit, so the period by half the difference, 7/24. Tension rho g A (L - x) couples
-  // swinging with the lowest bending mode, hinged and free, of frequency 15.42 / sqrt(12) w / L² sqrt(E /
-  // rho); with that mode's mean over its root mean square, 0.31, the period grows by 0.096 (g / L) /
-  // frequency².
+  // Stretch under its weight: u = (rho g / E)(L x - x²/2). The arm grows by 2/3 rho g L / E and the inertia
+  // by 5/4 of that unit, so the period grows by half the difference, 7/24.
+  // Bending: the tension rho g A (L - x) couples the swing with the lowest bending mode (hinged and free) of
+  // frequency 15.42 / sqrt(12) w / L² sqrt(E / rho). With the ratio of that mode's mean to its root mean
+  // square, 0.31, the period grows by 0.096 (g / L) / frequency².
   const double weight = density_kg_m3 * kGravity_m_s2 * kBarLength_m / youngs_modulus_pa;
   const double bending_rad_s = 15.42 / std::sqrt(12.0) * kBarWidth_m / (kBarLength_m * kBarLength_m) *
                                std::sqrt(youngs_modulus_pa / density_kg_m3);
@@ -47,12 +47,12 @@ Result<Outcome> pendulum(const Setup& given, double amplitude_rad) {
   setup.spacing_m = kBarWidth_m / 3;
   const double half_m = 0.5 * kBarWidth_m;
   ElasticBodyDescription rod = describe_box(setup, {0, -half_m, -half_m}, {kBarLength_m, half_m, half_m});
-  // Particles stand half a spacing inside the end, Bullet's nodes on it.
+  // Particles are half a spacing inside the end, Bullet's nodes on it.
   const double hinge_m = setup.engine == Engine::Bullet ? 0.0 : 0.5 * setup.spacing_m;
   BodyRegion hinge = fixed_box({-1e-6, -1e-3, -1}, {hinge_m + 1e-6, 1e-3, 1});
   hinge.name = "hinge";
   rod.regions.push_back(hinge);
-  // Hanging along -y, turned out by the amplitude.
+  // Hangs along -y, rotated by the amplitude.
   rod.world_from_object.orientation = Eigen::AngleAxisd(amplitude_rad - M_PI_2, Vector3d::UnitZ());
   auto made = Stage::make(setup, rod);
   if (!made) return made.error();
@@ -87,7 +87,7 @@ Result<Outcome> pendulum(const Setup& given, double amplitude_rad) {
   stage.run(kSeconds, nullptr, watch, every);
   const double period_s =
       crossings > 0 ? 2 * (last_s - first_s) / crossings : std::numeric_limits<double>::infinity();
-  // Energy of the last whole swing, brought from its middle to the end at the rate it was lost.
+  // Energy of the last whole swing, extrapolated from its middle to the end at the measured rate of loss.
   const double left = (1 - std::cos(last_highest)) / (1 - std::cos(start));
   const double at_s = std::max(0.1, last_s - 0.25 * std::min(period_s, kSeconds));
   const double lost = 1.0 - std::pow(left, kSeconds / at_s);

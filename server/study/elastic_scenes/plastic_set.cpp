@@ -24,10 +24,10 @@ double set_of_stretch(double stretch, double yield, double poisson_ratio) {
 
 namespace {
 
-// Stretched to twice its yield strain along x and to `across` in y and z, held and let go; `set` is what
-// should stay.
+// Stretches the block to twice its yield strain along x and to `across` in y and z, holds and releases it.
+// `set` is the expected plastic strain.
 Result<Outcome> stretched(const Setup& setup, double speed, double yield, double across, double set) {
-  if (setup.engine == Engine::Bullet) return unsupported("Bullet's deformable bodies have no plasticity");
+  if (setup.engine == Engine::Bullet) return unsupported("bullet: deformable bodies have no plasticity");
   const Eigen::Vector3d half(kBarWidth_m, 0.5 * kBarWidth_m, 0.5 * kBarWidth_m);
   ElasticBodyDescription block = describe_box(setup, -half, half);
   block.material.plasticity = 1.0 - yield;
@@ -63,8 +63,8 @@ Result<Outcome> plastic_set(const Setup& setup, double speed) {
 }
 
 Result<Outcome> plastic_set_in_tension(const Setup& setup, double speed, double yield) {
-  // No force on the sides, by the energy of plastic_flow.h: b - s + lambda / 2 mu (l b² - 1) l b = 0, s the
-  // plastic part across.
+  // The sides are free; by the energy of plastic_flow.h: b - s + lambda / 2 mu (l b² - 1) l b = 0, with s the
+  // plastic stretch across.
   const double length = 1.0 + 2.0 * yield, side = 1.0 / std::sqrt(1.0 + yield);
   const double ratio = setup.poisson_ratio / (1.0 - 2.0 * setup.poisson_ratio);
   double low = 0.5, high = 1.0;

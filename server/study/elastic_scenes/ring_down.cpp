@@ -28,8 +28,8 @@ Result<Outcome> ring_down(const Setup& setup) {
     }
     return q;
   };
-  // The phase turns once a period; it is watched until it has turned 5.25 times, or for four
-  // times as long as that should take.
+  // The phase rotates once per period. It is followed for 5.25 rotations, or for four times the expected
+  // time.
   const double start = mode()[0];
   double phase = 0.0, phase_s = 0.0, amplitude = 0.0;
   int amplitudes = 0;
@@ -47,7 +47,7 @@ Result<Outcome> ring_down(const Setup& setup) {
   while (std::abs(phase) < 5.25 * 2 * M_PI && stage.time_s() * frequency_hz < 21.0 && std::isfinite(phase)) {
     stage.run(stage.frame_s(), nullptr, watch, every);
   }
-  // Five periods may not come: then what is left is what is left at the end.
+  // If five periods were not completed, the amplitude at the end counts.
   const double left = amplitudes > 0 ? amplitude / amplitudes / start : mode().norm() / start;
   return stage.finish({relative("frequency", std::abs(phase) / (2 * M_PI * phase_s), frequency_hz, 0.01),
                        absolute("amplitude", left, 1.0, 0.1)});

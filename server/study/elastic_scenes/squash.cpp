@@ -13,9 +13,10 @@ namespace livegs::study {
 
 Result<Outcome> squash(const Setup& given) {
   Setup setup = given;
-  // Plates touch one point a voxel's face: with as many voxels as cells, nodes between them go through.
+  // Plates contact one point per voxel face; with equal numbers of voxels and cells, nodes between the points
+  // would penetrate.
   if (setup.engine == Engine::Cells && setup.cell_width_m > 0.0) setup.spacing_m = 0.5 * setup.cell_width_m;
-  if (setup.engine == Engine::Bullet) return unsupported("Bullet is not connected to plates here");
+  if (setup.engine == Engine::Bullet) return unsupported("bullet: plates are not connected");
   constexpr double kEdge_m = 0.1, kAlong = 0.7;
   const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5 * kEdge_m);
   ElasticBodyDescription block = describe_box(setup, -half, half);
@@ -38,7 +39,7 @@ Result<Outcome> squash(const Setup& given) {
   const auto volume = [&]() -> Eigen::Vector2d {
     return {mean_deformation(stage.body(), stage.rest(), all).determinant(), 0.0};
   };
-  // Slow beside the block's own swinging: 4 edges over the wave's speed.
+  // Slow compared with the block's own vibration: 4 edges divided by the wave speed.
   const double softness = predicted_softness(setup, stage.body());
   if (softness < 1.0) damp(stage, softness);
   const double wave_m_s = std::sqrt(softness * setup.youngs_modulus_pa / setup.density_kg_m3);

@@ -13,7 +13,7 @@ namespace livegs::study {
 
 namespace {
 
-// Stretches along and across.
+// Stretch along and across.
 using Stretches = std::function<Eigen::Vector2d(const Stage& stage)>;
 
 Result<Outcome> pulled(const Setup& setup, double length_m, double width_m, const Stretches& stretches) {
@@ -24,7 +24,7 @@ Result<Outcome> pulled(const Setup& setup, double length_m, double width_m, cons
   if (!made) return made.error();
   Stage& stage = *made;
 
-  // A body that says it is softer is pulled less, so that strains stay small.
+  // A body with a reported lower stiffness is pulled less, so that strains stay small.
   const double softness = predicted_softness(setup, stage.body());
   if (softness < 1.0) damp(stage, softness);
   const double stress_pa = 0.005 * softness * setup.youngs_modulus_pa;
@@ -35,7 +35,7 @@ Result<Outcome> pulled(const Setup& setup, double length_m, double width_m, cons
     add_traction(stage.forces, -half_m.x(), width_m, {-share * stress_pa, 0, 0}, across);
   };
   const auto strains = [&]() -> Eigen::Vector2d { return stretches(stage).array() - 1.0; };
-  // Free ends swing with a period of 2 L / c.
+  // Free ends vibrate with a period of 2 L / c.
   const double wave_m_s = std::sqrt(softness * setup.youngs_modulus_pa / setup.density_kg_m3);
   const Eigen::Vector2d strain = load_quasi_statically(stage, {pull, strains, 2 * length_m / wave_m_s});
   if (setup.engine != Engine::Bullet) stage.measure_unforced_cost();

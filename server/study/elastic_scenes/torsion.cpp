@@ -13,10 +13,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSaintVenant =
-    0.1406;  // torsion constant of a square over a^4 (Timoshenko and Goodier, 109)
+// torsion constant of a square over a^4 (Timoshenko and Goodier, 109)
+constexpr double kSaintVenant = 0.1406;
 
-// Tangential forces on a grid of points over the end at `x_m`, growing with the distance from the axis.
+// Tangential forces on a grid of points over the end at `x_m`, proportional to the distance from the axis.
 void add_torque(std::vector<PointForce>& forces, double x_m, double torque_n_m, int across) {
   std::vector<Vector3d> points;
   double moment = 0.0;
@@ -54,7 +54,7 @@ Result<Outcome> torsion(const Setup& setup) {
   const auto twist = [&]() -> Eigen::Vector2d {
     return {twist_rate_rad_m(stage.body(), stage.rest(), middle), 0.0};
   };
-  // Torsional waves: c² = (torsion constant G) / (rho polar moment).
+  // Torsional waves: c² = (torsion constant * G) / (rho * polar moment).
   const double wave_m_s = std::sqrt(6 * kSaintVenant * softness * shear_modulus_pa / setup.density_kg_m3);
   const double measured = load_quasi_statically(stage, {turn, twist, 2 * kBarLength_m / wave_m_s})[0];
   if (setup.engine != Engine::Bullet) stage.measure_unforced_cost();
@@ -69,7 +69,7 @@ Result<Outcome> torsion_release(const Setup& setup) {
   if (!made) return made.error();
   Stage& stage = *made;
 
-  // Both ends are dragged by damped springs toward faces that turn two turns each, one against the other.
+  // Damped springs pull both ends towards faces that rotate by two turns each, in opposite directions.
   const double wave_m_s = std::sqrt(setup.youngs_modulus_pa / setup.density_kg_m3);
   const double turning_s = 30 * kBarLength_m / wave_m_s;
   constexpr int across = 4;
@@ -96,7 +96,7 @@ Result<Outcome> torsion_release(const Setup& setup) {
       }
     }
   };
-  // How far the ends have turned against each other, followed from substep to substep.
+  // Relative rotation of the ends, tracked from substep to substep.
   double angles[2] = {0.0, 0.0};
   const auto follow = [&] {
     for (const int end : {0, 1}) {

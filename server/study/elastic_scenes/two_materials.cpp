@@ -11,7 +11,8 @@
 namespace livegs::study {
 
 Result<Outcome> two_materials(const Setup& setup, double joint_m) {
-  if (setup.engine != Engine::Cells) return unsupported("only cells knows several materials in one body");
+  if (setup.engine != Engine::Cells)
+    return unsupported("two materials: only the engine cells supports several materials in one body");
   constexpr double kTimesStiffer = 2.0, kEnd_m = 0.5 * kBarLength_m;
   ElasticBodyDescription bar = describe_bar(setup);
   bar.material.loss_factor = 2.0;

@@ -6,8 +6,8 @@
 
 namespace livegs::study {
 
-// A bar of two materials in series, the part x > joint twice as stiff, pulled at both ends. Stress is the
-// same in both, so strains are stress / E of each: "soft_strain" and "stiff_strain" over the middle half of
+// A bar of two materials in series, with the part x > joint twice as stiff, pulled at both ends. Both have
+// the same stress, so each strain is stress / E. "soft_strain" and "stiff_strain": over the middle half of
 // each part, relative to the closed form (bar 10 %). At `joint_m` 0 the parts meet on a plane between cells.
 Result<Outcome> two_materials(const Setup& setup, double joint_m = 0.0);
 

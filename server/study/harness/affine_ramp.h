@@ -6,9 +6,9 @@
 
 namespace livegs::study {
 
-// A block of 0.2 m whose outer particles are moved to `matrix` times their place: inside, the deformation
-// gradient must become the matrix. "interior" is the largest |F - matrix| / |matrix| (Frobenius) over
-// particles a cell or more from the surface; bar 2 % at Courant numbers up to 0.4.
+// A block of 0.2 m whose outer particles are moved to `matrix` times their position; the interior deformation
+// gradient must become the matrix. "interior": largest |F - matrix| / |matrix| (Frobenius) over particles at
+// least one cell from the surface; bar 2 % at Courant numbers up to 0.4.
 Result<Outcome> affine_ramp(const Setup& setup, const Eigen::Matrix3d& matrix);
 
 }  // namespace livegs::study

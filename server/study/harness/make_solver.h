@@ -6,15 +6,16 @@
 #include "study/harness/rigid_solver.h"
 #include "study/harness/setup.h"
 
-// The solver of an engine, ours or a peer: the only files that know all of them.
+// Factories of all engines, LiveGS and peers. Only these files depend on all of them.
 
 namespace livegs::study {
 
-// Fails where the engine cannot make the body, with its reason.
+// Creates the body with the engine of the setup. An error with the reason if the engine does not support it.
 Result<std::unique_ptr<ElasticBody>> make_study_body(const Setup& setup,
                                                      const ElasticBodyDescription& description);
 
-// Fails where the engine cannot run the scene, with its reason.
+// Creates the solver of the setup's engine. An error with the reason if the engine does not support the
+// scene.
 Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup,
                                                        const RigidConditions& conditions);
 

@@ -5,7 +5,7 @@
 
 #include "physics/elastic_body.h"
 
-// What the particles of a body say about its deformation, whatever solver moves them.
+// Deformation measures computed from the particles of a body, for any solver.
 
 namespace livegs::study {
 
@@ -13,20 +13,19 @@ struct RestBox {
   Eigen::Vector3d min_m, max_m;
 };
 
-// The deformation gradient that maps the rest positions of the particles in `box` to where they are now with
-// the least squared error. Precondition: they do not lie in a plane.
+// The least-squares deformation gradient from the rest positions of the particles in `box` to their current
+// positions. Precondition: they are not coplanar.
 Eigen::Matrix3d mean_deformation(const ElasticBody& body, const ParticleSet& rest, const RestBox& box);
 
-// How far the outermost layers of particles along each object axis are apart, between their means, over how
-// far they were. Precondition: particles lie on planes x, y and z = const, two at least.
+// Distance between the means of the outermost particle layers along each object axis, relative to rest.
+// Precondition: particles are on planes x, y and z = const, at least two each.
 Eigen::Vector3d face_to_face(const ElasticBody& body, const ParticleSet& rest);
 
-// How fast the sections x = const turn about x along the body, in rad/m, over the particles in `box`.
-// Preconditions: particles lie on planes x = const, two at least; sections turn less than pi from plane to
-// plane.
+// Twist rate about x, rad/m, of the sections x = const, over the particles in `box`. Preconditions: particles
+// are on planes x = const, at least two; the twist between neighbouring planes is less than pi.
 double twist_rate_rad_m(const ElasticBody& body, const ParticleSet& rest, const RestBox& box);
 
-// Root mean square distance of the particles from their rest shape in its best position (Kabsch).
+// Root mean square distance of the particles from their rest shape after the best rigid alignment (Kabsch).
 double distance_from_rest_shape_m(const ElasticBody& body, const ParticleSet& rest);
 
 }  // namespace livegs::study

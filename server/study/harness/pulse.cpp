@@ -13,10 +13,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLength_m = 2.4, kFoot_m = 0.4, kNear_m = 0.3, kFar_m = 0.8;
-constexpr double kStrain = 1e-3;  // of the pulse: bump over wave speed
+constexpr double kStrain = 1e-3;  // strain of the pulse: velocity over wave speed
 
-// The moment of the largest value of samples taken at even times: the top of the parabola through the three
-// about it.
+// Finds the time of the maximum of evenly spaced samples: the vertex of the parabola through the three
+// samples around it.
 class Peak {
  public:
   void sample(double time_s, double value) {
@@ -59,7 +59,7 @@ Result<Outcome> pulse(const Setup& setup) {
     near.sample(stage.time_s(), stage.body().point_velocity_m_s({kNear_m, 0, 0}).x());
     far.sample(stage.time_s(), stage.body().point_velocity_m_s({kFar_m, 0, 0}).x());
   };
-  // Before the end sends anything back to the far station; a pulse that is late has until then as well.
+  // Until the first echo of the end could reach the far station; later pulses are not counted.
   const double echo_m = kLength_m - kFar_m - 0.5 * kFoot_m;
   stage.run(echo_m / wave_m_s, nullptr, watch);
   const double taken_s = far.at_s() - near.at_s();

@@ -7,9 +7,9 @@
 
 #include "study/harness/setup.h"
 
-// What a rigid scene is run with and what comes out of it. Scenes are numbered as in the catalogue of tests
-// the project keeps: 2 incline, 3 stopping, 6 rolling box, 8 pendulum, 9 tumbling, 13 stack, 14 heavy on
-// light, 15 chain, 16 dominoes, 19 overlap, 29 sphere on a soft block; breaking has none.
+// Setup and outcome of a rigid scene. Scenes are numbered as in the project's test catalogue: 2 incline, 3
+// stopping, 6 rolling box, 8 pendulum, 9 tumbling, 13 stack, 14 heavy on light, 15 chain, 16 dominoes, 19
+// overlap, 29 sphere on a soft block. Breaking has no number.
 
 namespace livegs::study {
 
@@ -25,9 +25,9 @@ std::string engine_name(RigidEngine engine);
 
 struct RigidSetup {
   RigidEngine engine = RigidEngine::Livegs;
-  double rate_hz = 60.0;   // frames a second
-  int substeps = 4;        // a frame; peers take steps of the same length
-  double parameter = 0.0;  // what the scene varies: see each scene
+  double rate_hz = 60.0;   // frames per second
+  int substeps = 4;        // per frame; peers take steps of the same length
+  double parameter = 0.0;  // varied by the scene; see each scene
 };
 
 enum class RunEnd { Ok, Fell, Exploded, NonFinite };
@@ -36,11 +36,11 @@ const char* name_of(RunEnd end);
 
 struct RigidOutcome {
   std::vector<Measurement> measurements;
-  Cost cost;                // `substeps` are the scene's
-  size_t bodies = 0;        // that can move
-  RunEnd end = RunEnd::Ok;  // when not Ok, the errors are infinite
+  Cost cost;                // `substeps` are those of the scene
+  size_t bodies = 0;        // dynamic bodies
+  RunEnd end = RunEnd::Ok;  // if not Ok, the errors are infinite
 
-  const Measurement& operator[](const std::string& quantity) const;  // precondition: it is there
+  const Measurement& operator[](const std::string& quantity) const;  // precondition: it exists
 };
 
 }  // namespace livegs::study

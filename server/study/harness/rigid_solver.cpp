@@ -4,11 +4,11 @@
 namespace livegs::study {
 
 Result<void> RigidSolver::add_soft(const SoftPart&) {
-  return Error{ErrorCode::Unavailable, "soft bodies of this engine are not connected to rigid ones"};
+  return Error{ErrorCode::Unavailable, "soft bodies are not connected to rigid bodies in this engine"};
 }
 
 Result<bool> RigidSolver::broken(size_t) const {
-  return Error{ErrorCode::Unavailable, "contact impulses of this engine are not connected"};
+  return Error{ErrorCode::Unavailable, "contact impulses are not available in this engine"};
 }
 
 }  // namespace livegs::study

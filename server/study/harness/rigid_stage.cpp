@@ -11,7 +11,7 @@
 namespace livegs::study {
 namespace {
 
-// No scene moves faster or farther of its own.
+// Limits beyond any regular motion of the scenes; a run that exceeds them has exploded.
 constexpr double kMaxDistance_m = 1e3, kMaxSpeed_m_s = 100.0;
 
 }  // namespace

@@ -7,29 +7,27 @@
 
 namespace livegs::study {
 
-// A solver with a rigid scene's clock. Counts the processor time of stepping on the calling thread, and
-// nothing else: for costs that can be compared, set_thread_count(1) first. Watches for bodies that are no
-// numbers or fly off.
+// A solver with the clock of a rigid scene. Counts only the processor time of steps on the calling thread;
+// for comparable costs, call set_thread_count(1) first. Detects bodies that are NaN or fly away.
 class RigidStage {
  public:
-  // Fails where the engine cannot run the scene, with its reason.
+  // Creates a stage. An error with the reason if the engine does not support the scene.
   static Result<RigidStage> make(const RigidSetup& setup, const RigidConditions& conditions = {});
 
   RigidSolver& solver() { return *solver_; }
-  // Adds a part; what the solver refuses ends the run as NonFinite does.
+  // Adds a part. A part that the solver rejects ends the run with NonFinite.
   void add(const RigidPart& part);
 
   double time_s() const { return static_cast<double>(frames_) / rate_hz_; }
   double frame_s() const { return 1.0 / rate_hz_; }
   const std::vector<RigidMotion>& motions() const { return motions_; }
 
-  // The whole frames that `seconds` rounds to, `after` called behind each; stops early when something went
-  // wrong.
+  // Runs `seconds`, rounded to whole frames, and calls `after` after each. Stops early after a failure.
   void run(double seconds, const std::function<void()>& after = nullptr);
   void mark(RunEnd end) { end_ = end; }
   bool ok() const { return end_ == RunEnd::Ok; }
 
-  // Adds another run's cost and end: of scenes that are several runs.
+  // Adds the cost and the end of another run, for scenes with several runs.
   void include(const RigidStage& other);
   RigidOutcome finish(std::vector<Measurement> measurements) const;
 

@@ -37,7 +37,7 @@ const Measurement& Outcome::operator[](const std::string& quantity) const {
   for (const Measurement& measurement : measurements) {
     if (measurement.quantity == quantity) return measurement;
   }
-  std::fprintf(stderr, "livegs: no measurement of %s\n", quantity.c_str());
+  std::fprintf(stderr, "livegs: the scene has no measurement %s\n", quantity.c_str());
   std::abort();
 }
 

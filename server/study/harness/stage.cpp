@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Asking for the time costs about a tenth of a small body's substep, so it is taken off.
+// Cost of reading the clock. It is about a tenth of a small body's substep, so it is subtracted.
 double cost_of_asking_s() {
   static const double cost_s = [] {
     constexpr int kTimes = 2000;

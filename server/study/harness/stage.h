@@ -9,11 +9,10 @@
 
 namespace livegs::study {
 
-// One body with what acts on it and the scene's clock. Counts the processor time of stepping, and nothing
-// else.
+// One body with its loads and the clock of the scene. Counts only the processor time of steps.
 class Stage {
  public:
-  // Fails where the engine cannot make the body, with its reason.
+  // Creates a stage. An error with the reason if the engine cannot create the body.
   static Result<Stage> make(const Setup& setup, ElasticBodyDescription description);
 
   Eigen::Vector3d gravity_m_s2 = Eigen::Vector3d::Zero();
@@ -29,23 +28,22 @@ class Stage {
   double frame_s() const { return 1.0 / rate_hz_; }
 
   void frame();
-  // The whole frames that `seconds` rounds to.
+  // Runs `seconds`, rounded to whole frames.
   void run(double seconds);
-  // Frames until `seconds` have passed, with `before` called ahead of every substep of the scene and `after`
-  // behind each that completes a multiple of `every`.
+  // Runs whole frames for at least `seconds`. Calls `before` before each substep of the scene, and `after`
+  // after each that completes a multiple of `every`.
   void run(double seconds, const std::function<void()>& before, const std::function<void()>& after,
            int every = 1);
-  // Substeps of the scene between two looks at something that swings with `period_s`: 60 looks a period, or
-  // all.
+  // Substeps between samples of an oscillation of `period_s`: 60 samples per period, or every substep.
   int sampling_interval(double period_s) const;
-  // Charges the whole run at the price of frames without the point forces, which are the study's own and
-  // dear: each is found in the lattice again every substep. Runs some such frames, so measure first. Not for
-  // Bullet, whose iterations depend on what acts.
+  // Replaces the cost of the run by that of frames without point forces, which belong to the study and are
+  // expensive: each is located in the lattice again in every substep. Runs such frames, so measure first. Not
+  // for Bullet, whose iterations depend on the loads.
   void measure_unforced_cost();
 
   bool finite() const;
   Cost cost() const;
-  // What every scene ends with. Errors become infinite when the body is not finite.
+  // Ends a scene. Errors become infinite if the body is not finite.
   Outcome finish(std::vector<Measurement> measurements) const;
 
  private:
@@ -61,11 +59,12 @@ class Stage {
   int64_t start_ns_ = 0;
 };
 
-// Equal forces on a regular grid of points over a face: a uniform traction. `across` points a side; as many
-// as cells is exact for eight-node cells. The face is square with the edge `width_m`, normal to x, at `x_m`.
+// Adds equal forces on a regular grid of points over a face: a uniform traction. `across` is the points per
+// side; for eight-node cells, the number of cells is exact. The face is square with edge `width_m`, normal to
+// x, at `x_m`.
 void add_traction(std::vector<PointForce>& forces, double x_m, double width_m,
                   const Eigen::Vector3d& traction_pa, int across);
-// Points a side for the body as it was made.
+// Points per side for the body as created.
 int points_across(const Setup& setup, const ElasticBody& body, double width_m);
 
 }  // namespace livegs::study

@@ -41,11 +41,13 @@ Result<TetrahedralBox> make_tetrahedral_box(const ParticleSet& particles, double
   const Vector3d size = high - low + Vector3d::Constant(spacing);
   double volume = 0.0;
   for (const double v : particles.volumes_m3) volume += v;
-  if (std::abs(volume / size.prod() - 1.0) > 1e-6) return unsupported("the particles do not fill a box");
+  if (std::abs(volume / size.prod() - 1.0) > 1e-6)
+    return unsupported("tetrahedral box: the particles do not fill a box");
   box.cell_width_m = cell_width_m;
   box.cells = (size / cell_width_m).array().round().cast<int>();
   if ((box.cells.cast<double>() * cell_width_m - size).norm() > 1e-6 * size.norm()) {
-    return unsupported("the box is not whole cells of " + std::to_string(cell_width_m) + " m");
+    return unsupported("tetrahedral box: the edges are not multiples of " + std::to_string(cell_width_m) +
+                       " m");
   }
 
   for (int k = 0; k <= box.cells.z(); ++k) {
@@ -54,8 +56,8 @@ Result<TetrahedralBox> make_tetrahedral_box(const ParticleSet& particles, double
         box.nodes_m.push_back(box.min_m + cell_width_m * Vector3d(i, j, k));
     }
   }
-  // The even corners' tetrahedra and the middle one; odd cubes are mirrored along x, which swaps corners'
-  // lowest bit.
+  // The tetrahedra at the even corners and the middle one. Odd cubes are mirrored along x, which swaps the
+  // lowest bit of the corners.
   constexpr std::array<std::array<int, 4>, 5> kCut{
       {{0, 1, 2, 4}, {3, 2, 1, 7}, {5, 4, 7, 1}, {6, 7, 4, 2}, {1, 2, 4, 7}}};
   for (int k = 0; k < box.cells.z(); ++k) {

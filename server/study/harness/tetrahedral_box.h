@@ -11,8 +11,8 @@
 
 namespace livegs::study {
 
-// A box of cubes, each cut into five tetrahedra (the middle one regular), mirrored from cube to cube so that
-// faces match.
+// A box of cubes, each cut into five tetrahedra (the middle one regular), mirrored between neighbouring cubes
+// so that faces match.
 struct TetrahedralBox {
   Eigen::Vector3d min_m;
   double cell_width_m = 0.0;
@@ -20,8 +20,8 @@ struct TetrahedralBox {
   std::vector<Eigen::Vector3d> nodes_m;
   std::vector<std::array<int, 4>> tetrahedra;  // positive volume
 
-  // The cube that holds a point and the point's place in it, 0 … 1; outside points belong to the nearest
-  // cube.
+  // The cube that contains a point, and the local coordinates of the point, 0 to 1. Points outside belong to
+  // the nearest cube.
   struct Place {
     std::array<int, 8> nodes;  // x fastest
     Eigen::Vector3d local;
@@ -33,8 +33,8 @@ struct TetrahedralBox {
   }
 };
 
-// The box that the particles' voxels fill. Fails where they leave gaps or an edge is not a multiple of the
-// width.
+// Builds the box filled by the voxels of the particles. Fails if they leave gaps or an edge is not a multiple
+// of the width.
 Result<TetrahedralBox> make_tetrahedral_box(const ParticleSet& particles, double cell_width_m);
 
 }  // namespace livegs::study

@@ -29,10 +29,10 @@ double tetrahedron_volume_m3(const TetrahedralBox& box, const std::array<int, 4>
   return (box.nodes_m[t[1]] - o).cross(box.nodes_m[t[2]] - o).dot(box.nodes_m[t[3]] - o) / 6.0;
 }
 
-// Forces of the scene on nodes, constant over a step.
+// Point forces of the scene on nodes, constant over a step.
 class NodeForces final : public btDeformableLagrangianForce {
  public:
-  std::vector<Vector3d> newtons;  // by node
+  std::vector<Vector3d> newtons;  // per node
 
   void addScaledForces(btScalar scale, TVStack& force) override { addScaledExplicitForce(scale, force); }
   void addScaledExplicitForce(btScalar scale, TVStack& force) override {
@@ -79,7 +79,7 @@ class BulletBody final : public ElasticBody {
   std::optional<RayHit> ray_cast(const Vector3d&, const Vector3d&) const override { return std::nullopt; }
 
  private:
-  // Trilinear in the cube: what its eight nodes say between them.
+  // Trilinear interpolation in the cube from its eight nodes.
   template <class Value>
   Vector3d between(const TetrahedralBox::Place& place, const Value& value) const;
   Vector3d at_node(int i) const { return from_bullet(soft_.m_nodes[i].m_x); }
@@ -151,7 +151,7 @@ BulletBody::BulletBody(const ElasticBodyDescription& description, TetrahedralBox
   soft_.setActivationState(DISABLE_DEACTIVATION);
   world_.addSoftBody(&soft_);
 
-  // Lowest free or clamped mode of a beam, as `cells` matches its damping.
+  // The lowest free or clamped mode of a beam, as `cells` uses for its damping.
   Vector3d size = box_.cells.cast<double>() * box_.cell_width_m;
   const double length = size.maxCoeff(), thickness = size.minCoeff();
   const double wave_m_s = std::sqrt(material_.effective_youngs_modulus_pa() / density_kg_m3_);

@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Bullet puts a margin around a hull, 40 mm if not told: here as much as its faces are drawn in before, so
-// that the body has its own size.
+// Margin of hulls, m. Bullet adds a margin of 40 mm by default. This value is small, and the faces are moved
+// inwards by it, so that the body keeps its size.
 constexpr btScalar kHullMargin_m = 5e-4f;
 std::unique_ptr<btConvexHullShape> hull_around(const std::vector<Vector3d>& corners_m) {
   std::vector<btVector3> corners;
@@ -105,7 +105,7 @@ class BulletRigid final : public RigidSolver {
     } else {
       joints_.push_back(std::make_unique<btPoint2PointConstraint>(a, in_a));
     }
-    world_.addConstraint(joints_.back().get(), true);  // joined parts do not collide
+    world_.addConstraint(joints_.back().get(), true);  // true: jointed parts do not collide
     return {};
   }
 
@@ -143,7 +143,7 @@ class BulletRigid final : public RigidSolver {
   }
 
  private:
-  // Of the last step.
+  // Sum of contact impulses of the last step.
   double contact_impulse_n_s(const btRigidBody& body) {
     double sum = 0.0;
     for (int m = 0; m < dispatcher_.getNumManifolds(); ++m) {
@@ -155,7 +155,7 @@ class BulletRigid final : public RigidSolver {
     return sum;
   }
 
-  // Bullet multiplies the two frictions of a pair; of the roots that gives the geometric mean.
+  // Bullet multiplies the frictions of a pair; square roots give the geometric mean.
   static btScalar pair_share(double friction) { return static_cast<btScalar>(std::sqrt(friction)); }
 
   double substep_s_;
@@ -165,7 +165,7 @@ class BulletRigid final : public RigidSolver {
   std::vector<std::unique_ptr<btRigidBody>> bodies_, floors_;
   std::vector<std::unique_ptr<btTypedConstraint>> joints_;
   std::vector<Vector3d> forces_n_;
-  std::vector<double> break_impulses_n_s_;  // by part; 0: not fragile
+  std::vector<double> break_impulses_n_s_;  // per part; 0: not fragile
   std::vector<bool> broken_;
 
   btDefaultCollisionConfiguration configuration_;

@@ -11,10 +11,10 @@
 namespace livegs::study {
 namespace {
 
-// As many as fragile things of this size have.
+// Typical for fragile objects of this size.
 constexpr size_t kPieces = 16;
 
-// Scenes drop the same box a hundred times.
+// Cached, because the scenes drop the same box a hundred times.
 Result<std::shared_ptr<const BreakablePieces>> pieces_of_box(const Eigen::Vector3d& size_m) {
   thread_local Eigen::Vector3d cut_size_m = Eigen::Vector3d::Zero();
   thread_local std::shared_ptr<const BreakablePieces> cut;
@@ -46,7 +46,7 @@ class LivegsRigid final : public RigidSolver {
     return world_.add_ball_joint(joint);
   }
   void push(size_t part, const Eigen::Vector3d& force_n) override {
-    // On the rest centre, which is the centre of mass of every part.
+    // At the rest centre, which is the centre of mass of every part.
     world_.set_force(part, id_of(part), {Eigen::Vector3d::Zero(), force_n});
   }
   Result<void> add_soft(const SoftPart& part) override;
@@ -61,7 +61,7 @@ class LivegsRigid final : public RigidSolver {
   uint32_t parts_ = 0, soft_parts_ = 0;
 };
 
-// Soft ones are numbered from here.
+// First object id of soft blocks.
 constexpr uint32_t kFirstSoft = 1'000'000;
 
 Result<void> LivegsRigid::add(const RigidPart& part) {

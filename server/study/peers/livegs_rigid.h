@@ -5,7 +5,7 @@
 
 namespace livegs::study {
 
-// Our World, as it comes. Boxes are meshes of twelve triangles, balls are balls.
+// The LiveGS World with default settings. Boxes are meshes of twelve triangles, balls are spheres.
 std::unique_ptr<RigidSolver> make_livegs_rigid(const RigidSetup& setup, const RigidConditions& conditions);
 
 }  // namespace livegs::study

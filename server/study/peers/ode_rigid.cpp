@@ -137,7 +137,7 @@ class OdeRigid final : public RigidSolver {
   dSpaceID space_;
   dJointGroupID contacts_;
   std::vector<dBodyID> bodies_;
-  std::vector<std::unique_ptr<double>> frictions_;  // a geometry's data points at one
+  std::vector<std::unique_ptr<double>> frictions_;  // the data pointer of a geometry refers to one
   std::vector<Vector3d> forces_n_;
 };
 

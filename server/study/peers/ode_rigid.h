@@ -5,11 +5,11 @@
 
 namespace livegs::study {
 
-// Open Dynamics Engine's rigid bodies, as they come: error reduction 0.2, its least constraint force mixing,
-// gyroscopic term on, double precision. One step of ODE a substep, with dWorldQuickStep (20 iterations) or,
-// for RigidEngine::Ode, dWorldStep. Friction is its pyramid proportional to the normal force
-// (dContactApprox1), up to eight contact points a pair. Its random order of rows starts from the same seed
-// each time. One thread at a time in the process.
+// Open Dynamics Engine's rigid bodies with default settings: error reduction 0.2, minimum constraint force
+// mixing, gyroscopic term on, double precision. One step per substep, with dWorldQuickStep (20 iterations)
+// or, for RigidEngine::Ode, dWorldStep. Friction is a pyramid proportional to the normal force
+// (dContactApprox1), with up to eight contact points per pair. The random order of rows uses a fixed seed.
+// One thread at a time in the process.
 std::unique_ptr<RigidSolver> make_ode_rigid(const RigidSetup& setup, const RigidConditions& conditions);
 
 }  // namespace livegs::study

@@ -9,7 +9,7 @@
 namespace livegs::study {
 namespace {
 
-// Cubes of 1 m, one on the other, each touching the next.
+// A stack of touching cubes of 1 m.
 Result<RigidStage> make_pile(const RigidSetup& setup, const std::vector<double>& masses_kg, bool sleep) {
   auto stage = RigidStage::make(setup, {.sleep = sleep});
   if (!stage) return stage.error();
@@ -34,7 +34,7 @@ Result<RigidOutcome> box_stack(const RigidSetup& setup) {
   if (!made) return made.error();
   RigidStage& stage = *made;
   const Eigen::Vector3d start = stage.motions().back().world_from_part.position_m;
-  // Half a cube lower it is no stack of twenty.
+  // The stack has collapsed when it is half a cube lower.
   const auto watch = [&] {
     if (stage.motions().back().world_from_part.position_m.y() < start.y() - 0.5) stage.mark(RunEnd::Fell);
   };

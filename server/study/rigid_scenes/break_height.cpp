@@ -15,10 +15,10 @@ constexpr int kDrops = 100;
 
 struct Drop {
   RigidPart box;
-  double lowest_m = 0.0;  // of it, below its centre
+  double lowest_m = 0.0;  // of the lowest point, below the centre
 };
 
-// The box as it falls, and the impulse that stops it at the speed.
+// The falling box, and the impulse that stops it at the reference speed.
 Drop flat_drop() {
   Drop drop;
   drop.box.size_m = {0.08, 0.1, 0.08};
@@ -28,7 +28,7 @@ Drop flat_drop() {
   return drop;
 }
 
-// Nearly balanced on the corner, so that no other one lands within the frame over which impacts are summed.
+// Nearly balanced on the corner, so that no other corner lands within the frame in which impacts are summed.
 Drop corner_drop() {
   constexpr double kOffBalance_rad = 0.1;
   Drop drop = flat_drop();
@@ -65,7 +65,7 @@ Result<RigidOutcome> break_height(const RigidSetup& setup) {
     stage->add(box);
     if (auto told = stage->solver().broken(0); !told) return told.error();
     bool broke = false;
-    // Until it has landed, and a few frames more.
+    // Until the landing and a few more frames.
     const double fall_s = std::sqrt(2 * share * height_m / kGravity_m_s2);
     stage->run(fall_s + 0.05, [&] { broke = broke || *stage->solver().broken(0); });
     if (broke != (share > 1.0) && std::abs(share - 1.0) > std::abs(shown - 1.0)) shown = share;

@@ -13,10 +13,10 @@ using Eigen::Vector3d;
 constexpr int kDominoes = 20, kFirst = 5, kLast = 15;
 constexpr double kHeight_m = 0.2, kThick_m = 0.02, kWidth_m = 0.1, kGap_m = 0.05, kDegree = M_PI / 180;
 constexpr int kReferenceSubsteps = 256;
-// The last domino has fallen after 1.36 s. The reference leaves out the heap that settles then.
+// The reference run ends before the fallen dominoes settle.
 constexpr double kRun_s = 4.0, kWave_s = 1.5;
 
-// The stage after the run, and how fast they fell; infinite when they did not, or out of order.
+// The stage after the run and the wave speed; infinite if they did not fall in order.
 struct Wave {
   RigidStage stage;
   double speed_m_s;
@@ -32,7 +32,8 @@ Result<Wave> run_wave(const RigidSetup& setup, double seconds) {
     domino.size_m = {kThick_m, kHeight_m, kWidth_m};
     domino.mass_kg = 0.24;
     domino.friction = 0.5;
-    const Vector3d foot((kGap_m + kThick_m) * i + 0.5 * kThick_m, 0, 0);  // its lower edge towards the next
+    // the lower edge towards the next one
+    const Vector3d foot((kGap_m + kThick_m) * i + 0.5 * kThick_m, 0, 0);
     if (i == 0) domino.world_from_part.orientation = Eigen::AngleAxisd(-10 * kDegree, Vector3d::UnitZ());
     domino.world_from_part.position_m =
         foot + domino.world_from_part.orientation * Vector3d(-0.5 * kThick_m, 0.5 * kHeight_m, 0);
@@ -53,7 +54,7 @@ Result<Wave> run_wave(const RigidSetup& setup, double seconds) {
     }
   });
   for (int i = 1; i < kDominoes; ++i) {
-    // A domino that stands to the end, or falls before its neighbour reached it.
+    // Fails if a domino stays upright or falls before its neighbour reached it.
     if (stage.ok() && !(passed_s[i] > passed_s[i - 1] && std::isfinite(passed_s[i])))
       stage.mark(RunEnd::Fell);
   }

@@ -11,9 +11,9 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kRadPerDegree = M_PI / 180;
-constexpr double kSlid_m = 1e-3, kWatched_s = 2.0;  // 0.003 degrees beyond the threshold
+constexpr double kSlid_m = 1e-3, kWatched_s = 2.0;  // detects 0.003 degrees above the threshold
 
-// A slab at rest on a plane that falls towards +x.
+// A slab at rest on a plane that descends towards +x.
 struct Slope {
   RigidStage stage;
   Vector3d down;

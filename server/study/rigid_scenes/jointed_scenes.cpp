@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kArm_m = 1.0, kRadius_m = 0.05;
-constexpr double kInertia_m2 = kArm_m * kArm_m + 0.4 * kRadius_m * kRadius_m;  // of 1 kg, about the pivot
+constexpr double kInertia_m2 = kArm_m * kArm_m + 0.4 * kRadius_m * kRadius_m;  // of 1 kg about the pivot
 
 }  // namespace
 
@@ -92,7 +92,7 @@ Result<RigidOutcome> loaded_chain(const RigidSetup& setup) {
     ++frames;
   });
   const double stretch = frames > 0 ? sum_m / frames / length_m - 1 : std::numeric_limits<double>::infinity();
-  // "Finite" beyond 1:1000: no longer than twice its length.
+  // Beyond 1:1000 the chain only has to hold: at most twice its length.
   const double bar = setup.parameter <= 100 ? 0.02 : setup.parameter <= 1000 ? 0.05 : 1.0;
   return stage.finish({absolute("stretch", stretch, 0.0, bar, "relative")});
 }

@@ -18,7 +18,7 @@ RigidPart cube_at(const Vector3d& position_m) {
   return cube;
 }
 
-// The highest speed so far; what points down is left out, for it may be gravity's.
+// The highest speed so far. Downward components are ignored, because gravity may cause them.
 double fastest(const RigidStage& stage, double before) {
   for (const RigidMotion& motion : stage.motions()) {
     Vector3d v = motion.velocity_m_s;

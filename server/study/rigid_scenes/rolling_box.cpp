@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// SimBenchmark's rolling test: the floor's friction is fully used, the balls roll without slipping.
+// SimBenchmark's rolling test: friction with the floor is fully used, and the balls roll without slipping.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,8 @@ Result<RigidOutcome> rolling_box(const RigidSetup& setup) {
   constexpr double kUnderBox = 0.4, kUnderBalls = 0.8;
   constexpr int kSide = 5, kBalls = kSide * kSide;
   constexpr double kThick_m = 0.2, kRadius_m = 0.05;
-  // A ball's lowest point accelerates by 3.5 times what its force alone gives the centre: (1 + 5/2) f / m.
+  // The lowest point of a ball accelerates 3.5 times as fast as the force alone would accelerate the centre:
+  // (1 + 5/2) f / m.
   const double from_floor_n = kUnderBox * (kBox_kg + kBalls * kBall_kg) * kGravity_m_s2;
   const double from_ball_n = (kPush_n - from_floor_n) / kBox_kg / (3.5 / kBall_kg + kBalls / kBox_kg);
   const double expected_m_s = (kPush_n - from_floor_n - kBalls * from_ball_n) / kBox_kg * 1.0;
@@ -42,7 +43,7 @@ Result<RigidOutcome> rolling_box(const RigidSetup& setup) {
       ball.world_from_part.position_m = {0.3 * (i % kSide - 2), kThick_m + kRadius_m, 0.3 * (i / kSide - 2)};
       stage->add(ball);
     }
-    stage->run(0.5);  // until everything bears on what is below it
+    stage->run(0.5);  // until all contacts carry their load
     const double start_m_s = stage->motions()[0].velocity_m_s.dot(along);
     stage->solver().push(0, kPush_n * along);
     stage->run(1.0);

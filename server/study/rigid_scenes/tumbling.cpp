@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 const Vector3d kMoments(1, 2, 3), kSpin_rad_s(0.01, 10, 0.01);
 
-// Euler's equations in body axes by the fourth-order method of Runge and Kutta: the first time that the spin
-// about the middle axis passes zero.
+// Integrates Euler's equations in body axes with fourth-order Runge-Kutta. Returns the first zero crossing of
+// the spin about the middle axis.
 double first_flip_s() {
   const auto slope = [](const Vector3d& w) {
     return Vector3d((kMoments.y() - kMoments.z()) * w.y() * w.z() / kMoments.x(),
@@ -40,7 +40,7 @@ Result<RigidOutcome> tumbling(const RigidSetup& setup) {
   RigidStage& stage = *made;
   RigidPart part;
   part.size_m = {0.3, 0.2, 0.05};
-  part.mass_kg = 100.0;  // moments of 1 to 3 kg m² of so small a box; nothing touches it
+  part.mass_kg = 100.0;  // large moments for a small box; it has no contacts
   part.moments_kg_m2 = kMoments;
   part.angular_velocity_rad_s = kSpin_rad_s;
   stage.add(part);

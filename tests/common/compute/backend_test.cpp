@@ -21,7 +21,7 @@ std::vector<uint32_t> random_words(size_t count, uint64_t seed) {
   return words;
 }
 
-TEST_P(BackendTest, BuffersGiveBackWhatWasUploaded) {
+TEST_P(BackendTest, ReadReturnsUploadedData) {
   // One word, less than a staging buffer of 8 MiB, and more than one by an odd number of words.
   for (const size_t words : {size_t{1}, size_t{1000}, (size_t{1} << 21) + 3}) {
     const auto written = random_words(words, words);
@@ -30,7 +30,7 @@ TEST_P(BackendTest, BuffersGiveBackWhatWasUploaded) {
   }
 }
 
-TEST_P(BackendTest, UploadWritesTheFrontOnly) {
+TEST_P(BackendTest, UploadWritesOnlyTheFront) {
   const auto written = random_words(100, 1);
   const BufferId buffer = make_buffer_of(written);
   const std::array<uint32_t, 2> front{1, 2};
@@ -41,7 +41,7 @@ TEST_P(BackendTest, UploadWritesTheFrontOnly) {
   EXPECT_EQ(read_all<uint32_t>(buffer, 100), expected);
 }
 
-TEST_P(BackendTest, BuffersDoNotOverlapAfterOthersWereDestroyed) {
+TEST_P(BackendTest, BuffersDoNotOverlapAfterReuse) {
   std::vector<std::pair<BufferId, std::vector<uint32_t>>> live;
   std::mt19937_64 random(7);
   for (int round = 0; round < 60; ++round) {
@@ -56,7 +56,7 @@ TEST_P(BackendTest, BuffersDoNotOverlapAfterOthersWereDestroyed) {
   for (const auto& [buffer, words] : live) EXPECT_EQ(read_all<uint32_t>(buffer, words.size()), words);
 }
 
-TEST_P(BackendTest, TooLargeOrOddBuffersAreRefused) {
+TEST_P(BackendTest, RejectsTooLargeOrOddBuffers) {
   for (const size_t bytes : {kMaxBufferBytes + 4, SIZE_MAX - 3}) {
     const auto made = backend_->create_buffer(bytes);
     ASSERT_FALSE(made);
@@ -69,7 +69,7 @@ TEST_P(BackendTest, TooLargeOrOddBuffersAreRefused) {
   }
 }
 
-TEST_P(BackendTest, TransfersPastTheEndAreRefused) {
+TEST_P(BackendTest, RejectsTransfersPastTheEnd) {
   const BufferId buffer = make_buffer(8);
   std::array<std::byte, 12> bytes{};
   for (const size_t count : {size_t{12}, size_t{3}}) {
@@ -82,7 +82,7 @@ TEST_P(BackendTest, TransfersPastTheEndAreRefused) {
   }
 }
 
-TEST_P(BackendTest, UnknownBuffersAreNamed) {
+TEST_P(BackendTest, ReportsUnknownBuffers) {
   const BufferId destroyed = make_buffer(48);
   ASSERT_TRUE(backend_->destroy_buffer(destroyed));
   const BufferId known = make_buffer(48);
@@ -99,7 +99,7 @@ TEST_P(BackendTest, UnknownBuffersAreNamed) {
   }
 }
 
-TEST_P(BackendTest, DispatchesThatDoNotFitThePassAreRefused) {
+TEST_P(BackendTest, RejectsDispatchesThatDoNotFitThePass) {
   const Pass& pass = shift_words_pass();
   const BufferId a = make_buffer(48);
   const BufferId b = make_buffer(48);
@@ -113,7 +113,7 @@ TEST_P(BackendTest, DispatchesThatDoNotFitThePassAreRefused) {
   EXPECT_EQ(code({a, b}, std::span(constants).first(0)), ErrorCode::InvalidArgument);
 }
 
-TEST_P(BackendTest, ItemsPastTheCountAreLeftAlone) {
+TEST_P(BackendTest, LeavesItemsPastTheCountUnchanged) {
   const uint32_t count = shift_words_pass().group_size + 1;
   const auto words = random_words(2 * count, 3), before = random_words(2 * count, 4);
   const BufferId shifted = make_buffer_of(before);
@@ -123,10 +123,10 @@ TEST_P(BackendTest, ItemsPastTheCountAreLeftAlone) {
     EXPECT_EQ(after[i], i < count ? words[(i + 1) % count] + 1 : before[i]) << i;
 }
 
-// Each dispatch reads what the one before wrote, more of them than one command buffer holds. A barrier left
-// out is a data race, which the layer reports as well.
-TEST_P(BackendTest, DispatchesSeeWhatTheOnesBeforeWrote) {
-  constexpr uint32_t kRounds = 150;  // 300 dispatches; a command buffer takes 256
+// Each dispatch reads the output of the previous one; the chain exceeds one command buffer. A missing barrier
+// is a data race, which the validation layer also reports.
+TEST_P(BackendTest, DispatchesReadEarlierResults) {
+  constexpr uint32_t kRounds = 150;  // 300 dispatches; a command buffer has 256
   const auto words = random_words(1000, 8);
   const BufferId a = make_buffer_of(words);
   const BufferId b = make_buffer(4 * words.size());
@@ -139,10 +139,10 @@ TEST_P(BackendTest, DispatchesSeeWhatTheOnesBeforeWrote) {
     ASSERT_EQ(after[i], words[(i + 2 * kRounds) % 1000] + 2 * kRounds) << i;
 }
 
-// Uploads take their turn among dispatches: each sees what was uploaded last before it, though all of it runs
-// at once, and though the staging buffer is full many times over.
-TEST_P(BackendTest, AnUploadIsSeenByWhatComesAfterItAlone) {
-  constexpr uint32_t kWords = 700'000;  // three of them fill the staging buffer
+// Uploads are ordered with dispatches: each dispatch reads the latest upload before it, although all of them
+// run together and the staging buffer fills several times.
+TEST_P(BackendTest, UploadsAffectOnlyLaterDispatches) {
+  constexpr uint32_t kWords = 700'000;  // three uploads fill the staging buffer
   const BufferId words = make_buffer(4 * kWords);
   std::vector<BufferId> shifted;
   for (uint32_t round = 0; round < 10; ++round) {
@@ -171,8 +171,8 @@ TEST_P(BackendTest, UploadsAndDispatchesAreOneSubmission) {
   EXPECT_EQ(commands->traffic().uploaded_bytes - before.uploaded_bytes, 20u * 4000u);
 }
 
-// Holds with and without a loader: with one, it is shown no driver.
-TEST(VulkanDevice, SaysWhenThereIsNoDevice) {
+// Valid with and without a loader: an existing loader gets an invalid driver path.
+TEST(VulkanDevice, ReportsAMissingDevice) {
   const char* drivers = std::getenv("VK_ICD_FILENAMES");
   const std::string before = drivers ? drivers : "";
   setenv("VK_ICD_FILENAMES", "/nonexistent/driver.json", 1);

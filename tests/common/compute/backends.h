@@ -14,8 +14,8 @@
 
 namespace livegs {
 
-// A test on one backend, by its name. All Vulkan tests of a program share one device and backend, under the
-// validation layer. Skips only where there is no Vulkan device; a missing layer fails.
+// A test on one backend, selected by name. All Vulkan tests of a program share one device and backend with
+// the validation layer. Skipped only if there is no Vulkan device; a missing layer fails.
 class OnEveryBackend : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -35,7 +35,7 @@ class OnEveryBackend : public testing::TestWithParam<const char*> {
     shared_vulkan.messages().expect_none();
   }
 
-  // Destroyed with the test.
+  // Destroyed at the end of the test.
   BufferId make_buffer(size_t bytes) {
     auto made = Buffer::create(*backend_, bytes);
     EXPECT_TRUE(made) << made.error().message;

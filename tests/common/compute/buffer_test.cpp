@@ -28,7 +28,7 @@ TEST(Buffer, IsDestroyedWithItsOwner) {
   EXPECT_FALSE(exists(backend, id));
 }
 
-TEST(Buffer, AMoveKeepsItAlive) {
+TEST(Buffer, SurvivesAMove) {
   CpuBackend backend;
   Buffer last;
   EXPECT_FALSE(last);
@@ -49,7 +49,7 @@ TEST(Buffer, AMoveKeepsItAlive) {
   EXPECT_FALSE(exists(backend, id));
 }
 
-TEST(Buffer, FailsAsItsBackendDoes) {
+TEST(Buffer, ReturnsErrorsOfItsBackend) {
   CpuBackend backend;
   const auto made = Buffer::create(backend, 3);
   ASSERT_FALSE(made);

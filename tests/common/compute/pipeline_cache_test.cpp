@@ -22,7 +22,7 @@ VkPhysicalDeviceProperties some_device() {
   return device;
 }
 
-// Vulkan's header and a few bytes of a driver's.
+// Vulkan's header and a few bytes of driver data.
 std::vector<std::byte> data_of(const VkPhysicalDeviceProperties& device) {
   VkPipelineCacheHeaderVersionOne header{
       sizeof header, VK_PIPELINE_CACHE_HEADER_VERSION_ONE, device.vendorID, device.deviceID, {}};
@@ -37,7 +37,7 @@ ErrorCode code_of(const VkPhysicalDeviceProperties& device, std::span<const std:
   return read ? ErrorCode::Internal : read.error().code;
 }
 
-TEST(PipelineCache, DataReturnsFromItsFile) {
+TEST(PipelineCache, RoundTripsThroughAFile) {
   const auto device = some_device();
   const auto read = decode_pipeline_cache(device, encode_pipeline_cache(device, data_of(device)));
   ASSERT_TRUE(read) << read.error().message;
@@ -45,7 +45,7 @@ TEST(PipelineCache, DataReturnsFromItsFile) {
   EXPECT_EQ(pipeline_cache_file("/cache", device), "/cache/10de-2330.pipelines");
 }
 
-TEST(PipelineCache, DamagedFilesAreRefused) {
+TEST(PipelineCache, RejectsDamagedFiles) {
   const auto device = some_device();
   const auto file = encode_pipeline_cache(device, data_of(device));
   for (size_t bytes = 0; bytes < file.size(); ++bytes) {
@@ -59,7 +59,7 @@ TEST(PipelineCache, DamagedFilesAreRefused) {
   EXPECT_EQ(code_of(device, longer), ErrorCode::InvalidData);
 }
 
-TEST(PipelineCache, FilesOfOtherDevicesAndDriversAreRefused) {
+TEST(PipelineCache, RejectsFilesOfOtherDevicesAndDrivers) {
   const auto device = some_device();
   const auto file = encode_pipeline_cache(device, data_of(device));
   auto driver = device, card = device, build = device;
@@ -75,7 +75,7 @@ class PipelineCacheOnDisk : public testing::Test {
     if (const auto& why = shared_vulkan.no_device()) GTEST_SKIP() << why->message;
   }
 
-  // Runs a pass on a device of its own; the file is then on disk. Returns its content.
+  // Runs a pass on its own device, which saves the cache file. Returns the content of the file.
   std::vector<std::byte> file_after_a_pass() {
     VulkanDeviceOptions options;
     options.pipeline_cache_folder = folder_ / "made" / "here";
@@ -101,9 +101,9 @@ class PipelineCacheOnDisk : public testing::Test {
   VkPhysicalDeviceProperties properties_{};
 };
 
-TEST_F(PipelineCacheOnDisk, AnUnchangedCacheIsNotWrittenAgain) {
+TEST_F(PipelineCacheOnDisk, DoesNotRewriteAnUnchangedCache) {
   (void)file_after_a_pass();
-  const auto second = file_after_a_pass();  // a driver may add to its data once
+  const auto second = file_after_a_pass();  // a driver may extend its data once
   const auto written = std::filesystem::last_write_time(path());
   EXPECT_TRUE(decode_pipeline_cache(properties_, second));
   if (file_after_a_pass() == second) {
@@ -111,7 +111,7 @@ TEST_F(PipelineCacheOnDisk, AnUnchangedCacheIsNotWrittenAgain) {
   }
 }
 
-TEST_F(PipelineCacheOnDisk, ADamagedFileIsReplaced) {
+TEST_F(PipelineCacheOnDisk, ReplacesADamagedFile) {
   auto file = file_after_a_pass();
   ASSERT_FALSE(file.empty());
   file.back() ^= std::byte{255};
@@ -120,8 +120,8 @@ TEST_F(PipelineCacheOnDisk, ADamagedFileIsReplaced) {
   EXPECT_TRUE(decode_pipeline_cache(properties_, file_after_a_pass()));
 }
 
-// A failure to write costs time in the next run, and no more.
-TEST_F(PipelineCacheOnDisk, AFolderThatCannotBeMadeIsIgnored) {
+// A failed write only costs time in the next run.
+TEST_F(PipelineCacheOnDisk, IgnoresAnUnusableFolder) {
   folder_.write("made", "a file in the folder's place");
   VulkanDeviceOptions options;
   options.pipeline_cache_folder = folder_ / "made" / "here";

@@ -15,7 +15,7 @@
 
 namespace livegs {
 
-// Messages of the validation layer, from any thread.
+// Messages of the validation layer. Any thread.
 class ValidationMessages {
  public:
   void add(const std::string& message) {
@@ -40,7 +40,7 @@ inline std::filesystem::path test_pipeline_cache_folder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path() / "pipeline_cache";
 }
 
-// A device under the validation layer, whose messages go to `messages`, which outlives it.
+// Creates a device with the validation layer. `messages` receives its messages and must outlive it.
 inline Result<std::shared_ptr<VulkanDevice>> create_validated_device(ValidationMessages& messages,
                                                                      size_t memory_limit_bytes = 0) {
   VulkanDeviceOptions options;
@@ -51,17 +51,17 @@ inline Result<std::shared_ptr<VulkanDevice>> create_validated_device(ValidationM
   return VulkanDevice::create(options);
 }
 
-// The one Vulkan device of a test program, and a backend on it. Created when a test first needs it, destroyed
-// after the last test; any message of the validation layer fails the test, or at the end the program.
+// The only Vulkan device of a test program, and a backend on it. Created at first use, destroyed after the
+// last test. Any message of the validation layer fails the current test or, at the end, the program.
 class SharedVulkan final : public ::testing::Environment {
  public:
-  // Why there is no device: its tests skip. Nothing where there is one, or where only the validation layer is
-  // absent.
+  // The reason for a missing device; tests then skip. Empty if there is a device, or if only the validation
+  // layer is missing.
   const std::optional<Error>& no_device() {
     create();
     return no_device_;
   }
-  // Precondition: no_device() is nothing.
+  // Precondition: no_device() is empty.
   const Result<std::shared_ptr<VulkanDevice>>& device() { return create(); }
   Result<Backend*> backend() {
     if (!backend_) {
@@ -98,7 +98,7 @@ class SharedVulkan final : public ::testing::Environment {
   std::unique_ptr<Backend> backend_;
 };
 
-// GoogleTest owns it.
+// Owned by GoogleTest.
 inline SharedVulkan& shared_vulkan =
     *static_cast<SharedVulkan*>(::testing::AddGlobalTestEnvironment(new SharedVulkan));
 

@@ -5,8 +5,8 @@
 
 namespace livegs {
 
-// A pass for tests of what runs passes: word i becomes word i + 1, the last the first, plus one. Buffers:
-// words, shifted words. Constants: how many.
+// A test pass that rotates words by one place and adds one: word i becomes word i + 1, the last becomes the
+// first. Buffers: words, shifted words. Constants: word count.
 const Pass& shift_words_pass();
 Result<void> dispatch_shift_words(Backend& backend, BufferId words, BufferId shifted, uint32_t count);
 

@@ -13,17 +13,17 @@ std::filesystem::path scratch_folder() {
   return ::mkdtemp(pattern.data());
 }
 
-TEST(File, WhatWasWrittenIsRead) {
+TEST(File, ReadsWhatWasWritten) {
   const auto folder = scratch_folder();
   ASSERT_TRUE(write_file_atomically(folder / "a.txt", "first"));
   ASSERT_TRUE(write_file_atomically(folder / "a.txt", "second"));
   EXPECT_EQ(read_text_file(folder / "a.txt").value(), "second");
-  // Nothing is left beside it.
+  // No temporary file remains.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
   std::filesystem::remove_all(folder);
 }
 
-TEST(File, ErrorsNameThePathAndTheReason) {
+TEST(File, ErrorsContainPathAndReason) {
   const auto folder = scratch_folder();
   EXPECT_NE(read_file(folder / "absent").error().message.find("absent: no such file"), std::string::npos);
   EXPECT_NE(read_file(folder).error().message.find("not a regular file"), std::string::npos);

@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-TEST(FormatText, PrintsWhatPrintfPrintsAtAnyLength) {
+TEST(FormatText, MatchesPrintfAtAnyLength) {
   EXPECT_EQ(format_text("%d of %.3g %s, %.0f %%", 2, 0.125, "kg", 41.7), "2 of 0.125 kg, 42 %");
   EXPECT_EQ(format_text("%s", ""), "");
   const std::string longer(5000, 'x');

@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-TEST(Log, AMessageIsOneLineAndMovesNoCursor) {
+TEST(Log, RemovesControlCharacters) {
   testing::internal::CaptureStderr();
   log_warn("%s: is red", "a\nb\x1b[31m\x7f\xc3\xbc");
   const std::string said = testing::internal::GetCapturedStderr();

@@ -22,7 +22,7 @@ TEST(ParallelFor, VisitsEachItemOnce) {
   }
 }
 
-TEST(ParallelFor, BlockSumsDoNotDependOnTheThreadCount) {
+TEST(ParallelFor, BlockSumsAreIndependentOfThreadCount) {
   const auto sum = [](int threads) {
     set_thread_count(threads);
     std::vector<float> partial(100, 0.0f);
@@ -37,8 +37,8 @@ TEST(ParallelFor, BlockSumsDoNotDependOnTheThreadCount) {
   set_thread_count(0);
 }
 
-// What a body throws reaches whoever asked, when no body runs any more.
-TEST(ParallelFor, AnExceptionReachesTheCaller) {
+// An exception is rethrown after all bodies have returned.
+TEST(ParallelFor, RethrowsExceptionsToTheCaller) {
   for (const int threads : {1, 4}) {
     set_thread_count(threads);
     std::atomic<int> running{0};

@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-TEST(Percentile, IsTheNumberAtTheNearestRank) {
+TEST(Percentile, IsTheNearestRankValue) {
   EXPECT_EQ(percentile(std::vector<double>{}, 0.5), 0.0);
   EXPECT_EQ(percentile(std::vector<double>{3}, 0.99), 3.0);
   const std::vector<double> five = {5, 1, 4, 2, 3};
@@ -17,9 +17,7 @@ TEST(Percentile, IsTheNumberAtTheNearestRank) {
   EXPECT_EQ(percentile(five, 1.0), 5.0);
 }
 
-TEST(Percentile, TakesTheUpperOfTwoMiddleNumbers) {
-  EXPECT_EQ(percentile(std::vector<int>{4, 1, 3, 2}, 0.5), 3);
-}
+TEST(Percentile, SelectsTheUpperMiddleNumber) { EXPECT_EQ(percentile(std::vector<int>{4, 1, 3, 2}, 0.5), 3); }
 
 TEST(Percentile, MedianIsTheMeanOfTwoMiddleNumbers) {
   EXPECT_EQ(median({4, 1, 3, 2}), 2.5);

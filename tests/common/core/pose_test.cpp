@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-TEST(Pose, InverseUndoesAndProductsChain) {
+TEST(Pose, SupportsInverseAndProduct) {
   const Pose a{{1, 2, 3}, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 2).normalized()))};
   const Pose b{{-4, 0, 1},
                Eigen::Quaterniond(Eigen::AngleAxisd(-2.1, Eigen::Vector3d(0, 1, 1).normalized()))};

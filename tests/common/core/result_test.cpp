@@ -20,13 +20,13 @@ TEST(Result, HoldsAValueOrAnError) {
   EXPECT_EQ(half(5).error().code, ErrorCode::InvalidArgument);
 }
 
-TEST(Result, CarriesValuesThatOnlyMove) {
+TEST(Result, SupportsMoveOnlyValues) {
   Result<std::unique_ptr<int>> result = std::make_unique<int>(4);
   std::unique_ptr<int> taken = std::move(result).value();
   EXPECT_EQ(*taken, 4);
 }
 
-TEST(ResultDeathTest, ValueOfAnErrorSaysWhy) { EXPECT_DEATH((void)half(3).value(), "3: is odd"); }
+TEST(ResultDeathTest, ValueOfAnErrorPrintsItsMessage) { EXPECT_DEATH((void)half(3).value(), "3: is odd"); }
 
 }  // namespace
 }  // namespace livegs

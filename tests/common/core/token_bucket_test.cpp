@@ -24,7 +24,7 @@ TEST(TokenBucket, LimitsTheRateAndTheBurst) {
   now += 3600 * kSecond_ns;
   EXPECT_EQ(taken(100), 25);
   int steady = 0;
-  for (int i = 0; i < 1000; ++i) {  // ten seconds in steps that its rate does not divide
+  for (int i = 0; i < 1000; ++i) {  // ten seconds in steps that do not divide evenly
     now += kSecond_ns / 100;
     steady += bucket.try_take(now) ? 1 : 0;
   }
@@ -34,9 +34,9 @@ TEST(TokenBucket, LimitsTheRateAndTheBurst) {
 TEST(TokenBucket, GoesIntoDebtAtItsRate) {
   TokenBucket bucket(2.0, 3.0);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(bucket.take_in_debt(0), 0);
-  EXPECT_EQ(bucket.take_in_debt(0), 500000000);   // one in debt at 2 a second
+  EXPECT_EQ(bucket.take_in_debt(0), 500000000);   // debt of one at 2 tokens per second
   EXPECT_EQ(bucket.take_in_debt(0), 1000000000);  // two
-  EXPECT_EQ(bucket.take_in_debt(2000000000), 0);  // 2 s give 4: the debt of 2 and 2 more
+  EXPECT_EQ(bucket.take_in_debt(2000000000), 0);  // 2 s give 4 tokens: the debt of 2 and 2 more
 }
 
 TEST(TokenBucket, KeepsSavedTokensWhenItsRateChanges) {

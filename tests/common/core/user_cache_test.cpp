@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-// Sets a variable of the environment, or unsets it, and restores it.
+// Sets or unsets an environment variable and restores it.
 class Variable {
  public:
   Variable(const char* name, const char* value) : name_(name) {
@@ -36,7 +36,7 @@ TEST(UserCache, FollowsXdgThenHome) {
   }
 }
 
-TEST(UserCache, WithoutAHomeThereIsNone) {
+TEST(UserCache, IsMissingWithoutAHome) {
   const Variable home("HOME", nullptr), cache("XDG_CACHE_HOME", nullptr);
   const auto folder = user_cache_folder();
   ASSERT_FALSE(folder);

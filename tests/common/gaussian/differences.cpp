@@ -13,7 +13,7 @@ namespace {
 
 float largest(const Eigen::Vector3f& difference) { return difference.cwiseAbs().maxCoeff(); }
 
-// Unlikeness of two kernels beyond their place: 0 is equal.
+// Difference of two kernels apart from position; 0: equal.
 float unlikeness(const GaussianAsset& a, size_t i, const GaussianAsset& b, size_t j) {
   return (a.positions[i] - b.positions[j]).norm() + (a.log_scales[i] - b.log_scales[j]).norm() +
          (a.sh_dc[i] - b.sh_dc[j]).norm() +

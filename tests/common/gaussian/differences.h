@@ -8,13 +8,13 @@
 
 namespace livegs {
 
-// The largest difference of each property between kernels that belong together. The colour of a kernel of
-// opacity 0 is not compared: nobody sees it, and WebP encoders save the bytes.
+// The largest difference of each property between corresponding kernels. Colours of kernels with opacity 0
+// are not compared, because WebP encoders discard them.
 struct Differences {
-  float position = 0;  // of a coordinate
+  float position = 0;  // of one coordinate
   float log_scale = 0;
   float rotation_deg = 0;
-  float opacity = 0;  // not of its logit
+  float opacity = 0;  // not of the logit
   float sh_dc = 0;
   float sh1 = 0;
   float sh_rest = 0;          // degrees 2 and 3
@@ -23,13 +23,13 @@ struct Differences {
   double mean_sh = 0;  // of degrees 1 to 3
 };
 
-// partner[i] is the kernel of `b` that belongs to kernel i of `a`. Both have the same SH degree.
+// Kernel partner[i] of `b` corresponds to kernel i of `a`. Both assets have the same SH degree.
 Differences differences(const GaussianAsset& a, const GaussianAsset& b, const std::vector<size_t>& partner);
 
 std::vector<size_t> same_order(size_t count);
 
-// For each kernel of `a` one of `b`, each taken once: the nearest in position within `radius` and then in
-// colour and size. Formats that reorder are compared through it. Empty if a kernel finds none.
+// Matches each kernel of `a` to a unique kernel of `b`: the nearest in position within `radius`, then in
+// colour and size. Used for formats that reorder. Empty if a kernel has no match.
 std::vector<size_t> match_by_position(const GaussianAsset& a, const GaussianAsset& b, float radius);
 
 }  // namespace livegs

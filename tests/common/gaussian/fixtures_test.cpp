@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every small file of shared/data/fixtures, good and bad. The name of a file says what is wrong with it.
+// Reads every small file of shared/data/fixtures, valid and invalid. The file name states the defect.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace livegs {
 namespace {
 
-// What a good file holds.
+// Expected content of a valid file.
 struct Good {
   size_t count;
   int sh_degree;
@@ -50,7 +50,7 @@ const std::map<std::string, Good> kGood = {
     {"spz/decode-v3.spz", {1, 0, AssetFormat::Spz, 3}},
     {"spz/decode-degree1-v2.spz", {2, 1, AssetFormat::Spz, 2}},
     {"spz/decode-degree3-v2.spz", {2, 3, AssetFormat::Spz, 2}},
-    {"spz/decode-degree4-v2.spz", {1, 3, AssetFormat::Spz, 2}},  // cut, with a note
+    {"spz/decode-degree4-v2.spz", {1, 3, AssetFormat::Spz, 2}},  // cut to degree 3, with a note
     {"spz/degree3-v2.spz", {1, 3, AssetFormat::Spz, 2}},
     {"spz/degree4-v2.spz", {1, 3, AssetFormat::Spz, 2}},
     {"spz/extensions-v2.spz", {1, 0, AssetFormat::Spz, 2}},
@@ -65,13 +65,13 @@ const std::map<std::string, Good> kGood = {
     {"sog/unbundled-kit-multi-degree3/meta.json", {3, 3, AssetFormat::Sog, 2}},
 };
 
-// The error of a bad file contains this.
+// Substring of the error of each invalid file.
 const std::map<std::string, std::string> kBad = {
     {"ply/degree-4-sh.ply", "degree 4"},
     {"ply/duplicate-sh-index.ply", "f_rest_00"},
     {"ply/empty-vertex.ply", "no rows"},
     {"ply/invalid-sh-name.ply", "f_rest_1x"},
-    {"ply/list-property.ply", "a list where property opacity"},
+    {"ply/list-property.ply", "a list as property opacity"},
     {"ply/mesh-not-gaussian.ply", "is this a Gaussian splat file"},
     {"ply/missing-opacity.ply", "no property opacity"},
     {"ply/nan-opacity-binary-le.ply", "finite"},
@@ -80,9 +80,9 @@ const std::map<std::string, std::string> kBad = {
     {"ply/overflow-scale.ply", "finite"},
     {"ply/sh-count-not-rgb.ply", "2 f_rest"},
     {"ply/sh-invalid-degree.ply", "6 f_rest"},
-    {"ply/truncated-binary-le.ply", "cut short"},
+    {"ply/truncated-binary-le.ply", "truncated"},
     {"misc/minimal-raw.spz", "must be compressed"},
-    {"misc/minimal.ksplat", "no Gaussian splat file"},
+    {"misc/minimal.ksplat", "unknown format"},
     {"spz/bad-crc-v2.spz", "incorrect data check"},
     {"spz/bad-fhcrc-v2.spz", "header crc"},
     {"spz/bad-isize-v2.spz", "incorrect length check"},
@@ -90,28 +90,28 @@ const std::map<std::string, std::string> kBad = {
     {"spz/count-exceeds-stream-v2.spz", "1000000 kernels, more than"},
     {"spz/decode-nonfinite-v1.spz", "finite"},
     {"spz/empty-points-v2.spz", "no kernels"},
-    {"spz/gzip-not-spz.spz", "does not hold an .spz"},
+    {"spz/gzip-not-spz.spz", "does not contain an .spz"},
     {"spz/huge-count-v2.spz", "2147483648 kernels, more than"},
-    {"spz/not-spz.spz", "no Gaussian splat file"},
+    {"spz/not-spz.spz", "unknown format"},
     {"spz/plaintext-v2.spz", "must be compressed"},
     {"spz/plaintext-v4.spz", "streams"},
     {"spz/sh-degree-5-v2.spz", "SH degree 5"},
-    {"spz/short-stream.spz", "before its header says"},
+    {"spz/short-stream.spz", "before the size in its header"},
     {"spz/trailing-after-member-v2.spz", "8 bytes follow"},
     {"spz/trailing-decompressed-v2.spz", "6 bytes follow"},
-    {"spz/truncated-deflate-v2.spz", "cut short"},
-    {"spz/truncated-gzip-header.spz", "cut short"},
-    {"spz/truncated-payload-v2.spz", "before its header says"},
+    {"spz/truncated-deflate-v2.spz", "truncated"},
+    {"spz/truncated-gzip-header.spz", "truncated"},
+    {"spz/truncated-payload-v2.spz", "before the size in its header"},
     {"spz/version-0.spz", "version 0"},
     {"spz/version-5.spz", "version 5"},
     {"sog/bad-bands.sog", "bands"},
-    {"sog/bad-quat-tag.sog", "none of 252 to 255"},
+    {"sog/bad-quat-tag.sog", "expected 252 to 255"},
     {"sog/bad-zip.sog", "zip archive"},
     {"sog/corrupt-plane.sog", "scales.webp"},
     {"sog/count-exceeds-plane.sog", "too few for 4096 kernels"},
     {"sog/device-plane-name.sog", "no file NUL.webp"},
     {"sog/empty-count.sog", "count"},
-    {"sog/escaping-plane-name.sog", "no plain file name"},
+    {"sog/escaping-plane-name.sog", "not a plain file name"},
     {"sog/huge-bands.sog", "bands"},
     {"sog/huge-count.sog", "count"},
     {"sog/huge-palette-count.sog", "count"},
@@ -122,14 +122,14 @@ const std::map<std::string, std::string> kBad = {
     {"sog/missing-plane.sog", "no file scales.webp"},
     {"sog/no-meta.sog", "no file meta.json"},
     {"sog/not-sog.json", "only the meta.json"},
-    {"sog/not-sog.sog", "no Gaussian splat file"},
+    {"sog/not-sog.sog", "unknown format"},
     {"sog/short-codebook.sog", "256 numbers"},
     {"sog/unbundled-missing-plane", "sh0.webp"},
-    {"sog/version-1.sog", "version 1"},  // says no version, but is not laid out as version 1 either
+    {"sog/version-1.sog", "version 1"},  // no version, and not the layout of version 1
     {"sog/version-3.sog", "version 3"},
 };
 
-TEST(Fixtures, GoodOnesAreRead) {
+TEST(Fixtures, ValidFilesAreRead) {
   LIVEGS_NEEDS_SHARED_DATA();
   for (const auto& [name, good] : kGood) {
     const Result<AssetFile> file = read_asset(shared_data() / "fixtures" / name);
@@ -143,7 +143,7 @@ TEST(Fixtures, GoodOnesAreRead) {
   }
 }
 
-TEST(Fixtures, BadOnesAreRefusedInOneLineThatNamesFileAndFault) {
+TEST(Fixtures, InvalidFilesGiveOneLineErrors) {
   LIVEGS_NEEDS_SHARED_DATA();
   for (const auto& [name, words] : kBad) {
     const Result<AssetFile> file = read_asset(shared_data() / "fixtures" / name);
@@ -155,7 +155,7 @@ TEST(Fixtures, BadOnesAreRefusedInOneLineThatNamesFileAndFault) {
   }
 }
 
-TEST(Fixtures, NoneIsLeftOut) {
+TEST(Fixtures, AllFilesAreCovered) {
   LIVEGS_NEEDS_SHARED_DATA();
   const std::filesystem::path root = shared_data() / "fixtures";
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {

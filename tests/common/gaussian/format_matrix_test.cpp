@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One asset in every format: each must decode to the same kernels within what its quantiser loses. The files
-// were made by an independent converter; most formats reorder, so kernels are matched by position.
+// One asset in every format. All must decode to the same kernels within the quantisation error. The files
+// come from an independent converter; most formats reorder, so kernels are matched by position.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace livegs {
 namespace {
 
-// How far each property may be off. 0 for a property whose bound is checked as a mean.
+// Maximum error of each property. 0 for a property whose mean is checked instead.
 struct Bounds {
   float position;
   float log_scale;
@@ -28,14 +28,14 @@ struct Bounds {
 constexpr float kSlack = 2e-5f;  // float arithmetic on values up to 20
 constexpr float kHalfByte = 0.5f / 255 + kSlack;
 
-// Three components half a step off each; see spz_test.cpp for the factor four.
+// Three components with an error of half a step each; spz_test.cpp derives the factor four.
 float smallest_three_deg(double step) {
   return static_cast<float>(4 * std::sqrt(3.0) * step / 2 * 180 / M_PI);
 }
 
 const float kSpzRotationDeg = smallest_three_deg(1 / (511 * std::sqrt(2.0)));
 const float kCompressedRotationDeg = smallest_three_deg(std::sqrt(2.0) / 1023);
-// Writers of SOG cut off instead of rounding, which doubles the error: a whole step.
+// SOG writers truncate instead of rounding, which doubles the error to a whole step.
 const float kSogRotationDeg = smallest_three_deg(2 * std::sqrt(2.0) / 255);
 
 const Bounds kSpz = {1.0f / 8192 + kSlack, 1.0f / 32 + kSlack,  kSpzRotationDeg,    kHalfByte,
@@ -53,7 +53,7 @@ float widest(const std::vector<Eigen::Vector3f>& values) {
   return (high - low).maxCoeff();
 }
 
-// Half a step of a chunk as wide as the whole asset; ten bits is the coarsest component.
+// Half a step of a chunk as wide as the whole asset; the coarsest component has ten bits.
 Bounds compressed_bounds(const GaussianAsset& a) {
   return {widest(a.positions) / 2046 + kSlack,
           widest(a.log_scales) / 2046 + kSlack,
@@ -61,10 +61,10 @@ Bounds compressed_bounds(const GaussianAsset& a) {
           kHalfByte,
           widest(a.sh_dc) / 510 + kSlack,
           1.0f / 32 + kSlack,
-          1.0f / 32 + kSlack};  // the outermost steps of SH are one and a half wide
+          1.0f / 32 + kSlack};  // the outermost steps of SH are one and a half steps wide
 }
 
-// A step of the logarithm of the farthest kernel. Codebooks have no bound but their mean.
+// One step of the logarithm at the farthest kernel. Codebooks are bounded only in the mean.
 Bounds sog_bounds(const GaussianAsset& a) {
   const AssetSummary s = summarise(a);
   float worst = 0;
@@ -77,7 +77,7 @@ Bounds sog_bounds(const GaussianAsset& a) {
   return {worst + kSlack, 0, kSogRotationDeg, 1.0f / 255 + kSlack, 0};
 }
 
-// .spz holds log-scales of -10 to 255/16 - 10 and colours of +-1/0.3; what is outside is cut off.
+// .spz stores log-scales from -10 to 255/16 - 10 and colours within +-1/0.3; other values are clamped.
 GaussianAsset clamped_as_spz(GaussianAsset asset) {
   for (Eigen::Vector3f& scale : asset.log_scales) scale = scale.cwiseMax(-10.0f).cwiseMin(255.0f / 16 - 10);
   for (Eigen::Vector3f& dc : asset.sh_dc) dc = dc.cwiseMax(-0.5f / 0.15f).cwiseMin(0.5f / 0.15f);
@@ -100,7 +100,7 @@ void expect_same(const GaussianAsset& source, const std::string& name, const Bou
     EXPECT_LE(worst.sh1, bounds.sh1) << name;
     EXPECT_LE(worst.sh_rest, bounds.sh_rest) << name;
   } else {
-    // A table of 256 values fitted to the data is no worse on average than evenly spaced ones.
+    // A table of 256 values fitted to the data is on average at least as good as evenly spaced values.
     EXPECT_LE(worst.mean_log_scale, widest(source.log_scales) / 256 / 4) << name;
     EXPECT_LE(worst.mean_sh_dc, widest(source.sh_dc) / 256 / 4) << name;
   }
@@ -125,8 +125,8 @@ TEST(FormatMatrix, CameraWithShOfDegreeThree) {
   expect_same(clamped_as_spz(source), "format_matrix/leica_sh3_v4.spz", kSpz);
 }
 
-// A palette of SH is clustered, without a bound. But it must be the right entry: a kernel's own is much
-// nearer than its neighbour's in the file.
+// The error of a clustered SH palette is not bounded. But the entry must belong to its kernel: it is much
+// nearer to it than to the next kernel of the file.
 TEST(FormatMatrix, SogPaletteEntriesBelongToTheirKernels) {
   LIVEGS_NEEDS_SHARED_DATA();
   const GaussianAsset source = asset_of("splats/camera_leica/leica-sofort-top8192.ply");
@@ -138,8 +138,8 @@ TEST(FormatMatrix, SogPaletteEntriesBelongToTheirKernels) {
   EXPECT_LT(own, 0.5 * differences(source, sog, partner).mean_sh);
 }
 
-// These were unpacked by someone else's decoder, in the order of the file: what differs is float arithmetic,
-// and that decoder's clamp of opacities of 0 and 1.
+// Pairs unpacked by an independent decoder, in file order. Differences come only from float arithmetic and
+// that decoder's clamping of opacities 0 and 1.
 TEST(FormatMatrix, UnpackedPairsAgree) {
   LIVEGS_NEEDS_SHARED_DATA();
   struct Pair {
@@ -147,8 +147,8 @@ TEST(FormatMatrix, UnpackedPairsAgree) {
     const char* packed;
     float rotation_deg;
   };
-  // .splat: that decoder reads a byte b of a quaternion as 2b/255 - 1 and this one as (b - 128)/128, up to
-  // 1/128 apart in each of four components, and an angle is twice that of its quaternion.
+  // .splat: the other decoder maps a quaternion byte b to 2b/255 - 1, this one to (b - 128)/128. Each
+  // component differs by up to 1/128, and an angle is twice that of its quaternion.
   const Pair pairs[] = {
       {"splats/guitar/guitar.ply", "splats/guitar/guitar.compressed.ply", 0.01f},
       {"splats/ponytail_palm/ponytail_palm.ply", "splats/ponytail_palm/ponytail_palm.splat", 1.8f},
@@ -165,7 +165,7 @@ TEST(FormatMatrix, UnpackedPairsAgree) {
   }
 }
 
-// Small ones whose values lie on the grid of every quantiser ("exact") or off it.
+// Small assets with values on the grid of every quantiser ("exact") or off it.
 TEST(FormatMatrix, EquivalenceFixtures) {
   LIVEGS_NEEDS_SHARED_DATA();
   const GaussianAsset exact = asset_of("fixtures/equivalence/equiv-degree3-exact-binary-le.ply");

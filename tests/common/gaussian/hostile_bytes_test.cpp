@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that are cut short, damaged or lie: every reader answers with an asset that keeps its invariants or
-// with an error, and asks for no more memory than the file's size allows.
+// Truncated, damaged and inconsistent files. Every reader returns an asset that meets its invariants or an
+// error, and memory stays bounded by the size of the file.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -43,7 +43,7 @@ Buffer ascii_ply() {
                   "end_header\n1 2 3 0.1 0.2 0.3 4 -1 -2 -3 1 0 0 0\n4 5 6 0.1 0.2 0.3 4 -1 -2 -3 0 1 0 0\n");
 }
 
-// Random words are as good as any: all of them mean something.
+// Random words suffice, because all values are valid.
 Buffer compressed_ply() {
   std::string text = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n";
   for (const char* bound : {"min", "max"}) {
@@ -98,7 +98,7 @@ std::vector<Sample> samples() {
   return all;
 }
 
-TEST(HostileBytes, TheSamplesAreGood) {
+TEST(HostileBytes, SamplesAreValid) {
   for (const Sample& sample : samples()) {
     const Result<AssetFile> file = decode_asset(sample.bytes, sample.name);
     ASSERT_TRUE(file) << file.error().message;
@@ -106,16 +106,16 @@ TEST(HostileBytes, TheSamplesAreGood) {
   }
 }
 
-TEST(HostileBytes, EveryTruncationIsRefused) {
+TEST(HostileBytes, RejectsEveryTruncation) {
   for (const Sample& sample : samples()) {
     for (size_t length = 0; length < sample.bytes.size(); ++length) {
-      // Exactly as long as what is read, so that a sanitizer sees a step beyond.
+      // The buffer has exactly the readable length, so a sanitizer detects reads past it.
       const Buffer cut(sample.bytes.begin(), sample.bytes.begin() + static_cast<ptrdiff_t>(length));
       const Result<AssetFile> file = decode_asset(cut, sample.name);
       if (sample.name == "small.splat" && length % 32 == 0 && length > 0)
-        continue;  // whole records are a whole file
+        continue;  // whole records are a valid file
       if (sample.name == "text.ply" && length + 1 == sample.bytes.size())
-        continue;  // only the last line end is gone
+        continue;  // only the last line break is missing
       ASSERT_FALSE(file) << sample.name << " cut to " << length << " of " << sample.bytes.size()
                          << " bytes was read";
       EXPECT_TRUE(file.error().message.starts_with(sample.name)) << file.error().message;
@@ -123,7 +123,7 @@ TEST(HostileBytes, EveryTruncationIsRefused) {
   }
 }
 
-TEST(HostileBytes, MoreBytesThanTheFormatHasAreRefusedWhereItIsCompressed) {
+TEST(HostileBytes, RejectsTrailingBytesOfCompressedFormats) {
   for (Sample& sample : samples()) {
     if (!sample.name.ends_with(".spz")) continue;
     sample.bytes.push_back(std::byte{0});
@@ -131,8 +131,8 @@ TEST(HostileBytes, MoreBytesThanTheFormatHasAreRefusedWhereItIsCompressed) {
   }
 }
 
-// One to eight bytes replaced, bits flipped, or a stretch copied over another; half of the time near the
-// start, where headers are.
+// Mutates bytes: one to eight bytes replaced, bits flipped, or a range copied over another. Half of the
+// mutations are near the start, where headers are.
 Buffer mutated(Buffer bytes, std::mt19937_64& engine) {
   const size_t changes = 1 + engine() % 8;
   for (size_t i = 0; i < changes; ++i) {
@@ -168,15 +168,15 @@ void survives(const Buffer& bytes, const std::string& name) {
   }
 }
 
-TEST(HostileBytes, FourThousandMutationsOfEachFormatAreSurvived) {
+TEST(HostileBytes, SurvivesMutationsOfEachFormat) {
   for (const Sample& sample : samples()) {
     std::mt19937_64 engine(1);
     for (int i = 0; i < 4000; ++i) survives(mutated(sample.bytes, engine), sample.name);
   }
 }
 
-// The checksum of gzip keeps mutations from what is behind it; these go under it.
-TEST(HostileBytes, MutationsUnderTheGzipOfSpzAreSurvived) {
+// The checksum of gzip blocks mutations of its content, so these are applied before compression.
+TEST(HostileBytes, SurvivesMutationsInsideSpzGzip) {
   for (const int version : {2, 3}) {
     const Buffer file = spz_file(version, 2);
     GunzipStream stream(file, "sample");
@@ -189,7 +189,7 @@ TEST(HostileBytes, MutationsUnderTheGzipOfSpzAreSurvived) {
   }
 }
 
-// Likewise the archive of .sog: here are its files outside of it.
+// The same for .sog: its files without the archive.
 class FilesInMemory : public SogFiles {
  public:
   explicit FilesInMemory(std::map<std::string, Buffer> files)
@@ -204,7 +204,7 @@ class FilesInMemory : public SogFiles {
   }
 };
 
-TEST(HostileBytes, MutationsOfEachFileOfASogAreSurvived) {
+TEST(HostileBytes, SurvivesMutationsOfEachSogFile) {
   LIVEGS_NEEDS_SHARED_DATA();
   std::map<std::string, Buffer> good;
   uint64_t total_bytes = 0;
@@ -225,7 +225,7 @@ TEST(HostileBytes, MutationsOfEachFileOfASogAreSurvived) {
   }
 }
 
-TEST(HostileBytes, DeeplyNestedMetaIsRefused) {
+TEST(HostileBytes, RejectsDeeplyNestedMeta) {
   for (const char* nest : {"[", "{\"means\":"}) {
     std::string text;
     while (text.size() < 1000000) text += nest;
@@ -233,8 +233,8 @@ TEST(HostileBytes, DeeplyNestedMetaIsRefused) {
   }
 }
 
-// Version 4 has its tables in the clear.
-TEST(HostileBytes, HeadersOfSpzVersionFourAreSurvived) {
+// Version 4 has uncompressed tables.
+TEST(HostileBytes, SurvivesMutationsOfSpz4Headers) {
   const Buffer bytes = spz_file(4, 3);
   std::mt19937_64 engine(2);
   for (int i = 0; i < 20000; ++i) {
@@ -251,7 +251,7 @@ long peak_memory_kib() {
   return usage.ru_maxrss;
 }
 
-TEST(HostileBytes, ClaimsAskForNoMemory) {
+TEST(HostileBytes, LargeCountsAllocateNoMemory) {
   std::vector<Sample> liars;
   std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n";
   for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
@@ -280,7 +280,7 @@ TEST(HostileBytes, ClaimsAskForNoMemory) {
   }
   const long before = peak_memory_kib();
   for (const Sample& liar : liars) EXPECT_FALSE(decode_asset(liar.bytes, liar.name)) << liar.name;
-  // The largest claim that is not refused outright is 1032 times a file of 5 kB.
+  // The largest claim that is not rejected outright is 1032 times a file of 5 kB.
   EXPECT_LT(peak_memory_kib() - before, 32 * 1024);
 }
 

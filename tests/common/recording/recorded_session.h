@@ -11,8 +11,8 @@
 #include "recording/recording_writer.h"
 #include "wire/rest_body_codec.h"
 
-// A session that is made up: a sphere that rolls, one that joins it at tick 400 and leaves at tick 600, and
-// two hands.
+// A synthetic session: a rolling sphere, a second sphere that exists from tick 400 to tick 600, and two
+// hands.
 
 namespace livegs::testing {
 
@@ -77,7 +77,7 @@ inline v1::RecordingStart start_of_recording(bool inputs_only = false) {
   return start;
 }
 
-// Ticks 1 to `ticks`.
+// Writes ticks 1 to `ticks`.
 inline Result<RecordingWriter> write_session(const std::filesystem::path& path, uint64_t ticks,
                                              bool inputs_only = false) {
   auto writer = RecordingWriter::create(path, start_of_recording(inputs_only));

@@ -22,7 +22,7 @@ void write_bytes(const std::filesystem::path& path, std::span<const std::byte> b
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
 }
 
-// Everything a reader can be asked.
+// Calls every function of a reader.
 void use(const std::filesystem::path& path) {
   auto reader = RecordingReader::open(path);
   if (!reader) {
@@ -53,7 +53,7 @@ std::vector<std::byte> session_bytes(const ScratchFolder& folder) {
   return *bytes;
 }
 
-TEST(RecordingBytes, AnyBytesAreReadOrRefused) {
+TEST(RecordingBytes, AreReadOrRejected) {
   const ScratchFolder folder;
   const std::vector<std::byte> good = session_bytes(folder);
   for_each_mutation(good, 300, 11, [&](std::span<const std::byte> spoilt) {
@@ -62,8 +62,8 @@ TEST(RecordingBytes, AnyBytesAreReadOrRefused) {
   });
 }
 
-// Check sums keep the decoders behind them from seeing spoilt bytes; here they are made right again.
-TEST(RecordingBytes, AnyPayloadIsReadOrRefused) {
+// Checksums hide damaged payloads from the decoders; here they are corrected after each mutation.
+TEST(RecordingBytes, WithValidChecksumsAreReadOrRejected) {
   const ScratchFolder folder;
   const std::vector<std::byte> good = session_bytes(folder);
   constexpr size_t kHead = recording_layout::kChunkHeadBytes;
@@ -84,7 +84,7 @@ TEST(RecordingBytes, AnyPayloadIsReadOrRefused) {
   ASSERT_GT(chunks.size(), 300u);
   std::mt19937_64 random(12);
   for (int round = 0; round < 300; ++round) {
-    // Of the few chunks that are no ticks as often as of those.
+    // Chunks other than ticks are few, so they are chosen as often as ticks.
     size_t chosen = random() % chunks.size();
     if (round % 2 == 0) {
       while (chunks[chosen].kind == 4) chosen = random() % chunks.size();
@@ -118,12 +118,12 @@ TEST(RecordingBytes, AnyPayloadIsReadOrRefused) {
   }
 }
 
-TEST(RecordingBytes, AByteThatWasChangedIsNoticed) {
+TEST(RecordingBytes, DetectAChangedByte) {
   const ScratchFolder folder;
   std::vector<std::byte> bytes = session_bytes(folder);
   bytes[bytes.size() / 2] ^= std::byte{1};
   write_bytes(folder / "bad.lvgrec", bytes);
-  auto reader = RecordingReader::open(folder / "bad.lvgrec");  // its index is whole
+  auto reader = RecordingReader::open(folder / "bad.lvgrec");  // the index is intact
   ASSERT_TRUE(reader);
   Result<std::optional<RecordedItem>> item = reader->next();
   while (item && *item) item = reader->next();
@@ -131,7 +131,7 @@ TEST(RecordingBytes, AByteThatWasChangedIsNoticed) {
   EXPECT_EQ(item.error().code, ErrorCode::InvalidData);
 }
 
-TEST(RecordingBytes, AnotherVersionIsNamed) {
+TEST(RecordingBytes, ReportAnotherVersion) {
   const ScratchFolder folder;
   std::vector<std::byte> bytes = session_bytes(folder);
   bytes[6] = std::byte{9};
@@ -139,7 +139,7 @@ TEST(RecordingBytes, AnotherVersionIsNamed) {
   const auto reader = RecordingReader::open(folder / "new.lvgrec");
   ASSERT_FALSE(reader);
   EXPECT_EQ(reader.error().code, ErrorCode::Unsupported);
-  EXPECT_NE(reader.error().message.find("version 9, this build reads version 1"), std::string::npos);
+  EXPECT_NE(reader.error().message.find("version 9; this build reads version 1"), std::string::npos);
 }
 
 }  // namespace

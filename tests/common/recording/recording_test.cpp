@@ -45,7 +45,7 @@ Seen read_all(RecordingReader& reader) {
   }
 }
 
-// What the stream's integers make of a frame is at most half a step off: 2^-18 m and 18 bits a component.
+// Stream quantisation error: half a step of 2^-18 m, and 18 bits per quaternion component.
 void expect_near(const DriverFrame& seen, const DriverFrame& was) {
   ASSERT_EQ(seen.tick, was.tick);
   ASSERT_EQ(seen.simulated_ns, was.simulated_ns);
@@ -66,7 +66,7 @@ void expect_same(const InputSample& a, const InputSample& b) {
   EXPECT_EQ(a.hands[0].active, b.hands[0].active);
 }
 
-TEST(Recording, HoldsEveryTickEventAndInput) {
+TEST(Recording, ContainsEveryTickEventAndInput) {
   const ScratchFolder folder;
   auto writer = write_session(folder / "a.lvgrec", 700);
   ASSERT_TRUE(writer) << writer.error().message;
@@ -91,7 +91,7 @@ TEST(Recording, HoldsEveryTickEventAndInput) {
   EXPECT_EQ(seen.events[2].second.object_removed().object_id(), 2u);
 }
 
-TEST(Recording, WithoutItsEndIsReadUpToTheLastWholeChunk) {
+TEST(Recording, TruncatedIsReadToTheLastWholeChunk) {
   const ScratchFolder folder;
   auto writer = write_session(folder / "whole.lvgrec", 700);
   ASSERT_TRUE(writer);
@@ -112,7 +112,7 @@ TEST(Recording, WithoutItsEndIsReadUpToTheLastWholeChunk) {
     EXPECT_EQ(seen.frames.size(), cut->totals().ticks());
     EXPECT_EQ(cut->totals().last_tick(), seen.ticks.back());
     EXPECT_GT(seen.ticks.back(), before);
-    // Key ticks as the whole one's index has them.
+    // The key ticks are those in the index of the whole recording.
     for (size_t i = 0; i < cut->keys().size(); ++i) {
       EXPECT_EQ(cut->keys()[i].tick, whole->keys()[i].tick);
       EXPECT_EQ(cut->keys()[i].simulated_ns, whole->keys()[i].simulated_ns);
@@ -123,7 +123,7 @@ TEST(Recording, WithoutItsEndIsReadUpToTheLastWholeChunk) {
   EXPECT_EQ(before, 700u);
 }
 
-TEST(Recording, SeeksToAnyMomentByDecodingFewFrames) {
+TEST(Recording, SeeksByDecodingFewFrames) {
   const ScratchFolder folder;
   auto writer = write_session(folder / "a.lvgrec", 2000);
   ASSERT_TRUE(writer);
@@ -155,7 +155,7 @@ TEST(Recording, SeeksToAnyMomentByDecodingFewFrames) {
   }
 }
 
-TEST(Recording, OfInputsOnlyHasNoFramesButAllElse) {
+TEST(Recording, InputsOnlyHasEverythingButFrames) {
   const ScratchFolder folder;
   auto writer = write_session(folder / "a.lvgrec", 700, true);
   ASSERT_TRUE(writer);
@@ -170,7 +170,7 @@ TEST(Recording, OfInputsOnlyHasNoFramesButAllElse) {
   EXPECT_EQ(seen.samples.size(), 700u);
 }
 
-TEST(Recording, HoldsAssetsWhereAsked) {
+TEST(Recording, ContainsAssetsOnRequest) {
   const ScratchFolder folder;
   std::vector<std::byte> asset((5u << 20) / 2);
   for (size_t i = 0; i < asset.size(); ++i) asset[i] = static_cast<std::byte>(i * 7 >> 3);
@@ -198,17 +198,17 @@ TEST(Recording, HoldsAssetsWhereAsked) {
   EXPECT_EQ(files, (std::map<std::string, std::vector<std::byte>>{{"../a thing.ply", asset}, {"empty", {}}}));
 }
 
-TEST(Recording, IsNeverWrittenOverAnything) {
+TEST(Recording, NeverOverwritesAFile) {
   const ScratchFolder folder;
   folder.write("a.lvgrec", "kept");
   auto writer = RecordingWriter::create(folder / "a.lvgrec", start_of_recording());
   ASSERT_FALSE(writer);
-  EXPECT_NE(writer.error().message.find("is there already"), std::string::npos);
+  EXPECT_NE(writer.error().message.find("already exists"), std::string::npos);
   EXPECT_EQ(*read_text_file(folder / "a.lvgrec"), "kept");
 }
 
-// A disk that takes 20 kB more and then nothing: the error names the file, and the file is whole up to there.
-TEST(Recording, OnAFullDiskEndsWhole) {
+// A disk with 20 kB left: the error contains the file name, and the file is valid up to the failure.
+TEST(Recording, EndsWithAWholeChunkOnAFullDisk) {
   const ScratchFolder folder;
   struct rlimit kept;
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &kept), 0);

@@ -24,7 +24,7 @@ std::vector<double> values_of(const InputSample& sample) {
   return values;
 }
 
-// Numbers of any sign and size, as floats or not.
+// Numbers of any sign and magnitude, exact floats or not.
 InputSample any_sample(std::mt19937_64& random, uint64_t sequence, bool floats) {
   std::normal_distribution<double> any(0, 3);
   InputSample sample;
@@ -47,7 +47,7 @@ InputSample any_sample(std::mt19937_64& random, uint64_t sequence, bool floats) 
   return sample;
 }
 
-TEST(TickRecord, CarriesEveryBitOfActions) {
+TEST(TickRecord, RoundTripsActionsExactly) {
   std::mt19937_64 random(5);
   SamplesBefore writing, reading;
   for (uint64_t tick = 1; tick <= 400; ++tick) {
@@ -101,8 +101,8 @@ TEST(TickRecord, CarriesEveryBitOfActions) {
   }
 }
 
-// Every length but the whole is refused or, where the frame alone is shorter, gives less of it.
-TEST(TickRecord, CutShortIsRefused) {
+// Every truncation is rejected or, if only the frame is shorter, gives a shorter frame.
+TEST(TickRecord, RejectsTruncation) {
   std::mt19937_64 random(6);
   TickRecord record;
   record.tick = 70;
@@ -121,7 +121,7 @@ TEST(TickRecord, CutShortIsRefused) {
 }
 
 // proto/recording_format.md, "Worked example".
-TEST(TickRecord, IsAsTheFormatSays) {
+TEST(TickRecord, MatchesTheWorkedExample) {
   TickRecord record;
   record.tick = 3;
   InputSample sample;
@@ -142,9 +142,8 @@ TEST(TickRecord, IsAsTheFormatSays) {
   EXPECT_EQ(bytes, expected);
 }
 
-// A hand of a headset: each value changes a little in each sample. Bytes an hour of one person with two hands
-// at 90 Hz.
-TEST(TickRecord, TwoHandsTakeFewBytes) {
+// Two hands of a headset at 90 Hz; each value changes slightly in each sample. Measures bytes per hour.
+TEST(TickRecord, TwoHandsNeedFewBytes) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> step(0, 1e-3);
   InputSample sample;
@@ -177,7 +176,7 @@ TEST(TickRecord, TwoHandsTakeFewBytes) {
   const double megabytes_an_hour = bytes / kTicks * 90 * 3600 * 1e-6;
   RecordProperty("megabytes_an_hour", std::to_string(megabytes_an_hour));
   EXPECT_LT(megabytes_an_hour,
-            60.0);  // what a recording of inputs alone should stay under, by a study of streaming
+            60.0);  // target for a recording of inputs only
 }
 
 }  // namespace

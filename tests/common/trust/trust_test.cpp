@@ -12,11 +12,11 @@
 namespace livegs {
 namespace {
 
-// SHA-256 of a certificate, and its first 125 bits in Crockford's base 32, worked out by hand elsewhere.
+// SHA-256 of a certificate, and its first 125 bits in Crockford's base 32, computed independently.
 const std::string kFingerprint = "63efb4062f43850618aa400a805883075e01aeb2cecc89ca4fb266960ae51ada";
 const std::string kCode = "CFQV8-1HF8E-2GC65-A8058-0P430";
 
-// A certificate on P-256 that openssl made, and what `openssl x509 -fingerprint -sha256` says of it.
+// A P-256 certificate created with openssl, and its fingerprint by `openssl x509 -fingerprint -sha256`.
 constexpr const char* kCertificate = R"(-----BEGIN CERTIFICATE-----
 MIIBdDCCARmgAwIBAgIUalnNGEaEoFMV8n0nFnUtqHwvWa8wCgYIKoZIzj0EAwIw
 DzENMAsGA1UEAwwEdGVzdDAeFw0yNjExMjIxNzIzNTFaFw0zNjExMTkxNzIzNTFa
@@ -36,7 +36,7 @@ unsigned mode_of(const std::filesystem::path& path) {
   return ::stat(path.c_str(), &about) == 0 ? about.st_mode & 0777 : 0;
 }
 
-TEST(Fingerprint, IsWhatOpensslSays) {
+TEST(Fingerprint, MatchesOpenssl) {
   const auto fingerprint = certificate_fingerprint(kCertificate);
   ASSERT_TRUE(fingerprint) << fingerprint.error().message;
   EXPECT_EQ(*fingerprint, kCertificateFingerprint);
@@ -55,14 +55,14 @@ TEST(PairingCode, IsTheFirst125BitsOfTheFingerprint) {
   }
 }
 
-TEST(PairingCode, NoOtherDigitFits) {
+TEST(PairingCode, RejectsAnyOtherDigit) {
   for (size_t i = 0; i < kCode.size(); ++i) {
     if (kCode[i] == '-') continue;
     std::string other = kCode;
     other[i] = other[i] == 'Z' ? 'Y' : 'Z';
     EXPECT_FALSE(fits_pairing_code(kFingerprint, other)) << other;
   }
-  // The last of its 125 bits is the first of the 32nd digit; the others of that digit are none of it.
+  // The last of the 125 bits is the first bit of the 32nd digit; the other bits of that digit do not count.
   std::string near = kFingerprint;
   ASSERT_EQ(near[31], '7');
   near[31] = 'f';
@@ -71,7 +71,7 @@ TEST(PairingCode, NoOtherDigitFits) {
   EXPECT_TRUE(fits_pairing_code(near, kCode));
 }
 
-TEST(PairingCode, AnythingElseIsNone) {
+TEST(PairingCode, RejectsMalformedCodes) {
   for (const char* text : {"", "CFQV8", "CFQV8-1HF8E-2GC65-A8058-0P43", "CFQV8-1HF8E-2GC65-A8058-0P4300",
                            "CFQV8-1HF8E-2GC65-A8058-0P43U",
                            "63efb4062f43850618aa400a805883075e01aeb2cecc89ca4fb266960ae51ada"}) {
@@ -81,7 +81,7 @@ TEST(PairingCode, AnythingElseIsNone) {
   EXPECT_FALSE(fits_pairing_code("", ""));
 }
 
-TEST(HostPort, KnowsThisMachineFromOthers) {
+TEST(HostPort, DetectsLoopbackAddresses) {
   for (const char* text : {"127.0.0.1:1", "127.3.2.1:65535", "localhost:0", "[::1]:9780"}) {
     const auto parsed = parse_host_port(text);
     ASSERT_TRUE(parsed) << text;
@@ -97,7 +97,7 @@ TEST(HostPort, KnowsThisMachineFromOthers) {
     EXPECT_FALSE(parse_host_port(text)) << text;
 }
 
-TEST(SecretFile, IsItsOwnersAlone) {
+TEST(SecretFile, IsReadableByItsOwnerOnly) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "state" / "key";
   ASSERT_TRUE(write_secret_file(file, "secret"));
@@ -110,11 +110,11 @@ TEST(SecretFile, IsItsOwnersAlone) {
     ASSERT_FALSE(read);
     EXPECT_NE(read.error().message.find(file.string()), std::string::npos) << read.error().message;
   }
-  ASSERT_TRUE(write_secret_file(file, "anew"));  // whatever mode it had
+  ASSERT_TRUE(write_secret_file(file, "again"));  // with any previous mode
   EXPECT_EQ(mode_of(file), 0600u);
 }
 
-TEST(KnownServers, AreRememberedAndForgotten) {
+TEST(KnownServers, AreSavedAndDeleted) {
   const ScratchFolder folder;
   const KnownServers servers(folder / "state" / "known_servers");
   EXPECT_FALSE(*servers.find("a:1"));
@@ -131,7 +131,7 @@ TEST(KnownServers, AreRememberedAndForgotten) {
   EXPECT_EQ(mode_of(folder / "state" / "known_servers"), 0600u);
 }
 
-TEST(KnownServers, ALineThatIsNoneIsNamed) {
+TEST(KnownServers, ReportInvalidLines) {
   const ScratchFolder folder;
   const KnownServers servers(folder / "known_servers");
   for (const std::string& line : {std::string("a:1"), "a:1 " + kFingerprint,
@@ -150,14 +150,14 @@ class Access : public ::testing::Test {
   AccessOptions options_;
 };
 
-TEST_F(Access, ThisMachineNeedsNothingAndLeavesNothing) {
+TEST_F(Access, LoopbackNeedsNoPairing) {
   const auto access = choose_access("127.0.0.1:9780", options_);
   ASSERT_TRUE(access) << access.error().message;
   EXPECT_EQ(*access, nullptr);
   EXPECT_FALSE(std::filesystem::exists(options_.state_dir));
 }
 
-TEST_F(Access, AnotherMachineIsRefusedUntilItIsPairedWith) {
+TEST_F(Access, RemoteServersNeedPairing) {
   const auto refused = choose_access("192.168.1.2:9780", options_);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("--pair"), std::string::npos) << refused.error().message;
@@ -173,8 +173,8 @@ TEST_F(Access, AnotherMachineIsRefusedUntilItIsPairedWith) {
   EXPECT_TRUE(choose_access("192.168.1.2:9780", options_));
 }
 
-// Once paired, an address of this machine is not asked in the clear any more: that would be a way round TLS.
-TEST_F(Access, WhatWasPairedWithIsNeverAskedInTheClear) {
+// After pairing, a local address is never contacted without TLS: that would permit a downgrade.
+TEST_F(Access, PairedServersAlwaysUseTls) {
   ASSERT_TRUE(
       KnownServers(options_.state_dir / "known_servers").remember("127.0.0.1:9780", {kFingerprint, ""}));
   EXPECT_NE(*choose_access("127.0.0.1:9780", options_), nullptr);
@@ -182,7 +182,7 @@ TEST_F(Access, WhatWasPairedWithIsNeverAskedInTheClear) {
   EXPECT_EQ(*choose_access("127.0.0.1:9780", options_), nullptr);
 }
 
-TEST_F(Access, ATokenFileIsReadByItsFirstLine) {
+TEST_F(Access, TokenIsTheFirstLineOfItsFile) {
   options_.pairing_code = kCode;
   options_.token_file = folder_.write("good", "livegs_abc\r\nmore\n");
   EXPECT_TRUE(choose_access("a:1", options_));

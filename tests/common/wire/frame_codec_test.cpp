@@ -52,7 +52,7 @@ void expect_finite(const DriverFrame& frame) {
   }
 }
 
-TEST(FrameCodec, ARoundTripKeepsEverythingWithinTheQuantisersBounds) {
+TEST(FrameCodec, RoundTripIsWithinTheQuantiserBounds) {
   for (uint64_t seed = 0; seed < 50; ++seed) {
     const DriverFrame frame = busy_frame(seed);
     const Result<DriverFrame> decoded = decode_frame(encode_frame(frame));
@@ -75,7 +75,7 @@ TEST(FrameCodec, ARoundTripKeepsEverythingWithinTheQuantisersBounds) {
       ASSERT_EQ(is.positions_m.size(), was.positions_m.size());
       ASSERT_EQ(is.rotations.size(), was.rotations.size());
       for (size_t d = 0; d < was.poses.size(); ++d) {
-        // Half a step of a box that is at most two float roundings larger than the poses' extent.
+        // Half a step of a box that is at most two float roundings larger than the extent of the poses.
         const Eigen::Array3d bound = ((high - low).array() * (1.0 + 3e-7) + 5e-7) / 2097151.0 / 2.0 + 1e-15;
         EXPECT_TRUE(((is.poses[d].position_m - was.poses[d].position_m).array().abs() <= bound).all());
         EXPECT_LE(angle_between(is.poses[d].orientation, was.poses[d].orientation), 0.0003 * M_PI / 180.0);
@@ -84,7 +84,7 @@ TEST(FrameCodec, ARoundTripKeepsEverythingWithinTheQuantisersBounds) {
       for (const Eigen::Vector3f& x : was.positions_m)
         box_low = box_low.cwiseMin(x), box_high = box_high.cwiseMax(x);
       for (size_t d = 0; d < was.positions_m.size(); ++d) {
-        // Half a step, and the rounding of the result to float (3 m: 1.2e-7).
+        // Half a step, plus the rounding of the result to float (3 m: 1.2e-7).
         const Eigen::Array3f bound =
             (box_high - box_low).array() * (1.0f + 2e-7f) / 65535.0f / 2.0f + 1.3e-7f;
         EXPECT_TRUE(((is.positions_m[d] - was.positions_m[d]).array().abs() <= bound).all());
@@ -97,7 +97,7 @@ TEST(FrameCodec, ARoundTripKeepsEverythingWithinTheQuantisersBounds) {
   }
 }
 
-TEST(FrameCodec, RawDriversComeAsTheFloatsTheyAre) {
+TEST(FrameCodec, RawDriversAreLossless) {
   for (uint64_t seed = 0; seed < 20; ++seed) {
     const DriverFrame frame = busy_frame(seed);
     const std::vector<std::byte> bytes = encode_frame(frame, DriverEncoding::Raw);
@@ -127,20 +127,20 @@ TEST(FrameCodec, RawDriversComeAsTheFloatsTheyAre) {
   }
 }
 
-TEST(FrameCodec, ADecodedFrameDoesNotDriftWhenItIsEncodedAgain) {
+TEST(FrameCodec, EncodingAgainDoesNotDrift) {
   const Result<DriverFrame> once = decode_frame(encode_frame(busy_frame(1)));
   ASSERT_TRUE(once);
   const Result<DriverFrame> twice = decode_frame(encode_frame(*once));
   ASSERT_TRUE(twice);
   for (size_t i = 0; i < once->objects.size(); ++i) {
     for (size_t d = 0; d < once->objects[i].positions_m.size(); ++d) {
-      // The box's own corners are on steps, so points return to theirs within a float rounding.
+      // The corners of the box are on steps, so points return to theirs within a float rounding.
       EXPECT_NEAR((once->objects[i].positions_m[d] - twice->objects[i].positions_m[d]).norm(), 0.0f, 5e-7f);
     }
   }
 }
 
-TEST(FrameCodec, BodiesAtRestHaveNoTilt) {
+TEST(FrameCodec, IdentityRotationIsExact) {
   DriverFrame frame;
   frame.objects.resize(2);
   frame.objects[0].poses = {Pose{{0.1, 0.2, 0.3}, Eigen::Quaterniond::Identity()},
@@ -191,7 +191,7 @@ DriverFrame frame_of_the_page() {
   return frame;
 }
 
-TEST(FrameCodec, TheWorkedExampleOfTheFormatPageIsWhatIsWrittenAndRead) {
+TEST(FrameCodec, MatchesTheWorkedExample) {
   const std::vector<std::byte> page = bytes_of_the_page();
   ASSERT_EQ(page.size(), 52u + 28u + 12u + 24u + 18u + 12u + 24u + 11u);
   EXPECT_EQ(encode_frame(frame_of_the_page()), page);
@@ -214,7 +214,7 @@ TEST(FrameCodec, TheWorkedExampleOfTheFormatPageIsWhatIsWrittenAndRead) {
   EXPECT_EQ(decoded->objects[2].rotations.at(0).x(), 0.0f);
 }
 
-TEST(FrameCodec, BytesPerDriverAreThoseOfThePage) {
+TEST(FrameCodec, BytesPerDriverMatchThePage) {
   const auto size_with = [](DriverKind kind, size_t count) {
     DriverFrame frame;
     frame.objects.resize(1);
@@ -232,7 +232,7 @@ TEST(FrameCodec, BytesPerDriverAreThoseOfThePage) {
   EXPECT_EQ(size_with(DriverKind::Particles, 0), 52u + 12u);
 }
 
-TEST(FrameCodec, EveryTruncationIsAnError) {
+TEST(FrameCodec, RejectsEveryTruncation) {
   const std::vector<std::byte> bytes = encode_frame(busy_frame(2));
   for (size_t length = 0; length < bytes.size(); ++length) {
     const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
@@ -240,7 +240,7 @@ TEST(FrameCodec, EveryTruncationIsAnError) {
   }
 }
 
-TEST(FrameCodec, AnyMutationGivesAnErrorOrAFiniteFrame) {
+TEST(FrameCodec, MutationsGiveErrorsOrFiniteFrames) {
   int accepted = 0, refused = 0;
   for_each_mutation(encode_frame(busy_frame(3)), 20000, 4, [&](std::span<const std::byte> bytes) {
     const Result<DriverFrame> decoded = decode_frame(bytes);
@@ -257,13 +257,13 @@ std::string refusal(std::vector<std::byte> bytes, size_t at, uint8_t value) {
   return decoded ? "" : decoded.error().message;
 }
 
-TEST(FrameCodec, EachLieIsNamed) {
+TEST(FrameCodec, ReportsEachInvalidField) {
   const std::vector<std::byte> page = bytes_of_the_page();
   EXPECT_NE(refusal(page, 0, 0).find("LVGF"), std::string::npos);
-  EXPECT_NE(refusal(page, 4, 2).find("version 2, this build reads version 1"), std::string::npos);
+  EXPECT_NE(refusal(page, 4, 2).find("version 2; this build reads version 1"), std::string::npos);
   EXPECT_NE(refusal(page, 6, 9).find("unknown encoding 9"), std::string::npos);
   EXPECT_NE(refusal(page, 7, 1).find("reserved"), std::string::npos);
-  EXPECT_NE(refusal(page, 27, 0xFF).find("objects but is cut short"), std::string::npos);
+  EXPECT_NE(refusal(page, 27, 0xFF).find("objects but is truncated"), std::string::npos);
   EXPECT_NE(refusal(page, 24, 2).find("left over"), std::string::npos);
   EXPECT_NE(refusal(page, 56, 4).find("unknown kind 4"), std::string::npos);
   EXPECT_NE(refusal(page, 57, 3).find("reserved bit"), std::string::npos);
@@ -274,7 +274,7 @@ TEST(FrameCodec, EachLieIsNamed) {
   EXPECT_NE(refusal(page, page.size() - 1, 0x78).find("spare bit of rotation 0"), std::string::npos);
 }
 
-TEST(FrameCodec, ABoxThatIsNotFiniteOrInsideOutIsRefused) {
+TEST(FrameCodec, RejectsInvalidBoxes) {
   std::vector<std::byte> bytes = bytes_of_the_page();
   const auto with_float = [&bytes](size_t at, uint32_t bits) {
     std::vector<std::byte> changed = bytes;
@@ -289,14 +289,14 @@ TEST(FrameCodec, ABoxThatIsNotFiniteOrInsideOutIsRefused) {
     EXPECT_NE(with_float(box + 12, 0xBF800000).find("box"), std::string::npos);  // edge is -1
     EXPECT_NE(with_float(box + 16, 0x7F800000).find("box"), std::string::npos);  // edge is infinite
   }
-  // Largest float at both ends: each is finite, their sum is not.
+  // The largest float at both ends: each is finite, their sum is not.
   bytes[lattice_box] = bytes[lattice_box + 1] = std::byte{0xFF};
   bytes[lattice_box + 2] = std::byte{0x7F};
   bytes[lattice_box + 3] = std::byte{0x7F};
   EXPECT_NE(with_float(lattice_box + 12, 0x7F7FFFFF).find("box"), std::string::npos);
 }
 
-TEST(FrameCodec, AnOversizedFrameIsRefusedUnread) {
+TEST(FrameCodec, RejectsOversizedFramesUnread) {
   const std::vector<std::byte> bytes(kMaxFrameBytes + 1);
   const Result<DriverFrame> decoded = decode_frame(bytes);
   ASSERT_FALSE(decoded);

@@ -26,10 +26,10 @@ NodeNeighboursPtr neighbours_of(size_t side) {
   return found = find_node_neighbours(std::move(coordinates));
 }
 
-// A soft block that swings and shears, some rigid bodies that tumble, and particles with rotations.
+// A soft block that oscillates and shears, some tumbling rigid bodies, and particles with rotations.
 struct Motion {
   size_t side = 6;
-  bool beside = true;  // the lattice says which nodes are neighbours
+  bool beside = true;  // send the neighbours of the lattice
   std::set<uint32_t> asleep, absent;
   std::set<uint32_t> broken;
 
@@ -101,8 +101,8 @@ void expect_same(const DriverFrame& a, const DriverFrame& b) {
   }
 }
 
-// Half a step on each axis; rotations as the bits of a component say (driver_grid.h), a little more where a
-// component that is not quite the largest is left out.
+// Tolerance: half a step on each axis. Rotations as by the bits of a component (driver_grid.h), and slightly
+// more if a component that is not quite the largest is omitted.
 void expect_near(const DriverFrame& sent, const DriverFrame& read) {
   constexpr double kDegree = M_PI / 180.0;
   ASSERT_EQ(sent.objects.size(), read.objects.size());
@@ -123,7 +123,7 @@ void expect_near(const DriverFrame& sent, const DriverFrame& read) {
   }
 }
 
-TEST(FrameStream, ReadsWhatWasWrittenThroughBirthsDeathsSleepAndBreaks) {
+TEST(FrameStream, RoundTripsBirthsDeathsSleepAndBreaks) {
   Motion motion;
   motion.absent = {5};
   StreamBaselinePtr baseline;
@@ -145,7 +145,7 @@ TEST(FrameStream, ReadsWhatWasWrittenThroughBirthsDeathsSleepAndBreaks) {
     expect_same(*read, frame_of(*encoded.next));
     expect_near(sent, *read);
     baseline = encoded.next;
-    // Ticks that were never sent: the client was slow.
+    // Skipped ticks, as for a slow client.
     tick += frame % 7 == 3 ? 1 + random() % 30 : 1;
   }
 }
@@ -166,7 +166,7 @@ TEST(FrameStream, WritesTheWorkedExample) {
   EXPECT_EQ(bytes, expected);
 }
 
-// As in the example, with the two nodes as neighbours: the second is predicted from the first.
+// The same example with the two nodes as neighbours: the second is predicted from the first.
 TEST(FrameStream, WritesTheWorkedExampleOfNeighbours) {
   DriverFrame frame;
   StreamBaselinePtr baseline;
@@ -188,7 +188,7 @@ TEST(FrameStream, WritesTheWorkedExampleOfNeighbours) {
   }
 }
 
-// Neighbours cost a little once and save much in each frame.
+// Neighbours cost some bytes once and save bytes in each frame.
 TEST(FrameStream, NeighboursMakeFramesSmaller) {
   std::array<size_t, 2> bytes{}, key{};
   for (const bool beside : {false, true}) {
@@ -199,7 +199,7 @@ TEST(FrameStream, NeighboursMakeFramesSmaller) {
     StreamBaselinePtr baseline;
     StreamReader reader;
     for (uint64_t tick = 1; tick <= 40; ++tick) {
-      // Noise that neighbours share, as a wave that passes them does.
+      // Noise that neighbours share, as in a passing wave.
       DriverFrame frame = motion.at(tick);
       for (size_t i = 0; i < frame.objects[0].positions_m.size(); ++i) {
         Eigen::Vector3f& at = frame.objects[0].positions_m[i];
@@ -218,7 +218,7 @@ TEST(FrameStream, NeighboursMakeFramesSmaller) {
   EXPECT_LE(key[true], 1.3 * static_cast<double>(key[false]));
 }
 
-TEST(FrameStream, OfSleepersHoldsNothing) {
+TEST(FrameStream, SleepingObjectsTakeNoSpace) {
   Motion motion;
   motion.asleep = {1, 2, 3, 4, 5, 6};
   const EncodedStreamFrame first = encode_stream_frame(motion.at(1), nullptr);
@@ -227,10 +227,10 @@ TEST(FrameStream, OfSleepersHoldsNothing) {
   options.hash_interval = 0;
   const EncodedStreamFrame second = encode_stream_frame(motion.at(2), first.next, options);
   EXPECT_EQ(second.object_count, 0u);
-  EXPECT_LE(second.bytes.size(), 15u);  // tick, time, and that there is nothing
+  EXPECT_LE(second.bytes.size(), 15u);  // only tick, time and empty lists
 }
 
-TEST(FrameStream, ObjectsLeftOutStayAsTheyWereAndCatchUp) {
+TEST(FrameStream, DeferredObjectsKeepTheirStateAndCatchUp) {
   const Motion motion;
   StreamReader reader;
   const EncodedStreamFrame first = encode_stream_frame(motion.at(1), nullptr);
@@ -250,7 +250,7 @@ TEST(FrameStream, ObjectsLeftOutStayAsTheyWereAndCatchUp) {
   expect_near(motion.at(10), *read);
 }
 
-TEST(FrameStream, AfterALostFrameOnlyAKeyFrameHelps) {
+TEST(FrameStream, ALostFrameRequiresAKeyFrame) {
   const Motion motion;
   StreamReader reader;
   const EncodedStreamFrame a = encode_stream_frame(motion.at(1), nullptr);
@@ -259,16 +259,16 @@ TEST(FrameStream, AfterALostFrameOnlyAKeyFrameHelps) {
   ASSERT_TRUE(reader.read(a.bytes));
   const auto read = reader.read(c.bytes);
   ASSERT_FALSE(read);
-  EXPECT_NE(read.error().message.find("key frame"), std::string::npos) << read.error().message;
+  EXPECT_NE(read.error().message.find("keyframe"), std::string::npos) << read.error().message;
   EXPECT_TRUE(reader.needs_key_frame());
   ASSERT_TRUE(reader.read(encode_stream_frame(motion.at(4), nullptr).bytes));
   EXPECT_FALSE(reader.needs_key_frame());
 }
 
-TEST(FrameStream, AReaderThatWentAstrayIsFoundOut) {
+TEST(FrameStream, HashDetectsADivergedReader) {
   const Motion motion;
   Motion other;
-  other.asleep = {1};  // another state under the same tick
+  other.asleep = {1};  // another state at the same tick
   StreamReader reader;
   ASSERT_TRUE(reader.read(encode_stream_frame(other.at(1), nullptr).bytes));
   StreamBaselinePtr baseline = encode_stream_frame(motion.at(1), nullptr).next;
@@ -284,9 +284,9 @@ TEST(FrameStream, AReaderThatWentAstrayIsFoundOut) {
   EXPECT_LE(found_out, 5);
 }
 
-// One stream misses a frame. Three frames later both have what they would have had anyway, and take the same
-// bytes; things that fell asleep in the frame that was missed take as long as a straight line is believed.
-TEST(FrameStream, StreamsThatMissedAFrameAreAlikeAgain) {
+// One stream misses a frame. Three frames later both streams have the same state and get the same bytes.
+// Objects that fell asleep in the missed frame take as long as linear prediction is permitted.
+TEST(FrameStream, StreamsConvergeAfterAMissedFrame) {
   for (const bool falls_asleep : {false, true}) {
     Motion motion;
     StreamBaselinePtr whole, gap;
@@ -305,7 +305,7 @@ TEST(FrameStream, StreamsThatMissedAFrameAreAlikeAgain) {
       if (tick <= 11) continue;
       if (alike_at == 0 && same_state(*whole, *gap)) alike_at = tick;
       if (alike_at == 0) continue;
-      // From here on the reader of the one is sent what the other's is.
+      // From here on, the reader of one stream gets the frames of the other.
       ASSERT_TRUE(same_state(*whole, *gap)) << tick;
       EXPECT_EQ(encode_stream_frame(motion.at(tick + 1), whole).bytes,
                 encode_stream_frame(motion.at(tick + 1), gap).bytes);
@@ -316,14 +316,14 @@ TEST(FrameStream, StreamsThatMissedAFrameAreAlikeAgain) {
   }
 }
 
-TEST(FrameStream, GivesTheSameBytesFromTheSameBaseline) {
+TEST(FrameStream, EqualBaselinesGiveEqualBytes) {
   const Motion motion;
   const StreamBaselinePtr baseline = encode_stream_frame(motion.at(1), nullptr).next;
   EXPECT_EQ(encode_stream_frame(motion.at(2), baseline).bytes,
             encode_stream_frame(motion.at(2), baseline).bytes);
 }
 
-TEST(FrameStream, HoldsFarAndLargeAndSmallThings) {
+TEST(FrameStream, SupportsFarLargeAndSmallObjects) {
   for (const double scale : {1e-4, 1e-2, 1.0, 1e3, 1e6}) {
     DriverFrame frame;
     frame.tick = 1;
@@ -353,14 +353,13 @@ TEST(FrameStream, HoldsFarAndLargeAndSmallThings) {
   }
 }
 
-TEST(FrameStream, AnyBytesAreRefusedOrReadAndNeverMore) {
+TEST(FrameStream, MutationsAreRejectedOrRead) {
   Motion motion;
   motion.broken = {4};
   const EncodedStreamFrame first = encode_stream_frame(motion.at(1), nullptr);
   const EncodedStreamFrame second = encode_stream_frame(motion.at(2), first.next);
   const EncodedStreamFrame third = encode_stream_frame(motion.at(3), second.next);
-  Motion small;  // little enough to be sent as it is, so that spoilt bytes reach the parts behind the
-                 // compression
+  Motion small;  // small enough to be stored directly, so that mutations reach the later parts
   small.side = 1;
   small.absent = {3, 4, 5};
   const EncodedStreamFrame tiny_first = encode_stream_frame(small.at(1), nullptr);
@@ -384,7 +383,7 @@ TEST(FrameStream, AnyBytesAreRefusedOrReadAndNeverMore) {
   look_at({first.bytes, second.bytes}, third.bytes, 2);
   look_at({}, tiny_first.bytes, 3);
   look_at({tiny_first.bytes}, tiny_second.bytes, 4);
-  EXPECT_GT(read, 100);  // the mutations are not all caught at the door
+  EXPECT_GT(read, 100);  // not all mutations are rejected by the header
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace livegs::testing {
 namespace {
 
-// Needles, discs and balls of 0.1 mm to 0.3 m, turned at random.
+// Needles, discs and balls of 0.1 mm to 0.3 m with random rotations.
 PosedKernels random_kernels(std::mt19937_64& random, size_t count) {
   PosedKernels kernels;
   kernels.resize(count);
@@ -43,7 +43,7 @@ Eigen::Matrix3d matrix_of(const Symmetric3f& s) {
   return m;
 }
 
-TEST(KernelCodec, ExactKernelsComeWithTheirBits) {
+TEST(KernelCodec, ExactKernelsAreLossless) {
   const KernelFrame frame = frame_of(1, 200);
   const std::vector<std::byte> bytes = encode_kernels(frame, KernelEncoding::Exact);
   EXPECT_EQ(bytes.size(), 24 + 3 * 9 + 52 * 203u);
@@ -64,9 +64,9 @@ TEST(KernelCodec, ExactKernelsComeWithTheirBits) {
   }
 }
 
-// A quantised shape is the kernel's within what its steps allow: deviations by half a step of 24/1023
-// octaves, axes by 0.07 degrees, which matters most where a needle is long.
-TEST(KernelCodec, QuantisedKernelsStayWithinTheirSteps) {
+// Errors of a quantised shape: half a step of 24/1023 octaves for deviations and 0.07 degrees for axes, which
+// matters most for long needles.
+TEST(KernelCodec, QuantisedKernelsAreWithinTheirSteps) {
   const KernelFrame frame = frame_of(2, 2000);
   const std::vector<std::byte> bytes = encode_kernels(frame, KernelEncoding::Quantised);
   EXPECT_EQ(bytes.size(), 24 + 3 * 9 + 2 * 24 + 20 * 2003u);
@@ -107,7 +107,7 @@ TEST(KernelCodec, WritesTheWorkedExample) {
   EXPECT_EQ(bytes, expected);
 }
 
-TEST(KernelCodec, AnyBytesAreRefusedOrReadAndNeverMore) {
+TEST(KernelCodec, MutationsAreRejectedOrRead) {
   for (const KernelEncoding encoding : {KernelEncoding::Exact, KernelEncoding::Quantised}) {
     const std::vector<std::byte> bytes = encode_kernels(frame_of(3, 5), encoding);
     for (size_t length = 0; length < bytes.size(); ++length)

@@ -9,8 +9,8 @@
 
 namespace livegs::testing {
 
-// Calls `look` with `count` spoilt copies of `bytes`: one to four of overwritten bytes, flipped bits, a
-// stretch cut out, a stretch doubled or the tail cut off. The same for the same seed.
+// Calls `look` with `count` mutated copies of `bytes`: one to four overwritten bytes, flipped bits, a removed
+// range, a repeated range or a removed tail. Deterministic for a seed.
 inline void for_each_mutation(const std::vector<std::byte>& bytes, int count, uint64_t seed,
                               const std::function<void(std::span<const std::byte>)>& look) {
   std::mt19937_64 random(seed);

@@ -26,7 +26,7 @@ Publication some() {
   return publication;
 }
 
-TEST(Publication, IsReadByItself) {
+TEST(Publication, IsSelfContained) {
   const auto read = decode_publication(encode_publication(some()));
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->server_instance, some().server_instance);
@@ -43,7 +43,7 @@ TEST(Publication, IsReadByItself) {
 }
 
 // proto/frame_format.md, "Publications".
-TEST(Publication, IsAsTheFormatSays) {
+TEST(Publication, MatchesTheFormatPage) {
   Publication publication = some();
   publication.frame = DriverFrame{1, 11111111, {}};
   const std::vector<std::byte> bytes = encode_publication(publication);
@@ -52,10 +52,10 @@ TEST(Publication, IsAsTheFormatSays) {
   EXPECT_EQ(head, (std::vector<int>{0xD7, 0x01, 0x00, 0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88, 0x99,
                                     0xAA, 0xBB, 0xCC, 0xDD, 0xEE, 0xFF, 0x07, 0,    0,    0,    0,    0,
                                     0,    0,    0x15, 0xCD, 0x5B, 0x07, 0,    0,    0,    0}));
-  EXPECT_EQ(std::to_integer<int>(bytes[34]), 0xD6);  // the key frame's magic
+  EXPECT_EQ(std::to_integer<int>(bytes[34]), 0xD6);  // magic of the keyframe
 }
 
-TEST(Publication, AnyBytesAreReadOrRefused) {
+TEST(Publication, MutationsAreRejectedOrRead) {
   const std::vector<std::byte> good = encode_publication(some());
   for (size_t size = 0; size < good.size(); ++size)
     EXPECT_FALSE(decode_publication(std::span(good).first(size)));

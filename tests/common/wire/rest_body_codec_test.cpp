@@ -56,7 +56,7 @@ std::vector<RestBody> one_of_each() {
   return {lattice, rigid, particles, fingers, broken};
 }
 
-TEST(RestBodyCodec, ARoundTripIsExact) {
+TEST(RestBodyCodec, RoundTripIsLossless) {
   for (const RestBody& rest : one_of_each()) {
     const Result<RestBody> decoded = decode_rest_body(encode_rest_body(rest));
     ASSERT_TRUE(decoded) << decoded.error().message;
@@ -64,7 +64,7 @@ TEST(RestBodyCodec, ARoundTripIsExact) {
   }
 }
 
-TEST(RestBodyCodec, CoordinatesTakeTheWidthTheyNeed) {
+TEST(RestBodyCodec, CoordinatesUseTheSmallestWidth) {
   const auto size_at = [](const Eigen::Vector3i& far) {
     RestBody rest = lattice_body(1, 1, 1, 0.1, nullptr, {-5, 1000, 7});
     rest.node_coordinates.push_back(far);  // a node without a cell
@@ -80,7 +80,7 @@ TEST(RestBodyCodec, CoordinatesTakeTheWidthTheyNeed) {
   EXPECT_EQ(size_at({INT32_MIN, INT32_MAX, 7}), fixed + 9 * 12);
 }
 
-TEST(RestBodyCodec, ManyNodesTakeWiderIndices) {
+TEST(RestBodyCodec, ManyNodesUseWiderIndices) {
   RestBody rest = lattice_body(1, 1, 1, 0.1);
   rest.node_coordinates.resize(0x10001, Eigen::Vector3i::Zero());
   rest.cells.push_back({0x10000, 1, 2, 3, 4, 5, 6, 7});
@@ -89,7 +89,7 @@ TEST(RestBodyCodec, ManyNodesTakeWiderIndices) {
   expect_same(rest, *decoded);
 }
 
-TEST(RestBodyCodec, FillsTakeEightBytesACellAndOnlyWhereThereAreAny) {
+TEST(RestBodyCodec, FillsTakeEightBytesPerCell) {
   RestBody rest = one_of_each()[3];
   const size_t with_fills = encode_rest_body(rest).size();
   const size_t cells = rest.cells.size();
@@ -97,7 +97,7 @@ TEST(RestBodyCodec, FillsTakeEightBytesACellAndOnlyWhereThereAreAny) {
   EXPECT_EQ(with_fills, encode_rest_body(rest).size() + 8 * cells);
 }
 
-TEST(RestBodyCodec, EveryTruncationAndAnExtraByteAreErrors) {
+TEST(RestBodyCodec, RejectsTruncationAndTrailingBytes) {
   for (const RestBody& rest : one_of_each()) {
     std::vector<std::byte> bytes = encode_rest_body(rest);
     for (size_t length = 0; length < bytes.size(); ++length) {
@@ -109,8 +109,8 @@ TEST(RestBodyCodec, EveryTruncationAndAnExtraByteAreErrors) {
   }
 }
 
-TEST(RestBodyCodec, WhatAMutationLeavesDecodableBindsOrIsRefused) {
-  // What a client does with a rest body from the wire: decode, bind, skin. None of it may crash.
+TEST(RestBodyCodec, DecodableMutationsBindOrFail) {
+  // A client decodes, binds and skins a received rest body. None of these may crash.
   for (const RestBody& rest : one_of_each()) {
     const GaussianAsset asset = kernels_at(rest, {{0, 0, 0}, {0.1, 0.2, 0.3}, {2, -3, 1}}, 4);
     int decoded_count = 0, bound_count = 0;
@@ -139,7 +139,7 @@ TEST(RestBodyCodec, WhatAMutationLeavesDecodableBindsOrIsRefused) {
   }
 }
 
-TEST(RestBodyCodec, EachLieIsNamed) {
+TEST(RestBodyCodec, ReportsEachInvalidField) {
   const auto message = [](const std::function<void(std::vector<std::byte>&)>& spoil, size_t which) {
     std::vector<std::byte> bytes = encode_rest_body(one_of_each()[which]);
     spoil(bytes);
@@ -154,20 +154,20 @@ TEST(RestBodyCodec, EachLieIsNamed) {
   EXPECT_NE(message(set(6, 0), 0).find("unknown kind 0"), std::string::npos);
   EXPECT_NE(message(set(7, 2), 0).find("unknown encoding 2"), std::string::npos);
   EXPECT_NE(message(set(7, 1), 2).find("unknown encoding 1"), std::string::npos);  // particles have no fills
-  EXPECT_NE(message(set(7, 1), 1).find("kernel runs is cut short"), std::string::npos);
+  EXPECT_NE(message(set(7, 1), 1).find("kernel runs is truncated"), std::string::npos);
   const size_t revision = 72 + 4 + 3 * 56;
   EXPECT_NE(message(set(revision, 0), 4).find("revision 0"), std::string::npos);
   EXPECT_NE(message(set(revision + 1, 1), 4).find("revision 258"), std::string::npos);
-  EXPECT_NE(message(set(revision + 7, 0xFF), 4).find("kernel runs is cut short"), std::string::npos);
-  EXPECT_NE(message(set(revision + 8, 3), 4).find("kernel run 0 names body 3 of 3"), std::string::npos);
+  EXPECT_NE(message(set(revision + 7, 0xFF), 4).find("kernel runs is truncated"), std::string::npos);
+  EXPECT_NE(message(set(revision + 8, 3), 4).find("kernel run 0 refers to body 3 of 3"), std::string::npos);
   EXPECT_NE(message(set(15, 0xBF), 0).find("similarity"), std::string::npos);  // scale is negative
   EXPECT_NE(message(set(72 + 56 + 7, 0xBF), 0).find("cell width"), std::string::npos);
-  EXPECT_NE(message(set(72 + 56 + 8 + 8 + 12, 3), 0).find("3 bytes a coordinate"), std::string::npos);
-  EXPECT_NE(message(set(72 + 56 + 8 + 8 + 13, 1), 0).find("1 bytes an index"), std::string::npos);
-  EXPECT_NE(message([](std::vector<std::byte>& b) { b.back() = std::byte{0xFF}; }, 0).find("names node"),
+  EXPECT_NE(message(set(72 + 56 + 8 + 8 + 12, 3), 0).find("3 bytes per coordinate"), std::string::npos);
+  EXPECT_NE(message(set(72 + 56 + 8 + 8 + 13, 1), 0).find("1 bytes per index"), std::string::npos);
+  EXPECT_NE(message([](std::vector<std::byte>& b) { b.back() = std::byte{0xFF}; }, 0).find("refers to node"),
             std::string::npos);
-  EXPECT_NE(message(set(75, 0xFF), 1).find("bodies is cut short"), std::string::npos);
-  EXPECT_NE(message(set(72 + 4 + 24 + 31, 0x00), 1).find("body 0 has no rigid pose"), std::string::npos);
+  EXPECT_NE(message(set(75, 0xFF), 1).find("bodies is truncated"), std::string::npos);
+  EXPECT_NE(message(set(72 + 4 + 24 + 31, 0x00), 1).find("body 0 has an invalid pose"), std::string::npos);
   EXPECT_NE(message([](std::vector<std::byte>& b) { b.back() = b[b.size() - 2] = std::byte{0xFF}; }, 2)
                 .find("particle 6 is not finite"),
             std::string::npos);

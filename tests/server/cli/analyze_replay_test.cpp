@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `livegs analyze --record-answers` and `--recorded` as whole programs, against a server that the test makes
-// up: what is kept beside the assets is the same to the byte, whenever and wherever the answers are replayed.
+// Runs `livegs analyze --record-answers` and `--recorded` as programs against a fake model server. A replay
+// must write the same sidecars, byte by byte, at any time and place.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -30,12 +30,13 @@ constexpr const char* kScene = R"({
     { "name": "cup", "asset": "cup.ply", "scale": 1, "pose": { "position_m": [0, 0.05, 0] } },
     { "name": "duck", "asset": "duck.ply", "scale": 1, "pose": { "position_m": [0.3, 0.05, 0] } } ] })";
 
-// The object's own name; its neighbours' stand in the request as well.
+// Matches the object's own name; the names of its neighbours are in the request too.
 bool asks_about(const SeenRequest& request, const std::string& name) {
   return request.body.find("a file: \\\"" + name + "\\\"") != std::string::npos;
 }
 
-// A cup of 310 g; a duck of 95 g, whose first answer is out of order and has to be asked for again.
+// Answers for a cup of 310 g and a duck of 95 g. The first answer for the duck has an invalid order, so it
+// must be requested again.
 Reply made_up_answer(const SeenRequest& request, int) {
   const bool duck = asks_about(request, "duck");
   const bool repaired = body_of(request)["messages"].size() > 2;
@@ -74,7 +75,7 @@ std::string bytes_of(const fs::path& path) {
   return text ? *text : "";
 }
 
-TEST(AnalyzeReplay, GivesTheSameBytesEveryTimeAndAsksNobody) {
+TEST(AnalyzeReplay, ReplayGivesTheSameBytesOffline) {
   const ScratchFolder scratch;
   ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
   for (const char* name : {"OPENAI_BASE_URL", "OPENAI_API_KEY", "LIVEGS_MODEL"}) ::unsetenv(name);
@@ -92,10 +93,10 @@ TEST(AnalyzeReplay, GivesTheSameBytesEveryTimeAndAsksNobody) {
     TestModelServer server(made_up_answer);
     live = analyze(scratch / "live",
                    {"--endpoint", server.base_url(), "--model", "made-up", "--record-answers", answers});
-    EXPECT_EQ(server.posts().size(), 3u);  // and one repair
+    EXPECT_EQ(server.posts().size(), 3u);  // including one retry
   }
   ASSERT_EQ(live.code, 0) << live.err;
-  EXPECT_NE(live.err.find("duck: would not do, asked again"), std::string::npos) << live.err;
+  EXPECT_NE(live.err.find("duck: answer rejected, asking again"), std::string::npos) << live.err;
 
   const Said first = analyze(scratch / "first", {"--recorded", answers});
   const Said second = analyze(scratch / "second", {"--recorded", answers});
@@ -114,8 +115,8 @@ TEST(AnalyzeReplay, GivesTheSameBytesEveryTimeAndAsksNobody) {
     EXPECT_EQ(kept, bytes_of(scratch.path() / "second" / name)) << name;
   }
 
-  // Also where the values have been written already, and where a person has since said that it is not
-  // fragile: the pictures and the question do not depend on what the object was found to be.
+  // The replay also works with existing sidecars and after an edit of `fragile`: pictures and question do not
+  // depend on estimated parameters.
   const Said again = analyze(scratch / "first", {"--recorded", answers});
   ASSERT_EQ(again.code, 0) << again.err;
   EXPECT_EQ(again.out, first.out);
@@ -127,9 +128,9 @@ TEST(AnalyzeReplay, GivesTheSameBytesEveryTimeAndAsksNobody) {
   EXPECT_EQ(edited.err.find("holds no answer"), std::string::npos) << edited.err;
 }
 
-// Two cups from one file: each is weighed for itself, an undo of one leaves the other, and the replay is the
-// same to the byte.
-TEST(AnalyzeReplay, ObjectsThatShareAnAssetKeepTheirOwnAnswers) {
+// Two cups from the same file: each has its own mass, an undo of one keeps the other, and the replay gives
+// the same bytes.
+TEST(AnalyzeReplay, ObjectsThatShareAnAssetHaveOwnAnswers) {
   const ScratchFolder scratch;
   ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
   const auto set_up = [&](const std::string& name) {
@@ -181,9 +182,8 @@ TEST(AnalyzeReplay, ObjectsThatShareAnAssetKeepTheirOwnAnswers) {
   EXPECT_NE(loaded_kg("first", "cup two"), two_kg);
 }
 
-// The estimates are told at once, and an answer is kept as soon as it has come: the second object is never
-// answered.
-TEST(AnalyzeReplay, WhatIsAnsweredIsKeptBeforeTheRestIs) {
+// Estimates are printed at once, and each answer is saved on arrival. The second object never gets an answer.
+TEST(AnalyzeReplay, SavesEachAnswerOnArrival) {
   const ScratchFolder scratch;
   ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
   scratch.write("two.scene.json", kScene);
@@ -199,17 +199,17 @@ TEST(AnalyzeReplay, WhatIsAnsweredIsKeptBeforeTheRestIs) {
   });
   Program program({LIVEGS_TOOL, "analyze", scratch / "two.scene.json", "--write", "--endpoint",
                    server.base_url(), "--model", "made-up"});
-  EXPECT_TRUE(program.says("cup: kept in")) << program.err();
-  EXPECT_TRUE(program.says("duck: at first")) << program.err();
+  EXPECT_TRUE(program.says("cup: saved in")) << program.err();
+  EXPECT_TRUE(program.says("duck: first estimate")) << program.err();
   program.send(SIGKILL);
   program.wait();
   EXPECT_NE(bytes_of(scratch.path() / "cup.physics.json").find("test-model-2026"), std::string::npos);
   EXPECT_FALSE(fs::exists(scratch.path() / "duck.physics.json"));
 }
 
-// From the server's bytes to the scene that is loaded afterwards: an answer within prose is read, kilograms
-// where grams are asked for are mended, and a model that does what a label tells it ("1 g") changes nothing.
-TEST(AnalyzeReplay, OddAnswersDoNoHarmToTheScene) {
+// Covers the path from the server's bytes to the loaded scene. An answer inside prose is read, and kilograms
+// are converted to grams. An answer that obeys a label ("1 g") changes nothing.
+TEST(AnalyzeReplay, OddAnswersDoNotCorruptTheScene) {
   const ScratchFolder scratch;
   ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
   std::string objects;
@@ -262,8 +262,9 @@ TEST(AnalyzeReplay, OddAnswersDoNoHarmToTheScene) {
             std::string::npos);
 }
 
-// Names come from scenes, materials and models from sidecars: a terminal is not to obey them.
-TEST(AnalyzeReplay, WhatIsPrintedOfADecisionHoldsNoControlCharacters) {
+// Names are from scenes, materials and models are from sidecars. Control characters in them must not reach
+// the terminal.
+TEST(AnalyzeReplay, DecisionsPrintNoControlCharacters) {
   const ScratchFolder scratch;
   scratch.write("odd.scene.json", R"({ "objects": [
     { "name": "cup\u001b[2J", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } } } ] })");
@@ -285,8 +286,8 @@ TEST(AnalyzeReplay, WhatIsPrintedOfADecisionHoldsNoControlCharacters) {
   }
 }
 
-// What needs a person is kept until one accepts it, and an acceptance can be undone.
-TEST(AnalyzeReplay, AProposalIsAcceptedAndUndone) {
+// A proposal for review is stored until it is accepted. An acceptance can be undone.
+TEST(AnalyzeReplay, ProposalsAreAcceptedAndUndone) {
   const ScratchFolder scratch;
   ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
   scratch.write("two.scene.json", kScene);
@@ -297,7 +298,7 @@ TEST(AnalyzeReplay, AProposalIsAcceptedAndUndone) {
     Json answer = Json::parse(
         body_of({"", "", "", made_up_answer(request, index).body})["choices"][0]["message"]["content"]
             .get<std::string>());
-    answer["parts"][0]["material_id"] = "carbon steel";  // and far too heavy for what it is called
+    answer["parts"][0]["material_id"] = "carbon steel";  // much too heavy for its name
     answer["fill"] = "solid";
     answer["fragile"] = false;
     answer["behaviour"] = "rigid";
@@ -306,7 +307,7 @@ TEST(AnalyzeReplay, AProposalIsAcceptedAndUndone) {
   });
   const Said said = analyze(scratch.path(), {"--endpoint", server.base_url(), "--model", "made-up"});
   ASSERT_EQ(said.code, 0) << said.err;
-  ASSERT_NE(said.err.find("cup: kept as a proposal; take it with --accept \"cup\""), std::string::npos)
+  ASSERT_NE(said.err.find("cup: saved as a proposal; apply it with --accept \"cup\""), std::string::npos)
       << said.err;
   const auto decide = [&](const char* what, const char* name) {
     Program program({LIVEGS_TOOL, "analyze", scratch / "two.scene.json", what, name});
@@ -326,26 +327,26 @@ TEST(AnalyzeReplay, AProposalIsAcceptedAndUndone) {
   EXPECT_EQ(decide("--accept", "duck").code, 2);
   const Said accepted = decide("--accept", "cup");
   ASSERT_EQ(accepted.code, 0) << accepted.err;
-  EXPECT_NE(accepted.out.find("of carbon steel, RIGID, of test-model-2026"), std::string::npos)
+  EXPECT_NE(accepted.out.find("of carbon steel, RIGID, from test-model-2026"), std::string::npos)
       << accepted.out;
   EXPECT_GT(loaded_kg(), 3);
-  EXPECT_EQ(decide("--accept", "cup").code, 2);  // nothing is proposed any more
+  EXPECT_EQ(decide("--accept", "cup").code, 2);  // no proposal is left
   EXPECT_EQ(decide("--undo", "cup").code, 0);
   EXPECT_EQ(loaded_kg(), before_kg);
   EXPECT_EQ(decide("--redo", "cup").code, 0);
   EXPECT_GT(loaded_kg(), 3);
-  // Who deletes the sidecar forgets it all.
+  // Deleting the sidecar removes the proposal, the values and their history.
   fs::remove(scratch / "cup.physics.json");
   for (const char* what : {"--accept", "--decline", "--undo", "--redo"})
     EXPECT_EQ(decide(what, "cup").code, 2) << what;
   EXPECT_EQ(loaded_kg(), before_kg);
   const Said unknown = decide("--accept", "hat");
   EXPECT_EQ(unknown.code, 2);
-  EXPECT_NE(unknown.err.find("it has: cup, duck"), std::string::npos) << unknown.err;
+  EXPECT_NE(unknown.err.find("available: cup, duck"), std::string::npos) << unknown.err;
 }
 
-// Names that would share a file, and one that would take over the terminal.
-TEST(AnalyzeReplay, EveryNameHasItsPageAndNoneItsWayWithTheTerminal) {
+// Names that differ only in special characters, and a name with terminal control characters.
+TEST(AnalyzeReplay, NamesAreEscapedInPagesAndOutput) {
   const ScratchFolder scratch;
   ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
   std::string objects;
@@ -366,7 +367,7 @@ TEST(AnalyzeReplay, EveryNameHasItsPageAndNoneItsWayWithTheTerminal) {
     EXPECT_EQ(program.out().find(control), std::string::npos) << program.out();
     EXPECT_EQ(program.err().find(control), std::string::npos) << program.err();
   }
-  EXPECT_NE(program.err().find("box ]0;owned : at first"), std::string::npos) << program.err();
+  EXPECT_NE(program.err().find("box ]0;owned : first estimate"), std::string::npos) << program.err();
   std::set<std::string> pages;
   for (const auto& page : fs::directory_iterator(scratch / "pages"))
     pages.insert(page.path().filename().string());
@@ -374,8 +375,8 @@ TEST(AnalyzeReplay, EveryNameHasItsPageAndNoneItsWayWithTheTerminal) {
                                           "%E7%9A%BF.html", "box%1B%5D0%3Bowned%07.html"}));
 }
 
-// A folder in which something is missing is told by the object's name, and the estimates stand.
-TEST(AnalyzeReplay, WhatWasNeverAskedIsToldInOneLine) {
+// The error for an incomplete folder of answers names the object. The estimates are still printed.
+TEST(AnalyzeReplay, MissingAnswersAreReportedInOneLine) {
   const ScratchFolder scratch;
   const std::string csv = "x,y,z\n0,0,0\n0.02,0,0\n0,0.02,0\n0,0,0.02\n";
   scratch.write("points.csv", csv);

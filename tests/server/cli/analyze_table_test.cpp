@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `livegs analyze` prints for a person says in every cell what --json says: value, range, source and
-// reason.
+// Compares the tables of `livegs analyze` with the output of --json: value, range, source and reason of each
+// cell.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ std::string printed(std::vector<std::string> words) {
   return program.out();
 }
 
-// Words with one space between them: columns are told apart by their order.
+// Splits text into lines and collapses spaces, so that columns are identified by their order.
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream all(text);
@@ -94,7 +94,7 @@ class AnalyzeTable : public testing::Test {
   const std::string scene_ = folder_ / "scene";
 };
 
-TEST_F(AnalyzeTable, OfAnAssetSaysValueRangeSourceAndReason) {
+TEST_F(AnalyzeTable, AssetTableMatchesJson) {
   const std::string cup = scene_ + "/cup.ply";
   const json p = json::parse(printed({cup, "--json"}));
   const std::vector<std::string> lines = lines_of(printed({cup}));
@@ -117,14 +117,14 @@ TEST_F(AnalyzeTable, OfAnAssetSaysValueRangeSourceAndReason) {
       value_line("restitution", p["restitution"], 1, ""),
       value_line("break impulse", p["break_impulse_n_s"], 1, "N s")};
   EXPECT_EQ(lines, wanted);
-  // Not only as --json says: a person's mass, and what the table of materials has of stoneware.
+  // Also compares fixed values: an edited mass, and the table of materials for stoneware.
   ASSERT_EQ(lines.size(), wanted.size());
   EXPECT_EQ(lines[5], "mass 0.3217 kg 0.3217 to 0.3217 person edited by a person");
   EXPECT_EQ(lines[9], "structure coefficient 1 1 to 1 offline bulk");
   EXPECT_EQ(lines[7].rfind("Young's modulus 4e+04 MPa 3e+04 to 6e+04 offline stoneware", 0), 0u) << lines[7];
 }
 
-TEST_F(AnalyzeTable, OfASceneHasARowAnObject) {
+TEST_F(AnalyzeTable, SceneTableHasOneRowPerObject) {
   const std::string scene = scene_ + "/sample.scene.json";
   const json objects = json::parse(printed({scene, "--json"}))["objects"];
   const std::vector<std::string> lines = lines_of(printed({scene}));

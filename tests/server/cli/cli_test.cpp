@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `livegs` as a whole program: what it writes, and what it says of bad input.
+// Runs `livegs` as a program and checks its files and error messages.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -47,14 +47,14 @@ constexpr const char* kScene = R"({
     { "name": "hard", "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.3, 0.3, 0] },
       "physics": { "behavior": "RIGID", "mass_kg": 1 } } ] })";
 
-TEST(Cli, SimulateWritesEveryFileItPromises) {
+TEST(Cli, SimulateWritesAllDocumentedFiles) {
   ScratchFolder folder;
   const Said said =
       run({"simulate", folder.write("two.scene.json", kScene), "--seconds", "0.5", "--output", folder / "out",
            "--particles", "--kernels", "--pictures", "--every", "15", "--quiet"});
   ASSERT_EQ(said.code, 0) << said.err;
   const fs::path out = folder / "out";
-  // Frame 0 is the start; 30 steps follow; two bodies a frame.
+  // Frame 0 is the initial state, followed by 30 steps; two bodies per frame.
   const auto bodies = lines_of(out / "bodies.csv");
   EXPECT_EQ(bodies[0], "frame,time_s,object,body,px,py,pz,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz,mass_kg,asleep");
   EXPECT_EQ(bodies.size(), 1u + 31u * 2u);
@@ -74,7 +74,7 @@ TEST(Cli, SimulateWritesEveryFileItPromises) {
   }
 }
 
-TEST(Cli, SimulatingTwiceWritesTheSameBytesForAnyThreadCount) {
+TEST(Cli, OutputIsBitEqualForAnyThreadCount) {
   ScratchFolder folder;
   const std::string scene = folder.write("two.scene.json", kScene);
   for (const char* threads : {"1", "2", "3"}) {
@@ -90,7 +90,7 @@ TEST(Cli, SimulatingTwiceWritesTheSameBytesForAnyThreadCount) {
   }
 }
 
-TEST(Cli, EverySolverAndSkinningRuns) {
+TEST(Cli, AllSolversAndSkinningsRun) {
   ScratchFolder folder;
   const std::string scene = folder.write("two.scene.json", kScene);
   for (const char* solver : {"cells", "livegs-v1", "livegs-v1-steady"}) {
@@ -107,7 +107,7 @@ TEST(Cli, EverySolverAndSkinningRuns) {
   }
 }
 
-// A file's rows as numbers, its header's names to columns; the object's name is left out.
+// The rows of a CSV file as numbers, with the column indices of the header. The object's name is skipped.
 struct Table {
   std::map<std::string, size_t> columns;
   std::vector<std::vector<double>> rows;
@@ -131,9 +131,9 @@ Table table_of(const fs::path& path, const std::string& object) {
   return table;
 }
 
-// Both fall freely for 0.1 s, so their momentum is that of 3.4 kg under gravity; later both have touched the
-// floor.
-TEST(Cli, EnergyAndEventsHoldElasticBodiesToo) {
+// Both bodies fall freely for 0.1 s, so their momentum is that of 3.4 kg under gravity. Later both have hit
+// the floor.
+TEST(Cli, EnergyAndEventsIncludeElasticBodies) {
   ScratchFolder folder;
   ASSERT_EQ(run({"simulate", folder.write("two.scene.json", kScene), "--seconds", "0.5", "-o", folder / "out",
                  "--quiet"})
@@ -146,19 +146,20 @@ TEST(Cli, EnergyAndEventsHoldElasticBodiesToo) {
     for (std::string cell; std::getline(stream, cell, ',');)
       energy.back().push_back(std::strtod(cell.c_str(), nullptr));
   }
-  const auto& falling = energy.at(1 + 6);  // a header, then frame 0
+  const auto& falling = energy.at(1 + 6);  // after the header and frame 0
   EXPECT_NEAR(falling[6], -3.4 * 9.81 * 0.1, 1e-5);
   EXPECT_NEAR(falling[2], 0.5 * 3.4 * 0.981 * 0.981, 1e-4);            // kinetic
-  EXPECT_NEAR(energy.at(1)[4], 9.81 * (2.4 * 0.2 + 1.0 * 0.3), 1e-6);  // gravity, at the start
+  EXPECT_NEAR(energy.at(1)[4], 9.81 * (2.4 * 0.2 + 1.0 * 0.3), 1e-6);  // initial gravitational energy
   const std::string events = read_text_file(folder.path() / "out" / "events.csv").value();
   for (const char* touched : {",contact,soft,", ",contact,hard,"}) {
     EXPECT_NE(events.find(touched), std::string::npos) << touched << events;
   }
 }
 
-// Every dumped covariance is F Sigma F^T of the very F beside it: Sigma is the round kernel of a point, half
-// the spacing wide. Float rounding of three products is a few 1e-7 of the covariance.
-TEST(Cli, KernelsAreDumpedWithTheDeformationTheyWereMadeWith) {
+// Each written covariance is F Sigma F^T with the F of the same row. Sigma is the isotropic kernel of a
+// point, with half the spacing as its width. Float rounding of three products is a few 1e-7 of the
+// covariance.
+TEST(Cli, KernelCovariancesMatchTheirDeformation) {
   ScratchFolder folder;
   std::string points = "x,y,z\n";
   for (int i = 0; i < 512; ++i) {
@@ -198,13 +199,13 @@ TEST(Cli, KernelsAreDumpedWithTheDeformationTheyWereMadeWith) {
     bent = std::max(bent, (gradient.transpose() * gradient - Eigen::Matrix3d::Identity()).norm());
   }
   EXPECT_LT(worst, 3e-6);
-  EXPECT_GT(bent, 0.2);       // it was deformed at all
-  EXPECT_LT(farthest, 2e-6);  // a kernel a particle, in the list's order; float positions of metres
+  EXPECT_GT(bent, 0.2);       // it was deformed
+  EXPECT_LT(farthest, 2e-6);  // one kernel per particle, in the list's order; single precision positions
 }
 
-// Numbers no material has: refused in one line that names the object, the field and the range, before
-// anything runs.
-TEST(Cli, BadPhysicsIsRefusedWithTheRange) {
+// Physically impossible numbers are refused before the run. The error is one line with the object, the field
+// and the range.
+TEST(Cli, RefusesBadPhysicsWithItsRange) {
   ScratchFolder folder;
   const std::pair<const char*, const char*> cases[] = {
       {R"("mass_kg": 0)", "physics.mass_kg: is 0; it must be between 1e-06 and 1e+06"},
@@ -228,8 +229,8 @@ TEST(Cli, BadPhysicsIsRefusedWithTheRange) {
   }
 }
 
-// Two gigapascals typed on a pillow: it is what the person said, and both programs say what is wrong with it.
-TEST(Cli, AStiffPillowRunsWithAWarningAndItsReach) {
+// A modulus of 2 GPa on a pillow is used as written. Both commands print a warning.
+TEST(Cli, StiffPillowRunsWithAWarning) {
   ScratchFolder folder;
   const std::string scene = folder.write("stiff.scene.json", R"({ "objects": [ { "name": "pillow",
     "shape": { "box": { "size_m": [0.4, 0.1, 0.4] } },
@@ -254,7 +255,7 @@ TEST(Cli, AStiffPillowRunsWithAWarningAndItsReach) {
   EXPECT_EQ(summary["warnings"].size(), 2u) << summary["warnings"];
 }
 
-TEST(Cli, InfoConvertRenderMeshAndAnalyzeAnAsset) {
+TEST(Cli, AssetCommandsSucceed) {
   ScratchFolder folder;
   ASSERT_EQ(run({"sample", folder / "scene", "--quiet"}).code, 0);
   const std::string cup = folder.path() / "scene" / "cup.ply";
@@ -273,8 +274,8 @@ TEST(Cli, InfoConvertRenderMeshAndAnalyzeAnAsset) {
   EXPECT_GT(lines_of(folder / "cup.obj").size(), 1000u);
   const Said analysis = run({"analyze", cup, "--json", "--offline", "--explain", folder / "pages"});
   EXPECT_EQ(analysis.code, 0);
-  EXPECT_NE(analysis.err.find("drawing its views, 1 of 1"), std::string::npos) << analysis.err;
-  // Its scene, itself and its mask, though nobody was asked.
+  EXPECT_NE(analysis.err.find("drawing views, 1 of 1"), std::string::npos) << analysis.err;
+  // Three pictures, scene, object and mask, even without a model.
   const auto page = lines_of(folder / "pages/cup.html");
   EXPECT_EQ(std::count_if(page.begin(), page.end(),
                           [](const std::string& line) {
@@ -283,7 +284,7 @@ TEST(Cli, InfoConvertRenderMeshAndAnalyzeAnAsset) {
             3);
   EXPECT_NE(analysis.out.find("\"mass_kg\""), std::string::npos);
   EXPECT_NE(analysis.out.find("stoneware"), std::string::npos);
-  // A page says what the table says: a person's mass.
+  // The page has the same values as the table: the edited mass.
   folder.write("scene/cup.physics.json", R"({ "edits": { "mass_kg": 0.3217 } })");
   ASSERT_EQ(run({"analyze", cup, "--offline", "--explain", folder / "edited"}).code, 0);
   const auto rows = lines_of(folder / "edited/cup.html");
@@ -292,8 +293,8 @@ TEST(Cli, InfoConvertRenderMeshAndAnalyzeAnAsset) {
   }));
 }
 
-// One line that names the thing; exit code 2 for what the user can mend.
-TEST(Cli, BadInputIsOneLine) {
+// Errors are one line that names the input. The exit code is 2 if the user can correct it.
+TEST(Cli, ErrorsOfBadInputAreOneLine) {
   ScratchFolder folder;
   folder.write("broken.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 5\n");
   folder.write("bad.scene.json", R"({ "objects": [ { "nam": "x" } ] })");
@@ -311,10 +312,10 @@ TEST(Cli, BadInputIsOneLine) {
       {{"simulate", folder / "absent.scene.json", "-o", folder / "o"}, "absent.scene.json"},
       {{"simulate", folder / "bad.scene.json", "-o", folder / "o"}, "nam"},
       {{"analyze", folder / "broken.ply"}, "broken.ply"},
-      {{"analyze", folder / "ok.scene.json", "--name", "mug"}, "--name: is for one asset"},
-      {{"analyze", folder / "ok.scene.json", "--scale", "2"}, "--scale: is for one asset"},
+      {{"analyze", folder / "ok.scene.json", "--name", "mug"}, "--name: is only for a single asset"},
+      {{"analyze", folder / "ok.scene.json", "--scale", "2"}, "--scale: is only for a single asset"},
       {{"analyze", folder / "broken.ply", "--offline", "--prompts", prompts.parent_path()},
-       "user.md: line 1: {{nmae}} is filled by nothing: write {{name}} or take it out"},
+       "user.md: line 1: {{nmae}} is not a known slot; write {{name}} or remove it"},
       {{"mesh", folder / "broken.ply"}, "broken.ply"},
   };
   for (const auto& [words, named] : cases) {
@@ -323,21 +324,21 @@ TEST(Cli, BadInputIsOneLine) {
     EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
     EXPECT_NE(said.err.find(named), std::string::npos) << said.err;
     if (words[1].find("lost.scene.json") == std::string::npos) {
-      EXPECT_EQ(said.out, "");  // what could be read is told
+      EXPECT_EQ(said.out, "");  // valid inputs may be printed
     }
   }
   EXPECT_EQ(run({"simulate"}).code, 2);
   EXPECT_EQ(run({"dance"}).code, 2);
   EXPECT_EQ(run({"--help"}).code, 0);
-  // A folder that cannot be made is not the scene's fault.
+  // A folder that cannot be created is not an error of the scene.
   const std::string scene = folder.write("two.scene.json", kScene);
   EXPECT_EQ(run({"simulate", scene, "-o", "/proc/nowhere", "--quiet"}).code, 1);
 }
 
-// Every malformed fixture: refused in one line, never a crash.
-TEST(Cli, MalformedFixturesAreRefusedInOneLine) {
+// Malformed fixtures are refused in one line, without a crash.
+TEST(Cli, RefusesMalformedFixturesInOneLine) {
   const fs::path fixtures = fs::path(LIVEGS_SHARED_DATA_DIR) / "fixtures";
-  if (!fs::exists(fixtures)) GTEST_SKIP() << "shared data is not here";
+  if (!fs::exists(fixtures)) GTEST_SKIP() << "the shared data is missing";
   int refused = 0;
   for (const auto& entry : fs::recursive_directory_iterator(fixtures)) {
     if (!entry.is_regular_file() || entry.path().extension() == ".webp") continue;
@@ -355,7 +356,7 @@ TEST(Cli, MalformedFixturesAreRefusedInOneLine) {
   EXPECT_GE(refused, 40);
 }
 
-// One scene of the chart: its rows, a curve a method, and the page that says who wins.
+// Runs one scene of the chart: rows, one curve per method, and a page with the ranking.
 TEST(Cli, ChartWritesRowsCurvesAndAPage) {
   ScratchFolder folder;
   const fs::path out = folder / "chart";

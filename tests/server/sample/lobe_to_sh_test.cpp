@@ -37,12 +37,12 @@ TEST(LobeToSh, HarmonicsAreOrthonormal) {
       double sum = 0.0;
       for (const Eigen::Vector3d& d : sphere) sum += real_harmonics(d)[i] * real_harmonics(d)[j];
       sum *= 4 * kPi / static_cast<double>(sphere.size());
-      // A Fibonacci lattice integrates smooth functions to about 1 / count.
+      // A Fibonacci lattice integrates smooth functions with an error of about 1 / count.
       EXPECT_NEAR(sum, i == j ? 1.0 : 0.0, 2e-3) << i << " " << j;
     }
 }
 
-TEST(LobeToSh, BandLimitedFunctionComesBackExactly) {
+TEST(LobeToSh, BandLimitedFunctionIsReproduced) {
   const auto f = [](double c) { return 0.2 - 0.7 * c + 1.3 * c * c + 0.4 * c * c * c; };
   const ZonalLobe lobe = project_zonal(f, 3);
   const Eigen::Vector3d axis = Eigen::Vector3d(0.3, -0.8, 0.52).normalized();
@@ -50,7 +50,7 @@ TEST(LobeToSh, BandLimitedFunctionComesBackExactly) {
   std::array<Eigen::Vector3d, 15> rest;
   rest.fill(Eigen::Vector3d::Zero());
   add_lobe(lobe, axis, Eigen::Vector3d::Ones(), dc, rest);
-  // Degree 3 is held whole and the quadrature is exact for it: rounding only.
+  // Degree 3 is represented completely and the quadrature is exact for it: rounding only.
   for (const Eigen::Vector3d& d : directions(200)) EXPECT_NEAR(evaluate(dc, rest, d), f(axis.dot(d)), 1e-10);
 }
 

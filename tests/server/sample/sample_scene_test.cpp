@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-// Upright in a y-up world: half a turn about x.
+// Upright in a y-up world: a rotation by 180 degrees about x.
 PosedKernels stand_upright(const GaussianAsset& asset) {
   const Eigen::Quaternionf upright(0.0f, 1.0f, 0.0f, 0.0f);
   PosedKernels posed;
@@ -51,13 +51,13 @@ RasterisedView seen_from(const GaussianAsset& asset, double azimuth_rad, double 
 
 void expect_at_origin(const GaussianAsset& asset, bool is_room) {
   const Box box = box_of(asset);
-  EXPECT_NEAR(box.high.y(), 0.0, 1e-6);  // -Y is up: nothing below the floor
+  EXPECT_NEAR(box.high.y(), 0.0, 1e-6);  // -Y is up: no kernel is below the floor
   if (!is_room) {
     EXPECT_NEAR(box.low.x() + box.high.x(), 0.0, 1e-6);
     EXPECT_NEAR(box.low.z() + box.high.z(), 0.0, 1e-6);
     return;
   }
-  // Walls at x = -1.5 and z = +1.5; the outermost row of kernels lies up to half a row, 15 mm, from an edge.
+  // Walls at x = -1.5 and z = +1.5. The outermost row of kernels is up to half a row, 15 mm, from an edge.
   EXPECT_NEAR(box.low.x(), -1.5, 0.001);
   EXPECT_NEAR(box.high.z(), 1.5, 0.001);
   EXPECT_NEAR(box.high.x(), 1.5, 0.015);
@@ -65,34 +65,34 @@ void expect_at_origin(const GaussianAsset& asset, bool is_room) {
   EXPECT_NEAR(box.low.y(), -2.4, 0.015);
   for (const Eigen::Vector3f& p : asset.positions)
     if (std::abs(p.x()) < 1.2f && std::abs(p.z()) < 1.2f) {
-      ASSERT_GT(p.y(), -0.001f);  // the middle is free; seams are drawn 0.4 mm above the boards
+      ASSERT_GT(p.y(), -0.001f);  // the middle is empty; seams are drawn 0.4 mm above the boards
     }
 }
 
-// Every asset in turn; each ctest process makes only what it looks at.
+// Tests one asset per instance, so that each process makes only the asset that it needs.
 class SampleSpecimen : public testing::TestWithParam<Specimen> {
  protected:
   bool is_room() const { return GetParam().make == make_room_corner; }
 };
 
-TEST_P(SampleSpecimen, IsAWellFormedCaptureOfItsStatedSizeAndPlace) {
+TEST_P(SampleSpecimen, IsValidAndHasTheDocumentedSize) {
   const GaussianAsset asset = GetParam().make(1);
   expect_small_capture(asset);
   expect_invariants(asset);
   expect_size(asset, GetParam());
   expect_at_origin(asset, is_room());
   for (size_t i = 0; i < asset.size(); ++i) {
-    // The third axis is the normal. The thickest material, loose soil, is 0.35 of its width; a thread twice
-    // as long as wide halves the other axis by the root of that.
+    // The third axis is the normal. The thickest material, loose soil, has a thickness of 0.35 of its width.
+    // A thread twice as long as wide divides the other axis by the square root of two.
     const float tangential = std::min(asset.log_scales[i].x(), asset.log_scales[i].y());
     ASSERT_LT(asset.log_scales[i].z(), tangential + std::log(0.36f * 1.5f)) << "kernel " << i;
   }
 }
 
-// Holes would show as pixels inside the silhouette that the background reaches.
+// Holes appear as pixels inside the silhouette that show the background.
 TEST_P(SampleSpecimen, IsClosedWhenDrawn) {
   const GaussianAsset asset = GetParam().make(1);
-  // The room is seen by someone who stands in it and looks into the corner: azimuths of the open sides.
+  // The room is viewed from inside, towards the corner: azimuths of the open sides.
   const std::vector<double> azimuths_rad =
       is_room() ? std::vector<double>{0.4, 0.8, 1.2} : std::vector<double>{0.4, 2.0, 3.6, 5.2};
   for (const double azimuth_rad : azimuths_rad) {
@@ -118,7 +118,7 @@ TEST_P(SampleSpecimen, IsClosedWhenDrawn) {
 INSTANTIATE_TEST_SUITE_P(SampleScene, SampleSpecimen, testing::ValuesIn(kSpecimens),
                          [](const auto& specimen) { return std::string(specimen.param.name); });
 
-TEST(SampleScene, HasSixObjectsAndARoomOfThoseNames) {
+TEST(SampleScene, HasSixNamedObjectsAndARoom) {
   std::vector<std::string> names;
   for (const SampleAsset& sample : make_sample_assets(1)) names.push_back(sample.name);
   EXPECT_EQ(names, (std::vector<std::string>{"cup", "pillow", "hat", "plant", "duck", "stool", "room"}));

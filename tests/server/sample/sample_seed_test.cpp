@@ -9,7 +9,7 @@ namespace {
 
 class SampleSeed : public testing::TestWithParam<Specimen> {};
 
-TEST_P(SampleSeed, FollowsItsSeedAndNothingElse) {
+TEST_P(SampleSeed, DependsOnlyOnTheSeed) {
   set_thread_count(1);
   const GaussianAsset first = GetParam().make(1);
   set_thread_count(3);
@@ -25,8 +25,8 @@ TEST_P(SampleSeed, FollowsItsSeedAndNothingElse) {
 #ifdef LIVEGS_EVERY_SPECIMEN
 const auto kTried = testing::ValuesIn(kSpecimens);
 #else
-// One parametric and one implicit object stand for the rest, which share their machinery; all are tried
-// nightly.
+// One parametric and one implicit object represent the others, which share their code. The nightly run tests
+// all.
 const auto kTried = testing::Values(kSpecimens[0], kSpecimens[4]);
 #endif
 INSTANTIATE_TEST_SUITE_P(SampleScene, SampleSeed, kTried,

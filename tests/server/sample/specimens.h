@@ -11,14 +11,14 @@
 
 #include "sample/sample_scene.h"
 
-// The seven sample assets, their stated sizes, and what holds for every specimen of them.
+// The seven sample assets, their documented sizes, and checks that apply to all of them.
 
 namespace livegs {
 
 struct Specimen {
   const char* name;
   GaussianAsset (*make)(uint64_t seed);
-  // Size over x and z; 0 where it is left to chance. The stated sizes of the header.
+  // Size over x and z from the header; 0 if it is random.
   double width_m, height_m, depth_m;
 };
 
@@ -79,8 +79,7 @@ inline void expect_invariants(const GaussianAsset& asset) {
 
 inline void expect_size(const GaussianAsset& asset, const Specimen& specimen) {
   const Eigen::Vector3f size = box_of(asset).size();
-  // 6 % for what differs from one specimen to the next: the pillow's wrinkles move its top and bottom 4 mm
-  // each.
+  // 6 % for the variation between seeds: the pillow's wrinkles move its top and bottom by 4 mm each.
   if (specimen.width_m > 0) {
     EXPECT_NEAR(size.x(), specimen.width_m, 0.06 * specimen.width_m);
   }

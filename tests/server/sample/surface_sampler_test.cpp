@@ -25,7 +25,7 @@ ParametricSurface sphere(double radius_m, double spacing_m) {
   return surface;
 }
 
-// Optical depth that kernels of the usual size and opacity put over a point.
+// Optical depth at a point, with kernels of the default size and opacity.
 double depth_over(const Eigen::Vector3d& point, const SurfaceSamples& samples) {
   double depth = 0.0;
   for (const SurfaceSample& s : samples) {
@@ -35,22 +35,21 @@ double depth_over(const Eigen::Vector3d& point, const SurfaceSamples& samples) {
   return depth;
 }
 
-TEST(SurfaceSampler, SphereIsCoveredEvenlyPolesIncluded) {
+TEST(SurfaceSampler, SphereIsCoveredEvenlyIncludingPoles) {
   Random random(3);
   SurfaceSamples samples;
   sample_surface(sphere(0.1, 0.005), random, samples);
-  // Between saturated random packing (0.70 a spacing²) and that plus the darts that fill its holes.
+  // Between saturated random packing (0.70 per spacing²) and that plus the darts that fill its holes.
   const double discs = 4 * kPi * 0.01 / (0.005 * 0.005);
   EXPECT_GT(static_cast<double>(samples.size()), 0.60 * discs);
   EXPECT_LT(static_cast<double>(samples.size()), 1.20 * discs);
   for (const SurfaceSample& s : samples) {
     EXPECT_NEAR(s.position_m.norm(), 0.1, 1e-12);
-    // Differences over 0.3 % of the parameter range turn the normal by less than that.
+    // Differences over 0.3 % of the parameter range rotate the normal by less than that.
     EXPECT_GT(s.normal.dot(s.position_m.normalized()), 0.99);
     EXPECT_NEAR(s.tangent.dot(s.normal), 0.0, 1e-9);
   }
-  // A tenth may pass at the worst place: candidates are random, so the last holes are only likely to be
-  // found.
+  // A tenth of the light may pass at the worst point, because random candidates may miss the last holes.
   for (int i = 0; i < 2000; ++i) {
     const double z = 1 - (2 * i + 1.0) / 2000, r = std::sqrt(1 - z * z), a = 2.399963229728653 * i;
     EXPECT_GT(depth_over(0.1 * Eigen::Vector3d(r * std::cos(a), z, r * std::sin(a)), samples),
@@ -89,7 +88,7 @@ TEST(SurfaceSampler, ImplicitSphereLiesOnItsSurfaceAndIsClosed) {
   }
 }
 
-TEST(SharpEdge, SamplesKeepTheirSideAndTheirDistance) {
+TEST(SharpEdge, SamplesKeepTheirSideAndMargin) {
   Random random(9);
   SurfaceSamples samples;
   for (int i = 0; i < 1000; ++i) {

@@ -221,7 +221,7 @@ TEST_F(HeadsetSession, RuntimeExitEndsTheRunWithTheRemedy) {
           {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
-  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos)
+  EXPECT_NE(done.error().message.find("is shutting down; restart it and the client"), std::string::npos)
       << done.error().message;
   expect_no_complaints();
 }
@@ -233,7 +233,7 @@ TEST_F(HeadsetSession, RuntimeCrashEndsTheRunWithTheRemedy) {
           {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
-  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos)
+  EXPECT_NE(done.error().message.find("is shutting down; restart it and the client"), std::string::npos)
       << done.error().message;
   ASSERT_FALSE(states().empty());
   EXPECT_EQ(states().back(), "dead");

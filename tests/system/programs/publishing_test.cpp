@@ -38,7 +38,7 @@ TEST_F(Programs, SpectatorWithoutPublisherTimesOut) {
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
   const std::pair<std::string, std::string> places[] = {
-      {"tcp://127.0.0.1:1", "give what livegs-server --publish says"},
+      {"tcp://127.0.0.1:1", "use the address printed by livegs-server --publish"},
       {"tcp://192.0.2.1:9782", "a server publishes on its own machine only"}};
   for (const auto& [where, why] : places) {
     Program spectator(client_words(port, {"--subscribe", where, "--seconds", "60", "--connect-timeout", "0.8",
@@ -72,17 +72,18 @@ TEST_F(Programs, SpectatorReportsTheLossOfItsServer) {
   server.wait();
   EXPECT_EQ(spectator.wait(), 1) << spectator.err();
   const std::string err = spectator.err();
-  EXPECT_NE(err.find("--subscribe " + where + ": the server went away: nothing was published for "),
+  EXPECT_NE(err.find("--subscribe " + where + ": connection lost: nothing was published for "),
             std::string::npos)
       << err;
-  EXPECT_EQ(err.find("went away"), err.rfind("went away")) << err;
+  EXPECT_EQ(err.find("connection lost"), err.rfind("connection lost")) << err;
   EXPECT_NE(spectator.out().find("spectator of " + where), std::string::npos) << spectator.out();
 }
 
 TEST_F(Programs, RefusesToPublishToOtherMachines) {
   Program server(server_words({"--publish", "tcp://0.0.0.0:9782"}));
   EXPECT_EQ(server.wait(), 2);
-  expect_one_line(server, "--publish tcp://0.0.0.0:9782: frames are published without tokens");
+  expect_one_line(server,
+                  "--publish tcp://0.0.0.0:9782: is not local, and frames are published without tokens");
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ TEST_F(WindowReplay, ButtonsMatchTheKeys) {
   wait_until("it to play", 0.3, 100);
   click("Pause", button(0));
   step("the pause", [&](const Image&) { return moment_.paused; });
-  click("To the start", button(2));
+  click("Restart", button(2));
   step("the beginning", [&](const Image&) { return moment_.paused && moment_.shown_s == 0; });
   click("Step", button(1));
   step("one tick", [&](const Image&) { return std::abs(moment_.shown_s - 1.0 / 90) < 1e-6; });

@@ -88,8 +88,8 @@ size_t force_pixels(const Image& image) {
 
 // After a fallback to the CPU, the comparison would be of the CPU with itself.
 void expect_drawn_by_vulkan(Program& window) {
-  EXPECT_NE(window.err().find("drawing with vulkan: "), std::string::npos) << window.err();
-  EXPECT_EQ(window.err().find("the processor draws"), std::string::npos) << window.err();
+  EXPECT_NE(window.err().find("renderer: vulkan: "), std::string::npos) << window.err();
+  EXPECT_EQ(window.err().find("rendering continues on the CPU"), std::string::npos) << window.err();
 }
 
 // Waits for the first screenshot from number `from` on that satisfies the condition. Screenshots before the
@@ -242,7 +242,7 @@ TEST_F(WindowOnADisplay, VulkanShowsAPull) {
 TEST_F(WindowOnADisplay, ShowsThatTheDeviceIsFull) {
   size_ = "690x300";
   for (const auto& [megabytes, notice] : {std::pair("5", "% of the kernels; the rest is not drawn"),
-                                          std::pair("0.05", "; the processor draws from here on")}) {
+                                          std::pair("0.05", "; rendering continues on the CPU")}) {
     const std::filesystem::path shots = folder_ / megabytes;
     std::vector<std::string> words =
         window_words(display_, port_, {"--renderer", "vulkan", "--output", shots.string(), "--every", "1"});
@@ -436,11 +436,10 @@ TEST_F(WindowOnADisplay, InterruptedRecordingEndsCleanly) {
   Program late(words);
   interrupt_at(late, "study_001.mp4", SIGTERM);
   const std::string said = late.err();
-  const size_t at = said.find("study_001.mp4 ends early, with ");
+  const size_t at = said.find("study_001.mp4 is incomplete: ");
   ASSERT_NE(at, std::string::npos) << said;
   int drawn = 0, all = 0;
-  ASSERT_EQ(std::sscanf(said.c_str() + at, "study_001.mp4 ends early, with %d of %d pictures", &drawn, &all),
-            2)
+  ASSERT_EQ(std::sscanf(said.c_str() + at, "study_001.mp4 is incomplete: %d of %d pictures", &drawn, &all), 2)
       << said;
   EXPECT_GE(drawn, 1);
   EXPECT_LT(drawn, all);
@@ -498,7 +497,7 @@ TEST_F(WindowOnADisplay, EndsIfItsTokenIsViewOnly) {
 TEST_F(WindowOnADisplay, ReportsUnknownObjectToSelect) {
   Program window(window_words(display_, port_, {"--select", "nosuch", "--renderer", "cpu"}));
   EXPECT_EQ(window.wait(), 2);
-  expect_one_line(window, "--select: the scene has no object \"nosuch\"");
+  expect_one_line(window, "--select: no object is named \"nosuch\"");
 }
 
 // Number of squares of 20 x 20 pixels (of 1120) whose mean differs. Independent of the resolution of each
@@ -539,7 +538,7 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   ASSERT_TRUE(before) << window.err();
   EXPECT_EQ(notice_pixels(*before), 0u);
   server_->send(SIGKILL);
-  EXPECT_TRUE(window.says("the server has gone")) << window.err();
+  EXPECT_TRUE(window.says("server disconnected")) << window.err();
   server_->wait();
   const auto gone = shot(newest, [](const Image& image) { return notice_pixels(image) > 0; });
   ASSERT_TRUE(gone) << window.err();
@@ -553,7 +552,7 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   std::vector<std::string> words = server_words();
   std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port_);
   Program again(words);
-  EXPECT_TRUE(window.says("a server that was started anew")) << window.err();
+  EXPECT_TRUE(window.says("a restarted server")) << window.err();
   EXPECT_TRUE(again.says("streaming to")) << again.err();
   const auto back = shot(newest, [](const Image& image) { return notice_pixels(image) == 0; });
   ASSERT_TRUE(back) << window.err();

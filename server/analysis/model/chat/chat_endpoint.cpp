@@ -31,10 +31,10 @@ bool has_control(std::string_view text) {
   return false;
 }
 
-// The messages never repeat the address whole: it might hold what a person took for the place of a key.
+// Messages never contain the whole address: a user may have put the key into it.
 Result<void> check_url(const std::string& url) {
   if (!url.starts_with("http://") && !url.starts_with("https://")) {
-    return invalid_argument("OPENAI_BASE_URL: has to begin with http:// or https://");
+    return invalid_argument("OPENAI_BASE_URL: must begin with http:// or https://");
   }
   if (has_control(url) || url.size() > kMaxUrlLength)
     return invalid_argument("OPENAI_BASE_URL: not an address");
@@ -42,11 +42,11 @@ Result<void> check_url(const std::string& url) {
   const std::string authority = url.substr(host, url.find_first_of("/?#", host) - host);
   if (authority.find('@') != std::string::npos) {
     return invalid_argument(
-        "OPENAI_BASE_URL: no user or password may stand in it; put the key in OPENAI_API_KEY");
+        "OPENAI_BASE_URL: must not contain a user or password; put the key in OPENAI_API_KEY");
   }
-  if (authority.empty()) return invalid_argument("OPENAI_BASE_URL: names no host");
+  if (authority.empty()) return invalid_argument("OPENAI_BASE_URL: has no host");
   if (url.find_first_of("?#") != std::string::npos) {
-    return invalid_argument("OPENAI_BASE_URL: no ? or # may stand in it");
+    return invalid_argument("OPENAI_BASE_URL: must not contain ? or #");
   }
   return {};
 }
@@ -71,19 +71,19 @@ Result<std::unique_ptr<ModelEndpoint>> open_model_endpoint(EndpointSettings sett
   if (auto checked = check_url(settings.base_url); !checked) return checked.error();
   while (settings.base_url.ends_with('/')) settings.base_url.pop_back();
   if (has_control(settings.api_key.reveal()) || settings.api_key.reveal().size() > kMaxKeyLength) {
-    return invalid_argument("OPENAI_API_KEY: holds a space or a control character");
+    return invalid_argument("OPENAI_API_KEY: contains a space or a control character");
   }
   if (has_control(settings.model))
-    return invalid_argument("LIVEGS_MODEL: holds a space or a control character");
+    return invalid_argument("LIVEGS_MODEL: contains a space or a control character");
   if (settings.base_url == kOpenAiUrl) {
     if (settings.api_key.empty())
       return invalid_argument("OPENAI_API_KEY: not set, and api.openai.com needs one");
     if (settings.model.empty())
-      return invalid_argument("LIVEGS_MODEL: not set; name a model that sees pictures");
+      return invalid_argument("LIVEGS_MODEL: not set; name a model that accepts pictures");
   }
   if (!settings.api_key.empty() && settings.base_url.starts_with("http://") &&
       !is_loopback_url(settings.base_url)) {
-    log_warn("%s: the key travels unencrypted; use https", settings.base_url.c_str());
+    log_warn("%s: the key is sent unencrypted; use https", settings.base_url.c_str());
   }
   Result<PromptSet> prompts = PromptSet::load(settings.prompt_folder);
   if (!prompts) return prompts.error();

@@ -13,7 +13,7 @@
 
 namespace livegs {
 
-// An endpoint that is a chat-completions server: what is known of it, shared by its exchanges.
+// Endpoint of a chat-completions server; holds the knowledge about the server that its conversations share.
 class ChatEndpoint final : public ModelEndpoint {
  public:
   ChatEndpoint(EndpointSettings settings, PromptSet prompts);
@@ -25,8 +25,7 @@ class ChatEndpoint final : public ModelEndpoint {
     if (model().empty()) (void)identify_server(stop);
   }
 
-  // Finds out once who the server is and what its model is called; at most probe_timeout_s. Fails without a
-  // model.
+  // Identifies the server and its model once; takes at most probe_timeout_s. Fails without a model.
   Result<void> identify_server(std::stop_token stop);
 
   const EndpointSettings& settings() const { return settings_; }
@@ -34,10 +33,10 @@ class ChatEndpoint final : public ModelEndpoint {
   ModelServer& server() { return server_; }
   std::string model() const;
   EndpointQuirks quirks() const;
-  void keep(const EndpointQuirks& quirks);  // they were found to work
+  void keep(const EndpointQuirks& quirks);  // stores verified quirks
   int max_in_flight() const;
   double deadline_s() const;
-  // The first time that something is said, and only then.
+  // Logs each warning once.
   void warn_once(const std::string& warning);
 
  private:
@@ -47,8 +46,8 @@ class ChatEndpoint final : public ModelEndpoint {
   const EndpointSettings settings_;
   const PromptSet prompts_;
   QuirkMemory memory_;
-  std::mutex probing_;        // held by the one that asks the server who it is
-  mutable std::mutex mutex_;  // guards what follows
+  std::mutex probing_;        // held while the server is identified
+  mutable std::mutex mutex_;  // guards the members below
   bool known_ = false;
   std::string model_;
   std::set<std::string> warned_;

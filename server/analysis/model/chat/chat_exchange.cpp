@@ -15,11 +15,10 @@ using Kind = ServerAnswer::Kind;
 
 constexpr int kMaxToolRounds = 4;
 constexpr std::size_t kMaxToolCalls = 8;
-constexpr int kReasoningTokenFactor =
-    4;                           // max_completion_tokens counts what a model thinks and does not show
-constexpr int kMaxRefusals = 8;  // parts of a request that are given up in one exchange
+constexpr int kReasoningTokenFactor = 4;  // max_completion_tokens includes the hidden reasoning of a model
+constexpr int kMaxRefusals = 8;           // request parts that may be disabled in one conversation
 constexpr std::size_t kMaxSearchLength = 1500;
-constexpr std::int64_t kContexts[] = {2048, 4096, 8192};  // Ollama's defaults, where a longer prompt is cut
+constexpr std::int64_t kContexts[] = {2048, 4096, 8192};  // Ollama's defaults; longer prompts are truncated
 
 Error cancelled() { return {ErrorCode::Unavailable, "cancelled"}; }
 
@@ -48,7 +47,7 @@ Result<RawAnswer> ChatConversation::repair(std::string_view validator_message, s
   return converse(stop, false);
 }
 
-// One ask or repair: a place in the queue, the tools, the answer, the sums.
+// One ask or repair: queue slot, tools, answer, totals.
 Result<RawAnswer> ChatConversation::converse(std::stop_token stop, bool with_tools) {
   const ModelServer::Slot slot = endpoint_.server().take_slot(endpoint_.max_in_flight(), stop);
   if (!slot) return cancelled();
@@ -70,9 +69,8 @@ Result<RawAnswer> ChatConversation::converse(std::stop_token stop, bool with_too
   answer_.blind = !images_.empty() && !quirks_.images;
   if (answer_.blind) {
     warn(
-        "the model takes no pictures and is asked without them, by what was measured alone; set LIVEGS_MODEL "
-        "to one "
-        "that sees");
+        "the model does not accept pictures; the question is sent without them, with measurements only. Set "
+        "LIVEGS_MODEL to a model that sees");
   }
   answer_.transcript = transcript_.lines();
   if (!found) return found.error();
@@ -89,7 +87,7 @@ void ChatConversation::begin_turns() {
   opening_turns_ = turns_.size();
 }
 
-// The last turn asks for the answer, in the words that the form needs.
+// The last turn requests the answer, in the wording of the answer form.
 void ChatConversation::put_last_turn() {
   const std::string words = endpoint_.prompts().answer_turn(quirks_.form != AnswerForm::JsonSchema);
   if (!repair_turn_.empty()) {
@@ -123,7 +121,7 @@ ServerAnswer ChatConversation::send(Phase phase, std::stop_token stop) {
         phase == Phase::Answer && repair_turn_.empty() && turns_.size() > opening_turns_ + 1;
     std::string taken;
     if (tool_turns && refusal.message.find("tool") != std::string::npos) {
-      // Some servers take no history of tools in a request without them.
+      // Some servers reject a history of tool calls in a request without tools.
       turns_.resize(opening_turns_);
       taken = "the turns with tools";
     } else {
@@ -131,7 +129,7 @@ ServerAnswer ChatConversation::send(Phase phase, std::stop_token stop) {
     }
     if (taken.empty()) return false;
     if (features.web_search && !quirks_.web_search) warn_search_unsupported();
-    transcript_.note("the server refused; left out from now on: " + taken);
+    transcript_.note("the server refused; disabled from now on: " + taken);
     return true;
   };
   ServerAnswer answer = endpoint_.server().chat(chat_request_body(request, turns_, quirks_), features.stream,
@@ -153,7 +151,7 @@ ServerAnswer ChatConversation::send(Phase phase, std::stop_token stop) {
   return answer;
 }
 
-// A prompt that was cut has exactly as many tokens as the context, or has them together with its answer.
+// A truncated prompt has exactly the context length in tokens, alone or together with its answer.
 void ChatConversation::note_truncation(const ChatReply& reply) {
   if (quirks_.dialect != Dialect::Ollama && quirks_.dialect != Dialect::Unknown) return;
   const std::int64_t all = reply.prompt_tokens + reply.completion_tokens;
@@ -161,18 +159,18 @@ void ChatConversation::note_truncation(const ChatReply& reply) {
     return size == all || size == reply.prompt_tokens;
   });
   if (context == std::end(kContexts)) return;
-  const std::string warning = "the server cut the prompt to its context of " + std::to_string(*context) +
-                              " tokens without saying so; start it with a longer one (Ollama: "
-                              "OLLAMA_CONTEXT_LENGTH=16384)";
+  const std::string warning =
+      "the server truncated the prompt to its context of " + std::to_string(*context) +
+      " tokens without an error; start it with a longer context (Ollama: OLLAMA_CONTEXT_LENGTH=16384)";
   warn(warning);
-  quirks_.examples = 0;  // what can be spared, from the next object on
+  quirks_.examples = 0;  // the examples are dispensable, from the next object on
 }
 
 void ChatConversation::warn_search_unsupported() {
-  warn("--web-search: the server searches nothing for this model; its answers come without");
+  warn("--web-search: not supported by the server for this model; answers are given without it");
 }
 
-// Told in the answer and, the first time, in the log.
+// Adds a warning to the answer and logs it the first time.
 void ChatConversation::warn(const std::string& warning) {
   if (std::find(answer_.warnings.begin(), answer_.warnings.end(), warning) != answer_.warnings.end()) return;
   answer_.warnings.push_back(warning);
@@ -202,7 +200,7 @@ Result<Json> ChatConversation::run_tools(std::stop_token stop) {
     ++round;
     ChatReply& reply = said.reply;
     if (reply.tool_calls.empty()) {
-      // With every field, it is left to the gate to judge, as an answer of the second phase would be.
+      // A reply with all fields is an answer; the gate judges it as one of the second phase.
       const std::vector<std::string>& fields = endpoint_.prompts().answer_fields();
       const auto early = find_json_object(reply.content, fields);
       if (early && reply.finish_reason != "length" &&
@@ -236,12 +234,12 @@ Result<Json> ChatConversation::run_answer(std::stop_token stop) {
       return unsupported("the model declined: " + transcript_.redact(brief(reply.refusal)));
     }
     if (reply.finish_reason == "content_filter") {
-      return unsupported("the server's content filter stopped the answer; other views may pass");
+      return unsupported("the server's content filter stopped the answer; try other views");
     }
     if (reply.finish_reason == "length") {
       if (lengthened) {
         return Error{ErrorCode::TooLarge, "the answer did not end within " + std::to_string(max_tokens_) +
-                                              " tokens; the model writes too much, another may not"};
+                                              " tokens; use a model with shorter answers"};
       }
       lengthened = true;
       max_tokens_ *= 2;
@@ -250,12 +248,12 @@ Result<Json> ChatConversation::run_answer(std::stop_token stop) {
     if (auto object = find_json_object(reply.content, endpoint_.prompts().answer_fields()))
       return std::move(*object);
     if (quirks_.form == AnswerForm::Text) {
-      return invalid_data("the model's answer holds no JSON object: " +
+      return invalid_data("the model's answer contains no JSON object: " +
                           transcript_.redact(brief(reply.content, 120)));
     }
-    // Asked for a form and given none: the server passes over what it does not know.
+    // The requested form was ignored: the server skips unknown parameters.
     quirks_.form = quirks_.form == AnswerForm::JsonSchema ? AnswerForm::JsonObject : AnswerForm::Text;
-    transcript_.note("no JSON object came; the form is asked for in words from now on");
+    transcript_.note("no JSON object received; the form is requested in words from now on");
   }
 }
 

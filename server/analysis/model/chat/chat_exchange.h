@@ -9,9 +9,9 @@
 
 namespace livegs {
 
-// A conversation in two phases, never mixed in one request: first tools, while the model wants any and at
-// most a few times; then the answer alone, in as strict a form as the server has. A whole answer that is
-// given instead of a tool call is taken. What the server refuses is left out from then on.
+// Conversation in two phases, in separate requests: first the tools, for a bounded number of rounds; then the
+// answer, in the strictest form that the server supports. A complete answer in place of a tool call is
+// accepted. Refused request parts are left out afterwards.
 class ChatConversation final : public Conversation {
  public:
   ChatConversation(ChatEndpoint& endpoint, ToolBox tools);
@@ -21,7 +21,7 @@ class ChatConversation final : public Conversation {
  private:
   enum class Phase { Search, Tools, Answer };
   Result<RawAnswer> converse(std::stop_token stop, bool with_tools);
-  Result<Json> run_tools(std::stop_token stop);  // a whole answer, or null when the tools are done with
+  Result<Json> run_tools(std::stop_token stop);  // a complete answer, or null after the last tool round
   Result<Json> run_answer(std::stop_token stop);
   void search(std::map<std::string, std::string>& slots, std::stop_token stop);
   ServerAnswer send(Phase phase, std::stop_token stop);
@@ -38,9 +38,9 @@ class ChatConversation final : public Conversation {
   std::map<std::string, std::string> slots_;
   std::vector<AnalysisImage> images_;
   std::vector<ChatTurn> turns_;
-  std::string opening_;            // the user's first turn without what it is asked to do
-  std::string repair_turn_;        // what stands in place of the answer turn
-  std::size_t opening_turns_ = 0;  // what stands before any tool
+  std::string opening_;            // the user's first turn without the final instruction
+  std::string repair_turn_;        // replaces the answer turn
+  std::size_t opening_turns_ = 0;  // number of turns before any tool
   std::int64_t deadline_ns_ = 0, max_tokens_ = 0;
   int refusals_ = 0;
   RawAnswer answer_;  // sums so far

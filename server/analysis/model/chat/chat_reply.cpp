@@ -24,7 +24,7 @@ std::optional<ServerError> read_error(const Json& body) {
   if (error && error->is_null()) error = nullptr;
   if (!error && text_member(body, "object") == "error") error = &body;
   if (!error) {
-    // FastAPI's form, which gateways answer with.
+    // FastAPI's form, used by gateways.
     if (const Json* detail = member(body, "detail"); detail && !member(body, "choices")) {
       return ServerError{"", "", "", detail->is_string() ? detail->get<std::string>() : dump_json(*detail)};
     }
@@ -115,7 +115,7 @@ void ChatStream::add(std::string_view data) {
   if (reply_.model.empty()) reply_.model = text_member(*event, "model");
   read_usage(*event, reply_);
   const Json* choice = first_choice(*event);
-  if (!choice) return;  // a usage event has none
+  if (!choice) return;  // a usage event has no choice
   reply_.has_choice = true;
   if (std::string reason = text_member(*choice, "finish_reason"); !reason.empty())
     reply_.finish_reason = reason;

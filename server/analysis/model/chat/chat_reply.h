@@ -10,16 +10,16 @@
 #include "analysis/text/json_text.h"
 #include "core/result.h"
 
-// What a chat-completions server sent back, read leniently: OpenAI, vLLM, llama.cpp and Ollama differ in
-// small ways, and gateways in more. Any bytes give a value or an error.
+// Lenient decoder of chat-completions replies: OpenAI, vLLM, llama.cpp, Ollama and gateways differ in
+// details. Any bytes give a value or an error.
 
 namespace livegs {
 
 struct ToolCall {
-  std::string id, name, arguments;  // arguments as the model wrote them: JSON, if all went well
+  std::string id, name, arguments;  // arguments as received from the model; normally JSON
 };
 
-// {"error": {...}}, {"error": "text"} or {"object": "error", ...}.
+// Error object in one of the forms {"error": {...}}, {"error": "text"} or {"object": "error", ...}.
 struct ServerError {
   std::string code, type, param, message;
 };
@@ -30,17 +30,17 @@ struct ChatReply {
   bool has_choice = false;
   std::int64_t prompt_tokens = 0, completion_tokens = 0;
   double cost_usd = 0;
-  std::optional<ServerError> error;  // also with status 200
+  std::optional<ServerError> error;  // may accompany status 200
 };
 
-// The body of a reply of any status: one object, or an event stream.
+// Decodes the body of a reply of any status: one object, or an event stream.
 Result<ChatReply> decode_chat_reply(std::string_view body, bool event_stream);
 
-// An event stream, event by event.
+// Incremental decoder of an event stream.
 class ChatStream {
  public:
   void add(std::string_view data);
-  bool ended() const { return ended_; }  // [DONE] was seen, or an error
+  bool ended() const { return ended_; }  // after [DONE] or an error
   ChatReply take();
 
  private:
@@ -49,7 +49,7 @@ class ChatStream {
   bool ended_ = false;
 };
 
-// The first line of what a server wrote, short enough for a log.
+// First line of a server's text, truncated for a log.
 std::string brief(std::string_view text, std::size_t longest = 200);
 
 }  // namespace livegs

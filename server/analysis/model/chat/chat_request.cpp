@@ -7,7 +7,7 @@ namespace livegs {
 namespace {
 
 constexpr const char* kSchemaName = "livegs_analysis_1";
-constexpr int kSeed = 1;  // any number; the same one, so that answers repeat where a server can
+constexpr int kSeed = 1;  // arbitrary but constant, so that answers repeat if the server supports it
 
 OrderedJson image_part(const AnalysisImage& image, bool for_people) {
   const std::string url = for_people ? "sha256:" + content_hash(std::as_bytes(std::span(image.bytes)))
@@ -30,7 +30,7 @@ OrderedJson message_of(const ChatTurn& turn, bool with_images, bool for_people) 
   if (!turn.calls.empty()) {
     OrderedJson calls = OrderedJson::array();
     for (const ToolCall& call : turn.calls) {
-      // A history with arguments that are no JSON is refused by some servers.
+      // Some servers refuse a history with arguments that are not JSON.
       const bool sound = parse_json(call.arguments).has_value();
       calls.push_back({{"id", call.id},
                        {"type", "function"},

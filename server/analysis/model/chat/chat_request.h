@@ -16,11 +16,10 @@ struct ChatTurn {
   std::string text;
   std::vector<AnalysisImage> images;  // of a user's turn
   std::vector<ToolCall> calls;        // of an assistant's turn
-  std::string call_id;                // of a tool's turn: which call it answers
+  std::string call_id;                // of a tool's turn: the call it answers
 };
 
-// What a request asks for. Tools and an answer form never stand in one request: servers drop the one or the
-// other.
+// Contents of a request. Tools and an answer form are never combined, because servers drop one of them.
 struct ChatRequest {
   std::string model;
   std::int64_t max_tokens = 0;
@@ -32,8 +31,8 @@ struct ChatRequest {
 RequestFeatures features_of(const ChatRequest& request, const std::vector<ChatTurn>& turns,
                             const EndpointQuirks& quirks);
 
-// The body of POST /chat/completions, as far as `quirks` let it be. With `for_people` the pictures are left
-// out and named by their hash.
+// Body of POST /chat/completions, restricted by `quirks`. With `for_people`, pictures are replaced by their
+// hashes.
 std::string chat_request_body(const ChatRequest& request, const std::vector<ChatTurn>& turns,
                               const EndpointQuirks& quirks, bool for_people = false);
 

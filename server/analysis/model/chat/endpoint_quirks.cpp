@@ -13,7 +13,7 @@ namespace livegs {
 namespace {
 
 constexpr std::int64_t kQuirkLifetime_s = 30 * 24 * 3600;
-constexpr int kExamplesOfShortContext = 2;  // with two pictures, what 4096 tokens hold
+constexpr int kExamplesOfShortContext = 2;  // fits 4096 tokens together with two pictures
 constexpr std::size_t kMaxEntries = 200;
 constexpr std::uint64_t kMaxFileBytesOfQuirks = 1 << 20;
 
@@ -31,9 +31,8 @@ Enum read_name(const Json& object, const char* key, const std::array<const char*
   return fallback;
 }
 
-// Every switch by its name in the file. `images` is not among them: a server may be given eyes (a projector
-// is loaded, another model takes the name), and to go on asking it blind for a month costs more than one
-// refusal a run.
+// Names of the switches in the file. `images` is excluded: a server may gain vision (a projector is loaded,
+// another model takes the name), and a month without pictures costs more than one refusal per run.
 constexpr std::pair<const char*, bool EndpointQuirks::*> kSwitches[] = {
     {"limit_key_swapped", &EndpointQuirks::limit_key_swapped},
     {"tools", &EndpointQuirks::tools},
@@ -76,7 +75,7 @@ std::string step_down(EndpointQuirks& quirks) {
   return std::string("response_format ") + was;
 }
 
-// What `words` name, the most particular first.
+// Disables the feature named in `words`, the most specific first.
 std::string take_named(EndpointQuirks& quirks, const std::string& words, const RequestFeatures& sent) {
   if (mentions(words, {"max_completion_tokens", "max_tokens"}) && quirks.limit_key != LimitKey::None) {
     return swap_limit_key(quirks);
@@ -186,7 +185,7 @@ std::string learn_from_refusal(EndpointQuirks& quirks, const ServerError& error,
   }
   std::string taken = take_named(quirks, lower(error.code + " " + error.message), sent);
   if (!taken.empty() || named_only) return taken;
-  // Refused without a word of use: what servers most often lack goes first.
+  // A refusal without details: the least supported features are disabled first.
   if (sent.tools) return take(quirks.tools, "tools");
   if (sent.form != AnswerForm::Text) return step_down(quirks);
   if (sent.stream) return take(quirks.stream, "stream");
@@ -202,7 +201,7 @@ QuirkMemory::QuirkMemory(std::filesystem::path file) : file_(std::move(file)) {
   const Result<Json> parsed = text ? parse_json(*text) : Result<Json>(text.error());
   const Json* list = parsed ? member(*parsed, "endpoints") : nullptr;
   if (!list || !list->is_object()) {
-    log_warn("%s: not a list of what servers take; it is learned anew", file_.c_str());
+    log_warn("%s: not a list of server capabilities; they are learned again", file_.c_str());
     return;
   }
   const std::int64_t now = std::time(nullptr);
@@ -243,7 +242,7 @@ void QuirkMemory::save() const {
   if (auto written =
           write_file_atomically(file_, file.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
       !written) {
-    log_warn("what the model server takes is not kept: %s", written.error().message.c_str());
+    log_warn("model server: capabilities not saved: %s", written.error().message.c_str());
   }
 }
 

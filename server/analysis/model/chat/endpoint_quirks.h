@@ -9,14 +9,14 @@
 
 #include "analysis/model/chat/chat_reply.h"
 
-// What a server that calls itself OpenAI-compatible really takes. A profile to begin with, by who the server
-// seems to be; then every refusal that names (or leaves guessing) a part of the request takes that part away,
-// until the server is content. Learned per address and model.
+// Actual capabilities of an OpenAI-compatible server. The initial profile follows from the detected server.
+// Each refusal then removes the request part that it names or implies, until the server accepts. Learned per
+// address and model.
 
 namespace livegs {
 
 enum class Dialect { Unknown, OpenAi, Vllm, LlamaCpp, Ollama, Plain };
-enum class AnswerForm { JsonSchema, JsonObject, Text };  // each step asks less of the server
+enum class AnswerForm { JsonSchema, JsonObject, Text };  // each step requires less of the server
 enum class LimitKey { MaxCompletionTokens, MaxTokens, None };
 
 struct EndpointQuirks {
@@ -27,7 +27,7 @@ struct EndpointQuirks {
   bool tools = true, tool_choice = true, strict_tools = true;
   bool temperature = true, seed = true;
   bool images = true;
-  int examples = 6;  // worked examples in the prompt; fewer where the context is short
+  int examples = 6;  // worked examples in the prompt; fewer if the context is short
   bool stream = true, stream_options = true;
   bool web_search = true;
   friend bool operator==(const EndpointQuirks&, const EndpointQuirks&) = default;
@@ -35,27 +35,27 @@ struct EndpointQuirks {
 
 const char* dialect_name(Dialect dialect);
 EndpointQuirks profile_of(Dialect dialect);
-// By address alone: api.openai.com, port 11434. Unknown where that says nothing.
+// Dialect from the address alone: api.openai.com, port 11434. Unknown for other addresses.
 Dialect dialect_of_url(std::string_view base_url);
-// By the list of models (GET /models); `first_model` is set to the first one's id.
+// Dialect from the list of models (GET /models); sets `first_model` to the id of the first one.
 Dialect dialect_of_models(std::string_view body, std::string& first_model);
 
-// What one request asked of the server beyond plain text.
+// Features of one request beyond plain text.
 struct RequestFeatures {
   bool tools = false, images = false, stream = false, web_search = false;
   AnswerForm form = AnswerForm::Text;
 };
 
-// Takes away what the refusal is about. With `named_only` nothing is guessed. Returns what was taken away,
-// for the log; "" when there is nothing left to try or the refusal is about something else.
+// Disables the feature that a refusal names. Without `named_only`, guesses one if none is named. Returns the
+// name of the feature for the log, or "" if no candidate is left or the refusal has another cause.
 std::string learn_from_refusal(EndpointQuirks& quirks, const ServerError& error, const RequestFeatures& sent,
                                bool named_only);
 
-// Whether the words are about a prompt that is longer than the model's context.
+// True if the error is about a prompt longer than the model's context.
 bool is_context_overflow(const ServerError& error);
 
-// Remembered in memory and, where a file is named, in a small JSON file; what is older than 30 days is
-// learned anew. Any thread. A file that cannot be read or written costs a warning, never an answer.
+// Store of quirks in memory and, if a file is given, in a small JSON file. Entries expire after 30 days. An
+// unreadable or unwritable file only causes a warning. Any thread.
 class QuirkMemory {
  public:
   explicit QuirkMemory(std::filesystem::path file);

@@ -21,7 +21,7 @@ constexpr int kMaxPoll_ms = 1000;
 std::int64_t ns_from_seconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
 long ms_from_seconds(double seconds) { return std::max(1L, static_cast<long>(seconds * 1e3)); }
 
-// One request under way. It stands on the stack of send(); the worker lets go of it before it says `done`.
+// A transfer in progress, on the stack of send(). The worker drops its pointer before it sets `done`.
 struct Transfer {
   const HttpRequest* request = nullptr;
   HttpReply reply;
@@ -62,7 +62,7 @@ void prepare(Transfer& transfer) {
   CURL* easy = transfer.easy = curl_easy_init();
   LIVEGS_ASSERT(easy);
   const auto add = [&](const char* line) { transfer.headers = curl_slist_append(transfer.headers, line); };
-  add("Expect:");  // the body goes at once, not after a 100 Continue
+  add("Expect:");  // sends the body at once instead of after a 100 Continue
   add(request.event_stream ? "Accept: text/event-stream, application/json" : "Accept: application/json");
   if (!request.body.empty()) add("Content-Type: application/json");
   if (request.bearer && !request.bearer->empty()) {
@@ -86,7 +86,7 @@ void prepare(Transfer& transfer) {
   curl_easy_setopt(easy, CURLOPT_SSL_VERIFYPEER, 1L);
   curl_easy_setopt(easy, CURLOPT_SSL_VERIFYHOST, 2L);
   curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
-  curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // a cancel does not wait for a name server
+  curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // a cancelled transfer does not wait for name resolution
   curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, ms_from_seconds(request.connect_timeout_s));
   curl_easy_setopt(easy, CURLOPT_TIMEOUT_MS, ms_from_seconds(request.total_timeout_s));
   if (is_loopback_url(request.url)) curl_easy_setopt(easy, CURLOPT_PROXY, "");
@@ -100,7 +100,7 @@ void set_end(Transfer& transfer, HttpReply::End end, std::string message) {
   transfer.reply.message = std::move(message);
 }
 
-// What libcurl says at the end, as an End.
+// Converts the final state of libcurl to an End.
 void read_end(Transfer& transfer, CURLcode code) {
   CURL* easy = transfer.easy;
   long status = 0;
@@ -113,7 +113,7 @@ void read_end(Transfer& transfer, CURLcode code) {
   if (curl_easy_getinfo(easy, CURLINFO_RETRY_AFTER, &retry_after) == CURLE_OK && retry_after > 0) {
     transfer.reply.retry_after_s = static_cast<double>(retry_after);
   }
-  // A connection that is used again was made in no time; that it was there, the moment of sending tells.
+  // A reused connection has a connect time of 0; the send time shows that it exists.
   curl_off_t connect_us = 0, send_us = 0;
   curl_easy_getinfo(easy, CURLINFO_CONNECT_TIME_T, &connect_us);
   curl_easy_getinfo(easy, CURLINFO_PRETRANSFER_TIME_T, &send_us);
@@ -170,12 +170,12 @@ struct HttpClient::Worker {
   void run();
   void take_new();
   void finish(Transfer& transfer);
-  int check_limits();  // ends what is over a limit; milliseconds until the next limit
+  int check_limits();  // ends transfers over a limit; returns milliseconds to the next limit
 
   CURLM* multi = nullptr;
   std::thread thread;
   std::atomic<bool> stopping = false;
-  std::vector<Transfer*> active;  // the worker's thread only
+  std::vector<Transfer*> active;  // worker thread only
   std::mutex mutex;               // guards arrivals and Transfer::done
   std::condition_variable ended;
   std::vector<Transfer*> arrivals;

@@ -12,8 +12,8 @@
 
 #include "analysis/model/secret.h"
 
-// HTTP over libcurl, all transfers on one thread of the client's own. No redirects, http and https only,
-// certificates verified, replies bounded. Nothing here logs.
+// HTTP client over libcurl; all transfers run on one internal thread. No redirects; http and https only;
+// certificates are verified; reply size is bounded. Writes no log.
 
 namespace livegs {
 
@@ -23,12 +23,12 @@ struct HttpRequest {
   std::string url;
   std::string body;  // empty: GET; else POST of application/json
   bool event_stream = false;
-  const Secret* bearer = nullptr;  // outlives the call; sent as the Authorization header
+  const Secret* bearer = nullptr;  // must outlive the call; sent as the Authorization header
   double connect_timeout_s = 5, total_timeout_s = 60;
   double first_byte_timeout_s = 0, stall_timeout_s = 0;  // 0: none
   std::size_t max_bytes = kMaxReplyBytes;
-  // Each stretch of a successful reply's body as it comes, on the network thread; false ends the transfer as
-  // complete. May be null.
+  // Receives each chunk of a successful reply's body, on the network thread; returning false ends the
+  // transfer as complete. May be null.
   std::function<bool(std::string_view)> on_body;
 };
 
@@ -37,17 +37,17 @@ struct HttpReply {
     Complete,
     Cancelled,
     Deadline,      // total_timeout_s
-    NotConnected,  // no address, refused, or connect_timeout_s
+    NotConnected,  // unresolved, refused, or connect_timeout_s
     Late,          // first_byte_timeout_s
     Stalled,       // stall_timeout_s
-    Cut,           // the connection ended inside the reply, or it was no HTTP
+    Cut,           // the connection ended within the reply, or the reply is not HTTP
     TooLarge,
     BadTls,
     BadUrl,
   };
   End end = End::Complete;
-  std::string message;  // what happened, where end is not Complete
-  int status = 0;       // 0: no reply
+  std::string message;  // cause, if end is not Complete
+  int status = 0;       // 0 without a reply
   std::string content_type, body;
   std::optional<double> retry_after_s;  // seconds from now, from either form of Retry-After
 };
@@ -55,11 +55,11 @@ struct HttpReply {
 class HttpClient {
  public:
   HttpClient();
-  ~HttpClient();  // ends what is under way as Cancelled
+  ~HttpClient();  // ends running transfers as Cancelled
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;
 
-  // Blocks the caller until the reply, a time limit or a requested stop. Any thread, any number at once.
+  // Blocks until the reply, a timeout or a requested stop. Any number of threads may call it concurrently.
   HttpReply send(const HttpRequest& request, std::stop_token stop);
 
  private:
@@ -67,7 +67,7 @@ class HttpClient {
   std::unique_ptr<Worker> worker_;
 };
 
-// Whether the address is this machine's own ("127.0.0.1", "localhost", "::1").
+// True for loopback addresses ("127.0.0.1", "localhost", "::1").
 bool is_loopback_url(std::string_view url);
 
 }  // namespace livegs

@@ -8,16 +8,16 @@
 #include "core/clock.h"
 #include "core/log.h"
 
-// What is repeated and what is not follows the servers' own documentation: 408, 409, 429, 500, 502, 503, 504
-// and 529 (Anthropic's "overloaded", which gateways pass on) pass by themselves; other refusals do not.
+// Retries follow the servers' documentation. 408, 409, 429, 500, 502, 503, 504 and 529 (Anthropic's
+// "overloaded", forwarded by gateways) are transient; other refusals are not retried.
 
 namespace livegs {
 namespace {
 
 using Kind = ServerAnswer::Kind;
 
-constexpr double kMaxLoadingPollInterval_s =
-    2.0;  // between looks at a server that still loads its model, at most
+// Maximum interval between polls of a server that is loading its model.
+constexpr double kMaxLoadingPollInterval_s = 2.0;
 constexpr int kProbeBytes = 256 << 10;
 
 bool passes_by_itself(int status) {
@@ -27,7 +27,7 @@ bool passes_by_itself(int status) {
   return false;
 }
 
-// A 429 that waiting does not cure.
+// A 429 that waiting does not resolve.
 bool is_quota(const ServerError& error) {
   for (const std::string* text : {&error.code, &error.type}) {
     if (*text == "insufficient_quota" || *text == "credit_balance_exhausted" ||
@@ -39,7 +39,7 @@ bool is_quota(const ServerError& error) {
   return false;
 }
 
-// The status an error inside a 200 stands for, 500 where it does not say.
+// Status of an error inside a 200; 500 if unspecified.
 int status_of(const ServerError& error) {
   if (error.code.size() == 3 && error.code.find_first_not_of("0123456789") == std::string::npos) {
     return std::max(400, std::stoi(error.code));
@@ -63,7 +63,7 @@ Error of_status(int status, const std::string& said, const EndpointSettings& set
       return {ErrorCode::TooLarge,
               "the request is too large for the server" + colon + "; use smaller or fewer views"};
     case 429:
-      return {ErrorCode::Unavailable, "the server asks for fewer requests" + colon};
+      return {ErrorCode::Unavailable, "the server limits the request rate" + colon};
     default:
       if (status >= 300 && status < 400) {
         return {ErrorCode::Unavailable,
@@ -83,9 +83,9 @@ Error of_transport(const HttpReply& http, const EndpointSettings& settings) {
     case HttpReply::End::TooLarge:
       return {ErrorCode::TooLarge, what};
     case HttpReply::End::Deadline:
-      return {ErrorCode::Unavailable, what + "; give it longer with LIVEGS_MODEL_DEADLINE_S"};
+      return {ErrorCode::Unavailable, what + "; increase LIVEGS_MODEL_DEADLINE_S"};
     case HttpReply::End::BadTls:
-      return {ErrorCode::PermissionDenied, what + "; its certificate is not one this machine trusts"};
+      return {ErrorCode::PermissionDenied, what + "; its certificate is not trusted by this machine"};
     case HttpReply::End::BadUrl:
       return invalid_argument(what + "; check OPENAI_BASE_URL");
     default:
@@ -153,15 +153,15 @@ std::string ModelServer::probe(std::stop_token stop, int& status) {
   return reply.end == HttpReply::End::Complete && reply.status == 200 ? reply.body : "";
 }
 
-// One reply, and what it says about the server.
+// Outcome of one reply.
 struct ModelServer::Verdict {
   enum class Server { Up, Down, Shut };
   ServerAnswer answer;
   ServerError refusal;
-  bool refused = false;     // the request's own fault, or an error that may be
-  bool named_only = false;  // of `refused`: the words have to name the part
-  bool repeat = false;      // the same request may do better later
-  bool loading = false;     // the server still loads its model
+  bool refused = false;     // fault of the request, or possibly so
+  bool named_only = false;  // if `refused`: the message must name the part
+  bool repeat = false;      // the same request may succeed later
+  bool loading = false;     // the server is loading its model
   Server server = Server::Up;
   double retry_after_s = 0;
 
@@ -196,7 +196,7 @@ ModelServer::Verdict ModelServer::judge(const HttpReply& http) const {
     return verdict.fail(
         invalid_data(settings_.base_url + " answered with " +
                      (http.content_type.empty() ? "something" : brief(http.content_type, 60)) + " that is " +
-                     decoded.error().message + "; is OPENAI_BASE_URL right?"));
+                     decoded.error().message + "; check OPENAI_BASE_URL"));
   }
   if (status == 200 && !decoded->error) {
     verdict.repeat = true;
@@ -242,7 +242,7 @@ HttpReply ModelServer::send_chat(const std::string& body, bool event_stream, std
   request.bearer = &settings_.api_key;
   request.connect_timeout_s = std::min(settings_.connect_timeout_s, left_s);
   request.total_timeout_s = left_s;
-  // Events are looked at as they come only to know where they end and to tell how far they are.
+  // Events are inspected on arrival only to detect the end and report progress.
   SseParser events;
   ChatStream stream;
   std::size_t received = 0;
@@ -289,7 +289,7 @@ ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::
       std::lock_guard lock(mutex_);
       if (!breaker_.try_pass(now_ns())) {
         char left[64];
-        std::snprintf(left, sizeof left, "; not asked again for %.0f s", breaker_.seconds_left(now_ns()));
+        std::snprintf(left, sizeof left, "; no further request for %.0f s", breaker_.seconds_left(now_ns()));
         ServerAnswer answer;
         answer.error = {ErrorCode::Unavailable, breaker_.reason() + left};
         return answer;
@@ -314,10 +314,10 @@ ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::
                                unit_random(), verdict.retry_after_s);
     if (verdict.loading) delay_s = std::max(delay_s, 0.5 * settings_.backoff_s);
     if (now_ns() + static_cast<std::int64_t>(delay_s * 1e9) >= deadline_ns) {
-      answer.error.message += "; trying again would end past the deadline";
+      answer.error.message += "; a retry would exceed the deadline";
       return std::move(answer);
     }
-    log_debug("model server: %s; again in %.2f s", answer.error.message.c_str(), delay_s);
+    log_debug("model server: %s; retry in %.2f s", answer.error.message.c_str(), delay_s);
     if (!wait(delay_s, stop)) return cancelled();
   }
 }

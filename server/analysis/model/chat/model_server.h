@@ -19,12 +19,12 @@
 
 namespace livegs {
 
-// What became of one request with its repeats.
+// Result of one request with its retries.
 struct ServerAnswer {
   enum class Kind {
-    Answered,  // `reply` holds a choice
-    Refused,   // and a part of the request was given up: worth asking again
-    Failed,    // `error` says it for people
+    Answered,  // `reply` has a choice
+    Refused,   // and a request part was disabled: send it again
+    Failed,    // `error` holds the cause, for users
     Cancelled,
   };
   Kind kind = Kind::Failed;
@@ -32,14 +32,13 @@ struct ServerAnswer {
   Error error;
 };
 
-// One model server, asked with manners: a token bucket, a bounded number of conversations at once, repeats
-// with backoff for what passes by itself, none for what does not, and a circuit breaker. Any thread; calls
-// block.
+// Client of one model server with rate control: a token bucket, a limit on concurrent conversations, retries
+// with backoff for transient errors only, and a circuit breaker. Any thread; calls block.
 class ModelServer {
  public:
   explicit ModelServer(const EndpointSettings& settings);
 
-  // A place among the conversations that run at once.
+  // Slot of one concurrent conversation.
   class Slot {
    public:
     explicit Slot(ModelServer* server) : server_(server) {}
@@ -52,17 +51,17 @@ class ModelServer {
    private:
     ModelServer* server_;
   };
-  Slot take_slot(int max_in_flight, std::stop_token stop);  // empty when stopped
+  Slot take_slot(int max_in_flight, std::stop_token stop);  // empty if stopped
 
-  // The list of models, one try with a short limit; "" where there is none. `status` 401 and 403 mean the
-  // key.
+  // Requests the list of models, once and with a short timeout; "" on failure. `status` 401 or 403 means an
+  // invalid key.
   std::string probe(std::stop_token stop, int& status);
 
-  // Whether a part of the request is given up after this refusal; with `named_only`, none that it does not
-  // name.
+  // Disables a request part after a refusal, with `named_only` only one that it names. Returns true if a part
+  // was disabled.
   using DropRequestPart = std::function<bool(const ServerError& refusal, bool named_only)>;
 
-  // POST /chat/completions with repeats until `deadline_ns` of now_ns().
+  // Sends POST /chat/completions with retries until `deadline_ns` of now_ns().
   ServerAnswer chat(const std::string& body, bool event_stream, std::int64_t deadline_ns,
                     std::stop_token stop, const DropRequestPart& drop_request_part, Transcript& transcript);
 
@@ -79,13 +78,13 @@ class ModelServer {
   double unit_random();
 
   const EndpointSettings& settings_;
-  mutable std::mutex mutex_;  // guards everything below it
+  mutable std::mutex mutex_;  // guards the members below
   mutable std::condition_variable_any changed_;
   int in_flight_ = 0;
   TokenBucket bucket_;
   CircuitBreaker breaker_;
   std::mt19937_64 random_;
-  HttpClient client_;  // last: its thread ends first
+  HttpClient client_;  // declared last: its thread ends first
 };
 
 }  // namespace livegs

@@ -7,14 +7,13 @@
 
 namespace livegs {
 
-// Server-sent events (WHATWG HTML, section 9.2) from bytes that are cut anywhere. Lines end in CR, LF or
-// CRLF; comments, event names and ids are passed over. What it keeps between calls is bounded by what it was
-// fed.
+// Incremental parser of server-sent events (WHATWG HTML, section 9.2). Lines end in CR, LF or CRLF; comments,
+// event names and ids are skipped. Its state is bounded by the input.
 class SseParser {
  public:
-  // The data of each event that `bytes` completed, its lines joined by a newline.
+  // Returns the data of each completed event, its lines joined by newlines.
   std::vector<std::string> feed(std::string_view bytes);
-  // The last event, where the stream ended without the blank line that should follow it.
+  // Returns the last event if the stream ended without the final blank line.
   std::vector<std::string> finish();
 
  private:

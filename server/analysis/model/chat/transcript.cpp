@@ -5,7 +5,7 @@ namespace livegs {
 namespace {
 
 constexpr std::size_t kMaxTextLength = std::size_t{64}
-                                       << 10;  // of what a server sends; the rest is said to be cut
+                                       << 10;  // of a server's reply; the rest is marked as cut
 
 std::string cut(std::string_view text) {
   if (text.size() <= kMaxTextLength) return std::string(text);
@@ -15,8 +15,7 @@ std::string cut(std::string_view text) {
 
 }  // namespace
 
-// Texts are cleaned before they are escaped, since escapes could stand inside the key, and the line once
-// more.
+// Texts are redacted before escaping, since escapes may interrupt the key, and the line is redacted again.
 void Transcript::request(std::string_view phase, std::string_view body) {
   OrderedJson parsed = OrderedJson::parse(redact(body), nullptr, false);
   add({{"step", "request"}, {"phase", phase}, {"body", std::move(parsed)}});

@@ -9,8 +9,7 @@
 
 namespace livegs {
 
-// What was said, line by line, for people: every line a JSON object, the key taken out before it is written
-// down.
+// Transcript for users: JSON lines, redacted before they are stored.
 class Transcript {
  public:
   explicit Transcript(const Secret& key) : key_(&key) {}

@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kSame = 1e-6;  // relative: a mass, a centroid, a spread that is a full cell's
+constexpr double kSame = 1e-6;  // relative tolerance for equal masses, centroids and spreads
 
 std::array<double, 8> of_corners(const LatticeCell& cell, std::span<const double> values) {
   std::array<double, 8> corners;
@@ -18,8 +18,8 @@ std::array<double, 8> of_corners(const LatticeCell& cell, std::span<const double
   return corners;
 }
 
-// Single precision; what is rounding beside `scale` is nothing, or its products are denormal, which cost a
-// hundred times as much.
+// Converts to single precision. Values that are rounding errors relative to `scale` become 0; otherwise their
+// products could be denormal, which is very slow.
 float significant(double value, double scale) {
   return std::abs(value) > 1e-8 * scale ? static_cast<float>(value) : 0.0f;
 }
@@ -28,7 +28,7 @@ bool movable(const std::array<double, 8>& inverse_masses) {
   return std::any_of(inverse_masses.begin(), inverse_masses.end(), [](double w) { return w > 0.0; });
 }
 
-// Full of the body's own material, between nodes of one mass.
+// Whether the cell is full, of the body's own material only, and between nodes of equal mass.
 bool full(const LatticeCell& cell, const std::array<double, 8>& inverse_masses, double full_inverse_mass) {
   if (cell.materials.size() > 1 || (cell.materials.size() == 1 && cell.materials[0].material != 0))
     return false;
@@ -38,7 +38,7 @@ bool full(const LatticeCell& cell, const std::array<double, 8>& inverse_masses, 
                      [&](double w) { return std::abs(w - full_inverse_mass) <= kSame * full_inverse_mass; });
 }
 
-// Eight places on the spare nodes: a cell at rest without mass or stiffness.
+// Eight lanes on the spare nodes: cells at rest without mass or stiffness.
 template <class Cells>
 Cells spare_cells(uint32_t spare_nodes) {
   Cells cells;
@@ -50,7 +50,7 @@ Cells spare_cells(uint32_t spare_nodes) {
   return cells;
 }
 
-// Places cells of one colour into eights of one kind.
+// Appends a cell to the batches of one kind and colour.
 template <class Cells>
 CellPlace place(std::vector<Cells>& eights, size_t colour_begin, uint32_t& used, uint32_t spare_nodes,
                 CellPlace::Kind kind, const LatticeCell& cell, const Eigen::Quaterniond& rotation) {
@@ -65,7 +65,7 @@ CellPlace place(std::vector<Cells>& eights, size_t colour_begin, uint32_t& used,
   return {kind, static_cast<uint8_t>(lane), index};
 }
 
-// Of the nodes inside a full body, which are the heaviest.
+// Inverse mass of the heaviest nodes: those inside a full body.
 double heaviest_inverse_mass(std::span<const double> inverse_masses) {
   double least = 0.0;
   for (const double w : inverse_masses) {
@@ -240,7 +240,7 @@ GaussSeidelGains make_gauss_seidel_gains(const Lattice& lattice, const CellBatch
     eight.relief = all_lanes(1.0f);
   }
   result.full.volume_compliance = 1.0f;
-  bool full_known = false;  // they are all alike
+  bool full_known = false;  // all full cells share one set of gains
   for (size_t i = 0; i < lattice.cells.size(); ++i) {
     const bool full = batches.places[i].kind == CellPlace::Kind::Full;
     if (full && full_known) continue;

@@ -10,13 +10,14 @@
 #include "physics/elastic/resolution/cell_stiffness.h"
 #include "physics/lattice/lattice.h"
 
-// The cells of a lattice as the sweep wants them: eight of one parity colour at a time, so that they share no
-// node, and the many cells that are full, of the body's own material and between full nodes apart from the
-// others, and from those that hold a thin sheet or cord.
+// The cells of a lattice in the order of the sweep: batches of eight cells of one parity colour, which share
+// no node. Full cells (of the body's own material, between full nodes), cut cells and thin cells (with a
+// sheet or cord) have separate batches.
 
 namespace livegs {
 
-// Where a cell is: eights[index], place `lane`. A held cell, whose nodes never move, is nowhere.
+// Position of a cell: batch `index` of its kind, lane `lane`. A held cell, with nodes that never move, is in
+// no batch.
 struct CellPlace {
   enum class Kind : uint8_t { Held, Full, Cut, Thin } kind = Kind::Held;
   uint8_t lane = 0;
@@ -28,7 +29,7 @@ struct CellBatches {
   std::vector<CutCells> cut;
   std::vector<ThinCells> thin;
   CellColours colours{};
-  std::vector<CellPlace> places;   // by cell of the lattice
+  std::vector<CellPlace> places;   // by lattice cell
   double full_inverse_mass = 0.0;  // of the nodes around full cells
   bool paired = false;             // corners 2k and 2k + 1 are consecutive nodes in every cell
 
@@ -37,20 +38,20 @@ struct CellBatches {
   size_t bytes() const;
 };
 
-// What a cell is made of: of several materials in one cell, the mean of their moduli by volume.
+// Materials of the cells. The moduli of a cell with several materials are means by volume.
 struct CellMaterials {
-  std::vector<IsotropicMaterial> materials;  // of the body: MaterialShare::material is an index into it
+  std::vector<IsotropicMaterial> materials;  // of the body; indexed by MaterialShare::material
   IsotropicMaterial of(const LatticeCell& cell) const;
 };
 
-// `spare_nodes` is the first of eight nodes that stand at the corners of a cell and have no mass: unused
-// places hold them. `rotations` by cell are where the sweep's own rotations start. Without `may_be_full`, as
-// when cells flow, none is full; without `may_be_thin` none is thin.
+// `spare_nodes` is the first of eight massless nodes at the corners of a cell; unused lanes refer to them.
+// `rotations` (by cell) are the initial rotations of the sweep. Without `may_be_full` (plastic flow) no cell
+// is full; without `may_be_thin` none is thin.
 CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> inverse_masses,
                               std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes,
                               bool may_be_full, bool may_be_thin);
 
-// Gains of all cells for a step that divides by `step_s`.
+// Gains of all cells for one effective step length `step_s`.
 struct GaussSeidelGains {
   FullGains full{};
   std::vector<CutGains> cut;

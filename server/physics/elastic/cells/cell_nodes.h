@@ -10,16 +10,15 @@
 #include "physics/elastic/cells/kernels/node_kernels.h"
 #include "physics/lattice/node_sample.h"
 
-// The nodes of a body's lattice: single precision, relative to an origin that follows the body, so that where
-// it stands costs no precision.
+// The nodes of a body's lattice in single precision, relative to an origin that follows the body, so that
+// precision does not depend on the position in the world.
 
 namespace livegs {
 
 class CellNodes {
  public:
   CellNodes() = default;
-  // `count` nodes and eight spare ones behind them, which stand at the corners of a cell of width
-  // `cell_width_m`.
+  // `count` nodes, followed by eight spare nodes at the corners of a cell of width `cell_width_m`.
   CellNodes(size_t count, double cell_width_m);
 
   size_t count() const { return count_; }
@@ -32,19 +31,18 @@ class CellNodes {
 
   Eigen::Vector3d position_m(size_t node) const { return vector(position_[node]); }
   Eigen::Vector3d velocity_m_s(size_t node) const { return vector(velocity_[node]); }
-  // As if it had always been there and moved so.
+  // Sets the current and the previous state.
   void set_motion(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s);
 
-  // Between predict and advance.
-  // Where a material point is, and where after the corrections so far.
+  // Between predict and advance: position of a material point, before and after the corrections so far.
   Eigen::Vector3d position_m(const NodeSample& sample) const {
     return mean(sample, [&](uint32_t node) { return position_[node].value; });
   }
   Eigen::Vector3d corrected_m(const NodeSample& sample) const {
     return mean(sample, [&](uint32_t node) { return predicted_[node].value + corrections_[node].value; });
   }
-  // Of a box in a cell, -1 to 1 along its axes, where the nodes take it: each point of it is a mean of these
-  // eight.
+  // Corners of a box within a cell (local coordinates -1 ... 1) after deformation. Every point of the
+  // deformed box is a mean of these eight.
   std::array<NodeLanes, 8> corners_m(const std::array<uint32_t, 8>& nodes, const Eigen::AlignedBox3f& local,
                                      bool corrected) const;
   NodeLanes place_m(uint32_t node, bool corrected) const {
@@ -54,7 +52,7 @@ class CellNodes {
     return vector(predicted_[node]) + vector(corrections_[node]);
   }
   void correct(size_t node, const Eigen::Vector3d& by_m) { add(corrections_[node], by_m); }
-  // An impulse to a material point, times h_e.
+  // Applies an impulse times h_e at a material point.
   void pull(const NodeSample& sample, const Eigen::Vector3d& pull_kg_m) {
     const NodeLanes by = lanes(pull_kg_m);
 #pragma GCC unroll 8
@@ -65,7 +63,7 @@ class CellNodes {
   }
   void predict(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s);
   void push(size_t node, const Eigen::Vector3d& displacement_m, const Eigen::Vector3d& velocity_m_s);
-  // After advance: an impulse to a material point, of the velocity before the step.
+  // After advance: an impulse at a material point, added to the velocity before the step.
   void push_before(const NodeSample& sample, const Eigen::Vector3d& impulse_n_s) {
     const NodeLanes by = lanes(impulse_n_s);
 #pragma GCC unroll 8
@@ -75,15 +73,15 @@ class CellNodes {
     }
   }
 
-  // Between steps: of the velocity and that before.
+  // Between steps: changes the velocity and the previous velocity.
   void change_velocities(size_t node, const Eigen::Vector3d& by_m_s) {
     add(velocity_[node], by_m_s);
     add(predicted_velocity_[node], by_m_s);
   }
 
-  // Now and a step ago. The largest distance from `centre_m` afterwards.
+  // Moves current and previous positions. Returns the largest distance from `centre_m` afterwards.
   double move_all(const Eigen::Vector3d& by_m, const Eigen::Vector3d& centre_m);
-  void stop();  // no velocity, and none a step ago
+  void stop();  // zeroes the current and the previous velocity
 
   NodeArrays arrays();
   const NodeLanes* positions() const { return &position_[0].value; }
@@ -101,7 +99,7 @@ class CellNodes {
   };
   template <class Value>
   static Eigen::Vector3d mean(const NodeSample& sample, const Value& value) {
-    NodeLanes low{0, 0, 0, 0}, high{0, 0, 0, 0};  // two sums, so that one does not wait for the other
+    NodeLanes low{0, 0, 0, 0}, high{0, 0, 0, 0};  // two sums, to break the dependency chain
 #pragma GCC unroll 4
     for (int c = 0; c < 4; ++c) {
       low += sample.weights[c] * value(sample.nodes[c]);
@@ -121,7 +119,7 @@ class CellNodes {
   static void add(Node& n, const Eigen::Vector3d& v) { n.value += lanes(v); }
 
   size_t count_ = 0;
-  // As NodeArrays has them between steps: w is the inverse mass of positions, the mass of velocities.
+  // Layout as NodeArrays between steps: w is the inverse mass of positions and the mass of velocities.
   std::vector<Node> position_, predicted_, velocity_, predicted_velocity_, corrections_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Construction, and what is asked of a body between substeps.
+// Construction, and queries between substeps.
 #include "physics/elastic/cells/cells_body.h"
 
 #include <Eigen/QR>
@@ -20,7 +20,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kGravity_m_s2 = 9.81;
-constexpr double kMinNodeMassRatio = 1e-3;  // of the heaviest node near, in the mass of a node
+constexpr double kMinNodeMassRatio = 1e-3;  // minimum node mass relative to the heaviest node of its cells
 
 }  // namespace
 
@@ -56,9 +56,8 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   if (const int pieces = piece_count(lattice_), own = description.particles.piece_count;
       own > 0 && pieces > own) {
     log_warn(
-        "object %u: its cells are in %d pieces and its surface in %d: it comes apart; a smaller spacing_m "
-        "than %.3g m "
-        "holds it together",
+        "object %u: the lattice has %d pieces but the surface has %d, so the body comes apart; "
+        "reduce spacing_m below %.3g m",
         object_id_, pieces, own, extent_.spacing_m);
   }
   for (const Vector3d& particle : particle_rest_m_) particle_points_.push_back(lattice_.embed(particle));
@@ -114,9 +113,9 @@ void CellsBody::choose(double cell_width_m) {
   }
 }
 
-// A node at the far corner of a nearly empty cell may have a millionth of its neighbours' mass. What they
-// pass to it is then rounding, and it whips about. It gets kMinNodeMassRatio of the heaviest node it shares a
-// cell with; all are scaled so that the body weighs the same (the sample plant would weigh 0.2 % more).
+// A node at the far corner of a nearly empty cell can have a millionth of its neighbours' mass; it then
+// amplifies rounding errors. Such a node gets kMinNodeMassRatio of the mass of the heaviest node that it
+// shares a cell with. All masses are then scaled to keep the mass of the body.
 void CellsBody::regularise_node_masses() {
   std::vector<uint32_t> parents(masses_kg_.size());
   for (uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
@@ -160,7 +159,7 @@ void CellsBody::set_masses() {
   }
 }
 
-// After masses, held nodes or what has flowed change. The sweep's rotations are kept.
+// Called after changes of masses, held nodes or plastic state. The rotations of the sweep are kept.
 void CellsBody::rebuild_cells() {
   std::vector<Quaterniond> rotations(lattice_.cells.size(), orientation_ * extent_.object_from_lattice);
   if (!batches_.places.empty()) {
@@ -178,8 +177,8 @@ void CellsBody::rebuild_cells() {
   if (!plastic_parts_.empty()) set_all_plastic();
 }
 
-// For second-order steps, which motion that is not yet at rest takes. Where the stiffness is clipped, what is
-// simulated is as exact as its own band says; against what was asked for it is the ratio of the two.
+// Assumes second-order steps, which all bodies in motion use. The band of a clipped material is that of the
+// simulated modulus, scaled by its ratio to the requested modulus.
 void CellsBody::predict_accuracy() {
   const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * resolution_.substeps);
   const Vector3d cells = (extent_.max_m - extent_.min_m) / lattice_.cell_width_m;
@@ -211,7 +210,8 @@ void CellsBody::predict_accuracy() {
   }
 }
 
-// A thin cell's take the inverse of a matrix of 18 x 18, and a body may be alone and in company by turns.
+// The gains of a thin cell need the inverse of an 18 x 18 matrix, and a body can alternate between step
+// lengths (alone, in an impact, with neighbours). The gains of each are therefore cached.
 const GaussSeidelGains& CellsBody::gains_of(double h, bool second_order) {
   const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
   const double own_s = 1.0 / (rate_hz_ * resolution_.substeps);
@@ -253,8 +253,8 @@ void CellsBody::make_surface(const ParticleSet& particles) {
   face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
 }
 
-// Of nodes, from those of particles: the best field that is linear in the place as it is, so that a body that
-// turns, stretches or shears starts as told; what is left over, as means by the share of mass.
+// Node velocities from particle velocities: the best fit that is linear in position, so that rotation,
+// stretch and shear are exact, plus mass-weighted means of the residuals.
 std::vector<Vector3d> CellsBody::node_velocities(std::span<const Vector3d> velocities_m_s,
                                                  const Vector3d& rest_centre_m,
                                                  const Matrix3d& world_from_rest) const {
@@ -344,7 +344,7 @@ void CellsBody::set_material(const Material& material) {
   choose(resolution_.cell_width_m);
   const double before = mass_kg_;
   set_masses();
-  // The velocities stay, so momentum follows the mass.
+  // The velocities stay, so momentum changes with the mass.
   if (mass_kg_ != before) restart_motion();
   rebuild_cells();
   wake();
@@ -374,9 +374,9 @@ void CellsBody::wake() {
   stationary_s_ = 0.0;
 }
 
-// Hysteretic damping loses 2 pi eta of a vibration's energy a cycle; a rate of eta omega does the same at one
-// frequency, and it is matched at the lowest: the axial or bending mode of a beam of the body's longest side
-// and smallest thickness, free at both ends or clamped at one.
+// Hysteretic damping dissipates 2 pi eta of a vibration's energy per cycle. Damping at the rate eta omega is
+// equivalent at one frequency, here the lowest. It is the axial or bending mode of a beam with the body's
+// longest side and smallest thickness, free at both ends or clamped at one.
 double CellsBody::damping_rate() const { return material_.loss_factor * lowest_rate_rad_s(); }
 
 double CellsBody::lowest_rate_rad_s() const {
@@ -471,7 +471,7 @@ BodyEnergy CellsBody::energy(const Vector3d& gravity_m_s2) const {
 }
 
 Eigen::AlignedBox3d CellsBody::bounds_m() const {
-  if (frozen()) {  // its nodes are where it froze
+  if (frozen()) {  // the nodes still have their positions from the freeze
     const Vector3d around = Vector3d::Constant(reach_m_);
     return {centre_m() - around, centre_m() + around};
   }
@@ -532,7 +532,7 @@ Vector3d CellsBody::point_velocity_m_s(const Vector3d& rest_point_m) const {
 
 std::optional<ElasticBody::RayHit> CellsBody::ray_cast(const Vector3d& origin_m,
                                                        const Vector3d& direction) const {
-  const double within = 0.75 * extent_.box_edge_m;  // voxels seen edge-on leave no gap
+  const double within = 0.75 * extent_.box_edge_m;  // no gaps between voxels in an edge-on view
   std::optional<RayHit> hit;
   for (size_t p = 0; p < particle_points_.size(); ++p) {
     const Vector3d to = origin_m_ + nodes_.position_m(sample_at(particle_points_[p])) - origin_m;

@@ -19,19 +19,21 @@
 #include "physics/motion/momentum.h"
 #include "physics/motion/sleep_timer.h"
 
-// The `cells` solver: an embedded lattice of eight-node cells, one sweep a substep, BDF2 (elastic-study.md).
+// The `cells` solver: an embedded lattice of eight-node cells, one sweep per substep, BDF2
+// (elastic-study.md).
 //
-// One substep, in cells_step.cpp unless said:
-//   predict   velocities and positions by BDF2; damping; the momentum of the body as a whole is set exactly
-//   regions   nodes of moved regions go where they are told; loads push              cells_regions.cpp
-//   sweep     elasticity, cell by cell, into corrections that start at zero          cell_kernels.h
-//   regions   particles of held regions that their nodes do not already hold
-//   contact   with rigid and elastic bodies that move, both ways                     cells_touch.cpp
-//             surface points against colliders; after elasticity, so that nothing is cells_contact.cpp
-//             left inside
+// One substep, in cells_step.cpp unless another file is given:
+//   predict   velocities and positions by BDF2; damping; exact momentum of the whole body
+//   regions   prescribed motion of held nodes; loads                            cells_regions.cpp
+//   sweep     elasticity, cell by cell; corrections start at zero               kernels/cell_kernels.h
+//   regions   held particles that are not fixed by their nodes                  cells_regions.cpp
+//   contact   two-way, with rigid and elastic bodies                            cells_dynamic_contact.cpp
+//             surface points against colliders, after elasticity, so that no    cells_contact.cpp
+//             penetration remains
 //   advance   velocity = predicted + corrections / h_e, never a difference of positions; momentum ledger
-// Once a frame: plastic flow (cells_flow.cpp), the body's own untangling (cells_untangle.cpp), whether it
-// is stuck on another (cells_impaled.cpp) and rest (cells_rest.cpp).
+// Once per frame: energy limiter (cells_energy_limiter.cpp), detection of stuck contacts
+// (cells_stuck_contacts.cpp), plastic flow (cells_plasticity.cpp), shape recovery (cells_shape_recovery.cpp)
+// and sleep (cells_sleep.cpp).
 
 namespace livegs {
 
@@ -41,7 +43,7 @@ class CellsBody final : public ElasticBody {
   using Quaterniond = Eigen::Quaterniond;
 
  public:
-  // Preconditions: a description that make_elastic_body has checked.
+  // Precondition: make_elastic_body has checked the description.
   CellsBody(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep);
 
   int begin_substep(const SubstepContext& context) override;
@@ -95,64 +97,65 @@ class CellsBody final : public ElasticBody {
                                  const Eigen::Vector3d& direction) const override;
 
  private:
-  // A node with more mass than its own (regularise_node_masses), and the heaviest near.
+  // A node with added mass (regularise_node_masses) and the heaviest node of its cells.
   struct LightNode {
     uint32_t node, parent;
-    double added_mass_fraction;                            // part of its mass
-    Eigen::Vector3d parent_m_s = Eigen::Vector3d::Zero();  // after the last step
+    double added_mass_fraction;                            // added part of its mass
+    Eigen::Vector3d parent_m_s = Eigen::Vector3d::Zero();  // velocity of the parent after the last step
   };
-  // A region that holds or moves some of the body.
+  // A region that holds or moves part of the body.
   struct ConstrainedRegion {
     BodyRegion region;
-    std::vector<uint32_t> nodes;                         // that it holds
-    std::vector<NodeSample> particles;                   // that it holds by themselves
+    std::vector<uint32_t> nodes;                         // held nodes
+    std::vector<NodeSample> particles;                   // particles held individually
     std::vector<Vector3d> node_rest_m, particle_rest_m;  // object frame
     bool released = false;
   };
   void hold_face(const ParticleSet& particles, ConstrainedRegion& held);
   struct Load {
     NodeSample sample;
-    Vector3d force_n;  // world
+    Vector3d force_n;  // world frame
     PointSpring* spring = nullptr;
-    Vector3d from_m = Vector3d::Zero();  // where it was before the step
+    Vector3d from_m = Vector3d::Zero();  // position before the step
   };
   struct SurfaceCell {
     std::array<uint32_t, 8> nodes;
-    uint32_t begin, end;         // surface_
-    Eigen::AlignedBox3f points;  // in the cell, of those
+    uint32_t begin, end;         // range of surface_
+    Eigen::AlignedBox3f points;  // bounds of these points, local coordinates
   };
   struct Ball {
-    Vector3d centre_m;  // from the origin
+    Vector3d centre_m;  // relative to the origin
     double radius_m;
   };
   struct Candidate {
     uint32_t cell, collider;
   };
-  struct Side {  // of a collider, that a surface point was on when it last touched it
+  // The side of a collider that a surface point was on at its last contact.
+  struct Side {
     uint32_t collider = UINT32_MAX;
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   };
   struct ColliderContact {
-    uint32_t sample;  // surface_
+    uint32_t sample;  // index in surface_
     Vector3d impulse_n_s;
   };
   struct DynamicContact {
     NodeSample sample;
     Vector3d impulse_n_s;
   };
-  // A body whose contact pushes this one from opposite sides while it is strained beyond all proportion.
+  // A contact with a body that pushes from opposite sides while the strain is far too large.
   struct StuckContact {
     uint64_t body_id = 0;
-    // In this frame: sizes of impulses and their sum, sizes and impulses times points.
+    // In this frame: sums of impulse magnitudes, impulses, magnitudes times points, and impulses dot points.
     double pushed_n_s = 0.0, apart = 0.0;
     Vector3d net_n_s = Vector3d::Zero(), moment = Vector3d::Zero();
     double stuck_s = 0.0;
-    bool separating = false, overlaps = false;  // no contact with it until they no longer overlap
+    bool separating = false, overlaps = false;  // contact is off while separating, until no overlap remains
   };
-  // A body that flies without deforming visibly moves as a rigid one.
+  // State of a body that moves as a rigid body because it does not deform visibly.
   struct RigidMotion {
-    Pose world_from_body;                  // of the shape frozen in shape_m
-    std::vector<Eigen::Vector3f> shape_m;  // nodes about the centre of mass
+    Pose world_from_body;                  // pose of the frozen shape_m
+    std::vector<Eigen::Vector3f> shape_m;  // nodes relative to the centre of mass
     PrincipalAxes axes;
     Matrix3d inverse_inertia;  // body axes
   };
@@ -176,7 +179,7 @@ class CellsBody final : public ElasticBody {
   bool in_region(const LatticeCell& cell, const BodyRegion& region) const;
   void load_regions(const ElasticBodyDescription& description);
   Vector3d region_target_m(const ConstrainedRegion& held, const Vector3d& rest_m, double time_s) const;
-  bool driven(double from_s, double to_s) const;  // whether a motion moves anything in that time
+  bool driven(double from_s, double to_s) const;  // whether a motion displaces anything in that time
   void move_regions(double time_s, double h);
   void hold_particles(double time_s);
 
@@ -187,15 +190,15 @@ class CellsBody final : public ElasticBody {
 
   void gather_point_loads(const SubstepContext& context);
   void solve_springs(const SubstepPart& part);
-  double grip_factor(const NodeSample& sample) const;  // 0 ... 1, of the force of a hand that holds it there
+  double grip_factor(const NodeSample& sample) const;  // 0 ... 1, factor on the force of a hand at this point
   bool in_impact(const SubstepContext& context);
   Ball ball_around(const SurfaceCell& cell) const;
   void find_candidates(const SubstepContext& context);
   void resolve_colliders(double step_s, const SubstepContext& context);
 
-  // cells_touch.cpp
+  // cells_dynamic_contact.cpp
   class Participant;
-  Vector3d node_now(uint32_t node) const;  // world; in the middle of a step where it has come to
+  Vector3d node_now(uint32_t node) const;  // world frame; during a step the corrected position
   void list_boxes() const;
   void push_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
   void settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
@@ -203,7 +206,7 @@ class CellsBody final : public ElasticBody {
   void visit_cells_near(const RigidProxy& body, double margin_m, const Visit& visit) const;
   void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
   bool may_touch_awake(const SubstepContext& context) const;
-  double max_node_speed_m_s() const;  // no node is faster, but for few
+  double max_node_speed_m_s() const;  // bound for nearly all nodes
   void find_rigid_candidates(const SubstepContext& context);
   void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
                                   std::vector<ContactConstraint>& rows);
@@ -211,13 +214,14 @@ class CellsBody final : public ElasticBody {
                             std::vector<ContactConstraint>& rows);
   void collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h,
                                     std::vector<ContactConstraint>& rows);
-  // cells_impaled.cpp
+  // cells_stuck_contacts.cpp
   StuckContact& stuck_contact(uint64_t body_id);
-  bool is_separating() const;  // any
+  bool is_separating() const;  // from any body
   void update_stuck_contacts(double frame_s);
   void separate(const SubstepPart& part, const SubstepContext& context, size_t begin,
                 std::vector<ContactConstraint>& rows);
-  // By what it touches from this one of collider_contacts_ on, which does not move.
+  // cells_rolling_resistance.cpp: on colliders, by collider_contacts_ from `first_contact` on; then on
+  // bodies.
   void apply_rolling_resistance(size_t first_contact, double step_s);
   void apply_rolling_resistance(std::span<const ContactConstraint> rows);
   void apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m,
@@ -238,10 +242,11 @@ class CellsBody final : public ElasticBody {
   void set_plastic_lanes(size_t index);
   void recover_shape(double frame_s);
   double elastic_j() const;
-  double elastic_f32_j() const;  // in single precision where most cells are
+  double elastic_f32_j() const;  // in single precision for most cells
   double overstrained_volume_fraction() const;
   double thickness_m() const;
-  void restart_motion();  // after nodes were set: the motion of the whole anew, a first-order step next
+  // After nodes were set: recomputes the motion of the body; the next step is first order.
+  void restart_motion();
   bool rigid_substep(const SubstepContext& context);
   void become_rigid();
   void become_elastic();
@@ -252,28 +257,28 @@ class CellsBody final : public ElasticBody {
   bool has_finite_motion() const;
   bool limit_energy();
   void restore_last_valid_state();
-  double fastest_m_s(
-      double still_m_s) const;  // or as much as tells that it is faster, or slower, than still_m_s
+  // At least exact enough to compare with still_m_s.
+  double fastest_m_s(double still_m_s) const;
 
   NodeSample sample_at(const EmbeddedPoint& point) const;
   Vector3d velocity_of(const NodeSample& sample) const;
-  Vector3d node_velocity(size_t node) const;  // with what the ledger owes
+  Vector3d node_velocity(size_t node) const;  // with the correction of the momentum ledger
   double mobility(const NodeSample& sample) const;
   bool free() const { return !held_; }
   double damping_rate() const;
-  double lowest_rate_rad_s() const;  // of its vibrations
+  double lowest_rate_rad_s() const;  // of the vibrations
   void update_carried_load(const SubstepPart& part);
 
   Material material_;
   CellsOptions options_;
   Lattice lattice_;
-  NodeNeighboursPtr neighbours_;  // of its nodes, for who sends them
+  NodeNeighboursPtr neighbours_;  // of the nodes, for the sender
   BodyExtent extent_;
   std::vector<Vector3d> particle_rest_m_;
   std::vector<double> particle_volumes_m3_;
   std::vector<EmbeddedPoint> particle_points_;
   std::vector<RegionMaterial> region_materials_;
-  std::vector<std::string> region_names_;  // of those
+  std::vector<std::string> region_names_;  // of region_materials_
   CellMaterials cell_materials_;
   std::vector<double> densities_kg_m3_, plasticities_;  // by material
   double volume_m3_ = 0.0, mass_kg_ = 0.0;
@@ -281,106 +286,108 @@ class CellsBody final : public ElasticBody {
 
   double rate_hz_;
   int scene_substeps_;
-  double max_node_substeps_, scene_node_substeps_;  // a frame; the first is infinite where cells were given
+  // Per frame; the first is infinite if the cell width was given.
+  double max_node_substeps_, scene_node_substeps_;
   LatticeResolution resolution_;
-  std::optional<LatticeResolution> unbudgeted_;  // where the scene's budget left it less than this
-  std::vector<ModulusBand> bands_;               // by material, of what is simulated
-  double thin_part_ = 0.0;                       // ElasticAccuracy
+  std::optional<LatticeResolution> unbudgeted_;  // set if the scene's budget limits the body
+  std::vector<ModulusBand> bands_;               // by material, of the simulated moduli
+  double thin_part_ = 0.0;                       // as ElasticAccuracy::thin_part
 
   CellNodes nodes_;
   std::vector<double> masses_kg_, inverse_masses_;  // inverse 0: held
   std::vector<LightNode> light_nodes_;
-  Vector3d origin_m_ = Vector3d::Zero();  // of the nodes' positions
+  Vector3d origin_m_ = Vector3d::Zero();  // origin of the node positions
   CellBatches batches_;
-  // What steps of one length multiply by, first-order and second-order ones; each made when it is first asked
-  // for.
+  // Gains for steps of one length, by order (first, second); computed on first use.
   struct StepGains {
     double step_s = 0.0;  // h; 0: none
     std::optional<GaussSeidelGains> of_order[2];
   };
-  // Of its own steps, of those while it is struck, and of those that it last took beside bodies that need
-  // others.
+  // Gains for the body's own steps, for impact steps, and for the last other step length, imposed by
+  // neighbours.
   StepGains own_gains_, impact_gains_, neighbour_gains_;
-  double last_step_s_ = 0.0;  // h; 0: none, or its cells were others
-  std::vector<PlasticCells> plastic_,
-      thin_plastic_;                     // as batches_.cut and .thin; empty while nothing has flowed
-  std::vector<Matrix3d> plastic_parts_;  // by cell
-  std::vector<std::array<Vector3d, kModeCount>> plastic_modes_;  // amplitudes at rest, turned frame
+  double last_step_s_ = 0.0;  // h; 0: none, or the cells have changed
+  // As batches_.cut and .thin; empty until plastic flow occurs.
+  std::vector<PlasticCells> plastic_, thin_plastic_;
+  std::vector<Matrix3d> plastic_parts_;                          // by cell
+  std::vector<std::array<Vector3d, kModeCount>> plastic_modes_;  // rest amplitudes, rotated frame
   double plastic_work_j_ = 0.0;
 
-  Pose world_from_object_;  // at the start, for regions
+  Pose world_from_object_;  // initial pose, for regions
   std::vector<ConstrainedRegion> constrained_regions_;
   std::vector<Load> region_loads_, point_loads_;
-  bool held_ = false;            // some of it does not move, or moves as it is told
-  bool moved_ = false;           // as it is told
-  bool boundary_moved_ = false;  // all of its outside is, at first
+  bool held_ = false;            // part of the body is fixed or has a prescribed motion
+  bool moved_ = false;           // part of the body has a prescribed motion
+  bool boundary_moved_ = false;  // the whole boundary has a prescribed motion at the start
 
-  // The body as a whole, and what acted on it in this substep. Moments are about the origin.
+  // Motion of the whole body, and the impulses on it in this substep. Moments are about the origin.
   BodyMomentum motion_;
-  Vector3d momentum_before_ = Vector3d::Zero(),
-           angular_before_ = Vector3d::Zero();  // of the last velocities, here
-  Vector3d velocity_correction_ = Vector3d::Zero(),
-           spin_correction_ = Vector3d::Zero();  // to the nodes, by the ledger
+  // From the previous velocities, at the current positions.
+  Vector3d momentum_before_ = Vector3d::Zero(), angular_before_ = Vector3d::Zero();
+  // Of the nodes, by the momentum ledger.
+  Vector3d velocity_correction_ = Vector3d::Zero(), spin_correction_ = Vector3d::Zero();
   ContactTotal contact_total_;
   Vector3d contact_impulse_ = Vector3d::Zero(), contact_moment_ = Vector3d::Zero();
-  Vector3d between_steps_impulse_ = Vector3d::Zero();  // got between the last step and this one
-  Vector3d contact_lag_m_ =
-      Vector3d::Zero();  // how far the centre of mass is behind what contact impulses say
+  Vector3d between_steps_impulse_ = Vector3d::Zero();  // received between the last step and this one
+  // Lag of the centre of mass behind the contact impulses.
+  Vector3d contact_lag_m_ = Vector3d::Zero();
   Vector3d ledger_momentum_ = Vector3d::Zero(), ledger_angular_ = Vector3d::Zero();
 
-  std::vector<NodeSample> surface_;  // by cell
+  std::vector<NodeSample> surface_;  // grouped by cell
   std::vector<float> surface_mobility_;
   std::vector<SurfaceCell> surface_cells_;
   std::vector<Candidate> candidates_;
-  double candidate_margin_m_ = 0.0;  // how far any node may still go before they are found anew
+  double candidate_margin_m_ = 0.0;  // remaining motion of any node before a new search
   size_t candidate_colliders_ = 0;
   std::vector<ColliderContact> collider_contacts_;  // of this step
-  std::vector<Side> sides_;                         // of surface_; empty before anything is near
-  double step_contact_n_s_ = 0.0;                   // sizes of impulses of this step
-  double carried_n_ = 0.0;  // force that goes through the body from one contact to another, a mean
-  std::vector<Eigen::Vector3f> surface_local_;  // of surface_: in its cell
-  std::vector<uint32_t> face_begins_;           // of surface_, and the end: its faces
-  std::vector<Eigen::Vector3f> face_normals_;   // outwards, lattice axes
+  std::vector<Side> sides_;                         // by surface_ index; empty until a collider is near
+  double step_contact_n_s_ = 0.0;                   // sum of impulse magnitudes in this step
+  double carried_n_ = 0.0;  // force passed through the body between contacts, moving average
+  std::vector<Eigen::Vector3f> surface_local_;  // local coordinates of surface_
+  std::vector<uint32_t> face_begins_;           // first face of each surface_ point, and the end
+  std::vector<Eigen::Vector3f> face_normals_;   // outward, lattice axes
   std::vector<Candidate> rigid_candidates_;     // with rigid bodies
-  std::vector<uint64_t> rigid_candidate_ids_;   // of those, as they were found
+  std::vector<uint64_t> rigid_candidate_ids_;   // ids at the time of the search
   double rigid_candidate_margin_m_ = 0.0;
-  std::vector<DynamicContact> dynamic_contacts_;  // of this step, with what moves
+  std::vector<DynamicContact> dynamic_contacts_;  // of this step, with moving bodies
 
   std::vector<StuckContact> stuck_contacts_;  // ascending id
 
-  double reach_m_ = 0.0;        // radius about the centre that holds every node
+  double reach_m_ = 0.0;        // radius about the centre of mass that encloses every node
   double kinetic_j_ = 0.0;      // of the last step
-  double deviation_m_s_ = 0.0;  // root mean square of velocities relative to the body as a whole
-  double spin_rad_s_ = 0.0;     // of the body as a whole
-  double strain_squared_ = 0.0, bent_squared_ = 0.0;  // of the worst cell
-  // Of surface_cells_ and all of them, with what rides outside; as the nodes are now, where they are known.
+  double deviation_m_s_ = 0.0;  // root mean square velocity relative to the rigid motion
+  double spin_rad_s_ = 0.0;     // of the whole body
+  double strain_squared_ = 0.0, bent_squared_ = 0.0;  // largest over the cells
+  // Boxes of surface_cells_ and of all of them, at the current node positions; valid if boxes_known_.
   mutable std::vector<Eigen::AlignedBox3d> cell_boxes_;
   mutable Eigen::AlignedBox3d surface_box_;
   mutable bool boxes_known_ = false;
   std::unique_ptr<ContactParticipant> participant_;
-  bool second_order_ = false, is_slow_ = false, in_step_ = false;  // of the step that is being taken
+  bool second_order_ = false, is_slow_ = false, in_step_ = false;  // of the current step
   bool first_step_ = true, strained_ = false, degenerate_ = false, recovering_ = false, touching_ = false,
        backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep
   Vector3d gravity_ = Vector3d::Zero();
-  // For its energy: the least since it was badly strained, what hands and bodies that move gave it in this
-  // frame, and whether it touched something in the last.
+  // Energy limiter: upper bound of the energy while badly strained, work of hands and moving bodies in this
+  // frame, and whether there was contact in the last frame.
   std::optional<double> energy_limit_j_;
   double work_j_ = 0.0;
   bool touched_last_frame_ = false;
   double impact_until_s_ = -1.0;
-  bool supported_ = false, forced_ = false,
-       driven_ = false;      // for the sleep test: held up or in no gravity; pushed; moved
-  Quaterniond orientation_;  // world from object, of the body as a whole
-  Pose whole_;               // of it, after the last frame that it moved finitely in
-  int recovery_count_ = 0;   // times
+  // For the sleep test: supported or without gravity; loaded; moved by a region.
+  bool supported_ = false, forced_ = false, driven_ = false;
+  Quaterniond orientation_;  // of the whole body, world from object
+  Pose whole_;               // of the whole body, after the last frame with finite motion
+  int recovery_count_ = 0;   // number of resets
   std::optional<RigidMotion> rigid_;
   double unstrained_time_s_ = 0.0, degenerate_s_ = 0.0;
-  int recovered_count_ = 0;                                  // times
-  Vector3d stationary_at_m_ = Vector3d::Constant(INFINITY);  // its centre of mass has been, for so long
+  int recovered_count_ = 0;  // number of shape recoveries
+  // Reference position of the centre of mass for stationary_s_.
+  Vector3d stationary_at_m_ = Vector3d::Constant(INFINITY);
   double stationary_s_ = 0.0;
-  std::vector<Vector3d> jitter_origin_m_;  // surface_, where they have been near for jitter_time_s_; empty:
-                                           // all are still, or it moves
+  // By surface_ index; reference points of the last jitter_time_s_; empty if all points are still, or the
+  // body moves.
+  std::vector<Vector3d> jitter_origin_m_;
   double jitter_time_s_ = 0.0;
   bool may_rest_;
   SleepTimer sleep_timer_;

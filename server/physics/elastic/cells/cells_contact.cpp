@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact of the body's surface points with colliders, after the elastic sweep: one Gauss-Seidel pass,
-// forwards and backwards in turn, because a fixed order pulls a body sideways.
+// Contact of the body's surface points with colliders, after the elastic sweep: one Gauss-Seidel pass.
+// Forward and backward passes alternate, because a fixed order causes a sideways drift.
 #include <algorithm>
 #include <cmath>
 
@@ -12,15 +12,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Candidates are found with room for the body to move this part of a cell at least.
+// Minimum margin of the candidate search, in cell widths.
 constexpr double kColliderCandidateRoom = 0.5;
-// A point of a held body has this part of its mobility at least, or none: what is left of it on free nodes
-// would send those ten times as far as the point goes, or, where it is rounding, anywhere.
+// Minimum mobility of a point of a partly held body, relative to the mobility without held nodes. Below it
+// the mobility is 0: the few free nodes would move many times as far as the point, or by rounding only.
 constexpr double kMinMobilityRatio = 1e-2;
 
 }  // namespace
 
-// That holds the cell's points, where the nodes were at the start of the step.
+// Bounding sphere of the cell's points at the start of the step.
 CellsBody::Ball CellsBody::ball_around(const SurfaceCell& cell) const {
   const std::array<NodeLanes, 8> corners = nodes_.corners_m(cell.nodes, cell.points, false);
   NodeLanes centre = corners[0];
@@ -34,7 +34,7 @@ CellsBody::Ball CellsBody::ball_around(const SurfaceCell& cell) const {
   return {{centre[0], centre[1], centre[2]}, std::sqrt(squared)};
 }
 
-// Which surface cells may meet which colliders before a node has moved by the margin.
+// Pairs of surface cells and colliders that can touch before a node moves by the margin.
 void CellsBody::find_candidates(const SubstepContext& context) {
   const double speed = motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_ +
                        context.gravity_m_s2.norm() / rate_hz_;
@@ -60,8 +60,8 @@ void CellsBody::find_candidates(const SubstepContext& context) {
 }
 
 void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) {
-  // How far a node may have gone in this step, and a corner of the cell with it; deviations are several times
-  // their mean.
+  // Bound of a node's motion in this step, and of the corners of its cell. Deviations can be several times
+  // their root mean square.
   candidate_margin_m_ -=
       1.5 * step_s * (motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_);
   if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size())
@@ -85,7 +85,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     }
     side = {collider_index, surface.normal.cast<float>()};
     touching_ = true;
-    // What was inside already comes out no faster than the push speed.
+    // Initial overlaps separate at kContactPushSpeed_m_s at most.
     const Vector3d moved = point - from;
     const double gap_before = surface.distance_m - surface.normal.dot(moved);
     const double depth = std::min(0.0, gap_before + kContactPushSpeed_m_s * step_s) - surface.distance_m;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact of a `cells` body with what moves: rigid bodies, balls and other elastic bodies. After the sweep,
-// both ways: surface points of this body against the other's surface, and contact points of a rigid body
-// against this body's own surface, so that a corner, a rod or a small ball between two of its points is not
-// missed. Of two elastic bodies each brings its own points.
+// Contact of a `cells` body with moving bodies: rigid bodies, balls and other elastic bodies. After the
+// sweep, in both directions: surface points of this body against the other's surface, and contact points of a
+// rigid body against this body's surface. The second direction detects corners, rods and small balls between
+// surface points. Of two elastic bodies, each contributes its own points.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -18,31 +18,30 @@ using Eigen::AlignedBox3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// As for colliders: room for the body to move before candidates are found anew, in cells.
+// Minimum margin of the candidate search, in cell widths, as for colliders.
 constexpr double kCandidateRoom = 0.5;
-// Points nearer than this part of a particle's edge get a row: a neighbour's push may bring them into
-// contact.
+// Maximum gap of a contact row, in particle edges. Open gaps are included because a neighbouring impulse can
+// close them.
 constexpr double kRowMargin = 0.02;
-// An element speaks for the surface this far, in edges of particles.
+// Interaction range of a surface element, in particle edges.
 constexpr double kElementReach = 1.5;
-// How far off a rigid body's surface is asked which way it looks, in spacings of its contact points.
+// Distance of the samples of a rigid body's normal cone, in spacings of its contact points.
 constexpr double kNormalConeStep = 0.02;
-// Where a surface is folded its elements are off by up to their spacing, and a corner that they say is deep
-// may not even touch: such an overlap gets no deeper, but only one up to this part of a particle's edge is
-// pushed apart. Pushed however deep, a sheet of 10 mm that was laid over a free box got up to 27 times the
-// energy it fell with.
+// Maximum penetration (in particle edges) that is corrected on folded sheets. Elements of a folded surface
+// are off by up to their spacing, so deeper overlaps there are usually false positives. They are prevented
+// from growing but not pushed out; otherwise a sheet gains energy.
 constexpr double kMaxFoldedPenetration = 0.15;
-// Where an anchor may lie beyond its cell, in half-widths from the middle.
+// Maximum local coordinate of an anchor; it may lie slightly beyond its cell.
 constexpr double kMaxAnchorLocal = 1.25;
 
-// Of rounding, in sizes of a box.
+// Rounding margin of a box, relative to its size.
 constexpr float kBoxRoom = 1e-5f;
 
 Vector3d vector_of(NodeLanes v) { return {v[0], v[1], v[2]}; }
 Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0}; }
 
-// Which ways a rigid body's surface looks at a point of it: the directions away from it close by, `step_m`
-// off along axes and diagonals, so that an edge has those of its faces and what lies between them.
+// Normal cone of a rigid body's surface at one of its points: gradients at distance `step_m` along axes and
+// diagonals. At an edge these include the normals of both faces and directions in between.
 void sample_normal_cone(const RigidShape& shape, const Vector3d& point_m, double step_m, const Matrix3d& turn,
                         std::vector<SurfaceElement>& normal_cone) {
   normal_cone.clear();
@@ -56,11 +55,11 @@ void sample_normal_cone(const RigidShape& shape, const Vector3d& point_m, double
 
 }  // namespace
 
-// In the middle of a step, or as a sleeper that is pushed.
+// Receives impulses during a step, or while the body sleeps.
 class CellsBody::Participant final : public ContactParticipant {
  public:
   explicit Participant(CellsBody& body) : body_(body) {}
-  double step_s = 0.0;  // h_e in the middle of a step
+  double step_s = 0.0;  // h_e during a step
 
   Matrix3d response(const ContactAnchor& anchor) const override {
     return step_s * body_.mobility(anchor.sample) * Matrix3d::Identity();
@@ -133,7 +132,7 @@ void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<Surface
     const SurfaceCell& cell = surface_cells_[n];
     NodeLanes corners[8];
     for (int c = 0; c < 8; ++c) corners[c] = nodes_.place_m(cell.nodes[c], in_step_);
-    // Normals turn with the cofactors of the deformation.
+    // Normals transform with the cofactors of the deformation gradient.
     Matrix3d f;
     for (int d = 0; d < 3; ++d) {
       NodeLanes edge{0, 0, 0, 0};
@@ -159,12 +158,12 @@ void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<Surface
 
 double CellsBody::element_reach_m() const { return kElementReach * extent_.box_edge_m; }
 
-// The element's place in its cell, and from there by the inverse of the cell's deformation.
+// Starts at the element's local coordinates and adds the offset, by the inverse of the cell's deformation.
 ContactAnchor CellsBody::anchor_at(uint32_t element, const Vector3d& point_m) const {
   ContactAnchor anchor;
   anchor.sample = surface_[element];
   Vector3d position = Vector3d::Zero();
-  Matrix3d f = Matrix3d::Zero();  // by local coordinates
+  Matrix3d f = Matrix3d::Zero();  // with respect to the local coordinates
   for (int c = 0; c < 8; ++c) {
     const Vector3d corner = node_now(anchor.sample.nodes[c]);
     position += anchor.sample.weights[c] * corner;
@@ -196,7 +195,7 @@ void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m
   between_steps_impulse_ += impulse_n_s;
 }
 
-// The ledger has the impulse where it acts, the nodes where the anchor is.
+// Corrects for the offset between the point of the impulse (ledger) and the anchor (nodes).
 void CellsBody::settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m,
                               const Vector3d& impulse_n_s) {
   if (!free()) return;
@@ -210,7 +209,7 @@ void CellsBody::record_contact_impulse(const Vector3d& point_m, double impulse_n
   contact_total_.moment += impulse_n_s * point_m;
 }
 
-// Calls `visit(i)` for the surface cells that come within `margin_m` of a rigid body.
+// Calls `visit(i)` for the surface cells within `margin_m` of a rigid body.
 template <class Visit>
 void CellsBody::visit_cells_near(const RigidProxy& body, double margin_m, const Visit& visit) const {
   const Pose body_from_world = body.before.inverse();
@@ -236,7 +235,7 @@ bool CellsBody::may_touch_awake(const SubstepContext& context) const {
   return false;
 }
 
-// As find_candidates: which cells may meet which rigid body before they have closed by the margin.
+// As find_candidates, for rigid bodies: pairs that can touch before they approach by the margin.
 void CellsBody::find_rigid_candidates(const SubstepContext& context) {
   rigid_candidate_ids_.clear();
   rigid_candidates_.clear();
@@ -256,7 +255,7 @@ double CellsBody::max_node_speed_m_s() const {
   return motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_;
 }
 
-// This body's points against rigid bodies.
+// Surface points of this body against rigid bodies.
 void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context,
                                            std::vector<ContactConstraint>& rows) {
   struct Frame {
@@ -295,7 +294,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
   }
 }
 
-// A rigid body's points against this body's surface; of a ball the one that would be deepest.
+// Contact points of a rigid body against this body's surface; for a ball the deepest point.
 void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& participant,
                                      std::vector<ContactConstraint>& rows) {
   const Pose at = body.at_end();
@@ -326,14 +325,14 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const PointSurface grid(elements, reach + radius);
-  // Of a sheet both sides are within reach of a point, and it folds; in a pile on thick blocks the following
-  // of one side only, or overlaps that are left, kept everything awake.
+  // Thin bodies only: both sides of a sheet are within reach of a point, and the sheet can fold. On thick
+  // blocks, one-sided contact or remaining overlaps would keep piles awake.
   const bool folds = !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * reach;
   std::vector<SurfaceElement> normal_cone;
   for (const auto& [point, displacement, local] : points) {
     auto depth = grid.swept_depth(point, displacement);
     if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
-    // A corner that is nearer to the far side of a sheet would be pushed through it.
+    // Without the normal cone, a corner nearer to the far side of a sheet would be pushed through it.
     if (folds) {
       sample_normal_cone(*body.shape, local, kNormalConeStep * body.shape->contact_spacing_m, turn,
                          normal_cone);
@@ -356,7 +355,7 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
   }
 }
 
-// This body's points against another elastic body.
+// Surface points of this body against another elastic body.
 void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant,
                                              double h, std::vector<ContactConstraint>& rows) {
   const double reach = other.body->element_reach_m();
@@ -374,8 +373,8 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
   const PointSurface grid(elements, reach);
   const double friction = mixed_friction(material_.friction, other.body->material().friction);
   for (size_t k = 0, end = 0; k < points.size(); k = end) {
-    for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {
-    }  // one point's faces
+    for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {  // one point's faces
+    }
     const SurfaceElement& point = points[k];
     const auto depth = grid.swept_depth(point.position_m, displacement, {&point, end - k});
     if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m) continue;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is strained beyond the law that the sweep was made for may gain energy: a limp sheet that spins faster
-// than its waves run, rubber of nu 0.49 that lands, leaves that a hand wrings. The body as a whole can tell:
-// its energy never rises by more than hands and bodies that move gave it, force times way; things that do not
-// move give nothing. What it rose by is taken out of the motion of its nodes against the body as a whole,
-// which changes neither momentum nor angular momentum. Looked at once a frame, and only while a cell is badly
-// strained: about half a substep, eight cells at a time.
+// Energy limiter for strains beyond the range of the sweep's compensation, where a body can gain energy: limp
+// sheets that spin faster than their wave speed, nearly incompressible bodies that land, thin parts that are
+// pulled hard. The total energy may only increase by the work of hands and moving bodies; static bodies do no
+// work. Any excess is removed from the node velocities relative to the rigid motion, which preserves momentum
+// and angular momentum. The check runs once per frame, only while a cell is badly strained. It costs about
+// half a substep.
 #include <algorithm>
 #include <cmath>
 
@@ -15,17 +15,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMinStrainSquared = 0.25;  // |S - I|² of the worst cell, with bending
-// Of the energy that is not of its flight. What is pressed or held reads more for a while than it has.
+constexpr double kMinStrainSquared = 0.25;  // |S - I|² of the worst cell, including bending
+// Tolerated gain relative to the energy without that of flight. It is larger in contact, because the measured
+// energy of a pressed or held body is temporarily too high.
 constexpr double kMaxGainFree = 0.003, kMaxGainTouching = 0.3;
-// Beyond it (steps that a study gives, none that a body chooses) it shows next to nothing of its modulus, and
-// its energy, which is reckoned with all of it, says nothing.
+// Above this Courant number the computed energy is not meaningful, because the body shows only a small part
+// of its modulus. Only studies take such steps.
 constexpr double kMaxCourant = 1.0;
-// Of E V, strain of the order of a hundred everywhere, and of what it gets by falling through its own length
-// or by stopping.
+// Limits of a plausible energy, beyond which the state is lost. Relative to E V (strains of about a hundred
+// everywhere), and relative to the energy of a fall over the body's own length plus the energy of flight.
 constexpr double kMaxStrainEnergyRatio = 1e5, kMaxFallEnergyRatio = 1e3;
 
-// What a cell stores by (cell_energy), as put(shear, lambda, modes).
+// Passes the moduli of a cell (cell_energy) to put(shear, lambda, modes).
 template <class Put>
 void put_moduli(const LatticeCell& cell, double width_m, const IsotropicMaterial& material, const Put& put) {
   put(static_cast<float>(cell.volume_m3 * material.shear_modulus_pa()),
@@ -36,7 +37,7 @@ void put_moduli(const LatticeCell& cell, double width_m, const IsotropicMaterial
 }  // namespace
 
 double CellsBody::elastic_f32_j() const {
-  // None is full where something flows, and cut ones then have strains of their own.
+  // With plastic flow no cell is full, and cut cells have individual rest strains.
   std::vector<CutModuli> cut(plastic_parts_.empty() ? batches_.cut.size() : 0, CutModuli{});
   double sum = 0.0;
   size_t a_full_one = lattice_.cells.size();
@@ -80,7 +81,7 @@ double CellsBody::elastic_f32_j() const {
          full_cell_energy(cells, cells + batches_.full.size(), nodes_.positions(), full, inverse_four_widths);
 }
 
-// Once a frame, before what else changes it between frames. False: it is lost.
+// Runs once per frame, before other changes between frames. False: the state is lost.
 bool CellsBody::limit_energy() {
   const bool touched = std::exchange(touched_last_frame_, touching_) || touching_;
   const double work_j = std::exchange(work_j_, 0.0);

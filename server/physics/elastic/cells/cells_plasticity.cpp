@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Plastic flow, once a frame: of each cell's mean deformation by return mapping (plastic_flow.h), and of its
-// bending and twisting in the same way, or a sheet of one cell's thickness would spring back from every dent.
+// Plastic flow, once per frame: return mapping (return_mapping.h) of each cell's mean deformation, and
+// likewise of its bending and twisting modes. Without the modes, a sheet of one cell's thickness would
+// recover from every dent.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -35,7 +36,7 @@ CellsBody::CellShape CellsBody::unturned_shape_of(size_t index) const {
   return shape;
 }
 
-// The mode amplitudes in the cell's turned frame.
+// F and the mode amplitudes, the latter in the cell's rotated frame.
 CellsBody::CellShape CellsBody::shape_of(size_t index) const {
   CellShape shape = unturned_shape_of(index);
   turn(index, shape);
@@ -50,7 +51,7 @@ void CellsBody::turn(size_t index, CellShape& shape) const {
 void CellsBody::flow() {
   if (recovering_) return;
   if (*std::max_element(plasticities_.begin(), plasticities_.end()) <= 0.0) return;
-  YieldSurface surface;  // of the last cell: most bodies are of one material
+  YieldSurface surface;  // of the last cell, cached: most bodies have one material
   double surface_plasticity = NAN, surface_poisson_ratio = NAN;
   for (size_t i = 0; i < lattice_.cells.size(); ++i) {
     if (batches_.places[i].kind == CellPlace::Kind::Held) continue;
@@ -66,14 +67,14 @@ void CellsBody::flow() {
       surface_plasticity = plasticity;
       surface_poisson_ratio = material.poisson_ratio;
     }
-    // A mode of amplitude q strains the faces of the cell by 4 q / a, and those of a thin sheet in it by
-    // less.
+    // A mode of amplitude q strains the faces of a cell by 4 q / a, and the faces of a thin sheet in the cell
+    // by less.
     const bool thin = batches_.places[i].kind == CellPlace::Kind::Thin;
     const double width_m = lattice_.cell_width_m, yield = 1.0 - plasticity;
     const double thickness_m = thin ? std::sqrt(12.0 * cell.thin->variance_m2[0]) : width_m;
     const double per_m = 4.0 / width_m * (thickness_m / width_m);
 
-    // Most cells are far from yielding, which is cheap to see: |U - I| <= |U² - I|.
+    // Cheap test, because most cells are far from yielding: |U - I| <= |U² - I|.
     CellShape shape = unturned_shape_of(i);
     const bool fresh = plastic_parts_.empty() ||
                        (plastic_parts_[i] == Matrix3d::Identity() && none_flowed(plastic_modes_[i]));
@@ -99,8 +100,8 @@ void CellsBody::flow() {
     }
     if (!flowed.flowed && !bent) continue;
     begin_plastic();
-    // Where strain and bending are coupled one can flow at the other's cost: what would take energy does not
-    // happen.
+    // If strain and bending are coupled, one can flow at the cost of the other. Flow that would increase the
+    // stored energy is rejected.
     const double stored = energy_of(i, shape);
     const std::array<Vector3d, kModeCount> rest_before = plastic_modes_[i];
     double work = 0.0;
@@ -119,7 +120,7 @@ void CellsBody::flow() {
   }
 }
 
-// From the first flow on every cell has constants of its own.
+// From the first flow on, every cell has its own constants.
 void CellsBody::begin_plastic() {
   if (!plastic_parts_.empty()) return;
   plastic_parts_.assign(lattice_.cells.size(), Matrix3d::Identity());
@@ -130,7 +131,7 @@ void CellsBody::begin_plastic() {
   last_step_s_ = h;
 }
 
-// A tangle made it flow, which says nothing about its shape.
+// Discards plastic flow caused by a tangled state; it is unrelated to the intended shape.
 void CellsBody::discard_plastic_flow() {
   plastic_parts_.clear();
   plastic_modes_.clear();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Regions that are fixed, moved or loaded. Nodes of cells that lie wholly in a held region are held
-// themselves; where a region ends inside a cell, its particles are held one by one after the sweep, which is
-// softer (elastic-study.md 5): hence lattice planes are snapped to regions where that can be.
+// Fixed, moved and loaded regions. The nodes of cells entirely inside a held region are held directly. If a
+// region ends inside a cell, its particles are held individually after the sweep, which is softer
+// (elastic-study.md 5). Lattice planes are therefore snapped to regions if possible.
 #include <algorithm>
 #include <cmath>
 
@@ -14,15 +14,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A particle with less than this of its weight on free nodes is held well enough by the others: holding it by
-// itself would hold those free nodes, a whole cell away from where the region ends.
+// A particle with less than this part of its weight on free nodes is not held individually. The held nodes
+// suffice, and holding it would also hold free nodes up to a cell beyond the region.
 constexpr double kFreeShare = 0.5;
 
 bool holds(const BodyRegion& region) { return region.fixed || region.motion.has_value(); }
 
 }  // namespace
 
-// Whether all the material of a cell may lie in the region, by the cell cut to the body's bounds.
+// Whether all material of a cell can lie in the region; tests the cell clipped to the body's bounds.
 bool CellsBody::in_region(const LatticeCell& cell, const BodyRegion& region) const {
   const double margin = 1e-3 * lattice_.cell_width_m;
   const Vector3d low_m = lattice_.object_from_lattice.position_m,
@@ -52,8 +52,8 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
       held.node_rest_m.push_back(lattice_.node_position_m(node));
     };
     if (region.boundary) {
-      // All that is outside, and of a cell that is not full all nodes: those within would else meet a free
-      // surface.
+      // Takes all boundary nodes, and all nodes of boundary cells that are not full: inner nodes of these
+      // would be next to a free surface.
       for (uint32_t node = 0; node < taken.size(); ++node) {
         if (cells_around[node] < 8) take(node);
       }
@@ -81,16 +81,17 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
       if (held.nodes.empty()) hold_face(description.particles, held);
     }
     if (held.nodes.empty() && held.particles.empty()) {
-      log_warn("object %u: region \"%s\" from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m holds no material",
-               object_id_, region.name.c_str(), region.min_m.x(), region.min_m.y(), region.min_m.z(),
-               region.max_m.x(), region.max_m.y(), region.max_m.z());
+      log_warn(
+          "object %u: region \"%s\" from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m holds no material; "
+          "check its box",
+          object_id_, region.name.c_str(), region.min_m.x(), region.min_m.y(), region.min_m.z(),
+          region.max_m.x(), region.max_m.y(), region.max_m.z());
       continue;
     }
     if (held.nodes.empty() && held.particles.size() < 3) {
       log_warn(
-          "object %u: region \"%s\" holds %zu of its particles and no cell: it turns about them; a wider "
-          "region or a "
-          "smaller spacing_m than %.3g m holds it as a clamp",
+          "object %u: region \"%s\" holds only %zu particles and no cell, so the body can rotate about them; "
+          "widen the region or reduce spacing_m below %.3g m",
           object_id_, region.name.c_str(), held.particles.size(), extent_.spacing_m);
     }
     held_ = true;
@@ -99,9 +100,9 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
   }
 }
 
-// A grip thinner than a voxel has the corners of the body's surface in it and little else: it is held by its
-// face, as a traction is spread. By that alone: both together are more than the nodes of one layer of cells
-// can follow. Only what goes right across the body is a grip: a line of it is a hinge.
+// A grip thinner than a voxel contains little more than the corners of the surface. Its face is then held at
+// the points of a traction, in place of its particles: both together would overconstrain a layer of cells.
+// This applies only to grips across the whole body; a line of particles acts as a hinge.
 void CellsBody::hold_face(const ParticleSet& particles, ConstrainedRegion& held) {
   Eigen::AlignedBox3d body;
   for (const Vector3d& particle : particle_rest_m_) body.extend(particle);
@@ -127,7 +128,7 @@ void CellsBody::load_regions(const ElasticBodyDescription& description) {
     if (region.traction_pa.isZero()) continue;
     const std::vector<LoadPoint> points = load_points(description.particles, extent_, lattice_, region);
     if (points.empty()) {
-      log_warn("object %u: region \"%s\" has a traction and holds no material", object_id_,
+      log_warn("object %u: region \"%s\" has a traction but holds no material; check its box", object_id_,
                region.name.c_str());
     }
     for (const LoadPoint& point : points) {
@@ -186,7 +187,7 @@ bool CellsBody::release_region(const std::string& name) {
   }
   if (!found) return false;
   set_masses();
-  restart_motion();  // the last step was not a free body's
+  restart_motion();  // the last step was not that of a free body
   rebuild_cells();
   wake();
   return true;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rolling friction of a soft body, and of what rolls on one. What rolls is pressed flat or presses a pit,
-// which springs back all the time, and a part of that energy is lost: a couple against the spin, M = 3/16
-// alpha P a for a cylinder or ball that presses with P on a contact of radius a, alpha the part of the strain
-// energy that a cycle takes (Johnson 1985, Contact mechanics, 9.4). The damping of the sweep sees next to
-// nothing of it, because what rolls slowly deforms slowly; without it a soft ball on a floor rocks for
-// minutes, and a rigid one on a soft block, which is no higher in one pit than in another, rolls off.
+// Rolling resistance of a soft body, and of balls on one. Rolling deforms the contact zone continuously, and
+// part of the strain energy is lost: a couple against the spin, M = 3/16 alpha P a for a cylinder or ball
+// with load P and contact radius a, with alpha the fraction of strain energy lost per cycle (Johnson 1985,
+// Contact mechanics, 9.4). The damping of the sweep barely acts on it, because slow rolling deforms slowly.
+// Without rolling resistance, a soft ball rocks for minutes, and a rigid ball rolls off a soft block.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -17,14 +16,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSpinDecayTime_s = 0.02;  // no spin is ended sooner: what is_jittering is not stirred
+// Minimum decay time of the spin; prevents excitation of jittering bodies.
+constexpr double kSpinDecayTime_s = 0.02;
 
 struct Push {
   Vector3d at_m, impulse_n_s;
 };
 
-// The couple about a unit axis, N m s; 0 where nothing presses.
-// Each point speaks for `patch_m2` more, the mean square of what it stands for along a line.
+// Resisting couple about a unit axis, N m s; 0 without load. `patch_m2` is the mean square extent of the area
+// that each point represents, along a line.
 double rolling_resistance(const std::vector<Push>& pushes, const Vector3d& axis, double loss_factor,
                           double patch_m2 = 0.0) {
   double pressed = 0.0;
@@ -42,17 +42,17 @@ double rolling_resistance(const std::vector<Push>& pushes, const Vector3d& axis,
   for (const auto& [at_m, impulse_n_s] : pushes) {
     variance += impulse_n_s.norm() / pressed * axis.cross(at_m - centre).squaredNorm();
   }
-  // Hertz's pressure over a circle of radius a: a mean square of a² / 5 along a line.
+  // Hertzian pressure over a circle of radius a: mean square extent a² / 5 along a line.
   const double radius_m = std::sqrt(5.0 * variance), lost = std::min(1.0, 2.0 * M_PI * loss_factor);
   return 3.0 / 16.0 * lost * through * radius_m;
 }
 
 }  // namespace
 
-// On colliders; the impulses of the touches from `first_contact` on.
+// Rolling on colliders, by the contact impulses from `first_contact` on.
 void CellsBody::apply_rolling_resistance(size_t first_contact, double step_s) {
-  if (!free() || !is_slow_ || collider_contacts_.size() == first_contact)
-    return;  // an impact is not rolled through
+  // No rolling resistance during impacts.
+  if (!free() || !is_slow_ || collider_contacts_.size() == first_contact) return;
   const Vector3d spin = motion_.angular_velocity_rad_s();
   const double speed = spin.norm();
   if (!(speed > 0.0)) return;
@@ -67,9 +67,9 @@ void CellsBody::apply_rolling_resistance(size_t first_contact, double step_s) {
       std::min(rolling_resistance(pushes, axis, material_.loss_factor), part * inertia * speed) * axis;
 }
 
-// Of balls against this one, by the rows that it listed: what has faces rests on them, and a box that leans
-// on a block and a floor would tremble between them. A body that is held takes its part. The spin ends as
-// soon as the couple can end it: what was let to go on for kSpinDecayTime_s crept off in seconds.
+// Resistance of balls that roll on this body, by the rows that it listed. Only balls: faces rest on their
+// own, and a box leaning on a block and a floor would jitter between them. A held body takes part. The spin
+// ends as soon as the couple suffices; a decay over kSpinDecayTime_s would let balls creep away.
 void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows) {
   if (!is_slow_) return;
   std::vector<RigidProxy*> met;

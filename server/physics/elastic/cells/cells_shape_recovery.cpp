@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A body wound twice round an axis is in a true local minimum: every cell is upright and nearly at rest, and
-// nothing a cell can see leads out (elastic-study.md 4). A folded edge may be another. The body as a whole
-// can tell: its best affine fit is far from upright, or it is strained, alone and has come to rest all the
-// same. Of one that lies on something or has flowed only a strain beyond all proportion says so, and what
-// flowed in a tangle is forgotten.
+// Recovery from tangled shapes. A body wound twice about an axis is in a true local minimum of energy: every
+// cell is upright and nearly at rest, and no local rule leads out (elastic-study.md 4). Folded edges can be
+// another minimum. The state is detected for the whole body: its best affine fit is far from a rotation, or
+// it is strained although it is at rest without contact. A body in contact, or with plastic flow, is
+// recovered only if its strain is extreme. Plastic flow of the tangled state is discarded.
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -18,19 +18,19 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// det A / (|A| / sqrt 3)^3 is 1 for a rotation, 0 for what is flat or wound, negative for what is mirrored.
+// det A / (|A| / sqrt 3)³: 1 for a rotation, 0 for a flat or wound state, negative for a mirrored one.
 constexpr double kMinDeterminant = 0.1, kRecoveredDeterminant = 0.8;
-constexpr double kRecoveryDelay_s = 0.5;  // most tangles come apart by themselves
-constexpr double kBlendRate_per_s =
-    12.0;  // of the way to the rigid shape; twice that after each kRecoveryDelay_s of pulling
+constexpr double kRecoveryDelay_s = 0.5;  // most tangles resolve on their own within this time
+// Rate of the blend to the rigid shape; doubles after each kRecoveryDelay_s of recovery.
+constexpr double kBlendRate_per_s = 12.0;
 constexpr double kMaxDoublings = 10.0;
-constexpr double kMaxEnergyGain = 1.5;              // of its energy, in a frame of pulling
+constexpr double kMaxEnergyGain = 1.5;              // per frame of recovery, relative to the elastic energy
 constexpr double kMinRecoveryStrainSquared = 0.01;  // |S - I|² of the worst cell
-constexpr double kOverstrainSquared = 1.0;          // of one that touches something or has flowed
-constexpr double kMinOverstrainedFraction = 0.02;   // of its volume: not a loose end of a leaf
-constexpr double kMaxSag = 0.05;                    // strain by its own weight
-constexpr double kMinHoldingForce =
-    0.01;  // of the force that its strain takes, E eps A: less does not hold it so
+constexpr double kOverstrainSquared = 1.0;          // the same in contact or after plastic flow
+constexpr double kMinOverstrainedFraction = 0.02;   // of the volume; excludes loose ends of leaves
+constexpr double kMaxSag = 0.05;                    // strain by the body's own weight
+// Relative to E eps A, the force of its strain; a smaller load cannot hold the shape.
+constexpr double kMinHoldingForce = 0.01;
 constexpr double kSettledEnergyRatio = 0.02;  // kinetic energy of the deviation over elastic energy
 
 double normalised_determinant(const Matrix3d& a) {
@@ -47,7 +47,7 @@ Matrix3d nearest_rotation(const Matrix3d& a) {
 
 }  // namespace
 
-// The part of its volume in cells that are strained by their whole size.
+// Volume fraction of the cells with a strain of order one.
 double CellsBody::overstrained_volume_fraction() const {
   double overstrained_m3 = 0.0;
   for (size_t i = 0; i < lattice_.cells.size(); ++i) {
@@ -55,7 +55,7 @@ double CellsBody::overstrained_volume_fraction() const {
     const CellShape shape = shape_of(i);
     const Matrix3d stretch = shape.rotation.transpose() * shape.f;
     const bool flowed = !plastic_parts_.empty();
-    // A fold leaves no strain at the centroid.
+    // A fold leaves no strain at the centroid, so bending is included.
     const double fold = batches_.places[i].kind == CellPlace::Kind::Thin
                             ? thin_cell_fold(lattice_.cells[i], lattice_.cell_width_m)
                             : 16.0 / (lattice_.cell_width_m * lattice_.cell_width_m);
@@ -71,7 +71,7 @@ double CellsBody::overstrained_volume_fraction() const {
   return overstrained_m3 / volume_m3_;
 }
 
-// Of its sheets and cords, if it has any.
+// Mean thickness of the sheets and cords; the smallest side of a body without any.
 double CellsBody::thickness_m() const {
   double thin_m3 = 0.0, sum = 0.0;
   for (const LatticeCell& cell : lattice_.cells) {
@@ -84,7 +84,7 @@ double CellsBody::thickness_m() const {
 
 void CellsBody::recover_shape(double frame_s) {
   if (!degenerate_) return;
-  // Not while something presses it, or it sags under its own weight: then being strained is right.
+  // No recovery under load or sag: the strain is then legitimate.
   const double youngs_modulus_pa = cell_materials_.materials[0].youngs_modulus_pa,
                weight_n = mass_kg_ * gravity_m_s2_;
   const double length_m = (extent_.max_m - extent_.min_m).norm();
@@ -97,7 +97,7 @@ void CellsBody::recover_shape(double frame_s) {
   const bool alone = free() && !pressed && !forced_ && !is_separating() && region_loads_.empty();
   if (!alone) {
     degenerate_s_ = 0.0;
-    recovering_ = false;  // or nothing would flow while a hand holds it
+    recovering_ = false;  // otherwise plastic flow would stay off while a hand holds the body
     return;
   }
   Vector3d rest_centre = Vector3d::Zero();
@@ -112,11 +112,11 @@ void CellsBody::recover_shape(double frame_s) {
   const Matrix3d fit = match * rest.inverse();
   if (!fit.allFinite()) return;
   const double upright = normalised_determinant(fit);
-  // A spinning body is strained by that alone, by rho (omega L)² / E, and by L / t more where it bends.
+  // Spin alone strains a body by rho (omega L)² / E, and by a factor L / t more in bending.
   const double wave_squared = youngs_modulus_pa / densities_kg_m3_[0], slender = length_m / thickness_m();
   const double spun =
       std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared * slender;
-  // A mat that lies folded is as its weight has it: how upright it is says nothing.
+  // A limp body in contact takes any shape under its weight, so its uprightness is not used.
   const bool limp = touching_ && sag * slender * slender > kMaxSag;
   const bool wild = touching_ || flowed;
   const bool strained =
@@ -126,8 +126,7 @@ void CellsBody::recover_shape(double frame_s) {
     if ((limp || upright > kRecoveredDeterminant) && !strained) degenerate_ = false;
     const bool settled =
         strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettledEnergyRatio * elastic_f32_j();
-    // A tangle that does not come to rest either counts half: first-order steps should have calmed it long
-    // since.
+    // A tangle that does not come to rest counts half: first-order steps should have calmed it by then.
     const double weight = (!limp && upright < kMinDeterminant) || settled ? 1.0
                           : strained && (wild || strained_)               ? 0.5
                                                                           : -1.0;
@@ -144,9 +143,8 @@ void CellsBody::recover_shape(double frame_s) {
     degenerate_s_ = 0.0;
     return;
   }
-  // Pulled together about the centre, to rest but for the motion of a rigid body with its momentum and
-  // angular momentum. What snaps back between frames, as folds of a thin sheet do, is pulled harder and
-  // harder.
+  // Blends positions to the rigid shape about the centre and sets a rigid motion with the same momentum and
+  // angular momentum. The rate grows, because folds of thin sheets can snap back between frames.
   degenerate_s_ += frame_s;
   const double doublings = std::min(degenerate_s_ / kRecoveryDelay_s - 1.0, kMaxDoublings);
   const double part = 1.0 - std::exp(-kBlendRate_per_s * std::exp2(doublings) * frame_s);
@@ -165,8 +163,8 @@ void CellsBody::recover_shape(double frame_s) {
   };
   const double before_j = elastic_j();
   pull(part);
-  // A sheet is squashed on the straight way to its shape, and would keep that if something came between: it
-  // is there at once.
+  // The linear path squashes a sheet. If the energy rises too much, the rest shape is reached at once,
+  // because an interruption would leave the squashed state.
   if (elastic_j() > kMaxEnergyGain * before_j) pull(1.0);
   restart_motion();
 }

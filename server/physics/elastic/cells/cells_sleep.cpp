@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Less where less will do: a body that flies without deforming visibly moves as a rigid one, a still one
+// Cheaper states: a body in flight without visible deformation moves as a rigid body, and a still body
 // sleeps.
 #include <Eigen/LU>
 #include <algorithm>
@@ -16,15 +16,15 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A free body whose worst cell is strained less than this for so long is frozen into its shape.
+// A free body with a smaller strain in its worst cell for kUnstrainedTime_s is frozen into its shape.
 constexpr double kVisibleStrain = 1e-3;
 constexpr double kUnstrainedTime_s = 0.25;
-constexpr double kStationarySpeedFactor = 100.0;  // 0.2 mm/s in place of 20
-// Its centre of mass goes no farther than this part of its length in half a period of its slowest vibration:
-// what bends by a thousandth of it is within 1 % of where it will be.
+constexpr double kStationarySpeedFactor = 100.0;  // divides the sleep speed of held and loaded bodies
+// Maximum drift of the centre of mass, as a fraction of the body's length, in half a period of its slowest
+// vibration. The deflection is then within 1 % of equilibrium for a bending of a thousandth of the length.
 constexpr double kMaxStationaryDrift = 3e-6;
-// A still body's points that tremble stay this near where they were, in parts of its smallest side, for so
-// long.
+// A jittering body counts as still if its points stay within this fraction of its smallest side for
+// kJitterTime_s.
 constexpr double kMaxJitter = 0.01, kJitterTime_s = 2.0;
 
 }  // namespace
@@ -37,7 +37,7 @@ void CellsBody::end_frame(double frame_s) {
     return;
   }
   if (!has_finite_motion() || !limit_energy()) restore_last_valid_state();
-  // A held body's origin stays where it is, so that rounding does not move what is held.
+  // The origin of a held body stays, so that rounding does not move held nodes.
   Vector3d shift = Vector3d::Zero();
   if (!held_ || motion_.centre_m.norm() > 4.0 * reach_m_)
     shift = motion_.centre_m.cast<float>().cast<double>();
@@ -63,8 +63,8 @@ void CellsBody::rest(double frame_s) {
     become_rigid();
     return;
   }
-  // What is held or loaded is measured: it sleeps in equilibrium, not while it still creeps there. What lies
-  // on something is_jittering more.
+  // Held and loaded bodies are tested by drift as well: they sleep in equilibrium, not while they creep.
+  // Bodies resting on others jitter too much for that test.
   const bool measured = held_ || !region_loads_.empty();
   const bool moves = forced_ || driven_ || is_separating() || (measured && !is_stationary(frame_s));
   const double calm = measured ? kStationarySpeedFactor : 1.0;
@@ -73,8 +73,8 @@ void CellsBody::rest(double frame_s) {
   if (sleep_timer_.tick(frame_s, calm * seen_m_s, supported_, moves)) sleep();
 }
 
-// A slow vibration is slow at its farthest, twice a period, for longer than any clock: so it is the way in
-// half a period that tells. Of the centre of mass, which no rounding moves.
+// Drift test. A slow vibration has zero speed twice per period, for longer than any timer, so the motion
+// during half a period decides. The centre of mass is insensitive to rounding.
 bool CellsBody::is_stationary(double frame_s) {
   const Vector3d centre = centre_m();
   stationary_s_ += frame_s;
@@ -85,8 +85,8 @@ bool CellsBody::is_stationary(double frame_s) {
   return stationary_s_ >= M_PI / lowest_rate_rad_s();
 }
 
-// A corner that is folded under may snap to and fro for good while all else is still. Whether that is all
-// that moves.
+// Whether only jitter remains. A corner folded under the body can snap back and forth indefinitely while the
+// rest is still.
 bool CellsBody::is_jittering(double seen_m_s, double frame_s) {
   const bool still = std::max(motion_.velocity_m_s().norm(), deviation_m_s_) < SleepTimer::kStillSpeed_m_s;
   if (!still || (seen_m_s < SleepTimer::kStillSpeed_m_s && jitter_origin_m_.empty())) {
@@ -109,14 +109,15 @@ bool CellsBody::is_jittering(double seen_m_s, double frame_s) {
   return jitter_time_s_ >= kJitterTime_s;
 }
 
-// By the sums of the last step, which are of all nodes: one that is not finite makes its centre so.
+// Uses the sums of the last step over all nodes: one non-finite node makes them non-finite.
 bool CellsBody::has_finite_motion() const {
   return is_valid_position(centre_m()) && std::isfinite(reach_m_) && std::isfinite(kinetic_j_) &&
          kinetic_j_ < 0.5 * mass_kg_ * kMaxValidSpeed_m_s * kMaxValidSpeed_m_s &&
          motion_.momentum.allFinite() && motion_.angular_momentum.allFinite();
 }
 
-// At rest and in its rest shape where the last frame left it whole; a held one where it is held.
+// Resets the body to its rest shape, at rest, at the pose of the last valid frame; a held body at its held
+// pose.
 void CellsBody::restore_last_valid_state() {
   ++recovery_count_;
   Vector3d rest_centre = Vector3d::Zero();
@@ -157,9 +158,9 @@ void CellsBody::sleep() {
   first_step_ = true;
 }
 
-// Of a point of the surface, as it is seen: a node of a cell with next to nothing in its corner may tremble
-// unseen. Of a body that moves or deforms as a whole anyway, that speed, which is cheap; and where all nodes
-// are still, so are the points, which are means of them.
+// Fastest visible surface point. Nearly empty cells can have jittering nodes that are not visible. If the
+// whole body moves or deforms faster than `still_m_s`, that speed is returned, which is cheap. If all nodes
+// are still, so are the points, which are means of nodes.
 double CellsBody::fastest_m_s(double still_m_s) const {
   const double mean = std::max(motion_.velocity_m_s().norm(), deviation_m_s_);
   if (mean >= still_m_s) return mean;
@@ -180,19 +181,19 @@ void CellsBody::become_rigid() {
   for (size_t i = 0; i < nodes_.count(); ++i) {
     rigid.shape_m.push_back((nodes_.position_m(i) - motion_.centre_m).cast<float>());
   }
-  if (!(motion_.inertia.determinant() > 0.0))
-    return;  // a single line of particles turns freely; it stays as it is
+  // A single line of particles has no inertia about itself and stays elastic.
+  if (!(motion_.inertia.determinant() > 0.0)) return;
   rigid.axes = principal_axes(motion_.inertia);
   rigid.inverse_inertia = motion_.inertia.inverse();
   rigid_ = std::move(rigid);
 }
 
-// One world substep as a rigid body; false when something is near, and the body is elastic again.
+// One world substep as a rigid body. False if something is near; the body is then elastic again.
 bool CellsBody::rigid_substep(const SubstepContext& context) {
   const double h = context.duration_s;
   const Vector3d velocity = motion_.velocity_m_s();
   const Vector3d centre = rigid_->world_from_body.position_m;
-  // It wakes one frame before anything can touch it.
+  // Becomes elastic one frame before a contact is possible.
   const double reach = reach_m_ + extent_.box_edge_m + 2.0 / rate_hz_ * velocity.norm();
   bool near = !context.forces.empty() || !context.others.empty();
   for (const Collider& collider : context.colliders) near = near || reaches(collider, centre, reach);
@@ -213,7 +214,7 @@ bool CellsBody::rigid_substep(const SubstepContext& context) {
   return true;
 }
 
-// The nodes where the rigid motion has taken them.
+// Sets the nodes from the rigid motion.
 void CellsBody::place_rigid() {
   origin_m_ = rigid_->world_from_body.position_m;
   motion_.centre_m.setZero();
@@ -230,7 +231,8 @@ void CellsBody::become_elastic() {
   if (!rigid_) return;
   place_rigid();
   rigid_.reset();
-  // The sweep's rotations have stood still meanwhile; there is no strain to speak of, so all are the body's.
+  // The rotations of the sweep are out of date. The strain is negligible, so all are set to the body's
+  // rotation.
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
   momentum_before_ = motion_.momentum;
   angular_before_ = motion_.angular_momentum;

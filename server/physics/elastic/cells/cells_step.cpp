@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The substep of the `cells` solver (elastic-study.md 2.6 and 4).
 //
-// BDF2 of a velocity that changes by corrections d: h_e = 2h/3,
+// BDF2 with position corrections d: h_e = 2h/3,
 //   v^ = (4 v - v_)/3 + h_e a,   y = x + (x - x_)/3 + h_e v^,   x' = y + d,   v' = v^ + d/h_e.
-// Momentum ledger: the momentum and the angular momentum of the body as a whole are integrated on their own,
-// in impulses and in double precision: P' = P + h F + sum of contact impulses. So what a ball loses the body
-// gains in the same substep, and spin does not leak into the elastic modes. What the nodes lack of it they
-// are owed, and get when they are next predicted. Contact is an impulse to single nodes too: the velocity it
-// gives is kept out of the difference v - v_, which BDF2 would otherwise carry on by thirds (half as much
-// again in the end).
+//
+// Momentum ledger: momentum and angular momentum of the whole body are integrated separately, from impulses
+// and in double precision: P' = P + h F + sum of contact impulses. Momentum exchange with other bodies is
+// therefore exact within a substep, and spin does not leak into elastic modes. The difference to the momentum
+// of the nodes is added to the nodes at the next prediction.
+//
+// Contact impulses on nodes are excluded from the difference v - v_. Otherwise BDF2 would continue them by
+// thirds, to one and a half times the impulse.
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -22,32 +24,32 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A body strained so far that BDF2 would wind it up takes first-order steps, which lose energy.
+// Beyond this strain a body takes first-order steps, which dissipate energy; BDF2 would amplify the motion.
 constexpr double kFirstOrderStrainSquared = 0.25;  // |S - I|²
 constexpr double kFirstOrderVolumeRatio = 0.2;     // det F
-// A body in contact takes first-order steps too while its shape moves slower (root mean square) than this
-// part of sqrt(g L), L its smallest size: than after a fall of L/200. Contact point by point makes noise, and
-// BDF2 keeps it for minutes.
+// A body in contact also takes first-order steps while its shape changes slowly: RMS speed below this
+// fraction of sqrt(g L), with L the smallest side (the speed after a fall of L/200). Pointwise contact causes
+// noise, which BDF2 damps too little.
 constexpr double kMaxSlowSpeedRatio = 0.1;
-// Pressed between others by so many of its weights, a body does not alternate the order of its sweep: what
-// two orders differ by grows with the load, and fed a tremble of 0.2 m/s under which a pillow carried a box
-// of 25 times its mass 10 cm away.
+// A body loaded by more than this multiple of its weight does not alternate the direction of its sweep. The
+// difference between the two directions grows with the load and would excite a vibration under heavy loads.
 constexpr double kMaxAlternatingLoad = 4.0;
 
-// Of the stretch of a cell that a hand holds: from here on its grip fades, and here it has none.
+// Grip strength fades from full at the first cell stretch to zero at the second.
 constexpr double kGripFadeStart = 2.0, kGripFadeEnd = 4.0;
 
-// Of the speed of its waves. At 0.1 a capsule still read 1.3 times its energy while it landed, at 0.05 1.02
-// times, here 1.01.
+// Impact speed that triggers impact steps, relative to the wave speed. Larger values let landing bodies gain
+// energy.
 constexpr double kImpactSpeedRatio = 0.03;
 constexpr double kImpactFrames = 2.0;
 
-// Loads are felt over this time: some bounces.
+// Time constant of the carried load; spans several bounces.
 constexpr double kCarriedLoadTime_s = 0.25;
 
-constexpr double kLightNodeDamping = 0.25;  // of a light node's motion beside its parent, a step
+// Fraction per step of a light node's motion relative to its parent that is removed.
+constexpr double kLightNodeDamping = 0.25;
 
-// Of the scene's substeps in one: a second at 90 Hz and 64 substeps.
+// Maximum length of a world substep, in scene substeps; about 1 s at 90 Hz and 64 substeps.
 constexpr double kMaxSceneSubsteps = 6000.0;
 
 NodeLanes lanes_of(const Vector3d& v) {
@@ -70,8 +72,8 @@ int CellsBody::begin_substep(const SubstepContext& context) {
     wake();
   }
   if (rigid_ && rigid_substep(context)) return 0;
-  // A longer substep than the scene's is taken in several, never stretched: the stiffness was chosen for this
-  // one.
+  // A substep longer than the scene's is split, never stretched, because the stiffness was chosen for the
+  // scene's.
   const double longer = std::ceil(context.duration_s * rate_hz_ * scene_substeps_ - 1e-6);
   gather_point_loads(context);
   const int steps =
@@ -79,11 +81,10 @@ int CellsBody::begin_substep(const SubstepContext& context) {
   return in_impact(context) ? steps * resolution_.impact_substeps : steps;
 }
 
-// A shock is what a body's own steps are too long for: one sweep each, and the cells in front of it are
-// squashed, turned inside out and fly apart with several times the energy. It is known by what deforms while
-// it touches, and by what comes near something; two frames are over before most of it has become vibration.
-// Not in a hand, and not beside other soft bodies, which would all take its steps (in a heap of five a tick
-// of 8 ms took 20), and which give way.
+// Impact detection. The body's own steps are too long for a shock: with one sweep each, the cells in front of
+// it invert and gain energy. An impact is a fast deformation in contact, or a fast approach. Impact steps
+// last kImpactFrames, by which time most of the shock is vibration. They are not used for bodies in a hand,
+// or next to other elastic bodies: all of these would take the same steps, and they yield anyway.
 bool CellsBody::in_impact(const SubstepContext& context) {
   if (!context.others.empty() || forced_) return false;
   const bool comes = !touching_ && !(candidates_.empty() && rigid_candidates_.empty());
@@ -101,7 +102,7 @@ void CellsBody::end_substep(const SubstepContext& context) {
   supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
 }
 
-// Forces of the scene and tractions, at their nodes. `time_s` is when the step ends.
+// Collects the point forces of the scene and the tractions of regions.
 void CellsBody::gather_point_loads(const SubstepContext& context) {
   point_loads_ = region_loads_;
   for (const PointForce& force : context.forces) {
@@ -109,17 +110,17 @@ void CellsBody::gather_point_loads(const SubstepContext& context) {
   }
 }
 
-// What a spring asks for at the end of a step depends on the force itself, by the mobility w of its point at
-// most: the force goes by 1 / (1 + w h (k h + c)) of the way there. So none is too stiff, and at rest it is
-// stiffness times stretch.
+// Implicit springs. The spring force at the end of a step depends on the force itself through the mobility w
+// of its point. The update is therefore scaled by 1 / (1 + w h (k h + c)). This is stable for any stiffness,
+// and at rest the force is stiffness times stretch.
 void CellsBody::solve_springs(const SubstepPart& part) {
   const double h = part.duration_s;
   for (Load& load : point_loads_) {
     if (!load.spring) continue;
     PointSpring& spring = *load.spring;
-    if (!spring.force_n.allFinite()) spring.force_n.setZero();  // of a body that was put back since
+    if (!spring.force_n.allFinite()) spring.force_n.setZero();  // non-finite after a reset of the body
     const double w = mobility(load.sample), k = spring.stiffness_n_m;
-    // What the point bears: more would only make it tremble.
+    // Limits the damping to the value that the point's mass can bear without jitter.
     const double c = w > 0.0 ? std::min(spring.damping_n_s_m, 1.0 / (w * h)) : spring.damping_n_s_m;
     const Vector3d slower = spring.target_velocity_m_s - velocity_of(load.sample);
     const Vector3d stretch = spring.target_m + part.began_s * spring.target_velocity_m_s - origin_m_ -
@@ -132,9 +133,8 @@ void CellsBody::solve_springs(const SubstepPart& part) {
   }
 }
 
-// A hand slips off what it has drawn out: the cell it holds is stretched, by its longest direction, so and so
-// far. One that went on pulling tore leaves out to 120 times their size, and gave 1e4 J a frame to what drew
-// them back.
+// Grip strength, by the largest stretch of the cell that a hand holds. Unlimited pulling would stretch thin
+// parts without bound and add large amounts of energy.
 double CellsBody::grip_factor(const NodeSample& sample) const {
   Eigen::Matrix3d f = Eigen::Matrix3d::Zero();
   for (int c = 0; c < 8; ++c) {
@@ -150,17 +150,16 @@ double CellsBody::grip_factor(const NodeSample& sample) const {
 
 void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& context) {
   const double h = part.duration_s, time_s = context.start_s + part.began_s + h;
-  // Beside bodies that need more steps it takes theirs: the last step is then no basis for one of second
-  // order.
+  // Neighbours can impose another step length. The previous step is then not a valid basis for BDF2.
   const bool even = std::abs(h - last_step_s_) <= 1e-9 * h;
   last_step_s_ = h;
   const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
   is_slow_ =
       touching_ && deviation_m_s_ < kMaxSlowSpeedRatio * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
   second_order_ = options_.second_order && even && !first_step_ && !strained_ && !is_slow_;
-  // Where a sweep from zero multipliers comes to rest depends on its order a little. A body that lands
-  // alternates, or one order would drive it sideways; a quiet one keeps one, or it would never be still, and
-  // so does a free one, or cells with next to nothing in them would ring.
+  // The result of a sweep from zero multipliers depends slightly on its order. A landing body alternates the
+  // order, because a fixed one would cause a sideways drift. A slow body keeps one order in order to come to
+  // rest, and so does a free one, because nearly empty cells would vibrate.
   const bool pressed = carried_n_ > kMaxAlternatingLoad * mass_kg_ * context.gravity_m_s2.norm();
   backward_ = touching_ && !is_slow_ && !pressed && !backward_;
   for (Load& load : point_loads_) load.from_m = nodes_.position_m(load.sample);
@@ -210,12 +209,13 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
   damp_light_nodes(part.duration_s, context.gravity_m_s2);
   first_step_ = false;
   in_step_ = false;
-  boxes_known_ = false;  // it is looked at between steps too
+  boxes_known_ = false;  // boxes are also queried between steps
 }
 
-// What the body carries makes its vibrations slower and their energy larger, and what damps them is in its
-// own nodes. Impulses that cancel go through it. None of those on one side do: within Coulomb's cone their
-// sizes sum to no more than sqrt(1 + mu²) of their sum.
+// Estimates the load carried by the body, which lowers its vibration frequencies and increases their energy.
+// The carried load is the part of the contact impulses that cancels. Contact impulses on one side do not
+// cancel: within Coulomb's cone, the sum of their magnitudes is at most sqrt(1 + mu²) times the magnitude of
+// their sum.
 void CellsBody::update_carried_load(const SubstepPart& part) {
   const double friction = material_.friction;
   const double through = step_contact_n_s_ / std::sqrt(1.0 + friction * friction) - contact_impulse_.norm();
@@ -232,11 +232,11 @@ void CellsBody::predict(double h, const SubstepContext& context) {
     torque += (nodes_.position_m(load.sample) - motion_.centre_m).cross(load.force_n);
   }
 
-  // The deviation from rigid motion is damped, forces are not (or a load would weigh less); the rigid motion
-  // itself follows the ledger. A loss factor eta takes 2 pi eta of the energy a cycle. Under a load M the
-  // body goes as sqrt(k / M), k = E A / L, and of the energy only m / 12 M is in the deviation of its nodes
-  // from its mean motion: the rate eta pi sqrt(k / m) of the lowest free mode grows by 12 / pi sqrt(M / m).
-  // More than all of the deviation cannot be taken in a step.
+  // Damping acts on the deviation from rigid motion, not on forces (otherwise a load would appear lighter).
+  // The rigid motion follows the ledger. A loss factor eta dissipates 2 pi eta of the energy per cycle. Under
+  // a load M, the frequency is sqrt(k / M) with k = E A / L, and only m / 12 M of the energy is in the
+  // deviation of the nodes from their mean motion. The rate eta pi sqrt(k / m) of the lowest free mode is
+  // therefore multiplied by 12 / pi sqrt(M / m). A step cannot remove more than the whole deviation.
   const double weight_n = mass_kg_ * context.gravity_m_s2.norm(), rate = damping_rate();
   const double loaded = weight_n > 0.0 ? std::sqrt(1.0 + 144.0 / (M_PI * M_PI) * carried_n_ / weight_n) : 1.0;
   const double kept = std::max(0.0, 1.0 - step_s * (loaded - 1.0) * rate) / (1.0 + step_s * rate);
@@ -296,9 +296,9 @@ void CellsBody::advance(double h) {
   }
 }
 
-// The mass that light nodes were given is not the material's, and next to nothing holds them: what they move
-// by beside the node they follow, the motion of the body as a whole left out, is calmed, and borrowed mass is
-// borne with that node: it gains the velocity that the node gained, not gravity's, which the next step adds.
+// Damps light nodes. Their added mass is not that of the material, and little stiffness holds them. Their
+// motion relative to the parent node, without the rigid motion of the body, is damped. The added mass follows
+// the parent: it gets the velocity change of the parent, without gravity, which the next step adds.
 void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
   const Vector3d spin = motion_.angular_velocity_rad_s();
   Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
@@ -322,10 +322,10 @@ void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
   spin_correction_ -= solve_inertia(motion_.inertia, angular);
 }
 
-// The motion of the body as a whole, and what its nodes lack of the ledger's. An impulse J at p turns the
-// body by p x J about a fixed point, whatever way the centre c takes to its new velocity: its share about the
-// centre is (p - c) x J with c before the step, less e x P for the way e that c is ahead of h P / m. BDF2
-// spreads that way over several steps, e' = (e - h J / m) / 3.
+// Updates the motion of the whole body and the difference between ledger and nodes. An impulse J at p changes
+// the angular momentum about a fixed point by p x J, independent of the path of the centre c. Its part about
+// the centre is (p - c) x J, with c before the step, less e x P, where e is the lead of c over h P / m. BDF2
+// spreads this lead over several steps: e' = (e - h J / m) / 3.
 void CellsBody::measure(const NodeSums& sums, double h) {
   const Vector3d centre_before = motion_.centre_m;
   motion_.mass_kg = mass_kg_;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A soft body can get stuck on another: a hand draws it round a bar until its points are on either side, and
-// each is pushed out on the side that it is on. No contact sees a way out of that: in an hour of pulls a toy
-// duck stayed stretched to three times its length on the stretcher of a stool, squeezed by 400 N and never at
-// rest. The body as a whole can tell: what one body pushes it with cancels, and it is strained far with the
-// pushes pointing apart (in a cup or between tongs they point together) or beyond all proportion. It then has
-// no contact with that one, and is drawn off it with its shape back, until they no longer overlap. A rubber
-// band stretched round a bar looks the same, and comes off too.
+// Release of stuck contacts. A soft body can be pulled around a bar until its points are on both sides; each
+// point is then pushed out on its own side, and no local contact rule resolves this. The state is detected
+// for the whole body: the impulses from one body cancel, and the strain is either large with impulses
+// pointing apart (in a cup or between tongs they point together) or extreme. Contact with that body is then
+// disabled, and the bodies are pulled apart while the shape recovers, until they no longer overlap. A rubber
+// band stretched around a bar is treated in the same way.
 #include <algorithm>
 
 #include "core/log.h"
@@ -18,11 +17,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStuckStrainSquared = 0.1,
-                 kOverstrainSquared = 1.0;   // |S - I|² of the worst cell, with bending
-constexpr double kMaxNetImpulseRatio = 0.5;  // of the sizes of impulses, what their sum is less than
+// Strain |S - I|² of the worst cell, including bending.
+constexpr double kStuckStrainSquared = 0.1, kOverstrainSquared = 1.0;
+constexpr double kMaxNetImpulseRatio = 0.5;  // of the sum of impulses relative to the sum of their magnitudes
 constexpr double kStuckTime_s = 0.5;
-// It comes off at its own radius in this time, with no more than this.
+// Separation: one body radius in this time, with at most this acceleration.
 constexpr double kSeparationTime_s = 0.25;
 constexpr double kMaxSeparation_m_s2 = 20.0;
 
@@ -60,11 +59,11 @@ void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
   }
 }
 
-// Once a frame.
+// Runs once per frame.
 void CellsBody::update_stuck_contacts(double frame_s) {
   for (StuckContact& one : stuck_contacts_) {
     if (!one.separating) {
-      // Of the pushes, about the middle of the points they act at.
+      // First moment of the impulses about the mean contact point.
       const double apart =
           one.pushed_n_s > 0.0 ? one.apart - one.net_n_s.dot(one.moment) / one.pushed_n_s : 0.0;
       const bool stuck = (apart > 0.0 || bent_squared_ > kOverstrainSquared) &&
@@ -72,12 +71,13 @@ void CellsBody::update_stuck_contacts(double frame_s) {
       one.stuck_s += stuck ? frame_s : -frame_s;
       one.separating = one.overlaps = one.stuck_s > kStuckTime_s;
       if (one.separating)
-        log_debug("object %u is stuck on object %u and comes off", object_id_, object_of_body(one.body_id));
+        log_debug("object %u: stuck on object %u; contact is off until they are apart", object_id_,
+                  object_of_body(one.body_id));
     } else if (!one.overlaps) {
       one.separating = false;
       one.stuck_s = 0.0;
     } else {
-      one.overlaps = false;  // until a step finds that it still does
+      one.overlaps = false;  // set again by a step that finds an overlap
     }
     one.pushed_n_s = one.apart = 0.0;
     one.net_n_s.setZero();
@@ -108,7 +108,7 @@ void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s
   }
 }
 
-// Takes the rows out that it listed with those it comes off, from `begin` on, and draws it away from them.
+// Removes the rows from `begin` on that belong to separating bodies, and pulls this body away from them.
 void CellsBody::separate(const SubstepPart& part, const SubstepContext& context, size_t begin,
                          std::vector<ContactConstraint>& rows) {
   const auto listed = rows.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -131,7 +131,7 @@ void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
     if (!is_separating(body->body_id)) continue;
     StuckContact& one = stuck_contact(body->body_id);
     const Pose at = body->at_end(), body_from_world = at.inverse();
-    // A bar right through it may be near no point of its surface.
+    // A bar through the middle of the body may be near no surface point.
     for (uint32_t i = 0; i < lattice_.cells.size() && !one.overlaps; ++i) {
       const Vector3d inside = origin_m_ + nodes_.corrected_m(sample_at({i, lattice_.cells[i].centroid}));
       one.overlaps = body->shape->sample(body_from_world * inside).distance_m < 0.0;

@@ -14,25 +14,25 @@ using Eigen::Vector3d;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Matrix6x9 = Eigen::Matrix<double, 6, 9>;
 
-// Axes of mode yz, xz, xy.
+// Axes of modes yz, xz, xy.
 constexpr int kModeAxes[3][2] = {{1, 2}, {0, 2}, {0, 1}};
-// Lattices exist in which two fields differ by squares alone (a sheet at exactly 45 degrees): the amplitudes
-// are shared out by least squares with this much damping.
+// Damping of the least-squares fit of the field amplitudes. Some lattices contain two fields that differ only
+// by squares (a sheet at exactly 45 degrees).
 constexpr double kDamping = 0.003;
-// Strain that varies across a cell in the sheet's plane resists a curved sheet's bending more than it should.
-// Where the sheet is oblique it keeps this part of its stiffness; along the lattice's axes all of it, or a
+// Stiffness factor of strain that varies across an oblique cell in the plane of the sheet; the full value
+// resists bending of a curved sheet too much. Cells along the lattice axes keep the full value; otherwise a
 // strip one cell wide would bend sideways too easily.
 constexpr double kObliqueInPlane = 0.2;
-// Oblique: the normal's largest component is less than one by this.
+// A sheet is fully oblique if the largest component of its normal is below one by at least this value.
 constexpr double kObliqueBelow = 0.03;
-// The mode xyz, in terms of the stiffness that a full cell's bending has.
+// Stiffness of mode xyz, relative to the bending stiffness of a full cell.
 constexpr double kThirdOrder = 0.01;
 
-// Second derivatives of a quadratic field: of component i by coordinates k and l, [i](k, l).
+// Second derivatives of a quadratic field: [i](k, l) is that of component i by coordinates k and l.
 using Quadratic = std::array<Matrix3d, 3>;
 
-// Fibres along e bend towards f: u = f s²/2 - e s t, s and t the coordinates along e and f. Strain -t along
-// e.
+// Fibres along e bend towards f: u = f s²/2 - e s t, with s and t the coordinates along e and f. The strain
+// along e is -t.
 Quadratic bending(const Vector3d& e, const Vector3d& f) {
   Quadratic field;
   for (int i = 0; i < 3; ++i)
@@ -47,8 +47,8 @@ Quadratic warping(const Vector3d& n, const Vector3d& e, const Vector3d& f) {
   return field;
 }
 
-// The nine fields: amplitudes a cell shows of each, the strain at the centroid that it does not, and what
-// they cost.
+// The nine fields: the mode amplitudes that each causes, the strain at the centroid that the modes do not
+// contain, and the stiffness.
 struct Fields {
   Matrix9 shown = Matrix9::Zero();
   Matrix6x9 hidden = Matrix6x9::Zero();
@@ -59,7 +59,7 @@ Fields slider_parameters(const LatticeCell& cell, double cell_width_m, const Iso
                          double in_plane) {
   const Matrix3d& axes = cell.thin->axes;
   const Vector3d centroid_m = 0.5 * cell_width_m * cell.centroid;
-  // The fuller the cell is along an axis, the less that strain may vary there.
+  // Strain may vary less along an axis the fuller the cell is along it.
   Vector3d variance_m2 = cell.thin->variance_m2;
   for (int k = 1; k < 3; ++k) {
     const double fullness = std::min(1.0, 12.0 * variance_m2[k] / (cell_width_m * cell_width_m));
@@ -116,7 +116,7 @@ Matrix18 thin_cell_stiffness(const LatticeCell& cell, double cell_width_m, const
                              const Matrix6& mean_strain_modulus_pa) {
   const double in_plane = part_in_plane(cell.thin->axes.col(0));
   const Fields fields = slider_parameters(cell, cell_width_m, material, in_plane);
-  // Where several sets of fields show the same, the softest counts.
+  // Where several combinations of fields cause the same amplitudes, the softest is used.
   const double scale = 0.25 * cell_width_m * cell_width_m;
   const Matrix9 softness = fields.stiffness.diagonal().minCoeff() * fields.stiffness.inverse();
   const Matrix9 normal =

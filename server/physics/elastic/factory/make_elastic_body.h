@@ -7,8 +7,8 @@
 
 namespace livegs {
 
-// `rate_hz` and `substeps` are the scene's: a body may take more substeps inside each, never fewer.
-// Fails as check_elastic_body.
+// `rate_hz` and `substeps` are the scene's. A body may take more substeps, never fewer. Fails as
+// check_elastic_body, and if `rate_hz` or `substeps` is out of range.
 Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescription& description,
                                                        ElasticSolver solver, double rate_hz, int substeps,
                                                        bool may_sleep);

@@ -33,7 +33,7 @@ LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rat
   on_surface_.resize(count, false);
   for (const SurfacePoint& point : surface_points(description.particles)) {
     if (surface_.empty() || surface_.back().particle != point.particle)
-      surface_.push_back(point);  // a ball each
+      surface_.push_back(point);  // one ball each
   }
   contact_points_ = surface_;
   std::vector<bool> outer(count, false);
@@ -78,14 +78,13 @@ double LivegsV1Body::blend(double h) const {
   return steady_ ? resistance_blend(resistance_stiffness_per_s2(resistance), h) : resistance;
 }
 
-// Measured on the bar of physics.md 0, within 1 % at any step (elastic_livegs_v1_test.cpp). Of the steady
-// variant that is rho s² / (1/omega² + h²): a step passes a pull on by one cluster, so even d_R = 1 is not
-// rigid.
+// Fitted to the bar of physics.md 0; valid at any step (elastic_livegs_v1_test.cpp). For the steady variant
+// it is rho s² / (1/omega² + h²): a step passes a load on by one cluster only, so even d_R = 1 is not rigid.
 double LivegsV1Body::apparent_modulus_pa(double h) const {
   return blend(h) * material_.mass_kg / volume_m3_ * std::pow(spacing_m_ / h, 2);
 }
 
-// As CellsBody: hysteretic damping matched at the lowest mode, of the stiffness that this body shows.
+// As in CellsBody: hysteretic damping, matched at the lowest mode for the apparent stiffness.
 double LivegsV1Body::damping_rate(double h) const {
   if (!(material_.loss_factor > 0.0)) return 0.0;
   const Vector3d size = high_m_ - low_m_;
@@ -146,8 +145,8 @@ std::vector<ParticleState> LivegsV1Body::particles() const {
   return states;
 }
 
-// Shape matching has no elastic energy of its own: elastic_j is what the blend would do, the squared way to
-// the goals over the step, and is zero at rest.
+// Shape matching has no elastic energy of its own. elastic_j is the energy that corresponds to the blend,
+// from the squared distances to the goals over the squared step; zero at rest.
 BodyEnergy LivegsV1Body::energy(const Vector3d& gravity_m_s2) const {
   BodyEnergy energy;
   const double h = 1.0 / (rate_hz_ * substeps_), part = blend(h);
@@ -193,7 +192,7 @@ size_t LivegsV1Body::nearest_particle(const Vector3d& rest_point_m) const {
   return nearest;
 }
 
-// A material point turns with its nearest particle's cluster.
+// A material point rotates with the cluster of its nearest particle.
 Vector3d LivegsV1Body::world_point(const Vector3d& rest_point_m) const {
   const size_t i = nearest_particle(rest_point_m);
   return origin_m_ + positions_m_[i] + clusters_[i].rotation * (rest_point_m - rest_m_[i]);

@@ -9,18 +9,19 @@
 #include "physics/motion/momentum.h"
 #include "physics/motion/sleep_timer.h"
 
-// LIVE-GS's own elastic method, the baseline of every chart: particles in overlapping shape-matching clusters
-// (Müller et al. 2005), pulled toward their goals by the same blend every substep,
+// The elastic method of LIVE-GS, the baseline of all charts. Particles in overlapping shape-matching clusters
+// (Müller et al. 2005) are pulled towards their goals by the same blend in every substep,
 //   x = (1 - d_R) x_pre + d_R x_goal,
-// with d_R from the stiffness table. Because the blend knows no step, apparent stiffness grows with the
-// square of the substep rate and falls with the square of the spacing (physics.md 0): a known defect that
-// charts show. The steady variant blends by what d_R stands for at the paper's own step instead (material.h),
-// and keeps all else.
+// with d_R from the stiffness table. The blend does not depend on the step. Apparent stiffness therefore
+// grows with the square of the substep rate and falls with the square of the spacing (physics.md 0): a known
+// defect that the charts show. The steady variant converts d_R to a stiffness at the paper's own step
+// (material.h) and is otherwise the same.
 //
 // One substep:
-//   drive     held particles to where their regions are; forces, traction, gravity; damping relative to rigid
-//   motion match     clusters to their rest shapes, plastic flow, the blend contact   particles against what
-//   moves, and against colliders advance   velocities from positions
+//   drive     held particles follow their regions; forces, traction, gravity; damping of relative motion
+//   match     clusters to their rest shapes, plastic flow, blend
+//   contact   particles against moving bodies, then against colliders
+//   advance   velocities from positions
 
 namespace livegs {
 
@@ -73,22 +74,22 @@ class LivegsV1Body final : public ElasticBody {
   using Vector3d = Eigen::Vector3d;
   using Matrix3d = Eigen::Matrix3d;
 
-  // One cluster a particle: itself and its neighbours.
+  // One cluster per particle: the particle and its neighbours.
   struct Cluster {
-    uint32_t begin, end;  // members_
+    uint32_t begin, end;  // range of members_
     double mass_kg;
     Vector3d rest_centre_m;
-    Matrix3d rest_moment_inverse;  // of sum m r rᵀ, pseudo-inverse for flat clusters
+    Matrix3d rest_moment_inverse;  // inverse of sum m r rᵀ; pseudo-inverse for flat clusters
     Eigen::Quaterniond rotation;
-    Matrix3d flat;  // projects on the directions a flat cluster has no particles along; zero for a full one
-    Matrix3d
-        deformation;  // mean, world from rest, its plastic part included; turns with the cluster along `flat`
-    Matrix3d plastic_part = Matrix3d::Identity();  // D_p, which the goal stretches the rest shape by
+    Matrix3d flat;  // projector on the directions without extent; zero for a full cluster
+    // Mean deformation, world from rest, with the plastic part; rotates with the cluster along `flat`.
+    Matrix3d deformation;
+    Matrix3d plastic_part = Matrix3d::Identity();  // D_p; stretches the rest shape
     Matrix3d plastic_inverse = Matrix3d::Identity();
   };
   struct Load {
     uint32_t particle;
-    Vector3d force_n;  // world
+    Vector3d force_n;  // world frame
   };
 
   // livegs_v1_clusters.cpp
@@ -99,15 +100,15 @@ class LivegsV1Body final : public ElasticBody {
   void load_regions();
   void hold_regions();
   bool held(size_t particle) const { return holders_[particle] >= 0; }
-  bool driven(double start_s, double end_s) const;  // whether a motion moves anything in that time
-  Vector3d prescribed_m(size_t particle, double time_s) const;  // as positions_m_
+  bool driven(double start_s, double end_s) const;  // whether a motion displaces anything in that time
+  Vector3d prescribed_m(size_t particle, double time_s) const;  // relative to the origin, as positions_m_
 
   // livegs_v1_step.cpp
   int steps_of(const SubstepContext& context);
   void drive(const SubstepContext& context, double end_s, double h);
   void resolve_contacts(const SubstepContext& context, double h);
 
-  // livegs_v1_touch.cpp
+  // livegs_v1_contact.cpp
   class Participant;
   double mobility(uint32_t particle) const { return held(particle) ? 0.0 : 1.0 / masses_kg_[particle]; }
   void push_particle(uint32_t particle, const Vector3d& impulse_n_s);
@@ -125,25 +126,26 @@ class LivegsV1Body final : public ElasticBody {
   int substeps_;
   bool steady_;
   double spacing_m_, volume_m3_ = 0.0;
-  Vector3d low_m_, high_m_;       // of the particles' voxels, object frame
+  Vector3d low_m_, high_m_;       // bounds of the particles' voxels, object frame
   std::vector<Vector3d> rest_m_;  // object frame
   std::vector<double> volumes_m3_, masses_kg_;
   std::vector<bool> on_surface_;
-  std::vector<SurfacePoint> surface_;         // outer particles
-  std::vector<SurfacePoint> contact_points_;  // those and the inner ones, by their centres: nothing sinks in
+  std::vector<SurfacePoint> surface_;  // outer particles
+  // The outer particles as balls and the centres of the inner ones, which prevent deep overlap.
+  std::vector<SurfacePoint> contact_points_;
   std::vector<Cluster> clusters_;
   std::vector<uint32_t> members_;
-  std::vector<uint32_t> cluster_counts_;  // clusters a particle is in
+  std::vector<uint32_t> cluster_counts_;  // number of clusters that contain a particle
 
   std::vector<BodyRegion> regions_;
   std::vector<bool> released_;    // by region
-  std::vector<int> holders_;      // the region that holds a particle, or -1
+  std::vector<int> holders_;      // region that holds a particle, or -1
   std::vector<uint32_t> driven_;  // particles of moved regions
   std::vector<Load> loads_;
-  bool held_ = false, anchored_ = false;  // some of it is held; and some of that does not move
+  bool held_ = false, anchored_ = false;  // any particle is held; any held particle is fixed
 
-  Pose world_from_object_;                // at the start, which prescribed motions are placed by
-  Vector3d origin_m_ = Vector3d::Zero();  // positions are relative to it; it follows the body
+  Pose world_from_object_;                // initial pose; places the prescribed motions
+  Vector3d origin_m_ = Vector3d::Zero();  // origin of the positions; follows the body
   std::vector<Vector3d> positions_m_, predicted_m_, goals_m_, velocities_m_s_;
   BodyMomentum motion_;
   double reach_m_ = 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Müller et al. 2005, Meshless deformations based on shape matching: clusters, goals, the paper's blend
-// toward them.
+// Müller et al. 2005, Meshless deformations based on shape matching: clusters, goals, and the paper's blend
+// towards them.
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A cluster is the particles within a voxel and a half along each axis: 27 on a regular grid. Where that
-// finds fewer than four, the nearest eight.
+// A cluster holds the particles within this many spacings along each axis: 27 on a regular grid. If there are
+// fewer than kMinMembers, it holds the nearest kFallbackMembers.
 constexpr double kClusterReach = 1.5;
 constexpr size_t kMinMembers = 4, kFallbackMembers = 8;
 
@@ -110,7 +110,7 @@ void LivegsV1Body::match_shapes(double blend) {
       const uint32_t i = members_[k];
       match += masses_kg_[i] * (predicted_m_[i] - centre) * (rest_m_[i] - cluster.rest_centre_m).transpose();
     }
-    // The shape matched is the rest shape stretched by D_p.
+    // The matched shape is the rest shape stretched by D_p.
     cluster.rotation = extract_rotation(match * cluster.plastic_part.transpose(), cluster.rotation);
     const Matrix3d rotation = cluster.rotation.toRotationMatrix();
     cluster.deformation = match * cluster.rest_moment_inverse + rotation * cluster.flat;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact of the baseline with what moves: particles as balls against rigid bodies and against the particles
+// Contact of the baseline with moving bodies: particles as balls against rigid bodies and against particles
 // of other elastic bodies, and contact points of rigid bodies against the particles.
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ using Eigen::AlignedBox3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// In spacings: of the balls, beyond which no element need be known; and of gaps that get a row.
+// In spacings: interaction range of the elements, and maximum gap of a contact row.
 constexpr double kBaselineElementReach = 1.5;
 constexpr double kBaselineRowMargin = 0.02;
 
@@ -29,7 +29,7 @@ uint32_t particle_of(const ContactAnchor& anchor) { return anchor.sample.nodes[0
 
 }  // namespace
 
-// In the middle of a step, or as a sleeper that is pushed.
+// Receives impulses during a step, or while the body sleeps.
 class LivegsV1Body::Participant final : public ContactParticipant {
  public:
   explicit Participant(LivegsV1Body& body) : body_(body) {}
@@ -137,7 +137,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       row.b = body;
       row.anchor_a = anchor_of(particle);
       row.point_m = origin_m_ + predicted_m_[particle];
-      // A first-order step turns a particle's impulse about where it was before.
+      // A first-order step applies a particle's impulse at its position before the step.
       row.anchor_b = body->anchor_at(row.point_m, origin_m_ + positions_m_[particle]);
       row.normal = normal;
       row.gap_m = gap;

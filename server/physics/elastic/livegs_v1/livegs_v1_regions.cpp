@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Regions of the baseline: single particles are held, moved and loaded.
+// Regions of the baseline: individual particles are held, moved and loaded.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -17,7 +17,7 @@ constexpr double kMargin_m = 1e-9;
 
 }  // namespace
 
-// Where regions overlap, the later one holds.
+// Where regions overlap, the later one holds the particle.
 void LivegsV1Body::hold_regions() {
   holders_.assign(rest_m_.size(), -1);
   for (size_t r = 0; r < regions_.size(); ++r) {
@@ -44,9 +44,9 @@ void LivegsV1Body::hold_regions() {
   }
 }
 
-// A traction acts on the face across the shortest edge of the region (cut to the body's bounds), the one
-// nearer to the body's bound. Each particle's part of its voxel in the region stands for an area, and the
-// outermost particle of its column, as wide as a voxel, takes the force.
+// A traction acts on the face across the shortest edge of the region, clipped to the body's bounds: the face
+// nearer to the body's bound. The part of each particle's voxel inside the region contributes an area, and
+// the outermost particle of its voxel column receives the force.
 void LivegsV1Body::load_regions() {
   bool other_material = false;
   for (const BodyRegion& region : regions_) {
@@ -80,13 +80,13 @@ void LivegsV1Body::load_regions() {
       loads_.push_back({column.outermost, column.area_m2 * region.traction_pa});
     }
     if (columns.empty()) {
-      log_warn("object %u: the traction of region %s acts on nothing; its box holds no particle", object_id_,
-               region.name.c_str());
+      log_warn(
+          "object %u: the box of region %s holds no particle, so its traction has no effect; check the box",
+          object_id_, region.name.c_str());
     }
   }
   if (other_material) {
-    log_warn("object %u: livegs-v1 has one material a body; the materials of its regions are ignored",
-             object_id_);
+    log_warn("object %u: livegs-v1 supports one material per body; region materials are ignored", object_id_);
   }
 }
 

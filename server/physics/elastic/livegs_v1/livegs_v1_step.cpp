@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The substep of the baseline: what drives it, contact, velocities from positions.
+// Substep of the baseline: drive, colliders, and velocities from positions.
 #include <algorithm>
 #include <cmath>
 
@@ -11,19 +11,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A substep in which gravity crosses a spacing would lay the whole body flat on the ground. It is taken as
-// several of the paper's own length, where the paper's d_R means what it meant there. No step that the
-// baseline is for is so long (2.7 mm particles at 60 Hz and one substep are the first), so its dependence on
-// the step stays what it is.
+// Maximum number of steps per substep. If free fall within a substep exceeds the particle spacing, the body
+// would be flattened on the ground. Such a substep is split into steps of the paper's length, for which d_R
+// was defined. Shorter substeps are never split, so the step dependence of the baseline is unchanged.
 constexpr int kMaxBaselineSteps = 1000;
-// A particle's displacement in a step is swept if it exceeds this part of the particle spacing, or the
-// particle would jump over the ground. It differs from kMaxUnsweptPart (rigid_sweep.h): the measure is the
-// particle's own spacing, since the paper's ground has no thickness.
+// Displacements above this fraction of the particle spacing are swept, to prevent tunnelling through the
+// ground. kMaxUnsweptPart (conservative_advancement.h) differs: it refers to the body's thickness, and the
+// ground of the paper has none.
 constexpr double kMaxUnsweptSpacings = 0.5;
 constexpr int kMaxBaselineProbes = 200;
 
-// Where a point on its way first meets the collider, by sphere tracing; `gap_m` is how near counts, and the
-// least step.
+// First contact of a moving point with the collider, by sphere tracing. `gap_m` is the contact tolerance and
+// the minimum step.
 struct Meeting {
   Vector3d point_m, normal;
 };
@@ -60,7 +59,7 @@ void LivegsV1Body::end_substep(const SubstepContext& context) {
   supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
 }
 
-// How many steps the substep is taken as; 0 where even the most are too long.
+// Number of steps for the substep; 0 if even kMaxBaselineSteps steps would be too long.
 int LivegsV1Body::steps_of(const SubstepContext& context) {
   const double fall_m = context.duration_s * context.duration_s * context.gravity_m_s2.norm();
   if (fall_m <= spacing_m_) return 1;
@@ -68,11 +67,9 @@ int LivegsV1Body::steps_of(const SubstepContext& context) {
   const bool refused = !(steps <= kMaxBaselineSteps);
   if (!warned_of_step_) {
     log_warn(
-        "object %u: livegs-v1 %s a substep of %g s, in which gravity alone moves it %g m and its particles "
-        "are "
-        "%g m apart; raise the rate or the substeps",
-        object_id_, refused ? "stands still for" : "takes several steps in place of", context.duration_s,
-        fall_m, spacing_m_);
+        "object %u: livegs-v1 %s a substep of %g s (free fall %g m, particle spacing %g m); "
+        "raise the rate or the substeps",
+        object_id_, refused ? "skips" : "splits", context.duration_s, fall_m, spacing_m_);
     warned_of_step_ = true;
   }
   return refused ? 0 : static_cast<int>(steps);
@@ -96,8 +93,8 @@ void LivegsV1Body::end_step(const SubstepPart& part, const SubstepContext& conte
   in_step_ = false;
 }
 
-// Damping takes from the deviation of old velocities from the body's motion as a whole, which is none for a
-// body that is held somewhere; forces are not damped, or a load would weigh less.
+// Damping acts on the deviation of the old velocities from the rigid motion of the body (zero if the body is
+// anchored). Forces are not damped; otherwise a load would appear lighter.
 void LivegsV1Body::drive(const SubstepContext& context, double end_s, double h) {
   const double kept = 1.0 / (1.0 + h * damping_rate(h));
   if (kept < 1.0) {
@@ -122,7 +119,7 @@ void LivegsV1Body::drive(const SubstepContext& context, double end_s, double h) 
 }
 
 void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
-  // About the centre: a radius that holds every particle before and after.
+  // Radius about the centre that encloses every particle before and after the step.
   double swept = reach_m_;
   for (const Vector3d& x : predicted_m_) swept = std::max(swept, (x - motion_.centre_m).norm());
   swept = 1.1 * (swept + spacing_m_);

@@ -11,14 +11,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Subtracted compliance leaves at least this part of a material's own.
+// Minimum compliance left by the compensation, relative to the material's compliance.
 constexpr double kMinComplianceRatio = 0.02;
-constexpr double kFreeVolumeCompliance =
-    1e12;  // alpha_lambda over A0 of a material without lambda: its row does nothing
+// Value of alpha_lambda / A0 for a material without lambda; disables its volume row.
+constexpr double kFreeVolumeCompliance = 1e12;
 
-// One Gauss-Seidel sweep from zero multipliers leaves a cell softer by k A0, because its neighbours undo part
-// of its correction. k depends on Y, the material's compliance in units of the nodes' own: fitted on tension
-// (study 2.4).
+// One Gauss-Seidel sweep from zero multipliers leaves a cell too soft by k A0, because its neighbours undo
+// part of its correction. k depends on Y, the compliance of the material relative to that of the nodes.
+// Fitted to tension tests (elastic-study.md 2.4).
 double pass_compliance(double y_ratio) {
   if (y_ratio < 1.1) return std::min(y_ratio, 1.08);
   const double q = y_ratio - 0.48;
@@ -27,7 +27,7 @@ double pass_compliance(double y_ratio) {
   return std::min(y_ratio - y, 1.08);
 }
 
-// 1 / (2 mu V h²) and 1 / (3 K V h²), less what the sweep adds by itself.
+// 1 / (2 mu V h²) and 1 / (3 K V h²), less the compliance that the sweep adds.
 struct Compliances {
   double shear, bulk;
 };

@@ -8,30 +8,30 @@
 namespace livegs {
 namespace {
 
-// A compact body gets at least this many cells along its longest side and through its thinnest; with two
-// through the thickness torsion is 12 % too stiff. A sheet or a cord needs one through the thickness, since
-// bending and twisting of a single cell are exact.
+// Minimum cells along the longest side and layers through the thickness of a compact body. Fewer layers make
+// torsion too stiff. A sheet or cord needs one layer only, because bending and twisting of a single cell are
+// exact.
 constexpr double kCellsAlongCompact = 6.0, kLayersCompact = 3.0;
 constexpr double kCellsAlongThin = 8.0;
 constexpr double kThinRatio = 8.0;
-// A thin body's middle side is one cell wide, or this many.
+// Minimum cells along the middle side of a thin body, if it is more than one.
 constexpr double kMinSplitCells = 1.8;
-// Cells of a thin body may be this much wider than it is thick.
+// Maximum cell width of a thin body, in thicknesses.
 constexpr double kMaxWidthOverThickness = 5.0;
-// Unless it would take more nodes times substeps a frame than it may: then they are wider still.
+// If the node-substep budget is exceeded, the cell width grows by the first factor as long as the second
+// number of cells fits along the longest side.
 constexpr double kWidthGrowth = 1.2, kMinCellsAlong = 4.0;
 
-// In a shock the sweep has to carry pressure from cell to cell, whose waves are sqrt((1 - nu) / ((1 + nu)(1 -
-// 2 nu))) times as fast as a bar's. At 0.65 of a cell a step rubber of nu 0.49 that met the floor at its
-// sqrt(E/rho) left it with 2.6 times its energy; up to 0.4 nothing gains, to twice that speed 0.3. Four steps
-// in place of one are the most.
+// Maximum Courant number of pressure waves during an impact. The sweep must carry the pressure from cell to
+// cell, and pressure waves are sqrt((1 - nu) / ((1 + nu)(1 - 2 nu))) times as fast as those in a bar. Above
+// about 0.4, nearly incompressible bodies gain energy on landing. kMaxImpactSubsteps bounds the cost.
 constexpr double kImpactPressureCourant = 0.3;
 constexpr int kMaxImpactSubsteps = 4;
 
 struct Candidate {
   double width_m;
   bool detailed;
-  bool split;  // across the middle side
+  bool split;  // too few cells across the middle side
   int substeps_needed;
   double nodes, cost;
 };
@@ -49,8 +49,7 @@ Candidate score(const ResolutionRequest& request, double width_m) {
   const double longest = request.size_m.maxCoeff(), thinnest = request.size_m.minCoeff();
   const bool thin = longest >= kThinRatio * thinnest;
   Candidate candidate{width_m, false, false, 1, 1.0, 0.0};
-  // Two layers of which one is hardly entered are a hinge and a lever: a flat bar of 1.2 layers bent the
-  // stiff way by 0.81 to 0.75 of what it should.
+  // With two layers, one of them nearly empty, the cross-section bends far too easily.
   const double middle =
       request.middle_side_m > 0.0 ? request.middle_side_m : request.size_m.sum() - longest - thinnest;
   candidate.split = thin && middle > (1.0 + 1e-6) * width_m && middle < (kMinSplitCells - 1e-6) * width_m;
@@ -71,7 +70,7 @@ std::vector<double> candidate_widths(const ResolutionRequest& request) {
   const double longest = request.size_m.maxCoeff(), thinnest = request.size_m.minCoeff();
   const double narrowest = 1.5 * request.particle_edge_m * (1.0 - 1e-6);
   std::vector<double> widths;  // from wide to narrow
-  // Of what is so wide that sixteen cells along are wider than this.
+  // For bodies so long that sixteen cells along are still wider than this.
   if (const double widest = kMaxWidthOverThickness * thinnest; longest > 16.0 * widest && widest >= narrowest)
     widths.push_back(widest);
   for (int along = 6; along <= 16; ++along) {
@@ -88,10 +87,9 @@ std::vector<double> candidate_widths(const ResolutionRequest& request) {
 }  // namespace
 
 double courant_limit(double poisson_ratio, double cells_across) {
-  // Statics and vibrations would allow 0.75 (0.55 at nu = .45); but a cube that lands gains energy above 0.6:
-  // dropped 0.1 m, 2 % at 0.65, 6 % at 0.69, nothing up to 0.6. Waves of pressure are faster the nearer
-  // Poisson's ratio is to a half, 4.1 times those of a bar at 0.49: there 0.26 gave a cube that landed its
-  // energy 27 times over, and 0.19 nothing.
+  // Statics and vibrations are accurate up to 0.75 (0.55 at nu = 0.45), but landing bodies gain energy above
+  // 0.6. The limit decreases towards nu = 0.5, because pressure waves get faster: at nu = 0.49 they are 4.1
+  // times as fast as those in a bar.
   const double limit = 0.6 - std::max(0.0, poisson_ratio - 0.35) - 7.25 * std::max(0.0, poisson_ratio - 0.45);
   return cells_across < 1.5 ? std::min(limit, 0.5) : limit;
 }
@@ -123,7 +121,7 @@ LatticeResolution choose_resolution(const ResolutionRequest& request) {
   std::erase_if(candidates,
                 [&](const Candidate& candidate) { return !over_budget && costs_too_much(candidate); });
 
-  // The cheapest with enough detail; else the finest that can be as stiff as asked; else the widest.
+  // Cheapest with enough detail; else the finest that reaches the requested stiffness; else the widest.
   const Candidate* chosen = nullptr;
   for (const Candidate& candidate : candidates) {
     if (candidate.detailed && candidate.substeps_needed <= cap &&

@@ -11,22 +11,22 @@ namespace livegs {
 namespace {
 
 constexpr double kMinExact = 4.0, kMinExactPerBulk = 0.9, kMinBand = 1.1;
-// Of what is predicted; with what is measured beside it, bodies called exact are within 5 %
+// Half-width of the predicted exact range. With the measurement error, exact bodies are within 5 %
 // (tests/accuracy/tension_test.cpp).
 constexpr double kExactWithin = 0.04;
-// Of the ceiling: a modulus far above it shows less than one just above it.
+// Range of the apparent modulus above the ceiling, relative to the ceiling. Far above it the body shows less
+// than just above it.
 constexpr double kMinCeilingRatio = 0.45, kMaxCeilingRatio = 1.1;
-// Of so many cells along a body shows up to this times more than that, measured: 1.4 at 8, 1.7 at 6, 2.1 at
-// 4, 1.8 at 3.
+// In short bodies the upper bound is larger by this value over the number of cells along.
 constexpr double kEndsOverCeiling = 4.5;
-// What pulls at the ends of so few cells in steps so long never lets them rest: there is nothing to tell.
+// Below these cell counts, and above this end excess, loads at the ends prevent equilibrium: no prediction is
+// possible.
 constexpr double kMinBlockCells = 4.5, kMinRowCells = 3.5, kMaxRowWidth = 1.5, kMaxRestingEndExcess = 0.25,
                  kMaxEndCorrection = 0.5;
 
-// Measured E_app / E against Ybar, with the ends of the band put on: softness from elastic-study.md 3 (each
-// column of Courant numbers turned into Ybar by its thickness), stiffness from this solver, which is stiffer
-// than the study's prototype past the exact range: at 4 cells across 1.03, 1.14, 1.37, 1.6 at Co
-// 0.9, 1.2, 1.35, 1.7.
+// Bounds of E_app / E against Ybar. Softness is from elastic-study.md 3, with the Courant numbers of each
+// column converted to Ybar by the thickness. Stiffness is from this solver, which is stiffer than the study's
+// prototype beyond the exact range.
 struct Point {
   double y, ratio;
 };
@@ -41,11 +41,11 @@ double interpolate(const std::array<Point, kCount>& points, double y) {
   return points.back().ratio;
 }
 
-// The softest: up to nu .3, and at .45.
+// Lower bounds: up to nu = 0.3, and at nu = 0.45.
 constexpr std::array<Point, 4> kSoftest30 = {{{1.1, 0.84}, {1.39, 0.88}, {2.17, 0.965}, {4.0, 0.97}}};
 constexpr std::array<Point, 5> kSoftest45 = {
     {{1.1, 0.79}, {1.39, 0.82}, {2.17, 0.91}, {3.1, 0.95}, {6.7, 0.98}}};
-// The stiffest: one cell across, two, and four or more.
+// Upper bounds: one cell across, two, and four or more.
 constexpr std::array<Point, 3> kStiffest1 = {{{1.1, 2.2}, {2.0, 1.5}, {4.5, 1.1}}};
 constexpr std::array<Point, 4> kStiffest2 = {{{1.1, 2.1}, {2.0, 1.35}, {3.0, 1.2}, {4.0, 1.08}}};
 constexpr std::array<Point, 4> kStiffest4 = {{{1.1, 1.7}, {2.0, 1.4}, {3.0, 1.12}, {4.0, 1.06}}};
@@ -98,7 +98,8 @@ double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double s
   const double fullness =
       static_cast<double>(lattice.cells.size()) / static_cast<double>(lattice.node_coordinates.size());
   const double speed_m_s = lattice.cell_width_m / step_s;
-  // 1.85 without compensation (elastic-study.md 2.4); with it 4.4 at nu 0, 4.1 at .3, 3.9 at .45, measured.
+  // The factor is 1.85 without compensation (elastic-study.md 2.4). With compensation it depends little on
+  // nu.
   return 4.15 * density_kg_m3 * speed_m_s * speed_m_s * fullness;
 }
 

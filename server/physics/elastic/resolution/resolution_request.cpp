@@ -41,9 +41,9 @@ ResolutionRequest resolution_request(const BodyExtent& extent, const BodyMateria
     if (speed_squared(k) > speed_squared(fastest)) fastest = k;
   }
   ResolutionRequest request;
-  // What voxels do not fill, and is thinner than its particles' cubes, counts as large as those show it, or
-  // cells narrow and many would be chosen for a sheet, which bends as it should in wide ones, and which
-  // gained energy in narrow ones when it fell on its edge.
+  // If voxels do not fill a body thinner than the cubes of its particles, its size includes those cubes.
+  // Otherwise many narrow cells would be chosen for a sheet, which gains energy when it lands on its edge; a
+  // sheet bends correctly in wide cells.
   request.size_m = extent.max_m - extent.min_m;
   request.middle_side_m = request.size_m.sum() - request.size_m.maxCoeff() - request.size_m.minCoeff();
   const bool by_voxels = extent.box_edge_m == extent.spacing_m;

@@ -9,25 +9,25 @@
 #include "physics/elastic_body.h"
 #include "physics/lattice/lattice.h"
 
-// What a body asks of its lattice (cell_choice.h), known before it is made.
+// Requirements of a body on its lattice (lattice_resolution.h), known before the body is created.
 
 namespace livegs {
 
-// By material: the body's own first, whose density is its mass over its volume, then those of its regions
-// that have one.
+// Values by material: first the body's own, with a density of mass over volume, then the regions that have a
+// material.
 struct BodyMaterials {
   std::vector<IsotropicMaterial> elastic;
   std::vector<double> densities_kg_m3, plasticities;
 };
 BodyMaterials body_materials(const Material& own, std::span<const RegionMaterial> regions, double volume_m3);
-// The regions' materials, in their order.
+// The regions' materials, in order.
 std::vector<RegionMaterial> region_materials(std::span<const BodyRegion> regions);
 
-// Of the fastest wave among the materials and the largest Poisson's ratio. `boundary_moved`: all of its
-// outside is.
+// Uses the fastest wave speed of all materials and the largest Poisson's ratio. `boundary_moved`: the whole
+// boundary has a prescribed motion.
 ResolutionRequest resolution_request(const BodyExtent& extent, const BodyMaterials& materials,
                                      bool boundary_moved, double rate_hz, int substeps);
-// Of a described body, with the cells it was given, if any. Preconditions: those of measure_extent.
+// Request of a description, including its cell width if given. Preconditions: those of measure_extent.
 ResolutionRequest resolution_request(const ElasticBodyDescription& description, double rate_hz, int substeps);
 
 }  // namespace livegs

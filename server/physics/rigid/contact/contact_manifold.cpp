@@ -7,17 +7,17 @@
 namespace livegs {
 namespace {
 
-// Points whose depths differ by less than this part of the smaller bounding radius are equally deep: a box
-// face that rests is held by its corners, not by whichever point rounding made the deepest.
+// Depth differences below this fraction of the smaller bounding radius count as equal. A resting face is then
+// supported by its corners, independent of rounding.
 constexpr double kEqualDepth = 0.002;
-// Contacts of a pair that moved against each other by less than this part of the smaller bounding radius are
-// not looked for again. A tenth of the margin within which they are found.
+// Relative motion, as a fraction of the smaller bounding radius, below which contacts are reused: a tenth of
+// the margin of detection.
 constexpr double kReuseTolerance = 0.1 * kContactMargin;
 
 using Chosen = std::vector<const ContactCandidate*>;
 
-// Up to four of `group` (its deepest first) that span it. Ties go to the lowest feature id, so that rounding
-// does not decide them.
+// Selects up to four points that span `group` (sorted by depth). The lowest feature id wins ties, so that
+// rounding has no influence.
 Chosen spread_points(Chosen group, double equal_depth_m) {
   if (group.size() <= kMaxManifoldPoints) return group;
   const double deep_m = group[0]->separation_m + equal_depth_m;
@@ -33,7 +33,7 @@ Chosen spread_points(Chosen group, double equal_depth_m) {
   }
   mean /= deep_count;
 
-  // Shallow points count for less, so that a face far above does not outbid an edge that touches.
+  // Shallow points have a lower weight, so that touching edges win over distant faces.
   const auto weight = [&](const ContactCandidate& candidate) {
     return 1.0 / (1.0 + std::max(0.0, candidate.separation_m - deep_m) / equal_depth_m);
   };
@@ -58,7 +58,8 @@ Chosen spread_points(Chosen group, double equal_depth_m) {
   choose([&](const ContactCandidate& c) { return weight(c) * (c.point_m - first).squaredNorm(); });
   if (chosen.size() < 2) return chosen;
   const Eigen::Vector3d along = chosen[1]->point_m - first;
-  // Twice the area of the triangle with the first two, signed; one per mille of their square is still a line.
+  // Twice the signed area of the triangle with the first two points; nearly collinear points count as
+  // collinear.
   const auto side = [&](const ContactCandidate& c) {
     const double area = normal.dot(along.cross(c.point_m - first));
     return std::abs(area) > 1e-3 * along.squaredNorm() ? area : 0.0;
@@ -68,7 +69,7 @@ Chosen spread_points(Chosen group, double equal_depth_m) {
   return chosen;
 }
 
-// The manifold of the substep before that this one continues.
+// Manifold of the previous substep that this one continues.
 const ContactManifold* previous_manifold(const RigidBody& body, const ContactManifold& manifold) {
   const ContactManifold* best = nullptr;
   double best_cosine = kManifoldNormalCosine;
@@ -93,8 +94,8 @@ double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t featur
   return 0.0;
 }
 
-// The closing speed the point will have at the moment of touch, from the constant acceleration of the
-// substep, and the one that this would give from then on.
+// Predicts the closing speed at touch from the constant acceleration of the substep, and the speed that the
+// acceleration would add afterwards.
 void predict_impact(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
                     double duration_s, ContactPoint& point) {
   Eigen::Vector3d velocity = body.point_velocity(candidate.point_m - body.world_from_body.position_m);
@@ -115,7 +116,7 @@ void predict_impact(const RigidBody& body, const RigidBody* other, const Contact
   point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * (duration_s - point.time_of_impact_s);
 }
 
-// Friction acts where the pressure of the substep before had its centre.
+// Centre of pressure of the previous substep, where friction acts.
 void find_centre(const RigidBody& body, ContactManifold& manifold) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double weight = 0.0;
@@ -143,7 +144,7 @@ Pose first_from_other(const RigidBody& body, const RigidBody& other) {
 void remember(const RigidBody& body, ContactManifold& manifold) {
   const Pose& other = manifold.other->world_from_body;
   manifold.lasts = true;
-  manifold.normal_is_others = manifold.turns;  // points of the first body lie on a face of the other
+  manifold.normal_is_others = manifold.turns;  // points of the first body on a face of the other
   const Eigen::Quaterniond& axes =
       manifold.normal_is_others ? other.orientation : body.world_from_body.orientation;
   manifold.found_normal = axes.conjugate() * manifold.normal;
@@ -196,7 +197,7 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s)
 
 void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_s,
                       std::vector<ContactCandidate>& candidates) {
-  // What is not finite has no order and touches nothing.
+  // Non-finite candidates cannot be sorted and are removed.
   std::erase_if(candidates, [](const ContactCandidate& candidate) {
     return !std::isfinite(candidate.separation_m) || !candidate.point_m.allFinite() ||
            !candidate.normal.allFinite();

@@ -10,7 +10,7 @@
 
 namespace livegs {
 
-// What two touching things share, whatever the points.
+// Properties shared by all contact points of a pair.
 struct ContactPair {
   RigidBody* other = nullptr;
   uint64_t other_id = 0;
@@ -18,20 +18,21 @@ struct ContactPair {
   double restitution = 0;
   double restitution_speed_m_s = 0;
   double push_speed_m_s = 0;
-  double size_m = 0;   // bounding radius of the smaller one
-  bool lasts = false;  // two convex bodies: the contacts stay good while the two lie still on each other
+  double size_m = 0;   // bounding radius of the smaller body
+  bool lasts = false;  // two convex bodies: contacts are reusable while the pair does not move
 };
 
-// Takes over the manifold of the substep before, at the bodies' present places, if it lasts and they have not
-// moved against each other since it was found by more than a thousandth of the size.
+// Reuses the previous substep's manifold, moved to the current poses, if the pair allows it and the relative
+// motion since detection is below a thousandth of the size. Returns whether it did.
 bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s);
 
-// Normals within 30 degrees of the deepest point's belong to one manifold.
+// Cosine of 30 degrees. Points whose normal is within this angle of the deepest point's belong to one
+// manifold.
 inline constexpr double kManifoldNormalCosine = 0.866;
 
-// Groups candidates into manifolds of at most four points (the deepest region first, then spread as wide as
-// possible) and appends them to body.manifolds. Impulses of the same features in body.previous_manifolds are
-// carried over. `candidates` is sorted in place.
+// Groups candidates into manifolds of at most four points (the deepest, then the widest spread) and appends
+// them to body.manifolds. Impulses of matching features in body.previous_manifolds are carried over. Sorts
+// `candidates` in place.
 void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_s,
                       std::vector<ContactCandidate>& candidates);
 

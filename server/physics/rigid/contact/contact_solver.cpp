@@ -12,8 +12,8 @@
 namespace livegs {
 namespace {
 
-constexpr double kContactCycles = 0.25;   // of the contact spring in a step; more and overlaps bounce
-constexpr double kContactDamping = 10.0;  // ratio; lower parts overlaps faster and bounces
+constexpr double kContactCycles = 0.25;   // contact spring periods per step; larger: overlaps bounce
+constexpr double kContactDamping = 10.0;  // damping ratio; smaller: faster overlap correction, more bounce
 
 using Eigen::Vector3d;
 
@@ -33,7 +33,7 @@ inline ContactRow row_of(const RigidBody& a, const RigidBody* b, const Vector3d&
   return row;
 }
 
-// Speed of a away from b along the row.
+// Separating speed of a and b along the row.
 inline double speed_along(const RigidBody& a, const RigidBody* b, const ContactRow& row) {
   double speed = row.direction.dot(a.velocity_m_s) + row.lever_a.dot(a.angular_velocity_rad_s);
   if (b) speed -= row.direction.dot(b->velocity_m_s) + row.lever_b.dot(b->angular_velocity_rad_s);
@@ -64,9 +64,8 @@ inline void apply_twist(RigidBody& a, ContactManifold& manifold, double impulse)
   if (manifold.other) twist(*manifold.other, -impulse, manifold.normal, manifold.twist_turn_b);
 }
 
-// How far a turning point strays in `step_s`, along its normal, from the straight line its velocity points
-// along. Without it the next facets of a rolling body are stopped before they would land, and a body that
-// pivots on a corner rises.
+// Deviation of a rotating point from its straight path in `step_s`, along the normal. Without it, the next
+// facets of a rolling body would be stopped before they land, and a body pivoting on a corner would rise.
 inline double way_off_line_m(const RigidBody& body, const ContactPoint& point, double step_s) {
   if (!point.turns) return 0.0;
   const Vector3d& spin = body.angular_velocity_rad_s;
@@ -84,7 +83,7 @@ ContactSoftness contact_softness(double step_s) {
 
 void prepare_manifold(RigidBody& a, ContactManifold& manifold) {
   RigidBody* b = manifold.other;
-  // Both bodies are pushed at the same place, so that angular momentum is kept.
+  // Both bodies are pushed at the same point, which conserves angular momentum.
   const Vector3d between =
       b ? Vector3d(a.world_from_body.position_m - b->world_from_body.position_m) : Vector3d::Zero();
   const Eigen::Matrix3d rotation = a.world_from_body.orientation.toRotationMatrix();
@@ -163,7 +162,7 @@ void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase,
     double bias = 0.0, mass_scale = 1.0, impulse_scale = 0.0;
     const double separation = point.separation_m + way_off_line_m(a, point, step_s);
     if (separation > 0.0) {
-      bias = separation / step_s;  // may close the gap, no more
+      bias = separation / step_s;  // may close the gap but not overlap
     } else if (phase == ContactPhase::Push) {
       bias = std::max(soft.bias_rate * separation, -manifold.push_speed_m_s);
       mass_scale = soft.mass_scale;

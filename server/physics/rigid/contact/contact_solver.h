@@ -3,36 +3,38 @@
 
 #include "physics/rigid/contact/contact_point.h"
 
-// Contact between a rigid body and something else, solved.
+// Sequential impulse solver for contact manifolds.
 
 namespace livegs {
 
-// Surfaces closer than this part of the smaller bounding radius are in contact whatever their speed.
+// Contact margin, as a fraction of the smaller bounding radius: closer surfaces are in contact at any speed.
+// Larger: more contacts are kept. Smaller: contacts of resting bodies flicker.
 inline constexpr double kContactMargin = 0.01;
 
-// Soft constraint: bias rate (1/s), and how much of mass and of accumulated impulse one solve takes.
-// Catto 2024, Solver2D: soft step.
+// Soft constraint: bias rate (1/s), and scale factors of the effective mass and of the accumulated impulse
+// per solve. Catto 2024, Solver2D: soft step.
 struct ContactSoftness {
   double bias_rate = 0, mass_scale = 1, impulse_scale = 0;
 };
-// Contact springs at a quarter of the step rate, damping ratio 10: 240 Hz at 60 Hz, 4 substeps of 4 steps. A
-// body at rest sinks g / (2 pi f)^2 = 4 um.
+// Parameters of a contact spring with damping ratio 10 and a frequency f of a quarter of the step rate: 240
+// Hz at 60 Hz with 4 substeps of 4 steps. A resting body sinks g / (2 pi f)².
 ContactSoftness contact_softness(double step_s);
 
-// The parts of one solver step, in the order of use. `a` owns the manifold.
-void prepare_manifold(RigidBody& a,
-                      ContactManifold& manifold);  // masses, and the same places seen from `other`, now
+// Phases of one solver step, in order. `a` owns the manifold.
+
+// Computes effective masses and the arms of the other body for the current poses.
+void prepare_manifold(RigidBody& a, ContactManifold& manifold);
 void warm_start_manifold(RigidBody& a, ContactManifold& manifold);
 enum class ContactPhase {
-  Push,   // overlaps are driven apart softly
-  Relax,  // velocities only: takes the energy of the push out again
+  Push,   // overlaps are corrected softly
+  Relax,  // velocities only: removes the energy added by the push
 };
 void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase, double step_s);
-// After the bodies moved: separations follow.
+// Updates separations after the bodies moved.
 void update_separations(RigidBody& a, ContactManifold& manifold, double step_s);
-// Gives back what fell in. Returns whether anything bounced.
+// Applies restitution. Returns whether any point bounced.
 bool apply_restitution(RigidBody& a, ContactManifold& manifold);
-void solve_friction(RigidBody& a, ContactManifold& manifold);  // friction alone
+void solve_friction(RigidBody& a, ContactManifold& manifold);  // friction only
 double total_impulse(const ContactManifold& manifold);
 
 }  // namespace livegs

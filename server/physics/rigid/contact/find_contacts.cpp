@@ -14,19 +14,20 @@
 namespace livegs {
 namespace {
 
-constexpr double kMaxPushSpeed_m_s = 1.0;    // several in a row add up: ten boxes, three metres a second
-constexpr double kPushSizesPerSecond = 5.0;  // bounding diameters a second
-// Two of one form are in one place when their centres are nearer to each other than this part of their
-// thinnest side and of how thick they are: bowls that stand in each other are not.
+constexpr double kMaxPushSpeed_m_s = 1.0;    // speed of overlap correction; it adds up along a row of bodies
+constexpr double kPushSizesPerSecond = 5.0;  // bounding diameters per second
+// Two bodies of the same shape coincide if their centres are closer than these fractions of the thinnest side
+// and of the wall thickness. Nested bowls do not.
 constexpr double kCoincidentDistance = 0.25, kCoincidentWall = 0.75;
-constexpr double kDeepPenetration =
-    0.005;                               // of the smaller bounding radius; what rests is a tenth of that deep
-constexpr double kOppositeCosine = 0.5;  // less cosine of two normals than minus this
-constexpr double kMinNetDepth = 0.3;     // depths whose sum is a smaller part of their sizes point nowhere
-constexpr double kRestitutionDrop =
-    0.01;  // a fall of this part of the smaller bounding radius does not bounce
+// Depth of a deep overlap, relative to the smaller bounding radius; resting overlaps are a tenth of that.
+constexpr double kDeepPenetration = 0.005;
+constexpr double kOppositeCosine = 0.5;  // normals with a cosine below minus this are opposite
+// minimum ratio of |sum of depths| to sum of |depths| for a defined direction
+constexpr double kMinNetDepth = 0.3;
+// Falls below this fraction of the smaller bounding radius do not bounce.
+constexpr double kRestitutionDrop = 0.01;
 
-// The part of a sampled distance that is certainly free; the distances of other shapes are exact.
+// Safe fraction of a sampled distance for marching; other shapes have exact distances.
 double marching_factor(const Collider& collider) {
   return std::holds_alternative<FieldShape>(collider.shape) ? kFieldMarchFactor : 1.0;
 }
@@ -38,7 +39,7 @@ double sample_error_m(const Collider& collider) {
 
 double margin_m(const RigidBody& body) { return kContactMargin * body.shape.bounding_radius_m; }
 
-// `size_m`: bounding radius of the smaller one, whose sleep speed is the lower one too.
+// Contact parameters of a pair. The smaller body determines size_m and the sleep speed.
 ContactPair pair_of(const RigidBody& body, const RigidBody* other, double friction, double restitution,
                     double gravity_m_s2, double duration_s) {
   ContactPair pair;
@@ -54,11 +55,11 @@ ContactPair pair_of(const RigidBody& body, const RigidBody* other, double fricti
   return pair;
 }
 
-// `motion_m`: no point of the body moves farther in the substep.
+// Contact points of the body against a collider. `motion_m` bounds the motion of any point in the substep.
 void point_candidates(const RigidBody& body, const Collider& collider, double motion_m,
                       const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
   const Eigen::Matrix3d rotation = body.world_from_body.orientation.toRotationMatrix();
-  // Only corners of a convex body can be the lowest over a plane.
+  // The lowest point of a convex body over a plane is a corner.
   const bool plane = std::holds_alternative<PlaneShape>(collider.shape);
   const bool corners = plane && body.shape.convex;
   const std::vector<Eigen::Vector3d>& points =
@@ -107,7 +108,7 @@ void feature_candidates(const RigidBody& body, const Collider& collider, const C
       const DistanceField::Sample field = body.shape.sample(orientation.conjugate() * from_centre);
       return SurfaceSample{field.distance_m - feature.radius_m, orientation * field.gradient};
     };
-    // Seen from the body, the feature comes towards it.
+    // In the body's frame the feature moves towards it.
     const Eigen::Vector3d displacement = -search.duration_s * body.point_velocity(arm);
     auto found = point_candidate(feature.id, arm, sample, displacement, 1.0, search);
     if (!found) continue;
@@ -117,7 +118,7 @@ void feature_candidates(const RigidBody& body, const Collider& collider, const C
   }
 }
 
-// A body that is not a ball.
+// Contacts of a body that is not a ball.
 void collider_candidates(const RigidBody& body, const Collider& collider, const ContactSearch& search,
                          std::vector<ContactCandidate>& candidates) {
   const double reach = body.shape.bounding_radius_m;
@@ -161,12 +162,12 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
         pair_of(body, nullptr, collider.friction, collider.restitution, gravity_m_s2, duration_s);
     pair.other_id = kColliderBit + index;
     append_manifolds(body, pair, duration_s, candidates);
-    append_manifolds(body, pair, duration_s,
-                     cores);  // of its own: among points nearer to the surface it would be passed over
+    // Separate manifold: among closer points the core would be dropped.
+    append_manifolds(body, pair, duration_s, cores);
   }
 }
 
-// A ball against a ball or a mesh. Of two balls in one place the first is taken to be above.
+// A ball against a ball or a mesh. The first of two coincident balls counts as the upper one.
 void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const ContactSearch& search,
                           std::vector<ContactCandidate>& candidates) {
   const Eigen::Vector3d& centre = ball.world_from_body.position_m;
@@ -178,9 +179,9 @@ void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const C
       candidates);
 }
 
-// Two meshes of one form in one place have all points of each on the other's surface, and where they are less
-// than half their thickness apart the nearest way out is the one back. Along the thinnest side they are
-// parted until points are inside.
+// Coincident meshes of the same shape have all points on each other's surface, and within half their
+// thickness the shortest way out leads back into overlap. Separates them along the thinnest side until points
+// are inside.
 bool separate_coincident(const RigidBody& body, const RigidBody& other,
                          std::vector<ContactCandidate>& candidates) {
   const Eigen::Vector3d size = body.shape.max_m - body.shape.min_m;
@@ -198,9 +199,9 @@ bool separate_coincident(const RigidBody& body, const RigidBody& other,
   return true;
 }
 
-// Bodies that are deep in each other, as sherds at the moment they come apart, have points on either side
-// that push opposite ways and hold them there for good. They part one way: where most of the depth points, or
-// away from each other's centre; contacts against that are left out as long as they are so deep.
+// Deeply overlapping bodies, such as new fragments, have points on both sides that push in opposite
+// directions and lock the pair. Selects one direction, that of the summed depth or away from the other's
+// centre, and drops contacts against it while the overlap is deep.
 void separate_deep_overlap(const Eigen::Vector3d& between, double size_m,
                            std::vector<ContactCandidate>& candidates) {
   const auto depth_m = [](const ContactCandidate& candidate) {

@@ -8,15 +8,15 @@
 #include "physics/collider.h"
 #include "physics/rigid/rigid_body.h"
 
-// Where rigid bodies and balls are about to touch within one substep. Contacts are speculative: what would be
-// reached within the substep gets a row that lets it close the gap and no more, so that thin things stop fast
-// ones.
+// Contact detection for rigid bodies and balls. Contacts are speculative: a surface within reach in the
+// substep gets a constraint row that lets the gap close but not overlap, so thin bodies stop fast ones.
 
 namespace livegs {
 
-// Fills body.manifolds for everything it may touch in the next `duration_s` at its present velocity; the
-// former manifolds become previous_manifolds. Partners are those in body.near (rigid_broad_phase.h); what two
-// sleepers lie on stays as it was. Writes only `body`, reads everything: bodies can be done in parallel.
+// Fills body.manifolds with the contacts possible within `duration_s` at the current velocity; the former
+// manifolds become previous_manifolds. Partners are those in body.near (rigid_broad_phase.h). Contacts of
+// sleeping bodies with sleeping or static ones are kept. Writes only `body`, so bodies may be processed in
+// parallel.
 void find_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2,
                    double duration_s);
 

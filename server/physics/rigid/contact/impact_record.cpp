@@ -10,10 +10,10 @@
 namespace livegs {
 namespace {
 
-constexpr double kLoadFilterTime_s =
-    0.004;  // what is passed on through a body for longer than this is a load
+// Time constant of transmitted loads, s; a load that lasts longer counts as sustained.
+constexpr double kLoadFilterTime_s = 0.004;
 
-// In world axes. Whether there is anything.
+// Adds an impulse given in world axes. Returns whether it is non-zero.
 bool add_load(ImpulseAccumulator& sum, const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
               const Eigen::Vector3d& point_m) {
   const double size = impulse_n_s.norm();
@@ -101,7 +101,7 @@ void ImpactRecord::end_substep(const RigidBody& body, double island_fraction, do
   const double size = contacts_.impulse_n_s, now_n = size / duration_s;
   double struck = 0.0;
   if (island_fraction > 0.0) {
-    // What it bore before, it bears on. What is passed on to it came from elsewhere in the island.
+    // The previous sustained force continues. A transmitted impulse originates from elsewhere in the island.
     const bool passed_on = impact_fraction_ == 0.0;
     if (passed_on && !sustained_force_known_) sustained_force_n_ = now_n;
     struck = (passed_on ? island_fraction : impact_fraction_) *
@@ -151,6 +151,7 @@ ImpulseAccumulator ImpactRecord::take(double tick_s) {
 ImpulseAccumulator ImpactRecord::take_ended_episode() { return std::exchange(ended_episode_, {}); }
 
 Eigen::Vector3d direction_of(const ImpulseAccumulator& sum) {
+  // Below this ratio of |sum| to sum of magnitudes the impulses count as a squeeze.
   constexpr double kMinNetShare = 0.5;
   const double push = sum.push_n_s.norm();
   if (push > kMinNetShare * sum.impulse_n_s) return sum.push_n_s / push;

@@ -4,12 +4,13 @@
 #include <Eigen/Core>
 #include <vector>
 
-// What may break a rigid body: impacts, summed over a frame, and what lasts.
+// Loads that may break a rigid body: impacts, summed over a window, and sustained loads.
 //
-// An impact is recorded as an impulse: what ends the approach of two surfaces, m v (1 + e) for a body alone,
-// whatever the substep is. Weight, piles and hands press on; what they give in a tick goes with its length
-// and says nothing of how hard they press. A lasting force, a weight's, a hand's or a joint's, counts with
-// what it gives in kImpactDuration_s, as long as an impact lasts: as much stress, as much broken.
+// An impact is recorded as an impulse: the part of a contact impulse that ends the approach of two surfaces,
+// m v (1 + e) for a single body, independent of the substep. Weight, piles and hands also push; their impulse
+// per tick grows with its length and does not measure force. A sustained force (weight, hand, joint)
+// therefore counts as its impulse during kImpactDuration_s, the duration of an impact. Equal stress then
+// breaks equal bonds.
 
 namespace livegs {
 
@@ -17,60 +18,61 @@ struct RigidBody;
 struct ContactManifold;
 struct ContactPoint;
 
-// How long hard things the size of a cup touch when they strike: Hertz, 2.87 (m² / (R E² v))^(1/5) (Johnson
-// 1985, Contact mechanics, 11.24), is 0.1 to 1 ms for a quarter of a kilogram of ceramics at 3 m/s on wood or
-// stone.
+// Duration of an impact of hard objects of a cup's size, s. Hertz, 2.87 (m² / (R E² v))^(1/5) (Johnson 1985,
+// Contact mechanics, 11.24), gives 0.1 to 1 ms for a quarter of a kilogram of ceramics at 3 m/s on wood or
+// stone. Larger: sustained loads count more.
 inline constexpr double kImpactDuration_s = 1e-3;
-// Blows count together over the frame of the paper, whenever in it they come and however long a tick is: a
-// cup that rocks from corner to corner lands once.
+// Impacts within this window are summed, s: the frame time of the paper, independent of the tick. A cup that
+// rocks from corner to corner lands once. Larger: more impacts count together.
 inline constexpr double kImpactWindow_s = 1.0 / 60.0;
 
-// Impulses added up: how much, where and which way. Body axes, from the centre of mass.
+// Sum of impulses with location and direction. Body axes, relative to the centre of mass.
 struct ImpulseAccumulator {
-  double impulse_n_s = 0.0;                          // sum of sizes
+  double impulse_n_s = 0.0;                          // sum of magnitudes
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // impulse times point
   Eigen::Vector3d push_n_s = Eigen::Vector3d::Zero();
-  // All that contacts gave with it, friction and twist too, and its moment: without them it moves as if
-  // nothing had struck it.
+  // Total contact impulse including friction and twist, and its moment. Subtracting both restores the motion
+  // before the contacts.
   Eigen::Vector3d total_n_s = Eigen::Vector3d::Zero(), total_moment = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  // size times direction times direction transposed
-  bool from_colliders = true;                        // all of it, from things that do not move
-  double restitution = 0.0;  // the largest of them; 1: of something that takes no energy, as a force
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  // magnitude times direction times direction transposed
+  bool from_colliders = true;                        // true if all impulses are from static objects
+  // Maximum over the impulses; 1 for loads that dissipate no energy, such as forces.
+  double restitution = 0.0;
 
   void add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m);
   void add(const ImpulseAccumulator& other, double share);
 };
 
-// Unit. Of what is squeezed, whose pushes cancel, the axis along which it is.
+// Unit direction of a sum. If the impulses cancel (a squeezed body), the axis of compression.
 Eigen::Vector3d direction_of(const ImpulseAccumulator& sum);
 
-// Sums are kept of bodies that can break only.
+// Impact history of one body, kept for breakable bodies only.
 class ImpactRecord {
  public:
-  // During a substep. Impulses on this body and `point_m` in world axes, the point from the centre of mass. A
-  // force's and a hand's is what it gives, however abruptly.
+  // The record_ functions are called during a substep. Impulses act on this body; they and `point_m` (from
+  // the centre of mass) are in world axes. Forces and hands count as sustained loads, however abrupt.
   void record_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
                     const Eigen::Vector3d& point_m);
-  // A joint passes on what comes from elsewhere, impacts among it, as a contact does that struck nothing
-  // itself.
+  // A joint transmits impulses from other bodies, including impacts, like a contact without an impact of its
+  // own.
   void record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
                     const Eigen::Vector3d& point_m);
-  // `normal`: towards this body.
+  // `normal` points towards this body.
   void record_contact(const RigidBody& body, const ContactManifold& manifold, const ContactPoint& point,
                       const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m);
-  // What a manifold's friction gave this body, at `point_m`, and its twist.
+  // Friction impulse and twist of a manifold on this body at `point_m`.
   void record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
                        const Eigen::Vector3d& twist, const Eigen::Vector3d& point_m);
-  // The part of what this body's contacts gave in the substep that ended an approach, 0 … 1; the rest carried
-  // what pressed on meanwhile.
+  // Fraction of this substep's contact impulse that ended an approach, 0 … 1. The rest supported loads
+  // meanwhile.
   double impact_fraction() const { return impact_fraction_; }
-  // `island_fraction`: the largest of its island; 0 where nothing in it struck anything.
+  // `island_fraction` is the maximum over the island; 0 if there was no impact in it.
   void end_substep(const RigidBody& body, double island_fraction, double duration_s);
-  // The strongest kImpactWindow_s of impacts that ended within the tick, and kImpactDuration_s of what
-  // lasted: of contacts the mean, as a first touch may be abrupt, of forces the largest.
+  // Load of the tick: the strongest kImpactWindow_s of impacts, plus kImpactDuration_s of sustained loads.
+  // Contacts count with their mean, because a first touch may be abrupt; forces with their maximum.
   ImpulseAccumulator take(double tick_s);
-  // The strongest kImpactWindow_s of impacts of an episode that is over, when nothing has struck it for as
-  // long; once. Of what lasts there is nothing in it.
+  // The strongest kImpactWindow_s of an episode of impacts, returned once, after kImpactWindow_s without
+  // impact. Excludes sustained loads.
   ImpulseAccumulator take_ended_episode();
 
  private:
@@ -78,22 +80,22 @@ class ImpactRecord {
     double age_s;
     ImpulseAccumulator sum;
   };
-  std::vector<RecentImpact> recent_;            // impacts of the last kImpactWindow_s, one a substep
-  ImpulseAccumulator strongest_, sustained_;    // of the tick: the strongest sum of them; contacts that bore
-  ImpulseAccumulator episode_, ended_episode_;  // the strongest sum since nothing had struck it; that of
-                                                // episodes that ended in the tick
-  ImpulseAccumulator forced_;                   // by forces, the largest of the tick, for kImpactDuration_s
-  ImpulseAccumulator contacts_, forces_;        // of the substep; joints are among the contacts
+  std::vector<RecentImpact> recent_;  // impacts of the last kImpactWindow_s, one per substep
+  // The tick's strongest sum of impacts; sum of the tick's supporting contacts.
+  ImpulseAccumulator strongest_, sustained_;
+  // Strongest sum of the current episode; strongest of the episodes that ended in this tick.
+  ImpulseAccumulator episode_, ended_episode_;
+  ImpulseAccumulator forced_;             // of forces, the maximum of the tick, for kImpactDuration_s
+  ImpulseAccumulator contacts_, forces_;  // of the substep; joints count as contacts
   double impact_fraction_ = 0.0;
-  // Of the substep's impacts the one that ended the fastest approach: it is when they came. By the end of
-  // substeps of 4 ms, a second landing 13 ms after the first was outside of kImpactWindow_s by turns.
+  // The fastest approach of this substep and its time, which dates the substep's impacts. The end of a
+  // substep would be too coarse for kImpactWindow_s.
   double fastest_approach_m_s_ = 0.0, impact_time_s_ = 0.0;
-  // Of impacts that bounce, the struck share of this substep and of the one before. What such an impact
-  // leaves of its approach, as it does when it comes in the last moment of a substep, is a part of the impact
-  // however slow it is: v' of the speed V that it would have at the end of the substep, of which v at touch,
-  // so that (V - v') v / V + v' v / V = v.
+  // Impact fractions of bouncing contacts in this substep and the previous one. A bounce in the last moment
+  // of a substep leaves a residual approach. It is part of the impact at any speed: with v at touch, v' the
+  // residual and V the speed at the end of the substep, (V - v') v / V + v' v / V = v.
   double bounce_fraction_ = 0.0, previous_bounce_fraction_ = 0.0;
-  double sustained_force_n_ = 0.0;  // by its contacts, as long as nothing strikes it
+  double sustained_force_n_ = 0.0;  // of its contacts, while there is no impact
   bool sustained_force_known_ = false;
 };
 

@@ -11,15 +11,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A face is preferred to an edge that is deeper by no more than this part of the margin: points of a face
-// last.
+// Preference of a face over a deeper edge, relative to the margin, because face contacts persist.
 constexpr double kFacePreference = 0.1;
-// A pair that moves farther than this part of the smaller one's inner radius in a substep is advanced.
+// Displacement per substep, relative to the smaller inner radius, above which a pair is advanced.
 constexpr double kFastDisplacement = 0.5;
+// Maximum number of steps of conservative advancement.
 constexpr int kMaxAdvances = 32;
 constexpr double kSeparationRounding = 1e-9;
 
-// How far points of two bodies may come nearer to each other in the search.
+// Maximum approach of points of two bodies during the search.
 double reach_m(const RigidBody& a, const RigidBody& b, const ContactSearch& search) {
   const double motion = search.duration_s * ((a.velocity_m_s - b.velocity_m_s).norm() +
                                              a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
@@ -27,8 +27,8 @@ double reach_m(const RigidBody& a, const RigidBody& b, const ContactSearch& sear
   return motion + search.margin_m;
 }
 
-// Whether the box of `a`, in the axes of `b`, lies farther than `reach_m` from that of `b`. So do most pairs
-// of a heap whose balls, and boxes in world axes, are near.
+// Whether the oriented boxes of `a` and `b` are farther apart than `reach_m`, tested in the axes of `b`.
+// Rejects most pairs in a pile that pass the broad phase.
 bool boxes_apart(const RigidBody& a, const RigidBody& b, double reach_m) {
   const Eigen::Quaterniond b_axes = b.world_from_body.orientation.conjugate();
   const Eigen::Matrix3d into = (b_axes * a.world_from_body.orientation).toRotationMatrix();
@@ -41,7 +41,7 @@ bool boxes_apart(const RigidBody& a, const RigidBody& b, double reach_m) {
          ((middle + half).array() < b.shape.min_m.array() - room).any();
 }
 
-// Points of `from` that are or come near `to`'s surface.
+// Contact points of `from` that are or come within reach of the surface of `to`.
 template <class Take>
 void points_near(const RigidBody& from, const RigidBody& to, const ContactSearch& search, const Take& take) {
   const Eigen::Quaterniond to_axes = to.world_from_body.orientation.conjugate();
@@ -61,7 +61,7 @@ void points_near(const RigidBody& from, const RigidBody& to, const ContactSearch
   for (const uint32_t i : near) {
     const Vector3d local = into * from.shape.contact_points_m[i] + shift;
     if ((local.array() < low.array()).any() || (local.array() > high.array()).any()) continue;
-    const Vector3d arm = out * local;  // from `to`
+    const Vector3d arm = out * local;  // from the origin of `to`
     const Vector3d point = to.world_from_body.position_m + arm;
     const Vector3d velocity =
         from.point_velocity(point - from.world_from_body.position_m) - to.point_velocity(arm);
@@ -73,7 +73,7 @@ void points_near(const RigidBody& from, const RigidBody& to, const ContactSearch
   }
 }
 
-// The ball within `from` against `to`'s surface; normals point to `from`.
+// Core of `from` against the surface of `to`; normals point to `from`.
 void core_against(const RigidBody& from, const RigidBody& to, const ContactSearch& search,
                   std::vector<ContactCandidate>& candidates) {
   const Vector3d between = from.world_from_body.position_m - to.world_from_body.position_m;
@@ -89,8 +89,8 @@ PlacedPolyhedron advanced(const MovingPolyhedron& body, double time_s) {
   return placed;
 }
 
-// The first moment within the substep when the two are closer than the margin. Distances shrink no faster
-// than `speed`.
+// First time within the substep when the distance is below the margin. Distances decrease at most at
+// `speed_m_s`.
 std::optional<double> time_of_impact(const MovingPolyhedron& a, const MovingPolyhedron& b, double speed_m_s,
                                      const ContactSearch& search) {
   double time = 0.0;
@@ -161,11 +161,10 @@ void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b,
   const auto time = time_of_impact(a, b, speed, search);
   if (!time) return;
   const PlacedPolyhedron a_then = advanced(a, *time);
-  // What else of the two may arrive in what is left of the substep is held back too: the far end of a turning
-  // rod.
+  // Includes features that may arrive in the rest of the substep, such as the far end of a rotating rod.
   const double left = std::max(kFastDisplacement * inner, speed * (search.duration_s - *time));
   polyhedron_contacts(a_then, advanced(b, *time), search.margin_m + left, tolerance, candidates);
-  // The same material points of the first body now, and how far apart they are along the normals.
+  // The same material points in the current pose, with their separations along the normals.
   for (ContactCandidate& candidate : candidates) {
     const Vector3d arm_then = candidate.point_m - a_then.position_m;
     const Vector3d other_arm = candidate.point_m - b.placed.position_m - *time * b.velocity_m_s;

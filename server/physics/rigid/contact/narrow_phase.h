@@ -11,25 +11,26 @@
 #include "physics/collision/polyhedron_manifold.h"
 #include "physics/rigid/rigid_body.h"
 
-// Where two surfaces touch or will within one substep, as candidates for contact points. Each kind of surface
-// has its own way; normals point from the other towards the first body.
+// Contact candidates of two surfaces that touch or will touch within one substep, one function for each kind
+// of surface. Normals point from the other body towards the first.
 
 namespace livegs {
 
-// Which of a pair's surfaces are met, when and how closely.
+// Parameters of a contact search.
 struct ContactSearch {
   double duration_s = 0;  // of the substep
-  double margin_m = 0;    // closer than this is a contact whatever the speed
+  double margin_m = 0;    // closer surfaces are in contact at any speed
 };
 
 inline constexpr uint64_t kBallFeature = kForeignFeature;
 inline constexpr uint64_t kAheadFeature = kBallFeature + 1;
-inline constexpr uint64_t kCoreFeature = uint64_t{1} << 30;  // added to a ball's
-inline constexpr uint64_t kOtherPoint =
-    kForeignFeature + (uint64_t{1} << 31);  // + index of the other's contact point
+inline constexpr uint64_t kCoreFeature = uint64_t{1} << 30;  // offset added to the ids of a core
+// The index of the other body's contact point is added.
+inline constexpr uint64_t kOtherPoint = kForeignFeature + (uint64_t{1} << 31);
 
-// A ball of `radius_m` against any surface: where it touches now, and what lies ahead if it is fast. `sample`
-// gives the signed distance at a world point, `marching` times it is never more than the true one.
+// A ball of `radius_m` against any surface: the current contact, and the contact ahead of a fast ball.
+// `sample` returns the signed distance at a world point; `marching` times it is a lower bound of the true
+// distance.
 template <class Sample>
 void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sample& sample,
                      const Eigen::Vector3d& relative_velocity_m_s, double marching,
@@ -54,11 +55,11 @@ void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sam
   candidates.push_back({kAheadFeature, centre_m - radius_m * hit->normal, hit->normal, hit->separation_m});
 }
 
-// The surface of a body as it is in the world, at a point of the world.
+// Surface of a body in its current pose at a world point.
 SurfaceSample sample_body(const RigidBody& body, const Eigen::Vector3d& point_m);
 
-// The ball within a body that is not one, if it goes or turns so far in a substep that its points, found at
-// the start, say nothing of the end: nothing thin gets past its centre. Appends.
+// Contacts of the inscribed ball (core) of a body, if the body moves or rotates so far in a substep that
+// points found at its start are invalid at its end. Prevents thin bodies from passing its centre. Appends.
 template <class Sample>
 void core_candidates(const RigidBody& body, const Sample& sample,
                      const Eigen::Vector3d& relative_velocity_m_s, double marching,
@@ -76,7 +77,8 @@ void core_candidates(const RigidBody& body, const Sample& sample,
   }
 }
 
-// One point that moves by `displacement_m` relative to a surface in the substep. The normal is the surface's.
+// One point that moves by `displacement_m` relative to a surface in the substep. The normal is that of the
+// surface.
 template <class Sample>
 std::optional<ContactCandidate> point_candidate(uint64_t id, const Eigen::Vector3d& point_m,
                                                 const Sample& sample, const Eigen::Vector3d& displacement_m,
@@ -94,16 +96,16 @@ std::optional<ContactCandidate> point_candidate(uint64_t id, const Eigen::Vector
   return ContactCandidate{id, point_m, hit->normal, hit->separation_m};
 }
 
-// Contact points of each mesh against the other's surface.
+// Contact points of each mesh against the surface of the other.
 void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch& search,
                      std::vector<ContactCandidate>& candidates);
 
-// The balls within two meshes, each against the other's surface.
+// Cores of two meshes, each against the surface of the other.
 std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const RigidBody& b,
                                                       const ContactSearch& search);
 
-// A convex body and another, or a box collider at rest; b's velocities are zero for a collider. A fast pair
-// is advanced to where it meets first.
+// Contacts of two convex polyhedra, or of one and a box collider, whose velocities are zero. A fast pair is
+// advanced to its time of impact.
 struct MovingPolyhedron {
   PlacedPolyhedron placed;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();

@@ -24,8 +24,8 @@ void RestitutionEnergyLimiter::begin() {
 
 double RestitutionEnergyLimiter::end() {
   if (held_) return 1.0;
-  // What it had, what its weight and the loads on it gave it since; what it has without restitution, and s of
-  // it: before + s linear + s² square.
+  // E_allowed = E_start + work of gravity and loads. E(s) = before + s linear + s² square, where `before` is
+  // the energy without restitution.
   double most = kinetic_j_, before = 0.0, linear = 0.0, square = 0.0;
   for (size_t i = 0; i < bodies_.size(); ++i) {
     const RigidBody& body = *bodies_[i];

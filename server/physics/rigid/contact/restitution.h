@@ -7,20 +7,19 @@
 
 #include "physics/rigid/rigid_body.h"
 
-// What restitution may add. Each point of a contact leaves at e times the speed it came with (Newton), and
-// points are taken one after the other with arms that have turned since: at e = 1 a box without friction
-// gained with nearly every bounce, twenty-five times its energy in six seconds. Bodies that bounce keep what
-// they had, so more than that is cut down, for all of an island by one factor, which keeps momentum.
+// Energy limit for restitution. Each contact point separates at e times its approach speed (Newton). Points
+// are processed sequentially with arms that have rotated since, so kinetic energy can grow at e near 1. The
+// limiter scales the restitution of a whole island by one factor, which conserves momentum.
 
 namespace livegs {
 
 class RestitutionEnergyLimiter {
  public:
-  // At the start of the substep, before anything accelerates them.
+  // Call at the start of the substep, before velocities are integrated.
   explicit RestitutionEnergyLimiter(std::span<RigidBody* const> bodies);
-  // Right before restitution; needed where it may come at all.
+  // Call directly before restitution; required if any point may bounce.
   void begin();
-  // After it. The part of its impulses that is left, 0 ... 1, by which velocities have been cut down already.
+  // Call after restitution. Scales velocities and returns the remaining fraction of the impulses, 0 … 1.
   double end();
 
  private:
@@ -31,7 +30,7 @@ class RestitutionEnergyLimiter {
   double kinetic_j_ = 0.0;
   std::vector<Eigen::Vector3d> positions_m_;
   std::vector<Motion> before_;
-  bool held_ = false;  // by hands, which add what they like
+  bool held_ = false;  // bodies are held by springs, whose work is not limited
 };
 
 }  // namespace livegs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Joints do no work: what a group may gain is what others gave it.
+// Energy limit of joint groups: a group may only gain the work of external impulses.
 #include <algorithm>
 #include <cmath>
 
@@ -9,12 +9,13 @@
 namespace livegs {
 namespace {
 
-// Joints may seem to have done this part of the largest kinetic energy of late, since the steps are of second
-// order.
+// Tolerated apparent work of joints, relative to the recent peak of kinetic energy, because steps are of
+// second order.
 constexpr double kWorkTolerance = 1e-3;
+// Decay time of the peak of kinetic energy, s.
 constexpr double kEnergyMemory_s = 2.0;
-constexpr double kEnergyRounding =
-    1e-18;  // of the energy that what joints hold up would have had, were it free
+// Relative to the energy that the held bodies would have gained in free motion.
+constexpr double kEnergyRounding = 1e-18;
 
 }  // namespace
 
@@ -32,7 +33,7 @@ void JointGroup::begin() {
   }
 }
 
-// Adds what other than joints changed the motion of its bodies since `before_`, and begins anew.
+// Adds the velocity changes since `before_` that are not from joints, and resets `before_`.
 void JointGroup::note_others() {
   for (size_t i = 0; i < bodies_.size(); ++i) {
     const RigidBody& body = *bodies_[i];
@@ -48,10 +49,9 @@ double JointGroup::kinetic_j(const Motion& motion, const RigidBody& body) {
          (body.mass_kg * motion.velocity_m_s.squaredNorm() + motion.spin_rad_s.dot(motion.angular_momentum));
 }
 
-// Joints do no work: what `others` gave with the mean of the motion before and after is all that a group may
-// gain. Where it has more than that and `allowance_j`, its motion, about its own centre if it is free, is
-// slowed until that is so. A free group's angular momentum about its centre shrinks with that motion, which
-// is wrong by as much; its linear momentum is kept. Returns by which factor.
+// Limits the kinetic energy to the work of `others`, with the mean of the motion before and after, plus
+// `allowance_j`. Scales the group's motion, for a free group the motion about its centre, and returns the
+// factor. Linear momentum is conserved; a free group's angular momentum about its centre is scaled too.
 double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts,
                                         const std::vector<Impulses>& others, double allowance_j) {
   Eigen::Vector3d common = Eigen::Vector3d::Zero();
@@ -66,7 +66,7 @@ double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts,
     common /= mass_kg;
     common_j = 0.5 * mass_kg * common.squaredNorm();
   }
-  // With the own motion times f: own_j f² = gained_j f + start_j.
+  // With internal motion scaled by f: own_j f² = gained_j f + start_j.
   double own_j = -common_j, gained_j = 0.0, start_j = allowance_j - common_j, rounding_j = 0.0;
   for (size_t i = 0; i < bodies_.size(); ++i) {
     const RigidBody& body = *bodies_[i];
@@ -78,7 +78,7 @@ double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts,
                        others[i].turn.dot(body.angular_velocity_rad_s));
     rounding_j += kEnergyRounding * others[i].push_n_s.squaredNorm() / body.mass_kg;
   }
-  if (!(own_j > gained_j + start_j + rounding_j)) return 1.0;  // what hangs still bears what it bears
+  if (!(own_j > gained_j + start_j + rounding_j)) return 1.0;  // suspended bodies at rest keep their load
   const double root = std::sqrt(std::max(0.0, gained_j * gained_j + 4.0 * own_j * start_j));
   const double factor = own_j > 0.0 ? std::clamp(0.5 * (gained_j + root) / own_j, 0.0, 1.0) : 1.0;
   for (RigidBody* body : bodies_) {
@@ -89,8 +89,8 @@ double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts,
   return factor;
 }
 
-// Close to a straight line a joint is closed by going far across it: no faster than with twice the energy
-// there is.
+// Near a straight line, closing a joint requires fast transverse motion: limits it to twice the available
+// energy.
 void JointGroup::limit_push() {
   note_others();
   double fastest_m_s = 0.0, mass_kg = 0.0, start_j = 0.0;

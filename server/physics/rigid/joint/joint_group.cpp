@@ -14,43 +14,45 @@
 namespace livegs {
 namespace {
 
-// Of an error that is there at the start of a substep, this part is taken back within it, and no faster than:
+// Fraction of an initial error that is corrected per substep, and speed limits of the correction.
 constexpr double kErrorReduction = 0.2;
 constexpr double kMaxCorrection_m_s = 3.0;
 constexpr double kMaxCorrection_rad_s = 10.0;
-// The bend of a way is reckoned with up to this part of its length.
+// Maximum curvature correction, relative to the path length.
 constexpr double kMaxCurvature = 0.5;
-// A new measure of it is used if it differs from the last by no more than this part of the last difference;
-// the first one, of the bend or of the way itself. Within small steps measures must agree sooner.
+// A new measurement is accepted if it differs from the last by at most `converges` times the previous
+// difference. The first is compared with the curvature, or with `of_displacement` of the path. Small steps
+// use tighter limits.
 struct CurvatureLimits {
   double converges, of_displacement;
 };
-constexpr double kMinCurvatureChange = 1e-9;  // differences below this part of the way are not looked into
+constexpr double kMinCurvatureChange = 1e-9;  // smaller differences, relative to the path, are ignored
 constexpr CurvatureLimits kCurvatureInSubstep{0.7, 0.1}, kCurvatureInSmallStep{0.3, 0.02};
-// Small steps of a group within a substep: so many that its links neither swing under their tension nor turn
-// by more than this, in radians, within one. Above 2 the swing would grow.
+// Small steps of a group per substep: enough that links neither oscillate under tension nor rotate by more
+// than these limits, rad, per step. Oscillation above 2 would be unstable.
 constexpr double kMaxSwing = 1.0;
 constexpr double kMaxTurn = 0.25;
+// Larger: longer chains at high tension are resolved, more time.
 constexpr int kMaxSmallSteps = 4;
+// Sweeps that refine the curvature correction, per phase.
 constexpr int kMaxCurvatureIterations = 3;
-// A row whose pivot is below this part of its own diagonal says what others say already (two hinges on one
-// door).
+// Pivot, relative to the diagonal, below which a row is linearly dependent (two hinges on one door).
 constexpr double kDependentPivot = 1e-11;
-// Rows of a group with a closed loop may say the same, or nearly: of a bridge of planks that lie in a line
-// the way between its ends is fixed twice. They give by this part of their own response (constraint force
-// mixing, Smith 2006), a spring of 1 / (kLoopSoftness h²) of the mass it holds, h of a short step: too stiff
-// to be seen. A chain or a tree has none.
+// Compliance of rows in closed loops, which may be linearly dependent, relative to their own response
+// (constraint force mixing, Smith 2006). It equals a spring of 1 / (kLoopSoftness h²) per mass with step h,
+// too stiff to be visible. Chains and trees have none.
 constexpr double kLoopSoftness = 1e-4;
-constexpr double kSameNode_m = 1e-3;  // joints closer than this are in one node
+constexpr double kSameNode_m = 1e-3;  // joints closer than this form a node
 
-// The rotation, across the axes, that takes b to a; its size is the sine of the angle up to a right angle.
+// Rotation perpendicular to the axes that takes b to a. Its magnitude is the sine of the angle up to 90
+// degrees.
 Eigen::Vector3d tilt_of(const Eigen::Vector3d& axis_a, const Eigen::Vector3d& axis_b) {
   const Eigen::Vector3d tilt = axis_b.cross(axis_a);
   if (axis_a.dot(axis_b) >= 0.0) return tilt;
   return tilt.squaredNorm() > 1e-20 ? tilt.normalized() : axis_b.unitOrthogonal();
 }
 
-// What is taken back of an error within a substep.
+// Correction of an error within a substep.
 template <class Vector>
 Vector reduced_error(const Vector& error, double substep_s, double fastest) {
   const double size = error.norm();
@@ -95,7 +97,7 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
     rows.b = joint.b ? index_of(joint.b) : kWorld;
     rows.first = row_count;
     row_count += joint.row_count();
-    // Rows reach back to those of the first joint that shares a body.
+    // The envelope of a row starts at the first joint that shares a body.
     int first = rows.first;
     for (const Rows& earlier : rows_) {
       const auto has = [&](size_t body) {
@@ -119,7 +121,7 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
   compliance_.resize(row_count);
 }
 
-// Cuthill-McKee: breadth first from a joint with few neighbours, so that a chain has a narrow band.
+// Cuthill-McKee ordering: breadth first from a joint with few neighbours, so that a chain has a narrow band.
 void JointGroup::order_joints() {
   std::sort(joints_.begin(), joints_.end(),
             [](const RigidJoint& one, const RigidJoint& two) { return one.id < two.id; });
@@ -156,7 +158,7 @@ void JointGroup::order_joints() {
   joints_ = std::move(ordered);
 }
 
-// Bars that meet in a node overlap there, though each is joined to one other only.
+// Bars in a node overlap, although each is joined to only one other.
 void JointGroup::note_nodes() {
   const auto note = [&](const RigidBody* one, const RigidBody* two) {
     if (one && two && one != two) joined_pairs_.push_back(ordered(one, two));
@@ -195,7 +197,7 @@ void JointGroup::prepare(ContactPhase phase) {
     const RigidJoint& joint = joints_[i];
     Rows& rows = rows_[i];
     const Eigen::Vector3d anchor_a = joint.world_anchor_a(), anchor_b = joint.world_anchor_b();
-    // Both bodies are pushed at the same place, so that angular momentum is kept.
+    // Both bodies are pushed at the same point, which conserves angular momentum.
     const Eigen::Vector3d point = joint.b ? Eigen::Vector3d(0.5 * (anchor_a + anchor_b)) : anchor_a;
     rows.arm_a_m = point - joint.a->world_from_body.position_m;
     rows.turn_a.topRows<3>() = -cross_matrix(rows.arm_a_m);
@@ -217,7 +219,7 @@ void JointGroup::prepare(ContactPhase phase) {
   warm_start(phase);
 }
 
-// J M^-1 J^T, then L D L^T in its place.
+// Assembles J M^-1 J^T and factorises it in place to L D L^T.
 void JointGroup::factorise() {
   std::fill(factor_.begin(), factor_.end(), 0.0);
   const auto entry = [&](int row, int column) -> double& {
@@ -261,7 +263,7 @@ void JointGroup::factorise() {
       const double* const other = &factor_[envelope_[static_cast<size_t>(c)]];
       double sum = row[c - begin];
       for (int k = std::max(begin, begin_c); k < c; ++k) sum -= row[k - begin] * other[k - begin_c];
-      row[c - begin] = sum;  // L D, until the pivot is known
+      row[c - begin] = sum;  // L D until the pivot is known
     }
     for (int c = begin; c < r; ++c) {
       const double scaled = row[c - begin];
@@ -272,7 +274,7 @@ void JointGroup::factorise() {
   }
 }
 
-// Solves L D L^T x = rows in place; rows that depend on others get nothing.
+// Solves L D L^T x = rows in place; dependent rows get zero.
 void JointGroup::substitute(Eigen::VectorXd& rows) const {
   const auto row_count = static_cast<int>(inverse_pivot_.size());
   const auto for_columns = [&](int r, const auto& visit) {
@@ -318,12 +320,12 @@ void JointGroup::warm_start(ContactPhase phase) {
   for (Rows& rows : rows_) rows.curvature = rows.next_curvature;
 }
 
-// Where the joints would be at the end of the substep is not where their present velocities point: arms turn.
-// That difference, which grows with the substep, is taken over from the substep before, then measured after
-// each sweep and used for as long as measures come closer: for light bodies between heavy ones they need not.
+// The joints' positions at the end of the substep deviate from linear extrapolation because arms rotate. The
+// deviation is taken from the previous substep, measured after each sweep, and used while measurements
+// converge. For light bodies between heavy ones they may diverge.
 bool JointGroup::measure_curvature(double substep_s) {
   for (size_t i = 0; i < bodies_.size(); ++i) ends_[i] = bodies_[i]->orientation_after(substep_s);
-  // Of gaps and of tilts: the largest bend, its largest change, the fastest way.
+  // For gaps and tilts: largest curvature, largest change, fastest path.
   std::array<double, 2> largest{}, change{}, speed{};
   const auto limited = [&](const auto& displacement, const auto& present, double present_speed) {
     const auto curvature = (displacement / substep_s - present).eval();
@@ -378,7 +380,7 @@ bool JointGroup::measure_curvature(double substep_s) {
          change[1] > kMinCurvatureChange * speed[1] / substep_s;
 }
 
-// How fast the joints would open on average over the substep, beyond what is wanted.
+// Mean opening speed of the joints over the substep, minus the wanted one.
 void JointGroup::push_residual(double substep_s) {
   for (size_t i = 0; i < joints_.size(); ++i) {
     const RigidJoint& joint = joints_[i];
@@ -454,8 +456,8 @@ void JointGroup::solve_residual(ContactPhase phase) {
   }
 }
 
-// Tension turns a link back like a spring: -[f][r] for each force at its arm. The fastest swing sets the
-// step.
+// Tension acts on a link as a torsional spring: -[f][r] for each force at its arm. The fastest oscillation
+// determines the step.
 int JointGroup::small_steps(double substep_s) {
   std::vector<Eigen::Matrix3d> stiffness(bodies_.size(), Eigen::Matrix3d::Zero());
   double turn = 0.0;
@@ -495,12 +497,11 @@ void JointGroup::reset_impulses() {
   for (Rows& rows : rows_) rows.next_curvature = {};
 }
 
-// Links that would swing too fast even so are heavier meanwhile, the forces on them the same: of a chain that
-// bears many times its weight the links count for little, and the small steps keep what they gain small
-// beside its end.
+// Links that would still oscillate too fast get a larger mass during the small steps, with unchanged forces.
+// In a chain under a load of many times its weight, the links' inertia is negligible.
 //
-// What else acted in the substep is spread over the small steps; each is a push, a move and a relax pass of
-// its own.
+// External impulses of the substep are distributed over the small steps. Each small step has its own push,
+// move and relax pass.
 void JointGroup::move(double substep_s) {
   note_others();
   const int steps = small_steps(substep_s);

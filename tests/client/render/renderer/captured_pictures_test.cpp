@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Captured assets by the device as the client draws them, beside the oracle: small ones, small pictures. All
-// sixteen at 480 x 360 are picture_bench's, at night.
+// Captured assets drawn by the device and by the reference renderer: small assets, small pictures.
+// picture_bench draws all sixteen at 480 x 360 in the nightly run.
 #include "client/render/renderer/posed_assets.h"
 #include "client/render/renderer/renderer_fixture.h"
 #include "common/gaussian/shared_data.h"
@@ -24,19 +24,19 @@ class CapturedPictures : public VulkanPictures, public testing::WithParamInterfa
     const double db = psnr_db(made[0], expected[0]);
     std::printf("%s, %s: %.1f dB\n", GetParam(), name, db);
     EXPECT_GE(db, kBar_db) << name;
-    // And there is something to see: a picture of nothing agrees with any other.
+    // The picture must not be empty: empty pictures always agree.
     double covered = 0;
     for (size_t i = 3; i < expected[0].pixels.size(); i += 4) covered += expected[0].pixels[i];
     EXPECT_GT(covered, 0.02 * kWidth * kHeight) << name;
   }
 };
 
-TEST_P(CapturedPictures, AgreeFromTheFrontCloseInsideAndDeformed) {
+TEST_P(CapturedPictures, MatchReferenceFromAllViewsAndDeformed) {
   LIVEGS_NEEDS_SHARED_DATA();
   const auto file = read_asset(shared_data() / "splats" / GetParam());
   ASSERT_TRUE(file) << file.error().message;
   const PosedKernels still = pose_asset(file->asset), twisted = pose_asset(file->asset, kTwist_rad_m);
-  // As this device would be drawn on, and blended in 16-bit floats, as on every GPU.
+  // With the default options of the device, and blended in 16-bit floats, as on GPUs.
   for (const VulkanRendererOptions& options :
        {VulkanRendererOptions{}, VulkanRendererOptions{.precision = BlendPrecision::Half}}) {
     make_renderer(options);

@@ -8,23 +8,23 @@ namespace {
 
 const Error kNoMemory{ErrorCode::TooLarge, "vulkan: vkAllocateMemory failed with VkResult -2: out of memory"};
 
-// A GPU that is there and cannot be used: left to choose, the client goes on and says why it is slow.
-TEST(ChooseRenderer, TheProcessorInAGpusPlaceSaysSo) {
+// A GPU is present but fails: with Auto the client continues on the CPU and shows the reason.
+TEST(ChooseRenderer, CpuFallbackSetsNotice) {
   const auto chosen = made_or_cpu(RendererChoice::Auto, "vulkan: Some Card", kNoMemory);
   ASSERT_TRUE(chosen) << chosen.error().message;
   EXPECT_EQ((*chosen)->name(), "cpu");
-  EXPECT_EQ((*chosen)->notice(), "vulkan: Some Card cannot draw this: " + kNoMemory.message +
-                                     "; the processor draws from here on");
+  EXPECT_EQ((*chosen)->notice(),
+            "vulkan: Some Card: rendering failed: " + kNoMemory.message + "; rendering continues on the CPU");
 }
 
-TEST(ChooseRenderer, AskedForVulkanItIsVulkanOrNothing) {
+TEST(ChooseRenderer, ExplicitVulkanDoesNotFallBack) {
   const auto chosen = made_or_cpu(RendererChoice::Vulkan, "vulkan: Some Card", kNoMemory);
   ASSERT_FALSE(chosen);
   EXPECT_EQ(chosen.error().message, kNoMemory.message);
 }
 
-// Nothing is out of order with a processor that was asked for, nor where there is no GPU.
-TEST(ChooseRenderer, AProcessorThatIsAllThereIsSaysNothing) {
+// No notice if the CPU was requested or no GPU is present.
+TEST(ChooseRenderer, CpuWithoutGpuHasNoNotice) {
   const auto asked = choose_renderer(RendererChoice::Cpu);
   ASSERT_TRUE(asked);
   EXPECT_EQ((*asked)->notice(), "");
@@ -35,8 +35,8 @@ TEST(ChooseRenderer, AProcessorThatIsAllThereIsSaysNothing) {
   EXPECT_EQ((*chosen)->name(), "cpu");
   EXPECT_EQ((*chosen)->notice(), "");
   if (!device) GTEST_SKIP() << device.error().message;
-  const auto on_display =
-      choose_renderer(RendererChoice::Auto, *device);  // a headset's is used, whatever it is
+  const auto on_display = choose_renderer(
+      RendererChoice::Auto, *device);  // a headset's device is used even if it is a software device
   ASSERT_TRUE(on_display) << on_display.error().message;
   EXPECT_EQ((*on_display)->name(), "vulkan: " + (*device)->name());
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The colour of a kernel that drivers turn, from skinning to the picture, against closed forms: each
-// coefficient of each band, for kernels posed outright, of a rigid body and of an elastic one, drawn by the
-// oracle and by the device.
+// Colours of rotated kernels, from skinning to the picture, against closed forms: each coefficient of each
+// band, for posed kernels, rigid bodies and elastic bodies, drawn by the reference and by the device.
 #include "client/render/renderer/renderer_fixture.h"
 #include "common/skin/kernels/rest_bodies.h"
 #include "common/splat/project/real_harmonics.h"
@@ -24,8 +23,8 @@ void skin(const RestBody& rest, const ObjectDrivers& drivers, Turned& turned) {
   skin_kernels(turned.asset, rest, *bindings, drivers, turned.kernels);
 }
 
-// A kernel of one coefficient whose asset is turned by what it rides in, each time another way. Elastic ones
-// are stretched as well, which turns nothing: what turns is the rotation nearest to their deformation.
+// A kernel with one coefficient; its asset is rotated differently each time. Elastic bodies are stretched as
+// well, which must not affect the colour: it rotates with the polar rotation of the deformation.
 Turned turned_by(Ride ride, int k, uint64_t seed) {
   std::mt19937_64 random(seed);
   const Eigen::Quaterniond turn = testing::random_rotation(random);
@@ -96,8 +95,10 @@ void expect_closed_forms(SplatRenderer& renderer, Ride ride) {
   }
 }
 
-TEST(HarmonicsPictures, OfARigidBodyByTheOracle) { expect_closed_forms(*create_cpu_renderer(), Ride::Rigid); }
-TEST(HarmonicsPictures, OfAnElasticBodyByTheOracle) {
+TEST(HarmonicsPictures, RigidBodyMatchesClosedFormOnCpu) {
+  expect_closed_forms(*create_cpu_renderer(), Ride::Rigid);
+}
+TEST(HarmonicsPictures, ElasticBodyMatchesClosedFormOnCpu) {
   expect_closed_forms(*create_cpu_renderer(), Ride::Lattice);
 }
 
@@ -109,9 +110,9 @@ class HarmonicsOnTheDevice : public VulkanPictures {
   }
 };
 
-TEST_F(HarmonicsOnTheDevice, OfKernelsThatArePosed) { expect_closed_forms(*renderer_, Ride::Posed); }
-TEST_F(HarmonicsOnTheDevice, OfARigidBody) { expect_closed_forms(*renderer_, Ride::Rigid); }
-TEST_F(HarmonicsOnTheDevice, OfAnElasticBody) { expect_closed_forms(*renderer_, Ride::Lattice); }
+TEST_F(HarmonicsOnTheDevice, PosedKernelsMatchClosedForm) { expect_closed_forms(*renderer_, Ride::Posed); }
+TEST_F(HarmonicsOnTheDevice, RigidBodyMatchesClosedForm) { expect_closed_forms(*renderer_, Ride::Rigid); }
+TEST_F(HarmonicsOnTheDevice, ElasticBodyMatchesClosedForm) { expect_closed_forms(*renderer_, Ride::Lattice); }
 
 }  // namespace
 }  // namespace livegs

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defects seen in other renderers of splats, each with a picture that would show it. Files' own (quaternions
-// that are not unit, properties out of order, values that are not finite) end in the readers:
-// tests/common/gaussian/asset/invariants_test.cpp and ply_test.cpp. Subgroup sizes: the sort has none
-// (tests/common/splat/passes/key_sorter_test.cpp).
+// Defects found in other splat renderers, each with a picture that would reveal it. Defects of files
+// (non-unit quaternions, reordered properties, non-finite values) are tested with the readers:
+// tests/common/gaussian/asset/invariants_test.cpp and ply_test.cpp. The sort does not depend on subgroup
+// sizes (tests/common/splat/passes/key_sorter_test.cpp).
 #include <cmath>
 
 #include "client/render/renderer/renderer_fixture.h"
@@ -14,22 +14,22 @@ using synthetic::Object;
 
 class PeerDefects : public VulkanPictures {
  protected:
-  // Half a step of 8 bits, and 2^-11 of halves.
+  // Half a step of 8 bits, plus 2^-11 for 16-bit floats.
   static constexpr double kStep = 0.5 / 255.0 + 0.0005;
 
   static Camera ahead(int width = 129, int height = 97) {
     return look_at({0, 0, 2}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, width, height);
   }
-  // At the very centre of a pixel, so that alpha there is the opacity.
+  // Placed at a pixel centre, where alpha equals the opacity.
   static void expect_colour(const Image& image, const Eigen::Vector3d& rgb) {
     const float* pixel = image.at(image.width / 2, image.height / 2);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[c], rgb[c], kStep) << c;
   }
 };
 
-// The clamp comes after all bands: a first band far above 1 that the next takes away again, and one below 0
-// that it lifts.
-TEST_F(PeerDefects, ColourIsClampedAfterAllBandsAndInAllChannels) {
+// The clamp follows all bands: a first band far above 1 that the next cancels, and one below 0 that it
+// raises.
+TEST_F(PeerDefects, ColourIsClampedAfterAllBands) {
   Object object;
   object.asset.sh_degree = 1;
   synthetic::add_ball(object, {0, 0, 0}, 0.3, 0.9, {1.8, -0.6, 0.4});
@@ -47,7 +47,7 @@ TEST_F(PeerDefects, ColourIsClampedAfterAllBandsAndInAllChannels) {
 }
 
 // b == 0 in the projected covariance, with a above, below and equal to d.
-TEST_F(PeerDefects, EllipsesAlongTheAxesAreDrawn) {
+TEST_F(PeerDefects, AxisAlignedEllipsesAreDrawn) {
   for (const Eigen::Vector3d& size :
        {Eigen::Vector3d(0.2, 0.02, 0.02), Eigen::Vector3d(0.02, 0.2, 0.02), Eigen::Vector3d(0.1, 0.1, 0.1)}) {
     Object object;
@@ -66,8 +66,8 @@ TEST_F(PeerDefects, EllipsesAlongTheAxesAreDrawn) {
   }
 }
 
-// At the edge of a frustum that is wider on one side, the Jacobian is held on that side's own slope.
-TEST_F(PeerDefects, AsymmetricFrustaHoldTheJacobianOnEachSideForItself) {
+// At the edge of an asymmetric frustum, the Jacobian is clamped to the slope of that side.
+TEST_F(PeerDefects, JacobianIsClampedPerSideOfAsymmetricFrusta) {
   Object object;
   synthetic::Random random(3);
   for (int i = 0; i < 400; ++i) {
@@ -81,12 +81,12 @@ TEST_F(PeerDefects, AsymmetricFrustaHoldTheJacobianOnEachSideForItself) {
   }
 }
 
-// White at half over black is 0.5 as it is encoded: blending in linear light would show 0.73.
-TEST_F(PeerDefects, BlendsInTheSpaceOfTheTraining) {
+// White at one half over black is 0.5 encoded; blending in linear light would give 0.73.
+TEST_F(PeerDefects, BlendsInTrainingColourSpace) {
   Object object;
   synthetic::add_ball(object, {0, 0, 0}, 0.3, 0.5, {1, 1, 1});
   expect_colour(draw(object, ahead()), {0.5, 0.5, 0.5});
-  synthetic::add_ball(object, {0, 0, 0.3}, 0.3, 0.4, {0.2, 0.9, 0.1});  // before it
+  synthetic::add_ball(object, {0, 0, 0.3}, 0.3, 0.4, {0.2, 0.9, 0.1});  // in front of it
   expect_colour(draw(object, ahead()),
                 Eigen::Vector3d(0.2, 0.9, 0.1) * 0.4 + Eigen::Vector3d::Constant(0.6 * 0.5));
   expect_colour(draw(object, ahead(), {.background = {0.0f, 0.5f, 1.0f}}),
@@ -94,7 +94,7 @@ TEST_F(PeerDefects, BlendsInTheSpaceOfTheTraining) {
                     0.3 * Eigen::Vector3d(0, 0.5, 1));
 }
 
-TEST_F(PeerDefects, ValuesThatAreNotFiniteOrAbsurdLeaveTheRestOfThePicture) {
+TEST_F(PeerDefects, InvalidKernelsDoNotAffectOthers) {
   Object plain = synthetic::shell(300, 0, 0.05, 5);
   const Image expected = draw(plain, ahead());
   Object object = plain;
@@ -111,7 +111,7 @@ TEST_F(PeerDefects, ValuesThatAreNotFiniteOrAbsurdLeaveTheRestOfThePicture) {
   EXPECT_GE(psnr_db(image, expected), kBar_db);
 }
 
-TEST_F(PeerDefects, NothingBehindTheEyeOrNearerThanNearIsDrawn) {
+TEST_F(PeerDefects, KernelsBeforeNearPlaneAreCulled) {
   Object object;
   synthetic::Random random(3);
   for (int i = 0; i < 300; ++i) {
@@ -122,8 +122,8 @@ TEST_F(PeerDefects, NothingBehindTheEyeOrNearerThanNearIsDrawn) {
   for (const float value : draw(object, ahead()).pixels) ASSERT_EQ(value, 0.0f);
 }
 
-// Opacity rises from near_m to three times that; there is no step.
-TEST_F(PeerDefects, KernelsFadeBeforeTheEye) {
+// Opacity rises continuously from near_m to three times near_m.
+TEST_F(PeerDefects, KernelsFadeNearTheEye) {
   for (const double depth_m : {0.06, 0.08, 0.1, 0.13, 0.16}) {
     Object object;
     synthetic::add_ball(object, {0, 0, 2.0 - depth_m}, 0.02, 0.8, {1, 1, 1});
@@ -132,7 +132,7 @@ TEST_F(PeerDefects, KernelsFadeBeforeTheEye) {
   }
 }
 
-TEST_F(PeerDefects, AKernelLargerThanTheScreenCoversAllOfIt) {
+TEST_F(PeerDefects, KernelLargerThanScreenCoversIt) {
   Object object;
   synthetic::add_ball(object, {0, 0, 0}, 1000.0, 0.8, {1, 1, 1});
   for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {17, 33}, {250, 120}}) {
@@ -143,7 +143,7 @@ TEST_F(PeerDefects, AKernelLargerThanTheScreenCoversAllOfIt) {
   }
 }
 
-TEST_F(PeerDefects, ANeedleAcrossTheScreenKeepsItsWidth) {
+TEST_F(PeerDefects, NeedleAcrossScreenKeepsItsWidth) {
   Object object;
   for (int i = 0; i < 12; ++i) {
     const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.26 * i, Eigen::Vector3d::UnitZ()));
@@ -154,7 +154,7 @@ TEST_F(PeerDefects, ANeedleAcrossTheScreenKeepsItsWidth) {
   EXPECT_GE(psnr_db(draw(object, eye), oracle(object, eye)), kBar_db);
 }
 
-// Kernels in one place are drawn in the order they come: the first is in front, in both eyes.
+// Kernels at equal depth are drawn in index order: the first is in front, in both eyes.
 TEST_F(PeerDefects, EqualDepthsKeepTheirOrder) {
   Object object;
   for (const Eigen::Vector3d& rgb :
@@ -163,8 +163,8 @@ TEST_F(PeerDefects, EqualDepthsKeepTheirOrder) {
   expect_colour(draw(object, ahead()), {0.5, 0.25, 0.125});
 }
 
-// A model trained with the low-pass is dimmed where it adds to the ellipse; any other is not.
-TEST_F(PeerDefects, AntialiasedModelsAreCompensatedAndOthersAreNot) {
+// A model trained with the low-pass filter is dimmed by its area factor; other models are not.
+TEST_F(PeerDefects, OnlyAntialiasedModelsAreCompensated) {
   for (const bool antialiased : {false, true}) {
     Object object;
     synthetic::add_ball(object, {0, 0, 0}, 0.004, 0.9, {1, 1, 1});
@@ -176,7 +176,7 @@ TEST_F(PeerDefects, AntialiasedModelsAreCompensatedAndOthersAreNot) {
   }
 }
 
-TEST_F(PeerDefects, HarmonicsTurnWithTheirAsset) {
+TEST_F(PeerDefects, HarmonicsRotateWithAsset) {
   Object object;
   object.asset.sh_degree = 1;
   synthetic::add_ball(object, {0, 0, 0}, 0.3, 0.9, {0.5, 0.5, 0.5});

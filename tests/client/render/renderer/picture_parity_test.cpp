@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The device's picture beside the oracle's.
+// Pictures of the device compared with the reference renderer.
 #include "client/render/renderer/posed_assets.h"
 #include "client/render/renderer/renderer_fixture.h"
 #include "sample/sample_scene.h"
@@ -23,7 +23,7 @@ std::array<Camera, 2> headset(const Pose& head, int width, int height) {
   return eyes;
 }
 
-TEST_F(PictureParity, SampleAssetsFromAllSidesAndDeformed) {
+TEST_F(PictureParity, SampleAssetsMatchFromAllSidesAndDeformed) {
   for (const auto& [name, make] : {std::pair<const char*, GaussianAsset (*)(uint64_t)>{"cup", make_cup},
 
                                    {"duck", make_toy_duck}}) {
@@ -45,7 +45,7 @@ TEST_F(PictureParity, SampleAssetsFromAllSidesAndDeformed) {
   }
 }
 
-TEST_F(PictureParity, EveryDegreeOfHarmonics) {
+TEST_F(PictureParity, EveryHarmonicsDegreeMatches) {
   for (int degree = 0; degree <= 3; ++degree) {
     const Object object = synthetic::shell(2000, degree, 0.02, 7 + degree);
     const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
@@ -53,24 +53,24 @@ TEST_F(PictureParity, EveryDegreeOfHarmonics) {
   }
 }
 
-// Blended in 32-bit floats and read before 8 bits a channel, what is left is float arithmetic and half-float
-// bands: 2^-12 of each of 15 bands of 0.1, 80 dB and more.
-TEST_F(PictureParity, InFullFloatsEightyDecibels) {
+// Blended in 32-bit floats and read before quantisation, the remaining error is float arithmetic and
+// half-float bands: 2^-12 of each of 15 bands of 0.1, at least 80 dB.
+TEST_F(PictureParity, FullPrecisionReaches80Decibels) {
   make_renderer({.precision = BlendPrecision::Full, .read_blended = true});
   const Object object = synthetic::shell(4000, 3, 0.015, 11);
   for (const double distance_m : {1.5, 0.7, 0.1}) {
     const Camera eye =
         look_at({0, 0.1, distance_m}, {0, 0, distance_m - 1}, Eigen::Vector3d::UnitY(), 0.9, 160, 120);
     const RenderedObject one = rendered(object.drawn());
-    std::vector<Image> expected;  // not held under 1
+    std::vector<Image> expected;  // not limited to 1
     ASSERT_TRUE(create_cpu_renderer()->draw({&one, 1}, {&eye, 1}, {}, expected));
     EXPECT_GE(psnr_db(draw(object, eye), expected[0]), 80.0) << distance_m;
   }
 }
 
-// Parallel eyes order kernels alike by depth, so that one sort is exact for both. By distance from between
-// them, as a headset is drawn, the order is one for any two eyes, here such as look 6 degrees apart.
-TEST_F(PictureParity, BothEyesOfAHeadsetFromOneSort) {
+// Parallel eyes have the same depth order, so one sort is exact for both. Distance from the point between the
+// eyes, used for headsets, gives one order for any two eyes, here 6 degrees apart.
+TEST_F(PictureParity, BothEyesMatchWithOneSort) {
   const Object object = synthetic::shell(4000, 3, 0.02, 12);
   const RenderedObject one = rendered(object.drawn());
   for (const double distance_m : {1.2, 0.75}) {
@@ -80,7 +80,7 @@ TEST_F(PictureParity, BothEyesOfAHeadsetFromOneSort) {
     const auto expected = oracle({&one, 1}, eyes, kGrey);
     ASSERT_EQ(made.size(), 2u);
     for (int e = 0; e < 2; ++e) EXPECT_GE(psnr_db(made[e], expected[e]), kBar_db) << e << " " << distance_m;
-    EXPECT_LT(psnr_db(made[0], made[1]), 30.0);  // and they are two pictures
+    EXPECT_LT(psnr_db(made[0], made[1]), 30.0);  // and the two pictures differ
     RenderOptions by_distance = kGrey;
     by_distance.order = DepthOrder::Distance;
     auto apart = eyes;
@@ -93,16 +93,15 @@ TEST_F(PictureParity, BothEyesOfAHeadsetFromOneSort) {
     ASSERT_EQ(made_apart.size(), 2u);
     for (int e = 0; e < 2; ++e)
       EXPECT_GE(psnr_db(made_apart[e], expected_apart[e]), kBar_db) << e << " " << distance_m;
-    // By one draw, which lavapipe of Mesa 22.3 gets wrong and so is not asked for.
+    // With one draw, except on lavapipe of Mesa 22.3, whose multiview is wrong.
     if (device_->name().find("llvmpipe") == std::string::npos) {
       EXPECT_EQ(renderer_->last_times().eyes_a_draw, 2) << device_->name();
     }
   }
 }
 
-// The right eye sees a near kernel further to the left, by focal length times distance of the eyes over
-// depth.
-TEST_F(PictureParity, ParallaxHasItsSignAndSize) {
+// The right eye sees a near kernel further to the left, by focal length times eye distance over depth.
+TEST_F(PictureParity, ParallaxHasExpectedSignAndSize) {
   Object object;
   synthetic::add_ball(object, {0, 0, 0}, 0.01, 0.9, {1, 1, 1});
   const RenderedObject one = rendered(object.drawn());
@@ -128,7 +127,7 @@ TEST_F(PictureParity, ParallaxHasItsSignAndSize) {
               0.05);  // 8 bits of alpha over some 60 pixels
 }
 
-TEST_F(PictureParity, ObjectsAreBlendedInOneSetWhateverTheirOrder) {
+TEST_F(PictureParity, ObjectOrderDoesNotMatter) {
   const Object first = synthetic::shell(1500, 1, 0.03, 13);
   Object second =
       synthetic::moved(synthetic::shell(1500, 2, 0.03, 14), {{0.2, 0, 0.1}, Eigen::Quaterniond::Identity()});
@@ -141,9 +140,9 @@ TEST_F(PictureParity, ObjectsAreBlendedInOneSetWhateverTheirOrder) {
   EXPECT_EQ(made[0].pixels, draw(back, {&eye, 1})[0].pixels);
 }
 
-// Kept from picture to picture: what moved is posed anew, what is gone is not drawn, other sizes and eyes are
-// made room for.
-TEST_F(PictureParity, APictureDoesNotDependOnTheOneBefore) {
+// Cached data between pictures: moved objects are posed again, removed ones are not drawn, and other sizes
+// and eye counts are supported.
+TEST_F(PictureParity, PictureIsIndependentOfPreviousPicture) {
   const Object still = synthetic::shell(800, 1, 0.04, 15);
   Object moving = synthetic::shell(700, 0, 0.04, 16);
   moving.id = 5;
@@ -169,7 +168,7 @@ TEST_F(PictureParity, APictureDoesNotDependOnTheOneBefore) {
   }
 }
 
-TEST_F(PictureParity, TheSamePictureTwiceIsTheSameBits) {
+TEST_F(PictureParity, RepeatedPictureIsBitIdentical) {
   const Object object = synthetic::shell(3000, 2, 0.03, 17);
   const Camera eye = look_at({0.1, 0.2, 1.2}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
   const Image first = draw(object, eye);

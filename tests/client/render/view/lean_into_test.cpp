@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A head that leans into a thing: kernels before the eye cover the picture, each of them, which is what keeps
-// a device that draws quads busy. Pictures that are late are drawn smaller, and that holds their cost.
+// A head leans into an object: every kernel near the eye covers the picture, the worst case for a device that
+// draws quads. Reducing the size of late pictures bounds the cost.
 #include <time.h>
 
 #include <algorithm>
@@ -12,21 +12,20 @@ namespace livegs {
 namespace {
 
 constexpr int kWidth = 480, kHeight = 360, kSteps = 8, kStays = 8;
-constexpr double kOutside_m = 3, kInside_m = 0.2;  // from the middle of a shell of radius 0.5 m
-// Inside of the shell, as a share of the cost outside: 0.9 and 3.0 found on lavapipe, with smaller pictures
-// and without.
+constexpr double kOutside_m = 3, kInside_m = 0.2;  // from the centre of a shell of radius 0.5 m
+// Limits of the cost inside the shell relative to the cost outside, with and without smaller pictures.
 constexpr double kMaxShare = 1.6, kMinUnscaled = 2;
 
 class LeanInto : public VulkanPictures {
  protected:
-  // Of a device in software, processor time of all threads, which other programs hardly change; else by the
-  // device's clock.
+  // On a software device, processor time of all threads, which other programs hardly affect; else device
+  // time.
   double draw_ms(const RenderedObject& object, double distance, const RenderScale* scale) {
     const int width = scale ? scale->of(kWidth) : kWidth, height = scale ? scale->of(kHeight) : kHeight;
     const Eigen::Vector3d toward = Eigen::Vector3d(0.3, 0.25, 1.0).normalized();
     const Camera eye =
         look_at(distance * toward, (distance - 1) * toward, Eigen::Vector3d::UnitY(), 0.8, width, height);
-    RenderOptions options;  // as SceneView has them
+    RenderOptions options;  // as in SceneView
     options.min_contribution_px = scale ? scale->min_contribution_px() : 0.0f;
     options.max_radius_px = static_cast<float>((options.min_contribution_px > 0 ? 1 : 2) * width);
     const double begun_ms = processor_ms();
@@ -36,7 +35,7 @@ class LeanInto : public VulkanPictures {
     return device_->is_software() || !device ? passed_ms : device->total_ms();
   }
 
-  // From outside to inside, and a while there: the middle one of the last ones.
+  // Moves from outside to inside and stays there; returns the median of the last times.
   double inside_ms(const RenderedObject& object, RenderScale* scale) {
     std::vector<double> stayed_ms;
     for (int step = 0; step < kSteps + kStays; ++step) {
@@ -61,7 +60,7 @@ class LeanInto : public VulkanPictures {
   }
 };
 
-TEST_F(LeanInto, SmallerPicturesHoldTheCostInside) {
+TEST_F(LeanInto, SmallerPicturesBoundCostInside) {
   const synthetic::Object shell = synthetic::shell(2'000, 1, 0.06, 1);
   const RenderedObject object = rendered(shell.drawn());
   std::vector<double> outside;
@@ -72,7 +71,7 @@ TEST_F(LeanInto, SmallerPicturesHoldTheCostInside) {
   std::printf("%s: outside %.1f ms, inside %.1f ms, at %.0f %% of the size %.1f ms\n",
               device_->name().c_str(), outside_ms, unscaled_ms, 100 * scale.value(), scaled_ms);
   EXPECT_LT(scaled_ms, kMaxShare * outside_ms);
-  EXPECT_GT(unscaled_ms, kMinUnscaled * outside_ms);  // or there was nothing to hold
+  EXPECT_GT(unscaled_ms, kMinUnscaled * outside_ms);  // otherwise the test shows nothing
   EXPECT_LT(scale.value(), 1.0);
 }
 

@@ -26,41 +26,42 @@ struct Row {
   PosedKernels kernels;
 };
 
-TEST(PickKernel, TakesWhereHalfOfTheLightIsLost) {
-  const Row row({{-3, 0.9f}, {-1, 0.2f}, {-2, 0.3f}});  // 0.8, then 0.56, then 0.056 of the light is left
+TEST(PickKernel, PicksMedianDepth) {
+  const Row row({{-3, 0.9f}, {-1, 0.2f}, {-2, 0.3f}});  // transmittance 0.8, then 0.56, then 0.056
   const auto met = row.pick({0, 0, 0}, {0, 0, -1});
   ASSERT_TRUE(met);
   EXPECT_EQ(met->kernel, 0u);
   EXPECT_NEAR(met->distance_m, 3, 1e-5);
-  // From behind it is the first.
+  // From behind the other kernel is hit.
   const auto behind = row.pick({0, 0, -5}, {0, 0, 1});
   ASSERT_TRUE(behind);
   EXPECT_NEAR(behind->distance_m, 2, 1e-5);
 }
 
-TEST(PickKernel, HazeAndWhatIsBehindAreNotMet) {
-  EXPECT_FALSE(Row({{-1, 0.2f}, {-2, 0.3f}}).pick({0, 0, 0}, {0, 0, -1}));  // 0.56 passes
+TEST(PickKernel, IgnoresHazeAndKernelsBehind) {
+  EXPECT_FALSE(Row({{-1, 0.2f}, {-2, 0.3f}}).pick({0, 0, 0}, {0, 0, -1}));  // transmittance 0.56
   EXPECT_FALSE(Row({{1, 0.9f}}).pick({0, 0, 0}, {0, 0, -1}));
-  EXPECT_FALSE(Row({{-0.04f, 0.9f}}).pick({0, 0, 0}, {0, 0, -1}));  // nearer than the near plane
+  EXPECT_FALSE(Row({{-0.04f, 0.9f}}).pick({0, 0, 0}, {0, 0, -1}));  // in front of the near plane
 }
 
-// Beside the middle a kernel stops exp(-x² / 2σ²) of what it does there: 0.9 falls to a half at 1.0842 σ.
-TEST(PickKernel, OpacityFallsOffBesideTheMiddle) {
+// Off-centre, absorption falls by exp(-x² / 2σ²): 0.9 falls to one half at 1.0842 σ.
+TEST(PickKernel, OpacityFallsOffFromCentre) {
   const Row row({{-3, 0.9f}});
   EXPECT_TRUE(row.pick({0.108, 0, 0}, {0, 0, -1}));
   EXPECT_FALSE(row.pick({0.109, 0, 0}, {0, 0, -1}));
 }
 
-// A ray that is slanted by 45 degrees in the x-z plane meets Σ = diag(0.01, ., 0.04) where its density is
-// highest: t = dᵀ Σ⁻¹ p / dᵀ Σ⁻¹ d.
-TEST(PickKernel, DepthIsThatOfTheHighestDensity) {
+// A ray at 45 degrees in the x-z plane has its highest density in Σ = diag(0.01, ., 0.04) at t = dᵀ Σ⁻¹ p /
+// dᵀ Σ⁻¹ d.
+TEST(PickKernel, DepthIsAtHighestDensity) {
   const Row row({{-3, 0.99f}});
   const Eigen::Vector3d from(-3.05, 0, 0), along = Eigen::Vector3d(1, 0, -1).normalized(), to(3.05, 0, -3);
   const Eigen::Vector3d inverse(100, 100, 25);
   const double closed = along.dot(inverse.cwiseProduct(to)) / along.dot(inverse.cwiseProduct(along));
   const auto met = row.pick(from, along);
   ASSERT_TRUE(met);
-  EXPECT_NEAR(met->distance_m, closed, 1e-4);  // single precision, and a thinnest kernel of 1e-6 of the trace
+  EXPECT_NEAR(met->distance_m, closed,
+              1e-4);  // single precision, and the regularisation by 1e-6 of the trace
 }
 
 }  // namespace

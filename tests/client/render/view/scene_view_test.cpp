@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-// A grid of opaque grey kernels that fills a cube of `edge` units about the asset's origin.
+// A grid of opaque grey kernels that fills a cube of `edge` units around the asset's origin.
 std::shared_ptr<const GaussianAsset> cube_asset(float edge, const Eigen::Vector3f& dc) {
   constexpr int kSide = 8;
   auto asset = std::make_shared<GaussianAsset>();
@@ -42,7 +42,7 @@ DriverFrame frame_of(std::initializer_list<std::pair<uint32_t, Eigen::Vector3d>>
   return frame;
 }
 
-TEST(SceneView, SkinsOnlyWhatMoved) {
+TEST(SceneView, SkinsOnlyMovedObjects) {
   SceneView view;
   ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
   ASSERT_TRUE(view.add(2, cube_asset(0.2f, {0, 1, 0}), rigid_rest(), false));
@@ -57,8 +57,8 @@ TEST(SceneView, SkinsOnlyWhatMoved) {
   EXPECT_EQ(view.last_times().objects_skinned, 1u);
 }
 
-// Where things are is worked out for who asks, not for every moment that is gone to.
-TEST(SceneView, SkinsOnlyWhatIsAskedFor) {
+// Positions are computed on a query, not for every pose.
+TEST(SceneView, SkinsOnlyQueriedObjects) {
   SceneView view;
   ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
   ASSERT_TRUE(view.add(2, cube_asset(0.2f, {0, 1, 0}), rigid_rest(), false));
@@ -72,7 +72,7 @@ TEST(SceneView, SkinsOnlyWhatIsAskedFor) {
   EXPECT_EQ(view.last_times().objects_skinned, 1u);
 }
 
-TEST(SceneView, APictureWithSavedSkinningIsTheSamePicture) {
+TEST(SceneView, CachedSkinningGivesSamePicture) {
   const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
   SceneView kept, fresh;
   for (SceneView* view : {&kept, &fresh}) {
@@ -86,7 +86,7 @@ TEST(SceneView, APictureWithSavedSkinningIsTheSamePicture) {
   EXPECT_EQ(kept_picture.at(0).pixels, fresh_picture.at(0).pixels);
 }
 
-// A device that draws twice and is lost.
+// A device that is lost after two pictures.
 class LostRenderer final : public SplatRenderer {
  public:
   const std::string& name() const override { return name_; }
@@ -103,7 +103,7 @@ class LostRenderer final : public SplatRenderer {
   int drawn_ = 0;
 };
 
-TEST(SceneView, TheCpuTakesOverFromADeviceThatIsLost) {
+TEST(SceneView, CpuReplacesLostDevice) {
   const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
   SceneView view(std::make_unique<LostRenderer>());
   ASSERT_TRUE(view.add(1, cube_asset(0.3f, {1, 0, 0}), rigid_rest(), false));
@@ -115,14 +115,15 @@ TEST(SceneView, TheCpuTakesOverFromADeviceThatIsLost) {
     EXPECT_EQ(picture.at(0).pixels, first.at(0).pixels);
   }
   EXPECT_EQ(view.renderer_name(), "cpu");
-  EXPECT_EQ(view.notice(),
-            "lost cannot draw this: vulkan: vkQueueSubmit2 failed with VkResult -4; the processor draws from "
-            "here on");
+  EXPECT_EQ(
+      view.notice(),
+      "lost: rendering failed: vulkan: vkQueueSubmit2 failed with VkResult -4; rendering continues on the "
+      "CPU");
 }
 
-// For a headset: what cannot be drawn into its images comes as pictures, from the same renderer or from the
+// For a headset: if a renderer cannot draw into device images, pictures come from the same renderer or the
 // CPU.
-TEST(SceneView, WhatCannotBeDrawnIntoADevicesImageComesAsPictures) {
+TEST(SceneView, FallsBackToImagesWithoutDeviceImage) {
   const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
   SceneView view(std::make_unique<LostRenderer>());
   ASSERT_TRUE(view.add(1, cube_asset(0.3f, {1, 0, 0}), rigid_rest(), false));
@@ -138,7 +139,7 @@ TEST(SceneView, WhatCannotBeDrawnIntoADevicesImageComesAsPictures) {
   EXPECT_EQ(again.at(0).pixels, first.at(0).pixels);
 }
 
-// What a renderer is asked for.
+// Records the options a renderer receives.
 class AskedRenderer final : public SplatRenderer {
  public:
   const std::string& name() const override { return name_; }
@@ -155,7 +156,7 @@ class AskedRenderer final : public SplatRenderer {
   RenderTimes times_;
 };
 
-TEST(SceneView, KernelsBeforeTheEyeAreHeldTighterWhilePicturesAreLate) {
+TEST(SceneView, RadiusLimitShrinksWhilePicturesAreLate) {
   const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
   auto made = std::make_unique<AskedRenderer>();
   const RenderOptions& asked = made->asked;
@@ -167,22 +168,22 @@ TEST(SceneView, KernelsBeforeTheEyeAreHeldTighterWhilePicturesAreLate) {
   ASSERT_TRUE(view.draw({}, {&camera, 1}, picture));
   EXPECT_EQ(asked.max_radius_px, 96);
   EXPECT_EQ(asked.min_contribution_px, 0.5f);
-  AskedRenderer again;  // which a picture is held against: the same is asked of it
+  AskedRenderer again;  // reference pictures use the same options
   ASSERT_TRUE(view.draw_again(again, {&camera, 1}, picture));
   EXPECT_EQ(again.asked.max_radius_px, 96);
   EXPECT_EQ(again.asked.min_contribution_px, 0.5f);
 }
 
-// Red lies 26 degrees to the left of blue and is 7 % farther away: along the view axis it is the nearer of
-// the two until the head turns to it. Two eyes see blue before red all the while.
-TEST(SceneView, WhatIsBeforeWhatStaysSoWhenTheHeadTurns) {
+// Red is 26 degrees to the left of blue and 7 % farther away: along the view axis it is nearer until the head
+// turns to it. With two eyes blue stays in front of red.
+TEST(SceneView, DepthOrderIsInvariantToHeadRotation) {
   const auto wide_kernel = [](const Eigen::Vector3f& dc) {
     auto asset = std::make_shared<GaussianAsset>();
     asset->resize(1);
     asset->positions[0].setZero();
     asset->log_scales[0].setConstant(std::log(0.3f));
     asset->rotations[0].setIdentity();
-    asset->opacity_logits[0] = 2.0f;  // 0.88
+    asset->opacity_logits[0] = 2.0f;  // opacity 0.88
     asset->sh_dc[0] = dc;
     return asset;
   };
@@ -207,7 +208,7 @@ TEST(SceneView, WhatIsBeforeWhatStaysSoWhenTheHeadTurns) {
     };
     for (size_t e = 0; e < 2; ++e)
       EXPECT_GT(blue_over_red(pictures.at(e), eyes[e]), 1.5f) << e << " turned by " << turned_rad;
-    // One eye goes by depth, as captures are trained.
+    // One eye uses depth order, as in training.
     const Camera one = camera_from_fov(head, -0.8, 0.8, 0.8, -0.8, 96, 96);
     ASSERT_TRUE(view.draw(frame, {&one, 1}, middle));
     if (turned_rad == 0) {
@@ -216,7 +217,7 @@ TEST(SceneView, WhatIsBeforeWhatStaysSoWhenTheHeadTurns) {
   }
 }
 
-TEST(SceneView, LeavesOutWhatWasRemovedAndWhatIsUnknown) {
+TEST(SceneView, SkipsRemovedAndUnknownObjects) {
   SceneView view;
   ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
   ASSERT_TRUE(view.add(2, cube_asset(0.2f, {0, 1, 0}), rigid_rest(), false));
@@ -226,7 +227,7 @@ TEST(SceneView, LeavesOutWhatWasRemovedAndWhatIsUnknown) {
   EXPECT_NEAR(view.object_boxes()[0].max().x(), 0.1, 0.02);
 }
 
-TEST(SceneView, DriversThatDoNotFitAreRefused) {
+TEST(SceneView, MismatchedDriversAreRefused) {
   SceneView view;
   ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
   DriverFrame frame = frame_of({{1, {0, 0, 0}}});
@@ -236,8 +237,8 @@ TEST(SceneView, DriversThatDoNotFitAreRefused) {
   EXPECT_NE(posed.error().message.find("object 1"), std::string::npos) << posed.error().message;
 }
 
-// An object that breaks: the event comes first, and frames of before may follow it.
-TEST(SceneView, FramesOfAnEarlierRevisionAreDrawnAsBefore) {
+// An object fractures: the event comes first, and frames of the earlier revision may follow.
+TEST(SceneView, EarlierRevisionIsDrawnUntilNewFrame) {
   SceneView view;
   ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
   const DriverFrame whole = frame_of({{1, {3, 0, 0}}});
@@ -253,7 +254,7 @@ TEST(SceneView, FramesOfAnEarlierRevisionAreDrawnAsBefore) {
   apart.objects[0].poses.push_back({{7, 0, 0}, Eigen::Quaterniond::Identity()});
   ASSERT_TRUE(view.pose(apart));
   EXPECT_NEAR(view.bounds(1).max().x(), 7.0, 0.2);
-  // What is over is over: drivers of a revision that is gone are refused with a reason.
+  // Drivers of a removed revision are refused with a reason.
   const auto late = view.pose(whole);
   ASSERT_FALSE(late);
   EXPECT_NE(late.error().message.find("revision 0"), std::string::npos) << late.error().message;
@@ -264,8 +265,8 @@ TEST(SceneView, FramesOfAnEarlierRevisionAreDrawnAsBefore) {
   EXPECT_NE(refused.error().message.find("object 1"), std::string::npos) << refused.error().message;
 }
 
-// Every corner of the objects, and nothing of the environment's extent, decides the default picture.
-TEST(ChooseCamera, HasAllObjectsInThePictureAndTheEnvironmentBehind) {
+// The default camera depends on all corners of the objects and not on the extent of the environment.
+TEST(ChooseCamera, ShowsAllObjectsBeforeEnvironment) {
   SceneView view;
   ASSERT_TRUE(view.add(1, cube_asset(8.0f, {0, 0, 1}), rigid_rest(), true));
   ASSERT_TRUE(view.add(2, cube_asset(0.4f, {1, 0, 0}), rigid_rest(), false));
@@ -284,14 +285,13 @@ TEST(ChooseCamera, HasAllObjectsInThePictureAndTheEnvironmentBehind) {
       nearest_edge = std::min({nearest_edge, 0.9 - x, 0.9 - y});
     }
   }
-  EXPECT_NEAR(nearest_edge, 0.0, 1e-9);                     // and no nearer camera would do
-  EXPECT_GT(camera.world_from_camera.position_m.x(), 0.5);  // the environment's middle is at x = -3
+  EXPECT_NEAR(nearest_edge, 0.0, 1e-9);                     // and a nearer camera is impossible
+  EXPECT_GT(camera.world_from_camera.position_m.x(), 0.5);  // the environment's centre is at x = -3
   EXPECT_GT(camera.world_from_camera.position_m.y(), 0.4);
 }
 
-// 10 % of the columns' half width is room for what moves; the edges of what is left are reached on both
-// sides.
-TEST(ChooseCamera, HasAllObjectsInTheColumnsThatAreFree) {
+// 10 % of the columns' half width is margin; the objects reach both edges of the rest.
+TEST(ChooseCamera, ShowsAllObjectsInFreeColumns) {
   SceneView view;
   ASSERT_TRUE(view.add(2, cube_asset(0.4f, {1, 0, 0}), rigid_rest(), false));
   ASSERT_TRUE(view.add(3, cube_asset(0.4f, {0, 1, 0}), rigid_rest(), false));

@@ -12,22 +12,22 @@ namespace {
 
 const Eigen::AlignedBox3f kAll(Eigen::Vector3f::Constant(-10), Eigen::Vector3f::Constant(10));
 
-// One standard deviation of an ellipsoid whose axes are known, turned by a quarter.
-TEST(SurfaceNear, IsOneStandardDeviationFromAKernel) {
+// One standard deviation of a rotated ellipsoid with known axes.
+TEST(SurfaceNear, SurfaceIsAtOneStandardDeviation) {
   synthetic::Object object;
   const Eigen::Quaterniond quarter(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
   synthetic::add_kernel(object, {1, 0, 0}, quarter, {0.3, 0.1, 0.05}, 0.9, {1, 1, 1});
   const DrawnObject drawn = object.drawn();
   const auto surface = surface_within({&drawn, 1}, kAll, 10);
   ASSERT_EQ(surface.size(), 1u);
-  EXPECT_NEAR(distance_to_surface(surface, {1, 1, 0}), 0.7, 1e-5);  // its long axis
+  EXPECT_NEAR(distance_to_surface(surface, {1, 1, 0}), 0.7, 1e-5);  // long axis
   EXPECT_NEAR(distance_to_surface(surface, {2, 0, 0}), 0.9, 1e-5);
   EXPECT_NEAR(distance_to_surface(surface, {1, 0, 2}), 1.95, 1e-5);
   EXPECT_LT(distance_to_surface(surface, {1, 0.2f, 0}), 0.0f);
   EXPECT_EQ(distance_to_surface({}, {1, 0, 0}), std::numeric_limits<float>::infinity());
 }
 
-TEST(SurfaceNear, IsOfOpaqueKernelsInTheBoxAndNoMoreThanAsked) {
+TEST(SurfaceNear, UsesLimitedOpaqueKernelsInBox) {
   synthetic::Object object;
   object.id = 5;
   for (int i = 0; i < 100; ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device whose memory ends, and its clock.
+// A device with limited memory, and its timer.
 #include <algorithm>
 
 #include "client/render/renderer/renderer_fixture.h"
@@ -11,7 +11,7 @@ namespace {
 
 using synthetic::Object;
 
-TEST(MostVisibleKernels, AreTheLargeAndOpaque) {
+TEST(MostVisibleKernels, AreLargeAndOpaque) {
   Object object;
   const Eigen::Quaterniond upright = Eigen::Quaterniond::Identity();
   synthetic::add_kernel(object, {0, 0, 0}, upright, {0.1, 0.1, 0.001}, 0.9, {1, 1, 1});    // 9e-3
@@ -26,7 +26,7 @@ TEST(MostVisibleKernels, AreTheLargeAndOpaque) {
 
 class DeviceLimits : public VulkanPictures {
  protected:
-  // A device of this test alone, with that much memory, and a renderer on it.
+  // Creates a renderer on a separate device with this much memory.
   void limit_memory(size_t bytes) {
     renderer_.reset();
     auto device = create_validated_device(shared_vulkan.messages(), bytes);
@@ -38,9 +38,9 @@ class DeviceLimits : public VulkanPictures {
   }
 };
 
-// 40 000 kernels want 212 bytes each and three pictures: 9 MB. With half of that the largest are drawn, it is
-// said, and once fewer are there, all of them.
-TEST_F(DeviceLimits, WhereMemoryEndsFewerKernelsAreDrawnAndItIsSaid) {
+// 40 000 kernels need 212 bytes each and three pictures: 9 MB. With half of that only the largest are drawn,
+// with a notice; with fewer kernels all are drawn again.
+TEST_F(DeviceLimits, ReducesKernelsWhenMemoryIsExhausted) {
   const Object many = synthetic::shell(40'000, 3, 0.006, 3);
   Object few = synthetic::shell(2'000, 1, 0.02, 4);
   few.id = 2;
@@ -52,10 +52,10 @@ TEST_F(DeviceLimits, WhereMemoryEndsFewerKernelsAreDrawnAndItIsSaid) {
   const Image thinned = draw(both, {&eye, 1})[0];
   EXPECT_NE(renderer_->notice().find("% of the kernels; the rest is not drawn"), std::string::npos)
       << renderer_->notice();
-  EXPECT_GT(psnr_db(thinned, whole), 20.0);  // nothing would be 11 dB
-  EXPECT_LT(psnr_db(thinned, whole), 60.0);  // it is not the same
+  EXPECT_GT(psnr_db(thinned, whole), 20.0);  // an empty picture would have 11 dB
+  EXPECT_LT(psnr_db(thinned, whole), 60.0);  // the pictures differ
   EXPECT_EQ(draw(both, {&eye, 1})[0].pixels, thinned.pixels);
-  // What moves is drawn where it is.
+  // A moved object is drawn at its new position.
   const Object moved = synthetic::moved(many, {{0.1, 0, 0}, Eigen::Quaterniond::Identity()});
   const RenderedObject after[] = {{moved.drawn(), 3, 1}, both[1]};
   EXPECT_GT(psnr_db(draw(after, {&eye, 1})[0], oracle(after, {&eye, 1})[0]), 20.0);
@@ -64,8 +64,8 @@ TEST_F(DeviceLimits, WhereMemoryEndsFewerKernelsAreDrawnAndItIsSaid) {
   EXPECT_GT(psnr_db(alone, oracle({&both[1], 1}, {&eye, 1})[0]), kBar_db);
 }
 
-// Where not even a few fit, the processor draws all of them, and that is said too.
-TEST_F(DeviceLimits, WithNoMemoryAtAllTheProcessorDrawsAndItIsSaid) {
+// If no useful number fits, the CPU draws everything, with a notice.
+TEST_F(DeviceLimits, FallsBackToCpuWithoutMemory) {
   limit_memory(100'000);
   const std::string device = renderer_->name();
   const Object many = synthetic::shell(4'000, 3, 0.02, 3);
@@ -84,13 +84,13 @@ TEST_F(DeviceLimits, WithNoMemoryAtAllTheProcessorDrawsAndItIsSaid) {
   ASSERT_TRUE(roomy.draw(frame, {&eye, 1}, expected));
   EXPECT_EQ(picture.at(0).pixels, expected.at(0).pixels);
   EXPECT_EQ(cramped.renderer_name(), "cpu");
-  EXPECT_EQ(cramped.notice().rfind(device + " cannot draw this: ", 0), 0u) << cramped.notice();
+  EXPECT_EQ(cramped.notice().rfind(device + ": rendering failed: ", 0), 0u) << cramped.notice();
   EXPECT_NE(cramped.notice().find("out of memory"), std::string::npos) << cramped.notice();
-  EXPECT_NE(cramped.notice().find("the processor draws"), std::string::npos) << cramped.notice();
+  EXPECT_NE(cramped.notice().find("rendering continues on the CPU"), std::string::npos) << cramped.notice();
   EXPECT_EQ(roomy.notice(), "");
 }
 
-TEST_F(DeviceLimits, WithNoMemoryAtAllItIsAnError) {
+TEST_F(DeviceLimits, NoMemoryIsAnErrorForTheRenderer) {
   limit_memory(100'000);
   const Object many = synthetic::shell(4'000, 3, 0.02, 3);
   const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
@@ -101,10 +101,9 @@ TEST_F(DeviceLimits, WithNoMemoryAtAllItIsAnError) {
   EXPECT_EQ(done.error().code, ErrorCode::TooLarge);
 }
 
-// What is told of an eye's kernels lies in as many buffers as the device needs: the same bits, whoever poses
-// them, and whichever eye sees them. Beyond those, fewer are drawn, and what is said is not that memory has
-// ended.
-TEST_F(DeviceLimits, RowsInSeveralBuffersDrawTheSamePicture) {
+// Projected rows may be split over several buffers: the result is bit-identical for all objects and both
+// eyes. Beyond the limit fewer are drawn, with a notice that does not mention memory.
+TEST_F(DeviceLimits, SplitBuffersGiveSamePicture) {
   const Object shell = synthetic::shell(2'500, 3, 0.02, 3);
   Object other = synthetic::shell(400, 1, 0.02, 4);
   other.id = 2;
@@ -124,15 +123,15 @@ TEST_F(DeviceLimits, RowsInSeveralBuffersDrawTheSamePicture) {
   const Object many = synthetic::shell(4'000, 3, 0.02, 3);
   const RenderedObject more = rendered(many.drawn(), 3);
   const Image fewer = draw({&more, 1}, {&eye, 1})[0];
-  EXPECT_EQ(renderer_->notice(), "the buffers that " + device_->name() +
-                                     " can bind hold 75 % of the kernels; the rest is not drawn");
-  EXPECT_GT(psnr_db(fewer, oracle({&more, 1}, {&eye, 1})[0]), 20.0);  // nothing would be 11 dB
+  EXPECT_EQ(renderer_->notice(),
+            "bindable buffers of " + device_->name() + " hold 75 % of the kernels; the rest is not drawn");
+  EXPECT_GT(psnr_db(fewer, oracle({&more, 1}, {&eye, 1})[0]), 20.0);  // an empty picture would have 11 dB
   EXPECT_EQ(draw({&both[1], 1}, {&eye, 1}).size(), 1u);
   EXPECT_EQ(renderer_->notice(), "");
 }
 
-// Each pass by the device's clock lies within what the host waited for it; lavapipe has a clock.
-TEST_F(DeviceLimits, ItsClockTellsEachPassAlone) {
+// Device time of each pass is at most the host's wait; lavapipe has a timer.
+TEST_F(DeviceLimits, TimerReportsEachPass) {
   make_renderer({.separate_times = true});
   const Object object = synthetic::shell(20'000, 3, 0.01, 5);
   const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);

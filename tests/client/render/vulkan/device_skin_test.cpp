@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of kernels that the device skins, from drivers alone.
+// Pictures with kernels that the device skins from drivers.
 #include <random>
 
 #include "client/render/renderer/renderer_fixture.h"
@@ -19,7 +19,7 @@ using namespace livegs::testing;
 
 constexpr double kCellWidth_m = 0.05;
 
-// Kernels of three bands within 0.3 m, with colours that go with their place.
+// Kernels of three bands within 0.3 m, coloured by position.
 std::shared_ptr<const GaussianAsset> cloud_asset(const RestBody& rest, size_t count, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<Eigen::Vector3d> points;
@@ -36,7 +36,7 @@ std::shared_ptr<const GaussianAsset> cloud_asset(const RestBody& rest, size_t co
   return asset;
 }
 
-// A thing of each kind of driver about the origin, side by side.
+// One object of each driver kind, side by side.
 struct Things {
   RestBody rigid, lattice, particles;
 
@@ -58,7 +58,7 @@ struct Things {
     }
   }
 
-  // How the first two, and the third, look at a moment: turned, bent, twisted.
+  // Poses at a given time: rotated, bent, twisted; the third object has its own time.
   DriverFrame at(double moment, double third) const {
     DriverFrame frame;
     ObjectDrivers apart;
@@ -87,12 +87,13 @@ class DeviceSkinning : public VulkanPictures {
   const Things things_;
 };
 
-TEST_F(DeviceSkinning, WhatMovesIsSkinnedThereAndIsTheOraclesPicture) {
+TEST_F(DeviceSkinning, MovedObjectsMatchReference) {
   SceneView device(std::move(renderer_)), host;
   things_.add_to(device);
   things_.add_to(host);
   const std::pair<double, double> moments[] = {{0, 0}, {0.4, 0}, {0.8, 0.7}, {0.8, 0.7}};
-  const size_t moved[] = {3, 2, 3, 0}, skinned_on_host[] = {1, 0, 1, 0};  // a pass skins all but particles
+  const size_t moved[] = {3, 2, 3, 0},
+               skinned_on_host[] = {1, 0, 1, 0};  // passes skin all kinds except particles
   for (size_t i = 0; i < std::size(moments); ++i) {
     const DriverFrame frame = things_.at(moments[i].first, moments[i].second);
     std::vector<Image> made, expected;
@@ -108,9 +109,9 @@ TEST_F(DeviceSkinning, WhatMovesIsSkinnedThereAndIsTheOraclesPicture) {
   }
 }
 
-// A captured asset as an elastic body: upright, 0.5 m across, in a lattice about it that is twisted and
-// stretched, as captured_pictures_test does it on the CPU.
-TEST_F(DeviceSkinning, ACapturedAssetThatIsDeformedIsTheOraclesPicture) {
+// A captured asset as an elastic body: upright, 0.5 m across, in a twisted and stretched lattice, as in
+// captured_pictures_test on the CPU.
+TEST_F(DeviceSkinning, DeformedCaptureMatchesReference) {
   LIVEGS_NEEDS_SHARED_DATA();
   const auto file = read_asset(shared_data() / "splats" / "camera_leica/leica-sofort-top8192.ply");
   ASSERT_TRUE(file) << file.error().message;
@@ -149,7 +150,7 @@ TEST_F(DeviceSkinning, ACapturedAssetThatIsDeformedIsTheOraclesPicture) {
     const double db = psnr_db(made[0], expected[0]);
     std::printf("deformed by %.1f: %.1f dB\n", moment, db);
     EXPECT_GE(db, kBar_db) << moment;
-    // Something is seen, and it is another picture than the one at rest.
+    // The picture is not empty and differs from the one at rest.
     double covered = 0;
     for (size_t i = 3; i < expected[0].pixels.size(); i += 4) covered += expected[0].pixels[i];
     EXPECT_GT(covered, 0.05 * eye.width * eye.height) << moment;
@@ -161,9 +162,8 @@ TEST_F(DeviceSkinning, ACapturedAssetThatIsDeformedIsTheOraclesPicture) {
   }
 }
 
-// However many buffers the rows of a frame lie in: bodies and lattices are posed by passes, particles on the
-// host.
-TEST_F(DeviceSkinning, RowsInSeveralBuffersAreTheSamePicture) {
+// Independent of the number of buffers: bodies and lattices are posed by passes, particles on the host.
+TEST_F(DeviceSkinning, SplitBuffersGiveSamePicture) {
   SceneView whole(std::move(renderer_));
   things_.add_to(whole);
   const DriverFrame frame = things_.at(0.4, 0.7);
@@ -180,9 +180,8 @@ TEST_F(DeviceSkinning, RowsInSeveralBuffersAreTheSamePicture) {
   EXPECT_EQ(made[0].pixels, expected[0].pixels);
 }
 
-// Who asks where kernels are gets the answer of a view that draws on the CPU, and only what he may ask about
-// is skinned.
-TEST_F(DeviceSkinning, AskingWhereKernelsAreSkinsOnlyWhatIsAskedAbout) {
+// Position queries give the same result as a view that draws on the CPU, and skin only the queried objects.
+TEST_F(DeviceSkinning, QueriesSkinOnlyQueriedObjects) {
   SceneView device(std::move(renderer_)), host;
   things_.add_to(device);
   things_.add_to(host);
@@ -209,8 +208,8 @@ TEST_F(DeviceSkinning, AskingWhereKernelsAreSkinsOnlyWhatIsAskedAbout) {
   EXPECT_FALSE(device.drawn_object(9));
 }
 
-// A frame of what moves is one submission and takes no more than its nodes, its bodies and its eyes.
-TEST_F(DeviceSkinning, AFrameUploadsDriversInOneSubmission) {
+// A frame of moving objects is one submission with nodes, bodies and eyes only.
+TEST_F(DeviceSkinning, FrameUploadsDriversInOneSubmission) {
   struct Thing {
     const RestBody* rest;
     std::shared_ptr<const GaussianAsset> asset;
@@ -235,7 +234,7 @@ TEST_F(DeviceSkinning, AFrameUploadsDriversInOneSubmission) {
     const std::array eyes{eye_, eye_};
     const auto done = renderer_->draw(objects, eyes, {}, images);
     ASSERT_TRUE(done) << done.error().message;
-    if (picture == 1) continue;  // assets, and a first try of multiview
+    if (picture == 1) continue;  // assets, and the multiview check
     EXPECT_EQ(renderer_->last_times().uploaded_bytes,
               2 * 64 + things_.lattice.node_coordinates.size() * 64 + sizeof(FrameViews));
     EXPECT_EQ(renderer_->last_times().submissions, 1u);
@@ -244,9 +243,9 @@ TEST_F(DeviceSkinning, AFrameUploadsDriversInOneSubmission) {
   }
 }
 
-// With three bands in stereo, drivers and the sorting included, pictures left out: at first, after the scene
-// has grown by a little and by much, after it has shrunk.
-TEST(DeviceBytes, AKernelTakes256AtMostAlsoAfterTheSceneHasGrownAndShrunk) {
+// Three bands in stereo, including drivers and sorting, without pictures: at first, after small and large
+// growth of the scene, and after it has shrunk.
+TEST(DeviceBytes, KernelUsesAtMost256BytesAfterResizing) {
   const RestBody rest = lattice_body(6, 6, 6, kCellWidth_m, nullptr, {-3, -3, -3});
   CpuBackend backend;
   FrameSplats frame(backend);
@@ -281,7 +280,7 @@ TEST(DeviceBytes, AKernelTakes256AtMostAlsoAfterTheSceneHasGrownAndShrunk) {
   };
   add(60'000);
   EXPECT_LE(bytes_a_kernel(), 256.0);
-  EXPECT_GE(bytes_a_kernel(), 236.0);  // all of it is counted
+  EXPECT_GE(bytes_a_kernel(), 236.0);  // nothing is left out
   for (const size_t more : {500u, 20'000u, 90'000u}) {
     add(more);
     EXPECT_LE(bytes_a_kernel(), 256.0) << more;

@@ -14,10 +14,10 @@
 namespace livegs {
 namespace {
 
-// Sends an asset in pieces of 1000, and may be cut off.
+// Sends an asset in pieces of 1000 bytes, optionally interrupted.
 class Source {
  public:
-  // So many kernels of 56 bytes or a bit less each.
+  // `kernels` of up to 56 bytes each.
   explicit Source(size_t kernels)
       : asset(synthetic_asset(kernels, 0, 7)), ply(encode_ply(asset)), bytes(encode_progressive(asset)) {
     hash = content_hash(ply);
@@ -36,13 +36,13 @@ class Source {
     };
   }
   const GaussianAsset asset;
-  const std::vector<std::byte> ply;  // what the cache keeps
-  std::vector<std::byte> bytes;      // what is sent
+  const std::vector<std::byte> ply;  // file in the cache
+  std::vector<std::byte> bytes;      // bytes on the wire
   std::string hash;
   std::vector<uint64_t> offsets;
 };
 
-TEST(AssetCache, FetchesOnceThenFindsItThere) {
+TEST(AssetCache, FetchesOnceThenReadsFromCache) {
   const ScratchFolder folder;
   const AssetCache cache(folder / "cache");
   Source source(100);
@@ -57,7 +57,7 @@ TEST(AssetCache, FetchesOnceThenFindsItThere) {
   EXPECT_EQ(source.offsets.size(), 1u);
 }
 
-TEST(AssetCache, TakesUpWhereItWasCutOff) {
+TEST(AssetCache, ResumesInterruptedTransfer) {
   const ScratchFolder folder;
   const AssetCache cache(folder / "cache");
   Source source(100);
@@ -70,7 +70,7 @@ TEST(AssetCache, TakesUpWhereItWasCutOff) {
   EXPECT_EQ(source.offsets, (std::vector<uint64_t>{0, 3000}));
 }
 
-TEST(AssetCache, APartThatIsWrongIsFetchedFromTheStart) {
+TEST(AssetCache, RefetchesWrongPartFromStart) {
   const ScratchFolder folder;
   Source source(100);
   folder.write("cache/" + source.hash + ".part", std::string(2000, 'x'));
@@ -81,7 +81,7 @@ TEST(AssetCache, APartThatIsWrongIsFetchedFromTheStart) {
   EXPECT_EQ(source.offsets, (std::vector<uint64_t>{0}));
 }
 
-TEST(AssetCache, AnAssetThatWasDamagedOnDiskIsFetchedAgain) {
+TEST(AssetCache, RefetchesDamagedFile) {
   const ScratchFolder folder;
   Source source(100);
   folder.write("cache/" + source.hash + ".ply", std::string(4500, 'x'));
@@ -92,7 +92,7 @@ TEST(AssetCache, AnAssetThatWasDamagedOnDiskIsFetchedAgain) {
   EXPECT_EQ(*read_file(folder.path() / "cache" / (source.hash + ".ply")), source.ply);
 }
 
-TEST(AssetCache, BytesOfAnotherHashAreRefused) {
+TEST(AssetCache, RefusesBytesWithDifferentHash) {
   const ScratchFolder folder;
   const AssetCache cache(folder / "cache");
   Source source(100);
@@ -103,8 +103,8 @@ TEST(AssetCache, BytesOfAnotherHashAreRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "cache" / (source.hash + ".ply")));
 }
 
-// Told at the block that is spoilt, before the rest is fetched.
-TEST(AssetCache, BytesThatAreNoAssetAreRefused) {
+// Reported at the damaged block, before the rest is fetched.
+TEST(AssetCache, RefusesBytesThatAreNotAnAsset) {
   const ScratchFolder folder;
   const AssetCache cache(folder / "cache");
   Source source(9000);
@@ -117,8 +117,8 @@ TEST(AssetCache, BytesThatAreNoAssetAreRefused) {
   EXPECT_EQ(source.offsets.size(), 1u);
 }
 
-// What came is told of while the rest is still to come, of what an earlier attempt left, too.
-TEST(AssetCache, TellsWhatCanBeDrawnBeforeItIsWhole) {
+// Progress is reported during the transfer, also for data of an earlier attempt.
+TEST(AssetCache, ReportsDrawablePartsDuringTransfer) {
   const ScratchFolder folder;
   const AssetCache cache(folder / "cache");
   Source source(9000);
@@ -135,7 +135,7 @@ TEST(AssetCache, TellsWhatCanBeDrawnBeforeItIsWhole) {
   EXPECT_LE(whole->fetched_bytes, source.bytes.size() - most);
 }
 
-TEST(AssetCache, MoreBytesThanPromisedAreRefused) {
+TEST(AssetCache, RefusesExcessBytes) {
   const ScratchFolder folder;
   const AssetCache cache(folder / "cache");
   Source source(100);
@@ -143,12 +143,12 @@ TEST(AssetCache, MoreBytesThanPromisedAreRefused) {
   EXPECT_LE(std::filesystem::file_size(folder.path() / "cache" / (source.hash + ".part")), 2000u);
 }
 
-TEST(AssetCache, ClientsThatAskAtOnceFetchOnce) {
+TEST(AssetCache, ConcurrentClientsFetchOnce) {
   const ScratchFolder folder;
   Source source(4000);
   std::vector<std::thread> clients;
   std::atomic<uint64_t> fetched{0};
-  std::mutex source_mutex;  // the test's source is for one thread; the cache lets one through anyway
+  std::mutex source_mutex;  // the source is not thread-safe; the cache serialises the fetches
   for (int i = 0; i < 8; ++i) {
     clients.emplace_back([&] {
       const AssetCache cache(folder / "cache");
@@ -166,7 +166,7 @@ TEST(AssetCache, ClientsThatAskAtOnceFetchOnce) {
   EXPECT_EQ(fetched, source.bytes.size());
 }
 
-TEST(AssetCache, AFolderThatCannotBeMadeIsNamed) {
+TEST(AssetCache, NamesFolderThatCannotBeCreated) {
   const ScratchFolder folder;
   const auto file = folder.write("file", "");
   Source source(1);

@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-// A rigid object 1 at x = tick, turned by tick * 0.1 rad about y, and a lattice 2 of two nodes.
+// A rigid object 1 at x = tick, rotated by tick * 0.1 rad about y, and a lattice 2 with two nodes.
 DriverFrame frame(uint64_t tick) {
   const auto at = static_cast<double>(tick);
   DriverFrame made;
@@ -25,20 +25,20 @@ DriverFrame frame(uint64_t tick) {
   return made;
 }
 
-TEST(FrameHistory, InterpolatesBetweenTheTwoFramesAround) {
+TEST(FrameHistory, InterpolatesBetweenAdjacentFrames) {
   FrameHistory history(8);
   for (uint64_t tick : {1, 2, 4}) history.add(frame(tick));
   const auto between = history.at(32'500'000);  // 5/8 between ticks 2 and 4
   ASSERT_TRUE(between);
   EXPECT_NEAR(between->objects[0].poses[0].position_m.x(), 3.25, 1e-12);
   EXPECT_NEAR(between->objects[1].positions_m[1].y(), 6.5f, 1e-6f);
-  // The chord runs slower at its ends than the arc: over 0.2 rad the two differ by less than 0.1 mrad.
+  // Lerp along the chord is slower at its ends than slerp: over 0.2 rad they differ by less than 0.1 mrad.
   const Eigen::AngleAxisd turn(between->objects[0].poses[0].orientation);
   EXPECT_NEAR(turn.angle(), 0.325, 1e-4);
   EXPECT_EQ(between->simulated_ns, 32'500'000);
 }
 
-TEST(FrameHistory, AFrameItselfComesBackExactly) {
+TEST(FrameHistory, ReturnsStoredFramesExactly) {
   FrameHistory history(8);
   for (uint64_t tick : {1, 2, 3}) history.add(frame(tick));
   const auto exact = history.at(20'000'000);
@@ -47,7 +47,7 @@ TEST(FrameHistory, AFrameItselfComesBackExactly) {
   EXPECT_EQ(exact->objects[0].poses[0].position_m.x(), 2.0);
 }
 
-TEST(FrameHistory, StandsStillBefore) {
+TEST(FrameHistory, HoldsPoseBeforeOldestFrame) {
   FrameHistory history(8);
   EXPECT_FALSE(history.at(0));
   history.add(frame(3));
@@ -56,14 +56,14 @@ TEST(FrameHistory, StandsStillBefore) {
   EXPECT_EQ(history.at(0)->tick, 3u);
 }
 
-TEST(FrameHistory, GoesOnForTwoFramesAndThenStands) {
+TEST(FrameHistory, ExtrapolatesForTwoFramesThenStops) {
   FrameHistory history(8);
   for (uint64_t tick : {1, 2, 4})
-    history.add(frame(tick));  // 3 was dropped: the last two are two intervals apart
+    history.add(frame(tick));  // 3 was dropped: the last two frames are two intervals apart
   const auto beyond = history.at(55'000'000);
   EXPECT_NEAR(beyond->objects[0].poses[0].position_m.x(), 5.5, 1e-9);
   EXPECT_NEAR(beyond->objects[1].positions_m[1].y(), 11.0f, 1e-5f);
-  // On the chord of 0.2 rad, 1.75 of its length from its begin: atan(2.5 tan 0.1) + 0.3.
+  // On the chord of 0.2 rad, 1.75 of its length from its start: atan(2.5 tan 0.1) + 0.3.
   EXPECT_NEAR(Eigen::AngleAxisd(beyond->objects[0].poses[0].orientation).angle(),
               0.3 + 2 * std::atan(2.5 * std::tan(0.05)), 1e-9);
   EXPECT_EQ(beyond->simulated_ns, 55'000'000);
@@ -72,7 +72,7 @@ TEST(FrameHistory, GoesOnForTwoFramesAndThenStands) {
   EXPECT_EQ(stands->simulated_ns, 60'000'000);
 }
 
-TEST(FrameHistory, WhatSleepsOrBrokeDoesNotGoOn) {
+TEST(FrameHistory, DoesNotExtrapolateSleepingOrFracturedObjects) {
   FrameHistory history(8);
   DriverFrame later = frame(2);
   later.objects[0].asleep = true;
@@ -85,8 +85,8 @@ TEST(FrameHistory, WhatSleepsOrBrokeDoesNotGoOn) {
   EXPECT_EQ(beyond->objects[1].revision, 1u);
 }
 
-// A break between two frames: whole until the later, and from then on as the later says.
-TEST(FrameHistory, NothingIsInterpolatedThroughABreak) {
+// A fracture between two frames: whole until the later frame, then as in the later frame.
+TEST(FrameHistory, DoesNotInterpolateAcrossFracture) {
   FrameHistory history(8);
   DriverFrame broken = frame(2);
   broken.objects[0].revision = 1;
@@ -103,24 +103,24 @@ TEST(FrameHistory, NothingIsInterpolatedThroughABreak) {
   EXPECT_EQ(history.at(28'000'000)->objects[0].poses[0].position_m.x(), 2.0);
 }
 
-TEST(FrameHistory, WhatRestsKeepsItsBits) {
+TEST(FrameHistory, RestingObjectsStayBitIdentical) {
   DriverFrame a = frame(1), b = frame(2);
   a.objects[0].poses[0].orientation =
-      Eigen::Quaterniond(0.3, 0.4, -0.5, 0.6);  // not quite unit, as a decoder has it
+      Eigen::Quaterniond(0.3, 0.4, -0.5, 0.6);  // not exactly unit, as from a decoder
   b.objects[0].poses = a.objects[0].poses;
   const DriverFrame between = interpolate(a, b, 0.37);
   EXPECT_EQ(between.objects[0].poses[0].orientation.coeffs(), a.objects[0].poses[0].orientation.coeffs());
   EXPECT_EQ(between.objects[0].poses[0].position_m, a.objects[0].poses[0].position_m);
 }
 
-TEST(FrameHistory, TurnsTheShorterWay) {
+TEST(FrameHistory, RotatesAlongShorterArc) {
   DriverFrame a = frame(1), b = frame(2);
-  b.objects[0].poses[0].orientation.coeffs() *= -1;  // the same turn
+  b.objects[0].poses[0].orientation.coeffs() *= -1;  // the same rotation
   const DriverFrame between = interpolate(a, b, 0.5);
   EXPECT_NEAR(Eigen::AngleAxisd(between.objects[0].poses[0].orientation).angle(), 0.15, 1e-6);
 }
 
-TEST(FrameHistory, IsBoundedAndIgnoresWhatIsNotNewer) {
+TEST(FrameHistory, IsBoundedAndIgnoresOldFrames) {
   FrameHistory history(4);
   for (uint64_t tick = 1; tick <= 100; ++tick) history.add(frame(tick));
   history.add(frame(50));
@@ -129,7 +129,7 @@ TEST(FrameHistory, IsBoundedAndIgnoresWhatIsNotNewer) {
   EXPECT_EQ(history.newest().tick, 100u);
 }
 
-TEST(FrameHistory, ForgettingKeepsWhatIsNeeded) {
+TEST(FrameHistory, DroppingKeepsNeededFrames) {
   FrameHistory history(8);
   for (uint64_t tick : {1, 2, 3, 4}) history.add(frame(tick));
   const auto before = history.at(25'000'000);
@@ -138,7 +138,7 @@ TEST(FrameHistory, ForgettingKeepsWhatIsNeeded) {
   EXPECT_EQ(history.at(25'000'000)->objects[0].poses[0].position_m, before->objects[0].poses[0].position_m);
 }
 
-TEST(FrameHistory, AnObjectComesWithItsFrameAndGoesWithTheNext) {
+TEST(FrameHistory, ObjectAppearsAndDisappearsAtItsFrames) {
   DriverFrame with = frame(2);
   ObjectDrivers ball;
   ball.object_id = 9;
@@ -148,9 +148,9 @@ TEST(FrameHistory, AnObjectComesWithItsFrameAndGoesWithTheNext) {
   EXPECT_EQ(interpolate(with, frame(3), 0.5).objects.size(), 3u);
 }
 
-TEST(FrameHistory, AnObjectThatChangedItsDriversIsTakenFromTheEarlierFrame) {
+TEST(FrameHistory, ChangedDriversUseEarlierFrame) {
   DriverFrame broken = frame(2);
-  broken.objects[0].poses.push_back(Pose{});  // two fragments now
+  broken.objects[0].poses.push_back(Pose{});  // two fragments
   const DriverFrame between = interpolate(frame(1), broken, 0.5);
   EXPECT_EQ(between.objects[0].poses.size(), 1u);
   EXPECT_EQ(between.objects[0].poses[0].position_m.x(), 1.0);

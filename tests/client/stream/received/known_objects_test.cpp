@@ -20,7 +20,7 @@ v1::ObjectDescription thing(uint32_t id, const std::string& name) {
   return object;
 }
 
-TEST(KnownObjects, TellWhatIsNotAsItWas) {
+TEST(KnownObjects, ReportOnlyChanges) {
   KnownObjects objects;
   const v1::ObjectDescription hat = thing(1, "hat"), cup = thing(2, "cup"), broken_cup = thing(2, "sherds"),
                               ball = thing(3, "ball");
@@ -36,18 +36,18 @@ TEST(KnownObjects, TellWhatIsNotAsItWas) {
   EXPECT_EQ(second->removed, std::vector<uint32_t>{1});
 }
 
-// Found by server_message_fuzz: the same list told twice was news each time.
-TEST(KnownObjects, AnIdIsToldOnce) {
+// Found by server_message_fuzz: a list with a duplicate id was reported as a change every time.
+TEST(KnownObjects, RefuseDuplicateIds) {
   KnownObjects objects;
   const v1::ObjectDescription hat = thing(1, "hat"), cup = thing(1, "cup"), ball = thing(3, "ball");
   ASSERT_TRUE(objects.replace(std::vector{&ball}));
   const auto twice = objects.replace(std::vector{&hat, &cup});
   ASSERT_FALSE(twice);
-  EXPECT_EQ(twice.error().message, "object \"cup\": another has its id");
+  EXPECT_EQ(twice.error().message, "object \"cup\": its id belongs to another object");
   const auto again = objects.replace(std::vector{&ball});
   ASSERT_TRUE(again);
   EXPECT_TRUE(again->added.empty() && again->changed.empty() &&
-              again->removed.empty());  // what failed changed nothing
+              again->removed.empty());  // a failed update changes nothing
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-// `size` thousand bytes of drivers, and a little more.
+// Slightly more than `size` thousand bytes of drivers.
 ReceivedFrame frame(uint64_t tick, size_t size) {
   ReceivedFrame made;
   made.tick = tick;
@@ -52,7 +52,7 @@ TEST(PlaybackQueue, DropsTheOldestFramesButNoEvent) {
   EXPECT_EQ(ticks, (std::vector<uint64_t>{48, 49, 50}));
 }
 
-TEST(PlaybackQueue, WakesWhoWaits) {
+TEST(PlaybackQueue, WakesWaitingThread) {
   PlaybackQueue queue(1000'000);
   std::vector<uint64_t> taken;
   std::thread reader([&] {
@@ -62,11 +62,11 @@ TEST(PlaybackQueue, WakesWhoWaits) {
   queue.close();
   reader.join();
   EXPECT_EQ(taken.size(), 100u);
-  queue.add(frame(101, 1));  // after close: nobody waits for it
+  queue.add(frame(101, 1));  // ignored after close()
   EXPECT_FALSE(queue.take());
 }
 
-TEST(PlaybackQueue, GivesNothingOnceItIsAbandoned) {
+TEST(PlaybackQueue, ReturnsNothingAfterAbandon) {
   PlaybackQueue queue(1000'000);
   for (uint64_t tick = 1; tick <= 10; ++tick) queue.add(frame(tick, 1));
   queue.close();

@@ -24,7 +24,7 @@ class RecordingPlaybackTest : public ::testing::Test {
     EXPECT_TRUE(writer->finish());
     return folder_ / "a.lvgrec";
   }
-  // Takes items until a frame; what is there then.
+  // Takes items up to the next frame.
   std::optional<ReceivedFrame> next_frame(RecordingPlayback& playback) {
     while (auto item = playback.take()) {
       if (auto* frame = std::get_if<ReceivedFrame>(&*item)) {
@@ -59,9 +59,9 @@ TEST_F(RecordingPlaybackTest, PlaysFromTheBeginningToTheEnd) {
   EXPECT_FALSE(playback->error());
 }
 
-// Forwards and backwards, over births and deaths: the right frame with the right objects, then those that
-// follow.
-TEST_F(RecordingPlaybackTest, SeeksAnywhereAndGoesOnFromThere) {
+// Seeks forwards and backwards across additions and removals give the right frame and objects, and playback
+// continues from there.
+TEST_F(RecordingPlaybackTest, SeeksAnywhereAndContinues) {
   auto playback = RecordingPlayback::open(write(2000));
   ASSERT_TRUE(playback);
   (void)next_frame(*playback);
@@ -74,15 +74,14 @@ TEST_F(RecordingPlaybackTest, SeeksAnywhereAndGoesOnFromThere) {
       EXPECT_EQ(frame->tick, tick + more);
     }
   }
-  ASSERT_TRUE(playback->seek(1e9));  // beyond the end: the last
+  ASSERT_TRUE(playback->seek(1e9));  // beyond the end: the last frame
   EXPECT_EQ(next_frame(*playback)->tick, 2000u);
   ASSERT_TRUE(playback->seek(-5));
   EXPECT_EQ(next_frame(*playback)->tick, 1u);
 }
 
-// One that was just opened, too, and one that was sought again before anything was taken: nothing that came
-// or went is lost.
-TEST_F(RecordingPlaybackTest, SeeksBeforeAnythingIsTaken) {
+// Seeks directly after opening, and repeated seeks without a take in between, lose no additions or removals.
+TEST_F(RecordingPlaybackTest, SeeksBeforeFirstTake) {
   const std::filesystem::path file = write(2000);
   for (const uint64_t tick : {1u, 500u, 1500u}) {
     there_.clear();
@@ -99,13 +98,13 @@ TEST_F(RecordingPlaybackTest, SeeksBeforeAnythingIsTaken) {
   }
 }
 
-TEST_F(RecordingPlaybackTest, RefusesOneWithoutFrames) {
+TEST_F(RecordingPlaybackTest, RefusesRecordingWithoutFrames) {
   const auto playback = RecordingPlayback::open(write(20, true));
   ASSERT_FALSE(playback);
-  EXPECT_NE(playback.error().message.find("without frames"), std::string::npos);
+  EXPECT_NE(playback.error().message.find("no frames"), std::string::npos);
 }
 
-TEST_F(RecordingPlaybackTest, EndsAtAByteThatWasChangedAndSaysSo) {
+TEST_F(RecordingPlaybackTest, ReportsCorruptedByte) {
   const auto path = write(700);
   {
     std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
@@ -119,7 +118,7 @@ TEST_F(RecordingPlaybackTest, EndsAtAByteThatWasChangedAndSaysSo) {
   EXPECT_GT(last, 100u);
   EXPECT_LT(last, 700u);
   ASSERT_TRUE(playback->error());
-  EXPECT_NE(playback->error()->message.find("was changed"), std::string::npos);
+  EXPECT_NE(playback->error()->message.find("is damaged"), std::string::npos);
   ASSERT_TRUE(playback->seek(690 * kPeriod_s));  // behind it
   EXPECT_EQ(next_frame(*playback)->tick, 691u);
 }

@@ -16,7 +16,7 @@ std::optional<ObjectExtent> locate_hat(const std::string& name) {
 
 Eigen::Vector3d ray(const HandSample& hand) { return hand.aim.orientation * -Eigen::Vector3d::UnitZ(); }
 
-TEST(ScriptedHands, PokeAimsAtTheMiddlePullsUpAndLetsGo) {
+TEST(ScriptedHands, PokeAimsAtCentrePullsUpAndReleases) {
   ScriptedHands hands(poke_script("hat"), kSettings);
   EXPECT_EQ(hands.at(0.99, locate_hat).hands[1].trigger, 0.0f);
   const HandSample begun = hands.at(1.0, locate_hat).hands[1];
@@ -26,11 +26,11 @@ TEST(ScriptedHands, PokeAimsAtTheMiddlePullsUpAndLetsGo) {
   const HandSample pulled = hands.at(1.6, locate_hat).hands[1];
   EXPECT_EQ(pulled.trigger, 1.0f);
   EXPECT_NEAR(pulled.aim.position_m.y() - kSettings.eye_m.y(), 0.8 * 0.4, 1e-9);
-  EXPECT_LT((ray(pulled) - ray(begun)).norm(), 1e-12);  // the hand moves, the ray does not turn
+  EXPECT_LT((ray(pulled) - ray(begun)).norm(), 1e-12);  // the hand moves, the ray keeps its direction
   EXPECT_EQ(hands.at(2.01, locate_hat).hands[1].trigger, 0.0f);
 }
 
-TEST(ScriptedHands, GrabClosesInTheMiddleCarriesAndOpens) {
+TEST(ScriptedHands, GrabClosesAtCentreMovesAndOpens) {
   v1::InputScript script;
   v1::InputScript::Grab& grab = *script.add_actions()->mutable_grab();
   grab.set_object("hat");
@@ -52,19 +52,19 @@ TEST(ScriptedHands, GrabClosesInTheMiddleCarriesAndOpens) {
   EXPECT_TRUE(hands.done(1.71));
 }
 
-TEST(ScriptedHands, SequencesRiseByOne) {
+TEST(ScriptedHands, SequencesIncreaseByOne) {
   ScriptedHands hands(poke_script("hat"), kSettings);
   for (uint64_t i = 1; i <= 5; ++i)
     EXPECT_EQ(hands.at(0.01 * static_cast<double>(i), locate_hat).sequence, i);
 }
 
-TEST(ScriptedHands, AThrownBallPassesThroughItsMark) {
+TEST(ScriptedHands, ThrownBallHitsItsTarget) {
   v1::InputScript script;
   script.add_actions()->mutable_ball()->set_object("hat");
   ScriptedHands hands(script, kSettings);
   const HandSample hand = hands.at(0, locate_hat).hands[0];
   ASSERT_TRUE(hand.shoot);
-  // Free fall, g = 9.81: where is it when it has covered the distance across?
+  // Free fall, g = 9.81: position after the horizontal distance is covered.
   const Eigen::Vector3d velocity = kSettings.ball_speed_m_s * ray(hand);
   const double time_s = -3.0 / velocity.z();
   EXPECT_NEAR(1.0 + velocity.y() * time_s - 0.5 * 9.81 * time_s * time_s, 0.5, 1e-9);
@@ -72,7 +72,7 @@ TEST(ScriptedHands, AThrownBallPassesThroughItsMark) {
   EXPECT_TRUE(hands.done(0.01));
 }
 
-TEST(ScriptedHands, BallsOfOneMomentAreShotOneAfterTheOther) {
+TEST(ScriptedHands, SimultaneousBallsAreShotInTurn) {
   v1::InputScript script;
   for (int i = 0; i < 2; ++i) script.add_actions()->mutable_ball()->set_object("hat");
   ScriptedHands hands(script, kSettings);
@@ -81,7 +81,7 @@ TEST(ScriptedHands, BallsOfOneMomentAreShotOneAfterTheOther) {
   EXPECT_EQ(shots, "10100");  // two rising edges
 }
 
-TEST(ScriptedHands, AnUnknownObjectIsLeftAlone) {
+TEST(ScriptedHands, SkipsUnknownObjects) {
   ScriptedHands hands(poke_script("cup"), kSettings);
   EXPECT_EQ(hands.at(1.2, locate_hat).hands[1].trigger, 0.0f);
   EXPECT_FALSE(hands.at(4.0, locate_hat).hands[0].shoot);

@@ -12,11 +12,11 @@
 
 namespace livegs {
 
-// A server that answers as a test tells it to, also what ours never would.
+// A server whose replies are set by a test, including replies the real server never sends.
 class ScriptedServer final : private v1::LiveGs::Service {
  public:
   using ServerStream = grpc::ServerReaderWriter<v1::ServerMessage, v1::ClientMessage>;
-  // Each is called with how often it was called before.
+  // The first argument counts the previous calls.
   std::function<grpc::Status(int, const v1::JoinRequest&, v1::JoinReply&)> on_join;
   std::function<grpc::Status(int, ServerStream&)> on_stream;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The client by itself, with a server that says what ours never would.
+// The client against a server with replies that the real server never sends.
 #include "stream/session/session_client.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ grpc::Status let_in(int, const v1::JoinRequest&, v1::JoinReply& reply) {
   return grpc::Status::OK;
 }
 
-// `spoiled`: without its last byte.
+// `spoiled`: without the last byte.
 void send(ScriptedServer::ServerStream& stream, uint64_t tick, const EncodedStreamFrame& encoded,
           bool spoiled = false) {
   v1::ServerMessage message;
@@ -53,8 +53,8 @@ DriverFrame frame_of_a_lattice() {
   return frame;
 }
 
-// The server was replaced by one of another version while the client looked for it.
-TEST(OtherVersion, EndsTheSessionWithItsAnswer) {
+// The server was replaced by another version while the client reconnects.
+TEST(OtherVersion, EndsSessionWithServerError) {
   ScriptedServer server;
   server.on_join = [](int before, const v1::JoinRequest&, v1::JoinReply& reply) {
     reply = welcome();
@@ -78,8 +78,8 @@ TEST(OtherVersion, EndsTheSessionWithItsAnswer) {
       << stopped.error().message;
 }
 
-// The first stream fails, as it does when a server goes between Join and Stream.
-TEST(FirstStream, ThatFailsIsTriedAgain) {
+// The first stream fails, as when a server stops between Join and Stream.
+TEST(FirstStream, FailureIsRetried) {
   ScriptedServer server;
   std::vector<std::string> resumed;
   server.on_join = [&](int, const v1::JoinRequest& request, v1::JoinReply& reply) {
@@ -107,9 +107,9 @@ TEST(FirstStream, ThatFailsIsTriedAgain) {
   EXPECT_EQ(resumed, (std::vector<std::string>{"", "0123456789abcdef", "0123456789abcdef"}));
 }
 
-// Frames of kernels that are larger than the link carries: each stream is given more time, and after three it
-// is said what helps.
-TEST(SilentStream, OfKernelsEndsTheSessionWithTheRemedy) {
+// Frames of kernels are too large for the link: each stream gets more time, and after three the session ends
+// with the remedy.
+TEST(SilentStream, OfKernelsEndsSessionWithRemedy) {
   ScriptedServer server;
   server.on_join = [](int, const v1::JoinRequest& request, v1::JoinReply& reply) {
     reply = welcome();
@@ -141,7 +141,7 @@ TEST(SilentStream, OfKernelsEndsTheSessionWithTheRemedy) {
   EXPECT_NE(stopped.error().message.find("--encoding drivers"), std::string::npos) << stopped.error().message;
   const SinkLog::State state = sink.state();
   ASSERT_EQ(state.lost.size(), 2u);
-  EXPECT_NE(state.lost.front().find("larger than the link carries"), std::string::npos) << state.lost.front();
+  EXPECT_NE(state.lost.front().find("too large for the link"), std::string::npos) << state.lost.front();
   for (int i = 0; i < 1000; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     std::lock_guard lock(mutex);
@@ -152,9 +152,8 @@ TEST(SilentStream, OfKernelsEndsTheSessionWithTheRemedy) {
   for (size_t i = 0; i < 3; ++i) EXPECT_GE(lasted_s[i], 0.8 * 0.2 * (1 << i));
 }
 
-// A frame whose bytes are not what was sent: refused, and a key frame asked for, which the stream goes on
-// with.
-TEST(SpoiledFrame, IsRefusedAndAKeyFrameIsAskedFor) {
+// A damaged frame is dropped and a key frame requested; the stream continues.
+TEST(SpoiledFrame, IsDroppedAndRequestsKeyFrame) {
   ScriptedServer server;
   server.on_join = let_in;
   server.on_stream = [](int, ScriptedServer::ServerStream& stream) {
@@ -187,9 +186,9 @@ TEST(SpoiledFrame, IsRefusedAndAKeyFrameIsAskedFor) {
   EXPECT_TRUE(state.lost.empty());
 }
 
-// The first frame is spoiled, and the key frame that is sent in its place as well: it is asked for again, for
-// as long as frames come that cannot be read.
-TEST(SpoiledFrame, ThatWasAskedForIsAskedForAgain) {
+// The first frame and the requested key frame are both damaged: the request is repeated while unreadable
+// frames arrive.
+TEST(SpoiledFrame, RequestIsRepeatedForSpoiledKeyFrame) {
   ScriptedServer server;
   server.on_join = let_in;
   std::atomic<int> asked = 0;
@@ -201,7 +200,7 @@ TEST(SpoiledFrame, ThatWasAskedForIsAskedForAgain) {
     };
     send_key(true);
     v1::ClientMessage incoming;
-    while (stream.Read(&incoming)) {  // a sign of life at least every 50 ms
+    while (stream.Read(&incoming)) {  // a keepalive at least every 50 ms
       if (incoming.key_frame_wanted()) ++asked;
       send_key(asked < 2);
     }
@@ -215,15 +214,15 @@ TEST(SpoiledFrame, ThatWasAskedForIsAskedForAgain) {
   EXPECT_TRUE(sink.wait([](const SinkLog::State& state) { return !state.frames.empty(); }));
   EXPECT_TRUE((*joined)->stop());
   EXPECT_GE(asked, 2);
-  EXPECT_LE(asked, 3);  // not for every frame that cannot be read
+  EXPECT_LE(asked, 3);  // not for every unreadable frame
 }
 
-// A message that comes late or is coalesced with the next loses no press of a button: each holds the last
-// three samples, oldest first, also one that is an acknowledgement or a sign of life.
-TEST(Inputs, EveryMessageHoldsTheLastThreeSamples) {
+// A late or merged message loses no button press: each message holds the last three samples, oldest first,
+// including acknowledgements and keepalives.
+TEST(Inputs, MessagesContainLastThreeSamples) {
   std::mutex mutex;
   std::condition_variable changed;
-  std::vector<std::vector<uint64_t>> heard;  // the sequences of each message
+  std::vector<std::vector<uint64_t>> heard;  // the sequences in each message
   ScriptedServer server;
   server.on_join = let_in;
   server.on_stream = [&](int, ScriptedServer::ServerStream& stream) {
@@ -258,7 +257,7 @@ TEST(Inputs, EveryMessageHoldsTheLastThreeSamples) {
     InputSample sample;
     sample.sequence = sequence;
     sample.hands[1].active = true;
-    sample.hands[1].shoot = sequence == 4;  // one press, of one sample
+    sample.hands[1].shoot = sequence == 4;  // one press in one sample
     (*joined)->send(sample);
     ASSERT_TRUE(wait_for([&] {
       return !heard.empty() && !heard.back().empty() && heard.back().back() == sequence;
@@ -268,7 +267,7 @@ TEST(Inputs, EveryMessageHoldsTheLastThreeSamples) {
     std::lock_guard lock(mutex);
     return heard.size();
   }();
-  ASSERT_TRUE(wait_for([&] { return heard.size() >= before + 3; }));  // signs of life
+  ASSERT_TRUE(wait_for([&] { return heard.size() >= before + 3; }));  // keepalives
   EXPECT_TRUE((*joined)->stop());
   std::lock_guard lock(mutex);
   size_t with_the_press = 0;

@@ -13,16 +13,16 @@
 
 namespace livegs {
 
-// What a session brought, in order, and when.
+// Records the events of a session in order.
 class SinkLog final : public StreamSink {
  public:
   struct State {
     std::vector<ReceivedFrame> frames;
     std::vector<std::string> lost;
     std::vector<ResumedSession> resumed;
-    std::vector<size_t> resumed_at;  // how many frames there were by then
+    std::vector<size_t> resumed_at;  // number of frames at that time
     std::vector<StreamedObject> added, changed;
-    std::vector<size_t> changed_at;  // how many frames there were by then
+    std::vector<size_t> changed_at;  // number of frames at that time
     std::vector<uint32_t> removed;
     std::string draining;
   };
@@ -55,7 +55,7 @@ class SinkLog final : public StreamSink {
     note([&](State& state) { state.draining = reason; });
   }
 
-  // Waits until what came satisfies `enough`; false when it does not within kPatience.
+  // Waits until the state satisfies `enough`; false on a timeout of kPatience.
   bool wait(const std::function<bool(const State&)>& enough) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kPatience, [&] { return enough(state_); });
@@ -64,7 +64,7 @@ class SinkLog final : public StreamSink {
     const size_t before = state().frames.size();
     return wait([&](const State& state) { return state.frames.size() >= before + more; });
   }
-  // Waits for so many resumptions and a frame after the last.
+  // Waits for `count` resumptions and a frame after the last.
   bool wait_resumed(size_t count) {
     return wait([&](const State& state) {
       return state.resumed.size() >= count && state.frames.size() > state.resumed_at.back();

@@ -15,13 +15,13 @@ namespace {
 constexpr int64_t kMs = 1'000'000;
 
 struct Network {
-  double delay_ms = 1, jitter_ms = 20;  // each way: even between delay and delay + jitter, in order
+  double delay_ms = 1, jitter_ms = 20;  // each way: uniform between delay and delay + jitter, in order
   double drift = 0;                     // of the server's clock
   double messages_hz = 90;              // each way
 };
 
-// The errors and the claimed uncertainties, in ms, at every frame of a minute but the first two seconds, of
-// an offset of three hours.
+// Errors and reported uncertainties in ms at every frame of a minute, except the first two seconds, for an
+// offset of three hours.
 struct Trace {
   std::vector<double> errors_ms, uncertainties_ms;
 };
@@ -38,7 +38,7 @@ Trace trace(const Network& network, uint64_t seed) {
   const auto period_ns = static_cast<int64_t>(1e9 / network.messages_hz);
   Trace result;
   ClockOffset clock;
-  int64_t heard_at = 0, received_at = 0, newest_sent = -1, newest_heard = 0;  // moments by the client's clock
+  int64_t heard_at = 0, received_at = 0, newest_sent = -1, newest_heard = 0;  // client clock
   std::vector<std::pair<int64_t, int64_t>> up;                                // sent, heard
   for (int64_t sent = 0; sent < 60'000 * kMs; sent += period_ns) {
     heard_at = std::max(heard_at, sent + travel_ns());
@@ -65,8 +65,8 @@ Trace trace(const Network& network, uint64_t seed) {
   return result;
 }
 
-// 20 ms of jitter and clocks that part by 200 parts in a million, or come together by as much.
-TEST(ClockOffset, IsWithinAMillisecondUnderJitterAndDrift) {
+// 20 ms of jitter; clocks drift apart or together by 200 ppm.
+TEST(ClockOffset, ErrorIsBelow1MsUnderJitterAndDrift) {
   for (const double drift : {200e-6, -200e-6, 0.0}) {
     std::vector<double> all;
     for (uint64_t seed = 1; seed <= 20; ++seed) {
@@ -80,8 +80,8 @@ TEST(ClockOffset, IsWithinAMillisecondUnderJitterAndDrift) {
   }
 }
 
-// A client that neither draws nor moves a hand: a sign of life every 50 ms.
-TEST(ClockOffset, IsWithinAMillisecondAtTwentyMessagesASecond) {
+// An idle client sends a keepalive every 50 ms.
+TEST(ClockOffset, ErrorIsBelow1MsAt20Hz) {
   std::vector<double> all;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     const Trace one = trace({.drift = 200e-6, .messages_hz = 20}, seed);
@@ -91,37 +91,37 @@ TEST(ClockOffset, IsWithinAMillisecondAtTwentyMessagesASecond) {
   EXPECT_LE(percentile(all, 0.99), 1.0);
 }
 
-// The true offset lies between two bounds that no jitter can falsify.
-TEST(ClockOffset, IsNeverFurtherOffThanItSays) {
+// The true offset is always between two bounds, whatever the jitter.
+TEST(ClockOffset, ErrorIsWithinReportedUncertainty) {
   for (const double drift : {200e-6, -200e-6, 0.0}) {
     for (const double delay_ms : {0.1, 30.0}) {
       const Trace one = trace({.delay_ms = delay_ms, .drift = drift}, 3);
       for (size_t i = 0; i < one.errors_ms.size(); ++i)
         ASSERT_LE(one.errors_ms[i], one.uncertainties_ms[i] + 1e-5);
-      // And what it says is of use: half the round trip, and what jitter and drift leave of a window.
+      // The uncertainty is useful: half the round trip, plus the effect of jitter and drift in a window.
       EXPECT_LE(percentile(one.uncertainties_ms, 0.99), delay_ms + 3.0);
     }
   }
 }
 
-// Both ways take as long as one another, and nothing is in the way: the midpoint of NTP.
-TEST(ClockOffset, OfOneSampleIsTheMidpoint) {
+// Both directions take equally long without queuing: NTP's midpoint.
+TEST(ClockOffset, SingleSampleGivesMidpoint) {
   ClockOffset clock;
   EXPECT_FALSE(clock.at(0));
-  clock.add({1'000, 7'500, 8'000, 3'500});  // 1000 each way, 5500 ahead; answered after 500
+  clock.add({1'000, 7'500, 8'000, 3'500});  // 1000 each way, 5500 ahead; reply after 500
   const auto estimate = clock.at(3'500);
   ASSERT_TRUE(estimate);
   EXPECT_EQ(estimate->offset_ns, 5'000 + 500);
   EXPECT_EQ(estimate->uncertainty_ns, 1'000);
 }
 
-TEST(ClockOffset, FollowsAClockThatIsSet) {
+TEST(ClockOffset, FollowsClockAdjustment) {
   for (const int64_t step_ms : {5'000, -5'000}) {
     ClockOffset clock;
     int64_t now = 0;
     for (; now < 3'000 * kMs; now += 11 * kMs) clock.add({now, now + kMs, now + kMs, now + 2 * kMs});
     EXPECT_NEAR(static_cast<double>(clock.at(now)->offset_ns), 0.0, 1e3);
-    // It is the first sample after the step that tells.
+    // The first sample after the step is decisive.
     clock.add({now, now + (1 + step_ms) * kMs, now + (1 + step_ms) * kMs, now + 2 * kMs});
     EXPECT_NEAR(static_cast<double>(clock.at(now + 2 * kMs)->offset_ns), static_cast<double>(step_ms * kMs),
                 1e3);

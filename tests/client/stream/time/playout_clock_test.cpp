@@ -16,7 +16,7 @@ namespace {
 
 constexpr int64_t kMs = 1'000'000;
 constexpr double kPeriod_ns = 1e9 / 90;
-// A hand swings a thing by 20 cm, once a second.
+// An object swings by 20 cm once per second.
 constexpr double kReach_m = 0.2, kTurns_rad_s = 2 * std::numbers::pi;
 
 double true_x(double simulated_s) { return kReach_m * std::sin(kTurns_rad_s * simulated_s); }
@@ -35,19 +35,19 @@ DriverFrame frame(int tick, uint32_t revision = 0) {
 }
 
 struct Network {
-  double travel_ms = 4, jitter_ms = 20, dropped = 0;  // even between travel and travel + jitter, in order
+  double travel_ms = 4, jitter_ms = 20, dropped = 0;  // uniform between travel and travel + jitter, in order
   double rate = 1;                                    // of the simulation
-  double stands_from_s = 1e9, stands_s = 0;           // a pause: ticks go on with the same drivers
-  double silent_from_s = 1e9, silent_s = 0;           // nothing gets through, then all of it does
+  double stands_from_s = 1e9, stands_s = 0;           // a pause: ticks continue with the same drivers
+  double silent_from_s = 1e9, silent_s = 0;           // an outage, followed by all delayed frames
 };
 struct Display {
-  double rate_hz = 72, lead_ms = 12, unsteady_ms = 3;  // drawn so long before it is seen, give or take
+  double rate_hz = 72, lead_ms = 12, unsteady_ms = 3;  // drawn this long before display, plus or minus
 };
 
-// What was shown at each picture from the third second on.
+// Shown times of each picture from the third second on.
 struct Shown {
   double displayed_s = 0, simulated_s = 0, x_m = 0;
-  double newest_s = 0;  // of the frames that were there
+  double newest_s = 0;  // newest available frame
 };
 
 std::vector<Shown> play(const Network& network, const Display& display, double seconds, uint64_t seed) {
@@ -94,8 +94,7 @@ std::vector<Shown> play(const Network& network, const Display& display, double s
   return shown;
 }
 
-// How the moment shown advances, as a share of how the display does, less one; and how far behind the display
-// it is.
+// Rate error of the shown time relative to the display, and delay behind the display.
 struct Evenness {
   std::vector<double> haste, behind_ms;
 };
@@ -109,10 +108,10 @@ Evenness evenness(const std::vector<Shown>& shown, double rate = 1) {
   return result;
 }
 
-// Where a linear piece between two true moments h apart is off by at most: h² |x''| / 8.
+// Maximum error of linear interpolation between true positions h apart: h² |x''| / 8.
 double chord_error_m(double h_s) { return h_s * h_s * kReach_m * kTurns_rad_s * kTurns_rad_s / 8; }
 
-TEST(PlayoutClock, MovesEvenlyUnderTwentyMillisecondsOfJitter) {
+TEST(PlayoutClock, AdvancesEvenlyUnder20MsJitter) {
   Evenness all;
   std::vector<double> off_m, stale_m;
   for (uint64_t seed = 1; seed <= 10; ++seed) {
@@ -126,7 +125,7 @@ TEST(PlayoutClock, MovesEvenlyUnderTwentyMillisecondsOfJitter) {
     }
   }
   std::printf(
-      "haste p95 %.4f, most %.4f; behind p50 %.1f, p99 %.1f ms; off p99 %.3f, most %.3f mm; newest frame off "
+      "rate error p95 %.4f, max %.4f; delay p50 %.1f, p99 %.1f ms; error p99 %.3f, max %.3f mm; newest frame "
       "p99 %.1f mm\n",
       percentile(all.haste, 0.95), percentile(all.haste, 1), percentile(all.behind_ms, 0.5),
       percentile(all.behind_ms, 0.99), 1e3 * percentile(off_m, 0.99), 1e3 * percentile(off_m, 1),
@@ -138,15 +137,15 @@ TEST(PlayoutClock, MovesEvenlyUnderTwentyMillisecondsOfJitter) {
   EXPECT_LE(percentile(off_m, 0.95), chord_error_m(1e-9 * kPeriod_ns));
 }
 
-TEST(PlayoutClock, IsBarelyBehindOnAQuietNetwork) {
+TEST(PlayoutClock, DelayIsMinimalOnQuietNetwork) {
   const Evenness one = evenness(play({.travel_ms = 0.5, .jitter_ms = 0.5}, {}, 12, 1));
-  // Ahead 13.5, travel 0.5 to 1, a period.
+  // 13.5 ahead, travel 0.5 to 1, a period.
   EXPECT_LE(percentile(one.behind_ms, 1), 13.5 + 1 + 11.2 + 1);
   EXPECT_LE(percentile(one.haste, 0.95), 0.01);
 }
 
-// Every picture lies between two frames, or less than two intervals beyond the newest.
-TEST(PlayoutClock, BearsDroppedFrames) {
+// Every picture is between two frames, or less than two intervals beyond the newest.
+TEST(PlayoutClock, ToleratesDroppedFrames) {
   for (const double dropped : {0.05, 0.3}) {
     std::vector<double> off_m;
     size_t beyond = 0, pictures = 0;
@@ -162,14 +161,14 @@ TEST(PlayoutClock, BearsDroppedFrames) {
     std::printf(
         "%.0f %% dropped: off p95 %.3f mm, most %.3f mm; %zu of %zu pictures beyond the newest frame\n",
         100 * dropped, 1e3 * percentile(off_m, 0.95), 1e3 * percentile(off_m, 1), beyond, pictures);
-    // 95 of 100 frames are there in time. Of moments, (1 - p)² (1 + 2p + 3p²) = 0.92 at p = 0.3 lie between
-    // frames that are three periods apart at most.
+    // 95 % of the frames are in time. At p = 0.3, (1 - p)² (1 + 2p + 3p²) = 0.92 of the times are between
+    // frames at most three periods apart.
     EXPECT_LE(static_cast<double>(beyond), 0.06 * static_cast<double>(pictures));
     EXPECT_LE(percentile(off_m, 0.9), chord_error_m(3e-9 * kPeriod_ns));
   }
 }
 
-TEST(PlayoutClock, FollowsAServerThatDoesNotKeepUp) {
+TEST(PlayoutClock, FollowsSlowServer) {
   const Network slow{.jitter_ms = 5, .rate = 0.6};
   const std::vector<Shown> shown = play(slow, {}, 22, 3);
   const Evenness one = evenness(shown, slow.rate);
@@ -179,8 +178,8 @@ TEST(PlayoutClock, FollowsAServerThatDoesNotKeepUp) {
   EXPECT_LE(beyond, 0.1 * static_cast<double>(shown.size()));
 }
 
-// It stands with the simulation, not beyond it, and goes on with it.
-TEST(PlayoutClock, StandsThroughAPause) {
+// The shown time stops with the simulation, not beyond it, and continues with it.
+TEST(PlayoutClock, StopsDuringPause) {
   const Network pause{.jitter_ms = 5, .stands_from_s = 4, .stands_s = 1.5};
   const std::vector<Shown> shown = play(pause, {}, 9, 4);
   for (const Shown& picture : shown) {
@@ -193,8 +192,8 @@ TEST(PlayoutClock, StandsThroughAPause) {
   }
 }
 
-// Half a second without a frame: what was shown stands, and a second after it things are as they were before.
-TEST(PlayoutClock, IsItselfSoonAfterASilence) {
+// Half a second without a frame: the picture stops, and everything is as before a second later.
+TEST(PlayoutClock, RecoversAfterSilence) {
   const std::vector<Shown> shown = play({.jitter_ms = 5, .silent_from_s = 4, .silent_s = 0.5}, {}, 9, 5);
   double before = 0;
   for (const Shown& picture : shown) {
@@ -206,7 +205,7 @@ TEST(PlayoutClock, IsItselfSoonAfterASilence) {
   }
 }
 
-TEST(PlayoutClock, EqualTracesGiveEqualMoments) {
+TEST(PlayoutClock, IsDeterministic) {
   const std::vector<Shown> a = play({}, {}, 6, 9), b = play({}, {}, 6, 9);
   ASSERT_EQ(a.size(), b.size());
   for (size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].simulated_s, b[i].simulated_s);

@@ -12,15 +12,14 @@ namespace livegs {
 namespace {
 
 constexpr double kPeriod_ms = 1e3 / 90;
-constexpr double kServerAhead_ms = 7'200'000;  // its clock
+constexpr double kServerAhead_ms = 7'200'000;  // clock offset
 
 int64_t ns(double ms) { return static_cast<int64_t>(1e6 * ms); }
 
-// Samples of 90 Hz through jitter of so many ms each way, in order: how long after it was taken each is
-// applied, ms.
+// Samples at 90 Hz with jitter (ms) each way, in order: the latency of each until it is applied, ms.
 struct Applied {
   std::vector<double> delays_ms;
-  size_t late = 0;  // that came after the tick they were meant for had begun
+  size_t late = 0;  // arrived after their tick had begun
   double spread_ms() {
     std::sort(delays_ms.begin(), delays_ms.end());
     const auto at = [&](double share) {
@@ -37,7 +36,7 @@ Applied apply(double jitter_ms, bool aims) {
   TickAim aim(90);
   Applied applied;
   double up_ms = 0, down_ms = 0;
-  std::vector<std::pair<double, uint64_t>> frames;  // comes at, tick
+  std::vector<std::pair<double, uint64_t>> frames;  // arrival, tick
   for (uint64_t tick = 1; tick <= 2000; ++tick) {
     down_ms = std::max(down_ms, kPeriod_ms * static_cast<double>(tick) + travel_ms());
     frames.emplace_back(down_ms, tick);
@@ -50,8 +49,7 @@ Applied apply(double jitter_ms, bool aims) {
     }
     const uint64_t meant = aims ? aim.tick_at(ns(now_ms)) : 0;
     up_ms = std::max(up_ms, now_ms + travel_ms());
-    const auto arrives =
-        static_cast<uint64_t>(std::ceil(up_ms / kPeriod_ms));  // the tick that takes it at once
+    const auto arrives = static_cast<uint64_t>(std::ceil(up_ms / kPeriod_ms));  // the first possible tick
     if (meant > 0 && meant < arrives) ++applied.late;
     if (now_ms > 1000) {
       applied.delays_ms.push_back(kPeriod_ms * static_cast<double>(std::max(meant, arrives)) - now_ms);
@@ -61,26 +59,26 @@ Applied apply(double jitter_ms, bool aims) {
   return applied;
 }
 
-TEST(TickAim, AppliesSamplesEvenlyThoughTheyComeUnevenly) {
+TEST(TickAim, AppliesSamplesEvenlyUnderJitter) {
   Applied plain = apply(20, false), aimed = apply(20, true);
-  std::printf("spread p5 to p95: %.1f ms as they come, %.1f ms aimed; %zu of %zu late\n", plain.spread_ms(),
+  std::printf("spread p5 to p95: %.1f ms on arrival, %.1f ms aimed; %zu of %zu late\n", plain.spread_ms(),
               aimed.spread_ms(), aimed.late, aimed.delays_ms.size());
-  // A sample and the ticks have the same rate here, so all but the late 5 of 100 wait as long as each other,
-  // or, when the estimate crosses from one tick to the next, a period more or less.
+  // Samples and ticks have the same rate here, so all but the late 5 % have equal latency, or differ by a
+  // period when the estimate crosses a tick boundary.
   EXPECT_LE(aimed.spread_ms(), kPeriod_ms + 0.1);
   EXPECT_GT(plain.spread_ms(), 1.5 * kPeriod_ms);
   EXPECT_LT(aimed.late, aimed.delays_ms.size() / 10);
-  // It costs no more than the jitter and a period.
+  // The added latency is at most the jitter and a period.
   EXPECT_LE(aimed.delays_ms.back(), 0.5 + 20 + 2 * kPeriod_ms);
 }
 
-TEST(TickAim, IsTheNextTickOnAQuietNetwork) {
+TEST(TickAim, IsNextTickOnQuietNetwork) {
   Applied plain = apply(0, false), aimed = apply(0, true);
   EXPECT_EQ(aimed.late, 0u);
   EXPECT_EQ(plain.delays_ms, aimed.delays_ms);
 }
 
-TEST(TickAim, KnowsNothingAtFirstAndAsksForNothingFar) {
+TEST(TickAim, IsZeroAtFirstAndBoundedLater) {
   TickAim aim(90);
   EXPECT_EQ(aim.tick_at(0), 0u);
   aim.add_frame(100, 0);

@@ -17,7 +17,7 @@
 namespace livegs {
 namespace {
 
-// A ball of kernels, in a row like those of a piece after the other.
+// A ball of kernels in index order.
 GaussianAsset ball(size_t count) {
   GaussianAsset asset = synthetic_asset(count, 1, 11);
   for (size_t i = 0; i < count; ++i) {
@@ -27,7 +27,7 @@ GaussianAsset ball(size_t count) {
   return asset;
 }
 
-// An asset that comes as far as a test lets it.
+// An asset source that delivers as much as a test allows.
 class SlowSource {
  public:
   explicit SlowSource(GaussianAsset all) : asset(std::move(all)), bytes(encode_progressive(asset)) {
@@ -43,7 +43,7 @@ class SlowSource {
       for (size_t at = offset; at < bytes.size();) {
         std::unique_lock lock(mutex_);
         moved_.wait(lock, [&] { return let_ > at || broken_; });
-        if (broken_) return Error{ErrorCode::Unavailable, "the server has gone"};
+        if (broken_) return Error{ErrorCode::Unavailable, "server disconnected"};
         const size_t length = std::min<size_t>(4096, let_ - at);
         if (auto taken = take(at, bytes.size(), std::span(bytes).subspan(at, length)); !taken) return taken;
         at += length;
@@ -75,7 +75,7 @@ class SlowSource {
 
 class Arriving : public ::testing::Test {
  protected:
-  // Waits until a call of refine() shows something.
+  // Waits until refine() reports a change.
   void wait_refined(ProgressiveObjects& objects) {
     for (int i = 0; i < 6000; ++i) {
       const auto refined = objects.refine(view_);
@@ -84,7 +84,7 @@ class Arriving : public ::testing::Test {
       ASSERT_TRUE(refined->empty());
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    FAIL() << "nothing more came";
+    FAIL() << "no refinement arrived";
   }
   Image drawn() {
     DriverFrame frame;
@@ -103,7 +103,7 @@ class Arriving : public ::testing::Test {
   SceneView view_;
 };
 
-TEST_F(Arriving, AnObjectIsSeenCoarseAndThenWhole) {
+TEST_F(Arriving, ObjectIsRefinedUntilComplete) {
   SlowSource source(ball(20'000));
   AssetLibrary assets(source.fetch(), cache_);
   assets.show_parts();
@@ -115,7 +115,7 @@ TEST_F(Arriving, AnObjectIsSeenCoarseAndThenWhole) {
   EXPECT_EQ(objects.progress().objects, 1u);
   EXPECT_LT(objects.progress().kernels, 5000u);
   EXPECT_EQ(objects.progress().of, 20'000u);
-  ASSERT_TRUE(view_.pick({0, 0, 2}, {0, 0, -1}));  // it can be taken already
+  ASSERT_TRUE(view_.pick({0, 0, 2}, {0, 0, -1}));  // it can already be picked
   source.let(0.35);
   while (objects.progress().kernels < 7168) wait_refined(objects);
   const Image finer = drawn();
@@ -138,8 +138,8 @@ TEST_F(Arriving, AnObjectIsSeenCoarseAndThenWhole) {
   EXPECT_GT(finer_db, coarse_db + 2);
 }
 
-// What is missing when a server goes: told once, not by a thing that stays coarse for ever.
-TEST_F(Arriving, AnAssetThatNeverComesIsAnError) {
+// A failed fetch is reported once, instead of an object that stays coarse.
+TEST_F(Arriving, FailedFetchIsAnError) {
   SlowSource source(ball(20'000));
   AssetLibrary assets(source.fetch(), cache_);
   assets.show_parts();
@@ -151,15 +151,15 @@ TEST_F(Arriving, AnAssetThatNeverComesIsAnError) {
   for (int i = 0; i < 6000; ++i) {
     const auto refined = objects.refine(view_);
     if (!refined) {
-      EXPECT_NE(refined.error().message.find("has gone"), std::string::npos);
+      EXPECT_NE(refined.error().message.find("disconnected"), std::string::npos);
       return;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  FAIL() << "nobody was told";
+  FAIL() << "the error was not reported";
 }
 
-TEST(RestOfPart, KeepsEachKernelsBody) {
+TEST(RestOfPart, KeepsBodyOfEachKernel) {
   RestBody rest;
   rest.revision = 1;
   rest.bodies.resize(3);

@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-// Whatever a picture shows is in the cone, and what is behind the head is not.
+// Everything in the picture is in the cone, and points behind the head are not.
 void expect_all_seen(std::span<const Camera> eyes, const ViewCone& cone) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(0, 1);
@@ -25,13 +25,13 @@ void expect_all_seen(std::span<const Camera> eyes, const ViewCone& cone) {
   }
 }
 
-TEST(SeenCone, HoldsAllThatAWindowShows) {
+TEST(SeenCone, ContainsViewOfWindow) {
   const Camera window = look_at({1, 2, 3}, {0, 0.5, 0}, {0, 1, 0}, 0.9, 1280, 720);
   expect_all_seen(std::span(&window, 1), client_view_cone(std::span(&window, 1)));
 }
 
-// Asymmetric, 64 mm apart, and canted as some headsets' are.
-TEST(SeenCone, HoldsAllThatTwoEyesShow) {
+// Asymmetric, 64 mm apart, and canted as in some headsets.
+TEST(SeenCone, ContainsViewOfBothEyes) {
   std::array<Camera, 2> eyes;
   for (int eye = 0; eye < 2; ++eye) {
     const double side = eye == 0 ? -1 : 1;
@@ -42,7 +42,7 @@ TEST(SeenCone, HoldsAllThatTwoEyesShow) {
   }
   const ViewCone cone = client_view_cone(eyes);
   expect_all_seen(eyes, cone);
-  // A head that turns by 0.3 rad before the server knows sees nothing old.
+  // A turn by 0.3 rad before the server receives the new view stays within the cone.
   std::array<Camera, 2> turned = eyes;
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()));
   for (Camera& eye : turned)

@@ -14,7 +14,7 @@ namespace {
 Camera start() { return look_at({1, 2, 3}, {0, 0.5, 0}, Eigen::Vector3d::UnitY(), 0.7, 800, 600); }
 double distance() { return (Eigen::Vector3d(1, 2, 3) - Eigen::Vector3d(0, 0.5, 0)).norm(); }
 
-TEST(OrbitCamera, BeginsWhereTheCameraStands) {
+TEST(OrbitCamera, StartsAtGivenCamera) {
   const Camera camera = OrbitCamera(start(), distance()).camera(800, 600);
   EXPECT_LT((camera.world_from_camera.position_m - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
   EXPECT_LT(camera.world_from_camera.orientation.angularDistance(start().world_from_camera.orientation),
@@ -22,9 +22,9 @@ TEST(OrbitCamera, BeginsWhereTheCameraStands) {
   EXPECT_NEAR(camera.focal_y_px, start().focal_y_px, 1e-9);
 }
 
-TEST(OrbitCamera, TurnsAboutItsPointAndNotOverThePoles) {
+TEST(OrbitCamera, OrbitStopsAtPoles) {
   OrbitCamera orbit(start(), distance());
-  orbit.orbit({600, 0}, 600);  // half a turn: the other side of the point
+  orbit.orbit({600, 0}, 600);  // half a turn: the opposite side of the target
   const Eigen::Vector3d other = orbit.camera(800, 600).world_from_camera.position_m;
   EXPECT_LT((other - Eigen::Vector3d(-1, 2, -3)).norm(), 1e-9);
   for (int i = 0; i < 10; ++i) orbit.orbit({0, 600}, 600);
@@ -33,9 +33,9 @@ TEST(OrbitCamera, TurnsAboutItsPointAndNotOverThePoles) {
   EXPECT_GT((above.world_from_camera.orientation * Eigen::Vector3d::UnitY()).y(), 0.0);
 }
 
-// The length from its point in a second, along its own axes, and looking the same way; of a halt no more than
-// a tenth of that.
-TEST(OrbitCamera, FliesAlongItsAxesAndLooksTheSameWay) {
+// Moves the target distance per second along its axes with a constant direction; a long pause counts as at
+// most a tenth of a second.
+TEST(OrbitCamera, FliesAlongAxesWithFixedDirection) {
   OrbitCamera orbit(start(), distance());
   const Pose before = orbit.camera(800, 600).world_from_camera;
   for (int i = 0; i < 10; ++i) orbit.fly({0, 0, -1}, 0.05);
@@ -47,8 +47,8 @@ TEST(OrbitCamera, FliesAlongItsAxesAndLooksTheSameWay) {
   EXPECT_LT((aside.position_m - ahead * Eigen::Vector3d(0.1 * distance(), 0.1 * distance(), 0)).norm(), 1e-9);
 }
 
-// What was under the mouse stays under it, if it lies as far away as the point.
-TEST(OrbitCamera, APanTakesThePointWithTheMouse) {
+// A point at the target's distance stays under the mouse.
+TEST(OrbitCamera, PanFollowsMouse) {
   OrbitCamera orbit(start(), distance());
   const Eigen::Vector3d point = orbit.target_m();
   orbit.pan({120, -45}, 600);
@@ -58,7 +58,7 @@ TEST(OrbitCamera, APanTakesThePointWithTheMouse) {
   EXPECT_NEAR(seen->y(), 300 - 45, 1e-6);
 }
 
-TEST(OrbitCamera, ZoomsByNineTenthsANotchAndNotThroughThePoint) {
+TEST(OrbitCamera, ZoomStopsBeforeTarget) {
   OrbitCamera orbit(start(), distance());
   orbit.zoom(2);
   EXPECT_NEAR((orbit.camera(800, 600).world_from_camera.position_m - orbit.target_m()).norm(),
@@ -67,7 +67,7 @@ TEST(OrbitCamera, ZoomsByNineTenthsANotchAndNotThroughThePoint) {
   EXPECT_GT((orbit.camera(800, 600).world_from_camera.position_m - orbit.target_m()).norm(), 0.04);
 }
 
-TEST(OrbitCamera, TheRayOfAPixelMeetsWhatIsSeenThere) {
+TEST(OrbitCamera, PixelRayHitsProjectedPoint) {
   const Camera camera = start();
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(400, 300), {13, 570}, {799, 2}}) {
     const Pose ray = ray_through(camera, pixel);
@@ -78,8 +78,8 @@ TEST(OrbitCamera, TheRayOfAPixelMeetsWhatIsSeenThere) {
   EXPECT_FALSE(pixel_of(camera, camera.world_from_camera * Eigen::Vector3d(0, 0, 1)));
 }
 
-// With a cost that goes with the pixels, the size settles where the budget is kept, and stays there.
-TEST(RenderScale, SettlesWithinTheBudget) {
+// With a cost proportional to the pixels, the size settles within the budget.
+TEST(RenderScale, SettlesWithinBudget) {
   for (const double full_ms : {5.0, 60.0, 200.0, 10'000.0}) {
     RenderScale scale(30);
     const auto ms = [&] { return full_ms * scale.value() * scale.value(); };

@@ -13,14 +13,14 @@ double threshold_px(const RenderScale& scale) {
   return scale.min_contribution_px() / (scale.value() * scale.value());
 }
 
-// A drawer whose cost is known: so much a kernel and so much a pixel, the number of kernels falling by half
-// with each pixel of threshold.
+// A renderer with a known cost per kernel and per pixel; each pixel of threshold halves the number of
+// kernels.
 struct Drawer {
   double kernels_ms = 0, pixels_ms = 0;  // at full size, with all kernels
   double ms(const RenderScale& scale) const {
     return kernels_ms * std::exp2(-threshold_px(scale)) + pixels_ms * scale.value() * scale.value();
   }
-  // The last of so many pictures, and whether the size changed in the last ten of them.
+  // Draws `pictures`; returns the time of the last, and whether the size changed in the last ten.
   double draw(RenderScale& scale, int pictures, bool* changed = nullptr) const {
     double last_ms = 0;
     if (changed) *changed = false;
@@ -34,45 +34,45 @@ struct Drawer {
   }
 };
 
-TEST(RenderScale, LeavesPicturesAloneThatNobodyWaitsFor) {
+TEST(RenderScale, UnlimitedBudgetKeepsFullSize) {
   RenderScale scale(kUnlimitedBudget_ms);
   Drawer{5000, 5000}.draw(scale, 100);
   EXPECT_EQ(scale.value(), 1.0);
   EXPECT_EQ(scale.min_contribution_px(), 0.0f);
 }
 
-TEST(RenderScale, LeavesPicturesInTimeAlone) {
+TEST(RenderScale, KeepsFullSizeWhileOnTime) {
   RenderScale scale(kBudget_ms);
   Drawer{5, 14}.draw(scale, 100);
   EXPECT_EQ(scale.value(), 1.0);
   EXPECT_EQ(scale.min_contribution_px(), 0.0f);
 }
 
-TEST(RenderScale, SizeAndKernelsGoTogetherUntilPicturesAreInTime) {
+TEST(RenderScale, ReducesSizeAndKernelsUntilOnTime) {
   RenderScale scale(kBudget_ms);
-  const Drawer close{5, 60};  // leaning into a thing
+  const Drawer close{5, 60};  // close to an object
   bool changed = true;
   EXPECT_LT(close.draw(scale, 40, &changed), kBudget_ms);
   EXPECT_FALSE(changed);
   EXPECT_LT(scale.value(), 0.75);
   EXPECT_GT(threshold_px(scale), 0.3);
-  // And back: nothing is left out any more.
+  // And back: no kernels are culled.
   Drawer{5, 8}.draw(scale, 40, &changed);
   EXPECT_FALSE(changed);
   EXPECT_EQ(scale.value(), 1.0);
   EXPECT_EQ(scale.min_contribution_px(), 0.0f);
 }
 
-// Four pictures late at most when one steps into a thing at once: each may shrink to seven tenths, 0.7^4 =
+// At most four late pictures after a sudden step into an object: each may shrink to seven tenths, 0.7^4 =
 // 0.24.
-TEST(RenderScale, APictureFourTimesTooDearIsInTimeWithinFour) {
+TEST(RenderScale, FourfoldCostIsCorrectedInFourPictures) {
   RenderScale scale(kBudget_ms);
   const Drawer inside{0, 4 * kBudget_ms};
   EXPECT_LT(inside.draw(scale, 5), kBudget_ms);
 }
 
-// Whatever pixels cost, up to sixteen times the budget: sizes do not alternate.
-TEST(RenderScale, SizesSettle) {
+// Sizes do not alternate at any cost up to sixteen times the budget.
+TEST(RenderScale, SizesDoNotOscillate) {
   for (double share = 0.5; share < 15.9; share *= 1.013) {
     RenderScale scale(kBudget_ms);
     bool changed = true;
@@ -82,8 +82,8 @@ TEST(RenderScale, SizesSettle) {
   }
 }
 
-// Where the size cannot go on, kernels do a little.
-TEST(RenderScale, AtTheLeastSizeKernelsGoOn) {
+// At the minimum size, culling helps a little further.
+TEST(RenderScale, CullsKernelsAtMinimumSize) {
   RenderScale scale(kBudget_ms);
   const Drawer many{200, 10};
   EXPECT_LT(many.draw(scale, 40), kBudget_ms);
@@ -91,8 +91,8 @@ TEST(RenderScale, AtTheLeastSizeKernelsGoOn) {
   EXPECT_GT(threshold_px(scale), 3.0);
 }
 
-// A picture that is late whatever is done does not become empty: four pixels of the window at most.
-TEST(RenderScale, HasAnEndWhereNothingHelps) {
+// A picture that stays late does not become empty: the threshold is at most four pixels of the window.
+TEST(RenderScale, ThresholdIsBounded) {
   RenderScale scale(kBudget_ms);
   for (int i = 0; i < 100; ++i) scale.drew(1e6);
   EXPECT_EQ(scale.value(), 0.25);
@@ -102,10 +102,10 @@ TEST(RenderScale, HasAnEndWhereNothingHelps) {
   EXPECT_EQ(scale.min_contribution_px(), 0.0f);
 }
 
-TEST(RenderScale, AWindowsBudgetGoesByItsMonitor) {
+TEST(RenderScale, WindowBudgetFollowsMonitor) {
   EXPECT_DOUBLE_EQ(window_budget_ms(60), 30.0);
   EXPECT_DOUBLE_EQ(window_budget_ms(144), 12.5);
-  EXPECT_DOUBLE_EQ(window_budget_ms(0), window_budget_ms(60));  // a display that has none
+  EXPECT_DOUBLE_EQ(window_budget_ms(0), window_budget_ms(60));  // a display with an unknown rate
   EXPECT_DOUBLE_EQ(window_budget_ms(24), 40.0);
   EXPECT_DOUBLE_EQ(window_budget_ms(500), 8.0);
 }

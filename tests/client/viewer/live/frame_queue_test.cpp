@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a drawer sees of a stream while assets are on their way: it is never made to wait.
+// Updates of a stream while assets are loading; the renderer never waits.
 #include "viewer/live/frame_queue.h"
 
 #include <gtest/gtest.h>
@@ -16,10 +16,10 @@
 namespace livegs {
 namespace {
 
-// A server of assets that gives one when it is told to.
+// An asset source that delivers on command.
 class HeldAssets {
  public:
-  // A row of kernels along x, told apart by their number.
+  // A row of kernels along x; objects differ by their number of kernels.
   StreamedObject object(uint32_t id, size_t kernels, uint32_t revision = 0) {
     GaussianAsset asset;
     for (size_t i = 0; i < kernels; ++i) {
@@ -37,7 +37,7 @@ class HeldAssets {
     made.kernel_count = static_cast<uint32_t>(kernels);
     made.asset_bytes = bytes.size();
     made.rest.bodies = {Pose{}};
-    if (revision > 0) made.rest.bodies.push_back(Pose{});  // in two
+    if (revision > 0) made.rest.bodies.push_back(Pose{});  // two bodies
     made.rest.revision = revision;
     const auto half = static_cast<uint32_t>(kernels / 2);
     made.rest.kernel_runs = {{0, revision > 0 ? half : static_cast<uint32_t>(kernels)}};
@@ -53,7 +53,7 @@ class HeldAssets {
     }
     changed_.notify_all();
   }
-  // That share of its bytes, the first.
+  // Delivers the first `share` of the bytes.
   void give_first(const StreamedObject& object, double share) {
     {
       std::lock_guard lock(mutex_);
@@ -61,7 +61,7 @@ class HeldAssets {
     }
     changed_.notify_all();
   }
-  ~HeldAssets() {  // after a test that failed
+  ~HeldAssets() {  // after a failed test
     for (const auto& [hash, bytes] : bytes_) given_.insert(hash);
     changed_.notify_all();
   }
@@ -104,7 +104,7 @@ ReceivedFrame frame_of(uint64_t tick, std::initializer_list<std::tuple<uint32_t,
 
 class FrameQueueTest : public ::testing::Test {
  protected:
-  // What the drawer does for a picture.
+  // The renderer's work for one picture.
   FrameQueue::StreamUpdate picture() {
     auto update = stream_.take(view_);
     EXPECT_TRUE(update) << update.error().message;
@@ -116,7 +116,7 @@ class FrameQueueTest : public ::testing::Test {
     }
     return std::move(*update);
   }
-  // Pictures until one of the objects that are new or changed is there.
+  // Draws pictures until an added or changed object is available.
   FrameQueue::StreamUpdate picture_with_news() {
     for (;;) {
       auto update = picture();
@@ -139,7 +139,7 @@ class FrameQueueTest : public ::testing::Test {
   std::shared_ptr<const DriverFrame> drivers_;
 };
 
-TEST_F(FrameQueueTest, AnObjectThatBrokeStandsAsItWasUntilItsPiecesAreThere) {
+TEST_F(FrameQueueTest, FracturedObjectKeepsPoseUntilBound) {
   const StreamedObject whole = held_.object(1, 10), other = held_.object(2, 12),
                        broken = held_.object(1, 14, 1);
   held_.give(whole);
@@ -153,11 +153,11 @@ TEST_F(FrameQueueTest, AnObjectThatBrokeStandsAsItWasUntilItsPiecesAreThere) {
   stream_.on_object_changed(broken);
   stream_.on_frame(frame_of(2, {{1, 1, 7.0}, {2, 0, 21.0}}));
   for (int i = 0; i < 20; ++i) {
-    const auto update = picture();  // and it came back
+    const auto update = picture();  // after a reconnect
     EXPECT_EQ(update.frames.size(), i == 0 ? 1u : 0u);
     EXPECT_TRUE(update.described.empty());
-    EXPECT_NEAR(middle_m(1), 5.04, 1e-3);   // as it was
-    EXPECT_NEAR(middle_m(2), 21.05, 1e-3);  // everything else goes on
+    EXPECT_NEAR(middle_m(1), 5.04, 1e-3);   // unchanged
+    EXPECT_NEAR(middle_m(2), 21.05, 1e-3);  // other objects continue
   }
   held_.give(broken);
   const auto update = picture_with_news();
@@ -167,7 +167,7 @@ TEST_F(FrameQueueTest, AnObjectThatBrokeStandsAsItWasUntilItsPiecesAreThere) {
   EXPECT_NEAR(middle_m(1), 7.06, 1e-3);
 }
 
-TEST_F(FrameQueueTest, AnObjectThatIsNewIsSeenOnceItIsThereAndHoldsUpNoOther) {
+TEST_F(FrameQueueTest, NewObjectDoesNotDelayOthers) {
   const StreamedObject slow = held_.object(1, 10), quick = held_.object(2, 12);
   held_.give(quick);
   stream_.on_object_added(slow);
@@ -185,9 +185,8 @@ TEST_F(FrameQueueTest, AnObjectThatIsNewIsSeenOnceItIsThereAndHoldsUpNoOther) {
   EXPECT_NEAR(middle_m(1), 5.04, 1e-3);
 }
 
-// Coarse at first: what else is told of it meanwhile changes nothing about that, and it needs no new frame to
-// be whole.
-TEST_F(FrameQueueTest, AnObjectIsSeenWithItsFirstKernelsAndThenWhole) {
+// Coarse at first: other updates do not affect the refinement, and it needs no new frame.
+TEST_F(FrameQueueTest, ObjectIsRefinedUntilComplete) {
   assets_.show_parts();
   StreamedObject object = held_.object(1, 8192);
   held_.give_first(object, 0.5);
@@ -216,8 +215,8 @@ TEST_F(FrameQueueTest, AnObjectIsSeenWithItsFirstKernelsAndThenWhole) {
   EXPECT_NEAR(middle_m(1), 5 + 40.95, 1e-2);
 }
 
-// A ball that was shot and has gone before its asset came.
-TEST_F(FrameQueueTest, WhatWentBeforeItWasThereNeverComes) {
+// A ball that was removed before its asset arrived.
+TEST_F(FrameQueueTest, RemovedObjectNeverAppears) {
   const StreamedObject ball = held_.object(1, 10), other = held_.object(2, 12);
   stream_.on_object_added(ball);
   stream_.on_object_removed(1);
@@ -232,8 +231,8 @@ TEST_F(FrameQueueTest, WhatWentBeforeItWasThereNeverComes) {
   EXPECT_TRUE(view_.bounds(1).isEmpty());
 }
 
-// A changed mass is told with a description whose kernels are there already.
-TEST_F(FrameQueueTest, ADescriptionAloneComesAtOnceAndInOrder) {
+// A changed mass comes with a description whose kernels are already loaded.
+TEST_F(FrameQueueTest, DescriptionUpdateIsImmediateAndOrdered) {
   StreamedObject object = held_.object(1, 10);
   held_.give(object);
   stream_.on_object_added(object);
@@ -247,8 +246,8 @@ TEST_F(FrameQueueTest, ADescriptionAloneComesAtOnceAndInOrder) {
   EXPECT_EQ(update.described.back().mass_kg, 3);
 }
 
-// The same id is another thing there: nothing of it is shown before all of it can be.
-TEST_F(FrameQueueTest, AServerThatIsStartedAnewShowsItselfOnceAllItsObjectsAreThere) {
+// The id belongs to another object on the new server: it is shown only once everything is loaded.
+TEST_F(FrameQueueTest, RestartedServerAppearsOnceComplete) {
   const StreamedObject before = held_.object(1, 10), one = held_.object(1, 16, 1), two = held_.object(2, 12);
   held_.give(before);
   stream_.on_object_added(before);

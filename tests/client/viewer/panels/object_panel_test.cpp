@@ -39,11 +39,11 @@ TEST(ObjectPanel, ShowsValuesRangesReasonsAndSources) {
   ObjectPanel panel;
   panel.select("pillow");
   const ObjectsPanel shown = panel.shown(pillow_and_room());
-  ASSERT_EQ(shown.entries.size(), 1u);  // what is drawn only is not listed
+  ASSERT_EQ(shown.entries.size(), 1u);  // the environment is not listed
   EXPECT_EQ(shown.entries[0].kind, "foam, elastic");
   EXPECT_EQ(shown.entries[0].mass, "0.72 kg");
   EXPECT_EQ(shown.selected, 0u);
-  EXPECT_EQ(shown.facts.at(0), "pillow: taken for pillow of foam, 80 % sure");
+  EXPECT_EQ(shown.facts.at(0), "pillow: likely pillow of foam (80 %)");
   const ValueRow& mass = shown.rows.at(row_of(shown, "Mass"));
   EXPECT_EQ(mass.value, "0.72 kg");
   EXPECT_EQ(mass.origin, "estimate, 0.4 to 1.2 kg");
@@ -53,8 +53,8 @@ TEST(ObjectPanel, ShowsValuesRangesReasonsAndSources) {
   EXPECT_EQ(mass.text_at(mass.position), "0.72 kg");
 }
 
-// What a person has made tough keeps the pieces that it was cut into.
-TEST(ObjectPanel, SaysOfWhatIsFragileAloneThatItBreaks) {
+// An object made unbreakable by the user keeps its precomputed pieces.
+TEST(ObjectPanel, ShowsFractureForFragileObjectsOnly) {
   StreamedObject cup;
   cup.name = "cup";
   cup.physics.set_behavior(v1::Physics::RIGID);
@@ -63,12 +63,12 @@ TEST(ObjectPanel, SaysOfWhatIsFragileAloneThatItBreaks) {
   cup.fragility->set_pieces(32);
   cup.fragility->set_drop_height_m(0.5);
   EXPECT_EQ(object_facts(cup),
-            (std::vector<std::string>{"Rigid", "Breaks into up to 32 when it falls 0.50 m"}));
+            (std::vector<std::string>{"Rigid", "Up to 32 fragments after a drop of 0.50 m"}));
   cup.physics.set_fragile(false);
   EXPECT_EQ(object_facts(cup), (std::vector<std::string>{"Rigid"}));
 }
 
-TEST(ObjectPanel, ASliderThatIsLetGoIsOneCall) {
+TEST(ObjectPanel, SliderReleaseIsOneCall) {
   const auto objects = pillow_and_room();
   ObjectPanel panel;
   panel.select("pillow");
@@ -83,14 +83,14 @@ TEST(ObjectPanel, ASliderThatIsLetGoIsOneCall) {
   EXPECT_DOUBLE_EQ(set.physics.youngs_modulus_pa(), 5e4);
   EXPECT_NE(panel.shown(objects).progress, "");
   v1::PhysicsReply reply;
-  reply.add_warnings("behavior: it stays ELASTIC until the scene is loaded anew");
+  reply.add_warnings("behavior: it stays ELASTIC until the scene is reloaded");
   panel.take_reply("pillow", reply);
   EXPECT_EQ(panel.shown(objects).progress, "");
   ASSERT_EQ(panel.shown(objects).messages.size(), 1u);
   EXPECT_FALSE(panel.shown(objects).messages[0].refusal);
 }
 
-TEST(ObjectPanel, WhatIsTypedIsACallOrARefusal) {
+TEST(ObjectPanel, TypedValueIsCalledOrRefused) {
   const auto objects = pillow_and_room();
   ObjectPanel panel;
   panel.select("pillow");
@@ -105,10 +105,10 @@ TEST(ObjectPanel, WhatIsTypedIsACallOrARefusal) {
   actions.typed->text = "heavy";
   EXPECT_TRUE(panel.act(actions, objects).empty());
   ASSERT_EQ(panel.shown(objects).messages.size(), 1u);
-  EXPECT_EQ(panel.shown(objects).messages[0].text.rfind("Mass: \"heavy\" is no number", 0), 0u);
+  EXPECT_EQ(panel.shown(objects).messages[0].text.rfind("Mass: \"heavy\" is not a number", 0), 0u);
 }
 
-TEST(ObjectPanel, ButtonsAreTheirCalls) {
+TEST(ObjectPanel, ButtonsProduceCalls) {
   const auto objects = pillow_and_room();
   ObjectPanel panel;
   PanelActions actions;
@@ -127,7 +127,7 @@ TEST(ObjectPanel, ButtonsAreTheirCalls) {
   EXPECT_TRUE(std::get<AnalyzeCall>(calls[1]).objects.empty());
 }
 
-TEST(ObjectPanel, TellsHowAnAnalysisGetsOn) {
+TEST(ObjectPanel, ShowsAnalysisProgress) {
   const auto objects = pillow_and_room();
   ObjectPanel panel;
   panel.select("pillow");
@@ -135,7 +135,7 @@ TEST(ObjectPanel, TellsHowAnAnalysisGetsOn) {
   progress.set_object("pillow");
   progress.set_stage(v1::AnalysisProgress::ASKED);
   panel.take_progress(progress);
-  EXPECT_EQ(panel.shown(objects).progress, "Analysing pillow: the model is asked");
+  EXPECT_EQ(panel.shown(objects).progress, "Analysing pillow: waiting for the model");
   progress.set_stage(v1::AnalysisProgress::FINISHED);
   progress.set_finished(1);
   progress.set_objects(2);
@@ -147,8 +147,8 @@ TEST(ObjectPanel, TellsHowAnAnalysisGetsOn) {
   EXPECT_EQ(panel.shown(objects).progress, "");
 }
 
-// A line, also where its analysis was asked for in this window and ended with the same words.
-TEST(ObjectPanel, SaysWhyAProposalNeedsReviewOnce) {
+// One line, also if the analysis was requested in this window and ended with the same text.
+TEST(ObjectPanel, ShowsReviewReasonOnce) {
   auto objects = pillow_and_room();
   ObjectPanel panel;
   panel.select("pillow");
@@ -162,22 +162,22 @@ TEST(ObjectPanel, SaysWhyAProposalNeedsReviewOnce) {
   panel.take_progress(progress);
   ASSERT_EQ(panel.shown(objects).messages.size(), 1u);
   EXPECT_EQ(panel.shown(objects).messages[0].text, why);
-  objects[2].warnings = {"a surface that was mended", "needs review: " + why};
+  objects[2].warnings = {"a repaired surface", "needs review: " + why};
   ASSERT_EQ(panel.shown(objects).messages.size(), 2u);
   EXPECT_EQ(panel.shown(objects).messages[1].text, "needs review: " + why);
   EXPECT_FALSE(panel.shown(objects).messages[1].refusal);
 }
 
-TEST(ObjectPanel, WhatIsProposedCanBeAccepted) {
+TEST(ObjectPanel, ProposalCanBeAccepted) {
   auto objects = pillow_and_room();
   ObjectPanel panel;
   panel.select("pillow");
   PanelActions accept, decline;
   accept.accept = true;
   decline.decline = true;
-  EXPECT_TRUE(panel.act(accept, objects).empty());  // nothing is proposed
+  EXPECT_TRUE(panel.act(accept, objects).empty());  // no proposal
   EXPECT_TRUE(panel.act(decline, objects).empty());
-  // Whoever asked for it, in this window or elsewhere.
+  // Independent of the client that requested it.
   v1::PhysicalParameters proposal;
   proposal.set_material("down");
   proposal.set_behavior(v1::Physics::ELASTIC);
@@ -190,17 +190,17 @@ TEST(ObjectPanel, WhatIsProposedCanBeAccepted) {
   ASSERT_EQ(calls.size(), 1u);
   EXPECT_EQ(std::get<AcceptProposalCall>(calls[0]).object, "pillow");
   EXPECT_FALSE(std::get<AcceptProposalCall>(calls[0]).decline);
-  EXPECT_EQ(panel.shown(objects).proposal, "");     // the server has not said so yet
-  EXPECT_TRUE(panel.act(accept, objects).empty());  // once
+  EXPECT_EQ(panel.shown(objects).proposal, "");     // not yet confirmed by the server
+  EXPECT_TRUE(panel.act(accept, objects).empty());  // only once
   panel.take_refusal("pillow", "the disk is full");
-  EXPECT_NE(panel.shown(objects).proposal, "");  // it waits still
+  EXPECT_NE(panel.shown(objects).proposal, "");  // still open
   calls = panel.act(decline, objects);
   ASSERT_EQ(calls.size(), 1u);
   EXPECT_TRUE(std::get<AcceptProposalCall>(calls[0]).decline);
   EXPECT_EQ(panel.shown(objects).proposal, "");
   objects[2].proposal.reset();
   EXPECT_TRUE(panel.act({}, objects).empty());
-  objects[2].proposal = proposal;  // the same again is another one
+  objects[2].proposal = proposal;  // an equal proposal is a new one
   EXPECT_NE(panel.shown(objects).proposal, "");
 }
 

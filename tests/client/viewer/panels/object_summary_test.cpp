@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-TEST(ObjectLine, SaysHowFarAnElasticObjectsStiffnessHolds) {
+TEST(ObjectLine, ShowsAccuracyOfElasticStiffness) {
   StreamedObject object;
   object.name = "hat";
   object.mass_kg = 0.09;
@@ -28,14 +28,14 @@ TEST(ObjectLine, SaysHowFarAnElasticObjectsStiffnessHolds) {
   elastic.set_modulus_ratio_across(0.6);
   EXPECT_NE(object_summary(object).find("(0.42 to 0.48 of it; across its shortest side up to 0.6)"),
             std::string::npos);
-  // Without a law there is nothing to say of the ratio.
+  // The ratio is omitted if it is unknown.
   elastic.set_band(v1::ElasticAccuracy::UNKNOWN);
   elastic.clear_modulus_ratio_low();
   elastic.clear_modulus_ratio_high();
   EXPECT_NE(object_summary(object).find("Pa unknown; cells"), std::string::npos) << object_summary(object);
 }
 
-TEST(ObjectLine, RigidAndStaticObjectsHaveNoStiffness) {
+TEST(ObjectLine, OmitsStiffnessOfRigidObjects) {
   StreamedObject object;
   object.name = "cup";
   object.mass_kg = 0.266;

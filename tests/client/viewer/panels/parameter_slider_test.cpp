@@ -10,7 +10,7 @@ constexpr SliderParameter kAll[] = {SliderParameter::Mass,       SliderParameter
                                     SliderParameter::Plasticity, SliderParameter::DeformationResistance,
                                     SliderParameter::Friction,   SliderParameter::BreakImpulse};
 
-TEST(SliderParameter, SliderRunsFromEndToEndAndBack) {
+TEST(SliderParameter, PositionAndValueRoundTrip) {
   for (const SliderParameter field : kAll) {
     double last = -1;
     for (int i = 0; i <= 50; ++i) {
@@ -25,14 +25,14 @@ TEST(SliderParameter, SliderRunsFromEndToEndAndBack) {
   }
 }
 
-// A decade of modulus is as wide anywhere.
+// A decade of modulus has the same width everywhere.
 TEST(SliderParameter, ModulusIsLogarithmic) {
   const auto at = [](double value) { return slider_position(SliderParameter::YoungsModulus, value); };
   EXPECT_NEAR(at(1e4) - at(1e3), at(1e9) - at(1e8), 1e-12);
-  EXPECT_NEAR(at(1e4) - at(1e3), 1.0 / 9, 1e-12);  // 100 Pa to 100 GPa are nine
+  EXPECT_NEAR(at(1e4) - at(1e3), 1.0 / 9, 1e-12);  // 100 Pa to 100 GPa are nine decades
 }
 
-TEST(SliderParameter, AnEditSetsItsFieldAloneAsItIsNamed) {
+TEST(SliderParameter, EditSetsOnlyItsField) {
   const auto only = [](const v1::Physics& edit, const std::string& name) {
     std::vector<const google::protobuf::FieldDescriptor*> set;
     edit.GetReflection()->ListFields(edit, &set);
@@ -48,8 +48,8 @@ TEST(SliderParameter, AnEditSetsItsFieldAloneAsItIsNamed) {
   EXPECT_DOUBLE_EQ(edit_of(SliderParameter::Mass, 2).mass_kg(), 2);
 }
 
-// E* = s E: what an edit of the modulus sets is what is shown of it.
-TEST(SliderParameter, ModulusIsThatOfTheWholeBody) {
+// E* = s E: an edit sets the displayed modulus.
+TEST(SliderParameter, ModulusIsOfWholeBody) {
   v1::PhysicalParameters physics;
   physics.set_material("foam");
   physics.mutable_youngs_modulus_pa()->set_low(1e4);
@@ -65,7 +65,7 @@ TEST(SliderParameter, ModulusIsThatOfTheWholeBody) {
   EXPECT_NE(shown.reason().find("20 kPa of foam times 0.5"), std::string::npos) << shown.reason();
 }
 
-TEST(SliderParameter, OnlyWhatMeansSomethingIsShown) {
+TEST(SliderParameter, ShowsApplicableParametersOnly) {
   const auto has = [](const v1::PhysicalParameters& physics, SliderParameter field) {
     const auto fields = slider_parameters(physics);
     return std::find(fields.begin(), fields.end(), field) != fields.end();

@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-TEST(QuantityText, HasThreeDigitsAndAPrefixThatKeepsItShort) {
+TEST(QuantityText, HasThreeDigitsAndShortPrefix) {
   EXPECT_EQ(quantity_text(1e4, Unit::Pascal), "10 kPa");
   EXPECT_EQ(quantity_text(0.35, Unit::Kilogram), "0.35 kg");
   EXPECT_EQ(quantity_text(0.0853, Unit::Kilogram), "85.3 g");
@@ -21,13 +21,13 @@ TEST(QuantityText, HasThreeDigitsAndAPrefixThatKeepsItShort) {
   EXPECT_EQ(quantity_text(std::nan(""), Unit::Newton), "unknown");
 }
 
-TEST(QuantityText, ARangeHasItsUnitOnceWhereBothEndsShareIt) {
+TEST(QuantityText, RangeWritesSharedUnitOnce) {
   EXPECT_EQ(range_text(5e3, 2e4, Unit::Pascal), "5 to 20 kPa");
   EXPECT_EQ(range_text(500, 2e4, Unit::Pascal), "500 Pa to 20 kPa");
   EXPECT_EQ(range_text(0, 0.2, Unit::None), "0 to 0.2");
 }
 
-TEST(QuantityText, WhatIsTypedIsReadInItsUnit) {
+TEST(QuantityText, ParsesInputInItsUnit) {
   EXPECT_DOUBLE_EQ(parse_quantity("10 kPa", Unit::Pascal).value(), 1e4);
   EXPECT_DOUBLE_EQ(parse_quantity(" 85g ", Unit::Kilogram).value(), 0.085);
   EXPECT_DOUBLE_EQ(parse_quantity("1e5", Unit::Pascal).value(), 1e5);
@@ -39,8 +39,8 @@ TEST(QuantityText, WhatIsTypedIsReadInItsUnit) {
   }
 }
 
-// What is shown can be typed back.
-TEST(QuantityText, ShownAndTypedAgreeToThreeDigits) {
+// Displayed text can be entered again.
+TEST(QuantityText, RoundTripsThreeDigits) {
   for (double value = 1.234e-5; value < 1e10; value *= 7.3) {
     for (const Unit unit :
          {Unit::Kilogram, Unit::Pascal, Unit::Newton, Unit::NewtonSecond, Unit::Second, Unit::None}) {

@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-TEST(ForceStudy, SaysAndAsksForTheSame) {
+TEST(ForceStudy, SentenceMatchesMessage) {
   ForceStudy study;
   EXPECT_FALSE(study.shown("").ready);
   study.aim({"pillow", 3, 17, {0.1, 0.2, 0.3}});
@@ -24,7 +24,7 @@ TEST(ForceStudy, SaysAndAsksForTheSame) {
   EXPECT_TRUE(study.shown("").ready);
 }
 
-TEST(ForceStudy, SentencesAreInWords) {
+TEST(ForceStudy, SentencesUseWords) {
   const auto study = [](const std::string& object, double size_n, double duration_s) {
     ForceStudy made;
     made.aim({object, 1, 0, {0, 0, 0}});
@@ -38,12 +38,11 @@ TEST(ForceStudy, SentencesAreInWords) {
   const std::vector<ForceStudy> several = {study("hat", 5, 1), study("cup", 2, 0.5), study("hat", 5, 1),
                                            study("bag", 1, 3)};
   EXPECT_EQ(sentence_of(several),
-            "Apply a force of 5 newtons to the hat for 1 second at 2 points, a force of 2 newtons to the cup "
-            "for 0.5 seconds, and a "
-            "force of 1 newton to the bag for 3 seconds.");
+            "Apply a force of 5 newtons to the hat for 1 second at 2 points, a force of 2 newtons to the "
+            "cup for 0.5 seconds, and a force of 1 newton to the bag for 3 seconds.");
 }
 
-TEST(ForceStudy, AForceIsItsSizeAndDirection) {
+TEST(ForceStudy, ForceHasSizeAndDirection) {
   ForceStudy study;
   for (const Eigen::Vector3d& force_n : {Eigen::Vector3d(1, 2, 3), {0, -4, 0}, {-5, 0.1, -2}}) {
     study.choose_force(force_n, 1);
@@ -51,7 +50,7 @@ TEST(ForceStudy, AForceIsItsSizeAndDirection) {
   }
 }
 
-TEST(ForceStudy, ReadsAForceFromAWord) {
+TEST(ForceStudy, ParsesForceOption) {
   const auto force = parse_force("a:b:0,0.1,0:0,-12,1e1:0.5");
   ASSERT_TRUE(force) << force.error().message;
   EXPECT_EQ(force->object(), "a:b");
@@ -74,11 +73,11 @@ TEST(ForceStudy, ReadsAForceFromAWord) {
   EXPECT_TRUE(parse_force("hat:0,0,0:1,2,3:60"));
 }
 
-TEST(FrameMeter, CountsASecondAndTheWayOfAHand) {
+TEST(FrameMeter, MeasuresRatesAndHandLatency) {
   FrameMeter meter;
   EXPECT_FALSE(meter.hand_to_picture_ms());
   ReceivedFrame frame;
-  for (int i = 0; i <= 100; ++i) {  // 50 pictures a second of 90 ticks, each sample shown 30 ms later
+  for (int i = 0; i <= 100; ++i) {  // 50 pictures and 90 ticks per second, each sample shown 30 ms later
     const int64_t shown_ns = 20'000'000 * int64_t{i};
     meter.sampled(static_cast<uint64_t>(i + 1), shown_ns - 30'000'000);
     frame.tick = static_cast<uint64_t>(i * 90 / 50);

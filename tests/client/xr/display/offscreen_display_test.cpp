@@ -14,7 +14,7 @@ Image grey(int width, int height, float value) {
           std::vector<float>(4 * static_cast<size_t>(width) * static_cast<size_t>(height), value)};
 }
 
-TEST(OffscreenDisplay, ItsClockRunsByPictures) {
+TEST(OffscreenDisplay, ClockCountsPictures) {
   const ScratchFolder folder;
   auto display = OffscreenDisplay::open({folder / "out", 25, 32, 24, 0, false});
   ASSERT_TRUE(display) << display.error().message;
@@ -26,7 +26,7 @@ TEST(OffscreenDisplay, ItsClockRunsByPictures) {
   }
 }
 
-TEST(OffscreenDisplay, KeepsEverySoManyPictures) {
+TEST(OffscreenDisplay, SavesEveryNthPicture) {
   const ScratchFolder folder;
   auto display = OffscreenDisplay::open({folder / "out", 30, 32, 24, 2, false});
   ASSERT_TRUE(display) << display.error().message;
@@ -41,11 +41,11 @@ TEST(OffscreenDisplay, KeepsEverySoManyPictures) {
   }
 }
 
-TEST(OffscreenDisplay, WritesAVideoOfAnOddSize) {
+TEST(OffscreenDisplay, WritesVideoOfOddSize) {
   const ScratchFolder folder;
   auto display = OffscreenDisplay::open({folder / "out", 30, 33, 25, 0, true});
   ASSERT_TRUE(display) << display.error().message;
-  if (!(*display)->has_video()) GTEST_SKIP() << "the ffmpeg command is not here";
+  if (!(*display)->has_video()) GTEST_SKIP() << "ffmpeg is not installed";
   for (int k = 0; k < 10; ++k) {
     const std::vector<Image> images = {grey(33, 25, 0.1f * static_cast<float>(k))};
     ASSERT_TRUE((*display)->submit(*(*display)->wait_frame(), images));
@@ -55,7 +55,7 @@ TEST(OffscreenDisplay, WritesAVideoOfAnOddSize) {
   EXPECT_GT(std::filesystem::file_size(folder.path() / "out" / "out.mp4"), 500u);
 }
 
-TEST(OffscreenDisplay, WithoutFfmpegEveryPictureIsAPng) {
+TEST(OffscreenDisplay, SavesPngsWithoutFfmpeg) {
   const ScratchFolder folder;
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", folder.path().c_str(), 1);  // an empty folder

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array<uint8_t, 3> kInk{255, 138, 120};
 
-// Rows that have ink, as runs: the lines.
+// Runs of rows with ink: the lines.
 std::vector<std::pair<int, int>> lines_of(const TextPlate::Picture& picture) {
   std::vector<std::pair<int, int>> lines;
   bool inside = false;
@@ -33,7 +33,7 @@ bool is_plate(const TextPlate::Picture& picture, int x, int y) {
   return pixel[0] < 30 && pixel[1] < 30 && pixel[2] < 30 && pixel[3] == 255;
 }
 
-TEST(TextPlate, WritesLinesInsideItsMargins) {
+TEST(TextPlate, WritesLinesInsideMargins) {
   const TextPlate plate;
   const auto one = plate.draw("MMMM", kInk), two = plate.draw("MMMM\nMMMM", kInk);
   EXPECT_EQ(one.width_px, TextPlate::kWidth_px);
@@ -49,23 +49,22 @@ TEST(TextPlate, WritesLinesInsideItsMargins) {
   }
 }
 
-TEST(TextPlate, BreaksWhatIsTooWideAndLeavesOutWhatIsTooLong) {
+TEST(TextPlate, WrapsAndTruncatesText) {
   const TextPlate plate;
-  const auto notice =
-      plate.draw("the server has gone: nothing came from it for a second; looking for it", kInk);
+  const auto notice = plate.draw("server disconnected: no message for 1 s; reconnecting", kInk);
   EXPECT_EQ(lines_of(notice).size(), 2u);
   if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
     Image image{notice.width_px, notice.height_px, {}};
     for (const uint8_t value : notice.rgba) image.pixels.push_back(static_cast<float>(value) / 255.0f);
     EXPECT_TRUE(write_png(std::filesystem::path(folder) / "text_plate.png", image));
   }
-  const auto word = plate.draw(std::string(500, 'M'), kInk);  // nowhere to break it
+  const auto word = plate.draw(std::string(500, 'M'), kInk);  // no break opportunity
   EXPECT_LE(word.height_px, TextPlate::kMaxHeight_px);
   for (int y = 0; y < word.height_px; ++y) EXPECT_TRUE(is_plate(word, word.width_px - 5, y));
   EXPECT_LE(plate.draw(std::string(100, '\n') + "end", kInk).height_px, TextPlate::kMaxHeight_px);
 }
 
-// Letters stand beside each other: between those of "ill" there are columns without ink.
+// Letters do not overlap: columns between those of "ill" have no ink.
 TEST(TextPlate, LettersDoNotTouch) {
   const auto picture = TextPlate().draw("ill", kInk);
   int runs = 0;
@@ -80,19 +79,15 @@ TEST(TextPlate, LettersDoNotTouch) {
   EXPECT_EQ(runs, 3);
 }
 
-// Names come from strangers.
-TEST(TextPlate, TakesAnyBytes) {
+// Names may come from untrusted sources.
+TEST(TextPlate, AcceptsAnyBytes) {
   const TextPlate plate;
   EXPECT_EQ(lines_of(plate.draw("", kInk)).size(), 0u);
   std::string bytes;
   for (int i = 1; i < 256; ++i) bytes.push_back(static_cast<char>(i));
   for (size_t cut = 0; cut <= bytes.size(); ++cut)
     EXPECT_LE(plate.draw(bytes.substr(cut), kInk).height_px, TextPlate::kMaxHeight_px);
-  EXPECT_EQ(lines_of(plate.draw("fa\xc3\xa7"
-                                "ade",
-                                kInk))
-                .size(),
-            1u);
+  EXPECT_EQ(lines_of(plate.draw("fa\xc3\xa7ade", kInk)).size(), 1u);
 }
 
 }  // namespace

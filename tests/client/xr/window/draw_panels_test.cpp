@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panels with a mouse of our own: no display is needed to know what a click does.
+// The panels with a simulated mouse; no display is required.
 #include "xr/window/draw_panels.h"
 
 #include <gtest/gtest.h>
 #include <imgui.h>
-#include <imgui_internal.h>  // where a panel is
+#include <imgui_internal.h>  // for panel positions
 
 #include <functional>
 
@@ -32,7 +32,7 @@ class PanelTest : public ::testing::Test {
       row.position = 0.5;
       row.text_at = [](double position) { return std::to_string(position); };
     }
-    for (int i = 0; i < 3; ++i) frame();  // sizes settle
+    for (int i = 0; i < 3; ++i) frame();  // layout settles
   }
   void TearDown() override { ImGui::DestroyContext(); }
 
@@ -47,7 +47,7 @@ class PanelTest : public ::testing::Test {
     ImGui::GetIO().MousePos = {x, y};
     ImGui::GetIO().MouseDown[0] = down;
   }
-  // Presses and lets go everywhere in the window, on a grid finer than a button, until something happens.
+  // Clicks everywhere in the window, on a grid finer than a button, until an action matches.
   std::optional<std::pair<float, float>> find(const std::function<bool(const PanelActions&)>& wanted,
                                               float left, float right) {
     for (float y = 40; y < height_px_ - 10; y += 9) {
@@ -69,7 +69,7 @@ class PanelTest : public ::testing::Test {
   }
   static ImGuiWindow* panel(const char* name) { return ImGui::FindWindowByName(name); }
   static bool is_open(const char* name) { return !panel(name)->Collapsed; }
-  // Within the window, and neither on the other.
+  // Both are within the window and do not overlap.
   void expect_room_for_both() const {
     const ImRect run = panel("Run")->Rect(), objects = panel("Objects")->Rect(),
                  window(0, 0, width_px_, height_px_);
@@ -78,7 +78,7 @@ class PanelTest : public ::testing::Test {
     EXPECT_FALSE(run.Overlaps(objects))
         << run.Max.x << " " << run.Max.y << ", " << objects.Min.x << " " << objects.Min.y;
   }
-  // On the arrow of its bar.
+  // Clicks the arrow of the title bar.
   void click_bar(const char* name) {
     const ImRect bar = panel(name)->TitleBarRect();
     for (const bool down : {false, true, false, false}) {
@@ -93,7 +93,7 @@ class PanelTest : public ::testing::Test {
   PanelDrawer drawer_;
 };
 
-TEST_F(PanelTest, ButtonsSayWhatTheyAreFor) {
+TEST_F(PanelTest, ButtonsReportTheirActions) {
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.pause == true; }, 15, 310));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.step; }, 15, 310));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.reset; }, 15, 310));
@@ -103,8 +103,8 @@ TEST_F(PanelTest, ButtonsSayWhatTheyAreFor) {
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.analyse_all; }, 890, 1270));
 }
 
-// However long it is dragged, a slider is one edit, when it is let go.
-TEST_F(PanelTest, ASliderIsOneEditWhenItIsLetGo) {
+// A drag of any length is one edit, at the release.
+TEST_F(PanelTest, SliderReleaseIsOneEdit) {
   const auto at = find(
       [](const PanelActions& actions) { return actions.released && actions.released->row == 1; }, 1060, 1180);
   ASSERT_TRUE(at);
@@ -136,8 +136,8 @@ TEST_F(PanelTest, HiddenPanelsDoNothing) {
            15, 400));
 }
 
-// Nothing can be done to a recording: Run stands alone, without a force, and goes to its start.
-TEST_F(PanelTest, OfARecordingRunStandsAlone) {
+// A recording cannot be changed: only Run is shown, without a force, with a restart button.
+TEST_F(PanelTest, RecordingShowsOnlyRunPanel) {
   panels_.run.recorded = true;
   const float with_force = panel("Run")->Size.y;
   for (int i = 0; i < 4; ++i) frame();
@@ -151,7 +151,7 @@ TEST_F(PanelTest, OfARecordingRunStandsAlone) {
       890, 1270));
 }
 
-TEST_F(PanelTest, InAWideWindowBothAreOpenBesideEachOther) {
+TEST_F(PanelTest, BothAreOpenInWideWindow) {
   for (const auto& [width, height] :
        {std::pair(1280, 800), std::pair(700, 500), std::pair(900, 200), std::pair(2560, 1400)}) {
     SCOPED_TRACE(width);
@@ -161,8 +161,8 @@ TEST_F(PanelTest, InAWideWindowBothAreOpenBesideEachOther) {
   }
 }
 
-// Where a scene is seen: beside the panels, and nowhere where they leave no room.
-TEST_F(PanelTest, LeaveColumnsFreeInAWideWindow) {
+// Columns for the scene are next to the panels; none if too little space is left.
+TEST_F(PanelTest, LeavesFreeColumnsInWideWindow) {
   for (const auto& [width, height] : {std::pair(1280, 800), std::pair(2560, 1400)}) {
     SCOPED_TRACE(width);
     resize(static_cast<float>(width), static_cast<float>(height));
@@ -177,7 +177,7 @@ TEST_F(PanelTest, LeaveColumnsFreeInAWideWindow) {
   EXPECT_FALSE(columns_beside_panels(320, true));
 }
 
-TEST_F(PanelTest, InANarrowWindowOneIsOpenAtATime) {
+TEST_F(PanelTest, OneIsOpenInNarrowWindow) {
   for (const auto& [width, height] : {std::pair(699, 500), std::pair(640, 480), std::pair(480, 300),
                                       std::pair(320, 240), std::pair(200, 150)}) {
     SCOPED_TRACE(width);
@@ -193,18 +193,18 @@ TEST_F(PanelTest, InANarrowWindowOneIsOpenAtATime) {
     EXPECT_TRUE(!is_open("Run") && !is_open("Objects"));
     click_bar("Run");
     EXPECT_TRUE(is_open("Run") && !is_open("Objects"));
-    // With a thing selected from the start its panel is the one; what is out of order is read all the same.
+    // With an object selected from the start its panel is open; a notice still opens Run.
     panels_.objects.selected = 0;
     resize(1280, 800);
     resize(static_cast<float>(width), static_cast<float>(height));
     EXPECT_TRUE(!is_open("Run") && is_open("Objects"));
     expect_room_for_both();
-    panels_.run.notice = "the server has gone";
+    panels_.run.notice = "server disconnected";
     for (int i = 0; i < 4; ++i) frame();
     EXPECT_TRUE(is_open("Run") && !is_open("Objects"));
     expect_room_for_both();
     panels_.run.notice.clear();
-    // The first thing that is selected later opens it too; another one leaves open what is.
+    // The first later selection opens it too; further selections change nothing.
     panels_.objects.selected.reset();
     for (int i = 0; i < 4; ++i) frame();
     EXPECT_TRUE(is_open("Run"));
@@ -218,9 +218,9 @@ TEST_F(PanelTest, InANarrowWindowOneIsOpenAtATime) {
   }
 }
 
-TEST_F(PanelTest, InANarrowWindowEachButtonCanBePressed) {
+TEST_F(PanelTest, EachButtonWorksInNarrowWindow) {
   resize(330, 700);
-  panels_.run.lines = {"vulkan: llvmpipe, drawn at 100 %", "60 pictures a second of 90 ticks"};
+  panels_.run.lines = {"vulkan: llvmpipe, resolution 100 %", "60 pictures/s, 90 ticks/s"};
   EXPECT_TRUE(is_open("Objects"));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.undo; }, 15, 320));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.redo; }, 15, 320));

@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-TEST(AssetSummary, PercentilesAreValuesThatOccur) {
+TEST(AssetSummary, PercentilesAreExistingValues) {
   GaussianAsset asset = synthetic_asset(100, 1, 1);
   double sum = 0;
   for (size_t i = 0; i < 100; ++i) {
@@ -19,7 +19,7 @@ TEST(AssetSummary, PercentilesAreValuesThatOccur) {
     sum += opacity;
     asset.opacity_logits[i] = static_cast<float>(std::log(opacity / (1 - opacity)));
     const float scale = std::log(static_cast<float>(rank));
-    asset.log_scales[i] = {scale - 1, scale, scale + 1};  // whose geometric mean is the rank
+    asset.log_scales[i] = {scale - 1, scale, scale + 1};  // with a geometric mean equal to the rank
   }
   asset.positions[50] = {-9, 0, 9};
   const AssetSummary summary = summarise(asset);
@@ -37,13 +37,13 @@ TEST(AssetSummary, PercentilesAreValuesThatOccur) {
   EXPECT_NEAR(summary.scale.p99, 99, 1e-4);
 }
 
-TEST(AssetSummary, OneKernelIsAllPercentiles) {
+TEST(AssetSummary, OneKernelGivesAllPercentiles) {
   const AssetSummary summary = summarise(synthetic_asset(1, 0, 2));
   EXPECT_EQ(summary.opacity.p1, summary.opacity.p99);
   EXPECT_EQ(summary.bounds_min, summary.bounds_max);
 }
 
-TEST(AssetSummary, OfNothingIsZero) { EXPECT_EQ(summarise(GaussianAsset{}).count, 0u); }
+TEST(AssetSummary, IsZeroForAnEmptyAsset) { EXPECT_EQ(summarise(GaussianAsset{}).count, 0u); }
 
 }  // namespace
 }  // namespace livegs

@@ -10,7 +10,7 @@
 
 namespace livegs {
 
-// What gaussian_asset.h promises of every asset a reader returns.
+// Checks the invariants of gaussian_asset.h, which every reader must establish.
 inline void expect_invariants(const GaussianAsset& asset, const std::string& what) {
   const size_t count = asset.size();
   ASSERT_GT(count, 0u) << what;

@@ -20,7 +20,7 @@ AssetFile through_a_file(const GaussianAsset& asset) {
   return std::move(*file);
 }
 
-TEST(Invariants, KernelsThatAreOffAreDroppedAndTheOthersKept) {
+TEST(Invariants, DropInvalidKernelsAndKeepOthers) {
   const GaussianAsset good = synthetic_asset(9, 2, 1);
   GaussianAsset asset = good;
   asset.positions[0].y() = kNan;
@@ -43,7 +43,7 @@ TEST(Invariants, KernelsThatAreOffAreDroppedAndTheOthersKept) {
   EXPECT_NE(file.notes[0].find("dropped 7 kernels"), std::string::npos) << file.notes[0];
 }
 
-TEST(Invariants, AFileWithNothingUsableIsRefused) {
+TEST(Invariants, RejectAFileWithoutValidKernels) {
   GaussianAsset asset = synthetic_asset(3, 0, 2);
   for (float& logit : asset.opacity_logits) logit = kNan;
   EXPECT_EQ(decode_asset(encode_ply(asset), "off.ply").error().code, ErrorCode::InvalidData);
@@ -54,7 +54,7 @@ TEST(Invariants, InfiniteLogitsBecomeOpaqueAndClear) {
   asset.opacity_logits = {kInfinity, -kInfinity};
   const AssetFile file = through_a_file(asset);
   EXPECT_EQ(file.asset.opacity_logits, (std::vector<float>{16, -16}));
-  // e^-16 is under one rounding step of 1.
+  // e^-16 is below one float rounding step at 1.
   EXPECT_NEAR(1 / (1 + std::exp(-file.asset.opacity_logits[0])), 1.0f, std::numeric_limits<float>::epsilon());
 }
 
@@ -72,7 +72,7 @@ TEST(Invariants, QuaternionsAreNormalised) {
   const Eigen::Quaternionf unit = asset.rotations[0];
   asset.rotations[0].coeffs() *= 7;
   asset.rotations[1].coeffs().setZero();
-  asset.rotations[2].coeffs() *= 1e-30f;  // whose square is no float
+  asset.rotations[2].coeffs() *= 1e-30f;  // the square underflows
   asset.rotations[3].coeffs() *= 1e30f;
   const AssetFile file = through_a_file(asset);
   expect_invariants(file.asset, "normalised");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every asset of shared/data against inventory.json, whose figures come from an independent decoder.
+// Compares every asset of shared/data with inventory.json, whose numbers come from an independent decoder.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,13 +16,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-// The inventory is rounded to four decimals; the rest is for sums of floats.
+// Four decimals of the inventory, plus float summation error.
 constexpr double kRounding = 0.5e-4 + 1e-6;
 
 double logarithmic(double x) { return std::copysign(std::log1p(std::abs(x)), x); }
 
-// SOG keeps positions in 65535 steps of their logarithm, and its writers round the last one down: bounds may
-// be one step off.
+// SOG stores positions in 65535 steps of their logarithm, and its writers round the last one down, so bounds
+// may differ by one step.
 double sog_step(const Json& listed, size_t axis, double value) {
   const double low = listed["bounds_min"][axis], high = listed["bounds_max"][axis];
   return (1 + std::abs(value)) * (logarithmic(high) - logarithmic(low)) / 65535;
@@ -49,7 +49,7 @@ void expect_as_listed(const Json& listed) {
   if (file->format_version) format += " v" + std::to_string(file->format_version);
   EXPECT_TRUE(listed["format"].get<std::string>().starts_with(format)) << name << " was read as " << format;
   if (listed.contains("bounds_min")) {
-    // The inventory is in the file's own frame; half a turn about x swaps and negates the bounds of y and z.
+    // The inventory uses the frame of the file; a half turn about x swaps and negates the bounds of y and z.
     Eigen::Vector3f low = summary.bounds_min, high = summary.bounds_max;
     if (file->y_up_in_file) {
       low.tail<2>() = -summary.bounds_max.tail<2>();
@@ -63,7 +63,7 @@ void expect_as_listed(const Json& listed) {
   }
 }
 
-TEST(Inventory, EveryAssetIsReadAsListed) {
+TEST(Inventory, EveryAssetMatchesTheInventory) {
   LIVEGS_NEEDS_SHARED_DATA();
   const Result<std::string> text = read_text_file(shared_data() / "inventory.json");
   ASSERT_TRUE(text) << text.error().message;
@@ -72,7 +72,7 @@ TEST(Inventory, EveryAssetIsReadAsListed) {
   for (const Json& listed : assets) expect_as_listed(listed);
 }
 
-TEST(Inventory, NothingIsRepairedInCapturedAssets) {
+TEST(Inventory, CapturedAssetsNeedNoRepair) {
   LIVEGS_NEEDS_SHARED_DATA();
   const Json assets = Json::parse(*read_text_file(shared_data() / "inventory.json"))["assets"];
   for (const Json& listed : assets) {

@@ -55,10 +55,10 @@ TEST(Ply, WritesTheLayoutOfTheInriaTrainer) {
   EXPECT_TRUE(text.starts_with("ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"));
   const size_t end = text.find("end_header\n");
   ASSERT_NE(end, text.npos);
-  EXPECT_EQ(bytes.size() - end - 11, 3u * 62 * 4);  // 62 floats a kernel at degree 3
+  EXPECT_EQ(bytes.size() - end - 11, 3u * 62 * 4);  // 62 floats per kernel at degree 3
 }
 
-// One kernel whose values tell where they came from.
+// One kernel with values that identify their source.
 constexpr std::array<const char*, 14> kNames = {"x",      "y",       "z",       "f_dc_0",  "f_dc_1",
                                                 "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
                                                 "rot_0",  "rot_1",   "rot_2",   "rot_3"};
@@ -75,7 +75,7 @@ void expect_told_values(const Result<AssetFile>& file, const std::string& what) 
   EXPECT_EQ(asset.rotations[0].coeffs(), Eigen::Vector4f(1, 0, 0, 0)) << what;
 }
 
-// `value` as `type` in the byte order asked for.
+// Converts `value` to `type` in the given byte order.
 std::string packed(double value, const std::string& type, bool big_endian) {
   const auto raw = [&](auto typed) {
     std::string bytes(reinterpret_cast<const char*>(&typed), sizeof(typed));
@@ -89,7 +89,7 @@ std::string packed(double value, const std::string& type, bool big_endian) {
   return raw(static_cast<float>(value));
 }
 
-TEST(Ply, AnyOrderTypeAndEncodingTellTheSame) {
+TEST(Ply, ReadsAnyOrderTypeAndEncoding) {
   const std::array<std::string, 5> types = {"float", "double", "int8", "short", "int32"};
   for (size_t turn = 0; turn < 14; ++turn) {
     for (const std::string encoding : {"ascii", "binary_little_endian", "binary_big_endian"}) {
@@ -109,7 +109,7 @@ TEST(Ply, AnyOrderTypeAndEncodingTellTheSame) {
   }
 }
 
-TEST(Ply, OtherElementsAndListsAreSteppedOver) {
+TEST(Ply, SkipsOtherElementsAndLists) {
   std::string properties;
   for (const char* name : kNames) properties += std::string("property float ") + name + "\n";
   const std::string elements =
@@ -130,7 +130,7 @@ TEST(Ply, OtherElementsAndListsAreSteppedOver) {
       "binary");
 }
 
-TEST(Ply, TextNumbersBeyondDoubleAreRefusedOrZero) {
+TEST(Ply, RejectsOverflowingTextNumbers) {
   std::string header = "ply\nformat ascii 1.0\nelement vertex 2\n";
   for (const char* name : kNames) header += std::string("property double ") + name + "\n";
   header += "end_header\n";
@@ -143,7 +143,7 @@ TEST(Ply, TextNumbersBeyondDoubleAreRefusedOrZero) {
   EXPECT_EQ(file->notes.size(), 1u);
 }
 
-TEST(Ply, WritingGoesByExtension) {
+TEST(Ply, ExtensionSelectsTheWriter) {
   const GaussianAsset asset = synthetic_asset(5, 1, 3);
   std::string pattern = (std::filesystem::temp_directory_path() / "livegs_ply_test_XXXXXX").string();
   const std::filesystem::path folder = ::mkdtemp(pattern.data());
@@ -151,7 +151,7 @@ TEST(Ply, WritingGoesByExtension) {
   ASSERT_TRUE(write_asset(folder / "a.spz", asset));
   EXPECT_EQ(read_asset(folder / "a.ply")->format, AssetFormat::Ply);
   EXPECT_EQ(read_asset(folder / "a.spz")->format, AssetFormat::Spz);
-  // Content counts, not the name.
+  // Readers use the content, not the name.
   std::filesystem::rename(folder / "a.spz", folder / "b.ply");
   EXPECT_EQ(read_asset(folder / "b.ply")->format, AssetFormat::Spz);
   EXPECT_EQ(write_asset(folder / "a.splat", asset).error().code, ErrorCode::Unsupported);

@@ -23,7 +23,7 @@ namespace {
 
 using Buffer = std::vector<std::byte>;
 
-// The asset that our decoder makes of all of it; fails the test when there is none.
+// The complete decoded asset; fails the test if there is none.
 GaussianAsset decoded(const Buffer& bytes) {
   auto asset = decode_progressive(bytes);
   EXPECT_TRUE(asset) << asset.error().message;
@@ -36,7 +36,7 @@ double contribution(const GaussianAsset& asset, size_t i) {
          (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]);
 }
 
-// Values as a file of few bits a number has them.
+// An asset with few distinct values, as decoded from a quantised file.
 GaussianAsset of_few_values(size_t count) {
   GaussianAsset asset = synthetic_asset(count, 1, 3);
   const auto coarse = [](float& value) { value = std::round(value * 40) / 40; };
@@ -57,7 +57,7 @@ GaussianAsset all_alike(size_t count) {
   return asset;
 }
 
-TEST(ProgressiveAsset, GivesBackEveryBit) {
+TEST(ProgressiveAsset, RoundTripIsLossless) {
   std::vector<GaussianAsset> assets;
   for (const int degree : {0, 1, 2, 3}) {
     for (const size_t count : {1, 2, 1023, 1025, 9000})
@@ -76,8 +76,8 @@ TEST(ProgressiveAsset, GivesBackEveryBit) {
   }
 }
 
-// What came is what adds most, and as it is in the whole.
-TEST(ProgressiveAsset, HasTheLargestContributionsFirst) {
+// Each prefix has the largest contributions, with the values of the whole asset.
+TEST(ProgressiveAsset, SendsLargestContributionsFirst) {
   const GaussianAsset asset = synthetic_asset(20'000, 2, 9);
   const Buffer sent = encode_progressive(asset);
   ProgressiveDecoder decoder;
@@ -116,13 +116,13 @@ TEST(ProgressiveAsset, HasTheLargestContributionsFirst) {
   }
   EXPECT_TRUE(decoder.complete());
   EXPECT_GE(kernels_at_blocks.size(), 5u);  // 1024, 3072, 7168, 15360, 20000
-  // All kernels have come before the first higher harmonics, which are most of the bytes.
+  // All kernels precede the higher harmonics, which are most of the bytes.
   ProgressiveDecoder quarter;
   ASSERT_TRUE(quarter.take(std::span(sent).first(sent.size() / 2)));
   EXPECT_EQ(quarter.arrived(), asset.size());
 }
 
-TEST(ProgressiveAsset, TakesItsBytesInAnyPieces) {
+TEST(ProgressiveAsset, AcceptsBytesInAnyPieces) {
   const GaussianAsset asset = synthetic_asset(1500, 1, 2);
   const Buffer sent = encode_progressive(asset);
   ProgressiveDecoder decoder;
@@ -137,14 +137,14 @@ TEST(ProgressiveAsset, TakesItsBytesInAnyPieces) {
   EXPECT_FALSE(decoder.take({}));
 }
 
-// Few values, and neighbours that are alike, are found; what is noise is not made longer.
+// Few distinct values and similar neighbours are compressed; noise is not expanded.
 TEST(ProgressiveAsset, IsSmallerThanItsKernels) {
   const auto share = [](const GaussianAsset& asset) {
     const double floats = static_cast<double>(14 + 3 * asset.sh_rest_count());
     return static_cast<double>(encode_progressive(asset).size()) /
            (4 * floats * static_cast<double>(asset.size()));
   };
-  EXPECT_LT(share(synthetic_asset(50'000, 0, 1)), 0.95);  // of noise the exponents
+  EXPECT_LT(share(synthetic_asset(50'000, 0, 1)), 0.95);  // only exponents of noise compress
   EXPECT_LT(share(of_few_values(50'000)), 0.5);
   EXPECT_LT(share(all_alike(50'000)), 0.003);
 }
@@ -169,7 +169,7 @@ TEST(ProgressiveAsset, SurvivesAnyBytes) {
   }
 }
 
-TEST(ProgressiveAsset, RefusesWhatItsHeadAndBlocksCannotMean) {
+TEST(ProgressiveAsset, RejectsInvalidHeadersAndBlocks) {
   const Buffer good = encode_progressive(synthetic_asset(1200, 0, 4));
   const auto refused = [&](size_t at, std::initializer_list<int> values) {
     Buffer bytes = good;
@@ -178,22 +178,22 @@ TEST(ProgressiveAsset, RefusesWhatItsHeadAndBlocksCannotMean) {
     EXPECT_FALSE(asset) << at;
     return asset ? std::string() : asset.error().message;
   };
-  EXPECT_NE(refused(6, {2}).find("another version"), std::string::npos);
+  EXPECT_NE(refused(6, {2}).find("wrong magic number or version"), std::string::npos);
   refused(8, {0, 0, 0, 0});               // no kernels
   refused(8, {0xFF, 0xFF, 0xFF, 0xFF});   // over 4 GiB
-  refused(8, {0xB1, 0x04, 0, 0});         // one more than there are
-  refused(8, {0xAF, 0x04, 0, 0});         // one less
+  refused(8, {0xB1, 0x04, 0, 0});         // one kernel too many
+  refused(8, {0xAF, 0x04, 0, 0});         // one kernel too few
   refused(12, {4});                       // harmonics
   refused(13, {2});                       // a flag
   refused(14, {1});                       // reserved
-  refused(16, {0, 0, 0, 0});              // a block of no bytes
-  refused(16, {0xFF, 0xFF, 0xFF, 0x7F});  // of more than kernels can be
-  refused(20, {0, 0, 0, 0});              // of no kernels
-  refused(20, {1, 0x80, 0, 0});           // of 32769
+  refused(16, {0, 0, 0, 0});              // an empty block
+  refused(16, {0xFF, 0xFF, 0xFF, 0x7F});  // a block larger than its kernels
+  refused(20, {0, 0, 0, 0});              // a block without kernels
+  refused(20, {1, 0x80, 0, 0});           // a block of 32769 kernels
 }
 
-// The same kernel twice, which no checksum would tell.
-TEST(ProgressiveAsset, RefusesAKernelThatComesTwice) {
+// A repeated kernel, which a checksum would not detect.
+TEST(ProgressiveAsset, RejectsARepeatedKernel) {
   GaussianAsset one = all_alike(1), two = all_alike(2);
   for (GaussianAsset* asset : {&one, &two}) {
     asset->sh_degree = 0;
@@ -201,15 +201,15 @@ TEST(ProgressiveAsset, RefusesAKernelThatComesTwice) {
   }
   const Buffer block = encode_progressive(one);
   Buffer twice = encode_progressive(two);
-  twice.resize(16);  // its head
+  twice.resize(16);  // the head
   for (int i = 0; i < 2; ++i) twice.insert(twice.end(), block.begin() + 16, block.end());
   const auto refused = decode_progressive(twice);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("twice"), std::string::npos) << refused.error().message;
+  EXPECT_NE(refused.error().message.find("repeated"), std::string::npos) << refused.error().message;
 }
 
-// A kernel that breaks the invariants comes to nobody's eyes, whatever else it does.
-TEST(ProgressiveAsset, DrawsNoKernelThatIsNone) {
+// A kernel that violates the invariants is never drawn.
+TEST(ProgressiveAsset, DropsInvalidKernels) {
   GaussianAsset asset = synthetic_asset(10, 1, 6);
   asset.positions[2].x() = std::nanf("");
   asset.rotations[3].coeffs() *= 2;
@@ -245,7 +245,7 @@ TEST(ProgressiveAsset, ReadsTheWorkedExample) {
 }
 
 // proto/asset_format.md, "Columns".
-TEST(ColumnCodec, WritesEachOfItsThreeWays) {
+TEST(ColumnCodec, UsesEachOfItsThreeModes) {
   std::vector<uint32_t> few(600), near(600), noise(600);
   std::mt19937 random(1);
   for (size_t i = 0; i < few.size(); ++i) {
@@ -267,8 +267,8 @@ TEST(ColumnCodec, WritesEachOfItsThreeWays) {
   }
 }
 
-// Captures as people have them, lossless, of the .ply that was sent before: what was kept in few bits becomes
-// small again, what was trained in floats has little to find.
+// Real captures: lossless transfer compared with the .ply. Quantised captures become small; trained floats
+// compress little.
 TEST(ProgressiveAsset, CapturesAreSmallerThanTheirPly) {
   LIVEGS_NEEDS_SHARED_DATA();
   const std::pair<const char*, double> captures[] = {{"guitar/guitar.compressed.ply", 0.58},

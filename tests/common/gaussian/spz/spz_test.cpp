@@ -20,17 +20,18 @@ AssetFile round_trip(const GaussianAsset& asset, const SpzOptions& options) {
   return std::move(*file);
 }
 
-// Half a step of each quantiser; a part in a hundred thousand more is float arithmetic.
+// Half a step of each quantiser, plus a relative 1e-5 for float arithmetic.
 constexpr float kSlack = 1e-5f;
 constexpr float kPositionBound = 1.0f / 8192 + kSlack;
 constexpr float kLogScaleBound = 1.0f / 32 + kSlack;
 constexpr float kOpacityBound = 0.5f / 255 + kSlack;
 constexpr float kDcBound = 0.5f / 255 / 0.15f + kSlack;
-// Half a bucket of 8 or 16 steps, and half a step for the rounding before.
+// Half a bucket of 8 or 16 steps, plus half a step for the earlier rounding.
 constexpr float kSh1Bound = 4.5f / 128 + kSlack;
 constexpr float kShRestBound = 8.5f / 128 + kSlack;
-// Three components half a step of 1 / (511 sqrt 2) off; the largest, at least 1/2, makes up for them, which
-// at most doubles the error of the direction; an angle is twice that of its quaternion.
+// Three components have an error of half a step of 1 / (511 sqrt 2). The largest component, at least 1/2, is
+// derived from them, which at most doubles the error of the direction. An angle is twice that of its
+// quaternion.
 const float kSmallestThreeBoundDeg =
     static_cast<float>(2 * 2 * std::sqrt(3.0) * 0.5 / (511 * std::sqrt(2.0)) * 180 / M_PI);
 
@@ -60,8 +61,8 @@ TEST(Spz, RoundTripStaysWithinTheQuantiser) {
   }
 }
 
-// Version 2 keeps x y z to half a step of 2/255 and makes w from them. The error of w, q.dq / w, grows
-// without bound towards half turns, where w = sqrt(2 |q| sqrt(3) / 255) is the most it can be off by.
+// Version 2 stores x y z to half a step of 2/255 and derives w. The error of w, q.dq / w, diverges towards
+// half turns; it is at most sqrt(2 |q| sqrt(3) / 255).
 TEST(Spz, VersionTwoRotationsAreCoarseNearHalfTurns) {
   const GaussianAsset asset = synthetic_asset(5000, 0, 20);
   const AssetFile file = round_trip(asset, {.version = 2});
@@ -76,7 +77,7 @@ TEST(Spz, VersionTwoRotationsAreCoarseNearHalfTurns) {
   }
 }
 
-TEST(Spz, AllBitsOfShCanBeKept) {
+TEST(Spz, CanKeepAllBitsOfSh) {
   const GaussianAsset asset = synthetic_asset(500, 3, 30);
   const AssetFile file = round_trip(asset, {.sh1_bits = 8, .sh_rest_bits = 8});
   const Differences worst = differences(asset, file.asset, same_order(asset.size()));
@@ -84,7 +85,7 @@ TEST(Spz, AllBitsOfShCanBeKept) {
   EXPECT_LE(worst.sh_rest, 0.5f / 128 + kSlack);
 }
 
-TEST(Spz, WritingTwiceChangesNothingMore) {
+TEST(Spz, SecondWriteIsIdempotent) {
   for (const int version : {3, 4}) {
     const AssetFile once = round_trip(synthetic_asset(500, 3, 40), {.version = version});
     const AssetFile twice = round_trip(once.asset, {.version = version});
@@ -97,18 +98,18 @@ TEST(Spz, WritingTwiceChangesNothingMore) {
   }
 }
 
-TEST(Spz, WideAssetsGiveUpFractionalBits) {
+TEST(Spz, WideAssetsUseFewerFractionalBits) {
   GaussianAsset asset = synthetic_asset(50, 0, 50);
   asset.positions[7] = {-100000, 5, 5};
   const AssetFile file = round_trip(asset, {});
-  // 100000 * 2^6 is the most that fits 2^23.
+  // 100000 * 2^6 is the largest that fits 2^23.
   EXPECT_LE(differences(asset, file.asset, same_order(asset.size())).position, 1.0f / 128);
   EXPECT_EQ(file.asset.positions[7].x(), -100000);
   asset.positions[7].x() = 1e7f;
   EXPECT_EQ(encode_spz(asset).error().code, ErrorCode::InvalidArgument);
 }
 
-TEST(Spz, WrongOptionsAreRefused) {
+TEST(Spz, RejectsInvalidOptions) {
   const GaussianAsset asset = synthetic_asset(5, 0, 60);
   EXPECT_FALSE(encode_spz(asset, {.version = 1}));
   EXPECT_FALSE(encode_spz(asset, {.version = 5}));
@@ -117,7 +118,7 @@ TEST(Spz, WrongOptionsAreRefused) {
   EXPECT_FALSE(encode_spz(GaussianAsset{}));
 }
 
-// The basis of Kerbl et al. 2023 with its signs, degrees 1 to 3.
+// The SH basis of Kerbl et al. 2023 with its signs, degrees 1 to 3.
 std::array<double, 15> sh_basis(const Eigen::Vector3d& d) {
   const double x = d.x(), y = d.y(), z = d.z(), xx = x * x, yy = y * y, zz = z * z;
   return {-0.48860251 * y,
@@ -145,7 +146,7 @@ Eigen::Vector3d colour(const GaussianAsset& asset, size_t i, const Eigen::Vector
   return rgb;
 }
 
-TEST(YUp, TheTurnedAssetLooksTheSameFromTheTurnedDirection) {
+TEST(YUp, RotatedAssetLooksTheSameInRotatedView) {
   const GaussianAsset asset = synthetic_asset(50, 3, 70);
   GaussianAsset turned = asset;
   turn_half_about_x(turned);
@@ -155,10 +156,10 @@ TEST(YUp, TheTurnedAssetLooksTheSameFromTheTurnedDirection) {
     EXPECT_EQ(turned.positions[i].cast<double>(), turn * asset.positions[i].cast<double>());
     for (const Eigen::Vector3f& position : directions.positions) {
       const Eigen::Vector3d direction = position.cast<double>().normalized();
-      // Signs are exact; what is left is the order of a sum of doubles.
+      // Signs are exact; only the summation order of doubles differs.
       EXPECT_LT((colour(asset, i, direction) - colour(turned, i, turn * direction)).norm(), 1e-12);
     }
-    // The covariance turns too: R' S R'^T = T (R S R^T) T^T.
+    // The covariance rotates too: R' S R'^T = T (R S R^T) T^T.
     const auto covariance = [&](const GaussianAsset& a) -> Eigen::Matrix3d {
       const Eigen::Matrix3d rs = a.rotations[i].cast<double>().toRotationMatrix() *
                                  a.log_scales[i].cast<double>().array().exp().matrix().asDiagonal();

@@ -9,8 +9,8 @@
 namespace livegs {
 namespace {
 
-// Against looking at every pair.
-TEST(NodeNeighbours, AreTheNodesOneCellBelowOfALowerIndex) {
+// Compared with a search over all pairs.
+TEST(NodeNeighbours, AreTheLowerIndexedNodesOneCellBelow) {
   std::mt19937 random(4);
   for (int round = 0; round < 20; ++round) {
     std::vector<Eigen::Vector3i> places;
@@ -37,7 +37,7 @@ TEST(NodeNeighbours, AreTheNodesOneCellBelowOfALowerIndex) {
   }
 }
 
-TEST(NodeNeighbours, OfPlacesOutOfRangeThereAreNone) {
+TEST(NodeNeighbours, AreMissingForPlacesOutOfRange) {
   for (const int far : {kMaxNodeCoordinate + 1, -kMaxNodeCoordinate - 1, std::numeric_limits<int>::max(),
                         std::numeric_limits<int>::min()})
     EXPECT_FALSE(find_node_neighbours({{0, 0, 0}, {0, far, 0}})) << far;

@@ -13,7 +13,7 @@ std::string message_of(const RestBody& rest, const ObjectDrivers& drivers) {
   return checked ? "" : checked.error().message;
 }
 
-TEST(CheckDrivers, FittingDriversPass) {
+TEST(CheckDrivers, AcceptsFittingDrivers) {
   RestBody rest = lattice_body(2, 2, 2, 0.1);
   EXPECT_TRUE(check_drivers(rest, rest_drivers(rest)));
   rest.kind = DriverKind::Particles;
@@ -26,7 +26,7 @@ TEST(CheckDrivers, FittingDriversPass) {
   EXPECT_TRUE(check_drivers(rest, drivers));
 }
 
-TEST(CheckDrivers, EachMisfitIsNamed) {
+TEST(CheckDrivers, ReportsEachMismatch) {
   const RestBody rest = lattice_body(2, 2, 2, 0.1);
   ObjectDrivers drivers = rest_drivers(rest);
   drivers.object_id = 42;
@@ -34,7 +34,7 @@ TEST(CheckDrivers, EachMisfitIsNamed) {
   EXPECT_NE(message_of(rest, drivers).find("object 42 are rigid"), std::string::npos);
   drivers.kind = DriverKind::Lattice;
   drivers.positions_m.pop_back();
-  EXPECT_NE(message_of(rest, drivers).find("26 positions where its rest body has 27"), std::string::npos);
+  EXPECT_NE(message_of(rest, drivers).find("26 positions; its rest body has 27"), std::string::npos);
   drivers.positions_m.emplace_back(0.0f, NAN, 0.0f);
   EXPECT_NE(message_of(rest, drivers).find("position 26 is not finite"), std::string::npos);
   drivers.positions_m.back()[1] = 0.0f;

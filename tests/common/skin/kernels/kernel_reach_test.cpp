@@ -10,7 +10,7 @@ namespace {
 
 using namespace livegs::testing;
 
-// Whatever the drivers do, no kernel leaves the box, nor do three of its standard deviations.
+// For any drivers, all kernels and three of their standard deviations are inside the box.
 void expect_all_inside(const RestBody& rest, const ObjectDrivers& drivers, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<Eigen::Vector3d> points;
@@ -29,11 +29,11 @@ void expect_all_inside(const RestBody& rest, const ObjectDrivers& drivers, uint6
     middles.extend(x);
     ASSERT_TRUE(box.contains(Eigen::AlignedBox3f(x - wide, x + wide))) << k;
   }
-  // And it is of use: an order of magnitude about a body that is torn, less about others.
+  // The box is also tight: an order of magnitude around a torn body, less around others.
   EXPECT_LT(box.sizes().maxCoeff(), 12 * middles.sizes().maxCoeff());
 }
 
-TEST(KernelReach, HoldsEveryKernelOfALatticeHoweverItIsTorn) {
+TEST(KernelReach, ContainsEveryKernelOfATornLattice) {
   RestBody rest = ragged_body(5, 4, 3, 0.05, 1);
   place(rest, 2);
   std::mt19937_64 random(3);
@@ -45,7 +45,7 @@ TEST(KernelReach, HoldsEveryKernelOfALatticeHoweverItIsTorn) {
   }
 }
 
-TEST(KernelReach, HoldsEveryKernelOfBodiesAndOfParticles) {
+TEST(KernelReach, ContainsEveryKernelOfBodiesAndParticles) {
   std::mt19937_64 random(5);
   RestBody rigid, particles;
   for (int b = 0; b < 4; ++b) rigid.bodies.push_back({uniform3(random, -0.2, 0.2), random_rotation(random)});

@@ -17,7 +17,8 @@ struct LimitedDeformation {
   Eigen::Quaternionf rotation;
 };
 
-// One gradient, in the lane after its predecessor's, among others that need every path.
+// Limits one gradient, in the lane after that of the previous call, together with others that use every code
+// path.
 LimitedDeformation limit_deformation(const Eigen::Matrix3f& gradient) {
   static size_t lane = 0;
   lane = (lane + 1) % kDeformationLanes;
@@ -30,7 +31,7 @@ LimitedDeformation limit_deformation(const Eigen::Matrix3f& gradient) {
   return {all.gradients[lane], all.rotations[lane]};
 }
 
-TEST(LimitDeformation, WithinTheLimitsItIsThePolarDecomposition) {
+TEST(LimitDeformation, IsThePolarDecompositionWithinLimits) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Matrix3d u = random_rotation(random).toRotationMatrix(),
@@ -38,8 +39,8 @@ TEST(LimitDeformation, WithinTheLimitsItIsThePolarDecomposition) {
     const Eigen::Vector3d sigma = uniform3(random, 0.26, 3.9);
     const Eigen::Matrix3f f = (u * sigma.asDiagonal() * v.transpose()).cast<float>();
     const LimitedDeformation limited = limit_deformation(f);
-    // The rotation's error is float's times the condition, at most 15, and a little more from Newton's
-    // rounding.
+    // Rotation error: float precision times the condition number, at most 15, plus the rounding of Newton's
+    // iteration.
     EXPECT_NEAR(angle_between(limited.rotation.cast<double>(),
                               Eigen::Quaterniond(Eigen::Matrix3d(u * v.transpose()))),
                 0.0, 2e-5);
@@ -47,7 +48,7 @@ TEST(LimitDeformation, WithinTheLimitsItIsThePolarDecomposition) {
   }
 }
 
-TEST(LimitDeformation, SingularValuesAreClampedAndDirectionsKept) {
+TEST(LimitDeformation, ClampsSingularValuesAndKeepsDirections) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 500; ++i) {
     const Eigen::Matrix3d u = random_rotation(random).toRotationMatrix(),
@@ -57,14 +58,15 @@ TEST(LimitDeformation, SingularValuesAreClampedAndDirectionsKept) {
     const LimitedDeformation limited =
         limit_deformation((u * sigma.asDiagonal() * v.transpose()).cast<float>());
     const Eigen::Vector3d clamped(kMaxKernelStretch, sigma[1], kMinKernelStretch);
-    // The input is rounded to 6e-7 (float at 9); the third direction, of length 0.01 and up, follows to 6e-5.
+    // The input is rounded to 6e-7 (float at 9); the third direction, of length 0.01 or more, is accurate to
+    // 6e-5.
     EXPECT_NEAR((limited.gradient.cast<double>() - u * clamped.asDiagonal() * v.transpose()).norm(), 0.0,
                 5e-4);
   }
 }
 
-TEST(LimitDeformation, EvenStretchesAreClampedToo) {
-  // These pass one of the two cheap bounds and must not pass the other.
+TEST(LimitDeformation, ClampsUniformStretches) {
+  // These pass one of the two quick tests and must fail the other.
   for (const auto& [stretch, clamped] :
        {std::pair{6.0f, kMaxKernelStretch}, std::pair{0.1f, kMinKernelStretch}}) {
     const LimitedDeformation limited = limit_deformation(stretch * Eigen::Matrix3f::Identity());
@@ -73,7 +75,7 @@ TEST(LimitDeformation, EvenStretchesAreClampedToo) {
   }
 }
 
-TEST(LimitDeformation, AnInvertedGradientIsContinuousWithAFlatOne) {
+TEST(LimitDeformation, IsContinuousThroughInversion) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 200; ++i) {
     const Eigen::Matrix3d u = random_rotation(random).toRotationMatrix(),
@@ -89,7 +91,7 @@ TEST(LimitDeformation, AnInvertedGradientIsContinuousWithAFlatOne) {
   }
 }
 
-TEST(LimitDeformation, NothingBreaksIt) {
+TEST(LimitDeformation, AcceptsAnyInput) {
   const float huge = 1e30f, infinite = INFINITY;
   std::vector<Eigen::Matrix3f> gradients = {Eigen::Matrix3f::Zero(),
                                             Eigen::Matrix3f::Constant(1.0f),

@@ -40,7 +40,7 @@ std::vector<Eigen::Vector3f> random_points(size_t count, const Eigen::Vector3d& 
   return points;
 }
 
-TEST(NearestCubes, AgreeWithAllPairsForEveryShapeOfSet) {
+TEST(NearestCubes, MatchBruteForceForEveryKindOfSet) {
   const std::vector<Eigen::Vector3d> extents = {{1, 1, 1}, {1, 1, 0}, {1, 0, 0}, {0, 0, 0}, {1, 1e-3, 10}};
   for (const Eigen::Vector3d& extent : extents) {
     for (const size_t count : {1u, 3u, 700u}) {
@@ -54,7 +54,7 @@ TEST(NearestCubes, AgreeWithAllPairsForEveryShapeOfSet) {
   }
 }
 
-TEST(NearestCubes, OfEqualDistancesTheLowerIndexComesFirst) {
+TEST(NearestCubes, TiesAreInIndexOrder) {
   const std::vector<Eigen::Vector3f> centres = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
                                                 {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
   const NearestCubes cubes(centres, 0.0f);

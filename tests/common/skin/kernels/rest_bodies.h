@@ -10,11 +10,11 @@
 
 #include "skin/skin_kernels.h"
 
-// Bodies, kernels and motions that the tests and benchmarks of skinning share.
+// Bodies, kernels and motions shared by the tests and benchmarks of skinning.
 
 namespace livegs::testing {
 
-// Uniform over [low, high), the same everywhere: std:: distributions are the implementation's own.
+// Uniform over [low, high), identical on all platforms, unlike the std:: distributions.
 inline double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
 }
@@ -33,7 +33,8 @@ inline Eigen::Quaterniond random_rotation(std::mt19937_64& random) {
   return Eigen::Quaterniond(v[0], v[1], v[2], v[3]);
 }
 
-// nx x ny x nz places for cells of which `keep` says which exist, starting at lattice coordinates `first`.
+// A lattice of nx x ny x nz possible cells; `keep` selects the existing ones. `first` is the lowest lattice
+// coordinate.
 inline RestBody lattice_body(int nx, int ny, int nz, double cell_width_m,
                              const std::function<bool(int, int, int)>& keep = nullptr,
                              const Eigen::Vector3i& first = Eigen::Vector3i::Zero()) {
@@ -61,7 +62,7 @@ inline RestBody lattice_body(int nx, int ny, int nz, double cell_width_m,
   return rest;
 }
 
-// Half of the cells of a block, chosen by `seed`; never none.
+// Half of the cells of a block, selected by `seed`; at least one.
 inline RestBody ragged_body(int nx, int ny, int nz, double cell_width_m, uint64_t seed) {
   std::mt19937_64 random(seed);
   return lattice_body(nx, ny, nz, cell_width_m, [&random](int x, int y, int z) {
@@ -73,7 +74,7 @@ inline Eigen::Vector3d node_rest_m(const RestBody& rest, size_t node) {
   return rest.object_from_lattice * (rest.cell_width_m * rest.node_coordinates[node].cast<double>());
 }
 
-// Drivers of a lattice or of particles whose every point `motion` (object frame to world) moves.
+// Drivers of a lattice or of particles with every point moved by `motion` (object frame to world).
 inline ObjectDrivers moved_drivers(const RestBody& rest,
                                    const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& motion,
                                    const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity()) {
@@ -96,7 +97,7 @@ inline ObjectDrivers rest_drivers(const RestBody& rest) {
   return moved_drivers(rest, [](const Eigen::Vector3d& x) { return x; });
 }
 
-// Kernels at the given points of the object frame, of random shape: 1 to 20 mm along each axis.
+// Kernels at the given points of the object frame, with random shapes: 1 to 20 mm along each axis.
 inline GaussianAsset kernels_at(const RestBody& rest, const std::vector<Eigen::Vector3d>& points_m,
                                 uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -127,7 +128,7 @@ inline std::vector<Eigen::Vector3d> points_inside(const RestBody& rest, size_t c
   return points;
 }
 
-// A typical placement: 0.3 m to the asset's unit, lattice and asset turned and shifted against the object.
+// A typical placement: 0.3 m per asset unit, lattice and asset rotated and translated relative to the object.
 inline void place(RestBody& rest, uint64_t seed) {
   std::mt19937_64 random(seed);
   rest.object_from_asset.scale = 0.3;
@@ -143,7 +144,7 @@ inline Eigen::Matrix3d matrix_of(const Symmetric3f& s) {
   return m;
 }
 
-// The covariance of kernel k at rest in the object frame, worked out from the definition in double.
+// The rest covariance of kernel k in the object frame, computed from the definition in doubles.
 inline Eigen::Matrix3d rest_covariance_m2(const GaussianAsset& asset, const RestBody& rest, size_t k) {
   const Eigen::Matrix3d axes =
       (rest.object_from_asset.rotation * asset.rotations[k].cast<double>()).toRotationMatrix();

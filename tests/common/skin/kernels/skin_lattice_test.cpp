@@ -24,8 +24,8 @@ Skinned skin(const GaussianAsset& asset, const RestBody& rest, const ObjectDrive
   return skinned;
 }
 
-// Inputs are float: positions near 1 m carry 6e-8 m each, an edge between two of them of width a thus 1.2e-7
-// / a of relative error, 2e-6 for 50 mm. Five such edges leave room for 1e-5.
+// Inputs are floats: positions near 1 m have an error of 6e-8 m, so an edge of width a has a relative error
+// of 1.2e-7 / a, or 2e-6 for 50 mm. A tolerance of 1e-5 allows for five such edges.
 constexpr double kCellWidth_m = 0.05;
 constexpr double kGradientTolerance = 1e-5;
 constexpr double kPositionTolerance_m = 1e-6;
@@ -44,7 +44,7 @@ std::vector<Eigen::Vector3d> points_inside_and_around(const RestBody& rest) {
   return points;
 }
 
-TEST(SkinLattice, DriversAtRestGiveTheAssetItself) {
+TEST(SkinLattice, DriversAtRestGiveTheRestAsset) {
   for (const RestBody& rest : full_and_ragged()) {
     const GaussianAsset asset = kernels_at(rest, points_inside_and_around(rest), 3);
     const Skinned skinned = skin(asset, rest, rest_drivers(rest));
@@ -61,7 +61,7 @@ TEST(SkinLattice, DriversAtRestGiveTheAssetItself) {
   }
 }
 
-TEST(SkinLattice, AffineMotionIsExactForFullAndRaggedBodiesInsideAndOut) {
+TEST(SkinLattice, AffineMotionIsExact) {
   Eigen::Matrix3d a;
   a << 1.2, 0.3, -0.1, 0.05, 0.8, 0.2, -0.15, 0.1, 1.1;
   const Eigen::Vector3d shift(0.1, -0.3, 0.2);
@@ -74,7 +74,7 @@ TEST(SkinLattice, AffineMotionIsExactForFullAndRaggedBodiesInsideAndOut) {
     for (size_t k = 0; k < asset.size(); ++k) {
       const Eigen::Matrix3d covariance = a * rest_covariance_m2(asset, rest, k) * a.transpose();
       const Eigen::Vector3d where = motion(rest_position_m(asset, rest, k));
-      // A kernel outside rides on F over its offset, at most 0.9 m here.
+      // A kernel outside moves with F over its offset, at most 0.9 m here.
       EXPECT_NEAR((skinned.kernels.positions_m[k].cast<double>() - where).norm(), 0.0,
                   kPositionTolerance_m + 0.9 * kGradientTolerance);
       EXPECT_NEAR((skinned.gradients[k].cast<double>() - a).cwiseAbs().maxCoeff(), 0.0, kGradientTolerance);
@@ -87,7 +87,7 @@ TEST(SkinLattice, AffineMotionIsExactForFullAndRaggedBodiesInsideAndOut) {
   }
 }
 
-TEST(SkinLattice, RigidMotionKeepsTheSizesOfKernels) {
+TEST(SkinLattice, RigidMotionKeepsKernelSizes) {
   std::mt19937_64 random(5);
   for (const RestBody& rest : full_and_ragged()) {
     const GaussianAsset asset = kernels_at(rest, points_inside_and_around(rest), 6);
@@ -105,7 +105,7 @@ TEST(SkinLattice, RigidMotionKeepsTheSizesOfKernels) {
   }
 }
 
-// Sines of a wavelength of four cells: smooth, and far from affine within a cell.
+// Sines with a wavelength of four cells: smooth, and far from affine within a cell.
 Eigen::Vector3d wobble(const Eigen::Vector3d& x, const Eigen::Matrix3d& waves, double amplitude_m) {
   return x + amplitude_m * (waves * x).array().sin().matrix();
 }
@@ -116,10 +116,10 @@ Eigen::Matrix3d random_waves(std::mt19937_64& random) {
   return waves * (2.0 * M_PI / (4.0 * kCellWidth_m));
 }
 
-TEST(SkinLattice, NothingJumpsAtTheFaceBetweenTwoCells) {
+TEST(SkinLattice, IsContinuousAcrossCellFaces) {
   std::mt19937_64 random(8);
   RestBody rest = lattice_body(4, 4, 4, kCellWidth_m);
-  // Pairs of equal kernels 2e-6 cells to either side of a face across x.
+  // Pairs of equal kernels at 2e-6 cells on both sides of a face across x.
   const double gap = 2e-6 * kCellWidth_m;
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 200; ++i) {
@@ -141,7 +141,7 @@ TEST(SkinLattice, NothingJumpsAtTheFaceBetweenTwoCells) {
   double largest_change = 0.0;
   for (size_t k = 0; k < asset.size(); k += 2) {
     EXPECT_NE(bindings->kernels[k].drivers[0], bindings->kernels[k + 1].drivers[0]);
-    // F changes by less than 2 from node to node here, so by less than 8e-6 over the gap, plus float.
+    // F changes by less than 2 between nodes here, so by less than 8e-6 over the gap, plus float rounding.
     EXPECT_NEAR((skinned.gradients[k] - skinned.gradients[k + 1]).norm(), 0.0f, 8e-6 + kGradientTolerance);
     const Eigen::Matrix3d left = matrix_of(skinned.kernels.covariances_m2[k]);
     const Eigen::Matrix3d right = matrix_of(skinned.kernels.covariances_m2[k + 1]);
@@ -149,12 +149,12 @@ TEST(SkinLattice, NothingJumpsAtTheFaceBetweenTwoCells) {
     largest_change =
         std::max(largest_change, (skinned.gradients[k] - Eigen::Matrix3f::Identity()).norm() * 1.0);
   }
-  EXPECT_GT(largest_change, 0.2);  // the motion did deform the body
+  EXPECT_GT(largest_change, 0.2);  // the motion deforms the body
 }
 
-TEST(SkinLattice, NeighboursNeverPart) {
-  // Between nodes moved by u, the trilinear map moves two points r apart by at most (1 + L) r, where L bounds
-  // the difference quotient of u along an edge, summed over the three axes.
+TEST(SkinLattice, NeighboursStayTogether) {
+  // Between nodes displaced by u, the trilinear map moves two points at distance r apart by at most (1 + L)
+  // r. L bounds the difference quotient of u along an edge, summed over the three axes.
   std::mt19937_64 random(10);
   for (int trial = 0; trial < 5; ++trial) {
     RestBody rest = lattice_body(4, 3, 3, kCellWidth_m);
@@ -186,7 +186,8 @@ TEST(SkinLattice, NeighboursNeverPart) {
 }
 
 TEST(SkinLattice, GradientFollowsTheMotionToSecondOrder) {
-  // Central differences inside: halving the cell width quarters the error of F at the body's middle.
+  // Central differences inside: half the cell width gives a quarter of the error of F at the centre of the
+  // body.
   const Eigen::Matrix3d waves = 8.0 * Eigen::Matrix3d::Identity();
   const auto error_for = [&](int cells) {
     const double width = 0.2 / cells;
@@ -210,9 +211,9 @@ TEST(SkinLattice, GradientFollowsTheMotionToSecondOrder) {
   EXPECT_GT(coarse / fine, 3.0);  // 4 in the limit
 }
 
-TEST(SkinLattice, BendingOfABodyOneCellThickStretchesOneSideAndShrinksTheOther) {
-  // The exact gradient of the trilinear map: x-edges at the top are longer by 20 %, at the bottom shorter by
-  // 20 %.
+TEST(SkinLattice, BendingAThinBodyStretchesOnlyOneSide) {
+  // The exact gradient of the trilinear map: x-edges are 20 % longer at the top and 20 % shorter at the
+  // bottom.
   RestBody rest = lattice_body(1, 1, 1, kCellWidth_m);
   const auto bend = [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
     return {x[0] * (1.0 + 0.4 * (x[1] / kCellWidth_m - 0.5)), x[1], x[2]};
@@ -226,9 +227,8 @@ TEST(SkinLattice, BendingOfABodyOneCellThickStretchesOneSideAndShrinksTheOther) 
   EXPECT_NEAR(skinned.gradients[2](0, 0), 1.2, kGradientTolerance);
 }
 
-TEST(SkinLattice, ColourSeenFromACameraThatTurnsWithTheBodyStays) {
-  // Drawing evaluates SH along world_from_asset⁻¹ * view direction: it must be the direction of the rest
-  // state.
+TEST(SkinLattice, ColourIsInvariantUnderCommonRotation) {
+  // SH are evaluated along world_from_asset⁻¹ * view direction, which must equal the direction at rest.
   std::mt19937_64 random(15);
   RestBody rest = lattice_body(3, 3, 3, kCellWidth_m);
   place(rest, 16);
@@ -251,7 +251,7 @@ TEST(SkinLattice, ColourSeenFromACameraThatTurnsWithTheBodyStays) {
   }
 }
 
-TEST(SkinLattice, CrushedAndInvertedCellsGiveFiniteKernelsOfBoundedSize) {
+TEST(SkinLattice, CrushedCellsGiveBoundedKernels) {
   RestBody rest = lattice_body(3, 3, 3, kCellWidth_m);
   const GaussianAsset asset = kernels_at(rest, points_inside_and_around(rest), 19);
   const std::vector<Eigen::Vector3d> stretches = {{1, 0, 1},    {0, 0, 1},   {0, 0, 0},      {1, -1, 1},
@@ -274,9 +274,9 @@ TEST(SkinLattice, CrushedAndInvertedCellsGiveFiniteKernelsOfBoundedSize) {
   }
 }
 
-TEST(SkinLattice, HazeMovesWithTheBodyAndIsNotFlungByAnEdge) {
-  // The last layer of cells of a long bar turns by 90 degrees; haze half a metre beyond it moves as the bar's
-  // mean.
+TEST(SkinLattice, HazeMovesWithTheBody) {
+  // The last layer of cells of a long bar rotates by 90 degrees. Haze half a metre beyond it moves with the
+  // mean of the bar.
   RestBody rest = lattice_body(20, 1, 1, kCellWidth_m);
   const double end_m = 20 * kCellWidth_m;
   const GaussianAsset asset = kernels_at(rest, {{end_m + 0.5, 0.025, 0.025}}, 20);
@@ -287,13 +287,14 @@ TEST(SkinLattice, HazeMovesWithTheBodyAndIsNotFlungByAnEdge) {
   const Skinned skinned = skin(asset, rest, drivers);
   const double moved_m =
       (skinned.kernels.positions_m[0].cast<double>() - rest_position_m(asset, rest, 0)).norm();
-  // The face moved by 71 mm; turning the whole offset with the face would add 700 mm. One cell width of it
-  // adds up to 71 mm, and the bar's mean gradient, 1/20 of whose cells turned, 0.45 m * 1.41 / 20 = 32 mm.
+  // The face moved by 71 mm. Rotating the whole offset with the face would add 700 mm. One cell width of it
+  // adds up to 71 mm; the mean gradient of the bar, with 1/20 of its cells rotated, adds 0.45 m * 1.41 / 20 =
+  // 32 mm.
   EXPECT_LE(moved_m, 0.071 + 0.071 + 0.033);
 }
 
-TEST(BindLattice, OfTwoCellsAtOnePlaceAKernelRidesInTheOneWithTheNearestMaterial) {
-  // The left and the right third of one cell, each with nodes of its own.
+TEST(BindLattice, NearestMaterialSelectsAmongCoincidentCells) {
+  // The left and the right third of one cell, each with its own nodes.
   RestBody rest = lattice_body(1, 1, 1, kCellWidth_m);
   std::array<uint32_t, 8> second;
   for (uint32_t c = 0; c < 8; ++c) {
@@ -311,7 +312,7 @@ TEST(BindLattice, OfTwoCellsAtOnePlaceAKernelRidesInTheOneWithTheNearestMaterial
   for (size_t k = 0; k < points.size(); ++k) EXPECT_EQ(bindings->kernels[k].drivers[0], k < 4 ? 0u : 1u) << k;
 }
 
-TEST(BindLattice, AKernelRidesInTheCellThatHoldsItOrTheNearest) {
+TEST(BindLattice, KernelsBindToTheContainingOrNearestCell) {
   RestBody rest = ragged_body(6, 5, 4, kCellWidth_m, 21);
   std::mt19937_64 random(22);
   std::vector<Eigen::Vector3d> points;
@@ -332,7 +333,7 @@ TEST(BindLattice, AKernelRidesInTheCellThatHoldsItOrTheNearest) {
   }
 }
 
-TEST(BindLattice, ALyingRestBodyIsAnErrorThatNamesTheField) {
+TEST(BindLattice, InvalidRestBodiesNameTheField) {
   const RestBody good = lattice_body(2, 1, 1, kCellWidth_m);
   const GaussianAsset asset = kernels_at(good, {{0.02, 0.02, 0.02}}, 24);
   const auto message = [&](const std::function<void(RestBody&)>& spoil) {
@@ -342,7 +343,8 @@ TEST(BindLattice, ALyingRestBodyIsAnErrorThatNamesTheField) {
     return bindings ? std::string() : bindings.error().message;
   };
   EXPECT_NE(message([](RestBody& r) { r.cells.clear(); }).find("cell"), std::string::npos);
-  EXPECT_NE(message([](RestBody& r) { r.cells[1][3] = 12; }).find("names node 12 of 12"), std::string::npos);
+  EXPECT_NE(message([](RestBody& r) { r.cells[1][3] = 12; }).find("refers to node 12 of 12"),
+            std::string::npos);
   EXPECT_NE(message([](RestBody& r) { std::swap(r.cells[0][1], r.cells[0][2]); }).find("corner 1"),
             std::string::npos);
   EXPECT_NE(message([](RestBody& r) { r.cell_fills.resize(3); }).find("3 fills of 2 cells"),

@@ -26,14 +26,14 @@ GaussianAsset kernels_around(const RestBody& rest, size_t count, uint64_t seed) 
   return kernels_at(rest, points, seed + 1);
 }
 
-TEST(SkinParticles, WeightsSumToOneAndFavourTheNearest) {
+TEST(SkinParticles, WeightsAreInverseDistanceAndSumToOne) {
   const RestBody rest = particle_body(500, 1);
   const GaussianAsset asset = kernels_around(rest, 1000, 2);
   const Result<KernelBindings> bindings = bind_kernels(asset, rest);
   ASSERT_TRUE(bindings);
   for (size_t k = 0; k < asset.size(); ++k) {
     const KernelBinding& binding = bindings->kernels[k];
-    // Four float divisions by one sum: each within 6e-8.
+    // Four float divisions by the same sum, each within 6e-8.
     EXPECT_NEAR(binding.weights[0] + binding.weights[1] + binding.weights[2] + binding.weights[3], 1.0f,
                 3e-7f);
     const Eigen::Vector3f x = rest_position_m(asset, rest, k).cast<float>();
@@ -60,7 +60,7 @@ TEST(SkinParticles, RigidMotionIsExact) {
     ObjectDrivers drivers = moved_drivers(
         rest, [&](const Eigen::Vector3d& x) { return pose * x; }, pose.orientation);
     for (size_t p = 0; p < drivers.rotations.size(); p += 2)
-      drivers.rotations[p].coeffs() *= -1.0f;  // the same turn
+      drivers.rotations[p].coeffs() *= -1.0f;  // the same rotation
     PosedKernels kernels;
     std::vector<Eigen::Matrix3f> gradients;
     skin_kernels(asset, rest, *bindings, drivers, kernels, &gradients);
@@ -97,8 +97,8 @@ TEST(SkinParticles, ABodyOfOneParticleIsRigid) {
   }
 }
 
-TEST(SkinParticles, FollowsThePapersFormulaWithRecursiveSlerp) {
-  // Equations 3 to 6 as printed, in double, with Eigen's slerp; turns from a few degrees to half a circle.
+TEST(SkinParticles, MatchesThePaperWithRecursiveSlerp) {
+  // Equations 3 to 6 as printed, in doubles, with Eigen's slerp; rotations from a few degrees to half a turn.
   std::mt19937_64 random(9);
   const RestBody rest = particle_body(50, 10);
   const GaussianAsset asset = kernels_around(rest, 200, 11);
@@ -132,7 +132,7 @@ TEST(SkinParticles, FollowsThePapersFormulaWithRecursiveSlerp) {
         }
       }
       EXPECT_NEAR((kernels.positions_m[k].cast<double>() - x).norm(), 0.0, 1e-6);
-      // Three slerps in float, each good to a few 1e-7.
+      // Three float slerps, each accurate to a few 1e-7.
       EXPECT_NEAR(
           angle_between(kernels.world_from_asset[k].cast<double>(), r * rest.object_from_asset.rotation), 0.0,
           5e-6);
@@ -140,7 +140,7 @@ TEST(SkinParticles, FollowsThePapersFormulaWithRecursiveSlerp) {
   }
 }
 
-TEST(SkinParticles, AKernelOnItsParticleFollowsItAlone) {
+TEST(SkinParticles, ACoincidentKernelFollowsOneParticle) {
   RestBody rest = particle_body(20, 12);
   rest.object_from_asset = Similarity{};
   const GaussianAsset asset = kernels_at(rest, {rest.particles_m[7].cast<double>()}, 13);

@@ -16,7 +16,7 @@ RestBody rigid_body(const std::vector<Pose>& bodies) {
   return rest;
 }
 
-TEST(SkinRigid, ATurnedBodyCarriesItsKernels) {
+TEST(SkinRigid, KernelsFollowARotatedBody) {
   std::mt19937_64 random(2);
   const RestBody rest = rigid_body({Pose{uniform3(random, -0.2, 0.2), random_rotation(random)}});
   std::vector<Eigen::Vector3d> points;
@@ -45,7 +45,7 @@ TEST(SkinRigid, ATurnedBodyCarriesItsKernels) {
   }
 }
 
-TEST(SkinRigid, AKernelOfABrokenObjectRidesInTheNearestFragment) {
+TEST(SkinRigid, KernelsBindToTheNearestFragment) {
   const RestBody rest = rigid_body({Pose{{-0.1, 0, 0}, Eigen::Quaterniond::Identity()},
                                     Pose{{0.1, 0, 0}, Eigen::Quaterniond::Identity()}});
   const GaussianAsset asset = kernels_at(rest, {{-0.02, 0, 0}, {0.03, 0.1, 0}}, 4);
@@ -65,17 +65,17 @@ TEST(SkinRigid, AnObjectWithoutABodyIsAnError) {
   EXPECT_FALSE(bind_kernels(kernels_at(rest, {{0, 0, 0}}, 5), rest));
 }
 
-TEST(SkinRigid, KernelRunsSayWhichBodyWhereverItIs) {
+TEST(SkinRigid, KernelRunsOverrideTheNearestBody) {
   RestBody rest = rigid_body({Pose{}, Pose{{1, 0, 0}, Eigen::Quaterniond::Identity()}});
   const GaussianAsset asset = kernels_at(rest, {{0.9, 0, 0}, {0.1, 0, 0}, {0.2, 0, 0}}, 5);
   rest.kernel_runs = {{0, 1}, {1, 2}};
   const Result<KernelBindings> bindings = bind_kernels(asset, rest);
   ASSERT_TRUE(bindings);
-  EXPECT_EQ(bindings->kernels[0].drivers[0], 0u);  // against its nearest body
+  EXPECT_EQ(bindings->kernels[0].drivers[0], 0u);  // not its nearest body
   EXPECT_EQ(bindings->kernels[1].drivers[0], 1u);
   EXPECT_EQ(bindings->kernels[2].drivers[0], 1u);
   for (const auto& [runs, what] : std::vector<std::pair<std::vector<RestBody::KernelRun>, const char*>>{
-           {{{0, 1}}, "1 of the asset's 3"},
+           {{{0, 1}}, "1 of the 3"},
            {{{0, 4}}, "more than"},
            {{{2, 3}}, "body 2 of 2"},
            {{{0, ~0u}, {1, ~0u}}, "more than"}}) {
@@ -86,7 +86,7 @@ TEST(SkinRigid, KernelRunsSayWhichBodyWhereverItIs) {
   }
 }
 
-TEST(SkinRigid, AnAssetWithoutKernelsIsFine) {
+TEST(SkinRigid, AcceptsAnAssetWithoutKernels) {
   const RestBody rest = rigid_body({Pose{}});
   const GaussianAsset asset;
   const Result<KernelBindings> bindings = bind_kernels(asset, rest);
@@ -98,7 +98,7 @@ TEST(SkinRigid, AnAssetWithoutKernelsIsFine) {
   EXPECT_TRUE(kernels.positions_m.empty());
 }
 
-TEST(SkinRigid, AKernelOfEndlessSizeStaysFinite) {
+TEST(SkinRigid, AnInfiniteKernelStaysFinite) {
   const RestBody rest = rigid_body({Pose{}});
   GaussianAsset asset = kernels_at(rest, {{0, 0, 0}}, 6);
   asset.log_scales[0] = Eigen::Vector3f(500.0f, -500.0f, 0.0f);

@@ -11,7 +11,7 @@ namespace {
 
 using namespace livegs::testing;
 
-// FNV-1a over the bits of what drawing reads.
+// FNV-1a over the bits that drawing reads.
 uint64_t hash_of(const PosedKernels& kernels, const std::vector<Eigen::Matrix3f>& gradients) {
   uint64_t hash = 0xcbf29ce484222325u;
   const auto add = [&hash](float value) {
@@ -28,7 +28,7 @@ uint64_t hash_of(const PosedKernels& kernels, const std::vector<Eigen::Matrix3f>
   return hash;
 }
 
-TEST(SkinKernels, TheSameBitsForAnyNumberOfThreads) {
+TEST(SkinKernels, AreIndependentOfThreadCount) {
   std::mt19937_64 random(1);
   RestBody lattice = ragged_body(12, 11, 10, 0.02, 2);
   RestBody particles = lattice;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The passes that skin kernels, beside skin_kernels.
+// Compares the skinning passes with skin_kernels.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,7 +33,7 @@ class SkinPass : public OnEveryBackend {
     return bound;
   }
 
-  // The kernels in pieces of `at_once`, as a frame has them posed.
+  // Poses the kernels in ranges of `at_once`, as for a frame.
   std::vector<PosedKernelRow> rows_of(const Bound& bound, const ObjectDrivers& drivers, uint32_t at_once,
                                       const std::vector<uint32_t>& kept = {}) {
     auto skin = DeviceSkin::create(*backend_, bound.rest, bound.bindings, kept);
@@ -54,8 +54,8 @@ class SkinPass : public OnEveryBackend {
     return rows;
   }
 
-  // 1e-5 of what a value is made from: positions of a metre and what haze adds, the kernel's own size, a unit
-  // quaternion.
+  // Tolerance 1e-5 relative to the operands: positions of a metre plus the offset of haze, the size of the
+  // kernel, a unit quaternion.
   void expect_the_twin(const Bound& bound, const ObjectDrivers& drivers) {
     const auto rows = rows_of(bound, drivers, static_cast<uint32_t>(bound.asset.size()));
     PosedKernels kernels;
@@ -91,7 +91,7 @@ RestBody ragged_placed(uint64_t seed) {
   return rest;
 }
 
-TEST_P(SkinPass, LatticesMoveAsTheirTwinDoes) {
+TEST_P(SkinPass, LatticesMatchTheTwin) {
   const RestBody rest = ragged_placed(7);
   const Bound bound = bind(rest, inside_and_around(rest, 5000, 8), 9);
   std::mt19937_64 random(10);
@@ -113,8 +113,8 @@ TEST_P(SkinPass, LatticesMoveAsTheirTwinDoes) {
   }
 }
 
-// Nodes thrown about by up to a cell's width: cells bent, thin and inverted.
-TEST_P(SkinPass, TornCellsMoveAsTheirTwinDoes) {
+// Nodes displaced by up to a cell width: bent, thin and inverted cells.
+TEST_P(SkinPass, TornCellsMatchTheTwin) {
   for (const double amplitude : {0.1, 0.4, 1.0}) {
     SCOPED_TRACE(amplitude);
     const RestBody rest = ragged_placed(11);
@@ -127,7 +127,7 @@ TEST_P(SkinPass, TornCellsMoveAsTheirTwinDoes) {
   }
 }
 
-TEST_P(SkinPass, CrushedAndInvertedCellsMoveAsTheirTwinDoes) {
+TEST_P(SkinPass, CrushedCellsMatchTheTwin) {
   RestBody rest = lattice_body(3, 3, 3, kCellWidth_m);
   const Bound bound = bind(rest, inside_and_around(rest, 2000, 15), 16);
   std::mt19937_64 random(17);
@@ -170,7 +170,7 @@ std::vector<Eigen::Vector3d> cloud(size_t count, uint64_t seed) {
   return points;
 }
 
-TEST_P(SkinPass, RigidBodiesMoveAsTheirTwinDoes) {
+TEST_P(SkinPass, RigidBodiesMatchTheTwin) {
   const RestBody rest = three_bodies(18);
   for (const size_t count : {1u, 63u, 64u, 65u, 5000u}) {
     const Bound bound = bind(rest, cloud(count, count), 19);
@@ -179,7 +179,7 @@ TEST_P(SkinPass, RigidBodiesMoveAsTheirTwinDoes) {
   }
 }
 
-TEST_P(SkinPass, APieceOfTheKernelsIsTheSameAsAllOfThem) {
+TEST_P(SkinPass, RangesMatchTheWhole) {
   const RestBody lattice = ragged_placed(22), rigid = three_bodies(23);
   ObjectDrivers bent = rest_drivers(lattice);
   for (Eigen::Vector3f& position : bent.positions_m) position[0] += 2 * position[1] * position[1];
@@ -198,7 +198,7 @@ TEST_P(SkinPass, APieceOfTheKernelsIsTheSameAsAllOfThem) {
   }
 }
 
-TEST_P(SkinPass, KernelsOfASecondPartHavePlacesOfTheirOwn) {
+TEST_P(SkinPass, SecondPartHasItsOwnKernels) {
   const RestBody rest = three_bodies(27);
   const Bound bound = bind(rest, cloud(DeviceSkin::kMaxPartKernels + 1000, 28), 29);
   const ObjectDrivers drivers = thrown(rest, 30);
@@ -210,7 +210,7 @@ TEST_P(SkinPass, KernelsOfASecondPartHavePlacesOfTheirOwn) {
     ASSERT_NO_FATAL_FAILURE(expect_row(rows[k], kernels, k));
 }
 
-TEST_P(SkinPass, BodiesPastTheEndMoveWithTheLast) {
+TEST_P(SkinPass, BodiesPastTheEndUseTheLast) {
   const std::vector<RestKernelRow> rest = {{1, 0.1f, 0.2f, 0.3f, 1, 0, 0, 1, 0, 1},
                                            {UINT32_MAX, 0.1f, 0.2f, 0.3f, 1, 0, 0, 1, 0, 1}};
   const std::vector<RigidPoseRow> poses = {{1, 0, 0, 9, 0, 1, 0, 9, 0, 0, 1, 9, 0, 0, 0, 1},

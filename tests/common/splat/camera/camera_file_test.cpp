@@ -7,7 +7,7 @@
 namespace livegs {
 namespace {
 
-TEST(CameraFile, WhatIsWrittenIsReadBack) {
+TEST(CameraFile, RoundTrips) {
   const ScratchFolder folder;
   const Camera camera = look_at({1, 2, 3}, {0, 0.5, -1}, {0, 1, 0}, 0.6, 320, 200);
   ASSERT_TRUE(write_camera_file(folder / "camera.json", camera));
@@ -20,7 +20,7 @@ TEST(CameraFile, WhatIsWrittenIsReadBack) {
   EXPECT_LT(read->world_from_camera.orientation.angularDistance(camera.world_from_camera.orientation), 1e-7);
 }
 
-TEST(CameraFile, AGivenSizeComesFirst) {
+TEST(CameraFile, AGivenSizeOverridesTheFile) {
   const ScratchFolder folder;
   const auto path =
       folder.write("camera.json", R"({ "position_m": [0,0,2], "look_at_m": [0,0,0], "width": 99 })");
@@ -28,7 +28,7 @@ TEST(CameraFile, AGivenSizeComesFirst) {
   EXPECT_EQ(read_camera_file(path, PictureSize{64, 48})->width, 64);
 }
 
-TEST(CameraFile, ErrorsNameTheField) {
+TEST(CameraFile, ErrorsContainTheField) {
   const ScratchFolder folder;
   const struct {
     const char* text;

@@ -13,38 +13,38 @@ namespace {
 
 constexpr double kRounding = 1e-9;  // doubles of about a thousand pixels
 
-// Where a camera sees a point, by its stated conventions.
+// Projection of a point by the documented conventions of Camera.
 Eigen::Vector2d pixel_of(const Camera& camera, const Eigen::Vector3d& point_m) {
   const Eigen::Vector3d p = camera.world_from_camera.inverse() * point_m;
   return {camera.centre_x_px + camera.focal_x_px * p.x() / -p.z(),
           camera.centre_y_px - camera.focal_y_px * p.y() / -p.z()};
 }
 
-TEST(Camera, LookAtPutsTheTargetInTheMiddle) {
+TEST(Camera, LookAtCentresTheTarget) {
   const Camera camera = look_at({1, 2, 3}, {-1, 0, 0.5}, Eigen::Vector3d::UnitY(), 0.9, 640, 480);
   EXPECT_LT((pixel_of(camera, {-1, 0, 0.5}) - Eigen::Vector2d(320, 240)).norm(), kRounding);
 }
 
-TEST(Camera, UpIsUpAndRightIsRight) {
+TEST(Camera, UpAndRightHaveTheRightSigns) {
   const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.9, 640, 480);
   EXPECT_LT(pixel_of(camera, {0, 0.1, 0}).y(), 240);
   EXPECT_GT(pixel_of(camera, {0.1, 0, 0}).x(), 320);
 }
 
-TEST(Camera, TheFieldOfViewReachesFromEdgeToEdge) {
+TEST(Camera, FieldOfViewSpansTheImage) {
   const double fov = 0.9;
   const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, Eigen::Vector3d::UnitY(), fov, 640, 480);
   EXPECT_NEAR(pixel_of(camera, {0, 2 * std::tan(0.5 * fov), 0}).y(), 0.0, kRounding);
   EXPECT_NEAR(pixel_of(camera, {0, -2 * std::tan(0.5 * fov), 0}).y(), 480.0, kRounding);
 }
 
-TEST(Camera, LookingStraightDownIsStillAView) {
+TEST(Camera, LookingStraightDownIsValid) {
   const Camera camera = look_at({0, 2, 0}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.9, 640, 480);
   EXPECT_NEAR(camera.world_from_camera.orientation.norm(), 1.0, kRounding);
   EXPECT_LT((pixel_of(camera, {0, 0, 0}) - Eigen::Vector2d(320, 240)).norm(), kRounding);
 }
 
-TEST(Camera, ASymmetricFovIsALookAt) {
+TEST(Camera, ASymmetricFovEqualsLookAt) {
   const double vertical = 0.9;
   const double half = 0.5 * vertical, across = std::atan(std::tan(half) * 640.0 / 480.0);
   const Camera expected = look_at({1, 2, 3}, {0, 0, 0}, Eigen::Vector3d::UnitY(), vertical, 640, 480);
@@ -55,7 +55,7 @@ TEST(Camera, ASymmetricFovIsALookAt) {
   EXPECT_NEAR(camera.centre_y_px, 240, kRounding);
 }
 
-TEST(Camera, AnAsymmetricFovMeetsItsFourEdges) {
+TEST(Camera, AnAsymmetricFovHasTheRightEdges) {
   const Camera camera = camera_from_fov({}, -0.9, 0.6, 0.5, -0.8, 640, 480);
   EXPECT_NEAR(pixel_of(camera, {std::tan(-0.9), 0, -1}).x(), 0, kRounding);
   EXPECT_NEAR(pixel_of(camera, {std::tan(0.6), 0, -1}).x(), 640, kRounding);
@@ -63,9 +63,9 @@ TEST(Camera, AnAsymmetricFovMeetsItsFourEdges) {
   EXPECT_NEAR(pixel_of(camera, {0, std::tan(-0.8), -1}).y(), 480, kRounding);
 }
 
-TEST(Camera, JacobianLimitsFollowTheFrustumsOwnEdges) {
+TEST(Camera, JacobianLimitsFollowTheFrustum) {
   const Projection projection(camera_from_fov({}, -0.9, 0.6, 0.5, -0.8, 640, 480));
-  // 15 % of the image beyond each edge, in slopes.
+  // 15 % of the image beyond each edge, as slopes.
   const double beyond_x = 0.15 * (std::tan(0.6) - std::tan(-0.9));
   const double beyond_y = 0.15 * (std::tan(0.5) - std::tan(-0.8));
   EXPECT_NEAR(projection.min_slope_x, std::tan(-0.9) - beyond_x, kRounding);

@@ -9,8 +9,8 @@
 namespace livegs {
 namespace {
 
-// Every half is a float, and comes back from it.
-TEST(HalfFloat, EveryHalfComesBack) {
+// Each half converts to a float and back.
+TEST(HalfFloat, EveryHalfRoundTrips) {
   for (uint32_t bits = 0; bits < 0x10000u; ++bits) {
     const auto half = static_cast<uint16_t>(bits);
     const float value = float_of_half(half);
@@ -27,12 +27,12 @@ TEST(HalfFloat, EveryHalfComesBack) {
   EXPECT_EQ(float_of_half(0x0001), 0x1p-24f);
 }
 
-// Between two neighbours the nearer one is taken, and in the very middle the even one.
+// Rounds to the nearer neighbour; at the midpoint, to the even one.
 TEST(HalfFloat, RoundsToTheNearest) {
   for (uint32_t bits = 0; bits < 0x7bffu; ++bits) {
     const float low = float_of_half(static_cast<uint16_t>(bits));
     const float high = float_of_half(static_cast<uint16_t>(bits + 1));
-    const float middle = 0.5f * (low + high);  // exact: a float has 13 bits more
+    const float middle = 0.5f * (low + high);  // exact: a float has 13 more bits
     ASSERT_EQ(half_of_float(std::nextafter(middle, 0.0f)), bits);
     ASSERT_EQ(half_of_float(std::nextafter(middle, high)), bits + 1);
     ASSERT_EQ(half_of_float(middle), bits % 2 == 0 ? bits : bits + 1);

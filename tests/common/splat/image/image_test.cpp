@@ -13,17 +13,17 @@ Image plain(int width, int height, float value) {
   return {width, height, std::vector<float>(4 * static_cast<size_t>(width) * height, value)};
 }
 
-TEST(Psnr, OfEqualImagesIsInfinite) {
+TEST(Psnr, IsInfiniteForEqualImages) {
   EXPECT_EQ(psnr_db(plain(3, 2, 0.3f), plain(3, 2, 0.3f)), std::numeric_limits<double>::infinity());
 }
 
-TEST(Psnr, OfAConstantErrorIsItsLogarithm) {
-  EXPECT_NEAR(psnr_db(plain(3, 2, 0.5f), plain(3, 2, 0.6f)), 20.0, 1e-5);  // floats of 0.1
+TEST(Psnr, IsTheLogarithmOfAConstantError) {
+  EXPECT_NEAR(psnr_db(plain(3, 2, 0.5f), plain(3, 2, 0.6f)), 20.0, 1e-5);  // float rounding of 0.1
 }
 
-TEST(Psnr, OfDifferentSizesIsZero) { EXPECT_EQ(psnr_db(plain(3, 2, 0.5f), plain(2, 3, 0.5f)), 0.0); }
+TEST(Psnr, IsZeroForDifferentSizes) { EXPECT_EQ(psnr_db(plain(3, 2, 0.5f), plain(2, 3, 0.5f)), 0.0); }
 
-TEST(Psnr, LooksAtColourOnly) {
+TEST(Psnr, IgnoresAlpha) {
   Image other = plain(3, 2, 0.5f);
   other.pixels[3] = 1.0f;
   EXPECT_EQ(psnr_db(plain(3, 2, 0.5f), other), std::numeric_limits<double>::infinity());

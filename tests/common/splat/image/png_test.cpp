@@ -24,7 +24,7 @@ Image noise(int width, int height, uint64_t seed) {
 std::filesystem::path scratch(const char* name) { return std::filesystem::path(::testing::TempDir()) / name; }
 
 std::vector<std::byte> encoded(const Image& image, bool with_alpha = true, int compression = 6) {
-  const ScratchFolder folder;  // tests run side by side
+  const ScratchFolder folder;  // tests run in parallel
   const auto path = folder / "a.png";
   EXPECT_TRUE(write_png(path, image, with_alpha, compression).has_value());
   return read_file(path).value();
@@ -43,7 +43,8 @@ void put_big_endian(std::vector<std::byte>& bytes, size_t at, uint32_t value) {
   for (int i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::byte>(value >> (24 - 8 * i));
 }
 
-// IHDR's width and height follow the signature, a length and a name; its checksum covers name and 13 bytes.
+// Changes width and height of IHDR, which follow the signature, a length and a name. Its checksum covers the
+// name and 13 bytes.
 std::vector<std::byte> claiming(std::vector<std::byte> png, uint32_t width, uint32_t height) {
   put_big_endian(png, 16, width);
   put_big_endian(png, 20, height);
@@ -51,7 +52,7 @@ std::vector<std::byte> claiming(std::vector<std::byte> png, uint32_t width, uint
   return png;
 }
 
-TEST(Png, ComesBackAsItWasWritten) {
+TEST(Png, RoundTrips) {
   const Image image = noise(37, 21, 1);
   for (const int compression : {0, 1, 5, 6, 9}) {
     const Result<Image> back = decode_png(encoded(image, true, compression));
@@ -70,18 +71,18 @@ TEST(Png, WithoutAlphaIsOpaque) {
   EXPECT_EQ(back->pixels, image.pixels);
 }
 
-TEST(Png, CompressesMoreWhereAsked) {
+TEST(Png, HigherCompressionIsSmaller) {
   Image image{200, 200, std::vector<float>(160'000, 0.25f)};
   EXPECT_GT(encoded(image, false, 0).size(), 120'000u);
   EXPECT_LT(encoded(image, false, 1).size(), 2'000u);
 }
 
-TEST(Png, AFileCutShortIsAnError) {
+TEST(Png, TruncationIsAnError) {
   const std::vector<std::byte> whole = encoded(noise(16, 16, 3));
-  constexpr size_t kEndChunk = 12;  // an IEND that is missing costs no pixel
+  constexpr size_t kEndChunk = 12;  // a missing IEND loses no pixel
   for (size_t size = 0; size < whole.size() - kEndChunk; ++size) {
     const Result<Image> image = decode_png(std::span(whole).first(size));
-    // Only the last bytes of the stream, its checksums, may be gone without loss.
+    // Only the last bytes of the stream, its checksums, may be missing without loss.
     if (image) {
       EXPECT_GT(size, whole.size() - kEndChunk - 10) << size;
       EXPECT_EQ(image->pixels.size(), 4u * 16 * 16);
@@ -105,7 +106,7 @@ TEST(Png, DamagedBytesNeverCrash) {
   }
 }
 
-TEST(Png, AHeaderThatClaimsMoreThanItsBytesCanHoldIsRefused) {
+TEST(Png, RejectsAnImpossibleSize) {
   const std::vector<std::byte> small = encoded(noise(4, 4, 6));
   const Result<Image> tall = decode_png(claiming(small, 8000, 4000));
   ASSERT_FALSE(tall);
@@ -115,13 +116,13 @@ TEST(Png, AHeaderThatClaimsMoreThanItsBytesCanHoldIsRefused) {
   EXPECT_EQ(vast.error().code, ErrorCode::TooLarge);
 }
 
-TEST(Png, WhatIsNotAPngIsAnError) {
+TEST(Png, RejectsOtherFiles) {
   const char text[] = "this is not a picture";
   EXPECT_FALSE(decode_png(std::as_bytes(std::span(text))));
   EXPECT_FALSE(decode_png({}));
 }
 
-TEST(Png, ErrorsNameTheFile) {
+TEST(Png, ErrorsContainTheFileName) {
   const auto path = scratch("livegs_not_a.png");
   ASSERT_TRUE(write_file_atomically(path, std::string_view("plain words")));
   const Result<Image> image = read_png(path);
@@ -133,14 +134,14 @@ TEST(Png, ErrorsNameTheFile) {
   EXPECT_EQ(absent.error().code, ErrorCode::NotFound);
 }
 
-TEST(Png, WritingRefusesWhatIsNoImage) {
+TEST(Png, RejectsWritingAnInvalidImage) {
   EXPECT_FALSE(write_png(scratch("x.png"), Image{}));
   EXPECT_FALSE(write_png(scratch("x.png"), Image{2, 2, std::vector<float>(3)}));
   EXPECT_FALSE(write_png(scratch("x.png"), noise(2, 2, 1), false, 10));
 }
 
-// Grey, palette, 16-bit and RGBA files of other programs.
-TEST(Png, ReadsThePicturesOfTheSharedData) {
+// Grey, palette, 16-bit and RGBA files from other programs.
+TEST(Png, ReadsTheSharedImages) {
   const std::filesystem::path folder(LIVEGS_SHARED_DATA_DIR);
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "shared data is not here";
   int count = 0;

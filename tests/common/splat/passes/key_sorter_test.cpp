@@ -13,14 +13,14 @@
 namespace livegs {
 namespace {
 
-// Every expectation is exact: a sort moves words.
+// Expected results are exact, because sorting only moves words.
 class KeySorterTest : public OnEveryBackend {
  protected:
   struct Sorted {
     std::vector<uint32_t> keys, values;
   };
 
-  // Through a sorter with room for `spare` keys more; fails the test where the sorter does.
+  // Sorts with room for `spare` more keys; fails the test if the sorter fails.
   Sorted sort(const std::vector<uint32_t>& keys, const std::vector<uint32_t>& values,
               const KeySorter::Options& options, uint32_t spare = 1) {
     const auto count = static_cast<uint32_t>(keys.size());
@@ -67,7 +67,7 @@ std::vector<uint32_t> random_keys(size_t count, double distinct, uint64_t seed) 
   return keys;
 }
 
-TEST_P(KeySorterTest, OrdersWholeWordsAndKeepsEqualKeysInPlace) {
+TEST_P(KeySorterTest, SortsWordsStably) {
   for (const size_t count : {1u, 2u, 7u, 8u, 9u, 255u, 2047u, 2048u, 2049u, 65'537u, 200'003u}) {
     SCOPED_TRACE(count);
     ASSERT_NO_FATAL_FAILURE(expect_stable_order(random_keys(count, 0x1p32, count)));
@@ -77,7 +77,7 @@ TEST_P(KeySorterTest, OrdersWholeWordsAndKeepsEqualKeysInPlace) {
   ASSERT_NO_FATAL_FAILURE(expect_stable_order(std::vector<uint32_t>(5000, 0u)));
 }
 
-TEST_P(KeySorterTest, SortedAndReversedKeysAreSorted) {
+TEST_P(KeySorterTest, SortsSortedAndReversedKeys) {
   std::vector<uint32_t> keys(10'000);
   std::iota(keys.begin(), keys.end(), 0xfffffff0u - 10'000u);
   ASSERT_NO_FATAL_FAILURE(expect_stable_order(keys));
@@ -85,12 +85,12 @@ TEST_P(KeySorterTest, SortedAndReversedKeysAreSorted) {
   ASSERT_NO_FATAL_FAILURE(expect_stable_order(keys));
 }
 
-TEST_P(KeySorterTest, NoKeysAreSortedToNone) {
+TEST_P(KeySorterTest, AcceptsNoKeys) {
   const Sorted sorted = sort({}, {}, {.index_values = true});
   EXPECT_TRUE(sorted.keys.empty());
 }
 
-TEST_P(KeySorterTest, FloatsOfBothSignsAreInOrder) {
+TEST_P(KeySorterTest, SortsFloatsOfBothSigns) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   synthetic::Random random(3);
   std::vector<float> floats{-kInfinity, kInfinity, 0.0f, -0.0f, 1e-42f, -1e-42f, 1e30f, -1e30f};
@@ -103,7 +103,7 @@ TEST_P(KeySorterTest, FloatsOfBothSignsAreInOrder) {
     ASSERT_LE(floats[sorted.values[i - 1]], floats[sorted.values[i]]) << i;
 }
 
-TEST_P(KeySorterTest, DroppedKeysAreLeftOutAndTheRestKeepsItsOrder) {
+TEST_P(KeySorterTest, RemovesDroppedKeys) {
   std::vector<uint32_t> keys = random_keys(30'000, 5.0, 4);
   for (uint32_t& key : keys) {
     if (key >= 3) key = kSortDroppedKey;
@@ -122,8 +122,8 @@ TEST_P(KeySorterTest, DroppedKeysAreLeftOutAndTheRestKeepsItsOrder) {
   EXPECT_TRUE(none.keys.empty());
 }
 
-// What lies beyond the count, left from a larger frame, takes no part.
-TEST_P(KeySorterTest, FewerKeysThanTheSorterHoldsAreSortedAlone) {
+// Stale keys beyond the count, from a larger frame, are ignored.
+TEST_P(KeySorterTest, IgnoresKeysBeyondTheCount) {
   auto sorter = KeySorter::create(*backend_, 50'000);
   ASSERT_TRUE(sorter);
   for (const uint32_t count : {50'000u, 4100u, 3u, 0u, 20'000u}) {
@@ -137,7 +137,7 @@ TEST_P(KeySorterTest, FewerKeysThanTheSorterHoldsAreSortedAlone) {
   }
 }
 
-TEST_P(KeySorterTest, CountsThatDoNotFitAreRefused) {
+TEST_P(KeySorterTest, RejectsCountsAboveCapacity) {
   for (const uint32_t capacity : {0u, KeySorter::kMaxKeys + 1}) {
     const auto sorter = KeySorter::create(*backend_, capacity);
     ASSERT_FALSE(sorter);

@@ -18,7 +18,7 @@ std::vector<uint32_t> random_keys(size_t count, uint64_t seed) {
   return keys;
 }
 
-TEST_P(LargePasses, FourMillionKeysAreSorted) {
+TEST_P(LargePasses, SortFourMillionKeys) {
   const std::vector<uint32_t> keys = random_keys(size_t{4} << 20, 5);
   auto sorter = KeySorter::create(*backend_, size_t{4} << 20);
   ASSERT_TRUE(sorter) << sorter.error().message;
@@ -39,9 +39,9 @@ TEST_P(LargePasses, FourMillionKeysAreSorted) {
   }
 }
 
-// More kernels than one part holds, as lavapipe's 128 MiB of a buffer ask for: those of the second part have
-// their own places, looks and colours.
-TEST_P(LargePasses, AnObjectInTwoPartsIsProjectedWhole) {
+// More kernels than one part, as required by lavapipe's limit of 128 MiB per buffer. The second part has its
+// own poses, shapes and colours.
+TEST_P(LargePasses, ProjectAnObjectInTwoParts) {
   constexpr size_t kCount = DeviceKernels::kMaxPartKernels + 1000;
   synthetic::Object object;
   object.asset.resize(kCount);
@@ -67,7 +67,7 @@ TEST_P(LargePasses, AnObjectInTwoPartsIsProjectedWhole) {
   EXPECT_EQ(read_all<SortedCount>(frame.counted(), 1)[0].instance_count, kCount);
   const auto order = read_all<uint32_t>(frame.order(), kCount);
   for (size_t i = 1; i < kCount;
-       ++i)  // depth grows by less than a rounding here and there; equal keys keep their order
+       ++i)  // depth may grow by less than a rounding step; equal keys keep their order
     ASSERT_LT(order[i - 1], order[i]) << i;
   const auto rows = read_all<SplatRow>(frame.rows(0), kCount);
   for (size_t i = 0; i < kCount; i += i < DeviceKernels::kMaxPartKernels ? 9973 : 1) {

@@ -20,7 +20,7 @@ struct Projected {
   std::vector<uint32_t> order;
 };
 
-// What the passes make of objects on a backend.
+// Projects objects on a backend.
 Result<Projected> project_on(Backend& backend, const std::vector<const Object*>& objects,
                              std::span<const Camera> eyes, const FrameSplats::Options& options) {
   std::vector<DeviceKernels> kernels;
@@ -71,7 +71,7 @@ Camera ahead(double distance_m = 1.6) {
   return look_at({0.1, 0.2, distance_m}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.9, 320, 240);
 }
 
-// Two eyes 64 mm apart with frusta that are not symmetric, as a headset has them.
+// Two eyes 64 mm apart with asymmetric frusta, as in a headset.
 std::array<Camera, 2> headset(double distance_m) {
   std::array<Camera, 2> eyes;
   for (int e = 0; e < 2; ++e) {
@@ -82,7 +82,8 @@ std::array<Camera, 2> headset(double distance_m) {
   return eyes;
 }
 
-// Flat kernels whose thinnest axis is 15 % of the longest, as captured ones are, and as many needles of 1:30.
+// Flat kernels with a thinnest axis of 15 % of the longest, as in captures, and the same number of needles of
+// 1:30.
 Object cloud(int sh_degree, uint64_t seed) {
   Object object = synthetic::shell(3000, sh_degree, 0.03, seed);
   synthetic::Random random(seed + 1);
@@ -94,8 +95,8 @@ Object cloud(int sh_degree, uint64_t seed) {
 
 class ProjectSplatsTest : public OnEveryBackend {
  protected:
-  // A device may fuse and reorder; over a chain of some thirty operations that is 1e-5 of a value, or of what
-  // it was made from where terms cancel: pixels of the screen, the roots' own size, a power of two, a colour
+  // Tolerance: a device may fuse and reorder operations. Over about thirty of them, that is 1e-5 of the value
+  // or, after a cancellation, of the operands: screen pixels, the size of the roots, a power of two, a colour
   // of order one.
   void expect_the_twin(const std::vector<const Object*>& objects, std::span<const Camera> eyes,
                        const FrameSplats::Options& options) {
@@ -121,13 +122,13 @@ class ProjectSplatsTest : public OnEveryBackend {
       }
     }
     EXPECT_GT(seen, 1000u);
-    EXPECT_LE(differ, 2u);  // a rim that ends on the very edge of the screen
+    EXPECT_LE(differ, 2u);  // rims that end exactly at the edge of the screen
     EXPECT_NEAR(static_cast<double>(made->order.size()), static_cast<double>(expected.order.size()), 2.0);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Backend, ProjectSplatsTest, testing::Values("cpu", "vulkan"), backend_name);
 
-TEST_P(ProjectSplatsTest, IsItsTwinForEachDegree) {
+TEST_P(ProjectSplatsTest, MatchesTheTwinForEachDegree) {
   for (int degree = 0; degree <= 3; ++degree) {
     SCOPED_TRACE(degree);
     const Object object = cloud(degree, 10 + degree);
@@ -136,19 +137,19 @@ TEST_P(ProjectSplatsTest, IsItsTwinForEachDegree) {
   }
 }
 
-TEST_P(ProjectSplatsTest, IsItsTwinForTwoEyesWithinTheFadeAndCapped) {
+TEST_P(ProjectSplatsTest, MatchesTheTwinForTwoEyes) {
   Object turned = synthetic::moved(
       cloud(3, 20),
       {{0, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()))});
   Object smoothed = cloud(1, 21);
   smoothed.asset.antialiased = true;
-  const auto eyes = headset(0.6);  // the nearest kernels fade
+  const auto eyes = headset(0.6);  // the nearest kernels fade in
   ASSERT_NO_FATAL_FAILURE(expect_the_twin({&turned, &smoothed}, eyes, {}));
   ASSERT_NO_FATAL_FAILURE(expect_the_twin(
       {&turned, &smoothed}, eyes, {.order = DepthOrder::ViewZ, .max_sh_degree = 2, .max_radius_px = 25}));
 }
 
-TEST_P(ProjectSplatsTest, DrawsNothingOfNothing) {
+TEST_P(ProjectSplatsTest, AcceptsAnEmptyScene) {
   const Object none;
   const Camera eye = ahead();
   for (const auto& objects : {std::vector<const Object*>{}, std::vector<const Object*>{&none}}) {
@@ -158,8 +159,8 @@ TEST_P(ProjectSplatsTest, DrawsNothingOfNothing) {
   }
 }
 
-// What a kernel contributes is decided alike, but for those on the very threshold.
-TEST_P(ProjectSplatsTest, IsItsTwinWhereLittleContributionsAreLeftOut) {
+// The same kernels are culled by contribution, except those at the threshold.
+TEST_P(ProjectSplatsTest, MatchesTheTwinWithContributionCulling) {
   const Object object = cloud(1, 25);
   for (const float threshold_px : {20.0f, 60.0f}) {
     const auto eyes = headset(0.9);
@@ -173,9 +174,9 @@ TEST_P(ProjectSplatsTest, IsItsTwinWhereLittleContributionsAreLeftOut) {
   }
 }
 
-// A threshold below the least there is (opacity 1/255 on the low-pass alone, 0.0074 px) computes it and
-// leaves out nothing: the same bits as without one.
-TEST_P(ProjectSplatsTest, AtThresholdZeroNothingIsLeftOut) {
+// A threshold below the minimum (opacity 1/255 on the low-pass only, 0.0074 px) enables the computation but
+// culls nothing: the bits are the same as without it.
+TEST_P(ProjectSplatsTest, ThresholdZeroCullsNothing) {
   const Object object = cloud(2, 26);
   const auto eyes = headset(0.9);
   const auto none = project_on(*backend_, {&object}, eyes, {.min_contribution_px = 0});
@@ -192,8 +193,8 @@ TEST_P(ProjectSplatsTest, AtThresholdZeroNothingIsLeftOut) {
   }
 }
 
-// The order is the one a stable sort by the depth of each kernel gives, of all objects in one set.
-TEST_P(ProjectSplatsTest, AllObjectsAreOrderedInOneSet) {
+// The order is that of a stable sort by depth of the kernels of all objects together.
+TEST_P(ProjectSplatsTest, OrdersAllObjectsInOneSet) {
   const Object first = cloud(0, 30);
   const Object second = synthetic::moved(first, {{0.05, 0, 0.1}, Eigen::Quaterniond::Identity()});
   const auto eyes = headset(1.5);
@@ -209,9 +210,9 @@ TEST_P(ProjectSplatsTest, AllObjectsAreOrderedInOneSet) {
     ASSERT_LE(distance(made->order[i - 1]), distance(made->order[i]) + 1e-6f) << i;
 }
 
-// In floats what the oracle has in doubles. Single precision of the covariance's products leaves 1e-4 of a
-// needle's width; half floats of the bands leave 2^-11 of each, 15 of them of 0.1.
-TEST(ProjectSplats, IsTheOracleInFloats) {
+// Floats compared with the reference in doubles. Single-precision products of the covariance give 1e-4 of a
+// needle's width; half-float bands give 2^-11 of each of 15 bands of 0.1.
+TEST(ProjectSplats, MatchesTheReferenceInFloats) {
   for (const bool antialiased : {false, true}) {
     Object object = cloud(3, 40);
     object.asset.antialiased = antialiased;
@@ -246,9 +247,8 @@ TEST(ProjectSplats, IsTheOracleInFloats) {
   }
 }
 
-// A needle a thousand times as long as it is wide, across the view. Its covariance in floats still tells the
-// width to a few per cent, and all of that reaches the screen; taken as xx yy - xy² in floats, the
-// determinant would be noise.
+// A needle a thousand times as long as wide, across the view. Its float covariance defines the width to a few
+// per cent, and the projection must keep that. A determinant xx yy - xy² in floats would be noise.
 TEST(ProjectSplats, ANeedleKeepsItsWidth) {
   Object object;
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()));
@@ -260,14 +260,15 @@ TEST(ProjectSplats, ANeedleKeepsItsWidth) {
   ASSERT_TRUE(project_kernel(Projection(eye), object.drawn(), 0, 0, {}, p, depth_m));
   const double oracle_area = 1.0 / (p.across_x * p.down_y);
   EXPECT_NEAR(1.0 / (row.across_x * row.down_y), oracle_area, 1e-4 * oracle_area);
-  // focal² times 1 m by 1 mm, with the low-pass, in the root's units.
+  // focal² times 1 m by 1 mm, with the low-pass, in the units of the root.
   const double f = eye.focal_x_px;
   const double area = std::sqrt((f * f * 1.0 + 0.3) * (f * f * 1e-6 + 0.3)) / 0.72134752;
   EXPECT_NEAR(oracle_area, area, 0.02 * area);
 }
 
-// Opacity times 2 pi sqrt(det), the integral of a Gaussian: of a ball of 0.02 m at 1 m, with the low-pass.
-TEST(ProjectSplats, AKernelIsLeftOutBelowItsIntegral) {
+// The contribution is opacity times 2 pi sqrt(det), the integral of a Gaussian: a ball of 0.02 m at 1 m, with
+// the low-pass.
+TEST(ProjectSplats, CullsKernelsByTheirIntegral) {
   Object object;
   synthetic::add_ball(object, {0, 0, 0}, 0.02, 0.5, {1, 1, 1});
   const Camera eye = look_at({0, 0, 1}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.9, 640, 480);
@@ -283,8 +284,8 @@ TEST(ProjectSplats, AKernelIsLeftOutBelowItsIntegral) {
                               {.min_contribution_px = 1.001f * contribution_px}, p, depth_m));
 }
 
-// Shrunk as a whole until the rim's longest half axis is the cap, and not touched below it.
-TEST(ProjectSplats, ACapHoldsTheLongestAxis) {
+// Kernels are shrunk until the longest half axis of the rim equals the limit; smaller ones are unchanged.
+TEST(ProjectSplats, RadiusLimitBoundsTheLongestAxis) {
   Object object;
   synthetic::add_kernel(object, {0, 0, 0}, Eigen::Quaterniond::Identity(), {0.3, 0.1, 0.1}, 0.9, {1, 1, 1});
   const Camera eye = look_at({0, 0, 1}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.9, 640, 480);
@@ -293,10 +294,10 @@ TEST(ProjectSplats, ACapHoldsTheLongestAxis) {
   const SplatRow roomy = twin({&object}, {&eye, 1}, {.max_radius_px = 5000}).eye[0][0];
   EXPECT_EQ(values(roomy), values(free));
   const double rim_root = std::sqrt(capped.log2_opacity + kSplatLog2Of255);
-  EXPECT_NEAR(rim_root / capped.across_x, 50.0, 1e-3);  // its longest axis lies along x
+  EXPECT_NEAR(rim_root / capped.across_x, 50.0, 1e-3);  // the longest axis is along x
   EXPECT_NEAR(capped.down_y / capped.across_x, free.down_y / free.across_x, 1e-4);
   EXPECT_EQ(capped.log2_opacity, free.log2_opacity);
-  // The oracle holds it the same way.
+  // The reference applies the same limit.
   ProjectedKernel p;
   float depth_m;
   ASSERT_TRUE(project_kernel(Projection(eye), object.drawn(), 0, 0, {.max_radius_px = 50}, p, depth_m));

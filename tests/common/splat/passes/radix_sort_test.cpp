@@ -38,7 +38,7 @@ std::vector<KeyedIndex> random_items(size_t count, double distinct_keys, uint64_
   return items;
 }
 
-TEST(RadixSort, OrdersWholeWordsAndKeepsEqualKeysInPlace) {
+TEST(RadixSort, SortsWordsStably) {
   for (const size_t count : {0u, 1u, 2u, 1000u, 65'536u, 65'537u, 200'000u}) {
     expect_stable_order(random_items(count, 0x1p32, count + 1));
     expect_stable_order(random_items(count, 10.0, count + 2));
@@ -46,7 +46,7 @@ TEST(RadixSort, OrdersWholeWordsAndKeepsEqualKeysInPlace) {
   }
 }
 
-TEST(RadixSort, KeysOfFloatsAreInTheOrderOfTheFloats) {
+TEST(RadixSort, FloatKeysKeepTheFloatOrder) {
   const float infinity = std::numeric_limits<float>::infinity();
   const float rising[] = {-infinity, -1e30f, -2.0f,  -1.0f, -1e-30f, -1e-42f, -0.0f,
                           0.0f,      1e-42f, 1e-30f, 1.0f,  2.0f,    1e30f,   infinity};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The oracle's colour of a kernel that is turned, against closed forms: each coefficient of each band by
-// itself.
+// The colour of a rotated kernel by the reference, compared with closed forms, separately for each
+// coefficient of each band.
 #include <gtest/gtest.h>
 
 #include "common/splat/project/real_harmonics.h"
@@ -9,9 +9,8 @@
 namespace livegs {
 namespace {
 
-// By hand, from the definition: the formula that all of this is held against has its signs and its order
-// right.
-TEST(HarmonicsRotation, TheFormulaHasTheSignsOfTrainedFiles) {
+// Computed by hand from the definition, to verify signs and order of the formula used below.
+TEST(HarmonicsRotation, FormulaHasTheSignsOfTrainedFiles) {
   const Eigen::Vector3d d = Eigen::Vector3d(0.3, -0.5, 0.7).normalized();
   EXPECT_NEAR(synthetic::real_harmonic(0, d), -std::sqrt(3 / (4 * M_PI)) * d.y(), 1e-12);
   EXPECT_NEAR(synthetic::real_harmonic(1, d), std::sqrt(3 / (4 * M_PI)) * d.z(), 1e-12);
@@ -22,10 +21,10 @@ TEST(HarmonicsRotation, TheFormulaHasTheSignsOfTrainedFiles) {
   EXPECT_NEAR(synthetic::real_harmonic(9, d), std::sqrt(105 / (4 * M_PI)) * d.x() * d.y() * d.z(), 1e-12);
 }
 
-TEST(HarmonicsRotation, EachCoefficientTurnsWithItsAsset) {
+TEST(HarmonicsRotation, CoefficientsRotateWithTheAsset) {
   synthetic::Random random(21);
   int clamped = 0;
-  double widest = 0;  // by how much a turn changes what is shown
+  double widest = 0;  // largest colour change by a rotation
   for (int k = 0; k < synthetic::kBandCoefficients; ++k) {
     for (int turn = 0; turn < 8; ++turn) {
       const Eigen::Quaterniond world_from_asset =

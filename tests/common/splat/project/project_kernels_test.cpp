@@ -27,7 +27,7 @@ Object ball(const Eigen::Vector3d& position_m, double standard_deviation_m = 0.0
   return object;
 }
 
-TEST(ProjectKernels, WhatIsAheadIsSeenAndWhatIsBehindIsNot) {
+TEST(ProjectKernels, CullsKernelsBehindTheCamera) {
   EXPECT_TRUE(is_seen(ball({0, 0, 0})));
   EXPECT_FALSE(is_seen(ball({0, 0, 3})));
   EXPECT_FALSE(is_seen(ball({0, 0, 2})));      // in the eye
@@ -35,19 +35,19 @@ TEST(ProjectKernels, WhatIsAheadIsSeenAndWhatIsBehindIsNot) {
   EXPECT_FALSE(is_seen(ball({5, 0, 2.5}, 3.0)));
 }
 
-// A kernel is judged by its ellipse, not by its centre: otherwise wide ones vanish at the screen's edge.
-TEST(ProjectKernels, ACentreOffTheScreenIsSeenIfTheEllipseReachesIn) {
+// Visibility depends on the ellipse, not the centre; otherwise wide kernels vanish at the edge of the screen.
+TEST(ProjectKernels, KeepsEllipsesThatReachIntoTheScreen) {
   EXPECT_TRUE(is_seen(ball({1.4, 0, 0}, 0.2)));
   EXPECT_FALSE(is_seen(ball({1.4, 0, 0}, 0.01)));
 }
 
-TEST(ProjectKernels, FaintKernelsAreLeftOut) {
+TEST(ProjectKernels, CullsFaintKernels) {
   Object object;
   synthetic::add_ball(object, {0, 0, 0}, 0.05, 0.9 / 255.0, {1, 1, 1});
   EXPECT_FALSE(is_seen(object));
 }
 
-TEST(ProjectKernels, ValuesThatAreNotFiniteAreLeftOut) {
+TEST(ProjectKernels, CullsNonFiniteValues) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                           -std::numeric_limits<float>::infinity()}) {
     for (int i = 0; i < 3; ++i) {
@@ -70,14 +70,14 @@ TEST(ProjectKernels, ValuesThatAreNotFiniteAreLeftOut) {
   EXPECT_TRUE(is_seen(object));
 }
 
-// Not a covariance: the determinant of the sum is negative and there is no ellipse.
-TEST(ProjectKernels, NegativeVarianceIsLeftOut) {
+// Not a valid covariance: the determinant of the sum is negative, so there is no ellipse.
+TEST(ProjectKernels, CullsNegativeVariance) {
   Object object = ball({0, 0, 0});
   object.posed.covariances_m2[0] = {-1, 0, 0, 1, 0, 1};
   EXPECT_FALSE(is_seen(object));
 }
 
-TEST(ProjectKernels, DepthRunsAlongTheAxisOrFromTheEye) {
+TEST(ProjectKernels, SupportsBothDepthOrders) {
   const Object object = ball({0.5, 0, 0});
   ProjectedKernel projected;
   float depth_m = 0;

@@ -7,7 +7,8 @@
 
 #include "common/splat/synthetic_kernels.h"
 
-// What a kernel of one harmonic shows, worked out in double from the definition and from no code of ours.
+// The image of a kernel with a single harmonic, computed in doubles from the definition, independent of the
+// product code.
 
 namespace livegs::synthetic {
 
@@ -35,17 +36,17 @@ inline double real_harmonic(int l, int m, const Eigen::Vector3d& direction) {
   return std::sqrt(2.0) * norm * legendre * (m < 0 ? std::sin(order * azimuth) : std::cos(order * azimuth));
 }
 
-// Of coefficient k of sh_rest.
+// The harmonic of coefficient k of sh_rest.
 inline double real_harmonic(int k, const Eigen::Vector3d& direction) {
   const int l = k < 3 ? 1 : k < 8 ? 2 : 3;
   return real_harmonic(l, k - (l * l - 1) - l, direction);
 }
 
 inline constexpr double kBandOpacity = 0.9;
-// Of each channel: halves hold them exactly, and the last is clamped at 0 over much of the sphere.
+// Values per channel: exact as halves; the last one is clamped at 0 over much of the sphere.
 inline const Eigen::Vector3d kBandValues{0.375, -0.4375, 1.5};
 
-// One kernel, grey but for coefficient k, that covers the middle of any picture here.
+// One kernel, grey except for coefficient k, that covers the centre of every image here.
 inline GaussianAsset one_harmonic(int k, const Eigen::Vector3d& position_m = Eigen::Vector3d::Zero()) {
   Object object;
   object.asset.sh_degree = 3;
@@ -54,7 +55,7 @@ inline GaussianAsset one_harmonic(int k, const Eigen::Vector3d& position_m = Eig
   return object.asset;
 }
 
-// What its middle shows over black, seen along `direction` (world) by an asset that is turned by
+// The colour at its centre over black, seen along `direction` (world), for an asset rotated by
 // `world_from_asset`.
 inline Eigen::Vector3d one_harmonic_shows(int k, const Eigen::Quaterniond& world_from_asset,
                                           const Eigen::Vector3d& direction) {
@@ -62,7 +63,7 @@ inline Eigen::Vector3d one_harmonic_shows(int k, const Eigen::Quaterniond& world
   return kBandOpacity * (0.5 + kBandValues.array() * y).max(0.0);
 }
 
-// An eye 2 m from a point, on which the middle pixel, (16, 12), looks.
+// A camera 2 m from a point; the centre pixel, (16, 12), looks at the point.
 inline Camera eye_towards(const Eigen::Vector3d& point_m, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d up =
       std::abs(direction.normalized().y()) < 0.9 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();

@@ -20,7 +20,7 @@ std::array<double, 16> basis(const Eigen::Vector3f& direction) {
 
 TEST(SphericalHarmonics, AreOrthonormal) {
   // Gauss-Legendre with four nodes is exact to degree 7 in z, the trapezoid rule with eight to order 7 in
-  // azimuth: more than the products of two harmonics of degree 3 need.
+  // azimuth. Products of two harmonics of degree 3 need less.
   constexpr std::array<double, 4> kNodes{-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
                                          0.8611363115940526};
   constexpr std::array<double, 4> kWeights{0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
@@ -42,8 +42,8 @@ TEST(SphericalHarmonics, AreOrthonormal) {
   }
 }
 
-// Kernels show the sum of all bands; a renderer that cuts the constant term at 0 first shows 0.3 here, not
-// 0.1.
+// Kernels show the sum of all bands. A renderer that clamps the constant term first would show 0.3 here
+// instead of 0.1.
 TEST(SphericalHarmonics, AreSummedBeforeTheClamp) {
   const Eigen::Vector3f dc = Eigen::Vector3f::Constant((-0.2f - 0.5f) / kShDc);
   Eigen::Vector3f rest[3] = {Eigen::Vector3f::Zero(), Eigen::Vector3f::Constant(0.3f / 0.48860251f),

@@ -44,15 +44,15 @@ std::vector<ProjectedKernel> random_ellipses(size_t count, uint64_t seed) {
   return kernels;
 }
 
-constexpr TileGrid kGrid{150, 100};  // neither side is whole tiles
+constexpr TileGrid kGrid{150, 100};  // neither side is a multiple of the tile size
 
-TEST(BinTiles, HoldEveryTileThatAKernelShowsIn) {
+TEST(BinTiles, CoverEveryVisibleTile) {
   const std::vector<ProjectedKernel> kernels = random_ellipses(400, 1);
   for (const ProjectedKernel& kernel : kernels) {
     for (int y = 0; y < kGrid.height; ++y) {
       const TileSpan span = ellipse_tile_span(kernel, kGrid, y / kTileSize);
       for (int x = 0; x < kGrid.width; ++x) {
-        // A hair above the cut-off: at it, float rounding decides.
+        // Slightly above the threshold, where float rounding would decide.
         if (alpha_at(kernel, x, y) < 1.001 / 255.0) continue;
         ASSERT_TRUE(x / kTileSize >= span.first && x / kTileSize <= span.last) << x << " " << y;
       }
@@ -60,17 +60,16 @@ TEST(BinTiles, HoldEveryTileThatAKernelShowsIn) {
   }
 }
 
-// The test is on the ellipse, not on its box: a thin diagonal kernel touches few of its box's tiles.
-TEST(BinTiles, HoldFewTilesOfADiagonalNeedle) {
+// The bins use the ellipse, not its bounding box: a thin diagonal kernel touches few tiles of its box.
+TEST(BinTiles, CoverFewTilesOfADiagonalNeedle) {
   const ProjectedKernel needle = ellipse(75, 50, 30, 0.6, 0.6, 0.9);
   int tiles = 0;
   for (int row = 0; row < kGrid.rows(); ++row) {
     const TileSpan span = ellipse_tile_span(needle, kGrid, row);
     tiles += std::max(0, span.last - span.first + 1);
   }
-  EXPECT_LE(
-      tiles,
-      18);  // its box covers all 70; the line crosses 10 columns and 7 rows, so 16 tiles and two corners
+  EXPECT_LE(tiles,
+            18);  // its box covers all 70; the line crosses 10 columns and 7 rows: 16 tiles and two corners
   EXPECT_GE(tiles, 10);
 }
 

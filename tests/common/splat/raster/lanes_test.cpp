@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-TEST(Lanes, Exp2IsWithinItsStatedError) {
+TEST(Lanes, Exp2IsWithinItsErrorBound) {
   double worst = 0.0;
   for (int i = -125'999; i <= 125'999; i += 8) {
     const Lanes x = lanes(static_cast<float>(i) * 1e-3f) + 1e-3f * lane_indices();

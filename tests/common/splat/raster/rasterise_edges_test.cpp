@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernels and cameras at the edge of what projection can hold. Several are defects seen in other renderers.
+// Kernels and cameras at the limits of projection. Several cases are defects found in other renderers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,7 +32,7 @@ bool all_finite(const Image& image) {
   return true;
 }
 
-TEST(RasteriseEdges, AKernelOfNoSizeIsADotOfTheLowPass) {
+TEST(RasteriseEdges, APointKernelHasTheLowPassSize) {
   Object object;
   synthetic::add_ball(object, {0, 0, 0}, 1.0, 0.8, {1, 1, 1});
   object.posed.covariances_m2[0] = {};
@@ -45,7 +45,7 @@ TEST(RasteriseEdges, AKernelOfNoSizeIsADotOfTheLowPass) {
   EXPECT_EQ(view.image.at(67, 48)[3], 0.0f);
 }
 
-TEST(RasteriseEdges, AKernelLargerThanTheScreenCoversAllOfIt) {
+TEST(RasteriseEdges, AHugeKernelCoversTheScreen) {
   Object object;
   synthetic::add_ball(object, {0, 0, 0}, 1000.0, 0.8, {1, 1, 1});
   const RasterisedView view = draw(object, ahead());
@@ -55,16 +55,16 @@ TEST(RasteriseEdges, AKernelLargerThanTheScreenCoversAllOfIt) {
   }
 }
 
-TEST(RasteriseEdges, ASheetSeenEdgeOnIsALine) {
+TEST(RasteriseEdges, AnEdgeOnSheetIsALine) {
   Object object;
   synthetic::add_kernel(object, {0, 0, 0}, Eigen::Quaterniond::Identity(), {0.2, 1e-7, 0.2}, 0.8, {1, 1, 1});
   const RasterisedView view = draw(object, ahead());
   EXPECT_TRUE(all_finite(view.image));
-  EXPECT_GT(view.image.at(64, 47)[3], 0.3f);  // the low-pass spreads half a pixel to either side
+  EXPECT_GT(view.image.at(64, 47)[3], 0.3f);  // the low-pass spreads half a pixel to both sides
   EXPECT_LT(view.image.at(64, 40)[3], 0.01f);
 }
 
-TEST(RasteriseEdges, WhatLiesBehindLeavesNoTrace) {
+TEST(RasteriseEdges, KernelsBehindAreInvisible) {
   Object object;
   synthetic::Random random(3);
   for (int i = 0; i < 500; ++i) {
@@ -75,15 +75,16 @@ TEST(RasteriseEdges, WhatLiesBehindLeavesNoTrace) {
   for (size_t i = 3; i < view.image.pixels.size(); i += 4) ASSERT_EQ(view.image.pixels[i], 0.0f);
 }
 
-// Grazing the near plane far off the axis: the Jacobian is held, or the ellipse would be kilometres long.
-TEST(RasteriseEdges, AKernelBesideTheEyeDoesNotSmearOverThePicture) {
+// Close to the near plane and far off the axis: without the Jacobian clamp, the ellipse would be kilometres
+// long.
+TEST(RasteriseEdges, AKernelNextToTheEyeDoesNotSmear) {
   Object object;
   synthetic::add_ball(object, {1.5, 0, 1.9}, 0.02, 0.9, {1, 1, 1});
   const RasterisedView view = draw(object, ahead());
   for (size_t i = 3; i < view.image.pixels.size(); i += 4) ASSERT_EQ(view.image.pixels[i], 0.0f);
 }
 
-TEST(RasteriseEdges, AWalkThroughTheKernelsStaysFinite) {
+TEST(RasteriseEdges, MovingThroughKernelsStaysFinite) {
   const Object object = synthetic::shell(3000, 3, 0.05, 4);
   for (int i = 0; i < 24; ++i) {
     const double z = 0.9 - 0.08 * i;
@@ -92,7 +93,7 @@ TEST(RasteriseEdges, AWalkThroughTheKernelsStaysFinite) {
   }
 }
 
-TEST(RasteriseEdges, AbsurdButFiniteValuesStayFinite) {
+TEST(RasteriseEdges, ExtremeFiniteValuesStayFinite) {
   Object object;
   for (const float position : {0.0f, 1e-30f, 1e10f, -1e18f}) {
     for (const float variance : {0.0f, 1e-38f, 1e10f, 1e37f}) {
@@ -104,7 +105,7 @@ TEST(RasteriseEdges, AbsurdButFiniteValuesStayFinite) {
   EXPECT_TRUE(all_finite(draw(object, ahead()).image));
 }
 
-TEST(RasteriseEdges, AnySizeOfPictureIsDrawnToItsEdge) {
+TEST(RasteriseEdges, AnyImageSizeIsDrawnToItsEdge) {
   Object object;
   synthetic::add_ball(object, {0, 0, 0}, 1e5, 0.8, {1, 1, 1});
   for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {8, 16}, {16, 16}, {17, 33}, {250, 1}}) {

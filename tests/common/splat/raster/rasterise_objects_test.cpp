@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which object a pixel belongs to, and how far away it is.
+// Object ids and depths of pixels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -45,13 +45,13 @@ TEST(RasteriseObjects, AnEmptySceneIsBackground) {
   EXPECT_EQ(view.depth_m[middle()], std::numeric_limits<float>::infinity());
 }
 
-TEST(RasteriseObjects, ThePixelIsTheFrontOnes) {
+TEST(RasteriseObjects, TheFrontObjectOwnsThePixel) {
   const RasterisedView view = draw({disc(0, -1, 0.5, 0.95, 7), disc(0, 0, 0.5, 0.95, 3)});
   EXPECT_EQ(view.object_id[middle()], 3u);
   EXPECT_NEAR(view.depth_m[middle()], 2.0f, 1e-6f);
 }
 
-// What shows through a thin veil has the larger share.
+// An object behind a thin veil has the larger share.
 TEST(RasteriseObjects, AVeilIsNotTheOwner) {
   const RasterisedView view = draw({disc(0, 0, 0.5, 0.3, 3), disc(0, -1, 0.8, 0.95, 7)});
   EXPECT_EQ(view.object_id[middle()], 7u);
@@ -64,28 +64,28 @@ TEST(RasteriseObjects, SharesOfOneObjectAddUp) {
   for (int i = 0; i < 3; ++i) synthetic::add_ball(layered, {0, 0, -0.1 * i}, 0.5, 0.25, {1, 1, 1});
   layered.id = 5;
   const RasterisedView view = draw({disc(0, -1, 0.8, 0.9, 6), layered});
-  EXPECT_EQ(view.object_id[middle()], 5u);  // 0.578 against 0.38
+  EXPECT_EQ(view.object_id[middle()], 5u);  // 0.578 compared with 0.38
 }
 
-TEST(RasteriseObjects, DrawnObjectsOfOneIdAreOneObject) {
+TEST(RasteriseObjects, EqualIdsAreOneObject) {
   const RasterisedView view =
       draw({disc(0, 0, 0.5, 0.3, 5), disc(0, -0.1, 0.5, 0.3, 5), disc(0, -1, 0.8, 0.9, 6)});
-  EXPECT_EQ(view.object_id[middle()], 5u);  // 0.3 + 0.21 against 0.44
+  EXPECT_EQ(view.object_id[middle()], 5u);  // 0.3 + 0.21 compared with 0.44
 }
 
-TEST(RasteriseObjects, LittleCoverageIsNobodys) {
+TEST(RasteriseObjects, LowCoverageHasNoObject) {
   const RasterisedView view = draw({disc(0, 0, 0.5, 0.3, 3), disc(0, -1, 0.5, 0.2, 4)});
   EXPECT_EQ(view.object_id[middle()], kNoObject);
   EXPECT_EQ(view.depth_m[middle()], std::numeric_limits<float>::infinity());
 }
 
-TEST(RasteriseObjects, ASingleObjectOwnsWhatItCovers) {
+TEST(RasteriseObjects, ASingleObjectOwnsItsCoverage) {
   const RasterisedView view = draw({disc(0, 0, 0.1, 0.9, 12)});
   EXPECT_EQ(view.object_id[middle()], 12u);
   EXPECT_EQ(view.object_id[0], kNoObject);
 }
 
-// The mask of a disc has the disc's area: alpha falls to 0.5 at radius sigma sqrt(2 ln(opacity / 0.5)).
+// The mask of a disc has the area of the disc: alpha falls to 0.5 at radius sigma sqrt(2 ln(opacity / 0.5)).
 TEST(RasteriseObjects, TheMaskHasTheAreaOfTheDisc) {
   const RasterisedView view = draw({disc(-0.2, 0, 0.15, 0.9, 1), disc(0.9, 0, 0.01, 0.9, 2)});
   size_t area = 0;
@@ -93,7 +93,7 @@ TEST(RasteriseObjects, TheMaskHasTheAreaOfTheDisc) {
   const double focal_px = 0.5 * kHeight / std::tan(0.4);
   const double variance_px2 = std::pow(0.15 * focal_px / 2.0, 2) + 0.3;
   const double expected = M_PI * variance_px2 * 2.0 * std::log(0.9 / 0.5);
-  EXPECT_NEAR(static_cast<double>(area), expected, 0.1 * expected);  // pixels along a rim of 17 px
+  EXPECT_NEAR(static_cast<double>(area), expected, 0.1 * expected);  // pixels along a rim of radius 17 px
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rasteriser against a brute-force renderer in doubles.
+// Compares the rasteriser with a brute-force renderer in doubles.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,9 +15,9 @@ namespace {
 
 using synthetic::Object;
 
-// Rounding may push one kernel over its cut-off at a pixel: 1/255 of a colour that the scenes keep under 2.
+// Rounding may move one kernel across the threshold at a pixel: 1/255 of a colour below 2 in these scenes.
 constexpr double kCutOffStep = 2.0 / 255.0;
-// Unlike the step, the mean error is rounding of floats only.
+// The mean error, unlike the step, is only float rounding.
 constexpr double kMinPsnr_db = 60.0;
 
 double max_difference(const Image& a, const Image& b) {
@@ -50,51 +50,51 @@ Camera in_front(double distance_m = 1.6) {
   return look_at({0.3, 0.4, distance_m}, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY(), 0.8, 97, 75);
 }
 
-TEST(RasteriseParity, OfEachShDegree) {
+TEST(RasteriseParity, EachShDegree) {
   for (int degree = 0; degree <= 3; ++degree) {
     expect_equal_to_reference(synthetic::shell(1000, degree, 0.02, 3 + degree), in_front());
   }
 }
 
-TEST(RasteriseParity, OfALowerDegreeThanTheAssetHas) {
+TEST(RasteriseParity, LowerDegreeThanTheAsset) {
   RasteriseOptions options;
   options.max_sh_degree = 1;
   options.background = {0.2f, 0.7f, 1.0f};
   expect_equal_to_reference(synthetic::shell(1000, 3, 0.02, 8), in_front(), options);
 }
 
-TEST(RasteriseParity, InOrderOfDistance) {
+TEST(RasteriseParity, DistanceOrder) {
   RasteriseOptions options;
   options.order = DepthOrder::Distance;
   expect_equal_to_reference(synthetic::shell(1000, 1, 0.03, 9), in_front(), options);
 }
 
-TEST(RasteriseParity, OfMipTrainedKernels) {
+TEST(RasteriseParity, MipTrainedKernels) {
   Object object = synthetic::shell(1000, 0, 0.006, 10);
   object.asset.antialiased = true;
   expect_equal_to_reference(object, in_front());
 }
 
-TEST(RasteriseParity, FromWithinTheObject) {
+TEST(RasteriseParity, CameraInsideTheObject) {
   const Camera camera = look_at({0.05, 0.0, 0.1}, {0.4, 0.1, -1.0}, Eigen::Vector3d::UnitY(), 1.6, 97, 75);
   expect_equal_to_reference(synthetic::shell(1000, 2, 0.03, 11), camera);
 }
 
-TEST(RasteriseParity, WithTheCameraTouchingKernels) {
+TEST(RasteriseParity, CameraTouchingKernels) {
   const Camera camera = look_at({0.0, 0.0, 0.62}, {0.0, 0.0, 0.0}, Eigen::Vector3d::UnitY(), 1.2, 97, 75);
   expect_equal_to_reference(synthetic::shell(1000, 0, 0.03, 12), camera);
 }
 
-// The limits of the Jacobian differ from side to side; the symmetric form would be wrong at both edges.
-TEST(RasteriseParity, OfAHeadsetsAsymmetricFrustum) {
+// The limits of the Jacobian differ between the sides; a symmetric form would be wrong at both edges.
+TEST(RasteriseParity, AsymmetricFrustum) {
   const Pose pose =
       look_at({0.2, 0.1, 0.75}, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY(), 1, 1, 1).world_from_camera;
   const Camera camera = camera_from_fov(pose, -0.95, 0.6, 0.7, -0.9, 97, 75);
   expect_equal_to_reference(synthetic::shell(1000, 1, 0.04, 13), camera);
 }
 
-// Axis-aligned ellipses have no off-diagonal entry; code that builds axes from it divides by zero.
-TEST(RasteriseParity, OfAxisAlignedKernels) {
+// Axis-aligned ellipses have no off-diagonal entry; code that derives axes from it divides by zero.
+TEST(RasteriseParity, AxisAlignedKernels) {
   Object object;
   const Eigen::Quaterniond straight = Eigen::Quaterniond::Identity();
   synthetic::add_kernel(object, {-0.3, 0.2, 0}, straight, {0.1, 0.02, 0.01}, 0.9, {1, 0, 0});
@@ -104,9 +104,9 @@ TEST(RasteriseParity, OfAxisAlignedKernels) {
   expect_equal_to_reference(object, camera);
 }
 
-// Standard deviation 300 px, and narrower than the low-pass: in floats the terms of the conic cancel to 1e-6
-// of their size. (Longer ones lose their width in the floats of the covariance itself.)
-TEST(RasteriseParity, OfDiagonalNeedles) {
+// Standard deviation 300 px, and narrower than the low-pass: in floats, the terms of the conic cancel to 1e-6
+// of their size. Longer needles lose their width in the float covariance itself.
+TEST(RasteriseParity, DiagonalNeedles) {
   Object object;
   for (int i = 0; i < 8; ++i) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.37 * i + 0.1, Eigen::Vector3d::UnitZ()));
@@ -117,7 +117,7 @@ TEST(RasteriseParity, OfDiagonalNeedles) {
   expect_equal_to_reference(object, camera);
 }
 
-TEST(RasteriseParity, OfKernelsAcrossTheWholeScreen) {
+TEST(RasteriseParity, KernelsAcrossTheWholeScreen) {
   Object object;
   synthetic::Random random(14);
   for (int i = 0; i < 300; ++i) {
@@ -129,7 +129,7 @@ TEST(RasteriseParity, OfKernelsAcrossTheWholeScreen) {
   expect_equal_to_reference(object, camera);
 }
 
-TEST(RasteriseParity, OfSeveralObjectsThatInterpenetrate) {
+TEST(RasteriseParity, InterpenetratingObjects) {
   const Object a = synthetic::shell(700, 1, 0.03, 15);
   Object b = synthetic::moved(synthetic::shell(700, 3, 0.02, 16),
                               {{0.2, 0.1, 0.1}, Eigen::Quaterniond(0.3, 0.8, -0.4, 0.2).normalized()});
@@ -138,16 +138,16 @@ TEST(RasteriseParity, OfSeveralObjectsThatInterpenetrate) {
   expect_equal_to_reference(drawn, in_front());
 }
 
-// Far more tiles than one batch of bins holds, so that tiles carry their state from batch to batch. The
-// reference looks at a few pixels only.
-TEST(RasteriseParity, OverManyBatches) {
+// Many more tiles than one batch of bins, so that tiles keep their state between batches. The reference
+// evaluates only a few pixels.
+TEST(RasteriseParity, ManyBatches) {
   Object object;
   synthetic::Random random(17);
   for (int i = 0; i < 12'000; ++i) {
     synthetic::add_ball(object, random.in_ball(0.3), 0.5, 0.006,
                         {random.uniform(), random.uniform(), random.uniform()});
   }
-  // Small bright kernels in front of and behind the haze must keep their places in it.
+  // Small bright kernels in front of and behind the haze must keep their depth order.
   for (int i = 0; i < 200; ++i) synthetic::add_ball(object, random.in_ball(0.6), 0.01, 0.5, {0.9, 0.1, 0.1});
   const Camera camera = look_at({0, 0, 2}, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY(), 0.8, 400, 300);
   const DrawnObject drawn = object.drawn();
@@ -161,14 +161,15 @@ TEST(RasteriseParity, OverManyBatches) {
       EXPECT_NEAR(view.image.at(x, y)[c], expected.rgb[c], kCutOffStep) << x << " " << y;
     const float depth_m = view.depth_m[static_cast<size_t>(y) * 400 + x];
     EXPECT_EQ(std::isinf(depth_m), std::isinf(expected.depth_m));
-    // Where transmittance passes 0.5 rounding may choose a neighbour in depth; they lie 0.6 m / 12,000 apart.
+    // Where transmittance passes 0.5, rounding may select a neighbour in depth; neighbours are 0.6 m / 12,000
+    // apart.
     if (!std::isinf(depth_m)) {
       EXPECT_NEAR(depth_m, expected.depth_m, 0.001);
     }
   }
 }
 
-TEST(RasteriseParity, OfDepth) {
+TEST(RasteriseParity, Depth) {
   const Object object = synthetic::shell(1000, 0, 0.03, 18);
   const DrawnObject drawn = object.drawn();
   const Camera camera = in_front();
@@ -186,7 +187,7 @@ TEST(RasteriseParity, OfDepth) {
     }
   }
   EXPECT_GT(finite, 1000);
-  EXPECT_LE(different, finite / 1000);  // a pixel whose transmittance is 0.5 to rounding
+  EXPECT_LE(different, finite / 1000);  // pixels with a transmittance of 0.5 up to rounding
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures whose values are known in closed form.
+// Images with values known in closed form.
 #include "splat/rasterise.h"
 
 #include <gtest/gtest.h>
@@ -16,10 +16,10 @@ using synthetic::Object;
 
 constexpr double kFocal_px = 500.0;
 constexpr double kLowPass_px2 = 0.3;
-// Floats of order 1 after a dozen roundings and an exponential good to 4e-7.
+// Floats of order 1 after a dozen roundings and an exponential accurate to 4e-7.
 constexpr double kRounding = 3e-6;
 
-// Looks along -z from the origin; its axis goes through the centre of pixel (64, 48).
+// Looks along -z from the origin; the axis passes through the centre of pixel (64, 48).
 Camera straight_ahead(double near_m = 0.05) {
   Camera camera;
   camera.width = 128;
@@ -31,7 +31,7 @@ Camera straight_ahead(double near_m = 0.05) {
   return camera;
 }
 
-// The world's standard deviation that shows as `shown_px` after the low-pass, on the axis.
+// The world standard deviation with a projected size of `shown_px` after the low-pass, on the axis.
 double deviation_for(double shown_px, double depth_m) {
   return std::sqrt(shown_px * shown_px - kLowPass_px2) * depth_m / kFocal_px;
 }
@@ -43,7 +43,7 @@ RasterisedView draw(const Object& object, const Camera& camera, const RasteriseO
   return view;
 }
 
-TEST(Rasterise, AGaussianHasItsValueAtTheCentreAndAtOneSigma) {
+TEST(Rasterise, AGaussianHasItsClosedFormValues) {
   Object object;
   synthetic::add_ball(object, {0, 0, -2}, deviation_for(4.0, 2.0), 0.8, {0.75, 0.5, 0.25});
   const RasterisedView view = draw(object, straight_ahead());
@@ -62,7 +62,7 @@ TEST(Rasterise, AGaussianHasItsValueAtTheCentreAndAtOneSigma) {
   expect_alpha(64 + 3, 48 - 4, 0.8 * std::exp(-25.0 / 32.0));
 }
 
-TEST(Rasterise, NothingIsAddedUnderOneIn255) {
+TEST(Rasterise, SkipsAlphaBelowOneIn255) {
   Object object;
   synthetic::add_ball(object, {0, 0, -2}, deviation_for(4.0, 2.0), 0.8, {1, 1, 1});
   const RasterisedView view = draw(object, straight_ahead());
@@ -71,13 +71,13 @@ TEST(Rasterise, NothingIsAddedUnderOneIn255) {
   EXPECT_EQ(view.image.at(64 + static_cast<int>(std::ceil(rim_px)), 48)[3], 0.0f);
 }
 
-TEST(Rasterise, AlphaStopsAt99InAHundred) {
+TEST(Rasterise, AlphaIsLimitedToTheMaximum) {
   Object object;
   synthetic::add_ball(object, {0, 0, -2}, deviation_for(4.0, 2.0), 0.999, {1, 1, 1});
   EXPECT_NEAR(draw(object, straight_ahead()).image.at(64, 48)[3], 0.99, kRounding);
 }
 
-// Blending happens on the colours as trained; blending linear light would give another mix.
+// Blending uses the colours as trained; blending in linear light would give another mix.
 TEST(Rasterise, TwoLayersComposeFrontToBack) {
   Object object;
   synthetic::add_ball(object, {0, 0, -3}, 0.5, 0.7, {0.2, 0.9, 0.4});  // given back to front
@@ -92,10 +92,10 @@ TEST(Rasterise, TwoLayersComposeFrontToBack) {
   EXPECT_FLOAT_EQ(view.depth_m[48 * 128 + 64], 2.0f);
 }
 
-// Two balls side by side at two depths. The covariance of one of deviation s at (x, y, -z) is, by the
-// Jacobian of the projection at its middle, (f s / z)² [1 + u², u v; u v, 1 + v²] with u = x / z, v = y / z
-// (Zwicker et al. 2002, EWA splatting), and the low-pass on its diagonal.
-TEST(Rasterise, TwoOverlappingKernelsAreTheClosedFormAwayFromTheirMiddles) {
+// Two balls side by side at two depths. By the Jacobian of the projection at its centre, the covariance of a
+// ball of deviation s at (x, y, -z) is (f s / z)² [1 + u², u v; u v, 1 + v²] with u = x / z, v = y / z
+// (Zwicker et al. 2002, EWA splatting), plus the low-pass on the diagonal.
+TEST(Rasterise, OverlappingKernelsMatchTheClosedForm) {
   struct Ball {
     Eigen::Vector3d at_m;
     double deviation_m, opacity;
@@ -134,21 +134,21 @@ TEST(Rasterise, TwoOverlappingKernelsAreTheClosedFormAwayFromTheirMiddles) {
                              {77, 30},
                              {63, 37}}) {
     const double a = front.alpha(x, y), b = back.alpha(x, y);
-    ASSERT_GT(std::min(a, b), 1.0 / 255) << x << " " << y;  // both add to it
+    ASSERT_GT(std::min(a, b), 1.0 / 255) << x << " " << y;  // both kernels contribute
     const Eigen::Vector3d expected = a * front.rgb + (1 - a) * b * back.rgb + (1 - a) * (1 - b) * behind;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(view.image.at(x, y)[c], expected[c], 1e-4) << x << " " << y;
     EXPECT_NEAR(view.image.at(x, y)[3], 1 - (1 - a) * (1 - b), 1e-4) << x << " " << y;
   }
 }
 
-TEST(Rasterise, APixelStopsBeforeItWouldLetLessThanATenThousandthThrough) {
+TEST(Rasterise, StopsAtTheMinimumTransmittance) {
   Object object;
   for (int i = 0; i < 4; ++i) synthetic::add_ball(object, {0, 0, -2.0 - 0.1 * i}, 0.5, 0.95, {1, 1, 1});
-  // 0.05³ = 1.25e-4 is left after three; the fourth would leave 6e-6 and is not added.
+  // 0.05³ = 1.25e-4 remains after three kernels; the fourth would leave 6e-6 and is not added.
   EXPECT_NEAR(draw(object, straight_ahead()).image.at(64, 48)[3], 1.0 - 1.25e-4, kRounding);
 }
 
-TEST(Rasterise, OpacityFadesInOverThreeTimesTheNearDistance) {
+TEST(Rasterise, OpacityFadesInNearTheCamera) {
   const auto alpha_at = [](double depth_m) {
     Object object;
     synthetic::add_ball(object, {0, 0, -depth_m}, 0.05, 0.8, {1, 1, 1});
@@ -162,7 +162,7 @@ TEST(Rasterise, OpacityFadesInOverThreeTimesTheNearDistance) {
   EXPECT_NEAR(alpha_at(0.5), 0.8, kRounding);
 }
 
-// Mip-Splatting: the low-pass spreads a kernel, so its peak falls by the ratio of the areas.
+// Mip-Splatting: the low-pass spreads a kernel, so its peak decreases by the ratio of the areas.
 TEST(Rasterise, MipTrainedKernelsAreCompensated) {
   const double sharp_px = 0.5, depth_m = 2.0;
   Object object;
@@ -173,8 +173,8 @@ TEST(Rasterise, MipTrainedKernelsAreCompensated) {
   EXPECT_NEAR(draw(object, straight_ahead()).image.at(64, 48)[3], expected, kRounding);
 }
 
-TEST(Rasterise, DistanceOrderIsNotViewOrderOffTheAxis) {
-  // At pixel (64, 48): the green one is nearer along the axis but farther from the eye.
+TEST(Rasterise, DistanceAndViewOrderDifferOffAxis) {
+  // At pixel (64, 48), the green kernel is nearer along the axis but farther from the eye.
   Object object;
   synthetic::add_ball(object, {0.0, 0, -2.0}, 0.3, 0.9, {1, 0, 0});
   synthetic::add_ball(object, {0.7, 0, -1.9}, 0.9, 0.9, {0, 1, 0});
@@ -186,7 +186,7 @@ TEST(Rasterise, DistanceOrderIsNotViewOrderOffTheAxis) {
   EXPECT_GT(by_distance.image.at(64, 48)[0], by_distance.image.at(64, 48)[1]);
 }
 
-TEST(Rasterise, KernelsAtOneDepthKeepTheirOrder) {
+TEST(Rasterise, KernelsAtEqualDepthKeepTheirOrder) {
   Object object;
   synthetic::add_ball(object, {0, 0, -2}, 0.5, 0.9, {1, 0, 0});
   synthetic::add_ball(object, {0, 0, -2}, 0.5, 0.9, {0, 1, 0});
@@ -195,7 +195,7 @@ TEST(Rasterise, KernelsAtOneDepthKeepTheirOrder) {
   EXPECT_NEAR(view.image.at(64, 48)[1], 0.09, kRounding);
 }
 
-TEST(Rasterise, TurningSceneAndCameraTogetherChangesNothing) {
+TEST(Rasterise, InvariantUnderCommonRotation) {
   const Object object = synthetic::shell(3000, 3, 0.02, 5);
   const Camera camera = look_at({0.4, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 200, 150);
   const Pose motion{{0.3, -0.2, 0.5}, Eigen::Quaterniond(0.4, -0.3, 0.7, 0.5).normalized()};
@@ -206,7 +206,7 @@ TEST(Rasterise, TurningSceneAndCameraTogetherChangesNothing) {
   size_t different = 0;
   for (size_t i = 0; i < before.pixels.size(); ++i) {
     const float difference = std::abs(before.pixels[i] - after.pixels[i]);
-    // One kernel more or less at its cut-off, of a colour up to 2.
+    // One kernel more or less at its threshold, with a colour up to 2.
     EXPECT_LT(difference, 2.0f / 255.0f);
     different += difference > 1e-3f;
   }
@@ -225,7 +225,7 @@ uint64_t hash_of(const RasterisedView& view) {  // FNV-1a
   return hash;
 }
 
-TEST(Rasterise, GivesTheSameBitsForAnyThreadCountAndWithUsedBuffers) {
+TEST(Rasterise, DeterministicForThreadsAndReusedBuffers) {
   Object a = synthetic::shell(20'000, 2, 0.01, 6);
   Object b =
       synthetic::moved(synthetic::shell(15'000, 0, 0.02, 7), {{0.3, 0, 0.1}, Eigen::Quaterniond::Identity()});

@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-// std::assoc_legendre has no Condon-Shortley sign; (-1)^m puts it in.
+// std::assoc_legendre has no Condon-Shortley sign; (-1)^m adds it.
 double signed_legendre(int l, int m, double x) { return (m % 2 ? -1.0 : 1.0) * std::assoc_legendre(l, m, x); }
 
 double factorial(int n) { return std::tgamma(n + 1.0); }

@@ -11,8 +11,8 @@
 
 namespace livegs {
 
-// The formulas of the literature word for word: every kernel at every pixel, in doubles, with full matrices
-// and harmonics from Legendre polynomials. Shares no code with the rasteriser.
+// A literal implementation of the published formulas: every kernel at every pixel, in doubles, with full
+// matrices and harmonics from Legendre polynomials. Shares no code with the rasteriser.
 class ReferenceRenderer {
  public:
   ReferenceRenderer(std::span<const DrawnObject> objects, const Camera& camera,
@@ -21,7 +21,7 @@ class ReferenceRenderer {
   struct Pixel {
     Eigen::Vector3d rgb;
     double coverage;
-    double depth_m;  // infinity where transmittance never falls under 0.5
+    double depth_m;  // infinity if transmittance never falls under 0.5
   };
   Pixel pixel(int x, int y) const;
   Image image() const;

@@ -10,10 +10,10 @@ namespace {
 
 using namespace livegs::testing;
 
-TEST(PackedQuaternion, TheErrorStaysWithinTheStatedBound) {
-  // Each written component is off by at most half a step, 1 / (√2 (2^(b-1) - 1)) / 2. The error vector of the
-  // three is at most √3 of that; the missing one is at least 1/2, and where it is, it amplifies the error of
-  // the unit vector to at most twice; an angle is twice that of the quaternion.
+TEST(PackedQuaternion, ErrorIsWithinTheStatedBound) {
+  // Each written component has an error of at most half a step, 1 / (√2 (2^(b-1) - 1)) / 2. The error vector
+  // of the three is at most √3 times that. The missing component is at least 1/2; at that value it doubles
+  // the error of the unit vector at most. An angle is twice that of the quaternion.
   std::mt19937_64 random(1);
   for (const int bits : {kParticleComponentBits, kPoseComponentBits}) {
     const double half_step = 0.5 / (std::sqrt(2.0) * ((1 << (bits - 1)) - 1));
@@ -26,12 +26,12 @@ TEST(PackedQuaternion, TheErrorStaysWithinTheStatedBound) {
       largest = std::max(largest, angle_between(unpack_quaternion(packed, bits), q));
     }
     EXPECT_LE(largest, bound_rad);
-    EXPECT_GE(largest, half_step);  // an error that small would mean that nothing was quantised
+    EXPECT_GE(largest, half_step);  // a smaller error would mean that nothing is quantised
     EXPECT_LE(largest * 180.0 / M_PI, bits == kParticleComponentBits ? 0.07 : 0.0003);
   }
 }
 
-TEST(PackedQuaternion, QuarterTurnsAndTheIdentityHaveNoTilt) {
+TEST(PackedQuaternion, QuarterTurnsAndIdentityAreExact) {
   for (const int bits : {kParticleComponentBits, kPoseComponentBits}) {
     for (int axis = 0; axis < 4; ++axis) {
       for (const double sign : {1.0, -1.0}) {

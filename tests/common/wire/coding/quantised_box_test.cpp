@@ -10,7 +10,7 @@ namespace {
 
 using namespace livegs::testing;
 
-TEST(QuantisedBox, ABoxHoldsItsPointsAndIsWithinHalfAStep) {
+TEST(QuantisedBox, ContainsPointsWithinHalfAStep) {
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 2000; ++trial) {
     const double size = std::pow(10.0, uniform(random, -6.0, 4.0)),
@@ -27,7 +27,7 @@ TEST(QuantisedBox, ABoxHoldsItsPointsAndIsWithinHalfAStep) {
       for (const Eigen::Vector3d& point : {a, b, Eigen::Vector3d(0.5 * (a + b))}) {
         const Eigen::Array3d half_step = box.edge_m.cast<double>().array() / ((1 << bits) - 1) / 2.0;
         const Eigen::Array3d off = (box.position_m(box.quantise(point, bits), bits) - point).array().abs();
-        // Beyond half a step only the rounding of double arithmetic at the point's magnitude.
+        // Above half a step, only the rounding of doubles at the magnitude of the point.
         EXPECT_TRUE((off <= half_step * (1.0 + 1e-9) + 4e-16 * (where + size)).all()) << off << half_step;
       }
     }

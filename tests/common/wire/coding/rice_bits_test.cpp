@@ -8,8 +8,7 @@
 namespace livegs {
 namespace {
 
-// Small numbers, such as have 24 zeros and more before their first bit, and such as fill all 32 bits, by
-// turns.
+// Alternates small numbers, numbers with 24 or more leading zeros in the code, and full 32-bit numbers.
 uint32_t number(std::mt19937& random, int k) {
   const uint32_t all = static_cast<uint32_t>(random());
   switch (random() % 8) {
@@ -22,7 +21,7 @@ uint32_t number(std::mt19937& random, int k) {
   }
 }
 
-TEST(RiceBits, ThreeAtOnceAreThreeOneAfterTheOther) {
+TEST(RiceBits, ThreeAtOnceEqualThreeSingleCodes) {
   std::mt19937 random(1);
   constexpr size_t kTriples = 2000;
   for (int k = 0; k <= kMaxRiceBits; ++k) {

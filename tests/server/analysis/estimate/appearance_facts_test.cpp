@@ -21,20 +21,20 @@ GaussianAsset painted(const std::vector<Eigen::Vector3f>& colours, float logit) 
   return asset;
 }
 
-TEST(AppearanceFacts, MeansAreThoseOfTheKernels) {
+TEST(AppearanceFacts, AveragesKernelColours) {
   const AppearanceFacts facts = appearance_facts(painted({{1, 0, 0}, {0.5f, 0.5f, 0.5f}}, 0.0f));
   EXPECT_NEAR((facts.mean_rgb - Eigen::Vector3f(0.75f, 0.25f, 0.25f)).norm(), 0, 1e-6);
   EXPECT_NEAR(facts.mean_opacity, 0.5, 1e-6);
-  EXPECT_NEAR(facts.saturation, 0.5, 1e-6);  // one full, one none
+  EXPECT_NEAR(facts.saturation, 0.5, 1e-6);  // mean of one full and one zero
   EXPECT_NEAR(facts.hue_spread, 0.0, 1e-3);  // only one hue
   EXPECT_EQ(facts.gloss, 0.0f);
 }
 
-TEST(AppearanceFacts, OppositeHuesSpread) {
+TEST(AppearanceFacts, OppositeHuesHaveMaximumSpread) {
   EXPECT_GT(appearance_facts(painted({{1, 0, 0}, {0, 1, 1}}, 2.0f)).hue_spread, 2.0f);
 }
 
-TEST(AppearanceFacts, AnEmptyAssetHasNone) { EXPECT_EQ(appearance_facts({}).mean_opacity, 0.0f); }
+TEST(AppearanceFacts, EmptyAssetHasNoFacts) { EXPECT_EQ(appearance_facts({}).mean_opacity, 0.0f); }
 
 }  // namespace
 }  // namespace livegs

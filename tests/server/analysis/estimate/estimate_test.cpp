@@ -44,11 +44,11 @@ void expect_sound(const v1::PhysicalParameters& p) {
   }
   EXPECT_NE(p.behavior(), v1::Physics::AUTO);
   EXPECT_GT(p.confidence(), 0);
-  EXPECT_LE(p.confidence(), 0.6);  // an offline answer never claims more
+  EXPECT_LE(p.confidence(), 0.6);  // the upper bound of an offline estimate
 }
 
-TEST(EstimateOffline, AShapesMassIsDensityTimesVolume) {
-  // Softwood, 500 kg/m3, a litre: told as what takes up room.
+TEST(EstimateOffline, ShapeMassIsDensityTimesVolume) {
+  // Softwood, 500 kg/m3, one litre, given as a volume.
   ObjectFacts facts = facts_of_box("wood block", {0.1, 0.1, 0.1});
   facts.solid = true;
   const auto p = estimate_offline(facts);
@@ -58,9 +58,9 @@ TEST(EstimateOffline, AShapesMassIsDensityTimesVolume) {
   expect_sound(p);
 }
 
-TEST(EstimateOffline, ACapturedThingsMassLiesBetweenItsTwoLooks) {
-  // A shell of ABS, 1050 kg/m3, 5 mm of wall on six faces of 0.04 m2, and what such things weigh at this
-  // size.
+TEST(EstimateOffline, CapturedMassLiesBetweenBothEstimates) {
+  // A shell of ABS, 1050 kg/m3, 5 mm wall on six faces of 0.04 m2, combined with the usual mass of such
+  // objects.
   const ObjectFacts facts = facts_of_box("brick model", {0.2, 0.2, 0.2});
   const auto p = estimate_offline(facts);
   const ObjectRow& row = *find_object_row("brick model");
@@ -73,7 +73,7 @@ TEST(EstimateOffline, ACapturedThingsMassLiesBetweenItsTwoLooks) {
   expect_sound(p);
 }
 
-// The same mug-sized cup, 4 mm thick all over.
+// A mug-sized cup with a uniform wall of 4 mm.
 ObjectFacts facts_of_cup(const char* name) {
   ObjectFacts facts;
   facts.name = name;
@@ -88,9 +88,9 @@ ObjectFacts facts_of_cup(const char* name) {
   return facts;
 }
 
-// Looks break ties: without a name, what is green is more likely a plant, what is clear glass, what is brown
+// Appearance breaks ties: an unnamed green object is more likely a plant, a clear one glass, a brown one
 // wood.
-TEST(KindLikelihood, LooksMakeKindsOfTheirMaterialsLikelier) {
+TEST(KindLikelihood, AppearanceFavoursMatchingMaterials) {
   struct Look {
     const char* name;
     AppearanceFacts look;
@@ -127,7 +127,7 @@ TEST(KindLikelihood, LooksMakeKindsOfTheirMaterialsLikelier) {
     }
     EXPECT_GT(of_class, 3u) << one.name;
   }
-  // Enough to tell two kinds of one size and shape apart.
+  // Separates two classes of the same size and shape.
   facts.appearance = looks[0].look;
   const auto share_of = [&](const char* of) {
     double share = 0;
@@ -141,7 +141,7 @@ TEST(KindLikelihood, LooksMakeKindsOfTheirMaterialsLikelier) {
   EXPECT_GT(green, 2 * share_of("plant"));
 }
 
-TEST(EstimateOffline, AMaterialThatIsToldDecides) {
+TEST(EstimateOffline, NamedMaterialDecides) {
   const auto mug = estimate_offline(facts_of_cup("mug")), metal = estimate_offline(facts_of_cup("metal mug")),
              plastic = estimate_offline(facts_of_cup("red plastic mug"));
   EXPECT_EQ(material_row(metal.material()).material_class, "metal");
@@ -150,11 +150,11 @@ TEST(EstimateOffline, AMaterialThatIsToldDecides) {
   EXPECT_TRUE(mug.fragile());
   EXPECT_LT(plastic.mass_kg().best(), metal.mass_kg().best());
   EXPECT_LT(metal.mass_kg().best(), mug.mass_kg().best());
-  // Which of them it is stays open without the word, so the range holds them all.
+  // Without the material word the class is open, and the range covers all of them.
   EXPECT_LT(mug.mass_kg().low(), plastic.mass_kg().high());
 }
 
-TEST(EstimateOffline, AnAppleIsNotOfTheMaterialApple) {
+TEST(EstimateOffline, AppleIsNotMadeOfMaterialApple) {
   const char* names[] = {"apple", "plastic apple", "toy apple"};
   double before_kg = 1;
   for (const char* name : names) {
@@ -172,7 +172,7 @@ TEST(EstimateOffline, AnAppleIsNotOfTheMaterialApple) {
   }
 }
 
-TEST(EstimateOffline, AThingOfSeveralMaterialsNamesItsParts) {
+TEST(EstimateOffline, CompositeObjectListsItsParts) {
   const auto plant = estimate_offline(facts_of_box("potted plant", {0.3, 0.5, 0.3}));
   ASSERT_GE(plant.parts_size(), 2);
   double sum = 0;
@@ -184,7 +184,7 @@ TEST(EstimateOffline, AThingOfSeveralMaterialsNamesItsParts) {
   EXPECT_EQ(estimate_offline(facts_of_box("brick", {0.2, 0.1, 0.06})).parts_size(), 0);
 }
 
-TEST(EstimateOffline, SoftThingsAreElasticAndHardOnesRigid) {
+TEST(EstimateOffline, SoftIsElasticAndHardIsRigid) {
   for (const char* name :
        {"pillow", "sponge", "rubber duck", "felt hat", "potted plant", "teddy bear", "jelly", "football"}) {
     EXPECT_EQ(estimate_offline(facts_of_box(name, {0.3, 0.3, 0.2})).behavior(), v1::Physics::ELASTIC) << name;
@@ -195,14 +195,14 @@ TEST(EstimateOffline, SoftThingsAreElasticAndHardOnesRigid) {
   }
 }
 
-TEST(EstimateOffline, BrittleMaterialsAreFragileAndSayAtWhatImpulse) {
+TEST(EstimateOffline, BrittleMaterialHasBreakingImpulse) {
   const auto mug = estimate_offline(facts_of_box("mug", {0.1, 0.1, 0.1}));
   EXPECT_TRUE(mug.fragile());
   EXPECT_GT(mug.break_impulse_n_s().best(), 0);
   EXPECT_FALSE(estimate_offline(facts_of_box("pillow", {0.4, 0.1, 0.4})).fragile());
 }
 
-TEST(EstimateOffline, AGuessedScaleWidensTheMass) {
+TEST(EstimateOffline, GuessedScaleWidensTheMassRange) {
   ObjectFacts facts = facts_of_box("mug", {0.1, 0.1, 0.1});
   const auto known = estimate_offline(facts);
   facts.scale_known = false;
@@ -212,8 +212,8 @@ TEST(EstimateOffline, AGuessedScaleWidensTheMass) {
   EXPECT_LT(guessed.confidence(), known.confidence());
 }
 
-// Whatever the facts are, the answer is sound.
-TEST(EstimateOffline, AnyFactsGiveASoundAnswer) {
+// Any facts give a valid estimate.
+TEST(EstimateOffline, AnyFactsGiveAValidEstimate) {
   std::mt19937_64 random(7);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);

@@ -9,15 +9,14 @@
 namespace livegs {
 namespace {
 
-// Mass of the 26 objects of shared/data/ycb, from their kernels alone; tests/bench/mass_harness writes all
-// figures with their intervals. Of 26 objects a mean is known to about a third. With a name MAPE should be at
-// most 0.25. MnRE should be at least 0.60, and coverage 0.85 (it is 0.96 to 1: server/analysis/README.md).
-// Figures that miss are in known_gaps.csv.
+// Mass errors of the 26 objects of shared/data/ycb, from kernels alone. tests/bench/mass_harness writes all
+// measures with intervals; a mean over 26 objects is uncertain by about a third. Goals with a name: MAPE at
+// most 0.25, MnRE at least 0.60, coverage at least 0.85. Missed goals are listed in tests/known_gaps.csv.
 struct Bar {
   NameGiven name;
   bool metric;
   const char* id;
-  bool mape;  // is judged: it meets 0.25
+  bool mape;  // MAPE is asserted: the goal of 0.25 is met
 };
 constexpr double kMaxMape = 0.25, kMinMnre = 0.60, kMinCoverage = 0.85;
 
@@ -39,7 +38,7 @@ TEST_P(KnownMass, IsEstimatedWithinItsBar) {
   }
   EXPECT_GE(scores.mnre.value, kMinMnre);
   EXPECT_GE(scores.coverage.value, kMinCoverage);
-  // High over low, over the width that would just hold 95 %.
+  // Width of the ranges, relative to the width that encloses exactly 95 %.
   report_gap(std::string("known_mass.width.") + bar.id, scores.width.value / scores.width_needed.value);
 }
 

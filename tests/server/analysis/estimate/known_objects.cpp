@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDefaultSize_m = 0.4;  // place_asset's, for a name that says nothing
+constexpr double kDefaultSize_m = 0.4;  // default size of place_asset() for an unknown name
 
 struct Words {
   std::string label, noun;
@@ -40,7 +40,7 @@ std::map<std::string, Words> words_by_id() {
   return words;
 }
 
-// No facts at all where a file cannot be read: the tests then see a mass of nothing and say so.
+// Returns empty facts for an unreadable file; the tests then fail on a mass of 0.
 ObjectFacts facts_of(const fs::path& folder, KnownForm form) {
   ObjectFacts facts;
   facts.scale_known = true;
@@ -50,7 +50,7 @@ ObjectFacts facts_of(const fs::path& folder, KnownForm form) {
   }
   const auto file = read_asset(folder / "splat.ply");
   if (!file) return facts;
-  // +Z up there; mass does not care.
+  // +Z is up in these files, which does not affect mass.
   const auto surface = reconstruct_surface(body_points(file->asset, Similarity{}), elastic_surface_options());
   if (!surface) return facts;
   facts.mesh = mesh_facts(surface->mesh);

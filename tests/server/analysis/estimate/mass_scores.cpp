@@ -43,7 +43,7 @@ double median_width(const Sample& sample) {
 }
 
 double width_needed(const Sample& sample) {
-  std::vector<double> used;  // how far into its range, in parts of it, the truth stands
+  std::vector<double> used;  // position of the truth within its range, as a fraction
   for (const MassAnswer* a : sample) {
     const double end_kg = a->true_kg < a->best_kg ? a->low_kg : a->high_kg;
     used.push_back(std::abs(std::log(a->true_kg / a->best_kg)) /

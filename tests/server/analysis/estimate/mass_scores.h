@@ -6,20 +6,19 @@
 
 namespace livegs {
 
-// One object whose mass is known, and what was estimated for it. Kilograms.
+// True and estimated mass of one object. Kilograms.
 struct MassAnswer {
   std::string id;
   double true_kg = 0;
   double low_kg = 0, best_kg = 0, high_kg = 0;
 };
 
-// A figure over a set of objects, with the 95 % interval of the mean (median, …) over resampled sets.
+// A measure over a set of objects, with its 95 % bootstrap interval.
 struct Figure {
   double value = 0, low = 0, high = 0;
 };
 
-// The measures of mass estimates in use: Zhai et al. 2024 (NeRF2Physics), section 4.1, for ADE, ALDE and
-// MnRE.
+// Common measures of mass estimates; ADE, ALDE and MnRE as in Zhai et al. 2024 (NeRF2Physics), section 4.1.
 struct MassScores {
   size_t count = 0;
   Figure mape;  // mean of |p - t| / t
@@ -32,12 +31,13 @@ struct MassScores {
   Figure within_2x;  // share with t / 2 <= p <= 2 t
   Figure coverage;   // share with low <= t <= high
   Figure width;      // median of high / low
-  // `width`, if every range were drawn together (or out) around its best, in the logarithm, until it holds 95
-  // % just so.
+  // `width` after scaling all ranges around their best value, in the logarithm, so that exactly 95 % of them
+  // contain the truth.
   Figure width_needed;
 };
 
-// 2000 resamplings with a fixed seed. Precondition: not empty, all masses positive.
+// 2000 resamplings with a fixed seed.
+// Precondition: not empty, all masses positive.
 MassScores mass_scores(std::span<const MassAnswer> answers);
 
 }  // namespace livegs

@@ -23,11 +23,11 @@ class MergeScenePhysics : public testing::Test {
   v1::Physics written;
 };
 
-TEST_F(MergeScenePhysics, NothingWrittenChangesNothing) {
+TEST_F(MergeScenePhysics, NoAuthorValueChangesNothing) {
   EXPECT_EQ(merge().SerializeAsString(), estimated.SerializeAsString());
 }
 
-TEST_F(MergeScenePhysics, WhatIsWrittenWinsAndSaysSo) {
+TEST_F(MergeScenePhysics, AuthorValuesWinWithAReason) {
   written.set_mass_kg(0.4);
   written.set_friction(0.9);
   const auto merged = merge();
@@ -43,22 +43,22 @@ TEST_F(MergeScenePhysics, DensityTimesVolumeIsMass) {
   EXPECT_NEAR(merge().mass_kg().best(), 0.8, 1e-12);
 }
 
-TEST_F(MergeScenePhysics, StiffnessToldIsThatOfTheWholeBody) {
+TEST_F(MergeScenePhysics, GivenStiffnessIsThatOfTheWholeBody) {
   written.set_youngs_modulus_pa(1e6);
   const auto merged = merge();
   EXPECT_EQ(merged.structure_coefficient().best(), 1.0);
-  EXPECT_EQ(merged.behavior(), v1::Physics::ELASTIC);               // AUTO, and 1 MPa deforms
+  EXPECT_EQ(merged.behavior(), v1::Physics::ELASTIC);               // AUTO, and a body of 1 MPa deforms
   EXPECT_NEAR(merged.deformation_resistance().best(), 0.5, 1e-12);  // a break point of the paper's map
 }
 
-TEST_F(MergeScenePhysics, DeformationResistanceIsTurnedBackIntoStiffness) {
+TEST_F(MergeScenePhysics, DeformationResistanceIsConvertedToStiffness) {
   written.set_deformation_resistance(0.8);
   const auto merged = merge();
   EXPECT_NEAR(merged.youngs_modulus_pa().best(), 50e6, 1);  // the next break point
   EXPECT_NEAR(merged.deformation_resistance().best(), 0.8, 1e-9);
 }
 
-TEST_F(MergeScenePhysics, ContradictionsAndBadRangesNameTheField) {
+TEST_F(MergeScenePhysics, ContradictionsAndRangeErrorsNameTheField) {
   const std::pair<void (*)(v1::Physics&), const char*> cases[] = {
       {[](v1::Physics& p) { p.set_mass_kg(-1); }, "mass_kg"},
       {[](v1::Physics& p) { p.set_mass_kg(std::nan("")); }, "mass_kg"},
@@ -78,7 +78,7 @@ TEST_F(MergeScenePhysics, ContradictionsAndBadRangesNameTheField) {
   }
 }
 
-TEST(ToMaterial, CarriesEveryValueInSi) {
+TEST(ToMaterial, ConvertsEveryValueToSi) {
   v1::PhysicalParameters p;
   p.set_behavior(v1::Physics::ELASTIC);
   p.set_fill(v1::Physics::OPEN_SHELL);

@@ -7,7 +7,7 @@
 
 namespace livegs {
 
-// Of one piece, at a known scale; lengths and volumes as a closed mesh has them.
+// One piece at a known scale; lengths and volumes of a closed mesh.
 inline ObjectFacts facts_of(const char* name, const MeshFacts& mesh) {
   ObjectFacts facts;
   facts.name = name;
@@ -17,7 +17,7 @@ inline ObjectFacts facts_of(const char* name, const MeshFacts& mesh) {
   return facts;
 }
 
-// A stoneware mug of 80 x 95 x 80 mm, captured with both of its walls: 120 cm3 of material.
+// A stoneware mug of 80 x 95 x 80 mm, captured inside and outside: 120 cm3 of material.
 inline ObjectFacts mug_facts() {
   return facts_of("mug", {.size_m = {0.08, 0.095, 0.08},
                           .principal_size_m = {0.095, 0.08, 0.08},

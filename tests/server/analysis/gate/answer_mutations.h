@@ -7,8 +7,8 @@
 
 namespace livegs {
 
-// Spoils an answer the way models, proxies and attackers do: in its structure first, then in its bytes. The
-// same seed spoils the same way.
+// Corrupts an answer as faulty models, proxies and attackers do: first its structure, then its bytes.
+// Deterministic in the seed.
 class AnswerMutator {
  public:
   explicit AnswerMutator(uint64_t seed) : random_(seed) {}
@@ -35,7 +35,7 @@ class AnswerMutator {
     std::advance(at, static_cast<long>(below(object.size())));
     return at.key();
   }
-  // Walks down; stops anywhere.
+  // Walks down to a random node.
   nlohmann::json& pick_node(nlohmann::json& root) {
     nlohmann::json* node = &root;
     while (node->is_structured() && !node->empty() && below(6) != 0) {
@@ -66,7 +66,7 @@ class AnswerMutator {
         break;
       case 1:
       case 2:
-      case 3:  // a slip of units, or a nudge
+      case 3:  // a slip of units, or a small change
         if (node.is_number()) {
           constexpr double kFactors[] = {1e-9, 1e-6, 1e-3, 0.1, 0.5, 0.9, 1.1, 2,
                                          8,    8.1,  10,   1e3, 1e6, 1e9, -1};

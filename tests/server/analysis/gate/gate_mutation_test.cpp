@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spoiled answers through the gate. 20,000 of them here; LIVEGS_GATE_MUTATIONS=1000000 runs a million.
+// Corrupted answers through the gate: 20,000 by default, or LIVEGS_GATE_MUTATIONS.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -69,7 +69,7 @@ Judgement judge_spoiled(const std::vector<Case>& cases, uint64_t seed) {
   return judge_answer(AnswerMutator(seed).mutate(one.answer), one.facts, one.before);
 }
 
-TEST(GateMutations, NoneCrashesLeavesTheRangesOrChangesALockedValue) {
+TEST(GateMutations, NoneLeavesTheRangesOrChangesALockedValue) {
   const std::vector<Case> cases = spoiled_cases();
   const char* asked = std::getenv("LIVEGS_GATE_MUTATIONS");
   const long count = asked ? std::atol(asked) : 20000;
@@ -106,7 +106,7 @@ TEST(GateMutations, NoneCrashesLeavesTheRangesOrChangesALockedValue) {
                 one.before.friction().SerializeAsString());
     }
   }
-  // All three doors were used.
+  // All three verdicts occur.
   EXPECT_GT(verdicts[0], count / 20);
   EXPECT_GT(verdicts[1], count / 2000);
   EXPECT_GT(verdicts[2], count / 20);
@@ -115,9 +115,9 @@ TEST(GateMutations, NoneCrashesLeavesTheRangesOrChangesALockedValue) {
               verdicts[2]);
 }
 
-// Whatever it says of their stuff, a mug that goes through stays hard and a sponge, a pillow or a tennis ball
-// soft, with E* within eight times or the range of what such things have. Scales are guessed in half of them.
-TEST(GateMutations, NoneChangesWhatANameSays) {
+// For any stated material, an accepted mug stays hard, and a sponge, pillow or tennis ball stays soft: E* is
+// within eight times, or within the range, of such objects. Half of the scales are guessed.
+TEST(GateMutations, NoneContradictsTheName) {
   std::mt19937_64 random(7);
   const auto below = [&](size_t count) { return static_cast<size_t>(random() % count); };
   const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -167,7 +167,7 @@ TEST(GateMutations, NoneChangesWhatANameSays) {
     const auto& e = offline.youngs_modulus_pa();
     const auto& s = offline.structure_coefficient();
     if (offline.behavior() == v1::Physics::RIGID) {
-      ASSERT_GT(told_pa, 200e6 / 8);  // of a plastic mug, what there is softest
+      ASSERT_GT(told_pa, 200e6 / 8);  // the softest possible mug is plastic
     } else {
       ASSERT_GE(told_pa, std::min(e.low() * s.low(), e.best() * s.best() / 8) * 0.999);
       ASSERT_LE(told_pa, std::max(e.high() * s.high(), e.best() * s.best() * 8) * 1.001);
@@ -177,8 +177,8 @@ TEST(GateMutations, NoneChangesWhatANameSays) {
   EXPECT_GT(review, 800);
 }
 
-// Found by four million of them: a wall of 0.01 mm, the thinnest there is, and its range reached below.
-TEST(GateMutations, WhatOnceLeftTheRangesStaysWithin) {
+// Regression: the thinnest wall, 0.01 mm, whose range extended below the limit.
+TEST(GateMutations, ThinnestWallStaysWithinTheRanges) {
   const Judgement judgement = judge_spoiled(spoiled_cases(), 1145262);
   ASSERT_NE(judgement.verdict, Verdict::Refused) << judgement.message;
   EXPECT_EQ(judgement.proposal.wall_thickness_m().low(), kWallRange_m.low);

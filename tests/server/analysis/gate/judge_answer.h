@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// One answer through the whole gate, by the steps that ask_model takes: read, examine, vote (of one), weigh.
-// `offline` is what the object has now.
+// Runs one answer through the whole gate, in the steps of ask_model: read, validate, vote (of one), weigh.
+// `offline` holds the current values of the object.
 inline Judgement judge_answer(std::string_view raw, const ObjectFacts& facts,
                               const v1::PhysicalParameters& offline) {
   auto answer = read_answer(raw);
@@ -22,7 +22,7 @@ inline Judgement judge_answer(std::string_view raw, const ObjectFacts& facts,
   return refused;
 }
 
-// Of an object that nobody has said anything of.
+// For an object without user or scene values.
 inline Judgement judge(const nlohmann::json& answer, const ObjectFacts& facts = mug_facts()) {
   return judge_answer(answer.dump(), facts, estimate_offline(facts));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gate says of a mass by stuff and room alone: true things go through, slips of units do not.
+// Mass bounds from material and volume alone: real objects are accepted, slips of units are not.
 #include "analysis/gate/mass_bounds.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-// Read as it stands, without its units being mended.
+// Parsed only, without correction of units.
 Answer answer_of(const ObjectRow& row, double mass_kg, double wall_mm, bool by_parts) {
   json answer = answer_of_row(row, v1::Physics::RIGID, 1e3 * mass_kg);
   if (by_parts && !row.parts.empty()) {
@@ -30,8 +30,8 @@ Answer answer_of(const ObjectRow& row, double mass_kg, double wall_mm, bool by_p
   return read ? *read : Answer();
 }
 
-// The surfaces that may be captured of a usual thing of the row: its box's area, an ellipsoid's, and the
-// box's inside and out; as compact as the check asks for and more.
+// Possible captured surfaces of a typical object of the row: the area of its box, of an ellipsoid, and of the
+// box inside and outside, at least as compact as the check requires.
 std::vector<ObjectFacts> captures_of(const ObjectRow& row) {
   std::vector<ObjectFacts> captures;
   const ObjectFacts plain = facts_of_row(row, row.label);
@@ -42,7 +42,7 @@ std::vector<ObjectFacts> captures_of(const ObjectRow& row) {
       facts.mesh.area_m2 = area_m2;
       facts.mesh.mean_wall_m = 2 * facts.mesh.volume_m3 / area_m2;
       facts.mesh.solidity = solidity;
-      if (facts.mesh.volume_m3 > solidity * box_m.prod()) continue;  // a hull is no larger than its box
+      if (facts.mesh.volume_m3 > solidity * box_m.prod()) continue;  // a hull is not larger than its box
       facts.mesh.hull_volume_m3 = std::max(facts.mesh.volume_m3 / solidity, 0.5 * box_m.prod());
       captures.push_back(facts);
     }
@@ -54,11 +54,11 @@ struct Count {
   int all = 0, caught = 0;
 };
 
-TEST(MassBounds, EveryRowOfTheTableGoesThrough) {
+TEST(MassBounds, AcceptsEveryTableRow) {
   int asked = 0;
   for (const ObjectRow& row : object_table()) {
     for (const ObjectFacts& facts : captures_of(row)) {
-      // As usual, and as light and as heavy as one of twenty is.
+      // Median mass, and the 5 % and 95 % quantiles.
       for (const double deviations : {-1.645, 0.0, 1.645}) {
         const double mass_kg = row.mass_kg * std::exp(deviations * row.mass_log_sd);
         for (const double wall_m : {0.0, row.wall_m.best}) {
@@ -77,16 +77,16 @@ TEST(MassBounds, EveryRowOfTheTableGoesThrough) {
   EXPECT_GT(asked, 20'000);
 }
 
-// Whole gate, by name: a mass that is 100 or 1000 times off is never installed; where the material confirms
-// kilograms for grams it is mended.
-TEST(MassBounds, SlipsOfUnitsAreCaughtByTheGate) {
+// With a known name, a mass off by a factor of 100 or 1000 is never installed. If the material confirms
+// kilograms for grams, it is corrected.
+TEST(MassBounds, CatchesUnitSlipsWithAName) {
   int mended = 0, asked = 0;
   for (const ObjectRow& row : object_table()) {
     const ObjectFacts facts = facts_of_row(row, row.label);
     const auto offline = estimate_offline(facts);
     for (const double slip : {1e-3, 1e-2, 1e2, 1e3}) {
       const double told_kg = slip * row.mass_kg;
-      if (!kMassRange_kg.holds(told_kg)) continue;  // refused as it is read
+      if (!kMassRange_kg.holds(told_kg)) continue;  // refused by the parser
       const json answer = answer_of_row(row, offline.behavior(), 1e3 * told_kg);
       const Judgement judgement = judge_answer(answer.dump(), facts, offline);
       ++asked;
@@ -95,7 +95,7 @@ TEST(MassBounds, SlipsOfUnitsAreCaughtByTheGate) {
       EXPECT_LT(slip, 1) << row.label;
       const double best_kg = judgement.parameters.mass_kg().best();
       if (row.label == "plastic bottle" && slip == 1e-2) {
-        // 0.55 g cannot be; 0.55 kg is a full one, as its name may mean.
+        // 0.55 g is impossible; 0.55 kg is a filled one, which the name allows.
         EXPECT_GE(best_kg, offline.mass_kg().low());
         EXPECT_LE(best_kg, offline.mass_kg().high());
         continue;
@@ -108,9 +108,8 @@ TEST(MassBounds, SlipsOfUnitsAreCaughtByTheGate) {
   EXPECT_GT(asked, 1500);
 }
 
-// By stuff and room alone, where nothing is known of the object: of solids and of walls whose thickness is
-// told.
-TEST(MassBounds, MostSlipsOfUnitsAreCaughtWithoutAName) {
+// Without a name, from material and volume alone: solids, and walls of given thickness.
+TEST(MassBounds, CatchesMostUnitSlipsWithoutAName) {
   for (const auto& [slip, least_solid, least_wall] :
        {std::tuple(1e-3, 1.0, 1.0), {1e-2, 0.8, 0.95}, {1e2, 0.8, 0.5}, {1e3, 1.0, 0.99}}) {
     Count solid, wall;
@@ -123,8 +122,7 @@ TEST(MassBounds, MostSlipsOfUnitsAreCaughtWithoutAName) {
         airy = airy || material_class == name;
       const ObjectFacts facts = facts_of_row(row, "");
       const bool thin = facts.mesh.mean_wall_m < 1.5 * 0.03 * facts.mesh.box_m.norm();
-      if (slip < 1 && (airy || (!walled && (thin || facts.mesh.solidity < 0.7))))
-        continue;  // nothing is said of them
+      if (slip < 1 && (airy || (!walled && (thin || facts.mesh.solidity < 0.7)))) continue;  // not bounded
       const double told_kg = slip * row.mass_kg;
       Count& count = walled ? wall : solid;
       ++count.all;
@@ -142,9 +140,9 @@ TEST(MassBounds, MostSlipsOfUnitsAreCaughtWithoutAName) {
   }
 }
 
-// True masses of the 26 objects, by four names, of one material and of the name's parts, with and without a
-// told wall, at a true scale and a guessed one.
-TEST(MassBounds, NoTrueMassOfAKnownObjectIsHeldBack) {
+// True masses of the 26 objects with four names each, of one material or the name's parts, with and without a
+// given wall, at a known and a guessed scale.
+TEST(MassBounds, AcceptsTrueMassesOfKnownObjects) {
   const auto& objects = known_objects(KnownForm::Splats);
   if (objects.empty()) GTEST_SKIP() << "shared data is not here";
   int asked = 0, held = 0;
@@ -185,8 +183,8 @@ TEST(MassBounds, NoTrueMassOfAKnownObjectIsHeldBack) {
   EXPECT_GT(asked, 200);
 }
 
-// Real things that weigh next to nothing, and one that weighs much, through the whole gate. Masses are those
-// of such things in any household; a 30 cm balloon of 3 g holds 9 l of air, which is not its own mass.
+// Real objects with extreme masses, through the whole gate. Masses are typical household values. A 30 cm
+// balloon of 3 g contains 9 l of air, which is not part of its mass.
 struct Thing {
   const char* name;
   Eigen::Vector3d size_m;
@@ -197,7 +195,7 @@ struct Thing {
   bool elastic;
 };
 
-TEST(MassBounds, FeathersBalloonsPaperAndFoilAreNotRefused) {
+TEST(MassBounds, AcceptsVeryLightObjects) {
   const double ball = EIGEN_PI / 6;
   const Thing things[] = {
       {"balloon", {0.27, 0.3, 0.27}, ball * 0.27 * 0.27 * 0.3, 0.245, "shell", "natural rubber", 0, 3, true},
@@ -218,7 +216,7 @@ TEST(MassBounds, FeathersBalloonsPaperAndFoilAreNotRefused) {
        "natural rubber",
        0.25,
        3,
-       true},  // as it was
+       true},  // before inflation
       {"balloon",
        {0.23, 0.25, 0.23},
        ball * 0.23 * 0.23 * 0.25,

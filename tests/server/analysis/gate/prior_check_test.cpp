@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Step 8 of the gate: what is far from what was known, or at odds with itself, waits for a person.
+// Step 8 of the gate: an answer far from the prior, or inconsistent, becomes a proposal.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-TEST(GatePrior, WhatIsFarFromThePriorIsKeptAsAProposal) {
+TEST(GatePrior, AnswerFarFromThePriorIsAProposal) {
   const Judgement judgement =
       judge(with_fields(mug_answer(), {{"mass_g", {{"low", 2500}, {"best", 3500}, {"high", 5000}}}}));
   EXPECT_EQ(judgement.verdict, Verdict::NeedsReview);
@@ -24,8 +24,8 @@ TEST(GatePrior, WhatIsFarFromThePriorIsKeptAsAProposal) {
   EXPECT_GT(judgement.proposal.mass_kg().best(), 0.5);
 }
 
-// A null hides nothing: what is judged is what would be installed in its place.
-TEST(GatePrior, WhatIsOfAnotherStuffOrBehaviourThanTheNameSaysIsKeptAsAProposal) {
+// A null in the answer is checked as well, by the value that would be installed.
+TEST(GatePrior, ContradictionOfTheNameIsAProposal) {
   const json no_e = {{"young_mpa", nullptr}, {"structure_s", nullptr}, {"plasticity", nullptr}};
   const json soft_mug =
       with_fields(mug_answer(), {{"young_mpa", nullptr}, {"behaviour", "elastic"}, {"fragile", false}});
@@ -73,8 +73,8 @@ TEST(GatePrior, WhatIsOfAnotherStuffOrBehaviourThanTheNameSaysIsKeptAsAProposal)
   }
 }
 
-// A lump of 1000 cm3 has 1/64 of that of its stuff at least, a wall 1/12 of its thickness times its area.
-TEST(GatePrior, TooLittleOfTheStuffThatItNamesIsKeptAsAProposal) {
+// Minimum material: 1/64 of a lump of 1000 cm3; for a wall, 1/12 of thickness times area.
+TEST(GatePrior, TooLittleMaterialIsAProposal) {
   ObjectFacts lump;
   lump.scale_known = true;
   lump.mesh.size_m = lump.mesh.principal_size_m = lump.mesh.box_m = {0.1, 0.1, 0.1};
@@ -106,12 +106,12 @@ TEST(GatePrior, TooLittleOfTheStuffThatItNamesIsKeptAsAProposal) {
   // 600 cm2 of 2 mm are 120 cm3.
   EXPECT_EQ(verdict(lump, "shell", "carbon steel", 2, 10.5 * steel), Verdict::Accepted);
   EXPECT_EQ(verdict(lump, "shell", "carbon steel", 2, 9.5 * steel), Verdict::NeedsReview);
-  // Half of that where it was captured inside and out; no more than was enclosed.
+  // Half of that if captured inside and outside; at most the enclosed volume.
   EXPECT_EQ(verdict(lump, "open_shell", "carbon steel", 2, 5.5 * steel), Verdict::Accepted);
   EXPECT_EQ(verdict(lump, "open_shell", "carbon steel", 2, 4.5 * steel), Verdict::NeedsReview);
   EXPECT_EQ(verdict(lump, "shell", "carbon steel", 200, 84 * steel), Verdict::Accepted);
-  // Nothing is said of walls that are not told, of contents, of what is put together, of what holds air, of
-  // branching things and of what is thinner than its surface is drawn; and of a guessed scale an eighth.
+  // No bound for walls without a thickness, contents, assemblies, materials that hold air, branching objects
+  // and unresolved walls. A guessed scale lowers the bound to an eighth.
   for (const char* fill : {"shell", "open_shell", "filled", "assembly"})
     EXPECT_EQ(verdict(lump, fill, "carbon steel", nullptr, 2 * steel), Verdict::Accepted) << fill;
   for (const char* material : {"corrugated cardboard", "wicker", "leaf"})
@@ -126,7 +126,7 @@ TEST(GatePrior, TooLittleOfTheStuffThatItNamesIsKeptAsAProposal) {
   other.scale_known = false;
   EXPECT_EQ(verdict(other, "solid", "carbon steel", nullptr, 2 * steel), Verdict::Accepted);
   EXPECT_EQ(verdict(other, "solid", "carbon steel", nullptr, 1.9 * steel), Verdict::NeedsReview);
-  // A skin of 0.1 mm on 0.92 m2, where a 64th of 5000 cm3 is less.
+  // A skin of 0.1 mm on 0.92 m2 is the larger bound: more than a 64th of 5000 cm3.
   other = lump;
   other.mesh.size_m = other.mesh.box_m = {0.8, 0.3, 0.2};
   other.mesh.volume_m3 = 5e-3;
@@ -134,12 +134,12 @@ TEST(GatePrior, TooLittleOfTheStuffThatItNamesIsKeptAsAProposal) {
   other.mesh.mean_wall_m = 0.05;
   EXPECT_EQ(verdict(other, "solid", "carbon steel", nullptr, 93 * steel), Verdict::Accepted);
   EXPECT_EQ(verdict(other, "solid", "carbon steel", nullptr, 91 * steel), Verdict::NeedsReview);
-  other.mesh.area_m2 = 2;  // captured inside and out, it counts once
+  other.mesh.area_m2 = 2;  // captured inside and outside, which counts once
   EXPECT_EQ(verdict(other, "solid", "carbon steel", nullptr, 93 * steel), Verdict::Accepted);
 }
 
-// A takeaway cup of 11 g, a basket of wicker and a teddy bear are as light as that.
-TEST(GatePrior, WhatIsRightlyLightGoesThrough) {
+// Minimum masses of real objects: a takeaway cup of 11 g, a wicker basket, a teddy bear.
+TEST(GatePrior, LightObjectsAreAccepted) {
   const auto asked = [](const char* name, const Eigen::Vector3d& size_m, double volume_m3, double area_m2,
                         double openness, const json& fields) {
     ObjectFacts facts;
@@ -167,15 +167,15 @@ TEST(GatePrior, WhatIsRightlyLightGoesThrough) {
     parts[0]["thickness_mm"] = wall_mm;
     return parts;
   };
-  // A cup of 0.4 mm drawn 3 mm thick; of polypropylene too.
+  // A cup with a 0.4 mm wall, drawn 3 mm thick; also of polypropylene.
   asked("paper cup", {0.09, 0.11, 0.09}, 9e-5, 0.06, 0.8,
         {{"parts", walls("paperboard", 0.5)}, {"mass_g", 11}});
   asked("plastic cup", {0.09, 0.11, 0.09}, 9e-5, 0.06, 0.8,
         {{"parts", walls("polypropylene", 1)}, {"mass_g", 12}});
-  // 450 g, told as 8 mm of weave; captured as full of air.
+  // 450 g, stated as 8 mm of weave; captured as if filled with air.
   asked("wicker basket", {0.4, 0.24, 0.3}, 6e-3, 0.9, 0.5,
         {{"parts", walls("wicker", 8)}, {"mass_g", 450}, {"behaviour", "elastic"}});
-  // 26 x 20 x 18 cm, and its cover of cotton told as what it is made of throughout.
+  // 26 x 20 x 18 cm; its cotton cover is stated as the material throughout.
   for (const auto& [material, s] : {std::pair("plush", 0.5), std::pair("cotton fabric", 0.001)}) {
     asked("teddy bear", {0.2, 0.26, 0.18}, 4.5e-3, 0.19, 0,
           {{"fill", "solid"},
@@ -184,12 +184,12 @@ TEST(GatePrior, WhatIsRightlyLightGoesThrough) {
            {"behaviour", "elastic"},
            {"structure_s", s}});
   }
-  // A sphere of glass for a tree: 8 cm, 0.8 mm, told as 2.
+  // A glass christmas ball: 8 cm, 0.8 mm wall, stated as 2 mm.
   asked("christmas ball", {0.08, 0.08, 0.08}, 2.6e-4, 0.02, 0,
         {{"fill", "shell"}, {"parts", walls("soda-lime glass", 2)}, {"mass_g", 28}, {"fragile", true}});
 }
 
-TEST(GatePrior, WhatTheNameMayMeanIsAcceptedOfAnotherStuffToo) {
+TEST(GatePrior, OtherMeaningsOfTheNameAreAccepted) {
   const json plain =
       with_fields(mug_answer(), {{"young_mpa", nullptr}, {"structure_s", nullptr}, {"fragile", false}});
   for (const char* material : {"stainless steel", "polypropylene"}) {
@@ -202,7 +202,7 @@ TEST(GatePrior, WhatTheNameMayMeanIsAcceptedOfAnotherStuffToo) {
   const Judgement nulls =
       judge(with_fields(sponge_answer(), {{"young_mpa", nullptr}, {"structure_s", nullptr}}), sponge_facts());
   EXPECT_EQ(nulls.verdict, Verdict::Accepted) << nulls.message;
-  // Without a name nothing is known of its stuff.
+  // Without a name the material is unknown.
   ObjectFacts unnamed = sponge_facts();
   unnamed.name = "";
   unnamed.scale_known = false;
@@ -215,8 +215,8 @@ TEST(GatePrior, WhatTheNameMayMeanIsAcceptedOfAnotherStuffToo) {
   EXPECT_EQ(soap.verdict, Verdict::Accepted) << soap.message;
 }
 
-// The table's own word for each of its things, and for what else the name may mean, goes through.
-TEST(GatePrior, EveryKindOfTheTableIsAcceptedUnderItsName) {
+// The table's own values of each class, and of each other meaning of its name, are accepted.
+TEST(GatePrior, EveryTableClassIsAcceptedUnderItsName) {
   for (const ObjectRow& row : object_table()) {
     std::vector<const ObjectRow*> kinds = {&row};
     for (const ObjectAlternative& other : row.alternatives) kinds.push_back(find_object_row(other.label));

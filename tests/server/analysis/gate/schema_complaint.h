@@ -18,8 +18,8 @@ inline bool is_of_type(const Json& value, const std::string& type) {
   return type == "null" && value.is_null();
 }
 
-// What is wrong with `value` by a schema of the portable strict subset (type, enum, properties, required,
-// additionalProperties, items, anyOf), naming the place: "mass_g.low: not a number". Empty when nothing is.
+// First violation of a schema of the portable strict subset (type, enum, properties, required,
+// additionalProperties, items, anyOf) with its path: "mass_g.low: not a number". Empty if valid.
 inline std::string schema_complaint(const Json& value, const Json& schema, const std::string& place = "",
                                     int depth = 0) {
   const std::string at = place.empty() ? "the answer" : place;

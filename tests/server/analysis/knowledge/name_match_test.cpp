@@ -19,24 +19,23 @@ std::string label(const char* name) {
   return match.row ? match.row->label : "";
 }
 
-TEST(NameMatch, NamesAreComparedAsWords) {
+TEST(NameMatch, ComparesNamesByWords) {
   EXPECT_EQ(normalised_name("Lego_House-50k.v2"), "lego house k v");
   EXPECT_EQ(normalised_name("myCoffeeMug"), "my coffee mug");
   EXPECT_EQ(label("myCoffeeMug"), "mug");
   EXPECT_EQ(match_name("037_scissors").alias, "scissors");
   EXPECT_EQ(label("tennis_ball_01"), "tennis ball");  // the longer alias wins over "ball"
   EXPECT_EQ(label("two mugs"), "mug");
-  EXPECT_EQ(label("smuggler"), "");  // no part of a word
+  EXPECT_EQ(label("smuggler"), "");  // not part of a word
   EXPECT_EQ(label("capital"), "");
   EXPECT_EQ(label(""), "");
   EXPECT_EQ(label("\xff\x01\xfe"), "");
 }
 
-TEST(NameMatch, TheLastOfTwoEqualWordsIsTheThing) { EXPECT_EQ(label("cup bowl"), "bowl"); }
+TEST(NameMatch, LastOfTwoAliasesIsTheObject) { EXPECT_EQ(label("cup bowl"), "bowl"); }
 
-// The last noun is the thing, and what stands behind a preposition is not; colours, numbers and words of
-// files are no nouns.
-TEST(NameMatch, TheHeadOfANameIsTheThing) {
+// The last noun is the object. Words after a preposition, colours, numbers and words of files are skipped.
+TEST(NameMatch, LastNounIsTheObject) {
   const std::pair<const char*, const char*> names[] = {{"bird cage", "bird cage"},
                                                        {"mouse_pad", "mouse pad"},
                                                        {"violin case", "instrument case"},
@@ -90,8 +89,8 @@ TEST(NameMatch, TheHeadOfANameIsTheThing) {
   EXPECT_EQ(match_material("fur block").row->name, "plush");
 }
 
-// What another noun makes of it is not known; a word that is no such noun may be anything.
-TEST(NameMatch, AWordBehindTheThingIsNoted) {
+// Another noun after the alias gives an unknown object; other words may be anything.
+TEST(NameMatch, NotesWordsAfterTheObject) {
   for (const char* name :
        {"cake stand", "wine rack", "phone case", "guitar stand", "book holder", "dog house", "chair leg",
         "coffee grinder", "tv stand", "pencil sharpener", "stand for a guitar"}) {
@@ -106,7 +105,7 @@ TEST(NameMatch, AWordBehindTheThingIsNoted) {
   EXPECT_EQ(match_name("mug tuesday").tail_words, "tuesday");
 }
 
-TEST(NameMatch, DoubtAboutANameIsDoubtAboutTheMass) {
+TEST(NameMatch, UncertainNameWidensTheMassRange) {
   ObjectFacts facts;
   facts.scale_known = true;
   facts.mesh.size_m = facts.mesh.principal_size_m = {0.3, 0.25, 0.25};
@@ -135,7 +134,7 @@ TEST(NameMatch, DoubtAboutANameIsDoubtAboutTheMass) {
   }
 }
 
-TEST(NameMatch, AMaterialIsTheThingOnlyWhereNothingElseIsNamed) {
+TEST(NameMatch, MaterialIsTheObjectOnlyIfAlone) {
   EXPECT_EQ(label("wood"), "wood block");
   EXPECT_EQ(label("engineered wood queen bed"), "bed");
   EXPECT_EQ(label("glass cup"), "mug");
@@ -143,7 +142,7 @@ TEST(NameMatch, AMaterialIsTheThingOnlyWhereNothingElseIsNamed) {
   EXPECT_EQ(match_material("glass cup").row->name, "soda-lime glass");
 }
 
-TEST(NameMatch, MaterialsAreFoundByNameAndByClass) {
+TEST(NameMatch, FindsMaterialsByNameAndClass) {
   EXPECT_EQ(match_material("marble_bust").row->name, "marble");
   EXPECT_EQ(match_material("wooden spoon").row->name, "hardwood");
   EXPECT_EQ(match_material("carbon steel pan").row->name, "carbon steel");
@@ -151,7 +150,7 @@ TEST(NameMatch, MaterialsAreFoundByNameAndByClass) {
   EXPECT_EQ(match_material("teddy").row, nullptr);
 }
 
-TEST(Knowledge, TablesAreWholeAndConsistent) {
+TEST(Knowledge, TablesAreCompleteAndConsistent) {
   EXPECT_GE(material_table().size(), 90u);
   for (const MaterialRow& row : material_table()) {
     for (const Span3& span : {row.density_kg_m3, row.youngs_modulus_pa}) {
@@ -176,7 +175,7 @@ TEST(Knowledge, TablesAreWholeAndConsistent) {
     EXPECT_TRUE(row.mass_kg > 0 && row.mass_log_sd > 0 && row.mass_log_sd <= 1) << row.label;
     EXPECT_TRUE(row.box_filling > 0 && row.box_filling < 1) << row.label;
     for (const std::string& name : row.names) {
-      EXPECT_EQ(match_name(name).row, &row) << name;  // no name stands twice
+      EXPECT_EQ(match_name(name).row, &row) << name;  // names are unique
       EXPECT_EQ(match_name(name).alias, name);
     }
     double others = 0;
@@ -195,22 +194,22 @@ TEST(Knowledge, TablesAreWholeAndConsistent) {
   EXPECT_GE(object_table().size(), 400u);
 }
 
-// A usual thing's mass is no more than its box full of the densest of its material, and no less than a
-// thousandth of the box's in air would be: catches slips of a factor ten in the table.
-TEST(Knowledge, UsualMassesFitUsualSizes) {
+// A typical mass lies between a thousandth of the box in air and the box filled with the densest of its
+// material. Catches factor-of-ten slips in the table.
+TEST(Knowledge, TypicalMassesFitTypicalSizes) {
   for (const ObjectRow& row : object_table()) {
     const double box_m3 = row.size_m.best * row.middle_m * row.short_m;
     const double mean_kg_m3 = row.mass_kg / box_m3;
-    // Of metal and stone whatever its row says: things are of several materials.
+    // Up to metal and stone for every row, because objects have several materials.
     EXPECT_LT(mean_kg_m3, std::max(1.05 * material_row(row.material).density_kg_m3.high, 2500.0))
         << row.label;
     EXPECT_GT(mean_kg_m3, 0.1) << row.label;  // a balloon is the lightest
   }
 }
 
-// The table knows kinds of things. Files of one captured object or one benchmark, as they are named, say
-// nothing but what common words in them say.
-TEST(Knowledge, NoRowNamesOneCapturedObject) {
+// Rows describe classes of objects. File names of single captures and benchmark items match only by their
+// common words.
+TEST(Knowledge, NoRowIsASingleCapturedObject) {
   for (const char* file : {"fourth_st", "playbot_31k", "leica-sofort-top8192", "angel-kneeling", "narcissus",
                            "massa", "trumpet", "lego_house_50k"}) {
     EXPECT_EQ(label(file), "") << file;
@@ -229,8 +228,8 @@ bool any_row_is_called(const std::string& name) {
   });
 }
 
-// Names of two words and more that a file or a label of the measured objects shares with the table: what
-// every household calls such a thing. Any other is taken from there.
+// Names of two or more words that a measured object's file or label shares with the table must be common
+// household terms. Any other would have been copied from the data.
 bool is_ordinary(const std::string& name) {
   for (const char* one : {"coffee can", "cracker box", "mustard bottle", "power drill", "cordless drill",
                           "wood block", "wooden block", "marker pen", "tennis ball", "golf ball",
@@ -240,7 +239,7 @@ bool is_ordinary(const std::string& name) {
   return false;
 }
 
-TEST(Knowledge, NoNameIsABrandOrOfTheMeasuredObjects) {
+TEST(Knowledge, NoNameIsABrandOrATestObject) {
   for (const char* brand :
        {"cheez it",  "windex",       "spam",        "pringles",     "jello",           "nutella",
         "kleenex",   "tupperware",   "pyrex",       "lego",         "duplo",           "hot wheels",
@@ -277,7 +276,7 @@ TEST(Knowledge, NoNameIsThatOfACapture) {
   EXPECT_GT(names, 30u);
 }
 
-TEST(Knowledge, APlasticityIsToldByWhatHasIt) {
+TEST(Knowledge, FindsPlasticityByReferenceObject) {
   EXPECT_EQ(nearest_plasticity_level(0).plasticity, 0);
   EXPECT_NE(nearest_plasticity_level(0.5).text().find("felt"), std::string::npos);
   EXPECT_NE(nearest_plasticity_level(1).text().find("clay"), std::string::npos);

@@ -10,8 +10,7 @@
 #include "analysis/knowledge/tables.h"
 #include "server/analysis/gate/answer_fixtures.h"
 
-// A usual thing of a row of objects.csv as it would be captured, and what one that knows the row would answer
-// about it.
+// A typical object of a row of objects.csv as captured, and the matching answer.
 
 namespace livegs {
 

@@ -12,17 +12,17 @@
 
 namespace livegs {
 
-// A model that answers from a function after a while, fails, or never comes back. Counts what it is asked.
+// Model that answers from a function after a delay, fails, or hangs. Records its questions.
 class FakeEndpoint final : public ModelEndpoint {
  public:
-  // Answers `turn` 0 (the question), 1 (the repair), … about the object.
+  // Answers turn 0 (the question), 1 (the repair), … about the object.
   using Say =
       std::function<Result<std::string>(const AnalysisQuestion& question, const ToolBox& tools, int turn)>;
   explicit FakeEndpoint(Say say) : say_(std::move(say)) {}
 
-  std::function<std::chrono::milliseconds(const std::string& name)> delay;  // none: at once
+  std::function<std::chrono::milliseconds(const std::string& name)> delay;  // if empty, immediate
   int max_in_flight = 4;
-  bool blind = false;  // takes no pictures
+  bool blind = false;  // does not accept pictures
   std::string model = "fake-1";
   bool names_its_model = true;  // before get_ready()
 
@@ -38,7 +38,7 @@ class FakeEndpoint final : public ModelEndpoint {
     return state;
   }
 
-  // Name, repair message or "", and the neighbours it was told of, by name and mass; sorted.
+  // Name, repair message or "", and the neighbours with their masses; sorted.
   std::vector<std::string> asked() const {
     std::lock_guard lock(mutex_);
     auto sorted = asked_;
@@ -80,7 +80,7 @@ class FakeEndpoint final : public ModelEndpoint {
       std::unique_lock lock(mutex_);
       asked_.push_back(line);
       most_ = std::max(most_, ++now_);
-      // Also the end of a hang.
+      // Also ends a hang.
       if (delay) changed_.wait_for(lock, stop, delay(name), [] { return false; });
       --now_;
     }
@@ -101,7 +101,7 @@ class FakeEndpoint final : public ModelEndpoint {
   }
 
   Say say_;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::condition_variable_any changed_;
   std::vector<std::string> asked_;
   int now_ = 0, most_ = 0;

@@ -17,8 +17,8 @@ using nlohmann::ordered_json;
 
 constexpr const char* kFormat = "livegs.judgement/1";
 constexpr std::uint64_t kMaxBytes = 1 << 20;
-// The prompts that stood before any model could be asked, version 3: they, and no others, may stand without
-// figures.
+// Hash of the prompts of version 3, from before any model was available. Only these may be without
+// measurements.
 constexpr const char* kUnjudged = "4094762d3ce0026060adcb1abb0ddbf776e74da82a28b8dcb648eb6ad8738408";
 constexpr const char* kHow =
     "judge it: mass_harness --judge OLD_PROMPTS prompts --record ANSWERS --keep prompts/judged.json, with a "
@@ -50,9 +50,9 @@ Result<PromptFiles> prompt_files(const fs::path& folder) {
     everything += name + "\n" + std::to_string(text->size()) + "\n" + *text;
   }
   if (files.version.empty()) {
-    return invalid_data(folder.string() +
-                        ": no whole folder of prompts, it has no version.txt; copy prompts/ and "
-                        "change the copy");
+    return invalid_data(
+        folder.string() +
+        ": incomplete prompt folder, version.txt is missing; copy prompts/ and edit the copy");
   }
   files.sha256 = content_hash(std::as_bytes(std::span(everything)));
   return files;
@@ -63,11 +63,10 @@ Result<std::string> judgement_text(const fs::path& before_folder, const fs::path
                                    const std::string& name_given) {
   if (before.model != after.model) {
     return invalid_data("the prompts were judged by different models, " + before.model + " and " +
-                        after.model + "; ask one and the same");
+                        after.model + "; use one model for both");
   }
   if (after.model.starts_with(kMadeUpModel)) {
-    return invalid_data(after.model +
-                        ": its answers were made up for a test and judge nothing; ask a real model");
+    return invalid_data(after.model + ": its answers are synthetic and not evidence; use a real model");
   }
   const auto old_files = prompt_files(before_folder), new_files = prompt_files(after_folder);
   if (!old_files) return old_files.error();
@@ -108,8 +107,8 @@ Result<void> check_judgement(const fs::path& folder) {
   const std::string version = text_of(json, "version"), model = text_of(json, "model");
   if (text_of(json, "prompts_sha256") != files->sha256) {
     if (version == files->version) {
-      return invalid_data("prompts/ has changed and is version " + version +
-                          " still: raise the number in prompts/version.txt and " + kHow);
+      return invalid_data("prompts/ has changed but is version " + version +
+                          " still; raise the number in prompts/version.txt and " + kHow);
     }
     return invalid_data("prompts/ is version " + files->version + ", prompts/judged.json speaks of version " +
                         version + ": " + kHow);
@@ -121,16 +120,15 @@ Result<void> check_judgement(const fs::path& folder) {
   if (model.empty() && files->sha256 == kUnjudged) return {};
   const auto figures = json.find("figures");
   if (model.empty() || figures == json.end() || !figures->is_array() || figures->empty()) {
-    return invalid_data("prompts/judged.json: holds no figures of a model for version " + version + "; " +
+    return invalid_data("prompts/judged.json: has no measurements of a model for version " + version + "; " +
                         kHow);
   }
   if (model.starts_with(kMadeUpModel)) {
-    return invalid_data("prompts/judged.json: its answers were made up for a test (" + model + "); " + kHow);
+    return invalid_data("prompts/judged.json: its answers are synthetic (" + model + "); " + kHow);
   }
   if (text_of(json, "verdict") != "better" && text_of(json, "verdict") != "same") {
     return invalid_data("prompts/judged.json: version " + version +
-                        " was judged worse than the one before; take the "
-                        "change back, or mend it and " +
+                        " was judged worse than the one before; revert the change, or correct it and " +
                         kHow);
   }
   return {};

@@ -13,8 +13,8 @@ constexpr int kResamplings = 2000;
 
 struct Measure {
   const char* name;
-  double better;  // the sign of a change for the better
-  bool may_help;  // whether it can make a set better, or only worse
+  double better;  // the sign of an improvement
+  bool may_help;  // false if the measure can only count against a set
   double (*of)(const PromptOutcome&);
 };
 constexpr Measure kMeasures[] = {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a change of the prompts is judged. Every answer here is made up by the test; none is a model's.
+// Judgement of prompt changes. All answers are synthetic; no model is used.
 #include "server/analysis/model/prompt_trial.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 const fs::path kPrompts = fs::path(LIVEGS_TESTS_DIR) / "../prompts";
 
-// Twelve things whose masses lie around twice what the estimator says of them.
+// Twelve objects with masses of about twice the estimate.
 std::vector<JudgedObject> things() {
   std::vector<JudgedObject> objects;
   for (const char* name : {"mug", "wooden block", "hammer", "sponge", "tennis ball", "book", "bowl", "plate",
@@ -49,8 +49,8 @@ Result<std::vector<TargetView>> look(uint32_t object_id, int, std::stop_token) {
       {{{"scene", "image/png", "\x89PNG " + std::to_string(object_id)}}, "from the front"}};
 }
 
-// Answers with the true mass where the system text asks for care, with the estimate (of which it is told)
-// where it does not, and out of all order where it asks for haste.
+// Synthetic model: returns the true mass if the system text contains "care", an unordered range for "haste",
+// and the estimate from the prompt otherwise.
 TestModelServer::Handler made_up_model(const std::vector<JudgedObject>& objects) {
   return [&objects](const SeenRequest& request, int) {
     const auto asks_for = [&](const char* word) { return request.body.find(word) != std::string::npos; };
@@ -79,7 +79,7 @@ TestModelServer::Handler made_up_model(const std::vector<JudgedObject>& objects)
   };
 }
 
-// prompts/ with a sentence more in its system text, and its version.
+// A copy of prompts/ with one more sentence in the system text and a new version.
 fs::path changed_prompts(const ScratchFolder& scratch, const std::string& name, const std::string& sentence,
                          const char* version = "4") {
   const fs::path folder = scratch / name;
@@ -110,7 +110,7 @@ const PromptMeasure& row(const PromptComparison& comparison, const std::string& 
   return comparison.measures.front();
 }
 
-TEST(PromptTrial, TellsTheBetterOfTwoPromptFoldersFromLiveAnswersAndFromReplays) {
+TEST(PromptTrial, FindsTheBetterPromptsLiveAndInReplay) {
   const ScratchFolder scratch;
   const auto objects = things();
   const fs::path careful = changed_prompts(scratch, "careful", "Take care.");
@@ -137,17 +137,16 @@ TEST(PromptTrial, TellsTheBetterOfTwoPromptFoldersFromLiveAnswersAndFromReplays)
   EXPECT_GT(row(up, "mnre").after, row(up, "mnre").before);
   EXPECT_EQ(compare_prompts(better, plain).verdict, PromptVerdict::Worse);
   EXPECT_EQ(compare_prompts(plain, plain).verdict, PromptVerdict::Same);
-  // Refused answers leave the estimate, so the masses stay as they were; that they were refused counts by
-  // itself.
+  // A refused answer leaves the estimate, so masses are unchanged; the refusal counts separately.
   const PromptComparison down = compare_prompts(plain, refused);
   EXPECT_EQ(row(down, "refused").after, 1.0);
   EXPECT_EQ(row(down, "repaired").after, 1.0);
   EXPECT_EQ(down.verdict, PromptVerdict::Worse);
 
-  // Nobody is there to be asked any more.
+  // Replays only, without an endpoint.
   const PromptTrial again = trial(nullptr, careful);
   for (size_t i = 0; i < objects.size(); ++i) {
-    EXPECT_EQ(again.outcomes[i].mass.best_kg, better.outcomes[i].mass.best_kg);  // to the bit
+    EXPECT_EQ(again.outcomes[i].mass.best_kg, better.outcomes[i].mass.best_kg);  // bitwise equal
     EXPECT_EQ(again.outcomes[i].mass.high_kg, better.outcomes[i].mass.high_kg);
   }
   EXPECT_EQ(again.prompt_tokens, better.prompt_tokens);
@@ -157,8 +156,8 @@ TEST(PromptTrial, TellsTheBetterOfTwoPromptFoldersFromLiveAnswersAndFromReplays)
   EXPECT_NE(unknown.error().message.find("mug: "), std::string::npos) << unknown.error().message;
 }
 
-// One thing of twelve that changes is no evidence: the interval of the mean reaches 0 unless most agree.
-TEST(PromptTrial, ChanceIsNotCalledAnImprovement) {
+// One changed object of twelve is not evidence: the interval of the mean contains 0 unless most agree.
+TEST(PromptTrial, ChanceIsNotAnImprovement) {
   PromptTrial before;
   for (int i = 0; i < 12; ++i)
     before.outcomes.push_back({{"", 1.0, 0.8, 1.1, 1.3}, true, false, false, false});
@@ -166,21 +165,22 @@ TEST(PromptTrial, ChanceIsNotCalledAnImprovement) {
   after.outcomes[3].mass.best_kg = 1.0;
   after.outcomes[7].refused = true;
   EXPECT_EQ(compare_prompts(before, after).verdict, PromptVerdict::Same);
-  for (PromptOutcome& outcome : after.outcomes) outcome.mass.high_kg = 0.95;  // ranges that miss the truth
+  for (PromptOutcome& outcome : after.outcomes) outcome.mass.high_kg = 0.95;  // ranges that exclude the truth
   EXPECT_EQ(compare_prompts(before, after).verdict, PromptVerdict::Worse);
   PromptTrial narrow = before;
   for (PromptOutcome& outcome : narrow.outcomes) outcome.mass.high_kg = 0.95;
-  EXPECT_EQ(compare_prompts(narrow, before).verdict, PromptVerdict::Same);  // wider alone is not better
+  EXPECT_EQ(compare_prompts(narrow, before).verdict,
+            PromptVerdict::Same);  // a wider range alone is not better
 }
 
-// What stands in the repository.
-TEST(PromptJudgement, ThePromptsAreThoseThatWereJudged) {
+// Checks the prompts of this repository.
+TEST(PromptJudgement, PromptsMatchTheirJudgement) {
   const auto checked = check_judgement(kPrompts);
   EXPECT_TRUE(checked) << checked.error().message;
 }
 
-// What is decoded first bears on what follows: the range, then the value (prompts/system.md, step 8).
-TEST(Prompts, TheRangeIsWrittenBeforeTheValue) {
+// Earlier tokens influence later ones: the range precedes the value (prompts/system.md, step 8).
+TEST(Prompts, RangePrecedesTheValue) {
   const std::vector<std::string> order = {"low", "high", "best"};
   const auto keys = [](const nlohmann::ordered_json& range) {
     std::vector<std::string> names;
@@ -203,9 +203,8 @@ TEST(Prompts, TheRangeIsWrittenBeforeTheValue) {
   }
 }
 
-// Words are in the files: a folder's own take the place of those that are built in, also those beside
-// pictures and facts.
-TEST(Prompts, PicturesAndFactsAreWordedByTheFiles) {
+// All texts are files: those of a folder replace the built-in ones, also for captions and facts.
+TEST(Prompts, CaptionsAndFactsComeFromFiles) {
   const ScratchFolder scratch;
   scratch.write("prompts/captions.json", R"({ "outlined": "look here" })");
   scratch.write("prompts/user.md", "Name: {{name}}\nOff by {{scale_off}}\n");
@@ -221,7 +220,7 @@ TEST(Prompts, PicturesAndFactsAreWordedByTheFiles) {
   EXPECT_FALSE(PromptSet::load(scratch / "prompts"));
 }
 
-TEST(PromptJudgement, AChangedPromptIsNoticedAndToldHowToBeJudged) {
+TEST(PromptJudgement, ChangedPromptRequiresAJudgement) {
   const ScratchFolder scratch;
   const auto refusal = [](const fs::path& folder) {
     const auto checked = check_judgement(folder);
@@ -236,7 +235,7 @@ TEST(PromptJudgement, AChangedPromptIsNoticedAndToldHowToBeJudged) {
   EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("speaks of version 3"),
             std::string::npos);
 
-  // With figures it lands, unless they say worse or were made up.
+  // With measurements it passes, unless they are worse or synthetic.
   const fs::path folder = changed_prompts(scratch, "judged", "Take care.");
   PromptTrial before;
   before.model = "some-model";
@@ -256,7 +255,7 @@ TEST(PromptJudgement, AChangedPromptIsNoticedAndToldHowToBeJudged) {
   after.model = before.model = "made-up-1";
   const auto made_up = judgement_text(kPrompts, folder, before, after, "none");
   ASSERT_FALSE(made_up);
-  EXPECT_NE(made_up.error().message.find("made up for a test"), std::string::npos);
+  EXPECT_NE(made_up.error().message.find("answers are synthetic"), std::string::npos);
 }
 
 }  // namespace

@@ -27,13 +27,13 @@ void expect_same(const RawAnswer& a, const RawAnswer& b) {
   EXPECT_EQ(a.prompt_version, b.prompt_version);
   EXPECT_EQ(a.prompt_tokens, b.prompt_tokens);
   EXPECT_EQ(a.completion_tokens, b.completion_tokens);
-  EXPECT_EQ(a.cost_usd, b.cost_usd);  // to the bit
+  EXPECT_EQ(a.cost_usd, b.cost_usd);  // bitwise equal
   EXPECT_EQ(a.wall_s, b.wall_s);
   EXPECT_EQ(a.transcript, b.transcript);
   EXPECT_EQ(a.warnings, b.warnings);
 }
 
-TEST(RecordedEndpoint, ReplaysToTheBitAndAsksNobody) {
+TEST(RecordedEndpoint, ReplaysBitwiseWithoutRequests) {
   const ScratchFolder scratch;
   TestModelServer server(openai_server());
   RawAnswer asked, repaired;
@@ -76,7 +76,7 @@ TEST(RecordedEndpoint, ReplaysToTheBitAndAsksNobody) {
   }
 }
 
-TEST(RecordedEndpoint, WhatWasNotAskedIsAnErrorThatSaysSo) {
+TEST(RecordedEndpoint, UnrecordedQuestionIsAnError) {
   const ScratchFolder scratch;
   const auto nothing = open_recorded_endpoint(scratch / "absent", nullptr);
   ASSERT_FALSE(nothing);
@@ -90,7 +90,7 @@ TEST(RecordedEndpoint, WhatWasNotAskedIsAnErrorThatSaysSo) {
   EXPECT_NE(answer.error().message.find("\"block\""), std::string::npos) << answer.error().message;
 }
 
-TEST(RecordedEndpoint, AnyChangeOfTheQuestionIsAnotherQuestion) {
+TEST(RecordedEndpoint, AnyChangeOfTheQuestionChangesItsKey) {
   const ScratchFolder scratch;
   TestModelServer server(in_turn({says(sound_answer())}));
   auto live = open_model_endpoint(test_settings(server.base_url()));
@@ -110,7 +110,7 @@ TEST(RecordedEndpoint, AnyChangeOfTheQuestionIsAnotherQuestion) {
   question.slots["size"] = "0.2 m";
   ask(question);
   EXPECT_EQ(server.posts().size(), 3u);
-  // Another prompt is another version.
+  // Another prompt has another version.
   scratch.write("prompts/system.md", "Say what it weighs.\n");
   auto other_live = open_model_endpoint(test_settings(server.base_url()));
   auto other = open_recorded_endpoint(scratch / "answers", std::move(*other_live), scratch / "prompts");
@@ -119,7 +119,7 @@ TEST(RecordedEndpoint, AnyChangeOfTheQuestionIsAnotherQuestion) {
   EXPECT_EQ(server.posts().size(), 4u);
 }
 
-TEST(RecordedEndpoint, ADamagedRecordingIsAnError) {
+TEST(RecordedEndpoint, DamagedRecordingIsAnError) {
   const ScratchFolder scratch;
   TestModelServer server(in_turn({says(sound_answer())}));
   auto live = open_model_endpoint(test_settings(server.base_url()));

@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 using std::chrono::milliseconds;
 
-// Mugs of growing size in a row.
+// Mugs of increasing size in a row.
 std::vector<AnalysisTarget> mugs(size_t count) {
   std::vector<AnalysisTarget> targets;
   for (size_t i = 0; i < count; ++i) {
@@ -42,7 +42,7 @@ Result<std::vector<TargetView>> look(uint32_t object_id, int count, std::stop_to
   }
   return views;
 }
-// A mass that depends on the object and on what was told of its neighbours.
+// A mass that depends on the object and on its neighbours in the question.
 Result<std::string> weigh(const AnalysisQuestion& question, const ToolBox& tools, int) {
   double mass_g = 300 + 5 * (question.slots.at("name").back() - 'a');
   for (const SceneObjectFacts& one : tools.scene()) {
@@ -73,7 +73,7 @@ Seen run(std::span<const AnalysisTarget> targets, ModelEndpoint* endpoint, Analy
   return result;
 }
 
-TEST(AnalyzeScene, OfflineFirstThenWhatTheGateLetThrough) {
+TEST(AnalyzeScene, OfflineFirstThenTheAcceptedAnswer) {
   const auto targets = mugs(3);
   FakeEndpoint endpoint(weigh);
   const Seen result = run(targets, &endpoint);
@@ -94,7 +94,7 @@ TEST(AnalyzeScene, OfflineFirstThenWhatTheGateLetThrough) {
   EXPECT_EQ(result.summary.prompt_tokens, 3000);
 }
 
-TEST(AnalyzeScene, WithoutAnEndpointTheEstimatesStand) {
+TEST(AnalyzeScene, WithoutAnEndpointEstimatesAreKept) {
   const auto targets = mugs(2);
   const Seen result = run(targets, nullptr);
   EXPECT_EQ(result.updates.size(), 4u);
@@ -103,7 +103,7 @@ TEST(AnalyzeScene, WithoutAnEndpointTheEstimatesStand) {
   EXPECT_EQ(result.last(1).judgement.message, "no model endpoint is set");
 }
 
-TEST(AnalyzeScene, OneRepairTurnThenTheOfflineAnswer) {
+TEST(AnalyzeScene, OneRepairThenTheOfflineEstimate) {
   const auto targets = mugs(1);
   const auto wrong = [](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> {
     return std::string("no idea");
@@ -126,9 +126,8 @@ TEST(AnalyzeScene, OneRepairTurnThenTheOfflineAnswer) {
   EXPECT_EQ(bad.summary.refused, 1u);
 }
 
-// What is asked, and so what comes out, does not depend on how fast answers come or how many are asked at a
-// time.
-TEST(AnalyzeScene, TheSameAnswersGiveTheSameResultInAnyOrder) {
+// Questions and results do not depend on the timing of answers or the number in flight.
+TEST(AnalyzeScene, ResultIsIndependentOfAnswerOrder) {
   const auto targets = mugs(9);
   std::vector<std::vector<std::string>> questions;
   std::vector<std::string> results;
@@ -149,11 +148,11 @@ TEST(AnalyzeScene, TheSameAnswersGiveTheSameResultInAnyOrder) {
     EXPECT_EQ(questions[order], questions[0]);
     EXPECT_TRUE(results[order] == results[0]);
   }
-  EXPECT_NE(questions[0].back().find("mug a!"), std::string::npos)
-      << questions[0].back();  // neighbours came through
+  // Neighbours are included.
+  EXPECT_NE(questions[0].back().find("mug a!"), std::string::npos) << questions[0].back();
 }
 
-TEST(AnalyzeScene, FailureKeepsTheEstimatesAndSaysWhyOnce) {
+TEST(AnalyzeScene, FailureKeepsEstimatesAndIsReportedOnce) {
   const auto targets = mugs(6);
   FakeEndpoint endpoint([](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> {
     return Error{ErrorCode::Unavailable, "http://127.0.0.1:9: cannot be reached"};
@@ -171,7 +170,7 @@ TEST(AnalyzeScene, FailureKeepsTheEstimatesAndSaysWhyOnce) {
   EXPECT_NE(log.find("cannot be reached"), std::string::npos);
 }
 
-TEST(AnalyzeScene, ViewsThatCannotBeMadeAreAFailureOfThatObject) {
+TEST(AnalyzeScene, FailedViewsAffectOnlyTheirObject) {
   const auto targets = mugs(2);
   FakeEndpoint endpoint(weigh);
   const Seen result = run(targets, &endpoint, {}, {}, [](uint32_t id, int count, std::stop_token stop) {
@@ -181,8 +180,8 @@ TEST(AnalyzeScene, ViewsThatCannotBeMadeAreAFailureOfThatObject) {
   EXPECT_EQ(result.last(1).judgement.verdict, Verdict::Accepted);
 }
 
-// The model thinks about the first object for long; the pictures of the others are made meanwhile.
-TEST(AnalyzeScene, ViewsAreMadeWhileTheModelThinks) {
+// While the first query is slow, the pictures of the other objects are rendered.
+TEST(AnalyzeScene, RendersViewsDuringQueries) {
   const auto targets = mugs(6);
   FakeEndpoint endpoint(weigh);
   endpoint.max_in_flight = 1;
@@ -198,7 +197,7 @@ TEST(AnalyzeScene, ViewsAreMadeWhileTheModelThinks) {
   EXPECT_LE(endpoint.asked().size(), 1u);
 }
 
-TEST(AnalyzeScene, AHangIsEndedByTheStop) {
+TEST(AnalyzeScene, StopEndsAHang) {
   const auto targets = mugs(6);
   FakeEndpoint endpoint(weigh);
   endpoint.delay = [](const std::string&) { return milliseconds(600000); };
@@ -215,7 +214,7 @@ TEST(AnalyzeScene, AHangIsEndedByTheStop) {
   }
 }
 
-TEST(AnalyzeScene, TheSameQuestionIsAskedOnce) {
+TEST(AnalyzeScene, SameQuestionIsSentOnce) {
   const auto targets = mugs(3);
   ScratchFolder folder;
   FakeEndpoint endpoint(weigh);
@@ -237,17 +236,18 @@ TEST(AnalyzeScene, TheSameQuestionIsAskedOnce) {
   EXPECT_TRUE(again.last(2).cached);
   EXPECT_EQ(again.last(2).record.model(), "fake-1");
   ASSERT_EQ(again.last(2).turns.size(), 1u);
-  EXPECT_EQ(again.last(2).turns[0].answer.transcript, "said to mug c");  // for the page that explains it
+  EXPECT_EQ(again.last(2).turns[0].answer.transcript, "said to mug c");  // for the explanation page
   EXPECT_EQ(again.last(2).turns[0].answer.warnings, std::vector<std::string>{"made up"});
   EXPECT_EQ(again.summary.prompt_tokens, 0);
-  // Another picture is another question.
+  // Another picture changes the question.
   run(targets, &endpoint, options, {},
       [](uint32_t id, int count, std::stop_token stop) { return look(id + 1, count, stop); });
   EXPECT_EQ(endpoint.asked().size(), 6u);
 }
 
-// Where no model is named, the one that answers is learned first: another one is asked, not told for.
-TEST(AnalyzeScene, AnotherModelIsNotAnsweredForByTheOneBefore) {
+// If no model is named, the actual one is identified first, so that cached answers of another model do not
+// match.
+TEST(AnalyzeScene, CacheIsSeparatePerModel) {
   const auto targets = mugs(2);
   AnswerCache cache;
   AnalysisOptions options;
@@ -265,8 +265,9 @@ TEST(AnalyzeScene, AnotherModelIsNotAnsweredForByTheOneBefore) {
   EXPECT_TRUE(endpoint.asked().empty());
 }
 
-// What was said without a look counts no views, says so, and is asked again once the server may see.
-TEST(AnalyzeScene, ABlindAnswerIsToldAsOneAndNotKept) {
+// An answer without pictures counts no views, says so, and is requested again once the server accepts
+// pictures.
+TEST(AnalyzeScene, BlindAnswerIsReportedAndNotCached) {
   const auto targets = mugs(1);
   AnswerCache cache;
   AnalysisOptions options;
@@ -281,7 +282,7 @@ TEST(AnalyzeScene, ABlindAnswerIsToldAsOneAndNotKept) {
       << last.parameters.fill_reason();
   EXPECT_EQ(last.parameters.fill_reason().find("saw"), std::string::npos);
   EXPECT_EQ(std::count(last.record.gate().begin(), last.record.gate().end(),
-                       "pictures: the model takes none and was asked without"),
+                       "pictures: not accepted by the model; the question was sent without them"),
             1);
   EXPECT_NE(explain_page(targets[0], last).find("none: the model takes no pictures"), std::string::npos);
   endpoint.blind = false;
@@ -291,8 +292,8 @@ TEST(AnalyzeScene, ABlindAnswerIsToldAsOneAndNotKept) {
   EXPECT_NE(again.last(0).parameters.fill_reason().find("the model saw"), std::string::npos);
 }
 
-// What cannot be read again because it is too long would be asked for, and paid for, again.
-TEST(AnalyzeScene, ALongTranscriptIsNotKeptAndTheAnswerIs) {
+// A cached file that is too long to read would cause a second paid request.
+TEST(AnalyzeScene, LongTranscriptIsDroppedFromTheCache) {
   ScratchFolder folder;
   RawAnswer answer;
   answer.json = "{}";
@@ -304,9 +305,9 @@ TEST(AnalyzeScene, ALongTranscriptIsNotKeptAndTheAnswerIs) {
   EXPECT_EQ(kept->transcript, "");
 }
 
-// Objects that are not asked about are told all the same: what a scene's author, a person or a model said of
-// them as known, the rest as an estimate.
-TEST(AnalyzeScene, TheModelIsToldOfObjectsThatAreNotAskedAbout) {
+// Objects that are not queried are still described: values of the scene's author, a user or a model as known,
+// others as estimates.
+TEST(AnalyzeScene, QuestionsDescribeUnqueriedObjects) {
   const auto all = mugs(3);
   AnalysisOptions options;
   v1::PhysicalParameters told = all[0].offline;
@@ -324,9 +325,9 @@ TEST(AnalyzeScene, TheModelIsToldOfObjectsThatAreNotAskedAbout) {
   EXPECT_NE(slot.find("\"mug a\": 1000 g"), std::string::npos) << slot;
 }
 
-// A mass that a person gave stands against what kind and size suggest: an answer that agrees with it is not
-// far from what is known, it is told in the question, and what depends on it is worked out from it.
-TEST(AnalyzeScene, AnswersAreWeighedAgainstWhatAPersonTold) {
+// A user's mass replaces the prior of class and size. An agreeing answer is near the prior, the question
+// contains the mass, and dependent values follow from it.
+TEST(AnalyzeScene, AnswersAreComparedWithUserValues) {
   auto targets = mugs(1);
   v1::Physics edits;
   const double told_kg = 12 * targets[0].offline.mass_kg().best();
@@ -353,7 +354,7 @@ TEST(AnalyzeScene, AnswersAreWeighedAgainstWhatAPersonTold) {
   EXPECT_NE(last.turns.at(0).question.slots.at("told").find("mass_kg "), std::string::npos);
 }
 
-TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {
+TEST(AnalyzeScene, FailuresAreCachedForTenMinutes) {
   const auto targets = mugs(1);
   int64_t now = 0;
   AnswerCache cache({}, [&] { return now; });
@@ -367,21 +368,21 @@ TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {
   now = AnswerCache::kFailureLifetime_ns - 1;
   const Seen soon = run(targets, &endpoint, options);
   EXPECT_EQ(endpoint.asked().size(), 2u);
-  EXPECT_NE(soon.last(0).judgement.message.find("would not do"), std::string::npos);
+  EXPECT_NE(soon.last(0).judgement.message.find("faulty answer"), std::string::npos);
   now = AnswerCache::kFailureLifetime_ns;
   run(targets, &endpoint, options);
   EXPECT_EQ(endpoint.asked().size(), 4u);
 }
 
-// A program that is run again does not pay for the same refusal again.
-TEST(AnalyzeScene, FailuresOutliveTheProcess) {
+// A repeated program run does not pay for the same refusal again.
+TEST(AnalyzeScene, FailuresPersistAcrossProcesses) {
   const ScratchFolder folder;
   int64_t now = AnswerCache::kFailureLifetime_ns;
   const auto clock = [&] { return now; };
-  AnswerCache(folder / "answers", clock).keep_failure("key", "the answer would not do: \"\xff");
+  AnswerCache(folder / "answers", clock).keep_failure("key", "faulty answer: \"\xff");
   const auto kept = [&] { return AnswerCache(folder / "answers", clock).failure("key"); };
   ASSERT_TRUE(kept());
-  EXPECT_TRUE(kept()->starts_with("the answer would not do"));
+  EXPECT_TRUE(kept()->starts_with("faulty answer"));
   now += AnswerCache::kFailureLifetime_ns - 1;
   EXPECT_TRUE(kept());
   now -= AnswerCache::kFailureLifetime_ns;  // the clock was set back
@@ -397,7 +398,7 @@ TEST(AnalyzeScene, FailuresOutliveTheProcess) {
   EXPECT_FALSE(kept());
 }
 
-TEST(AnalyzeScene, ThreeViewsVote) {
+TEST(AnalyzeScene, CombinesThreeViewsByVote) {
   const auto targets = mugs(1);
   std::atomic<int> view = 0;
   FakeEndpoint endpoint([&](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> {
@@ -412,12 +413,12 @@ TEST(AnalyzeScene, ThreeViewsVote) {
   const Seen result = run(targets, &endpoint, options);
   ASSERT_EQ(result.last(0).judgement.verdict, Verdict::Accepted) << result.last(0).judgement.message;
   EXPECT_EQ(result.last(0).record.views(), 3u);
-  // The median of 330 g, drawn to the estimate by the spread of the views.
+  // The median of 330 g, moved towards the estimate according to the spread of the views.
   EXPECT_LT(std::abs(std::log(result.last(0).parameters.mass_kg().best() / 0.33)), 0.25);
 }
 
-// `analyze_bench` holds the times of one and of twenty objects to bars.
-TEST(AnalyzeScene, TwentyObjectsAreAskedFourAtATime) {
+// `analyze_bench` measures the times of one and of twenty objects.
+TEST(AnalyzeScene, QueriesFourObjectsAtATime) {
   for (const size_t count : {size_t{1}, size_t{20}}) {
     const auto targets = mugs(count);
     FakeEndpoint endpoint(weigh);
@@ -428,7 +429,7 @@ TEST(AnalyzeScene, TwentyObjectsAreAskedFourAtATime) {
   }
 }
 
-TEST(ExplainPage, HoldsEverythingAndRunsNothing) {
+TEST(ExplainPage, ContainsEverythingAndRunsNothing) {
   auto targets = mugs(1);
   ObjectFacts facts = *targets[0].facts;
   facts.name = "mug <script>alert(1)</script>";
@@ -446,13 +447,13 @@ TEST(ExplainPage, HoldsEverythingAndRunsNothing) {
   EXPECT_EQ(html.find("http://"), std::string::npos);
   EXPECT_EQ(html.find("https://"), std::string::npos);
   for (const char* part : {"data:image/png;base64,cGljdHVyZSAxMC8w", "&lt;script&gt;alert(2)",
-                           "The model was told:", "accepted", "fused", "fake-1", "default-src 'none'"}) {
+                           "Sent to the model:", "accepted", "fused", "fake-1", "default-src 'none'"}) {
     EXPECT_NE(html.find(part), std::string::npos) << part;
   }
 }
 
-// Nobody was asked, or the model could not be: the page still shows the object, each look once.
-TEST(ExplainPage, ShowsTheViewsWhetherOrNotAModelWasAsked) {
+// Without a model's answer the page still shows the object, each view once.
+TEST(ExplainPage, ShowsTheViewsWithOrWithoutAnAnswer) {
   const auto targets = mugs(1);
   const TargetView view{{{"the scene", "image/png", "scene bytes"}, {"alone", "image/png", "alone bytes"}},
                         "from the <front>",

@@ -54,7 +54,7 @@ class PhysicsFileTest : public ::testing::Test {
     EXPECT_TRUE(physics) << physics.error().message;
     return physics->mass_kg().best();
   }
-  // Writes the file back with one member changed.
+  // Rewrites the file with one member changed.
   void edit_by_hand(const char* pointer, const nlohmann::json& value) const {
     auto json = json_of(path);
     json[nlohmann::json::json_pointer(pointer)] = value;
@@ -65,7 +65,7 @@ class PhysicsFileTest : public ::testing::Test {
   std::filesystem::path path = folder / "mug.physics.json";
 };
 
-TEST_F(PhysicsFileTest, StandsBesideItsAsset) {
+TEST_F(PhysicsFileTest, IsStoredNextToItsAsset) {
   EXPECT_EQ(physics_file_path("a/mug.ply"), "a/mug.physics.json");
   EXPECT_EQ(physics_file_path("a/mug.compressed.ply"), "a/mug.physics.json");
   EXPECT_EQ(physics_file_path("mug.v2.spz"), "mug.v2.physics.json");
@@ -74,7 +74,7 @@ TEST_F(PhysicsFileTest, StandsBesideItsAsset) {
   EXPECT_FALSE(std::filesystem::exists(path));  // reading writes nothing
 }
 
-TEST_F(PhysicsFileTest, KeepsValuesWithTheirProvenance) {
+TEST_F(PhysicsFileTest, StoresValuesWithTheirSource) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   const v1::PhysicsFile file = read();
   EXPECT_EQ(file.revision(), 1u);
@@ -85,18 +85,18 @@ TEST_F(PhysicsFileTest, KeepsValuesWithTheirProvenance) {
   EXPECT_EQ(mass_kg(), 0.31);
 }
 
-TEST_F(PhysicsFileTest, AnEditIsLockedAgainstLaterAnalyses) {
+TEST_F(PhysicsFileTest, EditsAreLockedAgainstLaterAnalyses) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
   ASSERT_TRUE(apply_analysis(path, analysed(0.4), record_of("seer-2")));
   EXPECT_EQ(mass_kg(), 0.25);
-  EXPECT_EQ(read().physics().mass_kg().best(), 0.4);  // known, but not used
+  EXPECT_EQ(read().physics().mass_kg().best(), 0.4);  // read, but not in effect
   std::string note;
   const auto physics = with_physics_file(estimate_offline(mug_facts()), read(), mug_facts(), note);
   EXPECT_EQ(physics->mass_kg().source(), EstimatedValue::PERSON);
 }
 
-TEST_F(PhysicsFileTest, UndoAndRedoWalkTheRevisions) {
+TEST_F(PhysicsFileTest, UndoAndRedoStepThroughRevisions) {
   EXPECT_EQ(undo_physics(path).error().code, ErrorCode::NotFound);
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
@@ -114,14 +114,14 @@ TEST_F(PhysicsFileTest, UndoAndRedoWalkTheRevisions) {
   }
   EXPECT_EQ(redo_physics(path).error().code, ErrorCode::NotFound);
   ASSERT_TRUE(undo_physics(path));
-  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.5)));  // a new course: what was undone cannot be redone
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.5)));  // an edit discards the redo revisions
   EXPECT_EQ(redo_physics(path).error().code, ErrorCode::NotFound);
   ASSERT_TRUE(undo_physics(path));
   EXPECT_EQ(mass_kg(), 0.25);
-  EXPECT_EQ(read_physics_log(path).size(), 12u);  // only grows
+  EXPECT_EQ(read_physics_log(path).size(), 12u);  // append-only
 }
 
-TEST_F(PhysicsFileTest, AProposalIsKeptAndChangesNothing) {
+TEST_F(PhysicsFileTest, ProposalIsLoggedAndChangesNothing) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   const auto before = *read_text_file(path);
   ASSERT_TRUE(log_proposal(path, analysed(30), record_of("seer-1")));
@@ -134,13 +134,13 @@ TEST_F(PhysicsFileTest, AProposalIsKeptAndChangesNothing) {
   EXPECT_EQ(read().revision(), 0u);
 }
 
-// What a program that starts has to know of what a person did before.
-TEST_F(PhysicsFileTest, ItsLogTellsWhatWaitsAndWhatWasTakenBack) {
+// State that a starting program needs from earlier user actions.
+TEST_F(PhysicsFileTest, LogHoldsProposalsAndUndoneAnswers) {
   const auto undone = [&] { return answer_undone(read_physics_log(path)); };
   const auto waits = [&] { return open_proposal(read_physics_log(path)).has_value(); };
   ASSERT_TRUE(edit_physics(path, edit_of_mass(0.7)));
   ASSERT_TRUE(undo_physics(path));
-  EXPECT_FALSE(undone());  // no answer, but an edit
+  EXPECT_FALSE(undone());  // an edit, not an answer
   ASSERT_TRUE(log_proposal(path, analysed(30), record_of("seer-1")));
   EXPECT_TRUE(waits());
   EXPECT_FALSE(undone());
@@ -156,7 +156,7 @@ TEST_F(PhysicsFileTest, ItsLogTellsWhatWaitsAndWhatWasTakenBack) {
   EXPECT_TRUE(undone());
   ASSERT_TRUE(redo_physics(path));
   EXPECT_FALSE(undone());
-  auto json = json_of(path);  // a person's own hand, not an undo
+  auto json = json_of(path);  // a manual edit, not an undo
   json.erase("analysis");
   json.erase("physics");
   ASSERT_TRUE(write_file_atomically(path, json.dump(1)));
@@ -164,7 +164,7 @@ TEST_F(PhysicsFileTest, ItsLogTellsWhatWaitsAndWhatWasTakenBack) {
   EXPECT_FALSE(undone());
 }
 
-TEST_F(PhysicsFileTest, APersonAcceptsAProposal) {
+TEST_F(PhysicsFileTest, ProposalCanBeAccepted) {
   EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   v1::AnalysisRecord record = record_of("seer-2");
@@ -180,17 +180,18 @@ TEST_F(PhysicsFileTest, APersonAcceptsAProposal) {
   EXPECT_EQ(read().analysis().review(), "");
   EXPECT_EQ(*read().analysis().gate().rbegin(), "accepted by a person");
   EXPECT_EQ(read().edits().friction(), 0.9);
-  EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);  // once
+  EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);  // only once
   ASSERT_TRUE(undo_physics(path));
   EXPECT_EQ(mass_kg(), 0.31);
-  // An answer that was applied since takes its place.
+  // A later applied answer replaces the proposal.
   ASSERT_TRUE(log_proposal(path, analysed(40), record));
   ASSERT_TRUE(apply_analysis(path, analysed(0.35), record_of("seer-3")));
   EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
 }
 
-// By a word, which changes nothing, or by an edit; either way nobody is asked again until a person asks.
-TEST_F(PhysicsFileTest, APersonDeclinesAProposal) {
+// By declining, which changes nothing, or by an edit. Either way no query follows until the user requests
+// one.
+TEST_F(PhysicsFileTest, ProposalCanBeDeclined) {
   const auto log = [&] { return read_decisions(path); };
   EXPECT_EQ(decline_proposal(path).error().code, ErrorCode::NotFound);
   ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
@@ -201,12 +202,12 @@ TEST_F(PhysicsFileTest, APersonDeclinesAProposal) {
   EXPECT_EQ(*read_text_file(path), before);
   EXPECT_FALSE(open_proposal(log()));
   EXPECT_TRUE(answer_undone(log()));
-  EXPECT_EQ(decline_proposal(path).error().code, ErrorCode::NotFound);  // once
+  EXPECT_EQ(decline_proposal(path).error().code, ErrorCode::NotFound);  // only once
   EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
-  ASSERT_TRUE(undo_physics(path));  // of the edit: a word is no revision
+  ASSERT_TRUE(undo_physics(path));  // of the edit: declining is not a revision
   EXPECT_EQ(read().revision(), 0u);
 
-  ASSERT_TRUE(log_proposal(path, analysed(40), record_of("seer-1")));  // a person has asked again
+  ASSERT_TRUE(log_proposal(path, analysed(40), record_of("seer-1")));  // after a new request by the user
   EXPECT_TRUE(open_proposal(log()));
   EXPECT_FALSE(answer_undone(log()));
   v1::Physics edit;
@@ -219,7 +220,7 @@ TEST_F(PhysicsFileTest, APersonDeclinesAProposal) {
   EXPECT_FALSE(answer_undone(log()));
 }
 
-TEST_F(PhysicsFileTest, ANameIsARevisionToo) {
+TEST_F(PhysicsFileTest, NameChangeIsARevision) {
   ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25), "tin mug"));
   EXPECT_EQ(read().name(), "tin mug");
   ASSERT_TRUE(edit_physics(path, {}, std::string(200, 'x') + "\n"));
@@ -232,7 +233,7 @@ TEST_F(PhysicsFileTest, ANameIsARevisionToo) {
   EXPECT_EQ(mass_kg(), 0.25);
 }
 
-TEST_F(PhysicsFileTest, WhatIsEditedByHandIsThatPersonsAndStays) {
+TEST_F(PhysicsFileTest, ManualEditsAreLocked) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   edit_by_hand("/physics/mass_kg/best", 0.28);
   edit_by_hand("/physics/friction/best", 0.9);
@@ -245,14 +246,14 @@ TEST_F(PhysicsFileTest, WhatIsEditedByHandIsThatPersonsAndStays) {
   EXPECT_EQ(read().edits().friction(), 0.9);
   EXPECT_TRUE(read().edits().has_fragile());
   EXPECT_FALSE(read().edits().fragile());
-  EXPECT_FALSE(read().edits().has_restitution());  // not touched, not locked
+  EXPECT_FALSE(read().edits().has_restitution());  // unchanged, hence not locked
   ASSERT_TRUE(undo_physics(path));                 // the second analysis
   EXPECT_EQ(mass_kg(), 0.28);
-  ASSERT_TRUE(undo_physics(path));  // the edit by hand
+  ASSERT_TRUE(undo_physics(path));  // the manual edit
   EXPECT_EQ(mass_kg(), 0.31);
 }
 
-TEST_F(PhysicsFileTest, AFileWrittenByHandIsAPersonsThroughout) {
+TEST_F(PhysicsFileTest, ManualFileIsLockedThroughout) {
   folder.write("mug.physics.json",
                R"({ "physics": { "mass_kg": { "best": 0.42 }, "behavior": "RIGID" } } // measured
   )");
@@ -269,7 +270,7 @@ TEST_F(PhysicsFileTest, ErrorsNameFileFieldAndRange) {
     auto file = read_physics_file(path);
     return file ? std::string("(no error)") : file.error().message;
   };
-  const std::string remedy = "; mend it, or delete the file to forget it";
+  const std::string remedy = "; correct it, or delete the file to discard it";
   edit_by_hand("/physics/mass_kg/best", -1);
   EXPECT_EQ(message(),
             path.string() + ": physics.mass_kg.best: is -1; it must be between 1e-06 and 1e+06" + remedy);
@@ -282,29 +283,28 @@ TEST_F(PhysicsFileTest, ErrorsNameFileFieldAndRange) {
   folder.write("mug.physics.json", "[]");
   EXPECT_NE(message().find("one JSON object" + remedy), std::string::npos) << message();
   folder.write("mug.physics.json", "{\"a\":" + std::string(400'000, '[') + std::string(400'000, ']') +
-                                       "}");  // a walk through it ended the program
+                                       "}");  // regression: traversing it crashed the program
   EXPECT_NE(message().find("is nested deeper than 64 levels" + remedy), std::string::npos) << message();
   for (size_t length = 0; length < good.size(); length += 41) {  // any bytes
     folder.write("mug.physics.json", good.substr(0, length));
     EXPECT_EQ(message().find('\n'), std::string::npos);
   }
-  // A change on top of what cannot be read is refused and leaves it to be mended.
+  // A change on top of an unreadable file is refused and leaves it for correction.
   folder.write("mug.physics.json", "{ broken");
   EXPECT_FALSE(edit_physics(path, edit_of_mass(1)));
   EXPECT_EQ(*read_text_file(path), "{ broken");
 }
 
-// Also where it holds fields that nobody here knows; nobody is told to delete it, and nothing changes it or
-// its log.
-TEST_F(PhysicsFileTest, WhatANewerProgramWroteIsLeftAloneAndSaysWhatToDo) {
+// Also with unknown fields. The message does not suggest deletion, and neither the file nor its log changes.
+TEST_F(PhysicsFileTest, FileOfANewerVersionIsNotModified) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   const std::string log = *read_text_file(folder.path() / "mug.physics.log");
   for (const char* newer : {R"({ "version": 7 })", R"({ "version": "7" })",
                             R"({ "version": 7, "viscosity": { "best": 3 }, "edits": { "friction": 9 } })"}) {
     folder.write("mug.physics.json", newer);
     const std::string told = path.string() +
-                             ": a newer LiveGS wrote it (layout 7, this one reads up to 1): update this one, "
-                             "or move it and its .log away to go on without them; nothing in them is changed";
+                             ": written by a newer LiveGS (layout 7, this one reads up to 1); update LiveGS, "
+                             "or move the file and its .log away. Neither is modified";
     const auto file = read_physics_file(path);
     ASSERT_FALSE(file);
     EXPECT_EQ(file.error().code, ErrorCode::Unsupported);
@@ -321,7 +321,7 @@ TEST_F(PhysicsFileTest, WhatANewerProgramWroteIsLeftAloneAndSaysWhatToDo) {
   }
 }
 
-TEST_F(PhysicsFileTest, AnotherSizeIsAnotherMass) {
+TEST_F(PhysicsFileTest, ChangedSizeDiscardsTheMass) {
   auto physics = analysed(0.31);
   physics.mutable_longest_side_m()->set_best(0.095);
   ASSERT_TRUE(apply_analysis(path, physics, record_of("seer-1")));
@@ -331,10 +331,10 @@ TEST_F(PhysicsFileTest, AnotherSizeIsAnotherMass) {
   std::string note;
   const auto there = with_physics_file(estimate_offline(large), read(), large, note);
   EXPECT_EQ(there->mass_kg().best(), estimate_offline(large).mass_kg().best());
-  EXPECT_NE(note.find("analyze it again"), std::string::npos);
+  EXPECT_NE(note.find("analyze it to update"), std::string::npos);
 }
 
-TEST_F(PhysicsFileTest, AFolderThatCannotBeWrittenIsOneClearLine) {
+TEST_F(PhysicsFileTest, ReadOnlyFolderIsAOneLineError) {
   folder.write("file", "");
   const auto failed = apply_analysis(folder / "file/mug.physics.json", analysed(0.31), record_of("seer-1"));
   ASSERT_FALSE(failed);
@@ -343,18 +343,17 @@ TEST_F(PhysicsFileTest, AFolderThatCannotBeWrittenIsOneClearLine) {
   EXPECT_EQ(failed.error().message.find('\n'), std::string::npos);
 }
 
-TEST_F(PhysicsFileTest, ADeletedSidecarStaysDeleted) {
+TEST_F(PhysicsFileTest, DeletedSidecarStaysDeleted) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   std::filesystem::remove(path);
   EXPECT_EQ(read().revision(), 0u);
   ASSERT_TRUE(apply_analysis(path, analysed(0.4), record_of("seer-1")));
-  EXPECT_EQ(read().revision(), 2u);  // no number twice
+  EXPECT_EQ(read().revision(), 2u);  // revision numbers are unique
   EXPECT_EQ(mass_kg(), 0.4);
 }
 
-// Its log stays, and nothing of it counts any more: no proposal, nothing to undo or to redo, no answer that
-// was taken back.
-TEST_F(PhysicsFileTest, WhoDeletesASidecarForgetsItAll) {
+// The log remains, but without effect: no proposal, undo, redo or undone answer.
+TEST_F(PhysicsFileTest, DeletingTheSidecarInvalidatesItsLog) {
   const auto forget = [&] {
     std::filesystem::remove(path);
     EXPECT_TRUE(read_decisions(path).empty());
@@ -368,7 +367,7 @@ TEST_F(PhysicsFileTest, WhoDeletesASidecarForgetsItAll) {
   ASSERT_TRUE(undo_physics(path));
   ASSERT_TRUE(log_proposal(path, analysed(30), record_of("seer-1")));
   forget();
-  // Also once there is another.
+  // The same after a new sidecar is written.
   ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
   EXPECT_FALSE(answer_undone(read_decisions(path)));
   EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
@@ -383,11 +382,11 @@ TEST_F(PhysicsFileTest, WhoDeletesASidecarForgetsItAll) {
   EXPECT_EQ(mass_kg(), 40);
   ASSERT_TRUE(undo_physics(path));
   EXPECT_EQ(undo_physics(path).error().code, ErrorCode::NotFound);
-  EXPECT_GT(read_physics_log(path).size(), 8u);  // only grows
+  EXPECT_GT(read_physics_log(path).size(), 8u);  // append-only
 }
 
-// Runs `change` in a child that is killed before its `step`th change of the disk. True if it ended by itself,
-// and so returned.
+// Runs `change` in a child process that is killed before its `step`th write to the disk. Returns true if the
+// child completed.
 template <class Change>
 bool survives(int step, const Change& change) {
   const pid_t child = ::fork();
@@ -404,10 +403,9 @@ bool survives(int step, const Change& change) {
   return WIFEXITED(status);
 }
 
-// Killed between any two writes: what stands afterwards is what was before or what was decided, and once the
-// log has been synced it is what was decided; what a person wrote by hand is there in any case. Then
-// everything goes on as if nothing had happened.
-TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
+// After a kill between any two writes the state is the previous or the new one; once the log is synced it is
+// the new one. Manual edits survive in any case, and later changes work as usual.
+TEST_F(PhysicsFileTest, KillBetweenWritesLosesNothing) {
   const auto analysed_kg = [&] { return read().physics().mass_kg().best(); };
   const auto proposed_kg = [&] {
     double kg = 0;
@@ -471,7 +469,7 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
   const auto undone = contents();
   for (const char* name : {"mug.physics.json", "mug.physics.log"}) std::filesystem::remove(folder / name);
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
-  const auto first = contents();  // the one whose log a new sidecar could be taken to be behind
+  const auto first = contents();  // its log is the one that could be ahead of a new sidecar
   const auto begin = [&](From from) {
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
       std::filesystem::remove(entry.path());
@@ -489,10 +487,10 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
     begin(kill.from);
     std::vector<std::string> names;
     ASSERT_TRUE(kill.change([&](const char* name) { names.emplace_back(name); })) << kill.name;
-    // The record of the decision is the last that is synced.
+    // The record of the decision is synced last.
     const auto last_sync = std::find(names.rbegin(), names.rend(), "sync log");
     ASSERT_NE(last_sync, names.rend()) << kill.name;
-    const auto synced = static_cast<int>(names.rend() - last_sync);  // changes of the disk up to there
+    const auto synced = static_cast<int>(names.rend() - last_sync);  // writes up to that point
     for (int step = 0; step <= static_cast<int>(names.size()); ++step) {
       SCOPED_TRACE(std::string(kill.name) + ", step " + std::to_string(step));
       begin(kill.from);
@@ -509,7 +507,7 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
       if (kill.from == From::EditedByHand) {
         ASSERT_EQ(read().edits().friction(), 0.77);
       }
-      // What is there can be built on, and undone.
+      // The recovered state accepts changes and undo.
       ASSERT_TRUE(edit_physics(path, edit_of_mass(0.123)));
       ASSERT_EQ(mass_kg(), 0.123);
       if (step % 3 == 0) {
@@ -522,10 +520,11 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
   EXPECT_GT(decided_steps, 15);
 }
 
-// Of several objects that show one asset each has its own; the asset's counts until there is one.
-TEST_F(PhysicsFileTest, ObjectsThatShareAnAssetHaveTheirOwn) {
+// Objects that share an asset have separate sidecars; the asset's applies until one exists.
+TEST_F(PhysicsFileTest, ObjectsOfAnAssetHaveSeparateSidecars) {
   EXPECT_EQ(physics_file_path("a/mug.ply", "left mug"), "a/mug.physics.left%20mug.json");
-  // Eighty Chinese letters are 720 bytes so, and a file's name has 255 at most; two long names stay two.
+  // Eighty Chinese characters are 720 bytes in this encoding, and a file name is limited to 255; two long
+  // names stay distinct.
   std::string bowls;
   for (int i = 0; i < 80; ++i) bowls += "\u7897";
   const std::string cut = physics_file_path("a/mug.ply", bowls).filename().string();
@@ -544,7 +543,7 @@ TEST_F(PhysicsFileTest, ObjectsThatShareAnAssetHaveTheirOwn) {
   ASSERT_TRUE(apply_analysis(all, analysed(0.31), record_of("seer-1")));
   ASSERT_TRUE(edit_physics(all, edit_of_mass(0.3)));
   EXPECT_EQ(mass_of(left), 0.3);
-  EXPECT_EQ(read().revision(), 0u);  // nothing of its own
+  EXPECT_EQ(read().revision(), 0u);  // without a sidecar of its own
   EXPECT_EQ(undo_physics(left).error().code, ErrorCode::NotFound);
   EXPECT_FALSE(std::filesystem::exists(left));
 
@@ -557,15 +556,15 @@ TEST_F(PhysicsFileTest, ObjectsThatShareAnAssetHaveTheirOwn) {
   ASSERT_TRUE(undo_physics(right));
   EXPECT_EQ(mass_of(right), 0.3);
   EXPECT_EQ(undo_physics(right).error().code,
-            ErrorCode::NotFound);  // what the asset has is not its to take back
+            ErrorCode::NotFound);  // the asset's revisions cannot be undone
   EXPECT_EQ(mass_of(left), 0.2);
   ASSERT_TRUE(edit_physics(all, edit_of_mass(0.9)));
-  EXPECT_EQ(mass_of(right), 0.3);  // its own by now
+  EXPECT_EQ(mass_of(right), 0.3);  // it has its own by now
   std::filesystem::remove(right);
   EXPECT_EQ(mass_of(right), 0.9);
 }
 
-TEST_F(PhysicsFileTest, AKillWhileTheAssetsIsTakenOverLosesNothing) {
+TEST_F(PhysicsFileTest, KillDuringTakeOverLosesNothing) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
   path = physics_file_path(folder / "mug.ply", "left");
   const auto edit = [&](const WriteStep& step) {
@@ -586,9 +585,8 @@ TEST_F(PhysicsFileTest, AKillWhileTheAssetsIsTakenOverLosesNothing) {
   }
 }
 
-// What was a person's or the scene's when the model was asked is kept as theirs: it goes when they take it
-// back.
-TEST_F(PhysicsFileTest, ToldValuesInAnAnalysisHoldOnlyWhileTheyAreTold) {
+// Values given by a user or the scene at query time keep their source and are removed with it.
+TEST_F(PhysicsFileTest, GivenValuesApplyOnlyWhileGiven) {
   const double offline_kg = estimate_offline(mug_facts()).mass_kg().best();
   for (const auto source : {EstimatedValue::PERSON, EstimatedValue::SCENE}) {
     auto answer = analysed(5);
@@ -604,14 +602,14 @@ TEST_F(PhysicsFileTest, ToldValuesInAnAnalysisHoldOnlyWhileTheyAreTold) {
   }
 }
 
-TEST_F(PhysicsFileTest, ATornLogIsReadUpToTheTear) {
+TEST_F(PhysicsFileTest, TruncatedLogIsReadUpToTheCut) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
   ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
   const auto log = folder / "mug.physics.log";
   const std::string whole = *read_text_file(log);
   for (size_t length = 0; length < whole.size(); length += 211) {
     folder.write("mug.physics.log", whole.substr(0, length));
-    ASSERT_EQ(mass_kg(), 0.25);  // the sidecar has it
+    ASSERT_EQ(mass_kg(), 0.25);  // in the sidecar
     ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
     ASSERT_EQ(mass_kg(), 0.25);
   }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kNowhere = std::string_view::npos;
 
-TEST(JsonExtent, EndsWhereTheFirstBracketClosesAndCountsTheDepth) {
+TEST(JsonExtent, FindsEndAndDepth) {
   const auto check = [](std::string_view text, std::size_t begin, std::size_t end, int depth) {
     const JsonExtent extent = json_extent(text, begin, 4);
     EXPECT_EQ(extent.end, end) << text;
@@ -26,7 +26,7 @@ TEST(JsonExtent, EndsWhereTheFirstBracketClosesAndCountsTheDepth) {
   check(R"({"}":"]{[","\"}":1}x)", 0, 19, 1);  // brackets and quotes in strings
   check(R"({"a":"never closed})", 0, kNowhere, 1);
   check(R"({"a":1)", 0, kNowhere, 1);
-  check("{]", 0, 2, 1);  // the parser's to refuse
+  check("{]", 0, 2, 1);  // refused later by the parser
   check("[[[[]]]]", 0, 8, 4);
   check("[[[[[]]]]]", 0, kNowhere, 5);  // deeper than 4
   check("none", 0, kNowhere, 0);
@@ -36,8 +36,8 @@ TEST(JsonExtent, EndsWhereTheFirstBracketClosesAndCountsTheDepth) {
   check("{\"\\", 0, kNowhere, 1);  // ends within an escape
 }
 
-// A closed extent of sound JSON is the value itself, wherever it stands.
-TEST(JsonExtent, CutsEveryValueOutOfWhatSurroundsIt) {
+// A closed extent of valid JSON is the value itself, in any surroundings.
+TEST(JsonExtent, ExtractsValuesFromAnySurroundings) {
   std::mt19937_64 random(5);
   const auto below = [&](std::size_t count) { return static_cast<std::size_t>(random() % count); };
   const std::function<Json(int)> value = [&](int depth) -> Json {
@@ -68,7 +68,7 @@ TEST(JsonExtent, CutsEveryValueOutOfWhatSurroundsIt) {
   }
 }
 
-TEST(ParseJson, RefusesWhatIsTooDeepBeforeItIsParsed) {
+TEST(ParseJson, RefusesDeepNestingBeforeParsing) {
   const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
   EXPECT_TRUE(parse_json(nested(64)));
   EXPECT_EQ(parse_json(nested(65)).error().message, "JSON nested deeper than 64 levels");
@@ -80,20 +80,20 @@ TEST(ParseJson, RefusesWhatIsTooDeepBeforeItIsParsed) {
   EXPECT_EQ(parse_json("{} {}").error().message, "not JSON");
 }
 
-TEST(FindJsonObject, TakesTheObjectWithTheMostOfWhatIsWanted) {
+TEST(FindJsonObject, SelectsTheObjectWithMostWantedKeys) {
   const std::vector<std::string> wanted = {"mass_g", "fill"};
   const auto found = [&](std::string_view text) {
     const auto object = find_json_object(text, wanted);
     return object ? dump_json(*object) : "";
   };
   EXPECT_EQ(found(R"(a {"mass_g":1,"fill":"s"} b {"x":1})"), R"({"fill":"s","mass_g":1})");
-  EXPECT_EQ(found(R"({"mass_g":1} then {"mass_g":2})"), R"({"mass_g":2})");  // the last of equals
+  EXPECT_EQ(found(R"({"mass_g":1} then {"mass_g":2})"), R"({"mass_g":2})");  // the last of equal ones
   EXPECT_EQ(found(R"({"a":"}{","mass_g":3})"), R"({"a":"}{","mass_g":3})");
   EXPECT_EQ(found("none { here"), "");
   EXPECT_EQ(found(std::string(100000, '{')), "");
 }
 
-TEST(AnswerObject, TakesTheOneObjectWithAMassOutOfItsProse) {
+TEST(AnswerObject, ExtractsTheObjectWithAMassFromProse) {
   const auto found = [](const std::string& text) {
     const auto object = answer_object(text);
     return object ? dump_json(*object) : object.error().message;

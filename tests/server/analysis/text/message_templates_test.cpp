@@ -27,8 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kRepository = fs::path(LIVEGS_TESTS_DIR) / "..";
 
-// A line is said by its name, and a name that is in no file would be sent in its place.
-TEST(MessageTemplates, EveryLineIsSaidAndEveryLineThatIsSaidIsThere) {
+// Every line of the files is used, and every used name exists; an unknown name would be sent literally.
+TEST(MessageTemplates, EveryLineIsUsedAndEveryUsedLineExists) {
   std::string code;
   for (const auto& file : fs::directory_iterator(kRepository / "server/analysis")) {
     if (file.path().extension() == ".cpp") code += *read_text_file(file.path());
@@ -54,9 +54,9 @@ TEST(MessageTemplates, EveryLineIsSaidAndEveryLineThatIsSaidIsThere) {
   EXPECT_GT(count, 60);
 }
 
-// The words of a mass's reason reach the model in the line of the offline estimate. prompts/judged.json does
-// not speak of them: who changes this hash changes what was judged.
-TEST(MessageTemplates, TheReasonsOfAMassAreThoseThatWereToldBefore) {
+// The reasons of a mass reach the model in the line of the offline estimate. prompts/judged.json does not
+// cover them, so a change of this hash requires a judgement.
+TEST(MessageTemplates, MassReasonsAreUnchanged) {
   const std::string text = *read_text_file(kRepository / "server/analysis/knowledge/mass_reasons.json");
   EXPECT_EQ(content_hash(std::as_bytes(std::span(text))),
             "432807ba3c2dc69f29c9bba26c7e0ac4d88065409d66f37fe10d94c010b15fb9");
@@ -89,8 +89,8 @@ TEST(MessageTemplates, TheReasonsOfAMassAreThoseThatWereToldBefore) {
   EXPECT_EQ(told(v1::EstimatedValue::PERSON), "edited by a person");
 }
 
-// To the byte what was told before the words were in files (version 2).
-TEST(MessageTemplates, FactsAreToldAsTheyWere) {
+// Byte-identical to the facts before the texts were moved into files (version 2).
+TEST(MessageTemplates, FactsAreUnchanged) {
   ObjectFacts facts = mug_facts();
   facts.mesh.rod = 0.5;
   facts.mesh.piece_count = 2;
@@ -128,8 +128,8 @@ TEST(MessageTemplates, FactsAreToldAsTheyWere) {
   EXPECT_EQ(slots.at("told"), "mass_kg 0.3, friction 0.4");
 }
 
-// Of a sponge, that is of one stuff whatever it is, as of a mug and of what has no name.
-TEST(MessageTemplates, ThreeMaterialsAreToldWithTheirRanges) {
+// For a sponge, which has one material under any name, for a mug, and for an unnamed object.
+TEST(MessageTemplates, FactsListThreeMaterialsWithRanges) {
   for (ObjectFacts facts : {sponge_facts(), mug_facts(), tennis_ball_facts(), pillow_facts()}) {
     for (const char* name : {facts.name.c_str(), "brick", "steel ball", "hammer", ""}) {
       facts.name = name;
@@ -148,7 +148,7 @@ TEST(MessageTemplates, ThreeMaterialsAreToldWithTheirRanges) {
   }
 }
 
-TEST(KnowledgeSearch, WhatIsMostLikeAMaterialIsOfItsKind) {
+TEST(KnowledgeSearch, SimilarMaterialIsOfTheSameClass) {
   const auto first = [](const char* name) {
     return similar_materials(material_row(name), 3).front()->material_class;
   };
@@ -159,7 +159,7 @@ TEST(KnowledgeSearch, WhatIsMostLikeAMaterialIsOfItsKind) {
   EXPECT_EQ(similar_materials(material_row("brass"), 1000).size(), material_table().size() - 1);
 }
 
-TEST(MessageTemplates, WhatFillsASlotIsNotLookedAtAgain) {
+TEST(MessageTemplates, InsertedValuesAreNotScannedAgain) {
   const MessageTemplates& words = MessageTemplates::built_in();
   EXPECT_EQ(words.say("part_unknown", {{"field", "parts[0]"}, {"told", "{{field}}"}}),
             "parts[0].material_id: \"{{field}}\" is not in the table; give a name from it");
@@ -167,9 +167,9 @@ TEST(MessageTemplates, WhatFillsASlotIsNotLookedAtAgain) {
             "parts[0].material_id: \"\" is not in the table; give a name from it");
 }
 
-// Braces that stand in our own complaints reach the model as they stand; what the model itself wrote opens no
-// slot and ends no quote.
-TEST(MessageTemplates, AComplaintsOwnBracesReachTheModelAndNobodyElses) {
+// Braces in the program's own complaints are sent unchanged; a model's text cannot open a slot or end a
+// quote.
+TEST(MessageTemplates, OnlyOwnBracesReachTheModel) {
   const auto prompts = PromptSet::load({});
   const auto told = [&](const nlohmann::json& answer) {
     const auto read = read_answer(answer.dump());
@@ -194,14 +194,14 @@ TEST(MessageTemplates, AComplaintsOwnBracesReachTheModelAndNobodyElses) {
           "\"parts[0].material_id: '((problem))' (b)'ore' (low)' is not in the table; give a name from it\"");
 }
 
-// prompts/FILE with one line in other words.
+// prompts/FILE with one line replaced.
 std::string with_line(const char* file, const char* line, const char* text) {
   auto json = nlohmann::ordered_json::parse(*read_text_file(kRepository / "prompts" / file));
   json.at(line) = text;
   return json.dump(1);
 }
 
-TEST(MessageTemplates, AFoldersOwnWordsReachTheModelAndMakeAnotherVersion) {
+TEST(MessageTemplates, FolderTextsAreSentAndChangeTheVersion) {
   const ScratchFolder scratch;
   scratch.write("prompts/facts.json", with_line("facts.json", "size", "LONG {{length}}"));
   scratch.write("prompts/complaints.json",
@@ -233,7 +233,7 @@ TEST(MessageTemplates, AFoldersOwnWordsReachTheModelAndMakeAnotherVersion) {
   EXPECT_NE(PromptSet::load(scratch / "prompts")->version(), PromptSet::load({})->version());
 }
 
-// What loading a folder with this one file in it says, without the folder's path.
+// Error from loading a folder with only this file, without the folder's path.
 std::string refusal_of(const char* file, const std::string& text) {
   const ScratchFolder scratch;
   scratch.write(std::string("prompts/") + file, text);
@@ -245,7 +245,7 @@ std::string refusal_of(const char* file, const std::string& text) {
   return loaded.error().message.substr(std::min(path.size(), loaded.error().message.size()));
 }
 
-TEST(MessageTemplates, AFileThatLacksALineOrHasOneMoreIsAnErrorThatNamesIt) {
+TEST(MessageTemplates, MissingOrExtraLineIsAnError) {
   const auto refusal = [](const std::string& text) { return refusal_of("complaints.json", text); };
   const std::string whole = *read_text_file(kRepository / "prompts/complaints.json");
   EXPECT_EQ(refusal(whole), "");
@@ -253,14 +253,14 @@ TEST(MessageTemplates, AFileThatLacksALineOrHasOneMoreIsAnErrorThatNamesIt) {
   json.erase("too_wide");
   EXPECT_EQ(refusal(json.dump()), "has no line too_wide");
   json["too_wide"] = 3;
-  EXPECT_EQ(refusal(json.dump()), "too_wide is no text");
+  EXPECT_EQ(refusal(json.dump()), "too_wide is not a string");
   json["too_wide"] = json["to_wide"] = "x";
-  EXPECT_EQ(refusal(json.dump()), "to_wide is no line that is ever said");
+  EXPECT_EQ(refusal(json.dump()), "to_wide is not a line of this file; remove it");
   EXPECT_EQ(refusal("["), "not a JSON object");
 }
 
-// Both ended the program.
-TEST(PromptFolder, AFileOfAnotherFormIsAnErrorThatNamesIt) {
+// Regression: both crashed the program.
+TEST(PromptFolder, MalformedFileIsAnError) {
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
   EXPECT_EQ(refusal_of("examples.json", R"({"a": {"facts": "x", "answer": {}}})"),
             "must be a list of examples");
@@ -270,42 +270,41 @@ TEST(PromptFolder, AFileOfAnotherFormIsAnErrorThatNamesIt) {
             "nested too deep");
 }
 
-// Each of these left its line out, or was sent as it stands, and nobody was told.
-TEST(PromptFolder, ASlotThatNothingFillsIsAnErrorThatNamesItAndTheRemedy) {
+// Regression: these lines were left out, or sent literally, without an error.
+TEST(PromptFolder, UnknownSlotIsAnErrorWithARemedy) {
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\nSize: {{szie}}\n"),
-            "line 2: {{szie}} is filled by nothing: write {{size}} or take it out");
+            "line 2: {{szie}} is not a known slot; write {{size}} or remove it");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}}, {{camera_azimut}}\n"),
-            "line 1: {{camera_azimut}} is filled by nothing: write {{camera_azimuth}} or take it out");
+            "line 1: {{camera_azimut}} is not a known slot; write {{camera_azimuth}} or remove it");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\n{{}}\n").substr(0, 67),
-            "line 2: {{}} names no slot: take it out or write one of {{camera_az");
+            "line 2: {{}} does not name a slot; remove it or write one of {{camera_az");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size\n"),
-            "line 1: {{size has no end: write it as {{slot}}, on one line");
+            "line 1: {{size has no end; write it as {{slot}}, on one line");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size} m\n"),
-            "line 1: {{size has no end: write it as {{slot}}, on one line");
+            "line 1: {{size has no end; write it as {{slot}}, on one line");
   EXPECT_EQ(refusal_of("user.md", "Name: {{ name }}{{name}}\n"),
-            "line 1: {{ name }} is filled by nothing: write {{name}} or take it out");
-  EXPECT_EQ(
-      refusal_of("user.md", ""),
-      "has no {{name}}: write it where that is to stand, or delete the file so that the built-in one counts");
+            "line 1: {{ name }} is not a known slot; write {{name}} or remove it");
+  EXPECT_EQ(refusal_of("user.md", ""),
+            "has no {{name}}: write it where the text belongs, or delete the file to use the built-in one");
   EXPECT_EQ(refusal_of("repair.md", "{{problem}} {{name}}\n"),
-            "line 1: {{name}} is filled by nothing: take it out or write one of {{problem}}");
+            "line 1: {{name}} is not a known slot; remove it or write one of {{problem}}");
   EXPECT_EQ(refusal_of("system.md", "About {{name}}.\n"),
-            "line 1: {{name}} is filled by nothing: nothing in this text is filled: take it out");
+            "line 1: {{name}} is not a known slot; no slot of this text is filled; remove it");
   EXPECT_EQ(refusal_of("system.md", "Write {\"a\": {\"b\": 1}}, never {{...}}.\n"), "");
   EXPECT_EQ(refusal_of("search.md", "{{name}} {{size}} {{scale}}\n"),
-            "");  // filled from what fills the question
+            "");  // filled from the slots of the question
   EXPECT_EQ(refusal_of("search.md", "{{name}} {{others}}\n").substr(0, 42),
-            "line 1: {{others}} is filled by nothing: t");
+            "line 1: {{others}} is not a known slot; r");
   EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_deep", "no {{field}}")),
-            "too_deep, line 1: {{field}} is filled by nothing: nothing in this text is filled: take it out");
+            "too_deep, line 1: {{field}} is not a known slot; no slot of this text is filled; remove it");
   EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_wide", "no {{feild}}")),
-            "too_wide, line 1: {{feild}} is filled by nothing: write {{field}} or take it out");
+            "too_wide, line 1: {{feild}} is not a known slot; write {{field}} or remove it");
   EXPECT_EQ(refusal_of("facts.json", with_line("facts.json", "size", "{{length}} m\u2028{{hight}}\x1b")),
-            "size, line 1: {{hight}} is filled by nothing: write {{height}} or take it out");
+            "size, line 1: {{hight}} is not a known slot; write {{height}} or remove it");
 }
 
-// All of the built-in ones, from a folder.
-TEST(PromptFolder, TheBuiltInFilesPass) {
+// All built-in files, loaded from a folder.
+TEST(PromptFolder, BuiltInFilesAreValid) {
   const auto built_in = PromptSet::load({}), folder = PromptSet::load(kRepository / "prompts");
   ASSERT_TRUE(folder) << folder.error().message;
   EXPECT_EQ(folder->version(), built_in->version());

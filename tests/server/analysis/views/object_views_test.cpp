@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint32_t kTarget = 7, kScreen = 8;
 
-// Round kernels on a grid over a rectangle, so dense that it is opaque.
+// Round kernels on a grid over a rectangle, dense enough to be opaque.
 struct Sheet {
   GaussianAsset asset;
   PosedKernels kernels;
@@ -41,8 +41,7 @@ Sheet sheet(const Eigen::Vector3d& corner_m, const Eigen::Vector3d& across_m, co
   return made;
 }
 
-// A red board of 0.4 x 0.4 m that faces the front, and before it a grey screen that hides its right half from
-// there.
+// A red board of 0.4 x 0.4 m that faces the front; a grey screen in front of it occludes its right half.
 class HalfHiddenBoard : public testing::Test {
  protected:
   Sheet board = sheet({-0.2, 0, 0}, {0.4, 0, 0}, {0, 0.4, 0}, {0.9f, 0.1f, 0.1f});
@@ -57,13 +56,13 @@ double mean(const Image& image) {
   return sum / (static_cast<double>(image.width) * image.height);
 }
 
-TEST_F(HalfHiddenBoard, IsMaskedWhereItIsSeenAndNowhereElse) {
+TEST_F(HalfHiddenBoard, MaskCoversExactlyTheVisiblePart) {
   const auto views = object_views(both, kTarget, {256, 1, 4.0 / 3});
   ASSERT_TRUE(views) << views.error().message;
   const ObjectView& view = views->front();
   EXPECT_EQ(view.scene.width, 256);
   EXPECT_EQ(view.scene.height, 192);
-  // The board is red and nothing else is: the scene's own colours say where it is seen.
+  // Only the board is red, so the colours of the scene give its visible pixels.
   int wrong = 0, seen = 0;
   for (int y = 0; y < view.mask.height; ++y) {
     for (int x = 0; x < view.mask.width; ++x) {
@@ -74,22 +73,21 @@ TEST_F(HalfHiddenBoard, IsMaskedWhereItIsSeenAndNowhereElse) {
     }
   }
   EXPECT_GT(seen, 500);
-  EXPECT_LE(wrong, seen / 50);  // pixels of the rim, where neither is more
+  EXPECT_LE(wrong, seen / 50);  // boundary pixels with mixed coverage
 }
 
-// From straight ahead a camera that looks past the screen's edge sees what is left of it: by the theorem of
-// rays, from distance d of the board's middle the edge at 0.3 m before it hides all to the right of x = 0, a
-// half.
-TEST_F(HalfHiddenBoard, IsSeenByTheShareThatGeometryGives) {
+// Expected share from the intercept theorem: from distance d of the board's centre, the screen's edge 0.3 m
+// in front of it occludes everything to the right of x = 0, which is half.
+TEST_F(HalfHiddenBoard, VisibleShareMatchesGeometry) {
   std::vector<ViewCandidate> ring;
   ASSERT_TRUE(object_views(both, kTarget, {128, 1, 4.0 / 3}, &ring));
   ASSERT_EQ(ring.size(), 12u);
   EXPECT_EQ(ring[0].azimuth_rad, 0.0);
   EXPECT_NEAR(ring[0].visible_share, 0.5, 0.03);
-  EXPECT_NEAR(ring[4].visible_share, 1.0, 0.01);  // from behind nothing is in the way
+  EXPECT_NEAR(ring[4].visible_share, 1.0, 0.01);  // not occluded from behind
 }
 
-TEST_F(HalfHiddenBoard, IsShownFromWhereMostOfItIsSeen) {
+TEST_F(HalfHiddenBoard, BestViewShowsTheMost) {
   std::vector<ViewCandidate> ring;
   const auto views = object_views(both, kTarget, {256, 3, 4.0 / 3}, &ring);
   ASSERT_TRUE(views);
@@ -110,7 +108,7 @@ TEST_F(HalfHiddenBoard, IsShownFromWhereMostOfItIsSeen) {
   }
 }
 
-TEST_F(HalfHiddenBoard, IsOutlinedAllAround) {
+TEST_F(HalfHiddenBoard, OutlineSurroundsIt) {
   const auto views = object_views(both, kTarget, {256, 1, 4.0 / 3});
   ASSERT_TRUE(views);
   const ObjectView& view = views->front();
@@ -134,7 +132,7 @@ TEST_F(HalfHiddenBoard, IsOutlinedAllAround) {
   EXPECT_GT(border, 50);
 }
 
-TEST_F(HalfHiddenBoard, IsCutOutWholeAndFillsThePicture) {
+TEST_F(HalfHiddenBoard, CutoutIsCompleteAndFillsThePicture) {
   const auto views = object_views(both, kTarget, {256, 1, 4.0 / 3});
   ASSERT_TRUE(views);
   const Image& cutout = views->front().cutout;
@@ -148,7 +146,7 @@ TEST_F(HalfHiddenBoard, IsCutOutWholeAndFillsThePicture) {
   EXPECT_LT(grey, cutout.width * cutout.height / 100);
 }
 
-TEST_F(HalfHiddenBoard, LooksTheSameEveryTime) {
+TEST_F(HalfHiddenBoard, RenderingIsDeterministic) {
   const auto one = object_views(both, kTarget, {128, 2, 4.0 / 3}),
              other = object_views(both, kTarget, {128, 2, 4.0 / 3});
   ASSERT_TRUE(one && other);
@@ -159,7 +157,7 @@ TEST_F(HalfHiddenBoard, LooksTheSameEveryTime) {
   }
 }
 
-TEST_F(HalfHiddenBoard, WhatIsFarAsideChangesNothing) {
+TEST_F(HalfHiddenBoard, DistantObjectsChangeNothing) {
   const auto before = object_views(both, kTarget, {128, 1, 4.0 / 3});
   Sheet aside = sheet({50, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 0});
   both.push_back({&aside.asset, &aside.kernels, 9});
@@ -168,7 +166,7 @@ TEST_F(HalfHiddenBoard, WhatIsFarAsideChangesNothing) {
   EXPECT_EQ(before->front().scene.pixels, after->front().scene.pixels);
 }
 
-TEST_F(HalfHiddenBoard, SmallThingsAreNotFadedByTheNearPlane) {
+TEST_F(HalfHiddenBoard, NearPlaneDoesNotFadeSmallObjects) {
   Sheet coin = sheet({0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0.8f, 0.6f, 0.2f});
   const DrawnObject small[] = {{&coin.asset, &coin.kernels, kTarget}};
   const auto views = object_views(small, kTarget, {128, 1, 4.0 / 3});
@@ -177,7 +175,7 @@ TEST_F(HalfHiddenBoard, SmallThingsAreNotFadedByTheNearPlane) {
   EXPECT_GT(mean(views->front().mask), 0.05);
 }
 
-TEST_F(HalfHiddenBoard, AStopEndsTheDrawing) {
+TEST_F(HalfHiddenBoard, StopEndsTheRendering) {
   std::stop_source stop;
   ViewOptions options;
   options.stop = stop.get_token();
@@ -189,7 +187,7 @@ TEST_F(HalfHiddenBoard, AStopEndsTheDrawing) {
   EXPECT_EQ(views.error().message, "cancelled");
 }
 
-TEST_F(HalfHiddenBoard, WrongRequestsAreToldWhatIsWrong) {
+TEST_F(HalfHiddenBoard, InvalidRequestsNameTheFault) {
   const auto nobody = object_views(both, 99);
   ASSERT_FALSE(nobody);
   EXPECT_NE(nobody.error().message.find("99"), std::string::npos);
@@ -202,9 +200,9 @@ TEST_F(HalfHiddenBoard, WrongRequestsAreToldWhatIsWrong) {
   EXPECT_FALSE(object_views(empty, kTarget));
 }
 
-// A low block that shows a little more of itself from steep above than from the side: it is seen from where
-// people stand all the same. A lower one, of which the side shows next to nothing, is seen from above.
-TEST(ObjectViews, UprightnessCounts) {
+// A low block is slightly larger from steep above than from the side; the upright view still wins. A lower
+// block, with almost no side, is seen from above.
+TEST(ObjectViews, UprightViewsArePreferred) {
   const auto block = [](double height_m) {
     const Eigen::Vector3d x(0.2, 0, 0), y(0, height_m, 0), z(0, 0, 0.2);
     const Eigen::Vector3f rgb(0.6f, 0.5f, 0.4f);
@@ -217,7 +215,7 @@ TEST(ObjectViews, UprightnessCounts) {
     return faces;
   };
   struct Seen {
-    double upright = 0, steep = 0;  // the largest part of the picture from either height
+    double upright = 0, steep = 0;  // the largest area share from either elevation
     double chosen_elevation_rad = 0;
   };
   const auto look_at_block = [&](double height_m) {
@@ -243,7 +241,7 @@ TEST(ObjectViews, UprightnessCounts) {
   EXPECT_GT(flat.chosen_elevation_rad, 0.6);
 }
 
-TEST_F(HalfHiddenBoard, TheFactsNameWhatTheyShow) {
+TEST_F(HalfHiddenBoard, FactSlotsDescribeTheObject) {
   const auto views = object_views(both, kTarget, {64, 1, 4.0 / 3});
   ASSERT_TRUE(views);
   ObjectFacts facts;
@@ -262,9 +260,9 @@ TEST_F(HalfHiddenBoard, TheFactsNameWhatTheyShow) {
   EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 11);  // twelve lines
   EXPECT_NE(told.find("thing 19"), std::string::npos);
   EXPECT_EQ(told.find("thing 7:"), std::string::npos);
-  EXPECT_EQ(slots.count("scale"), 0u);  // it is a guess
+  EXPECT_EQ(slots.count("scale"), 0u);  // guessed
   EXPECT_NE(describe_camera(views->front()).find("m from its centre"), std::string::npos);
-  // Camera, target and distance fit together, to the three digits they are told in.
+  // Camera, target and distance are consistent, to their three digits.
   const auto camera = camera_slots(views->front());
   double at[6] = {};
   ASSERT_EQ(std::sscanf((camera.at("camera_position") + ", " + camera.at("target_position")).c_str(),

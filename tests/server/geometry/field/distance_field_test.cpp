@@ -38,14 +38,14 @@ TEST(DistanceField, BoxIsExactAtItsNodes) {
     for (int j = 0; j < field.node_counts().y(); ++j) {
       for (int i = 0; i < field.node_counts().x(); ++i) {
         const Eigen::Vector3d p = -half - Eigen::Vector3d::Constant(0.1) + 0.02 * Eigen::Vector3d(i, j, k);
-        // Distances are kept as floats.
+        // Distances are stored as floats.
         EXPECT_NEAR(field.sample(p).distance_m, box_distance(p, half), 1e-7) << p.transpose();
       }
     }
   }
 }
 
-TEST(DistanceField, BoxBetweenNodesIsWithinThreeEighthsOfACell) {
+TEST(DistanceField, BoxErrorBetweenNodesIsBounded) {
   const Eigen::Vector3d half(0.2, 0.05, 0.1);
   const double cell_m = 0.01;
   const DistanceField field(box_mesh(2 * half), cell_m, 0.05);
@@ -55,34 +55,34 @@ TEST(DistanceField, BoxBetweenNodesIsWithinThreeEighthsOfACell) {
     const Eigen::Vector3d p = random.in_cube().cwiseProduct(half + Eigen::Vector3d::Constant(0.05));
     worst = std::max(worst, std::abs(field.sample(p).distance_m - box_distance(p, half)));
   }
-  // Where three faces are equally near the distance is min(x, y, z): seven corners of a cell have 0 and one
-  // has 1, so that trilinear interpolation gives 1/8 in the middle in place of 1/2. Where two are, a quarter
-  // is lost.
+  // Where three faces are equally near, the distance is min(x, y, z). Seven corners of a cell have 0 and one
+  // has 1, so trilinear interpolation gives 1/8 in the middle in place of 1/2. Where two faces are equally
+  // near, the error is a quarter.
   EXPECT_LT(worst, 0.375 * cell_m);
 }
 
-TEST(DistanceField, SphereIsWithinASmallPartOfACell) {
+TEST(DistanceField, SphereErrorIsASmallPartOfACell) {
   const double radius = 0.5, cell_m = 0.02;
   const TriangleMesh mesh = sphere_mesh(radius, 5);
   const DistanceField field(mesh, cell_m, 0.2);
-  // The mesh lies up to 1.3e-4 inside the sphere (sagitta of edges of 0.02); trilinear error is at most
-  // cell²/8 times the sum of the curvatures, 2/r: 2e-4 at the surface, 4e-4 at r = 0.25; what is swept may be
-  // off by a tenth of a cell.
+  // The mesh lies up to 1.3e-4 inside the sphere (sagitta of edges of 0.02). The trilinear error is at most
+  // cell²/8 times the sum of the curvatures, 2/r: 2e-4 at the surface, 4e-4 at r = 0.25. Propagated distances
+  // may be off by a tenth of a cell.
   testing::Random random(4);
   for (int i = 0; i < 20000; ++i) {
     const Eigen::Vector3d way = random.direction();
     const double r = random.uniform(0.25, 0.7);
     const auto sample = field.sample(r * way);
-    const bool in_band = std::abs(r - radius) < 0.2 * cell_m;  // all nodes round it are exact
+    const bool in_band = std::abs(r - radius) < 0.2 * cell_m;  // all surrounding nodes are exact
     EXPECT_NEAR(sample.distance_m, r - radius, in_band ? 3.5e-4 : 5e-4 + 0.1 * cell_m);
     EXPECT_NEAR(sample.gradient.norm(), 1.0, 1e-12);
-    // Differences over a cell of a distance that is off by its second derivative times the cell.
+    // The gradient error is the second derivative of the distance times the cell.
     EXPECT_GT(sample.gradient.dot(way), 0.99);
   }
 }
 
-TEST(DistanceField, SweptDistancesAreThoseOfTheNearestTriangle) {
-  // A bumpy body, far more triangles than cells.
+TEST(DistanceField, PropagatedDistancesAreNearlyExact) {
+  // A bumpy body with far more triangles than cells.
   TriangleMesh mesh = sphere_mesh(0.5, 4);
   for (auto& v : mesh.vertices_m) v *= 1.0 + 0.2 * std::sin(9 * v.x()) * std::cos(7 * v.y() + 5 * v.z());
   const double cell_m = 0.06;
@@ -103,7 +103,7 @@ TEST(DistanceField, SweptDistancesAreThoseOfTheNearestTriangle) {
       }
     }
   }
-  std::printf("swept distances: at most %.3f of a cell too large\n", worst / cell_m);
+  std::printf("propagated distances: at most %.3f of a cell too large\n", worst / cell_m);
   EXPECT_LT(worst, 0.1 * cell_m);
 }
 
@@ -121,14 +121,14 @@ TEST(DistanceField, OutsideTheGridIsNeverFarTooSmall) {
   }
 }
 
-TEST(DistanceField, AnAbsurdCellIsWidened) {
+TEST(DistanceField, EnlargesATinyCell) {
   const DistanceField field(box_mesh({1, 1, 1}), 1e-9, 0.1);
   EXPECT_GT(field.cell_m(), 1e-3);
   EXPECT_NEAR(field.sample({0, 0.55, 0}).distance_m, 0.05, 1e-6);
 }
 
-// Boards of a tenth of a cell to two and a half, anywhere among the nodes: on either side of a face the sign
-// is right and the distance exact or, where a wall is thick enough for the grid, as good as the grid's.
+// Boards from a tenth of a cell to two and a half cells, at random positions in the grid. The sign is correct
+// on both sides of a face. The distance is exact, or as accurate as the grid for thick walls.
 TEST(DistanceField, ThinBoardsAreExact) {
   testing::Random random(6);
   for (const double thick : {0.1, 0.3, 0.8, 1.2, 1.6, 2.0, 2.5}) {
@@ -136,7 +136,7 @@ TEST(DistanceField, ThinBoardsAreExact) {
     const Eigen::Vector3d half(0.6, 0.5 * thick * cell_m, 0.35);
     for (int at = 0; at < 5; ++at) {
       TriangleMesh board = box_mesh(2 * half);
-      // A speck below moves the nodes against the board.
+      // A small part below shifts the nodes relative to the board.
       for (const Eigen::Vector3d& corner : box_mesh({0.01, 0.01, 0.01}).vertices_m)
         board.vertices_m.push_back(corner);
       const auto start = static_cast<uint32_t>(board.vertices_m.size() - 8);
@@ -148,8 +148,7 @@ TEST(DistanceField, ThinBoardsAreExact) {
       EXPECT_LE(field.thinnest_m(), std::max(thick * cell_m, 0.01) + 1e-9);
       double worst = 0.0;
       for (int i = 0; i < 2000; ++i) {
-        // Everywhere in and about a thin one; of a thick one near a face and not at its rim, where a grid
-        // rounds.
+        // Thin boards are tested everywhere; thick ones near a face but not at its rim, where a grid rounds.
         Eigen::Vector3d p = random.in_cube().cwiseProduct(half + Eigen::Vector3d::Constant(0.2 * cell_m));
         if (thick > 0.5) {
           p = p.cwiseProduct(Eigen::Vector3d(0.8, 0.0, 0.8));
@@ -158,13 +157,13 @@ TEST(DistanceField, ThinBoardsAreExact) {
         worst = std::max(worst, std::abs(field.sample(p).distance_m - box_distance(p, half)));
       }
       EXPECT_LT(worst, 1e-6 * cell_m + (thick > 1.0 ? 0.02 * cell_m : 0.0))
-          << thick << " cells, place " << at;
+          << thick << " cells, position " << at;
     }
   }
 }
 
-// Nothing beyond the grid is read, whatever is asked.
-TEST(DistanceField, OfWhatIsNoNumberIsNone) {
+// A query with NaN or infinity reads nothing outside the grid.
+TEST(DistanceField, IsNanAtNan) {
   const DistanceField field(box_mesh({1, 1, 1}), 0.1, 0.1);
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                infinity = std::numeric_limits<double>::infinity();

@@ -30,8 +30,8 @@ size_t inside_count(const TriangleMesh& mesh, const RegularGrid& grid) {
 }
 
 TEST(InsideGrid, LinesThroughEdgesAndVerticesDoNotLeak) {
-  // Nodes lie exactly on faces, edges, diagonals and corners of the cube, and on the sphere's vertices and
-  // edges.
+  // Nodes lie exactly on faces, edges, diagonals and corners of the cube, and on vertices and edges of the
+  // sphere.
   const RegularGrid grid = grid_over(1.0, 21);
   const auto cube = nodes_inside(box_mesh({1, 1, 1}), grid);
   const auto ball = nodes_inside(sphere_mesh(0.75, 2), grid);
@@ -46,7 +46,7 @@ TEST(InsideGrid, LinesThroughEdgesAndVerticesDoNotLeak) {
         if (reach > 0.51) {
           EXPECT_FALSE(cube[grid.index(i, j, k)]) << p.transpose();
         }
-        // The icosphere's faces come as near as 0.96 of its radius.
+        // The faces of the icosphere are at least 0.96 of its radius from the centre.
         if (p.norm() < 0.71) {
           EXPECT_TRUE(ball[grid.index(i, j, k)]) << p.transpose();
         }
@@ -58,31 +58,33 @@ TEST(InsideGrid, LinesThroughEdgesAndVerticesDoNotLeak) {
   }
 }
 
-TEST(InsideGrid, CountsTheVolumeOfATurnedBox) {
+TEST(InsideGrid, CountsTheVolumeOfARotatedBox) {
   TriangleMesh mesh = box_mesh({1.0, 0.6, 0.3});
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(1.1, Eigen::Vector3d(3, 1, 2).normalized()).toRotationMatrix();
   for (auto& vertex : mesh.vertices_m) vertex = turn * vertex;
   const RegularGrid grid = grid_over(0.7, 101);
   const double counted = static_cast<double>(inside_count(mesh, grid)) * std::pow(grid.cell_m, 3);
-  // Each cell on the surface is off by half its volume at random: of 11 000, a hundredth of that is plenty.
+  // Each cell on the surface has a random error of half its volume; with 11 000 cells, a bar of 1 % is
+  // generous.
   EXPECT_NEAR(counted / 0.18, 1.0, 0.01);
 }
 
-TEST(InsideGrid, OverlapsCountOnceAndCavitiesNotAtAll) {
+TEST(InsideGrid, OverlapsCountOnceAndCavitiesDoNot) {
   const RegularGrid grid = grid_over(1.0, 41);
   const TriangleMesh a = box_mesh({0.93, 0.93, 0.93});
   const TriangleMesh overlapping = joined(a, moved(a, {0.31, 0, 0}));
   TriangleMesh hollow = box_mesh({0.51, 0.51, 0.51});
   for (auto& triangle : hollow.triangles) std::swap(triangle[1], triangle[2]);
-  // 0.93 holds nodes -0.45 to 0.45: 19 each way; moved by 0.31: -0.15 to 0.75. 0.51 holds 11.
+  // A size of 0.93 contains nodes -0.45 to 0.45: 19 per axis; shifted by 0.31: -0.15 to 0.75. A size of 0.51
+  // contains 11.
   EXPECT_EQ(inside_count(a, grid), 19u * 19u * 19u);
   EXPECT_EQ(inside_count(overlapping, grid), 25u * 19u * 19u);
   EXPECT_EQ(inside_count(joined(a, hollow), grid), 19u * 19u * 19u - 11u * 11u * 11u);
 }
 
-TEST(InsideGrid, SliversAndFoldsDoNotDrawLines) {
-  // A closed surface of random, partly degenerate triangles: whatever lies beyond all of it is outside.
+TEST(InsideGrid, SliversAndFoldsCauseNoScanlineErrors) {
+  // A closed surface of random, partly degenerate triangles: points beyond all of them are outside.
   testing::Random random(11);
   TriangleMesh mesh = sphere_mesh(0.5, 3);
   for (auto& vertex : mesh.vertices_m) {

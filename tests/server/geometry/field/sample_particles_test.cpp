@@ -18,7 +18,7 @@ double volume_sum(const ParticleSet& set) {
   return std::accumulate(set.volumes_m3.begin(), set.volumes_m3.end(), 0.0);
 }
 
-TEST(SampleParticles, WholeVoxelsOfABarAndItsCorners) {
+TEST(SampleParticles, BarHasVoxelCentresAndCorners) {
   const ParticleSet set = sample_particles(box_mesh({0.4, 0.1, 0.1}), kDefaultSamplingDensity, 0.025);
   EXPECT_DOUBLE_EQ(set.spacing_m, 0.025);
   // 16 x 4 x 4 voxel centres, then the corners, each half a diagonal from the nearest centre.
@@ -27,7 +27,7 @@ TEST(SampleParticles, WholeVoxelsOfABarAndItsCorners) {
   EXPECT_TRUE(set.positions_m[0].isApprox(Eigen::Vector3d(-0.1875, -0.0375, -0.0375)));
   EXPECT_TRUE(set.positions_m[1].isApprox(Eigen::Vector3d(-0.1625, -0.0375, -0.0375)));
   EXPECT_NEAR(volume_sum(set), 0.004, 1e-15);
-  // A voxel in the middle keeps its own volume whole.
+  // A voxel in the middle keeps its full volume.
   EXPECT_NEAR(set.volumes_m3[8 + 16 * (2 + 4 * 2)], std::pow(0.025, 3), 1e-3 * std::pow(0.025, 3));
 }
 
@@ -37,7 +37,7 @@ TEST(SampleParticles, DensityCountsVoxelsAlongTheLongestSide) {
   EXPECT_EQ(std::count(set.on_surface.begin(), set.on_surface.end(), false), 15 * 10 * 5);
 }
 
-TEST(SampleParticles, KeepTheRuleOnARoundBody) {
+TEST(SampleParticles, FollowTheRuleOnARoundBody) {
   const TriangleMesh mesh = sphere_mesh(0.1, 4);
   const ParticleSet set = sample_particles(mesh);
   const double h = 0.2 / 15, half_diagonal = 0.5 * std::sqrt(3.0) * h;
@@ -53,14 +53,14 @@ TEST(SampleParticles, KeepTheRuleOnARoundBody) {
     }
   }
   EXPECT_NEAR(volume_sum(set), signed_volume_m3(mesh), 1e-12);
-  // No mesh vertex that could have been taken was left.
+  // Every mesh vertex that the rule admits was taken.
   for (const auto& vertex : mesh.vertices_m) {
     double nearest = 1.0;
     for (const auto& p : set.positions_m) nearest = std::min(nearest, (p - vertex).norm());
     EXPECT_LT(nearest, half_diagonal);
   }
-  // Mass sits where the body is: the second moment is the solid's within what a voxel can blur (h²/12 of 0.02
-  // R²).
+  // The mass distribution matches the body: the second moment is that of the solid within the discretisation
+  // error (h²/12 of 0.02 R²).
   double second = 0.0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (size_t i = 0; i < set.positions_m.size(); ++i) {
@@ -71,14 +71,14 @@ TEST(SampleParticles, KeepTheRuleOnARoundBody) {
   EXPECT_LT(centre.norm() / volume_sum(set), 0.02 * h);
 }
 
-TEST(SampleParticles, ASheetThinnerThanAVoxelIsCarriedByItsSurface) {
-  // A plate whose only voxel layer has its centres outside of it, and whose corners are a metre apart.
+TEST(SampleParticles, ThinSheetIsSampledOnItsSurface) {
+  // A plate whose only voxel layer has its centres outside it, and whose corners are a metre apart.
   const ParticleSet set = sample_particles(box_mesh({1.0, 0.01, 1.0}));
   EXPECT_EQ(std::count(set.on_surface.begin(), set.on_surface.end(), false), 0);
   EXPECT_TRUE(set.surface_carries);
   EXPECT_EQ(set.piece_count, 1);
   EXPECT_NEAR(volume_sum(set), 0.01, 1e-15);
-  // No place of it is farther from a particle than a voxel, and no particle has much more than its share.
+  // Each point of the plate is within a voxel of a particle, and no particle has much more than its share.
   const double share_m3 = 0.01 / static_cast<double>(set.positions_m.size());
   EXPECT_LT(*std::max_element(set.volumes_m3.begin(), set.volumes_m3.end()), 4.0 * share_m3);
   for (double x = -0.49; x < 0.5; x += 0.07) {
@@ -91,20 +91,20 @@ TEST(SampleParticles, ASheetThinnerThanAVoxelIsCarriedByItsSurface) {
   }
 }
 
-TEST(SampleParticles, WhatHangsTogetherAnywayIsLeftAsItWas) {
+TEST(SampleParticles, ConnectedBodiesGetNoSurfacePoints) {
   for (const TriangleMesh& mesh :
        {box_mesh({0.4, 0.1, 0.1}), sphere_mesh(0.1, 3), cylinder_mesh(0.05, 0.2), capsule_mesh(0.05, 0.2)}) {
     EXPECT_FALSE(sample_particles(mesh).surface_carries);
   }
 }
 
-TEST(SampleParticles, NeverNone) {
+TEST(SampleParticles, AreNeverEmpty) {
   const ParticleSet set = sample_particles(sphere_mesh(0.01, 0), 1, 10.0);
   EXPECT_GE(set.positions_m.size(), 1u);
   EXPECT_NEAR(volume_sum(set), signed_volume_m3(sphere_mesh(0.01, 0)), 1e-18);
 }
 
-TEST(SampleParticles, AnAbsurdSpacingIsWidened) {
+TEST(SampleParticles, EnlargesATinySpacing) {
   const ParticleSet set = sample_particles(box_mesh({1e-4, 1, 1e-4}), kDefaultSamplingDensity, 1e-7);
   EXPECT_GT(set.spacing_m, 1e-6);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of a broken thing, by the CPU rasteriser.
+// Pictures of a broken object, drawn by the CPU rasteriser.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace livegs {
 namespace {
 
-// The sample scene's cup, upright, cut into 24 pieces.
+// The cup of the sample scene, upright, cut into 24 pieces.
 class BrokenCup : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -66,20 +66,20 @@ class BrokenCup : public ::testing::Test {
   static inline Eigen::AlignedBox3d bounds;
 };
 
-// The frame in which it breaks shows other kernels than the one before; put together they show the same cup.
-TEST_F(BrokenCup, LooksAsBeforeWhileItsPiecesAreInPlace) {
+// A break replaces the kernels. Before the pieces move, the cup looks the same.
+TEST_F(BrokenCup, LooksTheSameWithPiecesInPlace) {
   for (const double azimuth : {0.3, 2.5, 4.4}) {
     const RasterisedView before = draw(*cup, posed(*cup), azimuth, 0.35);
     const RasterisedView after = draw(kernels->asset, posed(kernels->asset), azimuth, 0.35);
     const double psnr = psnr_db(before.image, after.image);
     RecordProperty("psnr_db", std::to_string(psnr));
-    EXPECT_GT(psnr, 45.0) << azimuth;  // 50 dB and more measured: half a grey level
+    EXPECT_GT(psnr, 45.0) << azimuth;  // about half a grey level
   }
 }
 
-// No kernel reaches farther into a neighbouring piece, at three standard deviations, than the stated
+// At three standard deviations, no kernel extends farther into a neighbouring piece than the specified
 // distance.
-TEST_F(BrokenCup, LeavesNothingOfItselfBeyondACrack) {
+TEST_F(BrokenCup, KernelsDoNotCrossCracks) {
   const double stated_m = bounds.diagonal().norm() / 200;
   const PosedKernels at = posed(kernels->asset);
   const auto reach_to = [&](size_t k, uint32_t cell, uint32_t other) {
@@ -94,18 +94,19 @@ TEST_F(BrokenCup, LeavesNothingOfItselfBeyondACrack) {
   double worst_m = 0.0;
   for (size_t k = 0; k < kernels->asset.size(); ++k) {
     const uint32_t cell = pieces->cell_at(at.positions_m[k].cast<double>());
-    if (pieces->cell_parts[cell].size() > 1) continue;  // another part of the cell may be the kernel's own
+    if (pieces->cell_parts[cell].size() > 1)
+      continue;  // another part of the cell may belong to the same piece
     for (uint32_t other : pieces->cell_neighbours[cell]) {
       const auto& parts = pieces->cell_parts[other];
       if (parts.size() == 1 && parts[0].piece != kernels->piece[k])
         worst_m = std::max(worst_m, reach_to(k, cell, other));
     }
   }
-  EXPECT_LT(worst_m, 1.06 * stated_m);  // of 0.8 mm
+  EXPECT_LT(worst_m, 1.06 * stated_m);  // 0.8 mm
   RecordProperty("worst_mm", std::to_string(1e3 * worst_m));
 }
 
-// Where a mesh is seen, by pixel, and what lies within `wider_px` of it.
+// Returns the pixels where a mesh is visible, or that are within `wider_px` of it.
 std::vector<char> silhouette(const TriangleMesh& mesh, const Camera& camera, double wider_px) {
   std::vector<char> seen(size_t{1} * camera.width * camera.height, 0);
   const Pose camera_from_world = camera.world_from_camera.inverse();
@@ -139,10 +140,9 @@ std::vector<char> silhouette(const TriangleMesh& mesh, const Camera& camera, dou
   return seen;
 }
 
-// Each piece drawn alone: what of it is seen beside its own mesh, where the rest of the cup was. That is what
-// would bridge a crack. Uncut kernels, bound whole to the piece at their centre, show 0.7 % of what is
-// covered there.
-TEST_F(BrokenCup, APieceDrawnAloneDoesNotReachOverItsCracks) {
+// Draws each piece alone and measures its kernels outside its own mesh, where the rest of the cup was. Such
+// kernels would bridge a crack. Compares with uncut kernels, each bound to the piece at its centre.
+TEST_F(BrokenCup, PiecesDoNotBridgeCracks) {
   constexpr float kSeen = 0.1f;
   const auto beside = [&](const GaussianAsset& asset, const std::function<bool(size_t, uint32_t)>& is_of) {
     size_t over = 0, covered = 0;
@@ -180,7 +180,7 @@ TEST_F(BrokenCup, APieceDrawnAloneDoesNotReachOverItsCracks) {
   const double cut =
       beside(kernels->asset, [&](size_t k, uint32_t piece) { return kernels->piece[k] == piece; });
   const double uncut = beside(*cup, [&](size_t k, uint32_t piece) { return kernels->piece[k] == piece; });
-  std::printf("seen over cracks: %.5f of what is covered; of uncut kernels %.5f\n", cut, uncut);
+  std::printf("visible across cracks: %.5f of the covered area; with uncut kernels %.5f\n", cut, uncut);
   EXPECT_EQ(cut, 0.0);
   EXPECT_GT(uncut, 5e-3);
 }

@@ -9,7 +9,8 @@
 
 namespace livegs::testing {
 
-// A surface of revolution about +Y through the (radius, height) points, which begin and end on the axis.
+// A surface of revolution about +Y through the (radius, height) points. The first and last point lie on the
+// axis.
 inline TriangleMesh turned(const std::vector<Eigen::Vector2d>& profile, int segments) {
   TriangleMesh mesh;
   const auto last = static_cast<uint32_t>(profile.size() - 1);
@@ -36,7 +37,7 @@ inline TriangleMesh turned(const std::vector<Eigen::Vector2d>& profile, int segm
   return mesh;
 }
 
-// A cylinder of 80 x 100 mm with a hole of 72 mm from the top down to 5 mm above the bottom: walls of 4 mm.
+// A cylinder of 80 x 100 mm with a bore of 72 mm from the top to 5 mm above the bottom: walls of 4 mm.
 inline TriangleMesh cup_mesh(int segments = 64, int rows = 20) {
   std::vector<Eigen::Vector2d> profile{{0, 0}};
   for (int r = 0; r <= rows; ++r) profile.emplace_back(0.04, 0.1 * r / rows);
@@ -45,7 +46,7 @@ inline TriangleMesh cup_mesh(int segments = 64, int rows = 20) {
   return turned(profile, segments);
 }
 
-// A ball of 50 mm with a hollow of 40 mm inside that nothing leads to.
+// A ball of radius 50 mm with a closed cavity of radius 40 mm.
 inline TriangleMesh hollow_ball() {
   TriangleMesh mesh = sphere_mesh(0.05, 3);
   const TriangleMesh inner = sphere_mesh(0.04, 3);

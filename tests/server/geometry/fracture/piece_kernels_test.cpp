@@ -32,7 +32,7 @@ VoronoiPieces cut(const TriangleMesh& mesh, size_t count, uint64_t seed) {
       .value();
 }
 
-// Kernels of all sizes up to `widest_m` on and about the mesh, with harmonics of degree 1.
+// Kernels of all sizes up to `widest_m` on and around the mesh, with harmonics of degree 1.
 GaussianAsset kernels_about(const TriangleMesh& mesh, size_t count, double widest_m, double haze_m) {
   std::mt19937_64 engine(count);
   GaussianAsset asset;
@@ -65,7 +65,7 @@ Matrix3d covariance_of(const GaussianAsset& asset, size_t k) {
   return scaled * scaled.transpose();
 }
 
-// Opacity summed over space, but for a constant.
+// Integral of opacity over space, up to a constant factor.
 double mass_of(const GaussianAsset& asset, size_t k) {
   return opacity_of_logit(asset.opacity_logits[k]) * std::exp(asset.log_scales[k].cast<double>().sum());
 }
@@ -80,14 +80,15 @@ TEST(TruncatedGaussian, AgreesWithSummation) {
     }
     const TruncatedNormal cut = normal_below(end);
     const double mean = first / mass, variance = second / mass - mean * mean;
-    EXPECT_NEAR(cut.mass / mass, 1.0, 1e-6) << end;             // the midpoint rule at 1e-4 is good to 1e-8
-    EXPECT_NEAR(cut.mean, mean, 2e-3 * std::abs(mean)) << end;  // the tail expansion's next term is 10/end⁵
+    EXPECT_NEAR(cut.mass / mass, 1.0, 1e-6) << end;  // the midpoint rule with step 1e-4 is accurate to 1e-8
+    EXPECT_NEAR(cut.mean, mean, 2e-3 * std::abs(mean))
+        << end;  // the next term of the tail expansion is 10/end⁵
     EXPECT_NEAR(cut.variance / variance, 1.0, end < -6 ? 0.05 : 1e-5) << end;
   }
 }
 
-// The parts of a Gaussian put together have its mass, mean and covariance: exactly for one cut, and to the
-// tails left out of narrower Gaussians in its place.
+// The parts of a Gaussian together have its mass, mean and covariance. This is exact for one cut. With
+// narrower Gaussians their omitted tails are the error.
 TEST(SplitGaussian, KeepsTheMomentsOfTheWhole) {
   const auto halves =
       cut_voronoi_pieces(box_mesh({2, 2, 2}), std::vector<Vector3d>{{-0.5, 0.1, 0}, {0.5, 0, 0.2}});
@@ -107,12 +108,13 @@ TEST(SplitGaussian, KeepsTheMomentsOfTheWhole) {
         mass += share;
         first += share * part.mean_m;
         second += share * (part.covariance_m2 + part.mean_m * part.mean_m.transpose());
-        EXPECT_LT(part.opacity,
-                  1.07);  // P / sqrt(variance) is 1.066 at its largest, where the cut is 0.9 deviations off
+        EXPECT_LT(
+            part.opacity,
+            1.07);  // the maximum of P / sqrt(variance) is 1.066, for a cut 0.9 deviations from the mean
         EXPECT_EQ(part.cell, halves->cell_at(part.mean_m));
       }
-      // Narrower ones reach to 3.2 deviations at least, less one of their spacings; the second moment beyond
-      // is 1e-2.
+      // The narrower Gaussians cover at least 3.2 deviations minus one of their spacings. The second moment
+      // beyond is 1e-2.
       const bool once = overhang_m == 1.0;
       EXPECT_NEAR(mass, 1.0, once ? 1e-12 : 3e-3);
       EXPECT_LT((first - mean).norm(), (once ? 1e-12 : 2e-2) * std::sqrt(shape(0, 0)));
@@ -135,7 +137,7 @@ void expect_bound_once(const GaussianAsset& asset, const PieceKernels& kernels, 
     ASSERT_TRUE(kernels.asset.log_scales[k].allFinite());
     ASSERT_NEAR(kernels.asset.rotations[k].norm(), 1.0, 1e-5);
     if (k < asset.size()) {
-      ASSERT_EQ(kernels.source[k], k);  // every kernel is there once, in its place
+      ASSERT_EQ(kernels.source[k], k);  // each kernel occurs once, at its index
       if (!changed[k]) {
         ASSERT_EQ(kernels.asset.positions[k], asset.positions[k]);
         ASSERT_EQ(kernels.asset.log_scales[k], asset.log_scales[k]);
@@ -143,7 +145,7 @@ void expect_bound_once(const GaussianAsset& asset, const PieceKernels& kernels, 
         ASSERT_EQ(kernels.piece[k], pieces.locate(asset.positions[k].cast<double>()));
       }
     } else if (k < kernels.interior_begin) {
-      ASSERT_TRUE(changed[kernels.source[k]]);  // or is the part of one that was cut
+      ASSERT_TRUE(changed[kernels.source[k]]);  // or is the part of a kernel that was cut
     } else {
       ASSERT_EQ(kernels.source[k], kInteriorKernel);
       continue;
@@ -153,7 +155,7 @@ void expect_bound_once(const GaussianAsset& asset, const PieceKernels& kernels, 
     ASSERT_EQ(kernels.asset.sh_dc[k], asset.sh_dc[source]);
     ASSERT_EQ(kernels.asset.sh_rest[3 * k + 2], asset.sh_rest[3 * source + 2]);
   }
-  // A part that is pressed flat may want more opacity than the 0.998 that it gets.
+  // A flattened part may need more opacity than the maximum of 0.998.
   std::vector<uint8_t> held(asset.size(), 0);
   for (size_t k = 0; k < kernels.interior_begin; ++k) {
     if (changed[kernels.source[k]] && opacity_of_logit(kernels.asset.opacity_logits[k]) > 0.9979)
@@ -166,12 +168,12 @@ void expect_bound_once(const GaussianAsset& asset, const PieceKernels& kernels, 
     if (!held[k]) lost_by_others += less;
   }
   EXPECT_LT(std::abs(lost_by_others / before),
-            0.003);  // parts too faint to be drawn, the ripple of narrower ones: 0.0028
+            0.003);  // dropped faint parts and the ripple of narrower Gaussians
   EXPECT_LT(lost / before, most_lost);
   EXPECT_GT(lost / before, -0.001);
 }
 
-// How far a kernel reaches beyond the planes of a cell of its piece towards other pieces, at three
+// Maximum extent of a kernel beyond the planes between its piece and other pieces, at three standard
 // deviations.
 double worst_overhang_m(const PieceKernels& kernels, const VoronoiPieces& pieces) {
   double worst = 0.0;
@@ -198,8 +200,8 @@ double worst_overhang_m(const PieceKernels& kernels, const VoronoiPieces& pieces
   return worst;
 }
 
-TEST(PieceKernels, BindEveryKernelOnceAndBridgeNoCrack) {
-  // What wide kernels lose of their mass by opacity that is held: 0.218, 0.110 and 0.211; narrow ones 0.0006.
+TEST(PieceKernels, BindEachKernelOnceAndBridgeNoCrack) {
+  // Bars of the mass that wide kernels lose by the opacity limit; narrow kernels lose almost none.
   struct Shape {
     TriangleMesh mesh;
     double wide_lost;
@@ -207,8 +209,8 @@ TEST(PieceKernels, BindEveryKernelOnceAndBridgeNoCrack) {
   const Shape shapes[] = {
       {sphere_mesh(0.05, 3), 0.22}, {box_mesh({0.2, 0.1, 0.05}), 0.112}, {testing::cup_mesh(48, 10), 0.213}};
   for (const auto& [mesh, wide_lost] : shapes) {
-    // As wide as a hundredth of the thing, and as an eighth: those reach into many cells, and what does not
-    // fit in the parts they may have is pressed flat.
+    // Kernels as wide as a hundredth and an eighth of the object. The latter overlap many cells; above the
+    // maximum number of parts they are flattened.
     for (const double widest_m : {0.001, 0.012}) {
       const bool wide = widest_m > 0.01;
       const GaussianAsset asset = kernels_about(mesh, wide ? 400 : 4000, widest_m, 2 * widest_m);
@@ -217,15 +219,15 @@ TEST(PieceKernels, BindEveryKernelOnceAndBridgeNoCrack) {
       ASSERT_TRUE(kernels);
       expect_bound_once(asset, *kernels, pieces, wide ? wide_lost : 0.001);
       if (HasFatalFailure()) return;
-      // The stated distance, a 200th of the diagonal. Kernels of cut faces lie a 16th of their spacing behind
-      // the face, which carries them that much nearer to a plane that meets it at a sharp angle.
+      // The default distance, a 200th of the diagonal. Kernels of cut faces lie a 16th of their spacing
+      // behind the face, so they are closer to a plane that meets it at a sharp angle.
       const double stated_m = mesh_bounds_m(mesh).diagonal().norm() / 200;
       EXPECT_LT(worst_overhang_m(*kernels, pieces), 1.06 * stated_m) << widest_m;
     }
   }
 }
 
-TEST(PieceKernels, OfACupAreBoundOnceForAllSeeds) {
+TEST(PieceKernels, CupKernelsAreBoundOnceForAllSeeds) {
   const TriangleMesh mesh = testing::cup_mesh(32, 8);
   const GaussianAsset asset = kernels_about(mesh, 300, 0.003, 0.006);
   for (uint64_t seed = 1; seed <= static_cast<uint64_t>(seed_count(10)); ++seed) {
@@ -233,7 +235,7 @@ TEST(PieceKernels, OfACupAreBoundOnceForAllSeeds) {
     const VoronoiPieces pieces = cut(mesh, 8 + seed % 9, seed);
     const auto kernels = make_piece_kernels(asset, {}, pieces);
     ASSERT_TRUE(kernels);
-    expect_bound_once(asset, *kernels, pieces, 0.004);  // 0.0035 at most, 0.0009 in the median
+    expect_bound_once(asset, *kernels, pieces, 0.004);  // margin over the measured worst case
     if (HasFatalFailure()) return;
   }
 }
@@ -260,7 +262,7 @@ TEST(PieceKernels, FollowTheFrameOfTheObject) {
   ASSERT_TRUE(a && b);
   size_t moved = 0;
   for (size_t k = 0; k < plain.size(); ++k) moved += a->piece[k] != b->piece[k];
-  EXPECT_LE(moved, 2u);  // rounding, at the very plane
+  EXPECT_LE(moved, 2u);  // rounding, on the plane itself
   ASSERT_EQ(a->asset.size(), b->asset.size());
   for (size_t k = 0; k < a->asset.size(); ++k) {
     EXPECT_LT(
@@ -289,7 +291,7 @@ TEST(PieceKernels, AreTheSameBitsForAnyThreadCount) {
   set_thread_count(0);
 }
 
-// Everywhere on a cut face light meets some opaque kernel of it, up to the rim, and none beyond it.
+// Each point of a cut face, up to the rim, is covered by opaque kernels. Points beyond the rim are not.
 TEST(PieceKernels, CoverTheFacesOfTheCut) {
   const TriangleMesh box = box_mesh({0.2, 0.1, 0.06});
   const auto halves = cut_voronoi_pieces(box, std::vector<Vector3d>{{-0.05, 0, 0}, {0.05, 0, 0}});
@@ -325,16 +327,16 @@ TEST(PieceKernels, CoverTheFacesOfTheCut) {
   }
   EXPECT_GT(least, 0.7);
   EXPECT_GT(mean, 0.97);
-  EXPECT_LT(beyond, 0.05);  // 2.5 mm off the rim
+  EXPECT_LT(beyond, 0.05);  // 2.5 mm beyond the rim
   for (size_t k = kernels.interior_begin; k < kernels.asset.size(); ++k) {
     const double x = kernels.asset.positions[k].x();
     EXPECT_TRUE(kernels.piece[k] == 0 ? x < 0 : x > 0);
   }
 }
 
-// Where no colour of the inside is told: the surface is red at one end and blue at the other, and so are the
-// cut faces there.
-TEST(PieceKernels, OfCutFacesHaveTheColourOfTheSurfaceNearThem) {
+// Without an interior colour, cut faces have the colour of the nearby surface: red at one end, blue at the
+// other.
+TEST(PieceKernels, CutFacesHaveTheNearbySurfaceColour) {
   const TriangleMesh box = box_mesh({0.2, 0.1, 0.06});
   GaussianAsset asset = kernels_about(box, 4000, 0.002, 0.0);
   const Eigen::Vector3f red(1, -1, -1), blue(-1, -1, 1);
@@ -354,7 +356,7 @@ TEST(PieceKernels, OfCutFacesHaveTheColourOfTheSurfaceNearThem) {
   EXPECT_GT(blues, 100u);
 }
 
-TEST(PieceKernels, StopWhenTold) {
+TEST(PieceKernels, StopOnRequest) {
   const VoronoiPieces pieces = cut(box_mesh({1, 1, 1}), 4, 1);
   std::stop_source stop;
   stop.request_stop();

@@ -44,7 +44,7 @@ double cut_area(const VoronoiPieces& cut) {
   return area;
 }
 
-// The whole put together again from its pieces.
+// Compares the sum of the pieces with the whole.
 void expect_whole(const TriangleMesh& mesh, const VoronoiPieces& cut) {
   const MassProperties whole = solid_mass_properties(mesh);
   double volume = 0.0, skin = 0.0;
@@ -63,7 +63,7 @@ void expect_whole(const TriangleMesh& mesh, const VoronoiPieces& cut) {
         (piece.mass.inertia_m2 + arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
     skin += piece.mass.area_m2;
   }
-  // Exact but for rounding: the bar asked for is 1e-4 of the volume and 1e-6 of the rest.
+  // Exact up to rounding; the required bars are 1e-4 of the volume and 1e-6 of the other values.
   EXPECT_NEAR(volume / whole.volume_m3, 1.0, 1e-11);
   const double size = std::sqrt(whole.inertia_m2.trace());
   EXPECT_LT((first / volume - whole.centre_of_mass_m).norm(), 1e-11 * size);
@@ -74,8 +74,8 @@ void expect_whole(const TriangleMesh& mesh, const VoronoiPieces& cut) {
     EXPECT_NEAR(bond.normal.norm(), 1.0, 1e-12);
     bonded += bond.area_m2;
   }
-  EXPECT_NEAR(cut_area(cut), 2.0 * bonded, 1e-9 * bonded);                 // both sides of every face
-  EXPECT_NEAR(skin - cut_area(cut), whole.area_m2, 1e-9 * whole.area_m2);  // and the old surface is all there
+  EXPECT_NEAR(cut_area(cut), 2.0 * bonded, 1e-9 * bonded);                 // both sides of each face
+  EXPECT_NEAR(skin - cut_area(cut), whole.area_m2, 1e-9 * whole.area_m2);  // the original surface is complete
 }
 
 TEST(VoronoiPieces, AddUpToTheWholeForAllSeeds) {
@@ -91,10 +91,10 @@ TEST(VoronoiPieces, AddUpToTheWholeForAllSeeds) {
   }
 }
 
-TEST(VoronoiPieces, AddUpToTheWholeOfACapturedThing) {
+TEST(VoronoiPieces, AddUpToTheWholeOfACapturedAsset) {
   const std::filesystem::path file =
       std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "splats/camera_leica/leica-sofort-top8192.ply";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << ": shared data is not here";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << ": the shared data is missing";
   const auto asset = read_asset(file);
   ASSERT_TRUE(asset);
   Similarity up;
@@ -107,9 +107,9 @@ TEST(VoronoiPieces, AddUpToTheWholeOfACapturedThing) {
   }
 }
 
-TEST(VoronoiPieces, AddUpWhereVerticesEdgesAndFacesLieOnTheCuts) {
-  // Planes through the corners, edges and diagonals of a box whose faces are split in the middle; eight cells
-  // meet in one point, four in each of six lines.
+TEST(VoronoiPieces, AddUpForCutsThroughVerticesAndEdges) {
+  // Planes through the corners, edges and diagonals of a box with subdivided faces. Eight cells meet in one
+  // point, and four in each of six lines.
   TriangleMesh box = box_mesh({2, 2, 2});
   TriangleMesh fine;
   for (const auto& [a, b, c] : box.triangles) {
@@ -127,7 +127,7 @@ TEST(VoronoiPieces, AddUpWhereVerticesEdgesAndFacesLieOnTheCuts) {
   for (int corner = 0; corner < 8; ++corner) {
     seeds.emplace_back(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
   }
-  const auto pieces = cut_voronoi_pieces(fine, seeds);  // also a soup: every triangle has its own vertices
+  const auto pieces = cut_voronoi_pieces(fine, seeds);  // a triangle soup: each triangle has its own vertices
   ASSERT_TRUE(pieces) << pieces.error().message;
   ASSERT_EQ(pieces->pieces.size(), 8u);
   for (const VoronoiPiece& piece : pieces->pieces) EXPECT_NEAR(piece.mass.volume_m3, 1.0, 1e-14);
@@ -135,7 +135,7 @@ TEST(VoronoiPieces, AddUpWhereVerticesEdgesAndFacesLieOnTheCuts) {
   for (const VoronoiBond& bond : pieces->bonds) EXPECT_NEAR(bond.area_m2, 1.0, 1e-14);
   expect_whole(box, *pieces);
 
-  // A cut in the very plane of a face, and cells that hold nothing of the body.
+  // A cut in the plane of a face, and cells that contain no part of the body.
   const auto flush = cut_voronoi_pieces(box, std::vector<Eigen::Vector3d>{{0, 0, 0}, {0, 0, 2}, {9, 0, 0}});
   ASSERT_TRUE(flush) << flush.error().message;
   EXPECT_EQ(flush->pieces.size(), 1u);
@@ -143,7 +143,7 @@ TEST(VoronoiPieces, AddUpWhereVerticesEdgesAndFacesLieOnTheCuts) {
   expect_whole(box, *flush);
 }
 
-TEST(VoronoiPieces, KnowTheFaceBetweenTwoHalves) {
+TEST(VoronoiPieces, HaveTheFaceBetweenTwoHalves) {
   const TriangleMesh box = box_mesh({0.3, 0.2, 0.1});
   const auto halves = cut_voronoi_pieces(box, std::vector<Eigen::Vector3d>{{-0.1, 0.01, 0}, {0.06, 0.01, 0}});
   ASSERT_TRUE(halves);
@@ -157,7 +157,7 @@ TEST(VoronoiPieces, KnowTheFaceBetweenTwoHalves) {
   EXPECT_EQ(halves->locate({-0.019, 0.05, 0.02}), 1u);
 }
 
-TEST(VoronoiPieces, KeepAHollowHollow) {
+TEST(VoronoiPieces, KeepCavitiesHollow) {
   const TriangleMesh ball = hollow_ball();
   const auto whole = cut_voronoi_pieces(ball, std::vector<Eigen::Vector3d>{{0.045, 0, 0}});
   ASSERT_TRUE(whole);
@@ -168,12 +168,12 @@ TEST(VoronoiPieces, KeepAHollowHollow) {
       cut_voronoi_pieces(ball, std::vector<Eigen::Vector3d>{{0.045, 0, 0}, {-0.045, 0.001, 0}});
   ASSERT_TRUE(halves);
   ASSERT_EQ(halves->bonds.size(), 1u);
-  // pi (0.05² - 0.04²) = 2.83e-3, less a few parts in a hundred: the balls are inscribed polyhedra.
+  // pi (0.05² - 0.04²) = 2.83e-3, minus a few per cent, because the balls are inscribed polyhedra.
   EXPECT_NEAR(halves->bonds[0].area_m2, 2.827e-3, 0.05e-3);
   expect_whole(ball, *halves);
 }
 
-TEST(VoronoiPieces, AreOneForEachConnectedPart) {
+TEST(VoronoiPieces, AreOnePerConnectedPart) {
   TriangleMesh pair = box_mesh({0.1, 0.1, 0.1});
   TriangleMesh other = box_mesh({0.1, 0.1, 0.2});
   for (auto& vertex : other.vertices_m) vertex += Eigen::Vector3d(0.5, 0, 0);
@@ -185,11 +185,11 @@ TEST(VoronoiPieces, AreOneForEachConnectedPart) {
   EXPECT_TRUE(pieces->bonds.empty());
   EXPECT_EQ(pieces->locate({0.01, 0.02, 0.03}), 0u);
   EXPECT_EQ(pieces->locate({0.49, 0.02, 0.09}), 1u);
-  EXPECT_EQ(pieces->locate({0.3, 0, 0}), 1u);  // outside both: the nearer
+  EXPECT_EQ(pieces->locate({0.3, 0, 0}), 1u);  // outside both: the nearer one
   expect_whole(pair, *pieces);
 }
 
-TEST(VoronoiPieces, SliversJoinANeighbourAndPiecesAreCapped) {
+TEST(VoronoiPieces, MergeSliversAndLimitTheirNumber) {
   for (const TriangleMesh& mesh : {cup_mesh(48, 10), sphere_mesh(0.1, 3)}) {
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       CutOptions options;
@@ -208,8 +208,8 @@ TEST(VoronoiPieces, SliversJoinANeighbourAndPiecesAreCapped) {
   }
 }
 
-// Where a point is inside exactly one piece, locate says which.
-TEST(VoronoiPieces, LocateFindsThePieceRoundAPoint) {
+// Where a point is inside exactly one piece, locate returns that piece.
+TEST(VoronoiPieces, LocateFindsThePieceAroundAPoint) {
   for (const TriangleMesh& mesh : {cup_mesh(48, 10), hollow_ball()}) {
     const VoronoiPieces pieces = cut(mesh, 24, 3);
     std::mt19937_64 engine(5);
@@ -253,7 +253,7 @@ uint64_t bits_of(const VoronoiPieces& pieces) {
   return hash;
 }
 
-TEST(VoronoiPieces, AreTheSameBitsForAnyThreadCountAndOtherOnesForAnotherSeed) {
+TEST(VoronoiPieces, AreBitEqualForAnyThreadCount) {
   const TriangleMesh mesh = cup_mesh();
   set_thread_count(1);
   const uint64_t bits = bits_of(cut(mesh, 32, 9));
@@ -265,7 +265,7 @@ TEST(VoronoiPieces, AreTheSameBitsForAnyThreadCountAndOtherOnesForAnotherSeed) {
   EXPECT_NE(bits_of(cut(mesh, 32, 10)), bits);
 }
 
-TEST(VoronoiPieces, RefuseWhatCannotBeCutInOneClearLine) {
+TEST(VoronoiPieces, RefuseInvalidMeshesInOneLine) {
   const std::vector<Eigen::Vector3d> seeds{{0, 0, 0}, {0.01, 0, 0}};
   const auto message = [&](const TriangleMesh& mesh, std::span<const Eigen::Vector3d> at) {
     const auto pieces = cut_voronoi_pieces(mesh, at);
@@ -296,8 +296,8 @@ TEST(VoronoiPieces, RefuseWhatCannotBeCutInOneClearLine) {
   EXPECT_EQ(cancelled.error().code, ErrorCode::Unavailable);
 }
 
-// Within a quarter of the reach of the blow, 64 seeds are several times as dense as far from it.
-TEST(FractureSeeds, AreDenserNearABlow) {
+// Near the impact, 64 seeds are several times as dense as far from it.
+TEST(FractureSeeds, AreDenserNearAnImpact) {
   const TriangleMesh box = box_mesh({0.4, 0.1, 0.1});
   const Eigen::Vector3d blow(0.2, 0, 0);
   int near = 0, far = 0;
@@ -310,7 +310,8 @@ TEST(FractureSeeds, AreDenserNearABlow) {
       far += point.x() < -0.15;
     }
   }
-  // The density asked for, averaged over both ends: 1 + 7 exp(-(d / 0.064)²) is 6.2 there and 1 here.
+  // The requested density, averaged over each end: 1 + 7 exp(-(d / 0.064)²) is 6.2 at the impact and 1 at the
+  // other end.
   EXPECT_GT(near, 3.5 * far);
   EXPECT_LT(near, 9.0 * far);
 }

@@ -29,7 +29,7 @@ TEST(MassProperties, SolidBoxMatchesItsClosedForm) {
 TEST(MassProperties, BoxShellMatchesTheSumOfItsPlates) {
   const Eigen::Vector3d e(0.4, 0.1, 0.2);
   const MassProperties shell = shell_mass_properties(box_mesh(e));
-  // A pair of plates normal to axis n lies at e_n/2 and spreads e²/12 along the two others.
+  // A pair of plates normal to axis n lies at e_n/2 and has a variance of e²/12 along the two other axes.
   double area = 0.0;
   Eigen::Vector3d second = Eigen::Vector3d::Zero();
   for (int n = 0; n < 3; ++n) {
@@ -47,13 +47,13 @@ TEST(MassProperties, BoxShellMatchesTheSumOfItsPlates) {
 TEST(MassProperties, SpheresSolidAndHollow) {
   const TriangleMesh mesh = sphere_mesh(0.3, 6);
   const Eigen::Matrix3d unit = 0.09 * Eigen::Matrix3d::Identity();
-  // Six subdivisions lack 2e-4 of the volume, and the inertia goes with the 5/3rd power of it.
+  // Six subdivisions lack 2e-4 of the volume, and the inertia scales with its 5/3 power.
   EXPECT_TRUE(solid_mass_properties(mesh).inertia_m2.isApprox(0.4 * unit, 5e-4));
   EXPECT_TRUE(shell_mass_properties(mesh).inertia_m2.isApprox(2.0 / 3.0 * unit, 5e-4));
   EXPECT_NEAR(shell_mass_properties(mesh).area_m2, 4 * pi * 0.09, 5e-4 * 4 * pi * 0.09);
 }
 
-TEST(MassProperties, AreKeptFarFromTheOrigin) {
+TEST(MassProperties, AreAccurateFarFromTheOrigin) {
   const TriangleMesh near = sphere_mesh(0.1, 3);
   const MassProperties here = solid_mass_properties(near);
   const MassProperties there = solid_mass_properties(moved(near, {1000, -2000, 500}));
@@ -62,7 +62,7 @@ TEST(MassProperties, AreKeptFarFromTheOrigin) {
   EXPECT_NEAR(there.volume_m3 / here.volume_m3, 1.0, 1e-10);
 }
 
-TEST(MassProperties, TurnWithTheBody) {
+TEST(MassProperties, RotateWithTheBody) {
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   TriangleMesh mesh = box_mesh({0.4, 0.1, 0.2});

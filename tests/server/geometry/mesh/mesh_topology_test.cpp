@@ -14,7 +14,7 @@ namespace {
 using testing::joined;
 using testing::moved;
 
-TEST(MeshTopology, SeesHolesFinsAndPinchedVertices) {
+TEST(MeshTopology, FindsHolesFinsAndPinchedVertices) {
   TriangleMesh open = box_mesh({1, 1, 1});
   open.triangles.pop_back();
   EXPECT_FALSE(mesh_topology(open).closed);
@@ -23,10 +23,10 @@ TEST(MeshTopology, SeesHolesFinsAndPinchedVertices) {
   std::swap(turned.triangles[0][0], turned.triangles[0][1]);
   EXPECT_FALSE(mesh_topology(turned).closed);
 
-  // Two boxes that share a corner: closed, one piece, but no manifold.
+  // Two boxes that share a corner: closed, one piece, but not a manifold.
   TriangleMesh pinched = joined(box_mesh({1, 1, 1}), moved(box_mesh({1, 1, 1}), {1, 1, 1}));
   for (auto& triangle : pinched.triangles) {
-    for (uint32_t& v : triangle) v = v == 8 ? 7 : v;  // the second's lowest corner is the first's highest
+    for (uint32_t& v : triangle) v = v == 8 ? 7 : v;  // the second box's lowest corner is the first's highest
   }
   const MeshTopology topology = mesh_topology(pinched);
   EXPECT_TRUE(topology.closed);
@@ -35,8 +35,8 @@ TEST(MeshTopology, SeesHolesFinsAndPinchedVertices) {
   EXPECT_EQ(mesh_topology(joined(box_mesh({1, 1, 1}), moved(box_mesh({1, 1, 1}), {2, 0, 0}))).piece_count, 2);
 }
 
-// Two tetrahedra (0 1 2 3) and (0 1 4 5) that meet in the edge 0-1 only, paired round it as `separate` says:
-// each body's own two triangles, or each triangle with the other body's.
+// Two tetrahedra (0 1 2 3) and (0 1 4 5) that meet only in the edge 0-1. Depending on `separate`, each body's
+// own two triangles are paired, or each triangle with one of the other body.
 PairedTriangles two_tetrahedra(bool separate) {
   PairedTriangles surface;
   surface.corners = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}, {0, 1, 4}, {0, 4, 5}, {0, 5, 1}, {1, 5, 4}};
@@ -55,7 +55,7 @@ PairedTriangles two_tetrahedra(bool separate) {
 
 const Eigen::Vector3d kCorners[6] = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
 
-TEST(AssembleSurface, BodiesThatMeetInAnEdgeBecomeTwo) {
+TEST(AssembleSurface, SeparatesBodiesThatMeetInAnEdge) {
   const TriangleMesh mesh = assemble_surface(two_tetrahedra(true), [](uint32_t p) { return kCorners[p]; });
   const MeshTopology topology = mesh_topology(mesh);
   EXPECT_TRUE(topology.manifold);
@@ -64,7 +64,7 @@ TEST(AssembleSurface, BodiesThatMeetInAnEdgeBecomeTwo) {
   EXPECT_NEAR(std::abs(signed_volume_m3(mesh)), 2.0 / 6.0, 1e-15);
 }
 
-TEST(AssembleSurface, AnEdgeThatServesTwoPairsIsSplit) {
+TEST(AssembleSurface, SplitsAnEdgeSharedByTwoPairs) {
   const TriangleMesh mesh = assemble_surface(two_tetrahedra(false), [](uint32_t p) { return kCorners[p]; });
   const MeshTopology topology = mesh_topology(mesh);
   EXPECT_TRUE(topology.closed);
@@ -73,10 +73,11 @@ TEST(AssembleSurface, AnEdgeThatServesTwoPairsIsSplit) {
   EXPECT_NEAR(std::abs(signed_volume_m3(mesh)), 2.0 / 6.0, 1e-15);
 }
 
-TEST(DropSpecks, SmallAndShortGoLongOrLargeStay) {
-  TriangleMesh mesh = joined(box_mesh({1, 1, 1}), moved(box_mesh({0.02, 0.02, 0.02}), {1, 0, 0}));  // a speck
-  mesh = joined(mesh, moved(box_mesh({0.4, 0.01, 0.01}), {0, 1, 0}));                               // a twig
-  mesh = joined(mesh, moved(box_mesh({0.2, 0.2, 0.2}), {0, 0, 1}));                                 // a lump
+TEST(DropSpecks, RemovesSmallShortPartsOnly) {
+  // Small and short.
+  TriangleMesh mesh = joined(box_mesh({1, 1, 1}), moved(box_mesh({0.02, 0.02, 0.02}), {1, 0, 0}));
+  mesh = joined(mesh, moved(box_mesh({0.4, 0.01, 0.01}), {0, 1, 0}));  // long
+  mesh = joined(mesh, moved(box_mesh({0.2, 0.2, 0.2}), {0, 0, 1}));    // large
   const SmallComponents dropped = remove_small_components(mesh);
   EXPECT_EQ(dropped.count, 1);
   EXPECT_NEAR(dropped.volume_share, 8e-6 / (1.0 + 8e-6 + 4e-5 + 8e-3), 1e-9);

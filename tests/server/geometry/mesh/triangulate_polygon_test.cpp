@@ -33,7 +33,7 @@ void expect_boundary(const PolygonRegion& region, const std::vector<std::array<u
   for (const auto& [edge, count] : balance) EXPECT_EQ(count, 0) << edge.first << " - " << edge.second;
 }
 
-// Jagged stars with jagged holes, their corners doubled by points in the middle of edges.
+// Jagged stars with jagged holes, with additional points in the middle of edges.
 TEST(TriangulatePolygon, CoversJaggedPolygonsWithHolesExactlyOnce) {
   std::mt19937 engine(3);
   for (int n = 0; n < 200; ++n) {
@@ -68,7 +68,7 @@ TEST(TriangulatePolygon, CoversJaggedPolygonsWithHolesExactlyOnce) {
     ASSERT_EQ(regions[0].loops.size(), loops.size());
     const auto triangles = triangulate(regions[0], points);
     EXPECT_NEAR(area_of(triangles, points, false), expected, 1e-12 * expected);
-    EXPECT_NEAR(area_of(triangles, points, true), expected, 1e-12 * expected);  // none turned over
+    EXPECT_NEAR(area_of(triangles, points, true), expected, 1e-12 * expected);  // no triangle is inverted
     expect_boundary(regions[0], triangles);
   }
 }

@@ -17,7 +17,7 @@
 namespace livegs {
 namespace {
 
-// Volume of the regularised alpha shape, by CGAL's own package (its alpha is the squared radius).
+// Volume of the regularised alpha shape, computed by CGAL (its alpha is the squared radius).
 double cgal_alpha_volume(const testing::Points& points, double radius) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Cells = CGAL::Triangulation_data_structure_3<CGAL::Alpha_shape_vertex_base_3<Kernel>,
@@ -33,8 +33,8 @@ double cgal_alpha_volume(const testing::Points& points, double radius) {
   return volume;
 }
 
-TEST(AlphaComplex, OfAFilledCloudIsCgalsAlphaShape) {
-  // Filled, so that no cavity, which CGAL's shape keeps open, is wider than the ball.
+TEST(AlphaComplex, MatchesCgalForAFilledCloud) {
+  // A filled cloud has no cavity wider than the ball; CGAL's shape would keep it open.
   const testing::Points points = testing::cloud(4000, 7, [](testing::Random& r) {
     Eigen::Vector3d p = r.in_cube();
     return Eigen::Vector3d(p.x(), 0.5 * p.y(), 0.3 * p.z());
@@ -48,20 +48,20 @@ TEST(AlphaComplex, OfAFilledCloudIsCgalsAlphaShape) {
   }
 }
 
-TEST(AlphaComplex, FillsWhatTheBallCannotReach) {
+TEST(AlphaComplex, FillsRegionsOutOfReachOfTheBall) {
   const testing::Points points = testing::sphere_cloud(3000, 1.0);
   AlphaComplex complex(points);
-  // The shell's own cells are next to nothing; behind it lies the ball.
+  // The shell itself has almost no volume; the ball behind it is filled.
   EXPECT_LT(cgal_alpha_volume(points, 0.3), 0.5);
   EXPECT_NEAR(signed_volume_m3(complex.body(0.3).mesh), 4.189, 0.03 * 4.189);
-  // A ball smaller than the gaps gets in and sweeps it away.
+  // A ball smaller than the gaps enters and removes everything.
   EXPECT_LT(signed_volume_m3(complex.body(0.02).mesh), 0.01);
 }
 
-TEST(AlphaComplex, BodiesAreManifoldWhateverTheRadius) {
+TEST(AlphaComplex, BodiesAreManifoldForAnyRadius) {
   const testing::Points points = testing::cloud(600, 9, [](testing::Random& r) { return r.in_cube(); });
   AlphaComplex complex(points);
-  // At small radii the body is a heap of tetrahedra that touch in faces, edges and corners.
+  // At small radii the body is a set of tetrahedra that touch in faces, edges and corners.
   for (double radius = 0.05; radius < 0.5; radius *= 1.15) {
     const TriangleMesh mesh = complex.body(radius).mesh;
     if (mesh.triangles.empty()) continue;
@@ -69,13 +69,13 @@ TEST(AlphaComplex, BodiesAreManifoldWhateverTheRadius) {
     EXPECT_TRUE(topology.closed) << radius;
     EXPECT_TRUE(topology.manifold) << radius;
     EXPECT_GT(signed_volume_m3(mesh), 0.0) << radius;
-    // One closed surface has at most characteristic 2.
+    // A closed surface has a characteristic of at most 2.
     EXPECT_LE(topology.euler_characteristic, 2 * topology.piece_count) << radius;
   }
 }
 
-TEST(AlphaComplex, GridsOfPointsHoldTogether) {
-  // Every cell's eight corners lie on one sphere: the triangulation is all degenerate cases.
+TEST(AlphaComplex, GridsOfPointsStayConnected) {
+  // The eight corners of each cell lie on one sphere: the triangulation consists of degenerate cases.
   testing::Points points;
   for (int x = 0; x <= 8; ++x) {
     for (int y = 0; y <= 6; ++y) {

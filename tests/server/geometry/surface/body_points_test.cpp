@@ -38,7 +38,7 @@ TEST(BodyPoints, LieInTheObjectFrame) {
   const Points points = sphere_cloud(500, 1.0);
   Similarity object_from_asset;
   object_from_asset.scale = 0.25;
-  object_from_asset.rotation = Eigen::Quaterniond(0, 1, 0, 0);  // y and z turned round
+  object_from_asset.rotation = Eigen::Quaterniond(0, 1, 0, 0);  // y and z reversed
   object_from_asset.translation_m = {0, 1, 0};
   const Points body = body_points(kernels_at(points, 1e-3), object_from_asset);
   ASSERT_EQ(body.size(), points.size());
@@ -48,7 +48,7 @@ TEST(BodyPoints, LieInTheObjectFrame) {
   }
 }
 
-TEST(BodyPoints, LeaveOutHazeAndFloaters) {
+TEST(BodyPoints, ExcludeHazeAndFloaters) {
   GaussianAsset asset = kernels_at(sphere_cloud(20000, 1.0), 1e-3);
   append(asset,
          kernels_at(cloud(5000, 2, [](Random& r) { return Eigen::Vector3d(2 * r.in_cube()); }), 0.05, -3.0f));
@@ -60,7 +60,7 @@ TEST(BodyPoints, LeaveOutHazeAndFloaters) {
 
 TEST(BodyPoints, KeepALongThinLeaf) {
   GaussianAsset asset = kernels_at(sphere_cloud(20000, 0.2), 1e-3);
-  // 120 kernels along a stalk six radii long: 0.6 % of all, fading, and far from the middle.
+  // 120 kernels along a stalk six radii long: 0.6 % of all kernels, fading, and far from the middle.
   Points leaf;
   for (int i = 0; i < 120; ++i) leaf.emplace_back(0.2 + 0.01 * i, 0.02 * std::sin(0.1 * i), 0.0);
   append(asset, kernels_at(leaf, 1e-3, -1.5f));
@@ -73,8 +73,8 @@ TEST(BodyPoints, KeepALongThinLeaf) {
   EXPECT_EQ(mesh_topology(surface->mesh).piece_count, 1);
 }
 
-TEST(BodyPoints, LargeKernelsStandForTheirWholeExtent) {
-  // A plate of a 7 x 7 grid of flat discs, farther apart than the alpha radius.
+TEST(BodyPoints, LargeKernelsAreSampledOverTheirExtent) {
+  // A plate of 7 x 7 flat discs, farther apart than the alpha radius.
   Points points;
   for (int x = -3; x <= 3; ++x) {
     for (int z = -3; z <= 3; ++z) points.emplace_back(0.1 * x, 0.0, 0.1 * z);
@@ -96,7 +96,7 @@ TEST(BodyPoints, SmallAndEmptyAssets) {
   EXPECT_TRUE(body_points(kernels_at({{0, 0, 0}}, 1e-3, -9.0f), Similarity{}).empty());
   EXPECT_EQ(body_points(kernels_at({{0, 0, 0}}, 1e-3), Similarity{}).size(), 1u);
   EXPECT_EQ(body_points(kernels_at({{0, 0, 0}, {0, 0, 0}}, 1e-3), Similarity{}).size(), 2u);
-  // Few kernels are no outliers of each other, however large they are.
+  // A few kernels are not outliers of each other, however large they are.
   EXPECT_GE(body_points(kernels_at({{0, 0, 0}, {1, 0, 0}, {0, 5, 0}}, 1e18), Similarity{}).size(), 3u);
 }
 

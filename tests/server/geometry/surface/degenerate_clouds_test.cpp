@@ -17,7 +17,7 @@ namespace {
 
 using namespace testing;
 
-// Any cloud, and everything made from its body.
+// Reconstructs the body of any cloud and checks all derived data.
 Surface body_of(const Points& points) {
   Surface chosen;
   for (const SurfaceOptions& options : {rigid_surface_options(), elastic_surface_options()}) {
@@ -58,7 +58,7 @@ TEST(DegenerateClouds, CoincidentPoints) {
 TEST(DegenerateClouds, TwoPoints) {
   const Surface surface = body_of({{0, 0, 0}, {0.1, 0.1, 0.1}});
   EXPECT_EQ(surface.source, SurfaceSource::Box);
-  // A rod along the diagonal, not the cube round it.
+  // A rod along the diagonal, not a cube around it.
   EXPECT_LT(signed_volume_m3(surface.mesh), 0.01 * 1e-3);
 }
 
@@ -66,7 +66,7 @@ TEST(DegenerateClouds, CollinearPoints) {
   const Surface exact =
       body_of(cloud(500, 1, [](Random& r) { return Eigen::Vector3d(0.2, r.uniform(-1, 1), 0.5); }));
   EXPECT_EQ(exact.source, SurfaceSource::Box);
-  // Off the axes rounding takes the points off the line by 1e-17: a box or a thread, but thin.
+  // Off the axes, rounding moves the points off the line by 1e-17. The result is a thin box or thread.
   const Surface rounded = body_of(cloud(
       500, 1, [](Random& r) { return Eigen::Vector3d(r.uniform(-1, 1) * Eigen::Vector3d(0.3, 0.1, -0.2)); }));
   const double length_m = 2 * std::sqrt(0.14);
@@ -117,7 +117,7 @@ TEST(DegenerateClouds, GridsWithManyCospericalPoints) {
 }
 
 TEST(DegenerateClouds, ExtremeRanges) {
-  // A dense cluster and one point a million times as far: the body is the line between, but a body.
+  // A dense cluster and a point a million times as far away: the body is the line between them.
   Points points = cloud(1000, 5, [](Random& r) { return Eigen::Vector3d(1e-6 * r.in_cube()); });
   points.emplace_back(1, 1, 0);
   body_of(points);
@@ -127,7 +127,7 @@ TEST(DegenerateClouds, ExtremeRanges) {
   body_of(huge);
 }
 
-TEST(DegenerateClouds, WhatIsNoCloudIsAnError) {
+TEST(DegenerateClouds, InvalidCloudsAreErrors) {
   EXPECT_FALSE(reconstruct_surface({}, elastic_surface_options()));
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                infinity = std::numeric_limits<double>::infinity();

@@ -15,10 +15,9 @@
 namespace livegs {
 namespace {
 
-// A ball of R with a wall of t: 4/3 pi (R³ - (R - t)³), less what the facets of the mesh cut off. Within 3 %:
-// the distance inside is concave, and what the grid has between its nodes is that much less, by h² / (4 r) of
-// a cell h.
-TEST(HollowMesh, ABallKeepsTheVolumeOfItsWall) {
+// Volume of the wall of a ball: 4/3 pi (R³ - (R - t)³), minus the facets of the mesh. The bar is 3 %, because
+// the distance is concave inside and trilinear interpolation lowers it by h² / (4 r) for a cell h.
+TEST(HollowMesh, BallHasTheVolumeOfItsWall) {
   const TriangleMesh ball = sphere_mesh(0.05, 4);
   for (const double wall_m : {0.005, 0.02}) {
     const auto shell = hollow_mesh(ball, wall_m);
@@ -36,8 +35,9 @@ TEST(HollowMesh, ABallKeepsTheVolumeOfItsWall) {
   EXPECT_TRUE(has_hollow(testing::hollow_ball()));
 }
 
-// The hollow of a box is the box less the wall all round: at its edges too the nearest point is on a face.
-TEST(HollowMesh, ABoxIsCutAsAShell) {
+// The cavity of a box is the box minus the wall on all sides; at its edges the nearest point is on a face
+// too.
+TEST(HollowMesh, BoxBecomesAShell) {
   const TriangleMesh box = box_mesh({0.1, 0.08, 0.12});
   const auto shell = hollow_mesh(box, 0.01);
   ASSERT_TRUE(shell) << shell.error().message;
@@ -54,10 +54,10 @@ TEST(HollowMesh, ABoxIsCutAsAShell) {
   EXPECT_NEAR(sum_m3, signed_volume_m3(*shell), 1e-9 * sum_m3);
 }
 
-TEST(HollowMesh, WallsOutOfReachAreRefusedWithAReason) {
+TEST(HollowMesh, RefusesWallsOutOfRange) {
   const TriangleMesh ball = sphere_mesh(0.05, 3);
   for (const auto& [wall_m, why] :
-       {std::pair(0.0, "too thin"), {0.001, "too thin"}, {0.06, "nothing hollow"}, {NAN, "too thin"}}) {
+       {std::pair(0.0, "too thin"), {0.001, "too thin"}, {0.06, "no cavity"}, {NAN, "too thin"}}) {
     const auto shell = hollow_mesh(ball, wall_m);
     ASSERT_FALSE(shell) << wall_m;
     EXPECT_NE(shell.error().message.find(why), std::string::npos) << shell.error().message;

@@ -19,10 +19,9 @@ namespace {
 
 using std::numbers::pi;
 
-// A cup without a handle: a cylinder with a deep well from the top.
+// A cup without a handle: a cylinder with a deep bore from the top.
 TriangleMesh cup(double radius_m, double height_m, double wall_m) {
-  // Outer and inner side, joined at the rim: segments around, profile from the outer foot to the inner
-  // bottom.
+  // Outer and inner side, joined at the rim. The profile runs from the outer foot to the inner bottom.
   const double profile[][2] = {
       {radius_m, 0.0}, {radius_m, height_m}, {radius_m - wall_m, height_m}, {radius_m - wall_m, wall_m}};
   TriangleMesh mesh;
@@ -49,8 +48,8 @@ TriangleMesh cup(double radius_m, double height_m, double wall_m) {
   return mesh;
 }
 
-// However it lies: a brick's smallest box is the brick, and a ball's is its diameter's cube.
-TEST(MeshFacts, TheSmallestBoxTurnsWithTheThing) {
+// Independent of orientation: the smallest box of a brick is the brick, that of a ball is its bounding cube.
+TEST(MeshFacts, SmallestBoxRotatesWithTheBody) {
   TriangleMesh brick = box_mesh({0.4, 0.1, 0.2});
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
   for (Eigen::Vector3d& vertex : brick.vertices_m) vertex = turn * vertex;
@@ -60,7 +59,7 @@ TEST(MeshFacts, TheSmallestBoxTurnsWithTheThing) {
   EXPECT_TRUE(mesh_facts(sphere_mesh(0.1, 3)).box_m.isApprox(Eigen::Vector3d::Constant(0.2), 0.01));
 }
 
-TEST(MeshFacts, OfABrick) {
+TEST(MeshFacts, BrickMatchesItsDimensions) {
   const MeshFacts facts = mesh_facts(box_mesh({0.4, 0.1, 0.2}));
   EXPECT_TRUE(facts.size_m.isApprox(Eigen::Vector3d(0.4, 0.1, 0.2)));
   EXPECT_TRUE(facts.principal_size_m.isApprox(Eigen::Vector3d(0.4, 0.2, 0.1), 1e-9));
@@ -83,11 +82,11 @@ TEST(MeshFacts, SheetsAndRods) {
   EXPECT_EQ(mesh_facts(cylinder_mesh(0.01, 0.5)).thin_sheet, 0.0);
 }
 
-TEST(MeshFacts, ACupIsOpenABallAndATableAreNot) {
+TEST(MeshFacts, CupIsOpenButBallAndTableAreNot) {
   TriangleMesh mesh = cup(0.04, 0.1, 0.004);
   testing::expect_body(mesh);
   const MeshFacts facts = mesh_facts(mesh);
-  // Of the room in the cup the part below its mouth counts: of the whole, room is 0.8 by volume.
+  // Only the cavity below the mouth of the cup counts; it is 0.8 of the total volume.
   EXPECT_GT(facts.openness, 0.6);
   EXPECT_LT(facts.openness, 0.85);
   EXPECT_LT(facts.solidity, 0.3);
@@ -102,7 +101,7 @@ TEST(MeshFacts, ACupIsOpenABallAndATableAreNot) {
   EXPECT_LT(mesh_facts(table).openness, 0.1);
 }
 
-TEST(MeshFacts, SameForAnyThreadCount) {
+TEST(MeshFacts, AreEqualForAnyThreadCount) {
   const TriangleMesh mesh = cup(0.04, 0.1, 0.004);
   set_thread_count(1);
   const double one = mesh_facts(mesh).openness;
@@ -111,7 +110,7 @@ TEST(MeshFacts, SameForAnyThreadCount) {
   set_thread_count(0);
 }
 
-TEST(ConvexHull, OfACubeWithPointsInsideIsTheCube) {
+TEST(ConvexHull, IgnoresPointsInsideACube) {
   testing::Points points = testing::cloud(500, 1, [](testing::Random& r) { return r.in_cube(); });
   for (int corner = 0; corner < 8; ++corner) {
     points.emplace_back(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);

@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-// Clouds with known shapes. The same points everywhere: the engine's output is specified, the distributions
-// of the standard library are not.
+// Clouds of known shapes. Reproducible on all platforms: the output of the engine is specified, but the
+// distributions of the standard library are not.
 
 namespace livegs::testing {
 
@@ -53,7 +53,7 @@ inline Points sphere_cloud(size_t count, double radius_m, double noise_m = 0.0) 
   });
 }
 
-// The surface of a cube of edge 2 half_m.
+// The surface of a cube with an edge of 2 half_m.
 inline Points cube_cloud(size_t count, double half_m) {
   return cloud(count, 2, [=](Random& r) {
     Eigen::Vector3d p = half_m * r.in_cube();
@@ -63,7 +63,7 @@ inline Points cube_cloud(size_t count, double half_m) {
   });
 }
 
-// Even over the surface of a torus about +Y.
+// Uniform over the surface of a torus about +Y.
 inline Points torus_cloud(size_t count, double ring_m, double tube_m, double noise_m = 0.0) {
   return cloud(count, 3, [=](Random& r) {
     while (true) {
@@ -77,7 +77,7 @@ inline Points torus_cloud(size_t count, double ring_m, double tube_m, double noi
   });
 }
 
-// A capsule along +Y, height_m between the centres of its caps.
+// A capsule along +Y, with height_m between the centres of its caps.
 inline Points capsule_cloud(size_t count, double radius_m, double height_m) {
   return cloud(count, 4, [=](Random& r) {
     if (r.uniform() * (height_m + 2 * radius_m) < height_m) {

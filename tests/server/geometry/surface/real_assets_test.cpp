@@ -25,20 +25,20 @@ namespace fs = std::filesystem;
 
 const fs::path kData = LIVEGS_SHARED_DATA_DIR;
 
-// From x right, -y up to +y up.
+// Rotates from x right, -y up to +y up.
 Similarity turned_up() {
   Similarity similarity;
   similarity.rotation = Eigen::Quaterniond(0, 1, 0, 0);
   return similarity;
 }
 
-TEST(RealAssets, EveryCapturedAssetGivesABody) {
-  if (!fs::exists(kData / "splats")) GTEST_SKIP() << "shared data is not here";
+TEST(RealAssets, AllCapturedAssetsGiveABody) {
+  if (!fs::exists(kData / "splats")) GTEST_SKIP() << "the shared data is missing";
   std::vector<fs::path> files{kData / "splats/fur_block/meta.json",
                               kData / "splats/playbot/sog_lod2/meta.json"};
   for (const auto& entry : fs::recursive_directory_iterator(kData / "splats")) {
     const std::string extension = entry.path().extension();
-    const bool small = entry.is_regular_file() && entry.file_size() < 1'200'000;  // all nightly
+    const bool small = entry.is_regular_file() && entry.file_size() < 1'200'000;  // the nightly run takes all
     const bool captured =
         extension == ".ply" || extension == ".spz" || extension == ".sog" || extension == ".splat";
     if (captured && (small || full_sets())) {
@@ -60,7 +60,7 @@ TEST(RealAssets, EveryCapturedAssetGivesABody) {
           reconstruct_surface(points, rigid ? rigid_surface_options() : elastic_surface_options());
       ASSERT_TRUE(surface) << surface.error().message;
       testing::expect_body(surface->mesh);
-      // Captured things are no degenerate clouds: the alpha shape must do.
+      // Captured assets are not degenerate: an alpha shape must be found.
       EXPECT_TRUE(surface->source == SurfaceSource::AlphaShape ||
                   surface->source == SurfaceSource::LargerAlphaShape);
       EXPECT_LT(mesh_topology(surface->mesh).piece_count, 60);
@@ -78,10 +78,10 @@ TEST(RealAssets, EveryCapturedAssetGivesABody) {
   EXPECT_GE(bodies, full_sets() ? 15 : 6);
 }
 
-// The table holds volume and surface of the scans that the kernels were made from.
-TEST(RealAssets, VolumesOfYcbBodiesAgainstTheirScans) {
+// The table contains volume and surface of the scans that the kernels were made from.
+TEST(RealAssets, YcbVolumesMatchTheirScans) {
   const auto text = read_text_file(kData / "ycb/objects.json");
-  if (!text) GTEST_SKIP() << "shared data is not here";
+  if (!text) GTEST_SKIP() << "the shared data is missing";
   const auto table = nlohmann::json::parse(*text);
   std::printf("%-24s %9s %8s %8s\n", "object", "scan cm3", "elastic", "rigid");
   std::vector<double> solid_errors;
@@ -102,7 +102,8 @@ TEST(RealAssets, VolumesOfYcbBodiesAgainstTheirScans) {
     }
     std::printf("%-24s %9.1f %+7.1f%% %+7.1f%%\n", id.c_str(), scan_m3 * 1e6, 100 * (ratios[0] - 1),
                 100 * (ratios[1] - 1));
-    // Solids: what is thicker than the ball is wide (a wall of 2 V / A against 0.06 of the diagonal).
+    // Solids: objects thicker than the diameter of the ball (a wall of 2 V / A compared with 0.06 of the
+    // diagonal).
     const double size_m = std::hypot(object["size_m"][0].get<double>(), object["size_m"][1].get<double>(),
                                      object["size_m"][2].get<double>());
     const double wall_m = 2 * scan_m3 / (object["surface_cm2"].get<double>() * 1e-4);
@@ -112,21 +113,21 @@ TEST(RealAssets, VolumesOfYcbBodiesAgainstTheirScans) {
   std::sort(solid_errors.begin(), solid_errors.end());
   std::printf("solids: %zu, median %.1f %%, worst %.1f %%\n", solid_errors.size(),
               100 * solid_errors[solid_errors.size() / 2], 100 * solid_errors.back());
-  // Kernel centres lie on the scan; edges and dents are rounded by a ball of 0.03 of the diagonal.
+  // Kernel centres lie on the scan. A ball of 0.03 of the diagonal rounds edges and dents.
   EXPECT_LT(solid_errors[solid_errors.size() / 2], 0.05);
   EXPECT_LT(solid_errors.back(), 0.25);
 }
 
-TEST(RealAssets, ScansReadAsMeshesHoldTheirVolume) {
+TEST(RealAssets, ScansReadAsMeshesKeepTheirVolume) {
   const auto text = read_text_file(kData / "ycb/objects.json");
-  if (!text) GTEST_SKIP() << "shared data is not here";
+  if (!text) GTEST_SKIP() << "the shared data is missing";
   const auto table = nlohmann::json::parse(*text);
   for (const auto& object : table["objects"]) {
     const std::string id = object["id"];
     const auto mesh = read_obj(kData / "ycb" / id / "textured.obj");
     ASSERT_TRUE(mesh) << mesh.error().message;
     EXPECT_EQ(mesh->triangles.size(), object["faces"].get<size_t>()) << id;
-    // The table has one decimal of a cubic centimetre, the file five of a metre.
+    // The table has one decimal in cubic centimetres, the file five in metres.
     const double scan_cm3 = object["mesh_volume_cm3"].get<double>();
     EXPECT_NEAR(signed_volume_m3(*mesh) * 1e6, scan_cm3, 0.06 + 1e-3 * scan_cm3) << id;
   }

@@ -26,9 +26,9 @@ Surface surface_of(const Points& points, const SurfaceOptions& options = elastic
   return *surface;
 }
 
-// Surfaces of points on a smooth shape lie inside it by the sagitta of an edge: with voxels of 0.01 diagonal
-// (a third of the radius) about 1e-3 of these sizes; tetrahedra that the ball sweeps off a flat side take as
-// much again.
+// Surfaces of points on a smooth shape lie inside it by the sagitta of an edge. With voxels of 0.01 diagonal
+// (a third of the radius) the error is about 1e-3. Tetrahedra that the ball removes from a flat side have
+// about the same effect.
 TEST(ReconstructSurface, Sphere) {
   const Surface surface = surface_of(sphere_cloud(30000, 0.1));
   EXPECT_EQ(surface.source, SurfaceSource::AlphaShape);
@@ -41,7 +41,7 @@ TEST(ReconstructSurface, Sphere) {
 TEST(ReconstructSurface, Cube) {
   const Surface surface = surface_of(cube_cloud(30000, 0.1));
   EXPECT_EQ(mesh_topology(surface.mesh).euler_characteristic, 2);
-  // Edges are rounded by the radius at most (here points lie 1e-3 from them): 12 edges of (1 - pi/4) R².
+  // Edges are rounded by at most the radius: 12 edges of (1 - pi/4) R². Here points lie 1e-3 from them.
   EXPECT_NEAR(signed_volume_m3(surface.mesh) / 8e-3, 1.0, 0.02);
 }
 
@@ -58,22 +58,22 @@ TEST(ReconstructSurface, Capsule) {
   EXPECT_NEAR(signed_volume_m3(surface.mesh) / (pi * 0.0025 * 0.2 + 4.0 / 3.0 * pi * 1.25e-4), 1.0, 0.02);
 }
 
-TEST(ReconstructSurface, RigidOptionsGiveACoarseBodyOfTheSameVolume) {
+TEST(ReconstructSurface, RigidOptionsKeepTheVolume) {
   const Surface surface = surface_of(sphere_cloud(30000, 0.1), rigid_surface_options());
   EXPECT_LT(surface.mesh.triangles.size(), 8000u);
   EXPECT_NEAR(signed_volume_m3(surface.mesh) / (4.0 / 3.0 * pi * 1e-3), 1.0, 0.02);
 }
 
-TEST(ReconstructSurface, SparseSurfacesAreClosedByALargerRadius) {
-  // 300 points on a sphere: gaps of a tenth of the diagonal, through which the paper's ball would get in.
+TEST(ReconstructSurface, LargerRadiusClosesSparseSurfaces) {
+  // 300 points on a sphere: the gaps are a tenth of the diagonal, so the paper's ball would enter.
   const Surface surface = surface_of(sphere_cloud(300, 0.1));
   EXPECT_EQ(surface.source, SurfaceSource::LargerAlphaShape);
   EXPECT_NE(surface.note, "");
-  // Inscribed with edges of 0.2 r: up to a few per cent lacking.
+  // Inscribed with edges of 0.2 r: the volume is up to a few per cent smaller.
   EXPECT_NEAR(signed_volume_m3(surface.mesh) / (4.0 / 3.0 * pi * 1e-3), 1.0, 0.06);
 }
 
-TEST(ReconstructSurface, AFlatCloudBecomesASheet) {
+TEST(ReconstructSurface, FlatCloudBecomesASheet) {
   const Points points = cloud(8000, 6, [](Random& r) {
     const double x = r.uniform(-0.1, 0.1), z = r.uniform(-0.1, 0.1);
     return Eigen::Vector3d(x, 0.3, z);
@@ -85,7 +85,7 @@ TEST(ReconstructSurface, AFlatCloudBecomesASheet) {
   EXPECT_NEAR(mesh_bounds_m(surface.mesh).sizes().y(), thickness, 1e-9);
 }
 
-TEST(ReconstructSurface, ABentSheetKeepsItsShape) {
+TEST(ReconstructSurface, BentSheetKeepsItsShape) {
   // A half-pipe: no volume of its own, open to one side.
   const Points points = cloud(20000, 8, [](Random& r) {
     const double turn = r.uniform(0, pi), along = r.uniform(-0.1, 0.1);
@@ -97,14 +97,14 @@ TEST(ReconstructSurface, ABentSheetKeepsItsShape) {
   EXPECT_NEAR(signed_volume_m3(surface.mesh) / sheet_m3, 1.0, 0.15);
 }
 
-TEST(ReconstructSurface, ABowlStaysOpen) {
+TEST(ReconstructSurface, BowlStaysOpen) {
   const Surface surface = surface_of(bowl_cloud(20000, 0.1));
   EXPECT_EQ(mesh_topology(surface.mesh).piece_count, 1);
   EXPECT_LT(signed_volume_m3(surface.mesh), 0.1 * 2.0 / 3.0 * pi * 1e-3);
   EXPECT_GT(DistanceField(surface.mesh, 0.005, 0.01).sample({0, -0.05, 0}).distance_m, 0.04);
 }
 
-TEST(ReconstructSurface, TwoBodiesStayTwo) {
+TEST(ReconstructSurface, TwoBodiesStaySeparate) {
   Points points = sphere_cloud(8000, 0.05);
   for (const auto& p : sphere_cloud(8000, 0.05)) points.push_back(p + Eigen::Vector3d(0.3, 0, 0));
   const Surface surface = surface_of(points);
@@ -112,8 +112,8 @@ TEST(ReconstructSurface, TwoBodiesStayTwo) {
   EXPECT_NE(surface.note.find("2 pieces"), std::string::npos) << surface.note;
 }
 
-// The lever that makes bodies fast: only as many points are triangulated as the shape needs.
-TEST(ReconstructSurface, ThinningDoesNotChangeTheShape) {
+// Thinning makes reconstruction fast: only the points that the shape needs are triangulated.
+TEST(ReconstructSurface, ThinningKeepsTheShape) {
   const struct {
     const char* name;
     Points points;
@@ -126,8 +126,9 @@ TEST(ReconstructSurface, ThinningDoesNotChangeTheShape) {
     const Surface whole = surface_of(points, {.alpha_radius = 0.03, .downsample = 1e-5});
     EXPECT_LT(thinned.mesh.vertices_m.size(), whole.mesh.vertices_m.size());
     EXPECT_NEAR(signed_volume_m3(thinned.mesh) / signed_volume_m3(whole.mesh), 1.0, 0.02);
-    // Hausdorff distance, from the vertices of either to the surface of the other: half the alpha radius. (A
-    // cell of the fields is half a radius, and near the surface they are off by a small part of it.)
+    // Hausdorff distance between the surfaces, from the vertices of each to the surface of the other: half
+    // the alpha radius. A cell of the fields is half a radius; near the surface their error is a small part
+    // of it.
     const double radius_m = whole.alpha_radius_m;
     const DistanceField to_whole(whole.mesh, 0.5 * radius_m, radius_m);
     const DistanceField to_thinned(thinned.mesh, 0.5 * radius_m, radius_m);
@@ -143,9 +144,9 @@ TEST(ReconstructSurface, ThinningDoesNotChangeTheShape) {
   }
 }
 
-// A closed body and one of sheets, whose points are thickened. Memory taken in between moves the
-// triangulation about.
-TEST(ReconstructSurface, SameBitsEveryTimeForAnyThreadCount) {
+// A closed body, and one of sheets with thickened points. Memory allocated in between changes the addresses
+// in the triangulation.
+TEST(ReconstructSurface, IsBitEqualForAnyThreadCount) {
   for (const Points& points : {torus_cloud(10000, 0.1, 0.03, 0.002), bowl_cloud(5000, 0.1)}) {
     const Surface first = surface_of(points);
     std::vector<std::unique_ptr<std::vector<char>>> ballast;
@@ -165,14 +166,14 @@ TEST(ReconstructSurface, SameBitsEveryTimeForAnyThreadCount) {
   set_thread_count(0);
 }
 
-TEST(ReconstructSurface, DoesNotDependOnUnitOrPlace) {
+TEST(ReconstructSurface, DoesNotDependOnUnitOrPosition) {
   const Points points = torus_cloud(10000, 0.1, 0.03, 0.002);
   const double volume = signed_volume_m3(surface_of(points).mesh);
   for (double scale : {1e-3, 1e3}) {
     Points moved_points;
     for (const auto& p : points) moved_points.push_back(scale * (p + Eigen::Vector3d(10, -5, 3)));
     const Surface surface = surface_of(moved_points);
-    // A point within rounding of a voxel's side may fall to the other one, and another point be kept.
+    // A point within rounding of a voxel boundary may change voxels, so that another point is kept.
     EXPECT_NEAR(signed_volume_m3(surface.mesh) / (scale * scale * scale) / volume, 1.0, 1e-3);
   }
 }

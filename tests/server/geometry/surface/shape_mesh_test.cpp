@@ -14,7 +14,7 @@ namespace {
 using std::numbers::pi;
 using testing::expect_body;
 
-TEST(ShapeMesh, BoxHoldsItsVolumeExactly) {
+TEST(ShapeMesh, BoxHasItsExactVolume) {
   const TriangleMesh mesh = box_mesh({0.4, 0.1, 0.2});
   expect_body(mesh);
   EXPECT_EQ(mesh_topology(mesh).euler_characteristic, 2);
@@ -22,7 +22,7 @@ TEST(ShapeMesh, BoxHoldsItsVolumeExactly) {
   EXPECT_TRUE(mesh_bounds_m(mesh).sizes().isApprox(Eigen::Vector3d(0.4, 0.1, 0.2)));
 }
 
-TEST(ShapeMesh, SphereConvergesWithTheSquareOfItsEdges) {
+TEST(ShapeMesh, SphereConvergesQuadratically) {
   const double exact_m3 = 4.0 / 3.0 * pi * 0.008;
   double missing_before = 0.0;
   for (int subdivisions = 0; subdivisions <= 5; ++subdivisions) {
@@ -31,7 +31,7 @@ TEST(ShapeMesh, SphereConvergesWithTheSquareOfItsEdges) {
     EXPECT_EQ(mesh.triangles.size(), 20u << (2 * subdivisions));
     EXPECT_EQ(mesh_topology(mesh).euler_characteristic, 2);
     const double missing = 1.0 - signed_volume_m3(mesh) / exact_m3;
-    // Halved edges quarter what an inscribed surface lacks, once they are short.
+    // For short edges, halving them reduces the missing volume of an inscribed surface to a quarter.
     if (subdivisions > 1) {
       EXPECT_GT(missing_before / missing, 3.5);
     }
@@ -48,12 +48,12 @@ TEST(ShapeMesh, CylinderIsTheInscribedPrism) {
   EXPECT_NEAR(mesh_bounds_m(mesh).sizes().y(), 0.5, 1e-15);
 }
 
-TEST(ShapeMesh, CapsuleHeightLiesBetweenTheCentresOfItsCaps) {
+TEST(ShapeMesh, CapsuleHeightIsBetweenItsCapCentres) {
   const TriangleMesh mesh = capsule_mesh(0.1, 0.3, 128);
   expect_body(mesh);
   EXPECT_EQ(mesh_topology(mesh).euler_characteristic, 2);
   EXPECT_NEAR(mesh_bounds_m(mesh).sizes().y(), 0.5, 1e-15);
-  // 128 sides: 1 - sin(x)/x at x = 2 pi / 128 is 0.0004; the caps lack twice as much.
+  // For 128 sides, 1 - sin(x)/x at x = 2 pi / 128 is 0.0004; the caps lack twice that.
   EXPECT_NEAR(signed_volume_m3(mesh) / (pi * 0.01 * 0.3 + 4.0 / 3.0 * pi * 0.001), 1.0, 0.001);
 }
 

@@ -6,7 +6,7 @@
 #include "physics/mesh_collider.h"
 #include "scenes/soft_fixtures.h"
 
-// Meshes as modellers leave them: surfaces that enclose nothing, and solids that are inside out.
+// Defects of modelled meshes: open surfaces without volume, and inverted solids.
 
 namespace livegs {
 namespace {
@@ -18,8 +18,7 @@ TriangleMesh turned_over(TriangleMesh mesh) {
   return mesh;
 }
 
-// A square of 4 m in `parts` by `parts` fields, with corners of its own for each triangle, at the heights
-// y(x, z).
+// A square of 4 m with `parts` by `parts` fields at the heights y(x, z). Triangles do not share vertices.
 template <class Height>
 TriangleMesh surface(int parts, const Height& height_m) {
   TriangleMesh mesh;
@@ -48,7 +47,7 @@ World world_on(const FieldShape& shape, double rate_hz) {
   return world;
 }
 
-// A box, a ball and a soft cube at rest 0.1 m over the surface at `places`; ids from 1 on.
+// Places a box, a ball and a soft cube at rest 0.1 m above the surface at `places`. Ids start at 1.
 void put_things(World& world, const std::vector<Vector3d>& places_m) {
   for (uint32_t i = 0; i < places_m.size(); ++i) {
     const Vector3d at = places_m[i] + Vector3d(0, 0.15, 0);
@@ -66,16 +65,16 @@ void put_things(World& world, const std::vector<Vector3d>& places_m) {
   }
 }
 
-TEST(OpenMesh, AFloorHoldsThingsWhicheverWayItFaces) {
+TEST(OpenMesh, FloorHoldsObjectsFacingEitherWay) {
   const TriangleMesh floor = surface(1, [](double, double) { return 0.0; });
   for (const double rate_hz : kRates_hz) {
     for (const bool over : {false, true}) {
-      SCOPED_TRACE(::testing::Message() << rate_hz << " Hz, " << (over ? "turned over" : "as it is"));
+      SCOPED_TRACE(::testing::Message() << rate_hz << " Hz, " << (over ? "turned over" : "as modelled"));
       World world = world_on(wall_collider(over ? turned_over(floor) : floor), rate_hz);
       put_things(world, {{0, 0, 0}, {0.5, 0, 0.3}, {-0.5, 0, 0.3}});
       run_seconds(world, 2.0);
       for (uint32_t id : {1u, 2u, 3u}) {
-        // 2 mm of wall; a soft cube gives by 0.3 mm.
+        // The wall adds 2 mm; the soft cube is compressed by 0.3 mm.
         EXPECT_NEAR(body_state(world, id).world_from_body.position_m.y(), 0.052, 1e-3) << id;
         EXPECT_TRUE(id == 3 || body_state(world, id).asleep) << id;
       }
@@ -83,8 +82,8 @@ TEST(OpenMesh, AFloorHoldsThingsWhicheverWayItFaces) {
   }
 }
 
-// What is thrown at it fast, from above and from below: neither gets through.
-TEST(OpenMesh, AFloorIsNotPassedFromEitherSide) {
+// Fast objects from above and from below do not pass.
+TEST(OpenMesh, FloorBlocksBothSides) {
   const FieldShape floor = wall_collider(surface(1, [](double, double) { return 0.0; }));
   for (const double rate_hz : kRates_hz) {
     for (const double side : {1.0, -1.0}) {
@@ -115,7 +114,7 @@ TEST(OpenMesh, AFloorIsNotPassedFromEitherSide) {
   }
 }
 
-TEST(OpenMesh, HillsHoldThingsEverywhere) {
+TEST(OpenMesh, HillsHoldObjectsEverywhere) {
   for (const double rate_hz : kRates_hz) {
     SCOPED_TRACE(rate_hz);
     World world = world_on(wall_collider(surface(40, hills_m)), rate_hz);
@@ -128,14 +127,14 @@ TEST(OpenMesh, HillsHoldThingsEverywhere) {
     for (uint32_t id = 1; id <= places.size(); ++id) {
       const Vector3d at = body_state(world, id).world_from_body.position_m;
       const double over_m = at.y() - hills_m(at.x(), at.z());
-      EXPECT_GT(over_m, 0.03) << id;  // upright or on a corner, on a slope of up to 17 degrees
+      EXPECT_GT(over_m, 0.03) << id;  // upright or on a corner, on a slope of at most 17 degrees
       EXPECT_LT(over_m, 0.1) << id;
     }
   }
 }
 
-// A table that is drawn as its top alone, with the rim turned down: no bottom.
-TEST(OpenMesh, ATableWithoutABottomHoldsThings) {
+// A table mesh with only a top and a rim that is folded down; it has no bottom.
+TEST(OpenMesh, BottomlessTableHoldsObjects) {
   TriangleMesh table = box_mesh({1.2, 0.04, 0.8});
   std::erase_if(table.triangles, [&](const auto& triangle) {
     return std::all_of(triangle.begin(), triangle.end(),
@@ -148,9 +147,9 @@ TEST(OpenMesh, ATableWithoutABottomHoldsThings) {
     EXPECT_NEAR(body_state(world, id).world_from_body.position_m.y(), 0.072, 1e-3) << id;
 }
 
-// Of two boards in one mesh, one is inside out: thinner than a cell, so that it is its triangles that say
-// which side is in.
-TEST(OpenMesh, ASolidThatIsInsideOutIsTurnedOver) {
+// Two boards in one mesh, one of them inverted. The boards are thinner than a cell, so the sign comes from
+// the triangles.
+TEST(OpenMesh, InvertedSolidIsTurnedOver) {
   TriangleMesh mesh;
   for (const double x : {-1.0, 1.0}) {
     TriangleMesh board = box_mesh({1.0, 0.02, 1.0});
@@ -171,7 +170,7 @@ TEST(OpenMesh, ASolidThatIsInsideOutIsTurnedOver) {
     EXPECT_NEAR(body_state(world, id).world_from_body.position_m.y(), 0.06, 1e-3) << id;
 }
 
-TEST(OpenMesh, AHollowStaysOne) {
+TEST(OpenMesh, HollowStaysHollow) {
   TriangleMesh mesh = box_mesh({1, 1, 1});
   const TriangleMesh inner = turned_over(box_mesh({0.6, 0.6, 0.6}));
   mesh.vertices_m.insert(mesh.vertices_m.end(), inner.vertices_m.begin(), inner.vertices_m.end());

@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The faces of a cube of edge 2 about the origin, by points `spacing` apart; those on edges and corners once
-// a face.
+// Points `spacing` apart on the faces of a cube of edge 2 about the origin. Edge and corner points occur once
+// per face.
 std::vector<SurfaceElement> cube_elements(double spacing) {
   std::vector<SurfaceElement> elements;
   const int n = static_cast<int>(std::round(2.0 / spacing));
@@ -30,8 +30,8 @@ std::vector<SurfaceElement> cube_elements(double spacing) {
   return elements;
 }
 
-// Inside a cube the distance is the least to its faces.
-TEST(SurfaceElements, DistanceIsExactUpToTheEdgesOfACube) {
+// Inside a cube the distance is the smallest distance to a face.
+TEST(SurfaceElements, DistanceIsExactUpToCubeEdges) {
   const auto elements = cube_elements(0.25);
   const PointSurface grid(elements, 0.375);
   for (const Vector3d& point :
@@ -43,8 +43,8 @@ TEST(SurfaceElements, DistanceIsExactUpToTheEdgesOfACube) {
   }
 }
 
-// A point of a face that comes from above, a little beyond the edge's diagonal.
-TEST(SurfaceElements, PointMeetsTheFaceItLooksAt) {
+// A point of a face that approaches from above, slightly beyond the diagonal of the edge.
+TEST(SurfaceElements, PointMeetsTheFaceOppositeItsNormal) {
   const auto elements = cube_elements(0.25);
   const PointSurface grid(elements, 0.375);
   const SurfaceElement down{{0.95, 0.9, 0.1}, {0, -1, 0}, 0.0, 0};
@@ -53,7 +53,7 @@ TEST(SurfaceElements, PointMeetsTheFaceItLooksAt) {
   EXPECT_NEAR(found->distance_m, -0.1, 1e-12);
   EXPECT_NEAR((found->normal - Vector3d::UnitY()).norm(), 0.0, 1e-12);
   const SurfaceElement up{{0.0, 0.9, 0.1}, {0, 1, 0}, 0.0, 0};
-  EXPECT_FALSE(grid.depth(up.position_m, {&up, 1})) << "it looks away";
+  EXPECT_FALSE(grid.depth(up.position_m, {&up, 1})) << "its normal points away from the surface";
   const SurfaceElement beside{{1.05, 0.9, 0.1}, {0, -1, 0}, 0.0, 0};
   EXPECT_GT(grid.depth(beside.position_m, {&beside, 1})->distance_m, 0.0);
 }

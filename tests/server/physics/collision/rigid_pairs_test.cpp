@@ -12,7 +12,7 @@
 #include "physics/collision/polyhedron_manifold.h"
 #include "scenes/rigid_fixtures.h"
 
-// Rigid meshes against each other.
+// Contact between rigid meshes.
 
 namespace livegs {
 namespace {
@@ -38,7 +38,7 @@ TriangleMesh random_hull(uint32_t seed, double size_m, int points = 14) {
   return convex_hull(cloud);
 }
 
-// A bar with a notch: not convex.
+// A bar with a notch, which is not convex.
 TriangleMesh notched_mesh() {
   TriangleMesh mesh;
   const double outline[8][2] = {{-0.1, -0.03}, {0.1, -0.03}, {0.1, 0.03},   {0.03, 0.03},
@@ -88,7 +88,7 @@ ContactCandidate only(const std::vector<ContactCandidate>& found) {
 
 TEST(PolyhedronContacts, CrossedEdgesMeetInOnePoint) {
   const ConvexPolyhedron box = box_polyhedron({0.1, 0.1, 0.1});
-  // Both stand on an edge, one along x and one along z: the edges cross above the origin.
+  // Both boxes rest on an edge, one along x and one along z. The edges cross above the origin.
   const Eigen::Matrix3d about_x = Eigen::AngleAxisd(radians(45), Vector3d::UnitX()).toRotationMatrix();
   const Eigen::Matrix3d about_z = Eigen::AngleAxisd(radians(45), Vector3d::UnitZ()).toRotationMatrix();
   const double half = 0.05 * std::sqrt(2.0), depth = 0.001;
@@ -115,7 +115,7 @@ TEST(PolyhedronContacts, FlatFacesMeetInTheCornersOfTheirOverlap) {
   }
 }
 
-TEST(RigidPairs, FreeCollisionsKeepMomentumAndLoseEnergy) {
+TEST(RigidPairs, FreeCollisionsConserveMomentumAndLoseEnergy) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     for (int seed = 0; seed < 12; ++seed) {
@@ -137,8 +137,8 @@ TEST(RigidPairs, FreeCollisionsKeepMomentumAndLoseEnergy) {
       run_seconds(world, 0.6);
       const BodyEnergy after = world.energy();
       EXPECT_GT((body_state(world, 2).velocity_m_s - two.velocity_m_s).norm(), 0.1)
-          << seed << ": it must have struck";
-      // Equal and opposite impulses at one place: rounding only.
+          << seed << ": no collision";
+      // Impulses are equal and opposite at one point, so only rounding is left.
       EXPECT_LT((after.linear_momentum - before.linear_momentum).norm(), 1e-12) << seed;
       EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 1e-11) << seed;
       EXPECT_LE(after.kinetic_j, before.kinetic_j * (1.0 + 1e-6)) << seed;
@@ -146,11 +146,10 @@ TEST(RigidPairs, FreeCollisionsKeepMomentumAndLoseEnergy) {
   }
 }
 
-// A square bar of 0.4 m on its edge, along x; not convex where it has a neck at either end, far from its
-// middle.
+// A square bar of 0.4 m on its edge, along x. With necks at its ends, far from its middle, it is not convex.
 TriangleMesh bar_on_its_edge(bool necks) {
   const double half = 0.02 * std::sqrt(2.0);
-  std::vector<std::pair<double, double>> rings{{-0.2, half}};  // x and half the diagonal
+  std::vector<std::pair<double, double>> rings{{-0.2, half}};  // x and half the diagonal, m
   if (necks) {
     for (const double end : {-1.0, 1.0}) {
       const double from = end < 0 ? -0.17 : 0.13, to = from + 0.04;
@@ -178,11 +177,11 @@ TriangleMesh bar_on_its_edge(bool necks) {
   return mesh;
 }
 
-TEST(RigidPairs, BoxOnItsEdgeRestsAcrossAnEdge) {
+TEST(RigidPairs, BarOnItsEdgeRestsAcrossAnEdge) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
-    // Two square bars on their edges, crosswise: only the edges meet. Neither may sink into the other while
-    // it balances.
+    // Two square bars on their edges, crosswise: only the edges touch. Neither may sink into the other while
+    // balanced.
     for (const bool convex : {true, false}) {
       World world = world_at(rate, 4, {0, -kGravity, 0});
       const double half = 0.02 * std::sqrt(2.0);
@@ -197,9 +196,9 @@ TEST(RigidPairs, BoxOnItsEdgeRestsAcrossAnEdge) {
       ASSERT_TRUE(world.add_rigid(body));
       run_seconds(world, 0.25);
       const double y = body_state(world, 1).world_from_body.position_m.y();
-      // Balanced to 1e-3 of a degree it tips by less than a millimetre in this time; missed, it falls 0.3 m.
-      // The edge of one that is not convex is felt at its points only: between two of them it sinks by half
-      // their distance.
+      // Balanced to 1e-3 degrees, the bar tips by less than 1 mm in this time. Without edge contact it falls
+      // 0.3 m. The edge of a bar that is not convex is sampled at its points only, so it sinks between two of
+      // them by half their distance.
       if (convex) {
         EXPECT_NEAR(y, 2.0 * half, 1e-3);
       } else {
@@ -210,7 +209,7 @@ TEST(RigidPairs, BoxOnItsEdgeRestsAcrossAnEdge) {
   }
 }
 
-TEST(RigidPairs, MeshesThatAreNotConvexRestOnEachOther) {
+TEST(RigidPairs, NonConvexMeshesRestOnEachOther) {
   World world = world_at(60, 4);
   world.add_collider(floor_plane(0.6));
   auto lower = body_of(1, notched_mesh(), 0.8);
@@ -222,15 +221,15 @@ TEST(RigidPairs, MeshesThatAreNotConvexRestOnEachOther) {
   upper.world_from_object.orientation = Eigen::AngleAxisd(radians(90), Vector3d::UnitY());
   ASSERT_TRUE(world.add_rigid(upper));
   run_seconds(world, 4.0);
-  // The floor of the notch is at 0.03 over the bottom.
+  // The notch floor is 0.03 m above the bottom.
   EXPECT_NEAR(body_state(world, 2).world_from_body.position_m.y(), 0.03 + 0.025, 1e-3);
-  // On the box, which stands out; the notch takes its centre of mass 2.65 mm down.
+  // The bar rests on the box, which protrudes from the notch. The notch lowers its centre of mass by 2.65 mm.
   EXPECT_NEAR(body_state(world, 3).world_from_body.position_m.y(), 0.08 + 0.03 - 0.00265, 1e-3);
   for (uint32_t id : {1u, 2u, 3u}) EXPECT_TRUE(body_state(world, id).asleep) << id;
 }
 
-// Throws a thing of 0.1 kg from 0.6 m above a free square plate of 1 m and 5 kg, turned and spinning by its
-// number. Whether it got through within so many ticks.
+// Throws a body of 0.1 kg from 0.6 m above a free square plate of 1 m and 5 kg, rotated and spinning by its
+// number. Returns whether the body passed the plate within `ticks` ticks.
 bool passes_plate(double rate, double thickness_m, const Vector3d& size_m, int aim,
                   const Vector3d& velocity_m_s, double spin_rad_s, int ticks) {
   World world = world_at(rate, 4, Vector3d::Zero());
@@ -262,9 +261,9 @@ TEST(RigidPairs, FastBoxesAndRodsDoNotPassAThinPlate) {
   EXPECT_EQ(passed, 0);
 }
 
-// A card or a rod that one corner stops turns about it, and the other end comes the faster, within the
-// substep: in one piece 45 of these 800 passed. Such pairs' substeps are done in parts (rigid_hasty.h).
-TEST(RigidPairs, FastCardsAndSlenderRodsDoNotPassAThinnerPlate) {
+// A card or rod stopped at one corner turns about it, and its other end speeds up within the substep. Such
+// pairs take sub-intervals (ccd_substeps.h).
+TEST(RigidPairs, FastCardsAndRodsDoNotPassAThinnerPlate) {
   int passed = 0;
   for (const double rate : kRates_hz) {
     for (const double speed : {15.0, 30.0, 45.0, 60.0}) {
@@ -279,7 +278,7 @@ TEST(RigidPairs, FastCardsAndSlenderRodsDoNotPassAThinnerPlate) {
   EXPECT_EQ(passed, 0);
 }
 
-// Of boxes in free space. Linear; about the origin; of motion.
+// State of boxes in free space: linear momentum, angular momentum about the origin, kinetic energy.
 struct Moving {
   Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
   double energy_j = 0.0;
@@ -301,8 +300,8 @@ Moving moving(const World& world, const std::vector<Vector3d>& sizes_m) {
   return sum;
 }
 
-// Six pairs far from each other, each with parts of its own, on one thread or on several.
-TEST(RigidPairs, SubstepsInPartsKeepMomentumAndAreTheSameOnAnyThreads) {
+// Six distant pairs with their own sub-intervals, on one thread or several.
+TEST(RigidPairs, CcdSubstepsConserveMomentumOnAnyThreadCount) {
   const std::vector<Vector3d> kinds{{1.0, 1.0, 0.005}, {0.1, 0.002, 0.06}};
   std::vector<Pose> poses_of_one_thread;
   for (const int threads : {1, 2, 8}) {
@@ -322,9 +321,9 @@ TEST(RigidPairs, SubstepsInPartsKeepMomentumAndAreTheSameOnAnyThreads) {
     for (int tick = 0; tick < 15; ++tick) world.step();
     const Moving after = moving(world, sizes_m);
     EXPECT_LT((after.momentum - before.momentum).norm(), 1e-14 * before.momentum.norm());  // rounding
-    EXPECT_LT((after.angular - before.angular).norm(), 1e-9 * before.angular.norm());      // 5.9e-10 found
+    EXPECT_LT((after.angular - before.angular).norm(), 1e-9 * before.angular.norm());
     EXPECT_LE(after.energy_j, (1.0 + 1e-6) * before.energy_j);
-    EXPECT_LT(after.energy_j, 0.99 * before.energy_j) << "nothing met";
+    EXPECT_LT(after.energy_j, 0.99 * before.energy_j) << "no collision";
     std::vector<Pose> poses;
     for (const BodyState& body : world.bodies()) poses.push_back(body.world_from_body);
     if (threads == 1) poses_of_one_thread = poses;
@@ -336,7 +335,7 @@ TEST(RigidPairs, SubstepsInPartsKeepMomentumAndAreTheSameOnAnyThreads) {
   set_thread_count(0);
 }
 
-TEST(RigidPairs, WhateverLiesInOnePlacePartsSlowly) {
+TEST(RigidPairs, CoincidentBodiesSeparateSlowly) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     for (const int kind : {0, 1, 2}) {
@@ -355,20 +354,20 @@ TEST(RigidPairs, WhateverLiesInOnePlacePartsSlowly) {
       const double apart =
           (body_state(world, 1).world_from_body.position_m - body_state(world, 2).world_from_body.position_m)
               .norm();
-      EXPECT_GT(apart, kind == 2 ? 0.055 : 0.095) << kind;  // their least width
+      EXPECT_GT(apart, kind == 2 ? 0.055 : 0.095) << kind;  // their smallest width
       EXPECT_LT(fastest, 3.0) << kind;                      // scene 19
     }
   }
 }
 
-// A bowl as a paraboloid 0.18 m wide and 60 mm high, its wall 6 mm thick along the vertical, its foot at the
-// origin.
+// A paraboloid bowl 0.18 m wide and 60 mm high, with its foot at the origin. The wall is 6 mm thick along the
+// vertical.
 TriangleMesh bowl_mesh() {
   constexpr double kRim_m = 0.09, kHigh_m = 0.054, kWall_m = 0.006;
   constexpr int kRings = 6;
   constexpr uint32_t kAround = 24;
   TriangleMesh mesh;
-  std::vector<std::pair<double, double>> profile;  // from the foot up the outside and down the inside
+  std::vector<std::pair<double, double>> profile;  // up the outside from the foot, then down the inside
   for (int i = 1; i <= kRings; ++i)
     profile.emplace_back(kRim_m * i / kRings, kHigh_m * i * i / (kRings * kRings));
   for (int i = kRings; i >= 1; --i)
@@ -394,8 +393,8 @@ TriangleMesh bowl_mesh() {
   return mesh;
 }
 
-// Centres of alike things 9 mm apart, a seventh of their height, are not in one place where the things are 6
-// mm thick.
+// The centres of the bowls are 9 mm apart, a seventh of their height. Bodies with walls of 6 mm are not
+// coincident at that distance.
 TEST(RigidPairs, NestedBowlsRestInEachOther) {
   const TriangleMesh bowl = bowl_mesh();
   ASSERT_GT(solid_mass_properties(bowl).volume_m3, 0.0);
@@ -413,7 +412,7 @@ TEST(RigidPairs, NestedBowlsRestInEachOther) {
       world.step();
       for (const BodyState& body : world.bodies()) fastest = std::max(fastest, body.velocity_m_s.norm());
     }
-    // They fall by up to 10 mm.
+    // The bowls fall by up to 10 mm.
     EXPECT_LT(fastest, 0.6);
     const double first_m = body_state(world, 1).world_from_body.position_m.y();
     for (uint32_t id = 1; id <= 4; ++id) {
@@ -424,7 +423,8 @@ TEST(RigidPairs, NestedBowlsRestInEachOther) {
   }
 }
 
-// Bits of all poses after a busy scene. `hulls` are made once: the order of a hull's triangles may differ.
+// Hash of all poses after a scene with many contacts. `hulls` are made once because the order of a hull's
+// triangles may differ.
 uint64_t hash_of_pile(int threads, const std::vector<TriangleMesh>& hulls) {
   set_thread_count(threads);
   World world = world_at(60, 4);

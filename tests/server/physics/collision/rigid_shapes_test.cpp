@@ -7,7 +7,7 @@
 #include "known_gaps.h"
 #include "scenes/rigid_fixtures.h"
 
-// Bodies and colliders that are not boxes: round meshes, and floors that are distance fields.
+// Bodies and colliders that are not boxes: round meshes, and floors given by distance fields.
 
 namespace livegs {
 namespace {
@@ -35,17 +35,17 @@ TEST(RigidShapes, RoundMeshesComeToRestOnTheFloor) {
     run_seconds(world, 8.0);
     const BodyState state = body_state(world, 1);
     EXPECT_TRUE(state.world_from_body.position_m.allFinite());
-    // No lower than its half width less the sag and the facets (1 % of the radius at 32 segments), no higher
-    // than its half length.
+    // At least half its width less the sag and the facets (1 % of the radius at 32 segments), at most half
+    // its length.
     EXPECT_GT(state.world_from_body.position_m.y(), 0.985 * lowest);
     EXPECT_LT(state.world_from_body.position_m.y(), 0.085);
     EXPECT_LT(state.velocity_m_s.norm(), 0.05);
   }
 }
 
-// Speed after `seconds` of a rolling prism that starts from rest: each facet that lands takes its share of
-// the energy, and between landings gravity gives it back. With I = m r² / 2 about the axis, angular momentum
-// about the new edge leaves (1 + 2 cos a) / 3 of the spin, a = 2 pi / facets.
+// Speed after `seconds` of a prism that rolls from rest. Each landing facet dissipates a share of the energy,
+// and gravity adds energy between landings. With I = m r² / 2 about the axis, angular momentum about the new
+// edge leaves (1 + 2 cos a) / 3 of the spin, a = 2 pi / facets.
 double rolling_prism_speed(double angle_rad, double radius_m, int facets, double seconds) {
   const double turn = 2.0 * std::numbers::pi / facets;
   const double left = (1.0 + 2.0 * std::cos(turn)) / 3.0, facet = 2.0 * radius_m * std::sin(0.5 * turn);
@@ -59,7 +59,7 @@ double rolling_prism_speed(double angle_rad, double radius_m, int facets, double
   return speed;
 }
 
-TEST(RigidShapes, FacettedCylinderRollsNoFasterThanThePrismItIs) {
+TEST(RigidShapes, FacettedCylinderRollsLikeItsPrism) {
   const double angle = radians(10), r = 0.05;
   for (const double rate : kRates_hz)
     for (const int facets : {48, 96, 144}) {
@@ -72,7 +72,7 @@ TEST(RigidShapes, FacettedCylinderRollsNoFasterThanThePrismItIs) {
       body.world_from_object.position_m = turn * Vector3d(0, r, 0);
       ASSERT_TRUE(world.add_rigid(body));
       run_seconds(world, 1.0);
-      // At 4 substeps a facet or two land within each substep.
+      // At 4 substeps one or two facets land within each substep.
       const double share =
           body_state(world, 1).velocity_m_s.norm() / rolling_prism_speed(angle, r, facets, 1.0);
       report_gap("shapes.facetted_roll", std::abs(share - 1.0));
@@ -80,7 +80,7 @@ TEST(RigidShapes, FacettedCylinderRollsNoFasterThanThePrismItIs) {
     }
 }
 
-TEST(RigidShapes, BoxRestsOnAFieldAsOnABox) {
+TEST(RigidShapes, BoxRestsOnDistanceFieldAsOnBox) {
   World world = world_at(60, 4);
   world.add_collider(field_collider(box_mesh({1.0, 0.2, 1.0}), 0.02, {0, -0.1, 0}));
   auto box = box_body(1, {0.1, 0.06, 0.14}, 0.5);
@@ -93,14 +93,14 @@ TEST(RigidShapes, BoxRestsOnAFieldAsOnABox) {
   const double height = state.world_from_body.position_m.y();
   const double nearest =
       std::min({std::abs(height - 0.03), std::abs(height - 0.05), std::abs(height - 0.07)});
-  EXPECT_LT(nearest, 5e-4);  // on one of its faces; the field of a flat face is exact
+  EXPECT_LT(nearest, 5e-4);  // on one of its faces; the distance field of a flat face is exact
 }
 
-TEST(RigidShapes, FastBallDoesNotPassAFieldWall) {
+TEST(RigidShapes, FastBallDoesNotPassDistanceFieldWall) {
   for (const double rate : kRates_hz)
     for (const double speed : {3.0, 10.0, 40.0}) {
       World world = world_at(rate, 4, Vector3d::Zero());
-      // Two cells thick: the least a field can hold.
+      // Two cells thick: the thinnest wall that a distance field can represent.
       world.add_collider(field_collider(box_mesh({0.8, 0.8, 0.02}), 0.01, Vector3d::Zero()));
       auto description = ball(1, {0.05, 0.03, 0.9}, 0.03, 0.1);
       description.velocity_m_s = {0.02 * speed, 0, -speed};
@@ -110,7 +110,7 @@ TEST(RigidShapes, FastBallDoesNotPassAFieldWall) {
     }
 }
 
-TEST(RigidShapes, BallInACornerStaysIn) {
+TEST(RigidShapes, BallInACornerStaysInside) {
   World world = world_at(60, 4);
   world.add_collider(floor_plane());
   Collider wall = floor_plane();

@@ -7,8 +7,8 @@
 #include "scenes/break_fixtures.h"
 #include "scenes/soft_fixtures.h"
 
-// Meshes that are thinner than the cells of their distance field: table tops, shelves, fins. A grid alone has
-// no node inside a board of less than a cell, and things fell through. 4 substeps.
+// Meshes thinner than the cells of their distance field, such as table tops, shelves and fins. No grid node
+// lies inside a board thinner than a cell, so the grid alone does not hold objects. 4 substeps.
 
 namespace livegs {
 namespace {
@@ -23,7 +23,7 @@ void add(TriangleMesh& all, const TriangleMesh& part, const Vector3d& at_m) {
   for (const auto& [a, b, c] : part.triangles) all.triangles.push_back({a + start, b + start, c + start});
 }
 
-// Turned out of the grid's axes or not, about the vertical.
+// The mesh rotated about the vertical, out of the grid's axes.
 TriangleMesh turned(TriangleMesh mesh, double angle_rad) {
   for (Vector3d& vertex : mesh.vertices_m) vertex = Eigen::AngleAxisd(angle_rad, Vector3d::UnitY()) * vertex;
   return mesh;
@@ -31,7 +31,7 @@ TriangleMesh turned(TriangleMesh mesh, double angle_rad) {
 
 constexpr const char* kThings[] = {"a ball", "a box", "a book", "a cup", "a soft cube"};
 
-// Its centre's height over what it rests on.
+// Adds the object and returns the height of its centre above its support, m.
 double put(World& world, int thing, uint32_t id, const Vector3d& at_m) {
   switch (thing) {
     case 0:
@@ -61,7 +61,7 @@ double put(World& world, int thing, uint32_t id, const Vector3d& at_m) {
   }
 }
 
-// All things on a top, one after another; `top_m` its height, `make` the world with it.
+// Places each object on a top at height `top_m` in turn. `make` creates the world with the top.
 template <class Make>
 void expect_held(double top_m, const Make& make) {
   for (int thing = 0; thing < 5; ++thing) {
@@ -69,12 +69,12 @@ void expect_held(double top_m, const Make& make) {
     const double half_m = put(world, thing, 7, {0.11, top_m + kDropped_m, 0.07});
     run_seconds(world, 3.0);
     const double over_m = body_state(world, 7).world_from_body.position_m.y() - top_m;
-    // A cup may have tipped over; a soft cube gives by its weight: rho g h² / 2 E is 0.3 mm.
+    // A cup may have tipped over. The soft cube is compressed by its weight: rho g h² / 2 E is 0.3 mm.
     EXPECT_NEAR(over_m, half_m, thing == 3 ? 0.02 : 0.002) << kThings[thing];
   }
 }
 
-TEST(ThinMesh, StaticTopsOfARoomAreHeldOn) {
+TEST(ThinMesh, StaticTopsHoldObjects) {
   for (const double rate_hz : kRates_hz) {
     for (const double thick_m : {0.02, 0.03, 0.05}) {
       for (const double angle_rad : {0.0, 0.4}) {
@@ -94,8 +94,8 @@ TEST(ThinMesh, StaticTopsOfARoomAreHeldOn) {
   }
 }
 
-// Boards of 18 mm that go a little into the sides, at any place among the nodes.
-TEST(ThinMesh, EveryBoardOfAShelfHolds) {
+// Boards of 18 mm that extend slightly into the sides, at any offset from the grid nodes.
+TEST(ThinMesh, EveryShelfBoardHoldsObjects) {
   constexpr double kBoard_m = 0.018, kHeight_m = 2.0;
   TriangleMesh shelf;
   for (const double x : {-0.4, 0.4})
@@ -116,11 +116,11 @@ TEST(ThinMesh, EveryBoardOfAShelfHolds) {
   run_seconds(world, 3.0);
   for (uint32_t i = 0; i < half_m.size(); ++i) {
     const double over_m = body_state(world, i + 1).world_from_body.position_m.y() - tops[i / 3];
-    EXPECT_NEAR(over_m, half_m[i], 0.002) << "board " << i / 3 << ", thing " << i % 3;
+    EXPECT_NEAR(over_m, half_m[i], 0.002) << "board " << i / 3 << ", object " << i % 3;
   }
 }
 
-TEST(ThinMesh, ARigidTableHoldsWhatIsPutOnIt) {
+TEST(ThinMesh, RigidTableHoldsObjects) {
   constexpr double kTop_m = 0.7;
   for (const double rate_hz : kRates_hz) {
     for (const double thick_m : {0.01, 0.02, 0.03}) {
@@ -143,8 +143,8 @@ TEST(ThinMesh, ARigidTableHoldsWhatIsPutOnIt) {
   }
 }
 
-// A board on a fin meets it between its own contact points, 4 cm apart.
-TEST(ThinMesh, AFinHoldsABoard) {
+// A board touches the fin between its own contact points, which are 4 cm apart.
+TEST(ThinMesh, FinHoldsABoard) {
   for (const double rate_hz : kRates_hz) {
     for (const double wide_m : {0.01, 0.02, 0.03}) {
       for (const double aside_m : {0.0, 0.004, 0.008, 0.012, 0.016}) {
@@ -157,7 +157,7 @@ TEST(ThinMesh, AFinHoldsABoard) {
         board.world_from_object.position_m = {aside_m, 0.1 + 0.015 + 0.002, 0};
         (void)world.add_rigid(board);
         run_seconds(world, 0.25);
-        // It begins to tip where its middle lies beyond the fin.
+        // The board starts to tip once its middle is beyond the fin.
         const double tips_m = aside_m > 0.5 * wide_m ? 0.02 : 0.001;
         EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 0.115, tips_m)
             << wide_m << " m, " << aside_m << " m aside";
@@ -166,8 +166,8 @@ TEST(ThinMesh, AFinHoldsABoard) {
   }
 }
 
-// Box-shaped and quick: what has to be seen coming. Two metres of fall on 5 mm.
-TEST(ThinMesh, WhatFallsFromTwoMetresIsStopped) {
+// Box-like objects that need continuous collision detection: a fall of 2 m onto a plate of 5 mm.
+TEST(ThinMesh, ThinPlateStopsAFallOfTwoMetres) {
   for (const double rate_hz : kRates_hz) {
     const FieldShape shape = mesh_collider(box_mesh({1.2, 0.005, 0.7}));
     for (int thing = 0; thing < 5; ++thing) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What eight full or cut cells store, in single precision and side by side, beside cell_energy of each in
-// double.
+// Stored energy of eight full or cut cells, evaluated in single precision and in SIMD lanes, compared with a
+// double-precision reference for each cell.
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>
@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kWidth_m = 0.02;
-constexpr int kUsed = 7;  // the eighth place is left to a cell on nodes without mass
+constexpr int kUsed = 7;  // the eighth lane holds a cell on massless nodes
 
 LatticeCell full_cell() {
   LatticeCell cell;
@@ -32,7 +32,8 @@ Vector3d corner_m(int c) {
   return 0.5 * kWidth_m * Vector3d(c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0);
 }
 
-// By the rotation of a singular value decomposition: nothing of what is tested.
+// Reference energy of one cell. The rotation comes from a singular value decomposition and shares no code
+// with the kernels under test.
 double energy_of(const LatticeCell& cell, const std::array<Vector3d, 8>& corners,
                  const IsotropicMaterial& material) {
   const auto gradients = trilinear_gradients(cell.centroid, kWidth_m);
@@ -50,7 +51,7 @@ double energy_of(const LatticeCell& cell, const std::array<Vector3d, 8>& corners
                      f.determinant(), modes);
 }
 
-TEST(CellEnergy, OfEightFullCellsIsThatOfEach) {
+TEST(CellEnergy, FullCellLanesMatchSingleCells) {
   const IsotropicMaterial material{1e4, 0.3};
   FullModuli moduli;
   const LatticeCell cell = full_cell();
@@ -80,7 +81,7 @@ TEST(CellEnergy, OfEightFullCellsIsThatOfEach) {
         nodes.push_back(NodeLanes{static_cast<float>(corners[c].x()), static_cast<float>(corners[c].y()),
                                   static_cast<float>(corners[c].z()), lane < kUsed ? 5.0f : 0.0f});
       }
-      // Kept from the step before: a little off.
+      // The rotation kept from the previous step, slightly off.
       const Eigen::Quaterniond kept = rotation_exp(turn + Vector3d::Constant(0.02));
       const double q[4] = {kept.w(), kept.x(), kept.y(), kept.z()};
       for (int k = 0; k < 4; ++k) cells.rotation[k][lane] = static_cast<float>(q[k]);
@@ -88,13 +89,14 @@ TEST(CellEnergy, OfEightFullCellsIsThatOfEach) {
     }
     const double found_j =
         full_cell_energy(&cells, &cells + 1, nodes.data(), moduli, static_cast<float>(0.25 / kWidth_m));
-    // Coordinates of 0.2 m are known to 1.5e-8 m, a strain of 1e-6: twice that over the strain in the energy.
+    // Coordinates of 0.2 m have a resolution of 1.5e-8 m, a strain error of 1e-6. The energy error is twice
+    // that over the strain.
     EXPECT_NEAR(found_j / sum_j, 1.0, 3e-6 / strain + 1e-5) << strain;
   }
 }
 
-// Each of its own volume, centroid and material.
-TEST(CellEnergy, OfEightCutCellsIsThatOfEach) {
+// Each cell has its own volume, centroid and material.
+TEST(CellEnergy, CutCellLanesMatchSingleCells) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> any(0.0, 1.0);
@@ -127,7 +129,7 @@ TEST(CellEnergy, OfEightCutCellsIsThatOfEach) {
       const double q[4] = {kept.w(), kept.x(), kept.y(), kept.z()};
       for (int k = 0; k < 4; ++k) cells.rotation[k][lane] = static_cast<float>(q[k]);
       for (int d = 0; d < 3; ++d) cells.centroid[d][lane] = static_cast<float>(cell.centroid[d]);
-      if (lane >= kUsed) continue;  // without moduli it holds nothing
+      if (lane >= kUsed) continue;  // without moduli it stores no energy
       moduli.shear_j[lane] = static_cast<float>(cell.volume_m3 * material.shear_modulus_pa());
       moduli.lambda_j[lane] = static_cast<float>(cell.volume_m3 * material.lame_lambda_pa());
       const auto stiffness = mode_stiffness(cell, kWidth_m, material);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One budget for all elastic bodies of a scene (elastic_budget.h).
+// The shared budget of all elastic bodies of a scene (elastic_budget.h).
 #include "physics/elastic/resolution/elastic_budget.h"
 
 #include <gtest/gtest.h>
@@ -29,15 +29,15 @@ LatticeResolution with_share(ResolutionRequest request, double share) {
   return choose_resolution(request);
 }
 
-TEST(ElasticBudget, WhatFitsGetsWhatItAsksFor) {
+TEST(ElasticBudget, RequestsThatFitAreUnchanged) {
   const std::vector<ResolutionRequest> requests(8, cube(1e5));
   EXPECT_TRUE(std::isinf(fair_share(requests, kMaxNodeSubsteps)));
   EXPECT_TRUE(std::isinf(fair_share({}, kMaxNodeSubsteps)));
 }
 
-// Ten sheets of which each would take nearly all of a frame: together they take no more than one did. Small
-// things beside them keep their cells.
-TEST(ElasticBudget, TenSheetsShareAFrameAndTheSmallKeepTheirs) {
+// Ten sheets, each of which would fill nearly a whole frame. Together they stay within the budget of one, and
+// small bodies keep their cells.
+TEST(ElasticBudget, TenSheetsShareAFrameAndSmallBodiesKeepTheirs) {
   std::vector<ResolutionRequest> requests(10, sheet());
   const double alone = choose_resolution(sheet()).node_substeps;
   ASSERT_GT(10 * alone, 4 * kMaxNodeSubsteps);
@@ -50,15 +50,15 @@ TEST(ElasticBudget, TenSheetsShareAFrameAndTheSmallKeepTheirs) {
     sum += resolution.node_substeps;
   }
   EXPECT_LE(sum, kMaxNodeSubsteps);
-  EXPECT_GT(sum, kMaxNodeSubsteps /
-                     (1.2 * 1.2 * 1.2));  // what is there is used, as far as steps of 1.2 in width allow
+  EXPECT_GT(sum, kMaxNodeSubsteps / (1.2 * 1.2 * 1.2));  // the budget is used up to the width steps of 1.2
   EXPECT_GT(with_share(sheet(), share).cell_width_m, choose_resolution(sheet()).cell_width_m);
   EXPECT_EQ(with_share(cube(1e4), share).cell_width_m, choose_resolution(cube(1e4)).cell_width_m);
   EXPECT_EQ(with_share(cube(1e4), share).substeps, choose_resolution(cube(1e4)).substeps);
 }
 
-// Cells get wider first; what the widest cannot pay for is less stiff, down to the scene's own substeps.
-TEST(ElasticBudget, CellsGetWiderBeforeStiffnessIsClipped) {
+// Cells get wider first. Stiffness is clipped only if the widest cells exceed the share, down to the scene's
+// own substeps.
+TEST(ElasticBudget, CellsWidenBeforeStiffnessIsClipped) {
   double width_m = 0, reached_pa = 1e99;
   bool was_clipped = false;
   for (double share = 20e3; share > 50; share *= 0.7) {
@@ -75,8 +75,8 @@ TEST(ElasticBudget, CellsGetWiderBeforeStiffnessIsClipped) {
   EXPECT_TRUE(was_clipped);
 }
 
-// Cells that a person typed stay, and the others keep an equal part at least.
-TEST(ElasticBudget, GivenCellsStayAndTheOthersAreNotStarved) {
+// A cell width given by the user is kept. The other bodies keep at least an equal share.
+TEST(ElasticBudget, GivenCellWidthStaysAndOthersKeepAShare) {
   ResolutionRequest given = cube(1e5);
   given.cell_width_m = 0.002;
   given.max_node_substeps = std::numeric_limits<double>::infinity();

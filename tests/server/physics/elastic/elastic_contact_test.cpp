@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Elastic bodies against the ground and balls (elastic-study.md 4).
+// Contact of elastic bodies with the ground and with balls (elastic-study.md 4).
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {
 namespace {
 
-// Of the middles of the voxel faces on the underside of the 0.1 m cube.
+// Lowest centre of the voxel faces on the underside of the 0.1 m cube.
 double lowest_m(const ElasticBody& body) {
   double low = 1e300;
   for (int i = 1; i < 15; i += 2) {
@@ -16,8 +16,9 @@ double lowest_m(const ElasticBody& body) {
   return low;
 }
 
-TEST(ElasticContact, DroppedCubeNeverGainsEnergyNorSinks) {
-  // 0.1 m cube from 0.1 m, no damping, Co <= .67: the study's peak of the total energy is 1.000 of the start.
+TEST(ElasticContact, DroppedCubeNeverGainsEnergyOrSinks) {
+  // A 0.1 m cube falls 0.1 m without damping, Co <= 0.67. In the study the total energy peaks at its start
+  // value.
   for (const double rate_hz : kRates_hz) {
     for (const int substeps : {4, 16}) {
       SCOPED_TRACE(testing::Message() << rate_hz << " Hz, " << substeps << " substeps");
@@ -38,18 +39,19 @@ TEST(ElasticContact, DroppedCubeNeverGainsEnergyNorSinks) {
         low = std::min(low, lowest_m(*stage.body));
         if (frame > 0.25 * rate_hz) rebound = std::max(rebound, stage.body->centre_pose().position_m.y());
       }
-      // A first-order first step starts g h²/2 too far on: less than 1e-3 of the fall.
+      // The first step is of first order and is g h²/2 too long: less than 1e-3 of the fall.
       EXPECT_LT(peak / start, 1.001);
-      // Contact comes last and only pushes out: friction alone may move a point that was already clear.
+      // Contact is solved last and only pushes outwards. Only friction can move a point that has already
+      // separated.
       EXPECT_GT(low, -1e-6);
-      EXPECT_NEAR(rebound, 0.090, 0.018);  // the same scene at 64 substeps: .090; bar 20 %
+      EXPECT_NEAR(rebound, 0.090, 0.018);  // the result at 64 substeps; bar 20 %
     }
   }
 }
 
-TEST(ElasticContact, SoftBlockComesToRestAtItsStaticHeightAndSleeps) {
-  // At nu 0 a column under its weight moves down by rho g (H y - y²/2) / E at height y; its centre of mass by
-  // the mean of that, rho g H² / 3E.
+TEST(ElasticContact, SoftBlockSleepsAtItsStaticHeight) {
+  // At nu = 0 a column under its weight moves down by rho g (H y - y²/2) / E at height y. Its centre of mass
+  // moves by the mean, rho g H² / 3E.
   const double height = 0.2, stiffness = 5e4;
   Stage stage;
   stage.gravity_m_s2 = kGravity;
@@ -62,7 +64,7 @@ TEST(ElasticContact, SoftBlockComesToRestAtItsStaticHeightAndSleeps) {
   stage.run(6.0);
   EXPECT_TRUE(stage.body->asleep());
   const double sag = 1000 * 9.81 * height * height / (3 * stiffness);
-  // 5 % of the sag for the modulus, and the sleep threshold leaves less than that.
+  // 5 % of the sag is for the modulus, the rest for the sleep threshold.
   EXPECT_NEAR((0.5 * height - stage.body->centre_pose().position_m.y()) / sag, 1.0, 0.1);
 
   const Vector3d asleep_at = stage.body->centre_pose().position_m;
@@ -74,8 +76,8 @@ TEST(ElasticContact, SoftBlockComesToRestAtItsStaticHeightAndSleeps) {
 }
 
 TEST(ElasticContact, FrictionHoldsBelowItsLimitAndSlidesAbove) {
-  // A slab on an incline of 20 degrees, tan = .364, that never sleeps. Below: no creep in ten seconds. Above:
-  // a = g (sin - mu cos); 5 % for the body's own wobble.
+  // A slab that never sleeps on an incline of 20 degrees (tan = 0.364). Below the friction limit it does not
+  // creep within 10 s. Above it a = g (sin - mu cos), within 5 % for the slab's own vibration.
   for (const double rate_hz : kRates_hz) {
     for (const double friction : {0.6, 0.2}) {
       SCOPED_TRACE(testing::Message() << rate_hz << " Hz, friction " << friction);
@@ -102,7 +104,7 @@ TEST(ElasticContact, FrictionHoldsBelowItsLimitAndSlidesAbove) {
   }
 }
 
-TEST(ElasticContact, BallGivesWhatTheBodyGets) {
+TEST(ElasticContact, BallImpulseEqualsBodyMomentum) {
   Stage stage;
   stage.make(describe(particle_grid(Vector3d::Constant(0.1), 0.0125), 2e4, 0.3));
   const RigidShape shape = ball_shape(0.03);
@@ -123,17 +125,17 @@ TEST(ElasticContact, BallGivesWhatTheBodyGets) {
     given += ball.impulse_n_s;
   }
   const Vector3d momentum = stage.body->energy(kNoGravity).linear_momentum;
-  // The ledger is exact; nodes are single precision: 1e-7 of 0.6 kg m/s.
+  // The momentum sum is exact; nodes are in single precision: 1e-7 of 0.6 kg m/s.
   EXPECT_NEAR((momentum + given).norm(), 0.0, 1e-7);
-  EXPECT_GT(momentum.x(), -0.2 * 3 * 2.0);  // no more than a perfect rebound gives
+  EXPECT_GT(momentum.x(), -0.2 * 3 * 2.0);  // at most a perfect rebound
   EXPECT_LT(momentum.x(), -0.2 * 3 * 0.8);
-  EXPECT_GT(ball.velocity_m_s.x(), -0.6);  // stopped or thrown back: 0.2 kg on 1 kg
+  EXPECT_GT(ball.velocity_m_s.x(), -0.6);  // stopped or reflected: 0.2 kg hits 1 kg
   EXPECT_TRUE(all_finite(*stage.body));
 }
 
-TEST(ElasticContact, PlacedDeepInTheFloorItComesOutSlowly) {
-  // Half below, and all of it but a tenth. Rigid boxes part below 3 m/s; a point inside comes out at no more
-  // than the push speed, and what the squeeze stored adds to that.
+TEST(ElasticContact, DeepOverlapWithFloorSeparatesSlowly) {
+  // Half of the cube, or nine tenths of it, starts below the floor. Rigid boxes separate below 3 m/s. An
+  // inner point is pushed out at most at the push speed, and the energy stored by compression adds to it.
   struct Case {
     double size_m, young_modulus_pa;
   };
@@ -153,7 +155,8 @@ TEST(ElasticContact, PlacedDeepInTheFloorItComesOutSlowly) {
         fastest_m_s = std::max(fastest_m_s, stage.body->velocity_m_s().y());
       }
       EXPECT_LT(fastest_m_s, 3.0) << size << ' ' << above << ' ' << stiffness;
-      // Out: the middle of a column sags by 3 rho g H / 8E, .123 of its height for the softest.
+      // Fully separated: the middle of a column sags by 3 rho g H / 8E, 0.123 of its height for the softest
+      // cube.
       EXPECT_GT(stage.body->centre_pose().position_m.y(), 0.35 * size)
           << size << ' ' << above << ' ' << stiffness;
     }

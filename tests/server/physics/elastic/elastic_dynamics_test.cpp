@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion of the `cells` solver against closed forms (physics.md 2, rows 1, 8, 23; elastic-study.md 4).
+// Motion of the `cells` solver compared with closed forms (physics.md 2, rows 1, 8, 23; elastic-study.md 4).
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {
 namespace {
 
-TEST(ElasticDynamics, FreeFallIsTheSchemesClosedForm) {
-  // Velocity is exact. The first, first-order step is g h²/2 too long, and BDF2 carries that on by thirds:
-  // x = g t²/2 + 3/4 g h² (1 - 3^-n).
+TEST(ElasticDynamics, FreeFallMatchesTheSchemesClosedForm) {
+  // The velocity is exact. The first step is of first order and g h²/2 too long, and BDF2 carries the error
+  // on by thirds: x = g t²/2 + 3/4 g h² (1 - 3^-n).
   Stage stage;
   stage.gravity_m_s2 = kGravity;
   ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e4, 0.3);
@@ -16,10 +16,12 @@ TEST(ElasticDynamics, FreeFallIsTheSchemesClosedForm) {
   ASSERT_EQ(stage.body->accuracy().substeps, stage.substeps);
   stage.run(2.0);
   const double h = stage.substep_s(), fall = 0.5 * 9.81 * 4.0 + 0.75 * 9.81 * h * h;
-  // Single precision: 480 steps of 4 cm, each rounded to 2e-9 m at most, one way at worst.
+  // Single precision: 480 steps of 4 cm, each rounded by at most 2e-9 m, all in one direction in the worst
+  // case.
   EXPECT_NEAR(stage.body->centre_pose().position_m.y(), 20.0 - fall, 1e-6);
   EXPECT_NEAR(stage.body->centre_pose().position_m.x(), 2.0, 1e-6);
-  EXPECT_NEAR(stage.body->velocity_m_s().y(), 10.0 - 9.81 * 2.0, 1e-11);  // the ledger is double
+  // momentum is summed in double precision
+  EXPECT_NEAR(stage.body->velocity_m_s().y(), 10.0 - 9.81 * 2.0, 1e-11);
 }
 
 TEST(ElasticDynamics, PointForceAcceleratesTheCentreOfMassExactly) {
@@ -30,8 +32,9 @@ TEST(ElasticDynamics, PointForceAcceleratesTheCentreOfMassExactly) {
   EXPECT_NEAR((stage.body->velocity_m_s() - Vector3d(0.3, 0.1, -0.2) * 0.5).norm(), 0.0, 1e-12);  // 1 kg
 }
 
-TEST(ElasticDynamics, SpinningFreeBallKeepsItsMomentum) {
-  // elastic-study.md 4: 8 cells across, 10 rad/s, 10 s. Linear 1e-6 of m v, angular 1e-3, energy 1 %.
+TEST(ElasticDynamics, SpinningFreeBallConservesMomentum) {
+  // elastic-study.md 4: 8 cells across, 10 rad/s, 10 s. Bars: linear momentum 1e-6 of m v, angular momentum
+  // 1e-3, energy 1 %.
   ElasticBodyDescription ball = describe({}, 1e4, 0.3, 0.025);
   ball.particles = particle_grid(Vector3d::Constant(0.2), 0.02);
   ParticleSet& set = ball.particles;
@@ -65,7 +68,7 @@ TEST(ElasticDynamics, SpinningFreeBallKeepsItsMomentum) {
         stage.frame();
         most = std::max(most, stage.total_energy_j());
         if (frame == rate_hz / 2)
-          settled = stage.total_energy_j();  // it bulges at first, which moves energy into vibration
+          settled = stage.total_energy_j();  // at first it bulges, which converts energy to vibration
       }
       const double drift = (stage.body->energy(kNoGravity).linear_momentum - linear).norm() / linear.norm();
       EXPECT_LT(drift, 1e-6) << rate_hz << " Hz at " << place.transpose();
@@ -77,10 +80,10 @@ TEST(ElasticDynamics, SpinningFreeBallKeepsItsMomentum) {
   }
 }
 
-// A loss factor eta takes 2 pi eta of the energy a cycle, of the lowest mode, in a bar half as thick as long
-// the axial one: stretched by a hundredth and let go it swings with the period 2 L / c. Four periods, the
-// numerical damping of a second-order step beside it: 10 %.
-TEST(ElasticDynamics, LossFactorIsTheDampingOfTheLowestMode) {
+// A loss factor eta takes 2 pi eta of the energy per cycle of the lowest mode, the axial one in a bar half as
+// thick as it is long. The bar is released from a stretch of 1 % and vibrates with the period 2 L / c. The
+// bar of 10 % over four periods includes the numerical damping of the second-order step.
+TEST(ElasticDynamics, LossFactorSetsDampingOfLowestMode) {
   for (const double loss_factor : {0.05, 0.1}) {
     for (const double rate_hz : kRates_hz) {
       ElasticBodyDescription bar = describe(particle_grid({kBarLength_m, 0.2, 0.2}, 0.025), 1e4, 0.0);
@@ -110,7 +113,7 @@ TEST(ElasticDynamics, LossFactorIsTheDampingOfTheLowestMode) {
   }
 }
 
-TEST(ElasticDynamics, DampingOfShapeKeepsMomentum) {
+TEST(ElasticDynamics, ShapeDampingConservesMomentum) {
   ElasticBodyDescription block = describe(particle_grid({0.2, 0.1, 0.1}, 0.02), 1e4, 0.3);
   block.material.loss_factor = 0.5;
   block.angular_velocity_rad_s = {1, 2, 3};
@@ -123,7 +126,7 @@ TEST(ElasticDynamics, DampingOfShapeKeepsMomentum) {
   const BodyEnergy end = stage.body->energy(kNoGravity);
   EXPECT_LT((end.linear_momentum - start.linear_momentum).norm() / start.linear_momentum.norm(), 1e-6);
   EXPECT_LT((end.angular_momentum - start.angular_momentum).norm() / start.angular_momentum.norm(), 1e-5);
-  EXPECT_LT(end.elastic_j, 0.02 * start.elastic_j);  // what is left is the stretch of the spin
+  EXPECT_LT(end.elastic_j, 0.02 * start.elastic_j);  // the rest is the stretch due to the spin
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limp things beyond the law that the sweep was made for: with gravity and a floor alone none of them gains
-// energy (cells_bounded.cpp), and each still is where such a thing may be.
+// Limp bodies beyond the range that the Gauss-Seidel pass is designed for. With only gravity and a floor none
+// may gain energy (cells_energy_limiter.cpp), and each must stay within a plausible place.
 #include "geometry/field/sample_particles.h"
 #include "geometry/surface/shape_mesh.h"
 #include "known_gaps.h"
@@ -13,15 +13,15 @@ class ElasticBounded : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Rates, ElasticBounded, testing::ValuesIn(rates_hz()),
                          [](const auto& one) { return rate_name(one.param); });
 
-// Half a side times the spin is up to fourteen times the speed of its waves: nothing holds it together then
-// but its inertia. Before its energy was bounded a sheet of 1 kPa had 1.2e4 times what it started with.
-TEST_P(ElasticBounded, LimpSheetsSpinOn) {
+// Half a side times the spin is up to fourteen times the wave speed, so only inertia holds the sheet
+// together. Without the energy limiter such a sheet gains orders of magnitude of energy.
+TEST_P(ElasticBounded, LimpSheetsKeepSpinning) {
   constexpr double kGain = 1.01;
   for (const double thickness_m : gate_or_full<double>({0.002}, {0.002, 0.006})) {
     for (const double stiffness : gate_or_full<double>({1e3, 1e4}, {3e2, 1e3, 1e4})) {
       for (const double poisson_ratio : {0.3, 0.49}) {
         for (const double spin_rad_s : gate_or_full<double>({30.0}, {10.0, 30.0})) {
-          if (stiffness < 1e3 && poisson_ratio > 0.45) continue;  // 1.2 times its energy, 2 mm thick
+          if (stiffness < 1e3 && poisson_ratio > 0.45) continue;  // known to gain energy at 2 mm
           SCOPED_TRACE(testing::Message() << thickness_m << " m, " << stiffness << " Pa, nu " << poisson_ratio
                                           << ", " << spin_rad_s << " rad/s");
           ElasticBodyDescription sheet =
@@ -44,7 +44,7 @@ TEST_P(ElasticBounded, LimpSheetsSpinOn) {
           const double gain = most_j / (before.kinetic_j + before.elastic_j);
           if (poisson_ratio > 0.45) {
             report_gap("bounded.rubber_spin_energy",
-                       gain);  // rubber of nu 0.49 that is far beyond its law winds up
+                       gain);  // rubber of nu 0.49, far beyond that range, gains energy
           } else {
             EXPECT_LT(gain, kGain);
           }
@@ -55,8 +55,8 @@ TEST_P(ElasticBounded, LimpSheetsSpinOn) {
   }
 }
 
-// Sheets and rods of rubber that its own weight folds.
-TEST_P(ElasticBounded, SoftRubberLandsWithWhatItFell) {
+// Rubber sheets and rods that fold under their own weight.
+TEST_P(ElasticBounded, SoftRubberGainsNothingOnLanding) {
   struct Thing {
     TriangleMesh mesh;
     double stiffness_pa, density_kg_m3;
@@ -92,10 +92,10 @@ TEST_P(ElasticBounded, SoftRubberLandsWithWhatItFell) {
   }
 }
 
-// 100 N, 85 weights of it, at the end of a strip of 100 kPa that a clamp holds: strain 3.3 of its section.
-// What a hand draws out so far slips from it; it went on pulling where cells draw themselves back, and leaves
-// were drawn out to 120 times their size.
-TEST_P(ElasticBounded, AHandSlipsOffWhatItDrawsOut) {
+// A force of 100 N, 85 times the weight, acts on the end of a clamped strip of 100 kPa: a strain of 3.3 over
+// its section. The hand must slip off such an extreme stretch; otherwise it keeps pulling cells that contract
+// on their own.
+TEST_P(ElasticBounded, HandSlipsOffOverstretchedStrip) {
   ElasticBodyDescription strip = describe(sample_particles(box_mesh({0.4, 0.003, 0.1})), 1e5, 0.3);
   strip.material.loss_factor = 0.1;
   strip.regions.push_back(fixed_box({-0.3, -0.1, -0.1}, {-0.15, 0.1, 0.1}));
@@ -115,9 +115,9 @@ TEST_P(ElasticBounded, AHandSlipsOffWhatItDrawsOut) {
     const BodyEnergy now = stage.body->energy(kNoGravity);
     most_j = std::max(most_j, now.kinetic_j + now.elastic_j);
   }
-  EXPECT_GT(farthest_m, 0.25);  // it is pulled
-  EXPECT_LT(farthest_m, 1.6);  // four times its length from the clamp, which is 1.2 m, and what swings beyond
-  EXPECT_LT(most_j, 60.0);     // strain 3 everywhere has E V 9 / 2 = 54 J
+  EXPECT_GT(farthest_m, 0.25);  // it is stretched
+  EXPECT_LT(farthest_m, 1.6);   // four times its length from the clamp, 1.2 m, plus a margin for swinging
+  EXPECT_LT(most_j, 60.0);      // a strain of 3 everywhere stores E V 9 / 2 = 54 J
   stage.forces.clear();
   stage.run(5.0);
   EXPECT_LT((stage.body->world_point({0.2, 0, 0}) - Vector3d(-0.15, 0, 0)).norm(), 0.36);

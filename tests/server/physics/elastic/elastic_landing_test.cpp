@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Soft things of several forms, dropped flat and tilted, as a scene samples them: what they have left after
-// each landing, and that they come to rest.
+// Soft bodies of several shapes, sampled as in a scene and dropped flat or tilted: their energy after each
+// landing, and whether they come to rest.
 #include "geometry/field/sample_particles.h"
 #include "geometry/surface/shape_mesh.h"
 #include "known_gaps.h"
@@ -9,7 +9,7 @@
 namespace livegs::test {
 namespace {
 
-constexpr double kNear_m = 0.004;  // nearer than this it touches, or it may in this frame
+constexpr double kNear_m = 0.004;  // closer than this, it touches or may touch within the frame
 
 struct Dropped {
   const char* name;
@@ -27,9 +27,9 @@ class ElasticDrop : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Rates, ElasticDrop, testing::ValuesIn(rates_hz()),
                          [](const auto& one) { return rate_name(one.param); });
 
-// While it is struck it takes shorter steps (CellsBody::in_impact): with its own ones it read up to seven
-// times its energy in a touch, and rubber of nu 0.49 left the floor with 2.6 times what it fell with.
-TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
+// The body takes shorter steps during an impact (CellsBody::in_impact). With its normal steps its energy
+// rises during contact, and rubber of nu 0.49 rebounds with more energy than it fell with.
+TEST_P(ElasticDrop, GainsNothingAtAnyLandingAndSleeps) {
   constexpr double kAsleep_s = 12.0, kSoon_s = 3.0;
   int cases = 0, soon = 0, sleeping = 0;
   for (const Dropped& thing : dropped()) {
@@ -57,7 +57,7 @@ TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
           const bool flew = std::exchange(flies, lowest_m > kNear_m);
           const double total_j = stage.total_energy_j();
           if (!flies) in_touch_j = std::max(in_touch_j, total_j);
-          if (flies && !flew) {  // it has left the floor
+          if (flies && !flew) {  // it has just left the floor
             EXPECT_LT(total_j, 1.0005 * last_flight_j) << "frame " << frame;
             last_flight_j = std::min(last_flight_j, flight_j);
             flight_j = total_j;
@@ -70,14 +70,13 @@ TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
       }
     }
   }
-  // Stiff ones bounce for longer than that by their loss factor; one in fifty goes on rocking on a few points
-  // by 5 mm/s.
+  // Stiff bodies bounce longer, by their loss factor. A few keep rocking slowly on a few points.
   report_gap("landing.asleep_within_3_s", static_cast<double>(soon) / cases);
   report_gap("landing.asleep_within_12_s", static_cast<double>(sleeping) / cases);
 }
 
-// How fast they meet the floor, as part of the speed of their waves, sqrt(E/rho).
-TEST_P(ElasticDrop, AtItsSpeedOfSoundItGainsNothing) {
+// `mach` is the impact speed over the wave speed sqrt(E/rho).
+TEST_P(ElasticDrop, ImpactAtWaveSpeedGainsNothing) {
   constexpr double kGain = 1.0005;
   for (const Dropped& thing : dropped()) {
     for (const double stiffness : gate_or_full<double>({1e4}, {1e4, 1e5})) {
@@ -116,9 +115,9 @@ TEST_P(ElasticDrop, AtItsSpeedOfSoundItGainsNothing) {
   }
 }
 
-// It used to rock and turn for minutes: by one sweep of a fixed order a body pressed flat gets some energy,
-// which its own damping does not see when it rolls slowly. Rolling friction (cells_rolling.cpp) takes it.
-TEST_P(ElasticDrop, ASoftBallThatIsLaidDownSleepsWhereItLies) {
+// A single pass in a fixed order adds some energy to a flattened body, and its material damping hardly acts
+// on slow rolling. Rolling resistance (cells_rolling_resistance.cpp) removes that energy.
+TEST_P(ElasticDrop, SoftBallSleepsWhereItIsPlaced) {
   for (const double friction : {0.0, 0.5}) {
     for (const double loss_factor : {0.1, 0.5}) {
       SCOPED_TRACE(testing::Message() << "friction " << friction << ", loss factor " << loss_factor);
@@ -137,9 +136,9 @@ TEST_P(ElasticDrop, ASoftBallThatIsLaidDownSleepsWhereItLies) {
   }
 }
 
-// Down a slope it still rolls, less than a rigid ball: 5/7 g sin(angle) is without friction of rolling.
+// The ball still rolls down a slope, slower than a rigid ball at 5/7 g sin(angle) without rolling resistance.
 // Between its points, 6 degrees apart, it lies flat.
-TEST_P(ElasticDrop, ABallRollsDownASlope) {
+TEST_P(ElasticDrop, BallRollsDownASlope) {
   constexpr double kRadius_m = 0.05, kAngle = 0.3;
   for (const double stiffness : {1e5, 1e6}) {
     Stage stage;
@@ -167,10 +166,9 @@ const std::vector<Dropped>& thin() {
   return all;
 }
 
-// A sheet folds over a radius of its own cells as a matter of course. Taken for a cell pulled out of all
-// proportion, a mat that fell from 0.6 m had 1e22 times its energy after 2.5 s; taken for a tangle, what lay
-// folded was pulled straight.
-TEST_P(ElasticDrop, ThinThingsGainNothing) {
+// A sheet may fold over a radius of one cell. Such folds must not count as degenerate cells or as tangles:
+// recovery would add energy or pull the folds straight.
+TEST_P(ElasticDrop, ThinBodiesGainNothing) {
   for (const Dropped& thing : thin()) {
     for (const double poisson_ratio : gate_or_full<double>({0.49}, {0.3, 0.45, 0.49})) {
       for (const double stiffness : gate_or_full<double>({1e6}, {1e5, 1e6})) {
@@ -195,7 +193,7 @@ TEST_P(ElasticDrop, ThinThingsGainNothing) {
             least_j = std::min(least_j, now_j);
           }
           report_gap("landing.thin_energy",
-                     1.0 + rise_j / start_j);  // the most: a mat that lands on its edge
+                     1.0 + rise_j / start_j);  // the largest value is a mat that lands on its edge
           EXPECT_LT(rise_j, 0.5 * start_j);
         }
       }
@@ -203,9 +201,9 @@ TEST_P(ElasticDrop, ThinThingsGainNothing) {
   }
 }
 
-// Free, for five seconds. Untangling used to set the old spin to a new shape, and took what is bent by its
-// spin for tangled.
-TEST_P(ElasticDrop, ThinAndSoftThingsSpinOn) {
+// Free bodies, for 5 s. Shape recovery must not mistake spin-induced bending for a tangle or apply the old
+// spin to a new shape.
+TEST_P(ElasticDrop, ThinAndSoftBodiesKeepSpinning) {
   std::vector<Dropped> things = thin();
   things.push_back({"bar of 1 kPa", box_mesh({0.4, 0.05, 0.05})});
   for (const Dropped& thing : things) {

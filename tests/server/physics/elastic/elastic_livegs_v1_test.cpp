@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The baseline is kept as the paper has it, its known defects included: the blend is no stiffness (physics.md
-// 0), and plastic flow goes by the substep.
+// The baseline solver follows the paper, including its known defects: the blend is not a stiffness
+// (physics.md 0), and plastic flow depends on the substep.
 #include "physics/elastic/livegs_v1/livegs_v1_plasticity.h"
 #include "scenes/elastic_bodies.h"
 
@@ -14,7 +14,7 @@ BodyRegion box(const char* name, const Vector3d& min_m, const Vector3d& max_m) {
   region.max_m = max_m;
   return region;
 }
-// The first layer of the bar's particles, 25 mm deep.
+// The first particle layer of the bar, 25 mm deep.
 BodyRegion first_layer(const char* name) { return box(name, {-0.21, -0.06, -0.06}, {-0.175, 0.06, 0.06}); }
 BodyRegion clamp() {
   BodyRegion region = first_layer("clamp");
@@ -27,9 +27,9 @@ double strain_of_middle(const ElasticBody& body) {
   return (body.world_point(half) - body.world_point(other)).norm() / 0.175 - 1.0;
 }
 
-// A bar with d_R = 0.5, held by its first layer and pulled at the far end to about 0.5 %. Damped, which
-// statics do not show: the rate is twice the frequency of the lowest bending mode, so stretch decays by e in
-// one radian of that.
+// Apparent modulus of a bar with d_R = 0.5, clamped at its first layer and stretched by about 0.5 %. Damping
+// does not affect the static result: its rate is twice the frequency of the lowest bending mode, so stretch
+// decays by e in one radian of that mode.
 double apparent_modulus_pa(ElasticSolver solver, int substeps, double* predicted_pa = nullptr) {
   Stage stage;
   stage.substeps = substeps;
@@ -46,11 +46,9 @@ double apparent_modulus_pa(ElasticSolver solver, int substeps, double* predicted
   return traction_pa / strain_of_middle(*stage.body);
 }
 
-TEST(LivegsV1, ApparentStiffnessGrowsAThousandfoldWithTheSubsteps) {
-  // The paper's table calls d_R = 0.5 "1 MPa". At rest a particle's own step is h² times its load, so what
-  // the bar shows is exactly as 1/h²: d_R rho s²/h². At 25 mm and 60 Hz 1.12, 18.0, 288 and 4606 kPa were
-  // measured for 1, 4, 16 and 64 substeps; physics.md 0 has 1.4 (at a large strain), 18.8, 291 and 4600. Bar
-  // 1 %: 0.1 % is left to settle.
+TEST(LivegsV1, ApparentStiffnessGrowsWithSubstepsSquared) {
+  // The paper's table calls d_R = 0.5 "1 MPa". At rest a particle's own step is h² times its load, so the
+  // apparent modulus is proportional to 1/h²: d_R rho s²/h². Bar 1 %: 0.1 % of the settling is left.
   const int counts[] = {1, 4, 16, 64};
   double found_pa[4];
   for (int i = 0; i < 4; ++i) {
@@ -64,10 +62,8 @@ TEST(LivegsV1, ApparentStiffnessGrowsAThousandfoldWithTheSubsteps) {
   EXPECT_GT(found_pa[3] / found_pa[0], 4000.0);
 }
 
-TEST(LivegsV1Steady, ApparentStiffnessSettlesWithTheSubsteps) {
-  // rho s² / (1/omega² + h²), omega² = 240² for d_R = 0.5: 36 kPa in the end. Measured 2.12, 18.0, 33.9
-  // and 35.8 kPa for 1, 4, 16 and 64 substeps; physics.md 0 has 18.8, 34.2 and 35.9 from 4 on. Bar 1 % of the
-  // closed form.
+TEST(LivegsV1Steady, ApparentStiffnessConvergesWithSubsteps) {
+  // Closed form: rho s² / (1/omega² + h²), omega² = 240² for d_R = 0.5, with the limit 36 kPa. Bar 1 %.
   const int counts[] = {1, 4, 16, 64};
   double found_pa[4];
   for (int i = 0; i < 4; ++i) {
@@ -79,14 +75,14 @@ TEST(LivegsV1Steady, ApparentStiffnessSettlesWithTheSubsteps) {
     EXPECT_NEAR(predicted_pa / closed_pa, 1.0, 1e-12);
     EXPECT_NEAR(found_pa[i] / closed_pa, 1.0, 0.01) << counts[i];
   }
-  // 6 % from 16 to 64 substeps, where the literal blend grows sixteenfold; at the paper's own step they are
-  // one.
+  // The modulus changes by 6 % from 16 to 64 substeps; with the literal blend it grows sixteenfold. At the
+  // paper's own step both solvers agree.
   EXPECT_NEAR(found_pa[3] / found_pa[2], 1.0, 0.07);
   EXPECT_NEAR(found_pa[1] / apparent_modulus_pa(ElasticSolver::LivegsV1, 4), 1.0, 1e-9);
 }
 
-TEST(LivegsV1, RigidPlacementIsRestAndFallsLikeTheScheme) {
-  // Symplectic Euler: after n substeps y = -g h² n (n + 1) / 2. A loss factor damps no fall.
+TEST(LivegsV1, RigidPlacementHasNoStrainAndFallsFreely) {
+  // Symplectic Euler: after n substeps y = -g h² n (n + 1) / 2. The loss factor does not damp a fall.
   for (const ElasticSolver solver : {ElasticSolver::LivegsV1, ElasticSolver::LivegsV1Steady}) {
     Stage stage;
     stage.gravity_m_s2 = kGravity;
@@ -102,10 +98,10 @@ TEST(LivegsV1, RigidPlacementIsRestAndFallsLikeTheScheme) {
   }
 }
 
-TEST(LivegsV1, LossFactorDampsTheLowestModeByItsOwnFrequency) {
-  // A free bar let go from 2 % of stretch: a rate c on velocities takes exp(-c t / 2) of the amplitude, with
-  // c the loss factor times the angular frequency of the lowest axial mode, pi / L sqrt(E / rho) of the
-  // modulus it shows. 16 substeps, so that the scheme's own damping, in both runs, leaves something to see.
+TEST(LivegsV1, LossFactorDampsTheLowestMode) {
+  // A free bar released from a stretch of 2 %. A damping rate c leaves exp(-c t / 2) of the amplitude. c is
+  // the loss factor times the angular frequency of the lowest axial mode, pi / L sqrt(E / rho) of the
+  // apparent modulus. 16 substeps keep the numerical damping, present in both runs, small.
   const auto stretch_after = [](double loss_factor, double& c) {
     Stage stage;
     stage.substeps = 16;
@@ -114,7 +110,7 @@ TEST(LivegsV1, LossFactorDampsTheLowestModeByItsOwnFrequency) {
     bar.material.loss_factor = loss_factor;
     stage.make(bar, ElasticSolver::LivegsV1);
     const double wave_m_s = std::sqrt(stage.body->accuracy().reached_youngs_modulus_pa / 1000.0);
-    // As the body has it: of the axial and the bending mode the slower one.
+    // As in the body: the slower of the axial and the bending mode.
     c = wave_m_s * std::min(M_PI / 0.4, 22.37 / std::sqrt(12.0) * 0.1 / (0.4 * 0.4));
     double furthest = 0.0;
     stage.run(0.1);
@@ -126,12 +122,13 @@ TEST(LivegsV1, LossFactorDampsTheLowestModeByItsOwnFrequency) {
   };
   double c = 0.0;
   const double free = stretch_after(0.0, c), damped = stretch_after(0.1, c);
-  // The largest stretch lies between 0.1 and 0.2 s; of 10 % of c, half a period earlier or later.
+  // The largest stretch occurs between 0.1 and 0.2 s. The bounds are exp(-c t / 2) at those times, c scaled
+  // by the loss factor 0.1.
   EXPECT_GT(damped / free, std::exp(-0.5 * 0.1 * c * 0.2));
   EXPECT_LT(damped / free, std::exp(-0.5 * 0.1 * c * 0.1));
 }
 
-// --- plastic flow, literally ---
+// --- plastic flow, as in the paper ---
 
 TEST(LivegsV1Plasticity, FollowsThePapersRule) {
   const Matrix3d identity = Matrix3d::Identity();
@@ -142,7 +139,7 @@ TEST(LivegsV1Plasticity, FollowsThePapersRule) {
   stretch(0, 0) = 1.3;
   EXPECT_TRUE(creep_plastically(stretch, 0.8, plastic));
   EXPECT_NEAR((plastic - Matrix3d(Vector3d(1.24, 1, 1).asDiagonal())).norm(), 0.0, 1e-15);  // 1 + 0.8 * 0.3
-  // A product: what is there is multiplied, from the left, so volume is not kept and symmetry neither.
+  // The increment multiplies the plastic part from the left, so neither volume nor symmetry is preserved.
   Matrix3d sheared = identity;
   sheared(0, 1) = sheared(1, 0) = 0.2;
   const Matrix3d before = plastic;
@@ -156,11 +153,11 @@ TEST(LivegsV1Plasticity, FollowsThePapersRule) {
 
 // --- regions ---
 
-TEST(LivegsV1Regions, TractionOfAFreeBodyIsItsForce) {
-  // Half of the upper face of a block, a deep region: p A / m, whatever the layers in it.
+TEST(LivegsV1Regions, TractionAcceleratesFreeBodyByItsForce) {
+  // Half of the upper face of a block, a deep region: p A / m, independent of the number of layers in it.
   Stage stage;
-  // Next to no stiffness: goals averaged over unlike counts of clusters keep no momentum, another thing the
-  // paper has.
+  // Almost no stiffness: goals averaged over unequal numbers of clusters do not conserve momentum, another
+  // defect of the paper.
   ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e-9, 0.0);
   block.regions.push_back(box("upper", {0, 0.02, -0.05}, {0.05, 0.06, 0.05}));
   block.regions[0].traction_pa = {3, -7, 2};

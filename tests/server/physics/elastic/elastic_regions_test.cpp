@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Regions that hold and move bodies of meshes, as scenes make them: wherever their faces fall among particles
-// and cells.
+// Regions that fix or move meshed bodies as in scenes, at any position of their faces among particles and
+// cells.
 #include <gtest/gtest.h>
 
 #include "geometry/surface/shape_mesh.h"
@@ -24,7 +24,7 @@ BodyRegion clamp_to(double face_m) {
   return clamp;
 }
 
-// 16 equal forces over the end.
+// Applies 16 equal forces over the end.
 void load_end(Stage& stage, const Vector3d& size_m, const Vector3d& force_n) {
   for (int j = 0; j < 4; ++j) {
     for (int k = 0; k < 4; ++k) {
@@ -42,7 +42,7 @@ double end_moved_m(const Stage& stage, int axis) {
   return sum;
 }
 
-// Sag of the end under a load that bends it by a hundredth of its free length, over Timoshenko's.
+// Sag of the end over Timoshenko's, under a load that bends the bar by a hundredth of its free length.
 double sag_ratio(const Vector3d& size_m, double face_m, double spacing_m, double poisson = 0.3) {
   constexpr double youngs_pa = 1e6;
   const double free_m = 0.5 * size_m.x() - face_m;
@@ -56,7 +56,7 @@ double sag_ratio(const Vector3d& size_m, double face_m, double spacing_m, double
   Stage stage;
   stage.make(bar);
   load_end(stage, size_m, {0, -force_n, 0});
-  // Its slowest vibration is critically damped and more; until it rests.
+  // Damping is at least critical for the slowest vibration, so the bar comes to rest.
   const double rate_rad_s =
       3.516 / std::sqrt(12.0) * size_m.y() / (size_m.x() * size_m.x()) * std::sqrt(youngs_pa / 1000.0);
   stage.run(25.0 / rate_rad_s);
@@ -64,10 +64,10 @@ double sag_ratio(const Vector3d& size_m, double face_m, double spacing_m, double
   return -end_moved_m(stage, 1) / beam_m;
 }
 
-// Timoshenko's clamped end is softer than a solid one at nu 0.3, by 8 % where two widths are free; bars of
-// cells three times as wide as they are thick are 6 % soft. Of these 83 faces 43 go through a plane of
-// particles: each of those turned the bar to NaN in its second frame.
-TEST(ElasticRegions, AClampHoldsWhereverItsFaceIs) {
+// Timoshenko's clamped end is softer than a solid one at nu 0.3, by 8 % for a free length of two widths. Bars
+// of cells three times as wide as they are thick are 6 % too soft. Many of these faces coincide with a plane
+// of particles, which must not produce NaN.
+TEST(ElasticRegions, ClampHoldsAtAnyFacePosition) {
   for (const double length_m : gate_or_full<double>({0.4, 1.0}, {0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.2, 2.0})) {
     for (const double width_m : {0.1, length_m / 8}) {
       for (const double part : gate_or_full<double>({1.0 / 30, 0.5}, {1.0 / 30, 0.1, 1.0 / 6, 0.3, 0.5})) {
@@ -84,24 +84,25 @@ TEST(ElasticRegions, AClampHoldsWhereverItsFaceIs) {
   }
 }
 
-// Its few particles once turned the lattice, and one of them alone held it: the end sagged 20 times as far.
-TEST(ElasticRegions, AShortClampOfASlenderBarIsNoHinge) {
+// The few particles of a short clamp must not rotate the lattice, and a single held particle must not act as
+// a hinge.
+TEST(ElasticRegions, ShortClampOfSlenderBarIsNotAHinge) {
   EXPECT_NEAR(sag_ratio({2.4, 0.1, 0.1}, -1.15, 0.0), 1.0, 0.07);
   EXPECT_NEAR(sag_ratio({1.2, 0.05, 0.05}, -0.59, 0.0), 1.0, 0.07);
   EXPECT_NEAR(sag_ratio({0.4, 0.01, 0.01}, -0.19, 0.0), 1.0, 0.07);
 }
 
-// Thinner than a voxel: their particles lie on their faces, so boxes about those were a poor picture of them.
-// A plate of 10 mm sagged by 0.6 of a beam's, a rod of 10 mm by 1.3.
-TEST(ElasticRegions, PlatesAndRodsBendAsBeams) {
+// Bodies thinner than a voxel. Their particles lie on their faces, so boxes around the particles do not
+// represent the section.
+TEST(ElasticRegions, PlatesAndRodsBendLikeBeams) {
   for (const Vector3d& size_m : {Vector3d(0.5, 0.01, 0.5), Vector3d(0.5, 0.02, 0.1),
                                  Vector3d(0.4, 0.01, 0.01), Vector3d(0.4, 0.02, 0.02)}) {
     EXPECT_NEAR(sag_ratio(size_m, -0.4 * size_m.x(), 0.0, 0.0), 1.0, 0.07) << size_m.transpose();
   }
 }
 
-// A point of contact on the held face has next to no weight on free nodes.
-TEST(ElasticRegions, AClampMayLieInACollider) {
+// A contact point on the held face has almost no weight on free nodes.
+TEST(ElasticRegions, ClampMayOverlapACollider) {
   ElasticBodyDescription bar = mesh_bar({0.4, 0.1, 0.1}, 1e5, 0.3);
   bar.world_from_object.position_m.y() = 0.049;
   bar.regions.push_back(clamp_to(-0.16));
@@ -114,8 +115,8 @@ TEST(ElasticRegions, AClampMayLieInACollider) {
   EXPECT_LT(stage.body->bounds_m().max().y(), 0.15);
 }
 
-// A body sleeps until its region moves, and not while it does, however slowly.
-TEST(ElasticRegions, WhatSleepsWakesWhenItsMotionStarts) {
+// A body sleeps until its region moves, and stays awake during the motion, however slow.
+TEST(ElasticRegions, SleepingBodyWakesWhenItsRegionMoves) {
   DisplacementRamp late, slow;
   late.displacement_m = slow.displacement_m = {0.004, 0, 0};
   late.start_s = 2.0;
@@ -160,8 +161,8 @@ TEST(ElasticRegions, WhatSleepsWakesWhenItsMotionStarts) {
   }
 }
 
-// What bends slowly stands still at its farthest for seconds: a bar of 1 m slept at twice its sag.
-TEST(ElasticRegions, AHeldBodySleepsWhereItRests) {
+// A slow vibration is stationary at its extremes for seconds. The bar must not fall asleep there.
+TEST(ElasticRegions, HeldBodySleepsAtItsRestPosition) {
   ElasticBodyDescription bar = mesh_bar({1.0, 0.05, 0.05}, 1e5, 0.0);
   bar.regions.push_back(clamp_to(-0.45));
   BodyRegion pull;
@@ -182,8 +183,8 @@ TEST(ElasticRegions, AHeldBodySleepsWhereItRests) {
   EXPECT_NEAR(sag_m(1.0, true) / settled_m, 1.0, 0.01);
 }
 
-// A force that is not a number is the plainest way to lose a body.
-TEST(ElasticRegions, ABodyThatIsLostIsPutBackAndTold) {
+// A NaN force is the simplest way to invalidate the state of a body.
+TEST(ElasticRegions, InvalidBodyIsResetAndReported) {
   for (const bool held : {false, true}) {
     ElasticBodyDescription bar = mesh_bar({0.4, 0.1, 0.1}, 1e5, 0.3);
     bar.velocity_m_s = held ? Vector3d::Zero() : Vector3d(1, 0, 0);

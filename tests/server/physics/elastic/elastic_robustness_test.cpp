@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where elastic solvers break: flattened and inverted starts, stiff and fine, shapes without volume, wrong
-// input (physics.md 1.4 and rows 25, 26; elastic-study.md 4).
+// Inputs that break elastic solvers: flattened and inverted starts, high stiffness and resolution, shapes
+// without volume, invalid input (physics.md 1.4 and rows 25, 26; elastic-study.md 4).
 #include <random>
 
 #include "physics/elastic/factory/make_elastic_body.h"
@@ -9,8 +9,8 @@
 namespace livegs::test {
 namespace {
 
-TEST(ElasticRecovery, BlockComesBackFromMirroredFlattenedLineAndPoint) {
-  // A block of 4³ cells; rest shape to 1e-3 of its size within 2 s at loss factor 0.5.
+TEST(ElasticRecovery, BlockRecoversFromDegenerateStarts) {
+  // A block of 4³ cells recovers its rest shape to 1e-3 of its size within 2 s at loss factor 0.5.
   const double size = 0.1;
   for (const double stiffness : {1e4, 1e5}) {
     for (const Vector3d& scale : {Vector3d(-1, 1, 1), Vector3d(1, 0, 1), Vector3d(1, 0, 0), Vector3d(0, 0, 0),
@@ -89,7 +89,7 @@ TEST(ElasticRecovery, SingleParticlesLinesAndSheetsFallAndLand) {
   }
 }
 
-TEST(ElasticRecovery, CoincidentAndIrregularParticlesAreABody) {
+TEST(ElasticRecovery, CoincidentAndIrregularParticlesMakeABody) {
   std::mt19937_64 random(3);
   const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   ParticleSet set;
@@ -113,7 +113,7 @@ TEST(ElasticRecovery, CoincidentAndIrregularParticlesAreABody) {
   }
 }
 
-TEST(ElasticBody, FarFromTheOriginMovesAsNearIt) {
+TEST(ElasticBody, MotionIsTheSameFarFromTheOrigin) {
   const auto shape_after = [](const Vector3d& place) {
     Stage stage;
     ElasticBodyDescription block = describe(particle_grid({0.2, 0.1, 0.1}, 0.02), 1e4, 0.3);
@@ -123,11 +123,11 @@ TEST(ElasticBody, FarFromTheOriginMovesAsNearIt) {
     stage.run(2.0);
     return (stage.body->world_point({0.1, 0, 0}) - stage.body->world_point({-0.1, 0, 0})).eval();
   };
-  // 1 km costs 1e-13 m of each read-out and of the origin, which the nodes are relative to.
+  // At 1 km each read-out and the origin of the nodes lose 1e-13 m.
   EXPECT_NEAR((shape_after({0, 0, 0}) - shape_after({1000, -2000, 500})).norm(), 0.0, 1e-9);
 }
 
-TEST(ElasticBody, RefusesWhatIsNotPhysical) {
+TEST(ElasticBody, RejectsUnphysicalDescriptions) {
   const ElasticBodyDescription good = describe(particle_grid(Vector3d::Constant(0.1), 0.05), 1e5, 0.3);
   const auto message = [](const ElasticBodyDescription& d, double rate = 60, int substeps = 4) {
     auto made = make_elastic_body(d, ElasticSolver::Cells, rate, substeps, true);
@@ -159,7 +159,7 @@ TEST(ElasticBody, RefusesWhatIsNotPhysical) {
   EXPECT_NE(message(good, 60, 0).find("substeps"), std::string::npos);
 }
 
-TEST(ElasticBody, ChangedMaterialShowsInTheAccuracy) {
+TEST(ElasticBody, ChangedMaterialChangesAccuracy) {
   Stage stage;
   ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e4, 0.3);
   stage.make(block);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Less where less will do, and nothing visible lost (physics.md 3.5 and row 31): bodies that fly without
-// deforming move as rigid ones, still ones sleep. Each against the same body that does neither.
+// Reduced work without a visible difference (physics.md 3.5 and row 31): bodies that fly without deforming
+// move as rigid bodies, and stationary bodies sleep. Each is compared with the same body without these
+// reductions.
 #include "geometry/field/sample_particles.h"
 #include "geometry/surface/shape_mesh.h"
 #include "known_gaps.h"
@@ -25,7 +26,7 @@ class ElasticRest : public testing::TestWithParam<double> {
 INSTANTIATE_TEST_SUITE_P(Rates, ElasticRest, testing::ValuesIn(rates_hz()),
                          [](const auto& one) { return rate_name(one.param); });
 
-TEST_P(ElasticRest, FlyingBodyTurnsRigidAndFliesTheSameWay) {
+TEST_P(ElasticRest, FrozenFlightFollowsTheSamePath) {
   ElasticBodyDescription box = thrown_box(1e5);
   box.angular_velocity_rad_s = {0.3, 2.0, 0.2};
   Stage full, less;
@@ -37,8 +38,8 @@ TEST_P(ElasticRest, FlyingBodyTurnsRigidAndFliesTheSameWay) {
   less.run(1.2);
   EXPECT_FALSE(full.body->frozen());
   ASSERT_TRUE(less.body->frozen());
-  // Points of its faces, after a turn of 2.4 rad. BDF2's own error of place is 3/4 g h² (free fall), 0.13 mm;
-  // 0.5 mm for the two integrators' turns. Bar of the study 1 mm.
+  // Points of its faces after a rotation of 2.4 rad. The position error of BDF2 is 3/4 g h² in free fall,
+  // 0.13 mm, and the rotations of the two integrators differ by up to 0.5 mm. The study's bar is 1 mm.
   for (const Vector3d& point : {Vector3d(0.1, 0, 0), Vector3d(0, 0.05, 0), Vector3d(0, 0, 0.075)}) {
     EXPECT_NEAR((full.body->world_point(point) - less.body->world_point(point)).norm(), 0.0, 5e-4);
   }
@@ -47,10 +48,10 @@ TEST_P(ElasticRest, FlyingBodyTurnsRigidAndFliesTheSameWay) {
   EXPECT_NEAR((full.body->angular_velocity_rad_s() - less.body->angular_velocity_rad_s()).norm(), 0.0, 0.01);
 }
 
-TEST_P(ElasticRest, LandedBodyRestsInTheSamePlace) {
-  // From 0.3 m it lands as it is. From 1 m it is squashed by a half, and how much it tumbles when it bounces
-  // is chance: with a loss factor of 0.2 it comes to rest on another face, at 64 substeps as at 4; with 1 it
-  // stays there.
+TEST_P(ElasticRest, LandedBodyRestsAtTheSamePlace) {
+  // From 0.3 m it lands without tumbling. From 1 m it is compressed by half, and its tumbling after the
+  // bounce is chaotic: with a loss factor of 0.2 it comes to rest on another face, at 64 substeps as at 4.
+  // With a loss factor of 1 it stays on its face.
   struct Case {
     double height_m, loss_factor;
     bool flies_rigid;
@@ -110,7 +111,7 @@ TEST_P(ElasticRest, PokeWakesWithinOneFrame) {
     if (flying) {
       EXPECT_NEAR(gained, 0.1, 1e-6);
     } else {
-      EXPECT_GT(gained, 0.02);  // friction takes some
+      EXPECT_GT(gained, 0.02);  // friction takes part of it
     }
   }
 }
@@ -132,9 +133,9 @@ TEST_P(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
       peak = std::max(peak, stage.total_energy_j());
     }
     EXPECT_TRUE(stage.body->asleep()) << stiffness;
-    // The first step, of first order, starts 3/2 g h²/2 on: 4e-4 of this fall.
+    // The first step is of first order and 3/2 g h²/2 too long: 4e-4 of this fall.
     EXPECT_LT(peak, 1.0005 * start) << stiffness;
-    // A stiff cube bounces on its edges, and goes as far at 64 substeps. Asleep it stays.
+    // A stiff cube bounces on its edges and moves as far at 64 substeps. It stays asleep.
     report_gap("rest.dropped_cube_aside_m",
                std::hypot(stage.body->centre_m().x(), stage.body->centre_m().z()));
     const Vector3d asleep_at = stage.body->centre_m();
@@ -143,9 +144,9 @@ TEST_P(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
   }
 }
 
-// One as a scene samples it that falls from farther up comes down on its edges and tumbles: how far it goes
-// is chance.
-TEST_P(ElasticRest, ASampledCubeThatTumblesSleeps) {
+// A cube sampled as in a scene that falls from higher up lands on its edges and tumbles. The distance is
+// chaotic.
+TEST_P(ElasticRest, TumblingSampledCubeSleeps) {
   constexpr double kFall_m = 0.45;
   for (const double stiffness : gate_or_full<double>({1e4, 1e6}, {1e4, 5e4, 2e5, 1e6})) {
     SCOPED_TRACE(stiffness);
@@ -165,9 +166,9 @@ TEST_P(ElasticRest, ASampledCubeThatTumblesSleeps) {
   }
 }
 
-// Cubes as a scene samples them, from heights a few millimetres apart. The softest meets the floor at two
-// fifths of its own speed of sound.
-TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
+// Cubes sampled as in a scene, dropped from heights a few millimetres apart. The softest lands at two fifths
+// of its wave speed.
+TEST(ElasticLanding, SampledCubesGainNothingOnLanding) {
   constexpr double kGain = 1.0005;
   for (const double rate_hz : kRates_hz) {
     for (const double stiffness : {1e4, 5e4}) {
@@ -197,9 +198,8 @@ TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
   }
 }
 
-// Nearly incompressible, as rubber and gelatin are: a wave of pressure is 4.1 times as fast as in a bar at nu
-// 0.49, and cells and substeps chosen by the bar's let a cube of 1 MPa land with 199 times its energy. Flat
-// and tilted.
+// Nearly incompressible bodies, such as rubber and gelatin. At nu 0.49 the pressure wave is 4.1 times as fast
+// as the bar wave, and cells and substeps must be chosen by the faster one. Flat and tilted drops.
 TEST(ElasticLanding, RubberGainsNothing) {
   constexpr double kGain = 1.0005;
   for (const double rate_hz : kRates_hz) {

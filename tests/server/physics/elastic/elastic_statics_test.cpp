@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Young's modulus, Poisson's ratio and bending of the `cells` solver against closed forms (physics.md 2, rows
-// 20 and 21; what is reachable at which Courant number: elastic-study.md 3).
+// Young's modulus, Poisson's ratio and bending of the `cells` solver compared with closed forms (physics.md
+// 2, rows 20 and 21). elastic-study.md 3 lists the accuracy reachable at each Courant number.
 #include <random>
 
 #include "geometry/field/sample_particles.h"
@@ -15,7 +15,7 @@ struct Tension {
   double modulus_ratio, poisson_ratio;
 };
 
-// A free bar under opposite end tractions of 0.5 % strain, settled; measured over its middle half.
+// Measures a free bar under opposite end tractions of 0.5 % strain over its middle half, after settling.
 Tension measure_tension(const ElasticBodyDescription& description, int substeps) {
   Stage stage;
   stage.substeps = substeps;
@@ -25,7 +25,7 @@ Tension measure_tension(const ElasticBodyDescription& description, int substeps)
   const double traction = 0.005 * description.material.effective_youngs_modulus_pa();
   add_end_traction(stage.forces, 0.5 * kBarLength_m, traction);
   add_end_traction(stage.forces, -0.5 * kBarLength_m, -traction);
-  // Forty times the decay time of the slowest damped motion.
+  // Runs for forty times the decay time of the slowest damped motion.
   const double wave_m_s = std::sqrt(description.material.effective_youngs_modulus_pa() / 1000.0);
   stage.run(40.0 / (2.0 * wave_m_s * 6.46 * kBarWidth_m / (kBarLength_m * kBarLength_m)));
   const auto stretch = [&](const Vector3d& half) {
@@ -38,7 +38,7 @@ Tension measure_tension(const ElasticBodyDescription& description, int substeps)
 }
 
 TEST(ElasticStatics, JitteredParticlesShowTheSameModulus) {
-  // elastic-study.md 5: .995 to .997 with particles of 10 mm moved by up to 0.3 of that; bar 2 %.
+  // elastic-study.md 5: particles of 10 mm are moved by up to 0.3 of their size. The bar is 2 %.
   ElasticBodyDescription bar = describe_bar(1e5, 0.3, 0.025, 0.01);
   std::mt19937_64 random(7);
   const auto jitter = [&] { return 0.6 * 0.01 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5); };
@@ -48,8 +48,8 @@ TEST(ElasticStatics, JitteredParticlesShowTheSameModulus) {
   EXPECT_NEAR(found.poisson_ratio, 0.3, 0.01);
 }
 
-// In cells that it entered a second row of by a fifth it sagged by 0.81 to 0.85 of what it should.
-TEST(ElasticStatics, FlatBarsBendTheStiffWayToo) {
+// Bars that extend into a second row of cells by a fifth must not bend too stiffly.
+TEST(ElasticStatics, FlatBarsBendRightAboutTheirStiffAxis) {
   for (const Vector3d& size : {Vector3d(1.0, 0.15, 0.05), Vector3d(2.0, 0.3, 0.1), Vector3d(1.0, 0.12, 0.05),
                                Vector3d(1.0, 0.19, 0.06)}) {
     for (const double poisson_ratio : {0.0, 0.3}) {
@@ -74,8 +74,8 @@ TEST(ElasticStatics, FlatBarsBendTheStiffWayToo) {
   }
 }
 
-TEST(ElasticStatics, AffineDeformationHasTheEnergyOfItsClosedForm) {
-  // V [ mu |S - I|² + lambda/2 (det F - 1)² ] with no bending or twisting: exact, also for cells that are not
+TEST(ElasticStatics, AffineDeformationHasClosedFormEnergy) {
+  // V [ mu |S - I|² + lambda/2 (det F - 1)² ] without bending or twisting: exact, also for cells that are not
   // full.
   const double youngs = 2e5, poisson = 0.3;
   ElasticBodyDescription block = describe(particle_grid({0.2, 0.15, 0.1}, 0.02), youngs, poisson, 0.045);
@@ -98,20 +98,20 @@ TEST(ElasticStatics, AffineDeformationHasTheEnergyOfItsClosedForm) {
   }
 }
 
-TEST(ElasticStatics, RigidPlacementIsRest) {
+TEST(ElasticStatics, RigidPlacementHasNoStrain) {
   ElasticBodyDescription block = describe(particle_grid({0.2, 0.15, 0.1}, 0.02), 1e5, 0.4, 0.045);
   block.world_from_object = {{3, -2, 1},
                              Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Vector3d(1, 2, -1).normalized()))};
   Stage stage;
   stage.make(block);
   stage.run(1.0);
-  // Rounding only: lengths of 0.1 m in single precision, 240 substeps.
+  // Rounding only: lengths of 0.1 m in single precision over 240 substeps.
   for (size_t i = 0; i < block.particles.positions_m.size(); ++i) {
     const Vector3d now = stage.body->particles()[i].position_m;
     ASSERT_NEAR((now - block.world_from_object * block.particles.positions_m[i]).norm(), 0.0, 1e-7);
     i += 50;
   }
-  // Strains of 1e-7 rounding: V E e²/2 = 1e-12 to 1e-10 J.
+  // Rounding gives strains of 1e-7: V E e²/2 is 1e-12 to 1e-10 J.
   EXPECT_LT(stage.body->energy(kNoGravity).elastic_j, 1e-9);
   EXPECT_LT(stage.body->energy(kNoGravity).kinetic_j, 1e-9);
 }

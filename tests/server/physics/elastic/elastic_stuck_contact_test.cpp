@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Soft bodies that start scrambled: about a bar, with points on either side of it, or on a floor, having
-// flowed.
+// Soft bodies that start scrambled: around a bar with points on either side of it, or on a floor after
+// plastic flow.
 #include "known_gaps.h"
 #include "scenes/soft_fixtures.h"
 
@@ -17,10 +17,9 @@ ElasticBodyDescription scrambled_block(uint64_t seed) {
 
 double elastic_j(const World& world) { return world.elastic_body(1)->energy(Vector3d::Zero()).elastic_j; }
 
-// Held by contact on all sides of a bar of 2 cm a block kept up to 92 J for good: bent cells strained by half
-// on average. What is left at some bars is a block with a bar through it, which it presses together: 2.8 J at
-// most in 48.
-TEST(Impaled, WhatIsStretchedRoundABarComesOff) {
+// Contacts on all sides of a bar can trap a scrambled block and its elastic energy. In the remaining cases
+// the bar penetrates the block, which compresses it.
+TEST(Impaled, BodyStretchedAroundABarSeparates) {
   for (const double rate : kRates_hz) {
     const int seeds = seed_count(3);
     int calm = 0, free = 0;
@@ -28,7 +27,7 @@ TEST(Impaled, WhatIsStretchedRoundABarComesOff) {
       WorldSettings settings;
       settings.rate_hz = rate;
       settings.gravity_m_s2.setZero();
-      settings.sleep = false;  // which stops what moves slower than 20 mm/s
+      settings.sleep = false;  // sleep would stop motion below 20 mm/s
       World world(settings);
       ASSERT_TRUE(world.add_elastic(scrambled_block(static_cast<uint64_t>(seed))));
       ASSERT_TRUE(world.add_rigid(box_body(2, {0.02, 0.6, 0.02}, 5.0)));
@@ -43,8 +42,8 @@ TEST(Impaled, WhatIsStretchedRoundABarComesOff) {
   }
 }
 
-// It kept up to 6.6 J. What is left are stresses of cells that flowed each its own way.
-TEST(Impaled, ATangleThatHasFlowedComesApartOnAFloor) {
+// The remaining energy is stress between cells that flowed separately.
+TEST(Impaled, PlasticTangleRecoversOnAFloor) {
   for (const double rate : kRates_hz) {
     for (int seed = 1; seed <= seed_count(3); ++seed) {
       World world = world_with(ElasticSolver::Cells, rate);

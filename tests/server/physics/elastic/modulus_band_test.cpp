@@ -13,7 +13,7 @@ namespace {
 using test::particle_grid;
 using test::Vector3d;
 
-// A long bar some cells across; nodes weigh what their volume does.
+// Mean pass compliance of a long bar `cells_across` cells wide. Node masses follow node volumes.
 double mean_of_bar(int cells_across, double courant) {
   const double width = 0.025, size = cells_across * width, density = 1000.0, step = 1e-3;
   const Lattice lattice =
@@ -24,9 +24,9 @@ double mean_of_bar(int cells_across, double courant) {
   return mean_pass_compliance(lattice, inverse, density * speed * speed, step);
 }
 
-TEST(ModulusBand, MeanComplianceOfABarHasAClosedForm) {
-  // Along one axis the end cells of n have a corner of half the mass: the mean of 1 / A0 is (2/1.5 + n -
-  // 2)/n, for one cell 1/2. Twice across; along the bar it is next to 1.
+TEST(ModulusBand, MeanComplianceOfBarHasClosedForm) {
+  // Along one axis of n cells each end cell has a corner of half the mass, so the mean of 1 / A0 is (2/1.5 +
+  // n - 2)/n, or 1/2 for one cell. The factor occurs twice across; along the bar it is close to 1.
   const double along = (2 / 1.5 + 62.0) / 64.0;
   for (const double courant : {0.5, 1.0}) {
     const double inside = 2.0 / (courant * courant);
@@ -36,7 +36,7 @@ TEST(ModulusBand, MeanComplianceOfABarHasAClosedForm) {
   }
 }
 
-TEST(ModulusBand, ThresholdsAreTheStudys) {
+TEST(ModulusBand, ThresholdsMatchTheStudy) {
   EXPECT_EQ(band_of({.mean_pass_compliance = 4.01, .poisson_ratio = 0.3, .ceiling_ratio = 2}).band,
             ElasticBand::Exact);
   EXPECT_EQ(band_of({.mean_pass_compliance = 3.99, .poisson_ratio = 0.3, .ceiling_ratio = 2}).band,
@@ -55,7 +55,7 @@ TEST(ModulusBand, ThresholdsAreTheStudys) {
             ElasticBand::Clipped);
 }
 
-TEST(ModulusBand, ABodyOfFewCellsIsExactInShorterSteps) {
+TEST(ModulusBand, FewCellsAreExactInShorterSteps) {
   const auto band = [](double cells_along, double courant) {
     return band_of({.mean_pass_compliance = 8, .cells_along = cells_along, .courant = courant * 2 / 3});
   };
@@ -65,17 +65,17 @@ TEST(ModulusBand, ABodyOfFewCellsIsExactInShorterSteps) {
     EXPECT_EQ(band(cells_along, exact_to + 1e-3).band, ElasticBand::Band) << cells_along;
   }
   EXPECT_EQ(band(8, courant_limit(0.0, 4.0)).band, ElasticBand::Exact);
-  EXPECT_GT(band(2, courant_limit(0.0, 4.0)).ratio_high, 1.16);  // what two cells show
+  EXPECT_GT(band(2, courant_limit(0.0, 4.0)).ratio_high, 1.16);  // apparent ratio of two cells
 }
 
-TEST(ModulusBand, ClippedIsBetweenHalfTheCeilingAndIt) {
+TEST(ModulusBand, ClippedBodyIsBetweenHalfAndFullCeiling) {
   const ModulusBand band = band_of({.mean_pass_compliance = 0.5, .poisson_ratio = 0.3, .ceiling_ratio = 0.4});
   EXPECT_DOUBLE_EQ(band.ratio_low, 0.18);
   EXPECT_DOUBLE_EQ(band.ratio_high, 0.44 * (1 + 4.5 / 16));
 }
 
-TEST(ModulusBand, HoldsEveryStaticFigureOfTheStudy) {
-  // elastic-study.md 3: cells across, nu, Courant number with h, E_app / E. BDF2: h_e is 2/3 h.
+TEST(ModulusBand, ContainsEveryStaticFigureOfTheStudy) {
+  // elastic-study.md 3: cells across, nu, Courant number with h, E_app / E. For BDF2 h_e is 2/3 h.
   struct Row {
     int across;
     double nu, courant, ratio;
@@ -98,13 +98,13 @@ TEST(ModulusBand, HoldsEveryStaticFigureOfTheStudy) {
                                       .courant = row.courant * 2 / 3});
     EXPECT_LE(band.ratio_low, row.ratio) << row.across << " across, nu " << row.nu << ", Co " << row.courant;
     EXPECT_GE(band.ratio_high, row.ratio) << row.across << " across, nu " << row.nu << ", Co " << row.courant;
-    EXPECT_GE(band.ratio_low, 0.79);  // and says something
+    EXPECT_GE(band.ratio_low, 0.79);  // the band must also be narrow
     EXPECT_LE(band.ratio_high, 2.3);
   }
 }
 
-TEST(ModulusBand, HoldsWhatThisSolverShows) {
-  // Tension at nu 0 and as given, not chosen: cells across, Co, E_app / E, as accuracy_test measures them.
+TEST(ModulusBand, ContainsMeasuredRatiosOfThisSolver) {
+  // Tension at nu 0 with given cells: cells across, Courant number, E_app / E as measured by accuracy_test.
   struct Row {
     int across;
     double courant, ratio;
@@ -122,9 +122,9 @@ TEST(ModulusBand, HoldsWhatThisSolverShows) {
   }
 }
 
-// A curved shell thinner than half its cells bends more or less than it should; a flat plate along them does
-// as it should.
-TEST(ModulusBand, CurvedThinShellsAreNotCalledExact) {
+// The bending stiffness of a curved shell thinner than half its cells is off; that of a flat plate along the
+// cells is right.
+TEST(ModulusBand, CurvedThinShellsAreNotReportedAsExact) {
   ElasticBodyDescription plate = test::describe(sample_particles(box_mesh({0.5, 0.01, 0.5})), 1e6, 0.3);
   for (const auto& [body, thin] : {std::pair{test::describe_quarter(10, 0.3, true), true}, {plate, false}}) {
     const auto made = make_elastic_body(body, ElasticSolver::Cells, 60, 4, false);

@@ -39,7 +39,7 @@ struct Range {
 
 using Ratio = std::function<double(const Strip&, const std::vector<StripPoint>&, const Lattice&)>;
 
-// Apparent over true bending stiffness in all those lattices.
+// Apparent over true bending stiffness in all these lattices.
 Range over_lattices(const Strip& strip, double cells_t, const Ratio& ratio) {
   const std::vector<StripPoint> points = strip_points(strip);
   Range range;
@@ -64,7 +64,7 @@ double free_beam_shape(double x, double length) {
   return std::cosh(k) + std::cos(k) - kFreeBeamRatio * (std::sinh(k) + std::sin(k));
 }
 
-// A free strip under forces in the shape of its first mode.
+// Stiffness ratio of a free strip under forces in the shape of its first mode.
 double flat_ratio(const Strip& strip, const std::vector<StripPoint>& points, const Lattice& lattice) {
   const double squared = std::pow(kFreeBeam / strip.length_m, 4) * kE * kT * kT / 12.0 / kRho;
   const std::vector<bool> held(lattice.node_coordinates.size(), false);
@@ -78,8 +78,9 @@ double flat_ratio(const Strip& strip, const std::vector<StripPoint>& points, con
   return beam / work(loads, statics.solve(loads));
 }
 
-// A quarter of a cylinder pulled apart at its ends along its chord (a clip): by Castigliano the ends part by
-// F R³/(E I) (h + sin(2h)/2 - 4 cos(h) sin(h) + 2 h cos²(h)), h half the angle between the forces.
+// Stiffness ratio of a quarter cylinder (a clip) pulled apart at its ends along its chord. By Castigliano the
+// ends separate by F R³/(E I) (h + sin(2h)/2 - 4 cos(h) sin(h) + 2 h cos²(h)), h half the angle between the
+// forces.
 double clip_ratio(const Strip& strip, const std::vector<StripPoint>& points, const Lattice& lattice) {
   const double r = strip.radius_m, length = strip.length_m, end = 0.005;
   const double inertia = strip.width_m * kT * kT * kT / 12.0;
@@ -110,7 +111,7 @@ double clip_ratio(const Strip& strip, const std::vector<StripPoint>& points, con
 const Strip kFlat{}, kCord{0.2, 0.003, 0.0};
 const Strip kQuarter{0.1 * M_PI / 2, 0.05, 0.1}, kQuarterCord{0.1 * M_PI / 2, 0.003, 0.1};
 
-// A cell of 15 mm with a sheet of 3 mm through it, anywhere and lying as it likes.
+// A cell of 15 mm with a sheet of 3 mm through it, at any position and orientation.
 LatticeCell cell_with_sheet(const Quaterniond& turn, const Vector3d& centroid) {
   LatticeCell cell;
   cell.volume_m3 = 7e-7;
@@ -135,7 +136,7 @@ double energy_of(const LatticeCell& cell, const std::function<Vector3d(const Vec
   return 0.5 * z.dot(thin_cell_stiffness(cell, kWidth, material, strain_modulus(material)) * z);
 }
 
-TEST(ThinCell, ConstantStrainCostsWhatTheMaterialSays) {
+TEST(ThinCell, ConstantStrainHasTheMaterialsEnergy) {
   Eigen::Matrix3d gradient;
   gradient << 1, 2, -1, 0.5, -2, 0.3, 0.7, 0.1, 1.5;
   gradient *= 1e-3;
@@ -154,10 +155,10 @@ TEST(ThinCell, ConstantStrainCostsWhatTheMaterialSays) {
   }
 }
 
-TEST(ThinCell, BendingASheetCostsWhatAPlateSaysWhereverItLies) {
-  // u = n k s²/2 - e k s t about the sheet's middle, which goes through the centroid: energy V E t²/12 k²/2
-  // and no strain there. The damping takes a little; at exactly 45 degrees one twist shows nothing and is
-  // guessed.
+TEST(ThinCell, BentSheetHasPlateEnergyAtAnyOrientation) {
+  // u = n k s²/2 - e k s t about the sheet's middle plane, which passes through the centroid: energy V E
+  // t²/12 k²/2 and no strain there. Damping takes a small part. At exactly 45 degrees one twist is not
+  // observable and is estimated.
   const double k = 0.5;
   for (const Quaterniond& turn : kTurns) {
     for (const Vector3d& centroid : kCentroids) {
@@ -181,10 +182,10 @@ TEST(ThinCell, BendingASheetCostsWhatAPlateSaysWhereverItLies) {
   }
 }
 
-// The bar in every lattice: 0.8 to 1.2; the frequency goes with the root. The
-// plain cell is too stiff where the sheet is oblique. A lattice turned about one edge of the strip is the
-// worst: rows of cells that the sheet barely enters are hinges across its whole width.
-TEST(ThinCell, AFlatStripBendsLikeABeamInALatticeTurnedAnyWay) {
+// Stiffness ratios of 0.8 to 1.2 are required in every lattice; the frequency goes with the root. The plain
+// cell is too stiff where the sheet is oblique. The worst case is a lattice rotated about one edge of the
+// strip: rows of cells that the sheet barely enters act as hinges across its whole width.
+TEST(ThinCell, FlatStripBendsLikeABeamInAnyLattice) {
   for (const double cells_t : {3.0, 5.0, 10.0}) {
     const Range range = over_lattices(kFlat, cells_t, flat_ratio);
     report_gap("thin_cell.flat_least", range.least);
@@ -192,20 +193,20 @@ TEST(ThinCell, AFlatStripBendsLikeABeamInALatticeTurnedAnyWay) {
   }
 }
 
-TEST(ThinCell, AQuarterCylinderOpensLikeABeam) {
+TEST(ThinCell, QuarterCylinderOpensLikeABeam) {
   for (const double cells_t : {3.0, 5.0, 7.0}) {
     const Range range = over_lattices(kQuarter, cells_t, clip_ratio);
     report_gap("thin_cell.quarter_least", range.least);
     report_gap("thin_cell.quarter_most", range.most);
   }
-  // Cells of 30 mm on a radius of 100: beyond a² = 2 R t the lattice is too coarse for the curve.
+  // Cells of 30 mm on a radius of 100 mm: beyond a² = 2 R t the lattice is too coarse for the curvature.
   const Range coarse = over_lattices(kQuarter, 10.0, clip_ratio);
   report_gap("thin_cell.coarse_quarter_least", coarse.least);
   report_gap("thin_cell.coarse_quarter_most", coarse.most);
 }
 
-TEST(ThinCell, ACordBendsLikeABeamToo) {
-  // The bar as above. A cord goes from cell to cell by smaller steps than a sheet.
+TEST(ThinCell, CordBendsLikeABeam) {
+  // The required range is the same. A cord crosses from cell to cell in smaller steps than a sheet.
   for (const double cells_t : {3.0, 5.0}) {
     const Range straight = over_lattices(kCord, cells_t, flat_ratio);
     report_gap("thin_cell.cord_least", straight.least);
@@ -216,11 +217,10 @@ TEST(ThinCell, ACordBendsLikeABeamToo) {
   }
 }
 
-// One cell, pulled out of all proportion, most of whose inverse mass is at a few corners, as at the tip of a
-// leaf: nodes of 20 mg beside 11 g. What moves goes on, so that a step that draws it back by f of the way
-// grows it by more than 1 from f = 4/3 on (r² - 2 (1 - f) r + 1 - f = 0). At 2.5 a plant flew (here it grows
-// tenfold), at 1.5 it grows by a half and comes back.
-TEST(ThinCell, AWildlyStretchedCellWithLightCornersComesBack) {
+// One extremely stretched cell with most of its inverse mass at a few corners, as at the tip of a leaf: nodes
+// of 20 mg next to 11 g. Velocity persists, so a step that corrects a fraction f of the error amplifies it if
+// f > 4/3: r² - 2 (1 - f) r + 1 - f = 0 then has a root beyond 1.
+TEST(ThinCell, OverstretchedCellWithLightCornersRecovers) {
   constexpr double kWidth_m = 0.1, kStep_s = 1.0 / 720;
   const Strip strip{0.045, 0.045};
   const Lattice lattice = build_lattice(
@@ -247,7 +247,7 @@ TEST(ThinCell, AWildlyStretchedCellWithLightCornersComesBack) {
       }
       for (size_t node = 0; node < light; ++node)
         at[node][1] += static_cast<float>(pulled * kWidth_m * (node % 2 ? -1 : 1));
-      // First order, no gravity: what it moved by, it moves by again.
+      // First order, no gravity: each step repeats the last displacement.
       std::vector<NodeLanes> last = at;
       double start = 0.0, end = 0.0, most = 0.0;
       for (int step = 0; step < 400; ++step) {

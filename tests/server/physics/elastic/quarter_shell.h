@@ -6,14 +6,14 @@
 #include "scenes/elastic_bodies.h"
 #include "scenes/thin_bodies.h"
 
-// A quarter of a cylinder of radius 0.1 m, 3 mm thick and 50 mm wide, free.
+// A free quarter cylinder of radius 0.1 m, 3 mm thick and 50 mm wide.
 
 namespace livegs::test {
 
 inline const Strip kQuarter{0.1 * M_PI / 2, 0.05, 0.1};
-inline constexpr double kQuarterModulus_pa = 2e4;  // cells of 3 thicknesses can do it in 16 substeps
+inline constexpr double kQuarterModulus_pa = 2e4;  // cells of 3 thicknesses reach it in 16 substeps
 
-// `cells_t`: width of a cell in thicknesses. `thin` false: plain cells (CellsOptions::thin).
+// `cells_t` is the cell width in thicknesses. Plain cells if `thin` is false (CellsOptions::thin).
 inline ElasticBodyDescription describe_quarter(double cells_t, double poisson_ratio, bool thin) {
   ParticleSet set;
   set.spacing_m = kStripThickness_m;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies as scenes make them: a mesh sampled with the spacing that nobody told, a list of points that fills
-// nothing evenly. Whole voxels end before or after the faces, and points fill one cell with eight and the
-// next with seven; the modulus and a patch must be those of the body all the same.
+// Bodies as scenes create them: a mesh sampled with the default spacing, or a list of irregular points. Whole
+// voxels end before or after the faces, and points fill one cell with eight and the next with seven. The
+// modulus and a patch test must still be those of the body.
 #include <algorithm>
 #include <random>
 
@@ -15,7 +15,7 @@
 namespace livegs::test {
 namespace {
 
-// Slope of mean displacement along x over the middle half, per unit: the strain.
+// Strain: the slope of the mean displacement along x over the middle half.
 double strain_along(const ElasticBody& body, const ParticleSet& rest, double half_length_m) {
   const std::vector<ParticleState> now = body.particles();
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
@@ -31,7 +31,7 @@ double strain_along(const ElasticBody& body, const ParticleSet& rest, double hal
   return (n * sxy - sx * sy) / (n * sxx - sx * sx) - 1.0;
 }
 
-// Of a plate, as far as its faces across x have gone apart.
+// Strain of a plate: the displacement between its faces across x over their distance.
 double strain_between(const ElasticBody& body, const Vector3d& size) {
   double sum = 0.0;
   for (const double y : {-0.25, 0.0, 0.25}) {
@@ -43,7 +43,7 @@ double strain_between(const ElasticBody& body, const Vector3d& size) {
   return sum / size.x() - 1.0;
 }
 
-// E_app / E of a bar along x, pulled at both ends by half a per cent of E over its true section.
+// E_app / E of a bar along x under a traction of 0.5 % of E over its true section at both ends.
 double apparent_modulus(const ElasticBodyDescription& described, const Vector3d& size, double rate_hz,
                         bool plate = false) {
   ElasticBodyDescription bar = described;
@@ -64,7 +64,7 @@ double apparent_modulus(const ElasticBodyDescription& described, const Vector3d&
     }
   }
   stage.run(20.0 * size.x() / std::sqrt(bar.material.youngs_modulus_pa / 1000.0) + 1.0);
-  // Neo-Hookean, to second order in the strain: half a per cent is 0.5 % off the line at most.
+  // Neo-Hookean, to second order in the strain: at most 0.5 % from linear at 0.5 % strain.
   const double strain =
       plate ? strain_between(*stage.body, size) : strain_along(*stage.body, bar.particles, 0.5 * size.x());
   return stress_pa / bar.material.youngs_modulus_pa / strain;
@@ -81,8 +81,9 @@ TEST(SampledBody, BoxesOfAnySizeShowTheirModulus) {
   }
 }
 
-// Of two cells along, as big cells or coarse particles make them, and of four: what they say they do.
-TEST(SampledBody, CubesOfFewCellsShowWhatTheySay) {
+// Cubes two or four cells long, as with large cells or coarse particles: the apparent modulus matches the
+// reported one.
+TEST(SampledBody, CubesOfFewCellsShowTheReportedModulus) {
   const Vector3d size = Vector3d::Constant(0.2);
   for (const int cells : {2, 4}) {
     for (const double rate_hz : kRates_hz) {
@@ -108,9 +109,9 @@ TEST(SampledBody, CubesOfFewCellsShowWhatTheySay) {
   }
 }
 
-// A plate of one cell through its thickness shows more than E there, where no cell beyond takes its part of
-// the sweep: it says how much.
-TEST(SampledBody, APlateShowsAcrossWhatItSays) {
+// A plate one cell thick is too stiff across, because no neighbouring cell shares the correction of the pass.
+// The reported ratio must match.
+TEST(SampledBody, PlateShowsTheReportedModulusAcross) {
   double worst = 0.0;
   for (const double thickness_m : {0.03, 0.05}) {
     for (const double rate_hz : kRates_hz) {
@@ -134,8 +135,8 @@ TEST(SampledBody, APlateShowsAcrossWhatItSays) {
   report_gap("sampled.plate_modulus", worst);
 }
 
-// Rods and plates thinner than a voxel: as many pieces of lattice as of mesh. By their corners alone a rod
-// was two pieces and a plate four.
+// Rods and plates thinner than a voxel: the lattice has as many connected components as the mesh. Corner
+// points alone would split a rod or plate.
 TEST(SampledBody, ThinShapesHangTogether) {
   struct Case {
     const char* name;
@@ -154,8 +155,8 @@ TEST(SampledBody, ThinShapesHangTogether) {
                                    {"bar of half a voxel", box_mesh({0.4, 0.05, 0.05}), 0.1}};
   for (const Case& one : cases) {
     const ParticleSet particles = sample_particles(one.mesh, kDefaultSamplingDensity, one.spacing_m);
-    // Both faces of a plate carry it. Taken in order, all points were on the first, and the weight 4.3 of 5
-    // mm off the middle.
+    // Points must be taken from both faces of a plate. Points of one face only would shift the centre of
+    // mass.
     const Eigen::AlignedBox3d bounds = mesh_bounds_m(one.mesh);
     Eigen::AlignedBox3d sampled;
     Vector3d centre_m = Vector3d::Zero();
@@ -181,10 +182,9 @@ TEST(SampledBody, ThinShapesHangTogether) {
   }
 }
 
-// Held at one end and drawn by 4 mm at the other. A grip of less than half a voxel held the corners alone and
-// the bar was stretched by a sixth of what was asked for. Material within a grip may stretch too or not:
-// either length is right.
-TEST(SampledBody, AGripOfAnyThicknessHolds) {
+// A bar held at one end and displaced by 4 mm at the other. A grip of less than half a voxel must hold more
+// than the corners. Material within a grip may stretch or not: either length is right.
+TEST(SampledBody, GripOfAnyThicknessHolds) {
   const Vector3d size(0.4, 0.1, 0.1);
   for (const double spacing_m : {0.0, 0.025}) {
     for (const double grip_m : {0.001, 0.005, 0.01, 0.012, 0.02, 0.03, 0.06}) {
@@ -213,17 +213,17 @@ TEST(SampledBody, AGripOfAnyThicknessHolds) {
   }
 }
 
-// Particles on a grid of 12.5 mm, moved by up to three tenths of it each way.
+// Particles of a grid, each moved by up to 0.3 of the spacing along each axis.
 ParticleSet jittered(const Vector3d& size, double spacing) {
   ParticleSet set = particle_grid(size, spacing);
   std::mt19937_64 random(7);
   const auto step = [&] { return 0.6 * spacing * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5); };
   for (Vector3d& point : set.positions_m) point += Vector3d(step(), step(), step());
-  set.on_surface.assign(set.positions_m.size(), true);  // as a scene takes a list of points
+  set.on_surface.assign(set.positions_m.size(), true);  // as a scene treats a list of points
   return set;
 }
 
-// A ball filled on a grid of 10 mm.
+// A ball filled with particles on a grid of 10 mm.
 ParticleSet gridded_ball(double radius) {
   const ParticleSet cube = particle_grid(Vector3d::Constant(2.0 * radius + 0.02), 0.01);
   ParticleSet ball;
@@ -236,7 +236,7 @@ ParticleSet gridded_ball(double radius) {
   return ball;
 }
 
-TEST(SampledBody, AJitteredBarShowsItsModulus) {
+TEST(SampledBody, JitteredBarShowsItsModulus) {
   const Vector3d size(0.4, 0.1, 0.1);
   for (const double rate_hz : kRates_hz) {
     EXPECT_NEAR(apparent_modulus(describe(jittered(size, 0.0125), 1e5, 0.3), size, rate_hz), 1.0, 0.05)
@@ -244,15 +244,15 @@ TEST(SampledBody, AJitteredBarShowsItsModulus) {
   }
 }
 
-// The outer particles are moved by a matrix; a cell or more within, the deformation gradient becomes that
-// matrix.
+// The outer particles are moved by a matrix. At a depth of one cell or more the deformation gradient becomes
+// that matrix.
 TEST(SampledBody, PassesThePatchTest) {
   Matrix3d stretch = Vector3d(1.5, 1.0, 0.8).asDiagonal(), shear = Matrix3d::Identity();
   shear(0, 1) = 1.0;
   struct Case {
     const char* name;
     ParticleSet particles;
-    std::function<double(const Vector3d&)> depth_m;  // below the surface
+    std::function<double(const Vector3d&)> depth_m;  // depth below the surface
   };
   const double radius = 0.1, half = 0.1;
   const auto in_cube = [&](const Vector3d& p) { return half - p.cwiseAbs().maxCoeff(); };
@@ -267,7 +267,7 @@ TEST(SampledBody, PassesThePatchTest) {
       for (const double rate_hz : kRates_hz) {
         ElasticBodyDescription body = describe(one.particles, 1e4, 0.3);
         body.material.loss_factor = 2.0;
-        body.material.plasticity = 0.0;  // strain of a half is past yield
+        body.material.plasticity = 0.0;  // a strain of 0.5 is beyond yield
         AffineRamp ramp;
         ramp.matrix = matrix;
         ramp.end_s = 1.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curved sheets thinner than a cell in the solver itself: a quarter of a cylinder of radius 0.1 m, 3 mm thick
-// and 50 mm wide, beside what beams say of it and beside plain cells (CellsOptions::thin false).
+// Curved sheets thinner than a cell in the solver itself: a quarter cylinder of radius 0.1 m, 3 mm thick and
+// 50 mm wide, compared with beam theory and with plain cells (CellsOptions::thin false).
 #include <Eigen/Eigenvalues>
 #include <cstdio>
 
@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 constexpr double kT = kStripThickness_m, kRho = kStripDensity_kg_m3;
 constexpr double kModulus_pa = kQuarterModulus_pa;
 
-// The ends of the quarter, 5 mm each.
+// The ends of the quarter cylinder, 5 mm each.
 struct Ends {
   std::vector<StripPoint> points = strip_points(kQuarter);
   double volumes[2] = {0, 0}, along[2] = {0, 0};
@@ -32,7 +32,7 @@ struct Ends {
     return p.along_m < 0.005 ? 0 : p.along_m > kQuarter.length_m - 0.005 ? 1 : -1;
   }
 
-  // By Castigliano, of a force of 1 N: F R³/(E I) (h + sin(2h)/2 - 4 cos(h) sin(h) + 2 h cos²(h)).
+  // Opening under a force of 1 N by Castigliano: F R³/(E I) (h + sin(2h)/2 - 4 cos(h) sin(h) + 2 h cos²(h)).
   double opening_m() const {
     const double h = 0.5 * (along[1] / volumes[1] - along[0] / volumes[0]) / kQuarter.radius_m,
                  c = std::cos(h);
@@ -60,7 +60,7 @@ struct Ends {
 
 constexpr double kOpened_m = 0.002;
 
-// Apparent over true bending stiffness; 2 s of the strip's own time to settle in.
+// Apparent over true bending stiffness. The strip settles for 2 s of its own time.
 double stiffness_ratio(double cells_t, double poisson_ratio, bool thin) {
   const Ends ends;
   Stage stage;
@@ -70,14 +70,13 @@ double stiffness_ratio(double cells_t, double poisson_ratio, bool thin) {
   stage.run(80.0);
   const double opened_m = ends.gap_m(*stage.body) - gap_m;
   const BodyEnergy energy = stage.body->energy(kNoGravity);
-  // All of the work is in the elastic energy, of which the sweep's compliance shows nothing.
+  // All work is stored as elastic energy, which excludes the compliance of the Gauss-Seidel pass.
   EXPECT_NEAR(energy.elastic_j / (0.5 * force_n * opened_m), 1.0, 0.06) << cells_t;
   EXPECT_LT(energy.kinetic_j, 1e-3 * energy.elastic_j);
   return kOpened_m / opened_m;
 }
 
-TEST(ThinShell, AQuarterCylinderOpensLikeABeamWherePlainCellsAreTooStiff) {
-  // Plain cells, measured: 1.71, 2.2, 2.7, 2.9.
+TEST(ThinShell, QuarterCylinderOpensLikeABeam) {
   for (const double cells_t : {3.0, 5.0, 7.0, 10.0}) {
     const double thin = stiffness_ratio(cells_t, 0.3, true), plain = stiffness_ratio(cells_t, 0.3, false);
     std::printf("cells of %g t: stiffness %.2f of a beam's, plain cells %.2f\n", cells_t, thin, plain);
@@ -87,8 +86,8 @@ TEST(ThinShell, AQuarterCylinderOpensLikeABeamWherePlainCellsAreTooStiff) {
   }
 }
 
-// The lowest angular frequency of a free arc in its plane, of unit E I and rho A: a frame of straight
-// Euler-Bernoulli beams, stiff along themselves.
+// The lowest angular frequency of a free arc in its plane, for unit E I and rho A: a frame of straight
+// Euler-Bernoulli beams, axially stiff.
 double arc_frequency(double length_m, double radius_m) {
   constexpr int kCount = 48;
   const double axial = 1e4 / (length_m * length_m), step = length_m / kCount;
@@ -115,7 +114,7 @@ double arc_frequency(double length_m, double radius_m) {
   return std::sqrt(solver.eigenvalues()[3]);
 }
 
-TEST(ThinShell, AnArcLetGoSwingsAtABeamsFrequency) {
+TEST(ThinShell, ReleasedArcSwingsAtItsBeamFrequency) {
   EXPECT_NEAR(arc_frequency(1.0, 1e4), 4.730041 * 4.730041, 0.1);  // a straight beam's
   const double beam =
       arc_frequency(kQuarter.length_m, kQuarter.radius_m) * std::sqrt(kModulus_pa * kT * kT / 12.0 / kRho);
@@ -145,15 +144,15 @@ TEST(ThinShell, AnArcLetGoSwingsAtABeamsFrequency) {
     }
     std::printf("cells of %g t: frequency %.3f of a beam's, plain cells %.3f\n", cells_t, ratios[1],
                 ratios[0]);
-    // The stiffness is right (above); nodes stand up to a cell away from the sheet and carry its mass there,
-    // which turns with it.
+    // The stiffness is right (see above). Nodes are up to a cell away from the sheet and carry its mass
+    // there, which adds rotational inertia.
     report_gap("thin_shell.frequency", std::abs(ratios[1] - 1.0));
     EXPECT_LT(ratios[1], 1.1) << cells_t;
     EXPECT_GT(ratios[0], 1.1) << cells_t;
   }
 }
 
-TEST(ThinShell, AScrambledArcComesBack) {
+TEST(ThinShell, ScrambledArcRecovers) {
   int wound = 0;
   const int seeds = seed_count(3);
   for (int seed = 1; seed <= seeds; ++seed) {
@@ -172,8 +171,8 @@ TEST(ThinShell, AScrambledArcComesBack) {
   EXPECT_LE(wound, (seeds + 29) / 30);
 }
 
-TEST(ThinShell, AFlattenedArcSpringsBack) {
-  // To a tenth of its height, to nothing, and inside out.
+TEST(ThinShell, FlattenedArcRecovers) {
+  // Flattened to a tenth of its height, to zero height, and inverted.
   for (const double height : {0.1, 0.0, -1.0}) {
     ElasticBodyDescription body = describe_quarter(5.0, 0.3, true);
     body.material.loss_factor = 0.2;
@@ -186,7 +185,7 @@ TEST(ThinShell, AFlattenedArcSpringsBack) {
   }
 }
 
-TEST(ThinShell, ASpinningArcKeepsItsMomentumAndGainsNoEnergy) {
+TEST(ThinShell, SpinningArcConservesMomentumAndGainsNothing) {
   ElasticBodyDescription body = describe_quarter(5.0, 0.3, true);
   body.material.loss_factor = 0.0;
   body.angular_velocity_rad_s = {1.0, 2.0, 3.0};
@@ -205,7 +204,7 @@ TEST(ThinShell, ASpinningArcKeepsItsMomentumAndGainsNoEnergy) {
   }
 }
 
-TEST(ThinShell, AnArcOfSoftMetalStaysBent) {
+TEST(ThinShell, ArcOfSoftMetalStaysBent) {
   double left[2];
   for (const double plasticity : {0.0, 0.995}) {
     ElasticBodyDescription body = describe_quarter(5.0, 0.3, true);

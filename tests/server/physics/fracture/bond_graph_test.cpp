@@ -33,12 +33,12 @@ BondGraph broken(BondGraph graph, const Impact& impact) {
   return graph;
 }
 
-// A row of three equal balls struck at its end moves on at J / 3m, so the first bond passes on two thirds of
-// the impulse and the second one third.
-TEST(BondGraph, LoadsARowByWhatLiesBehind) {
+// A row of three equal pieces struck at its end moves at J / 3m. The first bond transmits two thirds of the
+// impulse, the second one third.
+TEST(BondGraph, BondImpulseIsTheShareOfMassBehind) {
   BondGraph row;
-  // Its box is 0.2933 m long: 12 times the variance of 2/3 · 0.1² between centres and 1e-3 / 2 in each. With
-  // this volume the mean cross-section is 1e-4 m².
+  // The equivalent box is 0.2933 m long: 12 times the variance of 2/3 · 0.1² between centres and 1e-3 / 2 in
+  // each piece. With this volume the mean cross-section is 1e-4 m².
   const double length_m = std::sqrt(12.0 * (0.02 / 3.0 + 0.5e-3));
   for (int n = 0; n < 3; ++n) {
     row.pieces.push_back({1.0, {0.1 * n, 0, 0}, 1e-3 * Eigen::Matrix3d::Identity(), 1e-4 * length_m / 3.0});
@@ -48,21 +48,21 @@ TEST(BondGraph, LoadsARowByWhatLiesBehind) {
   row.whole_area_m2 = 2e-4;
   Impact impact{0, {0, 0, 0}, {kThreshold, 0, 0}};
   EXPECT_EQ(broken_bonds(row, impact), std::vector<uint32_t>{1});
-  // Cracked area goes with the square of the impulse: both bonds from sqrt(2) of the threshold on.
+  // The cracked area grows with the square of the impulse, so both bonds break from sqrt(2) of the threshold.
   impact.impulse_n_s *= 1.41;
   EXPECT_EQ(broken_bonds(row, impact), std::vector<uint32_t>{1});
   impact.impulse_n_s *= 1.42 / 1.41;
   EXPECT_EQ(broken_bonds(row, impact), (std::vector<uint32_t>{1, 0}));
-  // With 0.4 of its strength the far bond gives way first, at 0.4 / (1/3) · 2/3 = 0.8 of the threshold.
+  // With an integrity of 0.4 the far bond breaks first, at 0.4 / (1/3) · 2/3 = 0.8 of the threshold.
   row.bonds[0].integrity = 0.4;
   EXPECT_NEAR(break_threshold_n_s(row, impact), 0.8 * kThreshold, 1e-12);
   impact.impulse_n_s = {0.81 * kThreshold, 0, 0};
   EXPECT_EQ(broken_bonds(row, impact), std::vector<uint32_t>{0});
 }
 
-// At 0.9 of what breaks it the near bond loses 0.25 · (0.9 - 0.5) / 0.5 = 0.2, the far one, which bears 0.45,
-// nothing.
-TEST(BondGraph, BlowsThatBreakNothingWearWhatBearsMoreThanHalf) {
+// An impact at 0.9 of the threshold reduces the integrity of the near bond by 0.25 · (0.9 - 0.5) / 0.5 = 0.2.
+// The far bond carries 0.45 of its threshold and keeps its integrity.
+TEST(BondGraph, ImpactsAboveHalfThresholdDamageBonds) {
   BondGraph row;
   for (int n = 0; n < 3; ++n)
     row.pieces.push_back({1.0, {0.1 * n, 0, 0}, 1e-3 * Eigen::Matrix3d::Identity(), 1e-4});
@@ -76,7 +76,7 @@ TEST(BondGraph, BlowsThatBreakNothingWearWhatBearsMoreThanHalf) {
   EXPECT_EQ(row.bonds[0].integrity, 1.0);
   EXPECT_NEAR(break_threshold_n_s(row, impact), 0.8 * kThreshold, 1e-12);
   EXPECT_EQ(broken_bonds(row, impact).front(), 1u);
-  // What it was worn by before does not change what an impact takes; half of what breaks it takes nothing.
+  // The damage of an impact does not depend on earlier damage. An impact at half the threshold causes none.
   accumulate_damage(row, light);
   EXPECT_NEAR(row.bonds[1].integrity, 0.8, 1e-12);
   accumulate_damage(row, {0, {0, 0, 0}, {0.7 * kThreshold, 0, 0}});
@@ -85,8 +85,8 @@ TEST(BondGraph, BlowsThatBreakNothingWearWhatBearsMoreThanHalf) {
   EXPECT_EQ(row.bonds[1].integrity, kMinIntegrity);
 }
 
-// A cup that is struck again and again breaks along bonds that those impacts wore.
-TEST(BondGraph, ACrackRunsAlongWhatWasWorn) {
+// Repeated equal impacts crack a cup along the bonds that they damaged.
+TEST(BondGraph, CracksFollowDamagedBonds) {
   int worn_first = 0, cracks = 0;
   for (uint64_t seed = 1; seed <= 25; ++seed) {
     const VoronoiPieces pieces = cut_cup(32, seed);
@@ -96,7 +96,7 @@ TEST(BondGraph, ACrackRunsAlongWhatWasWorn) {
                         0.72 * kThreshold * Eigen::Vector3d(-0.6, 0, 0.8)};
     int impacts = 1;
     for (; broken_bonds(worn, impact).empty() && impacts < 20; ++impacts) accumulate_damage(worn, impact);
-    EXPECT_EQ(impacts, 4) << "0.11 each, and 0.67 is less than 0.72";
+    EXPECT_EQ(impacts, 4) << "each impact takes 0.11; the impact of 0.72 exceeds the remaining 0.67";
     const std::vector<uint32_t> crack = broken_bonds(worn, impact);
     ++cracks;
     worn_first +=
@@ -105,7 +105,7 @@ TEST(BondGraph, ACrackRunsAlongWhatWasWorn) {
   EXPECT_EQ(worn_first, cracks);
 }
 
-TEST(BondGraph, BreaksAtItsThresholdWhereverTheBlowFalls) {
+TEST(BondGraph, BreaksAtItsThresholdForAnyImpactPoint) {
   for (uint64_t seed = 1; seed <= 25; ++seed) {
     const VoronoiPieces pieces = cut_cup(seed % 2 ? 16 : 48, seed);
     const BondGraph graph = make_bond_graph(pieces, 0.3, kThreshold);
@@ -121,8 +121,9 @@ TEST(BondGraph, BreaksAtItsThresholdWhereverTheBlowFalls) {
   }
 }
 
-// What an impact breaks, a stronger one breaks too; the strongest leaves no two pieces together.
-TEST(BondGraph, StrongerBlowsBreakMore) {
+// The bonds that one impact breaks also break under a stronger one. The strongest impact separates all
+// pieces.
+TEST(BondGraph, StrongerImpactsBreakMoreBonds) {
   const VoronoiPieces pieces = cut_cup(32, 4);
   const BondGraph graph = make_bond_graph(pieces, 0.3, kThreshold);
   const Eigen::Vector3d point(0.04, 0.0, 0.0);
@@ -137,7 +138,7 @@ TEST(BondGraph, StrongerBlowsBreakMore) {
   EXPECT_EQ(before.size(), graph.bonds.size());
 }
 
-TEST(BondGraph, GroupsAddUpAndFragmentsBreakAtTheirShare) {
+TEST(BondGraph, FragmentsBreakAtTheirShareOfThreshold) {
   const VoronoiPieces pieces = cut_cup(48, 6);
   const BondGraph graph = make_bond_graph(pieces, 0.3, kThreshold);
   const Eigen::Vector3d point(0.04, 0.0, 0.0);
@@ -169,7 +170,7 @@ TEST(BondGraph, GroupsAddUpAndFragmentsBreakAtTheirShare) {
   EXPECT_LT((joined.inertia - 0.3 * whole.inertia_m2).norm(), 1e-12 * whole.inertia_m2.norm());
 }
 
-TEST(BondGraph, HoldsPartsThatTouchNothing) {
+TEST(BondGraph, DisconnectedPartsStayBonded) {
   TriangleMesh pair = box_mesh({0.1, 0.1, 0.1});
   const TriangleMesh other = sphere_mesh(0.03, 2);
   for (const auto& [a, b, c] : other.triangles) pair.triangles.push_back({a + 8, b + 8, c + 8});

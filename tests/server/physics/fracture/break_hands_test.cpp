@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hands at sherds: what is nearest is what is held, weighed and told of, also when the hand is beside it.
+// Grabs of fragments: the nearest fragment is held, weighed and reported, also with a gap between it and the
+// hand.
 #include <algorithm>
 #include <limits>
 
@@ -11,7 +12,7 @@ namespace {
 
 using namespace break_fixtures;
 
-// A cup whose sherds fly apart as it spins, for a tenth of a second.
+// A spinning cup whose fragments have separated for 0.1 s.
 World burst_cup(double rate, uint64_t seed, const std::shared_ptr<const BreakablePieces>& pieces) {
   RigidBodyDescription cup = cup_at(0.0);
   cup.world_from_object.orientation = rotation_about(static_cast<int>(seed));
@@ -22,7 +23,7 @@ World burst_cup(double rate, uint64_t seed, const std::shared_ptr<const Breakabl
   return world;
 }
 
-// From a point to the surface of each body, by its triangles.
+// Distances from a point to the surface of each body, computed from its triangles.
 std::vector<double> distances_m(const World& world, const BreakablePieces& pieces, const Vector3d& point_m) {
   std::vector<double> least(body_count(world, kCup), std::numeric_limits<double>::max());
   const std::vector<BodyState> bodies = world.bodies();
@@ -40,7 +41,7 @@ std::vector<double> distances_m(const World& world, const BreakablePieces& piece
   return least;
 }
 
-// Places beside sherds: from points of the outside of some, away from the middle of the cup.
+// Places `apart_m` away from points on the outside of some fragments.
 std::vector<Vector3d> places_beside(const World& world, const BreakablePieces& pieces, double apart_m) {
   std::vector<Vector3d> places;
   for (size_t p = 0; p < pieces.cut.pieces.size(); p += 3) {
@@ -52,7 +53,7 @@ std::vector<Vector3d> places_beside(const World& world, const BreakablePieces& p
   return places;
 }
 
-// The body that a hand moves.
+// Index of the body that the hand moves.
 uint32_t held_by(World& world, const Pose& hand) {
   const std::vector<BodyState> before = world.bodies();
   world.move_grab(1, {hand.position_m + Vector3d(0, 0.05, 0), hand.orientation}, Vector3d::Zero(),
@@ -72,7 +73,7 @@ struct Taken {
   int grabs = 0, wrong_held = 0, misreported = 0;
 };
 
-// Takes what is at the hand, and what it breaks into.
+// Grabs the fragment at `place_m`, then breaks it further while it is held.
 void take(World& world, const BreakablePieces& pieces, const Vector3d& place_m, Taken& taken) {
   const Pose hand{place_m, Eigen::Quaterniond::Identity()};
   const std::vector<double> apart = distances_m(world, pieces, place_m);
@@ -82,7 +83,7 @@ void take(World& world, const BreakablePieces& pieces, const Vector3d& place_m, 
   if (met->distance_m > 0.0) {
     EXPECT_NEAR(met->distance_m, least, 1e-9);
   } else {
-    EXPECT_LT(least, 0.0026) << "within a wall or a bottom of 5 mm";
+    EXPECT_LT(least, 0.0026) << "the point is not within a 5 mm wall or bottom";
   }
   ASSERT_TRUE(world.grab(1, kCup, hand, {}));
   EXPECT_LT((world.grab_state(1)->point_m - place_m).norm(), 1e-9);
@@ -102,7 +103,7 @@ void take(World& world, const BreakablePieces& pieces, const Vector3d& place_m, 
   taken.misreported += misreports(held_by(world, hand));
 }
 
-TEST(BreakingHands, TheNearestSherdIsHeldWeighedAndTold) {
+TEST(BreakingHands, NearestFragmentIsHeldWeighedAndReported) {
   Taken taken;
   for (const double rate : kRates_hz)
     for (int run = 1; run <= seed_count(6); ++run) {
@@ -115,13 +116,12 @@ TEST(BreakingHands, TheNearestSherdIsHeldWeighedAndTold) {
         take(world, *pieces, places[seed % places.size()], taken);
       }
     }
-  EXPECT_EQ(taken.wrong_held, 0)
-      << "of " << taken.grabs;  // by boxes about bent sherds and cells of their points, 91 of 240
+  EXPECT_EQ(taken.wrong_held, 0) << "of " << taken.grabs;
   EXPECT_EQ(taken.misreported, 0);
 }
 
-// A hand beside a whole cup holds the piece that was nearest to it when the cup breaks.
-TEST(BreakingHands, OfACupThatBreaksInTheHandTheNearestPieceIsHeld) {
+// A hand next to an intact cup holds the nearest piece after the cup breaks.
+TEST(BreakingHands, HandKeepsNearestPieceOfABreakingCup) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(seed);
     const auto pieces = pieces_of(small_cup(), 16, seed);
@@ -139,8 +139,8 @@ TEST(BreakingHands, OfACupThatBreaksInTheHandTheNearestPieceIsHeld) {
   }
 }
 
-// A ray's piece is one of the sherd that it meets, wherever sherds overlap.
-TEST(BreakingHands, ARayTellsThePieceItMet) {
+// The reported piece belongs to the fragment that the ray hits, also where fragments overlap.
+TEST(BreakingHands, RayReportsTheHitPiece) {
   const auto pieces = pieces_of(small_cup(), 16, 3);
   World world = burst_cup(90, 3, pieces);
   int met = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The height from which a dropped cup breaks, against the closed form of its landing. It must not depend on
-// how a frame is cut into steps.
+// The height from which a dropped cup breaks, compared with the closed form of its landing. It must not
+// depend on how a frame is divided into substeps.
 #include <algorithm>
 #include <cstdio>
 #include <functional>
@@ -19,13 +19,13 @@ bool breaks_when_dropped(const RigidBodyDescription& cup, double fall_m, World w
                          const std::shared_ptr<const BreakablePieces>& pieces, double floor_friction) {
   world = with_cup(cup, std::move(world), pieces);
   world.add_collider(floor_plane(floor_friction));
-  // Until it has landed, and a few ticks more.
+  // Runs until a few ticks after the landing.
   run_seconds(world, std::sqrt(2 * fall_m / kGravity) + 0.05);
   return world.revision(kCup) > 0;
 }
 
-// Of the height of the closed form: the least found that breaks it, and the largest that does not. Bisection
-// by eight drops, then four that probe whether all below hold and all above break.
+// Shares of the closed-form height: the smallest found that breaks the cup, and the largest that does not.
+// Eight drops bisect, then four probe whether all lower heights hold and all higher ones break.
 struct Spread {
   double first_broken = 1.2, last_held = 0.9;
   double error() const { return std::max(1.0 - first_broken, last_held - 1.0); }
@@ -46,9 +46,9 @@ Spread spread_of(const std::function<bool(double share)>& breaks) {
   return spread;
 }
 
-// A drop onto a hard floor gives m sqrt(2 g H) (1 + e). The bar: the same height within 2 % for 1 to
-// 32 substeps.
-TEST(Breaking, TheHeightThatBreaksADroppedCupIsTheClosedFormForAnySubsteps) {
+// A drop onto a hard floor gives m sqrt(2 g H) (1 + e). The bar is the same height within 2 % for 1 to 32
+// substeps.
+TEST(Breaking, DropBreaksCupAtTheClosedFormHeight) {
   for (const double restitution : {0.0, 0.3}) {
     const double speed = kBreakImpulse_n_s / (kMass_kg * (1 + restitution));
     const double height_m = speed * speed / (2 * kGravity);
@@ -68,10 +68,10 @@ TEST(Breaking, TheHeightThatBreaksADroppedCupIsTheClosedFormForAnySubsteps) {
   }
 }
 
-// Tilted, it lands on one corner of its eight-sided bottom. Without friction the floor stops that corner with
-// the impulse sqrt(2 g H) / (1 / m + (r x n) . I⁻¹ (r x n)); the next corner is 7 mm higher and comes too
-// late for the tick.
-TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubsteps) {
+// A tilted cup lands on one corner of its eight-sided bottom. Without friction the floor stops that corner
+// with the impulse sqrt(2 g H) / (1 / m + (r x n) . I⁻¹ (r x n)). The next corner is 7 mm higher and lands
+// after the tick.
+TEST(Breaking, RimLandingBreaksCupAtTheClosedFormHeight) {
   static const TriangleMesh mesh = testing::cup_mesh(8, 4);
   const std::shared_ptr<const BreakablePieces> pieces = pieces_of(mesh, 16, 1);
   RigidBodyDescription cup = body_of(kCup, mesh, kMass_kg);
@@ -96,8 +96,8 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
       const Spread found = spread_of([&](double share) { return breaks(share * height_m); });
       std::printf("on its rim, %2d substeps of %.0f Hz: holds to %.3f, breaks from %.3f\n", substeps, rate,
                   found.last_held, found.first_broken);
-      // In the rest of a long substep the corner bears less of the weight than is taken off for it, while the
-      // cup tips. More solver steps change no bit.
+      // In the rest of a long substep the cup tips, and its corner carries less of the weight than is
+      // subtracted for it. More solver iterations do not change the result.
       if (substeps <= 2) {
         report_gap("breaking.rim_height_of_long_substeps", found.error());
       } else {
@@ -107,11 +107,10 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
   }
 }
 
-// Tilted by a few degrees it rocks from corner to corner within 4 to 14 ms: one landing, wherever ticks and
-// substeps end. When impacts were summed by the tick, at 9 degrees and 90 Hz it broke and held by turns from
-// 0.32 to 0.65 m; when they were timed by the substep in which they came, it held up to 0.277 m at 60 Hz.
-// There is no closed form; all ticks and substeps share one threshold.
-TEST(Breaking, ATiltedCupHasOneBreakHeight) {
+// A cup tilted by a few degrees rocks from corner to corner within 4 to 14 ms. That is one impact,
+// independent of the boundaries of ticks and substeps. There is no closed form; all rates and substep counts
+// share one threshold.
+TEST(Breaking, TiltedCupHasOneBreakHeight) {
   constexpr double kHeight_m = 0.2466;
   for (const double degrees : {3.0, 9.0}) {
     for (const double rate : kRates_hz) {

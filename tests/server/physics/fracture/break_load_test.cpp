@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lasts is no impact: weights, piles and hands that press, whatever the rate. And what an impact is,
-// passed on through what lies between.
+// Lasting loads are not impacts: weights, piles and hands that press, at any rate. Impacts that are
+// transmitted through other bodies are.
 #include "known_gaps.h"
 #include "physics/rigid/contact/impact_record.h"
 #include "scenes/break_fixtures.h"
@@ -13,7 +13,7 @@ using namespace break_fixtures;
 constexpr int kSubsteps[] = {1, 2, 4, 8, 16, 32};
 constexpr uint32_t kWeight = 7;
 
-// A weight a hundredth of a millimetre over the cup, which stands on the floor.
+// A weight 0.01 mm above a cup that is on the floor.
 World weighed(double rate, int substeps, double kg) {
   World world = with_cup(cup_at(0.0), world_at(rate, substeps));
   world.add_collider(floor_plane());
@@ -23,27 +23,27 @@ World weighed(double rate, int substeps, double kg) {
   return world;
 }
 
-// 10 kg press with 98 N, a seventh of 0.7 N s in a millisecond; when they counted by the tick, 4 kg broke it
-// at 60 Hz and not at
-// 90. At one substep of 60 Hz 10 kg slide off it, which breaks it no more.
-TEST(BreakingLoads, AWeightLaidOnACupBreaksNothing) {
+// A mass of 10 kg presses with 98 N, a seventh of the break impulse of 0.7 N s per millisecond. The load must
+// not be accumulated over a tick. At one substep of 60 Hz the mass of 10 kg slides off, which does not break
+// the cup either.
+TEST(BreakingLoads, RestingWeightBreaksNothing) {
   for (const double rate : kRates_hz) {
     for (const int substeps : kSubsteps) {
       SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz");
       World world = weighed(rate, substeps, substeps == 1 ? 4.0 : 10.0);
       run_seconds(world, 5.0);
       EXPECT_EQ(world.revision(kCup), 0u);
-      // Two substeps of 60 Hz under 4 kg sink in by 2.3 mm, all others by 0.35 mm at most.
+      // Few substeps let the weight sink further into the contact.
       EXPECT_NEAR(body_state(world, kWeight).world_from_body.position_m.y(), 0.125,
                   substeps < 4 ? 0.0025 : 0.0004);
     }
   }
 }
 
-// A force breaks it as an impact of kImpactDuration_s of it would; the cup is pressed from both sides, and
-// both count. From 4 substeps on: with fewer, 140 times its weight is thrown against the floor before the
-// first contact bears it.
-TEST(BreakingLoads, TheForceThatCrushesItIsTheSameAtAnyRate) {
+// A force breaks the cup like an impact of that force over kImpactDuration_s. The cup is pressed from both
+// sides, and both count. At least 4 substeps: with fewer, a force of 140 times its weight moves the cup into
+// the floor before the first contact carries it.
+TEST(BreakingLoads, CrushingForceIsTheSameAtAnyRate) {
   const double crushing_n = 0.5 * kBreakImpulse_n_s / kImpactDuration_s;
   for (const double rate : {60.0, 90.0}) {
     for (const int substeps : {4, 8, 16, 32}) {
@@ -62,7 +62,7 @@ TEST(BreakingLoads, TheForceThatCrushesItIsTheSameAtAnyRate) {
   }
 }
 
-TEST(BreakingLoads, TwelvePlatesStand) {
+TEST(BreakingLoads, StackOfTwelvePlatesStaysWhole) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4);
@@ -80,7 +80,7 @@ TEST(BreakingLoads, TwelvePlatesStand) {
     run_seconds(world, 5.0);
     for (uint32_t i = 0; i < 12; ++i) EXPECT_EQ(world.revision(kCup + i), 0u) << i;
     for (const BodyState& body : world.bodies()) EXPECT_TRUE(body.asleep) << body.object_id;
-    // One more from half a metre is another thing.
+    // Another plate dropped from half a metre breaks the top one.
     RigidBodyDescription last = body_of(kCup + 20, plate, 0.4);
     last.world_from_object.position_m = {0, 0.65, 0};
     ASSERT_TRUE(world.add_rigid(last));
@@ -89,9 +89,9 @@ TEST(BreakingLoads, TwelvePlatesStand) {
   }
 }
 
-// A weight falls onto a cup that sleeps on the floor. What presses before and after in the tick is of no
-// account, so that the height hardly depends on how a frame is cut.
-TEST(BreakingLoads, AFallingWeightBreaksItFromTheSameHeightForAnySubsteps) {
+// A weight falls onto a sleeping cup on the floor. Loads before and after the impact within the tick do not
+// count, so the height hardly depends on the number of substeps.
+TEST(BreakingLoads, WeightBreaksCupFromOneHeight) {
   const auto breaks = [](double rate, int substeps, double fall_m) {
     World world = with_cup(cup_at(0.0), world_at(rate, substeps));
     world.add_collider(floor_plane());
@@ -102,9 +102,8 @@ TEST(BreakingLoads, AFallingWeightBreaksItFromTheSameHeightForAnySubsteps) {
     run_seconds(world, std::sqrt(2 * fall_m / kGravity) + 0.05);
     return world.revision(kCup) > 0;
   };
-  // With 0.7 N s of the weight and the floor together, m v (1 + e) each, 69 mm; the cup gives way between
-  // them and takes a tenth. The height should not depend on how landing falls in the substep; 84 mm is the
-  // middle of those found.
+  // If the weight and the floor each gave m v (1 + e), 0.7 N s would need 69 mm. The cup recoils between them
+  // and takes a tenth. The bounds contain the scatter from the position of the landing within a substep.
   constexpr double kHeight_m = 0.084;
   for (const double rate : kRates_hz) {
     for (const int substeps : kSubsteps) {
@@ -121,9 +120,9 @@ TEST(BreakingLoads, AFallingWeightBreaksItFromTheSameHeightForAnySubsteps) {
   }
 }
 
-// Light things that strike what lies there do not make an impact of it: 36 balls of a gram from the first
-// tick on. And a cup under 4 kg may be among what strikes.
-TEST(BreakingLoads, APeltedLoadIsNoBlow) {
+// Light bodies that hit a load do not turn it into an impact: 36 balls of 1 g from the first tick on. The
+// balls may also hit the cup under the weight of 4 kg.
+TEST(BreakingLoads, LightImpactsOnALoadBreakNothing) {
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
       for (const double kg : {4.0, 10.0}) {
@@ -140,9 +139,8 @@ TEST(BreakingLoads, APeltedLoadIsNoBlow) {
   }
 }
 
-// Whenever in a substep it comes, a weight wakes what it strikes; at 32 substeps one in four bounced off
-// sleepers as off a wall.
-TEST(BreakingLoads, AStruckSleeperAlwaysWakes) {
+// A weight wakes the sleeping body that it hits, at any time within a substep.
+TEST(BreakingLoads, ImpactAlwaysWakesSleepingCup) {
   for (const double rate : kRates_hz)
     for (const int substeps : {4, 32}) {
       for (int i = 0; i < 40; i += full_sets() ? 1 : 5) {
@@ -161,8 +159,8 @@ TEST(BreakingLoads, AStruckSleeperAlwaysWakes) {
     }
 }
 
-// A sherd that a hand holds feels what meets it, not what its fellows get.
-TEST(BreakingLoads, EachFragmentIsToldItsOwnImpulses) {
+// A held fragment reports its own contact impulses, not those of the other fragments.
+TEST(BreakingLoads, FragmentsReportTheirOwnImpulses) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = with_cup(cup_at(0.0), world_at(rate, 4));
@@ -174,7 +172,7 @@ TEST(BreakingLoads, EachFragmentIsToldItsOwnImpulses) {
     double held = 0.0, others = 0.0;
     for (int tick = 0; tick < rate; ++tick) {
       world.step();
-      if (2 * tick < rate) continue;  // until it hangs in the air
+      if (2 * tick < rate) continue;  // until the fragment is in the air
       held = std::max(held, world.contact_impulse_n_s(kCup, held_at));
       for (const VoronoiPiece& piece : cup_pieces()->cut.pieces) {
         others = std::max(others, world.contact_impulse_n_s(kCup, piece.mass.centre_of_mass_m));
@@ -182,13 +180,12 @@ TEST(BreakingLoads, EachFragmentIsToldItsOwnImpulses) {
     }
     EXPECT_EQ(held, 0.0);
     EXPECT_GT(others, 0.0);
-    EXPECT_LT(others, kMass_kg * kGravity / rate) << "the weight of the whole cup";
+    EXPECT_LT(others, kMass_kg * kGravity / rate) << "exceeds the weight of the whole cup";
   }
 }
 
-// What holds a sleeper down is not saved up for the day it wakes: a newton for four seconds was 4 N s at
-// once.
-TEST(BreakingLoads, AForceOnASleeperBreaksNothingWhenItEnds) {
+// A force that acts on a sleeping body is not accumulated until it wakes.
+TEST(BreakingLoads, ForceOnSleepingBodyIsNotAccumulated) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = with_cup(cup_at(0.0), world_at(rate, 4));
@@ -203,9 +200,9 @@ TEST(BreakingLoads, AForceOnASleeperBreaksNothingWhenItEnds) {
   }
 }
 
-// Two hands that draw a cup apart are a load like any other, a grip's or a ray's: both count, each with what
-// it gives in kImpactDuration_s. They were none, and 2000 N from either side left it whole.
-TEST(BreakingLoads, HandsThatPullApartBreakWhatAForceWould) {
+// Two hands that pull a cup apart are a load like any other, with grips or ray springs. Both count, each with
+// its impulse over kImpactDuration_s.
+TEST(BreakingLoads, PullingHandsBreakAtTheForceThreshold) {
   const double tearing_n = 0.5 * kBreakImpulse_n_s / kImpactDuration_s;
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
@@ -238,8 +235,8 @@ TEST(BreakingLoads, HandsThatPullApartBreakWhatAForceWould) {
   }
 }
 
-// A cup between a hook and a weight bears the weight below and both above.
-TEST(BreakingLoads, AWeightThatHangsFromACupBreaksItAsOneThatStandsOnItWould) {
+// The load on a cup between a hook and a weight is the weight below plus the cup and the weight above.
+TEST(BreakingLoads, HangingWeightBreaksCupAtTheForceThreshold) {
   const double tearing_kg = 0.5 * (kBreakImpulse_n_s / kImpactDuration_s / kGravity - kMass_kg);
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
@@ -260,8 +257,8 @@ TEST(BreakingLoads, AWeightThatHangsFromACupBreaksItAsOneThatStandsOnItWould) {
   }
 }
 
-// What a joint passes on of an impact belongs to the impact, so that the step has no say in it.
-TEST(BreakingLoads, ACupOnAHookBreaksFromTheSameBlowForAnySubsteps) {
+// The impulse that a joint transmits belongs to the impact, so the result does not depend on the substep.
+TEST(BreakingLoads, HookedCupBreaksAtOneImpactSpeed) {
   const auto breaks = [](double rate, int substeps, double speed_m_s) {
     World world = with_cup(cup_at(0.0), world_at(rate, substeps));
     EXPECT_TRUE(world.add_ball_joint({kCup, {}, {0, 0.1, 0}}));
@@ -272,7 +269,7 @@ TEST(BreakingLoads, ACupOnAHookBreaksFromTheSameBlowForAnySubsteps) {
     run_seconds(world, 0.2);
     return world.revision(kCup) > 0;
   };
-  constexpr double kSpeed_m_s = 3.1;  // 3.04 to 3.16
+  constexpr double kSpeed_m_s = 3.1;
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 8, 16, 32}) {
       SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz");
@@ -282,9 +279,9 @@ TEST(BreakingLoads, ACupOnAHookBreaksFromTheSameBlowForAnySubsteps) {
   }
 }
 
-// Sherds start deep in each other, as far as fields of distance can tell. What they push each other with must
-// pass: sixty-four kept pushing with 60 to 220 times the weight of the cup.
-TEST(BreakingLoads, AHeapOfSherdsPressesWithItsWeight) {
+// By their distance fields, fragments start with deep overlaps. The impulses that separate them must fade, so
+// that the fragments press only with their weight.
+TEST(BreakingLoads, FragmentHeapPressesWithItsWeight) {
   const auto pieces = pieces_of(small_cup(), 64, 1);
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
@@ -302,7 +299,7 @@ TEST(BreakingLoads, AHeapOfSherdsPressesWithItsWeight) {
       worst = std::max(worst, sum);
     }
     RecordProperty("weights", std::to_string(worst * rate / (kMass_kg * kGravity)));
-    // A sherd that lies on two others is counted three times, and they rock: 6.0 at 60 Hz, 3.5 at 90.
+    // A fragment on two others is counted three times, and the fragments rock.
     EXPECT_LT(worst, (rate < 75 ? 6.3 : 3.7) * kMass_kg * kGravity / rate);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept when a body breaks: mass, momentum, and energy but for what the impact took.
+// Conservation when a body breaks: mass, momentum, and energy less the part that the impact dissipates.
 #include <algorithm>
 #include <optional>
 
@@ -11,9 +11,11 @@ namespace {
 
 using namespace break_fixtures;
 
-// Every fragment moves as its material did: v + w x r, its share of mass and inertia. Rounding only.
-TEST(Breaking, MassMomentumAndEnergyAreKeptForAllSeeds) {
-  const TriangleMesh box = box_mesh({0.08, 0.1, 0.09});  // its pieces are convex, which are quick to prepare
+// Every fragment moves as its material did before: v + w x r, with its share of mass and inertia. Rounding
+// only.
+TEST(Breaking, FractureConservesMassMomentumAndEnergy) {
+  // its pieces are convex and therefore quick to prepare
+  const TriangleMesh box = box_mesh({0.08, 0.1, 0.09});
   for (const double rate : kRates_hz)
     for (int run = 0; run <= seed_count(10); ++run) {
       const uint64_t seed = run ? static_cast<uint64_t>(run) : 101;
@@ -50,9 +52,9 @@ TEST(Breaking, MassMomentumAndEnergyAreKeptForAllSeeds) {
     }
 }
 
-// In free space a cup meets a plate that comes towards it, turning, or a ball. Impact, recoil and what
-// fragments give back are in the sum: they are between bodies, so nothing may be missing.
-TEST(Breaking, ACupThatIsStruckKeepsMassAndMomentumForAllSeeds) {
+// In free space a cup collides with an approaching, rotating plate or with a ball. The sum includes the
+// impact, the recoil and the undone impulses of fragments. All are internal, so momentum must be conserved.
+TEST(Breaking, ImpactFractureConservesMassAndMomentum) {
   for (const double rate : kRates_hz)
     for (int run = 1; run <= seed_count(10); ++run) {
       const auto seed = static_cast<uint64_t>(run);
@@ -81,14 +83,14 @@ TEST(Breaking, ACupThatIsStruckKeepsMassAndMomentumForAllSeeds) {
       EXPECT_NEAR(mass_of(world, kCup), kMass_kg, 1e-6 * kMass_kg);
       EXPECT_LT((after.linear_momentum - before.linear_momentum).norm(),
                 1e-5 * before.linear_momentum.norm());
-      // Seed 39 turns by a tenth of the spin of its parts, and its error is in parts of that.
+      // If the total spin is small compared with that of the parts, the relative error is larger.
       report_gap("breaking.angular_momentum",
                  (after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm());
       EXPECT_LE(after.kinetic_j, before.kinetic_j * (1 + 1e-9));
     }
 }
 
-TEST(Breaking, ABallInFreeSpaceBreaksItAndMomentumIsKept) {
+TEST(Breaking, BallBreaksFreeCupAndMomentumIsConserved) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     for (const double speed : {4.0, 20.0}) {
@@ -99,8 +101,8 @@ TEST(Breaking, ABallInFreeSpaceBreaksItAndMomentumIsKept) {
       const BodyEnergy before = world.energy();
       run_seconds(world, 0.3);
       const BodyEnergy after = world.energy();
-      // The impulse between free bodies, mu v (1 + e) with mu the reduced mass at the place, is 0.29 and 1.4
-      // N s at most.
+      // The impulse between free bodies is at most mu v (1 + e), with mu the reduced mass at the contact
+      // point: 0.29 and 1.4 N s.
       EXPECT_EQ(world.revision(kCup) > 0, speed > 10);
       EXPECT_LT((after.linear_momentum - before.linear_momentum).norm(),
                 1e-5 * before.linear_momentum.norm());
@@ -113,7 +115,8 @@ TEST(Breaking, ABallInFreeSpaceBreaksItAndMomentumIsKept) {
 
 constexpr uint32_t kBlock = 9;
 
-// Three cups above each other, falling; a block of 50 kg lands two metres away in the tick given, if one is.
+// Three cups fall one above the other. If `landing_tick` is set, a block of 50 kg lands 2 m away in that
+// tick.
 World falling_cups(double rate, std::optional<uint64_t> landing_tick) {
   World world = world_at(rate, 4);
   world.add_collider(floor_plane());
@@ -132,8 +135,8 @@ World falling_cups(double rate, std::optional<uint64_t> landing_tick) {
   return world;
 }
 
-// The block loses 300 J where the cups have 5. Nothing joins them, so the cups should break as they do alone.
-TEST(Breaking, ACrashElsewhereFeedsNoBreak) {
+// The block loses 300 J, the cups 5 J. They are not connected, so the cups must break as without the block.
+TEST(Breaking, DistantCrashDoesNotAffectFracture) {
   for (const double rate : kRates_hz) {
     World alone = falling_cups(rate, {});
     int breaks = 0;
@@ -146,14 +149,14 @@ TEST(Breaking, ACrashElsewhereFeedsNoBreak) {
       ++breaks;
       World beside = falling_cups(rate, tick);
       while (beside.tick() < tick) beside.step();
-      EXPECT_GT(body_state(beside, kBlock).velocity_m_s.y(), -0.1) << "it must have landed";
+      EXPECT_GT(body_state(beside, kBlock).velocity_m_s.y(), -0.1) << "the block has not landed";
       const std::vector<BodyState> one = alone.bodies(), other = beside.bodies();
       ASSERT_EQ(one.size() + 1, other.size());
       double differ_m_s = 0;
       for (size_t i = 0; i < one.size(); ++i) {
         differ_m_s = std::max(differ_m_s, (other[i].velocity_m_s - one[i].velocity_m_s).norm());
       }
-      EXPECT_LT(differ_m_s, 1e-9) << "tick " << tick << " of " << rate << " Hz";  // of 2 to 3 m/s
+      EXPECT_LT(differ_m_s, 1e-9) << "tick " << tick << " of " << rate << " Hz";  // at speeds of 2 to 3 m/s
     }
     EXPECT_GE(breaks, 2);
   }

@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A box of 0.1 x 0.2 x 0.3 m about `at`, part of a whole that moves with `velocity` at the origin and turns
-// with `spin`.
+// A box of 0.1 x 0.2 x 0.3 m centred at `at`. It is part of a body that moves with `velocity` at the origin
+// and rotates with `spin`.
 RigidBody part_at(const Vector3d& at, double mass_kg, const Vector3d& velocity, const Vector3d& spin) {
   RigidBody body;
   body.mass_kg = mass_kg;
@@ -22,7 +22,7 @@ RigidBody part_at(const Vector3d& at, double mass_kg, const Vector3d& velocity, 
   return body;
 }
 
-TEST(FractureRecoil, PartsTakeTheEnergyGivenAndKeepTheMomentum) {
+TEST(FractureRecoil, RecoilAddsTheGivenEnergyAndNoMomentum) {
   const Vector3d velocity(1, -4, 0.5), spin(3, 2, -5);
   std::array<RigidBody, 3> parts{part_at({0, 0, 0}, 0.2, velocity, spin),
                                  part_at({0.1, 0, 0}, 0.05, velocity, spin),
@@ -46,10 +46,10 @@ TEST(FractureRecoil, PartsTakeTheEnergyGivenAndKeepTheMomentum) {
   EXPECT_NEAR(kinetic_j[1] - kinetic_j[0], 0.7, 1e-12);
   EXPECT_LT((linear[1] - linear[0]).norm(), 1e-14);
   EXPECT_LT((angular[1] - angular[0]).norm(), 1e-14);
-  EXPECT_LT(parts[0].velocity_m_s.x(), velocity.x()) << "both sides move away from the crack";
+  EXPECT_LT(parts[0].velocity_m_s.x(), velocity.x()) << "the part does not move away from the crack";
 }
 
-TEST(FractureRecoil, WithoutAFaceOrEnergyNothingMoves) {
+TEST(FractureRecoil, NoFaceOrNoEnergyMeansNoRecoil) {
   std::array<RigidBody, 2> parts{part_at({0, 0, 0}, 0.2, {1, 0, 0}, {0, 0, 0}),
                                  part_at({0.1, 0, 0}, 0.1, {1, 0, 0}, {0, 0, 0})};
   std::array<RigidBody*, 2> bodies{&parts[0], &parts[1]};
@@ -59,9 +59,9 @@ TEST(FractureRecoil, WithoutAFaceOrEnergyNothingMoves) {
   for (const RigidBody& part : parts) EXPECT_EQ(part.velocity_m_s, Vector3d(1, 0, 0));
 }
 
-// A fall with v onto a hard floor gives J = m v (1 + e) and takes m v² (1 - e²) / 2 in all; until x of J is
-// given, v x J - (x J)² / (2 m).
-TEST(FractureRecoil, ABlowTakesWhatTheFallHad) {
+// A fall at v onto a hard floor gives J = m v (1 + e) and dissipates m v² (1 - e²) / 2 in total. Up to a
+// fraction x of J it dissipates v x J - (x J)² / (2 m).
+TEST(FractureRecoil, ImpactDissipatesTheEnergyOfTheFall) {
   const RigidBody body = part_at({0, 0, 0}, 0.3, Vector3d::Zero(), Vector3d::Zero());
   const double speed = 4.0;
   for (const double restitution : {0.0, 0.2, 1.0}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fragile bodies in a world: when they break, what is kept when they do, and what becomes of the fragments.
+// Fragile bodies in a world: when they break, which quantities are conserved, and how the fragments behave.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 double small_cup_centre_m() { return solid_mass_properties(small_cup()).centre_of_mass_m.y(); }
 
-TEST(Breaking, AShellsPiecesWeighByItsSurface) {
+TEST(Breaking, ShellPiecesWeighByTheirSurface) {
   const TriangleMesh& mesh = small_cup();
   RigidBodyDescription cup = cup_at(1.0);
   cup.properties = shell_mass_properties(mesh);
@@ -31,7 +31,7 @@ TEST(Breaking, AShellsPiecesWeighByItsSurface) {
   EXPECT_NEAR(after.kinetic_j, before.kinetic_j, 1e-9 * before.kinetic_j);
 }
 
-TEST(Breaking, FragmentsComeToRestAndSleepAndNoneGainsEnergy) {
+TEST(Breaking, FragmentsSleepAndGainNoEnergy) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = with_cup(cup_at(1.0), world_at(rate, 4));
@@ -44,7 +44,7 @@ TEST(Breaking, FragmentsComeToRestAndSleepAndNoneGainsEnergy) {
     double last_j = start_j;
     for (int tick = 0; tick < 6 * rate; ++tick) {
       world.step();
-      // A push that parts an overlap may lift a fragment a little; never by more than a hundredth of the
+      // The impulse that separates an overlap may lift a fragment slightly, by at most a hundredth of the
       // fall.
       EXPECT_LT(total(), last_j + 0.01 * start_j) << tick;
       last_j = std::min(last_j, total());
@@ -58,10 +58,9 @@ TEST(Breaking, FragmentsComeToRestAndSleepAndNoneGainsEnergy) {
   }
 }
 
-// Plates, boxes and rods that break on the floor, in six ways each: what is given back to the fragments of
-// the impact that its bonds did not bear is friction's part too, and no more than there was. Of plates six in
-// twelve gained up to 28 % in that tick.
-TEST(Breaking, WhatBreaksOnTheFloorInWhateverWayGainsNothing) {
+// Plates, boxes and rods break on the floor in six orientations each. Part of the impact impulse is returned
+// to the fragments because their bonds did not carry it. It includes friction and must not add energy.
+TEST(Breaking, BreakingOnTheFloorGainsNothing) {
   int broken = 0;
   for (const Vector3d& size :
        {Vector3d(0.25, 0.02, 0.25), Vector3d(0.1, 0.1, 0.1), Vector3d(0.03, 0.3, 0.03)}) {
@@ -90,10 +89,9 @@ TEST(Breaking, WhatBreaksOnTheFloorInWhateverWayGainsNothing) {
   EXPECT_EQ(broken, 18 * static_cast<int>(kRates_hz.size()));
 }
 
-// Upright, from four times the height that breaks it: its sherds do not stand on as a cup. Mean distance from
-// the axis over that of the same pieces in the whole is 1.7, and the highest corner is at 54 mm; without
-// recoil 1.30, and 103 mm of the 100 it was high.
-TEST(Breaking, ACupThatLandsUprightComesApart) {
+// Upright, from four times its break height: the fragments must not stay together in the shape of the cup.
+// The ratio compares the mean distance of pieces from the axis with that in the intact cup.
+TEST(Breaking, UprightCupSeparatesOnLanding) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     const double speed = kBreakImpulse_n_s / (kMass_kg * 1.2);
@@ -112,15 +110,15 @@ TEST(Breaking, ACupThatLandsUprightComesApart) {
     }
     RecordProperty("spread", std::to_string(now / then));
     EXPECT_GT(now / then, 1.5);
-    EXPECT_LT(highest, 0.09) << "of the 0.1 m that the cup was high";
+    EXPECT_LT(highest, 0.09) << "the intact cup is 0.1 m high";
   }
 }
 
-TEST(Breaking, AFragmentBreaksAgainDownToSinglePieces) {
+TEST(Breaking, FragmentsBreakDownToSinglePieces) {
   World world = with_cup(cup_at(1.0), world_at(90, 4, Vector3d::Zero()));
   size_t bodies = 1;
   const size_t pieces = cup_pieces()->pieces.size();
-  // Every piece in turn: either its body comes apart further, or it is alone.
+  // Each break at a piece either splits its body further or fails because the piece is alone.
   for (int round = 0; round < 4; ++round) {
     for (const VoronoiPiece& piece : cup_pieces()->cut.pieces) {
       const Vector3d point = piece.mesh.vertices_m[0] * 0.999 + piece.mass.centre_of_mass_m * 0.001;
@@ -128,7 +126,7 @@ TEST(Breaking, AFragmentBreaksAgainDownToSinglePieces) {
       const size_t now = body_count(world, kCup);
       EXPECT_GE(now, bodies);
       if (!broken) {
-        EXPECT_NE(broken.error().message.find("breaks no further"), std::string::npos);
+        EXPECT_NE(broken.error().message.find("cannot break further"), std::string::npos);
       }
       bodies = now;
     }
@@ -143,10 +141,10 @@ TEST(Breaking, AFragmentBreaksAgainDownToSinglePieces) {
   EXPECT_EQ(world.drivers().objects[0].poses.size(), pieces);
 }
 
-// A hand lifts it and lets it fall, upright, onto the floor. Blows of 0.8 of what breaks it take 0.15 of the
-// strength each: 0.85 bears the second, 0.7 not the third. Blows of 0.45 leave no trace, nor does what lifts
-// it.
-TEST(Breaking, BlowsThatBreakNothingAreRemembered) {
+// A hand lifts the cup and drops it upright onto the floor. An impact at 0.8 of the threshold takes 0.15 of
+// the strength: 0.85 withstands the second, 0.7 fails at the third. Impacts at 0.45 and the lifting forces
+// cause no damage.
+TEST(Breaking, DamageOfWeakImpactsAccumulates) {
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
       SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz");
@@ -180,8 +178,8 @@ TEST(Breaking, BlowsThatBreakNothingAreRemembered) {
   }
 }
 
-// Pressed down sixty times with more than half of what crushes it, it bears as much as when it was new.
-TEST(Breaking, WhatLastsWearsNothing) {
+// Sixty presses with more than half the crushing force do not reduce the strength.
+TEST(Breaking, LastingLoadCausesNoDamage) {
   World world = with_cup(cup_at(0.0), world_at(90, 4));
   world.add_collider(floor_plane());
   for (int press = 0; press < 60; ++press) {
@@ -194,7 +192,7 @@ TEST(Breaking, WhatLastsWearsNothing) {
   const double crushing_n = 0.5 * kBreakImpulse_n_s / kImpactDuration_s;
   world.set_force(3, kCup, {{0, 0.05, 0}, {0, -(0.97 * crushing_n - kMass_kg * kGravity), 0}});
   run_seconds(world, 0.5);
-  EXPECT_EQ(world.revision(kCup), 0u) << "as strong as new";
+  EXPECT_EQ(world.revision(kCup), 0u) << "the load reduced the strength";
   world.set_force(3, kCup, {{0, 0.05, 0}, {0, -1.03 * crushing_n, 0}});
   run_seconds(world, 0.5);
   EXPECT_GT(world.revision(kCup), 0u);
@@ -216,7 +214,7 @@ TEST(Breaking, MaterialPointsStayWithTheirFragment) {
   for (size_t i = 0; i < points.size(); ++i) {
     EXPECT_LT((world.world_point(kCup, points[i]) - before[i]).norm(), 1e-12);
   }
-  run_seconds(world, 0.5);  // spun at 20 rad/s: they have flown apart
+  run_seconds(world, 0.5);  // the fragments of a spin of 20 rad/s have separated
   ASSERT_EQ(body_count(world, kCup), cup_pieces()->pieces.size());
   for (size_t b = 0; b < body_count(world, kCup); ++b) {
     const BodyState body = world.bodies()[b];
@@ -224,7 +222,8 @@ TEST(Breaking, MaterialPointsStayWithTheirFragment) {
     const auto hit = world.ray_cast(from, -Vector3d::UnitY(), 2.0);
     ASSERT_TRUE(hit) << b;
     const Vector3d met = from - hit->distance_m * Vector3d::UnitY();
-    // The point is told 1e-5 of the fragment's radius of 26 to 38 mm within, so that it is not a neighbour's.
+    // The reported point lies inside the fragment by 1e-5 of its radius of 26 to 38 mm, so that it does not
+    // belong to a neighbour.
     EXPECT_LT((world.world_point(kCup, hit->rest_point_m) - met).norm(), 4e-7);
   }
 }
@@ -249,7 +248,7 @@ TEST(Breaking, ForceOnAFragmentMovesThatFragment) {
   }
 }
 
-TEST(Breaking, TheBitsAreTheSameForAnyNumberOfThreads) {
+TEST(Breaking, SameBitsForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     set_thread_count(threads);
     World world = with_cup(cup_at(0.8), world_at(90, 4), cup_pieces());
@@ -272,7 +271,7 @@ TEST(Breaking, TheBitsAreTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one, run(8));
 }
 
-TEST(Breaking, WhatCannotBreakSaysWhy) {
+TEST(Breaking, ReportsWhyABodyCannotBreak) {
   World world = world_at(90, 4);
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 1.0)));
   ASSERT_TRUE(world.add_ball(ball(2, {1, 1, 1})));
@@ -288,17 +287,17 @@ TEST(Breaking, WhatCannotBreakSaysWhy) {
   box.material.break_impulse_n_s = 1.0;
   ASSERT_TRUE(world.add_rigid(box));
   says(world.set_pieces(3, cup_pieces()), "another body");
-  // So weak that no impact has a direction: it was no error, and nothing broke.
+  // The break impulse is so small that no impact has a direction.
   RigidBodyDescription weak = cup_at(0.0);
   weak.object_id = 4;
   weak.material.break_impulse_n_s = 1e-200;
   ASSERT_TRUE(world.add_rigid(weak));
   ASSERT_TRUE(world.set_pieces(4, cup_pieces()));
-  says(world.break_object(4, {0.038, 0.05, 0}), "object 4: nothing breaks");
+  says(world.break_object(4, {0.038, 0.05, 0}), "object 4: no bond breaks");
 }
 
-// A break impulse of nothing would be reached by standing.
-TEST(Breaking, ABreakImpulseThatIsNoneIsRefusedAndTheCupStands) {
+// A break impulse of zero would be reached at rest.
+TEST(Breaking, InvalidBreakImpulseIsRejected) {
   World world = with_cup(cup_at(0.0), world_at(90, 4));
   world.add_collider(floor_plane());
   run_seconds(world, 1.0);
@@ -317,7 +316,7 @@ TEST(Breaking, ABreakImpulseThatIsNoneIsRefusedAndTheCupStands) {
   run_seconds(world, 1.0);
   EXPECT_EQ(world.revision(kCup), 0u);
   EXPECT_EQ(world.material(kCup)->break_impulse_n_s, kBreakImpulse_n_s);
-  // What neither is fragile nor has pieces needs none.
+  // A body that is neither fragile nor has pieces needs no break impulse.
   ASSERT_TRUE(world.add_rigid(box_body(2, {0.1, 0.1, 0.1}, 1.0)));
   EXPECT_TRUE(world.set_material(2, *world.material(2)));
 }

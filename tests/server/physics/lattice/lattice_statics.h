@@ -10,15 +10,15 @@
 #include "physics/elastic/resolution/cell_stiffness.h"
 #include "physics/lattice/lattice.h"
 
-// The lattice as linear finite elements: small displacements, solved directly. It is what the sweeps of the
-// solver converge to, so tests of elements and of lattices need no time steps.
+// The lattice as linear finite elements: small displacements, solved directly. The Gauss-Seidel passes of the
+// solver converge to this solution, so tests of elements and lattices need no time steps.
 
 namespace livegs::test {
 
 using Matrix24 = Eigen::Matrix<double, 24, 24>;
 using Vector24 = Eigen::Matrix<double, 24, 1>;
 
-// Stiffness of one cell, lattice axes, corner by corner: the second derivative of cell_energy at rest.
+// Stiffness of one cell in lattice axes, corner by corner: the second derivative of cell_energy at rest.
 inline Matrix24 cell_matrix(const LatticeCell& cell, double cell_width_m, const IsotropicMaterial& material) {
   const auto gradients = trilinear_gradients(cell.centroid, cell_width_m);
   const auto energy = [&](const Vector24& u) {
@@ -32,7 +32,7 @@ inline Matrix24 cell_matrix(const LatticeCell& cell, double cell_width_m, const 
     return cell_energy(cell, cell_width_m, material, 0.5 * (gradient + gradient.transpose()),
                        1.0 + gradient.trace(), modes);
   };
-  // The energy is quadratic, so that differences of it are exact.
+  // The energy is quadratic, so its differences are exact.
   Matrix24 matrix;
   Vector24 own;
   for (int i = 0; i < 24; ++i) own[i] = energy(Vector24::Unit(i));
@@ -54,8 +54,8 @@ class LatticeStatics {
  public:
   using CellMatrix = std::function<Matrix24(const LatticeCell&)>;
 
-  // `held` nodes do not move; each other is tied to its place by its mass times `tie_per_s2`, which lets a
-  // free body be solved under forces that balance.
+  // `held` nodes do not move. Every other node is tied to its position by its mass times `tie_per_s2`, which
+  // makes a free body under balanced forces solvable.
   LatticeStatics(const Lattice& lattice, double density_kg_m3, const std::vector<bool>& held,
                  const CellMatrix& matrix_of, double tie_per_s2 = 0.0)
       : unknown_(lattice.node_coordinates.size(), -1) {
@@ -82,9 +82,9 @@ class LatticeStatics {
     positive_ = solver_.info() == Eigen::Success && solver_.vectorD().minCoeff() > 0.0;
   }
 
-  bool positive() const { return positive_; }  // no motion is free
+  bool positive() const { return positive_; }  // no zero-energy motion
 
-  // Displacements of all nodes, lattice axes.
+  // Displacements of all nodes in lattice axes, m.
   std::vector<Eigen::Vector3d> solve(std::span<const NodeLoad> loads) const {
     Eigen::VectorXd force = Eigen::VectorXd::Zero(3 * count_);
     for (const NodeLoad& load : loads) {

@@ -33,8 +33,8 @@ TEST(Lattice, FullCellsAreFull) {
   EXPECT_NEAR(sum(lattice.node_volumes_m3), 0.004, 1e-15);
 }
 
-TEST(Lattice, ParticlesOffTheLatticeFillCellsAllTheSame) {
-  // Cells of one and a half particle: faces of cells cut particles in half.
+TEST(Lattice, ParticlesOffTheLatticeStillFillCells) {
+  // Cells are 1.5 particles wide, so cell faces cut particles in half.
   const Lattice lattice = lattice_of(particle_grid({0.3, 0.15, 0.15}, 0.025), 0.0375);
   EXPECT_EQ(lattice.cells.size(), 8u * 4 * 4);
   for (const LatticeCell& cell : lattice.cells) {
@@ -44,7 +44,7 @@ TEST(Lattice, ParticlesOffTheLatticeFillCellsAllTheSame) {
 }
 
 TEST(Lattice, SheetKeepsItsThicknessInTheSpread) {
-  // One layer of 10 mm in 25 mm cells: the variance across is (10/25)² of a full cell's.
+  // One layer of 10 mm in cells of 25 mm: the variance across is (10/25)² of that of a full cell.
   const Lattice lattice = lattice_of(particle_grid({0.2, 0.2, 0.01}, 0.01), 0.025);
   EXPECT_EQ(lattice.cells.size(), 64u);
   for (const LatticeCell& cell : lattice.cells) {
@@ -64,11 +64,11 @@ TEST(Lattice, ColoursShareNoNode) {
   }
 }
 
-TEST(Lattice, EmbeddedPointsComeBackFromTheirWeights) {
+TEST(Lattice, EmbeddedPointsFollowFromTheirWeights) {
   const ParticleSet particles = particle_grid({0.2, 0.1, 0.1}, 0.02);
   const Lattice lattice = lattice_of(particles, 0.04);
   std::vector<Vector3d> points = particles.positions_m;
-  points.push_back({0.11, 0.055, -0.055});  // a little outside
+  points.push_back({0.11, 0.055, -0.055});  // slightly outside
   for (const Vector3d& point : points) {
     const EmbeddedPoint embedded = lattice.embed(point);
     const auto weights = trilinear_weights(embedded.local);
@@ -114,8 +114,8 @@ TEST(Lattice, PlaneSnapsToAMovedRegion) {
   EXPECT_NEAR(nearest, 0.0, 1e-12);
 }
 
-TEST(Lattice, MeshVerticesSetTheFacesAndCarryNoMass) {
-  // Voxels of 30 mm leave 10 mm of a 100 mm cube unfilled; its corners say where it ends.
+TEST(Lattice, MeshVerticesSetFacesAndCarryNoMass) {
+  // Voxels of 30 mm leave 10 mm of a 100 mm cube unfilled; its corner vertices define the faces.
   ParticleSet particles = particle_grid(Vector3d::Constant(0.09), 0.03);
   const double share = 0.001 / (27 + 8);
   for (int c = 0; c < 8; ++c) {
@@ -143,8 +143,9 @@ ResolutionRequest bar_request(double youngs_modulus_pa, double width_m) {
   return request;
 }
 
-TEST(LatticeResolution, TakesTheSubstepsOfTheStudysRule) {
-  // elastic-study.md 2.7: ceil( sqrt(E/rho) / (Co* rate a) ), rho 1000, 60 Hz; Co* is 0.6 here, 0.75 there.
+TEST(LatticeResolution, SubstepsFollowTheStudysRule) {
+  // elastic-study.md 2.7: ceil( sqrt(E/rho) / (Co* rate a) ), rho 1000, 60 Hz. Co* is 0.6 here and 0.75 in
+  // the study.
   EXPECT_EQ(choose_resolution(bar_request(1e4, 0.0125)).substeps, 8);  // 7.03
   EXPECT_EQ(choose_resolution(bar_request(1e5, 0.025)).substeps, 12);  // 11.1
   EXPECT_EQ(choose_resolution(bar_request(1e6, 0.05)).substeps, 18);   // 17.6
@@ -152,7 +153,7 @@ TEST(LatticeResolution, TakesTheSubstepsOfTheStudysRule) {
   EXPECT_TRUE(choose_resolution(bar_request(1e6, 0.025)).clipped);  // 35.1, more than kMaxBodySubsteps
 }
 
-TEST(LatticeResolution, ClipsAtTheCapAndSaysTheCeiling) {
+TEST(LatticeResolution, ClipsAtTheCapAndReportsTheCeiling) {
   const LatticeResolution resolution = choose_resolution(bar_request(1e9, 0.025));
   EXPECT_EQ(resolution.substeps, kMaxBodySubsteps);
   EXPECT_TRUE(resolution.clipped);
@@ -160,7 +161,7 @@ TEST(LatticeResolution, ClipsAtTheCapAndSaysTheCeiling) {
   EXPECT_NEAR(resolution.courant, 0.6, 1e-12);
 }
 
-TEST(LatticeResolution, StifferBodiesGetWiderCellsBeforeTheyAreClipped) {
+TEST(LatticeResolution, StifferBodiesGetWiderCellsBeforeClipping) {
   double width = 0.0;
   for (const double stiffness : {1e4, 1e6, 1e7, 1e9}) {
     ResolutionRequest request = bar_request(stiffness, 0.0);
@@ -173,8 +174,8 @@ TEST(LatticeResolution, StifferBodiesGetWiderCellsBeforeTheyAreClipped) {
   }
 }
 
-// A sheet of 2 mm and a metre had 42 050 nodes and 32 substeps, and a tick of 0.2 s.
-TEST(LatticeResolution, AWideThinSheetGetsWiderCellsThanAFrameHasTimeFor) {
+// A wide thin sheet in cells of its thickness would exceed the frame budget many times.
+TEST(LatticeResolution, WideThinSheetFitsTheFrameBudget) {
   ResolutionRequest request = bar_request(1e5, 0.0);
   request.substeps = 4;
   for (const double width : {0.3, 1.0, 2.0, 10.0}) {

@@ -45,7 +45,7 @@ BodyRegion box(const Vector3d& min_m, const Vector3d& max_m) {
   return region;
 }
 
-TEST(RegionLoad, AnEndOfABarIsItsWholeFace) {
+TEST(RegionLoad, BarEndLoadsItsWholeFace) {
   for (const double side : {1.0, -1.0}) {
     const BodyRegion end = side > 0 ? box({0.19, -1, -1}, {1, 1, 1}) : box({-1, -1, -1}, {-0.19, 1, 1});
     const Face face = face_of(particle_grid({0.4, 0.1, 0.1}, 0.0125), 0.025, end);
@@ -56,8 +56,8 @@ TEST(RegionLoad, AnEndOfABarIsItsWholeFace) {
   }
 }
 
-// As scenes sample boxes: voxels that do not fit across them.
-TEST(RegionLoad, AnEndOfASampledBoxIsItsWholeFace) {
+// Boxes sampled as in scenes: the voxels do not divide the size evenly.
+TEST(RegionLoad, SampledBoxEndLoadsItsWholeFace) {
   for (const Vector3d& size : {Vector3d(0.4, 0.1, 0.1), Vector3d(0.3, 0.07, 0.07), Vector3d(1.0, 0.3, 0.3),
                                Vector3d(0.35, 0.13, 0.09)}) {
     for (const double thickness_m : {0.01, 0.03}) {
@@ -69,9 +69,9 @@ TEST(RegionLoad, AnEndOfASampledBoxIsItsWholeFace) {
   }
 }
 
-// Nothing of these is a voxel thick, and their particles lie on their faces. Cells are as wide as they are
-// chosen, 71 mm here.
-TEST(RegionLoad, AFaceOfWhatIsThinnerThanAVoxelIsItsWholeFace) {
+// These bodies are thinner than a voxel, and their particles lie on their faces. Cells have the default
+// width, 71 mm here.
+TEST(RegionLoad, SubVoxelBodyLoadsItsWholeFace) {
   for (const double thick_m : {0.0005, 0.003, 0.01, 0.02}) {
     const ParticleSet plate = sample_particles(box_mesh({0.5, 0.5, thick_m}));
     const Face face = face_of(plate, 0.071, box({-1, -1, 0.4 * thick_m}, {1, 1, 1}));
@@ -87,8 +87,8 @@ TEST(RegionLoad, AFaceOfWhatIsThinnerThanAVoxelIsItsWholeFace) {
   EXPECT_NEAR(bar.area_m2 / 1e-2, 1.0, 0.005);
 }
 
-TEST(RegionLoad, ARoundFaceIsTheMeshsOwn) {
-  // A prism of 32 sides, which the mesh is; its section is 0.9936 of the circle's.
+TEST(RegionLoad, RoundFaceMatchesTheMesh) {
+  // The mesh is a prism of 32 sides; its section is 0.9936 of the circle's.
   const double section_m2 = 16.0 * std::sin(2.0 * M_PI / 32.0) * 0.05 * 0.05;
   for (const double height_m : {0.4, 2.0}) {
     const ParticleSet cylinder = sample_particles(cylinder_mesh(0.05, height_m, 32));
@@ -97,22 +97,22 @@ TEST(RegionLoad, ARoundFaceIsTheMeshsOwn) {
   }
 }
 
-TEST(RegionLoad, APartOfAFaceIsCutExactly) {
-  // Edges inside particles and cells; thinner than a particle.
+TEST(RegionLoad, PartOfAFaceIsCutExactly) {
+  // The region's edges are inside particles and cells, and it is thinner than a particle.
   const Face face =
       face_of(particle_grid({0.4, 0.1, 0.1}, 0.0125), 0.025, box({0.195, -1, -1}, {1, 0.013, 1}));
   EXPECT_NEAR(face.area_m2, 0.063 * 0.1, 1e-15);
   EXPECT_NEAR((face.centre_m - Vector3d(0.2, 0.5 * (0.013 - 0.05), 0)).norm(), 0.0, 1e-14);
 }
 
-TEST(RegionLoad, TheOuterFaceOfAnInnerSlabIsTheOneNearerToTheEnd) {
+TEST(RegionLoad, InnerSlabLoadsItsFaceNearerToTheEnd) {
   const Face face = face_of(particle_grid({0.4, 0.1, 0.1}, 0.0125), 0.025, box({0.10, -1, -1}, {0.12, 1, 1}));
   EXPECT_NEAR(face.area_m2, 0.01, 1e-15);
   EXPECT_NEAR(face.centre_m.x(), 0.12, 1e-14);
 }
 
-TEST(RegionLoad, ARotatedLatticeLoadsTheSameFaceWithinAnEighthOfABox) {
-  // A bar turned about y by 30 degrees, which the lattice follows; its upper 20 mm.
+TEST(RegionLoad, RotatedLatticeLoadsTheSameFace) {
+  // A bar rotated about y by 30 degrees, with its lattice along it; the load acts on its upper 20 mm.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI / 6, Vector3d::UnitY()));
   ParticleSet particles = particle_grid({0.4, 0.08, 0.12}, 0.02);
   for (Vector3d& p : particles.positions_m) p = turn * p;
@@ -121,7 +121,7 @@ TEST(RegionLoad, ARotatedLatticeLoadsTheSameFaceWithinAnEighthOfABox) {
   EXPECT_NEAR((face.centre_m - Vector3d(0, 0.04, 0)).norm(), 0.0, 1e-9);
 }
 
-TEST(RegionLoad, ARegionBesideTheBodyHasNone) {
+TEST(RegionLoad, RegionOutsideTheBodyHasNoLoad) {
   for (const ParticleSet& particles :
        {particle_grid({0.4, 0.1, 0.1}, 0.0125), sample_particles(box_mesh({0.4, 0.1, 0.1}))}) {
     const BodyExtent extent = measure_extent(particles);

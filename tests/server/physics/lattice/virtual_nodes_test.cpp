@@ -16,7 +16,7 @@
 #include "skin/skin_kernels.h"
 
 // A fork: a palm 70 mm wide and 40 mm high with two fingers 30 mm wide, 30 mm deep and 100 mm high, 10 mm
-// apart. Cells of 25 mm have both fingers in their middle column, 0.4 cell apart.
+// apart. In cells of 25 mm both fingers share the middle column, 0.4 cell apart.
 
 namespace livegs {
 namespace {
@@ -32,7 +32,7 @@ ParticleSet fork_particles(double spacing_m) {
   ParticleSet fork;
   fork.spacing_m = spacing_m;
   for (const Vector3d& centred : block.positions_m) {
-    const Vector3d p = centred + Vector3d(0, 0.5 * kHeight_m, 0);  // the palm stands on y = 0
+    const Vector3d p = centred + Vector3d(0, 0.5 * kHeight_m, 0);  // the palm is on y = 0
     if (!in_slit(p)) fork.positions_m.push_back(p);
   }
   fork.volumes_m3.assign(fork.positions_m.size(), std::pow(spacing_m, 3));
@@ -44,7 +44,7 @@ Lattice fork_lattice(double cell_m) {
   return build_lattice(measure_extent(fork_particles(0.01)), cell_m, {});
 }
 
-TEST(VirtualNodes, ABlockHasNone) {
+TEST(VirtualNodes, BlockHasNoVirtualNodes) {
   for (const double width : {0.02, 0.025, 0.03}) {
     const Lattice lattice =
         build_lattice(measure_extent(test::particle_grid({0.1, 0.1, 0.1}, 0.01)), width, {});
@@ -54,24 +54,24 @@ TEST(VirtualNodes, ABlockHasNone) {
   }
 }
 
-TEST(VirtualNodes, EachFingerHasItsOwnAboveThePalm) {
+TEST(VirtualNodes, FingersHaveSeparateNodesAboveThePalm) {
   const Lattice lattice = fork_lattice(kCell_m);
   ASSERT_TRUE(lattice.has_virtual_cells);
-  // Which nodes the cells of each finger use above the palm: disjoint.
+  // The cells of the two fingers use disjoint nodes above the palm.
   std::set<uint32_t> nodes[2];
   double highest_shared_m = 0.0;
   for (const LatticeCell& cell : lattice.cells) {
     const Vector3d low = lattice.node_position_m(cell.nodes[0]);
     if (low.y() < kPalm_m) continue;
     const Vector3d centre = low + 0.5 * kCell_m * (cell.centroid + Vector3d::Ones());
-    ASSERT_GT(std::abs(centre.x()), 0.5 * kSlit_m);  // the material of one finger, never of both
+    ASSERT_GT(std::abs(centre.x()), 0.5 * kSlit_m);  // the material of one finger only
     for (const uint32_t node : cell.nodes) nodes[centre.x() > 0.0].insert(node);
   }
   for (const uint32_t node : nodes[0]) {
     if (nodes[1].count(node))
       highest_shared_m = std::max(highest_shared_m, lattice.node_position_m(node).y());
   }
-  // Joined no higher than the lower face of the first row of cells wholly above the palm.
+  // Joined at most up to the lower face of the first row of cells wholly above the palm.
   double first_row_m = 1.0;
   for (const LatticeCell& cell : lattice.cells) {
     const double y = lattice.node_position_m(cell.nodes[0]).y();
@@ -80,7 +80,7 @@ TEST(VirtualNodes, EachFingerHasItsOwnAboveThePalm) {
   EXPECT_LE(highest_shared_m, first_row_m + 1e-9);
 }
 
-TEST(VirtualNodes, VolumeAndItsFirstMomentStay) {
+TEST(VirtualNodes, VolumeAndFirstMomentAreConserved) {
   const Lattice lattice = fork_lattice(kCell_m);
   const ParticleSet fork = fork_particles(0.01);
   Vector3d wanted = Vector3d::Zero(), found = Vector3d::Zero();
@@ -94,13 +94,13 @@ TEST(VirtualNodes, VolumeAndItsFirstMomentStay) {
     found_volume += lattice.node_volumes_m3[i];
   }
   EXPECT_NEAR(found_volume / volume, 1.0, 1e-12);
-  EXPECT_NEAR((found - wanted).norm() / volume, 0.0, 1e-6);  // the floor under the lightest nodes
+  EXPECT_NEAR((found - wanted).norm() / volume, 0.0, 1e-6);  // the lower bound of node masses shifts it
 }
 
 TEST(VirtualNodes, CellsOfOneColourShareNoNode) {
   const Lattice lattice = fork_lattice(kCell_m);
   ASSERT_EQ(lattice.colour_begin[kLatticeColours], lattice.cells.size());
-  EXPECT_GT(lattice.cells.size(), lattice.colour_begin[8]);  // the roots of the fingers need more than eight
+  EXPECT_GT(lattice.cells.size(), lattice.colour_begin[8]);  // the finger roots need more than eight colours
   for (int colour = 0; colour < kLatticeColours; ++colour) {
     std::set<uint32_t> nodes;
     for (uint32_t i = lattice.colour_begin[colour]; i < lattice.colour_begin[colour + 1]; ++i) {
@@ -109,7 +109,7 @@ TEST(VirtualNodes, CellsOfOneColourShareNoNode) {
   }
 }
 
-TEST(VirtualNodes, PointsRideInTheirFinger) {
+TEST(VirtualNodes, PointsFollowTheirFinger) {
   const Lattice lattice = fork_lattice(kCell_m);
   for (double y = 0.08; y < kHeight_m; y += 0.003) {
     for (const double x : {-0.034, -0.02, -0.0055, 0.0055, 0.02, 0.034}) {
@@ -121,7 +121,8 @@ TEST(VirtualNodes, PointsRideInTheirFinger) {
   }
 }
 
-// Tips under a sideways force on the left finger, the palm's foot held: how far both move.
+// Displacements of both fingertips under a sideways force on the left one, with the lower end of the palm
+// held.
 struct Tips {
   double pulled_m, other_m;
 };
@@ -143,14 +144,14 @@ Tips pull_left_finger(const Lattice& lattice) {
           -test::moved(lattice, moved, {0.02, 0.135, 0.0}).x()};
 }
 
-TEST(VirtualNodes, PullingOneFingerMovesTheOtherOnlyThroughThePalm) {
+TEST(VirtualNodes, FingersInteractOnlyThroughThePalm) {
   // Reference: 5 mm cells, which leave the slit empty and need no virtual nodes.
   const Tips fine = pull_left_finger(fork_lattice(0.005));
   const Tips coarse = pull_left_finger(fork_lattice(kCell_m));
   EXPECT_GT(fine.pulled_m, 0.0);
   EXPECT_NEAR(coarse.pulled_m / fine.pulled_m, 1.0, 0.2) << coarse.pulled_m << " " << fine.pulled_m;
-  // The fingers part at the first lattice plane above the palm, 5 mm up, and the palm is two cells high: its
-  // turn at their roots is coarse. Welded, the other moves as far as the pulled one.
+  // The fingers separate at the first lattice plane above the palm, 5 mm up. The palm is two cells high, so
+  // its rotation at their roots is coarse. If the fingers were connected, both tips would move equally.
   EXPECT_NEAR(coarse.other_m / coarse.pulled_m, fine.other_m / fine.pulled_m, 0.1);
 }
 
@@ -165,7 +166,7 @@ TEST(VirtualNodes, KernelsFollowTheirFinger) {
     rest.cells.push_back(cell.nodes);
     rest.cell_fills.push_back(cell.fill);
   }
-  // Kernels on the skin of both fingers, inside the slit too, some just outside the material.
+  // Kernels on the surface of both fingers, also inside the slit, some just outside the material.
   std::vector<Vector3d> points;
   for (double y = 0.08; y < kHeight_m; y += 0.003) {
     for (const double x : {0.0045, 0.0055, 0.02, 0.0355}) {
@@ -195,8 +196,8 @@ TEST(VirtualNodes, KernelsFollowTheirFinger) {
   }
 }
 
-TEST(VirtualNodes, PartsThatNothingJoinsStayOneBody) {
-  // Two blocks with a row of voxels missing between them: dust, not fingers.
+TEST(VirtualNodes, DisconnectedPartsStayOneBody) {
+  // Two blocks separated by one missing row of voxels count as sampling noise, not as fingers.
   ParticleSet halves;
   for (const Vector3d& p : test::particle_grid({0.11, 0.05, 0.05}, 0.01).positions_m) {
     if (std::abs(p.x()) > 0.006) halves.positions_m.push_back(p);
@@ -213,7 +214,7 @@ TEST(VirtualNodes, PartsThatNothingJoinsStayOneBody) {
   EXPECT_GT(links.size(), 0u);
 }
 
-TEST(VirtualNodes, AJitteredBlockStaysWhole) {
+TEST(VirtualNodes, JitteredBlockStaysWhole) {
   ParticleSet block = test::particle_grid({0.1, 0.1, 0.1}, 0.01);
   std::mt19937_64 random(3);
   for (Vector3d& p : block.positions_m) p += testing::uniform3(random, -0.003, 0.003);
@@ -221,7 +222,7 @@ TEST(VirtualNodes, AJitteredBlockStaysWhole) {
   EXPECT_FALSE(lattice.has_virtual_cells);
 }
 
-TEST(CellFill, IsThePartsABoxTouches) {
+TEST(CellFill, MarksThePartsThatABoxOverlaps) {
   using Eigen::Vector3f;
   EXPECT_EQ(fill_of_box(Vector3f::Zero(), Vector3f::Ones()), kFullCell);
   EXPECT_EQ(fill_of_box(Vector3f::Zero(), Vector3f::Constant(0.25f)), 1u);
@@ -230,7 +231,7 @@ TEST(CellFill, IsThePartsABoxTouches) {
   EXPECT_EQ(fill_of_box(Vector3f::Ones(), Vector3f::Ones()), uint64_t{1} << 63);
 }
 
-TEST(CellFill, DistanceIsThatToTheNearestPart) {
+TEST(CellFill, DistanceIsToTheNearestPart) {
   const uint64_t corner = fill_of_box(Eigen::Vector3f::Zero(), Eigen::Vector3f::Constant(0.25f));
   EXPECT_EQ(fill_distance(corner, {0.1f, 0.2f, 0.0f}).to_material, 0.0f);
   EXPECT_NEAR(fill_distance(corner, {0.75f, 0.1f, 0.1f}).to_material, 0.25f, 1e-6);

@@ -7,7 +7,7 @@
 #include "physics/lattice/lattice.h"
 #include "scenes/elastic_bodies.h"
 
-// Several materials in one lattice. The closed forms are the volumes of boxes.
+// Several materials in one lattice. Closed forms are box volumes.
 
 namespace livegs {
 namespace {
@@ -32,7 +32,7 @@ double part_of(const LatticeCell& cell, uint16_t material) {
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-TEST(LatticeMaterials, ABodyOfOneMaterialIsAllItsOwn) {
+TEST(LatticeMaterials, SingleMaterialFillsTheBody) {
   const Lattice lattice = build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, {});
   for (const LatticeCell& cell : lattice.cells) {
     ASSERT_EQ(cell.materials.size(), 1u);
@@ -44,8 +44,8 @@ TEST(LatticeMaterials, ABodyOfOneMaterialIsAllItsOwn) {
   EXPECT_EQ(lattice.material_node_volumes_m3[0], lattice.node_volumes_m3);
 }
 
-TEST(LatticeMaterials, ACellAcrossAFaceIsCutExactlyThere) {
-  // The face at 13 mm stands 13/25 into a column of cells and 0.5 mm into a layer of particles.
+TEST(LatticeMaterials, CellAcrossAFaceIsCutExactly) {
+  // The face at 13 mm is 13/25 into a column of cells and 0.5 mm into a layer of particles.
   const std::vector<BodyRegion> regions = {made_of({0.013, -1, -1}, {1, 1, 1})};
   const Lattice lattice =
       build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, regions);
@@ -65,7 +65,7 @@ TEST(LatticeMaterials, ACellAcrossAFaceIsCutExactlyThere) {
   EXPECT_NEAR(lattice.material_volumes_m3[1], 0.187 * 0.01, 1e-15);
 }
 
-TEST(LatticeMaterials, NodesCarryTheVolumeAndFirstMomentOfEachMaterial) {
+TEST(LatticeMaterials, NodesCarryVolumeAndMomentOfEachMaterial) {
   const std::vector<BodyRegion> regions = {made_of({0.013, -1, -1}, {1, 1, 1})};
   const Lattice lattice =
       build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025, regions);
@@ -83,8 +83,8 @@ TEST(LatticeMaterials, NodesCarryTheVolumeAndFirstMomentOfEachMaterial) {
   }
 }
 
-TEST(LatticeMaterials, TheLaterOfTwoRegionsCountsAndOnlyMaterialsAreNumbered) {
-  BodyRegion pulled;  // has no material, so it takes no number
+TEST(LatticeMaterials, LaterRegionWinsAndOnlyMaterialsAreNumbered) {
+  BodyRegion pulled;  // has no material and therefore no number
   pulled.min_m = {0.19, -1, -1};
   pulled.max_m = {1, 1, 1};
   pulled.traction_pa = {1, 0, 0};
@@ -98,21 +98,21 @@ TEST(LatticeMaterials, TheLaterOfTwoRegionsCountsAndOnlyMaterialsAreNumbered) {
   EXPECT_NEAR(lattice.material_volumes_m3[2], 0.15 * 0.01, 1e-15);
 }
 
-TEST(LatticeMaterials, ARotatedLatticeCutsWithinAnEighthOfABox) {
+TEST(LatticeMaterials, RotatedLatticeCutsWithinAnEighthOfABox) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5, Vector3d(1, 2, 3).normalized()));
   ParticleSet particles = particle_grid({0.4, 0.12, 0.08}, 0.02);
   for (Vector3d& p : particles.positions_m) p = turn * p;
-  // Half of the bar by symmetry: a plane through its centre.
+  // A plane through the centre halves the bar.
   const std::vector<BodyRegion> regions = {made_of({0, -1, -1}, {1, 1, 1})};
   const Lattice lattice = build_lattice(measure_extent(particles), 0.04, regions);
   const double volume = 0.4 * 0.12 * 0.08;
   EXPECT_NEAR(lattice.material_volumes_m3[0] + lattice.material_volumes_m3[1], volume, 1e-12);
-  // Pieces have edges of 5 mm; the plane cuts an area of about 0.12 x 0.08 / cos.
+  // Boxes are cut into pieces with edges of 5 mm. The plane cuts an area of about 0.12 x 0.08 / cos.
   EXPECT_NEAR(lattice.material_volumes_m3[1], 0.5 * volume, 0.0025 * 0.12 * 0.08);
   EXPECT_NEAR(sum(lattice.material_node_volumes_m3[1]), lattice.material_volumes_m3[1], 1e-12);
 }
 
-TEST(LatticeMaterials, AFixedRegionMayBeMadeOfSomethingElse) {
+TEST(LatticeMaterials, FixedRegionMayHaveItsOwnMaterial) {
   BodyRegion clamp = made_of({-0.2, -0.05, -0.05}, {-0.15, 0.05, 0.05});
   clamp.fixed = true;
   const Lattice lattice = build_lattice(measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125)), 0.025,

@@ -28,7 +28,7 @@ Matrix3d stretch_of(const Matrix3d& f) {
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(f.transpose() * f).operatorSqrt();
 }
 
-// The strain that the header says the surface bounds.
+// The strain that the yield surface bounds, as defined in the header.
 double strain(const Matrix3d& f, const Matrix3d& d) { return deviator(stretch_of(f) - d).norm(); }
 
 // A cell under deformations F of its rest shape.
@@ -53,13 +53,13 @@ double bisect(double low, double high, const std::function<double(double)>& risi
   return 0.5 * (low + high);
 }
 
-// Force on the sides of a bar, over 2 mu and the section, of length l and width b with plastic part diag(d,
-// s, s): W = mu |F - D|² + lambda/2 (det F - 1)².
+// Force on the sides of a bar over 2 mu and the section. The bar has length l, width b and plastic part
+// diag(d, s, s): W = mu |F - D|² + lambda/2 (det F - 1)².
 double side_force(double nu, double l, double b, const Matrix3d& d) {
   return b - d(1, 1) + nu / (1.0 - 2.0 * nu) * (l * b * b - 1.0) * l * b;
 }
 
-// A bar with free sides pulled to `length`: the width is the one that is in balance after the flow.
+// Pulls a bar with free sides to `length`. Its width balances the side forces after the flow.
 void pull(Cell& cell, double nu, double length) {
   const double width = bisect(0.2, 1.2, [&](double b) {
     Cell tried = cell;
@@ -71,20 +71,20 @@ void pull(Cell& cell, double nu, double length) {
 
 // --- the yield surface ---
 
-TEST(YieldSurface, IsTheStrainOfSimpleTension) {
-  // nu = 0: the sides stay, so the deviator of diag(1 + y, 1, 1).
+TEST(YieldSurface, RadiusIsTheStrainOfSimpleTension) {
+  // nu = 0: the sides do not move, so the strain is the deviator of diag(1 + y, 1, 1).
   for (const double p : {0.0, 0.5, 0.9, 1.0}) {
     const double y = 1.0 - p;
     EXPECT_NEAR(yield_surface(p, 0.0).radius, std::sqrt(2.0 / 3.0) * y, 1e-15);
     EXPECT_EQ(yield_surface(p, 0.0).limit, p);
   }
-  // Small strains: deviator of diag(1, -nu, -nu) y; the rest is y².
+  // Small strains: the deviator of diag(1, -nu, -nu) y; the remainder is of order y².
   for (const double nu : {0.3, 0.45}) {
     EXPECT_NEAR(yield_surface(1.0 - 1e-6, nu).radius / (std::sqrt(2.0 / 3.0) * (1.0 + nu) * 1e-6), 1.0, 1e-5);
   }
 }
 
-TEST(YieldSurface, BarYieldsAtOneMinusPWhateverItsPoissonRatio) {
+TEST(YieldSurface, BarYieldsAtOneMinusPForAnyPoissonRatio) {
   for (const double nu : {0.0, 0.2, 0.3, 0.45, 0.49}) {
     for (const double p : {0.2, 0.5, 0.9, 0.99}) {
       for (const double part : {1.0 - 1e-6, 1.0 + 1e-6}) {
@@ -105,9 +105,9 @@ TEST(PlasticFlow, BarSetsAtStrainMinusYield) {
       Cell bar{yield_surface(1.0 - y, nu)};
       for (int i = 1; i <= 50; ++i) pull(bar, nu, 1.0 + 2.0 * y * i / 50);
       const double set = bar.plastic_part(0, 0) - 1.0;
-      // nu = 0: the sides follow the plastic part, so l - 1 - set = y to rounding. Else the volume term
-      // resists a bar that has set less across than along, by the set; it grows with it, and 2 % is missed at
-      // y = 0.1.
+      // nu = 0: the sides follow the plastic part, so l - 1 - set = y to rounding. Otherwise the volume term
+      // resists a bar whose set is smaller across than along. The effect grows with the set and exceeds 2 %
+      // at y = 0.1.
       if (nu > 0.0 && y > 0.09) {
         report_gap("plastic.bar_set", std::abs(set / y - 1.0));
       } else {
@@ -118,7 +118,7 @@ TEST(PlasticFlow, BarSetsAtStrainMinusYield) {
   }
 }
 
-TEST(PlasticFlow, BarSetsInCompressionToo) {
+TEST(PlasticFlow, BarSetsInCompression) {
   // nu = 0: l - b - (d - s) = -y with b = s, as in tension.
   Cell bar{yield_surface(0.9, 0.0)};
   for (int i = 1; i <= 50; ++i) pull(bar, 0.0, 1.0 - 0.2 * i / 50);
@@ -126,8 +126,8 @@ TEST(PlasticFlow, BarSetsInCompressionToo) {
 }
 
 TEST(PlasticFlow, WorkIsYieldStressTimesSet) {
-  // nu = 0: E y over 2 mu = E is y, so 2 y set over mu V; the volume part of the flow is left out, set²/2 of
-  // it.
+  // nu = 0: the yield stress E y over 2 mu = E is y, so the work over mu V is 2 y set. The volume part of the
+  // flow, set²/2 of it, is omitted.
   const double y = 0.02;
   Cell bar{yield_surface(1.0 - y, 0.0)};
   for (int i = 1; i <= 400; ++i) pull(bar, 0.0, 1.0 + 2.0 * y * i / 400);
@@ -136,7 +136,7 @@ TEST(PlasticFlow, WorkIsYieldStressTimesSet) {
 
 // --- shear ---
 
-TEST(PlasticFlow, ShearFlowsTowardItsStretchByTheExcess) {
+TEST(PlasticFlow, ShearFlowsByTheExcessStretch) {
   const Matrix3d turn = Eigen::AngleAxisd(1.1, Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
   const Matrix3d stretch = turn * diagonal(1.5, 1.0 / 1.5, 1.0) * turn.transpose();
   Cell cell{yield_surface(0.8, 0.3)};
@@ -146,7 +146,7 @@ TEST(PlasticFlow, ShearFlowsTowardItsStretchByTheExcess) {
               1e-14);
 }
 
-TEST(PlasticFlow, RotationBeforeReadingIsNoStrain) {
+TEST(PlasticFlow, RotationCausesNoStrain) {
   Matrix3d f;
   f << 1.2, 0.3, 0, 0, 0.9, 0.1, -0.1, 0, 1.0;
   const Matrix3d turn = Eigen::AngleAxisd(2.0, Vector3d(1, 1, -1).normalized()).toRotationMatrix();
@@ -154,7 +154,7 @@ TEST(PlasticFlow, RotationBeforeReadingIsNoStrain) {
   still.deform(f);
   turned.deform(turn * f);
   EXPECT_NEAR((still.plastic_part - turned.plastic_part).norm(), 0.0, 1e-14);
-  // And turning the material turns its plastic part.
+  // Rotating the material rotates its plastic part.
   Cell other{still.surface};
   other.deform(f * turn.transpose());
   EXPECT_NEAR((other.plastic_part - turn * still.plastic_part * turn.transpose()).norm(), 0.0, 1e-13);
@@ -162,7 +162,7 @@ TEST(PlasticFlow, RotationBeforeReadingIsNoStrain) {
 
 // --- volume ---
 
-TEST(PlasticFlow, PressureNeitherFlowsNorHelpsAnotherStrainToFlow) {
+TEST(PlasticFlow, PressureDoesNotAffectFlow) {
   for (const double p : {0.1, 0.9, 1.0}) {
     Cell cell{yield_surface(p, 0.3)};
     for (double size = 3.0; size > 0.47; size *= 0.97) EXPECT_FALSE(cell.deform(size * kIdentity));
@@ -194,7 +194,7 @@ TEST(PlasticFlow, TenIncrementsFlowAsFarAsAThousand) {
     };
     const Matrix3d once = loaded(1), ten = loaded(10), thousand = loaded(1000);
     EXPECT_GT((once - kIdentity).norm(), 0.05);
-    // Radial return along a straight path is exact; a thousand roundings.
+    // Radial return along a straight path is exact; only a thousand roundings are left.
     EXPECT_NEAR((ten - thousand).norm(), 0.0, 1e-9);
     EXPECT_NEAR((once - thousand).norm(), 0.0, 1e-9);
   }
@@ -223,13 +223,13 @@ TEST(PlasticFlow, StopsAtTheLimitAndIsElasticBeyond) {
     EXPECT_FALSE(cell.deform(diagonal(5.0, 0.45, 0.45)));
     EXPECT_EQ(cell.plastic_part, at_limit);
     EXPECT_GT(strain(diagonal(5.0, 0.45, 0.45), at_limit), cell.surface.radius);
-    // It comes back, and through to the other side.
+    // The flow reverses and continues to the other side.
     EXPECT_TRUE(cell.deform(diagonal(0.3, 1.8, 1.8)));
     EXPECT_LT(cell.plastic_part(0, 0), 1.0);
   }
 }
 
-TEST(PlasticFlow, NothingFlowsWithoutPlasticityOrWithoutShape) {
+TEST(PlasticFlow, NothingFlowsWithoutPlasticityOrShape) {
   const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
   Cell hard{yield_surface(0.0, 0.3)};
   EXPECT_FALSE(hard.deform(diagonal(9.0, 0.5, 0.4)));
@@ -256,7 +256,7 @@ TEST(PlasticFlow, KeepsItsInvariantsOnRandomPaths) {
     Matrix3d f = kIdentity;
     int flows = 0, shapeless = 0;
     for (int i = 0; i < 10000; ++i) {
-      // A walk that is drawn back to rest, jumps at times and passes through inverted shapes.
+      // A random walk that is pulled towards rest, jumps at times and passes through inverted shapes.
       for (int k = 0; k < 9; ++k) f(k) += (i % 100 == 0 ? 2.0 : 0.3) * unit();
       f += 0.05 * (kIdentity - f);
       const Matrix3d before = cell.plastic_part;
@@ -281,8 +281,8 @@ TEST(PlasticFlow, KeepsItsInvariantsOnRandomPaths) {
         ASSERT_TRUE(after <= cell.surface.radius + 1e-9 || at_limit) << i;
       } else {
         ASSERT_LT(after, trial);
-        // On the surface, unless at the limit. Strains are of the order of 1; the stretch's least eigenvalue,
-        // about 0.1, comes from its square.
+        // On the surface, unless at the limit. Strains are of order 1. The smallest eigenvalue of the
+        // stretch, about 0.1, is computed from its square.
         if ((d - kIdentity).norm() < p - 1e-9) {
           ASSERT_NEAR(after, cell.surface.radius, 1e-11) << i;
         }

@@ -24,7 +24,7 @@ std::vector<double> bounce_peaks(World& world, uint32_t id, double rest_height, 
     world.step();
     const BodyState state = body_state(world, id);
     const double speed = state.velocity_m_s.y();
-    // What is left to rise at this moment, so that the peak does not depend on where ticks fall.
+    // Adds the remaining rise at this moment, so that the peak does not depend on tick boundaries.
     const double height =
         state.world_from_body.position_m.y() - rest_height + speed * speed / (2.0 * kGravity);
     if (speed > 0.05) {
@@ -88,9 +88,9 @@ TEST(RigidContact, WithoutRestitutionNothingBounces) {
   }
 }
 
-// What bounces on corners and edges, at e = 1 and 0.9 with little friction or none, keeps at most what it
-// fell with. By Newton's rule for each point alone it had 1.2 to 25 times of it after six seconds.
-TEST(RigidContact, SharpThingsThatBounceGainNothing) {
+// Bodies that bounce on corners and edges, at e = 1 and 0.9 with little or no friction, gain no energy.
+// Newton's restitution rule applied to each point alone would add energy.
+TEST(RigidContact, SharpBodiesGainNothingOnBouncing) {
   for (const double rate : kRates_hz) {
     for (const double restitution : {1.0, 0.9}) {
       for (const double friction : {0.0, 0.05}) {
@@ -131,11 +131,12 @@ TEST(RigidContact, BoxLandingFlatBouncesToTheSquareOfRestitution) {
     ASSERT_TRUE(world.add_rigid(box));
     const std::vector<double> peaks = bounce_peaks(world, 1, 0.05, 1.5);
     ASSERT_GE(peaks.size(), 1u);
-    EXPECT_NEAR(peaks[0] / 0.125, 1.0, 0.01);  // e² h; four corners share the impact in four sweeps
+    EXPECT_NEAR(peaks[0] / 0.125, 1.0, 0.01);  // e² h; four corners share the impact in four passes
   }
 }
 
-// Where a slab starts to slide: displacement along the incline after `seconds`.
+// Motion of a slab along the slope of an incline: position and speed after `seconds`, and position after the
+// first tick.
 struct Slide {
   double way_m, speed_m_s, settled_m;
 };
@@ -156,7 +157,7 @@ Slide slab_on_incline(double angle_rad, double friction, double seconds, double 
   return {state.world_from_body.position_m.dot(down), state.velocity_m_s.dot(down), start};
 }
 
-TEST(RigidContact, InclineHoldsBelowTheFrictionAngleAndSlidesAbove) {
+TEST(RigidContact, InclineSlidesOnlyAboveTheFrictionAngle) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     for (const double friction : {0.1, 0.3, 0.5, 0.7, 1.0}) {
@@ -164,7 +165,8 @@ TEST(RigidContact, InclineHoldsBelowTheFrictionAngleAndSlidesAbove) {
       const Slide held = slab_on_incline(threshold - radians(0.5), friction, 1.0, rate);
       const Slide slid = slab_on_incline(threshold + radians(0.5), friction, 1.0, rate);
       EXPECT_LT(std::abs(held.way_m), 1e-4) << friction;  // scene 2: 0.1 mm
-      // Half a degree above, 1 s: g (sin - mu cos) / 2 is 42 mm and more; a tenth of it shows that it slides.
+      // Half a degree above the friction angle, g (sin - mu cos) / 2 gives at least 42 mm in 1 s. A tenth of
+      // that shows sliding.
       EXPECT_GT(slid.way_m, 4e-3) << friction;
     }
   }
@@ -172,7 +174,8 @@ TEST(RigidContact, InclineHoldsBelowTheFrictionAngleAndSlidesAbove) {
 
 TEST(RigidContact, HeldSlabDoesNotCreep) {
   for (const double rate : kRates_hz) {
-    // 20 degrees at mu 0.4, held by 1.8 degrees; sleep is off so that nothing but friction holds it.
+    // 20 degrees at mu 0.4, 1.8 degrees below the friction angle. Sleep is off, so only friction holds the
+    // slab.
     WorldSettings settings;
     settings.rate_hz = rate;
     settings.sleep = false;
@@ -246,12 +249,12 @@ TEST(RigidContact, SlippingBallEndsRollingAtFiveSevenths) {
     description.friction = 0.2;
     description.velocity_m_s = {1, 0, 0};
     ASSERT_TRUE(world.add_ball(description));
-    run_seconds(world, 1.0);  // rolls from 2 v0 / (7 mu g) = 0.15 s on
+    run_seconds(world, 1.0);  // pure rolling starts at 2 v0 / (7 mu g) = 0.15 s
     EXPECT_NEAR(body_state(world, 1).velocity_m_s.x(), 5.0 / 7.0, 0.01 * 5.0 / 7.0);  // scene 12
   }
 }
 
-TEST(RigidContact, SpinOnTheFloorStopsByTwistFriction) {
+TEST(RigidContact, TwistFrictionStopsSpinOnTheFloor) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4);
@@ -261,14 +264,14 @@ TEST(RigidContact, SpinOnTheFloorStopsByTwistFriction) {
     slab.angular_velocity_rad_s = {0, 10, 0};
     ASSERT_TRUE(world.add_rigid(slab));
     run_seconds(world, 0.1);
-    // Four corners at r = 0.1414 m bear the weight: alpha = mu g r / (a²/6) = 104 rad/s².
+    // Four corners at r = 0.1414 m carry the weight: alpha = mu g r / (a²/6) = 104 rad/s².
     const double slowing = 0.5 * kGravity * 0.1 * std::sqrt(2.0) / (0.04 / 6.0);
     const double expected = std::max(0.0, 10.0 - slowing * 0.1);
     EXPECT_NEAR(body_state(world, 1).angular_velocity_rad_s.y(), expected, 0.2);  // within 2 % of the start
   }
 }
 
-TEST(RigidContact, BoxRestsSleepsAndHardlySinks) {
+TEST(RigidContact, RestingBoxSleepsAndHardlySinks) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     for (const double size : {0.02, 0.1, 0.5}) {
@@ -280,7 +283,7 @@ TEST(RigidContact, BoxRestsSleepsAndHardlySinks) {
       run_seconds(world, 2.0);
       const BodyState state = body_state(world, 1);
       EXPECT_TRUE(state.asleep) << size;
-      // The contact spring's own sag is g / (2 pi 60 Hz)² = 0.07 mm whatever the size.
+      // The contact spring sags by g / (2 pi 60 Hz)² = 0.07 mm at any size.
       EXPECT_NEAR(state.world_from_body.position_m.y(), 0.5 * size, 1.2e-4) << size;
       EXPECT_LT(Eigen::Quaterniond::Identity().angularDistance(state.world_from_body.orientation), 1e-3)
           << size;
@@ -306,13 +309,13 @@ TEST(RigidContact, RestingBoxDoesNotJitter) {
       fastest = std::max(fastest, body_state(world, 1).velocity_m_s.norm());
       turning = std::max(turning, body_state(world, 1).angular_velocity_rad_s.norm());
     }
-    // The relax pass leaves no velocity behind: a fixed point, up to the spring's slow settling.
+    // The relax pass removes the push velocity: a fixed point, up to the spring's slow settling.
     EXPECT_LT(fastest, 1e-5);
     EXPECT_LT(turning, 1e-4);
   }
 }
 
-TEST(RigidContact, TallBoxFallsBeyondItsTippingAngleOnly) {
+TEST(RigidContact, TallBoxFallsOnlyBeyondItsTippingAngle) {
   // Half width over half height 0.25: tips at 14.04 degrees.
   for (const double lean : {10.0, 18.0}) {
     World world = world_at(60, 4);
@@ -321,7 +324,7 @@ TEST(RigidContact, TallBoxFallsBeyondItsTippingAngleOnly) {
     box.material.friction = 1.0;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(-radians(lean), Vector3d::UnitZ()));
     box.world_from_object.orientation = turn;
-    box.world_from_object.position_m = -(turn * Vector3d(0.025, -0.1, 0));  // stands on its lower right edge
+    box.world_from_object.position_m = -(turn * Vector3d(0.025, -0.1, 0));  // rests on its lower right edge
     ASSERT_TRUE(world.add_rigid(box));
     run_seconds(world, 3.0);
     const double height = body_state(world, 1).world_from_body.position_m.y();
@@ -336,7 +339,7 @@ TEST(RigidContact, BoxLyingOverATableEdgeStays) {
   world.add_collider(floor_plane());
   world.add_collider(Collider{PlaneShape{}, Pose{{0, -1, 0}, Eigen::Quaterniond::Identity()}, 0.5, 0.0});
   auto box = box_body(1, {0.3, 0.04, 0.08}, 0.5);
-  // 0.05 m of its 0.15 m half length beyond the edge: the centre of mass is over the table.
+  // 0.05 m of the half length of 0.15 m overhangs the edge; the centre of mass is above the table.
   box.world_from_object.position_m = {0.1, 0.1 + 0.02, 0};
   ASSERT_TRUE(world.add_rigid(box));
   run_seconds(world, 2.0);
@@ -346,8 +349,8 @@ TEST(RigidContact, BoxLyingOverATableEdgeStays) {
   EXPECT_TRUE(state.asleep);
 }
 
-TEST(RigidContact, BeamAcrossARailIsHeldByTheRail) {
-  // Only the rail's edges meet the beam's face; none of the beam's corners is near.
+TEST(RigidContact, RailHoldsBeamAcrossIt) {
+  // Only the rail's edges touch the beam's face; all corners of the beam are far away.
   World world = world_at(60, 4);
   Collider rail{BoxShape{{0.01, 0.1, 0.6}}, Pose{{0, 0.05, 0}, Eigen::Quaterniond::Identity()}, 0.6, 0.0};
   world.add_collider(rail);
@@ -355,10 +358,11 @@ TEST(RigidContact, BeamAcrossARailIsHeldByTheRail) {
   beam.world_from_object.position_m = {0, 0.1 + 0.015 + 0.002, 0};
   ASSERT_TRUE(world.add_rigid(beam));
   run_seconds(world, 1.0);
-  EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 0.115, 1e-3);  // balanced on 1 cm
+  // balanced on a rail 1 cm wide
+  EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 0.115, 1e-3);
 }
 
-TEST(RigidContact, FlatFaceIsHeldByASphere) {
+TEST(RigidContact, SphereHoldsFlatFace) {
   World world = world_at(60, 4);
   world.add_collider(Collider{SphereShape{0.1}, Pose{}, 0.8, 0.0});
   auto slab = box_body(1, {0.2, 0.04, 0.2}, 0.4);
@@ -370,7 +374,7 @@ TEST(RigidContact, FlatFaceIsHeldByASphere) {
   EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 0.12, 1e-3);
 }
 
-TEST(RigidContact, OverlapsPartSlowly) {
+TEST(RigidContact, OverlapsSeparateSlowly) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4);
@@ -401,7 +405,8 @@ TEST(RigidContact, TumblingBoxNeverGainsEnergy) {
     for (int i = 0; i < 90 * 3; ++i) {
       world.step();
       const double energy = world.energy().kinetic_j + world.energy().gravity_j;
-      // The spring that parts an overlap lifts by at most the overlap of one substep: m g 1 mm = 5 mJ.
+      // The spring that separates an overlap lifts the box by at most the overlap of one substep: m g 1 mm =
+      // 5 mJ.
       ASSERT_LT(energy, before + 5e-3) << "seed " << seed << " tick " << i;
       before = std::min(before, energy);
     }
@@ -410,8 +415,8 @@ TEST(RigidContact, TumblingBoxNeverGainsEnergy) {
 
 constexpr double kFastRadius_m = 0.025;
 
-// A ball of 50 mm is thrown at a plate of 5 mm, at 1 to 100 m/s and slanting: at no tick is it beyond the
-// plate or in it, and it has met it. `add` puts it into the world.
+// Throws a ball of 50 mm at a plate of 5 mm, at 1 to 100 m/s and at an angle. The ball must hit the plate and
+// never be inside or beyond it. `add` adds the ball to the world.
 template <class Add>
 void expect_none_pass(int aims, double rate_hz, double give_m, const Add& add) {
   int passed = 0, missed = 0;
@@ -432,7 +437,7 @@ void expect_none_pass(int aims, double rate_hz, double give_m, const Add& add) {
     for (int i = 0; i < ticks; ++i) {
       world.step();
       const Vector3d now = body_state(world, 1).world_from_body.position_m;
-      // Where its way meets the plate's middle.
+      // The point where the path crosses the plate's middle plane.
       if (before.z() > 0.0 && now.z() <= 0.0) {
         const Vector3d at = before + before.z() / (before.z() - now.z()) * (now - before);
         through = through || (std::abs(at.x()) < 0.5 && std::abs(at.y()) < 0.5);
@@ -446,7 +451,8 @@ void expect_none_pass(int aims, double rate_hz, double give_m, const Add& add) {
   }
   EXPECT_EQ(passed, 0) << rate_hz;
   EXPECT_EQ(missed, 0) << rate_hz;
-  EXPECT_GT(deepest_m, 0.0025 + kFastRadius_m - give_m) << rate_hz;  // half the plate and the radius
+  // half the plate thickness plus the radius
+  EXPECT_GT(deepest_m, 0.0025 + kFastRadius_m - give_m) << rate_hz;
 }
 
 TEST(RigidContact, FastBallDoesNotPassAPlate) {
@@ -459,7 +465,8 @@ TEST(RigidContact, FastBallDoesNotPassAPlate) {
   }
 }
 
-// It comes to lie on facets, which are 0.3 % of the radius within; spinning, on the ball within it.
+// The mesh may lie on its facets, 0.3 % of the radius inside the sphere; a spinning one is held by its
+// inscribed ball.
 TEST(RigidContact, FastMeshDoesNotPassAPlate) {
   for (const double rate_hz : kRates_hz) {
     auto description = body_of(1, sphere_mesh(kFastRadius_m, 3), 0.5);
@@ -498,7 +505,7 @@ TEST(RigidContact, ContactPointsKeepCornersAndCoverEdges) {
       nearest = std::min(nearest, (point - expected).norm());
     EXPECT_EQ(nearest, 0.0);
   }
-  // Along an edge no gap is wider than two spacings (one is thinned, the next must stay).
+  // Along an edge no gap is wider than two spacings: if one point is removed, the next must stay.
   for (double x = -0.1; x <= 0.1; x += 0.005) {
     double nearest = 1.0;
     for (const Vector3d& point : shape.contact_points_m) {

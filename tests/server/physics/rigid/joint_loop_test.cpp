@@ -7,7 +7,7 @@
 #include "known_gaps.h"
 #include "scenes/rigid_fixtures.h"
 
-// Closed loops of joints, whose rows say the same twice or nearly so.
+// Closed joint loops with redundant or nearly redundant rows.
 
 namespace livegs {
 namespace {
@@ -27,7 +27,7 @@ struct LoopRun {
   bool finite = true;
 };
 
-// What is above the energy of the start, and how far joints open.
+// Runs a loop and records the energy above that of the start and the largest joint error.
 LoopRun run_loop(World& world, double seconds) {
   LoopRun run;
   const double before = total_j(world);
@@ -41,7 +41,7 @@ LoopRun run_loop(World& world, double seconds) {
   return run;
 }
 
-// A bar of square section between two points.
+// A bar with a square section between two points.
 RigidBodyDescription bar(uint32_t id, const Vector3d& from_m, const Vector3d& to_m, double mass_kg) {
   const Vector3d along = to_m - from_m;
   auto body = box_body(id, {0.9 * along.norm(), 0.02, 0.02}, mass_kg);
@@ -55,7 +55,7 @@ struct Frame {
   std::vector<std::pair<size_t, size_t>> bars;
 };
 
-// Bars of 100 g, those that meet in a node joined to the first one there.
+// Adds bars of 100 g. At each node the bars are joined to the first one there.
 void add_frame(World& world, const Frame& frame) {
   std::vector<std::optional<uint32_t>> first(frame.nodes_m.size());
   uint32_t id = 0;
@@ -78,7 +78,7 @@ Frame square_with_diagonals() {
           {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}}};
 }
 
-TEST(RigidLoop, SquareWithBothDiagonalsFallsAsOne) {
+TEST(RigidLoop, SquareWithBothDiagonalsStaysJoined) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4);
@@ -91,7 +91,7 @@ TEST(RigidLoop, SquareWithBothDiagonalsFallsAsOne) {
   }
 }
 
-// The diagonals cross, 20 mm within each other, and push.
+// The diagonals overlap by 20 mm where they cross, and push each other.
 TEST(RigidLoop, FramesAtRestWithoutGravityStayAtRest) {
   for (const double rate : kRates_hz) {
     World world = world_at(rate, 4, Vector3d::Zero());
@@ -103,9 +103,9 @@ TEST(RigidLoop, FramesAtRestWithoutGravityStayAtRest) {
   }
 }
 
-// Five nodes at random, every one joined to every other: ten bars where nine would do. Bars that cross by
-// chance push each other apart, which is the energy they gain.
-TEST(RigidLoop, RandomTrussesGainNothing) {
+// Five random nodes, all connected to each other: ten bars where nine would suffice. Bars that cross by
+// chance push each other apart and gain energy.
+TEST(RigidLoop, RandomTrussesStayJoined) {
   for (const double rate : kRates_hz) {
     for (unsigned seed = 1; seed <= 12; ++seed) {
       SCOPED_TRACE(std::to_string(rate) + " Hz, seed " + std::to_string(seed));
@@ -134,7 +134,7 @@ TEST(RigidLoop, RandomTrussesGainNothing) {
 
 struct Bridge {
   int planks = 2;
-  bool two_lines = false;  // of joints, at the planks' edges
+  bool two_lines = false;  // joints at both edges of the planks
   bool hinges = false;
   double sag_rad = 0.0, load_kg = 0.0;
 };
@@ -171,8 +171,9 @@ double add_bridge(World& world, const Bridge& bridge) {
   return 0.1 * bridge.planks + bridge.load_kg;
 }
 
-// Level, so that only what gives bears anything, and bent; unloaded and with a box dropped on them.
-TEST(RigidLoop, BridgesBearBoxes) {
+// Level and sagging bridges, unloaded and with a box dropped on them. In a level bridge only the compliance
+// of the joints carries load.
+TEST(RigidLoop, BridgesCarryBoxes) {
   for (const double rate : kRates_hz) {
     for (const Bridge& bridge : {Bridge{2, false, false, 0.0, 0.0},
                                  {2, false, false, 0.0, 1.0},
@@ -198,7 +199,7 @@ TEST(RigidLoop, BridgesBearBoxes) {
   }
 }
 
-// Two hundred times a plank's mass opens joints for a moment; it gives nothing back.
+// A box of 200 times a plank's mass opens joints for a moment but must not return energy.
 TEST(RigidLoop, HeavyBoxesOnLevelBridgesGainNothing) {
   for (const double rate : kRates_hz) {
     for (const Bridge& bridge :
@@ -215,8 +216,8 @@ TEST(RigidLoop, HeavyBoxesOnLevelBridgesGainNothing) {
   }
 }
 
-// A force that no number holds the result of, or none: what it pushes is stopped, the rest falls as it would.
-TEST(RigidOutOfBounds, WhatNoNumberHoldsIsStoppedWhereItWas) {
+// A force with an overflowing or NaN result stops the body it pushes. Other bodies fall normally.
+TEST(RigidOutOfBounds, OverflowingMotionStopsTheBody) {
   for (const double force_n : {1e290, 1e308, std::numeric_limits<double>::quiet_NaN()}) {
     World world = world_at(60, 4);
     world.add_collider(floor_plane());

@@ -21,13 +21,14 @@ double agm(double a, double b) {
   return a;
 }
 
-// A physical pendulum of `amplitude`: 2 pi sqrt(I / (m g l)) / agm(1, cos(amplitude / 2)), I about the pivot.
+// Period of a physical pendulum of `amplitude`: 2 pi sqrt(I / (m g l)) / agm(1, cos(amplitude / 2)), I about
+// the pivot.
 double pendulum_period_s(double unit_inertia_about_pivot, double length_m, double amplitude) {
   const double small = 2.0 * std::numbers::pi * std::sqrt(unit_inertia_about_pivot / (kGravity * length_m));
   return small / agm(1.0, std::cos(0.5 * amplitude));
 }
 
-// Turned by `angle` about z through the origin, which is at `pivot_m` of the object.
+// The pose rotated by `angle` about z through the origin, with the object's `pivot_m` at the origin.
 Pose turned_about_pivot(const Vector3d& pivot_m, double angle) {
   Pose pose;
   pose.orientation = Quaterniond(AngleAxisd(angle, Vector3d::UnitZ()));
@@ -49,7 +50,7 @@ struct Swing {
   double period_s = 0, lost = 0, largest_error_m = 0, largest_error_rad = 0, largest_off_plane_m = 0;
 };
 
-// Ten seconds of a body that starts at rest at `amplitude`. Body 1 swings about z through the origin.
+// Runs ten seconds from rest at `amplitude`. Body 1 swings about z through the origin.
 Swing swing(World& world, double length_m, double amplitude) {
   Swing result;
   const double before = total_j(world);
@@ -60,7 +61,7 @@ Swing swing(World& world, double length_m, double amplitude) {
     world.step();
     const BodyState state = body_state(world, 1);
     const double angle = angle_about_z(state);
-    // Where the pendulum is fastest its angle is straight in time up to the third order.
+    // At its fastest point the pendulum's angle is linear in time up to third order.
     if (last < 0.0 && angle >= 0.0) crossings.push_back((i - 1 - last / (angle - last)) * tick_s);
     last = angle;
     for (const JointState& joint : world.joints()) {
@@ -76,8 +77,8 @@ Swing swing(World& world, double length_m, double amplitude) {
   return result;
 }
 
-// Second order in the substep: the period is short by (h omega)²/24, 7e-6 at 240 Hz; ten times that is
-// allowed. The bar is 1e-3, and 1 % of energy. Newton's steps close the joint to rounding.
+// Second order in the substep: the period is short by (h omega)²/24, 7e-6 at 240 Hz; the test allows ten
+// times that. The bar is 1e-3, and 1 % of energy. Newton iterations close the joint to rounding.
 void expect_swings(const Swing& result, double period_s) {
   EXPECT_NEAR(result.period_s / period_s, 1.0, 1e-4);
   EXPECT_LT(std::abs(result.lost), 2e-4);
@@ -86,7 +87,7 @@ void expect_swings(const Swing& result, double period_s) {
   EXPECT_LT(result.largest_off_plane_m, 1e-9);
 }
 
-TEST(RigidJoint, PendulumOnABallJointKeepsTimeAndEnergy) {
+TEST(RigidJoint, BallJointPendulumKeepsPeriodAndEnergy) {
   for (const double rate : kRates_hz) {
     for (const double degrees : {5.0, 60.0}) {
       World world = world_at(rate, 4);
@@ -101,7 +102,7 @@ TEST(RigidJoint, PendulumOnABallJointKeepsTimeAndEnergy) {
   }
 }
 
-TEST(RigidJoint, PendulumOnAHingeKeepsTimeAndEnergy) {
+TEST(RigidJoint, HingePendulumKeepsPeriodAndEnergy) {
   for (const double rate : kRates_hz) {
     World world = world_at(rate, 4);
     auto bob = box_body(1, {0.1, 0.6, 0.3}, 2.0);
@@ -114,8 +115,8 @@ TEST(RigidJoint, PendulumOnAHingeKeepsTimeAndEnergy) {
   }
 }
 
-// Doors hang on two hinges; the second says nothing new.
-TEST(RigidJoint, DoorPushedAskewSwingsAboutItsAxis) {
+// Doors have two hinges; the rows of the second are redundant.
+TEST(RigidJoint, DoorPushedAtAnAngleSwingsAboutItsAxis) {
   for (const double rate : kRates_hz) {
     for (const int hinges : {1, 2}) {
       World world = world_at(rate, 4);
@@ -125,13 +126,14 @@ TEST(RigidJoint, DoorPushedAskewSwingsAboutItsAxis) {
       if (hinges == 2) {
         ASSERT_TRUE(world.add_hinge_joint({1, {}, {-0.4, -0.8, 0}, Vector3d::UnitY()}));
       }
-      // At the handle, out of the door's plane, along it and up: only the first turns it.
+      // Force components at the handle: out of the door's plane, along it and up. Only the first turns the
+      // door.
       world.set_force(1, 1, {{0.35, -0.3, 0}, {30, 40, -5}});
       const double torque = 5.0 * 0.75;
       const double unit_inertia = door.properties.inertia_m2(1, 1) + 0.16;
       for (int i = 0; i < std::lround(0.25 * rate); ++i) world.step();
-      // Where the force's arm still is nearly the door's: it grows with the angle's square, and so does the
-      // part of the force along the door that turns it. At 0.25 s the angle is 0.03 rad.
+      // Early on the lever arm of the force is nearly the door's width: the error grows with the square of
+      // the angle, as does the turning part of the force along the door. At 0.25 s the angle is 0.03 rad.
       const BodyState early = body_state(world, 1);
       const double spin = torque / (20.0 * unit_inertia) * std::lround(0.25 * rate) / rate;
       EXPECT_NEAR(early.angular_velocity_rad_s.y() / spin, 1.0, 0.1);
@@ -152,7 +154,8 @@ TEST(RigidJoint, DoorPushedAskewSwingsAboutItsAxis) {
   }
 }
 
-// Links of 0.1 m and 0.1 kg along x from the origin, then a box as heavy as `ratio` links; let go level.
+// A chain released from level: links of 0.1 m and 0.1 kg along x from the origin, then a box of `ratio` times
+// the link mass.
 World chain(double rate, double ratio, double angle = 0.0, int links = 20) {
   World world = world_at(rate, 4);
   const Quaterniond turn(AngleAxisd(-angle, Vector3d::UnitZ()));
@@ -175,7 +178,8 @@ World chain(double rate, double ratio, double angle = 0.0, int links = 20) {
 }
 
 struct ChainRun {
-  double stretch = 0, gained = 0;  // largest; of the weight's fall through the chain's length
+  // largest values; energy relative to the weight's fall through the chain's length
+  double stretch = 0, gained = 0;
   bool finite = true;
 };
 
@@ -194,9 +198,9 @@ ChainRun run_chain(World& world, double ratio, double seconds) {
   return run;
 }
 
-// The rows of a chain are solved together, so the ratio of masses does not matter. The bars are 2 % at 1:100,
-// 5 % at 1:1000 and finite at 1:50000.
-TEST(RigidJoint, SwingingChainWithAHeavyEndDoesNotStretch) {
+// The rows of a chain are solved together, so the mass ratio does not matter. The bars are 2 % at 1:100, 5 %
+// at 1:1000, and finite at 1:50000.
+TEST(RigidJoint, HeavyEndedChainDoesNotStretch) {
   for (const double rate : kRates_hz) {
     for (const double ratio : {1.0, 100.0, 1000.0, 50000.0}) {
       World world = chain(rate, ratio, radians(60));
@@ -208,9 +212,9 @@ TEST(RigidJoint, SwingingChainWithAHeavyEndDoesNotStretch) {
   }
 }
 
-// Let go level, the chain is at rest while its weight falls: it snaps tight and whips. Nothing is known of
-// the motion but that it is bounded, ends, and gains no energy.
-TEST(RigidJoint, ChainThatSnapsTightStaysInOnePiece) {
+// Released from level, the chain is at rest while its weight falls; then it snaps tight and whips. The motion
+// has no reference. It must be bounded, end, and gain no energy.
+TEST(RigidJoint, ChainThatSnapsTightStaysJoined) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     for (const double ratio : {1.0, 100.0, 1000.0, 50000.0}) {
@@ -231,7 +235,7 @@ struct Top {
   double nutation_m[2] = {0, 0};  // height of the centre, peak to peak, in the first and the second half
 };
 
-// A level disc of 1 kg on a lever of 0.1 m for ten seconds. Its axis y is turned to x.
+// Spins a level disc of 1 kg on a lever of 0.1 m for ten seconds. Its y axis is rotated to x.
 Top spin_top(double rate, double spin, double precession, const RigidBodyDescription& shape, double lever_m) {
   World world = world_at(rate, 4);
   RigidBodyDescription disc = shape;
@@ -264,13 +268,13 @@ TEST(RigidJoint, TopPrecesses) {
   const double lever_m = 0.1, spin = 100.0;
   const double precession = kGravity * lever_m / (disc.properties.inertia_m2(1, 1) * spin);  // m g l / (I3 w)
   for (const double rate : kRates_hz) {
-    // Level and started with it, the top precesses steadily.
+    // A level top started at its precession rate precesses steadily.
     const Top steady = spin_top(rate, spin, precession, disc, lever_m);
     EXPECT_NEAR(steady.precession_rad_s / precession, 1.0, 0.01);
     EXPECT_LT(steady.nutation_m[0], 5e-4);
     EXPECT_LE(steady.nutation_m[1], 1.02 * steady.nutation_m[0]);
-    // Let go, it falls and rises: 2 m g l I1 / (I3 w)² of an angle, I1 about the pivot. Sampled nine times a
-    // period, peaks are met within 5 %.
+    // Released, the top nutates by an angle of 2 m g l I1 / (I3 w)², I1 about the pivot. With nine samples
+    // per period the peaks are within 5 %.
     const Top dropped = spin_top(rate, spin, 0.0, disc, lever_m);
     const double momentum = disc.properties.inertia_m2(1, 1) * spin;
     const double dip_m = lever_m * 2.0 * kGravity * lever_m *
@@ -281,7 +285,7 @@ TEST(RigidJoint, TopPrecesses) {
   }
 }
 
-TEST(RigidJoint, JoinedFreeBodiesKeepTheirMomentum) {
+TEST(RigidJoint, JoinedFreeBodiesConserveMomentum) {
   for (const double rate : kRates_hz) {
     for (const bool hinge : {false, true}) {
       World world = world_at(rate, 4, Vector3d::Zero());
@@ -300,13 +304,13 @@ TEST(RigidJoint, JoinedFreeBodiesKeepTheirMomentum) {
       }
       const BodyEnergy before = world.energy();
       world.step();
-      const double joined_j = world.energy().kinetic_j;  // what was across the joint is gone
+      const double joined_j = world.energy().kinetic_j;  // the relative motion at the joint is dissipated
       for (int i = 0; i < std::lround(10.0 * rate); ++i) {
         world.step();
         ASSERT_LT(world.joints()[0].error_m, 1e-6);
         ASSERT_LT(world.joints()[0].error_rad, 1e-6);
       }
-      // Momentum about 2 kg m/s and kg m²/s, over 3600 substeps: rounding.
+      // Momenta of about 2 kg m/s and 2 kg m²/s over 3600 substeps: rounding.
       const BodyEnergy after = world.energy();
       EXPECT_LT((after.linear_momentum - before.linear_momentum).norm(), 1e-12);
       EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 1e-12);
@@ -315,11 +319,11 @@ TEST(RigidJoint, JoinedFreeBodiesKeepTheirMomentum) {
   }
 }
 
-TEST(RigidJoint, JoinedBodiesSleepAndWakeTogetherAndDoNotTouch) {
+TEST(RigidJoint, JoinedBodiesSleepTogetherWithoutContact) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4);
-    // A ball within the box it is joined to: apart they would be driven out.
+    // A ball inside the box it is joined to. Without the joint they would be pushed apart.
     ASSERT_TRUE(world.add_rigid(box_body(1, {0.2, 0.2, 0.2}, 1.0)));
     ASSERT_TRUE(world.add_ball(ball(2, {0, -0.1, 0})));
     ASSERT_TRUE(world.add_ball_joint({1, {}, Vector3d(0, 0.1, 0)}));
@@ -332,7 +336,7 @@ TEST(RigidJoint, JoinedBodiesSleepAndWakeTogetherAndDoNotTouch) {
     world.step();
     EXPECT_FALSE(body_state(world, 1).asleep);
     EXPECT_FALSE(body_state(world, 2).asleep);
-    // Removed, it lets go of what hung on it.
+    // Removing a body releases the body joined to it.
     world.clear_force(1);
     world.remove(1);
     EXPECT_TRUE(world.joints().empty());
@@ -341,21 +345,21 @@ TEST(RigidJoint, JoinedBodiesSleepAndWakeTogetherAndDoNotTouch) {
   }
 }
 
-TEST(RigidJoint, RefusesWhatCannotBeJoined) {
+TEST(RigidJoint, RejectsInvalidJoints) {
   World world = world_at(60, 4);
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.2, 0.2, 0.2}, 1.0)));
   ASSERT_TRUE(world.add_static(2, Pose{}));
-  EXPECT_EQ(world.add_ball_joint({7, {}, Vector3d::Zero()}).error().message, "joint: there is no object 7");
-  EXPECT_EQ(world.add_ball_joint({1, 7, Vector3d::Zero()}).error().message, "joint: there is no object 7");
+  EXPECT_EQ(world.add_ball_joint({7, {}, Vector3d::Zero()}).error().message, "joint: unknown object 7");
+  EXPECT_EQ(world.add_ball_joint({1, 7, Vector3d::Zero()}).error().message, "joint: unknown object 7");
   EXPECT_EQ(world.add_ball_joint({1, 1, Vector3d::Zero()}).error().message,
             "joint: object 1 cannot be joined to itself");
   EXPECT_EQ(world.add_ball_joint({2, 1, Vector3d::Zero()}).error().message,
-            "joint: object 2 never moves; name the object that does first");
+            "joint: object 2 is static; name the moving object first");
   EXPECT_EQ(world.add_ball_joint({1, {}, Vector3d(NAN, 0, 0)}).error().message,
             "joint of object 1: point_m is not finite");
   EXPECT_EQ(world.add_hinge_joint({1, {}, Vector3d::Zero(), Vector3d::Zero()}).error().message,
             "joint of object 1: axis is zero or not finite");
-  EXPECT_TRUE(world.add_ball_joint({1, 2, Vector3d::Zero()}));  // to what never moves: the world
+  EXPECT_TRUE(world.add_ball_joint({1, 2, Vector3d::Zero()}));  // to a static body, that is, the world
 }
 
 }  // namespace

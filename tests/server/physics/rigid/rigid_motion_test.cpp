@@ -13,7 +13,7 @@ namespace {
 using namespace rigid_fixtures;
 using Eigen::Vector3d;
 
-// Of the energy.
+// Allowed relative change of the kinetic energy of a spin.
 constexpr double kSpinEnergy = 1e-3;
 
 TEST(RigidMotion, ProjectileFollowsTheParabola) {
@@ -24,7 +24,7 @@ TEST(RigidMotion, ProjectileFollowsTheParabola) {
     ASSERT_TRUE(world.add_rigid(box));
     run_seconds(world, 2.0);
     const BodyState state = body_state(world, 1);
-    // The scheme is exact for a constant acceleration: what is left is rounding over 720 sums of about 10 m.
+    // The scheme is exact for a constant acceleration: only the rounding of 720 sums of about 10 m is left.
     EXPECT_NEAR(state.world_from_body.position_m.x(), 20.0, 1e-10);
     EXPECT_NEAR(state.world_from_body.position_m.y(), 20.0 - 0.5 * kGravity * 4.0, 1e-10);
     EXPECT_NEAR(state.velocity_m_s.y(), 10.0 - kGravity * 2.0, 1e-10);
@@ -40,7 +40,7 @@ TEST(RigidMotion, ExponentialMapIsTheRotationByAxisAndAngle) {
   }
 }
 
-TEST(RigidMotion, FreeSpinStays) {
+TEST(RigidMotion, FreeSpinIsConstant) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4, Vector3d::Zero());
@@ -54,10 +54,10 @@ TEST(RigidMotion, FreeSpinStays) {
   }
 }
 
-// Needles, discs and plates whose moments differ up to five-thousandfold, spun about whatever axis at what a
-// break or a fall on an edge may leave them with. Kinetic energy is half of L times omega, and L is kept by
-// construction.
-TEST(RigidMotion, ThinThingsThatSpinFastKeepTheirEnergy) {
+// Needles, discs and plates whose moments of inertia differ up to five-thousandfold. They spin about several
+// axes at the rates that fracture or a fall on an edge may cause. Kinetic energy is half of L times omega,
+// and L is conserved by construction.
+TEST(RigidMotion, FastSpinningThinBodiesKeepTheirEnergy) {
   const Vector3d sizes[] = {
       {0.004, 0.3, 0.004}, {0.001, 0.03, 0.001}, {0.3, 0.001, 0.3}, {0.3, 0.002, 0.1}, {0.3, 0.2, 0.05}};
   const Vector3d spins[] = {{5, 400, 0}, {20, 200, 200}, {300, 10, 1}, {50, 50, 50}, {0.01, 300, 0.02}};
@@ -78,7 +78,7 @@ TEST(RigidMotion, ThinThingsThatSpinFastKeepTheirEnergy) {
           least = std::min(least, world.energy().kinetic_j / before);
           most = std::max(most, world.energy().kinetic_j / before);
         }
-        // A rigid body's is constant; the splitting's error does not grow.
+        // The energy of a rigid body is constant; the error of the splitting does not grow.
         EXPECT_GT(least, 1.0 - kSpinEnergy);
         EXPECT_LT(most, 1.0 + kSpinEnergy);
       }
@@ -86,26 +86,26 @@ TEST(RigidMotion, ThinThingsThatSpinFastKeepTheirEnergy) {
   }
 }
 
-// A rod is a symmetric top: its axis goes round the momentum at |L| / I, in closed form.
-TEST(RigidMotion, ARodPrecessesInClosedForm) {
+// A rod is a symmetric top: its axis precesses about the angular momentum at |L| / I, in closed form.
+TEST(RigidMotion, RodPrecessesInClosedForm) {
   World world = world_at(90, 4, Vector3d::Zero());
   auto rod = box_body(1, {0.004, 0.3, 0.004}, 0.1);
   rod.angular_velocity_rad_s = {5, 400, 0};
   ASSERT_TRUE(world.add_rigid(rod));
   const double across = rod.properties.inertia_m2(0, 0), along = rod.properties.inertia_m2(1, 1);
-  const Vector3d momentum(5 * across, 400 * along, 0);  // of 1 kg
+  const Vector3d momentum(5 * across, 400 * along, 0);  // per unit mass
   run_seconds(world, 2.0);
   const Vector3d axis =
       Eigen::AngleAxisd(2.0 * momentum.norm() / across, momentum.normalized()) * Vector3d::UnitY();
   EXPECT_LT((body_state(world, 1).world_from_body.orientation * Vector3d::UnitY() - axis).norm(), 1e-6);
 }
 
-TEST(RigidMotion, DzhanibekovKeepsEnergyAndMomentum) {
+TEST(RigidMotion, DzhanibekovConservesEnergyAndMomentum) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4, Vector3d::Zero());
-    // A box with moments 1 : 2 : 3 up to scale: b²+c² : a²+c² : a²+b² with a² = 2, b² = 1, c² = 0.2 gives the
-    // order; the unstable axis is the middle one, y here.
+    // The moments are proportional to b²+c² : a²+c² : a²+b². Rotation about the middle one, y here, is
+    // unstable.
     auto box = box_body(1, {0.3, 0.2, 0.05}, 1.0);
     box.angular_velocity_rad_s = {0.01, 10, 0.01};
     ASSERT_TRUE(world.add_rigid(box));
@@ -122,11 +122,12 @@ TEST(RigidMotion, DzhanibekovKeepsEnergyAndMomentum) {
     EXPECT_LT(
         (world.energy().angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm(),
         1e-12);  // constant by construction; rounding only
-    EXPECT_LT(least, -9.0) << "the spin about the middle axis must turn over";
+    EXPECT_LT(least, -9.0) << "the spin about the middle axis did not flip";
   }
 }
 
-// Euler's equations by fourth-order Runge-Kutta in body axes, as an independent reference.
+// Time of the first flip by Euler's equations, integrated with fourth-order Runge-Kutta in body axes as an
+// independent reference.
 double first_flip_s(const Vector3d& moments, Vector3d omega) {
   const auto slope = [&](const Vector3d& w) {
     return Vector3d((moments.y() - moments.z()) * w.y() * w.z() / moments.x(),
@@ -144,7 +145,7 @@ double first_flip_s(const Vector3d& moments, Vector3d omega) {
   return time;
 }
 
-TEST(RigidMotion, DzhanibekovTurnsOverWhenRungeKuttaDoes) {
+TEST(RigidMotion, DzhanibekovFlipMatchesRungeKutta) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4, Vector3d::Zero());
@@ -160,12 +161,12 @@ TEST(RigidMotion, DzhanibekovTurnsOverWhenRungeKuttaDoes) {
         flip = static_cast<double>(world.tick()) / rate;
       }
     }
-    // 2 % (scene 9), plus the tick in which it is noticed.
+    // 2 % (scene 9), plus the tick in which the flip is detected.
     EXPECT_NEAR(flip, expected, 0.02 * expected + 1.0 / rate);
   }
 }
 
-TEST(RigidMotion, FarFromTheOriginMotionIsTheSame) {
+TEST(RigidMotion, MotionIsTheSameFarFromTheOrigin) {
   const Vector3d far(1000, 0, -1000);
   World near_world = world_at(60, 4), far_world = world_at(60, 4);
   for (World* world : {&near_world, &far_world}) {
@@ -178,7 +179,7 @@ TEST(RigidMotion, FarFromTheOriginMotionIsTheSame) {
     run_seconds(*world, 0.3);
   }
   const BodyState a = body_state(near_world, 1), b = body_state(far_world, 1);
-  // Doubles at 1 km resolve 1e-13 m; 72 substeps and one impact enlarge that.
+  // Doubles at 1 km resolve 1e-13 m; 72 substeps and one impact amplify that.
   EXPECT_LT((a.world_from_body.position_m + far - b.world_from_body.position_m).norm(), 1e-8);
   run_seconds(far_world, 3.0);
   const BodyState rest = body_state(far_world, 1);

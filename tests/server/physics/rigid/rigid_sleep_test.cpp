@@ -6,7 +6,7 @@
 
 #include "server/physics/rigid/rigid_structures.h"
 
-// Scene 31: things that sleep lie where they would lie awake, wake at a poke, and cost nothing.
+// Scene 31: sleeping bodies rest where they would rest awake, wake at a poke, and cost almost nothing.
 
 namespace livegs {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 using namespace rigid_fixtures;
 using Eigen::Vector3d;
 
-// Twenty cubes, none quite above the one before.
+// Twenty cubes, each slightly offset from the one below.
 void add_uneven_stack(World& world) {
   world.add_collider(floor_plane(0.6));
   for (uint32_t i = 0; i < 20; ++i) {
@@ -25,12 +25,12 @@ void add_uneven_stack(World& world) {
 struct Built {
   const char* name;
   std::function<void(World&)> add;
-  double seconds;  // asleep by then
+  double seconds;  // the structure must be asleep by then
 };
 const Built kBuilt[] = {
     {"stack", add_uneven_stack, 6.0}, {"arch", add_arch, 6.0}, {"card house", add_card_house, 6.0}};
 
-TEST(RigidSleep, RestPosesAreTheSameWithAndWithoutSleep) {
+TEST(RigidSleep, RestPosesDoNotDependOnSleep) {
   for (const double rate : kRates_hz) {
     for (const Built& built : kBuilt) {
       std::vector<BodyState> rest[2];
@@ -54,7 +54,7 @@ TEST(RigidSleep, RestPosesAreTheSameWithAndWithoutSleep) {
   }
 }
 
-TEST(RigidSleep, APokeWakesAllThatTouchesAtOnce) {
+TEST(RigidSleep, PokeWakesTheWholeIslandAtOnce) {
   for (const double rate : kRates_hz) {
     for (const Built& built : kBuilt) {
       World world = world_at(rate, 4);
@@ -74,7 +74,7 @@ TEST(RigidSleep, APokeWakesAllThatTouchesAtOnce) {
   }
 }
 
-TEST(RigidSleep, APokedStackSleepsAgain) {
+TEST(RigidSleep, PokedStackSleepsAgain) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4);
@@ -85,13 +85,13 @@ TEST(RigidSleep, APokedStackSleepsAgain) {
     world.clear_force(1);
     run_seconds(world, 3.0);
     for (const BodyState& state : world.bodies()) EXPECT_TRUE(state.asleep) << state.object_id;
-    // 0.1 N s is 0.2 m/s of one box, stopped by the friction above and below it within millimetres.
+    // 0.1 N s gives one box 0.2 m/s. The friction above and below stops it within millimetres.
     EXPECT_NEAR(body_state(world, 5).world_from_body.position_m.y(), 0.45, 1e-3);
   }
 }
 
-// Two hundred stacks of five boxes, least times of each.
-TEST(RigidSleep, ThousandSleepersCostUnderAHundredthOfTheSameAwake) {
+// Two hundred stacks of five boxes. The smallest step time counts, awake and asleep.
+TEST(RigidSleep, SleepingBodiesCostUnderOnePercentOfAwake) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_at(rate, 4);

@@ -9,7 +9,7 @@
 #include "geometry/mesh/convex_hull.h"
 #include "scenes/rigid_fixtures.h"
 
-// Things built of boxes and wedges that should stand, each on a floor of its own.
+// Structures of boxes and wedges that must stay standing, each on its own floor.
 
 namespace livegs::rigid_fixtures {
 
@@ -25,7 +25,7 @@ inline Pose at(double x, double y, double z = 0.0, double lean_rad = 0.0) {
   return {{x, y, z}, Eigen::Quaterniond(Eigen::AngleAxisd(-lean_rad, Eigen::Vector3d::UnitZ()))};
 }
 
-// Cubes on each other, ids from 1 at the bottom.
+// A stack of cubes, ids from 1 at the bottom.
 inline void add_stack(World& world, uint32_t count, double size_m, double mass_kg) {
   world.add_collider(floor_plane(0.6));
   for (uint32_t i = 0; i < count; ++i) {
@@ -33,7 +33,7 @@ inline void add_stack(World& world, uint32_t count, double size_m, double mass_k
   }
 }
 
-// A half circle of nine wedges, ids from 1 at one foot: radii 0.35 and 0.5 m.
+// A half circle of nine wedges with radii of 0.35 and 0.5 m, ids from 1 at one foot.
 inline void add_arch(World& world) {
   constexpr int kWedges = 9;
   constexpr double kInner = 0.35, kOuter = 0.5, kDepth = 0.2;
@@ -58,7 +58,7 @@ inline void add_arch(World& world) {
 inline void add_card_house(World& world) {
   constexpr double kLength = 0.1, kThick = 0.002, kWidth = 0.06, kMass = 0.002, kFriction = 0.7;
   const double lean = radians(25);
-  const double high = kLength * std::cos(lean) + kThick * std::sin(lean);  // of a floor of cards
+  const double high = kLength * std::cos(lean) + kThick * std::sin(lean);  // height of one floor of cards
   const double side = 0.5 * (kThick * std::cos(lean) + kLength * std::sin(lean));
   const double span = 4.0 * side + 0.001;
   world.add_collider(floor_plane(kFriction));

@@ -8,7 +8,7 @@
 #include "known_gaps.h"
 #include "server/physics/rigid/rigid_structures.h"
 
-// Things built of boxes and wedges that should stand, at 4 substeps.
+// Structures of boxes and wedges that must stay standing, at 4 substeps.
 
 namespace livegs {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 using namespace rigid_fixtures;
 using Eigen::Vector3d;
 
-// How far any body is from where it started, and whether all of them sleep.
+// The largest distance of any body from its start, and whether all bodies sleep.
 struct Settled {
   double strayed_m = 0;
   bool asleep = true;
@@ -53,21 +53,20 @@ TEST(RigidStructures, StackOfTwentyStands) {
   }
 }
 
-TEST(RigidStructures, HeavyRestsOnLight) {
+TEST(RigidStructures, HeavyBoxRestsOnLightBox) {
   struct Case {
     double ratio, size_m, bar;
     int substeps;
   };
-  // Scene 14, with a hand's box of 10 cm beside the metre: its contacts sag ten times as far in parts of its
-  // size. Asked: 1 %, 5 %, and of 1:1000 the honest figure. Found of 0.1 m at 60 Hz: 0.09, 0.10, 0.98 % and,
-  // at 16 substeps, a hundredth of a per cent.
+  // Scene 14 at 1 m and at the VR size of 0.1 m. At 0.1 m contacts sag ten times as far relative to the size.
+  // Required: 1 % at 1:10, 5 % at 1:100; 1:1000 is reported.
   const Case cases[] = {{10, 1, 0.01, 4},     {10, 0.1, 0.01, 4},     {100, 1, 0.002, 4},
                         {100, 0.1, 0.002, 4}, {1000, 1, 0.002, 4},    {1000, 0.1, 0.012, 4},
                         {1000, 1, 0.002, 16}, {1000, 0.1, 0.002, 16}, {1000, 0.1, 0.18, 1}};
   for (const double rate : kRates_hz) {
     for (const Case& c : cases) {
       if (c.substeps == 1 && rate > 60)
-        continue;  // the lower one gives way, and the upper stands on the floor
+        continue;  // the lower box is pushed aside and the upper one reaches the floor
       World world = world_at(rate, c.substeps);
       world.add_collider(floor_plane(0.6));
       const double mass = 1000.0 * c.size_m * c.size_m * c.size_m;
@@ -83,9 +82,9 @@ TEST(RigidStructures, HeavyRestsOnLight) {
   }
 }
 
-// Books of 30 mm and 0.3 kg under a cube of 30 and 100 times as much: it sinks little. In the steps that
-// equal masses take (rigid_heavy.h), five books gave way by 41 mm.
-TEST(RigidStructures, HeavyRestsOnAPileOfLightBooks) {
+// Books of 30 mm and 0.3 kg under a cube of 30 and 100 times their mass, which must hardly sink. Such mass
+// ratios take shorter substeps (mass_ratio_substeps.h).
+TEST(RigidStructures, HeavyCubeRestsOnLightBooks) {
   constexpr double kThick_m = 0.03, kBook_kg = 0.3, kSize_m = 0.15;
   for (const double rate : kRates_hz) {
     for (const double ratio : {30.0, 100.0}) {
@@ -133,8 +132,8 @@ TEST(RigidStructures, PyramidComesToRest) {
   }
 }
 
-// Ten boxes, each half inside its neighbours, without gravity so that all speed is the ejection's.
-TEST(RigidStructures, HalfOverlappedBoxesPartSlowly) {
+// Ten boxes, each half inside its neighbours. Without gravity all speed comes from the separation.
+TEST(RigidStructures, HalfOverlappedBoxesSeparateSlowly) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     for (const double size : {0.1, 1.0}) {
@@ -158,7 +157,7 @@ TEST(RigidStructures, HalfOverlappedBoxesPartSlowly) {
   }
 }
 
-// Scene 17: for 30 s, free to sleep and not.
+// Scene 17: 30 s, with and without sleep.
 void expect_stands(const std::function<void(World&)>& add) {
   for (const double rate : kRates_hz) {
     for (const bool sleep : {true, false}) {
@@ -175,7 +174,7 @@ void expect_stands(const std::function<void(World&)>& add) {
   }
 }
 
-// A half circle of wedges on two blocks: thickness over radius 0.3, far above the 0.107 it needs (Heyman
+// A half circle of wedges on two blocks. Thickness over radius is 0.3, far above the required 0.107 (Heyman
 // 1969).
 TEST(RigidStructures, ArchStands) { expect_stands(add_arch); }
 

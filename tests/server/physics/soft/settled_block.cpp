@@ -18,11 +18,12 @@ using Eigen::VectorXd;
 constexpr double kSide_m = 0.2, kHeight_m = 0.1, kMass_kg = 4.0, kModulus_pa = 2e4, kPoisson = 0.3;
 constexpr double kRadius_m = 0.05, kSphere_kg = 1.0, kGravity_m_s2 = 9.81;
 constexpr double kHeld_n_m = 1e9,
-                 kSliding_n_m = 30.0;  // of a node on the floor: held, and only kept from drifting off
+                 // stiffness of the tie of a floor node: fixed, or only kept from drifting
+    kSliding_n_m = 30.0;
 
 using Stiffness = Eigen::Matrix<double, 24, 24>;
 
-// Of one cube, by 2 x 2 x 2 Gauss points.
+// Stiffness of one cubic element by 2 x 2 x 2 Gauss points.
 Stiffness stiffness_of(double edge_m) {
   const double lambda = kModulus_pa * kPoisson / ((1 + kPoisson) * (1 - 2 * kPoisson)),
                mu = kModulus_pa / (2 * (1 + kPoisson));
@@ -96,8 +97,8 @@ class Block {
     }
   }
 
-  // What the sphere bears when it is held so deep: projected Gauss-Seidel on the forces, which point away
-  // from its middle.
+  // Upward force on the sphere held at `depth_m`: projected Gauss-Seidel on the contact forces, which point
+  // away from its centre.
   double upward_n(double depth_m) const {
     const Vector3d middle(0.5 * kSide_m, kHeight_m - depth_m + kRadius_m, 0.5 * kSide_m);
     VectorXd moved = sunk_m_, force = VectorXd::Zero(sunk_m_.size());
@@ -136,7 +137,7 @@ class Block {
     }
   }
 
-  // Of the top, where the sphere may touch.
+  // Adds points of the top face within reach of the sphere.
   void add_points(double apart_m) {
     const int count = static_cast<int>(std::lround(kSide_m / apart_m));
     for (int a = 0; a <= count; ++a) {
@@ -169,8 +170,8 @@ class Block {
   int along_ = 0, up_ = 0;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
   std::vector<TopPoint> points_;
-  VectorXd sunk_m_;      // by their weight, three a point
-  MatrixXd compliance_;  // of points, by forces on points
+  VectorXd sunk_m_;      // displacements by the block's weight, three per point
+  MatrixXd compliance_;  // displacements of points per unit force on points
 };
 
 }  // namespace

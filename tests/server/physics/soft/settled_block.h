@@ -3,17 +3,16 @@
 
 namespace livegs {
 
-// A block of 0.2 x 0.1 x 0.2 m, 4 kg, 20 kPa and nu 0.3 under its weight and a 1 kg sphere of 5 cm that
-// slides on it without friction, at rest: linear elasticity, trilinear elements, no part of the solver that
-// is tested.
+// A block of 0.2 x 0.1 x 0.2 m, 4 kg, 20 kPa and nu 0.3 at rest under its weight and a sphere of 1 kg and 5
+// cm radius that slides on it without friction. Linear elasticity with trilinear elements, independent of the
+// solver under test.
 struct SettledBlock {
-  double element_m = 0.0125;  // divides the sides
-  double point_m =
-      0.0125;          // how far apart the points of the top are that the sphere may not enter; divides 0.2 m
-  bool glued = false;  // to the floor; else it slides there freely. Friction is between the two
+  double element_m = 0.0125;  // element edge; must divide the sides
+  double point_m = 0.0125;    // spacing of the top points that the sphere may not enter; must divide 0.2 m
+  bool glued = false;         // glued to the floor; otherwise it slides freely. Friction is between the two
 };
 
-// How far the sphere's lowest point is below the top of the block without loads; within 1e-6 m.
+// Depth of the sphere's lowest point below the top of the unloaded block, m; accurate to 1e-6 m.
 double settled_depth_m(const SettledBlock& block);
 
 }  // namespace livegs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contact of elastic bodies with rigid ones and with each other, both ways (scene 29 of physics.md).
+// Two-way contact of elastic bodies with rigid bodies and with each other (scene 29 of physics.md).
 #include "known_gaps.h"
 #include "server/physics/soft/soft_depth.h"
 
@@ -8,7 +8,7 @@ namespace {
 
 using namespace soft_fixtures;
 
-TEST(SoftContact, SphereAndCubeInFreeSpaceKeepMomentum) {
+TEST(SoftContact, SphereAndCubeConserveMomentum) {
   for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
     ElasticBodyDescription cube = soft_block(1, Vector3d::Constant(0.06), 0.216, 2e4, 0.01);
@@ -17,13 +17,13 @@ TEST(SoftContact, SphereAndCubeInFreeSpaceKeepMomentum) {
     sphere.velocity_m_s = {2, 0, 0};
     ASSERT_TRUE(world.add_ball(sphere));
     const Drift drift = largest_drift(world, static_cast<int>(rate));
-    EXPECT_GT(world.elastic_body(1)->velocity_m_s().x(), 0.5) << "it must have been struck";
+    EXPECT_GT(world.elastic_body(1)->velocity_m_s().x(), 0.5) << "no collision";
     EXPECT_LT(drift.linear, 1e-4);
     EXPECT_LT(drift.angular, 1e-3);
   }
 }
 
-TEST(SoftContact, BoxAndCubeInFreeSpaceKeepMomentum) {
+TEST(SoftContact, BoxAndCubeConserveMomentum) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
@@ -41,7 +41,7 @@ TEST(SoftContact, BoxAndCubeInFreeSpaceKeepMomentum) {
   }
 }
 
-TEST(SoftContact, TwoCubesInFreeSpaceKeepMomentum) {
+TEST(SoftContact, TwoCubesConserveMomentum) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
@@ -61,7 +61,7 @@ TEST(SoftContact, TwoCubesInFreeSpaceKeepMomentum) {
   }
 }
 
-TEST(SoftContact, BodiesMeetFarFromTheOrigin) {
+TEST(SoftContact, BodiesCollideFarFromTheOrigin) {
   for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
     World world = world_with(solver, 60.0, Vector3d::Zero());
     ElasticBodyDescription cube = soft_block(1, Vector3d::Constant(0.1), 0.5, 3e4, 0.025);
@@ -87,23 +87,23 @@ TEST(SoftContact, HeavyBoxRestsOnAPillowAndBothSleep) {
     box.world_from_object.position_m = {0.02, 0.18, 0};
     ASSERT_TRUE(world.add_rigid(box));
     run_seconds(world, 8.0);
-    // 49 N on 0.03 m² of 0.1 m of 2e4 Pa press it by 8 mm at most; the pillow around helps.
+    // A load of 49 N on 0.03 m² of a pillow of 0.1 m and 2e4 Pa presses it by at most 8 mm; the pillow around
+    // the box helps.
     const Vector3d rests = body_state(world, 2).world_from_body.position_m;
     EXPECT_GT(rests.y(), 0.175 - 0.009) << rate;
     EXPECT_LT(rests.y(), 0.175 - 0.001) << rate;
     run_seconds(world, 2.0);
     EXPECT_LT((body_state(world, 2).world_from_body.position_m - rests).norm(), 1e-4) << rate;
     EXPECT_LT(Vector3d(rests.x() - 0.02, 0, rests.z()).norm(), 0.006)
-        << rate << ": how far it hopped while it bounced";
+        << rate << ": sideways distance while bouncing";
     EXPECT_TRUE(body_state(world, 2).asleep) << rate;
     EXPECT_TRUE(world.elastic_body(1)->asleep()) << rate;
   }
 }
 
-// Pillows as a scene samples them, pressed to two thirds. While their sweeps alternated under the load, a
-// tremble of 0.2 m/s carried the box up to 109 mm away in fifteen seconds and three of these eight never
-// slept.
-TEST(SoftContact, AHeavyBoxOnAVerySoftPillowDoesNotWalk) {
+// Pillows sampled as in a scene, compressed to two thirds. Oscillations of the Gauss-Seidel pass under the
+// load must not move the box sideways or keep it awake.
+TEST(SoftContact, HeavyBoxOnVerySoftPillowDoesNotWalk) {
   struct Case {
     double modulus_pa, mass_kg;
   };

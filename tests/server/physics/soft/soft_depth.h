@@ -8,21 +8,21 @@
 
 namespace livegs::soft_fixtures {
 
-// A block of 0.2 x 0.1 x 0.2 m, 4 kg and 20 kPa, its particles in a grid that fills it; a cell width of 0 is
-// the one that the program chooses.
+// A block of 0.2 x 0.1 x 0.2 m, 4 kg and 20 kPa, filled by a particle grid. A cell width of 0 selects the
+// default.
 inline ElasticBodyDescription particle_block(double spacing_m, double cell_width_m) {
   return soft_block(1, {0.2, 0.1, 0.2}, 4.0, 2e4, spacing_m, 0.3, cell_width_m);
 }
 
-// The same as a scene makes it; 0: that says no spacing.
+// The same block as a scene creates it. 0: the default spacing.
 inline ElasticBodyDescription sampled_block(double spacing_m = 0.0) {
   ElasticBodyDescription block = particle_block(0.025, 0.0);
   block.particles = sample_particles(box_mesh({0.2, 0.1, 0.2}), kDefaultSamplingDensity, spacing_m);
   return block;
 }
 
-// How far the lowest point of a 1 kg sphere of 5 cm settles below the top of an unloaded block on a floor;
-// the mean of the last of three seconds.
+// Depth of the lowest point of a sphere of 1 kg and 5 cm radius below the top of the unloaded block on a
+// floor, m: the mean over the last of three seconds.
 inline double settled_depth_m(ElasticBodyDescription block, double rate, int substeps = 4) {
   World world = world_with(ElasticSolver::Cells, rate, {0, -kGravity, 0}, substeps);
   world.add_collider(floor_plane(0.6));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How deep a sphere settles in a soft block (scene 29), for cells as the program chooses them and as told.
+// Depth at which a sphere settles in a soft block (scene 29), for default and given cells.
 #include <cstdio>
 
 #include "known_gaps.h"
@@ -11,13 +11,13 @@ namespace {
 
 using namespace soft_fixtures;
 
-// In cells of 12.5 mm, 14.37 mm: soft_depth_nightly_test halves them again and finds 14.44.
+// The depth in cells of 12.5 mm. soft_depth_nightly_test halves them again.
 double converged_m() {
   static const double depth_m = settled_depth_m(particle_block(0.00625, 0.0125), 90.0);
   return depth_m;
 }
 
-TEST(SoftDepth, SphereOnASoftBlockSettlesAtTheConvergedDepth) {
+TEST(SoftDepth, SphereSettlesAtTheConvergedDepth) {
   for (const double rate : kRates_hz) {
     for (const double cell_width_m :
          gate_or_full<double>({0.0, 0.025}, {0.0, 0.0125, 0.015, 0.02, 0.025, 0.03})) {
@@ -25,15 +25,15 @@ TEST(SoftDepth, SphereOnASoftBlockSettlesAtTheConvergedDepth) {
       EXPECT_NEAR(depth_m / converged_m(), 1.0, 0.1) << rate << " Hz, cells of " << cell_width_m;
     }
   }
-  // Hertz on a half-space: d = (F (1 - nu²) / (4/3 E sqrt(R)))^(2/3) = 13 mm. The block is as deep as four
-  // contact radii and sinks under its own weight too.
+  // Hertz on a half-space: d = (F (1 - nu²) / (4/3 E sqrt(R)))^(2/3) = 13 mm. The block is only four contact
+  // radii deep and also sinks under its own weight.
   const double hertz = std::pow(kGravity * 0.91 / (4.0 / 3.0 * 2e4 * std::sqrt(0.05)), 2.0 / 3.0);
   EXPECT_NEAR(converged_m() / hertz, 1.0, 0.35);
 }
 
-// The converged depth itself, against finite elements: a floor with friction is between one that slides and
-// one that holds.
-TEST(SoftDepth, TheConvergedDepthIsThatOfFiniteElements) {
+// The converged depth compared with finite elements: a floor with friction is between a sliding and a glued
+// one.
+TEST(SoftDepth, ConvergedDepthMatchesFiniteElements) {
   const double held_m = settled_depth_m(SettledBlock{.element_m = 0.0125, .glued = true});
   const double sliding_m = settled_depth_m(SettledBlock{.element_m = 0.0125});
   std::printf("converged %.3f mm; finite elements %.3f held, %.3f sliding\n", 1e3 * converged_m(),
@@ -42,10 +42,10 @@ TEST(SoftDepth, TheConvergedDepthIsThatOfFiniteElements) {
   EXPECT_LT(converged_m(), 1.03 * sliding_m);
 }
 
-// Cells wider than the touch (its radius is 27 mm) are too stiff beneath it. That shows once steps are short:
-// the depth is that of finite elements as wide as the cells. At 4 substeps the sweep leaves what is as short
-// as a cell or two too soft, which happens to balance it.
-TEST(SoftDepth, AtManySubstepsItIsThatOfElementsAsWideAsTheCells) {
+// Cells wider than the contact (27 mm radius) are too stiff beneath it. With short steps the depth is that of
+// finite elements as wide as the cells. At 4 substeps the pass leaves deformations of one or two cells too
+// soft, which happens to balance the error.
+TEST(SoftDepth, ManySubstepsMatchElementsOfCellWidth) {
   for (const double cell_width_m : {0.2 / 6, 0.025}) {
     const double held_m = settled_depth_m(SettledBlock{.element_m = cell_width_m, .glued = true});
     const double sliding_m = settled_depth_m(SettledBlock{.element_m = cell_width_m});
@@ -58,17 +58,17 @@ TEST(SoftDepth, AtManySubstepsItIsThatOfElementsAsWideAsTheCells) {
   }
 }
 
-// Fifteen voxels along 0.2 m are seven and a half over 0.1 m: the outermost end at the faces all the same.
-TEST(SoftDepth, SphereSettlesWhereVoxelsDoNotFillTheBlock) {
+// Fifteen voxels along 0.2 m are 7.5 over 0.1 m. The outermost must still end at the faces.
+TEST(SoftDepth, SphereSettlesOnUnevenlySampledBlock) {
   for (const double rate : kRates_hz) {
     report_gap("soft.depth_of_sampled_block",
                std::abs(settled_depth_m(sampled_block(), rate) / converged_m() - 1.0));
   }
 }
 
-// A pit is as deep everywhere, so nothing but what rolling loses keeps a ball where it lies
-// (cells_rolling.cpp).
-TEST(SoftDepth, ABallStaysWhereItIsLaid) {
+// A pit has the same depth at any position, so only rolling resistance keeps a ball in place
+// (cells_rolling_resistance.cpp).
+TEST(SoftDepth, BallStaysWhereItIsPlaced) {
   for (const double rate : kRates_hz) {
     for (const double spacing_m :
          gate_or_full<double>({0.0, 0.025}, {0.0, 0.0125, 0.015, 0.02, 0.025, 0.03})) {
@@ -83,7 +83,7 @@ TEST(SoftDepth, ABallStaysWhereItIsLaid) {
         ASSERT_TRUE(world.add_ball(ball(2, {0, 0.15, 0}, 0.05, 1.0)));
         run_seconds(world, 10.0);
         const Vector3d at_m = body_state(world, 2).world_from_body.position_m;
-        EXPECT_LT(std::hypot(at_m.x(), at_m.z()), spacing_m > 0.028 ? 0.03 : 0.012);  // 29 and 10 mm found
+        EXPECT_LT(std::hypot(at_m.x(), at_m.z()), spacing_m > 0.028 ? 0.03 : 0.012);
         EXPECT_NEAR(at_m.y(), 0.15 - converged_m(), spacing_m > 0.022 ? 0.009 : 0.003);
         EXPECT_TRUE(body_state(world, 2).asleep);
       }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes of elastic and rigid bodies on each other: they come to rest, sleep, wake, and nothing goes through.
+// Scenes of elastic and rigid bodies on each other: they come to rest, sleep, wake, and do not pass through
+// each other.
 #include <bit>
 
 #include "core/parallel_for.h"
@@ -12,7 +13,7 @@ namespace {
 using namespace soft_fixtures;
 using Eigen::Vector2d;
 
-// Two soft cubes of 0.1 m and 0.5 kg on a floor, the upper one's centre at `high_m`.
+// Two soft cubes of 0.1 m and 0.5 kg on a floor, with the centre of the upper one at `high_m`.
 World two_cubes(double rate, const Vector3d& high_m, double loss_factor, double spacing_m = 0.0125,
                 double cell_width_m = 0.0) {
   World world = world_with(ElasticSolver::Cells, rate);
@@ -35,7 +36,7 @@ void expect_stacked(const World& world, double shift_m, double rate) {
   EXPECT_TRUE(world.elastic_body(1)->asleep() && world.elastic_body(2)->asleep()) << rate;
 }
 
-TEST(SoftScenes, SoftCubeDroppedOnAnotherStaysOnIt) {
+TEST(SoftScenes, SoftCubeDroppedOnAnotherStaysThere) {
   for (const double rate : kRates_hz) {
     World world = two_cubes(rate, {0, 0.17, 0}, 0.3);
     run_seconds(world, 5.0);
@@ -43,9 +44,9 @@ TEST(SoftScenes, SoftCubeDroppedOnAnotherStaysOnIt) {
   }
 }
 
-// Off the middle the lower cube leans away under the upper one while it is squeezed, and throws it sideways.
-// That is elasticity, whatever the friction: 0.094 to 0.103 m/s in cells of 50 to 6 mm.
-TEST(SoftScenes, SoftCubeDroppedOffTheMiddleIsThrownSidewaysAsInFinerCells) {
+// An off-centre impact tilts the compressed lower cube, which throws the upper one sideways. The effect is
+// elastic, independent of friction, and hardly depends on the cell width.
+TEST(SoftScenes, OffCentreThrowMatchesFinerCells) {
   const auto thrown = [](double rate, double spacing_m, double cell_width_m) {
     World world = two_cubes(rate, {0.01, 0.17, 0.005}, 0.3, spacing_m, cell_width_m);
     run_seconds(world, 0.16);  // in the air again
@@ -56,18 +57,17 @@ TEST(SoftScenes, SoftCubeDroppedOffTheMiddleIsThrownSidewaysAsInFinerCells) {
   for (const double rate : kRates_hz) EXPECT_NEAR(thrown(rate, 0.0125, 0.0) / converged, 1.0, 0.1) << rate;
 }
 
-// It bounces a few times and comes to rest a little farther out.
-TEST(SoftScenes, SoftCubeDroppedOffTheMiddleStaysOnTheOther) {
+// The cube bounces a few times and comes to rest slightly further out.
+TEST(SoftScenes, OffCentreCubeStaysOnTheOther) {
   for (const double rate : kRates_hz) {
     World world = two_cubes(rate, {0.01, 0.17, 0.005}, 0.3);
     run_seconds(world, 6.0);
-    expect_stacked(world, 0.04, rate);  // it starts 0.011 off
+    expect_stacked(world, 0.04, rate);  // the start offset is 0.011 m
   }
 }
 
-// Of a spring with a loss factor eta the amplitude falls to exp(-pi eta / 2) in half a cycle, whatever it
-// carries.
-TEST(SoftScenes, LossFactorMeansTheSameUnderALoad) {
+// The amplitude of a spring with a loss factor eta falls to exp(-pi eta / 2) in half a cycle, at any load.
+TEST(SoftScenes, LossFactorIsIndependentOfLoad) {
   for (const double loss_factor : {0.1, 0.3}) {
     for (const double mass_kg : {2.0, 5.0}) {
       if (loss_factor > 0.2 && mass_kg < 3.0) continue;
@@ -112,7 +112,7 @@ void add_table_scene(World& world) {
   EXPECT_TRUE(world.add_rigid(box));
 }
 
-TEST(SoftScenes, SoftCubeAndTiltedBoxComeToRestOnATable) {
+TEST(SoftScenes, SoftCubeAndTiltedBoxRestOnATable) {
   for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate);
     add_table_scene(world);
@@ -121,16 +121,16 @@ TEST(SoftScenes, SoftCubeAndTiltedBoxComeToRestOnATable) {
                  box = body_state(world, 3).world_from_body.position_m.y();
     EXPECT_NEAR(cube, 0.11, 0.006);               // the sag of 0.9 kg on 0.01 m² is under 3 %
     EXPECT_GT(lowest_m(world, 2), 0.06 + 0.005);  // centres of voxels of 12.5 mm, squeezed
-    EXPECT_GT(box, 0.06 + 0.025);                 // on the cube, or beside it on the table
+    EXPECT_GT(box, 0.06 + 0.025);                 // on the cube, or next to it on the table
     EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 0.03, 1e-3);
     EXPECT_TRUE(world.elastic_body(2)->asleep());
     EXPECT_TRUE(body_state(world, 1).asleep && body_state(world, 3).asleep);
   }
 }
 
-// Jelly that its own weight presses by a quarter: a corner that is folded under snaps to and fro by 0.2 mm
-// for good, at 90 Hz, and kept the cube and the table awake.
-TEST(SoftScenes, ACubeOfJellySleepsOnATableThatCanMove) {
+// A jelly cube that its own weight compresses by a quarter. A folded corner snaps back and forth and must not
+// keep the cube and the table awake.
+TEST(SoftScenes, JellyCubeSleepsOnAMovableTable) {
   for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate);
     world.add_collider(floor_plane(0.6));
@@ -152,10 +152,10 @@ TEST(SoftScenes, ACubeOfJellySleepsOnATableThatCanMove) {
   }
 }
 
-// The rod is thinner than half the distance of the block's points: its own points must be felt. A line load
-// has no closed form here; in cells of 25, 12.5 and 6.25 mm it sinks 1.44, 1.57 and 1.71 mm, with the block's
-// own sag.
-TEST(SoftScenes, ThinRodLiesAcrossASoftBlock) {
+// The rod is thinner than half the spacing of the block's points, so its own points must make contact. A line
+// load has no closed form here; the reference is the depth in the finest cells, including the block's own
+// sag.
+TEST(SoftScenes, ThinRodRestsAcrossASoftBlock) {
   constexpr double kSunk_m = 1.71e-3;
   struct Case {
     double rate, cell_width_m;
@@ -207,8 +207,7 @@ TEST(SoftScenes, PileOfEightStaysAboveTheFloor) {
   EXPECT_LT(world.energy().kinetic_j, 1e-3);
 }
 
-// At plates that can move and ones that cannot. One that is hit off its middle turns; it is looked at before
-// it has turned over.
+// Free and fixed plates. A free plate hit off its centre rotates, so it is checked before it has turned over.
 TEST(SoftScenes, SoftBodiesThrownAtPlatesDoNotPass) {
   int passed = 0, runs = 0;
   for (const bool fixed : {false, true}) {
@@ -245,9 +244,9 @@ TEST(SoftScenes, SoftBodiesThrownAtPlatesDoNotPass) {
   EXPECT_EQ(passed, 0) << "of " << runs;
 }
 
-// Pulled for a tenth of a second they sleep again as soon as the soft one does alone: within 3 s, both in one
-// tick.
-TEST(SoftScenes, PulledPairSleepsAgainInThreeSeconds) {
+// After a pull of 0.1 s both bodies sleep again within 3 s, in the same tick, as soon as the soft body alone
+// would.
+TEST(SoftScenes, PulledPairSleepsAgainWithinThreeSeconds) {
   for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate);
     world.add_collider(floor_plane(0.6));
@@ -273,7 +272,7 @@ TEST(SoftScenes, PulledPairSleepsAgainInThreeSeconds) {
   }
 }
 
-TEST(SoftScenes, WhatLiesOnASoftBodySleepsAndWakesWithIt) {
+TEST(SoftScenes, RigidBoxSleepsAndWakesWithSoftBody) {
   for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
     World world = world_with(solver, 90.0);
     world.add_collider(floor_plane(0.6));
@@ -298,7 +297,7 @@ TEST(SoftScenes, WhatLiesOnASoftBodySleepsAndWakesWithIt) {
     EXPECT_GT(struck_soft, 0.1);
     EXPECT_GT(struck_box, 0.1);
 
-    // Pulled at the box: both wake. 2 N do not lift it.
+    // A pull on the box wakes both. 2 N do not lift it.
     world.set_force(1, 2, {{0, 0, 0}, {2, 0, 0}});
     run_seconds(world, 2.0 / 90.0);
     EXPECT_FALSE(body_state(world, 2).asleep);
@@ -306,7 +305,7 @@ TEST(SoftScenes, WhatLiesOnASoftBodySleepsAndWakesWithIt) {
     world.clear_force(1);
     run_seconds(world, 4.0);
     report_gap("soft.asleep_after_pull", body_state(world, 2).asleep && world.elastic_body(1)->asleep());
-    // Without the box it rises again.
+    // Without the box the block rises again.
     world.remove(2);
     world.step();
     EXPECT_FALSE(world.elastic_body(1)->asleep());
@@ -326,7 +325,7 @@ TEST(SoftScenes, SleepingSoftBodyWakesWhenABoxLandsOnIt) {
   box.world_from_object.position_m = {0, 0.3, 0};
   ASSERT_TRUE(world.add_rigid(box));
   run_seconds(world, 0.1);
-  EXPECT_TRUE(world.elastic_body(1)->asleep()) << "the box is still far";
+  EXPECT_TRUE(world.elastic_body(1)->asleep()) << "woke before the box landed";
   run_seconds(world, 0.15);
   EXPECT_FALSE(world.elastic_body(1)->asleep());
   double lowest = before;  // the box bounces

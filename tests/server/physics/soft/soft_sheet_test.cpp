@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sheets laid over things that are free to move: they drape, and gain nothing.
+// Sheets laid over movable bodies drape and gain no energy.
 #include "geometry/field/sample_particles.h"
 #include "known_gaps.h"
 #include "scenes/soft_fixtures.h"
@@ -10,13 +10,13 @@ namespace {
 using namespace soft_fixtures;
 
 struct Laid {
-  double most_gain;  // of energy over the start, of what the sheet may fall by: its weight times the height
-                     // of the box
+  // largest energy gain over the start, relative to the sheet's weight times the box height
+  double most_gain;
   bool asleep;
 };
 
-// A sheet of 0.6 m square and 500 kg/m³, 50 mm over a free box of 0.2 m and `heavier` times its mass, on a
-// floor, for 6 s.
+// Lays a square sheet of 0.6 m and 500 kg/m³ 50 mm above a free box of 0.2 m and `heavier` times its mass on
+// a floor, and runs 6 s.
 Laid lay(double rate_hz, double thickness_m, double youngs_modulus_pa, double heavier, double turned_rad) {
   World world = world_with(ElasticSolver::Cells, rate_hz);
   world.add_collider(floor_plane(0.5));
@@ -44,15 +44,15 @@ Laid lay(double rate_hz, double thickness_m, double youngs_modulus_pa, double he
   return laid;
 }
 
-// When corners of the box were let through and overlaps pushed apart however deep, they had up to 27 times
-// what they fell with, and were drawn round the box.
-TEST(SoftSheet, LaidOverAFreeBoxGainsNothing) {
+// Box corners must not pass the sheet, and deep overlaps must not be pushed apart at any depth: both would
+// add energy.
+TEST(SoftSheet, SheetOverAFreeBoxGainsNothing) {
   for (const double stiffness : {1e4, 1e5, 1e6}) {
     for (const double heavier : gate_or_full<double>({2.0, 10.0}, {2.0, 3.0, 10.0})) {
       for (const double rate : kRates_hz)
         for (const double turned : {0.0, 0.5}) {
           const Laid laid = lay(rate, 0.01, stiffness, heavier, turned);
-          // Of the limp ones that their own weight folds sharply one in three reads more for a moment.
+          // Some limp sheets that fold sharply under their own weight show a higher energy for a moment.
           if (stiffness < 5e4) {
             report_gap("sheet.limp_gain", laid.most_gain);
           } else {
@@ -63,7 +63,7 @@ TEST(SoftSheet, LaidOverAFreeBoxGainsNothing) {
   }
 }
 
-TEST(SoftSheet, ThinAndThickOnesToo) {
+TEST(SoftSheet, ThinAndThickSheetsGainNothing) {
   for (const double thickness : {0.004, 0.02}) {
     for (const double stiffness : {1e5, 1e6}) {
       const Laid laid = lay(60.0, thickness, stiffness, 3.0, 0.3);

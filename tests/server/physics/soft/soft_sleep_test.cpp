@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene 31 for elastic bodies: a pile lies where it would lie awake, wakes at a poke, and lies where it would
-// lie if all took as many substeps as the stiffest.
+// Scene 31 for elastic bodies. A sleeping pile rests where it would rest awake and wakes at a poke. Bodies
+// with their own substeps rest where they would with the substeps of the stiffest.
 #include <algorithm>
 
 #include "scenes/soft_fixtures.h"
@@ -13,7 +13,7 @@ using namespace soft_fixtures;
 constexpr uint32_t kPiled = 6;
 constexpr double kSettled_s = 3.5;
 
-// Blocks of 0.1 x 0.06 x 0.1 m let go a millimetre above each other: three, two and one.
+// A pyramid of three, two and one blocks of 0.1 x 0.06 x 0.1 m, released 1 mm above each other.
 World pile(double rate, bool sleep) {
   WorldSettings settings;
   settings.rate_hz = rate;
@@ -38,7 +38,7 @@ bool all_asleep(const World& world) {
   return true;
 }
 
-TEST(SoftSleep, APileLiesWhereItWouldLieAwake) {
+TEST(SoftSleep, PileRestsWhereItWouldRestAwake) {
   for (const double rate : kRates_hz) {
     World sleeping = pile(rate, true), waking = pile(rate, false);
     for (World* world : {&sleeping, &waking}) run_seconds(*world, kSettled_s);
@@ -54,7 +54,7 @@ TEST(SoftSleep, APileLiesWhereItWouldLieAwake) {
   }
 }
 
-TEST(SoftSleep, APokeWakesThePileAtOnce) {
+TEST(SoftSleep, PokeWakesThePileAtOnce) {
   for (const double rate : kRates_hz) {
     World world = pile(rate, true);
     run_seconds(world, kSettled_s);
@@ -66,8 +66,8 @@ TEST(SoftSleep, APokeWakesThePileAtOnce) {
   }
 }
 
-// A stiff cube by itself and one on a soft block. The one on the block makes that take its steps too.
-TEST(SoftSleep, SubstepsOfTheirOwnLeaveBodiesWhereThoseOfAllWould) {
+// A stiff cube on its own and one on a soft block. The second makes the block take its substeps too.
+TEST(SoftSleep, OwnSubstepsGiveTheSameRestPositions) {
   const auto settled = [](double rate, int substeps, std::array<int, 3>& taken) {
     WorldSettings settings;
     settings.rate_hz = rate;

@@ -5,7 +5,7 @@
 #include "known_gaps.h"
 #include "scenes/rigid_fixtures.h"
 
-// The world around elastic bodies: balls, springs and rays.
+// Elastic bodies in a world, with balls, springs and rays.
 
 namespace livegs {
 namespace {
@@ -26,7 +26,7 @@ ElasticBodyDescription soft_box(uint32_t id, const Vector3d& size_m, double mass
   return description;
 }
 
-TEST(WorldElastic, BallAgainstASoftBodyKeepsMomentum) {
+TEST(WorldElastic, BallAndSoftBodyConserveMomentum) {
   World world = world_at(90, 4, Vector3d::Zero());
   ASSERT_TRUE(world.add_elastic(soft_box(1, Vector3d::Constant(0.12), 0.5, 5e4)));
   auto description = ball(2, {-0.4, 0.01, 0.02}, 0.04, 0.2);
@@ -35,8 +35,8 @@ TEST(WorldElastic, BallAgainstASoftBodyKeepsMomentum) {
   const BodyEnergy before = world.energy();
   run_seconds(world, 1.0);
   const BodyEnergy after = world.energy();
-  EXPECT_GT(world.elastic_body(1)->velocity_m_s().x(), 0.1) << "it must have been struck";
-  // Scene 29's bar: 1e-4 of the momentum there was.
+  EXPECT_GT(world.elastic_body(1)->velocity_m_s().x(), 0.1) << "no collision";
+  // Bar of scene 29: 1e-4 of the initial momentum.
   EXPECT_LT((after.linear_momentum - before.linear_momentum).norm() / before.linear_momentum.norm(), 1e-4);
   EXPECT_LT(after.kinetic_j, before.kinetic_j);
 }
@@ -51,8 +51,8 @@ TEST(WorldElastic, SpringPullsASoftBodyToItsTarget) {
     spring.stiffness_n_m = 100.0;
     world.set_spring(1, 1, spring);
     run_seconds(world, 6.0);
-    // The spring bears the weight, whatever the material; the mean over 6 s, because the body may still swing
-    // under it.
+    // The spring carries the weight for any material. The force is averaged over 6 s, because the body may
+    // still swing under it.
     double mean_n = 0.0;
     for (int tick = 0; tick < 540; ++tick) {
       world.step();
@@ -64,9 +64,9 @@ TEST(WorldElastic, SpringPullsASoftBodyToItsTarget) {
   }
 }
 
-// The hand stands still from the start. With forces that were fixed for a substep a cube of 1e5 Pa went on
-// with 1 to 22 J. What is left is a swing about the point that is held, which nothing but its own loss damps.
-TEST(WorldElastic, ASoftBodyCalmsDownUnderAStillHand) {
+// A stationary hand. Spring forces fixed over a substep would feed energy to the body. The remaining motion
+// is a swing about the held point that only the material loss damps.
+TEST(WorldElastic, SoftBodySettlesUnderAStationaryHand) {
   for (const double rate : kRates_hz) {
     for (const double modulus : gate_or_full<double>({3e3, 1e5}, {3e3, 3e4, 1e5, 1e6})) {
       for (const Vector3d& point : {Vector3d(0, 0.05, 0), Vector3d(0.05, 0.05, 0.05), Vector3d(0, 0, 0)}) {
@@ -79,7 +79,7 @@ TEST(WorldElastic, ASoftBodyCalmsDownUnderAStillHand) {
         spring.stiffness_n_m = 107.0;
         world.set_spring(1, 1, spring);
         run_seconds(world, 8.0);
-        const bool corner = point.x() > 0.0, jelly = modulus < 1e4;  // at 3 kPa it still bobs
+        const bool corner = point.x() > 0.0, jelly = modulus < 1e4;  // at 3 kPa it still oscillates
         if (corner || jelly) {
           report_gap(corner ? "hands.corner_calm_j" : "hands.jelly_calm_j", world.energy().kinetic_j);
           continue;
@@ -93,13 +93,13 @@ TEST(WorldElastic, ASoftBodyCalmsDownUnderAStillHand) {
   }
 }
 
-TEST(WorldElastic, RayFindsASoftBody) {
+TEST(WorldElastic, RayHitsASoftBody) {
   World world = world_at(90, 4, Vector3d::Zero());
   ASSERT_TRUE(world.add_elastic(soft_box(3, Vector3d::Constant(0.1), 0.3, 1e5)));
   const auto hit = world.ray_cast({0, 0, 1}, {0, 0, -1}, 5.0);
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->object_id, 3u);
-  // Within a particle's spacing (0.1 m / 6) of the face.
+  // Within one particle spacing (0.1 m / 6) of the face.
   EXPECT_NEAR(hit->distance_m, 0.95, 0.02);
   EXPECT_FALSE(world.ray_cast({0.3, 0, 1}, {0, 0, -1}, 5.0));
 }

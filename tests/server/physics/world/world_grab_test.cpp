@@ -12,7 +12,7 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-TEST(WorldHands, SpringForceAtRestIsStiffnessTimesStretch) {
+TEST(WorldHands, SpringForceIsStiffnessTimesStretch) {
   for (const double rate : kRates_hz) {
     for (const double stiffness : {20.0, 200.0, 5000.0}) {
       World world = world_at(rate, 4);
@@ -26,7 +26,7 @@ TEST(WorldHands, SpringForceAtRestIsStiffnessTimesStretch) {
       const Vector3d stretch = spring.target_m - world.world_point(1, spring.rest_point_m);
       const Vector3d force = world.spring_force_n(1);
       EXPECT_NEAR(stretch.y() * stiffness, 0.5 * kGravity,
-                  1e-6 * 0.5 * kGravity);  // it carries the weight, k x = m g
+                  1e-6 * 0.5 * kGravity);  // the spring carries the weight: k x = m g
       EXPECT_LT((force - stiffness * stretch).norm(), 1e-6 * force.norm());
     }
   }
@@ -36,7 +36,7 @@ TEST(WorldHands, SpringOnAHeldDoorReportsItsPull) {
   World world = world_at(60, 4);
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.8, 2.0, 0.04}, 20.0)));
   ASSERT_TRUE(world.add_hinge_joint({1, {}, {-0.4, 0, 0}, Vector3d::UnitY()}));
-  // Along the door, against its hinge: nothing moves, and F = k x.
+  // A pull along the door against its hinge: the door does not move, and F = k x.
   World::Spring spring;
   spring.rest_point_m = {0.4, 0, 0};
   spring.target_m = {0.5, 0, 0};
@@ -57,7 +57,7 @@ Pose hand_at(const Vector3d& position_m, double angle = 0.0) {
   return {position_m, Quaterniond(AngleAxisd(angle, Vector3d(1, 2, 3).normalized()))};
 }
 
-// Held by a corner, tilted, in a hand that is itself turned.
+// A tilted object held by a corner in a rotated hand.
 TEST(WorldHands, GrabHoldsARigidObjectWhereItIs) {
   for (const double rate : kRates_hz) {
     World world = world_at(rate, 4, Vector3d::Zero());
@@ -74,7 +74,7 @@ TEST(WorldHands, GrabHoldsARigidObjectWhereItIs) {
   }
 }
 
-TEST(WorldHands, GrabCarriesTheWeightAndFollowsTheHand) {
+TEST(WorldHands, GrabCarriesWeightAndFollowsTheHand) {
   for (const double rate : kRates_hz) {
     World world = world_at(rate, 4);
     ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.2, 0.1}, 0.4)));
@@ -85,21 +85,21 @@ TEST(WorldHands, GrabCarriesTheWeightAndFollowsTheHand) {
     EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), -kGravity / (omega * omega),
                 1e-6);  // m g = k x
     EXPECT_NEAR(world.grab_state(1)->force_n.y(), 0.4 * kGravity, 1e-6);
-    // A quarter turn in a second, then held.
+    // A quarter turn within a second, then at rest.
     for (int i = 1; i <= std::lround(rate); ++i) {
       const double share = i / rate;
       world.move_grab(1, hand_at({0.3 * share, 0.1 + 0.2 * share, 0}, 0.5 * std::numbers::pi * share),
                       {0.3, 0.2, 0}, 0.5 * std::numbers::pi * Vector3d(1, 2, 3).normalized());
       world.step();
     }
-    // The target's velocity is part of the damping: it trails by its weight alone, and by one tick of the
-    // hand's way.
+    // The damping includes the target's velocity, so the object lags only by its weight and by one tick of
+    // the hand's motion.
     EXPECT_LT((world.grab_state(1)->point_m - Vector3d(0.3, 0.3 - kGravity / (omega * omega), 0)).norm(),
               0.01);
     world.move_grab(1, hand_at({0.3, 0.3, 0}, 0.5 * std::numbers::pi), Vector3d::Zero(), Vector3d::Zero());
     run_seconds(world, 2.0);
     const Quaterniond turned(AngleAxisd(0.5 * std::numbers::pi, Vector3d(1, 2, 3).normalized()));
-    // The weight, off the grip by at most 0.1 m, twists it by m g r / (I omega²).
+    // The weight, at most 0.1 m from the grip, twists the object by m g r / (I omega²).
     EXPECT_LT(body_state(world, 1).world_from_body.orientation.angularDistance(turned),
               1.5 * kGravity * 0.1 / ((0.2 * 0.2 + 0.1 * 0.1) / 12.0 * omega * omega));
     EXPECT_NEAR((world.grab_state(1)->point_m - Vector3d(0.3, 0.3 - kGravity / (omega * omega), 0)).norm(), 0,
@@ -107,12 +107,12 @@ TEST(WorldHands, GrabCarriesTheWeightAndFollowsTheHand) {
   }
 }
 
-TEST(WorldHands, ReleaseThrowsWithTheHandsVelocity) {
+TEST(WorldHands, ReleaseThrowsAtTheHandsVelocity) {
   for (const double rate : kRates_hz) {
     World world = world_at(rate, 4);
     ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 0.3)));
     ASSERT_TRUE(world.grab(1, 1, hand_at({0, 0.05, 0}), {}));
-    // Half a second of constant acceleration to 3 m/s, then the hand opens.
+    // Half a second of constant acceleration to 3 m/s, then the hand releases.
     const Vector3d acceleration(6, 2, 0);
     const int ticks = static_cast<int>(0.5 * rate);
     for (int i = 0; i < ticks; ++i) {
@@ -123,8 +123,8 @@ TEST(WorldHands, ReleaseThrowsWithTheHandsVelocity) {
     }
     world.release_grab(1);
     EXPECT_FALSE(world.grab_state(1));
-    // It lags behind a steady acceleration by a constant way, so its velocity is the hand's; 5 % for what a
-    // tick's sampling adds.
+    // Under a steady acceleration the object lags by a constant distance, so it has the hand's velocity. 5 %
+    // allow for tick sampling.
     const Vector3d hand = 0.5 * acceleration;
     const BodyState state = body_state(world, 1);
     EXPECT_LT((state.velocity_m_s - hand).norm(), 0.05 * hand.norm()) << state.velocity_m_s.transpose();
@@ -135,13 +135,13 @@ TEST(WorldHands, TwoHandsTurnOneObject) {
   World world = world_at(60, 4);
   ASSERT_TRUE(world.add_rigid(box_body(1, {1.0, 0.05, 0.05}, 1.0)));
   World::Grip grip;
-  grip.max_torque_n_m = 20.0;  // one hand alone bears 4.9 N m
+  grip.max_torque_n_m = 20.0;  // one hand alone carries 4.9 N m
   ASSERT_TRUE(world.grab(1, 1, hand_at({-0.5, 0, 0}), grip));
   ASSERT_TRUE(world.grab(2, 1, hand_at({0.5, 0, 0}), grip));
   run_seconds(world, 1.0);
   const double weight = world.grab_state(1)->force_n.y() + world.grab_state(2)->force_n.y();
   EXPECT_NEAR(weight, kGravity, 1e-5);
-  // Each moves a quarter turn about the middle; the hands themselves turn with it.
+  // Each hand moves a quarter turn about the middle and rotates with it.
   for (int i = 1; i <= 60; ++i) {
     const Quaterniond turn(AngleAxisd(0.5 * std::numbers::pi * i / 60.0, Vector3d::UnitY()));
     world.move_grab(1, {turn * Vector3d(-0.5, 0, 0), turn}, Vector3d::Zero(), Vector3d::Zero());
@@ -151,14 +151,14 @@ TEST(WorldHands, TwoHandsTurnOneObject) {
   run_seconds(world, 1.0);
   const Vector3d along = body_state(world, 1).world_from_body.orientation * Vector3d::UnitX();
   EXPECT_LT((along - Vector3d(0, 0, -1)).norm(), 1e-3);
-  // Let go by one, it stays in the other's.
+  // After one hand releases, the object stays in the other.
   world.release_grab(1);
   run_seconds(world, 2.0);
   EXPECT_LT(body_state(world, 1).velocity_m_s.norm(), 1e-3);
 }
 
-// A hand that is somewhere else in each tick, or nowhere.
-TEST(WorldHands, TeleportingHandsGiveNoMoreThanTheBound) {
+// A hand whose position jumps in each tick or is not finite.
+TEST(WorldHands, JumpingHandsStayWithinTheForceBound) {
   World world = world_at(60, 4);
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.05, 0.05, 0.05}, 0.05)));
   World::Grip grip;
@@ -184,7 +184,7 @@ TEST(WorldHands, TeleportingHandsGiveNoMoreThanTheBound) {
   EXPECT_TRUE(body_state(world, 1).velocity_m_s.allFinite());
 }
 
-TEST(WorldHands, AHeldBoxKnockedOnATableFeelsTheBlow) {
+TEST(WorldHands, HeldBoxReportsItsImpactOnATable) {
   for (const double rate : kRates_hz) {
     World world = world_at(rate, 4);
     world.add_collider(floor_plane());
@@ -194,7 +194,7 @@ TEST(WorldHands, AHeldBoxKnockedOnATableFeelsTheBlow) {
     World::Grip soft;
     soft.frequency_hz = 1.0;
     ASSERT_TRUE(world.grab(1, 1, hand_at({0, 0.35, 0}), soft));
-    // Down with the hand at 1 m/s, through the table.
+    // The hand moves down through the table at 1 m/s.
     double largest = 0.0, before = 0.0, sum = 0.0, after = 0.0;
     for (int i = 0; i < std::lround(0.5 * rate); ++i) {
       const double speed = -body_state(world, 1).velocity_m_s.y();
@@ -208,13 +208,14 @@ TEST(WorldHands, AHeldBoxKnockedOnATableFeelsTheBlow) {
       }
       sum += impulse;
     }
-    // The box, without restitution, stops: m v, and what weight and hand push within the tick, at most 50 N.
+    // The box stops without restitution: m v, plus the impulse of weight and hand within the tick, at most 50
+    // N.
     EXPECT_GT(before, 0.5);
     EXPECT_NEAR(after, 0.0, 0.01);
     EXPECT_GE(largest, 0.5 * before * 0.999);
     EXPECT_LE(largest, 0.5 * before + (0.5 * kGravity + 5.0) / rate);
     EXPECT_GE(sum, largest);
-    // Free in the air again it feels nothing.
+    // In the air again the box has no contact impulse.
     for (int i = 0; i < std::lround(2.0 * rate); ++i) {
       world.move_grab(1, hand_at({0, 0.6, 0}), Vector3d::Zero(), Vector3d::Zero());
       world.step();
@@ -248,9 +249,8 @@ TEST(WorldHands, GrabHoldsAndCarriesASoftObject) {
   EXPECT_LT(world.elastic_body(1)->centre_m().y() - start.y(), -0.5);
 }
 
-// Ids of objects may be used again: what hands and forces did to the old one is none of the new one's
-// business.
-TEST(WorldHands, WhatIsRemovedIsLetGo) {
+// Object ids may be reused. Grabs and forces of the removed object must not affect the new one.
+TEST(WorldHands, RemovedObjectIsReleased) {
   World world = world_at(90, 4, Vector3d::Zero());
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 0.5)));
   ASSERT_TRUE(world.add_rigid(box_body(2, {0.1, 0.1, 0.1}, 0.5)));
@@ -271,12 +271,12 @@ TEST(WorldHands, WhatIsRemovedIsLetGo) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_GT(body_state(world, 2).velocity_m_s[axis], 0.01);
 }
 
-TEST(WorldHands, NearestFindsWhatAHandCanReach) {
+TEST(WorldHands, NearestFindsObjectsWithinReach) {
   World world = world_at(60, 4);
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 0.5)));
   ASSERT_TRUE(world.add_ball(ball(2, {0.3, 0, 0})));
   EXPECT_EQ(world.nearest({0.08, 0, 0}, 0.1)->object_id, 1u);
-  EXPECT_NEAR(world.nearest({0.08, 0, 0}, 0.1)->distance_m, 0.03, 0.005);  // a grid's distance
+  EXPECT_NEAR(world.nearest({0.08, 0, 0}, 0.1)->distance_m, 0.03, 0.005);  // distance from a grid
   EXPECT_EQ(world.nearest({0.0, 0, 0}, 0.1)->distance_m, 0.0);
   EXPECT_EQ(world.nearest({0.22, 0, 0}, 0.1)->object_id, 2u);
   EXPECT_FALSE(world.nearest({0, 0.3, 0}, 0.1));

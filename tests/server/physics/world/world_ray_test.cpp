@@ -4,7 +4,7 @@
 #include "physics/mesh_collider.h"
 #include "scenes/rigid_fixtures.h"
 
-// What stands between a hand and what it points at.
+// Rays of a hand and the obstacles in front of their target.
 
 namespace livegs {
 namespace {
@@ -24,7 +24,7 @@ World two_boxes(const Collider& collider) {
   return world;
 }
 
-// Of a plane, which is level.
+// Orientation of a plane with the given normal.
 Eigen::Quaterniond facing(const Vector3d& normal) {
   return Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), normal);
 }
@@ -34,8 +34,8 @@ uint32_t met(const World& world, const Vector3d& from, const Vector3d& towards) 
   return hit ? hit->object_id : 0;
 }
 
-// Between the two boxes, of every kind.
-TEST(WorldRay, AWallHidesWhatIsBehindIt) {
+// A wall of every collider kind between the two boxes.
+TEST(WorldRay, WallHidesObjectsBehindIt) {
   const Pose between{{0, 0, -1.5}, Eigen::Quaterniond::Identity()};
   const Collider walls[] = {{BoxShape{{2, 2, 0.02}}, between},
                             {SphereShape{0.3}, between},
@@ -47,26 +47,26 @@ TEST(WorldRay, AWallHidesWhatIsBehindIt) {
     const World world = two_boxes(wall);
     EXPECT_EQ(met(world, {0, 0, 0}, {0, 0, -1}), 1u);
     EXPECT_EQ(met(world, {0.5, 0, 0}, {0, 0, -1}), 1u);
-    EXPECT_EQ(met(world, {0, 0.25, 0}, {0, 0, -2}), 0u);  // over the first box, and behind the wall
+    EXPECT_EQ(met(world, {0, 0.25, 0}, {0, 0, -2}), 0u);  // above the first box, blocked by the wall
     EXPECT_EQ(met(world, {0, 3, -2}, {0, 0, -2}), 2u);    // from above, past the wall
   }
 }
 
-// A table that a thing lies on, a little sunk in, and one that hides it from below.
-TEST(WorldRay, WhatLiesOnATableIsMetFromAboveAndNotFromBelow) {
+// A plate slightly sunk into a table is hit from above; from below the table hides it.
+TEST(WorldRay, PlateOnTableIsHitOnlyFromAbove) {
   World world = world_at(60, 4, Vector3d::Zero());
   world.add_collider(
       {mesh_collider(box_mesh({1.2, 0.03, 0.8})), {{0, 0.7 - 0.015, 0}, Eigen::Quaterniond::Identity()}});
   auto plate = box_body(1, {0.2, 0.006, 0.2}, 0.1);
-  plate.world_from_object.position_m = {0, 0.7, 0};  // half of it is in the table
+  plate.world_from_object.position_m = {0, 0.7, 0};  // the lower half is inside the table
   ASSERT_TRUE(world.add_rigid(plate));
   EXPECT_EQ(met(world, {0, 1.5, 1}, {0, 0.7, 0}), 1u);
   EXPECT_EQ(met(world, {0, 0.9, 2}, {0, 0.703, 0.05}), 1u);
   EXPECT_EQ(met(world, {0, 0.1, 0.3}, {0, 0.7, 0}), 0u);
 }
 
-// A camera that looks into a room from behind its wall.
-TEST(WorldRay, WhatHoldsTheEyeIsLookedThrough) {
+// A camera inside the solid side of a wall, aimed into the room.
+TEST(WorldRay, ColliderAroundTheEyeIsIgnored) {
   const Collider wall{PlaneShape{}, {{0, 0, 0.5}, facing(-Vector3d::UnitZ())}};
   World world = two_boxes(wall);  // solid where z > 0.5
   EXPECT_EQ(met(world, {0, 0, 2}, {0, 0, -1}), 1u);

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 const Vector3d kNoGravity = Vector3d::Zero();
 
-TEST(World, BallAgainstABodyKeepsMomentum) {
+TEST(World, BallAndBodyConserveMomentum) {
   for (int aim = 0; aim < 6; ++aim) {
     World world = world_at(60, 4, kNoGravity);
     auto box = box_body(1, {0.2, 0.1, 0.15}, 1.0);
@@ -27,15 +27,15 @@ TEST(World, BallAgainstABodyKeepsMomentum) {
     const BodyEnergy before = world.energy();
     run_seconds(world, 0.5);
     const BodyEnergy after = world.energy();
-    EXPECT_GT(body_state(world, 1).velocity_m_s.norm(), 0.1) << "it must have been struck";
-    // Equal and opposite impulses at one place: rounding only.
+    EXPECT_GT(body_state(world, 1).velocity_m_s.norm(), 0.1) << "no collision";
+    // Impulses are equal and opposite at one point, so only rounding is left.
     EXPECT_LT((after.linear_momentum - before.linear_momentum).norm(), 1e-12);
     EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 1e-12);
     EXPECT_LE(after.kinetic_j, before.kinetic_j);
   }
 }
 
-TEST(World, CentralImpactEndsAtTheClosedForm) {
+TEST(World, CentralImpactMatchesTheClosedForm) {
   World world = world_at(60, 4, kNoGravity);
   auto box = box_body(1, {0.2, 0.2, 0.2}, 1.0);
   ASSERT_TRUE(world.add_rigid(box));
@@ -44,12 +44,13 @@ TEST(World, CentralImpactEndsAtTheClosedForm) {
   description.restitution = 0.6;
   ASSERT_TRUE(world.add_ball(description));
   run_seconds(world, 0.5);
-  // v = m1 v0 (1 + e) / (m1 + m2); the face is flat and away from its edges, so the field is exact.
+  // v = m1 v0 (1 + e) / (m1 + m2). The face is flat and the contact is away from its edges, so the distance
+  // field is exact.
   EXPECT_NEAR(body_state(world, 1).velocity_m_s.x(), 0.5 * 4 * 1.6 / 1.5, 1e-3);
   EXPECT_NEAR(body_state(world, 2).velocity_m_s.x(), 4 * (0.5 - 0.6) / 1.5, 1e-3);
 }
 
-TEST(World, EqualBallsSwapTheirVelocities) {
+TEST(World, EqualBallsExchangeVelocities) {
   World world = world_at(60, 4, kNoGravity);
   for (uint32_t id : {1u, 2u}) {
     auto description = ball(id, {id == 1 ? -0.3 : 0.0, 0, 0}, 0.05, 0.2);
@@ -72,7 +73,8 @@ TEST(World, FastBallDoesNotPassABody) {
       ASSERT_TRUE(world.add_ball(description));
       for (int i = 0; i < rate / 2; ++i) {
         world.step();
-        // The plate turns, struck off its centre: look from its own frame, while the ball is over it.
+        // The plate rotates after an off-centre impact, so the ball is checked in the plate's frame while it
+        // is above the plate.
         const Vector3d seen =
             body_state(world, 1).world_from_body.inverse() * body_state(world, 2).world_from_body.position_m;
         if (std::abs(seen.x()) < 0.15 && std::abs(seen.y()) < 0.15) {
@@ -94,13 +96,13 @@ TEST(World, BallComesToRestOnABodyAndBothSleep) {
   EXPECT_TRUE(body_state(world, 1).asleep);
   EXPECT_TRUE(body_state(world, 2).asleep);
   EXPECT_NEAR(body_state(world, 2).world_from_body.position_m.y(), 0.15, 1e-3);
-  // When the support goes, the ball falls.
+  // The ball falls once its support is removed.
   world.remove(1);
   run_seconds(world, 0.5);
   EXPECT_NEAR(body_state(world, 2).world_from_body.position_m.y(), 0.05, 1e-3);
 }
 
-TEST(World, StruckSleeperWakes) {
+TEST(World, ImpactWakesSleepingBody) {
   World world = world_at(60, 4);
   world.add_collider(floor_plane());
   auto box = box_body(1, {0.1, 0.1, 0.1}, 0.5);
@@ -120,7 +122,7 @@ TEST(World, StruckSleeperWakes) {
   }));
 }
 
-TEST(World, ContactEventsSumToTheMomentumThatWasStopped) {
+TEST(World, ContactEventsSumToTheStoppedMomentum) {
   World world = world_at(60, 4, kNoGravity);
   world.add_collider(floor_plane());
   auto box = box_body(1, {0.1, 0.1, 0.1}, 0.5);
@@ -134,8 +136,8 @@ TEST(World, ContactEventsSumToTheMomentumThatWasStopped) {
     impulse += event.impulse_n_s;
     EXPECT_NEAR(event.point_m.y(), 0.0, 2e-3);
   }
-  // m v, once: neither the relax sweeps nor the substeps may be counted twice. The contact spring parts what
-  // rounding let overlap, hence 1 %.
+  // m v, counted once: not again in relax passes or substeps. The contact spring separates rounding overlaps,
+  // hence 1 %.
   EXPECT_NEAR(impulse, 1.5, 0.015);
 }
 
@@ -156,7 +158,7 @@ TEST(World, RestingWeightIsReportedEachTick) {
   EXPECT_NEAR(events[0].impulse_n_s, 4.0 * kGravity / 60.0, 1e-4);  // m g dt
 }
 
-TEST(World, SpringPullsAPointToItsTargetAndReportsTheForce) {
+TEST(World, SpringPullsPointToTargetAndReportsForce) {
   World world = world_at(60, 4);
   auto box = box_body(1, {0.1, 0.1, 0.1}, 0.5);
   ASSERT_TRUE(world.add_rigid(box));
@@ -166,7 +168,7 @@ TEST(World, SpringPullsAPointToItsTargetAndReportsTheForce) {
   spring.stiffness_n_m = 200.0;
   world.set_spring(7, 1, spring);
   run_seconds(world, 6.0);
-  // Hangs below the target by m g / k.
+  // The point hangs below the target by m g / k.
   const double sag = 0.5 * kGravity / 200.0;
   EXPECT_LT((world.world_point(1, spring.rest_point_m) - (spring.target_m - Vector3d(0, sag, 0))).norm(),
             5e-3);
@@ -181,7 +183,7 @@ TEST(World, SpringForceIsBoundedAndStableOnTinyMasses) {
   World::Spring spring;
   spring.rest_point_m = {0.01, 0.01, 0.01};
   spring.target_m = {0.02, 0.01, 0.01};
-  spring.stiffness_n_m = 1e4;  // h² k / m = 174: far beyond what an explicit spring bears
+  spring.stiffness_n_m = 1e4;  // h² k / m = 174, far beyond the limit of an explicit spring
   spring.max_force_n = 20.0;
   world.set_spring(1, 1, spring);
   for (int i = 0; i < 240; ++i) {
@@ -202,7 +204,7 @@ TEST(World, ForceAcceleratesAndClears) {
   EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.x(), 0.25 + 0.5, 1e-12);
 }
 
-TEST(World, RayMeetsTheNearestThing) {
+TEST(World, RayHitsTheNearestObject) {
   World world = world_at(60, 4, kNoGravity);
   auto box = box_body(1, {0.2, 0.2, 0.2}, 1.0);
   box.world_from_object.position_m = {0, 0, -2};
@@ -226,7 +228,7 @@ TEST(World, DriversAndRestBodiesPlaceTheObjectFrame) {
   World world = world_at(60, 4);
   TriangleMesh mesh = box_mesh({0.1, 0.1, 0.1});
   for (Vector3d& vertex : mesh.vertices_m)
-    vertex += Vector3d(0.3, 0.1, 0);  // the centre of mass is not the origin
+    vertex += Vector3d(0.3, 0.1, 0);  // the centre of mass is away from the origin
   auto box = body_of(5, mesh, 1.0);
   box.world_from_object.position_m = {1, 2, 3};
   box.world_from_object.orientation = rotation_about(3);
@@ -240,7 +242,7 @@ TEST(World, DriversAndRestBodiesPlaceTheObjectFrame) {
   EXPECT_EQ(frame.objects[1].object_id, 5u);
   const Pose object_from_body = world.rest_body(5).bodies.at(0);
   const Vector3d point(0.31, 0.12, 0.01);
-  // What skinning computes: driver * body_from_object * point.
+  // Skinning computes driver * body_from_object * point.
   EXPECT_LT(
       (frame.objects[1].poses.at(0) * (object_from_body.inverse() * point) - box.world_from_object * point)
           .norm(),
@@ -252,7 +254,7 @@ TEST(World, DriversAndRestBodiesPlaceTheObjectFrame) {
   EXPECT_EQ(world.drivers().simulated_ns, 1'000'000'000);
 }
 
-TEST(World, RefusesWhatIsNotPhysicalAndNamesIt) {
+TEST(World, RejectsUnphysicalInputAndNamesIt) {
   World world = world_at(60, 4);
   const auto message = [](const Result<void>& result) {
     return result ? std::string() : result.error().message;

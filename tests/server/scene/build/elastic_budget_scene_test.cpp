@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The elastic objects of a scene share its budget, and say what that costs them.
+// The elastic objects of a scene share its time budget and report its effect.
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kBudget = 1.0 / kNodeSubstep_ms;  // of a scene of 1 ms
+constexpr double kBudget = 1.0 / kNodeSubstep_ms;  // node-substeps of a budget of 1 ms
 
 std::string sheet_text(int index, double youngs_modulus_pa) {
   return R"({ "name": "sheet )" + std::to_string(index) +
@@ -43,7 +43,7 @@ double node_substeps(const Scene& scene) {
   return sum;
 }
 
-TEST(ElasticBudgetOfAScene, IsSharedAndTold) {
+TEST(ElasticBudgetOfAScene, IsSharedAndReported) {
   const Scene one = sheets_and_a_cube(1, 1e6), six = sheets_and_a_cube(6, 1e6);
   const ElasticAccuracy &alone = *one.find("sheet 0")->elastic, &shared = *six.find("sheet 0")->elastic;
   ASSERT_GT(6 * alone.node_substeps, kBudget);
@@ -57,8 +57,7 @@ TEST(ElasticBudgetOfAScene, IsSharedAndTold) {
 
   std::string told;
   for (const std::string& warning : six.find("sheet 0")->all_warnings()) told += warning + "\n";
-  EXPECT_NE(told.find("its part of the scene's elastic budget leaves it cells of"), std::string::npos)
-      << told;
+  EXPECT_NE(told.find("the elastic budget limits it to cells of"), std::string::npos) << told;
   const v1::ElasticAccuracy message = accuracy_message(shared);
   EXPECT_EQ(message.alone_cell_width_m(), alone.cell_width_m);
   EXPECT_EQ(message.node_substeps(), shared.node_substeps);
@@ -69,8 +68,9 @@ TEST(ElasticBudgetOfAScene, IsSharedAndTold) {
   EXPECT_EQ(roomy.find("sheet 0")->elastic->unbudgeted_cell_width_m, 0);
 }
 
-// Cells stay when a stiffness is edited; the substeps keep to what the others leave, and the object says so.
-TEST(ElasticBudgetOfAScene, AnEditKeepsToWhatTheOthersLeave) {
+// An edit of the stiffness keeps the cells. The substeps stay within the remaining budget, and the object
+// reports it.
+TEST(ElasticBudgetOfAScene, EditsStayWithinTheRemainingBudget) {
   Scene scene = sheets_and_a_cube(5, 1e4);
   const SceneObject& sheet = *scene.find("sheet 0");
   const uint32_t id = sheet.id;
@@ -95,7 +95,7 @@ TEST(ElasticBudgetOfAScene, AnEditKeepsToWhatTheOthersLeave) {
   EXPECT_EQ(back.unbudgeted_cell_width_m, 0);
 }
 
-TEST(ElasticBudgetOfAScene, ABudgetOutOfRangeIsRefused) {
+TEST(ElasticBudgetOfAScene, RefusesABudgetOutOfRange) {
   v1::Scene file;
   file.set_elastic_budget_ms(0);
   const auto scene = Scene::build(file, "", "none", {});

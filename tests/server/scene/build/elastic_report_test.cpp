@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of an elastic object before it runs, and what is made of it when its numbers are out of reach.
+// Reports about an elastic object, and replacement by a rigid body if its stiffness is out of reach.
 #include "scene/build/elastic_report.h"
 
 #include <google/protobuf/util/json_util.h>
@@ -22,7 +22,7 @@ Scene one_object(const std::string& object) {
   return std::move(*scene);
 }
 
-// A cube of this edge and stiffness; `said` is its behavior.
+// A cube of this edge length and stiffness; `said` is its behavior.
 Scene cube(const char* name, double edge_m, double youngs_modulus_pa, const char* said) {
   char object[400];
   std::snprintf(object, sizeof object,
@@ -32,7 +32,7 @@ Scene cube(const char* name, double edge_m, double youngs_modulus_pa, const char
   return one_object(object);
 }
 
-TEST(ElasticReport, TheObjectTheMessageAndTheLineSayTheSame) {
+TEST(ElasticReport, ObjectMessageAndLineAgree) {
   const Scene scene = cube("cube", 0.2, 2e4, "ELASTIC");
   const SceneObject& object = scene.objects()[0];
   ASSERT_TRUE(object.elastic);
@@ -54,8 +54,8 @@ TEST(ElasticReport, TheObjectTheMessageAndTheLineSayTheSame) {
   EXPECT_EQ(accuracy_line(accuracy).find("E 2e+04 Pa "), 0u) << accuracy_line(accuracy);
 }
 
-// A slip of the scene's author, 500 mm for 5: one particle in place of a cube.
-TEST(ElasticReport, ASpacingThatTellsNothingOfTheShapeIsAWarning) {
+// A typical mistake, 500 mm for 5: one particle in place of a cube.
+TEST(ElasticReport, WarnsOfSpacingTooWideForTheShape) {
   const auto spaced = [](const char* spacing_m) {
     const Scene scene =
         one_object(std::string(R"({ "name": "cube", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
@@ -66,13 +66,13 @@ TEST(ElasticReport, ASpacingThatTellsNothingOfTheShapeIsAWarning) {
     return all;
   };
   EXPECT_EQ(spaced("0.025").find("spacing_m"), std::string::npos) << spaced("0.025");
-  EXPECT_EQ(
-      spaced("0.5").find("spacing_m: 0.5 m is more than a quarter of its longest side, so that 1 particles"),
-      0u)
+  EXPECT_EQ(spaced("0.5").find(
+                "spacing_m: 0.5 m is more than a quarter of the longest side, which leaves only 1 particles"),
+            0u)
       << spaced("0.5");
 }
 
-TEST(ElasticReport, WhatWasLostAndWhatIsThinIsAWarning) {
+TEST(ElasticReport, WarnsOfResetsThinPartsAndBudget) {
   ElasticAccuracy accuracy;
   accuracy.cell_width_m = 0.1;
   EXPECT_TRUE(accuracy_warnings(accuracy).empty());
@@ -83,18 +83,17 @@ TEST(ElasticReport, WhatWasLostAndWhatIsThinIsAWarning) {
   accuracy.youngs_modulus_pa = 3e3;
   const auto warnings = accuracy_warnings(accuracy);
   ASSERT_EQ(warnings.size(), 4u);
-  EXPECT_EQ(warnings[1].find("so thin and wide"), 0u) << warnings[1];
-  EXPECT_NE(
-      warnings[2].find("strains it by 1, and what is inside may hang through what it lies on; 3e+04 Pa"),
-      std::string::npos)
+  EXPECT_EQ(warnings[1].find("too thin and wide for the time budget"), 0u) << warnings[1];
+  EXPECT_NE(warnings[2].find("strain 1, inner points may sink through the support; a modulus of 3e+04 Pa"),
+            std::string::npos)
       << warnings[2];
-  EXPECT_EQ(warnings[0].find("50 % of it is sheets or cords thinner than half a cell of 100 mm"), 0u)
+  EXPECT_EQ(warnings[0].find("50 % of the volume is sheets or cords thinner than half a cell of 100 mm"), 0u)
       << warnings[0];
-  EXPECT_NE(warnings[3].find("put back at rest, in its rest shape, 2 times"), std::string::npos)
+  EXPECT_NE(warnings[3].find("simulation diverged: reset to the rest shape 2 times"), std::string::npos)
       << warnings[3];
 }
 
-TEST(ElasticReport, AClippedStiffnessIsAWarning) {
+TEST(ElasticReport, WarnsOfAClippedStiffness) {
   const Scene scene = cube("cube", 0.1, 1e9, "ELASTIC");
   const SceneObject& object = scene.objects()[0];
   ASSERT_TRUE(object.elastic);
@@ -102,12 +101,12 @@ TEST(ElasticReport, AClippedStiffnessIsAWarning) {
   EXPECT_LT(object.elastic->reached_youngs_modulus_pa, 1e8);
   const auto warnings = object.all_warnings();
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0].find("stiffness clipped from 1e+09 to "), 0u) << warnings[0];
+  EXPECT_EQ(warnings[0].find("stiffness is clipped from 1e+09 to "), 0u) << warnings[0];
 }
 
-// Its cells and substeps are chosen for the stiffest of its materials; what is out of reach is told of that
-// one.
-TEST(ElasticReport, AStiffFootIsClippedAndTheBodyIsNot) {
+// Cells and substeps are chosen for the stiffest material of the body. Clipping is reported for that material
+// only.
+TEST(ElasticReport, ClipsTheStiffFootOnly) {
   const Scene scene = one_object(R"({ "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } },
       "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 2e4 },
       "regions": [ { "name": "foot", "box": { "min_m": [-0.1, -0.1, -0.1], "max_m": [0.1, -0.05, 0.1] },
@@ -125,18 +124,18 @@ TEST(ElasticReport, AStiffFootIsClippedAndTheBodyIsNot) {
   EXPECT_TRUE(foot.clipped);
   EXPECT_EQ(foot.band, ElasticBand::Clipped);
   EXPECT_EQ(foot.youngs_modulus_pa, 1e9);
-  // sqrt(E / rho) h / a is the Courant number that is told.
+  // sqrt(E / rho) h / a is the reported Courant number.
   const double wave_m_s = accuracy.courant * 60 * accuracy.substeps * accuracy.cell_width_m;
   EXPECT_NEAR(foot.reached_youngs_modulus_pa / (1000 * wave_m_s * wave_m_s), 1.0, 1e-9);
-  // Of few cells along, so in a band that is wider by the excess of its ends.
+  // With few cells along the foot, the upper end of the band is wider.
   EXPECT_GE(foot.modulus_ratio_high * 1e9, foot.reached_youngs_modulus_pa);
   EXPECT_LE(foot.modulus_ratio_high * 1e9, 2.0 * foot.reached_youngs_modulus_pa);
   const auto warnings = object.all_warnings();
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0].find("foot: stiffness clipped from 1e+09 to "), 0u) << warnings[0];
+  EXPECT_EQ(warnings[0].find("foot: stiffness is clipped from 1e+09 to "), 0u) << warnings[0];
   EXPECT_NE(accuracy_line(accuracy).find("; in foot E 1e+09 Pa clipped to "), std::string::npos)
       << accuracy_line(accuracy);
-  // A soft part of a stiff body the other way round.
+  // The reverse case: a soft part of a stiff body.
   const Scene soft = one_object(R"({ "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } },
       "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 1e9 },
       "regions": [ { "box": { "min_m": [-0.1, -0.1, -0.1], "max_m": [0.1, -0.05, 0.1] },
@@ -147,10 +146,10 @@ TEST(ElasticReport, AStiffFootIsClippedAndTheBodyIsNot) {
   EXPECT_EQ(stiff.regions.at(0).reached_youngs_modulus_pa, 2e4);
 }
 
-// 100 MPa is below the limit above which the paper calls everything rigid, but a 50 mm cube at 60 Hz reaches
-// a fiftieth of it: even one cell across in 32 substeps has rho (Co rate n a)^2 = 1000 (0.5 * 60 * 32 *
-// 0.05)^2 = 2.3 MPa.
-TEST(ElasticReport, WhatIsClippedBeyondSenseIsRigidUnlessToldOtherwise) {
+// 100 MPa is below the limit above which the paper treats all objects as rigid. A 50 mm cube at 60 Hz reaches
+// a fiftieth of it: one cell across in 32 substeps has rho (Co rate n a)^2 = 1000 (0.5 * 60 * 32 * 0.05)^2 =
+// 2.3 MPa.
+TEST(ElasticReport, BuildsFarTooStiffAutoObjectsAsRigid) {
   const Scene rigid = cube("cube", 0.05, 1e8, "AUTO");
   const SceneObject& object = rigid.objects()[0];
   EXPECT_EQ(object.physics.behavior(), v1::Physics::RIGID);
@@ -163,13 +162,13 @@ TEST(ElasticReport, WhatIsClippedBeyondSenseIsRigidUnlessToldOtherwise) {
 
   const Scene told = cube("cube", 0.05, 1e8, "ELASTIC");
   EXPECT_NE(told.world().elastic_body(told.objects()[0].id), nullptr);
-  // Twenty times the size reaches four hundred times the stiffness: it may bend.
+  // At twenty times the size the reachable stiffness is four hundred times higher.
   const Scene large = cube("cube", 1.0, 1e8, "AUTO");
   EXPECT_NE(large.world().elastic_body(large.objects()[0].id), nullptr);
 }
 
-// It is used as typed; the range it was expected in is named.
-TEST(ElasticReport, AStiffPillowIsRemarkedOn) {
+// The value is used as written, and the warning names the expected range.
+TEST(ElasticReport, WarnsOfAStiffPillow) {
   const Scene scene = cube("pillow", 0.3, 2e9, "ELASTIC");
   const SceneObject& object = scene.objects()[0];
   const auto warnings = object.all_warnings();
@@ -183,8 +182,8 @@ TEST(ElasticReport, AStiffPillowIsRemarkedOn) {
   }
 }
 
-// Whatever colour the palette gives it: 500 kg/m3 times a litre.
-TEST(ElasticReport, ShapesAreSolidUnlessTheSceneSaysOtherwise) {
+// A shape is solid whatever its palette colour: 500 kg/m3 times one litre.
+TEST(ElasticReport, ShapesAreSolidByDefault) {
   v1::Scene file;
   for (int i = 0; i < 6; ++i) {
     v1::Object& object = *file.add_objects();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fragile objects in scene files: how many pieces, what becomes fragile later, and what is hollow.
+// Fragile objects in scene files: number of pieces, later changes of fragility, and hollow objects.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-// One thing 0.5 m above a floor.
+// One object 0.5 m above a floor.
 v1::Scene one_object(const v1::Physics& physics, bool ball) {
   v1::Scene file;
   file.mutable_environment()->add_colliders()->mutable_plane();
@@ -44,13 +44,13 @@ uint32_t pieces_of(const v1::Physics& physics) {
   return scene ? scene->find("thing")->fragility->pieces : 0;
 }
 
-TEST(FragileScene, ItIsCutIntoAsManyPiecesAsAreWanted) {
+TEST(FragileScene, CutsIntoTheRequestedNumberOfPieces) {
   EXPECT_EQ(pieces_of(fragile(0)), 32u);
   EXPECT_EQ(pieces_of(fragile(5)), 5u);
   EXPECT_EQ(pieces_of(fragile(64)), 64u);
 }
 
-TEST(FragileScene, ANumberOfPiecesOutOfRangeIsNamed) {
+TEST(FragileScene, RefusesANumberOfPiecesOutOfRange) {
   for (const unsigned pieces : {0u, 1u, 65u}) {
     v1::Physics physics = fragile(0);
     physics.set_fracture_pieces(pieces);
@@ -75,7 +75,7 @@ v1::Scene made_fragile_later() {
   return file;
 }
 
-TEST(FragileScene, WhatBecomesFragileInTheFallBreaksWhenItLands) {
+TEST(FragileScene, BreaksOnLandingAfterBecomingFragile) {
   auto scene = Scene::build(made_fragile_later(), "", "later", {});
   ASSERT_TRUE(scene) << scene.error().message;
   const SceneObject& thing = *scene->find("thing");
@@ -88,8 +88,8 @@ TEST(FragileScene, WhatBecomesFragileInTheFallBreaksWhenItLands) {
   EXPECT_EQ(thing.asset, thing.broken->asset);
 }
 
-// As a person's edit in the window, or an answer that comes while it runs: nothing waits for the next load.
-TEST(FragileScene, AnEditMakesAThingBreakableWhileItFalls) {
+// Covers a manual edit in the window and an answer that arrives during the run: neither waits for a reload.
+TEST(FragileScene, EditsMakeAFallingObjectBreakable) {
   v1::Physics tough = fragile(0);
   tough.set_fragile(false);
   auto scene = Scene::build(one_object(tough, false), "", "edited", {});
@@ -107,9 +107,9 @@ TEST(FragileScene, AnEditMakesAThingBreakableWhileItFalls) {
   EXPECT_GT(thing.fragility->bodies, 1u);
 }
 
-// An analysis that finds it tough after all tells no impulse. The pieces are there, so it keeps the one it
-// had.
-TEST(FragileScene, WhatIsFragileNoLongerKeepsItsBreakImpulse) {
+// An analysis that classifies the object as tough gives no break impulse. The pieces exist, so the object
+// keeps its old break impulse.
+TEST(FragileScene, KeepsItsBreakImpulseWhenMadeTough) {
   auto scene = Scene::build(one_object(fragile(8), false), "", "tough", {});
   ASSERT_TRUE(scene) << scene.error().message;
   const SceneObject& thing = *scene->find("thing");
@@ -124,7 +124,7 @@ TEST(FragileScene, WhatIsFragileNoLongerKeepsItsBreakImpulse) {
   EXPECT_TRUE(scene->world().break_object(thing.id, {0.04, 0, 0}));
 }
 
-TEST(FragileScene, CutFacesHaveTheColourThatIsToldOfTheInside) {
+TEST(FragileScene, CutFacesHaveTheInteriorColour) {
   const Eigen::Vector3f told(0.8f, 0.3f, 0.1f);
   const auto off = [&](const SceneObject& thing) {
     float most = 0;
@@ -147,7 +147,7 @@ TEST(FragileScene, CutFacesHaveTheColourThatIsToldOfTheInside) {
   *file.add_events() = recoloured;
   auto scene = Scene::build(file, "", "colour", {});
   ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_GT(off(*scene->find("thing")), 0.05f);  // as the surface near by
+  EXPECT_GT(off(*scene->find("thing")), 0.05f);  // the colour of the nearby surface
   for (int tick = 0; tick < 6; ++tick) scene->step();
   EXPECT_LT(off(*scene->find("thing")), 1e-6f);
 
@@ -160,7 +160,7 @@ TEST(FragileScene, CutFacesHaveTheColourThatIsToldOfTheInside) {
   EXPECT_NE(refused.error().message.find("interior_rgb"), std::string::npos) << refused.error().message;
 }
 
-TEST(FragileScene, ALiveSceneCutsItBesideTheTicks) {
+TEST(FragileScene, LiveScenesCutInTheBackground) {
   SceneOptions options;
   options.wait_for_pieces = false;
   auto scene = Scene::build(made_fragile_later(), "", "later", options);
@@ -175,8 +175,8 @@ TEST(FragileScene, ALiveSceneCutsItBesideTheTicks) {
   EXPECT_GT(thing.fragility->bodies, 1u);
 }
 
-// Of glass 2 mm thick: pieces of its wall, whose masses and moments are those of the wall.
-TEST(FragileScene, AClosedShellBreaksIntoPiecesOfItsWall) {
+// Glass, 2 mm thick: the pieces have the masses and moments of inertia of the wall.
+TEST(FragileScene, ClosedShellsBreakIntoPiecesOfTheWall) {
   v1::Physics physics = fragile(24);
   physics.set_fill(v1::Physics::SHELL);
   physics.set_wall_thickness_m(0.002);
@@ -190,16 +190,16 @@ TEST(FragileScene, AClosedShellBreaksIntoPiecesOfItsWall) {
   double mass_kg = 0.0;
   for (const BodyState& body : scene->world().bodies()) mass_kg += body.mass_kg;
   EXPECT_NEAR(mass_kg, 0.5, 1e-9);
-  // No piece has its centre near the middle of the ball, as pieces of a solid one would.
+  // No piece has its centre near the centre of the ball, as pieces of a solid ball would.
   const RestBody& rest = thing.rest;
   if (rest.bodies.size() == thing.fragility->pieces) {
     for (const Pose& pose : rest.bodies) EXPECT_GT(pose.position_m.norm(), 0.02);
   }
 }
 
-// A cube of edge a about an axis through two faces: m a² / 6 where it is solid, 5 m a² / 18 where all is in
-// its faces.
-TEST(Scene, WhatIsHollowTurnsAsAShell) {
+// Moment of inertia of a cube of edge a about an axis through two face centres: m a² / 6 if solid, 5 m a² /
+// 18 if all mass is in the faces.
+TEST(Scene, HollowObjectsHaveTheInertiaOfAShell) {
   constexpr double kEdge_m = 0.2, kMass_kg = 0.5, kSpin_rad_s = 2.0;
   for (const auto& [fill, share] : {std::pair{v1::Physics::SOLID, 1.0 / 6},
                                     {v1::Physics::SHELL, 5.0 / 18},
@@ -222,7 +222,7 @@ TEST(Scene, WhatIsHollowTurnsAsAShell) {
   }
 }
 
-TEST(FragileScene, AShellThatCannotBeHollowedSaysSo) {
+TEST(FragileScene, WarnsOfAShellThatIsTooThin) {
   v1::Physics physics = fragile(8);
   physics.set_fill(v1::Physics::SHELL);
   physics.set_wall_thickness_m(0.0001);
@@ -234,7 +234,7 @@ TEST(FragileScene, AShellThatCannotBeHollowedSaysSo) {
   EXPECT_NE(all.find("too thin"), std::string::npos) << all;
 }
 
-TEST(FragileScene, WhatIsNotRigidSaysThatItDoesNotBreakWhenItIsMadeFragile) {
+TEST(FragileScene, WarnsIfANonRigidObjectIsMadeFragile) {
   v1::Physics physics = fragile(0);
   physics.set_behavior(v1::Physics::ELASTIC);
   physics.set_youngs_modulus_pa(1e5);
@@ -246,10 +246,10 @@ TEST(FragileScene, WhatIsNotRigidSaysThatItDoesNotBreakWhenItIsMadeFragile) {
   ASSERT_TRUE(scene->set_physics(scene->find("thing")->id, now));
   std::string all;
   for (const std::string& warning : scene->find("thing")->warnings) all += warning;
-  EXPECT_NE(all.find("only what is RIGID breaks"), std::string::npos) << all;
+  EXPECT_NE(all.find("only RIGID objects break"), std::string::npos) << all;
 }
 
-TEST(FragileScene, WhatIsNotRigidSaysThatItDoesNotBreak) {
+TEST(FragileScene, WarnsIfAFragileObjectIsNotRigid) {
   v1::Physics physics = fragile(0);
   physics.set_behavior(v1::Physics::ELASTIC);
   physics.set_youngs_modulus_pa(1e5);
@@ -257,7 +257,7 @@ TEST(FragileScene, WhatIsNotRigidSaysThatItDoesNotBreak) {
   ASSERT_TRUE(scene) << scene.error().message;
   std::string all;
   for (const std::string& warning : scene->find("thing")->warnings) all += warning;
-  EXPECT_NE(all.find("physics.fragile: has no effect, only what is RIGID breaks, and this is ELASTIC"),
+  EXPECT_NE(all.find("physics.fragile: no effect, only RIGID objects break, and this object is ELASTIC"),
             std::string::npos)
       << all;
 }

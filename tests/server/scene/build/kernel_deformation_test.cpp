@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernels ride in their cells (elastic-study.md 6, physics.md 3.2): what a scene's prescribed deformation
-// does to them, from the scene file to the covariance and the picture.
+// Kernels follow their cells (elastic-study.md 6, physics.md 3.2). The effect of a prescribed deformation is
+// tested from the scene file to the covariance and the picture.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -40,16 +40,16 @@ void step(Scene& scene, double seconds) {
 
 struct Ramp {
   const char* name;
-  const char* text;  // the matrix as the scene file has it
+  const char* text;  // the matrix as written in the scene file
   Matrix3d matrix;
 };
 
 class AffineRamp : public testing::TestWithParam<std::tuple<Ramp, double>> {};
 
-// A bar whose outer nodes follow the ramp. Co is at most 0.26 (E 1e4, 8 substeps), where the study finds 0.8
-// % for the worst cell; the issue's bar is 2 %. The covariance is made with F itself: single precision, bar
-// 1e-3.
-TEST_P(AffineRamp, TakesKernelsAlong) {
+// A bar whose outer nodes follow the ramp. Co is at most 0.26 (E 1e4, 8 substeps), for which the study
+// predicts an error well below the bar of 2 %. The covariance is computed from F itself in single precision,
+// so its bar is 1e-3.
+TEST_P(AffineRamp, MovesAndDeformsTheKernels) {
   const auto& [ramp, rate_hz] = GetParam();
   Scene scene = scene_of(R"({ "gravity_m_s2": [0, 0, 0], "rate_hz": )" + std::to_string(rate_hz) +
                          R"(, "substeps": 8, "objects": [
@@ -92,10 +92,10 @@ INSTANTIATE_TEST_SUITE_P(
                      testing::ValuesIn(rates_hz())),
     [](const auto& one) { return std::get<0>(one.param).name + rate_name(std::get<1>(one.param)); });
 
-// Squashed to 80 % and let go, a cube looks as it did: 40 dB against the picture before.
+// A cube that is compressed to 80 % and released looks as before: 40 dB against the initial picture.
 class KernelDeformation : public testing::TestWithParam<double> {};
 
-TEST_P(KernelDeformation, SquashedAndReleasedLooksAsBefore) {
+TEST_P(KernelDeformation, LooksTheSameAfterRelease) {
   Scene scene = scene_of(R"({ "gravity_m_s2": [0, 0, 0], "rate_hz": )" + std::to_string(GetParam()) +
                          R"(, "substeps": 4, "objects": [
       { "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } },
@@ -117,7 +117,7 @@ TEST_P(KernelDeformation, SquashedAndReleasedLooksAsBefore) {
   step(scene, 0.9);
   const Image squashed = picture();
   step(scene, 4.0);
-  EXPECT_LT(psnr_db(before, squashed), 30.0);  // it was squashed
+  EXPECT_LT(psnr_db(before, squashed), 30.0);  // it was compressed
   EXPECT_GT(psnr_db(before, picture()), 40.0);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands beside an asset counts when a scene is loaded: the author's words, then a person's, then a
-// model's, then the offline estimate.
+// Sources of an object's parameters at load, by priority: scene file, manual edit, model answer, offline
+// estimate.
 #include <gtest/gtest.h>
 
 #include "analysis/physics_file.h"
@@ -39,7 +39,7 @@ class PhysicsFileSceneTest : public ::testing::Test {
   std::filesystem::path file = folder / "sponge.physics.json";
 };
 
-TEST_F(PhysicsFileSceneTest, TheAuthorThenAPersonThenTheModelThenTheEstimate) {
+TEST_F(PhysicsFileSceneTest, SourcesOverrideEachOtherByPriority) {
   const v1::PhysicalParameters offline = physics();
   EXPECT_EQ(offline.mass_kg().source(), EstimatedValue::OFFLINE);
   v1::PhysicalParameters analysed = offline;
@@ -66,7 +66,7 @@ TEST_F(PhysicsFileSceneTest, TheAuthorThenAPersonThenTheModelThenTheEstimate) {
   EXPECT_EQ(all.plasticity().best(), 0.2);
 }
 
-TEST_F(PhysicsFileSceneTest, AnEditOfWhatTheSceneWritesIsSaidToHaveNoEffect) {
+TEST_F(PhysicsFileSceneTest, WarnsOfEditsThatTheSceneOverrides) {
   v1::Physics edits;
   edits.set_friction(0.77);
   edits.set_plasticity(0.33);
@@ -84,13 +84,13 @@ TEST_F(PhysicsFileSceneTest, AnEditOfWhatTheSceneWritesIsSaidToHaveNoEffect) {
   EXPECT_EQ(warnings(R"({ "damping": 0.2 })").find("has no effect"), std::string::npos);
 }
 
-TEST_F(PhysicsFileSceneTest, WhatAPersonCallsItIsItsName) {
+TEST_F(PhysicsFileSceneTest, UsesTheNameFromTheSidecar) {
   folder.write("sponge.physics.json", R"({ "name": "steel bolt" })");
   EXPECT_EQ(physics().material(), "carbon steel");
 }
 
-// Two sponges from one file, and a block from none.
-TEST_F(PhysicsFileSceneTest, EachObjectHasItsOwn) {
+// Two sponges from the same file, and a block without a file.
+TEST_F(PhysicsFileSceneTest, GivesEachObjectItsOwnSidecar) {
   const auto scene_file = folder.write("two.scene.json", R"({ "objects": [
     { "name": "left", "points": "sponge.csv" }, { "name": "right one", "points": "./sponge.csv" },
     { "name": "block", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } } } ] })");
@@ -115,21 +115,21 @@ TEST_F(PhysicsFileSceneTest, EachObjectHasItsOwn) {
   EXPECT_NEAR(again.find("left")->mass_kg, 0.1, 1e-12);
   EXPECT_EQ(again.find("right one")->mass_kg, first.find("right one")->mass_kg);
   EXPECT_NEAR(again.find("block")->mass_kg, 0.3, 1e-12);
-  // Alone, it keeps what it has; another takes the file's.
+  // A single user of the file keeps its own sidecar; a new object uses the file's sidecar.
   folder.write("two.scene.json", R"({ "objects": [ { "name": "left", "points": "sponge.csv" } ] })");
   EXPECT_NEAR(load().find("left")->mass_kg, 0.1, 1e-12);
   folder.write("two.scene.json", R"({ "objects": [ { "name": "middle", "points": "sponge.csv" } ] })");
   EXPECT_EQ(load().find("middle")->physics_file, file);
 }
 
-TEST_F(PhysicsFileSceneTest, ABadFileIsOneLineThatNamesIt) {
+TEST_F(PhysicsFileSceneTest, RefusesABadFileInOneLine) {
   folder.write("sponge.physics.json", R"({ "edits": { "friction": -2 } })");
   const auto scene = load("{}");
   ASSERT_FALSE(scene);
-  // With its folder, and what to do.
+  // The message names the folder and the remedy.
   for (const std::string& word :
        {(folder.path() / "sponge.physics.json").string() + ": edits.friction: is -2",
-        std::string("mend it, or delete the file")}) {
+        std::string("correct it, or delete the file")}) {
     EXPECT_NE(scene.error().message.find(word), std::string::npos) << scene.error().message;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Regions from a scene file, as they act on a body that runs.
+// Regions of a scene file during a run.
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A bar of 0.4 m by 0.1 m by 0.1 m, 1000 kg/m3, 1e5 Pa, in free space at (1, 2, 3), turned a quarter about z:
-// its x points along the world's y.
+// A bar of 0.4 m by 0.1 m by 0.1 m, 1000 kg/m3, 1e5 Pa, in free space at (1, 2, 3). It is rotated by 90
+// degrees about z, so its x axis is along the world's y axis.
 Scene bar(const std::string& regions, const std::string& events = "[]") {
   v1::Scene file;
   const auto parsed = google::protobuf::util::JsonStringToMessage(
@@ -34,7 +34,7 @@ void run_to(Scene& scene, double time_s) {
   while (static_cast<double>(scene.world().tick()) < time_s * 60 - 1e-6) scene.step();
 }
 
-// Where a material point is now, in the frame the bar started in.
+// Current position of a material point, in the initial frame of the bar.
 Vector3d now(const Scene& scene, const Vector3d& rest_m) {
   const Matrix3d turn = (Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
   return turn.transpose() * (scene.world().world_point(scene.find("bar")->id, rest_m) - Vector3d(1, 2, 3));
@@ -42,13 +42,13 @@ Vector3d now(const Scene& scene, const Vector3d& rest_m) {
 
 constexpr const char* kClamp = R"({ "name": "clamp", "box": { "max_m": [-0.15, 1, 1] }, "fixed": true })";
 
-// Pulled by 2 mm over the 0.3 m between clamp and grip, the bar's strain is 2 / 300 everywhere; let go, it is
-// 0.
-TEST(RegionRun, AStretchedBarIsStrainedEvenlyAndComesBackWhenReleased) {
+// Stretched by 2 mm over the 0.3 m between clamp and grip, the bar has a uniform strain of 2 / 300. After the
+// release the strain is 0.
+TEST(RegionRun, StretchesTheBarUniformlyUntilReleased) {
   Scene scene = bar(std::string(kClamp) + R"(, { "name": "grip", "box": { "min_m": [0.15, -1, -1] },
       "motion": { "displacement_ramp": { "displacement_m": [0.002, 0, 0], "start_s": 0.1, "end_s": 0.5 } } })",
                     R"([ { "time_s": 2, "release_region": { "object": "bar", "region": "grip" } } ])");
-  run_to(scene, 0.3);  // half of the way
+  run_to(scene, 0.3);  // half of the displacement
   EXPECT_NEAR(now(scene, {0.2, 0, 0}).x() - 0.2, 0.001, 1e-5);
   run_to(scene, 2);
   for (const double x : {0.15, 0.175, 0.2}) {
@@ -61,9 +61,9 @@ TEST(RegionRun, AStretchedBarIsStrainedEvenlyAndComesBackWhenReleased) {
   EXPECT_NEAR(now(scene, {0.2, 0, 0}).x(), 0.2, 0.02 * 0.002);
 }
 
-// All outer particles follow A X about the origin and back; inside, so does the rest (the affine map is an
-// equilibrium), within 2 % of the deformation, as the issue asks of F.
-TEST(RegionRun, AnAffineRampOfTheBoundaryTakesTheInsideAlongAndBack) {
+// All outer particles follow A X about the origin and back. The inside follows them, because an affine map is
+// an equilibrium. The bar is 2 % of the deformation.
+TEST(RegionRun, AffineBoundaryRampMovesTheInside) {
   Scene scene = bar(R"({ "name": "all", "boundary": true, "motion": { "affine_ramp": {
       "matrix": [1.2, 0.1, 0, 0, 1, 0, 0, 0, 0.9], "start_s": 0, "end_s": 0.5, "return_end_s": 1.5 } } })");
   const Matrix3d a = (Matrix3d() << 1.2, 0.1, 0, 0, 1, 0, 0, 0, 0.9).finished();
@@ -75,7 +75,7 @@ TEST(RegionRun, AnAffineRampOfTheBoundaryTakesTheInsideAlongAndBack) {
   EXPECT_LT((now(scene, inside) - inside).norm(), 0.02 * (a * corner - corner).norm());
 }
 
-TEST(RegionRun, APulseGoesUpAndComesBack) {
+TEST(RegionRun, PulseReturnsToTheStart) {
   Scene scene = bar(std::string(kClamp) + R"(, { "name": "tip", "box": { "min_m": [0.15, -1, -1] },
       "motion": { "half_sine_pulse": { "displacement_m": [0, 0.01, 0], "start_s": 0.1, "width_s": 0.2 } } })");
   run_to(scene, 0.2);
@@ -84,7 +84,7 @@ TEST(RegionRun, APulseGoesUpAndComesBack) {
   EXPECT_NEAR(now(scene, {0.2, 0, 0}).y(), 0.0, 1e-5);
 }
 
-TEST(RegionRun, AMotionThatStartsLateWakesWhatSleeps) {
+TEST(RegionRun, DelayedMotionWakesASleepingBody) {
   Scene scene = bar(std::string(kClamp) + R"(, { "name": "tip", "box": { "min_m": [0.15, -1, -1] },
       "motion": { "displacement_ramp": { "displacement_m": [0.002, 0, 0], "start_s": 2, "end_s": 2.5 } } })");
   run_to(scene, 1.9);
@@ -93,8 +93,8 @@ TEST(RegionRun, AMotionThatStartsLateWakesWhatSleeps) {
   EXPECT_NEAR(now(scene, {0.2, 0, 0}).x() - 0.2, 0.002, 1e-5);
 }
 
-// Carried as a whole and let go, it keeps the velocity it was carried with.
-TEST(RegionRun, WhatIsCarriedFliesOnWhenReleased) {
+// A body that is moved as a whole keeps its velocity after the release.
+TEST(RegionRun, KeepsItsVelocityWhenReleased) {
   Scene scene = bar(R"({ "name": "all", "box": {},
       "motion": { "constant_velocity": { "velocity_m_s": [0.5, 0, 0] } } })",
                     R"([ { "time_s": 1, "release_region": { "object": "bar", "region": "all" } } ])");
@@ -105,13 +105,13 @@ TEST(RegionRun, WhatIsCarriedFliesOnWhenReleased) {
   EXPECT_NEAR(scene.world().energy().linear_momentum.y(), 4 * 0.5, 4 * 0.5 * 5e-3);
 }
 
-// Region density: half of the bar at 3000 kg/m3 in place of 1000.
-TEST(RegionRun, ARegionsDensityIsPartOfTheMass) {
+// Half of the bar has a density of 3000 kg/m3 in place of 1000.
+TEST(RegionRun, RegionDensityChangesTheMass) {
   const Scene scene =
       bar(R"({ "name": "heavy", "box": { "min_m": [0, -1, -1] }, "material": { "density_kg_m3": 3000 } })");
   EXPECT_NEAR(scene.find("bar")->mass_kg, 8.0, 1e-3);
   for (const BodyState& body : scene.world().bodies()) EXPECT_NEAR(body.mass_kg, 8.0, 1e-3);
-  // The centre moves to (2 * -0.1 + 6 * 0.1) / 8 along x, which is the world's y.
+  // The centre of mass moves to (2 * -0.1 + 6 * 0.1) / 8 along x, which is the world's y axis.
   EXPECT_NEAR(scene.world().bodies()[0].world_from_body.position_m.y(), 2.05, 1e-4);
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSize_m = 0.3;  // the longest side an asset is scaled to: something one holds
+constexpr double kSize_m = 0.3;  // longest side after scaling: a hand-held object
 constexpr uint64_t kPull = 1;
 
 void set(google::protobuf::RepeatedField<double>* field, const Vector3d& value) {
@@ -45,7 +45,7 @@ v1::Object object_of(const std::string& path, double scale, TrialBody body) {
   } else {
     physics.set_behavior(v1::Physics::RIGID);
   }
-  // Said either way, or the analysis decides: it called a pot fragile.
+  // Always set explicitly, because the analysis may classify the asset as fragile.
   physics.set_fragile(body == TrialBody::Fragile);
   if (body == TrialBody::Fragile) {
     physics.set_break_impulse_n_s(1.0);
@@ -54,7 +54,7 @@ v1::Object object_of(const std::string& path, double scale, TrialBody body) {
   return object;
 }
 
-// Every n-th vertex of the captured surface, so that there are a few hundred.
+// Returns every n-th vertex of the captured surface, a few hundred in total.
 std::vector<Vector3d> some_of(const std::vector<Vector3d>& vertices) {
   std::vector<Vector3d> some;
   const size_t step = std::max<size_t>(1, vertices.size() / 400);
@@ -106,7 +106,7 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
     trial.error = error.message;
     return trial;
   };
-  // As it comes, to learn its size and where it stands.
+  // Placed without scaling, to measure its size and position.
   const auto placed = place_asset(path, "asset", 1.0, "", "asset");
   if (!placed) return fail(placed.error());
   auto surface = reconstruct_surface(placed->body_points_m, elastic_surface_options());
@@ -169,7 +169,7 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
   std::vector<double> ticks_ms;
   const int rate = static_cast<int>(world.settings().rate_hz), ticks = static_cast<int>(seconds * rate);
   for (int tick = 0; tick < ticks && trial.finite; ++tick) {
-    // Pulled to and fro for three quarters of the time, then let go.
+    // Pulled back and forth for three quarters of the time, then released.
     if (action == TrialAction::Pulled && tick < ticks * 3 / 4) {
       if (tick % rate == 0) {
         const double turn = 2.4 * (tick / rate);
@@ -179,8 +179,8 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
         spring.target_m = hand_at;
         spring.stiffness_n_m = 100.0;
         world.set_spring(kPull, id, spring);
-        work_j +=
-            0.5 * spring.stiffness_n_m * (world.world_point(id, held) - hand_at).squaredNorm();  // at most
+        work_j += 0.5 * spring.stiffness_n_m *
+                  (world.world_point(id, held) - hand_at).squaredNorm();  // upper bound
       }
     } else if (action == TrialAction::Pulled && let_go_j == 0.0) {
       world.clear_spring(kPull);
@@ -241,19 +241,20 @@ std::string csv_row(const AssetTrial& trial) {
 
 namespace {
 
-// Kernels stand out of the coarse surface that touches the floor by up to a voxel of it, 0.02 of the
-// diagonal. Depths are in parts of the size. Pushes that part overlaps lift things a little: energy in parts
-// of what there is.
+// Kernels extend beyond the coarse collision surface by up to one of its voxels, 0.02 of the diagonal. Depths
+// are relative to the size. Separating overlapping parts lifts objects slightly; energy is relative to the
+// initial energy.
 constexpr double kLowest = -0.05, kLowestCentre = 0.0, kEnergy = 1.02;
 
-// Of all the work that a hand can have done, at most.
+// Upper bound of the energy relative to the maximum work of the hand.
 constexpr double kPulledEnergy = 0.55;
 
 bool is(const AssetTrial& trial, const char* asset, TrialBody body, TrialAction action) {
   return trial.asset == asset && trial.body == body && trial.action == action;
 }
 
-// Known gaps (known_gaps.csv): trials that miss a bar. Thin shells of 50 kPa fold, and gain when they unfold.
+// Known gaps (known_gaps.csv): trials that miss a bar. Thin shells of 50 kPa fold, and gain energy when they
+// unfold.
 struct Gaps {
   bool lowest = false, lowest_centre = false, energy = false, let_go = false;
 };
@@ -276,7 +277,7 @@ void expect_nothing_exploded(const AssetTrial& trial) {
   ASSERT_EQ(trial.error, "") << what;
   EXPECT_TRUE(trial.finite) << what;
   if (trial.body == TrialBody::Fragile) {
-    EXPECT_GE(trial.pieces, 2u) << what << ": it was not cut, so nothing could break";
+    EXPECT_GE(trial.pieces, 2u) << what << ": was not cut and cannot break";
   } else {
     EXPECT_FALSE(trial.broke) << what;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every captured asset, as three kinds of body, in four ways, for twenty seconds, at each rate. Appends a row
-// of each to the file that LIVEGS_TRIAL_CSV names; the rows of one run are in
+// All captured assets as three body types with four actions, for twenty seconds, at each rate. Appends one
+// row per trial to the file named by LIVEGS_TRIAL_CSV. Results are in
 // tests/bench/results/<machine>/asset_trial.csv.
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// One file of each capture: other formats of the same hold the same kernels.
+// One file of each capture; other formats of the same capture contain the same kernels.
 std::vector<std::string> captures() {
   return {"camera_leica/leica-sofort-top8192.ply",
           "garden_points/garden_init.compressed.ply",
@@ -38,9 +38,9 @@ std::vector<std::string> captures() {
 
 class EveryCapture : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(EveryCapture, NothingExplodesInTwentySeconds) {
+TEST_P(EveryCapture, StaysStableForTwentySeconds) {
   const fs::path path = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats" / GetParam();
-  if (!fs::exists(path)) GTEST_SKIP() << "shared data is not here";
+  if (!fs::exists(path)) GTEST_SKIP() << "the shared data is missing";
   for (const TrialBody body : {TrialBody::Rigid, TrialBody::Elastic, TrialBody::Fragile}) {
     for (const TrialAction action :
          {TrialAction::Dropped, TrialAction::Thrown, TrialAction::Pulled, TrialAction::Stacked}) {

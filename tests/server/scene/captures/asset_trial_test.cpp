@@ -10,11 +10,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Two of the captured assets for three seconds; asset_trial_nightly_test takes all of them for twenty.
-TEST(CapturedPhysics, NothingExplodesInAFewSeconds) {
+// Two of the captured assets for three seconds. asset_trial_nightly_test covers all of them for twenty.
+TEST(CapturedPhysics, StaysStableForThreeSeconds) {
   for (const char* name : {"ponytail_palm/ponytail_palm.ply", "camera_leica/leica-sofort-top8192.spz"}) {
     const fs::path path = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats" / name;
-    if (!fs::exists(path)) GTEST_SKIP() << "shared data is not here";
+    if (!fs::exists(path)) GTEST_SKIP() << "the shared data is missing";
     expect_nothing_exploded(run_asset_trial(path.string(), TrialBody::Rigid, TrialAction::Stacked, 3.0));
     expect_nothing_exploded(run_asset_trial(path.string(), TrialBody::Elastic, TrialAction::Pulled, 3.0));
     const AssetTrial thrown = run_asset_trial(path.string(), TrialBody::Fragile, TrialAction::Thrown, 3.0);

@@ -12,8 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Captured assets, by their path below the data folder: in the gate those of up to 1.2 MB, nightly all. SOG
-// v1 is not a format we read.
+// Captured assets, by their path below the data folder. The gate runs those of up to 1.2 MB; the nightly run
+// takes all. SOG v1 is not supported.
 std::vector<std::string> captured_assets() {
   const fs::path folder = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats";
   std::vector<std::string> assets;
@@ -35,9 +35,10 @@ std::vector<std::string> captured_assets() {
 
 class CapturedAsset : public testing::TestWithParam<std::string> {};
 
-// File to body to two seconds of simulation to skinned kernels, without any setting by hand.
+// Runs an asset through the whole pipeline without manual settings: file, body, two seconds of simulation,
+// skinned kernels.
 TEST_P(CapturedAsset, FallsAndStaysFinite) {
-  if (GetParam().empty()) GTEST_SKIP() << "shared data is not here";
+  if (GetParam().empty()) GTEST_SKIP() << "the shared data is missing";
   v1::Scene file;
   v1::Object& object = *file.add_objects();
   object.set_name(fs::path(GetParam()).stem().string());
@@ -68,7 +69,7 @@ TEST_P(CapturedAsset, FallsAndStaysFinite) {
   for (const BodyState& body : scene->world().bodies()) {
     if (body.object_id != drawn.id) continue;
     EXPECT_LT(body.world_from_body.position_m.y(), start_y - 0.5);  // it fell
-    EXPECT_GT(body.world_from_body.position_m.y(), -2.01);          // and the floor held it
+    EXPECT_GT(body.world_from_body.position_m.y(), -2.01);          // the floor supported it
   }
 }
 

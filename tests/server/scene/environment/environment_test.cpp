@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene file stands things on: a mesh, and a captured background that collides.
+// Environments of scene files: a mesh collider, and a captured background that collides.
 #include <gtest/gtest.h>
 
 #include "gaussian/asset_file.h"
@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-// Two steps, 0.4 m high where x < 0 and 0.2 m where x > 0; not convex.
+// Two steps: height 0.4 m for x < 0 and 0.2 m for x > 0; not convex.
 const char* const kStair =
     "v 0 0.2 -0.3\nv 0 0.4 -0.3\nv -0.4 0.4 -0.3\nv -0.4 0 -0.3\nv 0.4 0 -0.3\nv 0.4 0.2 -0.3\n"
     "v 0 0.2 0.3\nv 0 0.4 0.3\nv -0.4 0.4 0.3\nv -0.4 0 0.3\nv 0.4 0 0.3\nv 0.4 0.2 0.3\n"
@@ -19,7 +19,7 @@ const char* const kStair =
     "f 7 8 9 10 11 12\n"
     "f 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
 
-// A box, a ball and a soft cube over each step, let go 50 mm above it, and nothing else below.
+// A box, a ball and a soft cube, released 50 mm above each step. There is no floor below the steps.
 std::string scene_text(const std::string& environment) {
   std::string objects;
   for (const auto& [name, x, top_m] : {std::tuple{"upper", -0.2, 0.4}, {"lower", 0.2, 0.2}}) {
@@ -46,7 +46,7 @@ void expect_all_rest_on_their_steps(const ScratchFolder& folder, const std::stri
     const SceneObject& object = *scene->find(body.object_id);
     if (object.environment) continue;
     const double top_m = object.name.starts_with("upper") ? 0.4 : 0.2;
-    // The soft cube gives by its own weight, rho g h² / (2 E) = 0.5 mm.
+    // The soft cube is compressed by its own weight, rho g h² / (2 E) = 0.5 mm.
     EXPECT_NEAR(body.world_from_body.position_m.y(), top_m + 0.05, tolerance_m) << object.name;
     EXPECT_LT(body.velocity_m_s.norm(), 0.05) << object.name;
     ++found;
@@ -54,23 +54,23 @@ void expect_all_rest_on_their_steps(const ScratchFolder& folder, const std::stri
   EXPECT_EQ(found, 6);
 }
 
-TEST(BuiltEnvironment, ThingsRestOnAMesh) {
+TEST(BuiltEnvironment, MeshSupportsObjects) {
   const ScratchFolder folder;
   folder.write("stair.obj", kStair);
   expect_all_rest_on_their_steps(folder, R"({"colliders":[{"mesh":"stair.obj","friction":0.6}]})", 1e-3);
 }
 
-TEST(BuiltEnvironment, ThingsRestOnACapturedBackground) {
+TEST(BuiltEnvironment, CapturedBackgroundSupportsObjects) {
   const ScratchFolder folder;
   const auto stair = read_obj(folder.write("stair.obj", kStair));
   ASSERT_TRUE(stair) << stair.error().message;
   ASSERT_TRUE(write_asset(folder / "room.ply", mesh_asset(*stair, {0.6f, 0.6f, 0.5f}, 20000)));
-  // The surface found from the kernels lies 0.9 mm below them.
+  // The surface reconstructed from the kernels lies 0.9 mm below them.
   expect_all_rest_on_their_steps(folder, R"({"asset":"room.ply","up":"+y","scale":1,"collide":true})", 3e-3);
 }
 
-// It is drawn, and nothing more, unless it is told to collide.
-TEST(BuiltEnvironment, ABackgroundThatDoesNotCollideHoldsNothing) {
+// Without `collide`, the background is only drawn.
+TEST(BuiltEnvironment, BackgroundDoesNotCollideByDefault) {
   const ScratchFolder folder;
   const auto stair = read_obj(folder.write("stair.obj", kStair));
   ASSERT_TRUE(stair) << stair.error().message;
@@ -84,7 +84,7 @@ TEST(BuiltEnvironment, ABackgroundThatDoesNotCollideHoldsNothing) {
   }
 }
 
-TEST(BuiltEnvironment, AMeshThatCannotBeReadIsNamed) {
+TEST(BuiltEnvironment, ErrorsNameAnUnreadableMesh) {
   const ScratchFolder folder;
   folder.write("open.obj", "v 0 0 0\n");
   for (const char* name : {"open.obj", "none.obj"}) {

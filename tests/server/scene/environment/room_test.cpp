@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rooms that things stand in: captured ones, closed and with a door, and meshes of which only the inside is
-// drawn.
+// Rooms with objects in them: captured rooms, closed and with a door, and room meshes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr double kWide_m = 4.0, kHigh_m = 2.5;
 
-constexpr double kTable_m = 0.7;  // how high the box is that stands in a captured room
+constexpr double kTable_m = 0.7;  // height of the box in a captured room
 
 void append(GaussianAsset& all, const GaussianAsset& part, size_t i) {
   const size_t k = all.size();
@@ -32,8 +31,8 @@ void append(GaussianAsset& all, const GaussianAsset& part, size_t i) {
   all.sh_dc[k] = part.sh_dc[i];
 }
 
-// The surface of a room as a capture has it: flat kernels on its six sides, but for a doorway where x > 0,
-// and on a box in a corner.
+// The surface of a room as captured: flat kernels on its six sides, except for a doorway at x > 0, and on a
+// box in a corner.
 GaussianAsset captured_room(bool door) {
   TriangleMesh box = box_mesh({kWide_m, kHigh_m, kWide_m});
   for (Eigen::Vector3d& vertex : box.vertices_m) vertex.y() += 0.5 * kHigh_m;
@@ -55,8 +54,8 @@ constexpr const char* kOnTable =
     R"(,{"name":"table box","shape":{"box":{"size_m":[0.2,0.2,0.2]}},"pose":{"position_m":[-1.2,0.9,-1.2]},)"
     R"("physics":{"behavior":"RIGID","mass_kg":1}})";
 
-// A box, a ball and a soft cube of 0.2 m, let go with their lowest points 0.3 m over `floor_m`, in the middle
-// of the room.
+// A box, a ball and a soft cube of 0.2 m in the middle of the room. Their lowest points start 0.3 m above
+// `floor_m`.
 std::string things(double floor_m, const std::string& prefix) {
   const std::string y = std::to_string(floor_m + 0.4);
   const auto one = [&](const char* what, const char* shape, const char* x_z, const char* physics) {
@@ -77,8 +76,8 @@ std::string scene_text(const std::string& environment, const std::string& object
          objects + "]}";
 }
 
-// After four seconds everything lies on the floor, the roof or the table, a ball wherever it rolled, and
-// nothing was warned of.
+// After four seconds all objects lie on the floor, the roof or the table, and there are no warnings. Balls
+// may have rolled.
 void expect_on_floor(Scene& scene, double floor_m, double tolerance_m) {
   for (int tick = 0; tick < 4 * scene.world().settings().rate_hz; ++tick) scene.step();
   for (const BodyState& body : scene.world().bodies()) {
@@ -94,7 +93,7 @@ void expect_on_floor(Scene& scene, double floor_m, double tolerance_m) {
   }
 }
 
-TEST(Room, ACapturedOneHoldsThingsOnItsFloorAndOnItsRoof) {
+TEST(Room, CapturedRoomSupportsFloorAndRoof) {
   for (const double rate_hz : kRates_hz)
     for (const bool door : {false, true}) {
       SCOPED_TRACE(::testing::Message() << (door ? "with a door, " : "closed, ") << rate_hz << " Hz");
@@ -109,8 +108,8 @@ TEST(Room, ACapturedOneHoldsThingsOnItsFloorAndOnItsRoof) {
     }
 }
 
-// With nothing in it, nothing is opened.
-TEST(Room, ACapturedOneThatIsEmptyHoldsThingsOnItsRoof) {
+// A room without objects in it is not opened.
+TEST(Room, EmptyCapturedRoomSupportsItsRoof) {
   const ScratchFolder folder;
   ASSERT_TRUE(write_asset(folder / "room.ply", captured_room(false)));
   const std::string environment = R"({"asset":"room.ply","up":"+y","scale":1,"collide":true})";
@@ -120,8 +119,8 @@ TEST(Room, ACapturedOneThatIsEmptyHoldsThingsOnItsRoof) {
   expect_on_floor(*scene, 0.0, 0.02);
 }
 
-// A box as a modeller draws a room: the same whether its faces look in or out.
-TEST(Room, AMeshThatThingsStandInIsOne) {
+// A box mesh that contains objects is a room, whether its faces point inwards or outwards.
+TEST(Room, MeshAroundObjectsIsARoom) {
   for (const bool inwards : {false, true}) {
     SCOPED_TRACE(inwards);
     const TriangleMesh box = box_mesh({kWide_m, kHigh_m, kWide_m});
@@ -146,28 +145,28 @@ TEST(Room, AMeshThatThingsStandInIsOne) {
   }
 }
 
-TEST(Room, AFloorWithoutThicknessHoldsThings) {
+TEST(Room, FloorWithoutThicknessSupportsObjects) {
   const ScratchFolder folder;
-  folder.write("floor.obj", "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 2 3 4\n");  // it faces down
+  folder.write("floor.obj", "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 2 3 4\n");  // its face points down
   const std::string environment = R"({"colliders":[{"mesh":"floor.obj"}]})";
   auto scene = Scene::load(folder.write("s.scene.json", scene_text(environment, things(0.0, ""))), {});
   ASSERT_TRUE(scene) << scene.error().message;
   expect_on_floor(*scene, 0.0, 3e-3);
 }
 
-TEST(Room, AMeshWithoutAreaIsNamed) {
+TEST(Room, ErrorsNameAMeshWithoutArea) {
   const ScratchFolder folder;
   folder.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
   const std::string environment = R"({"colliders":[{"mesh":"line.obj"}]})";
   const auto scene = Scene::load(folder.write("s.scene.json", scene_text(environment, things(0.0, ""))), {});
   ASSERT_FALSE(scene);
-  EXPECT_NE(scene.error().message.find("environment.colliders[0].mesh: none of its triangles has an area"),
+  EXPECT_NE(scene.error().message.find("environment.colliders[0].mesh: all triangles have zero area"),
             std::string::npos)
       << scene.error().message;
 }
 
-// A block of kernels all through, with a thing in it: there is no hollow to open.
-TEST(Room, WhatStartsInSomethingSolidIsWarnedOf) {
+// A solid block of kernels that contains an object: there is no room to open.
+TEST(Room, WarnsOfObjectsThatStartInASolid) {
   GaussianAsset block;
   for (int i = 0; i < 12 * 12 * 12; ++i) {
     const size_t k = block.size();

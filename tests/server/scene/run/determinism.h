@@ -12,8 +12,8 @@
 #include "rates.h"
 #include "scene/scene.h"
 
-// The scene of everything, with a captured asset if there is one, and the hash of its drivers after every
-// tick: the same bits for any number of threads.
+// Runs a scene with all kinds of objects, with a captured asset if available, and hashes its drivers after
+// each tick. The hashes must not depend on the number of threads.
 
 namespace livegs::testing {
 
@@ -57,8 +57,8 @@ inline uint64_t hash_of(const DriverFrame& frame) {
 
 struct HashedRun {
   std::vector<uint64_t> ticks;
-  size_t sherds = 0;                       // of the cup, at the end
-  std::map<std::string, int> first_touch;  // by object: the tick in which something struck it first
+  size_t sherds = 0;                       // fragments of the cup at the end
+  std::map<std::string, int> first_touch;  // by object: the tick of its first impact
 };
 
 inline HashedRun run_everything(int threads, int ticks, double rate_hz) {
@@ -95,15 +95,15 @@ inline HashedRun run_everything(int threads, int ticks, double rate_hz) {
   return run;
 }
 
-// Equal in every tick for 1, 2 and 8 threads; the message names the first that is not.
+// Compares 1, 2 and 8 threads in all ticks. The message names the first tick that differs.
 inline void expect_same_bits(int ticks, double rate_hz) {
   SCOPED_TRACE(rate_hz);
   const HashedRun one = run_everything(1, ticks, rate_hz);
-  EXPECT_GT(one.sherds, 1u) << "the cup must have broken";
+  EXPECT_GT(one.sherds, 1u) << "the cup must break";
   EXPECT_GE(one.first_touch.size(), 13u);
   for (const char* name : {"pad", "marble", "plank", "block", "load"})
     EXPECT_TRUE(one.first_touch.contains(name)) << name;
-  // On the block, in a tenth of a second: it would take twice as long to the floor.
+  // It lands on the block after a tenth of a second. A fall to the floor would take twice as long.
   EXPECT_LT(one.first_touch.at("pad"), rate_hz / 6);
   for (const int threads : {2, 8}) {
     const HashedRun more = run_everything(threads, ticks, rate_hz);

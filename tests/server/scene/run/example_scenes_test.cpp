@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scenes of tests/scenes, run for a short time and held against what can be worked out by hand.
+// Runs the scenes of tests/scenes for a short time and compares them with closed forms.
 #include <gtest/gtest.h>
 
 #include "known_gaps.h"
@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 namespace fs = std::filesystem;
 
-// Without sleep, which may stop a slow swing short of equilibrium.
+// Sleep is off, because it may stop a slow oscillation before equilibrium.
 Scene example(const std::string& name) {
   SceneOptions options;
   options.sleep = false;
@@ -28,9 +28,9 @@ void run(Scene& scene, double seconds) {
   for (int tick = 0; tick < ticks; ++tick) scene.step();
 }
 
-// Two halves in series under one stress: u = sigma L / E of each. A bar of nu = 0 has no other strain. The
-// bar of the issue: each part's strain within 10 %.
-TEST(ExampleScenes, ABarOfTwoMaterialsStretchesAsItsHalvesInSeries) {
+// Two halves in series under the same stress: u = sigma L / E of each. With nu = 0 there is no other strain.
+// The bar is 10 % of each part's strain.
+TEST(ExampleScenes, TwoMaterialBarStretchesLikeSprings) {
   Scene scene = example("bar_in_tension");
   const SceneObject& bar = *scene.find("bar");
   const auto moved = [&](double x) { return scene.world().world_point(bar.id, {x, 0, 0}).x() - x; };
@@ -40,20 +40,20 @@ TEST(ExampleScenes, ABarOfTwoMaterialsStretchesAsItsHalvesInSeries) {
   EXPECT_NEAR((middle - clamp) / 0.2, 500 / 1e5, 0.1 * 500 / 1e5);
   EXPECT_NEAR((end - middle) / 0.2, 500 / 2e5, 0.1 * 500 / 2e5);
 
-  // Let go, its load takes it along: 500 Pa on 0.01 m2 for half a second is 2.5 N s.
+  // After the release the load accelerates the bar: 500 Pa on 0.01 m2 for half a second is 2.5 N s.
   run(scene, 0.5);
   const Vector3d momentum = scene.world().energy().linear_momentum;
   EXPECT_NEAR(momentum.x(), 2.5, 0.025);
   EXPECT_NEAR(momentum.tail<2>().norm(), 0.0, 0.025);
 }
 
-// m sqrt(2 g H) (1 + e): 1.59 N s breaks the cup that bears 0.9 N s, 0.80 N s does not break the lower one.
-TEST(ExampleScenes, ACupBreaksFromAMetreAndTheLowerOneOnlyAtWill) {
+// m sqrt(2 g H) (1 + e): the cup breaks at 0.9 N s. The upper fall gives 1.59 N s, the lower one 0.80 N s.
+TEST(ExampleScenes, OnlyTheHigherCupBreaksByItself) {
   Scene scene = example("cup_breaks");
   const SceneObject& cup = *scene.find("cup");
   const SceneObject& lower = *scene.find("lower cup");
   const size_t kernels = cup.asset->size();
-  ASSERT_TRUE(cup.fragility && cup.fragility->pieces > 8) << "it must have been cut";
+  ASSERT_TRUE(cup.fragility && cup.fragility->pieces > 8) << "the cup must be cut";
   EXPECT_NEAR(cup.fragility->drop_height_m, 0.9 * 0.9 / (0.36 * 0.36) / (2 * 9.81), 1e-6);
   run(scene, 0.6);
   EXPECT_GT(cup.fragility->bodies, 1u);
@@ -66,7 +66,7 @@ TEST(ExampleScenes, ACupBreaksFromAMetreAndTheLowerOneOnlyAtWill) {
   run(scene, 1.5);
   EXPECT_GT(lower.fragility->bodies, 1u);
 
-  // Each kernel is one of the new asset, or the parts it was split into; runs name each of them once.
+  // Each kernel belongs to the new asset, or was split into parts of it. The runs list each kernel once.
   std::vector<int> parts(kernels, 0);
   for (const uint32_t source : cup.broken->source) {
     if (source < kernels) ++parts[source];
@@ -82,8 +82,8 @@ TEST(ExampleScenes, ACupBreaksFromAMetreAndTheLowerOneOnlyAtWill) {
   EXPECT_NEAR(mass_kg, 0.3, 1e-9);
 }
 
-// Nothing acts on it: it flies straight, keeps its spin and gains no energy.
-TEST(ExampleScenes, ABallOfPointsKeepsTheVelocitiesOfItsPoints) {
+// No forces act on the ball: its velocity, spin and energy are constant.
+TEST(ExampleScenes, BallOfPointsKeepsItsVelocities) {
   Scene scene = example("spinning_ball");
   const SceneObject& ball = *scene.find("ball");
   const auto list = read_points_file(fs::path(LIVEGS_TESTS_DIR) / "scenes" / "spinning_ball.csv");
@@ -91,7 +91,7 @@ TEST(ExampleScenes, ABallOfPointsKeepsTheVelocitiesOfItsPoints) {
   const size_t count = list->positions_m.size();
   const double mass_kg = 1000 * 1e-6 * static_cast<double>(count);  // density times cubes of 10 mm
   EXPECT_NEAR(ball.mass_kg, mass_kg, 1e-9);
-  ASSERT_EQ(ball.asset->size(), count);  // a kernel a point, in the list's order
+  ASSERT_EQ(ball.asset->size(), count);  // one kernel per point, in the list's order
   for (size_t i = 0; i < count; ++i) {
     ASSERT_LT((ball.asset->positions[i].cast<double>() - list->positions_m[i]).norm(), 1e-6) << i;
   }
@@ -107,8 +107,8 @@ TEST(ExampleScenes, ABallOfPointsKeepsTheVelocitiesOfItsPoints) {
     const Vector3d told = Vector3d(0.5, 0, 0) + Vector3d(0, 0, 4).cross(list->positions_m[i]);
     ASSERT_LT((start[i].velocity_m_s - told).norm(), 1e-5) << i;
   }
-  // A ball of points has the inertia of its points and of their cubes. The lattice has its masses at its
-  // nodes, farther out than the material.
+  // A ball of points has the inertia of its points and their cubes. The lattice has its mass at its nodes,
+  // farther out than the material.
   double inertia = 0;
   for (const Vector3d& r : list->positions_m) inertia += 1e-3 * (r.head<2>().squaredNorm() + 2 * 1e-4 / 12);
   const auto spin = [&](const BodyEnergy& energy) {
@@ -127,7 +127,7 @@ TEST(ExampleScenes, ABallOfPointsKeepsTheVelocitiesOfItsPoints) {
   EXPECT_LT((centre - Vector3d(0.5, 1, 0)).norm(), 1e-6);
 }
 
-TEST(ExampleScenes, JointsHoldAndAHandCarriesABox) {
+TEST(ExampleScenes, JointsHoldAndHandCarriesABox) {
   Scene scene = example("joints");
   const World& world = scene.world();
   const auto place = [&](const char* name) {
@@ -148,11 +148,11 @@ TEST(ExampleScenes, JointsHoldAndAHandCarriesABox) {
   EXPECT_GT(opened, 0.1);  // the ball pushed the door open
   EXPECT_LT(error_m, 1e-3);
   EXPECT_LT(error_rad, 1e-3);
-  // The weight, 10 kg on links of 0.1 kg, fell from level and swings back to there: where the chain is slack
-  // it is nearer than its length to where it begins, never farther.
+  // A weight of 10 kg on links of 0.1 kg falls from level and swings back. A slack chain is closer than its
+  // length to its anchor, never farther.
   EXPECT_LT(farthest, 0.7 + 1e-3);
   EXPECT_GT(farthest, 0.699);
-  // The box was lifted to 0.6 m by its top and put down, turned, at x = 0.6.
+  // The hand lifted the box by its top to 0.6 m, rotated it and put it down at x = 0.6.
   EXPECT_NEAR(highest, 0.5, 0.03);
   EXPECT_LT((place("box") - Vector3d(0.6, 0.1, 0.6)).norm(), 0.03);
 }

@@ -7,7 +7,7 @@
 namespace livegs {
 namespace {
 
-// The message a scene text is refused with; empty when it is taken.
+// Returns the error message for a scene text; empty if it is accepted.
 std::string refusal(const std::string& text) {
   ScratchFolder folder;
   const auto path = folder.write("a.scene.json", text);
@@ -26,7 +26,7 @@ TEST(SceneFile, CommentsAndDefaultsAreAllowed) {
   EXPECT_EQ(refusal("{}"), "");
 }
 
-// Each refusal names the file and the field.
+// Each error names the file and the field.
 TEST(SceneFile, RefusalsNameFileAndField) {
   const std::string box = kBox;
   const std::pair<std::string, const char*> cases[] = {
@@ -75,8 +75,8 @@ TEST(SceneFile, RefusalsNameFileAndField) {
   }
 }
 
-// Numbers no material has are refused before an asset is opened, with the range they must lie in.
-TEST(SceneFile, ImpossiblePhysicsIsRefusedWithObjectFieldAndRange) {
+// Physically impossible numbers are refused before an asset is opened. The error gives the valid range.
+TEST(SceneFile, RefusesImpossiblePhysicsWithItsRange) {
   const struct {
     const char* physics;
     const char* field;
@@ -111,7 +111,7 @@ TEST(SceneFile, ImpossiblePhysicsIsRefusedWithObjectFieldAndRange) {
                            message.substr(std::min(message.size(), message.find("physics.") + 8)));
     EXPECT_NE(message.find(one.field), std::string::npos) << message;
     EXPECT_NE(message.find(one.range), std::string::npos) << message;
-    // The same words in an event.
+    // The same message for an event.
     message = refusal(std::string(R"({ "objects": [ { "name": "hat", )") + kBox +
                       R"( } ], "events": [ { "time_s": 1, "set_physics": { "object": "hat", )" + physics +
                       " } } ] }");
@@ -121,13 +121,13 @@ TEST(SceneFile, ImpossiblePhysicsIsRefusedWithObjectFieldAndRange) {
   }
 }
 
-TEST(SceneFile, NamesCannotBreakTheLineOfAnError) {
+TEST(SceneFile, ErrorsStayOnOneLine) {
   const std::string message = refusal(std::string(R"({ "objects": [ { "name": "a\nb", )") + kBox +
                                       R"(, "physics": { "friction": -1 } } ] })");
   EXPECT_NE(message.find("object \"a?b\""), std::string::npos) << message;
 }
 
-TEST(SceneFile, AnAbsentFileIsNamed) {
+TEST(SceneFile, ErrorsNameAMissingFile) {
   const auto scene = Scene::load("no_such.scene.json", {});
   ASSERT_FALSE(scene);
   EXPECT_NE(scene.error().message.find("no_such.scene.json"), std::string::npos);

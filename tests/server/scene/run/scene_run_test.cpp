@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-// A soft cube, a rigid cube and points above a floor; a force, a ball and a change of material on the way.
+// A soft cube, a rigid cube and points above a floor, with a force, a ball and a change of material.
 Scene busy_scene() {
   ScratchFolder folder;
   std::string points = "x,y,z\n";
@@ -41,13 +41,13 @@ Scene busy_scene() {
   return std::move(*scene);
 }
 
-TEST(SceneRun, EventsActWhenTheyAreDue) {
+TEST(SceneRun, EventsTakeEffectOnTime) {
   Scene scene = busy_scene();
   const uint32_t soft = scene.find("soft")->id;
-  EXPECT_NEAR(scene.find("soft")->mass_kg, 500 * 0.008, 1e-12);  // density times the box's volume
-  for (int tick = 0; tick < 18; ++tick) scene.step();            // up to 0.3 s: tick 18 starts there
+  EXPECT_NEAR(scene.find("soft")->mass_kg, 500 * 0.008, 1e-12);  // density times the volume of the box
+  for (int tick = 0; tick < 18; ++tick) scene.step();            // up to 0.3 s, where tick 18 starts
   EXPECT_EQ(scene.objects().size(), 4u);                         // drawn floor and three objects
-  EXPECT_EQ(scene.world().material(soft)->friction, 0.6);        // as the scene has it, until 0.4 s
+  EXPECT_EQ(scene.world().material(soft)->friction, 0.6);        // the initial value until 0.4 s
   scene.step();
   EXPECT_EQ(scene.objects().size(), 5u);
   EXPECT_EQ(scene.take_changes().added.size(), 1u);
@@ -58,12 +58,12 @@ TEST(SceneRun, EventsActWhenTheyAreDue) {
   EXPECT_EQ(scene.find("soft")->physics.friction().source(), v1::EstimatedValue::SCENE);
 }
 
-// One that an event of the file shoots, and one that a hand does, which calls shoot_ball too.
-TEST(SceneRun, AllBallsAreAlike) {
+// Compares a ball of a scene event with a ball of a hand; both use shoot_ball.
+TEST(SceneRun, BallsOfEventsAndHandsAreEqual) {
   Scene scene = busy_scene();
   const uint32_t one = scene.shoot_ball({0, 1, 2}, {0, 0, -3}).id;
   (void)scene.take_changes();
-  for (int tick = 0; tick < 30; ++tick) scene.step();  // the event's, at 0.3 s
+  for (int tick = 0; tick < 30; ++tick) scene.step();  // the event's ball, at 0.3 s
   const Scene::Changes changes = scene.take_changes();
   ASSERT_EQ(changes.added.size(), 1u);
   const uint32_t other = changes.added[0];
@@ -78,11 +78,11 @@ TEST(SceneRun, AllBallsAreAlike) {
   EXPECT_EQ(mass_kg(other), 0.1);
   EXPECT_EQ(world.material(one)->friction, world.material(other)->friction);
   EXPECT_EQ(world.material(one)->restitution, world.material(other)->restitution);
-  EXPECT_EQ(scene.find(one)->asset, scene.find(other)->asset);  // kernels, and so the radius
+  EXPECT_EQ(scene.find(one)->asset, scene.find(other)->asset);  // the same kernels, so the same radius
   EXPECT_EQ(scene.find(one)->physics.SerializeAsString(), scene.find(other)->physics.SerializeAsString());
 }
 
-TEST(SceneRun, BallsAreCappedAndTheOldestGoes) {
+TEST(SceneRun, RemovesTheOldestBallAtTheLimit) {
   Scene scene = busy_scene();
   (void)scene.take_changes();
   std::vector<uint32_t> ids;
@@ -97,7 +97,7 @@ TEST(SceneRun, BallsAreCappedAndTheOldestGoes) {
   scene.step();
 }
 
-// A soft box of 4 kg and 10 kPa that is told these numbers in the first tick.
+// A soft box of 4 kg and 10 kPa that gets these parameters in the first tick.
 v1::Scene soft_box_that_becomes(const v1::Physics& changed) {
   v1::Scene file;
   v1::Object& object = *file.add_objects();
@@ -112,8 +112,8 @@ v1::Scene soft_box_that_becomes(const v1::Physics& changed) {
   return file;
 }
 
-// A pillow's numbers change while it runs: what is told of it follows.
-TEST(SceneRun, AChangeOfPhysicsChangesWhatIsToldOfTheBody) {
+// The reported values of a body follow a change of its parameters.
+TEST(SceneRun, PhysicsChangesUpdateTheReport) {
   v1::Physics changed;
   changed.set_youngs_modulus_pa(4e4);
   changed.set_mass_kg(2);
@@ -126,9 +126,9 @@ TEST(SceneRun, AChangeOfPhysicsChangesWhatIsToldOfTheBody) {
   EXPECT_NEAR(scene->objects()[0].mass_kg, 2.0, 1e-9);
 }
 
-// The paper's numbers, while it runs: plasticity, and a deformation resistance as the modulus that it stands
-// for.
-TEST(SceneRun, PlasticityAndDeformationResistanceChangeTheBody) {
+// Parameters of the paper that change at run time: plasticity, and a deformation resistance as the equivalent
+// modulus.
+TEST(SceneRun, PlasticityAndResistanceChangeTheBody) {
   v1::Physics changed;
   changed.set_plasticity(0.7);
   changed.set_deformation_resistance(0.3);
@@ -143,7 +143,7 @@ TEST(SceneRun, PlasticityAndDeformationResistanceChangeTheBody) {
               1e-6 * effective_youngs_modulus_pa(0.3));
 }
 
-TEST(SceneRun, PointsAreDrawnAKernelEachUnlessToldOtherwise) {
+TEST(SceneRun, PointsHaveOneKernelEachByDefault) {
   ScratchFolder folder;
   std::string points = "x,y,z,vx,vy,vz\n";
   for (int i = 0; i < 216; ++i) {
@@ -164,24 +164,24 @@ TEST(SceneRun, PointsAreDrawnAKernelEachUnlessToldOtherwise) {
     ASSERT_EQ(asset.size(), 216u);
     for (size_t i = 0; i < 216; ++i) {
       EXPECT_NEAR(asset.positions[i].y(), 0.02 * static_cast<double>(i / 6 % 6), 1e-6);
-      EXPECT_EQ(asset.log_scales[i], Eigen::Vector3f::Constant(asset.log_scales[0].x()));  // round
+      EXPECT_EQ(asset.log_scales[i], Eigen::Vector3f::Constant(asset.log_scales[0].x()));  // isotropic
     }
     EXPECT_NEAR(scene->objects()[0].mass_kg, 500 * 216 * 8e-6, 1e-9);
   }
   const auto surface = load(R"("kernel_per_point": false, )", "ELASTIC");
   ASSERT_TRUE(surface) << surface.error().message;
-  EXPECT_EQ(surface->objects()[0].asset->size(), 6000u);  // as a shape
+  EXPECT_EQ(surface->objects()[0].asset->size(), 6000u);  // the kernel count of a shape
 
-  // Velocities of single points mean nothing to a body that cannot deform.
+  // A body that cannot deform cannot have velocities of single points.
   const auto rigid = load("", "RIGID");
   ASSERT_FALSE(rigid);
   EXPECT_NE(rigid.error().message.find(
-                "object \"points\": objects[0].points: have velocities, which are for elastic"),
+                "object \"points\": objects[0].points: have velocities, which are only for elastic"),
             std::string::npos)
       << rigid.error().message;
 }
 
-// Both skinnings show the same motion: where the lattice deforms smoothly their pictures differ by little.
+// Both skinnings show the same motion. For a smooth deformation their pictures differ only slightly.
 TEST(SceneRun, BothSkinningsDrawTheSameBody) {
   Scene scene = busy_scene();
   for (int tick = 0; tick < 30; ++tick) scene.step();
@@ -200,7 +200,7 @@ TEST(SceneRun, BothSkinningsDrawTheSameBody) {
   EXPECT_GT(psnr_db(lattice.image, paper.image), 22.0);
 }
 
-TEST(SceneRun, NothingFallsThroughTheFloor) {
+TEST(SceneRun, FloorSupportsAllObjects) {
   Scene scene = busy_scene();
   for (int tick = 0; tick < 180; ++tick) scene.step();
   for (const BodyState& body : scene.world().bodies()) {
@@ -211,9 +211,9 @@ TEST(SceneRun, NothingFallsThroughTheFloor) {
   }
 }
 
-// A ray that draws a thing by its centre up to a place and keeps it there: it hangs below by its weight over
-// the spring's stiffness, g / (2 pi 3 Hz)^2 = 27.6 mm whatever it weighs, and falls when the path ends.
-TEST(SceneRun, APullHoldsByItsSpringAndLetsGoAtItsEnd) {
+// A ray lifts an object by its centre and holds it there. The object hangs below the target by its weight
+// over the spring's stiffness, g / (2 pi 3 Hz)^2 = 27.6 mm for any mass. It falls when the path ends.
+TEST(SceneRun, PullHoldsUntilItsPathEnds) {
   ScratchFolder folder;
   folder.write("up.csv", "time_s,x,y,z\n0,0,0.05,0\n1,0,0.6,0\n4,0,0.6,0\n");
   for (const char* physics : {R"("RIGID", "mass_kg": 0.4)", R"("RIGID", "mass_kg": 4)",
@@ -236,8 +236,8 @@ TEST(SceneRun, APullHoldsByItsSpringAndLetsGoAtItsEnd) {
   }
 }
 
-// A gram that 100 kN push for a tenth of a second.
-TEST(SceneRun, WhoWatchesIsToldThatABodyWasPutBack) {
+// A gram of foam, pushed by 100 kN for a fifth of a second.
+TEST(SceneRun, ResetAfterDivergenceIsReported) {
   ScratchFolder folder;
   const auto path = folder.write("lost.scene.json", R"({
     "gravity_m_s2": [0, 0, 0],
@@ -257,7 +257,7 @@ TEST(SceneRun, WhoWatchesIsToldThatABodyWasPutBack) {
   }
   EXPECT_GE(told, 1);
   EXPECT_LE(told, 3);
-  EXPECT_NE(warnings.find("put back at rest, in its rest shape"), std::string::npos) << warnings;
+  EXPECT_NE(warnings.find("simulation diverged"), std::string::npos) << warnings;
 }
 
 }  // namespace

@@ -56,10 +56,10 @@ TEST(PointsFile, MedianSpacingOfAGridIsItsStep) {
   EXPECT_EQ(median_spacing_m({Eigen::Vector3d::Zero()}), 0.0);
 }
 
-// Points fill their cubes, however much each strays from its place by up to 0.3 s: together they must weigh
-// what they weigh, as the modulus goes with it. Of 64 points the step itself is known to 1 % at best: the
-// mean place of 16 strays by 0.04 s.
-TEST(PointsFile, AListFillsItsVolumeWhetherRegularOrNot) {
+// Points fill their cubes even if each is displaced by up to 0.3 spacings. The total mass must be correct,
+// because the modulus scales with it. With 64 points the step is known to 1 % at best: the mean position of
+// 16 points varies by 0.04 spacings.
+TEST(PointsFile, JitteredListsFillTheirVolume) {
   constexpr double kBar = 0.02;
   const double s = 0.01;
   struct Form {
@@ -102,8 +102,8 @@ TEST(PointsFile, AListFillsItsVolumeWhetherRegularOrNot) {
   }
 }
 
-// Where there is no grid to see it goes by the volume that its surface encloses.
-TEST(PointsFile, AListWithoutAGridFillsItsSurface) {
+// Without a detectable grid, the spacing follows from the volume inside the surface.
+TEST(PointsFile, RandomListsFillTheirSurface) {
   std::mt19937 random(3);
   const auto anywhere = [&] { return 0.16 * (random() * 0x1p-32); };
   std::vector<Eigen::Vector3d> points;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the regions of a scene file to what the physics room is given.
+// Conversion of the regions of a scene file to the input of the physics room.
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ v1::Scene parse(const std::string& json) {
   return scene;
 }
 
-// A bar of 0.4 m by 0.1 m by 0.1 m with these regions, and what else its object has.
+// A bar of 0.4 m by 0.1 m by 0.1 m with these regions and other fields.
 v1::Scene bar(const std::string& regions, const std::string& more = "", const std::string& events = "[]") {
   return parse(R"({ "objects": [ { "name": "bar", "shape": { "box": { "size_m": [0.4, 0.1, 0.1] } },
     "spacing_m": 0.025, )" +
@@ -36,7 +36,7 @@ ElasticBodyDescription built(const v1::Scene& scene) {
   return std::get<ElasticBodyDescription>(object->body);
 }
 
-// What the scene is refused with, by the check of its file or by building it.
+// Returns the error of checking or building the scene.
 std::string refusal(const v1::Scene& scene) {
   if (auto checked = check_scene(scene); !checked) return checked.error().message;
   auto made = Scene::build(scene, "", "test", {});
@@ -57,7 +57,7 @@ TEST(Region, EveryPropertyReachesTheBody) {
   EXPECT_FALSE(body.regions[0].motion || body.regions[0].material);
   EXPECT_EQ(body.regions[0].min_m, Vector3d(-0.2, -0.05, -0.05));
   EXPECT_EQ(body.regions[0].max_m, Vector3d(-0.19, 0.05, 0.05));
-  // A box that leaves out max_m is open on that side.
+  // A box without max_m is open on that side.
   EXPECT_EQ(body.regions[1].min_m, Vector3d(0, -1, -1));
   EXPECT_GT(body.regions[1].max_m.minCoeff(), 1e5);
   ASSERT_TRUE(body.regions[1].material);
@@ -79,8 +79,8 @@ TEST(Region, UnsetValuesOfAMaterialStayUnset) {
   EXPECT_EQ(body.initial_deformation, Eigen::Matrix3d::Identity());
 }
 
-// Held against the closed forms of the motions, at a point off the axes.
-TEST(Region, MotionsMoveAsTheyAreWritten) {
+// Compares the motions with their closed forms at a point off the axes.
+TEST(Region, MotionsMatchTheirClosedForms) {
   const auto moved = [](const std::string& motion, double time_s) -> Vector3d {
     const auto body = built(bar(R"({ "boundary": true, "motion": )" + motion + " }", kElastic));
     EXPECT_TRUE(body.regions[0].boundary);
@@ -94,7 +94,7 @@ TEST(Region, MotionsMoveAsTheyAreWritten) {
   EXPECT_TRUE(near(moved(ramp, 0.75), Vector3d(0.001, 0, 0.0005)));
   EXPECT_TRUE(near(moved(ramp, 9), Vector3d(0.002, 0, 0.001)));
 
-  // A shear of x by y about (0, 0.01, 0): x moves by 0.5 (y - 0.01).
+  // A shear of x by y about (0, 0.01, 0) moves x by 0.5 (y - 0.01).
   const std::string affine = R"({ "affine_ramp": { "matrix": [1,0.5,0, 0,1,0, 0,0,1], "about_m": [0, 0.01, 0],
     "start_s": 0, "end_s": 1, "return_end_s": 3 } })";
   EXPECT_TRUE(near(moved(affine, 1), Vector3d(0.005, 0, 0)));
@@ -110,13 +110,13 @@ TEST(Region, MotionsMoveAsTheyAreWritten) {
   EXPECT_TRUE(near(moved(pulse, 1.5), Vector3d::Zero()));
 
   const std::string steady = R"({ "constant_velocity": { "velocity_m_s": [0, 0, -2], "start_s": 1 } })";
-  EXPECT_TRUE(near(moved(steady, 3.5), Vector3d(0, 0, -5)));  // without an end it goes on
+  EXPECT_TRUE(near(moved(steady, 3.5), Vector3d(0, 0, -5)));  // without an end time the motion continues
   const std::string ending =
       R"({ "constant_velocity": { "velocity_m_s": [0, 0, -2], "start_s": 1, "end_s": 2 } })";
   EXPECT_TRUE(near(moved(ending, 3.5), Vector3d(0, 0, -2)));
 }
 
-// Each names the object, the region, the field and what to do.
+// Each error names the object, the region, the field and the remedy.
 TEST(Region, RefusalsNameObjectRegionFieldAndRemedy) {
   const auto region = [](const std::string& body) {
     return bar(R"({ "name": "r", )" + body + " }", kElastic);
@@ -131,27 +131,27 @@ TEST(Region, RefusalsNameObjectRegionFieldAndRemedy) {
     const char* remedy;
   } cases[] = {
       {region(R"("fixed": true)"), "regions[0].box: ", "give min_m and max_m"},
-      {region(R"("box": {})"), "regions[0]: does nothing", "leave it out"},
+      {region(R"("box": {})"), "regions[0]: has no effect", "omit the region"},
       {region(R"("box": { "min_m": [0, 0.1, 0], "max_m": [0, 0, 0] }, "fixed": true)"),
        "regions[0].box: ", "min_m above max_m along y"},
       {region(R"("box": { "min_m": [0, 0] }, "fixed": true)"), "box.min_m", "give 3"},
       {region(R"("box": { "min_m": [0, "NaN", 0] }, "fixed": true)"), "box.min_m[1]: is nan", "between"},
-      {region(R"("box": { "min_m": [0.3, -1, -1] }, "fixed": true)"), "regions[0].box: holds nothing",
+      {region(R"("box": { "min_m": [0.3, -1, -1] }, "fixed": true)"), "regions[0].box: does not overlap",
        "(0.2, 0.05, 0.05)"},
       {region(R"("box": { "min_m": [0.2, -1, -1] }, "traction_pa": [1, 0, 0])"),
-       "regions[0].box: holds nothing", ""},
+       "regions[0].box: does not overlap", ""},
       {region(box + R"("traction_pa": [1, 2])"), "traction_pa", "give 3"},
       {region(box + R"("traction_pa": [1e12, 0, 0])"), "traction_pa[0]", "1e+09"},
       {region(box + R"("traction_pa": ["NaN", 0, 0])"), "traction_pa[0]: is nan", ""},
       {region(R"("boundary": true)"), "boundary", "give a motion, or a box"},
       {region(
            R"("boundary": true, "box": {}, "motion": { "displacement_ramp": { "displacement_m": [1,0,0] } })"),
-       "boundary: stands beside box", "give one of them"},
+       "boundary: conflicts with box", "give one of them"},
       {region(R"("boundary": true, "motion": { "displacement_ramp": { "displacement_m": [1,0,0] } },
                  "material": { "density_kg_m3": 5 })"),
-       "boundary: has a motion only", "give a box"},
+       "boundary: supports a motion only", "give a box"},
       {region(box + R"("fixed": true, "motion": { "displacement_ramp": { "displacement_m": [1,0,0] } })"),
-       "motion: stands beside fixed", "give one of them"},
+       "motion: conflicts with fixed", "give one of them"},
       {motion(""), "motion: is empty", "give displacement_ramp"},
       {motion(R"("displacement_ramp": { "end_s": 1 })"), "displacement_ramp.displacement_m: is missing",
        "give [x"},
@@ -173,7 +173,7 @@ TEST(Region, RefusalsNameObjectRegionFieldAndRemedy) {
       {motion(R"("constant_velocity": { "velocity_m_s": [1e9,0,0] })"), "velocity_m_s[0]", "1000"},
       {motion(R"("constant_velocity": { "velocity_m_s": [1,0,0], "start_s": 1, "end_s": 0.5 })"), "end_s",
        ""},
-      {region(box + R"("material": { "friction": 1 })"), "material.friction: means nothing in a region",
+      {region(box + R"("material": { "friction": 1 })"), "material.friction: is not supported in a region",
        "youngs_modulus_pa, poisson_ratio, density_kg_m3 and plasticity"},
       {region(box + R"("material": { "behavior": "RIGID" })"), "material.behavior", ""},
       {region(box + R"("material": { "mass_kg": 1 })"), "material.mass_kg", ""},
@@ -185,10 +185,11 @@ TEST(Region, RefusalsNameObjectRegionFieldAndRemedy) {
       {region(box + R"("material": { "plasticity": 1.1 })"), "material.plasticity: is 1.1", "0 and 1"},
       {bar(R"({ "name": "r", "box": {}, "fixed": true }, { "name": "r", "box": {}, "fixed": true })",
            kElastic),
-       "regions[1].name: stands twice", ""},
+       "regions[1].name: is used twice", ""},
       {bar(R"({ "name": "r", "box": {}, "material": { "density_kg_m3": 5 } })",
            R"("physics": { "behavior": "ELASTIC", "mass_kg": 4 },)"),
-       "regions[0].material.density_kg_m3: changes the mass", "physics.density_kg_m3 instead"},
+       "regions[0].material.density_kg_m3: conflicts with objects[0].physics.mass_kg",
+       "physics.density_kg_m3 instead"},
   };
   for (const auto& one : cases) {
     const std::string message = refusal(one.scene);
@@ -199,21 +200,22 @@ TEST(Region, RefusalsNameObjectRegionFieldAndRemedy) {
   }
 }
 
-TEST(Region, OnlyElasticObjectsHaveWhatDeforms) {
+TEST(Region, RefusesRegionsOfRigidObjects) {
   const std::string moved =
       R"({ "box": {}, "motion": { "constant_velocity": { "velocity_m_s": [1,0,0] } } })";
   for (const char* behavior : {"RIGID", "STATIC"}) {
     const std::string physics = std::string(R"("physics": { "behavior": ")") + behavior + R"(" },)";
     std::string message = refusal(bar(moved, physics));
-    EXPECT_NE(message.find("objects[0].regions: is for elastic objects"), std::string::npos) << message;
+    EXPECT_NE(message.find("objects[0].regions: is only for elastic objects"), std::string::npos) << message;
     EXPECT_NE(message.find("set physics.behavior to ELASTIC"), std::string::npos) << message;
     message = refusal(bar("", physics + R"("initial_deformation": [2,0,0, 0,1,0, 0,0,1],)"));
-    EXPECT_NE(message.find("objects[0].initial_deformation: is for elastic objects"), std::string::npos)
+    EXPECT_NE(message.find("objects[0].initial_deformation: is only for elastic objects"), std::string::npos)
         << message;
   }
-  // AUTO, and the analysis finds that it is rigid: 1 GPa is above the paper's 200 MPa.
+  // AUTO becomes rigid: 1 GPa is above the paper's limit of 200 MPa.
   const std::string message = refusal(bar(moved, R"("physics": { "youngs_modulus_pa": 1e9 },)"));
-  EXPECT_EQ(message.find("object \"bar\": objects[0].regions: is for elastic objects, and this one is RIGID"),
+  EXPECT_EQ(message.find(
+                "object \"bar\": objects[0].regions: is only for elastic objects, and this object is RIGID"),
             0u)
       << message;
 }
@@ -224,7 +226,7 @@ TEST(Region, InitialDeformationIsNineBoundedNumbers) {
         refusal(bar("", std::string(kElastic) + R"("initial_deformation": )" + matrix + ","));
     EXPECT_EQ(message.find("object \"bar\": objects[0].initial_deformation"), 0u) << message;
   }
-  // Singular and mirroring ones are asked for on purpose: bodies recover from them.
+  // Singular and mirroring matrices are accepted on purpose: bodies recover from them.
   EXPECT_EQ(refusal(bar("", std::string(kElastic) + R"("initial_deformation": [-1,0,0, 0,0,0, 0,0,1],)")),
             "");
 }
@@ -238,7 +240,7 @@ TEST(Region, ReleasesNameARegionThatIsHeld) {
   EXPECT_EQ(release(R"({ "object": "bar", "region": "clamp" })"), "");
   const std::pair<const char*, const char*> cases[] = {
       {R"({ "object": "bar", "region": "pulled" })",
-       "no region called \"pulled\"; fixed or moved are: clamp"},
+       "no region called \"pulled\"; fixed or moved regions: clamp"},
       {R"({ "object": "bar" })", "no region called \"\""},
       {R"({ "object": "bar", "region": "soft" })", "neither fixed nor moved"},
       {R"({ "object": "rod", "region": "clamp" })", "no object is called \"rod\""},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A server with TLS and tokens, in this process, asked by clients that show what a test wants them to.
+// An in-process server with TLS and tokens, called with arbitrary credentials.
 #include "session/access/call_authoriser.h"
 
 #include <google/protobuf/descriptor.h>
@@ -46,7 +46,7 @@ class Gate : public ::testing::Test {
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
     return grpc::CreateCustomChannel(address, access_->credentials(), arguments);
   }
-  // What becomes of an empty request.
+  // The status of an empty request.
   static grpc::Status call(const std::shared_ptr<grpc::Channel>& channel, const std::string& path) {
     grpc::GenericStub stub(channel);
     grpc::ClientContext context;
@@ -94,7 +94,7 @@ std::vector<std::string> all_paths() {
   return paths;
 }
 
-// What a scope is for, said once more and otherwise than in call_gate.cpp.
+// The expected scopes, independent of call_authoriser.cpp.
 v1::Scope expected_scope(const std::string& path) {
   if (path == "/livegs.v1.Spectators/DescribeScene") return v1::VIEW;
   if (!path.starts_with("/livegs.v1.LiveGs/")) return v1::ADMIN;
@@ -105,13 +105,14 @@ v1::Scope expected_scope(const std::string& path) {
   return method == "ApplyForce" ? v1::INTERACT : v1::VIEW;
 }
 
-TEST_F(Gate, EveryCallOfEveryServiceNeedsItsScope) {
+TEST_F(Gate, ChecksTheScopeOfEveryCall) {
   for (const v1::Scope scope : {v1::VIEW, v1::INTERACT, v1::AUTHOR, v1::ADMIN}) {
     const auto open = channel(token(scope));
     for (const std::string& path : all_paths()) {
       if (path.ends_with("/Drain") || path.ends_with("/Stream") || path.ends_with("/AnalyzeScene") ||
           path.ends_with("ReflectionInfo") || path.ends_with("/Watch")) {
-        if (scope >= expected_scope(path)) continue;  // they stay open, or say that the scene is not
+        if (scope >= expected_scope(path))
+          continue;  // these stay open, or report that the scene is not ready
       }
       const grpc::Status status = call(open, path);
       EXPECT_NE(status.error_code(), grpc::StatusCode::UNAUTHENTICATED) << path;
@@ -121,13 +122,13 @@ TEST_F(Gate, EveryCallOfEveryServiceNeedsItsScope) {
   }
 }
 
-TEST_F(Gate, EachWrongTokenHasItsOwnAnswerOnEveryCall) {
+TEST_F(Gate, NamesTheProblemOfEveryBadToken) {
   const std::string revoked = token(v1::ADMIN);
   ASSERT_TRUE(security_->tokens().revoke(last_id_));
   const std::string expired = token(v1::ADMIN, 1);
   now_s_ += 86400;
-  const std::pair<std::string, std::string> cases[] = {{"", "asks for a token"},
-                                                       {"livegs_wrong", "none of this server's"},
+  const std::pair<std::string, std::string> cases[] = {{"", "token: is required"},
+                                                       {"livegs_wrong", "not known to this server"},
                                                        {revoked, "was revoked"},
                                                        {expired, "has expired"}};
   for (const auto& [secret, answer] : cases) {
@@ -141,11 +142,11 @@ TEST_F(Gate, EachWrongTokenHasItsOwnAnswerOnEveryCall) {
         EXPECT_EQ(status.error_message().find(secret), std::string::npos);
       }
     }
-    EXPECT_TRUE(call(open, "/grpc.health.v1.Health/Check").ok());  // tells no more than an open port
+    EXPECT_TRUE(call(open, "/grpc.health.v1.Health/Check").ok());  // reveals no more than an open port
   }
 }
 
-TEST_F(Gate, NobodyGetsInWithoutTlsOrPastAnotherCertificate) {
+TEST_F(Gate, RefusesPlainTextAndUnknownCertificates) {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(500));
   v1::ServerInfo info;
@@ -159,11 +160,11 @@ TEST_F(Gate, NobodyGetsInWithoutTlsOrPastAnotherCertificate) {
   const auto refused = access_->refused();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::PermissionDenied);
-  EXPECT_NE(refused.error().message.find("not the one paired with"), std::string::npos)
+  EXPECT_NE(refused.error().message.find("differs from the paired one"), std::string::npos)
       << refused.error().message;
 }
 
-TEST_F(Gate, ARevokedTokenEndsItsSessionsAndNoOthers) {
+TEST_F(Gate, RevokedTokenEndsOnlyItsSessions) {
   const std::string kept = token(v1::INTERACT), lost = token(v1::INTERACT);
   const std::string lost_id = last_id_;
   RawClient stays(channel(kept)), goes(channel(lost));
@@ -193,14 +194,14 @@ TEST_F(Gate, ARevokedTokenEndsItsSessionsAndNoOthers) {
   EXPECT_EQ(stays.read().tick(), 2u);
 }
 
-TEST_F(Gate, ATokenThatExpiresEndsItsSessions) {
+TEST_F(Gate, ExpiredTokenEndsItsSessions) {
   RawClient client(channel(token(v1::VIEW, 1)));
   ASSERT_TRUE(client.join().ok());
   client.open();
   publish(1);
   ASSERT_EQ(client.read().tick(), 1u);
   now_s_ += 86400;
-  // It is looked for once a second; frames go on until then.
+  // Tokens are checked once a second; frames continue until then.
   const grpc::Status status = client.finish_reading();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
   EXPECT_NE(status.error_message().find("has expired"), std::string::npos) << status.error_message();
@@ -223,7 +224,7 @@ v1::ClientMessage squeezing(uint64_t sequence) {
   return message;
 }
 
-TEST_F(Gate, WhoMayOnlyLookTouchesNothing) {
+TEST_F(Gate, ViewScopeIgnoresInput) {
   RawClient looks(channel(token(v1::VIEW))), touches(channel(token(v1::INTERACT)));
   ASSERT_TRUE(looks.join().ok());
   ASSERT_TRUE(touches.join().ok());
@@ -235,15 +236,15 @@ TEST_F(Gate, WhoMayOnlyLookTouchesNothing) {
   for (uint64_t i = 1; i <= 3; ++i) ASSERT_TRUE(looks.send(squeezing(i)));
   ASSERT_TRUE(looks.acknowledge(1));
   publish(2);
-  ASSERT_EQ(looks.read().tick(), 2u);  // its messages were taken
+  ASSERT_EQ(looks.read().tick(), 2u);  // its messages were accepted
   touches.open();
   ASSERT_TRUE(touches.send(squeezing(1)));
   ASSERT_TRUE(inputs_.wait_heard(1));
   EXPECT_EQ(inputs_.heard(), 1u);
 }
 
-// A session is its token's: who knows its id, and has another token, has nothing.
-TEST_F(Gate, ASessionIsNotForAnotherToken) {
+// A session belongs to its token: its id is useless with another token.
+TEST_F(Gate, SessionIsBoundToItsToken) {
   RawClient owner(channel(token(v1::INTERACT))), thief(channel(token(v1::VIEW)));
   ASSERT_TRUE(owner.join().ok());
   ASSERT_TRUE(thief.join(kProtocolVersion, owner.joined.session_id()).ok());
@@ -256,13 +257,13 @@ TEST_F(Gate, ASessionIsNotForAnotherToken) {
   EXPECT_EQ(owner.read().tick(), 1u);
 }
 
-TEST_F(Gate, AnotherProtocolVersionIsToldOnlyToWhoMayCome) {
+TEST_F(Gate, ReportsProtocolVersionOnlyToAuthorisedCallers) {
   RawClient good(channel(token(v1::VIEW))), bad(channel("livegs_wrong"));
   EXPECT_EQ(good.join(kProtocolVersion + 1).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
   EXPECT_EQ(bad.join(kProtocolVersion + 1).error_code(), grpc::StatusCode::UNAUTHENTICATED);
 }
 
-TEST_F(Gate, AKickedClientIsToldWhyAndMayComeBack) {
+TEST_F(Gate, KickedClientGetsTheReasonAndMayRejoin) {
   RawClient client(channel(token(v1::VIEW)));
   ASSERT_TRUE(client.join().ok());
   client.open();
@@ -287,7 +288,7 @@ TEST_F(Gate, AKickedClientIsToldWhyAndMayComeBack) {
   EXPECT_TRUE(client.join().ok());
 }
 
-TEST_F(Gate, OneTokenThatCallsTooOftenIsSlowedAndNoOther) {
+TEST_F(Gate, LimitsTheCallRateOfEachToken) {
   CallAuthoriser gate(security_->tokens());
   const auto ask = [&](const std::string& secret) {
     const std::string value = "Bearer " + secret, path = "/livegs.v1.LiveGs/GetServerInfo";
@@ -302,8 +303,8 @@ TEST_F(Gate, OneTokenThatCallsTooOftenIsSlowedAndNoOther) {
   EXPECT_EQ(ask(other), grpc::StatusCode::OK);
 }
 
-// Two tokens in one call are none.
-TEST_F(Gate, ACallShowsOneTokenOrNone) {
+// A call with two tokens counts as a call without a token.
+TEST_F(Gate, RefusesCallsWithTwoTokens) {
   CallAuthoriser gate(security_->tokens());
   const std::string good = "Bearer " + token(v1::ADMIN), basic = "Basic " + good.substr(7);
   const std::string path = "/livegs.v1.LiveGs/Join";
@@ -316,8 +317,8 @@ TEST_F(Gate, ACallShowsOneTokenOrNone) {
   }
 }
 
-// Who connects and says nothing is gone after three seconds; without the limit it is two minutes.
-TEST_F(Gate, AConnectionThatNeverShakesHandsIsClosed) {
+// A connection without a handshake is closed after three seconds; without the limit it takes two minutes.
+TEST_F(Gate, ClosesConnectionsWithoutHandshake) {
   const int silent = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in to{};
   to.sin_family = AF_INET;
@@ -331,7 +332,7 @@ TEST_F(Gate, AConnectionThatNeverShakesHandsIsClosed) {
   ::close(silent);
 }
 
-TEST_F(GrpcServerTest, AClientThatFloodsItsStreamIsCutOff) {
+TEST_F(GrpcServerTest, EndsStreamsThatFlood) {
   open();
   RawClient client(server_->port()), other(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -342,12 +343,13 @@ TEST_F(GrpcServerTest, AClientThatFloodsItsStreamIsCutOff) {
   }
   const grpc::Status status = client.finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_NE(status.error_message().find("messages a second"), std::string::npos) << status.error_message();
+  EXPECT_NE(status.error_message().find("more than 1000 a second"), std::string::npos)
+      << status.error_message();
   publish(1);
   EXPECT_EQ(other.read().tick(), 1u);
 }
 
-TEST_F(GrpcServerTest, InTheClearEverythingIsOpenButTokens) {
+TEST_F(GrpcServerTest, WithoutTlsAllButTokensIsAllowed) {
   open();
   const auto admin = v1::Admin::NewStub(channel_to(server_->port()));
   grpc::ClientContext first, second;

@@ -16,7 +16,7 @@
 namespace livegs {
 namespace {
 
-// Keeps what it is handed, as gRPC would, until it is told to close.
+// Keeps the connections it receives open, as gRPC does, until closed.
 class Kept final : public grpc::experimental::ExternalConnectionAcceptor {
  public:
   struct Log {
@@ -56,13 +56,13 @@ int connect_to(int port) {
   return socket;
 }
 
-// Whether the other end closed it: waits for that, which nothing else ends.
+// Blocks until the other end closes the connection.
 bool is_closed(int socket) {
   char byte = 0;
   return ::recv(socket, &byte, 1, 0) <= 0;
 }
 
-TEST(ConnectionLimiter, OneTooManyIsClosedAndWhoGoesMakesRoom) {
+TEST(ConnectionLimiter, ClosesExcessConnections) {
   Kept::Log log;
   auto door = ConnectionLimiter::listen("127.0.0.1", 0);
   ASSERT_TRUE(door) << door.error().message;
@@ -83,13 +83,13 @@ TEST(ConnectionLimiter, OneTooManyIsClosedAndWhoGoesMakesRoom) {
   for (const int client : clients) ::close(client);
 }
 
-TEST(ConnectionLimiter, AnAddressThatIsTakenOrNoneIsSaidSo) {
+TEST(ConnectionLimiter, NamesTheProblemOfAnAddress) {
   const auto door = ConnectionLimiter::listen("127.0.0.1", 0);
   ASSERT_TRUE(door);
   const auto second = ConnectionLimiter::listen("127.0.0.1", (*door)->port());
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find("in use"), std::string::npos) << second.error().message;
-  const auto far = ConnectionLimiter::listen("192.0.2.1", 0);  // kept free for documents
+  const auto far = ConnectionLimiter::listen("192.0.2.1", 0);  // reserved for documentation
   ASSERT_FALSE(far);
   EXPECT_NE(far.error().message.find("another address"), std::string::npos) << far.error().message;
   EXPECT_FALSE(ConnectionLimiter::listen("no.such.host.invalid", 0));

@@ -34,7 +34,7 @@ class Tokens : public ::testing::Test {
   std::unique_ptr<TokenStore> store_;
 };
 
-TEST_F(Tokens, AllowWhatTheyWereMadeForAndNoMore) {
+TEST_F(Tokens, GrantTheirScopeOnly) {
   for (const v1::Scope scope : {v1::VIEW, v1::INTERACT, v1::AUTHOR, v1::ADMIN}) {
     const auto made = store_->add("headset", scope, 0);
     ASSERT_TRUE(made) << made.error().message;
@@ -46,8 +46,8 @@ TEST_F(Tokens, AllowWhatTheyWereMadeForAndNoMore) {
   }
 }
 
-// 256 bits at six a character.
-TEST_F(Tokens, AreLongAndAllDifferent) {
+// 256 bits at six bits per character.
+TEST_F(Tokens, AreLongAndUnique) {
   std::vector<std::string> secrets;
   for (int i = 0; i < 50; ++i) secrets.push_back(store_->add("x", v1::VIEW, 1)->secret);
   std::sort(secrets.begin(), secrets.end());
@@ -55,25 +55,25 @@ TEST_F(Tokens, AreLongAndAllDifferent) {
   EXPECT_EQ(secrets[0].size(), 7u + 43u);
 }
 
-TEST_F(Tokens, EachWrongOneHasItsOwnAnswer) {
+TEST_F(Tokens, NameTheProblemIfRefused) {
   const auto good = store_->add("good", v1::VIEW, 1), revoked = store_->add("lost", v1::VIEW, 1);
   ASSERT_TRUE(store_->revoke(revoked->token.id()));
   EXPECT_EQ(why(good->secret), "");
-  EXPECT_NE(why("").find("asks for a token"), std::string::npos);
-  EXPECT_NE(why("livegs_something").find("none of this server's"), std::string::npos);
-  EXPECT_NE(why(good->secret + "x").find("none of this server's"), std::string::npos);
-  EXPECT_NE(why(good->secret.substr(1)).find("none of this server's"), std::string::npos);
-  EXPECT_NE(why(revoked->secret).find("\"lost\" was revoked"), std::string::npos);
+  EXPECT_NE(why("").find("token: is required"), std::string::npos);
+  EXPECT_NE(why("livegs_something").find("not known to this server"), std::string::npos);
+  EXPECT_NE(why(good->secret + "x").find("not known to this server"), std::string::npos);
+  EXPECT_NE(why(good->secret.substr(1)).find("not known to this server"), std::string::npos);
+  EXPECT_NE(why(revoked->secret).find("\"lost\": was revoked"), std::string::npos);
   now_s_ += kDay_s - 1;
   EXPECT_EQ(why(good->secret), "");
   EXPECT_TRUE(store_->check_still({good->token.id(), "good", v1::VIEW}));
   now_s_ += 1;
-  EXPECT_NE(why(good->secret).find("\"good\" has expired"), std::string::npos);
+  EXPECT_NE(why(good->secret).find("\"good\": has expired"), std::string::npos);
   EXPECT_FALSE(store_->check_still({good->token.id(), "good", v1::VIEW}));
   EXPECT_FALSE(store_->check_still({"00000000", "never was", v1::VIEW}));
 }
 
-TEST_F(Tokens, OutliveTheServerAndStandNowhere) {
+TEST_F(Tokens, OutliveTheServerAndAreStoredAsHashes) {
   const auto made = store_->add("headset", v1::AUTHOR, 10), revoked = store_->add("lost", v1::VIEW, 10);
   ASSERT_TRUE(store_->revoke(revoked->token.id()));
   const std::string text = *read_secret_file(file_);
@@ -86,12 +86,12 @@ TEST_F(Tokens, OutliveTheServerAndStandNowhere) {
   for (const v1::Token& token : store_->list()) EXPECT_EQ(token.sha256(), "");
 }
 
-TEST_F(Tokens, ThatEndedAMonthAgoAreForgotten) {
+TEST_F(Tokens, AreRemovedAMonthAfterExpiry) {
   const auto old = store_->add("old", v1::VIEW, 1);
   now_s_ += 32 * kDay_s;
   ASSERT_TRUE(store_->add("new", v1::VIEW, 1));
   EXPECT_EQ(store_->list().size(), 1u);
-  EXPECT_NE(why(old->secret).find("none of this server's"), std::string::npos);
+  EXPECT_NE(why(old->secret).find("not known to this server"), std::string::npos);
 }
 
 TEST_F(Tokens, BadRequestsNameTheField) {
@@ -110,7 +110,7 @@ TEST_F(Tokens, BadRequestsNameTheField) {
   EXPECT_TRUE(store_->list().empty());
 }
 
-TEST_F(Tokens, AFileThatIsNoneIsRefusedByItsName) {
+TEST_F(Tokens, RefuseInvalidFilesByName) {
   for (const char* text : {"no json", "{\"tokens\": 3}", "{\"unknown\": 1}"}) {
     ASSERT_TRUE(write_secret_file(file_, text));
     const auto opened = TokenStore::open(file_);
@@ -119,13 +119,13 @@ TEST_F(Tokens, AFileThatIsNoneIsRefusedByItsName) {
   }
 }
 
-// A file that cannot be written makes no token, and revokes one all the same.
-TEST_F(Tokens, ADiskThatIsFullLetsNobodyIn) {
+// If the file cannot be written, no token is created, but a revocation still applies.
+TEST_F(Tokens, RevokeEvenIfTheFileCannotBeWritten) {
   const auto made = store_->add("a", v1::VIEW, 1);
   ASSERT_TRUE(made);
   std::filesystem::remove(file_);
   std::filesystem::create_directories(file_ /
-                                      "in the way");  // nothing is renamed over a folder that is not empty
+                                      "in the way");  // rename() fails onto a folder that is not empty
   EXPECT_FALSE(store_->add("b", v1::VIEW, 1));
   EXPECT_EQ(store_->list().size(), 1u);
   EXPECT_FALSE(store_->revoke(made->token.id()));
@@ -148,7 +148,7 @@ TEST(ServerSecurity, KeepsItsCertificateAndRenewsItsLocalToken) {
     EXPECT_EQ(mode_of(folder / "state"), 0700u);
     for (const char* secret : {"server.key", "admin.token"})
       EXPECT_EQ(mode_of(folder / "state" / secret), 0600u);
-    EXPECT_FALSE(find_local_server(folder / "state"));  // it has no port yet
+    EXPECT_FALSE(find_local_server(folder / "state"));  // no port yet
     (*first)->set_port(4711);
     const auto found = find_local_server(folder / "state");
     ASSERT_TRUE(found) << found.error().message;
@@ -167,7 +167,7 @@ TEST(ServerSecurity, KeepsItsCertificateAndRenewsItsLocalToken) {
   EXPECT_FALSE((*again)->tokens().check(token));
 }
 
-TEST(ServerSecurity, FilesThatWillNotDoAreRefusedByName) {
+TEST(ServerSecurity, RefusesBadFilesByName) {
   const ScratchFolder folder;
   const std::filesystem::path state = folder / "state", other = folder / "other";
   ASSERT_TRUE(ServerSecurity::open(state));
@@ -182,8 +182,7 @@ TEST(ServerSecurity, FilesThatWillNotDoAreRefusedByName) {
   ::chmod((state / "server.key").c_str(), 0600);
   opened = ServerSecurity::open(state);
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().message.find("do not belong together"), std::string::npos)
-      << opened.error().message;
+  EXPECT_NE(opened.error().message.find("do not match"), std::string::npos) << opened.error().message;
   folder.write("state/server.crt", "no certificate");
   EXPECT_FALSE(ServerSecurity::open(state));
   folder.write("file", "");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a server keeps for clients to fetch, while a scene is reset and its objects are cut anew.
+// Lifetime of assets while a scene is reset and its objects are cut again.
 #include "session/assets/asset_store.h"
 
 #include <google/protobuf/util/json_util.h>
@@ -46,12 +46,12 @@ bool has(const AssetStore& store, const std::string& hash) {
   return std::find(all.begin(), all.end(), hash) != all.end();
 }
 
-TEST(AssetStore, TenResetsLeaveItAsItWas) {
+TEST(AssetStore, IsUnchangedAfterTenResets) {
   AssetStore store;
   Scene scene = fragile_scene(1);
   add_all(scene, store);
   const std::vector<std::string> first = store.hashes();
-  EXPECT_EQ(first.size(), 6u);  // the floor, three boxes, and what the fragile two break into
+  EXPECT_EQ(first.size(), 6u);  // the floor, three boxes and the fragments of two
   for (uint32_t reset = 1; reset <= 10; ++reset) {
     Scene next = fragile_scene((reset << 20) + 1);
     add_all(next, store);
@@ -62,7 +62,7 @@ TEST(AssetStore, TenResetsLeaveItAsItWas) {
   }
 }
 
-TEST(AssetStore, WhatWasCutAnewIsDroppedOnceNobodyNeedsIt) {
+TEST(AssetStore, DropsUnusedAssetsAfterTheirLifetime) {
   AssetStore store;
   Scene scene = fragile_scene(1);
   add_all(scene, store);
@@ -77,7 +77,7 @@ TEST(AssetStore, WhatWasCutAnewIsDroppedOnceNobodyNeedsIt) {
 
   store.drop_unused({before}, 0);
   store.drop_unused({before}, 2 * kUnusedAssetLifetime_ns);
-  EXPECT_TRUE(has(store, before)) << "clients are told of it";
+  EXPECT_TRUE(has(store, before)) << "clients know it";
   const int64_t told_otherwise_ns = 2 * kUnusedAssetLifetime_ns + 1;
   store.drop_unused({after}, told_otherwise_ns);
   store.drop_unused({after}, told_otherwise_ns + kUnusedAssetLifetime_ns - 1);

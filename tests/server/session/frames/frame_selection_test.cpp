@@ -19,8 +19,8 @@ constexpr double kTick_s = 1.0 / 90;
 constexpr int64_t kTick_ns = 11'111'111;
 constexpr uint32_t kObjects = 40;
 
-// Soft cubes in a row along x, half a metre apart, which swing while `moving`; the later in the row, the
-// slower.
+// Soft cubes in a row along x, half a metre apart, which swing while `moving`. Later ones in the row swing
+// more slowly.
 DriverFrame row_of_cubes(uint64_t tick, bool moving = true) {
   DriverFrame frame;
   frame.tick = tick;
@@ -45,7 +45,7 @@ std::shared_ptr<const ObjectReaches> reaches() {
   return all;
 }
 
-// A stream to one client that can read what comes.
+// A stream to one client, with a reader.
 struct Stream {
   StreamBaselinePtr baseline;
   StreamReader reader;
@@ -72,27 +72,26 @@ double farthest_m(const ObjectDrivers& a, const ObjectDrivers& b) {
   return farthest;
 }
 
-// Half a step of 2^-15 m on each axis.
+// Half a step of 2^-15 m per axis.
 constexpr double kExact_m = 0.87 / (1 << 15);
 
 TickEncodings published(uint64_t tick, bool moving = true) {
   return TickEncodings(row_of_cubes(tick, moving), nullptr);
 }
 
-TEST(ViewCone, TouchesWhatIsInItInPart) {
+TEST(ViewCone, TouchesPartlyVisibleBalls) {
   const ViewCone cone{{0, 0, 0}, {0, 0, -1}, 0.5};
   EXPECT_TRUE(cone.touches({0, 0, -5}, 0.01));
   EXPECT_FALSE(cone.touches({0, 0, 5}, 1));
-  EXPECT_TRUE(cone.touches({0, 0, 5}, 5.1));  // the eye is in it
+  EXPECT_TRUE(cone.touches({0, 0, 5}, 5.1));  // the eye is inside
   const Eigen::Vector3d beside(10 * std::sin(0.6), 0, -10 * std::cos(0.6));
   EXPECT_FALSE(cone.touches(beside, 0.9));  // 10 sin(0.1) is 0.998
   EXPECT_TRUE(cone.touches(beside, 1.1));
   EXPECT_TRUE((ViewCone{{0, 0, 0}, {0, 0, -1}, M_PI}.touches({0, 0, 9}, 0.1)));
 }
 
-// Whatever ticks it is sent, with gaps or without, a client has nothing that is older than nine ticks, unless
-// the gap was longer.
-TEST(Interest, WhatIsNotSeenIsInEveryNinthTick) {
+// With or without gaps in its ticks, a client's state is at most nine ticks old, unless the gap is longer.
+TEST(Interest, UpdatesCulledObjectsEveryNinthTick) {
   std::mt19937 random(7);
   ClientView away;
   away.view = ViewCone{{0, 0, 0}, {-1, 0, 0}, 0.6};
@@ -119,7 +118,7 @@ TEST(Interest, WhatIsNotSeenIsInEveryNinthTick) {
   EXPECT_LT(static_cast<double>(in), 0.2 * static_cast<double>(all));
 }
 
-TEST(Interest, WhatAHandHoldsIsSeen) {
+TEST(Interest, NeverCullsHeldObjects) {
   ClientView away;
   away.view = ViewCone{{0, 0, 0}, {-1, 0, 0}, 0.6};
   away.held = {5, 9};
@@ -133,7 +132,7 @@ TEST(Interest, WhatAHandHoldsIsSeen) {
   }
 }
 
-TEST(Interest, WhatSleepsIsNeverLeftOutNorAnythingForWhoHasRoom) {
+TEST(Interest, NeverCullsSleepersOrForUncongestedClients) {
   ClientView away;
   away.view = ViewCone{{0, 0, 0}, {-1, 0, 0}, 0.6};
   std::vector<ObjectBall> balls;
@@ -148,9 +147,9 @@ TEST(Interest, WhatSleepsIsNeverLeftOutNorAnythingForWhoHasRoom) {
   for (uint64_t tick = 1; tick < 20; ++tick) EXPECT_TRUE(culled(balls, away, tick + 1, tick).empty());
 }
 
-// A client looks away for a second and back: then it has with the next frame what one that never looked away
-// has, to the bit. All the while its reader's hash agrees.
-TEST(Interest, WhoLooksHasItExactlyWithTheNextFrame) {
+// A client looks away for a second and back. With the next frame its state equals, bit by bit, that of a
+// client that never looked away. The reader's hash agrees throughout.
+TEST(Interest, ObjectsInViewAreExactInTheNextFrame) {
   Stream watching, turning;
   const ClientView all;
   ClientView turned;
@@ -176,13 +175,12 @@ TEST(Interest, WhoLooksHasItExactlyWithTheNextFrame) {
   }
   std::printf("bytes while it looked away: %.2f of all\n",
               static_cast<double>(less) / static_cast<double>(whole));
-  // Not a ninth: a straight line over nine ticks foresees less, and each frame has its head.
+  // More than a ninth: prediction over nine ticks is less accurate, and each frame has a header.
   EXPECT_LT(static_cast<double>(less), 0.45 * static_cast<double>(whole));
 }
 
-// At a cap of about a third of what the scene takes. The eye is beside the first cube, which is the nearest
-// and fastest.
-TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
+// The cap is about a third of the full rate. The eye is next to the first cube, the nearest and fastest.
+TEST(Cap, HoldsAndSendsLargestErrorsFirst) {
   constexpr double kCap_bytes_s = 30'000;
   Stream capped, free;
   SendBudget budget;
@@ -195,7 +193,7 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
   };
   std::vector<Sent> sent;
   double free_bytes = 0, angle_rad = 0;
-  std::vector<int> current(kObjects, 0);  // ticks in which the client has it as it is
+  std::vector<int> current(kObjects, 0);  // ticks in which the client's state is current
   constexpr uint64_t kFirst = 45, kMoving = 450, kEnd = 810;
   for (uint64_t tick = 1; tick <= kEnd; ++tick) {
     const bool moving = tick <= kMoving;
@@ -217,7 +215,7 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
           angle_rad, off_m / (ball_around(free.seen.objects[i], 0).centre_m - who.view->position_m).norm());
     }
   }
-  // The cap, over every second: the first one has the key frame.
+  // The cap holds for every second except the first, which contains the keyframe.
   size_t most_message = 0;
   for (const Sent& one : sent) most_message = std::max(most_message, one.bytes);
   for (size_t from = 0; from < sent.size(); ++from) {
@@ -228,7 +226,7 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
               kCap_bytes_s * (1 + SendBudget::kBurst_s) + static_cast<double>(most_message));
   }
   const double free_bytes_s = free_bytes * 90 / static_cast<double>(kMoving);
-  EXPECT_GT(free_bytes_s, 2 * kCap_bytes_s);  // it was tight
+  EXPECT_GT(free_bytes_s, 2 * kCap_bytes_s);  // the cap was a constraint
   const auto share = [&](size_t from) {
     return std::accumulate(current.begin() + static_cast<long>(from),
                            current.begin() + static_cast<long>(from) + 5, 0.0) /
@@ -239,8 +237,8 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
       "by %.1f mrad at most\n",
       1e-3 * free_bytes_s, 1e-3 * kCap_bytes_s, share(0), share(kObjects - 5), 1e3 * angle_rad);
   EXPECT_GT(share(0), 3 * share(kObjects - 5));
-  EXPECT_GT(share(kObjects - 5), 0);  // but they are sent
-  // All that was deferred has come, to the bit.
+  EXPECT_GT(share(kObjects - 5), 0);  // distant objects are sent too
+  // All deferred objects have arrived, bit by bit.
   for (size_t i = 0; i < kObjects; ++i)
     EXPECT_EQ(capped.seen.objects[i].positions_m, free.seen.objects[i].positions_m) << i;
 }
@@ -248,7 +246,7 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
 TEST(Cap, ChoosesByAngleAndAge) {
   const DriverFrame before = row_of_cubes(1);
   const StreamBaselinePtr baseline = TickEncodings(before, nullptr).against(nullptr).next;
-  // Objects 1 to 4 went 1 mm, 30 a metre; 2 is held.
+  // Objects 1 to 4 moved 1 mm, 30 moved 1 m; 2 is held.
   DriverFrame now = before;
   now.tick = 2;
   for (const uint32_t id : {1u, 2u, 3u, 4u, 30u}) {
@@ -258,17 +256,17 @@ TEST(Cap, ChoosesByAngleAndAge) {
   std::vector<ObjectBall> balls;
   for (const ObjectDrivers& object : now.objects) balls.push_back(ball_around(object, 0.05));
   ClientView who;
-  who.view = ViewCone{{2.0, 0, 1}, {0, 0, -1}, 0.5};  // before object 4; 30 is far off to the side
+  who.view = ViewCone{{2.0, 0, 1}, {0, 0, -1}, 0.5};  // in front of object 4; 30 is far to the side
   who.held = {2};
-  // 200 bytes each. Room for three of five: 2 is held, 30 went far, 4 is near.
+  // 200 bytes each, room for three of five: 2 is held, 30 moved far, 4 is near.
   EXPECT_EQ(over_budget(now, *baseline, balls, who, {}, 1000, 600), (std::vector<uint32_t>{1, 3}));
   EXPECT_EQ(over_budget(now, *baseline, balls, who, {}, 1000, 10),
-            (std::vector<uint32_t>{1, 3, 4, 30}));  // one always goes
+            (std::vector<uint32_t>{1, 3, 4, 30}));  // one is always sent
   EXPECT_EQ(over_budget(now, *baseline, balls, who, std::vector<uint32_t>{30}, 800, 400),
             (std::vector<uint32_t>{1, 3, 30}));
 }
 
-TEST(SendBudget, SavesForATenthOfASecondAndGoesIntoDebt) {
+TEST(SendBudget, AccumulatesBrieflyAndAllowsDebt) {
   SendBudget free;
   EXPECT_FALSE(free.capped());
   EXPECT_EQ(free.available_bytes(5), std::numeric_limits<double>::infinity());
@@ -278,7 +276,7 @@ TEST(SendBudget, SavesForATenthOfASecondAndGoesIntoDebt) {
   budget.pay(350);
   EXPECT_DOUBLE_EQ(budget.available_bytes(1'100'000'000), -150);
   EXPECT_DOUBLE_EQ(budget.available_bytes(1'300'000'000), 50);
-  EXPECT_DOUBLE_EQ(budget.available_bytes(1'200'000'000), 50);  // a clock that goes back gives nothing
+  EXPECT_DOUBLE_EQ(budget.available_bytes(1'200'000'000), 50);  // a clock that runs backwards adds nothing
   EXPECT_DOUBLE_EQ(budget.available_bytes(9'000'000'000), 100);
 }
 

@@ -25,7 +25,7 @@ uint64_t taken(SendWindow& window) {
   return outgoing && outgoing->tick ? outgoing->tick->tick() : 0;
 }
 
-TEST(SendWindow, HasTwoFramesInFlightThenSendsTheNewest) {
+TEST(SendWindow, SendsTheNewestWhenTheWindowOpens) {
   SendWindow window;
   for (uint64_t number = 1; number <= 5; ++number) {
     window.offer(tick(number));
@@ -39,7 +39,7 @@ TEST(SendWindow, HasTwoFramesInFlightThenSendsTheNewest) {
   EXPECT_EQ(window.sent(), 3u);
 }
 
-TEST(SendWindow, OneAcknowledgementCoversWhatWasBefore) {
+TEST(SendWindow, AcknowledgementCoversEarlierFrames) {
   SendWindow window;
   window.offer(tick(1));
   taken(window);
@@ -49,7 +49,7 @@ TEST(SendWindow, OneAcknowledgementCoversWhatWasBefore) {
   EXPECT_EQ(window.in_flight(), 0u);
 }
 
-TEST(SendWindow, AnOldAcknowledgementChangesNothing) {
+TEST(SendWindow, IgnoresOldAcknowledgements) {
   SendWindow window;
   window.offer(tick(7));
   taken(window);
@@ -57,7 +57,7 @@ TEST(SendWindow, AnOldAcknowledgementChangesNothing) {
   EXPECT_EQ(window.in_flight(), 1u);
 }
 
-TEST(SendWindow, AnAcknowledgementOfTheFutureOpensItForWhatWasSentOnly) {
+TEST(SendWindow, FutureAcknowledgementFreesOnlySentFrames) {
   SendWindow window;
   for (uint64_t number = 1; number <= 2; ++number) {
     window.offer(tick(number));
@@ -72,11 +72,11 @@ TEST(SendWindow, AnAcknowledgementOfTheFutureOpensItForWhatWasSentOnly) {
   EXPECT_EQ(window.in_flight(), WindowSize::kInitialFrames);
 }
 
-// Answers that take 40 ms open it; a stream that begins anew has two again.
+// Round trips of 40 ms open the window; a new stream starts with two again.
 TEST(SendWindow, GrowsWithTheRoundTrip) {
   constexpr int64_t kTick_ns = 11'111'111;
   SendWindow window;
-  std::deque<std::pair<int64_t, uint64_t>> answers;  // when, of what
+  std::deque<std::pair<int64_t, uint64_t>> answers;  // time and tick
   for (uint64_t number = 1; number <= 300; ++number) {
     const int64_t tick_ns = static_cast<int64_t>(number) * kTick_ns;
     for (; !answers.empty() && answers.front().first <= tick_ns; answers.pop_front()) {
@@ -97,7 +97,7 @@ TEST(SendWindow, GrowsWithTheRoundTrip) {
   EXPECT_EQ(window.size(), 2u);
 }
 
-TEST(SendWindow, EventsGoOutInOrderEvenWhenItIsShut) {
+TEST(SendWindow, SendsEventsInOrderWhenFull) {
   SendWindow window;
   for (uint64_t number = 1; number <= 3; ++number) {
     window.offer(tick(number));

@@ -18,8 +18,8 @@ DriverFrame swinging(uint64_t tick) {
   return frame;
 }
 
-// One client misses a frame now and then. It is encoded for by itself until it has what the others have.
-TEST(TickEncodings, IsEncodedOnceForClientsThatHaveTheSame) {
+// A client that misses a frame gets its own encodings until it has the common baseline again.
+TEST(TickEncodings, EncodesOncePerBaseline) {
   const auto record = std::make_shared<EncodingRecord>();
   StreamBaselinePtr quick, quick_too, slow;
   for (uint64_t tick = 1; tick <= 100; ++tick) {
@@ -30,11 +30,11 @@ TEST(TickEncodings, IsEncodedOnceForClientsThatHaveTheSame) {
     EXPECT_EQ(quick, quick_too);
   }
   EXPECT_EQ(quick, slow);
-  // A hundred, and three for each of the five that were missed: what is predicted looks back three frames.
+  // One hundred, plus three for each of the five missed frames: prediction uses three earlier frames.
   EXPECT_EQ(record->summary().encoded, 115u);
 }
 
-// Two objects to the two sides of clients that look one way each.
+// Two objects on opposite sides; each client looks at one of them.
 class LookingApart {
  public:
   explicit LookingApart(bool uncongested) {
@@ -42,7 +42,7 @@ class LookingApart {
     left_.view = ViewCone{{0, 0, 0}, {-1, 0, 0}, 0.7};
     right_.view = ViewCone{{0, 0, 0}, {1, 0, 0}, 0.7};
   }
-  // Frames encoded for a tick; `asleep`: nothing moves.
+  // Number of encodings of a tick; `asleep`: nothing moves.
   uint64_t tick(bool asleep) {
     DriverFrame frame;
     frame.tick = ++tick_;
@@ -73,17 +73,17 @@ class LookingApart {
   float moved_ = 0;
 };
 
-TEST(TickEncodings, IsEncodedOnceForThoseWhoLookDifferentWaysIfTheyHaveRoom) {
+TEST(TickEncodings, UncongestedClientsShareAcrossViews) {
   LookingApart uncongested(true), narrow(false);
   for (int i = 0; i < 40; ++i) {
     EXPECT_EQ(uncongested.tick(false), 1u);
-    EXPECT_EQ(narrow.tick(false), i == 0 ? 1u : 2u);  // the key frame is whole
+    EXPECT_EQ(narrow.tick(false), i == 0 ? 1u : 2u);  // the keyframe is complete
   }
 }
 
-// Who has no cap and seems slow gets bytes of its own while few do: were it so for all of a multitude,
-// encoding for each would be what makes them slow. Those with a cap are sent what fits, each by itself.
-TEST(TickEncodings, OfAMultitudeThatSeemsSlowMostShare) {
+// An uncapped slow client gets its own encoding only while there are few of them. With many, separate
+// encodings would cause the delay. Capped clients always get their own.
+TEST(TickEncodings, ManySlowClientsMostlyShare) {
   constexpr int kClients = 24;
   const auto record = std::make_shared<EncodingRecord>();
   auto reaches = std::make_shared<ObjectReaches>();
@@ -93,7 +93,7 @@ TEST(TickEncodings, OfAMultitudeThatSeemsSlowMostShare) {
     const double angle = 2 * M_PI * c / kClients;
     const Eigen::Vector3d ahead(std::cos(angle), 0, std::sin(angle));
     places_m.push_back((10 * ahead).cast<float>());
-    clients[c].view = ViewCone{{0, 0, 0}, ahead, 0.05};  // on one object each
+    clients[c].view = ViewCone{{0, 0, 0}, ahead, 0.05};  // at one object each
     (*reaches)[c + 1] = 0.1;
   }
   uint64_t number = 0;
@@ -123,15 +123,15 @@ TEST(TickEncodings, OfAMultitudeThatSeemsSlowMostShare) {
     }
     const uint64_t encoded = record->summary().encoded - before;
     if (capped)
-      EXPECT_GT(encoded, 20u);  // those whose object has its turn in this tick are alike
+      EXPECT_GT(encoded, 20u);  // clients whose object is due in this tick share
     else
       EXPECT_EQ(encoded, 9u);
   }
 }
 
-// What sleeps is left out for nobody: where all does, those who have no room share too, once the straight
-// lines are forgotten.
-TEST(TickEncodings, IsEncodedOnceForThoseWhoLookDifferentWaysOnceAllSleeps) {
+// Sleeping objects are never omitted. If everything sleeps, congested clients share too, once the predictions
+// have decayed.
+TEST(TickEncodings, AllClientsShareWhenEverythingSleeps) {
   LookingApart narrow(false);
   for (int i = 0; i < 40; ++i) narrow.tick(false);
   for (int i = 0; i < 20; ++i) narrow.tick(true);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The window against links and clients of the test's own making, in a time of its own: a minute takes no
-// time.
+// The window against simulated links and clients, in simulated time.
 #include "session/frames/window_size.h"
 
 #include <gtest/gtest.h>
@@ -19,18 +18,16 @@ namespace {
 
 constexpr double kTick_ms = 1000.0 / 90;
 
-// A way to a client and back. A frame takes `service_ms` of something that takes one at a time, the link or
-// the client.
+// A path to a client and back. A frame takes `service_ms` of a serial resource, the link or the client.
 struct Way {
   double service_ms = 0, round_trip_ms = 0, jitter_ms = 0;
   double stall_every_ms = 0, stall_ms = 0;
-  std::optional<double> less_ms =
-      {};  // in place of service_ms, of a frame that is made smaller because it is slow
+  std::optional<double> less_ms = {};  // replaces service_ms for frames reduced because the client is slow
 };
 
 struct Trial {
-  std::vector<double> ages_ms, sent_ms;  // of each frame when the client has it; and when that was
-  std::vector<size_t> windows;           // with it
+  std::vector<double> ages_ms, sent_ms;  // age of each frame on arrival, and the arrival time
+  std::vector<size_t> windows;           // at each arrival
   std::vector<bool> slow;                // likewise
   double slow_share(double begin_ms, double end_ms) const {
     double all = 0, those = 0;
@@ -56,8 +53,8 @@ struct Trial {
   }
 };
 
-// Ninety ticks a second; the newest waits for the window, as in SendWindow. `fixed`: a window of so many in
-// place of WindowSize's.
+// Ninety ticks a second; the newest waits for the window, as in SendWindow. `fixed`: a constant window that
+// replaces WindowSize.
 Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed = 0) {
   WindowSize size;
   std::mt19937_64 random(1);
@@ -71,7 +68,7 @@ Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed
   bool waits = false;
   double next_tick_ms = 0, now_ms = 0;
   while (now_ms < 1e3 * seconds) {
-    // What comes next: a tick, or an answer.
+    // The next event: a tick or an acknowledgement.
     if (!under_way.empty() && under_way.front().heard_ms <= next_tick_ms) {
       const Under one = under_way.front();
       under_way.pop_front();
@@ -125,7 +122,7 @@ TEST(WindowSize, IsTwoOnALan) {
   EXPECT_TRUE(std::all_of(lan.windows.begin(), lan.windows.end(), [](size_t size) { return size == 2; }));
 }
 
-TEST(WindowSize, KeepsTheRateOverALongRoundTripWhereTwoLostHalfOfIt) {
+TEST(WindowSize, KeepsTheRateOverLongRoundTrips) {
   const Way far{.service_ms = 0.3, .round_trip_ms = 40};
   const Trial two = run(20, far, 2), adapted = run(20, far);
   EXPECT_NEAR(two.rate_hz(2e3, 20e3), 50, 1);
@@ -134,16 +131,17 @@ TEST(WindowSize, KeepsTheRateOverALongRoundTripWhereTwoLostHalfOfIt) {
   EXPECT_LE(adapted.age_ms(0.99, 2e3, 20e3), two.age_ms(0.99, 2e3, 20e3));
 }
 
-TEST(WindowSize, GrowsWithTheRoundTripAndNotBeyondFour) {
+TEST(WindowSize, GrowsWithTheRoundTripUpToFour) {
   for (const auto& [round_trip_ms, window] : {std::pair{5.0, 2u}, {15.0, 3u}, {25.0, 4u}, {200.0, 4u}}) {
     EXPECT_EQ(usual_window(run(20, {.service_ms = 0.3, .round_trip_ms = round_trip_ms})), window)
         << round_trip_ms;
   }
 }
 
-// 16 kB at 8 Mbit/s take 16 ms, which is more than a tick has. An answer takes 18 ms alone, 34 with one
-// before it, 66 with three: taken for the network's, these would open the window that makes them.
-TEST(WindowSize, LetsNoQueueStandInANarrowPipe) {
+// 16 kB at 8 Mbit/s take 16 ms, longer than a tick. An acknowledgement takes 18 ms alone, 34 ms behind one
+// frame and 66 ms behind three. Taken as network latency, these values would open the window that causes
+// them.
+TEST(WindowSize, AvoidsQueuesInANarrowLink) {
   const Way narrow{.service_ms = 16, .round_trip_ms = 2};
   const Trial adapted = run(60, narrow), two = run(60, narrow, 2), four = run(60, narrow, 4);
   std::printf("narrow: p99 %.1f then %.1f ms at %.1f a second; of two %.1f ms at %.1f; of four %.1f ms\n",
@@ -153,21 +151,21 @@ TEST(WindowSize, LetsNoQueueStandInANarrowPipe) {
   EXPECT_LE(adapted.age_ms(0.99, 1e3, 60e3), two.age_ms(0.99, 1e3, 60e3));
   EXPECT_LE(adapted.age_ms(0.99, 30e3, 60e3), 1.05 * adapted.age_ms(0.99, 1e3, 30e3));  // flat
   EXPECT_GT(four.age_ms(0.99, 1e3, 60e3),
-            60);  // what a window by the round trip alone comes to: over the bar
+            60);  // a window from the round trip alone exceeds the bar
   EXPECT_GT(adapted.rate_hz(1e3, 60e3), 0.8 * two.rate_hz(1e3, 60e3));
   EXPECT_EQ(usual_window(adapted), 1u);
 }
 
-// A pipe that is long and narrow is filled, and no more.
-TEST(WindowSize, FillsALongNarrowPipe) {
+// A long, narrow link is filled without a queue.
+TEST(WindowSize, FillsALongNarrowLink) {
   const Way way{.service_ms = 16, .round_trip_ms = 40};
   const Trial adapted = run(60, way), four = run(60, way, 4);
   EXPECT_GT(adapted.rate_hz(5e3, 60e3), 0.8 * four.rate_hz(5e3, 60e3));
   EXPECT_LE(adapted.age_ms(0.99, 5e3, 60e3), four.age_ms(0.99, 5e3, 60e3) + 1);
 }
 
-// The reference's figure is twice the client's frame time; nothing is lost by once.
-TEST(WindowSize, ASlowClientHasOneFrameToTakeAtATime) {
+// The reference is twice the client's frame time; once is enough to lose nothing.
+TEST(WindowSize, IsOneForASlowClient) {
   const Way slow{.service_ms = 200, .round_trip_ms = 1};
   const Trial adapted = run(120, slow), two = run(120, slow, 2);
   EXPECT_LT(adapted.age_ms(0.5, 20e3, 120e3), 0.6 * two.age_ms(0.5, 20e3, 120e3));
@@ -185,7 +183,7 @@ TEST(WindowSize, FollowsALinkThatNarrowsAndWidens) {
   EXPECT_EQ(changing.windows.back(), 2u);
 }
 
-TEST(WindowSize, IsNotSlowWhereNothingIsShort) {
+TEST(WindowSize, IsNotSlowWithoutCongestion) {
   for (const Way& way : {Way{.service_ms = 0.3, .round_trip_ms = 1}, Way{.service_ms = 6, .round_trip_ms = 2},
                          Way{.service_ms = 0.3, .round_trip_ms = 40},
                          Way{.service_ms = 0.3, .round_trip_ms = 2, .jitter_ms = 5}}) {
@@ -193,9 +191,9 @@ TEST(WindowSize, IsNotSlowWhereNothingIsShort) {
   }
 }
 
-// Whole frames do not fit, smaller ones do: it finds out within a second and keeps to it, but for tries that
-// become rarer. Once the link is wide again it finds that out too.
-TEST(WindowSize, IsSlowForAsLongAsWholeFramesDoNotFit) {
+// Whole frames do not fit, smaller ones do. This is detected within a second and kept, with retries at
+// growing intervals. A link that widens again is detected too.
+TEST(WindowSize, IsSlowWhileWholeFramesDoNotFit) {
   const Trial changing = run(400, [](double now_ms) {
     const bool narrow = now_ms < 200e3;
     return Way{.service_ms = narrow ? 16.0 : 0.3, .round_trip_ms = 2, .less_ms = narrow ? 6.0 : 0.3};
@@ -209,11 +207,11 @@ TEST(WindowSize, IsSlowForAsLongAsWholeFramesDoNotFit) {
   EXPECT_EQ(changing.slow_share(245e3, 400e3), 0);
 }
 
-TEST(WindowSize, IsSlowBehindALongNarrowPipe) {
+TEST(WindowSize, IsSlowBehindALongNarrowLink) {
   EXPECT_GT(run(60, {.service_ms = 16, .round_trip_ms = 40}).slow_share(5e3, 60e3), 0.95);
 }
 
-// A stall says nothing of the network as it is otherwise.
+// A stall is not network latency.
 TEST(WindowSize, IsNotOpenedByStalls) {
   const Trial stalled =
       run(60, {.service_ms = 0.3, .round_trip_ms = 2, .stall_every_ms = 2000, .stall_ms = 300});
@@ -226,9 +224,9 @@ TEST(WindowSize, KeepsTheRateUnderJitter) {
   EXPECT_GT(jittery.rate_hz(2e3, 60e3), 85);
 }
 
-// The round trip is at the edge of two sizes: noise of a tenth of a tick does not make the window go to and
-// fro.
-TEST(WindowSize, DoesNotGoToAndFro) {
+// The round trip is at the boundary of two sizes: noise of a tenth of a tick must not change the window
+// repeatedly.
+TEST(WindowSize, DoesNotOscillate) {
   const Trial edge = run(60, [](double now_ms) {
     return Way{.service_ms = 0.1,
                .round_trip_ms = kTick_ms * (1 + (std::fmod(now_ms, 2000) < 1000 ? 0.1 : -0.1))};

@@ -14,12 +14,11 @@
 #include "server/session/simulation/tick_log.h"
 #include "session/live/analysis_controller.h"
 
-// A scene that runs beside a model that the test makes up.
+// A running scene with a simulated model.
 
 namespace livegs {
 
-// A block and a sponge whose physics are left open, but for what is told of the block, and a box whose are
-// told.
+// A block and a sponge without physics, except what the scene states about the block, and a box with physics.
 inline Scene open_scene(const ScratchFolder& folder, const std::string& block_physics = "{}",
                         const std::string& block_m = "0.1", uint32_t first_object_id = 1) {
   std::string points = "x,y,z\n";
@@ -68,7 +67,7 @@ inline Result<std::string> weigh(const AnalysisQuestion& question, const ToolBox
       .dump();
 }
 
-// The block ten times as heavy as it can be thought to be.
+// A block ten times heavier than plausible.
 inline Result<std::string> weigh_too_much(const AnalysisQuestion& question, const ToolBox& tools, int turn) {
   auto answer = nlohmann::json::parse(*weigh(question, tools, turn));
   if (question.slots.at("name") == "wood block")
@@ -102,7 +101,7 @@ class AnalysisControllerTest : public ::testing::Test {
     analysis = std::make_unique<AnalysisController>(std::move(*analysed), std::move(made), *loop);
     loop->start();
   }
-  // Waits for a tick in which the object changed to what `enough` accepts.
+  // Waits for a tick in which the object changed to a state that `enough` accepts.
   bool changes_to(const std::string& name, const std::function<bool(const SceneObject&)>& enough) {
     return log.wait([&](const std::vector<TickResult>& ticks) {
       for (size_t i = skipped; i < ticks.size(); ++i) {
@@ -113,7 +112,7 @@ class AnalysisControllerTest : public ::testing::Test {
       return false;
     });
   }
-  // One object, asked about as a client does; what it was told last.
+  // Analyses one object as a client does; returns the last progress.
   v1::AnalysisProgress analyzed(const std::string& name) {
     std::mutex mutex;
     std::condition_variable changed;
@@ -147,7 +146,7 @@ class AnalysisControllerTest : public ::testing::Test {
   std::string block_physics = "{}";
   std::atomic<bool> block_asleep = false;
   std::atomic<int> awakenings = 0;
-  size_t skipped = 0;  // ticks of those that were started before
+  size_t skipped = 0;  // ticks of earlier loops
   std::map<std::string, uint32_t> ids;
   std::map<std::string, double> offline_kg;
   std::unique_ptr<SimulationLoop> loop;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers that land while a scene runs, and a model that does not answer.
+// Answers that arrive while a scene runs, and a model that does not answer.
 #include "core/log.h"
 #include "server/session/live/analysis_controller_fixture.h"
 #include "server/session/rpc/raw_client.h"
@@ -11,16 +11,17 @@ namespace {
 
 using v1::EstimatedValue;
 
-TEST_F(AnalysisControllerTest, WhatIsAcceptedLandsAtATickAsOneChange) {
+TEST_F(AnalysisControllerTest, AcceptedAnswerIsAppliedInOneTick) {
   start(weigh);
   analysis->begin();
   ASSERT_TRUE(changes_to("wood block", by_model));
   ASSERT_TRUE(changes_to("sponge", by_model));
   EXPECT_EQ(changes_of("wood block"), 1u);
-  EXPECT_EQ(changes_of("told"), 0u);  // its behaviour is told: nobody was asked
+  EXPECT_EQ(changes_of("told"), 0u);  // its behaviour is given: no question was sent
   for (const std::string& line : endpoint->asked()) {
     EXPECT_EQ(line.find("told <"), std::string::npos) << line;
-    EXPECT_NE(line.find(" told!1.000000"), std::string::npos) << line;  // the others are told of it
+    // the questions about the others contain it
+    EXPECT_NE(line.find(" told!1.000000"), std::string::npos) << line;
   }
   loop->stop();
   const SceneObject* block = loop->scene().find("wood block");
@@ -29,7 +30,7 @@ TEST_F(AnalysisControllerTest, WhatIsAcceptedLandsAtATickAsOneChange) {
   // Between the model's 450 g and the estimate.
   EXPECT_GE(block->mass_kg, std::min(0.45, offline_kg["wood block"]) - 1e-9);
   EXPECT_LE(block->mass_kg, std::max(0.45, offline_kg["wood block"]) + 1e-9);
-  // And stays beside its asset or the scene: the next start asks nothing.
+  // It is stored with the asset or the scene: the next start sends no question.
   for (const char* name : {"sponge.physics.json", "open.scene.physics.wood%20block.json"}) {
     const auto kept = read_physics_file(folder / name);
     ASSERT_TRUE(kept);
@@ -39,9 +40,8 @@ TEST_F(AnalysisControllerTest, WhatIsAcceptedLandsAtATickAsOneChange) {
   EXPECT_TRUE(by_model(*open_scene(folder).find("wood block")));
 }
 
-// What was decided while the scene was loaded anew holds from its first tick, and what its file says by then
-// counts.
-TEST_F(AnalysisControllerTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile) {
+// Decisions made during a reset apply from its first tick, and the file is read again.
+TEST_F(AnalysisControllerTest, ResetKeepsDecisionsAndReadsTheFile) {
   start(nullptr);
   v1::Physics edit;
   edit.set_mass_kg(0.7);
@@ -75,9 +75,8 @@ TEST_F(AnalysisControllerTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile
   EXPECT_TRUE(reply->warnings(0).starts_with("the edit of friction has no effect")) << reply->warnings(0);
 }
 
-// What a person said since the scene was loaded is what the next answer is asked for and weighed against
-// with.
-TEST_F(AnalysisControllerTest, AnEditCountsInTheNextAnalysis) {
+// Edits of the user are part of the next question and of its plausibility check.
+TEST_F(AnalysisControllerTest, EditsAreUsedInTheNextAnalysis) {
   std::mutex mutex;
   std::string told;
   start([&](const AnalysisQuestion& question, const ToolBox& tools, int turn) -> Result<std::string> {
@@ -91,12 +90,12 @@ TEST_F(AnalysisControllerTest, AnEditCountsInTheNextAnalysis) {
   EXPECT_FALSE(analysis->accept_proposal("wood block"));
   EXPECT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);  // ten times the estimate
   EXPECT_EQ(told, "");
-  // A person may take it all the same, and back.
+  // The user may accept it anyway, and undo that.
   const auto accepted = analysis->accept_proposal("wood block");
   ASSERT_TRUE(accepted) << accepted.error().message;
   EXPECT_EQ(accepted->parameters().mass_kg().source(), EstimatedValue::MODEL);
   EXPECT_GT(accepted->parameters().mass_kg().best(),
-            2);  // of the answer, 5 kg, and the estimate, a tenth of it, as the gate fuses them
+            2);  // fused from the answer, 5 kg, and the estimate, a tenth of it
   ASSERT_TRUE(changes_to("wood block", [](const SceneObject& one) { return one.mass_kg > 2; }));
   ASSERT_TRUE(analysis->undo_physics("wood block", false));
   v1::Physics edit;
@@ -109,19 +108,19 @@ TEST_F(AnalysisControllerTest, AnEditCountsInTheNextAnalysis) {
   EXPECT_EQ(told, "mass_kg 5");
 }
 
-TEST(BodyTypeLock, WhatNeedsAnotherBodyWaitsForTheNextLoad) {
+TEST(BodyTypeLock, DefersChangesOfBodyTypeToTheNextLoad) {
   v1::PhysicalParameters physics;
   physics.set_behavior(v1::Physics::RIGID);
   physics.set_fragile(true);
   EXPECT_TRUE(lock_body_type({v1::Physics::RIGID, true}, physics).empty());
   const auto uncut = lock_body_type({v1::Physics::RIGID, false}, physics);
   ASSERT_EQ(uncut.size(), 1u);
-  EXPECT_EQ(uncut[0], "fragile: it cannot break until the scene is loaded anew");
+  EXPECT_EQ(uncut[0], "fragile: no effect until the scene is reloaded");
   EXPECT_EQ(lock_body_type({v1::Physics::ELASTIC, false}, physics).size(), 2u);
   EXPECT_EQ(physics.behavior(), v1::Physics::ELASTIC);
 }
 
-TEST_F(AnalysisControllerTest, WhatCannotChangeWhileItRunsIsTold) {
+TEST_F(AnalysisControllerTest, ReportsEditsThatNeedAReload) {
   start(nullptr);
   v1::Physics edit;
   edit.set_behavior(v1::Physics::ELASTIC);
@@ -129,20 +128,19 @@ TEST_F(AnalysisControllerTest, WhatCannotChangeWhileItRunsIsTold) {
   const auto reply = analysis->set_physics("wood block", edit);
   ASSERT_TRUE(reply) << reply.error().message;
   ASSERT_EQ(reply->warnings_size(), 1);
-  EXPECT_EQ(reply->warnings(0),
-            "behavior: it stays RIGID until the scene is loaded anew, then it is ELASTIC");
+  EXPECT_EQ(reply->warnings(0), "behavior: stays RIGID until the scene is reloaded, then changes to ELASTIC");
   EXPECT_EQ(reply->parameters().behavior(), v1::Physics::RIGID);
   ASSERT_TRUE(changes_to("wood block", [](const SceneObject& one) {
     return one.physics.friction().best() == 0.77 && one.physics.behavior() == v1::Physics::RIGID &&
-           one.physics.behavior_reason().find("loaded anew") != std::string::npos;
+           one.physics.behavior_reason().find("reloaded") != std::string::npos;
   }));
 }
 
-TEST_F(AnalysisControllerTest, AHangDelaysNeitherTheTicksNorTheEnd) {
+TEST_F(AnalysisControllerTest, HangingModelDelaysNeitherTicksNorShutdown) {
   start(weigh, std::chrono::minutes(10));
   analysis->begin();
   ASSERT_TRUE(log.wait([&](const auto& ticks) { return ticks.size() > 20; }));
-  analysis.reset();  // within milliseconds: else this test runs into its time limit
+  analysis.reset();  // within milliseconds; otherwise the test times out
   EXPECT_EQ(changes_of("wood block"), 0u);
 }
 
@@ -173,7 +171,7 @@ TEST_F(AnalysisControllerTest, ClientsFollowAnalysesAndEdit) {
     std::vector<v1::AnalysisProgress> all;
     for (v1::AnalysisProgress progress; stream->Read(&progress);) all.push_back(progress);
     EXPECT_TRUE(stream->Finish().ok());
-    ASSERT_EQ(all.size(), 6u);  // offline, asked, finished of two
+    ASSERT_EQ(all.size(), 6u);  // offline, asked and finished for two objects
     EXPECT_EQ(all[0].stage(), v1::AnalysisProgress::OFFLINE);
     EXPECT_EQ(all[1].stage(), v1::AnalysisProgress::OFFLINE);
     EXPECT_EQ(all[5].stage(), v1::AnalysisProgress::FINISHED);
@@ -212,8 +210,8 @@ TEST_F(AnalysisControllerTest, ClientsFollowAnalysesAndEdit) {
   server->shut_down("done");
 }
 
-// A client that cancels costs no more tokens, and the next in line does not wait for its answers.
-TEST_F(AnalysisControllerTest, ACancelledCallStopsAskingAndLetsTheNextOneIn) {
+// A cancelled request uses no further tokens and does not delay the next one.
+TEST_F(AnalysisControllerTest, CancelledCallStopsAndFreesTheQueue) {
   auto listening = GrpcServer::listen("127.0.0.1:0");
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);
@@ -246,7 +244,7 @@ TEST_F(AnalysisControllerTest, ACancelledCallStopsAskingAndLetsTheNextOneIn) {
   server->shut_down("done");
 }
 
-TEST_F(AnalysisControllerTest, AServerShutsDownWhileAModelHangs) {
+TEST_F(AnalysisControllerTest, ServerShutsDownWhileAModelHangs) {
   auto listening = GrpcServer::listen("127.0.0.1:0");
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What waits for a person while a scene runs, and what a person says.
+// Decisions of the user on proposals while a scene runs.
 #include "core/log.h"
 #include "server/session/live/analysis_controller_fixture.h"
 #include "server/session/rpc/raw_client.h"
@@ -10,9 +10,8 @@ namespace {
 
 using v1::EstimatedValue;
 
-// The next start takes it that whoever undid an answer does not want it back; another question is another
-// matter.
-TEST_F(AnalysisControllerTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) {
+// An undone answer is not requested again at the next start. Another question is.
+TEST_F(AnalysisControllerTest, UndoneAnswerIsNotRequestedAgain) {
   start(weigh);
   analysis->begin();
   ASSERT_TRUE(changes_to("wood block", by_model));
@@ -20,7 +19,7 @@ TEST_F(AnalysisControllerTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) 
   ASSERT_TRUE(analysis->undo_physics("wood block", false));
   v1::Physics edit;
   edit.set_friction(0.5);
-  ASSERT_TRUE(analysis->set_physics("wood block", edit));  // what comes after it makes no difference
+  ASSERT_TRUE(analysis->set_physics("wood block", edit));  // a later edit makes no difference
   analysis.reset();
   loop->stop();
 
@@ -29,14 +28,14 @@ TEST_F(AnalysisControllerTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) 
   testing::internal::CaptureStderr();
   analysis->begin();
   const std::string told = testing::internal::GetCapturedStderr();
-  EXPECT_NE(told.find("wood block: its answer was taken back or declined"), std::string::npos) << told;
-  EXPECT_EQ(told.find("is asked about"), std::string::npos) << told;
-  EXPECT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::ACCEPTED);  // a person asks
+  EXPECT_NE(told.find("wood block: skipped: its answer was undone or declined"), std::string::npos) << told;
+  EXPECT_EQ(told.find("analysis: asking"), std::string::npos) << told;
+  EXPECT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::ACCEPTED);  // requested by the user
   EXPECT_EQ(endpoint->asked().size(), 1u);
   analysis.reset();
   loop->stop();
 
-  // An edit that is undone is no answer, and who deletes the sidecar forgets all.
+  // An undone edit is not an undone answer. Deleting the sidecar deletes all decisions.
   ASSERT_TRUE(undo_physics(folder / "open.scene.physics.wood%20block.json"));
   std::filesystem::remove(folder / "open.scene.physics.wood%20block.json");
   v1::Physics heavy;
@@ -51,9 +50,8 @@ TEST_F(AnalysisControllerTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) 
   ASSERT_TRUE(changes_to("sponge", by_model));
 }
 
-// What the server's own start found and does not take upon itself reaches the log, and changes nothing of the
-// scene.
-TEST_F(AnalysisControllerTest, AProposalOfTheStartIsToldAndWaits) {
+// A proposal from the analysis at start is logged and does not change the scene.
+TEST_F(AnalysisControllerTest, ProposalAtStartIsLoggedAndWaits) {
   const auto touched = [&] {
     for (const TickResult& tick : log.ticks()) {
       for (const SceneObject& one : tick.changed) {
@@ -68,7 +66,7 @@ TEST_F(AnalysisControllerTest, AProposalOfTheStartIsToldAndWaits) {
   analysis->begin();
   EXPECT_TRUE(changes_to("sponge", by_model));
   EXPECT_EQ(analyzed("sponge").verdict(),
-            v1::AnalysisProgress::ACCEPTED);  // the start's lines are written by then
+            v1::AnalysisProgress::ACCEPTED);  // the log lines of the start are written by now
   analysis.reset();
   loop->stop();
   EXPECT_FALSE(touched());
@@ -76,17 +74,18 @@ TEST_F(AnalysisControllerTest, AProposalOfTheStartIsToldAndWaits) {
   EXPECT_NE(told.find("analysis: wood block: needs review: mass_g.best: 5000 g is more than 8 times away"),
             std::string::npos)
       << told;
-  EXPECT_NE(told.find("kept as a proposal: Accept in the window or livegs analyze --accept takes it; "
-                      "Decline, --decline or an edit"),
-            std::string::npos);
+  EXPECT_NE(
+      told.find(
+          "kept as a proposal; accept it in the window or with livegs analyze --accept; decline it there"),
+      std::string::npos);
   EXPECT_NE(told.find("analysis: sponge: accepted"), std::string::npos) << told;
 
-  // The next start asks nobody about it and says that it is there.
+  // The next start sends no question and logs that the proposal exists.
   testing::internal::CaptureStderr();
   start(weigh_too_much);
   analysis->begin();
   told = testing::internal::GetCapturedStderr();
-  EXPECT_NE(told.find("wood block: a proposal waits from before"), std::string::npos) << told;
+  EXPECT_NE(told.find("wood block: a proposal from an earlier run waits"), std::string::npos) << told;
   EXPECT_TRUE(endpoint->asked().empty());
   std::vector<std::string> offered;
   analysis->watch_proposals([&](const std::string& object, const v1::PhysicsFile* proposal) {
@@ -98,8 +97,8 @@ TEST_F(AnalysisControllerTest, AProposalOfTheStartIsToldAndWaits) {
   EXPECT_TRUE(changes_to("wood block", [](const SceneObject& one) { return one.mass_kg > 2; }));
 }
 
-// A thing that sleeps and slides without friction does so while an answer waits for a person.
-TEST_F(AnalysisControllerTest, AProposalThatWaitsLeavesTheSceneUntouched) {
+// A sleeping, frictionless object stays so while a proposal waits.
+TEST_F(AnalysisControllerTest, WaitingProposalLeavesTheSceneUnchanged) {
   block_physics = R"({ "friction": 0 })";
   start(weigh_too_much);
   ASSERT_TRUE(log.wait([&](const auto&) { return block_asleep.load(); }));
@@ -118,8 +117,8 @@ TEST_F(AnalysisControllerTest, AProposalThatWaitsLeavesTheSceneUntouched) {
   EXPECT_EQ(block->mass_kg, offline_kg["wood block"]);
 }
 
-// It ends for good: neither this server nor the next one asks again by itself.
-TEST_F(AnalysisControllerTest, WhatWasDeclinedOrEditedWaitsNoLonger) {
+// The decision is final: neither this server nor the next one sends the question again.
+TEST_F(AnalysisControllerTest, DeclineOrEditEndsAProposal) {
   for (const bool by_edit : {false, true}) {
     start(weigh_too_much);
     ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
@@ -153,7 +152,7 @@ TEST_F(AnalysisControllerTest, WhatWasDeclinedOrEditedWaitsNoLonger) {
   }
 }
 
-TEST_F(AnalysisControllerTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
+TEST_F(AnalysisControllerTest, EditsAreLockedAndCanBeUndone) {
   start(weigh);
   for (const char* name : {"wood block", "sponge"}) {
     v1::Physics edit;
@@ -165,10 +164,10 @@ TEST_F(AnalysisControllerTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
 
     const v1::AnalysisProgress last = analyzed(name);
     EXPECT_EQ(last.verdict(), v1::AnalysisProgress::ACCEPTED) << last.message();
-    EXPECT_EQ(last.parameters().mass_kg().best(), 0.7);  // locked
+    EXPECT_EQ(last.parameters().mass_kg().best(), 0.7);  // locked by the edit
     EXPECT_EQ(last.parameters().friction().source(), EstimatedValue::MODEL);
 
-    ASSERT_TRUE(analysis->undo_physics(name, false));  // the analysis
+    ASSERT_TRUE(analysis->undo_physics(name, false));  // undoes the analysis
     const auto undone = analysis->undo_physics(name, false);
     ASSERT_TRUE(undone);
     EXPECT_EQ(undone->parameters().mass_kg().source(), EstimatedValue::OFFLINE);
@@ -180,15 +179,16 @@ TEST_F(AnalysisControllerTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
   }
 }
 
-// A shape of a scene that has no file.
-TEST(PhysicsOverrides, WhatHasNoFileIsToldOnceToHoldUntilTheEnd) {
+// A shape of a scene without a file.
+TEST(PhysicsOverrides, NotesOnceThatValuesAreNotStored) {
   PhysicsOverrides decided("");
   std::string note;
   v1::Physics edit;
   edit.set_mass_kg(0.7);
   ASSERT_TRUE(decided.edit(edit, "", note));
   EXPECT_EQ(note,
-            "there is no file to keep it in: it holds until the server ends; write it into the scene file");
+            "the object has no file for its values: they are kept until the server ends; add them to the "
+            "scene file");
   note.clear();
   edit.set_mass_kg(0.8);
   ASSERT_TRUE(decided.edit(edit, "", note));
@@ -201,8 +201,8 @@ TEST(PhysicsOverrides, WhatHasNoFileIsToldOnceToHoldUntilTheEnd) {
   EXPECT_EQ(decided.present()->edits().mass_kg(), 0.7);
 }
 
-// What a person calls it counts as its name from then on, also in the next question.
-TEST_F(AnalysisControllerTest, ANameChangesWhatItIsTakenFor) {
+// A name set by the user applies from then on, also to the next question.
+TEST_F(AnalysisControllerTest, NameChangesTheEstimate) {
   start(nullptr);
   const auto renamed = analysis->set_physics("sponge", {}, "steel bolt");
   ASSERT_TRUE(renamed) << renamed.error().message;
@@ -226,7 +226,7 @@ TEST_F(AnalysisControllerTest, BadEditsNameTheField) {
             std::string::npos);
 }
 
-TEST_F(AnalysisControllerTest, AnEditOfWhatTheSceneWritesIsAnsweredSo) {
+TEST_F(AnalysisControllerTest, ReportsEditsOverriddenByTheScene) {
   start(nullptr);
   v1::Physics edit;
   edit.set_mass_kg(3.0);
@@ -234,13 +234,13 @@ TEST_F(AnalysisControllerTest, AnEditOfWhatTheSceneWritesIsAnsweredSo) {
   ASSERT_TRUE(reply) << reply.error().message;
   ASSERT_EQ(reply->warnings_size(), 1);
   EXPECT_EQ(reply->warnings(0),
-            "the edit of mass_kg has no effect, because the scene file writes it; take it out of there to "
-            "edit it here");
+            "the edit of mass_kg has no effect, because the scene file sets it; remove it there to edit it "
+            "here");
 }
 
-// Whoever is there and whoever joins later is offered what waits, whoever asked for it and before which
-// start.
-TEST_F(AnalysisControllerTest, AProposalIsOfferedToEveryClient) {
+// Waiting proposals are offered to all clients, present and future, regardless of who requested them and in
+// which run.
+TEST_F(AnalysisControllerTest, ProposalIsOfferedToEveryClient) {
   start(weigh_too_much);
   ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
   analysis.reset();
@@ -249,7 +249,7 @@ TEST_F(AnalysisControllerTest, AProposalIsOfferedToEveryClient) {
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);
   start(weigh_too_much);
-  loop->stop();  // no tick is needed for it
+  loop->stop();  // no tick is needed
   server->open(loop->scene(), *loop);
   server->open_analysis(*analysis);
   const auto joined = [&](RawClient& client) {
@@ -262,7 +262,7 @@ TEST_F(AnalysisControllerTest, AProposalIsOfferedToEveryClient) {
     return block;
   };
   RawClient watching(server->port()), late(server->port());
-  // Why it waits is among what a person should know of it.
+  // The reason is listed in the warnings of the object.
   const auto reasons = [](const v1::ObjectDescription& object) {
     return std::count_if(object.warnings().begin(), object.warnings().end(), [](const std::string& one) {
       return one.starts_with("needs review: mass_g.best: 5000 g is more than 8 times away");
@@ -270,7 +270,7 @@ TEST_F(AnalysisControllerTest, AProposalIsOfferedToEveryClient) {
   };
   v1::ObjectDescription block = joined(watching);
   EXPECT_GT(block.proposal().mass_kg().best(), 2);
-  EXPECT_EQ(reasons(block), 1);  // as its log has it
+  EXPECT_EQ(reasons(block), 1);  // from the sidecar's log
   watching.open();
   const auto told = [&] { return watching.read().events(0).object_changed(); };
   const auto accept = [&](bool decline) {
@@ -293,8 +293,8 @@ TEST_F(AnalysisControllerTest, AProposalIsOfferedToEveryClient) {
   ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
   block = told();
   EXPECT_GT(block.proposal().mass_kg().best(), 2);
-  EXPECT_EQ(reasons(block), 1);                    // as it was just told
-  EXPECT_LT(block.physics().mass_kg().best(), 2);  // it has what it had
+  EXPECT_EQ(reasons(block), 1);                    // from the latest answer
+  EXPECT_LT(block.physics().mass_kg().best(), 2);  // unchanged
   EXPECT_EQ(reasons(joined(late)), 1);
   EXPECT_EQ(accept(false), grpc::StatusCode::OK);
   block = told();

@@ -15,7 +15,7 @@ namespace {
 
 using Ticks = std::vector<TickResult>;
 
-constexpr uint32_t kBox = 2;  // after the floor that is drawn
+constexpr uint32_t kBox = 2;  // the rendered floor is object 1
 
 // A box that falls from five metres.
 Scene falling_scene(uint32_t first_object_id = 1) {
@@ -61,7 +61,7 @@ class RunControllerTest : public ::testing::Test {
   RunController run_{loop_, [](uint32_t first_id) -> Result<Scene> { return falling_scene(first_id); }};
 };
 
-TEST_F(RunControllerTest, HaltedItTicksAndNothingMoves) {
+TEST_F(RunControllerTest, PausedSceneTicksWithoutMotion) {
   loop_.start();
   wait_ticks(3);
   ASSERT_TRUE(run_.control(pause(true)));
@@ -80,7 +80,7 @@ TEST_F(RunControllerTest, HaltedItTicksAndNothingMoves) {
   EXPECT_LT(middle_of(log_.ticks().back().drivers, kBox).y(), middle_of(halted.back().drivers, kBox).y());
 }
 
-TEST_F(RunControllerTest, StepsTakeSoManyTicks) {
+TEST_F(RunControllerTest, StepsAdvanceByTheirTicks) {
   ASSERT_TRUE(run_.control(pause(true)));
   loop_.start();
   wait_ticks(3);
@@ -91,11 +91,11 @@ TEST_F(RunControllerTest, StepsTakeSoManyTicks) {
   wait_ticks(5);
   loop_.stop();
   EXPECT_NEAR(static_cast<double>(log_.ticks().back().drivers.simulated_ns), 7e9 / 90,
-              10);  // whole nanoseconds
+              10);  // rounded to nanoseconds
   EXPECT_TRUE(log_.ticks().back().run.paused);
 }
 
-TEST_F(RunControllerTest, AResetIsTheSceneAsItWasLoaded) {
+TEST_F(RunControllerTest, ResetRestoresTheLoadedScene) {
   loop_.start();
   ASSERT_TRUE(log_.wait(
       [](const Ticks& ticks) { return !ticks.empty() && middle_of(ticks.back().drivers, kBox).y() < 4.9; }));
@@ -106,14 +106,14 @@ TEST_F(RunControllerTest, AResetIsTheSceneAsItWasLoaded) {
   const Ticks ticks = log_.ticks();
   const auto anew =
       std::find_if(ticks.begin(), ticks.end(), [](const TickResult& tick) { return tick.run.resets == 1; });
-  // Everything goes and comes in one tick, under ids that were never used.
+  // All objects are replaced in one tick, with unused ids.
   ASSERT_EQ(anew->added.size(), 2u);
   EXPECT_EQ(anew->added[1].name, "box");
   EXPECT_EQ(anew->removed, (std::vector<uint32_t>{1, kBox}));
   const uint32_t id = anew->added[1].id;
   EXPECT_GT(id, 1u << 19);
   EXPECT_EQ(anew->drivers.objects.size(), 2u);
-  // It has fallen for one tick, g / rate² at most.
+  // It has fallen for at most one tick, g / rate².
   EXPECT_NEAR(middle_of(anew->drivers, id).y(), 5, 9.81 / 8100);
   EXPECT_NEAR(anew->run.simulated_s, 1.0 / 90, 1e-8);
   for (auto tick = ticks.begin() + 1; tick != ticks.end(); ++tick) {
@@ -122,7 +122,7 @@ TEST_F(RunControllerTest, AResetIsTheSceneAsItWasLoaded) {
   }
 }
 
-TEST_F(RunControllerTest, AResetThatFailsSaysWhyAndTheSceneGoesOn) {
+TEST_F(RunControllerTest, FailedResetReportsWhyAndTheSceneContinues) {
   RunController broken(loop_, [](uint32_t) -> Result<Scene> {
     return not_found("/srv/my scenes/cup.ply: is not there any more");
   });
@@ -136,9 +136,9 @@ TEST_F(RunControllerTest, AResetThatFailsSaysWhyAndTheSceneGoesOn) {
   EXPECT_EQ(log_.ticks().back().run.resets, 0u);
 }
 
-// Memory that is short while a scene is loaded, or while its assets are encoded, ends neither the server nor
-// the scene.
-TEST_F(RunControllerTest, AResetForWhichMemoryIsShortSaysSoAndTheSceneGoesOn) {
+// Running out of memory while a scene is loaded or its assets are encoded ends neither the server nor the
+// scene.
+TEST_F(RunControllerTest, ResetWithoutMemoryFailsAndTheSceneContinues) {
   loop_.start();
   const auto expect_told = [&](RunController& run) {
     ASSERT_TRUE(run.control(reset()));
@@ -160,7 +160,7 @@ TEST_F(RunControllerTest, AResetForWhichMemoryIsShortSaysSoAndTheSceneGoesOn) {
   EXPECT_EQ(log_.ticks().back().run.resets, 0u);
 }
 
-TEST_F(RunControllerTest, RefusesWhatMakesNoSense) {
+TEST_F(RunControllerTest, RefusesInvalidRequests) {
   EXPECT_EQ(run_.control({}).error().code, ErrorCode::InvalidArgument);
   EXPECT_EQ(run_.control(step(0)).error().code, ErrorCode::InvalidArgument);
   EXPECT_EQ(run_.control(step(1001)).error().code, ErrorCode::InvalidArgument);
@@ -175,8 +175,8 @@ v1::Event::Force force_on(const std::string& object, const Eigen::Vector3d& forc
   return force;
 }
 
-// 6 N for half a second on 2 kg: 1.5 m/s, and no more afterwards.
-TEST_F(RunControllerTest, AForceActsForItsTime) {
+// 6 N for half a second on 2 kg: 1.5 m/s, then constant.
+TEST_F(RunControllerTest, ForceActsForItsDuration) {
   ASSERT_TRUE(run_.control(pause(true)));
   loop_.start();
   ASSERT_TRUE(run_.apply_force(force_on("box", {6, 0, 0}, 0.5)));
@@ -188,10 +188,10 @@ TEST_F(RunControllerTest, AForceActsForItsTime) {
   const std::vector<BodyState> bodies = loop_.scene().world().bodies();
   const BodyState box = *std::find_if(bodies.begin(), bodies.end(),
                                       [](const BodyState& body) { return body.object_id == kBox; });
-  EXPECT_NEAR(box.velocity_m_s.x(), 1.5, 1e-6);  // F t / m, in whole ticks: 45
+  EXPECT_NEAR(box.velocity_m_s.x(), 1.5, 1e-6);  // F t / m, over 45 whole ticks
 }
 
-TEST_F(RunControllerTest, AForceThatCannotBeIsRefusedByItsField) {
+TEST_F(RunControllerTest, RefusesInvalidForcesByField) {
   const auto why = [&](const v1::Event::Force& force) { return run_.apply_force(force).error().message; };
   v1::Event::Force two = force_on("box", {1, 0, 0}, 1);
   two.mutable_force_n()->RemoveLast();

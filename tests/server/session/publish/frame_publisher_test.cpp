@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What clients are told while an asset takes its time to be encoded: here, until the test says so.
+// Frames and events while the encoding of an asset is pending; the test decides when it finishes.
 #include "session/publish/frame_publisher.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 namespace livegs {
 namespace {
 
-// A client that reads whatever there is as soon as it is woken.
+// A client that reads everything as soon as it is woken.
 class Reader final : public SessionWriter {
  public:
   void attach(std::shared_ptr<ClientSession> session) { session_ = std::move(session); }
@@ -40,7 +40,7 @@ class Reader final : public SessionWriter {
 
   struct Read {
     std::shared_ptr<const TickEncodings> tick;
-    std::vector<v1::SessionEvent> events;  // since the last look
+    std::vector<v1::SessionEvent> events;  // since the last read
   };
   Read wait(uint64_t tick) {
     std::unique_lock lock(mutex_);
@@ -78,14 +78,14 @@ class SlowAssetTest : public ::testing::Test {
     return *std::find_if(scene_.objects().begin(), scene_.objects().end(),
                          [&](const SceneObject& one) { return one.name == name; });
   }
-  // The box in two, with kernels that nobody has encoded.
+  // The box in two fragments, with kernels that are not encoded yet.
   SceneObject broken_box() const {
     SceneObject box = object("box");
     box.asset = slow_;
     box.rest.revision = 1;
     return box;
   }
-  // The objects move 1 cm a tick, so that it shows which tick's they are.
+  // The objects move 1 cm a tick, so that positions identify the tick.
   TickResult tick(std::vector<SceneObject> changed = {}) {
     TickResult stepped;
     stepped.drivers = scene_.world().drivers();
@@ -106,7 +106,7 @@ class SlowAssetTest : public ::testing::Test {
     publisher_.publish(std::move(stepped));
     return reader_->wait(number);
   }
-  // Ticks until something is told.
+  // Publishes ticks until an event arrives.
   Reader::Read publish_until_told() {
     Reader::Read read;
     for (const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count();
@@ -150,7 +150,7 @@ class SlowAssetTest : public ::testing::Test {
   FramePublisher publisher_{table_, assets_};
 };
 
-TEST_F(SlowAssetTest, WhatBreaksStandsStillUntilItsPiecesAreEncodedAndEverythingElseMovesOn) {
+TEST_F(SlowAssetTest, FracturedObjectFreezesUntilEncoded) {
   const uint32_t box = object("box").id;
   publish(tick());
   revision_ = 1;
@@ -159,7 +159,7 @@ TEST_F(SlowAssetTest, WhatBreaksStandsStillUntilItsPiecesAreEncodedAndEverything
     const Reader::Read read = publish(tick());
     EXPECT_TRUE(read.events.empty());
     ASSERT_TRUE(read.tick);
-    ASSERT_EQ(read.tick->tick(), number_) << "frames wait for what is encoded";
+    ASSERT_EQ(read.tick->tick(), number_) << "frames wait for the encoding";
     const ObjectDrivers* held = find(read, box);
     ASSERT_TRUE(held);
     EXPECT_EQ(held->revision, 0u);
@@ -172,7 +172,7 @@ TEST_F(SlowAssetTest, WhatBreaksStandsStillUntilItsPiecesAreEncodedAndEverything
                       one.positions_m.at(0).y() + static_cast<float>(height(number_)));
     }
   }
-  // Who joins meanwhile is told what frames show.
+  // A client that joins now gets the state that frames show.
   const auto late = table_.join();
   ASSERT_TRUE(late);
   const auto described = std::find_if(late->objects.begin(), late->objects.end(),
@@ -190,8 +190,8 @@ TEST_F(SlowAssetTest, WhatBreaksStandsStillUntilItsPiecesAreEncodedAndEverything
   EXPECT_EQ(slow_encodings_, 1);
 }
 
-// What its physics are set to while it waits comes with it.
-TEST_F(SlowAssetTest, WhatChangesWhileItWaitsIsToldAsItIsThen) {
+// A change of physics during the wait is part of the later announcement.
+TEST_F(SlowAssetTest, AnnouncesTheStateAfterTheWait) {
   publish(tick());
   revision_ = 1;
   publish(tick({broken_box()}));
@@ -205,7 +205,7 @@ TEST_F(SlowAssetTest, WhatChangesWhileItWaitsIsToldAsItIsThen) {
   EXPECT_EQ(slow_encodings_, 1);
 }
 
-TEST_F(SlowAssetTest, WhatCameIsInNoFrameBeforeItIsToldOfAndNeverIfItWentAgain) {
+TEST_F(SlowAssetTest, NewObjectsAreHiddenUntilAnnounced) {
   publish(tick());
   constexpr uint32_t kStays = 70, kGoes = 71;
   const auto with_both = [&](bool goes_too) {
@@ -242,8 +242,8 @@ TEST_F(SlowAssetTest, WhatCameIsInNoFrameBeforeItIsToldOfAndNeverIfItWentAgain) 
   EXPECT_EQ(read.events[0].object_added().object_id(), kStays);
 }
 
-// A cut is told of once what it leads to is encoded, what else becomes of the object meanwhile at once.
-TEST_F(SlowAssetTest, ACutIsToldOfWhenWhatItBreaksIntoIsEncoded) {
+// A cut is announced when the fragments are encoded; other changes of the object are announced at once.
+TEST_F(SlowAssetTest, CutIsAnnouncedWhenItsFragmentsAreEncoded) {
   publish(tick());
   SceneObject cut = object("box");
   auto broken = std::make_shared<BrokenAsset>();

@@ -25,7 +25,7 @@
 namespace livegs {
 namespace {
 
-// The ticks of a run, recorded one after the other.
+// Runs ticks and records them one by one.
 class RecordedRun {
  public:
   explicit RecordedRun(Scene scene) : run(std::move(scene)) {}
@@ -51,7 +51,7 @@ class RecordedRun {
   SessionRecorder recorder{assets};
 };
 
-// A right hand before the box or the cube that rises a millimetre a tick with its trigger pressed, and
+// A right hand in front of the box or the cube. It rises a millimetre a tick with its trigger pressed, and
 // shoots.
 InputSample hand_at(uint64_t tick, double x) {
   return hand_sample(tick, {x, 0.1 + 0.001 * static_cast<double>(tick % 128), 1.0}, tick > 5 ? 1.0f : 0.0f,
@@ -68,7 +68,7 @@ v1::SceneChange force_on(const std::string& object) {
   return change;
 }
 
-// Everything that can be done to a scene, for four seconds.
+// Every kind of action on a scene, for four seconds.
 void play(RecordedRun& recorded, uint64_t ticks = 360) {
   for (uint64_t tick = 1; tick <= ticks; ++tick) {
     TickActions actions;
@@ -101,7 +101,7 @@ void expect_equal(const std::filesystem::path& path, uint64_t ticks) {
   }
 }
 
-TEST(SessionRecorder, WhatIsDoneAgainIsEqualToTheBit) {
+TEST(SessionRecorder, RepeatedRunIsIdentical) {
   const ScratchFolder folder;
   RecordedRun recorded(box_scene());
   recorded.start(folder / "a.lvgrec");
@@ -114,11 +114,11 @@ TEST(SessionRecorder, WhatIsDoneAgainIsEqualToTheBit) {
   EXPECT_EQ(recording->totals().resets(), 1u);
   EXPECT_EQ(recording->totals().changes(), 2u);
   EXPECT_EQ(recording->totals().inputs(), 360u + 179u);
-  EXPECT_GT(recording->totals().objects_added(), 4u);  // balls too
+  EXPECT_GT(recording->totals().objects_added(), 4u);  // including balls
   expect_equal(folder / "a.lvgrec", 360);
 }
 
-TEST(SessionRecorder, InputsAloneGiveTheSameRun) {
+TEST(SessionRecorder, InputsAloneReproduceTheRun) {
   const ScratchFolder folder;
   RecordedRun recorded(box_scene());
   recorded.start(folder / "a.lvgrec", {true, false});
@@ -127,13 +127,13 @@ TEST(SessionRecorder, InputsAloneGiveTheSameRun) {
   expect_equal(folder / "a.lvgrec", 360);
 }
 
-// A bug report is one file: what the scene was built from, in the folder beside it and elsewhere, is in the
-// recording. What was there is gone when it is simulated again.
-TEST(SessionRecorder, AFileWithAssetsNeedsNoOther) {
+// The recording embeds all files of the scene, from its folder and from elsewhere. The originals are deleted
+// before the run is repeated.
+TEST(SessionRecorder, FileWithAssetsIsSelfContained) {
   const ScratchFolder folder;
   GaussianAsset ball = synthetic_asset(3000, 0, 5);
   for (size_t i = 0; i < ball.size(); ++i) {
-    ball.positions[i] = ball.rotations[i].vec();  // within a ball
+    ball.positions[i] = ball.rotations[i].vec();  // inside a ball
     ball.log_scales[i].setConstant(-3);
     ball.opacity_logits[i] = 4;
   }
@@ -180,7 +180,7 @@ TEST(SessionRecorder, AFileWithAssetsNeedsNoOther) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::NotFound) << refused.error().message;
 
-  // What a scene calls a file leads nowhere but into the folder that goes with it.
+  // File names of a scene resolve only into the temporary folder.
   auto with = RecordingReader::open(folder / "with.lvgrec");
   ASSERT_TRUE(with);
   std::filesystem::path unpacked_at;
@@ -198,8 +198,8 @@ TEST(SessionRecorder, AFileWithAssetsNeedsNoOther) {
   EXPECT_FALSE(std::filesystem::exists(unpacked_at));
 }
 
-// An asset that is a folder, and one that is gone when the recording begins.
-TEST(RecordedFiles, AreAllThatAFolderHas) {
+// An asset that is a folder, and one that is missing when the recording starts.
+TEST(RecordedFiles, ContainEveryFileOfAFolder) {
   const ScratchFolder folder;
   folder.write("thing/meta.json", "{}");
   folder.write("thing/a.webp", "a");
@@ -227,7 +227,7 @@ TEST(RecordedFiles, AreAllThatAFolderHas) {
   EXPECT_EQ(placed.file().objects(1).asset(), "gone.ply");
 }
 
-TEST(SessionRecorder, BreaksAreEqualToTheBit) {
+TEST(SessionRecorder, FracturesAreIdentical) {
   const ScratchFolder folder;
   RecordedRun recorded(breaking_scene());
   recorded.start(folder / "a.lvgrec");
@@ -239,8 +239,8 @@ TEST(SessionRecorder, BreaksAreEqualToTheBit) {
   expect_equal(folder / "a.lvgrec", 150);
 }
 
-// Pieces that are made while ticks go on are taken at the tick at which they were done then.
-TEST(SessionRecorder, PiecesThatComeLateComeAtTheirTick) {
+// Fragments computed during ticks are taken at the same tick as in the recorded run.
+TEST(SessionRecorder, LateFragmentsArriveAtTheirTick) {
   const ScratchFolder folder;
   v1::Scene file = breaking_scene().file();
   file.mutable_events(0)->set_time_s(3.0);
@@ -252,7 +252,7 @@ TEST(SessionRecorder, PiecesThatComeLateComeAtTheirTick) {
   recorded.start(folder / "a.lvgrec");
   uint64_t cut_at = 0;
   for (uint64_t tick = 1; tick <= 300; ++tick) {
-    // A machine that does much else has ten seconds for the cut.
+    // Ten seconds for the cut, for a loaded machine.
     if (tick > 20 && cut_at == 0) std::this_thread::sleep_for(std::chrono::milliseconds(40));
     if (!recorded.advance().cuts.empty()) cut_at = tick;
   }
@@ -261,8 +261,8 @@ TEST(SessionRecorder, PiecesThatComeLateComeAtTheirTick) {
   expect_equal(folder / "a.lvgrec", 300);
 }
 
-// One bit of one input, and the tick is told.
-TEST(SessionRecorder, ARunThatDiffersIsFoundAtItsTick) {
+// One changed bit of one input; the tick of the difference is reported.
+TEST(SessionRecorder, ReportsTheTickOfADifference) {
   const ScratchFolder folder;
   const auto write = [&](const std::string& name, double nudge) {
     AssetStore assets;
@@ -292,8 +292,8 @@ TEST(SessionRecorder, ARunThatDiffersIsFoundAtItsTick) {
   EXPECT_EQ(seen->difference->object, "box");
 }
 
-// What was done before it began stands in it, without frames.
-TEST(SessionRecorder, OneThatBeginsLaterIsDoneAgainFromTheFirstTick) {
+// Inputs from before the start are part of the recording, without frames.
+TEST(SessionRecorder, LateRecordingIsVerifiedFromTheFirstTick) {
   const ScratchFolder folder;
   RecordedRun recorded(box_scene());
   play(recorded, 300);
@@ -309,7 +309,7 @@ TEST(SessionRecorder, OneThatBeginsLaterIsDoneAgainFromTheFirstTick) {
   expect_equal(folder / "a.lvgrec", 340);
 }
 
-TEST(SessionRecorder, OneThatBeginsTooLateSaysSo) {
+TEST(SessionRecorder, ReportsAnIncompleteHistory) {
   const ScratchFolder folder;
   AssetStore assets;
   SceneRun run(box_scene());
@@ -329,10 +329,10 @@ TEST(SessionRecorder, OneThatBeginsTooLateSaysSo) {
   EXPECT_EQ(recording->totals().ticks(), 11u);
   const auto seen = verify_recording(*recording, "");
   ASSERT_FALSE(seen);
-  EXPECT_NE(seen.error().message.find("has not all that was done"), std::string::npos);
+  EXPECT_NE(seen.error().message.find("does not contain all inputs"), std::string::npos);
 }
 
-TEST(SessionRecorder, AssetsAreHeldOnceEachWhereAsked) {
+TEST(SessionRecorder, EmbedsEachAssetOnceOnRequest) {
   const ScratchFolder folder;
   RecordedRun recorded(box_scene());
   recorded.start(folder / "a.lvgrec", {false, true});
@@ -350,8 +350,9 @@ TEST(SessionRecorder, AssetsAreHeldOnceEachWhereAsked) {
   }
 }
 
-// Fault 19: the disk takes no more. The session goes on, one line says why, and what there is can be read.
-TEST(SessionRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
+// Fault 19: the disk is full. The session continues, one line gives the reason, and the recorded part can be
+// read.
+TEST(SessionRecorder, FullDiskEndsOnlyTheRecording) {
   const ScratchFolder folder;
   TickLog log;
   SimulationLoop loop(box_scene(), log);
@@ -366,7 +367,7 @@ TEST(SessionRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
   ASSERT_TRUE(recorder.start(folder / "a.lvgrec"));
   loop.start();
-  // The cube is pulled about, so that there is something to write.
+  // The cube is pulled around, so that there is data to write.
   uint64_t sent = 0;
   const bool ended = log.wait([&](const std::vector<TickResult>& ticks) {
     const std::array<InputSample, 1> sample{hand_at(++sent, 0.5)};
@@ -377,8 +378,8 @@ TEST(SessionRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   std::signal(SIGXFSZ, handler);
   ASSERT_TRUE(ended);
   const std::string why = recorder.status().message();
-  EXPECT_NE(why.find("the recording ends at tick"), std::string::npos) << why;
-  EXPECT_NE(why.find("a.lvgrec: cannot be written: File too large; the session goes on"), std::string::npos)
+  EXPECT_NE(why.find("recording: ended at tick"), std::string::npos) << why;
+  EXPECT_NE(why.find("a.lvgrec: cannot be written: File too large; the session continues"), std::string::npos)
       << why;
   EXPECT_EQ(why.find('\n'), std::string::npos);
   const size_t before = log.ticks().size();
@@ -397,12 +398,12 @@ TEST(SessionRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   EXPECT_GT(recording->totals().ticks(), 5u);
 }
 
-// The pieces that the box breaks into are encoded by the thread that records, when nobody has done it before.
-TEST(SessionRecorder, MemoryThatIsShortEndsTheRecordingAndTheSessionGoesOn) {
+// The fragments of the box are encoded by the recorder thread if no other thread has done so.
+TEST(SessionRecorder, OutOfMemoryEndsOnlyTheRecording) {
   const ScratchFolder folder;
   SceneRun run(breaking_scene());
   const auto pieces = run.scene().find("box")->broken->asset;
-  bool is_short = true;  // the recorder's thread's, once
+  bool is_short = true;  // used by the recorder thread once
   AssetStore assets([&](const GaussianAsset& asset) {
     if (&asset == pieces.get() && std::exchange(is_short, false)) throw std::bad_alloc();
     return encode_asset(asset);
@@ -423,8 +424,8 @@ TEST(SessionRecorder, MemoryThatIsShortEndsTheRecordingAndTheSessionGoesOn) {
   while (recorder.status().recording() && std::chrono::steady_clock::now() < until) std::this_thread::yield();
   const v1::RecordingStatus status = recorder.status();
   ASSERT_FALSE(status.recording());
-  EXPECT_EQ(status.message(), "the recording ends at tick " + std::to_string(broken_at - 1) + ": " +
-                                  std::bad_alloc().what() + "; the session goes on");
+  EXPECT_EQ(status.message(), "recording: ended at tick " + std::to_string(broken_at - 1) + ": " +
+                                  std::bad_alloc().what() + "; the session continues");
   auto recording = RecordingReader::open(folder / "a.lvgrec");
   ASSERT_TRUE(recording) << recording.error().message;
   EXPECT_FALSE(recording->ended_in_order());
@@ -438,14 +439,14 @@ TEST(SessionRecorder, MemoryThatIsShortEndsTheRecordingAndTheSessionGoesOn) {
   EXPECT_EQ(stopped->ticks(), 10u);
 }
 
-TEST(SessionRecorder, RefusesWhatCannotBeWritten) {
+TEST(SessionRecorder, RefusesUnwritablePaths) {
   const ScratchFolder folder;
   folder.write("there.lvgrec", "kept");
   AssetStore assets;
   SessionRecorder recorder(assets);
   const auto there = recorder.start(folder / "there.lvgrec");
   ASSERT_FALSE(there);
-  EXPECT_NE(there.error().message.find("is there already"), std::string::npos);
+  EXPECT_NE(there.error().message.find("already exists"), std::string::npos);
   const auto nowhere = recorder.start(folder / "no/such/folder.lvgrec");
   ASSERT_FALSE(nowhere);
   EXPECT_NE(nowhere.error().message.find("has no folder"), std::string::npos);
@@ -453,7 +454,7 @@ TEST(SessionRecorder, RefusesWhatCannotBeWritten) {
   ASSERT_TRUE(recorder.start(folder / "a.lvgrec"));
   const auto twice = recorder.start(folder / "b.lvgrec");
   ASSERT_FALSE(twice);
-  EXPECT_NE(twice.error().message.find("is being written already"), std::string::npos);
+  EXPECT_NE(twice.error().message.find("already in progress"), std::string::npos);
 }
 
 }  // namespace

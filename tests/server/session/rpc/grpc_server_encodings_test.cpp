@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames that a client may ask for in place of the stream's own: drivers as floats, and kernels.
+// Alternative frame encodings: raw drivers and kernels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ class Encodings : public GrpcServerTest {
     made->open();
     return made;
   }
-  // Until the server has heard of the streams, it poses no kernels.
+  // The server poses kernels only after the streams are attached.
   void wait_streaming(size_t count) {
     for (int i = 0; i < 2000 && server_->streaming_count() < count; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -57,7 +57,7 @@ class Encodings : public GrpcServerTest {
   }
 };
 
-TEST_F(Encodings, FloatsAreTheServersBits) {
+TEST_F(Encodings, RawDriversAreBitExact) {
   open();
   const auto raw = client(v1::JoinRequest::DRIVERS_RAW);
   for (uint64_t number = 1; number <= 3; ++number) {
@@ -81,9 +81,9 @@ TEST_F(Encodings, FloatsAreTheServersBits) {
   EXPECT_TRUE(raw->finish().ok());
 }
 
-// Two who asked for kernels and one for drivers, of the same ticks: the kernels are where the drivers have
-// them, exact ones to the bit; and a ball that comes is among them.
-TEST_F(Encodings, KernelsAreWhereTheDriversHaveThem) {
+// Two clients with kernel encodings and one with drivers get the same ticks. Kernels match the drivers, exact
+// ones bit by bit, and include a new ball.
+TEST_F(Encodings, KernelsMatchTheDrivers) {
   open();
   const auto packed = client(v1::JoinRequest::KERNELS), exact = client(v1::JoinRequest::KERNELS_EXACT),
              drivers = client(v1::JoinRequest::DRIVERS);
@@ -106,7 +106,7 @@ TEST_F(Encodings, KernelsAreWhereTheDriversHaveThem) {
     for (RawClient* one : {packed.get(), exact.get()}) {
       v1::ServerMessage message;
       int events = 0;
-      do {  // an event does not wait for the kernels
+      do {  // events do not wait for kernels
         message = one->read();
         events += message.events_size();
       } while (message.frame().empty() && message.events_size() > 0);
@@ -134,7 +134,7 @@ TEST_F(Encodings, KernelsAreWhereTheDriversHaveThem) {
             box.extend(expected.positions_m[k]);
           }
           EXPECT_LT(off_m, 0.5f / 65535 * box.sizes().maxCoeff() +
-                               2e-7f);  // half a step, and floats half a metre off
+                               2e-7f);  // half a step plus float rounding at half a metre
         }
       }
       ASSERT_TRUE(one->acknowledge(number));
@@ -143,8 +143,8 @@ TEST_F(Encodings, KernelsAreWhereTheDriversHaveThem) {
   for (RawClient* one : {packed.get(), exact.get(), drivers.get()}) EXPECT_TRUE(one->finish().ok());
 }
 
-// A session may go on as something else: what was offered to it before is not sent.
-TEST_F(Encodings, ASessionThatComesBackMayAskForAnother) {
+// A session may resume with another encoding; earlier offers are not sent.
+TEST_F(Encodings, ResumedSessionMayChangeItsEncoding) {
   open();
   const auto one = client(v1::JoinRequest::DRIVERS);
   publish(1);
@@ -166,7 +166,7 @@ TEST_F(Encodings, ASessionThatComesBackMayAskForAnother) {
   EXPECT_TRUE(one->finish().ok());
 }
 
-TEST_F(Encodings, AnUnknownOneIsRefusedByItsField) {
+TEST_F(Encodings, RefusesUnknownEncodingsByField) {
   open();
   RawClient client(server_->port());
   client.encoding = static_cast<v1::JoinRequest::Encoding>(4);
@@ -175,8 +175,8 @@ TEST_F(Encodings, AnUnknownOneIsRefusedByItsField) {
   EXPECT_EQ(status.error_message().rfind("encoding: ", 0), 0u) << status.error_message();
 }
 
-// A frame has a size; a scene of which it cannot hold the kernels is told so before anything is streamed.
-TEST_F(Encodings, MoreKernelsThanAFrameHoldsAreRefused) {
+// A frame has a size limit; a scene whose kernels exceed it is refused at Join.
+TEST_F(Encodings, RefusesMoreKernelsThanAFrameHolds) {
   const SceneObject& box = *scene_.find("box");
   ASSERT_EQ(box.asset->size(), 6000u);
   server_->open("many", 90, std::vector<const SceneObject*>(250, &box), inputs_);

@@ -16,7 +16,7 @@
 
 namespace livegs {
 
-// Remembers what the sessions did.
+// Records the input of sessions.
 class InputLog final : public InputSink {
  public:
   void on_input(SessionNumber session, std::span<const InputSample> samples) override {
@@ -69,12 +69,12 @@ class GrpcServerTest : public ::testing::Test {
     stepped.step_ms = 1.5;
     return stepped;
   }
-  // Clients are told of it with its own tick: what balls are drawn with is encoded before they are let in.
+  // Clients receive it with its own tick: the asset of balls is encoded before clients may join.
   const SceneObject& shoot() { return scene_.shoot_ball({0, 1, 1}, {0, 0, -6}); }
   void publish(uint64_t number) { server_->ticks().publish(tick(number)); }
 
   Scene scene_;
-  InputLog inputs_;  // outlives the server
+  InputLog inputs_;  // must outlive the server
   std::unique_ptr<GrpcServer> server_;
 };
 

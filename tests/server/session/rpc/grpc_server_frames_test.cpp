@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which frames a client is sent, and as what: its wishes at Join, what moved, its window.
+// Frames of a client by its options of Join, moved objects and window.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace livegs {
 namespace {
 
-TEST_F(GrpcServerTest, AWishForNoRateIsRefusedByItsField) {
+TEST_F(GrpcServerTest, RefusesInvalidRatesByField) {
   open();
   RawClient client(server_->port());
   for (const double mbit_s : {-1.0, 0.01, std::numeric_limits<double>::quiet_NaN()}) {
@@ -29,7 +29,7 @@ TEST_F(GrpcServerTest, AWishForNoRateIsRefusedByItsField) {
   }
 }
 
-TEST_F(GrpcServerTest, AWishForFewerFramesIsMetByEveryNthTickAndTold) {
+TEST_F(GrpcServerTest, LowerRateSendsEveryNthTick) {
   open();
   RawClient client(server_->port());
   const auto join = [&](double rate_hz) {
@@ -51,15 +51,15 @@ TEST_F(GrpcServerTest, AWishForFewerFramesIsMetByEveryNthTickAndTold) {
     EXPECT_DOUBLE_EQ(client.joined.stream_rate_hz(), gets_hz) << wish_hz;
     EXPECT_DOUBLE_EQ(client.joined.rate_hz(), 90.0);
   }
-  // The last wish was for 30. The first frame comes whatever its number; 12, which nobody gets, leaves its
-  // turn to 13.
+  // The last request was 30 Hz. The first frame is sent whatever its number. Tick 12 is missing, so 13 takes
+  // its turn.
   client.open();
   StreamReader reader;
   const std::set<uint64_t> sent = {4, 6, 9, 13, 15};
   for (const uint64_t number : {4, 5, 6, 7, 8, 9, 10, 11, 13, 14, 15, 16}) {
     publish(number);
     if (!sent.contains(number)) continue;
-    const v1::ServerMessage message = client.read();  // the next one: none before it was sent
+    const v1::ServerMessage message = client.read();  // the next message: earlier ticks were not sent
     ASSERT_EQ(message.tick(), number);
     EXPECT_TRUE(reader.read(std::as_bytes(std::span(message.frame()))));
     ASSERT_TRUE(client.acknowledge(number));
@@ -67,8 +67,8 @@ TEST_F(GrpcServerTest, AWishForFewerFramesIsMetByEveryNthTickAndTold) {
   EXPECT_TRUE(client.finish().ok());
 }
 
-// What broke is told of at once, whatever the rate.
-TEST_F(GrpcServerTest, EventsDoNotWaitForTheirTurn) {
+// Fractures are announced at once, whatever the rate.
+TEST_F(GrpcServerTest, EventsAreNotDelayedByTheRate) {
   open();
   RawClient client(server_->port());
   grpc::ClientContext context;
@@ -92,7 +92,7 @@ TEST_F(GrpcServerTest, EventsDoNotWaitForTheirTurn) {
   EXPECT_TRUE(client.finish().ok());
 }
 
-TEST_F(GrpcServerTest, AnotherNumberOfBitsIsRefusedByItsField) {
+TEST_F(GrpcServerTest, RefusesInvalidPrecisionByField) {
   open();
   RawClient client(server_->port());
   for (const uint32_t bits : {1u, 15u, 17u, 21u, 4'000'000'000u}) {
@@ -103,8 +103,8 @@ TEST_F(GrpcServerTest, AnotherNumberOfBitsIsRefusedByItsField) {
   }
 }
 
-// Each of three clients has the steps it asked for, also while all are sent the same ticks.
-TEST_F(GrpcServerTest, PositionsHaveTheBitsThatAClientAskedFor) {
+// Each of three clients has its own precision, while all are sent the same ticks.
+TEST_F(GrpcServerTest, PositionsHaveTheRequestedPrecision) {
   open();
   const std::vector<uint32_t> bits = {0, 18, 20};
   std::vector<std::unique_ptr<RawClient>> clients;
@@ -166,9 +166,9 @@ TEST_F(GrpcServerTest, FramesArriveAndDecodeToWhatWasPublished) {
   EXPECT_TRUE(inputs_.wait_forgotten(1));
 }
 
-// What did not move since the last frame to this client is not sent again; one that asks gets a frame that
-// needs none before it.
-TEST_F(GrpcServerTest, FramesHoldWhatMovedUnlessAKeyFrameIsWanted) {
+// Objects that did not move since the last frame of this client are not sent again. A client that asks for a
+// keyframe gets one.
+TEST_F(GrpcServerTest, FramesContainMovedObjectsOrAKeyframe) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -189,7 +189,7 @@ TEST_F(GrpcServerTest, FramesHoldWhatMovedUnlessAKeyFrameIsWanted) {
   wish.set_acknowledged_tick(3);
   wish.set_key_frame_wanted(true);
   ASSERT_TRUE(client.send(wish));
-  // The wish travels beside the ticks: it is heard within a few.
+  // The request is concurrent with the ticks: it takes effect within a few.
   bool key = false;
   for (uint64_t number = 4; number <= 200 && !key; ++number) {
     publish(number);
@@ -201,7 +201,7 @@ TEST_F(GrpcServerTest, FramesHoldWhatMovedUnlessAKeyFrameIsWanted) {
   EXPECT_TRUE(client.finish().ok());
 }
 
-TEST_F(GrpcServerTest, AClientThatStopsAcknowledgingGetsTwoFramesThenTheNewest) {
+TEST_F(GrpcServerTest, ClientWithoutAcknowledgementsGetsTwoFrames) {
   open();
   RawClient silent(server_->port()), quick(server_->port());
   for (RawClient* client : {&silent, &quick}) {
@@ -213,13 +213,12 @@ TEST_F(GrpcServerTest, AClientThatStopsAcknowledgingGetsTwoFramesThenTheNewest) 
     if (number <= 2) {
       ASSERT_EQ(silent.read().tick(), number);
     }
-    ASSERT_TRUE(silent.acknowledge(0));      // a sign of life, and nothing else
-    ASSERT_EQ(quick.read().tick(), number);  // the other one is not held up
+    ASSERT_TRUE(silent.acknowledge(0));      // keepalive only
+    ASSERT_EQ(quick.read().tick(), number);  // the other client is not delayed
     ASSERT_TRUE(quick.acknowledge(number));
   }
   ASSERT_TRUE(silent.acknowledge(2));
-  // Had a third been on its way, it would come now. 9, if its 10 was still being offered when the quick one
-  // had read.
+  // A third frame would arrive now. The tick is 9 if its 10 was still pending when the quick client had read.
   EXPECT_GE(silent.read().tick(), 9u);
   EXPECT_TRUE(silent.finish().ok());
   EXPECT_TRUE(quick.finish().ok());

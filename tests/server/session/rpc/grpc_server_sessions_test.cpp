@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of sessions whose streams are silent, break or are begun again.
+// Sessions whose streams are silent, break or are resumed.
 #include <atomic>
 #include <thread>
 
@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-TEST_F(GrpcServerTest, ASessionHasOneStreamAndAnUnknownOneNone) {
+TEST_F(GrpcServerTest, SessionHasOneStream) {
   open();
   RawClient first(server_->port()), second(server_->port()), stranger(server_->port());
   ASSERT_TRUE(first.join().ok());
@@ -26,9 +26,9 @@ TEST_F(GrpcServerTest, ASessionHasOneStreamAndAnUnknownOneNone) {
   EXPECT_EQ(first.read().tick(), 2u);
 }
 
-// After two seconds without a message; until then it hears something, though no tick comes. Its session is
-// kept.
-TEST_F(GrpcServerTest, ASilentStreamIsDropped) {
+// A stream without messages ends after two seconds. Until then keepalives arrive even without ticks. Its
+// session is kept.
+TEST_F(GrpcServerTest, SilentStreamEnds) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -41,15 +41,15 @@ TEST_F(GrpcServerTest, ASilentStreamIsDropped) {
     EXPECT_TRUE(send_keepalive.frame().empty());
     ++beats;
   }
-  EXPECT_GE(beats, 4);  // one every 200 to 300 ms
+  EXPECT_GE(beats, 4);  // one per 200 to 300 ms
   EXPECT_EQ(client.finish().error_code(), grpc::StatusCode::CANCELLED);
   while (server_->streaming_count() > 0) std::this_thread::yield();
   EXPECT_EQ(server_->client_count(), 1u);
   EXPECT_EQ(inputs_.forgotten(), 0u);
 }
 
-// Who opens streams and says nothing holds no places; who has a session goes on.
-TEST_F(GrpcServerTest, AStreamThatNamesNoSessionIsEnded) {
+// Silent streams hold no slots; a client with a session continues.
+TEST_F(GrpcServerTest, StreamWithoutSessionEnds) {
   open();
   RawClient there(server_->port());
   ASSERT_TRUE(there.join().ok());
@@ -68,7 +68,7 @@ TEST_F(GrpcServerTest, AStreamThatNamesNoSessionIsEnded) {
     const grpc::Status status = client->finish_reading();
     EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
     EXPECT_EQ(status.error_message(),
-              "no message came within 2 s; the first one names the session");  // not the test's own patience
+              "stream: no message within 2 s; send the session_id first");  // not a timeout of the test
   }
   done = true;
   signs_of_life.join();
@@ -77,8 +77,8 @@ TEST_F(GrpcServerTest, AStreamThatNamesNoSessionIsEnded) {
   EXPECT_TRUE(there.finish().ok());
 }
 
-// Its client comes back to the same session and is told of all there is; what happened meanwhile is no event.
-TEST_F(GrpcServerTest, ACancelledStreamsSessionGoesOn) {
+// The client resumes the same session and receives all objects; changes in between are not sent as events.
+TEST_F(GrpcServerTest, SessionOutlivesACancelledStream) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -92,7 +92,7 @@ TEST_F(GrpcServerTest, ACancelledStreamsSessionGoesOn) {
   const SceneObject& ball = shoot();
   stepped.added.push_back(ball);
   server_->ticks().publish(std::move(stepped));
-  // The ball's tick is taken by the publisher's thread: a client that comes later is told of it.
+  // The publisher thread handles the tick of the ball; clients that join later receive the ball.
   RawClient other(server_->port());
   while (other.joined.objects_size() < 4) ASSERT_TRUE(other.join().ok());
   ASSERT_TRUE(client.join(kProtocolVersion, first.session_id()).ok());
@@ -108,12 +108,12 @@ TEST_F(GrpcServerTest, ACancelledStreamsSessionGoesOn) {
   const v1::ServerMessage message = client.read();
   EXPECT_EQ(message.tick(), 3u);
   EXPECT_EQ(message.events_size(), 0);
-  EXPECT_TRUE(StreamReader().read(std::as_bytes(std::span(message.frame()))));  // a key frame
+  EXPECT_TRUE(StreamReader().read(std::as_bytes(std::span(message.frame()))));  // a keyframe
   EXPECT_EQ(inputs_.forgotten(), 0u);
 }
 
-// The client's network died unnoticed by the server: the stream that is there still does not keep it out.
-TEST_F(GrpcServerTest, WhoJoinsAgainTakesTheSessionFromItsOldStream) {
+// The server has not noticed that the client's network failed: the old stream does not block the new one.
+TEST_F(GrpcServerTest, RejoinReplacesTheOldStream) {
   open();
   RawClient old(server_->port()), again(server_->port());
   ASSERT_TRUE(old.join().ok());
@@ -127,10 +127,10 @@ TEST_F(GrpcServerTest, WhoJoinsAgainTakesTheSessionFromItsOldStream) {
   publish(2);
   EXPECT_EQ(again.read().tick(), 2u);
   EXPECT_TRUE(again.finish().ok());
-  EXPECT_TRUE(inputs_.wait_forgotten(1));  // now that it has ended in order
+  EXPECT_TRUE(inputs_.wait_forgotten(1));  // after it has ended in order
 }
 
-TEST_F(GrpcServerTest, ASessionThatIsOverBeginsAnew) {
+TEST_F(GrpcServerTest, EndedSessionIsReplacedByANewOne) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join(kProtocolVersion, std::string(32, 'a')).ok());

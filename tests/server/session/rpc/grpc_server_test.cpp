@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gRPC face by itself: ticks come from the test, one at a time, so that what a client may see of them is
-// known.
+// The gRPC server alone: the test supplies ticks one at a time, so that a client's view is known.
 #include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +20,7 @@ TEST_F(GrpcServerTest, JoinListsObjectsWithTheEnvironmentFirst) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
-  ASSERT_EQ(client.joined.objects_size(), 3);  // the drawn floor, box and cube
+  ASSERT_EQ(client.joined.objects_size(), 3);  // the rendered floor, box and cube
   EXPECT_TRUE(client.joined.objects(0).environment());
   EXPECT_EQ(client.joined.objects(1).name(), "box");
   EXPECT_DOUBLE_EQ(client.joined.rate_hz(), 90.0);
@@ -31,8 +30,8 @@ TEST_F(GrpcServerTest, JoinListsObjectsWithTheEnvironmentFirst) {
   EXPECT_EQ(rest->node_coordinates.size(), client.joined.objects(2).driver_count());
 }
 
-// Before the first tick a client knows how far the cube's stiffness can be trusted; a box has none.
-TEST_F(GrpcServerTest, ObjectsCarryHowFarTheirNumbersHold) {
+// A client knows the accuracy of the cube's stiffness before the first tick; a rigid box has none.
+TEST_F(GrpcServerTest, ObjectsIncludeTheirAccuracy) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -48,7 +47,7 @@ TEST_F(GrpcServerTest, ObjectsCarryHowFarTheirNumbersHold) {
     EXPECT_EQ(told.cell_width_m(), accuracy.cell_width_m);
     EXPECT_EQ(told.substeps(), static_cast<uint32_t>(accuracy.substeps));
     EXPECT_EQ(told.courant(), accuracy.courant);
-    EXPECT_EQ(told.youngs_modulus_pa(), 2e4);  // as the scene says
+    EXPECT_EQ(told.youngs_modulus_pa(), 2e4);  // as in the scene
     EXPECT_EQ(told.reached_youngs_modulus_pa(), accuracy.reached_youngs_modulus_pa);
     EXPECT_EQ(told.nodes(), client.joined.objects(2).driver_count());
     EXPECT_GT(told.nodes(), 0u);
@@ -62,7 +61,7 @@ TEST_F(GrpcServerTest, JoinWaitsForTheScene) {
   EXPECT_TRUE(client.join().ok());
 }
 
-TEST_F(GrpcServerTest, AnotherProtocolVersionIsToldSo) {
+TEST_F(GrpcServerTest, RefusesOtherProtocolVersions) {
   open();
   RawClient client(server_->port());
   const grpc::Status status = client.join(kProtocolVersion + 1);
@@ -70,14 +69,14 @@ TEST_F(GrpcServerTest, AnotherProtocolVersionIsToldSo) {
   EXPECT_NE(status.error_message().find("update the older one"), std::string::npos) << status.error_message();
 }
 
-TEST_F(GrpcServerTest, SessionsAreBounded) {
+TEST_F(GrpcServerTest, LimitsTheNumberOfSessions) {
   open();
   RawClient client(server_->port());
   for (size_t i = 0; i < kDefaultSessions; ++i) ASSERT_TRUE(client.join().ok());
   EXPECT_EQ(client.join().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
-TEST_F(GrpcServerTest, AsManySessionsAsItIsTold) {
+TEST_F(GrpcServerTest, LimitOfSessionsIsConfigurable) {
   server_->admit(66);
   open();
   RawClient client(server_->port());
@@ -87,7 +86,7 @@ TEST_F(GrpcServerTest, AsManySessionsAsItIsTold) {
   EXPECT_EQ(refused.error_message().rfind("66 clients", 0), 0u) << refused.error_message();
 }
 
-TEST_F(GrpcServerTest, EventsAreNeverDroppedAndComeInOrder) {
+TEST_F(GrpcServerTest, EventsArriveCompleteAndInOrder) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -96,7 +95,7 @@ TEST_F(GrpcServerTest, EventsAreNeverDroppedAndComeInOrder) {
   ASSERT_EQ(client.read().tick(), 1u);
   publish(2);
   ASSERT_EQ(client.read().tick(), 2u);
-  // The window is shut. Twenty balls come, all but four go; ids never return.
+  // The window is full. Twenty balls are added, all but four are removed; ids are never reused.
   std::vector<uint32_t> shot;
   for (uint64_t number = 3; number <= 22; ++number) {
     shoot();
@@ -108,7 +107,7 @@ TEST_F(GrpcServerTest, EventsAreNeverDroppedAndComeInOrder) {
     }
     stepped.removed = changes.removed;
     server_->ticks().publish(std::move(stepped));
-    ASSERT_TRUE(client.acknowledge(0));  // a sign of life, and nothing else
+    ASSERT_TRUE(client.acknowledge(0));  // keepalive only
   }
   std::vector<uint32_t> added, removed;
   const size_t expected_removed = shot.size() - Scene::kMaxBalls;
@@ -129,7 +128,7 @@ TEST_F(GrpcServerTest, EventsAreNeverDroppedAndComeInOrder) {
   ASSERT_TRUE(client.acknowledge(2));
   EXPECT_EQ(client.read().tick(), 22u);
 
-  // Who comes now is told of the balls that are there.
+  // A client that joins now receives the remaining balls.
   RawClient late(server_->port());
   ASSERT_TRUE(late.join().ok());
   EXPECT_EQ(late.joined.objects_size(), 3 + static_cast<int>(Scene::kMaxBalls));
@@ -168,7 +167,7 @@ TEST_F(GrpcServerTest, InputsReachTheSimulation) {
   EXPECT_EQ(client.read().echoed_ns(), 12345);
 }
 
-TEST_F(GrpcServerTest, ANumberThatIsNoneEndsTheStreamAndNothingElse) {
+TEST_F(GrpcServerTest, NonFiniteNumberEndsOnlyItsStream) {
   open();
   RawClient bad(server_->port()), good(server_->port());
   for (RawClient* client : {&bad, &good}) {
@@ -194,8 +193,8 @@ TEST_F(GrpcServerTest, ANumberThatIsNoneEndsTheStreamAndNothingElse) {
   EXPECT_EQ(good.read().tick(), 1u);
 }
 
-// Any bytes at all, sent as messages of Stream.
-TEST_F(GrpcServerTest, RandomBytesDoNotHurt) {
+// Random bytes, sent as messages of Stream.
+TEST_F(GrpcServerTest, SurvivesRandomBytes) {
   open();
   std::mt19937_64 random(7);
   const auto channel = channel_to(server_->port());
@@ -233,7 +232,7 @@ TEST_F(GrpcServerTest, RandomBytesDoNotHurt) {
   EXPECT_EQ(client.read().tick(), 1u);
 }
 
-TEST_F(GrpcServerTest, AMessageOverTheLimitIsRefused) {
+TEST_F(GrpcServerTest, RefusesOversizedMessages) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -280,7 +279,7 @@ TEST_F(GrpcServerTest, AssetsAreFetchedFromAnyOffset) {
   EXPECT_EQ(fetch("../../etc/passwd", 0, error).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_F(GrpcServerTest, AnalyzeAnswersWithRangesAndNamesWhatThereIs) {
+TEST_F(GrpcServerTest, AnalyzeReturnsRangesAndListsObjects) {
   open();
   RawClient client(server_->port());
   const auto analyze = [&](const std::string& name, v1::AnalyzeObjectReply& reply) {
@@ -293,7 +292,7 @@ TEST_F(GrpcServerTest, AnalyzeAnswersWithRangesAndNamesWhatThereIs) {
   v1::AnalyzeObjectReply reply;
   ASSERT_TRUE(analyze("box", reply).ok());
   const v1::EstimatedValue& mass = reply.parameters().mass_kg();
-  EXPECT_DOUBLE_EQ(mass.best(), 1.0);  // as the scene says
+  EXPECT_DOUBLE_EQ(mass.best(), 1.0);  // as in the scene
   EXPECT_LE(mass.low(), mass.best());
   EXPECT_GE(mass.high(), mass.best());
   EXPECT_EQ(mass.source(), v1::EstimatedValue::SCENE);
@@ -317,14 +316,14 @@ TEST_F(GrpcServerTest, InfoCountsClients) {
   EXPECT_EQ(info.object_count(), 3u);
 }
 
-TEST_F(GrpcServerTest, APortInUseIsSaidSo) {
+TEST_F(GrpcServerTest, ReportsAPortInUse) {
   const auto second = GrpcServer::listen("127.0.0.1:" + std::to_string(server_->port()));
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::Unavailable);
   EXPECT_NE(second.error().message.find("in use"), std::string::npos);
 }
 
-TEST(ListenAddress, IsThisMachineUnlessItIsSecure) {
+TEST(ListenAddress, MustBeLocalWithoutTls) {
   for (const char* address : {"127.0.0.1:0", "127.1.2.3:9780", "localhost:9780", "[::1]:65535"}) {
     EXPECT_TRUE(check_listen_address(address, false)) << address;
     EXPECT_TRUE(check_listen_address(address, true)) << address;
@@ -341,7 +340,7 @@ TEST(ListenAddress, IsThisMachineUnlessItIsSecure) {
   }
 }
 
-TEST_F(GrpcServerTest, ShutdownTellsEveryClient) {
+TEST_F(GrpcServerTest, ShutdownNotifiesEveryClient) {
   open();
   RawClient streaming(server_->port()), joined(server_->port()), frozen(server_->port());
   for (RawClient* client : {&streaming, &joined, &frozen}) ASSERT_TRUE(client->join().ok());
@@ -361,11 +360,10 @@ TEST_F(GrpcServerTest, ShutdownTellsEveryClient) {
   const grpc::Status status = streaming.finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(status.error_message(), "maintenance");
-  shutdown.join();  // with a client that does not read, and one that never streamed
+  shutdown.join();  // with a client that does not read and one that never streamed
 }
 
-// The service of the standard health protocol, asked with bytes: field 1 of its reply is the status, 1 for
-// SERVING.
+// The standard health service, called with raw bytes: field 1 of the reply is the status, 1 for SERVING.
 std::string health_reply(int port) {
   grpc::GenericStub stub(channel_to(port));
   grpc::ClientContext context;

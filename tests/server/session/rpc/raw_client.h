@@ -24,7 +24,7 @@ inline void set_patience(grpc::ClientContext& context) {
   context.set_deadline(std::chrono::system_clock::now() + kPatience);
 }
 
-// A client that says exactly what a test wants it to.
+// A client whose messages are fully controlled by the test.
 class RawClient {
  public:
   explicit RawClient(int port) : RawClient(channel_to(port)) {}
@@ -43,14 +43,14 @@ class RawClient {
     request.set_encoding(encoding);
     return stub_->Join(&context, request, &joined);
   }
-  // May be called again once finish() has returned.
+  // May be called again after finish() has returned.
   void open() {
     open_silently();
     v1::ClientMessage message;
     message.set_session_id(joined.session_id());
     EXPECT_TRUE(stream_->Write(message));
   }
-  // Without the message that names the session.
+  // Opens a stream without sending the session id.
   void open_silently() {
     context_ = std::make_unique<grpc::ClientContext>();
     set_patience(*context_);
@@ -62,7 +62,7 @@ class RawClient {
     message.set_acknowledged_tick(tick);
     return send(message);
   }
-  // The next message that says something; one without a tick when the stream is over.
+  // The next message that is not a keepalive; a message without a tick when the stream has ended.
   v1::ServerMessage read() {
     v1::ServerMessage message;
     while (read_any(message)) {
@@ -78,7 +78,7 @@ class RawClient {
     }
     return stream_->Finish();
   }
-  // As finish(), without ending the stream from this side.
+  // Like finish(), without closing this side first.
   grpc::Status finish_reading() {
     v1::ServerMessage message;
     while (stream_->Read(&message)) {
@@ -87,7 +87,7 @@ class RawClient {
   }
   void cancel() { context_->TryCancel(); }
 
-  uint32_t position_bits = 0;  // to ask for, like the next
+  uint32_t position_bits = 0;  // requested at Join, like the next
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
   v1::JoinReply joined;
 

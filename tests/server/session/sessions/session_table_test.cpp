@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is there, against a clock of the test's own.
+// Sessions over time, with a simulated clock.
 #include "session/sessions/session_table.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ class Writer final : public SessionWriter {
   bool aborted = false;
 };
 
-// Takes its time over what it hears: until somebody is forgotten, or as long as it would wait for that.
+// Blocks in on_input() until a session is closed, or until a timeout.
 class SlowListener final : public InputSink {
  public:
   void on_input(SessionNumber session, std::span<const InputSample>) override {
@@ -66,7 +66,7 @@ class SlowListener final : public InputSink {
   bool hearing_ = false;
 };
 
-// Counts what it hears of whom it has forgotten.
+// Counts inputs of sessions after they were closed.
 class Attentive final : public InputSink {
  public:
   void on_input(SessionNumber session, std::span<const InputSample>) override {
@@ -101,7 +101,7 @@ class SessionTableTest : public ::testing::Test {
   SessionTable table;
 };
 
-TEST_F(SessionTableTest, ASilentStreamEndsAfterTwoSecondsAndItsSessionAfterHalfAMinute) {
+TEST_F(SessionTableTest, SilentStreamAndSessionTimeOut) {
   const auto session = join();
   const auto writer = std::make_shared<Writer>();
   ASSERT_TRUE(session->attach(writer));
@@ -109,8 +109,7 @@ TEST_F(SessionTableTest, ASilentStreamEndsAfterTwoSecondsAndItsSessionAfterHalfA
   table.sweep(heard_ns + 2 * kSecond_ns - 1);
   EXPECT_FALSE(writer->aborted);
   EXPECT_EQ(writer->beats, 1);
-  table.sweep(heard_ns +
-              2 * kSecond_ns);  // the publisher sweeps at least every 0.1 s: before 2.5 s in any case
+  table.sweep(heard_ns + 2 * kSecond_ns);  // the publisher sweeps at least every 0.1 s, so before 2.5 s
   EXPECT_TRUE(writer->aborted);
   EXPECT_EQ(session->state(), ClientSession::State::Parked);
   table.sweep(heard_ns + 30 * kSecond_ns - 1);
@@ -121,12 +120,12 @@ TEST_F(SessionTableTest, ASilentStreamEndsAfterTwoSecondsAndItsSessionAfterHalfA
   EXPECT_EQ(inputs.sessions, std::vector<SessionNumber>{session->number});
 }
 
-// Each is told once; one that has its session by then does not take it for itself.
-TEST_F(SessionTableTest, AStreamThatBeganIsLookedAtAfterTwoSeconds) {
+// Each stream is ended once; one that has a session by then is not.
+TEST_F(SessionTableTest, StreamWithoutSessionEndsAfterTwoSeconds) {
   const auto first = std::make_shared<Writer>(), second = std::make_shared<Writer>();
   const int64_t before_ns = now_ns();
   table.stream_begun(first);
-  table.stream_begun(std::make_shared<Writer>());  // and is gone
+  table.stream_begun(std::make_shared<Writer>());  // destroyed at once
   table.sweep(before_ns + 2 * kSecond_ns - 1);
   EXPECT_EQ(first->overdue, 0);
   const int64_t after_ns = now_ns();
@@ -140,7 +139,7 @@ TEST_F(SessionTableTest, AStreamThatBeganIsLookedAtAfterTwoSeconds) {
   EXPECT_FALSE(second->aborted);
 }
 
-TEST_F(SessionTableTest, OneThatLoadsAssetsMayTakeTwoMinutes) {
+TEST_F(SessionTableTest, AllowsTwoMinutesToLoadAssets) {
   const auto session = join();
   table.sweep(session->heard_ns + 120 * kSecond_ns - 1);
   EXPECT_EQ(table.find(session->id), session);
@@ -148,8 +147,8 @@ TEST_F(SessionTableTest, OneThatLoadsAssetsMayTakeTwoMinutes) {
   EXPECT_EQ(table.find(session->id), nullptr);
 }
 
-// A parked session may come back at any moment, but nobody who is there is turned away for it.
-TEST_F(SessionTableTest, WhoIsParkedLongestMakesRoom) {
+// A parked session may resume at any time, but no client is refused because of it.
+TEST_F(SessionTableTest, LongestParkedSessionMakesRoom) {
   std::vector<std::shared_ptr<ClientSession>> sessions;
   for (size_t i = 0; i < kDefaultSessions; ++i) sessions.push_back(join());
   EXPECT_EQ(join(), nullptr);
@@ -161,11 +160,11 @@ TEST_F(SessionTableTest, WhoIsParkedLongestMakesRoom) {
   EXPECT_NE(join(), nullptr);
   EXPECT_EQ(table.find(sessions[3]->id), nullptr);
   EXPECT_EQ(table.find(sessions[5]->id), sessions[5]);
-  EXPECT_EQ(join(sessions[5]->id), sessions[5]);  // it is one of those that are there
+  EXPECT_EQ(join(sessions[5]->id), sessions[5]);  // an existing session
   EXPECT_EQ(join(), nullptr);
 }
 
-TEST_F(SessionTableTest, AStreamThatWasLeftSaysNothingMore) {
+TEST_F(SessionTableTest, IgnoresMessagesOfAReplacedStream) {
   const auto session = join();
   const auto first = std::make_shared<Writer>(), second = std::make_shared<Writer>();
   const auto one = session->attach(first);
@@ -177,7 +176,7 @@ TEST_F(SessionTableTest, AStreamThatWasLeftSaysNothingMore) {
   session->offer(std::make_shared<TickEncodings>(DriverFrame{}, nullptr));
   EXPECT_FALSE(session->take(one->stream, 0));
   EXPECT_FALSE(session->acknowledge(one->stream, 0, 0));
-  table.stream_ended(*session, one->stream, true);  // the end of the first is not the session's
+  table.stream_ended(*session, one->stream, true);  // the end of the first stream does not end the session
   EXPECT_EQ(session->state(), ClientSession::State::Streaming);
   EXPECT_TRUE(session->acknowledge(two->stream, 0, 0));
   EXPECT_TRUE(session->take(two->stream, 0));
@@ -185,9 +184,9 @@ TEST_F(SessionTableTest, AStreamThatWasLeftSaysNothingMore) {
   EXPECT_EQ(table.find(session->id), nullptr);
 }
 
-// What a client asks for is the session's in the moment in which it has joined: a stream has the terms of its
-// own join, and no tick that another encoding's would be.
-TEST_F(SessionTableTest, AStreamHasTheTermsOfItsOwnJoin) {
+// Join options apply to the session at once: a stream has the options of its own join and no tick of another
+// encoding.
+TEST_F(SessionTableTest, StreamUsesTheTermsOfItsJoin) {
   const auto tick = std::make_shared<TickEncodings>(DriverFrame{}, nullptr);
   JoinTerms terms;
   terms.encoding = v1::JoinRequest::KERNELS;
@@ -198,11 +197,11 @@ TEST_F(SessionTableTest, AStreamHasTheTermsOfItsOwnJoin) {
   ASSERT_TRUE(stream);
   EXPECT_EQ(stream->terms.encoding, v1::JoinRequest::KERNELS);
   EXPECT_EQ(stream->terms.position_bits, 18);
-  EXPECT_FALSE(session->take(stream->stream, 0));  // it was of drivers
+  EXPECT_FALSE(session->take(stream->stream, 0));  // it was a driver frame
   session->offer(tick, v1::JoinRequest::KERNELS_EXACT);
   EXPECT_FALSE(session->take(stream->stream, 0));
   session->offer(tick, v1::JoinRequest::KERNELS);
-  ASSERT_EQ(table.join(session->id)->session, session);  // as drivers; the kernels that waited are nobody's
+  ASSERT_EQ(table.join(session->id)->session, session);  // as drivers; the pending kernels are discarded
   stream = session->attach(std::make_shared<Writer>());
   ASSERT_TRUE(stream);
   EXPECT_EQ(stream->terms.encoding, v1::JoinRequest::DRIVERS);
@@ -213,9 +212,8 @@ TEST_F(SessionTableTest, AStreamHasTheTermsOfItsOwnJoin) {
   EXPECT_TRUE(session->take(stream->stream, 0));
 }
 
-// What came of it after it was forgotten would be kept in the simulation for a session that nobody ends any
-// more.
-TEST(SessionTable, WhoIsForgottenIsNotHeardAnyMore) {
+// Input after on_session_closed() would create state in the simulation that is never removed.
+TEST(SessionTable, NoInputAfterASessionIsClosed) {
   SlowListener inputs;
   SessionTable table;
   table.open("scene", 90, {}, inputs);
@@ -229,10 +227,9 @@ TEST(SessionTable, WhoIsForgottenIsNotHeardAnyMore) {
   EXPECT_EQ(inputs.heard_after, 0);
 }
 
-// Two clients that speak, join again, are kicked, revoked and looked after, and in the end the server that
-// says goodbye, all at once: each session is forgotten once, and nothing is heard of it afterwards. (With
-// thread sanitizer it is also a race's test.)
-TEST(SessionTable, ClientsThatSpeakWhileTheyAreEndedAreForgottenOnceAndLast) {
+// Two clients send, rejoin, are kicked, revoked and swept while the server closes. Each session is closed
+// once, without later input. Under thread sanitizer this also checks for races.
+TEST(SessionTable, ClosesEachSessionOnceUnderConcurrency) {
   set_log_level(LogLevel::Warn);
   Attentive inputs;
   SessionTable table;
@@ -249,7 +246,7 @@ TEST(SessionTable, ClientsThatSpeakWhileTheyAreEndedAreForgottenOnceAndLast) {
       ClientIdentity who;
       who.grant.token_id = turn % 3 == 0 ? "odd" : "even";
       const auto joined = table.join(last, who);
-      if (!joined) return;  // it has closed
+      if (!joined) return;  // the table is closed
       ++joins;
       ClientSession& session = *joined->session;
       last = session.id;
@@ -280,7 +277,7 @@ TEST(SessionTable, ClientsThatSpeakWhileTheyAreEndedAreForgottenOnceAndLast) {
   set_log_level(LogLevel::Info);
 }
 
-TEST_F(SessionTableTest, AParkedSessionGathersNothing) {
+TEST_F(SessionTableTest, ParkedSessionCollectsNoEvents) {
   const auto session = join();
   ASSERT_TRUE(session->attach(std::make_shared<Writer>()));
   table.stream_ended(*session, 1, false);

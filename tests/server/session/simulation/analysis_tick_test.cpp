@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether ticks take longer while objects are analysed: p99 of a tick's step over p99 without an analysis, in
-// turns of 0.4 s in one process, so that what other programs do falls on both alike. Whole turns are
-// resampled for the ratio's interval, because load comes in stretches. A ratio of idle turns to idle turns,
-// had the same way, says what the machine does to it by itself.
+// Measures whether ticks take longer while objects are analysed: p99 of the step time over p99 without an
+// analysis. Turns of 0.4 s alternate in one process, so that other load affects both alike. Whole turns are
+// resampled for the confidence interval, because load is correlated in time. The ratio of idle turns to idle
+// turns, measured the same way, shows the noise of the machine.
+//
 // Runs alone on a machine, nightly (label `timing`), and prints the rows that are committed.
-// LIVEGS_TICK_TURNS=8 is a short trial, which holds to no bar. That ticks go on during an analysis is
-// asserted by live_analysis_test.
+// LIVEGS_TICK_TURNS=8 is a short trial without a bar. analysis_controller_test asserts that ticks continue
+// during an analysis.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,16 +32,16 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kTurn{400};
 constexpr double kRate_hz = 250;
-// A measurement needs a machine without other load. Bar of the ratio: p99 within 10 % of idle, by the low end
-// of its 98 % interval. The ratio itself is a known gap.
+// A measurement needs a machine without other load. Bar of the ratio: p99 within 10 % of idle, by the lower
+// end of its 98 % interval. The ratio itself is a known gap.
 constexpr int kMeasuredTurns = 48;
 constexpr double kMeasuredBar = 1.10;
-// Ticks a second over those of the idle turns. Work between steps lowers it.
+// Tick rate relative to idle turns. Work between steps lowers it.
 constexpr double kMeasuredShare = 0.98;
 constexpr double kTail = 0.01;
 
 struct Turn {
-  std::vector<double> steps_ms;  // of its ticks
+  std::vector<double> steps_ms;  // of all ticks
   double wall_s = 0;
 };
 
@@ -63,14 +64,14 @@ class StepTimes final : public TickSink {
   }
 
  private:
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   bool heard_ = false;
   int64_t begun_ns_ = 0;
   Turn now_;
 };
 
-// Three soft cubes and three boxes that are kept awake: a tick that is work for both cores. And a ball of
-// points, whose physics are kept in a file.
+// Three soft cubes and three boxes that are kept awake, which load both cores, and a ball of points with a
+// physics file.
 Scene busy_scene(const ScratchFolder& folder) {
   std::string points = "x,y,z\n";
   for (int i = 0; i < 64; ++i) {
@@ -126,7 +127,7 @@ struct Ratio {
   double value = 0, low = 0, high = 0;
 };
 
-// Turns are drawn anew from each side 500 times, from a fixed seed.
+// Turns of each side are resampled 500 times, from a fixed seed.
 Ratio ratio_of_p99(const std::vector<Turn>& above, const std::vector<Turn>& below) {
   std::mt19937 random(1);
   const auto all = [](const std::vector<Turn>& turns) {
@@ -151,7 +152,7 @@ int turn_count() {
   return told ? std::max(8, std::atoi(told)) : 96;
 }
 
-// Analyses one after the other for one turn; ends with the last one cancelled.
+// Repeats analyses for one turn; cancels the last one.
 Turn analysed_turn(const SceneAnalysis& scene, const FakeEndpoint::Say& say, milliseconds delay,
                    SimulationLoop& loop, StepTimes& times, bool lands, std::atomic<int>& accepted) {
   auto endpoint = std::make_unique<FakeEndpoint>(say);
@@ -161,11 +162,11 @@ Turn analysed_turn(const SceneAnalysis& scene, const FakeEndpoint::Say& say, mil
   {
     AnalysisController analysis(scene, std::move(endpoint), loop);
     const auto end = std::chrono::steady_clock::now() + kTurn;
-    // The first pictures take longer than a turn on a busy machine.
+    // The first views take longer than a turn on a busy machine.
     const auto give_up = end + std::chrono::seconds(20);
     while (std::chrono::steady_clock::now() < end ||
            (lands && accepted == 0 && std::chrono::steady_clock::now() < give_up)) {
-      // Physics that are told are asked about too when they are named.
+      // Objects with given physics are analysed too when they are named.
       if (waiting == 0) {
         ++waiting;
         EXPECT_TRUE(analysis.analyze(
@@ -195,7 +196,7 @@ void expect_same_ticks(const char* name, const FakeEndpoint::Say& say, milliseco
   loop.start();
   std::this_thread::sleep_for(kTurn);
   std::vector<Turn> idle[2], busy;
-  // idle busy busy idle: what changes slowly falls on both alike.
+  // idle busy busy idle: slow drifts affect both alike.
   for (int turn = 0; turn < turn_count(); ++turn) {
     if (turn % 4 == 1 || turn % 4 == 2) {
       busy.push_back(analysed_turn(*analysed, say, delay, loop, times, lands, accepted));
@@ -233,8 +234,8 @@ Result<std::string> failure(const AnalysisQuestion&, const ToolBox&, int) {
   return Error{ErrorCode::Unavailable, "cannot be reached"};
 }
 
-// Accepted as it is for a wooden box, told masses being left alone, and for a sponge of 20 g: lands in the
-// loop, the sponge's in its sidecar as well. Friction differs from time to time.
+// Accepted without change for a wooden box, whose given mass is kept, and for a sponge of 20 g. Applied to
+// the loop, for the sponge also to its sidecar. Friction varies between answers.
 Result<std::string> sense(const AnalysisQuestion& question, const ToolBox&, int) {
   static std::atomic<int> asked{0};
   const bool sponge = question.slots.at("name") == "sponge";
@@ -256,11 +257,15 @@ Result<std::string> sense(const AnalysisQuestion& question, const ToolBox&, int)
       .dump();
 }
 
-TEST(AnalysisTick, AHangDoesNotDelayTheTick) { expect_same_ticks("hanging", nonsense, milliseconds(600000)); }
-TEST(AnalysisTick, AFailureDoesNotDelayTheTick) { expect_same_ticks("failing", failure, milliseconds(0)); }
-// 4 s, forty times faster.
+TEST(AnalysisTick, HangingModelDoesNotDelayTheTick) {
+  expect_same_ticks("hanging", nonsense, milliseconds(600000));
+}
+TEST(AnalysisTick, FailingModelDoesNotDelayTheTick) {
+  expect_same_ticks("failing", failure, milliseconds(0));
+}
+// A latency of 4 s, forty times faster.
 TEST(AnalysisTick, AnswersDoNotDelayTheTick) { expect_same_ticks("answering", nonsense, milliseconds(100)); }
-TEST(AnalysisTick, WhatLandsDoesNotDelayTheTick) {
+TEST(AnalysisTick, AppliedAnswersDoNotDelayTheTick) {
   expect_same_ticks("landing", sense, milliseconds(100), true);
 }
 

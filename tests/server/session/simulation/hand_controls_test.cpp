@@ -17,15 +17,14 @@ struct Hands {
   Scene scene = box_scene();
   HandControls controls;
   uint64_t sequence = 0;
-  int looks =
-      1;  // at the hands of one moment; the last is right, the others fell behind by a millimetre each
+  int looks = 1;  // samples per moment; the last is correct, the others lag by a millimetre each
 
   uint32_t id(const char* name) const { return scene.find(name)->id; }
   Vector3d middle(const char* name) const { return scene.world().world_point(id(name), Vector3d::Zero()); }
   HeldPoint held(size_t hand = 1) const { return controls.held_points(scene, 1)[hand]; }
   double rate_hz() const { return scene.world().settings().rate_hz; }
 
-  // One tick with the right hand, or both, at a place.
+  // One tick with the right hand, or both, at a position.
   void tick(const Vector3d& right_m, float squeeze, const Vector3d* left_m = nullptr) {
     InputSample sample;
     for (size_t i = 0; i < 2; ++i) {
@@ -37,13 +36,13 @@ struct Hands {
     apply(sample);
   }
 
-  // One tick without a word from the client.
+  // One tick without client input.
   void silent_tick() {
     ++sequence;
     scene.step();
   }
 
-  // One tick with the right hand's ray straight down.
+  // One tick with the right hand's ray pointing straight down.
   void point_down(const Vector3d& from_m, float trigger) {
     InputSample sample;
     sample.hands[1].active = true;
@@ -65,11 +64,11 @@ struct Hands {
   }
 };
 
-TEST(HandControls, SqueezeTakesWhatIsAtTheHandAndCarriesIt) {
+TEST(HandControls, SqueezeGrabsAndCarriesTheNearestObject) {
   for (const char* name : {"box", "cube"}) {
     Hands hands;
     const Vector3d start = hands.middle(name);
-    Vector3d hand = start + Vector3d(0, 0.11, 0);  // just above its upper face
+    Vector3d hand = start + Vector3d(0, 0.11, 0);  // just above its top face
     hands.tick(hand, 1.0f);
     EXPECT_TRUE(hands.held().holding);
     EXPECT_TRUE(hands.held().grabbed);
@@ -77,10 +76,10 @@ TEST(HandControls, SqueezeTakesWhatIsAtTheHandAndCarriesIt) {
     EXPECT_LT((hands.middle(name) - start).norm(), 1e-3) << name;  // it does not jump
     for (int i = 0; i < 90; ++i) hands.tick(hand += Vector3d(0, 0.3, 0) / 90.0, 1.0f);
     for (int i = 0; i < 60; ++i) hands.tick(hand, 1.0f);
-    // Below the hand's way by its sag, g / (2 pi 8 Hz)² = 4 mm, and what a soft cube gives.
+    // Below the hand by the sag of the spring, g / (2 pi 8 Hz)² = 4 mm, and the deformation of a soft cube.
     EXPECT_NEAR(hands.middle(name).y() - start.y(), 0.3, std::string(name) == "box" ? 0.01 : 0.06);
     const double weight = hands.scene.find(hands.id(name))->mass_kg * 9.81;
-    double mean_n = 0.0;  // a soft cube swings in the hand for a while
+    double mean_n = 0.0;  // a soft cube oscillates for a while
     for (int i = 0; i < 180; ++i) {
       hands.tick(hand, 1.0f);
       mean_n += hands.held().force_n.y() / 180.0;
@@ -92,11 +91,11 @@ TEST(HandControls, SqueezeTakesWhatIsAtTheHandAndCarriesIt) {
   }
 }
 
-TEST(HandControls, AnOpenHandThrowsAndAFarOneTakesNothing) {
+TEST(HandControls, OpenHandThrowsAndDistantHandGrabsNothing) {
   Hands hands;
   hands.tick(hands.middle("box") + Vector3d(0, 0.5, 0), 1.0f);
   EXPECT_FALSE(hands.held().holding);
-  hands.tick(hands.middle("box"), 1.0f);  // closed before it came: nothing
+  hands.tick(hands.middle("box"), 1.0f);  // closed before it arrived: no grab
   EXPECT_FALSE(hands.held().holding);
   hands.tick(hands.middle("box"), 0.0f);
   Vector3d hand = hands.middle("box");
@@ -109,10 +108,10 @@ TEST(HandControls, AnOpenHandThrowsAndAFarOneTakesNothing) {
   EXPECT_LT(((hands.middle("box") - before) * 90.0 - velocity).norm(), 0.1 * velocity.norm());
 }
 
-// A client that draws 90 pictures a second tells of its hands with every tick, one that draws 8 with every
-// eleventh. Carried evenly and let go, a thing goes as the hand did. So it does where a client looks three
-// times at one moment.
-TEST(HandControls, ASlowClientThrowsAsAFastOneDoes) {
+// A client at 90 frames a second sends hands with every tick, one at 8 with every eleventh. Moved evenly and
+// released, an object keeps the velocity of the hand. This also holds for a client that sends three samples
+// per moment.
+TEST(HandControls, ThrowsDoNotDependOnTheFrameRate) {
   const Vector3d velocity(1.5, 1.5, 0);
   for (const auto& [ticks_a_sample, looks] :
        {std::pair{1, 1}, {1, 3}, {3, 1}, {3, 3}, {6, 1}, {6, 3}, {11, 1}, {11, 3}}) {
@@ -148,8 +147,8 @@ TEST(HandControls, ASlowClientThrowsAsAFastOneDoes) {
   }
 }
 
-// One that stops telling stops where its hand would have been, and does not go on for good.
-TEST(HandControls, ASilentHandStands) {
+// A hand without samples stops at its extrapolated position.
+TEST(HandControls, HandWithoutSamplesStops) {
   Hands hands;
   Vector3d hand = hands.middle("box");
   hands.tick(hand, 0.0f);
@@ -162,7 +161,7 @@ TEST(HandControls, ASilentHandStands) {
   EXPECT_NEAR(hands.middle("box").y(), hand.y() + 0.06, 0.01);
 }
 
-TEST(HandControls, TwoHandsHoldOneObjectAndFeelTheTable) {
+TEST(HandControls, TwoHandsHoldOneObjectAndFeelContacts) {
   Hands hands;
   const Vector3d middle = hands.middle("box");
   Vector3d left = middle + Vector3d(-0.1, 0, 0), right = middle + Vector3d(0.1, 0, 0);
@@ -177,7 +176,7 @@ TEST(HandControls, TwoHandsHoldOneObjectAndFeelTheTable) {
   move(0.2, 45);
   move(0.0, 45);
   EXPECT_NEAR(hands.held(0).force_n.y() + hands.held(1).force_n.y(), 9.81, 0.1);  // 1 kg
-  // Knocked on the floor: each hand is told what the box got.
+  // Hit against the floor: each hand receives the impulse on the box.
   double largest = 0.0;
   for (int i = 0; i < 30; ++i) {
     move(-0.02, 1);
@@ -186,11 +185,11 @@ TEST(HandControls, TwoHandsHoldOneObjectAndFeelTheTable) {
               hands.scene.world().contact_impulse_n_s(hands.id("box"), Eigen::Vector3d::Zero()));
     largest = std::max(largest, hands.held(1).contact_impulse_n_s);
   }
-  EXPECT_GT(largest, 0.5);  // 1 kg that came down at up to 1.8 m/s
+  EXPECT_GT(largest, 0.5);  // 1 kg that fell at up to 1.8 m/s
   EXPECT_LT(largest, 5.0);
 }
 
-TEST(HandControls, JumpingHandsPullNoHarderThanTheGripIs) {
+TEST(HandControls, GripForceIsBounded) {
   Hands hands;
   hands.tick(hands.middle("box"), 1.0f);
   ASSERT_TRUE(hands.held().grabbed);
@@ -206,14 +205,14 @@ TEST(HandControls, JumpingHandsPullNoHarderThanTheGripIs) {
   EXPECT_FALSE(hands.held().holding);
 }
 
-// A hand or a ray on a thing that comes apart goes on with the fragment it is at, and bears its weight alone;
-// so does one that takes a fragment of what lies there broken.
-TEST(HandControls, OfABrokenThingOneSherdIsHeld) {
+// A grab or a ray on an object that fractures continues with the fragment at its point and carries that
+// fragment alone. So does a grab of a fragment.
+TEST(HandControls, HoldsOneFragmentAfterFracture) {
   for (const bool whole : {true, false}) {
     for (const bool ray : {false, true}) {
       SCOPED_TRACE(std::string(whole ? "taken whole" : "taken from the heap") +
                    (ray ? " by a ray" : " by a hand"));
-      Hands hands{breaking_scene()};  // falls apart after 90 ticks
+      Hands hands{breaking_scene()};  // fractures after 90 ticks
       Vector3d hand = hands.middle("box") + Vector3d(0.03, ray ? 0.6 : 0.1, 0.03);
       const auto run = [&](double up_m, int ticks, float closed) {
         for (int i = 0; i < ticks; ++i) {
@@ -248,9 +247,9 @@ TEST(HandControls, OfABrokenThingOneSherdIsHeld) {
   }
 }
 
-// Nobody takes anything from anybody: each hand pulls with a spring of its own, so what two people hold goes
-// to the middle, and to one of them once the other opens the hand or is gone.
-TEST(HandControls, TwoPeopleHoldOneObjectAndItStaysBetweenThem) {
+// Each hand has its own spring, so an object that two clients hold moves to the middle, and to one of them
+// when the other releases it or disconnects.
+TEST(HandControls, TwoClientsHoldOneObjectBetweenThem) {
   for (const bool vanishes : {false, true}) {
     Hands hands;
     const Vector3d start = hands.middle("box");
@@ -290,7 +289,7 @@ TEST(HandControls, TwoPeopleHoldOneObjectAndItStaysBetweenThem) {
     const auto force_n = [&](SessionNumber session) {
       return hands.controls.held_points(hands.scene, session)[1].force_n;
     };
-    EXPECT_NEAR(force_n(1).y() + force_n(2).y(), 9.81, 0.1);  // 1 kg between them
+    EXPECT_NEAR(force_n(1).y() + force_n(2).y(), 9.81, 0.1);  // 1 kg shared
     EXPECT_NEAR(force_n(1).x(), -force_n(2).x(), 0.1);
     EXPECT_GT(std::abs(force_n(1).x()), 1.0);
     if (vanishes) {
@@ -302,7 +301,7 @@ TEST(HandControls, TwoPeopleHoldOneObjectAndItStaysBetweenThem) {
     move(Vector3d::Zero(), Vector3d::Zero(), 90);
     EXPECT_FALSE(hands.controls.holding(2));
     EXPECT_TRUE(hands.controls.holding(1));
-    EXPECT_LT((hands.middle("box") - start - up + apart).norm(), 0.02);  // as the first holds it
+    EXPECT_LT((hands.middle("box") - start - up + apart).norm(), 0.02);  // as held by the first
   }
 }
 

@@ -34,7 +34,7 @@ v1::ClientMessage plain_message() {
   return message;
 }
 
-TEST(InputCheck, ReadsHandsAndLeavesUntrackedOnesInactive) {
+TEST(InputCheck, ReadsHandsAndMarksUntrackedInactive) {
   const auto samples = check_inputs(plain_message());
   ASSERT_TRUE(samples) << samples.error().message;
   ASSERT_EQ(samples->size(), 3u);
@@ -44,7 +44,7 @@ TEST(InputCheck, ReadsHandsAndLeavesUntrackedOnesInactive) {
   EXPECT_EQ((*samples)[2].sequence, 3u);
 }
 
-TEST(InputCheck, RefusesWhatIsNotPhysicalAndNamesTheField) {
+TEST(InputCheck, RefusesUnphysicalInputByField) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
   const struct {
@@ -79,7 +79,7 @@ TEST(InputCheck, RefusesWhatIsNotPhysicalAndNamesTheField) {
   }
 }
 
-TEST(InputCheck, TakesAViewOrRefusesItByItsField) {
+TEST(InputCheck, ReadsAViewOrNamesTheField) {
   v1::ClientMessage message;
   const auto none = check_view(message);
   EXPECT_TRUE(none && !*none);
@@ -102,23 +102,23 @@ TEST(InputCheck, TakesAViewOrRefusesItByItsField) {
     return taken ? "" : taken.error().message;
   };
   set({1, nan, 3}, {0, 1, 0}, 0.5f);
-  EXPECT_EQ(refused(), "view.position_m: is not a finite place within 1000 m");
+  EXPECT_EQ(refused(), "view.position_m: must be finite and within 1000 m");
   set({1, 1e9f, 3}, {0, 1, 0}, 0.5f);
-  EXPECT_EQ(refused(), "view.position_m: is not a finite place within 1000 m");
+  EXPECT_EQ(refused(), "view.position_m: must be finite and within 1000 m");
   set({1, 2, 3}, {0, 0, 0}, 0.5f);
-  EXPECT_EQ(refused(), "view.forward: is not of length 1");
+  EXPECT_EQ(refused(), "view.forward: must have length 1");
   set({1, 2, 3}, {0, nan, 1}, 0.5f);
-  EXPECT_EQ(refused(), "view.forward: is not of length 1");
+  EXPECT_EQ(refused(), "view.forward: must have length 1");
   for (const float angle_rad : {-0.1f, 4.0f, nan}) {
     set({1, 2, 3}, {0, 1, 0}, angle_rad);
-    EXPECT_EQ(refused(), "view.half_angle_rad: is outside 0..pi");
+    EXPECT_EQ(refused(), "view.half_angle_rad: must be in 0..pi");
   }
   set({1, 2, 3}, {0, 1, 0}, 0.5f);
   view.add_forward(0);
-  EXPECT_EQ(refused(), "view.forward: has not three numbers");
+  EXPECT_EQ(refused(), "view.forward: must have three numbers");
 }
 
-TEST(InputCheck, RefusesMoreSamplesThanAMessageMayHold) {
+TEST(InputCheck, RefusesTooManySamples) {
   v1::ClientMessage message;
   for (int i = 0; i <= kMaxSamplesPerMessage; ++i)
     message.add_inputs()->set_sequence(static_cast<uint64_t>(i) + 1);

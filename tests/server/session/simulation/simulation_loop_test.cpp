@@ -30,8 +30,8 @@ TEST(SimulationLoop, NeverRunsAheadOfItsSchedule) {
   ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 100; }));
   loop.stop();
   const Ticks ticks = log.ticks();
-  // Tick n is due n periods after tick 0. Behind, it makes up for two periods at most, then it slips; so no
-  // stretch of ticks is shorter than its length in periods less three (the one that is running included).
+  // Tick n is due n periods after tick 0. The schedule catches up by at most two periods, then slips. So n
+  // ticks take at least n periods less three, including the current one.
   const int64_t period_ns = 5'000'000;
   for (size_t begin : {size_t{0}, size_t{10}, size_t{50}}) {
     for (size_t end = begin + 1; end < ticks.size(); ++end) {
@@ -41,7 +41,7 @@ TEST(SimulationLoop, NeverRunsAheadOfItsSchedule) {
   }
 }
 
-// A ray from in front of an object, drawn up: its middle follows. `name` is at x, on the floor.
+// A ray from in front of an object moves up and lifts its middle. `name` is at x, on the floor.
 void expect_pull_lifts(const char* name, double x) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
@@ -51,7 +51,7 @@ void expect_pull_lifts(const char* name, double x) {
   loop.start();
   ASSERT_TRUE(log.wait([](const Ticks& ticks) { return !ticks.empty(); }));
   const double start_y = middle_of(log.ticks().front().drivers, id).y();
-  // Half a metre up, a centimetre a tick, each sample a sign of life.
+  // Half a metre up, a centimetre a tick; each sample resets the input timeout.
   for (uint64_t step = 1; step <= 50; ++step) {
     const size_t seen = log.ticks().size();
     loop.on_input(1, one(hand_sample(
@@ -69,7 +69,7 @@ void expect_pull_lifts(const char* name, double x) {
   EXPECT_TRUE(held.hands[0].hands[1].holding);
   EXPECT_EQ(held.hands[0].hands[1].object_id, id);
 
-  // The trigger eases: it falls back to the floor.
+  // The trigger is released: it falls back to the floor.
   loop.on_input(1, one(hand_sample(++sequence, from_m, 0.0f)));
   EXPECT_TRUE(
       log.wait([&](const Ticks& ticks) { return middle_of(ticks.back().drivers, id).y() < start_y + 0.05; }));
@@ -79,11 +79,11 @@ void expect_pull_lifts(const char* name, double x) {
 TEST(SimulationLoop, RayLiftsARigidBox) { expect_pull_lifts("box", -0.5); }
 TEST(SimulationLoop, RayLiftsASoftCube) { expect_pull_lifts("cube", 0.5); }
 
-TEST(SimulationLoop, ARisingEdgeShootsOneBall) {
+TEST(SimulationLoop, RisingEdgeShootsOneBall) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
   const Eigen::Vector3d from_m(0, 0.5, 1);
-  // Samples repeat, as they do on the wire; the button stays down for the last three.
+  // Samples repeat, as on the wire; the button stays down for the last three.
   const std::array<InputSample, 4> samples = {
       hand_sample(1, from_m, 0, false), hand_sample(2, from_m, 0, true), hand_sample(3, from_m, 0, true),
       hand_sample(4, from_m, 0, true)};
@@ -98,7 +98,7 @@ TEST(SimulationLoop, ARisingEdgeShootsOneBall) {
   EXPECT_EQ(added, 1u);
   ASSERT_EQ(ticks[0].added.size(), 1u);
   const uint32_t ball = ticks[0].added[0].id;
-  // Along -z at the stated speed, for the nine ticks from the first to the tenth; gravity acts across.
+  // Along -z at kBallSpeed_m_s, for the nine ticks from the first to the tenth; gravity acts across.
   const double travelled = middle_of(ticks[0].drivers, ball).z() - middle_of(ticks[9].drivers, ball).z();
   EXPECT_NEAR(travelled, kBallSpeed_m_s * 9 / 90, 1e-3);
 }
@@ -115,7 +115,7 @@ TEST(SimulationLoop, ShotsAreLimitedInTime) {
   EXPECT_EQ(loop.summary().shots, 1u);
 }
 
-TEST(SimulationLoop, ASessionThatVanishesLetsGo) {
+TEST(SimulationLoop, ClosedSessionReleasesItsObject) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
   loop.on_input(1, one(hand_sample(1, {-0.5, 0.1, 1}, 1.0f)));
@@ -127,7 +127,7 @@ TEST(SimulationLoop, ASessionThatVanishesLetsGo) {
   EXPECT_TRUE(log.wait([](const Ticks& ticks) { return ticks.back().hands.empty(); }));
 }
 
-TEST(SimulationLoop, ASilentSessionLetsGoAfterHalfASecond) {
+TEST(SimulationLoop, SilentSessionReleasesItsObject) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
   loop.on_input(1, one(hand_sample(1, {-0.5, 0.1, 1}, 1.0f)));
@@ -137,11 +137,11 @@ TEST(SimulationLoop, ASilentSessionLetsGoAfterHalfASecond) {
   };
   ASSERT_TRUE(log.wait(holds));
   ASSERT_TRUE(log.wait([&](const Ticks& ticks) { return !holds(ticks); }));
-  EXPECT_EQ(log.ticks().back().hands.size(), 1u);  // it is still there
+  EXPECT_EQ(log.ticks().back().hands.size(), 1u);  // the session still exists
 }
 
-// A hand that never opened while its client was gone takes nothing when it comes back: it must open first.
-TEST(SimulationLoop, AHandThatComesBackClosedHoldsNothing) {
+// A hand that stayed closed while its client was silent grabs nothing afterwards: it must open first.
+TEST(SimulationLoop, ReturningClosedHandGrabsNothing) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
   const Eigen::Vector3d from_m(-0.5, 0.1, 1);
@@ -164,15 +164,15 @@ TEST(SimulationLoop, AHandThatComesBackClosedHoldsNothing) {
   EXPECT_TRUE(holds(log.ticks()));
 }
 
-TEST(SimulationLoop, AppliesASampleAtTheTickItIsMeantFor) {
+TEST(SimulationLoop, AppliesASampleAtItsTargetTick) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
   std::array<InputSample, 4> samples;
   for (size_t i = 0; i < samples.size(); ++i) samples[i] = hand_sample(i + 1, {-0.5, 0.1, 1}, 1.0f);
   samples[0].for_tick = 5;
   samples[1].for_tick = 7;
-  samples[2].for_tick = 6;              // one that is meant for before waits for those before it
-  samples[3].for_tick = 1'000'000'000;  // not believed
+  samples[2].for_tick = 6;              // an earlier target tick still waits for the samples before it
+  samples[3].for_tick = 1'000'000'000;  // implausible, applied at the next tick
   loop.on_input(1, samples);
   loop.start();
   ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 10; }));
@@ -187,8 +187,8 @@ TEST(SimulationLoop, AppliesASampleAtTheTickItIsMeantFor) {
   EXPECT_TRUE(ticks.at(4).hands.at(0).hands[1].holding);
 }
 
-// Of two people who do something in one tick, who joined first comes first, whoever's message came first.
-TEST(SimulationLoop, TheOrderOfArrivalOfTwoPeopleChangesNothing) {
+// Actions of two clients in one tick are applied in the order of joining, not of arrival.
+TEST(SimulationLoop, ArrivalOrderOfClientsDoesNotMatter) {
   std::vector<Ticks> runs;
   for (const bool swapped : {false, true}) {
     TickLog log;
@@ -199,7 +199,7 @@ TEST(SimulationLoop, TheOrderOfArrivalOfTwoPeopleChangesNothing) {
         InputSample sample =
             hand_sample(i, {-0.5, 0.1 + 0.004 * static_cast<double>(i) * (who + 1), 0.5}, 1.0f);
         sample.hands[1].grip.position_m = {-0.5 + 0.1 * who, 0.1 + 0.01 * static_cast<double>(i), 0};
-        sample.hands[1].squeeze = who == 1 ? 1.0f : 0.0f;  // one pulls by the ray, the other holds it
+        sample.hands[1].squeeze = who == 1 ? 1.0f : 0.0f;  // one pulls with the ray, the other grabs
         sample.for_tick = i;
         samples[static_cast<size_t>(who)].push_back(sample);
       }

@@ -12,7 +12,7 @@
 
 namespace livegs {
 
-// Remembers every tick.
+// Stores every tick.
 class TickLog final : public TickSink {
  public:
   void publish(TickResult&& tick) override {

@@ -9,18 +9,18 @@ namespace {
 TEST(DurationHistogram, PercentilesAreWithinABin) {
   DurationHistogram histogram;
   for (int i = 1; i <= 1000; ++i) histogram.add(0.01 * i);
-  // A bin is 2 % wide and its middle is the answer, so 1 %; one rank in a thousand is 0.1 % to 0.2 % more.
+  // Bins are 2 % wide and the result is the middle, so 1 %; one rank in a thousand adds 0.1 % to 0.2 %.
   EXPECT_NEAR(histogram.percentile(0.50), 5.0, 5.0 * 0.012);
   EXPECT_NEAR(histogram.percentile(0.99), 9.9, 9.9 * 0.012);
   EXPECT_EQ(histogram.largest(), 10.0);
   EXPECT_EQ(histogram.count(), 1000u);
 }
 
-TEST(DurationHistogram, TakesAnyNumber) {
+TEST(DurationHistogram, AcceptsAnyNumber) {
   DurationHistogram histogram;
   EXPECT_EQ(histogram.percentile(0.5), 0.0);
   for (double value : {0.0, 1e-30, 1e30, -1.0, std::nan("")}) histogram.add(value);
-  EXPECT_EQ(histogram.count(), 3u);  // neither the negative one nor NaN
+  EXPECT_EQ(histogram.count(), 3u);  // without the negative value and NaN
   EXPECT_LE(histogram.percentile(0.99), 1e30);
 }
 

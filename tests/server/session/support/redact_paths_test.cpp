@@ -9,7 +9,7 @@
 namespace livegs {
 namespace {
 
-TEST(WithoutFolders, OfAnAbsolutePathTheNameIsLeft) {
+TEST(WithoutFolders, AbsolutePathsBecomeNames) {
   const std::pair<const char*, const char*> messages[] = {
       {"/srv/scenes/mug.physics.json: physics.friction: is 9; mend it",
        "mug.physics.json: physics.friction: is 9; mend it"},
@@ -28,7 +28,7 @@ TEST(WithoutFolders, OfAnAbsolutePathTheNameIsLeft) {
   for (const auto& [message, told] : messages) EXPECT_EQ(redact_paths(message), told);
 }
 
-TEST(WithoutFolders, AClientsStatusHasNone) {
+TEST(WithoutFolders, ClientStatusHasNoFolders) {
   const grpc::Status status =
       to_status({ErrorCode::InvalidData, "/srv/scenes/mug.physics.json: is not JSON"});
   EXPECT_EQ(status.error_message(), "mug.physics.json: is not JSON");

@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint64_t kMb = 1'000'000, kGb = 1'000'000'000;
 
-TEST(SceneMemory, SizesComeFromTheFilesWithoutDecodingThem) {
+TEST(SceneMemory, SizesComeFromFilesWithoutDecoding) {
   const ScratchFolder folder;
   folder.write("room.ply",
                "ply\nformat binary_little_endian 1.0\nelement vertex 120000\nproperty float x\nend_header\n");
@@ -40,7 +40,7 @@ TEST(SceneMemory, EstimateGrowsWithKernelsBodiesAndClients) {
   EXPECT_EQ(scene_bytes({.clients = 64}) - empty, 64u << 20);
 }
 
-TEST(SceneMemory, ASceneThatDoesNotFitIsRefusedInOneLine) {
+TEST(SceneMemory, RefusesAnOversizedSceneInOneLine) {
   EXPECT_TRUE(check_memory(3 * kGb, 3 * kGb));
   const auto refused = check_memory(5 * kGb + 210 * kMb, 3 * kGb + 900 * kMb);
   ASSERT_FALSE(refused);
@@ -50,7 +50,7 @@ TEST(SceneMemory, ASceneThatDoesNotFitIsRefusedInOneLine) {
             "a machine with more memory");
 }
 
-TEST(SceneMemory, FreeMemoryIsTheMachinesWithoutALimit) {
+TEST(SceneMemory, FreeMemoryIsTheMachinesWithoutLimits) {
   const ScratchFolder root;
   root.write("proc/meminfo",
              "MemTotal:       16000000 kB\nMemFree:          100000 kB\nMemAvailable:    8000000 kB\n");
@@ -61,12 +61,12 @@ TEST(SceneMemory, FreeMemoryIsTheMachinesWithoutALimit) {
   EXPECT_EQ(free_bytes(root.path()), 8'000'000u * 1024);
 }
 
-TEST(SceneMemory, HiddenMeminfoLeavesTheWholeMachine) {
+TEST(SceneMemory, MissingMeminfoLeavesTheWholeMachine) {
   const ScratchFolder root;
   EXPECT_GT(free_bytes(root.path()), 100 * kMb);
 }
 
-// The cache of files can be dropped, so that it counts as free.
+// The file cache can be dropped, so it counts as free.
 TEST(SceneMemory, TheTightestGroupBoundsFreeMemory) {
   const ScratchFolder root;
   root.write("proc/meminfo", "MemAvailable:    8000000 kB\n");
@@ -81,8 +81,8 @@ TEST(SceneMemory, TheTightestGroupBoundsFreeMemory) {
   EXPECT_EQ(free_bytes(root.path()), 0u) << "more than the limit is used";
 }
 
-// In a container the group's path may not exist below the mount; the mount itself is the group.
-TEST(SceneMemory, AnOlderHierarchyIsReadToo) {
+// In a container the group's path may not exist below the mount; the mount root is the group.
+TEST(SceneMemory, ReadsControlGroupsV1) {
   const ScratchFolder root;
   root.write("proc/meminfo", "MemAvailable:    8000000 kB\n");
   root.write("proc/self/cgroup", "5:cpuset:/\n4:memory:/docker/abc\n0::/\n");
@@ -91,7 +91,7 @@ TEST(SceneMemory, AnOlderHierarchyIsReadToo) {
   EXPECT_EQ(free_bytes(root.path()), 600'000'000u);
 }
 
-TEST(SceneMemory, ASceneThatCannotBeReadIsLeftToTheLoader) {
+TEST(SceneMemory, UnreadableSceneIsLeftToTheLoader) {
   EXPECT_TRUE(check_scene_memory("/no/such.scene.json", 64));
 }
 

@@ -3,12 +3,12 @@
 
 #include "physics/elastic/cells/kernels/cell_lanes.h"
 
-// The algebra of eight cells side by side: sums over corners, rotations, stretches. For the inner loops over
-// cells alone, each of which inlines what it needs.
+// Algebra on eight cells in parallel: sums over corners, rotations, stretches. Only for the inner loops over
+// cells; everything is inlined.
 
 namespace livegs::lanes {
 
-// In Hadamard order: 1, x, y, xy, z, xz, yz, xyz.
+// Coefficients in Hadamard order: 1, x, y, xy, z, xz, yz, xyz.
 LIVEGS_INLINE void hadamard(Lanes (&v)[8]) {
   for (int bit = 1; bit < 8; bit *= 2) {
     for (int i = 0; i < 8; ++i) {
@@ -20,7 +20,7 @@ LIVEGS_INLINE void hadamard(Lanes (&v)[8]) {
   }
 }
 
-// The inverse without its factor: corner c gets the sum of coefficient times sign.
+// Inverse without the factor 1/8: corner c gets the sum of coefficient times sign.
 LIVEGS_INLINE void hadamard_back(Lanes (&v)[8]) {
   for (int bit = 1; bit < 8; bit *= 2) {
     for (int i = 0; i < 8; ++i) {
@@ -35,7 +35,7 @@ LIVEGS_INLINE void hadamard_back(Lanes (&v)[8]) {
 struct Matrix {
   Lanes m[3][3];
 };
-// Mandel order 11, 22, 33, 23, 13, 12.
+// Mandel order: 11, 22, 33, 23, 13, 12.
 struct Symmetric {
   Lanes v[6];
 };
@@ -66,10 +66,11 @@ LIVEGS_INLINE Lanes determinant(const Matrix& a) {
          a.m[0][2] * (a.m[1][0] * a.m[2][1] - a.m[1][1] * a.m[2][0]);
 }
 
-// A turn of R that makes Rᵀ F more symmetric, in R's own frame: Newton's step where the stretch is upright,
-// the bounded step of Müller et al. 2016 where it is not (flattened, inverted). Never more than kMaxTurn_rad.
+// Rotates R so that Rᵀ F becomes more symmetric, in R's own frame. Uses a Newton step if the stretch is
+// positive, and the bounded step of Müller et al. 2016 if it is flattened or inverted. The angle is at most
+// kMaxTurn_rad.
 constexpr float kMaxTurn_rad = 0.5f;
-constexpr float kTurnTolerance_rad = 0.05f;  // rad; the error left is about its cube
+constexpr float kTurnTolerance_rad = 0.05f;  // the remaining error is about its cube
 constexpr int kMaxTurns = 8;
 
 LIVEGS_INLINE Lanes turn(Lanes (&q)[4], const Matrix& m) {
@@ -93,7 +94,7 @@ LIVEGS_INLINE Lanes turn(Lanes (&q)[4], const Matrix& m) {
   if (__builtin_expect(any_fallen, false)) {
     const Lanes trace = m.m[0][0] + m.m[1][1] + m.m[2][2];
     const Lanes scale = one / ((trace < zero ? -trace : trace) + all_lanes(1e-3f));
-    // A half turn away there is no torque; a fixed small turn leaves that balance.
+    // There is no torque at half a turn; a small fixed rotation leaves this unstable equilibrium.
     const Lanes torque = tau[0] * tau[0] + tau[1] * tau[1] + tau[2] * tau[2];
     const auto balanced = fallen & (torque < all_lanes(1e-8f)) & (determinant(m) > all_lanes(0.01f));
     const float kick[3] = {0.01f, 0.02f, 0.03f};
@@ -153,7 +154,7 @@ LIVEGS_INLINE Lanes dot(const Symmetric& a, const Symmetric& b) {
   return sum;
 }
 
-// Cofactor matrix and determinant of a symmetric matrix, both Mandel.
+// Cofactor matrix and determinant of a symmetric matrix, in Mandel notation.
 LIVEGS_INLINE Symmetric cofactor(const Symmetric& s, Lanes& det) {
   const Lanes down = all_lanes(kHalfRoot2), up = all_lanes(kRoot2);
   const Lanes yz = s.v[3] * down, xz = s.v[4] * down, xy = s.v[5] * down;
@@ -163,7 +164,7 @@ LIVEGS_INLINE Symmetric cofactor(const Symmetric& s, Lanes& det) {
            up * c01}};
 }
 
-// Turns `q` to F's rotation; gives R and Rᵀ F.
+// Rotates `q` to the rotation of F; returns R and Rᵀ F.
 LIVEGS_INLINE void follow_rotation(Lanes (&q)[4], const Matrix& f, Matrix& r, Matrix& m) {
   r = matrix_of(q);
   m = transposed_times(r, f);
@@ -175,7 +176,7 @@ LIVEGS_INLINE void follow_rotation(Lanes (&q)[4], const Matrix& f, Matrix& r, Ma
   }
 }
 
-// S in Mandel's notation, what it lacks of I, and det F.
+// Returns S (Mandel), with I - S in `lack` and det F in `volume`.
 LIVEGS_INLINE Symmetric strain_of(const Matrix& m, Symmetric& lack, Lanes& volume) {
   const Lanes one = all_lanes(1.0f), up = all_lanes(kHalfRoot2);
   const Symmetric s = {{m.m[0][0], m.m[1][1], m.m[2][2], up * (m.m[1][2] + m.m[2][1]),
@@ -192,10 +193,10 @@ LIVEGS_INLINE Matrix matrix_of_mandel(const Symmetric& s) {
   return {{{s.v[0], xy, xz}, {xy, s.v[1], yz}, {xz, yz, s.v[2]}}};
 }
 
-// Hadamard index of mode 0 ... 3: yz, xz, xy, xyz.
+// Hadamard index of modes 0 ... 3: yz, xz, xy, xyz.
 constexpr int kModeIndex[4] = {6, 5, 3, 7};
 
-// F of full cells, whose centroid is their middle; `position` becomes its sums by corner signs.
+// F of full cells, with the centroid in their middle; `position` becomes the sums by corner signs.
 LIVEGS_INLINE Matrix full_gradient(Lanes inverse_four_widths, Lanes (&position)[3][8]) {
   Matrix f;
   for (int d = 0; d < 3; ++d) {
@@ -207,7 +208,7 @@ LIVEGS_INLINE Matrix full_gradient(Lanes inverse_four_widths, Lanes (&position)[
   return f;
 }
 
-// F at a cell's centroid; `position` becomes its sums by corner signs.
+// F at a cell's centroid; `position` becomes the sums by corner signs.
 LIVEGS_INLINE Matrix gradient_at(const Lanes (&xi)[3], Lanes inverse_four_widths, Lanes (&position)[3][8]) {
   const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
   Matrix f;

@@ -2,13 +2,13 @@
 // Corotated elasticity of an eight-node cell as one XPBD block (Macklin et al. 2016, XPBD; Müller and
 // Chentanez 2022, Physically based shape matching; elastic-study.md 2.2 to 2.5):
 //   F = sum x_i g_iᵀ, R its rotation, S = sym(Rᵀ F), energy V [ mu |S - I|² + lambda/2 (det F - 1)² ]
-//   (D in place of I where the material has flowed)
-//   d     = H (I - S)                                              the mu part, solved exactly
+//   (with the plastic part D in place of I after plastic flow)
+//   d     = H (I - S)                                           mu part, solved exactly
 //   S1    = S + sym(d G),  c = cof S1
-//   p     = (1 - det S1) / (c·A c - A c·H A c + alpha_lambda)      the volume part, Schur complement of the
-//   first sigma = d - p H A c + p c,   x_i += w_i R sigma g_i
-// then bending and twisting modes, which mean strain does not see, each with its own stiffness. The eight
-// corner sums, in and out, are one Hadamard transform of the corner signs.
+//   p     = (1 - det S1) / (c·A c - A c·H A c + alpha_lambda)   volume part, Schur complement of the first
+//   sigma = d - p H A c + p c,   x_i += w_i R sigma g_i
+// Bending and twisting modes, which mean strain does not contain, follow, each with its own stiffness. The
+// sums over the eight corners, in and out, are one Hadamard transform of the corner signs.
 #include "physics/elastic/cells/kernels/cell_kernels.h"
 
 #include "physics/elastic/cells/kernels/cell_algebra.h"
@@ -21,8 +21,8 @@ using namespace lanes;
 typedef float Unaligned __attribute__((vector_size(32), aligned(16)));
 LIVEGS_INLINE Lanes two_nodes(const NodeLanes* p) { return *reinterpret_cast<const Unaligned*>(p); }
 
-// Where the corners are: y plus the corrections so far, and their inverse masses. Corners 2k and 2k + 1 of a
-// cell are neighbours in the arrays where the lattice has no copies of nodes.
+// Loads the corner positions (y plus the corrections so far) and inverse masses. kPaired: corners 2k and 2k +
+// 1 of every cell are adjacent in the arrays, as in lattices without virtual nodes.
 template <bool kPaired>
 LIVEGS_INLINE void gather(const uint32_t (&nodes)[8][8], const NodeLanes* predicted,
                           const NodeLanes* corrections, Lanes (&position)[3][8], Lanes (&inverse_mass)[8]) {
@@ -64,12 +64,11 @@ LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_
   }
 }
 
-// The energy of a cell holds R in what it measures, and R follows F. Where the stress T is a function of the
-// stretch U alone (no plastic part, no bending) that makes no force; else the force is R (T + A), A
-// antisymmetric with axial vector (tr U I - U)^-1 (axial(U T - T U) - sum z_j x eta_j), z_j the modes'
-// amplitudes and eta_j their forces. U by its mean on the left. Without A bent cells would feed the body
-// energy: a leaf hit hard wound itself up without end. It is not part of the block that is solved, so it may
-// move F by no more than kMaxTurningPart of what the cell lacks.
+// Force from the dependence of R on F. If the stress T depends on the stretch U only (no plastic part, no
+// bending), it is zero. Otherwise the force is R (T + A), with A antisymmetric and axial vector (tr U I -
+// U)^-1 (axial(U T - T U) - sum z_j x eta_j); z_j are the mode amplitudes and eta_j their forces. The factor
+// (tr U I - U)^-1 uses the mean of U. Without A, bent cells add energy to the body. A is not part of the
+// solved block, so its effect on F is limited to kMaxTurningPart of the cell's strain.
 constexpr float kMaxTurningPart = 0.3f;
 LIVEGS_INLINE void add_turning_force(const Matrix& m, const Lanes (&mode_torque)[3], Lanes strain_squared,
                                      Lanes mobility, Matrix& stress) {
@@ -104,8 +103,8 @@ struct Worst {
   Lanes strain, bent, volume;
 };
 
-// A fold leaves no strain at the centroid: bending counts by the strain of a full cell's faces, 4 |q| / a for
-// an amplitude q.
+// A fold leaves no strain at the centroid. Bending therefore counts as the strain of a full cell's faces, 4
+// |q| / a for an amplitude q.
 constexpr float kBendingStrain = 256.0f;  // over (4 a)²
 template <class Mask>
 LIVEGS_INLINE void report(Mask used, Lanes strain, Lanes bending, Lanes volume, Worst& worst) {
@@ -115,7 +114,7 @@ LIVEGS_INLINE void report(Mask used, Lanes strain, Lanes bending, Lanes volume, 
   worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
 }
 
-// Coefficients of the corner signs in the turned frame to pulls on the corners in world axes.
+// Converts coefficients of the corner signs in the rotated frame to impulses on the corners in world axes.
 LIVEGS_INLINE void to_corners(const Matrix& r, const Lanes (&coefficient)[8][3], Lanes (&out)[3][8]) {
   for (int d = 0; d < 3; ++d) {
     out[d][0] = all_lanes(0.0f);
@@ -127,7 +126,7 @@ LIVEGS_INLINE void to_corners(const Matrix& r, const Lanes (&coefficient)[8][3],
   }
 }
 
-// What a stress at the centroid and the modes' forces, both in the turned frame, pull on the corners.
+// Impulses on the corners from the stress at the centroid and the mode forces, both in the rotated frame.
 LIVEGS_INLINE void pull_corners(const Matrix& r, const Matrix& stress, const Lanes (&eta)[4][3],
                                 const Lanes (&xi)[3], Lanes inverse_four_widths, Lanes (&out)[3][8]) {
   const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
@@ -159,7 +158,7 @@ LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const Ga
   Lanes volume;
   const Symmetric s = strain_of(m, lack, volume);
 
-  // G = g I: A and H are multiples of one.
+  // G = g I, so A and H are multiples of the identity.
   const Lanes h = all_lanes(gains.shear), gh = all_lanes(gains.mobility * gains.shear);
   const Lanes left = all_lanes(1.0f - gains.mobility * gains.shear);
   Symmetric s1;
@@ -219,13 +218,13 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   for (int k = 0; k < 6; ++k) sigma.v[k] = shear.v[k] + p * (c.v[k] - hac.v[k]);
   Matrix stress = matrix_of_mandel(sigma);
   if (kPlastic) {
-    // The modes' own torque is left out in these cells; what it would change has not been measured.
+    // The torque of the modes is omitted for these cells; its effect has not been measured.
     const Lanes torque[3] = {all_lanes(0.0f), all_lanes(0.0f), all_lanes(0.0f)};
     add_turning_force(m, torque, dot(lack, lack), cells.mobility[0] + cells.mobility[1] + cells.mobility[2],
                       stress);
   }
 
-  // Mode amplitudes after the strain update, in the turned frame, and what their rows give back.
+  // Mode amplitudes after the strain update, in the rotated frame, and the resulting mode forces.
   Lanes eta[4][3], bent = all_lanes(0.0f);
   for (int j = 0; j < 4; ++j) {
     const Lanes(&coupling)[3] = cells.mode_coupling[j];
@@ -239,7 +238,7 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
       eta[j][d] = gains.mode[j][d] * (turned + pulled) * all_lanes(-1.0f / 64.0f);
     }
   }
-  // Unused places have F = 0 and no stiffness; they are not strained.
+  // Unused lanes have F = 0 and no stiffness; they are excluded from the report.
   report(cells.mobility[0] + cells.mobility[1] + cells.mobility[2] > all_lanes(0.0f), dot(lack, lack),
          all_lanes(kBendingStrain / 64.0f) * q4 * q4 * bent, volume, worst);
 
@@ -248,11 +247,11 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
-// |S - I|², the strain by bending counted, from which the compensation goes and a cell is drawn straight
-// back, and where it only is.
+// Squared strain, including bending, between which a thin cell blends from the compensated response to the
+// isotropic recovery.
 constexpr float kRecoveryStrainStart = 0.25f, kRecoveryStrainEnd = 1.0f;
 
-// All eighteen measures at once; the energy is quadratic in them, so there is no volume row.
+// Solves all eighteen measures at once; the energy is quadratic in them, so there is no volume row.
 template <bool kPaired, bool kPlastic>
 LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, const ThinGains& gains,
                               const GaussSeidelArrays& arrays, Worst& worst) {
@@ -295,17 +294,17 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
     }
     impulse[i] += sum;
   }
-  // A cell pulled out of all proportion would turn by a radian in a step, and what it measures with it. It is
-  // drawn straight back to rest by as much energy: alike in all directions, which no turn changes.
+  // Recovery of extremely stretched cells. Such a cell would rotate by a radian per step, and its measures
+  // with it. It is instead pulled straight to rest with the same energy by an isotropic response, which does
+  // not depend on the rotation.
   if (__builtin_expect(any_above(strain, kRecoveryStrainStart), false)) {
     const Lanes one = all_lanes(1.0f), zero = all_lanes(0.0f);
     Lanes inverse = inverse_mass[0], energy = zero;
     for (int c = 1; c < 8; ++c) inverse += inverse_mass[c];
     for (int i = 0; i < kThinMeasures; ++i) energy += impulse[i] * lacking[i];
-    // Half of the way by the strains and half by the four modes together: where next to all of the inverse
-    // mass is at one corner, each of them moves that one, and with what it has of motion more than 4/3 of the
-    // way would grow. (Half by each, 2.5 in all, fed the tip of a leaf, nodes of 20 mg beside 11 g, until a
-    // plant flew.)
+    // Half of the correction is by the strains and half by the four modes together. If nearly all of the
+    // inverse mass is at one corner, every measure moves that corner, and a total of more than 4/3 of the way
+    // is unstable.
     Lanes by_strain = all_lanes(0.5f) / (used ? cells.mobility : one),
           by_mode = all_lanes(8.0f) / (used ? inverse : one);
     const Lanes alike = by_strain * dot(lack, lack) + by_mode * bent;
@@ -316,8 +315,8 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
     const Lanes own = (one - part) * (one + (gains.relief - one) * part);
     by_strain *= part * scale;
     by_mode *= part * scale;
-    // As if nothing had flowed: a plastic part beside such a stretch takes a turning force too large to be
-    // exact, and fed a loose end of a leaf that had flowed to its limit until it swung without end.
+    // Ignores the plastic part: at such a stretch its turning force would be too large to be accurate and
+    // would add energy.
     if (kPlastic) {
       for (int k = 0; k < 6; ++k) lacking[k] += part * ((k < 3 ? one : zero) - plastic->part[k]);
       for (int j = 0; j < 4; ++j) {

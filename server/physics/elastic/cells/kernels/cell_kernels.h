@@ -6,16 +6,16 @@
 
 #include "physics/elastic/cells/kernels/cell_lanes.h"
 
-// The inner loop of the `cells` solver over cells, as a plain function over flat arrays; node_kernels.h has
-// those over nodes. Single precision, lengths relative to an origin near the body.
+// Inner loop of the `cells` solver over cells, as a plain function on flat arrays; node_kernels.h has the
+// loops over nodes. Single precision, lengths relative to an origin near the body.
 
 namespace livegs {
 
-// Eight cells of one parity colour, which share no node. Unused places hold cells without stiffness on spare
-// nodes. A cell inside the body, full and between nodes of full mass, has no constants of its own.
+// Eight cells of one parity colour, which share no node. Unused lanes are cells without stiffness on the
+// spare nodes. A full cell between nodes of full mass has no constants of its own.
 struct FullCells {
-  uint32_t nodes[8][8];  // by corner, then place
-  Lanes rotation[4];     // w, x, y, z: world from lattice, kept from substep to substep
+  uint32_t nodes[8][8];  // by corner, then lane
+  Lanes rotation[4];     // w, x, y, z: world from lattice; persistent between substeps
 };
 struct CutCells {
   uint32_t nodes[8][8];
@@ -24,23 +24,23 @@ struct CutCells {
   Lanes mobility[6];  // G: 11, 22, 33, 23, 13, 12
   Lanes mode_coupling[4][3];
 };
-// A cell that holds a thin sheet or cord (thin_cell.h).
+// Cells with a thin sheet or cord (plate_cell.h).
 struct ThinCells {
   uint32_t nodes[8][8];
   Lanes rotation[4];
   Lanes centroid[3];
-  Lanes mobility;  // tr G; 0 in unused places
-  Lanes fold;      // the squared strain that its faces have, over the squared amplitude of its modes, 1/m²
-                   // (thin_cell_fold)
+  Lanes mobility;  // tr G; 0 in unused lanes
+  // Squared face strain over squared mode amplitude, 1/m² (thin_cell_fold).
+  Lanes fold;
 };
-// Where the material has flowed its strain is S - D, D the plastic part in Mandel's notation, and its modes
-// are at rest at amplitudes of their own, m.
+// Plastic state: the strain is S - D, with D the plastic part (Mandel), and the modes have rest amplitudes,
+// m.
 struct PlasticCells {
   Lanes part[6];
   Lanes mode_rest[4][3];
 };
 
-// What a step multiplies by (cell_stiffness.h), for one h_e.
+// Gains for one h_e (cell_stiffness.h).
 struct FullGains {
   float mobility, shear, volume_compliance, mode[4][3];
 };
@@ -49,17 +49,18 @@ struct CutGains {
   Lanes volume_compliance;
   Lanes mode[4][3];
 };
-// Impulses are -gain times what the cell measures: mean strain (Mandel), then the amplitudes of its modes.
+// Impulses are -gain times the measures of the cell: mean strain (Mandel), then the mode amplitudes.
 inline constexpr int kThinMeasures = 18;
 struct ThinGains {
   Lanes gain[kThinMeasures * (kThinMeasures + 1) / 2];  // upper triangle by rows
-  Lanes relief;  // what is left of it without the compensation of the sweep; at most 1
+  Lanes relief;  // gain without the sweep's compensation over the gain with it; at most 1
 };
 
-// One colour after another, or from the last to the first: a sweep in a fixed order pulls a body sideways.
-inline constexpr int kCellColours = 16;  // parities, and more for cells that stand at one place
+// Colours are swept in ascending order, or in descending order with `backward`: a fixed order causes a
+// sideways drift.
+inline constexpr int kCellColours = 16;  // parities, and more for cells at one place
 struct CellColours {
-  // Eights of cells by colour.
+  // Batch ranges by colour.
   size_t full_begin[kCellColours + 1], cut_begin[kCellColours + 1], thin_begin[kCellColours + 1];
 };
 struct GaussSeidelArrays {
@@ -68,31 +69,31 @@ struct GaussSeidelArrays {
   FullCells* full = nullptr;
   CutCells* cut = nullptr;
   ThinCells* thin = nullptr;
-  const PlasticCells* plastic = nullptr;       // one a CutCells, or nullptr
-  const PlasticCells* thin_plastic = nullptr;  // one a ThinCells, or nullptr
-  const CutGains* gains = nullptr;             // one a CutCells
-  const ThinGains* thin_gains = nullptr;       // one a ThinCells
+  const PlasticCells* plastic = nullptr;       // one per CutCells, or nullptr
+  const PlasticCells* thin_plastic = nullptr;  // one per ThinCells, or nullptr
+  const CutGains* gains = nullptr;             // one per CutCells
+  const ThinGains* thin_gains = nullptr;       // one per ThinCells
   FullGains full_gains{};
   float inverse_four_widths = 0;  // 1 / (4 a), 1/m
   bool backward = false;
-  bool paired = false;  // nodes[2k + 1] is nodes[2k] + 1 in every place
+  bool paired = false;  // nodes[2k + 1] is nodes[2k] + 1 in every lane
 };
-// How far from rest the worst cell was.
+// Largest deviation from rest over all cells.
 struct GaussSeidelReport {
-  float strain_squared = 0;  // |S - I|², of thin cells with bending
-  float bent_squared = 0;    // with bending, counted as the strain of a full cell's faces
-  float volume_ratio = 1;    // least det F
+  float strain_squared = 0;  // |S - I|², for thin cells including bending
+  float bent_squared = 0;    // including bending, as the strain of a full cell's faces
+  float volume_ratio = 1;    // smallest det F
 };
 GaussSeidelReport gauss_seidel_pass(const GaussSeidelArrays& arrays, const CellColours& colours);
 
-// What full cells of one material store, J (cell_energy of cell_stiffness.h), of nodes where they are between
-// steps. Strains of 1e-6 and less are lost in rounding.
+// Stored energy of full cells of one material, J (cell_energy in cell_stiffness.h), at the positions between
+// steps. Strains of about 1e-6 and below are lost to rounding.
 struct FullModuli {
-  float shear_j, lambda_j, mode_n_m[4][3];  // V mu, V lambda, and the stiffness of the modes
+  float shear_j, lambda_j, mode_n_m[4][3];  // V mu, V lambda, and the mode stiffness
 };
 double full_cell_energy(const FullCells* begin, const FullCells* end, const NodeLanes* positions,
                         const FullModuli& moduli, float inverse_four_widths);
-// Likewise of eight cut cells in which nothing has flowed; 0 in unused places.
+// The same for eight cut cells without plastic flow; 0 in unused lanes.
 struct CutModuli {
   Lanes shear_j, lambda_j, mode_n_m[4][3];
 };

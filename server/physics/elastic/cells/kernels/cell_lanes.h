@@ -7,13 +7,13 @@
 
 #include <cmath>
 
-// Eight floats side by side as GCC's and Clang's vector extension: plain arithmetic on every target.
-// Everything here is inlined by order: a call would pass its values through memory.
+// Eight floats as a GCC/Clang vector extension: plain arithmetic on every target. All functions are forced
+// inline; a call would pass its values through memory.
 
 namespace livegs {
 
-typedef float Lanes __attribute__((vector_size(32)));  // one value of eight cells, or two nodes side by side
-typedef float NodeLanes __attribute__((vector_size(16)));  // x, y, z and w of a node
+typedef float Lanes __attribute__((vector_size(32)));      // one value of eight cells, or two nodes
+typedef float NodeLanes __attribute__((vector_size(16)));  // x, y, z, w of a node
 
 #define LIVEGS_INLINE [[gnu::always_inline]] static inline
 
@@ -50,8 +50,8 @@ LIVEGS_INLINE bool any_above(Lanes a, float limit) {
 #endif
 }
 
-// Nodes i of places 0 ... 3 in the low halves and of 4 ... 7 in the high ones become x, y, z, w of the eight
-// places. Its own inverse.
+// In: node i of lanes 0 ... 3 in the low halves and of lanes 4 ... 7 in the high halves. Out: x, y, z, w of
+// the eight lanes. Self-inverse.
 LIVEGS_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes t0 = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
   const Lanes t1 = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
@@ -63,7 +63,7 @@ LIVEGS_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   d = __builtin_shufflevector(t1, t3, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-// Eight rows to eight columns. Its own inverse.
+// Eight rows to eight columns. Self-inverse.
 LIVEGS_INLINE void transpose(Lanes (&v)[8]) {
   transpose(v[0], v[1], v[2], v[3]);
   transpose(v[4], v[5], v[6], v[7]);
@@ -80,7 +80,7 @@ LIVEGS_INLINE Lanes pair_of(NodeLanes low, NodeLanes high) {
 LIVEGS_INLINE NodeLanes low_half(Lanes a) { return __builtin_shufflevector(a, a, 0, 1, 2, 3); }
 LIVEGS_INLINE NodeLanes high_half(Lanes a) { return __builtin_shufflevector(a, a, 4, 5, 6, 7); }
 
-// The cross product of the x, y, z of both nodes; w becomes 0.
+// Cross product of the x, y, z of both nodes; w becomes 0.
 LIVEGS_INLINE Lanes cross_pairs(Lanes a, Lanes b) {
   const Lanes a1 = __builtin_shufflevector(a, a, 1, 2, 0, 3, 5, 6, 4, 7);
   const Lanes b1 = __builtin_shufflevector(b, b, 1, 2, 0, 3, 5, 6, 4, 7);

@@ -7,7 +7,7 @@ namespace {
 
 using namespace lanes;
 
-// The corners, and the inverse masses of the first of them.
+// Loads the corner positions; returns the inverse masses of the first corner.
 LIVEGS_INLINE Lanes gather(const uint32_t (&nodes)[8][8], const NodeLanes* positions,
                            Lanes (&position)[3][8]) {
   Lanes inverse_mass = all_lanes(0.0f);
@@ -24,8 +24,8 @@ LIVEGS_INLINE Lanes gather(const uint32_t (&nodes)[8][8], const NodeLanes* posit
   return inverse_mass;
 }
 
-// `position` holds the sums by corner signs; mode(j, d) is half the stiffness over 64: an amplitude is an
-// eighth of a sum.
+// `position` holds the sums by corner signs; mode(j, d) is half the stiffness over 64, because an amplitude
+// is an eighth of a sum.
 template <class Mode>
 LIVEGS_INLINE Lanes energy_of(const Lanes (&kept)[4], const Matrix& f, const Lanes (&position)[3][8],
                               Lanes shear_j, Lanes half_lambda_j, const Mode& mode) {
@@ -48,7 +48,7 @@ LIVEGS_INLINE Lanes energy_of(const Lanes (&kept)[4], const Matrix& f, const Lan
   return energy;
 }
 
-// Of the eight cells; 0 in unused places.
+// Energy of each of the eight cells; 0 in unused lanes.
 LIVEGS_INLINE Lanes energy_of_full(const FullCells& cells, const NodeLanes* positions,
                                    const FullModuli& moduli, Lanes q4) {
   Lanes position[3][8];

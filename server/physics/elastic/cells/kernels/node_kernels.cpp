@@ -29,7 +29,7 @@ void predict_nodes(const NodeArrays& nodes, const PredictStep& step) {
     const Lanes inverse_mass = __builtin_shufflevector(x, x, 3, 3, 3, 3, 7, 7, 7, 7);
     const Mask free = (inverse_mass > zero) & xyz;
     v += free ? correction + cross_pairs(correction_spin, r) : zero;
-    // w: the mass stays, and its differences are nothing.
+    // w holds the mass and stays unchanged.
     const Lanes carried = kept * (v + memory * (v - v_before)) + bias + cross_pairs(spin, r);
     const Lanes predicted = free ? carried : zero;
     const Lanes y = x + (free ? memory * (x - x_before) + step_s * predicted : zero);
@@ -65,7 +65,7 @@ float shift_nodes(const NodeArrays& nodes, NodeLanes by, NodeLanes centre) {
 
 void advance_nodes(const NodeArrays& nodes, float step_s, NodeSums& sums) {
   const Lanes rate = all_lanes(1.0f / step_s), zero = all_lanes(0.0f);
-  constexpr size_t kBlock = 32;  // nodes summed in single precision before they join the double sums
+  constexpr size_t kBlock = 32;  // nodes summed in single precision before the addition to the double sums
   sums = NodeSums{};
   for (size_t begin = 0; begin < nodes.count; begin += kBlock) {
     const size_t end = begin + kBlock < nodes.count ? begin + kBlock : nodes.count;

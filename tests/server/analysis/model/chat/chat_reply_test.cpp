@@ -21,7 +21,7 @@
 namespace livegs {
 namespace {
 
-TEST(SseParser, EventsAreTheSameHoweverTheBytesAreCut) {
+TEST(SseParser, EventsDoNotDependOnChunking) {
   const std::string stream =
       "\xEF\xBB\xBF: ping\r\ndata: {\"a\":1}\r\n\r\nevent: x\rdata:two\rdata: lines\r\rid: "
       "7\n\ndata\n\ndata: "
@@ -41,7 +41,7 @@ TEST(SseParser, EventsAreTheSameHoweverTheBytesAreCut) {
   }
 }
 
-TEST(ChatReply, AStreamCutAtAnyByteIsAnErrorOrTheAnswer) {
+TEST(ChatReply, TruncatedStreamIsAnErrorOrTheAnswer) {
   const Reply whole = streams(streamed_answer(sound_answer()));
   const auto complete = decode_chat_reply(whole.body, true);
   ASSERT_TRUE(complete);
@@ -54,8 +54,8 @@ TEST(ChatReply, AStreamCutAtAnyByteIsAnErrorOrTheAnswer) {
   }
 }
 
-// Cut, doubled, overwritten and spliced bytes of sound replies. Nothing may crash; what is understood stays
-// bounded.
+// Valid replies with truncated, duplicated, overwritten and spliced bytes. Decoding never crashes, and its
+// result is bounded.
 TEST(ChatReply, MutatedBytesGiveAValueOrAnError) {
   const std::vector<std::string> sound = {
       says(sound_answer()).body,
@@ -115,10 +115,10 @@ TEST(ChatReply, MutatedBytesGiveAValueOrAnError) {
       EXPECT_TRUE(object->is_object());
     }
   }
-  EXPECT_GT(understood, 400);  // the mutations are not all noise
+  EXPECT_GT(understood, 400);  // the mutations are not only noise
 }
 
-TEST(EndpointQuirks, EveryRefusalTakesSomethingAwaySoLearningEnds) {
+TEST(EndpointQuirks, EveryRefusalDisablesAFeature) {
   const ServerError errors[] = {
       {"", "", "max_tokens", "use max_completion_tokens"},
       {"", "", "", ""},
@@ -136,7 +136,7 @@ TEST(EndpointQuirks, EveryRefusalTakesSomethingAwaySoLearningEnds) {
   }
 }
 
-TEST(CircuitBreaker, OneProbePassesAndDecides) {
+TEST(CircuitBreaker, SingleProbeDecides) {
   CircuitBreaker breaker(2, 10.0);
   const std::int64_t second = 1000000000;
   breaker.fail(0, "down");
@@ -154,7 +154,7 @@ TEST(CircuitBreaker, OneProbePassesAndDecides) {
   EXPECT_TRUE(breaker.try_pass(20 * second));
 }
 
-TEST(Backoff, DoublesUpToItsCapAndKeepsToRetryAfter) {
+TEST(Backoff, DoublesUpToItsCapAndHonoursRetryAfter) {
   EXPECT_DOUBLE_EQ(backoff_s(0, 0.5, 8, 1.0, 0), 0.5);
   EXPECT_DOUBLE_EQ(backoff_s(3, 0.5, 8, 1.0, 0), 4.0);
   EXPECT_DOUBLE_EQ(backoff_s(10, 0.5, 8, 1.0, 0), 8.0);
@@ -162,11 +162,11 @@ TEST(Backoff, DoublesUpToItsCapAndKeepsToRetryAfter) {
   EXPECT_DOUBLE_EQ(backoff_s(0, 0.5, 8, 0.1, 3.0), 3.0);
 }
 
-TEST(Secret, IsTakenOutOfTextsWholeAndInPart) {
+TEST(Secret, RedactsWholeAndPartialKeys) {
   const Secret key(kTestKey);
   EXPECT_EQ(key.redact("Bearer " + std::string(kTestKey) + "!"), "Bearer [key]!");
   EXPECT_EQ(key.redact("ends in 8pYc3NdHs"), "ends in [key]");
-  EXPECT_EQ(key.redact("sk-live"), "sk-live");  // seven characters say nothing
+  EXPECT_EQ(key.redact("sk-live"), "sk-live");  // seven characters are below the redaction limit
   EXPECT_EQ(key.redact(""), "");
   EXPECT_EQ(Secret("none").redact("none of it"), "none of it");
   std::string text = "secret";
@@ -174,8 +174,8 @@ TEST(Secret, IsTakenOutOfTextsWholeAndInPart) {
   EXPECT_TRUE(text.empty());
 }
 
-// Copies of it lie in the heap of libcurl and in the environment: the process writes no core file at all.
-TEST(Secret, AProcessThatHoldsOneWritesNoCoreFile) {
+// libcurl's heap and the environment hold copies, so the process disables core files.
+TEST(Secret, DisablesCoreFilesOfTheProcess) {
   const pid_t child = ::fork();
   if (child == 0) {
     rlimit most{};
@@ -193,8 +193,8 @@ TEST(Secret, AProcessThatHoldsOneWritesNoCoreFile) {
   EXPECT_FALSE(WCOREDUMP(status));
 }
 
-// /proc/self/smaps names a page that is left out of core files by the flag dd.
-TEST(Secret, ItsPageIsLeftOutOfCoreFiles) {
+// The flag dd in /proc/self/smaps marks a page as excluded from core files.
+TEST(Secret, ExcludesItsPageFromCoreFiles) {
   const Secret key(kTestKey);
   char begin[32];
   std::snprintf(begin, sizeof begin, "%lx-", reinterpret_cast<unsigned long>(key.reveal().data()) & ~0xffful);

@@ -7,15 +7,15 @@
 
 #include "server/analysis/model/chat/model_endpoint_cases.h"
 
-// The groups of cases that make up endpoint_cases(), and what several of them share.
+// Groups of endpoint_cases(), and their shared helpers.
 
 namespace livegs {
 
-std::vector<EndpointCase> dialect_cases();  // each server as it should be
-std::vector<EndpointCase> tool_cases();     // calls, sound and unsound
-std::vector<EndpointCase> refusal_cases();  // 4xx that say what to leave out, or that nothing helps
-std::vector<EndpointCase> busy_cases();     // limits, quotas, failures, waits
-std::vector<EndpointCase> content_cases();  // what stands in an answer of status 200
+std::vector<EndpointCase> dialect_cases();  // well-behaved servers
+std::vector<EndpointCase> tool_cases();     // valid and invalid tool calls
+std::vector<EndpointCase> refusal_cases();  // 4xx that name an unsupported part, or are final
+std::vector<EndpointCase> busy_cases();     // rate limits, quotas, failures, delays
+std::vector<EndpointCase> content_cases();  // contents of replies of status 200
 std::vector<EndpointCase> stream_cases();   // server-sent events
 
 using Posts = std::vector<SeenRequest>;
@@ -61,7 +61,7 @@ inline Json error_of(const char* code, const char* message) {
   return {{"message", message}, {"type", code}, {"code", code}, {"param", nullptr}};
 }
 
-// What the model is told about the result of its first call.
+// Result of the first tool call, as sent to the model.
 inline std::string tool_result(const Posts& posts, std::size_t call = 0) {
   const Json messages = body_of(posts.at(1))["messages"];
   std::size_t seen = 0;
@@ -75,7 +75,7 @@ inline TestModelServer::Handler one_call(const std::string& name, const std::str
   return in_turn({calls({{name, arguments}}), says(sound_answer())});
 }
 
-// A 400 about `param` as long as it is sent.
+// Responds with a 400 about `param` while the request contains it.
 inline TestModelServer::Handler refuses(const std::string& key, const Json& error, int status = 400) {
   return [=](const SeenRequest& request, int) {
     return body_of(request).contains(key) ? fails(status, error) : says(sound_answer());

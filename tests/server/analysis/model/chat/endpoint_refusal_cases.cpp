@@ -18,7 +18,7 @@ std::vector<EndpointCase> refusal_cases() {
       {"schema_refused_object_taken", schema_refused, "", 2, no_tools,
        [](const Posts& posts, const RawAnswer&) {
          EXPECT_EQ(body_of(posts[1])["response_format"]["type"], "json_object");
-         EXPECT_NE(last_text(posts[1]).find("JSON"), std::string::npos);  // OpenAI wants the word
+         EXPECT_NE(last_text(posts[1]).find("JSON"), std::string::npos);  // OpenAI requires the word
        }},
       {"schema_and_object_refused",
        refuses("response_format", error_of("invalid_request_error", "unknown field response_format")), "", 3,
@@ -97,9 +97,9 @@ std::vector<EndpointCase> busy_cases() {
          return index == 0 ? with_header(busy, "Retry-After: " + http_date(2)) : says(sound_answer());
        },
        "", 2, no_tools, [](const Posts&, const RawAnswer& answer) { EXPECT_GE(answer.wall_s, 0.9); }},
-      {"429_past_the_deadline", in_turn({with_header(busy, "Retry-After: 3600")}), "past the deadline", 1,
+      {"429_past_the_deadline", in_turn({with_header(busy, "Retry-After: 3600")}), "exceed the deadline", 1,
        no_tools},
-      {"429_for_ever", in_turn({busy}), "fewer requests", 4, no_tools},
+      {"429_for_ever", in_turn({busy}), "limits the request rate", 4, no_tools},
       {"429_no_credit",
        in_turn({fails(429, error_of("insufficient_quota", "You exceeded your current quota"))}),
        "no more credit", 1},

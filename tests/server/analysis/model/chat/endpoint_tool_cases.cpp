@@ -50,7 +50,7 @@ std::vector<EndpointCase> dialect_cases() {
        7,
        {},
        [](const Posts& posts, const RawAnswer&) {
-         // The schema stands in words where it cannot stand in the request.
+         // The schema is given in words if it cannot be part of the request.
          EXPECT_NE(last_text(posts.back()).find("\"additionalProperties\""), std::string::npos);
          EXPECT_EQ(body_of(posts.back()).size(), 3u);
        }},
@@ -94,7 +94,7 @@ std::vector<EndpointCase> tool_cases() {
        {},
        [](const Posts& posts, const RawAnswer&) {
          EXPECT_NE(tool_result(posts).find("not a JSON object"), std::string::npos);
-         // The history that goes back is sound all the same.
+         // The returned history is valid nevertheless.
          const Json messages = body_of(posts[1])["messages"];
          EXPECT_EQ(messages[messages.size() - 2]["tool_calls"][0]["function"]["arguments"], "{}");
        }},

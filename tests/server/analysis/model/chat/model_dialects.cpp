@@ -93,7 +93,7 @@ namespace {
 
 bool sends_images(const Json& body) { return body.dump().find("\"image_url\"") != std::string::npos; }
 
-// Where tools are offered, two calls at first; then the answer.
+// With tools, two calls at first; then the answer.
 Reply answer_or_call(const Json& body) {
   if (body.contains("tools") && body["messages"].back()["role"] == "user") {
     return calls({{"material_search", R"({"query":"terracotta","k":2})"}, {"mesh_facts", "{}"}});

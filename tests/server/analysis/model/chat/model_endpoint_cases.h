@@ -9,16 +9,16 @@
 #include "analysis/text/json_text.h"
 #include "server/analysis/model/chat/test_model_server.h"
 
-// What a server may do to a client, as a table: what it says, what the client makes of it.
+// Table of server behaviours and the expected results in the client.
 
 namespace livegs {
 
 inline constexpr const char* kTestKey = "sk-live-7QmZr4T9xVb2LwK8pYc3NdHs";
 
-// A whole answer, the first example of prompts/examples.json; its mass_g.best is 730.
+// A complete answer, the first example of prompts/examples.json; its mass_g.best is 730.
 const std::string& sound_answer();
 
-// Chat replies as OpenAI writes them.
+// Chat reply in OpenAI's form.
 Reply says(const std::string& content, const char* finish_reason = "stop");
 Reply calls(const std::vector<std::pair<std::string, std::string>>& names_and_arguments);
 Reply fails(int status, const Json& error);  // {"error": ...}
@@ -28,7 +28,7 @@ std::vector<std::string> streamed_answer(const std::string& content);  // its ev
 Json body_of(const SeenRequest& request);
 std::string last_text(const SeenRequest& request);  // of the last message
 
-// The four dialects and the plainest server, each with what it refuses.
+// Servers of the four dialects and plain text, each with its refusals.
 TestModelServer::Handler openai_server();
 TestModelServer::Handler vllm_server();
 TestModelServer::Handler llama_cpp_server();
@@ -38,18 +38,18 @@ TestModelServer::Handler plain_server();
 struct EndpointCase {
   std::string name;
   TestModelServer::Handler server;
-  std::string error;  // what the message holds; empty: an answer comes
-  int posts = -1;     // how many requests it takes; -1: any number
+  std::string error;  // expected part of the error message; empty: an answer is expected
+  int posts = -1;     // expected number of requests; -1: any
   std::function<void(EndpointSettings&)> settings = {};
   std::function<void(const std::vector<SeenRequest>& posts, const RawAnswer& answer)> check = {};
   Reply models = not_found_reply();
 };
 const std::vector<EndpointCase>& endpoint_cases();
 
-// The settings of every case: this server, the test key, waits of milliseconds.
+// Settings of every case: this server, the test key, delays of milliseconds.
 EndpointSettings test_settings(const std::string& base_url);
 
-// Replies one after the other, the last one again and again.
+// Sends the replies in order and repeats the last one.
 TestModelServer::Handler in_turn(std::vector<Reply> replies);
 
 }  // namespace livegs

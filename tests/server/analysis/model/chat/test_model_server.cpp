@@ -20,7 +20,7 @@ struct TestModelServer::State {
   Handler handler;
   Reply models;
   int listener = -1, port = 0;
-  mutable std::mutex mutex;  // guards everything below
+  mutable std::mutex mutex;  // guards the members below
   mutable std::condition_variable changed;
   bool stopping = false;
   std::vector<SeenRequest> posts;
@@ -30,7 +30,7 @@ struct TestModelServer::State {
   std::mutex handling;
   std::thread acceptor;
 
-  bool pause(int ms) const {  // false when the server ends
+  bool pause(int ms) const {  // returns false when the server stops
     std::unique_lock lock(mutex);
     return !changed.wait_for(lock, std::chrono::milliseconds(ms), [&] { return stopping; });
   }
@@ -84,7 +84,7 @@ struct TestModelServer::State {
     }
     if (!send_all(socket, head + "\r\n")) return;
     const std::string_view body = std::string_view(reply.body).substr(0, reply.cut_after);
-    const int no_delay = 1;  // a write is a packet
+    const int no_delay = 1;  // one packet per write
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &no_delay, sizeof no_delay);
     const std::size_t piece = reply.piece_bytes ? reply.piece_bytes : std::max<std::size_t>(body.size(), 1);
     for (std::size_t at = 0; at < body.size(); at += piece) {
@@ -114,7 +114,7 @@ struct TestModelServer::State {
         }
         const bool going = reply.delay_ms == 0 || pause(reply.delay_ms);
         {
-          std::lock_guard lock(mutex);  // before the client can know, and come again
+          std::lock_guard lock(mutex);  // before the client can detect the end and reconnect
           --at_once;
         }
         if (going) answer(socket, reply);
@@ -124,7 +124,7 @@ struct TestModelServer::State {
         more = models.keep_alive;
       }
     }
-    // The peer reads what was sent before it sees the end.
+    // The peer reads pending data before the end of the stream.
     ::shutdown(socket, SHUT_WR);
     std::lock_guard lock(mutex);
     std::erase(sockets, socket);

@@ -8,24 +8,24 @@
 
 namespace livegs {
 
-// What a client sent.
+// A request as received.
 struct SeenRequest {
   std::string method, path, head, body;
 };
 
-// What the test endpoint does with one request.
+// Response of the test server to one request.
 struct Reply {
   int status = 200;
   std::string body;
   std::string content_type = "application/json";
-  std::vector<std::string> headers;           // more of them, "Retry-After: 1"
+  std::vector<std::string> headers;           // additional ones, "Retry-After: 1"
   int delay_ms = 0;                           // before the first byte
   std::size_t piece_bytes = 0;                // the body in pieces of this size; 0: whole
   int piece_delay_ms = 0;                     // before each but the first
-  std::size_t cut_after = std::string::npos;  // the connection ends after so many bytes of the body
-  bool keep_alive = false;                    // the next request may come on the same connection
-  bool hang = false;                          // nothing more is sent after what `cut_after` lets through
-  std::string raw;                            // sent as it is, in place of everything else
+  std::size_t cut_after = std::string::npos;  // the connection ends after this many bytes of the body
+  bool keep_alive = false;                    // allows another request on the same connection
+  bool hang = false;                          // sends nothing after the first `cut_after` bytes
+  std::string raw;                            // sent verbatim in place of everything else
 };
 
 inline Reply not_found_reply() {
@@ -35,22 +35,22 @@ inline Reply not_found_reply() {
   return reply;
 }
 
-// An HTTP server on 127.0.0.1 with a thread a connection, which does what it is told. Every reply ends its
-// connection unless it keeps it alive.
+// HTTP server on 127.0.0.1 with one thread per connection, for scripted responses. A reply ends its
+// connection unless keep_alive is set.
 class TestModelServer {
  public:
-  // Called for every POST, with the number of POSTs before it; one at a time.
+  // Called for every POST with the number of earlier POSTs; calls are serialised.
   using Handler = std::function<Reply(const SeenRequest& request, int index)>;
   explicit TestModelServer(Handler handler, Reply models = not_found_reply());
   ~TestModelServer();
 
   std::string base_url() const;  // with /v1
   std::vector<SeenRequest> posts() const;
-  void wait_for_posts(std::size_t count) const;  // blocks until so many have come
+  void wait_for_posts(std::size_t count) const;  // blocks until `count` POSTs have arrived
   bool wait_for_posts(std::size_t count,
-                      double seconds) const;  // false when they did not; also from the handler
+                      double seconds) const;  // false on a timeout; also callable from the handler
   int connections() const;                    // so far
-  int most_at_once() const;                   // POSTs being answered
+  int most_at_once() const;                   // POSTs in progress
 
  private:
   struct State;
