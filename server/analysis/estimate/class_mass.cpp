@@ -76,16 +76,16 @@ double own_misfit(const ObjectRow& row) {
   return std::log(row.mass_kg / (material_row(row.material).density_kg_m3.best * volume_m3));
 }
 
-struct Physics {
+struct PhysicsMass {
   LogNormal mass;
   double density_kg_m3 = 0, wall_m = 0, extent = 0;  // as in ClassMass
 };
 
-Physics physics_mass(const ObjectClass& kind, const ObjectFacts& facts) {
+PhysicsMass physics_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   const ObjectRow& row = *kind.row;
   const MeshFacts& mesh = facts.mesh;
   const MaterialRow& material = kind.material ? *kind.material : material_row(row.material);
-  Physics physics;
+  PhysicsMass physics;
   physics.density_kg_m3 = material.density_kg_m3.best;
   if (walled(row) && !facts.solid) {
     const Span3 wall_m = kind.material ? usual_wall_m(*kind.material) : row.wall_m;
@@ -141,7 +141,7 @@ std::string grams_or_kg(double mass_kg) {
 
 ClassMass kind_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   const LogNormal usual = usual_mass(kind, facts);
-  const Physics physics = physics_mass(kind, facts);
+  const PhysicsMass physics = physics_mass(kind, facts);
   ClassMass result;
   if (facts.solid) {
     result.mass = physics.mass;  // given as a volume: no hidden hollow

@@ -15,14 +15,14 @@ namespace livegs {
 namespace {
 
 constexpr double kMaxMagnitude = 1e6;  // metres or metres per second
-constexpr uint64_t kMaxFileBytes = 256 << 20;
+constexpr uint64_t kMaxPointsFileBytes = 256 << 20;
 
 }  // namespace
 
 Result<PointList> read_points_file(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   PointList list;
-  const CsvLayout layout{"x,y,z", "x,y,z,vx,vy,vz", kMaxMagnitude, kMaxFileBytes};
+  const CsvLayout layout{"x,y,z", "x,y,z,vx,vy,vz", kMaxMagnitude, kMaxPointsFileBytes};
   const auto take = [&](size_t, std::span<const double> numbers) -> Result<void> {
     if (list.positions_m.size() == kMaxPoints) {
       return Error{ErrorCode::TooLarge, name + ": has more than " + std::to_string(kMaxPoints) + " points"};
