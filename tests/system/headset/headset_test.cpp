@@ -330,8 +330,8 @@ TEST_F(HeadsetSession, ShowsWhyAResetFailed) {
 )",
                         {.eye_size = "320x360",
                          .renderer = RendererChoice::Cpu,
-                         .run_message = "boxes.scene.json cannot be loaded anew: object box: its asset "
-                                        "box.ply is gone; put it back and reset once more"});
+                         .run_message = "reset: boxes.scene.json: object box: asset box.ply: not found; "
+                                        "restore the file and reset again"});
   ASSERT_TRUE(done) << done.error().message;
   expect_no_complaints();
   ASSERT_EQ(kept_.size(), 1u);
