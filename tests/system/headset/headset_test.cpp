@@ -431,7 +431,7 @@ TEST_F(HeadsetScale, ResolutionRisesWhenInTimeAgain) {
   EXPECT_GT(widths[2], widths[1]);
 }
 
-// Neither a runtime nor a display for a window: one line for each, and exit code 1.
+// Without a runtime, opening the display fails as Unavailable, and the message names the remedy.
 TEST(Headset, MissingRuntimeNamesTheRemedy) {
   ::setenv("XR_RUNTIME_JSON", "/nowhere/at_all.json", 1);
   ::unsetenv("XR_ENABLE_API_LAYERS");
