@@ -9,7 +9,7 @@ void look_at(std::span<const std::byte> input) {
   for (const auto part : parts_of(input)) {
     const auto frame = reader.read(part);
     check(reader.needs_key_frame() == !frame,
-          "a key frame is requested if and only if the frame could not be read");
+          "a keyframe is requested if and only if the frame could not be read");
     if (!frame) continue;
     check_finite(*frame);
     const auto time_ns = stream_frame_time_ns(part);

@@ -330,8 +330,8 @@ TEST_F(HeadsetSession, ShowsWhyAResetFailed) {
 )",
                         {.eye_size = "320x360",
                          .renderer = RendererChoice::Cpu,
-                         .run_message = "boxes.scene.json cannot be loaded anew: object box: its asset "
-                                        "box.ply is gone; put it back and reset once more"});
+                         .run_message = "reset: boxes.scene.json: object box: asset box.ply: not found; "
+                                        "restore the file and reset again"});
   ASSERT_TRUE(done) << done.error().message;
   expect_no_complaints();
   ASSERT_EQ(kept_.size(), 1u);
@@ -431,7 +431,7 @@ TEST_F(HeadsetScale, ResolutionRisesWhenInTimeAgain) {
   EXPECT_GT(widths[2], widths[1]);
 }
 
-// Neither a runtime nor a display for a window: one line for each, and exit code 1.
+// Without a runtime, opening the display fails as Unavailable, and the message names the remedy.
 TEST(Headset, MissingRuntimeNamesTheRemedy) {
   ::setenv("XR_RUNTIME_JSON", "/nowhere/at_all.json", 1);
   ::unsetenv("XR_ENABLE_API_LAYERS");

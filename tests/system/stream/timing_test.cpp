@@ -223,7 +223,7 @@ TEST_F(Timing, FramesOnANarrowLinkStayFresh) {
   ASSERT_TRUE(client);
   proxy.set_link({.delay_ms = 1, .mbit_s = 8});
   client->start(sink);
-  ASSERT_TRUE(sink.wait_frames(50));  // excludes the effects of the key frame and of the initial window
+  ASSERT_TRUE(sink.wait_frames(50));  // excludes the effects of the keyframe and of the initial window
   const size_t begin = sink.state().frames.size();
   Lateness lateness;
   ASSERT_TRUE(sink.wait_frames(700));
