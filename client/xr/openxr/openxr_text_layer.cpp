@@ -7,7 +7,7 @@ namespace {
 // The plate is 44 degrees wide, which both eyes of every headset see, and a line is two degrees high. It lies
 // below the centre of the view, which stays free.
 constexpr float kDistance_m = 1.0f, kBelow_m = 0.2f, kWidth_m = 0.8f;
-constexpr std::array<uint8_t, 3> kInk{255, 138, 120};  // the colour of errors in the window's panels
+constexpr std::array<uint8_t, 3> kErrorColour{255, 138, 120};  // the colour of errors in the window's panels
 
 }  // namespace
 
@@ -32,7 +32,7 @@ XrResult OpenXrTextLayer::write(XrSession session) {
   }
   DeviceImage image;
   if (const XrResult acquired = swapchain_->acquire(image); XR_FAILED(acquired)) return acquired;
-  const TextPlate::Picture picture = plate_.draw(text_, kInk);
+  const TextPlate::Picture picture = plate_.draw(text_, kErrorColour);
   const auto uploaded = swapchain_->upload(picture.rgba, picture.width_px, picture.height_px);
   const XrResult released = swapchain_->release();
   if (!uploaded) return XR_ERROR_RUNTIME_FAILURE;

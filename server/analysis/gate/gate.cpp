@@ -9,7 +9,8 @@
 #include "core/format_text.h"
 #include "physics/material.h"
 
-// Fusion: step 9 of the gate. Step 8 (prior_check.h) judges its result.
+// Fusion, step 9 of the gate, and the verdict: accepted or held for review. Steps 1 to 4 (read_answer.cpp)
+// and 5 to 7 (validate_answer.cpp) refuse an answer; step 8 (prior_check.h) judges the fused values.
 
 namespace livegs {
 namespace {

@@ -15,6 +15,7 @@
 #include "physics/rigid/joint/joint_group.h"
 #include "physics/rigid/mass_ratio_substeps.h"
 #include "physics/rigid/rigid_islands.h"
+#include "physics/rigid/rigid_sleep.h"
 #include "physics/rigid/rigid_spring.h"
 
 namespace livegs {
@@ -31,26 +32,6 @@ constexpr int kRelaxIterations = 2;  // with one, large piles do not come to res
 constexpr int kImpactIterations = 4;
 
 constexpr int kMaxWarnings = 10;  // per process
-
-// Bodies that fell asleep together, or are joined, wake together. Returns whether any body woke.
-bool wake_groups(std::span<RigidBody* const> bodies) {
-  for (RigidBody* body : bodies) {
-    if (!body->asleep && body->joints) body->joints->wake_together();
-  }
-  std::vector<uint64_t> woken;
-  for (RigidBody* body : bodies) {
-    if (body->asleep || body->sleep_group == 0) continue;
-    woken.push_back(body->sleep_group);
-    body->sleep_group = 0;
-  }
-  if (woken.empty()) return false;
-  for (RigidBody* body : bodies) {
-    if (!body->asleep || std::find(woken.begin(), woken.end(), body->sleep_group) == woken.end()) continue;
-    body->wake();
-    body->sleep_group = 0;
-  }
-  return true;
-}
 
 // Whether the manifold will push within the substep. The last relax sweep looks ahead one more step.
 bool will_touch(const RigidBody& owner, const ContactManifold& manifold, double duration_s) {
@@ -393,36 +374,6 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
       }
     }
   });
-}
-
-void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadPhase& broad_phase) {
-  std::vector<RigidBody*> awake;
-  for (RigidBody* body : bodies) {
-    if (body->asleep) continue;
-    awake.push_back(body);
-    bool touching = body->pushed_by_owner || body->in_elastic_contact || body->joints;
-    for (const ContactManifold& manifold : body->manifolds)
-      touching = touching || total_impulse(manifold) > 0.0;
-    const bool still =
-        touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
-    body->still_s = still ? body->still_s + tick_s : 0.0;
-  }
-  for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingManifold, Eigen::Vector3d::Zero())) {
-    const bool still = std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) {
-      return body->still_s >= kTimeToSleep_s && !body->island_awake;
-    });
-    if (!still) continue;
-    for (RigidBody* body : island.bodies) {
-      body->asleep = true;
-      body->sleep_group = island.bodies.front()->body_id() + 1;
-      body->velocity_m_s.setZero();
-      body->angular_momentum.setZero();
-      body->substep_velocity_m_s.setZero();
-      body->substep_acceleration_m_s2.setZero();
-      body->update_turning();
-    }
-    broad_phase.invalidate();
-  }
 }
 
 }  // namespace livegs

@@ -24,8 +24,4 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
                        std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2,
                        double duration_s, RigidBroadPhase& broad_phase);
 
-// Sleep test at the end of a tick. Touching bodies fall asleep together when all have been still for long
-// enough; their remaining velocity is set to zero.
-void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadPhase& broad_phase);
-
 }  // namespace livegs

@@ -6,6 +6,7 @@
 #include "core/disjoint_sets.h"
 #include "physics/motion/free_rotation.h"
 #include "physics/motion/vector_algebra.h"
+#include "physics/rigid/rigid_sleep.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {

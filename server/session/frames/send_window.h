@@ -15,7 +15,8 @@ namespace livegs {
 // Flow control for one client. gRPC buffers seconds of frames before it applies back pressure, and
 // OnWriteDone means only that the transport has the message. The client therefore acknowledges frames, and
 // WindowSize limits the unacknowledged ones. A frame that has to wait is replaced by the next one. Events are
-// kept in order and go out with the next write, even when the window is full.
+// kept in order and go out with the next write, even when the window is full. Frames are acknowledged by
+// their tick, the sequence number that SceneRun counts (session/simulation/scene_run.h).
 //
 // Not locked; no gRPC types.
 class SendWindow {

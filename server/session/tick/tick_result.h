@@ -47,6 +47,8 @@ struct RunStatus {
 };
 
 // The result of one tick.
+// Result of one tick. `drivers` carries the number of the tick, which SceneRun counts; it is the sequence
+// number of the frame on the wire.
 struct TickResult {
   DriverFrame drivers;
   int64_t stepped_ns = 0;  // end of the step

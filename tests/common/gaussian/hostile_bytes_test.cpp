@@ -18,6 +18,8 @@
 #include "gaussian/asset/establish_invariants.h"
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset_file.h"
+#include "gaussian/ply/ply_header.h"
+#include "gaussian/sog/sog_files.h"
 
 namespace livegs {
 namespace {

@@ -12,12 +12,12 @@
 #include "physics/collision/point_contact.h"
 #include "physics/elastic/cells/cell_batches.h"
 #include "physics/elastic/cells/cell_nodes.h"
+#include "physics/elastic/elastic_sleep_timer.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
 #include "physics/elastic_body.h"
 #include "physics/lattice/lattice.h"
 #include "physics/motion/free_rotation.h"
 #include "physics/motion/momentum.h"
-#include "physics/motion/sleep_timer.h"
 
 // The `cells` solver: an embedded lattice of eight-node cells, one sweep per substep, BDF2
 // (elastic-study.md).

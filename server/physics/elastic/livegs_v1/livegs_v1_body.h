@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "physics/collision/point_contact.h"
+#include "physics/elastic/elastic_sleep_timer.h"
 #include "physics/elastic_body.h"
 #include "physics/motion/momentum.h"
-#include "physics/motion/sleep_timer.h"
 
 // The elastic method of LIVE-GS, the baseline of all charts. Particles in overlapping shape-matching clusters
 // (Müller et al. 2005) are pulled towards their goals by the same blend in every substep,
