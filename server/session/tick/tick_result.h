@@ -46,7 +46,6 @@ struct RunStatus {
   std::string message;     // reason for the last failed reset
 };
 
-// The result of one tick.
 // Result of one tick. `drivers` carries the number of the tick, which SceneRun counts; it is the sequence
 // number of the frame on the wire.
 struct TickResult {
