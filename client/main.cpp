@@ -147,7 +147,8 @@ int main(int argc, char** argv) {
                  "Camera file (default: all objects, seen from slightly above)");
   auto* script = app.add_option("--script", options.script_file,
                                 "Offscreen mode: input script of the hands (JSON, message InputScript)");
-  app.add_option("--poke", options.poke, "Poke the named object: a pull by the ray, then two balls")
+  app.add_option("--poke", options.poke,
+                 "Poke the named object: pull it by the ray, then shoot two balls at it")
       ->excludes(script);
   app.add_option("--select", select, "Object selected in the panel at the start");
   app.add_option("--force", forces,
@@ -166,24 +167,25 @@ int main(int argc, char** argv) {
       "--full-size", full_size,
       "Window mode: always render at full resolution (default: reduce resolution when frames are late)");
   app.add_option("--cache", options.cache, "Folder for fetched assets (default: $XDG_CACHE_HOME/livegs)");
-  app.add_option("--connect-timeout", options.connect_timeout_s, "Seconds to wait until the server is ready")
+  app.add_option("--connect-timeout", options.connect_timeout_s,
+                 "Time limit in seconds until the server is ready")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  auto* reconnect =
-      app.add_option(
-             "--reconnect", options.reconnect_s,
-             "Seconds to try reconnecting after a connection loss (default: 10; window mode: unlimited)")
-          ->check(CLI::Range(0.0, 1e6));
+  auto* reconnect = app.add_option("--reconnect", options.reconnect_s,
+                                   "Time limit in seconds for reconnecting after a connection loss (default: "
+                                   "10; window mode: none)")
+                        ->check(CLI::Range(0.0, 1e6));
   app.add_option("--most-mbit-s", options.most_mbit_s,
                  "Bandwidth limit in Mbit/s; the server prioritises important objects (default: no limit)")
       ->check(CLI::Range(0.1, 1e5));
   app.add_option(
          "--rate", options.rate_hz,
-         "Frames per second needed; the server sends every n-th tick, at least at this rate (default: every "
+         "Minimum frame rate in Hz; the server sends every n-th tick, at least at this rate (default: every "
          "tick)")
       ->check(CLI::Range(5.0, 1000.0));
   app.add_option("--position-bits", options.position_bits,
-                 "Bits of elastic positions along the longest side; 18 or 20: finer steps, more bandwidth")
+                 "Bits of positions along the longest side of an elastic object; 18 or 20: finer steps, more "
+                 "bandwidth")
       ->check(CLI::IsMember({16, 18, 20}))
       ->capture_default_str();
   app.add_option(
@@ -200,7 +202,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--state-dir", access.state_dir,
                  "Folder for paired servers (default: $XDG_STATE_HOME/livegs)");
-  app.add_flag("--unpair", unpair, "Delete the stored data of the server, and exit");
+  app.add_flag("--unpair", unpair, "Delete the stored pairing data of the server, and exit");
   app.add_option("--threads", threads, "Rendering threads; 0: one per core")->check(CLI::Range(0, 1024));
   app.add_flag("--verbose", verbose, "Verbose logging");
   app.set_version_flag("--version", LIVEGS_VERSION);
@@ -243,7 +245,8 @@ int main(int argc, char** argv) {
   const std::string not_done =
       what_is_not_done(of, display, [&](const char* option) { return app.count(option) > 0; });
   if (!replay_file.empty() && display == "openxr")
-    return report(livegs::invalid_argument("--replay: does not play in a headset; remove --display openxr"));
+    return report(
+        livegs::invalid_argument("--replay: is not supported in a headset; remove --display openxr"));
   if (!not_done.empty()) return report(livegs::invalid_argument(not_done));
   if (!replay_file.empty()) {
     livegs::ReplayOptions replayed;
@@ -267,7 +270,8 @@ int main(int argc, char** argv) {
 
   if (!subscribe.empty()) {
     if (display != "offscreen")
-      return report(livegs::invalid_argument("--subscribe: has no window; use --display offscreen"));
+      return report(
+          livegs::invalid_argument("--subscribe: is not supported in a window; use --display offscreen"));
     const auto watched = livegs::run_spectator(subscribe, options, interrupted);
     if (!watched) return report(watched.error());
     std::fputs(livegs::summary_text(*watched).c_str(), stdout);

@@ -281,13 +281,13 @@ int main(int argc, char** argv) {
                  "Record the session to this new file, *.lvgrec, from the first tick on (livegs ctl record "
                  "starts later)");
   app.add_flag("--record-inputs-only", options.recording.inputs_only,
-               "Record no frames: the recording can be verified, not played");
+               "Record inputs without frames: the recording can be verified but not played");
   app.add_flag("--record-assets", options.recording.assets,
                "Include assets and scene files, so that the recording can be played and verified anywhere");
   app.add_option("--log-format", options.log_format, "text, or json: one object per line")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
-  app.add_flag("--print-port", options.print_port, "Print the port to standard output when clients may join");
+  app.add_flag("--print-port", options.print_port, "Print the port to standard output when clients can join");
   app.add_flag("--wait-for-client", options.wait_for_client, "Delay the first tick until a client streams");
   app.add_option("--endpoint", options.endpoint.url,
                  "URL of a server with the OpenAI chat completions API, which estimates materials (default: "

@@ -29,7 +29,7 @@ class ServerAccess {
   // Credentials for channels to the server; may be used for any number of channels.
   std::shared_ptr<grpc::ChannelCredentials> credentials() const;
 
-  // The reason why the last certificate was rejected. OK if there was none, or if it was accepted.
+  // The reason for the rejection of the last certificate. OK if there was none, or if it was accepted.
   Result<void> refused() const;
 
   // Saves the accepted certificate and token to the file of known servers, if there is one and they are new.

@@ -158,7 +158,7 @@ void print_tokens(const v1::TokenList& list) {
 
 void print_clients(const v1::ServerStatus& status) {
   std::printf("%-10s%-18s%-26s%-16s%-10s%-11s%9s%9s%10s%10s%9s\n", "session", "name", "from", "token",
-              "scope", "state", "joined s", "frames", "replaced", "MB", "trip ms");
+              "scope", "state", "joined s", "frames", "replaced", "MB", "RTT ms");
   for (const v1::ClientStatus& client : status.clients()) {
     std::printf("%-10s%-18.17s%-26.25s%-16.15s%-10s%-11s%9.0f%9llu%10llu%10.1f%9.1f\n",
                 client.session().c_str(), client.name().c_str(), client.peer().c_str(),
@@ -343,7 +343,7 @@ void add_ctl(CLI::App& app, int& exit_code) {
                    "view, interact, author or admin; each includes the previous ones")
       ->capture_default_str();
   made->add_option("--days", options->days, "Validity in days")->capture_default_str();
-  add(tokens, "list", "List all tokens, including those that ended in the last month",
+  add(tokens, "list", "List all tokens, including those that expired or were revoked in the last month",
       [](const Options& given) {
         return ask_and_print(given, &v1::Admin::Stub::ListTokens, v1::ListTokensRequest(), print_tokens);
       });

@@ -17,11 +17,11 @@ void print_value(const char* name, const v1::EstimatedValue& value, double facto
 }  // namespace
 
 void print_parameters(const v1::PhysicalParameters& p) {
-  std::printf("taken for              %s, of %s (confidence %.2f)\n", p.label().c_str(), p.material().c_str(),
+  std::printf("identified as          %s, of %s (confidence %.2f)\n", p.label().c_str(), p.material().c_str(),
               p.confidence());
-  std::printf("behaves                %s: %s\n", v1::Physics::Behavior_Name(p.behavior()).c_str(),
+  std::printf("behaviour              %s: %s\n", v1::Physics::Behavior_Name(p.behavior()).c_str(),
               p.behavior_reason().c_str());
-  std::printf("filled                 %s: %s\n", v1::Physics::Fill_Name(p.fill()).c_str(),
+  std::printf("fill                   %s: %s\n", v1::Physics::Fill_Name(p.fill()).c_str(),
               p.fill_reason().c_str());
   std::printf("fragile                %s\n", p.fragile() ? "yes" : "no");
   print_value("longest side", p.longest_side_m(), 1, "m");
@@ -39,15 +39,16 @@ void print_parameters(const v1::PhysicalParameters& p) {
 }
 
 void print_table_head() {
-  std::printf("%-20s %-18s %-20s %-8s %10s  %-21s %10s %6s %-8s %-8s %s\n", "object", "taken for", "material",
-              "behaves", "mass g", "90 % range", "s E MPa", "d_R", "fragile", "source", "confidence");
+  std::printf("%-20s %-18s %-20s %-9s %10s  %-21s %10s %6s %-8s %-8s %s\n", "object", "identified as",
+              "material", "behaviour", "mass g", "90 % range", "s E MPa", "d_R", "fragile", "source",
+              "confidence");
 }
 
 void print_table_row(const std::string& name, const v1::PhysicalParameters& p) {
   char range[48];
   std::snprintf(range, sizeof range, "%.4g to %.4g", p.mass_kg().low() * 1e3, p.mass_kg().high() * 1e3);
   const double stiffness_pa = p.structure_coefficient().best() * p.youngs_modulus_pa().best();
-  std::printf("%-20s %-18s %-20s %-8s %10.4g  %-21s %10.3g %6.3f %-8s %-8s %.2f\n", name.c_str(),
+  std::printf("%-20s %-18s %-20s %-9s %10.4g  %-21s %10.3g %6.3f %-8s %-8s %.2f\n", name.c_str(),
               p.label().c_str(), p.material().c_str(), v1::Physics::Behavior_Name(p.behavior()).c_str(),
               p.mass_kg().best() * 1e3, range, stiffness_pa * 1e-6, p.deformation_resistance().best(),
               p.fragile() ? "yes" : "no", source_name(p.mass_kg().source()), p.confidence());

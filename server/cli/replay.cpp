@@ -23,7 +23,7 @@ void print_summary(RecordingReader& recording) {
   std::printf("recording  %s: %.1f MB, of %s, livegs %s, protocol %u\n", recording.path().c_str(),
               static_cast<double>(recording.bytes()) * 1e-6, start.scene().name().c_str(),
               start.livegs_version().c_str(), start.protocol_version());
-  std::printf("length     %.1f s, ticks %llu to %llu, %.0f a second, %zu key ticks%s%s\n", length_s,
+  std::printf("length     %.1f s, ticks %llu to %llu, %.0f per second, %zu key ticks%s%s\n", length_s,
               count(totals.first_tick()), count(totals.last_tick()), start.rate_hz(), recording.keys().size(),
               start.inputs_only() ? "; inputs only" : "",
               recording.ended_in_order() ? "" : "; incomplete: the server or its disk failed");

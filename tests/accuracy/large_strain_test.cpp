@@ -87,8 +87,8 @@ TEST(TwoMaterials, ShareTheStrainByTheirModuli) {
 }
 
 // Expected plastic strains of set_of_stretch for a block stretched at constant volume. They differ from
-// strain minus yield, which is for simple tension (below): at equal stretch along, sides contracting by
-// 1/sqrt(l) are strained more.
+// strain minus yield, which is for simple tension (below). At equal axial stretch, the transverse strain is
+// larger here: the sides contract by 1/sqrt(l).
 TEST(PlasticSet, IsIndependentOfSubstepsAndLoadingRate) {
   for (const double poisson_ratio : gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45})) {
     for (const double speed : {1.0, 10.0}) {
@@ -104,7 +104,7 @@ TEST(PlasticSet, IsIndependentOfSubstepsAndLoadingRate) {
 }
 
 TEST(PlasticSet, IsStrainMinusYieldInTension) {
-  // The volume term resists where less has set across than along: BarSetsAtStrainMinusYield
+  // The volume term resists if the plastic strain across is less than along: BarSetsAtStrainMinusYield
   // (plastic_flow_test.cpp).
   constexpr double kBar = 0.02;
   for (const double yield : {0.05, 0.1}) {

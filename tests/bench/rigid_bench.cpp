@@ -3,11 +3,11 @@
 // > results/<machine>/rigid.csv`. Sleep is disabled. After 90 frames of 1/60 s for settling, 60 frames are
 // timed. Bullet (single precision, 10 iterations) runs with one step per frame, as in games, and with four,
 // as in this project. `ratio` is processor time relative to Bullet with the same number of steps.
-//   pyramid         465 boxes
-//   pile of sherds  eight cups of 25 separate pieces each, in a bin. Bullet uses convex hulls, which are
-//                   cheaper.
-//   mixed objects   balls, boxes, pieces of a cup and soft blocks, in a bin. Bullet uses rigid boxes for soft
-//                   blocks, so this ratio includes the cost of deformation.
+//   pyramid            465 boxes
+//   pile of fragments  eight cups of 25 separate pieces each, in a bin. Bullet uses convex hulls, which are
+//                      cheaper.
+//   mixed objects      balls, boxes, pieces of a cup and soft blocks, in a bin. Bullet uses rigid boxes for
+//                      soft blocks, so this ratio includes the cost of deformation.
 #include <Eigen/Eigenvalues>
 #include <cstdio>
 #include <cstdlib>
@@ -98,7 +98,7 @@ Eigen::Quaterniond any_turn(std::mt19937& random) {
 // Two by two in layers.
 BenchScene pile_of_sherds() {
   BenchScene scene;
-  scene.name = "pile of sherds";
+  scene.name = "pile of fragments";
   scene.bin = true;
   std::mt19937 random(7);
   const auto pieces = cut_cup(25);

@@ -11,7 +11,7 @@
 // device time (median). On all devices a kernel takes at most 256 bytes. The exit code is 1 if a bound is
 // exceeded. Run by hand; an argument selects a single number of kernels:
 //   vulkan_bench > tests/bench/results/<processor>/vulkan.csv
-//   vulkan_bench > tests/bench/results/<processor>/vulkan.csv
+//   vulkan_bench KERNELS
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -5,10 +5,10 @@
 
 namespace livegs {
 
-// Pause before the next connection attempt of a client that lost its server. 150 ms at first, so that
-// pictures return within 300 ms of a network recovery; 400 ms after a one-minute outage, so that a restarted
-// server is found within 500 ms. `random` shortens each pause by up to a fifth, which spreads the attempts of
-// several clients.
+// Pause before the next connection attempt after a connection loss. 150 ms at first, so that pictures resume
+// within 300 ms of a network recovery. 400 ms after a one-minute outage, so that the client reaches a
+// restarted server within 500 ms. `random` shortens each pause by up to a fifth, which spreads the attempts
+// of several clients.
 inline constexpr int64_t kRetryPause_ns = 150'000'000;
 inline constexpr int64_t kLongRetryPause_ns = 400'000'000;
 inline constexpr int64_t kLongRetryAfter_ns = 60'000'000'000;

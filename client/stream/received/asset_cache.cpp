@@ -27,7 +27,7 @@ Error system_error(const std::filesystem::path& path, const char* what) {
 }
 
 // HASH.part, locked against other clients while this object lives. A second client waits for the lock and
-// then finds the asset in the cache. The system releases the lock if a client dies.
+// then reads the asset from the cache. The system releases the lock if a client process ends.
 class PartFile {
  public:
   static Result<PartFile> open(const std::filesystem::path& path, const std::stop_token& stop) {
@@ -39,7 +39,7 @@ class PartFile {
         if (errno != EINTR && errno != EWOULDBLOCK) return system_error(path, "cannot be locked");
         if (stop.stop_requested())
           return Error{ErrorCode::Unavailable,
-                       path.string() + ": another client fetches it; waiting was cancelled"};
+                       path.string() + ": another client is fetching it; the wait was cancelled"};
         sleep_until_ns(now_ns() + kPollInterval_ns);
       }
       struct stat held {
@@ -87,7 +87,7 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) {
-    return Error{ErrorCode::Internal, folder_.string() + ": cannot be made: " + error.message() +
+    return Error{ErrorCode::Internal, folder_.string() + ": cannot be created: " + error.message() +
                                           "; choose another folder with --cache DIR"};
   }
   const std::filesystem::path whole = folder_ / (hash + ".ply");

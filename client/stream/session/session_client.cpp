@@ -68,7 +68,7 @@ struct SessionClient::Connection {
   std::string address;
   ConnectOptions options;
   JoinedScene scene;
-  KnownObjects objects;  // the session thread only once it runs, like the next four
+  KnownObjects objects;  // accessed only by the session thread once it runs, like the next four
   ClockOffset clock;
   std::string session_id, server_instance;
   double rate_hz = 0;
@@ -136,7 +136,7 @@ void SessionClient::Connection::give_up() {
   changed.notify_all();
 }
 
-// Returns true if the session is to end.
+// Returns whether the session must end.
 bool SessionClient::Connection::wait(int64_t duration_ns) {
   std::unique_lock lock(mutex);
   return changed.wait_for(lock, std::chrono::nanoseconds(duration_ns), [&] { return stopping; });

@@ -547,7 +547,8 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   if (!options.screenshots.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options.screenshots, error);
-    if (error) return invalid_argument(options.screenshots.string() + ": cannot be made: " + error.message());
+    if (error)
+      return invalid_argument(options.screenshots.string() + ": cannot be created: " + error.message());
   }
   const PictureSize size = options.size.value_or(PictureSize{1280, 800});
   auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height);

@@ -211,7 +211,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
 // Other statements of the answer, for the reader of the record; they affect no value.
 std::vector<std::string> remarks_of(const Answer& answer, const ObjectFacts& facts) {
   std::vector<std::string> remarks;
-  std::string name = "the object was taken for \"" + answer.name + "\"";
+  std::string name = "the object was identified as \"" + answer.name + "\"";
   if (answer.name_confidence) name += format_text(", with confidence %.2g", *answer.name_confidence);
   if (answer.replica) name += *answer.replica ? ", a toy or an imitation" : ", a real one";
   remarks.push_back(std::move(name));

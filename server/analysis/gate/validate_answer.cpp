@@ -79,9 +79,10 @@ void mend_units(Answer& answer, const ObjectFacts& facts, const v1::PhysicalPara
                            kMassRange_kg, kMassSlips);
   if (mass != 1 && kMassRange_kg.holds(answer.mass_kg.low * mass) &&
       kMassRange_kg.holds(answer.mass_kg.high * mass)) {
-    answer.changes.push_back(format_text(
-        "mass_g.best: %g g was taken for another unit and read as %g g, which fits its materials and size",
-        answer.mass_kg.best * 1e3, answer.mass_kg.best * mass * 1e3));
+    answer.changes.push_back(
+        format_text("mass_g.best: %g g appears to be in another unit and was read as %g g, which fits its "
+                    "materials and size",
+                    answer.mass_kg.best * 1e3, answer.mass_kg.best * mass * 1e3));
     answer.mass_kg = times(answer.mass_kg, mass);
   }
   if (!answer.youngs_modulus_pa) return;
@@ -91,9 +92,10 @@ void mend_units(Answer& answer, const ObjectFacts& facts, const v1::PhysicalPara
                             kMaterialSlack, kYoungsRange_pa, kYoungsSlips);
   if (young != 1 && kYoungsRange_pa.holds(answer.youngs_modulus_pa->low * young) &&
       kYoungsRange_pa.holds(answer.youngs_modulus_pa->high * young)) {
-    answer.changes.push_back(format_text(
-        "young_mpa.best: %g MPa was taken for another unit and read as %g MPa, which fits its material",
-        answer.youngs_modulus_pa->best * 1e-6, answer.youngs_modulus_pa->best * young * 1e-6));
+    answer.changes.push_back(
+        format_text("young_mpa.best: %g MPa appears to be in another unit and was read as %g MPa, which fits "
+                    "its material",
+                    answer.youngs_modulus_pa->best * 1e-6, answer.youngs_modulus_pa->best * young * 1e-6));
     answer.youngs_modulus_pa = times(*answer.youngs_modulus_pa, young);
   }
 }

@@ -20,7 +20,7 @@ namespace livegs {
 // drawn: a tiled floor for a level plane, boxes and spheres as given.
 struct BuiltEnvironment {
   std::vector<Collider> colliders;
-  std::shared_ptr<const GaussianAsset> asset;  // null when there is nothing to draw
+  std::shared_ptr<const GaussianAsset> asset;  // null if there is nothing to draw
   Similarity object_from_asset;
   Pose world_from_object;
 };

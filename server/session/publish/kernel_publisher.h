@@ -14,8 +14,8 @@
 namespace livegs {
 
 // Poses and encodes the kernels of ticks for clients that cannot skin, on its own thread, so that driver
-// frames and ticks are not delayed. If it falls behind, the newest tick wins. Without such clients it only
-// tracks objects.
+// frames and ticks are not delayed. If it falls behind, it skips to the newest tick. Without such clients
+// it only tracks objects.
 class KernelPublisher {
  public:
   explicit KernelPublisher(SessionTable& table);

@@ -258,7 +258,7 @@ TEST(AnalyzeReplay, OddAnswersDoNotCorruptTheScene) {
     EXPECT_GT(cup.mass_kg, 0.1) << name;
     EXPECT_LT(cup.mass_kg, 0.6) << name;
   }
-  EXPECT_NE(bytes_of(scratch.path() / "units.physics.json").find("taken for another unit"),
+  EXPECT_NE(bytes_of(scratch.path() / "units.physics.json").find("appears to be in another unit"),
             std::string::npos);
 }
 

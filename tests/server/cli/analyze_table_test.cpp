@@ -100,9 +100,9 @@ TEST_F(AnalyzeTable, AssetTableMatchesJson) {
   const std::vector<std::string> lines = lines_of(printed({cup}));
   const std::string material = p["material"];
   const std::vector<std::string> wanted = {
-      "taken for cup, of " + material + " (confidence " + number(p["confidence"], "%.2f") + ")",
-      "behaves RIGID: " + p["behavior_reason"].get<std::string>(),
-      "filled OPEN_SHELL: " + p["fill_reason"].get<std::string>(),
+      "identified as cup, of " + material + " (confidence " + number(p["confidence"], "%.2f") + ")",
+      "behaviour RIGID: " + p["behavior_reason"].get<std::string>(),
+      "fill OPEN_SHELL: " + p["fill_reason"].get<std::string>(),
       "fragile yes",
       value_line("longest side", p["longest_side_m"], 1, "m"),
       value_line("mass", p["mass_kg"], 1, "kg"),
@@ -129,7 +129,7 @@ TEST_F(AnalyzeTable, SceneTableHasOneRowPerObject) {
   const json objects = json::parse(printed({scene, "--json"}))["objects"];
   const std::vector<std::string> lines = lines_of(printed({scene}));
   std::vector<std::string> wanted = {
-      "object taken for material behaves mass g 90 % range s E MPa d_R fragile source confidence"};
+      "object identified as material behaviour mass g 90 % range s E MPa d_R fragile source confidence"};
   for (const json& one : objects) wanted.push_back(table_row(one["object"], one["physics"]));
   ASSERT_EQ(objects.size(), 6u);  // stool, plant, pillow, hat, cup and duck
   EXPECT_EQ(lines, wanted);

@@ -64,7 +64,7 @@ TEST_F(DeviceLimits, ReducesKernelsWhenMemoryIsExhausted) {
   EXPECT_GT(psnr_db(alone, oracle({&both[1], 1}, {&eye, 1})[0]), kBar_db);
 }
 
-// If no useful number fits, the CPU draws everything, with a notice.
+// If too few kernels fit, the CPU draws all of them, with a notice.
 TEST_F(DeviceLimits, FallsBackToCpuWithoutMemory) {
   limit_memory(100'000);
   const std::string device = renderer_->name();

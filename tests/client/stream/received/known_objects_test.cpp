@@ -22,8 +22,8 @@ v1::ObjectDescription thing(uint32_t id, const std::string& name) {
 
 TEST(KnownObjects, ReportOnlyChanges) {
   KnownObjects objects;
-  const v1::ObjectDescription hat = thing(1, "hat"), cup = thing(2, "cup"), broken_cup = thing(2, "sherds"),
-                              ball = thing(3, "ball");
+  const v1::ObjectDescription hat = thing(1, "hat"), cup = thing(2, "cup"),
+                              broken_cup = thing(2, "fragments"), ball = thing(3, "ball");
   const auto first = objects.replace(std::vector{&hat, &cup});
   ASSERT_TRUE(first);
   EXPECT_EQ(first->added.size(), 2u);
@@ -32,7 +32,7 @@ TEST(KnownObjects, ReportOnlyChanges) {
   ASSERT_EQ(second->added.size(), 1u);
   EXPECT_EQ(second->added[0].name, "ball");
   ASSERT_EQ(second->changed.size(), 1u);
-  EXPECT_EQ(second->changed[0].name, "sherds");
+  EXPECT_EQ(second->changed[0].name, "fragments");
   EXPECT_EQ(second->removed, std::vector<uint32_t>{1});
 }
 

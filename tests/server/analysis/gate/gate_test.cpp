@@ -103,7 +103,8 @@ TEST(Gate, PartsAreTakenFromTheAnswer) {
 TEST(Gate, OtherStatementsBecomeRemarks) {
   const Judgement plain = judge(mug_answer());
   ASSERT_EQ(plain.remarks.size(), 3u);
-  EXPECT_EQ(plain.remarks[0], "the object was taken for \"coffee mug\", with confidence 0.95, a real one");
+  EXPECT_EQ(plain.remarks[0],
+            "the object was identified as \"coffee mug\", with confidence 0.95, a real one");
   EXPECT_EQ(plain.remarks[1], "assumed length 0.095 m; length in the scene 0.095 m");
   EXPECT_EQ(plain.remarks[2], "it went by material:stoneware");
   ObjectFacts guessed = mug_facts();
@@ -114,7 +115,7 @@ TEST(Gate, OtherStatementsBecomeRemarks) {
   toy["name_confidence"] = 80;
   const Judgement odd = judge(toy, guessed);
   ASSERT_NE(odd.verdict, Verdict::Refused) << odd.message;
-  EXPECT_EQ(odd.remarks[0], "the object was taken for \"coffee mug\", a toy or an imitation");
+  EXPECT_EQ(odd.remarks[0], "the object was identified as \"coffee mug\", a toy or an imitation");
   EXPECT_EQ(odd.remarks[1],
             "assumed length 0.9 m; length in the scene 0.095 m, which is a guess; if the model is right, "
             "set the scale of the object");

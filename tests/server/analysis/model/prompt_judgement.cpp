@@ -17,7 +17,7 @@ using nlohmann::ordered_json;
 
 constexpr const char* kFormat = "livegs.judgement/1";
 constexpr std::uint64_t kMaxBytes = 1 << 20;
-// Hash of the prompts of version 3, from before any model was available. Only these may be without
+// Hash of the prompts of version 3, written before a model was available. Only this version may lack
 // measurements.
 constexpr const char* kUnjudged = "4094762d3ce0026060adcb1abb0ddbf776e74da82a28b8dcb648eb6ad8738408";
 constexpr const char* kHow =
@@ -107,14 +107,14 @@ Result<void> check_judgement(const fs::path& folder) {
   const std::string version = text_of(json, "version"), model = text_of(json, "model");
   if (text_of(json, "prompts_sha256") != files->sha256) {
     if (version == files->version) {
-      return invalid_data("prompts/ has changed but is version " + version +
-                          " still; raise the number in prompts/version.txt and " + kHow);
+      return invalid_data("prompts: changed, but prompts/version.txt is still " + version +
+                          "; increase it and " + kHow);
     }
-    return invalid_data("prompts/ is version " + files->version + ", prompts/judged.json speaks of version " +
-                        version + ": " + kHow);
+    return invalid_data("prompts: have version " + files->version +
+                        ", but prompts/judged.json is for version " + version + "; " + kHow);
   }
   if (version != files->version) {
-    return invalid_data("prompts/judged.json: says version " + version + " of prompts that say " +
+    return invalid_data("prompts/judged.json: has version " + version + ", but prompts/version.txt has " +
                         files->version + "; " + kHow);
   }
   if (model.empty() && files->sha256 == kUnjudged) return {};
@@ -128,8 +128,7 @@ Result<void> check_judgement(const fs::path& folder) {
   }
   if (text_of(json, "verdict") != "better" && text_of(json, "verdict") != "same") {
     return invalid_data("prompts/judged.json: version " + version +
-                        " was judged worse than the one before; revert the change, or correct it and " +
-                        kHow);
+                        " is worse than the previous one; revert the change, or correct it and " + kHow);
   }
   return {};
 }

@@ -230,9 +230,9 @@ TEST(PromptJudgement, ChangedPromptRequiresAJudgement) {
     EXPECT_NE(message.find("mass_harness --judge"), std::string::npos) << message;
     return message;
   };
-  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "3")).find("raise the number"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "3")).find("increase it"),
             std::string::npos);
-  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("speaks of version 3"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("is for version 3"),
             std::string::npos);
 
   // With measurements it passes, unless they are worse or synthetic.
@@ -251,7 +251,7 @@ TEST(PromptJudgement, ChangedPromptRequiresAJudgement) {
   keep(before, after);
   EXPECT_TRUE(check_judgement(folder)) << check_judgement(folder).error().message;
   keep(after, before);
-  EXPECT_NE(refusal(folder).find("judged worse"), std::string::npos);
+  EXPECT_NE(refusal(folder).find("worse than the previous"), std::string::npos);
   after.model = before.model = "made-up-1";
   const auto made_up = judgement_text(kPrompts, folder, before, after, "none");
   ASSERT_FALSE(made_up);

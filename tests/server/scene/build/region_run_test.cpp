@@ -62,7 +62,7 @@ TEST(RegionRun, StretchesTheBarUniformlyUntilReleased) {
 }
 
 // All outer particles follow A X about the origin and back. The inside follows them, because an affine map is
-// an equilibrium. The bar is 2 % of the deformation.
+// an equilibrium. The bound is 2 % of the deformation.
 TEST(RegionRun, AffineBoundaryRampMovesTheInside) {
   Scene scene = bar(R"({ "name": "all", "boundary": true, "motion": { "affine_ramp": {
       "matrix": [1.2, 0.1, 0, 0, 1, 0, 0, 0, 0.9], "start_s": 0, "end_s": 0.5, "return_end_s": 1.5 } } })");
