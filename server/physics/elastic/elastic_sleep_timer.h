@@ -3,7 +3,8 @@
 
 namespace livegs {
 
-// Sleep state of an elastic body (rigid bodies: physics/rigid/rigid_sleep.h): it may sleep after kStillTime_s below kStillSpeed_m_s.
+// Sleep state of an elastic body (rigid bodies: physics/rigid/rigid_sleep.h): it may sleep after kStillTime_s
+// below kStillSpeed_m_s.
 class SleepTimer {
  public:
   explicit SleepTimer(bool may_sleep) : may_sleep_(may_sleep) {}
