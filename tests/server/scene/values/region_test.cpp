@@ -5,6 +5,7 @@
 
 #include "scene/build/build_object.h"
 #include "scene/check/check_scene.h"
+#include "scene/scene.h"
 #include "scene/values/region_value.h"
 
 namespace livegs {

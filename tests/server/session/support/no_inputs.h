@@ -10,7 +10,7 @@ namespace livegs {
 // Discards all input.
 class NoInputs final : public InputSink {
  public:
-  void hear(SessionNumber, std::span<const InputSample>) override {}
+  void on_input(SessionNumber, std::span<const InputSample>) override {}
   void on_session_closed(SessionNumber) override {}
 };
 
