@@ -68,10 +68,11 @@ Bytes file_of_chunks(std::span<const std::byte> input) {
 Bytes chunks_of_file(const Bytes& file) {
   std::vector<Bytes> chunks;
   for (size_t at = kMagic.size(); at + kChunkHeadBytes + kTrailerBytes <= file.size();) {
-    ByteReader head(std::span(file).subspan(at, kChunkHeadBytes));
+    const std::span<const std::byte> bytes(file);
+    ByteReader head(bytes.subspan(at, kChunkHeadBytes));
     const auto size = head.read<uint32_t>();
     Bytes chunk{static_cast<std::byte>(head.read<uint8_t>())};
-    append(chunk, std::span(file).subspan(at + kChunkHeadBytes, size));
+    append(chunk, bytes.subspan(at + kChunkHeadBytes, size));
     chunks.push_back(std::move(chunk));
     at += kChunkHeadBytes + size;
   }
