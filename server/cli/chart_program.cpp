@@ -37,8 +37,9 @@ int run_chart_program(const std::vector<std::string>& arguments) {
 void add_chart(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "chart", "Run the benchmark scenes and plot error against cost; options: livegs chart --help");
-  command->set_help_flag();  // livegs-chart prints the help of its options
-  command->prefix_command();
+  command->set_help_flag("");  // livegs-chart prints the help of its options
+  command->fallthrough(false);
+  command->allow_extras();
   command->callback([&app, command, &exit_code] {
     std::vector<std::string> arguments = command->remaining();
     if (const CLI::Option* threads = app.get_option("--threads"); threads->count() > 0) {

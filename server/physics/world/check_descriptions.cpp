@@ -26,7 +26,7 @@ Result<void> check_range(uint32_t id, const char* field, double value, double lo
 
 Result<void> check_positive(uint32_t id, const char* field, double value) {
   if (value > 0.0 && std::isfinite(value)) return {};
-  return refuse(id, std::string(field) + " " + number_text(value) + " is not a positive number_text");
+  return refuse(id, std::string(field) + " " + number_text(value) + " is not a positive number");
 }
 
 Result<void> check_finite(uint32_t id, const char* field, const Eigen::Vector3d& value) {

@@ -80,7 +80,7 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       return missing_field(name + ".object", "\"" + hand.object() + "\" is STATIC and cannot be moved");
     }
     if (hand.path().empty())
-      return missing_field(name + ".path", "is missing_field; name a CSV file with the path of the hand");
+      return missing_field(name + ".path", "is missing; name a CSV file with the path of the hand");
     return {};
   };
   switch (event.action_case()) {
@@ -89,7 +89,7 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       LIVEGS_CHECK(check_target(force.object(), field + ".force"));
       LIVEGS_CHECK(vector_value(force.point_m(), Eigen::Vector3d::Zero(), field + ".force.point_m"));
       if (force.force_n().empty())
-        return missing_field(field + ".force.force_n", "is missing_field; give [x, y, z] in newtons");
+        return missing_field(field + ".force.force_n", "is missing; give [x, y, z] in newtons");
       LIVEGS_CHECK(vector_value(force.force_n(), Eigen::Vector3d::Zero(), field + ".force.force_n"));
       LIVEGS_CHECK(number_value(force.duration_s(), 0, 1e6, field + ".force.duration_s"));
       return {};
@@ -149,7 +149,7 @@ Result<void> check_scene(const v1::Scene& scene) {
   LIVEGS_CHECK(up_value(environment.up(), "environment.up"));
   LIVEGS_CHECK(pose_value(environment.pose(), "environment.pose"));
   if (environment.collide() && environment.asset().empty()) {
-    return missing_field("environment.asset", "is missing_field, but environment.collide is true");
+    return missing_field("environment.asset", "is missing, but environment.collide is true");
   }
   for (int i = 0; i < environment.colliders_size(); ++i) {
     LIVEGS_CHECK(

@@ -26,7 +26,7 @@ struct Words {
 
 std::map<std::string, Words> words_by_id() {
   std::map<std::string, Words> words;
-  std::ifstream file(fs::path(LIVEGS_TESTS_DIR) / "server/analysis/known_objects.csv");
+  std::ifstream file(fs::path(LIVEGS_TESTS_DIR) / "server/analysis/estimate/known_objects.csv");
   std::string line;
   std::getline(file, line);
   while (std::getline(file, line)) {

@@ -250,7 +250,7 @@ TEST(Knowledge, NoNameIsABrandOrATestObject) {
         "tetra pak", "stanley knife"}) {
     EXPECT_FALSE(any_row_is_called(brand)) << brand;
   }
-  std::ifstream known(std::filesystem::path(LIVEGS_TESTS_DIR) / "server/analysis/known_objects.csv");
+  std::ifstream known(std::filesystem::path(LIVEGS_TESTS_DIR) / "server/analysis/estimate/known_objects.csv");
   size_t labels = 0;
   std::string line, label;
   for (std::getline(known, line); std::getline(known, line); ++labels) {

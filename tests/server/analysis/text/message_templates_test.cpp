@@ -30,7 +30,7 @@ const fs::path kRepository = fs::path(LIVEGS_TESTS_DIR) / "..";
 // Every line of the files is used, and every used name exists; an unknown name would be sent literally.
 TEST(MessageTemplates, EveryLineIsUsedAndEveryUsedLineExists) {
   std::string code;
-  for (const auto& file : fs::directory_iterator(kRepository / "server/analysis")) {
+  for (const auto& file : fs::recursive_directory_iterator(kRepository / "server/analysis")) {
     if (file.path().extension() == ".cpp") code += *read_text_file(file.path());
   }
   auto lines = MessageTemplates::built_in().lines();
@@ -276,7 +276,7 @@ TEST(PromptFolder, UnknownSlotIsAnErrorWithARemedy) {
             "line 2: {{szie}} is not a known slot; write {{size}} or remove it");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}}, {{camera_azimut}}\n"),
             "line 1: {{camera_azimut}} is not a known slot; write {{camera_azimuth}} or remove it");
-  EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\n{{}}\n").substr(0, 67),
+  EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\n{{}}\n").substr(0, 72),
             "line 2: {{}} does not name a slot; remove it or write one of {{camera_az");
   EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size\n"),
             "line 1: {{size has no end; write it as {{slot}}, on one line");
@@ -293,7 +293,7 @@ TEST(PromptFolder, UnknownSlotIsAnErrorWithARemedy) {
   EXPECT_EQ(refusal_of("system.md", "Write {\"a\": {\"b\": 1}}, never {{...}}.\n"), "");
   EXPECT_EQ(refusal_of("search.md", "{{name}} {{size}} {{scale}}\n"),
             "");  // filled from the slots of the question
-  EXPECT_EQ(refusal_of("search.md", "{{name}} {{others}}\n").substr(0, 42),
+  EXPECT_EQ(refusal_of("search.md", "{{name}} {{others}}\n").substr(0, 41),
             "line 1: {{others}} is not a known slot; r");
   EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_deep", "no {{field}}")),
             "too_deep, line 1: {{field}} is not a known slot; no slot of this text is filled; remove it");

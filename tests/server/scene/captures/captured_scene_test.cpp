@@ -24,7 +24,7 @@ std::vector<std::string> captured_assets() {
     const bool asset = path.ends_with(".ply") || path.ends_with(".spz") || path.ends_with(".splat") ||
                        path.ends_with(".sog");
     const bool unpacked = at->path().filename() == "meta.json" && path.find("fur_block") == std::string::npos;
-    const bool small = at->file_size() < 1'200'000;
+    const bool small = at->is_regular_file(error) && at->file_size() < 1'200'000;
     if ((asset || unpacked) && (small || full_sets()))
       assets.push_back(fs::relative(at->path(), folder).string());
   }

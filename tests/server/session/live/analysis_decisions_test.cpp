@@ -222,7 +222,7 @@ TEST_F(AnalysisControllerTest, BadEditsNameTheField) {
   EXPECT_EQ(analysis->set_physics("wood block", edit).error().message,
             "physics.friction: is -1; it must be between 0 and 2");
   edit.set_friction(0.5);
-  EXPECT_NE(analysis->set_physics("hat", edit).error().message.find("it has: wood block, told, sponge"),
+  EXPECT_NE(analysis->set_physics("hat", edit).error().message.find("available: wood block, told, sponge"),
             std::string::npos);
 }
 

@@ -54,11 +54,11 @@ TEST(SceneMemory, FreeMemoryIsTheMachinesWithoutLimits) {
   const ScratchFolder root;
   root.write("proc/meminfo",
              "MemTotal:       16000000 kB\nMemFree:          100000 kB\nMemAvailable:    8000000 kB\n");
-  EXPECT_EQ(free_bytes(root.path()), 8'000'000u * 1024);
+  EXPECT_EQ(free_bytes(root.path()), uint64_t{8'000'000} * 1024);
   root.write("proc/self/cgroup", "0::/\n");
   root.write("sys/fs/cgroup/memory.max", "max\n");
   root.write("sys/fs/cgroup/memory.current", "1000\n");
-  EXPECT_EQ(free_bytes(root.path()), 8'000'000u * 1024);
+  EXPECT_EQ(free_bytes(root.path()), uint64_t{8'000'000} * 1024);
 }
 
 TEST(SceneMemory, MissingMeminfoLeavesTheWholeMachine) {
