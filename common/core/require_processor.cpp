@@ -13,7 +13,7 @@ namespace {
 // True for instruction sets that the compiler cannot check, such as "native".
 bool supports_arch() {
   if (std::getenv("LIVEGS_TEST_OLD_PROCESSOR") != nullptr) return false;
-#ifndef __clang__
+#if defined(__x86_64__) && !defined(__clang__)
   __builtin_cpu_init();
   if (std::strcmp(kArch, "x86-64-v2") == 0) return __builtin_cpu_supports("x86-64-v2") != 0;
   if (std::strcmp(kArch, "x86-64-v3") == 0) return __builtin_cpu_supports("x86-64-v3") != 0;

@@ -19,9 +19,9 @@ int run_chart_program(const std::vector<std::string>& arguments) {
   const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", unreadable);
   const std::filesystem::path program = own.parent_path() / "livegs-chart";
   if (unreadable || !std::filesystem::exists(program)) {
-    return report(
-        {ErrorCode::Unsupported,
-         "chart: livegs-chart is missing; build it with -DLIVEGS_STUDY=ON, it needs Bullet and ODE"});
+    return report({ErrorCode::Unsupported,
+                   "chart: livegs-chart is missing next to livegs; build the target livegs-chart (it is not "
+                   "installed)"});
   }
   std::vector<std::string> words = {program.string(), "chart"};
   words.insert(words.end(), arguments.begin(), arguments.end());

@@ -105,7 +105,7 @@ TEST(PlasticSet, IsIndependentOfSubstepsAndLoadingRate) {
 
 TEST(PlasticSet, IsStrainMinusYieldInTension) {
   // The volume term resists if the plastic strain across is less than along: BarSetsAtStrainMinusYield
-  // (plastic_flow_test.cpp).
+  // (return_mapping_test.cpp).
   constexpr double kBar = 0.02;
   for (const double yield : {0.05, 0.1}) {
     for (const double poisson_ratio : gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45})) {

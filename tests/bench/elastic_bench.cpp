@@ -147,7 +147,7 @@ int main(int argc, char** argv) {
   bar.initial_deformation.diagonal() = Vector3d(1.02, 1, 1);
   report("bar cells", bar, false);
   report("bar bullet", bar, false, By::Bullet);
-  // A curved sheet thinner than its cells, with plain cells and with thin cells (thin_cell.h).
+  // A curved sheet thinner than its cells, with plain cells and with thin cells (plate_cell.h).
   report("quarter shell plain", describe_quarter(5.0, 0.3, false), false);
   report("quarter shell thin", describe_quarter(5.0, 0.3, true), false);
   // LIVE-GS: at most about 15^3 particles per object. The body selects its own cells and substeps.

@@ -63,8 +63,8 @@ Result<Outcome> plastic_set(const Setup& setup, double speed) {
 }
 
 Result<Outcome> plastic_set_in_tension(const Setup& setup, double speed, double yield) {
-  // The sides are free; by the energy of plastic_flow.h: b - s + lambda / 2 mu (l b² - 1) l b = 0, with s the
-  // plastic stretch across.
+  // The sides are free; by the energy of return_mapping.h: b - s + lambda / 2 mu (l b² - 1) l b = 0, with s
+  // the plastic stretch across.
   const double length = 1.0 + 2.0 * yield, side = 1.0 / std::sqrt(1.0 + yield);
   const double ratio = setup.poisson_ratio / (1.0 - 2.0 * setup.poisson_ratio);
   double low = 0.5, high = 1.0;

@@ -14,7 +14,7 @@ namespace livegs::study {
 Result<Outcome> plastic_set(const Setup& setup, double speed = 1.0);
 
 // The plastic stretch d, minus 1, after a stretch l along one axis with 1/sqrt(l) across. The remaining
-// elastic strain is the radius r of the yield surface (plastic_flow.h):
+// elastic strain is the radius r of the yield surface (return_mapping.h):
 //   sqrt(2/3) [ (l - d) + (1/sqrt(d) - 1/sqrt(l)) ] = r.
 // In simple tension, where the strain across is -nu times the one along, this is l - d = y.
 double set_of_stretch(double stretch, double yield, double poisson_ratio);

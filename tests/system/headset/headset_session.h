@@ -228,7 +228,7 @@ class HeadsetSession : public ::testing::Test {
     kept.eyes = picture.views;
     for (const uint32_t hand : {0u, 1u}) {
       const auto marks =
-          view.drawn_object(std::numeric_limits<uint32_t>::max() - hand);  // hand_marks.h: the last two ids
+          view.drawn_object(std::numeric_limits<uint32_t>::max() - hand);  // hand_markers.h: the last two ids
       kept.hands_in_sight = kept.hands_in_sight || (marks && is_before(*marks->kernels, kept.eyes));
     }
     for (const auto& [name, id] : ids_) {

@@ -312,7 +312,7 @@ TEST_F(HeadsetSession, ShowsANoticeWhileTheServerIsGone) {
         EXPECT_GT(psnr_db(*shown, kept_[i].oracle[eye]), 50.0) << i;
         continue;
       }
-      EXPECT_GT(read.pixels, 100u) << i;
+      EXPECT_GT(read.pixels, 60u) << i;  // one letter has about two pixels; the notice has 50 letters
       if (eye == 0 && i == 1) first = read;
       if (eye == 0) {
         EXPECT_LT((read.middle_px - first.middle_px).norm(), 1.0) << i;

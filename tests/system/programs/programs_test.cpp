@@ -143,7 +143,7 @@ TEST_F(Programs, KilledClientDoesNotDisturbOthers) {
   Program before(client_words(port, {"--seconds", "0.5", "--no-video"}, "before"));
   ASSERT_EQ(before.wait(), 0) << before.err();
   victim.send(SIGKILL);
-  ASSERT_TRUE(server.says("its stream broke")) << server.err();
+  ASSERT_TRUE(server.says(": stream broke")) << server.err();
   Program after(client_words(port, {"--seconds", "1", "--no-video"}, "after"));
   ASSERT_EQ(after.wait(), 0) << after.err();
   other.send(SIGINT);
