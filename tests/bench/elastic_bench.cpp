@@ -110,7 +110,7 @@ ElasticBodyDescription block(int cells, double cell_m, double youngs_modulus_pa)
 void report_table(int cells) {
   const RigidShape shape = mesh_shape(box_mesh({0.5, 0.1, 0.5}), Vector3d::Zero());
   RigidProxy table;
-  table.contact_id = 1;
+  table.body_id = 1;
   table.shape = &shape;
   table.start.position_m = table.before.position_m = {0, -0.05, 0};
   table.inverse_mass = 1e-9;
