@@ -11,7 +11,7 @@
 #include "physics/rigid/ccd_substeps.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/find_contacts.h"
-#include "physics/rigid/contact/restitution.h"
+#include "physics/rigid/contact/impact_phase.h"
 #include "physics/rigid/joint/joint_group.h"
 #include "physics/rigid/mass_ratio_substeps.h"
 #include "physics/rigid/rigid_islands.h"
@@ -23,13 +23,11 @@ namespace {
 
 // Solver steps per substep, with one sweep each; contacts are found once per substep. Small steps converge
 // better than iterations for high mass ratios and tall stacks (Macklin et al. 2019, Small steps in physics
-// simulation), because contacts may be stiffer. Impacts take several sweeps, so that the corners of a body
-// share the impulse.
+// simulation), because contacts may be stiffer.
 constexpr int kSolverSteps = 4;
 // Sweeps with bias per step.
 constexpr int kPushIterations = 1;
 constexpr int kRelaxIterations = 2;  // with one, large piles do not come to rest
-constexpr int kImpactIterations = 4;
 
 constexpr int kMaxWarnings = 10;  // per process
 
@@ -73,54 +71,6 @@ void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& g
   body.velocity_m_s += duration_s * body.substep_acceleration_m_s2;
 }
 
-void report_contact_point(RigidBody& body, const ContactManifold& manifold, const RigidBody* from,
-                          const ContactPoint& point, const Eigen::Vector3d& normal,
-                          const Eigen::Vector3d& where) {
-  body.contact_impulse_n_s += point.impulse_n_s;
-  if (!from || from->object_id != body.object_id) {
-    body.external_contact_impulse_n_s += point.impulse_n_s;
-    body.external_contact_moment += point.impulse_n_s * where;
-  }
-  body.impacts.record_contact(body, manifold, point, normal, where - body.world_from_body.position_m);
-}
-
-void report_contacts(RigidBody& body, ContactManifold& manifold) {
-  bool struck = false;
-  for (int i = 0; i < manifold.point_count; ++i) {
-    ContactPoint& point = manifold.points[i];
-    const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
-    if (!body.asleep) report_contact_point(body, manifold, manifold.other, point, point.normal, where);
-    if (manifold.other && !manifold.other->asleep)
-      report_contact_point(*manifold.other, manifold, &body, point, -point.normal, where);
-    // An impact's impulse is not an estimate for the next substep.
-    if (point.impact_speed_m_s >= manifold.restitution_speed_m_s) {
-      point.impulse_n_s = 0.0;
-      struck = true;
-    }
-  }
-  const Eigen::Vector3d &rubbed = manifold.friction_impulse_n_s,
-                        twist = manifold.twist_impulse * manifold.normal;
-  body.impacts.record_friction(body, rubbed, twist, manifold.arm_a_m);
-  if (manifold.other)
-    manifold.other->impacts.record_friction(*manifold.other, -rubbed, -twist, manifold.arm_b_m);
-  if (struck) {
-    manifold.friction_impulse_n_s.setZero();
-    manifold.twist_impulse = 0.0;
-  }
-}
-
-void save_resting_impulses(ContactManifold& manifold) {
-  for (int i = 0; i < manifold.point_count; ++i)
-    manifold.points[i].resting_impulse_n_s = manifold.points[i].impulse_n_s;
-}
-
-void scale_restitution(ContactManifold& manifold, double part) {
-  for (int i = 0; i < manifold.point_count; ++i) {
-    ContactPoint& point = manifold.points[i];
-    point.impulse_n_s = point.resting_impulse_n_s + part * (point.impulse_n_s - point.resting_impulse_n_s);
-  }
-}
-
 // Records loads of springs and joints, which strain a body like contacts.
 void record_held_loads(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s) {
   for (RigidBody* body : island.bodies) {
@@ -130,7 +80,8 @@ void record_held_loads(const RigidIsland& island, std::span<JointGroup* const> j
   }
   const auto note = [&](RigidBody* body, const Eigen::Vector3d& force_n, const Eigen::Vector3d& anchor_m) {
     if (!body || !body->can_break || body->asleep) return;
-    body->impacts.record_joint(*body, step_s * force_n, anchor_m - body->world_from_body.position_m);
+    body->impacts.record_joint(*body, step_s * force_n, anchor_m - body->world_from_body.position_m,
+                               ImpulseKind::Support, 0.0);
   };
   for (const JointGroup* group : joints) {
     for (const RigidJoint& joint : group->joints()) {
@@ -138,13 +89,6 @@ void record_held_loads(const RigidIsland& island, std::span<JointGroup* const> j
       note(joint.b, -joint.force_n, joint.world_anchor_b());
     }
   }
-}
-
-bool is_impact(const ContactManifold& manifold) {
-  for (int i = 0; i < manifold.point_count; ++i) {
-    if (manifold.points[i].impact_speed_m_s >= manifold.restitution_speed_m_s) return true;
-  }
-  return false;
 }
 
 // Selects the integration of the bodies (see RigidBody::move), which joints take into account.
@@ -209,28 +153,23 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
   if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, 1.0 / times); });
   std::vector<Pose> poses;
   for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
-  const bool struck =
-      std::any_of(island.contacts.begin(), island.contacts.end(),
-                  [](const RigidIsland::Contact& contact) { return is_impact(*contact.manifold); });
-  const int push_iterations = struck ? kImpactIterations : kPushIterations;
-  const int relax_iterations = struck ? kImpactIterations : kRelaxIterations;
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
-  RestitutionEnergyLimiter limiter(island.bodies);
   for (int step = 0; step < steps; ++step) {
+    each(prepare_manifold);
+    resolve_impacts(island, joints, step_s, (steps - step) * step_s);
     for (RigidBody* body : island.bodies) {
       body->pushed_by_owner = body->has_body_contact = false;
       body->substep_velocity_m_s = body->velocity_m_s;
       body->velocity_m_s += step_s * body->substep_acceleration_m_s2;
     }
-    each(prepare_manifold);
     for (JointGroup* group : joints) group->begin();
     each(warm_start_manifold);
     for (RigidBody* body : island.bodies) {
       for (RigidSpring* spring : body->springs) prepare_spring(*body, *spring, step_s);
     }
     for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
-    for (int sweep = 0; sweep < push_iterations; ++sweep) {
+    for (int sweep = 0; sweep < kPushIterations; ++sweep) {
       each([&](RigidBody& body, ContactManifold& manifold) {
         solve_manifold(body, manifold, ContactPhase::Push, step_s);
       });
@@ -249,26 +188,16 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
 
     each(prepare_manifold);
     for (JointGroup* group : joints) group->prepare(ContactPhase::Relax);
-    for (int sweep = 0; sweep < relax_iterations; ++sweep) {
+    for (int sweep = 0; sweep < kRelaxIterations; ++sweep) {
       each([&](RigidBody& body, ContactManifold& manifold) {
         solve_manifold(body, manifold, ContactPhase::Relax, step_s);
       });
       for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }
-    if (step + 1 == steps && (struck || !joints.empty())) {
-      limiter.begin();
-      each([](RigidBody&, ContactManifold& manifold) { save_resting_impulses(manifold); });
-      for (int sweep = 0; sweep < kImpactIterations; ++sweep) {
-        each([&](RigidBody& body, ContactManifold& manifold) {
-          if (apply_restitution(body, manifold)) solve_friction(body, manifold);
-        });
-        for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
-      }
-      if (const double part = limiter.end(); part < 1.0)
-        each([&](RigidBody&, ContactManifold& manifold) { scale_restitution(manifold, part); });
-    }
     for (JointGroup* group : joints) group->end(step_s);
-    each(report_contacts);
+    each([](RigidBody& body, ContactManifold& manifold) {
+      record_impulses(body, manifold, ImpulseKind::Support, 0.0);
+    });
     record_held_loads(island, joints, step_s);
   }
   if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, times); });
@@ -276,10 +205,7 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
                    [](const RigidBody* body) { return has_finite_motion(*body); })) {
     restore_last_valid_state(island, poses, joints);
   }
-  double impact_fraction = 0.0;
-  for (const RigidBody* body : island.bodies)
-    impact_fraction = std::max(impact_fraction, body->impacts.impact_fraction());
-  for (RigidBody* body : island.bodies) body->impacts.end_substep(*body, impact_fraction, duration_s);
+  for (RigidBody* body : island.bodies) body->impacts.end_substep(duration_s);
 }
 
 // Solves an island's substep in `ccd_count` parts, each with its own contacts. Its bodies only interact with

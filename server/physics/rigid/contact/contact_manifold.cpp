@@ -94,28 +94,6 @@ double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t featur
   return 0.0;
 }
 
-// Predicts the closing speed at touch from the constant acceleration of the substep, and the speed that the
-// acceleration would add afterwards.
-void predict_impact(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
-                    double duration_s, ContactPoint& point) {
-  Eigen::Vector3d velocity = body.point_velocity(candidate.point_m - body.world_from_body.position_m);
-  Eigen::Vector3d acceleration = body.substep_acceleration_m_s2;
-  if (other) {
-    velocity -= other->point_velocity(candidate.point_m - other->world_from_body.position_m);
-    acceleration -= other->substep_acceleration_m_s2;
-  }
-  const double normal_acceleration = candidate.normal.dot(acceleration);
-  const double closing = -(candidate.normal.dot(velocity) - normal_acceleration * duration_s);
-  const double gap = std::max(0.0, candidate.separation_m);
-  const double impact_speed = std::sqrt(std::max(0.0, closing * closing - 2.0 * normal_acceleration * gap));
-  point.impact_speed_m_s = closing > 0.0 ? impact_speed : 0.0;
-  point.approach_speed_m_s = std::max(0.0, closing);
-  const double time_of_impact =
-      gap > 0.0 && closing + impact_speed > 0.0 ? 2.0 * gap / (closing + impact_speed) : 0.0;
-  point.time_of_impact_s = std::clamp(time_of_impact, 0.0, duration_s);
-  point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * (duration_s - point.time_of_impact_s);
-}
-
 // Centre of pressure of the previous substep, where friction acts.
 void find_centre(const RigidBody& body, ContactManifold& manifold) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -160,7 +138,7 @@ void remember(const RigidBody& body, ContactManifold& manifold) {
 
 }  // namespace
 
-bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s) {
+bool reuse_manifold(RigidBody& body, const ContactPair& pair) {
   const ContactManifold* earlier = nullptr;
   for (const ContactManifold& manifold : body.previous_manifolds) {
     if (manifold.other_id == pair.other_id && manifold.lasts) earlier = &manifold;
@@ -186,17 +164,13 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s)
     point.arm_a_m = place.orientation * point.arm_body_m;
     const Eigen::Vector3d on_first = place.position_m + point.arm_a_m;
     point.separation_m = manifold.normal.dot(on_first - other.world_from_body * point.anchor_b_m);
-    point.largest_impulse_n_s = 0.0;
-    predict_impact(body, pair.other, {point.feature_id, on_first, manifold.normal, point.separation_m},
-                   duration_s, point);
   }
   find_centre(body, manifold);
   body.manifolds.push_back(manifold);
   return true;
 }
 
-void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_s,
-                      std::vector<ContactCandidate>& candidates) {
+void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<ContactCandidate>& candidates) {
   // Non-finite candidates cannot be sorted and are removed.
   std::erase_if(candidates, [](const ContactCandidate& candidate) {
     return !std::isfinite(candidate.separation_m) || !candidate.point_m.allFinite() ||
@@ -238,7 +212,6 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_
       point.separation_m = candidate->separation_m;
       point.turns = candidate->feature_id < kForeignFeature;
       point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
-      predict_impact(body, pair.other, *candidate, duration_s, point);
       manifold.normal += candidate->normal;
     }
     manifold.normal.normalize();

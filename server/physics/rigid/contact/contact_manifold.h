@@ -24,7 +24,7 @@ struct ContactPair {
 
 // Reuses the previous substep's manifold, moved to the current poses, if the pair allows it and the relative
 // motion since detection is below a thousandth of the size. Returns whether it did.
-bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s);
+bool reuse_manifold(RigidBody& body, const ContactPair& pair);
 
 // Cosine of 30 degrees. Points whose normal is within this angle of the deepest point's belong to one
 // manifold.
@@ -33,7 +33,6 @@ inline constexpr double kManifoldNormalCosine = 0.866;
 // Groups candidates into manifolds of at most four points (the deepest, then the widest spread) and appends
 // them to body.manifolds. Impulses of matching features in body.previous_manifolds are carried over. Sorts
 // `candidates` in place.
-void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_s,
-                      std::vector<ContactCandidate>& candidates);
+void append_manifolds(RigidBody& body, const ContactPair& pair, std::vector<ContactCandidate>& candidates);
 
 }  // namespace livegs

@@ -15,6 +15,8 @@ struct RigidBody;
 // Maximum number of points per manifold. Four span any flat contact.
 inline constexpr int kMaxManifoldPoints = 4;
 
+inline constexpr double kNoImpact = -1e300;
+
 // Response of two bodies to an impulse along one direction at one point.
 struct ContactRow {
   Eigen::Vector3d direction;
@@ -32,13 +34,10 @@ struct ContactPoint {
   // Whether the point is fixed to the first body's mesh. Points of balls or of the other body stay in place
   // during the substep.
   bool turns = false;
-  double impact_speed_m_s = 0;    // closing speed at touch, > 0 when closing
-  double approach_speed_m_s = 0;  // at the start of the substep, > 0 when closing
-  double time_of_impact_s = 0;    // from the start of the substep
-  double carried_speed_m_s = 0;   // speed that the pressing acceleration would add in the rest of the substep
-  double impulse_n_s = 0;         // of this step, >= 0; warm start of the next one
-  double resting_impulse_n_s = 0;  // before restitution
-  double largest_impulse_n_s = 0;
+  // Of an impact: closing speed, closing speed at touch, and speed at which it leaves, < 0 if it has
+  // yet to arrive; kNoImpact: not one.
+  double closing_m_s = 0, touch_m_s = 0, leaving_m_s = kNoImpact;
+  double impulse_n_s = 0;  // of this step, >= 0; warm start of the next one
 
   // Updated when the bodies have moved.
   Eigen::Vector3d arm_b_m;

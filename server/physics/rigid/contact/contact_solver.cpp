@@ -15,6 +15,9 @@ namespace {
 constexpr double kContactCycles = 0.25;   // contact spring periods per step; larger: overlaps bounce
 constexpr double kContactDamping = 10.0;  // damping ratio; smaller: faster overlap correction, more bounce
 
+// Steps of acceleration that an impact is faster than. Smaller: pressed bodies count as struck.
+constexpr double kImpactSteps = 8.0;
+
 using Eigen::Vector3d;
 
 inline ContactRow row_of(const RigidBody& a, const RigidBody* b, const Vector3d& direction,
@@ -70,6 +73,20 @@ inline double way_off_line_m(const RigidBody& body, const ContactPoint& point, d
   if (!point.turns) return 0.0;
   const Vector3d& spin = body.angular_velocity_rad_s;
   return 0.5 * step_s * step_s * point.normal.dot(spin.cross(spin.cross(point.arm_a_m)));
+}
+
+// Acceleration towards the surface by gravity and forces, at the centres of mass.
+double closing_acceleration_m_s2(const RigidBody& a, const ContactManifold& manifold,
+                                 const ContactPoint& point) {
+  double acceleration = a.asleep ? 0.0 : -point.normal.dot(a.substep_acceleration_m_s2);
+  if (manifold.other && !manifold.other->asleep)
+    acceleration += point.normal.dot(manifold.other->substep_acceleration_m_s2);
+  return acceleration;
+}
+
+// Closing speed from which a contact is an impact: more than the acceleration adds meanwhile.
+double impact_speed_m_s(const ContactManifold& manifold, double acceleration_m_s2, double step_s) {
+  return std::max(manifold.restitution_speed_m_s, kImpactSteps * step_s * acceleration_m_s2);
 }
 
 }  // namespace
@@ -159,8 +176,13 @@ void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase,
   const ContactSoftness soft = contact_softness(step_s);
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
+    const double opening = speed_along(a, manifold.other, point.row);
     double bias = 0.0, mass_scale = 1.0, impulse_scale = 0.0;
     const double separation = point.separation_m + way_off_line_m(a, point, step_s);
+    // Left to the impact at the start of the next step.
+    if (phase == ContactPhase::Relax && opening <= -manifold.restitution_speed_m_s &&
+        -opening >= impact_speed_m_s(manifold, closing_acceleration_m_s2(a, manifold, point), step_s))
+      continue;
     if (separation > 0.0) {
       bias = separation / step_s;  // may close the gap but not overlap
     } else if (phase == ContactPhase::Push) {
@@ -169,12 +191,10 @@ void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase,
       impulse_scale = soft.impulse_scale;
     }
     const double change =
-        -point.row.mass_kg * mass_scale * (speed_along(a, manifold.other, point.row) + bias) -
-        impulse_scale * point.impulse_n_s;
+        -point.row.mass_kg * mass_scale * (opening + bias) - impulse_scale * point.impulse_n_s;
     const double impulse = std::max(0.0, point.impulse_n_s + change);
     apply(a, manifold.other, point.row, impulse - point.impulse_n_s);
     point.impulse_n_s = impulse;
-    point.largest_impulse_n_s = std::max(point.largest_impulse_n_s, impulse);
   }
 }
 
@@ -186,20 +206,48 @@ void update_separations(RigidBody& a, ContactManifold& manifold, double step_s) 
   }
 }
 
-bool apply_restitution(RigidBody& a, ContactManifold& manifold) {
-  if (manifold.restitution <= 0.0) return false;
-  bool bounced = false;
+double begin_impact(const RigidBody& a, ContactManifold& manifold, double step_s, double passed_on_m_s) {
+  double fastest_m_s = 0.0;
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
-    if (point.impact_speed_m_s < manifold.restitution_speed_m_s || point.largest_impulse_n_s <= 0.0) continue;
-    const double leaving = speed_along(a, manifold.other, point.row);
-    const double change = -point.row.mass_kg * (leaving - manifold.restitution * point.impact_speed_m_s);
-    const double impulse = std::max(0.0, point.impulse_n_s + change);
-    apply(a, manifold.other, point.row, impulse - point.impulse_n_s);
-    point.impulse_n_s = impulse;
-    bounced = true;
+    point.leaving_m_s = kNoImpact;
+    const double closing = -speed_along(a, manifold.other, point.row);
+    if (!(closing > 0.0)) continue;
+    const double faster = closing_acceleration_m_s2(a, manifold, point);
+    const double limit_m_s = impact_speed_m_s(manifold, faster, step_s);
+    if (closing < (passed_on_m_s > 0.0 ? std::min(passed_on_m_s, limit_m_s) : limit_m_s)) continue;
+    const double separation = point.separation_m + way_off_line_m(a, point, step_s);
+    if (separation > step_s * (closing + step_s * faster)) continue;
+    // Speeds at the surface, where restitution acts, and back at this distance from it. A slower bounce first
+    // closes the distance.
+    const double gap = std::max(0.0, point.separation_m), twice_work = 2.0 * faster * gap;
+    point.touch_m_s = std::sqrt(std::max(0.0, closing * closing + twice_work));
+    const double bounced = manifold.restitution * point.touch_m_s;
+    const double arriving = std::min(gap / step_s, closing);
+    if (bounced * bounced >= twice_work && bounced > 0.0) {
+      point.leaving_m_s = std::sqrt(bounced * bounced - twice_work);
+    } else {
+      point.leaving_m_s = arriving >= limit_m_s ? -arriving : 0.0;
+    }
+    point.closing_m_s = closing;
+    fastest_m_s = std::max(fastest_m_s, closing);
   }
-  return bounced;
+  return fastest_m_s;
+}
+
+double solve_impact(RigidBody& a, ContactManifold& manifold) {
+  double largest_m_s = 0.0;
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
+    if (point.leaving_m_s == kNoImpact) continue;
+    const double short_m_s = point.leaving_m_s - speed_along(a, manifold.other, point.row);
+    const double impulse = std::max(0.0, point.impulse_n_s + point.row.mass_kg * short_m_s);
+    const double change = impulse - point.impulse_n_s;
+    apply(a, manifold.other, point.row, change);
+    point.impulse_n_s = impulse;
+    if (point.row.mass_kg > 0.0) largest_m_s = std::max(largest_m_s, std::abs(change) / point.row.mass_kg);
+  }
+  return largest_m_s;
 }
 
 }  // namespace livegs

@@ -32,8 +32,14 @@ enum class ContactPhase {
 void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase, double step_s);
 // Updates separations after the bodies moved.
 void update_separations(RigidBody& a, ContactManifold& manifold, double step_s);
-// Applies restitution. Returns whether any point bounced.
-bool apply_restitution(RigidBody& a, ContactManifold& manifold);
+
+// Impacts (impact_phase.h), before the acceleration of a step of `step_s`.
+// Marks the points that will touch in the step and close faster than the restitution speed, or than
+// `passed_on_m_s` if that is positive and less, and sets the speed at which each leaves. Returns their
+// fastest closing speed; 0: none.
+double begin_impact(const RigidBody& a, ContactManifold& manifold, double step_s, double passed_on_m_s);
+// One sweep over the marked points. Returns the largest change of speed, m/s.
+double solve_impact(RigidBody& a, ContactManifold& manifold);
 void solve_friction(RigidBody& a, ContactManifold& manifold);  // friction only
 double total_impulse(const ContactManifold& manifold);
 

@@ -161,9 +161,9 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
     ContactPair pair =
         pair_of(body, nullptr, collider.friction, collider.restitution, gravity_m_s2, duration_s);
     pair.other_id = kColliderBit + index;
-    append_manifolds(body, pair, duration_s, candidates);
+    append_manifolds(body, pair, candidates);
     // Separate manifold: among closer points the core would be dropped.
-    append_manifolds(body, pair, duration_s, cores);
+    append_manifolds(body, pair, cores);
   }
 }
 
@@ -243,7 +243,7 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
   pair.other = &other;
   pair.other_id = other.body_id();
   pair.lasts = body.shape.convex && other.shape.convex;
-  if (pair.lasts && motion < search.margin_m && reuse_manifold(body, pair, duration_s)) return;
+  if (pair.lasts && motion < search.margin_m && reuse_manifold(body, pair)) return;
   candidates.clear();
   if (body.shape.is_ball()) {
     ball_body_candidates(body, other, search, candidates);
@@ -253,9 +253,9 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
     mesh_candidates(body, other, search, candidates);
     separate_deep_overlap(between, smaller, candidates);
     std::vector<ContactCandidate> cores = core_candidates_of_pair(body, other, search);
-    if (!cores.empty()) append_manifolds(body, pair, duration_s, cores);
+    if (!cores.empty()) append_manifolds(body, pair, cores);
   }
-  if (!candidates.empty()) append_manifolds(body, pair, duration_s, candidates);
+  if (!candidates.empty()) append_manifolds(body, pair, candidates);
 }
 
 }  // namespace

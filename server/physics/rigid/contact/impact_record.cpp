@@ -10,9 +10,6 @@
 namespace livegs {
 namespace {
 
-// Time constant of transmitted loads, s; a load that lasts longer counts as sustained.
-constexpr double kLoadFilterTime_s = 0.004;
-
 // Adds an impulse given in world axes. Returns whether it is non-zero.
 bool add_load(ImpulseAccumulator& sum, const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
               const Eigen::Vector3d& point_m) {
@@ -54,71 +51,46 @@ void ImpactRecord::record_force(const RigidBody& body, const Eigen::Vector3d& im
 }
 
 void ImpactRecord::record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
-                                const Eigen::Vector3d& point_m) {
-  add_load(contacts_, body, impulse_n_s, point_m);
+                                const Eigen::Vector3d& point_m, ImpulseKind kind, double remaining_s) {
+  const bool impact = kind == ImpulseKind::Impact;
+  if (add_load(impact ? impacts_ : contacts_, body, impulse_n_s, point_m) && impact)
+    impact_age_s_ = std::max(impact_age_s_, remaining_s);
 }
 
 void ImpactRecord::record_contact(const RigidBody& body, const ContactManifold& manifold,
                                   const ContactPoint& point, const Eigen::Vector3d& normal,
-                                  const Eigen::Vector3d& point_m) {
-  if (point.impulse_n_s <= 0.0) return;
-  const bool hard = point.impact_speed_m_s >= manifold.restitution_speed_m_s;
-  const double ended =
-      (hard ? point.impact_speed_m_s : point.approach_speed_m_s) * (1.0 + manifold.restitution);
-  double share = ended > 0.0 ? ended / (ended + point.carried_speed_m_s) : 0.0;
-  if (hard)
-    bounce_fraction_ = std::max(bounce_fraction_, share);
-  else
-    share *= previous_bounce_fraction_;
-  if (share > 0.0) {
-    impact_fraction_ = std::max(impact_fraction_, share);
-    if (ended > fastest_approach_m_s_) {
-      fastest_approach_m_s_ = ended;
-      impact_time_s_ = point.time_of_impact_s;
-    }
+                                  const Eigen::Vector3d& point_m, ImpulseKind kind, double remaining_s) {
+  if (!body.can_break || point.impulse_n_s <= 0.0) return;
+  const bool impact = kind == ImpulseKind::Impact;
+  double at_touch = 1.0;  // an impact is resolved up to a step before it would happen
+  if (impact) {
+    if (point.leaving_m_s >= 0.0)
+      at_touch = (1.0 + manifold.restitution) * point.touch_m_s / (point.closing_m_s + point.leaving_m_s);
+    impact_age_s_ = std::max(impact_age_s_, remaining_s);
   }
-  if (!body.can_break) return;
+  ImpulseAccumulator& sum = impact ? impacts_ : contacts_;
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
-  contacts_.add(point.impulse_n_s, body_from_world * normal, body_from_world * point_m);
-  contacts_.restitution = std::max(contacts_.restitution, manifold.restitution);
-  if (manifold.other) contacts_.from_colliders = false;
+  sum.add(at_touch * point.impulse_n_s, body_from_world * normal, body_from_world * point_m);
+  sum.restitution = std::max(sum.restitution, manifold.restitution);
+  if (manifold.other) sum.from_colliders = false;
 }
 
 void ImpactRecord::record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
-                                   const Eigen::Vector3d& twist, const Eigen::Vector3d& point_m) {
+                                   const Eigen::Vector3d& twist, const Eigen::Vector3d& point_m,
+                                   ImpulseKind kind) {
   if (!body.can_break) return;
+  ImpulseAccumulator& sum = kind == ImpulseKind::Impact ? impacts_ : contacts_;
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
-  contacts_.total_n_s += body_from_world * impulse_n_s;
-  contacts_.total_moment += body_from_world * (point_m.cross(impulse_n_s) + twist);
+  sum.total_n_s += body_from_world * impulse_n_s;
+  sum.total_moment += body_from_world * (point_m.cross(impulse_n_s) + twist);
 }
 
-void ImpactRecord::end_substep(const RigidBody& body, double island_fraction, double duration_s) {
-  previous_bounce_fraction_ = std::exchange(bounce_fraction_, 0.0);
-  if (!body.can_break) {
-    impact_fraction_ = fastest_approach_m_s_ = 0.0;
-    return;
-  }
-  const double size = contacts_.impulse_n_s, now_n = size / duration_s;
-  double struck = 0.0;
-  if (island_fraction > 0.0) {
-    // The previous sustained force continues. A transmitted impulse originates from elsewhere in the island.
-    const bool passed_on = impact_fraction_ == 0.0;
-    if (passed_on && !sustained_force_known_) sustained_force_n_ = now_n;
-    struck = (passed_on ? island_fraction : impact_fraction_) *
-             std::max(0.0, size - duration_s * sustained_force_n_);
-    if (passed_on)
-      sustained_force_n_ += std::min(1.0, duration_s / kLoadFilterTime_s) * (now_n - sustained_force_n_);
-  } else {
-    sustained_force_n_ = now_n;
-  }
-  sustained_force_known_ = sustained_force_known_ || size > 0.0;
-
+void ImpactRecord::end_substep(double duration_s) {
   for (RecentImpact& one : recent_) one.age_s += duration_s;
   std::erase_if(recent_,
                 [&](const RecentImpact& one) { return one.age_s - duration_s > kImpactWindow_s - 1e-9; });
-  if (struck > 0.0) {
-    recent_.push_back({fastest_approach_m_s_ > 0.0 ? duration_s - impact_time_s_ : 0.0, {}});
-    recent_.back().sum.add(contacts_, struck / size);
+  if (impacts_.impulse_n_s > 0.0) {
+    recent_.push_back({impact_age_s_, impacts_});
     ImpulseAccumulator together;
     for (const RecentImpact& one : recent_) {
       if (one.age_s - recent_.back().age_s <= kImpactWindow_s - 1e-9) together.add(one.sum, 1.0);
@@ -130,13 +102,13 @@ void ImpactRecord::end_substep(const RigidBody& body, double island_fraction, do
     if (episode_.impulse_n_s > ended_episode_.impulse_n_s) ended_episode_ = episode_;
     episode_ = {};
   }
-  sustained_.add(contacts_, 1.0 - struck / std::max(size, 1e-300));
+  sustained_.add(contacts_, 1.0);
   if (kImpactDuration_s / duration_s * forces_.impulse_n_s > forced_.impulse_n_s) {
     forced_ = {};
     forced_.add(forces_, kImpactDuration_s / duration_s);
   }
-  contacts_ = forces_ = {};
-  impact_fraction_ = fastest_approach_m_s_ = 0.0;
+  contacts_ = forces_ = impacts_ = {};
+  impact_age_s_ = 0.0;
 }
 
 ImpulseAccumulator ImpactRecord::take(double tick_s) {

@@ -6,9 +6,9 @@
 
 // Loads that may break a rigid body: impacts, summed over a window, and sustained loads.
 //
-// An impact is recorded as an impulse: the part of a contact impulse that ends the approach of two surfaces,
-// m v (1 + e) for a single body, independent of the substep. Weight, piles and hands also push; their impulse
-// per tick grows with its length and does not measure force. A sustained force (weight, hand, joint)
+// An impact (impact_phase.h) is recorded as its impulse, m v (1 + e) for a single body that closes with v,
+// independent of the substep. Weight, piles and hands also push; their impulse per tick grows with its length
+// and does not measure force. A sustained force (weight, hand, joint)
 // therefore counts as its impulse during kImpactDuration_s, the duration of an impact. Equal stress then
 // breaks equal bonds.
 
@@ -17,6 +17,9 @@ namespace livegs {
 struct RigidBody;
 struct ContactManifold;
 struct ContactPoint;
+
+// How an impulse acts: over the step, or at once.
+enum class ImpulseKind { Support, Impact };
 
 // Duration of an impact of hard objects of a cup's size, s. Hertz, 2.87 (m² / (R E² v))^(1/5) (Johnson 1985,
 // Contact mechanics, 11.24), gives 0.1 to 1 ms for a quarter of a kilogram of ceramics at 3 m/s on wood or
@@ -53,21 +56,17 @@ class ImpactRecord {
   // the centre of mass) are in world axes. Forces and hands count as sustained loads, however abrupt.
   void record_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
                     const Eigen::Vector3d& point_m);
-  // A joint transmits impulses from other bodies, including impacts, like a contact without an impact of its
-  // own.
-  void record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
-                    const Eigen::Vector3d& point_m);
-  // `normal` points towards this body.
+  // A joint transmits impulses from other bodies, including impacts, like a contact.
+  void record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m,
+                    ImpulseKind kind, double remaining_s);
+  // `normal` points towards this body. `remaining_s`: from an impact to the end of the substep.
   void record_contact(const RigidBody& body, const ContactManifold& manifold, const ContactPoint& point,
-                      const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m);
+                      const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m, ImpulseKind kind,
+                      double remaining_s);
   // Friction impulse and twist of a manifold on this body at `point_m`.
   void record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
-                       const Eigen::Vector3d& twist, const Eigen::Vector3d& point_m);
-  // Fraction of this substep's contact impulse that ended an approach, 0 … 1. The rest supported loads
-  // meanwhile.
-  double impact_fraction() const { return impact_fraction_; }
-  // `island_fraction` is the maximum over the island; 0 if there was no impact in it.
-  void end_substep(const RigidBody& body, double island_fraction, double duration_s);
+                       const Eigen::Vector3d& twist, const Eigen::Vector3d& point_m, ImpulseKind kind);
+  void end_substep(double duration_s);
   // Load of the tick: the strongest kImpactWindow_s of impacts, plus kImpactDuration_s of sustained loads.
   // Contacts count with their mean, because a first touch may be abrupt; forces with their maximum.
   ImpulseAccumulator take(double tick_s);
@@ -85,18 +84,11 @@ class ImpactRecord {
   ImpulseAccumulator strongest_, sustained_;
   // Strongest sum of the current episode; strongest of the episodes that ended in this tick.
   ImpulseAccumulator episode_, ended_episode_;
-  ImpulseAccumulator forced_;             // of forces, the maximum of the tick, for kImpactDuration_s
-  ImpulseAccumulator contacts_, forces_;  // of the substep; joints count as contacts
-  double impact_fraction_ = 0.0;
-  // The fastest approach of this substep and its time, which dates the substep's impacts. The end of a
-  // substep would be too coarse for kImpactWindow_s.
-  double fastest_approach_m_s_ = 0.0, impact_time_s_ = 0.0;
-  // Impact fractions of bouncing contacts in this substep and the previous one. A bounce in the last moment
-  // of a substep leaves a residual approach. It is part of the impact at any speed: with v at touch, v' the
-  // residual and V the speed at the end of the substep, (V - v') v / V + v' v / V = v.
-  double bounce_fraction_ = 0.0, previous_bounce_fraction_ = 0.0;
-  double sustained_force_n_ = 0.0;  // of its contacts, while there is no impact
-  bool sustained_force_known_ = false;
+  ImpulseAccumulator forced_;  // of forces, the maximum of the tick, for kImpactDuration_s
+  // Of the substep: supporting contacts and joints, forces, and impacts with the time from the first one to
+  // its end.
+  ImpulseAccumulator contacts_, forces_, impacts_;
+  double impact_age_s_ = 0.0;
 };
 
 }  // namespace livegs

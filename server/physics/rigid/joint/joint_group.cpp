@@ -434,6 +434,30 @@ void JointGroup::solve(ContactPhase phase, double substep_s) {
   if (!in_small_steps_) limit_push();
 }
 
+void JointGroup::begin_impact() {
+  for (RigidJoint& joint : joints_) joint.resting = std::exchange(joint.relax, {});
+  prepare(ContactPhase::Relax);
+}
+
+void JointGroup::solve_impact() {
+  relax_residual();
+  solve_residual(ContactPhase::Relax);
+}
+
+void JointGroup::end_impact(double factor, double remaining_s) {
+  for (RigidJoint& joint : joints_) {
+    const auto record = [&](RigidBody* body, double sign, const Eigen::Vector3d& anchor_m) {
+      if (!body || !body->can_break || body->asleep) return;
+      body->impacts.record_joint(*body, sign * factor * joint.relax.point_n_s,
+                                 anchor_m - body->world_from_body.position_m, ImpulseKind::Impact,
+                                 remaining_s);
+    };
+    record(joint.a, 1.0, joint.world_anchor_a());
+    record(joint.b, -1.0, joint.world_anchor_b());
+    joint.relax = joint.resting;
+  }
+}
+
 void JointGroup::solve_residual(ContactPhase phase) {
   for (size_t i = 0; i < joints_.size(); ++i) {
     const Rows& rows = rows_[i];

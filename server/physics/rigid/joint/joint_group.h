@@ -44,6 +44,7 @@ struct RigidJoint {
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // N m s, perpendicular to the hinge axis
   };
   Impulse push, relax;
+  Impulse resting;                                     // `relax`, kept during a round of impacts
   Eigen::Vector3d load_n_s = Eigen::Vector3d::Zero();  // of the push, before the relax pass
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();   // on a, mean over the last substep
 
@@ -79,6 +80,11 @@ class JointGroup {
   void move(double substep_s);  // integrates the poses of its bodies
   void end(double substep_s);   // after contacts; removes energy created by joints
   void reset_impulses();        // clears the warm start
+  // A round of impacts (impact_phase.h), before begin; solve_impact after each sweep over the contacts.
+  // end_impact adds the impulses, times `factor`, to the records of bodies that can break.
+  void begin_impact();
+  void solve_impact();
+  void end_impact(double factor, double remaining_s);
 
  private:
   // Curvature of the paths of joint points and axes: difference between the mean and the current velocity of

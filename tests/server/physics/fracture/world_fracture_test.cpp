@@ -89,13 +89,14 @@ TEST(Breaking, BreakingOnTheFloorGainsNothing) {
   EXPECT_EQ(broken, 18 * static_cast<int>(kRates_hz.size()));
 }
 
-// Upright, from four times its break height: the fragments must not stay together in the shape of the cup.
-// The ratio compares the mean distance of pieces from the axis with that in the intact cup.
+// Upright, from 4.5 times its break height: the fragments must not stay together in the shape of the cup.
+// Nearer to the break height the spread depends on the phase of the landing. The ratio compares the mean
+// distance of pieces from the axis with that in the intact cup.
 TEST(Breaking, UprightCupSeparatesOnLanding) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
     const double speed = kBreakImpulse_n_s / (kMass_kg * 1.2);
-    World world = with_cup(cup_at(4 * speed * speed / (2 * kGravity)), world_at(rate, 4));
+    World world = with_cup(cup_at(4.5 * speed * speed / (2 * kGravity)), world_at(rate, 4));
     world.add_collider(floor_plane());
     run_seconds(world, 3.0);
     ASSERT_GE(body_count(world, kCup), 4u);
@@ -109,7 +110,7 @@ TEST(Breaking, UprightCupSeparatesOnLanding) {
         highest = std::max(highest, world.world_point(kCup, vertex).y());
     }
     RecordProperty("spread", std::to_string(now / then));
-    EXPECT_GT(now / then, 1.5);
+    EXPECT_GT(now / then, 2.0);
     EXPECT_LT(highest, 0.09) << "the intact cup is 0.1 m high";
   }
 }

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/rigid/contact/impact_phase.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "physics/rigid/contact/contact_solver.h"
+#include "physics/rigid/joint/joint_group.h"
+
+namespace livegs {
+namespace {
+
+// Maximum number of rounds; an impulse passes one more body of a row in each. Closing contacts that are left
+// then do not bounce. Larger: impulses pass along longer rows, more time.
+constexpr int kMaxImpactRounds = 64;
+// Sweeps of a round end when no contact changes by more than this fraction of the fastest closing speed.
+constexpr double kImpactTolerance = 1e-7;
+constexpr int kMaxImpactSweeps = 64;
+
+// Closing speed, relative to the fastest of the impact, down to which it is passed on. Smaller: more rounds.
+constexpr double kPassedOn = 0.01;
+
+struct Motion {
+  Eigen::Vector3d velocity_m_s, angular_momentum, angular_velocity_rad_s;
+};
+
+// Impulses of a manifold at rest, kept for the warm start of the step.
+struct RestingImpulses {
+  std::array<double, kMaxManifoldPoints> points_n_s{};
+  Eigen::Vector3d friction_n_s;
+  double twist = 0.0;
+};
+
+RestingImpulses take_impulses(ContactManifold& manifold) {
+  RestingImpulses resting;
+  for (int i = 0; i < manifold.point_count; ++i)
+    resting.points_n_s[static_cast<size_t>(i)] = std::exchange(manifold.points[i].impulse_n_s, 0.0);
+  resting.friction_n_s = manifold.friction_impulse_n_s;
+  manifold.friction_impulse_n_s.setZero();
+  resting.twist = std::exchange(manifold.twist_impulse, 0.0);
+  return resting;
+}
+
+void put_back(ContactManifold& manifold, const RestingImpulses& resting) {
+  for (int i = 0; i < manifold.point_count; ++i)
+    manifold.points[i].impulse_n_s = resting.points_n_s[static_cast<size_t>(i)];
+  manifold.friction_impulse_n_s = resting.friction_n_s;
+  manifold.twist_impulse = resting.twist;
+}
+
+void scale_impulses(ContactManifold& manifold, double factor) {
+  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].impulse_n_s *= factor;
+  manifold.friction_impulse_n_s *= factor;
+  manifold.twist_impulse *= factor;
+}
+
+// Fraction of the impulses since `before` with which kinetic energy does not grow: E(s) = before + s linear +
+// s² square.
+double fraction_within_energy(std::span<RigidBody* const> bodies, std::span<const Motion> before) {
+  double linear = 0.0, square = 0.0;
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    const RigidBody& body = *bodies[i];
+    if (body.asleep) continue;
+    const Eigen::Vector3d change = body.velocity_m_s - before[i].velocity_m_s,
+                          turn = body.angular_momentum - before[i].angular_momentum;
+    linear +=
+        body.mass_kg * before[i].velocity_m_s.dot(change) + before[i].angular_velocity_rad_s.dot(turn);
+    square += 0.5 * (body.mass_kg * change.squaredNorm() +
+                     turn.dot(body.angular_velocity_rad_s - before[i].angular_velocity_rad_s));
+  }
+  return square > 0.0 && linear + square > 0.0 ? std::clamp(-linear / square, 0.0, 1.0) : 1.0;
+}
+
+void scale_motion(std::span<RigidBody* const> bodies, std::span<const Motion> before, double part) {
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    RigidBody& body = *bodies[i];
+    if (body.asleep) continue;
+    const auto cut = [part](Eigen::Vector3d& now, const Eigen::Vector3d& was) {
+      now = was + part * (now - was);
+    };
+    cut(body.velocity_m_s, before[i].velocity_m_s);
+    cut(body.angular_momentum, before[i].angular_momentum);
+    cut(body.angular_velocity_rad_s, before[i].angular_velocity_rad_s);
+  }
+}
+
+void record_point(RigidBody& body, const ContactManifold& manifold, const RigidBody* from,
+                  const ContactPoint& point, const Eigen::Vector3d& normal, const Eigen::Vector3d& where,
+                  ImpulseKind kind, double remaining_s) {
+  body.contact_impulse_n_s += point.impulse_n_s;
+  if (!from || from->object_id != body.object_id) {
+    body.external_contact_impulse_n_s += point.impulse_n_s;
+    body.external_contact_moment += point.impulse_n_s * where;
+  }
+  body.impacts.record_contact(body, manifold, point, normal, where - body.world_from_body.position_m, kind,
+                              remaining_s);
+}
+
+}  // namespace
+
+void record_impulses(RigidBody& body, const ContactManifold& manifold, ImpulseKind kind, double remaining_s) {
+  RigidBody* const other = manifold.other;
+  for (int i = 0; i < manifold.point_count; ++i) {
+    const ContactPoint& point = manifold.points[i];
+    const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
+    if (!body.asleep) record_point(body, manifold, other, point, point.normal, where, kind, remaining_s);
+    if (other && !other->asleep)
+      record_point(*other, manifold, &body, point, -point.normal, where, kind, remaining_s);
+  }
+  const Eigen::Vector3d &rubbed = manifold.friction_impulse_n_s,
+                        twist = manifold.twist_impulse * manifold.normal;
+  body.impacts.record_friction(body, rubbed, twist, manifold.arm_a_m, kind);
+  if (other) other->impacts.record_friction(*other, -rubbed, -twist, manifold.arm_b_m, kind);
+}
+
+bool resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s,
+                     double remaining_s) {
+  std::vector<const RigidIsland::Contact*> closing;
+  const auto find_closing = [&](double passed_on_m_s) {
+    closing.clear();
+    double fastest_m_s = 0.0;
+    for (const RigidIsland::Contact& contact : island.contacts) {
+      const double speed_m_s = begin_impact(*contact.owner, *contact.manifold, step_s, passed_on_m_s);
+      if (speed_m_s <= 0.0) continue;
+      closing.push_back(&contact);
+      fastest_m_s = std::max(fastest_m_s, speed_m_s);
+    }
+    return fastest_m_s;
+  };
+  const double fastest_m_s = find_closing(0.0);
+  if (closing.empty()) return false;
+
+  std::vector<Motion> before(island.bodies.size());
+  for (int round = 0; round < kMaxImpactRounds && !closing.empty(); ++round) {
+    std::vector<RestingImpulses> resting;
+    for (const RigidIsland::Contact* contact : closing) resting.push_back(take_impulses(*contact->manifold));
+    for (size_t i = 0; i < before.size(); ++i) {
+      const RigidBody& body = *island.bodies[i];
+      before[i] = {body.velocity_m_s, body.angular_momentum, body.angular_velocity_rad_s};
+    }
+    for (JointGroup* group : joints) group->begin_impact();
+    for (int sweep = 0; sweep < kMaxImpactSweeps; ++sweep) {
+      double change_m_s = 0.0;
+      for (const RigidIsland::Contact* contact : closing) {
+        change_m_s = std::max(change_m_s, solve_impact(*contact->owner, *contact->manifold));
+        solve_friction(*contact->owner, *contact->manifold);
+      }
+      for (JointGroup* group : joints) group->solve_impact();
+      if (change_m_s <= kImpactTolerance * fastest_m_s) break;
+    }
+    const double part = fraction_within_energy(island.bodies, before);
+    if (part < 1.0) scale_motion(island.bodies, before, part);
+    for (JointGroup* group : joints) group->end_impact(part, remaining_s);
+    for (size_t i = 0; i < closing.size(); ++i) {
+      ContactManifold& manifold = *closing[i]->manifold;
+      if (part < 1.0) scale_impulses(manifold, part);
+      record_impulses(*closing[i]->owner, manifold, ImpulseKind::Impact, remaining_s);
+      put_back(manifold, resting[i]);
+    }
+    find_closing(kPassedOn * fastest_m_s);
+  }
+  return true;
+}
+
+}  // namespace livegs
