@@ -37,9 +37,11 @@ struct ObjectDrivers {
   std::shared_ptr<const PosedKernels> kernels{};
 };
 
-// State of all simulated objects at one tick; the only data sent in every frame.
+// State of all simulated objects at one tick; the only data sent in every frame. The number of a frame is its
+// tick; there is no other. It is counted in SceneRun::advance (server/session/simulation/scene_run.cpp), with
+// paused ticks; without a session in World::step (server/physics/world/world_step.cpp).
 struct DriverFrame {
-  uint64_t tick = 0;         // 0 is the start, before any step
+  uint64_t tick = 0;         // the frame's number; 0 is the start, before any step
   int64_t simulated_ns = 0;  // tick / rate
   std::vector<ObjectDrivers> objects;
 };

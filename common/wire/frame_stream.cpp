@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layout is proto/frame_format.md, "Streams".
+// The layout is proto/frame_format.md, "Streams". The number of a frame is its tick (skin/driver_frame.h).
 #include "wire/frame_stream.h"
 
 #include <algorithm>

@@ -14,7 +14,8 @@
 
 // Driver frames of one ordered, reliable stream, each coded as the difference from those written before. See
 // proto/frame_format.md, "Streams". Both ends keep the same integers, so errors do not accumulate. Unchanged
-// objects take no space.
+// objects take no space. The number of a frame is its tick; there is no other. It is counted in
+// SceneRun::advance (server/session/simulation/scene_run.cpp); a stream may skip ticks.
 
 namespace livegs {
 

@@ -55,7 +55,7 @@ struct ElasticBodyDescription {
   // Deforms the rest shape about its centre.
   Eigen::Matrix3d initial_deformation = Eigen::Matrix3d::Identity();
   std::vector<BodyRegion> regions;  // where materials overlap, the later region applies
-  double cell_width_m = 0.0;        // 0: chosen from the material and the rate
+  double cell_width_m = 0.0;        // 0: chosen from the material and the rate (lattice_resolution.h)
   // Per frame (elastic_budget.h); not applied if cell_width_m is given.
   double max_node_substeps = kMaxNodeSubsteps;
   double scene_node_substeps = kMaxNodeSubsteps;  // budget of the whole scene; only for the report
@@ -125,8 +125,8 @@ struct BodyEnergy {
   Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();  // kg m²/s about the world's origin
 };
 
-// Predicted accuracy at the chosen cells and substeps; known before the simulation runs (elastic-study.md
-// 2.4, 2.7).
+// Predicted accuracy at the chosen cells and substeps; known before the simulation runs
+// (elastic/resolution/modulus_band.cpp).
 enum class ElasticBand {
   Exact,    // Young's modulus within 5 % in tension along the longest side
   Band,     // between modulus_ratio_low and modulus_ratio_high

@@ -13,7 +13,7 @@
 #include "physics/elastic_body.h"
 #include "rates.h"
 
-// Bodies of the elastic tests: regular grids of particles, and the bar of section 2 of physics.md.
+// Bodies of the elastic tests: regular grids of particles, and a bar (describe_bar).
 
 namespace livegs::test {
 

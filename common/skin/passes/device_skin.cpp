@@ -9,8 +9,8 @@
 #include "core/parallel_for.h"
 #include "skin/kernels/driver_skinning.h"
 #include "skin/kernels/lattice_skinning.h"
-#include "skin/passes/pose_rigid_kernels.h"
 #include "skin/passes/skin_lattice_pass.h"
+#include "skin/passes/skin_rigid_pass.h"
 
 namespace livegs {
 
@@ -116,10 +116,9 @@ Result<void> DeviceSkin::pose(uint32_t first, uint32_t count, BufferId posed) co
   LIVEGS_ASSERT(within + count <= kMaxPartKernels);
   if (kind_ == DriverKind::Rigid) {
     LIVEGS_ASSERT(body_count_ > 0);
-    const PoseRigidKernelsConstants constants{count, within, body_count_};
+    const SkinRigidConstants constants{count, within, body_count_};
     const std::array buffers{rest_[part].id(), drivers_.id(), posed};
-    return backend_->dispatch(pose_rigid_kernels_pass(), buffers, std::as_bytes(std::span(&constants, 1)),
-                              count);
+    return backend_->dispatch(skin_rigid_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
   }
   LIVEGS_ASSERT(lattice_.node_count > 0);
   const Eigen::Quaternionf& q = lattice_.lattice_from_asset;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Satish, Harris and Garland 2009, Designing efficient sorting algorithms for manycore GPUs.
+// Depth sort of the Vulkan renderer. Keys are from project_splats; FrameSplats::sort calls it. Shaders:
+// sort_count, sort_scan, sort_scatter. Satish, Harris and Garland 2009, Designing efficient sorting
+// algorithms for manycore GPUs.
 #include "splat/passes/key_sorter.h"
 
 #include <algorithm>

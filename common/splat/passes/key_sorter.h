@@ -9,8 +9,10 @@
 
 namespace livegs {
 
-// Sorts 32-bit keys with 32-bit values on a backend: ascending and stable. Floats are sorted by ordered_key
-// (radix_sort.h).
+// Sorts kernels by depth on a backend, nearest first: 32-bit keys with 32-bit values, ascending and stable.
+// The pass project_splats writes the keys (project_splats.h), floats by ordered_key (radix_sort.h).
+// FrameSplats::sort calls the sorter (raster/frame_splats.h), for client/render. The CPU renderer sorts in
+// raster/rasterise.cpp with radix_sort.
 //
 // A least-significant-digit radix sort with eight passes of four bits (Satish, Harris and Garland 2009,
 // section 4, without the local sort). The result does not depend on the subgroup size or the order of

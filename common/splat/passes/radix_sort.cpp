@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Depth sort of the CPU renderer; raster/rasterise.cpp calls it.
 #include "splat/passes/radix_sort.h"
 
 #include <array>

@@ -6,6 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+// Depth sort of the CPU renderer: raster/rasterise.cpp makes the keys in project() and calls radix_sort() in
+// sort(). The Vulkan renderer sorts with key_sorter.h; both use ordered_key().
+
 namespace livegs {
 
 // Unsigned keys in the order of the floats, including negative numbers; -0 is directly before +0.

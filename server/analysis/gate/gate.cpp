@@ -9,8 +9,9 @@
 #include "core/format_text.h"
 #include "physics/material.h"
 
-// Fusion, step 9 of the gate, and the verdict: accepted or held for review. Steps 1 to 4 (read_answer.cpp)
-// and 5 to 7 (validate_answer.cpp) refuse an answer; step 8 (prior_check.h) judges the fused values.
+// Steps 7 and 8 of the gate, in weigh_answer(). fused() combines the answer with the estimate and clamps the
+// values; check_prior() (prior_check.cpp) then accepts them or holds them for review. gate.h lists all steps
+// with their files, and what follows a refusal.
 
 namespace livegs {
 namespace {

@@ -8,11 +8,25 @@
 #include "analysis/estimate.h"
 #include "analysis/gate/answer.h"
 
-// Acceptance gate: every answer of a language model passes it before it reaches an object.
+// Acceptance gate: every answer of a language model passes it before it reaches an object. The steps, in the
+// order in which they run:
 //
-// An answer is read (answer.h: parse, schema, order, hard ranges), validated (units, physics, consistency)
-// and compared with the prior estimate (prior_check.h), then fused with it. The deformation resistance is
-// computed here from E* = s E, never taken from the answer.
+//   1 answer_object    answer_object.cpp    one JSON object; size, UTF-8, depth       refuse
+//   2 read_answer      read_answer.cpp      types, words, low <= best <= high, hard   refuse
+//                                           ranges (value_ranges.h)
+//   3 mend_units       validate_answer.cpp  mass or modulus in another unit           correct
+//   4 check_physics    validate_answer.cpp  mass against volume                       refuse
+//   5 make_consistent  validate_answer.cpp  modulus, behaviour, fragility             refuse or correct
+//   6 vote             vote.cpp             answers of several views                  combine
+//   7 fused            gate.cpp             fusion with the estimate; friction,       clamp
+//                                           restitution, plasticity; hard ranges
+//   8 check_prior      prior_check.cpp      distance to the estimate, mass bounds     hold for review
+//
+// read_answer() runs steps 1 and 2, validate_answer() 3 to 5, weigh_answer() 7 and 8; ask_model()
+// (run/ask_model.cpp) calls them. After a refusal it sends the fault to the model once, as a repair turn. A
+// second refusal drops the answer; without any answer the object keeps its offline estimate.
+//
+// The deformation resistance is computed in step 7 from E* = s E, never taken from the answer.
 
 namespace livegs {
 
@@ -36,18 +50,18 @@ struct Judgement {
   std::string message;  // refused: the fault, one line, suitable for a repair turn; needs review: the reason
 };
 
-// Steps 5 to 7: units, physics, consistency. Corrects and notes recoverable faults. The error is one line of
+// Steps 3 to 5: units, physics, consistency. Corrects and notes recoverable faults. The error is one line of
 // prompts/complaints.json for a repair turn.
 Result<Answer> validate_answer(Answer answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                                const MessageTemplates& words = MessageTemplates::built_in());
 
-// Steps 8 and 9: prior and fusion by inverse variance in log space. `offline` holds the current values of the
-// object.
-Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline);
-
-// Combines several answers about the same object (views). Medians, of logarithms for mass, Young's modulus
-// and s; the majority for other fields, ties to the first. The mass range covers the spread of the answers.
-// Precondition: at least one answer, each validated.
+// Step 6: combines several answers about the same object (views). Medians, of logarithms for mass, Young's
+// modulus and s; the majority for other fields, ties to the first. The mass range covers the spread of the
+// answers. Precondition: at least one answer, each validated.
 Answer vote(std::span<const Answer> answers);
+
+// Steps 7 and 8: fusion by inverse variance in log space, then the prior check. `offline` holds the current
+// values of the object.
+Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline);
 
 }  // namespace livegs

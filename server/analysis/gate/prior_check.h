@@ -6,7 +6,8 @@
 #include "analysis/estimate.h"
 #include "analysis/gate/answer.h"
 
-// Step 8 of the gate. `proposal` holds the answer fused with `offline`, the current values of the object.
+// Step 8 of the gate (gate.h). `proposal` holds the answer after its fusion (step 7) with `offline`, the
+// current values of the object.
 
 namespace livegs {
 

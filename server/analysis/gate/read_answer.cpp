@@ -10,8 +10,9 @@
 #include "analysis/knowledge/tables.h"
 #include "analysis/text/prompt_text.h"
 
-// Steps 1 to 4 of the gate: parse, schema, order, hard ranges. The first error ends the reading; unusual
-// values are corrected and noted.
+// Step 2 of the gate (gate.h): types, words, order, hard ranges; step 1 is answer_object(). The first error
+// ends the reading and refuses the answer; unusual values are corrected and noted. run/ask_model.cpp then
+// sends the error to the model.
 
 namespace livegs {
 namespace {

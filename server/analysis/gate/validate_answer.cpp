@@ -9,7 +9,7 @@
 #include "analysis/gate/mass_bounds.h"
 #include "core/format_text.h"
 
-// Consistency of an answer in itself: units, physics, consistency (steps 5 to 7 of the gate).
+// Consistency of an answer in itself: units, physics, consistency (steps 3 to 5 of the gate, gate.h).
 
 namespace livegs {
 namespace {

@@ -62,7 +62,7 @@ void add_to(v1::AnalysisRecord& record, const RawAnswer& answer) {
   record.set_wall_s(record.wall_s() + answer.wall_s);
 }
 
-// Steps 1 to 7 of the gate.
+// Steps 1 to 5 of the gate (gate/gate.h). The error is sent to the model as a repair turn.
 Result<Answer> read_and_examine(const std::string& json, const AnalysisTarget& target,
                                 const MessageTemplates& words) {
   auto answer = read_answer(json, words);

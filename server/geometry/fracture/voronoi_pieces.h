@@ -13,8 +13,7 @@
 #include "geometry/triangle_mesh.h"
 
 // Cuts a body into the pieces that it can break into: the intersections of its closed mesh with the Voronoi
-// cells of seed points (physics.md 3.6). Runs once at load, on any thread. The result depends only on mesh
-// and seeds.
+// cells of seed points. Runs once at load, on any thread. The result depends only on mesh and seeds.
 //
 // The cut is exact. A cell is clipped by the bisector planes to its neighbours, the triangles of the mesh are
 // cut along those planes, and polygons close the cut faces. Neighbours share all vertices of the face between

@@ -9,7 +9,7 @@
 
 // Cuts the boxes of a body by the planes of a lattice and the faces of regions. A particle is a box along the
 // lattice axes, and lattice planes cut a box into boxes, so the moments of the material in each cell are
-// exact. Point samples of the particles would alias with the lattice (elastic-study.md 2.1).
+// exact. Point samples of the particles would alias with the lattice.
 
 namespace livegs {
 

@@ -67,7 +67,7 @@ struct MassBox {
 
 // Axes of the lattice and the material along them. The object's own axes are used if they fit about as
 // tightly as the principal axes, which keeps a regular grid of particles regular. Otherwise the principal
-// axes are used: sheets and cords are modelled well only along the lattice axes (elastic-study.md 5).
+// axes are used: sheets and cords are modelled well only along the lattice axes.
 struct BodyExtent {
   Eigen::Quaterniond object_from_lattice;
   std::vector<MassBox> boxes;

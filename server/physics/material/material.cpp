@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // LIVE-GS (Mao et al.): the table that maps the stiffness s E to a deformation resistance. The resistance is
-// a blend factor, not a stiffness; physics.md section 0 derives the conversion.
+// a blend factor, not a stiffness; resistance_stiffness_per_s2() converts it at the paper's substep.
 #include "physics/material.h"
 
 #include <algorithm>

@@ -67,7 +67,7 @@ Matrix3d within_limit(const Matrix3d& plastic_part, double limit) {
 
 }  // namespace
 
-// Width b of a bar stretched to 1 + y with free sides, from the cells' energy (elastic-study.md 2.2):
+// Width b of a bar stretched to 1 + y with free sides, from the cells' energy (cell_kernels.cpp):
 //   2 mu (b - 1) + lambda (det F - 1) (1 + y) b = 0,  det F = (1 + y) b²,  lambda / 2 mu = nu / (1 - 2 nu).
 // Both terms increase with b from (1 + y)^(-1/2), where the second is zero, and are convex. Newton's method
 // starts at 1 and decreases monotonically.

@@ -3,7 +3,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 
 namespace livegs {
 
@@ -66,10 +65,6 @@ void RigidBody::move(double duration_s) {
   world_from_body.position_m += duration_s * mean_velocity(duration_s);
   world_from_body.orientation = orientation_after(duration_s);
   update_turning();
-}
-
-double sleep_speed_m_s(const RigidShape& shape) {
-  return kSleepSpeed_m_s * std::sqrt(std::min(1.0, 2.0 * shape.bounding_radius_m));
 }
 
 double three_point_speed_m_s(const RigidBody& body, const Eigen::Vector3d& velocity_m_s) {

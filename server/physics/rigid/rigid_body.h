@@ -42,7 +42,7 @@ struct RigidBody {
   bool asleep = false;
   // During the tick: in contact with an elastic body; a member of its sleep island cannot sleep yet.
   bool in_elastic_contact = false, island_awake = false;
-  double still_s = 0.0;  // time below the sleep speed
+  double still_s = 0.0;  // time below sleep_speed_m_s (rigid_sleep.h)
   // Group of bodies that fell asleep together and wake together: their lowest id plus one.
   uint64_t sleep_group = 0;
   uint32_t slot = 0;  // index in the list being processed
@@ -106,12 +106,6 @@ struct RigidBody {
   }
 };
 
-// Sleep criterion: slower than this at three points for kTimeToSleep_s, in contact. The speed is for a size
-// of 1 m (Jolt's value) and scales with the square root of size below, like speeds under gravity. Larger:
-// bodies sleep earlier and may stop while moving visibly.
-inline constexpr double kSleepSpeed_m_s = 0.03;
-inline constexpr double kTimeToSleep_s = 0.5;
-double sleep_speed_m_s(const RigidShape& shape);
 // Maximum speed of the centre of mass, moving with `velocity_m_s`, and of two points at right angles on the
 // bounding sphere.
 double three_point_speed_m_s(const RigidBody& body, const Eigen::Vector3d& velocity_m_s);

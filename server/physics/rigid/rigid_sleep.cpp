@@ -2,6 +2,7 @@
 #include "physics/rigid/rigid_sleep.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "physics/rigid/contact/contact_solver.h"
@@ -9,6 +10,10 @@
 #include "physics/rigid/rigid_islands.h"
 
 namespace livegs {
+
+double sleep_speed_m_s(const RigidShape& shape) {
+  return kSleepSpeed_m_s * std::sqrt(std::min(1.0, 2.0 * shape.bounding_radius_m));
+}
 
 void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadPhase& broad_phase) {
   std::vector<RigidBody*> awake;

@@ -1,7 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fracture of a rigid object into fragments. Each fragment receives the velocity of its material, v + w x r,
-// and its share of mass and inertia, so mass, linear and angular momentum are conserved to rounding. Kinetic
-// energy grows only by the recoil (fracture_recoil.h).
+// Fracture of a rigid object into fragments. The decision which bonds break is broken_bonds() in
+// fracture/bond_graph.cpp; the rule is in fracture/bond_graph.h. This file applies it.
+//
+// Order in process_impacts(), at the end of each tick, for each body that can break:
+//   load      impulses of the tick and of an ended episode       rigid/contact/impact_record.cpp
+//   damage    by the ended episode: accumulate_damage()          fracture/bond_graph.cpp
+//   energy    part of the impulse to undo, energy of the recoil  fracture/fracture_recoil.cpp
+//   decision  broken_bonds(), then connected_groups(); fewer than two groups: the body stays whole
+//   undo      undo_contact_impulse()
+//   split     split_body(): one body for each group; the largest group keeps the index
+//   recoil    apply_fracture_energy()                            fracture/fracture_recoil.cpp
+// break_object() starts at the decision.
+//
+// Each fragment receives the velocity of its material, v + w x r, and its share of mass and inertia, so mass,
+// linear and angular momentum are conserved to rounding. Kinetic energy grows only by the recoil.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Springs of ray pulls and grabs.
+// Springs of ray pulls and grabs. gather_springs() sets targets, stiffness and bounds; solvers compute the
+// forces:
+//   rigid bodies     prepare_spring(), solve_spring()            rigid/rigid_spring.cpp
+//   elastic, cells   CellsBody::solve_springs()                  elastic/cells/cells_step.cpp
+//   elastic, others  spring_force(), explicit, called from here  world/spring.cpp
+// The forces of the last step are read back by spring_force_n() and grab_state().
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -120,14 +125,14 @@ void World::State::assign_grabs_to_pieces(uint32_t object_id, const RigidObject&
 
 void World::State::gather_springs(double duration_s) {
   for (RigidBody* body : rigid_bodies) body->springs.clear();
-  const auto hold = [](RigidBody& body, RigidSpring& row) {
+  const auto add_rigid_spring = [](RigidBody& body, RigidSpring& row) {
     body.wake();
     body.springs.push_back(&row);
   };
   // Adds a spring, critically damped for `mass_kg`. Returns its force; with implicit springs that of the last
   // step.
-  const auto draw = [&](ElasticObject& elastic, const World::Spring& spring, const Eigen::Vector3d& velocity,
-                        double mass_kg, PointSpring& point) {
+  const auto add_elastic_spring = [&](ElasticObject& elastic, const World::Spring& spring,
+                                      const Eigen::Vector3d& velocity, double mass_kg, PointSpring& point) {
     if (!elastic.body->takes_springs()) {
       point.force_n = spring_force(spring, velocity, *elastic.body, mass_kg, duration_s);
       elastic.forces.push_back({spring.rest_point_m, point.force_n});
@@ -150,10 +155,11 @@ void World::State::gather_springs(double duration_s) {
       held.row.target_m = held.spring.target_m;
       held.row.stiffness_n_m = held.spring.stiffness_n_m;
       held.row.max_force_n = held.spring.max_force_n;
-      hold(rigid->body_with(held.spring.rest_point_m, held.spring.piece), held.row);
+      add_rigid_spring(rigid->body_with(held.spring.rest_point_m, held.spring.piece), held.row);
     } else {
       ElasticObject& elastic = *object->elastic();
-      held.force_n = draw(elastic, held.spring, Eigen::Vector3d::Zero(), elastic.body->mass_kg(), held.point);
+      held.force_n = add_elastic_spring(elastic, held.spring, Eigen::Vector3d::Zero(),
+                                        elastic.body->mass_kg(), held.point);
     }
   }
   for (auto& [id, held] : grabs) {
@@ -186,7 +192,7 @@ void World::State::gather_springs(double duration_s) {
       row.turn_rad_s = rate;
       row.max_force_n = held.grip.max_force_n;
       row.max_torque_n_m = held.grip.max_torque_n_m;
-      hold(body, row);
+      add_rigid_spring(body, row);
     } else {
       ElasticObject& elastic = *object->elastic();
       const double share = 1.0 / static_cast<double>(held.grip_points.size());
@@ -195,7 +201,7 @@ void World::State::gather_springs(double duration_s) {
         const Eigen::Vector3d arm = hand.orientation * place.hand_point_m;
         const World::Spring spring{place.rest_point_m, hand.position_m + arm, mass_kg * squared(rate),
                                    share * held.grip.max_force_n};
-        held.force_n += draw(elastic, spring, velocity + spin.cross(arm), mass_kg, place.point);
+        held.force_n += add_elastic_spring(elastic, spring, velocity + spin.cross(arm), mass_kg, place.point);
       }
     }
   }

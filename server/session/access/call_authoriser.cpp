@@ -25,7 +25,8 @@ v1::Scope required_scope(std::string_view path) {
       {"/livegs.v1.LiveGs/Join", v1::VIEW},
       {"/livegs.v1.LiveGs/FetchAsset", v1::VIEW},
       {"/livegs.v1.Spectators/DescribeScene", v1::VIEW},
-      {"/livegs.v1.LiveGs/Stream", v1::VIEW},  // hand input additionally requires INTERACT
+      // Hand input additionally requires INTERACT; SessionTable::on_input checks it (session_table.cpp).
+      {"/livegs.v1.LiveGs/Stream", v1::VIEW},
       {"/livegs.v1.LiveGs/AnalyzeObject", v1::VIEW},
       {"/livegs.v1.LiveGs/ApplyForce", v1::INTERACT},
       {"/livegs.v1.LiveGs/AnalyzeScene", v1::AUTHOR},

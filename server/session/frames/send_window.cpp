@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Counts the frames in flight to one client, by tick. The limit is computed in window_size.cpp.
 #include "session/frames/send_window.h"
 
 namespace livegs {

@@ -12,11 +12,13 @@
 
 namespace livegs {
 
-// Flow control for one client. gRPC buffers seconds of frames before it applies back pressure, and
-// OnWriteDone means only that the transport has the message. The client therefore acknowledges frames, and
-// WindowSize limits the unacknowledged ones. A frame that has to wait is replaced by the next one. Events are
-// kept in order and go out with the next write, even when the window is full. Frames are acknowledged by
-// their tick, the sequence number that SceneRun counts (session/simulation/scene_run.h).
+// Flow control for one client. It counts the frames in flight: written, but not acknowledged. Each is
+// identified by its tick; there is no other number (skin/driver_frame.h), and SceneRun::advance counts it. An
+// acknowledgement of a tick covers all earlier ones. WindowSize (window_size.h) sets the limit.
+//
+// gRPC buffers seconds of frames before it applies back pressure, and OnWriteDone means only that the
+// transport has the message; acknowledgements are therefore needed. A frame that has to wait is replaced by
+// the next one. Events are kept in order and go out with the next write, even when the window is full.
 //
 // Not locked; no gRPC types.
 class SendWindow {

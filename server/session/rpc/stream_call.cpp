@@ -160,7 +160,7 @@ std::optional<grpc::Status> StreamCall::take_message() {
       }
     }
   }
-  table_.on_input(*session, *samples);
+  table_.on_input(*session, *samples);  // drops the samples of a token without INTERACT
   return std::nullopt;
 }
 

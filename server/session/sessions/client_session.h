@@ -62,9 +62,10 @@ struct ClientTimes {
 
 // The session of one client from its Join on. It is joined, then streaming, and parked when its stream
 // breaks, until the client joins again or the session times out. Events are collected from each Join on, so
-// that none is lost before the stream opens. A parked session collects none, since the client receives all
-// objects when it joins again. Streams of a session are numbered; messages of an earlier stream are ignored.
-// Any thread.
+// that none is lost before the stream opens. Nothing that a lost connection missed is kept: a parked session
+// collects no events, park() and rejoin() discard the waiting ones, and the client receives all objects when
+// it joins again (SessionTable::join). The client's side is client/stream/session/session_client.h. Streams
+// of a session are numbered; messages of an earlier stream are ignored. Any thread.
 class ClientSession {
  public:
   ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_at_ns,

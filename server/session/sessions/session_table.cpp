@@ -347,8 +347,8 @@ std::vector<std::string> SessionTable::object_names() const {
 }
 
 void SessionTable::on_input(const ClientSession& session, std::span<const InputSample> samples) {
-  // The lock is held during the call: input after on_session_closed() would create state that is never
-  // removed.
+  // The scope of hand input is checked here; that of calls in access/call_authoriser.cpp. The lock is held
+  // during the call: input after on_session_closed() would create state that is never removed.
   std::lock_guard lock(mutex_);
   if (inputs_ != nullptr && session.who.grant.allows(v1::INTERACT) && sessions_.contains(session.id))
     inputs_->on_input(session.number, samples);

@@ -32,7 +32,8 @@ inline constexpr int64_t kParkedTimeout_ns = 30'000'000'000;
 inline constexpr int64_t kJoinTimeout_ns = 120'000'000'000;
 
 // The sessions and the objects of the scene. One lock guards both, so that a client's object list and its
-// later events are consistent. Any thread.
+// later events are consistent. A client that lost its connection resumes in join(): nothing that it missed is
+// kept; it receives all objects again, and its next stream starts with a keyframe. Any thread.
 class SessionTable {
  public:
   SessionTable();

@@ -19,8 +19,8 @@
 #include "physics/motion/free_rotation.h"
 #include "physics/motion/momentum.h"
 
-// The `cells` solver: an embedded lattice of eight-node cells, one sweep per substep, BDF2
-// (elastic-study.md).
+// The `cells` solver: an embedded lattice of eight-node cells, one sweep per substep, BDF2. Its accuracy:
+// server/physics/ACCURACY.md.
 //
 // One substep, in cells_step.cpp unless another file is given:
 //   predict   velocities and positions by BDF2; damping; exact momentum of the whole body

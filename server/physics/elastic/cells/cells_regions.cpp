@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fixed, moved and loaded regions. The nodes of cells entirely inside a held region are held directly. If a
-// region ends inside a cell, its particles are held individually after the sweep, which is softer
-// (elastic-study.md 5). Lattice planes are therefore snapped to regions if possible.
+// region ends inside a cell, its particles are held individually after the sweep, which is softer. Lattice
+// planes are therefore snapped to regions if possible.
 #include <algorithm>
 #include <cmath>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Recovery from tangled shapes. A body wound twice about an axis is in a true local minimum of energy: every
-// cell is upright and nearly at rest, and no local rule leads out (elastic-study.md 4). Folded edges can be
-// another minimum. The state is detected for the whole body: its best affine fit is far from a rotation, or
-// it is strained although it is at rest without contact. A body in contact, or with plastic flow, is
-// recovered only if its strain is extreme. Plastic flow of the tangled state is discarded.
+// cell is upright and nearly at rest, and no local rule leads out. Folded edges can be another minimum. The
+// state is detected for the whole body: its best affine fit is far from a rotation, or it is strained
+// although it is at rest without contact. A body in contact, or with plastic flow, is recovered only if its
+// strain is extreme. Plastic flow of the tangled state is discarded. Test: elastic_recovery_test.cpp.
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The substep of the `cells` solver (elastic-study.md 2.6 and 4).
+// The substep of the `cells` solver.
 //
 // BDF2 with position corrections d: h_e = 2h/3,
 //   v^ = (4 v - v_)/3 + h_e a,   y = x + (x - x_)/3 + h_e v^,   x' = y + d,   v' = v^ + d/h_e.

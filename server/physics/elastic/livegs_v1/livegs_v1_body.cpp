@@ -78,7 +78,7 @@ double LivegsV1Body::blend(double h) const {
   return steady_ ? resistance_blend(resistance_stiffness_per_s2(resistance), h) : resistance;
 }
 
-// Fitted to the bar of physics.md 0; valid at any step (elastic_livegs_v1_test.cpp). For the steady variant
+// Fitted to a stretched bar; elastic_livegs_v1_test.cpp checks it at 1 to 64 substeps. For the steady variant
 // it is rho s² / (1/omega² + h²): a step passes a load on by one cluster only, so even d_R = 1 is not rigid.
 double LivegsV1Body::apparent_modulus_pa(double h) const {
   return blend(h) * material_.mass_kg / volume_m3_ * std::pow(spacing_m_ / h, 2);

@@ -13,9 +13,9 @@
 // (Müller et al. 2005) are pulled towards their goals by the same blend in every substep,
 //   x = (1 - d_R) x_pre + d_R x_goal,
 // with d_R from the stiffness table. The blend does not depend on the step. Apparent stiffness therefore
-// grows with the square of the substep rate and falls with the square of the spacing (physics.md 0): a known
-// defect that the charts show. The steady variant converts d_R to a stiffness at the paper's own step
-// (material.h) and is otherwise the same.
+// grows with the squares of the substep rate and of the spacing (apparent_modulus_pa): a known defect that
+// the charts show. The steady variant converts d_R to a stiffness at the paper's own step (material.h) and is
+// otherwise the same.
 //
 // One substep:
 //   drive     held particles follow their regions; forces, traction, gravity; damping of relative motion

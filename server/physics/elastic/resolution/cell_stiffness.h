@@ -7,7 +7,7 @@
 #include "physics/lattice/lattice.h"
 
 // Constants of one cell's constraint block: geometry and masses, and the effect of Young's modulus and
-// Poisson's ratio in one substep (elastic-study.md 2.2 to 2.5).
+// Poisson's ratio in one substep. elastic/cells/kernels/cell_kernels.cpp describes the block.
 
 namespace livegs {
 

@@ -7,9 +7,10 @@
 #include "physics/elastic_body.h"
 #include "physics/lattice/lattice.h"
 
-// Choice of cell width and step length of a body (elastic-study.md 2.7). A sweep carries stress by one cell
-// per substep, so the reachable stiffness is rho (Co a / h)². At equal cost it grows with the eighth power of
-// the cell width. Coarse cells and short steps are therefore preferred.
+// Choice of cell width and step length of a body. A sweep carries stress by one cell per substep, so the
+// reachable stiffness is rho (Co a / h)². The cost is nodes times substeps, 1 / (a³ h): at equal cost the
+// stiffness grows with the eighth power of the cell width. Coarse cells and short steps are therefore
+// preferred. Tests: LatticeResolution in lattice_test.cpp, ModulusBand in modulus_band_test.cpp.
 
 namespace livegs {
 
@@ -23,8 +24,9 @@ struct ResolutionRequest {
   double particle_edge_m = 0;  // cells narrower than 1.5 of it would be emptier than the material
   double youngs_modulus_pa = 0, poisson_ratio = 0, density_kg_m3 = 0;
   double rate_hz = 0;
-  int substeps = 1;         // per frame, of the scene
-  double cell_width_m = 0;  // > 0: fixed, only the substeps are chosen
+  int substeps = 1;  // per frame, of the scene
+  // > 0: the width, but at least half of particle_edge_m; only the substeps are chosen. 0: chosen too.
+  double cell_width_m = 0;
   // Per frame; kept by wider cells first, then by fewer substeps.
   double max_node_substeps = kMaxNodeSubsteps;
   double max_courant = 1.0;  // additional bound, below courant_limit
@@ -54,7 +56,8 @@ double courant_limit(double poisson_ratio, double cells_across);
 
 LatticeResolution choose_resolution(const ResolutionRequest& request);
 
-// Predicted stiffness of a lattice, E_app / E, known before the simulation runs (elastic-study.md 2.4, 3).
+// Predicted stiffness of a lattice, E_app / E, known before the simulation runs. modulus_band.cpp derives the
+// bounds from it; modulus_band_test.cpp compares them with measured ratios.
 //
 // Ybar is the volume mean of Y = 1 / (E V h_e² A0): the compliance of the material relative to the response
 // of one sweep. A0 is a third of the trace of G = sum w_i g_i g_iᵀ. Ybar covers both thickness and placement

@@ -24,9 +24,9 @@ constexpr double kEndsOverCeiling = 4.5;
 constexpr double kMinBlockCells = 4.5, kMinRowCells = 3.5, kMaxRowWidth = 1.5, kMaxRestingEndExcess = 0.25,
                  kMaxEndCorrection = 0.5;
 
-// Bounds of E_app / E against Ybar. Softness is from elastic-study.md 3, with the Courant numbers of each
-// column converted to Ybar by the thickness. Stiffness is from this solver, which is stiffer than the study's
-// prototype beyond the exact range.
+// Bounds of E_app / E against Ybar. Softness is from a prototype of this solver, with its Courant numbers
+// converted to Ybar by the thickness; modulus_band_test.cpp lists the figures. Stiffness is from this solver,
+// which is stiffer than the prototype beyond the exact range.
 struct Point {
   double y, ratio;
 };
@@ -98,8 +98,7 @@ double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double s
   const double fullness =
       static_cast<double>(lattice.cells.size()) / static_cast<double>(lattice.node_coordinates.size());
   const double speed_m_s = lattice.cell_width_m / step_s;
-  // The factor is 1.85 without compensation (elastic-study.md 2.4). With compensation it depends little on
-  // nu.
+  // The factor is 1.85 without compensation. With compensation it depends little on nu.
   return 4.15 * density_kg_m3 * speed_m_s * speed_m_s * fullness;
 }
 

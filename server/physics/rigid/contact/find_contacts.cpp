@@ -10,6 +10,7 @@
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/narrow_phase.h"
 #include "physics/rigid/joint/joint_group.h"
+#include "physics/rigid/rigid_sleep.h"
 
 namespace livegs {
 namespace {

@@ -9,7 +9,7 @@
 #include "common/skin/kernels/rest_bodies.h"
 #include "gaussian/asset/posed_kernel_row.h"
 #include "skin/device_skin.h"
-#include "skin/passes/pose_rigid_kernels.h"
+#include "skin/passes/skin_rigid_pass.h"
 
 namespace livegs {
 namespace {
@@ -216,10 +216,9 @@ TEST_P(SkinPass, BodiesPastTheEndUseTheLast) {
   const std::vector<RigidPoseRow> poses = {{1, 0, 0, 9, 0, 1, 0, 9, 0, 0, 1, 9, 0, 0, 0, 1},
                                            {0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3, 0, 0, 0.6f, 0.8f}};
   const BufferId posed = make_buffer(2 * sizeof(PosedKernelRow));
-  const PoseRigidKernelsConstants constants{2, 0, 2};
+  const SkinRigidConstants constants{2, 0, 2};
   const std::array buffers{make_buffer_of(rest), make_buffer_of(poses), posed};
-  ASSERT_TRUE(
-      backend_->dispatch(pose_rigid_kernels_pass(), buffers, std::as_bytes(std::span(&constants, 1)), 2));
+  ASSERT_TRUE(backend_->dispatch(skin_rigid_pass(), buffers, std::as_bytes(std::span(&constants, 1)), 2));
   for (const PosedKernelRow& row : read_all<PosedKernelRow>(posed, 2)) {
     EXPECT_FLOAT_EQ(row.x_m, 0.8f);
     EXPECT_FLOAT_EQ(row.y_m, 2.1f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Step 8 of the gate: an answer far from the prior, or inconsistent, becomes a proposal.
+// Step 8 of the gate (gate.h): an answer far from the prior, or inconsistent, becomes a proposal.
 #include <gtest/gtest.h>
 
 #include <algorithm>

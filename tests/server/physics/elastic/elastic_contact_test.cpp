@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contact of elastic bodies with the ground and with balls (elastic-study.md 4).
+// Contact of elastic bodies with the ground and with balls.
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {
@@ -17,8 +17,7 @@ double lowest_m(const ElasticBody& body) {
 }
 
 TEST(ElasticContact, DroppedCubeNeverGainsEnergyOrSinks) {
-  // A 0.1 m cube falls 0.1 m without damping, Co <= 0.67. In the study the total energy peaks at its start
-  // value.
+  // A 0.1 m cube falls 0.1 m without damping, Co <= 0.67. The total energy must not exceed its start value.
   for (const double rate_hz : kRates_hz) {
     for (const int substeps : {4, 16}) {
       SCOPED_TRACE(testing::Message() << rate_hz << " Hz, " << substeps << " substeps");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion of the `cells` solver compared with closed forms (physics.md 2, rows 1, 8, 23; elastic-study.md 4).
+// Motion of the `cells` solver compared with closed forms. The bars are in server/physics/ACCURACY.md.
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {
@@ -33,8 +33,7 @@ TEST(ElasticDynamics, PointForceAcceleratesTheCentreOfMassExactly) {
 }
 
 TEST(ElasticDynamics, SpinningFreeBallConservesMomentum) {
-  // elastic-study.md 4: 8 cells across, 10 rad/s, 10 s. Bars: linear momentum 1e-6 of m v, angular momentum
-  // 1e-3, energy 1 %.
+  // 8 cells across, 10 rad/s, 10 s. Bars: linear momentum 1e-6 of m v, angular momentum 1e-3, energy 1 %.
   ElasticBodyDescription ball = describe({}, 1e4, 0.3, 0.025);
   ball.particles = particle_grid(Vector3d::Constant(0.2), 0.02);
   ParticleSet& set = ball.particles;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The baseline solver follows the paper, including its known defects: the blend is not a stiffness
-// (physics.md 0), and plastic flow depends on the substep.
+// The baseline solver follows the paper, including its known defects: the blend is not a stiffness, and
+// plastic flow depends on the substep.
 #include "physics/elastic/livegs_v1/livegs_v1_plasticity.h"
 #include "scenes/elastic_bodies.h"
 

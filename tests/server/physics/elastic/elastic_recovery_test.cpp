@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 25 and 26 of physics.md over many seeds: starts without any local indication of the upright
-// orientation. The body must recover its rest shape to 1e-3 of its longest side at each rate. The limit is 2
-// s for a block, and 20 periods of the lowest mode at loss factor 0.2 for a leaf and a cord (elastic-study.md
-// 6). LIVEGS_RECOVERY_SEEDS=1000 runs 1000 seeds of each kind (recovery_thousand, nightly).
-// LIVEGS_RECOVERY_CSV names a file to which the counts are appended
+// Starts without any local indication of the upright orientation, over many seeds. The body must recover its
+// rest shape to 1e-3 of its longest side at each rate. The limit is 2 s for a block, and 20 periods of the
+// lowest mode at loss factor 0.2 for a leaf and a cord. LIVEGS_RECOVERY_SEEDS=1000 runs 1000 seeds of each
+// kind (recovery_thousand, nightly). LIVEGS_RECOVERY_CSV names a file to which the counts are appended
 // (tests/bench/results/<machine>/recovery.csv).
 #include <algorithm>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Inputs that break elastic solvers: flattened and inverted starts, high stiffness and resolution, shapes
-// without volume, invalid input (physics.md 1.4 and rows 25, 26; elastic-study.md 4).
+// without volume, invalid input.
 #include <random>
 
 #include "physics/elastic/factory/make_elastic_body.h"

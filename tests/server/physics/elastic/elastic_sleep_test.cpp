@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reduced work without a visible difference (physics.md 3.5 and row 31): bodies that fly without deforming
-// move as rigid bodies, and stationary bodies sleep. Each is compared with the same body without these
-// reductions.
+// Reduced work without a visible difference: bodies that fly without deforming move as rigid bodies, and
+// stationary bodies sleep. Each is compared with the same body without these reductions.
 #include "geometry/field/sample_particles.h"
 #include "geometry/surface/shape_mesh.h"
 #include "known_gaps.h"
@@ -39,7 +38,7 @@ TEST_P(ElasticRest, FrozenFlightFollowsTheSamePath) {
   EXPECT_FALSE(full.body->frozen());
   ASSERT_TRUE(less.body->frozen());
   // Points of its faces after a rotation of 2.4 rad. The position error of BDF2 is 3/4 g h² in free fall,
-  // 0.13 mm, and the rotations of the two integrators differ by up to 0.5 mm. The study's bar is 1 mm.
+  // 0.13 mm, and the rotations of the two integrators differ by up to 0.5 mm. The bar is 1 mm.
   for (const Vector3d& point : {Vector3d(0.1, 0, 0), Vector3d(0, 0.05, 0), Vector3d(0, 0, 0.075)}) {
     EXPECT_NEAR((full.body->world_point(point) - less.body->world_point(point)).norm(), 0.0, 5e-4);
   }

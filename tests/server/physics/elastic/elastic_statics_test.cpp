@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Young's modulus, Poisson's ratio and bending of the `cells` solver compared with closed forms (physics.md
-// 2, rows 20 and 21). elastic-study.md 3 lists the accuracy reachable at each Courant number.
+// Young's modulus, Poisson's ratio and bending of the `cells` solver compared with closed forms. The modulus
+// reached at each Courant number is in modulus_band_test.cpp.
 #include <random>
 
 #include "geometry/field/sample_particles.h"
@@ -38,7 +38,7 @@ Tension measure_tension(const ElasticBodyDescription& description, int substeps)
 }
 
 TEST(ElasticStatics, JitteredParticlesShowTheSameModulus) {
-  // elastic-study.md 5: particles of 10 mm are moved by up to 0.3 of their size. The bar is 2 %.
+  // Particles of 10 mm are moved by up to 0.3 of their size. The bar is 2 %.
   ElasticBodyDescription bar = describe_bar(1e5, 0.3, 0.025, 0.01);
   std::mt19937_64 random(7);
   const auto jitter = [&] { return 0.6 * 0.01 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5); };

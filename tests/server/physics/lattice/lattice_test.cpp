@@ -143,9 +143,8 @@ ResolutionRequest bar_request(double youngs_modulus_pa, double width_m) {
   return request;
 }
 
-TEST(LatticeResolution, SubstepsFollowTheStudysRule) {
-  // elastic-study.md 2.7: ceil( sqrt(E/rho) / (Co* rate a) ), rho 1000, 60 Hz. Co* is 0.6 here and 0.75 in
-  // the study.
+TEST(LatticeResolution, SubstepsFollowTheWaveSpeed) {
+  // ceil( sqrt(E/rho) / (Co* rate a) ), rho 1000, 60 Hz. Co* is 0.6 (courant_limit).
   EXPECT_EQ(choose_resolution(bar_request(1e4, 0.0125)).substeps, 8);  // 7.03
   EXPECT_EQ(choose_resolution(bar_request(1e5, 0.025)).substeps, 12);  // 11.1
   EXPECT_EQ(choose_resolution(bar_request(1e6, 0.05)).substeps, 18);   // 17.6

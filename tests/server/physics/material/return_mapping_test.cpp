@@ -97,7 +97,7 @@ TEST(YieldSurface, BarYieldsAtOneMinusPForAnyPoissonRatio) {
   }
 }
 
-// --- simple tension to twice the yield and back (scene 27 of physics.md) ---
+// --- simple tension to twice the yield and back ---
 
 TEST(PlasticFlow, BarSetsAtStrainMinusYield) {
   for (const double y : {0.02, 0.05, 0.1}) {

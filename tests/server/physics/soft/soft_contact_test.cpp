@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two-way contact of elastic bodies with rigid bodies and with each other (scene 29 of physics.md).
+// Two-way contact of elastic bodies with rigid bodies and with each other.
 #include "known_gaps.h"
 #include "server/physics/soft/soft_depth.h"
 

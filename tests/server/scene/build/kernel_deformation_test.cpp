@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernels follow their cells (elastic-study.md 6, physics.md 3.2). The effect of a prescribed deformation is
-// tested from the scene file to the covariance and the picture.
+// Kernels follow their cells. The effect of a prescribed deformation is tested from the scene file to the
+// covariance and the picture.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -46,9 +46,9 @@ struct Ramp {
 
 class AffineRamp : public testing::TestWithParam<std::tuple<Ramp, double>> {};
 
-// A bar whose outer nodes follow the ramp. Co is at most 0.26 (E 1e4, 8 substeps), for which the study
-// predicts an error well below the bar of 2 %. The covariance is computed from F itself in single precision,
-// so its bar is 1e-3.
+// A bar whose outer nodes follow the ramp. Co is at most 0.26 (E 1e4, 8 substeps); below kBoundaryCourant the
+// interior follows within 2 %, the bar. The covariance is computed from F itself in single precision, so its
+// bar is 1e-3.
 TEST_P(AffineRamp, MovesAndDeformsTheKernels) {
   const auto& [ramp, rate_hz] = GetParam();
   Scene scene = scene_of(R"({ "gravity_m_s2": [0, 0, 0], "rate_hz": )" + std::to_string(rate_hz) +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Corotated elasticity of an eight-node cell as one XPBD block (Macklin et al. 2016, XPBD; Müller and
-// Chentanez 2022, Physically based shape matching; elastic-study.md 2.2 to 2.5):
+// Chentanez 2022, Physically based shape matching):
 //   F = sum x_i g_iᵀ, R its rotation, S = sym(Rᵀ F), energy V [ mu |S - I|² + lambda/2 (det F - 1)² ]
 //   (with the plastic part D in place of I after plastic flow)
 //   d     = H (I - S)                                           mu part, solved exactly

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Input of the pass pose_rigid_kernels besides RestKernelRow; its output is PosedKernelRow. Shared by C++ and
-// GLSL. Members are scalars, so std430 and C++ have the same layout.
+// Input of the pass skin_rigid besides RestKernelRow; its output is PosedKernelRow. Shared by C++ and GLSL.
+// Members are scalars, so std430 and C++ have the same layout.
 
 #ifdef __cplusplus
 #pragma once
@@ -32,7 +32,7 @@ struct RigidPoseRow {
   float qw;
 };
 
-struct PoseRigidKernelsConstants {
+struct SkinRigidConstants {
   uint kernel_count;
   uint first_kernel;  // start of their rest rows; the posed rows start at 0
   uint body_count;    // a kernel with a body index past the end moves with the last body
@@ -40,6 +40,6 @@ struct PoseRigidKernelsConstants {
 
 #ifdef __cplusplus
 static_assert(sizeof(RigidPoseRow) == 64 && alignof(RigidPoseRow) == 4);
-static_assert(sizeof(PoseRigidKernelsConstants) == 12);
+static_assert(sizeof(SkinRigidConstants) == 12);
 }  // namespace livegs
 #endif

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skin/passes/pose_rigid_kernels.h"
+#include "skin/passes/skin_rigid_pass.h"
 
 #include <algorithm>
 
 #include "compute/pass_rows.h"
 #include "core/assert.h"
-#include "pose_rigid_kernels.spv.h"
+#include "skin_rigid.spv.h"
 
 namespace livegs {
 namespace {
 
-// CPU twin of main() in pose_rigid_kernels.comp.glsl.
+// CPU twin of main() in skin_rigid.comp.glsl.
 PosedKernelRow posed_row(const RestKernelRow& kernel, const RigidPoseRow& p) {
   const float r[3][3] = {{p.r00, p.r01, p.r02}, {p.r10, p.r11, p.r12}, {p.r20, p.r21, p.r22}};
   const float s[3][3] = {{kernel.sxx_m2, kernel.sxy_m2, kernel.sxz_m2},
@@ -41,8 +41,8 @@ PosedKernelRow posed_row(const RestKernelRow& kernel, const RigidPoseRow& p) {
           p.qw};
 }
 
-void pose_rigid_kernels(const PassArguments& arguments, size_t begin, size_t end) {
-  const auto constants = row_at<PoseRigidKernelsConstants>(arguments.constants, 0);
+void skin_rigid_rows(const PassArguments& arguments, size_t begin, size_t end) {
+  const auto constants = row_at<SkinRigidConstants>(arguments.constants, 0);
   end = std::min<size_t>(end, constants.kernel_count);
   LIVEGS_ASSERT(constants.body_count > 0);
   LIVEGS_ASSERT((constants.first_kernel + end) * sizeof(RestKernelRow) <= arguments.buffers[0].size());
@@ -57,13 +57,13 @@ void pose_rigid_kernels(const PassArguments& arguments, size_t begin, size_t end
 
 }  // namespace
 
-const Pass& pose_rigid_kernels_pass() {
-  static const Pass pass{.name = "pose_rigid_kernels",
+const Pass& skin_rigid_pass() {
+  static const Pass pass{.name = "skin_rigid",
                          .group_size = 64,
                          .buffer_count = 3,
-                         .constants_bytes = sizeof(PoseRigidKernelsConstants),
-                         .spirv = pose_rigid_kernels_spirv,
-                         .run = pose_rigid_kernels};
+                         .constants_bytes = sizeof(SkinRigidConstants),
+                         .spirv = skin_rigid_spirv,
+                         .run = skin_rigid_rows};
   return pass;
 }
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "compute/backend.h"
-#include "skin/passes/pose_rigid_kernels_layout.h"
+#include "skin/kernels/skin_rigid_layout.h"
 
 namespace livegs {
 
 // The pass that moves kernels with their rigid bodies: position R x + t, covariance R S Rᵀ. Same result as
 // skin_kernels for DriverKind::Rigid. One item per kernel. Buffers: RestKernelRow, RigidPoseRow,
 // PosedKernelRow.
-const Pass& pose_rigid_kernels_pass();
+const Pass& skin_rigid_pass();
 
 }  // namespace livegs

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "skin/passes/pose_rigid_kernels_layout.h"
+#include "skin/kernels/skin_rigid_layout.h"
 
 layout(local_size_x_id = 0) in;
 layout(std430, set = 0, binding = 0) readonly restrict buffer Rest { RestKernelRow rest[]; };
 layout(std430, set = 0, binding = 1) readonly restrict buffer Poses { RigidPoseRow poses[]; };
 layout(std430, set = 0, binding = 2) writeonly restrict buffer Posed { PosedKernelRow posed[]; };
-layout(push_constant) uniform Constants { PoseRigidKernelsConstants constants; };
+layout(push_constant) uniform Constants { SkinRigidConstants constants; };
 
 void main() {
   const uint i = gl_GlobalInvocationID.x;
