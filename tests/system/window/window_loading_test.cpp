@@ -92,8 +92,8 @@ class WhileItLoads : public Programs {
     }
     return filled;
   }
-  // Expects the program to end before all assets have arrived. No asset may be there in part: the program can end
-  // between two of them.
+  // Expects the program to end before all assets have arrived. No asset may be there in part: the program can
+  // end between two of them.
   void expect_end_while_fetching(Program& program, int code) {
     EXPECT_EQ(program.wait(), code) << program.err();
     int arrived = 0;
