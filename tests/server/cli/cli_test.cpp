@@ -356,6 +356,19 @@ TEST(Cli, RefusesMalformedFixturesInOneLine) {
   EXPECT_GE(refused, 40);
 }
 
+// `livegs chart` passes --help to livegs-chart, which prints the usage of `livegs chart`.
+TEST(Cli, ChartHelpIsAPlainUsageText) {
+  for (const char* flag : {"--help", "-h"}) {
+    const Said said = run({"chart", flag});
+    EXPECT_EQ(said.code, 0) << said.err;
+    EXPECT_EQ(said.err, "");
+    EXPECT_NE(said.out.find("Usage: livegs chart [OPTIONS]\n"), std::string::npos) << said.out;
+    for (const char* option : {"--output", "--only", "--quick", "--help"})
+      EXPECT_NE(said.out.find(option), std::string::npos) << option << " is missing in: " << said.out;
+    EXPECT_EQ(said.out.find("livegs-chart"), std::string::npos) << said.out;
+  }
+}
+
 // Runs one scene of the chart: rows, one curve per method, and a page with the ranking.
 TEST(Cli, ChartWritesRowsCurvesAndAPage) {
   ScratchFolder folder;
