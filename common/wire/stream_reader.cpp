@@ -75,10 +75,10 @@ Result<DriverGrid> read_form(RiceReader& bits) {
   if (grid.exponent < kMinExponent || grid.exponent > kMaxExponent)
     return bad("the step of an object is out of range");
   if (grid.revision != 0 && grid.kind != DriverKind::Rigid) return bad("sets a reserved bit");
-  const bool told = grid.kind == DriverKind::Lattice && bits.bits(0, 1) != 0;
+  const bool has_coordinates = grid.kind == DriverKind::Lattice && bits.bits(0, 1) != 0;
   if (bits.failed() || grid.count > bits.remaining_bits() / kMinIntraDriverBits)
     return bad("claims " + std::to_string(grid.count) + " drivers but is truncated");
-  if (!told) return grid;
+  if (!has_coordinates) return grid;
   std::vector<Eigen::Vector3i> coordinates(grid.count);
   if (!code_coordinates(bits, coordinates)) return bad("an object is truncated");
   grid.neighbours = find_node_neighbours(std::move(coordinates));

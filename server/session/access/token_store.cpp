@@ -163,9 +163,9 @@ Result<v1::Token> TokenStore::revoke(const std::string& id) {
     token.set_revoked(
         true);  // before the write: if it fails, the token is still refused until the server ends
     if (auto written = write(); !written) return written.error();
-    v1::Token told = token;
-    told.clear_sha256();
-    return told;
+    v1::Token revoked = token;
+    revoked.clear_sha256();
+    return revoked;
   }
   return not_found("token \"" + id.substr(0, kMaxName) +
                    "\": does not exist; run livegs ctl tokens to list the tokens");

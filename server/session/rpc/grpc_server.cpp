@@ -197,9 +197,9 @@ void GrpcServer::encode_ahead(const Scene& scene) {
 
 void GrpcServer::open_analysis(AnalysisControl& analysis) {
   analysis.watch_proposals(
-      [told = parts_->proposals](const std::string& object, const v1::PhysicsFile* proposal) {
-        std::lock_guard lock(told->mutex);
-        if (told->table) told->table->propose(object, proposal);
+      [proposals = parts_->proposals](const std::string& object, const v1::PhysicsFile* proposal) {
+        std::lock_guard lock(proposals->mutex);
+        if (proposals->table) proposals->table->propose(object, proposal);
       });
   parts_->service.set_analysis(&analysis);
 }

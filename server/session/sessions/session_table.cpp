@@ -292,7 +292,7 @@ void SessionTable::sweep(int64_t now) {
     check_grants = now - grants_checked_ns_ >= kGrantCheckInterval_ns;
     if (check_grants) grants_checked_ns_ = now;
     std::erase_if(ending_, [&](const Ending& one) {
-      if (now - one.told_ns < kEndTimeout_ns) return one.writer.expired();
+      if (now - one.since_ns < kEndTimeout_ns) return one.writer.expired();
       if (auto writer = one.writer.lock()) stuck.push_back(std::move(writer));
       return true;
     });

@@ -157,7 +157,7 @@ class SessionTable {
   // aborted.
   struct Ending {
     std::weak_ptr<SessionWriter> writer;
-    int64_t told_ns = 0;
+    int64_t since_ns = 0;
   };
   std::vector<Ending> ending_;
   Totals totals_;
