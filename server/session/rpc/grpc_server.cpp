@@ -91,8 +91,9 @@ struct GrpcServer::Parts {
       : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
     proposals->table = &table;
     if (security)
-      table.check_grants_with(
-          [security](const Grant& grant) { return security->tokens().check_still(grant); });
+      table.check_authorizations_with([security](const Authorization& authorization) {
+        return security->tokens().check_still(authorization);
+      });
     publisher = std::make_unique<FramePublisher>(table, assets);  // starts a thread that uses the table
   }
   SessionTable table;
