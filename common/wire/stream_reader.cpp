@@ -27,12 +27,12 @@ Result<Header> read_header(ByteReader& in) {
   Header header;
   header.flags = in.read<uint8_t>();
   if (auto known = kHeader.check(magic, version, in.failed()); !known) return known.error();
-  if ((header.flags & ~(kKeyFrame | kHashed)) != 0) return bad("sets a reserved bit");
+  if ((header.flags & ~(kKeyframe | kHashed)) != 0) return bad("sets a reserved bit");
   const auto tick = read_varint(in);
   header.simulated_ns = in.read<int64_t>();
   if (!tick) return bad("header is truncated");
   header.tick = *tick;
-  if ((header.flags & kKeyFrame) == 0) {
+  if ((header.flags & kKeyframe) == 0) {
     const auto gap = read_varint(in);
     if (!gap || *gap == 0 || *gap > *tick) return bad("has an invalid predecessor");
     header.gap = *gap;
