@@ -158,7 +158,7 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
   ByteWriter out;
   out.reserve(body.size() + 40);
   kHeader.write(out);
-  out.write(static_cast<uint8_t>((baseline ? 0 : kKeyFrame) | (hashed ? kHashed : 0)));
+  out.write(static_cast<uint8_t>((baseline ? 0 : kKeyframe) | (hashed ? kHashed : 0)));
   write_varint(out, frame.tick);
   out.write(frame.simulated_ns);
   if (baseline) write_varint(out, frame.tick - baseline->tick);

@@ -64,7 +64,7 @@ class StreamReader {
   // last one read or a keyframe can be read. Memory is bounded by kMaxFrameBytes and the current state.
   Result<DriverFrame> read(std::span<const std::byte> bytes);
   // True before the first keyframe, and after a frame that could not be read.
-  bool needs_key_frame() const { return baseline_ == nullptr || failed_; }
+  bool needs_keyframe() const { return baseline_ == nullptr || failed_; }
 
  private:
   StreamBaselinePtr baseline_;

@@ -18,7 +18,7 @@ namespace livegs {
 
 namespace stream_layout {
 inline constexpr MessageHeader<uint8_t, uint8_t> kHeader{"stream frame", " with 0xD6", 0xD6, 2};
-inline constexpr uint8_t kKeyFrame = 1, kHashed = 4;
+inline constexpr uint8_t kKeyframe = 1, kHashed = 4;
 inline constexpr int32_t kMaxGap = 16;  // maximum ticks of a linear extrapolation
 inline constexpr int kMinExponent = -30, kMaxExponent = 30;
 // Rice parameters of object counts, of steps between ids and of driver counts.

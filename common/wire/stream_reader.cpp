@@ -27,12 +27,12 @@ Result<Header> read_header(ByteReader& in) {
   Header header;
   header.flags = in.read<uint8_t>();
   if (auto known = kHeader.check(magic, version, in.failed()); !known) return known.error();
-  if ((header.flags & ~(kKeyFrame | kHashed)) != 0) return bad("sets a reserved bit");
+  if ((header.flags & ~(kKeyframe | kHashed)) != 0) return bad("sets a reserved bit");
   const auto tick = read_varint(in);
   header.simulated_ns = in.read<int64_t>();
   if (!tick) return bad("header is truncated");
   header.tick = *tick;
-  if ((header.flags & kKeyFrame) == 0) {
+  if ((header.flags & kKeyframe) == 0) {
     const auto gap = read_varint(in);
     if (!gap || *gap == 0 || *gap > *tick) return bad("has an invalid predecessor");
     header.gap = *gap;
@@ -75,10 +75,10 @@ Result<DriverGrid> read_form(RiceReader& bits) {
   if (grid.exponent < kMinExponent || grid.exponent > kMaxExponent)
     return bad("the step of an object is out of range");
   if (grid.revision != 0 && grid.kind != DriverKind::Rigid) return bad("sets a reserved bit");
-  const bool told = grid.kind == DriverKind::Lattice && bits.bits(0, 1) != 0;
+  const bool has_coordinates = grid.kind == DriverKind::Lattice && bits.bits(0, 1) != 0;
   if (bits.failed() || grid.count > bits.remaining_bits() / kMinIntraDriverBits)
     return bad("claims " + std::to_string(grid.count) + " drivers but is truncated");
-  if (!told) return grid;
+  if (!has_coordinates) return grid;
   std::vector<Eigen::Vector3i> coordinates(grid.count);
   if (!code_coordinates(bits, coordinates)) return bad("an object is truncated");
   grid.neighbours = find_node_neighbours(std::move(coordinates));

@@ -32,12 +32,12 @@ int run(const ChartCommand& options) {
   // Warnings are suppressed: the study runs solvers beyond their limits on purpose.
   set_log_level(LogLevel::Error);
   const int64_t start_ns = now_ns();
-  int64_t told_ns = start_ns;
+  int64_t reported_ns = start_ns;
   const auto progress = [&](size_t done, size_t of, const study::PlannedRun& run) {
-    if (now_ns() - told_ns < 2'000'000'000 && done != of) return;
-    told_ns = now_ns();
+    if (now_ns() - reported_ns < 2'000'000'000 && done != of) return;
+    reported_ns = now_ns();
     std::fprintf(stderr, "%3zu %%  %zu of %zu runs, %.0f s; %s, %s at %d substeps\n", 100 * done / of, done,
-                 of, seconds_from_ns(told_ns - start_ns), run.scene->name.c_str(),
+                 of, seconds_from_ns(reported_ns - start_ns), run.scene->name.c_str(),
                  study::solver_name(run.setup).c_str(), run.setup.substeps);
   };
   const study::ChartPlan plan{options.only, options.quick};
@@ -45,10 +45,10 @@ int run(const ChartCommand& options) {
   set_thread_count(1);
   const auto rigid_progress = [&](size_t done, size_t of, const study::RigidChartScene& scene,
                                   const study::RigidSetup& setup) {
-    if (now_ns() - told_ns < 2'000'000'000) return;
-    told_ns = now_ns();
+    if (now_ns() - reported_ns < 2'000'000'000) return;
+    reported_ns = now_ns();
     std::fprintf(stderr, "%3zu %%  %zu of %zu rigid runs, %.0f s; %s, %s at %d substeps\n", 100 * done / of,
-                 done, of, seconds_from_ns(told_ns - start_ns), scene.name.c_str(),
+                 done, of, seconds_from_ns(reported_ns - start_ns), scene.name.c_str(),
                  study::engine_name(setup.engine).c_str(), setup.substeps);
   };
   const auto rigid_rows = study::run_rigid_scenes(plan, rigid_progress);

@@ -197,7 +197,7 @@ int run(const SimulateCommand& options) {
   RasterisedView view;
   const double rate_hz = scene->world().settings().rate_hz;
   const auto frames = static_cast<uint64_t>(std::llround(options.seconds * rate_hz));
-  int64_t told_ns = mark_ns;
+  int64_t logged_ns = mark_ns;
   for (uint64_t frame = 0; frame <= frames; ++frame) {
     if (frame > 0) {
       scene->step();
@@ -223,8 +223,8 @@ int run(const SimulateCommand& options) {
     }
     record->write(*scene, drawing);
     times.write_ms += lap();
-    if (mark_ns - told_ns > 2'000'000'000) {
-      told_ns = mark_ns;
+    if (mark_ns - logged_ns > 2'000'000'000) {
+      logged_ns = mark_ns;
       log_info("%.0f %%: %.2f s of %.2f s simulated",
                100.0 * static_cast<double>(frame) / static_cast<double>(frames),
                static_cast<double>(frame) / rate_hz, options.seconds);

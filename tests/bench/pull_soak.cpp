@@ -173,9 +173,9 @@ double object_most_j(const Scene& scene, bool& over) {
     const BodyEnergy energy = body->energy(Vector3d::Zero());
     const double has_j = energy.kinetic_j + energy.elastic_j;
     most_j = std::max(most_j, has_j);
-    static double told_j = 500.0;
-    if (has_j > 1.2 * told_j) {
-      told_j = has_j;
+    static double reported_j = 500.0;
+    if (has_j > 1.2 * reported_j) {
+      reported_j = has_j;
       std::fprintf(stderr, "%s: mass %.2g kg, energy %.0f J: kinetic %.0f, elastic %.0f\n",
                    object.name.c_str(), body->mass_kg(), has_j, energy.kinetic_j, energy.elastic_j);
     }

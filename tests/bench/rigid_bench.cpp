@@ -96,7 +96,7 @@ Eigen::Quaterniond any_turn(std::mt19937& random) {
 }
 
 // Two by two in layers.
-BenchScene pile_of_sherds() {
+BenchScene pile_of_fragments() {
   BenchScene scene;
   scene.name = "pile of fragments";
   scene.bin = true;
@@ -190,7 +190,7 @@ void add_soft_block(World& world, uint32_t id, const RigidPart& part) {
 }
 
 // Breaks a cup in place until all of its pieces are separate.
-void add_sherds(World& world, uint32_t id, const Cup& cup) {
+void add_fragments(World& world, uint32_t id, const Cup& cup) {
   RigidBodyDescription whole;
   whole.object_id = id;
   whole.mesh = livegs::testing::cup_mesh(32, 8);
@@ -222,7 +222,7 @@ World our_world(const BenchScene& scene) {
   uint32_t id = 1;
   for (const RigidPart& part : scene.parts) add_box_or_ball(world, id++, part);
   for (const RigidPart& part : scene.soft) add_soft_block(world, id++, part);
-  for (const Cup& cup : scene.cups) add_sherds(world, id++, cup);
+  for (const Cup& cup : scene.cups) add_fragments(world, id++, cup);
   return world;
 }
 
@@ -291,6 +291,6 @@ int main() {
   set_log_level(LogLevel::Warn);
   std::printf("scene,bodies,engine,substeps,threads,median_ms,p99_ms,cpu_ms,ratio\n");
   report(pyramid());
-  report(pile_of_sherds());
+  report(pile_of_fragments());
   report(mixed_objects());
 }

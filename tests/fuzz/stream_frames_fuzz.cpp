@@ -8,7 +8,7 @@ void look_at(std::span<const std::byte> input) {
   StreamReader reader;
   for (const auto part : parts_of(input)) {
     const auto frame = reader.read(part);
-    check(reader.needs_key_frame() == !frame,
+    check(reader.needs_keyframe() == !frame,
           "a keyframe is requested if and only if the frame could not be read");
     if (!frame) continue;
     check_finite(*frame);

@@ -72,7 +72,7 @@ XrResult check_projection(Session& session, const XrCompositionLayerProjection& 
                     "xrEndFrame: a view is not an XrCompositionLayerProjectionView");
     const XrResult checked = check_view(session, layer.views[v], space, time, eyes.emplace_back());
     if (checked != XR_SUCCESS) return checked;
-    if (session.foretold_for == time) eyes.back().foretold = session.foretold[v];
+    if (session.predicted_for == time) eyes.back().prediction = session.predictions[v];
   }
   return XR_SUCCESS;
 }

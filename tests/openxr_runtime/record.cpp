@@ -62,10 +62,11 @@ void Record::frame(uint64_t index, double time_s, double ended_s, double display
                  static_cast<unsigned long>(eye.hash), p.position.x, p.position.y, p.position.z,
                  p.orientation.w, p.orientation.x, p.orientation.y, p.orientation.z, eye.fov.angleLeft,
                  eye.fov.angleRight, eye.fov.angleUp, eye.fov.angleDown, name);
-    const EyeForetold& told = eye.foretold;
+    const EyePrediction& prediction = eye.prediction;
     std::fprintf(views_, "%lu,%zu,%d,%.6f,%.9g,%.9g,%.9g,%.6f,%.9g,%.9g,%.9g\n",
-                 static_cast<unsigned long>(index), e, told.answers, told.first_lead_s, told.first.x,
-                 told.first.y, told.first.z, told.last_lead_s, told.last.x, told.last.y, told.last.z);
+                 static_cast<unsigned long>(index), e, prediction.answers, prediction.first_lead_s,
+                 prediction.first.x, prediction.first.y, prediction.first.z, prediction.last_lead_s,
+                 prediction.last.x, prediction.last.y, prediction.last.z);
   }
   std::fflush(frames_);
   std::fflush(views_);

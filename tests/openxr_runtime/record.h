@@ -12,7 +12,7 @@ namespace livegs::simulated {
 
 // Eye positions that xrLocateViews predicted for one display time: the first and the last answer, and how
 // long before display each was given.
-struct EyeForetold {
+struct EyePrediction {
   double first_lead_s = 0, last_lead_s = 0;
   XrVector3f first{}, last{};  // in stage space
   int answers = 0;
@@ -25,7 +25,7 @@ struct EyeRecord {
   uint64_t hash = 0;
   int width = 0, height = 0;
   std::vector<uint8_t> rgba;
-  EyeForetold foretold;
+  EyePrediction prediction;
 };
 
 // Appends events to files in the folder LIVEGS_XR_OUTPUT, if it is set:

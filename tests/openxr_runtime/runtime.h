@@ -77,8 +77,8 @@ struct Session {
   // Frames.
   bool waited = false, begun = false;
   uint64_t frames_in_state = 0;
-  XrTime foretold_for = 0;  // display time of the predictions below
-  std::array<EyeForetold, 2> foretold;
+  XrTime predicted_for = 0;  // display time of the predictions below
+  std::array<EyePrediction, 2> predictions;
   XrTime last_display_time = 0;
   std::set<XrTime> waited_for;  // display times of frames that have not ended
   double waited_s = 0;          // time when the last wait ended

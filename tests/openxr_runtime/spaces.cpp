@@ -193,17 +193,17 @@ XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewSt
   const XrTime asked = now();  // the same time for the answer and for its record
   const double lead_s = 1e-9 * static_cast<double>(info->displayTime - asked);
   const Pose stage_from_head = head_pose(info->displayTime, asked);
-  if (std::exchange(found->foretold_for, info->displayTime) != info->displayTime) found->foretold = {};
+  if (std::exchange(found->predicted_for, info->displayTime) != info->displayTime) found->predictions = {};
   for (size_t eye = 0; eye < 2; ++eye) {
     if (views[eye].type != XR_TYPE_VIEW)
       return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateViews: not an XrView");
     const double side_m = (static_cast<double>(eye) - 0.5) * kEyeDistance_m;
     const Pose stage_from_eye = stage_from_head * Pose{{side_m, 0, 0}, Eigen::Quaterniond::Identity()};
     views[eye].pose = to_xr(stage_from_base.inverse() * stage_from_eye);
-    EyeForetold& told = found->foretold[eye];
-    told.last = to_xr(stage_from_eye).position;
-    told.last_lead_s = lead_s;
-    if (told.answers++ == 0) told.first = told.last, told.first_lead_s = lead_s;
+    EyePrediction& prediction = found->predictions[eye];
+    prediction.last = to_xr(stage_from_eye).position;
+    prediction.last_lead_s = lead_s;
+    if (prediction.answers++ == 0) prediction.first = prediction.last, prediction.first_lead_s = lead_s;
     views[eye].fov =
         eye == 0 ? kLeftFov
                  : XrFovf{-kLeftFov.angleRight, -kLeftFov.angleLeft, kLeftFov.angleUp, kLeftFov.angleDown};

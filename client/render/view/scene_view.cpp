@@ -28,8 +28,8 @@ bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
 
 Result<void> fits(size_t kernels, const RestBody& rest, const ObjectDrivers& drivers) {
   if (!drivers.kernels) return check_drivers(rest, drivers);
-  if (const size_t told = drivers.kernels->positions_m.size(); told != kernels)
-    return invalid_data(std::to_string(told) + " kernels were received, the object has " +
+  if (const size_t received = drivers.kernels->positions_m.size(); received != kernels)
+    return invalid_data(std::to_string(received) + " kernels were received, the object has " +
                         std::to_string(kernels));
   return {};
 }

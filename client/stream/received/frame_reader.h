@@ -22,9 +22,9 @@ class FrameReader {
 
   // Accepts any bytes. Frames of kernels yield objects that have `kernels` and no drivers.
   Result<DriverFrame> read(std::span<const std::byte> bytes);
-  // Whether the stream can continue only with a key frame: at the start, and after a frame that could not be
+  // Whether the stream can continue only with a keyframe: at the start, and after a frame that could not be
   // read. Never true if frames do not depend on each other.
-  bool needs_key_frame() const { return encoding_ == v1::JoinRequest::DRIVERS && stream_.needs_key_frame(); }
+  bool needs_keyframe() const { return encoding_ == v1::JoinRequest::DRIVERS && stream_.needs_keyframe(); }
 
  private:
   const v1::JoinRequest::Encoding encoding_;

@@ -98,8 +98,8 @@ Result<void> SceneControl::analyze(const std::vector<std::string>& objects, cons
   for (const std::string& object : objects) request.add_objects(object);
   Connection::Call call(*connection_);
   const auto reader = connection_->stub->AnalyzeScene(&call.context, request);
-  v1::AnalysisProgress told;
-  while (reader->Read(&told)) progress(told);
+  v1::AnalysisProgress reported;
+  while (reader->Read(&reported)) progress(reported);
   const grpc::Status status = reader->Finish();
   if (!status.ok()) return error_from(status, connection_->address);
   return {};

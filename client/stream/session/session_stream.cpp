@@ -21,8 +21,8 @@ constexpr std::chrono::milliseconds kPollInterval{50};  // check for a silent se
 constexpr int64_t kSilenceGapFactor = 5;  // multiple of the longest gap between frames of kernels
 constexpr int64_t kHalfCloseTimeout_ns = 1'000'000'000;
 constexpr size_t kSamplesPerMessage = 3;
-// Between requests for a key frame: the requested one may be damaged too.
-constexpr int64_t kKeyFrameRetryInterval_ns = 250'000'000;
+// Between requests for a keyframe: the requested one may be damaged too.
+constexpr int64_t kKeyframeRetryInterval_ns = 250'000'000;
 
 Eigen::Vector3f vector_of(const google::protobuf::RepeatedField<float>& numbers) {
   return numbers.size() == 3 ? Eigen::Vector3f(numbers[0], numbers[1], numbers[2]) : Eigen::Vector3f::Zero();
@@ -126,7 +126,7 @@ void SessionStream::write() {
       if (stopping_ || ended_) break;
       samples_new_ = acknowledgement_new_ = false;
       message.set_acknowledged_tick(acknowledged_tick_);
-      message.set_key_frame_wanted(std::exchange(key_frame_wanted_, false));
+      message.set_key_frame_wanted(std::exchange(keyframe_wanted_, false));
       for (const InputSample& sample : samples_) write_input(sample, *message.add_inputs());
       if (view_) write_view(*view_, *message.mutable_view());
       view_.reset();
@@ -237,7 +237,7 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
   }
   const uint64_t tick = frame.tick;
   const bool waits =
-      frames_.needs_key_frame() && received_ns - key_frame_requested_ns_ < kKeyFrameRetryInterval_ns;
+      frames_.needs_keyframe() && received_ns - keyframe_requested_ns_ < kKeyframeRetryInterval_ns;
   auto drivers = frames_.read(std::as_bytes(std::span(message.frame())));
   if (drivers) {
     frame.bytes = message.frame().size();
@@ -252,8 +252,8 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
     std::lock_guard lock(mutex_);
     outcome_.frames += drivers ? 1 : 0;
     if (!drivers && !waits) {
-      key_frame_wanted_ = true;
-      key_frame_requested_ns_ = received_ns;
+      keyframe_wanted_ = true;
+      keyframe_requested_ns_ = received_ns;
     }
     acknowledged_tick_ = tick;
     acknowledgement_new_ = true;

@@ -86,7 +86,7 @@ class SessionStream {
   const bool streams_kernels_;
   size_t late_kernel_frames_ = 0;  // consecutive
   bool warned_ = false;
-  int64_t key_frame_requested_ns_ = std::numeric_limits<int64_t>::min() / 2;  // time of the last request
+  int64_t keyframe_requested_ns_ = std::numeric_limits<int64_t>::min() / 2;  // time of the last request
 
   std::mutex mutex_;  // guards everything below
   // Used by the writer alone: each spurious wake-up costs as much as a frame.
@@ -99,7 +99,7 @@ class SessionStream {
   std::optional<ViewCone> view_;  // not sent yet
   uint64_t acknowledged_tick_ = 0;
   bool acknowledgement_new_ = false;
-  bool key_frame_wanted_ = false;
+  bool keyframe_wanted_ = false;
   bool stopping_ = false;
   bool ended_ = false;
 };

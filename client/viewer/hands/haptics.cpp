@@ -38,7 +38,7 @@ std::optional<Haptics::Pulse> Haptics::foreseen(size_t hand, bool touches, doubl
                kContact_s};
 }
 
-std::optional<Haptics::Pulse> Haptics::told(size_t hand, float impulse_n_s, int64_t now_ns) {
+std::optional<Haptics::Pulse> Haptics::reported(size_t hand, float impulse_n_s, int64_t now_ns) {
   Hand& h = hands_[hand];
   if (!(impulse_n_s > kMinImpulse_n_s)) return std::nullopt;
   const bool goes_on = h.impulse_ns && now_ns - *h.impulse_ns < kContactTimeout_ns;

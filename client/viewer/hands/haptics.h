@@ -27,7 +27,7 @@ class Haptics {
 
   // Reports the impulse of contacts on the held object in a tick. A contact lasts until a tenth of a second
   // without impulse; within it only an impulse three times as strong produces a new pulse.
-  std::optional<Pulse> told(size_t hand, float impulse_n_s, int64_t now_ns);
+  std::optional<Pulse> reported(size_t hand, float impulse_n_s, int64_t now_ns);
 
   // No prediction is available in this picture; the next one sets the state without a pulse.
   void on_no_prediction(size_t hand) { hands_[hand].touches.reset(); }

@@ -61,58 +61,58 @@ std::vector<ControlCalls::Answer> ControlCalls::take() {
 void ControlCalls::set_physics(std::string object, v1::Physics physics) {
   quick_.post([this, object = std::move(object), physics = std::move(physics)] {
     auto reply = control_.set_physics(object, physics);
-    Answer told = answer_of(Answer::Kind::Physics, object);
-    reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
-    answer(std::move(told));
+    Answer result = answer_of(Answer::Kind::Physics, object);
+    reply ? void(result.physics = *std::move(reply)) : void(result.refused = reply.error());
+    answer(std::move(result));
   });
 }
 
 void ControlCalls::accept_proposal(std::string object, bool decline) {
   quick_.post([this, object = std::move(object), decline] {
     auto reply = control_.accept_proposal(object, decline);
-    Answer told = answer_of(Answer::Kind::Physics, object);
-    reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
-    answer(std::move(told));
+    Answer result = answer_of(Answer::Kind::Physics, object);
+    reply ? void(result.physics = *std::move(reply)) : void(result.refused = reply.error());
+    answer(std::move(result));
   });
 }
 
 void ControlCalls::undo_physics(std::string object, bool redo) {
   quick_.post([this, object = std::move(object), redo] {
     auto reply = control_.undo_physics(object, redo);
-    Answer told = answer_of(Answer::Kind::Physics, object);
-    reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
-    answer(std::move(told));
+    Answer result = answer_of(Answer::Kind::Physics, object);
+    reply ? void(result.physics = *std::move(reply)) : void(result.refused = reply.error());
+    answer(std::move(result));
   });
 }
 
 void ControlCalls::analyze(std::vector<std::string> objects) {
   analyses_.post([this, objects = std::move(objects)] {
     const auto done = control_.analyze(objects, [this](const v1::AnalysisProgress& progress) {
-      Answer told = answer_of(Answer::Kind::Analysis, progress.object());
-      told.progress = progress;
-      told.last = false;
-      answer(std::move(told));
+      Answer result = answer_of(Answer::Kind::Analysis, progress.object());
+      result.progress = progress;
+      result.last = false;
+      answer(std::move(result));
     });
-    Answer told = answer_of(Answer::Kind::Analysis);
-    if (!done) told.refused = done.error();
-    answer(std::move(told));
+    Answer result = answer_of(Answer::Kind::Analysis);
+    if (!done) result.refused = done.error();
+    answer(std::move(result));
   });
 }
 
 void ControlCalls::control_run(v1::ControlRunRequest request) {
   quick_.post([this, request = std::move(request)] {
-    Answer told = answer_of(Answer::Kind::Run);
-    if (auto state = control_.control_run(request); !state) told.refused = state.error();
-    answer(std::move(told));
+    Answer result = answer_of(Answer::Kind::Run);
+    if (auto state = control_.control_run(request); !state) result.refused = state.error();
+    answer(std::move(result));
   });
 }
 
 void ControlCalls::apply_force(v1::Event::Force force) {
   quick_.post([this, force = std::move(force)] {
-    Answer told = answer_of(Answer::Kind::Force, force.object());
+    Answer result = answer_of(Answer::Kind::Force, force.object());
     auto taken = control_.apply_force(force);
-    taken ? void(told.tick = *taken) : void(told.refused = taken.error());
-    answer(std::move(told));
+    taken ? void(result.tick = *taken) : void(result.refused = taken.error());
+    answer(std::move(result));
   });
 }
 

@@ -27,7 +27,7 @@ void FrameQueue::on_frame(ReceivedFrame frame) {
     update_.lost.reset();  // the outage ended before it was reported
   }
   if (std::exchange(holds_, false)) {
-    update_.anew = true;
+    update_.server_restarted = true;
     update_.frames.clear();
   }
   if (records_frames_) recorded_.push_back(frame);
@@ -115,7 +115,7 @@ Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
     events_to_take_ = 0;
     const bool all_there =
         std::all_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.ready(); });
-    if (update_.anew && !all_there) {
+    if (update_.server_restarted && !all_there) {
       update.goodbye = std::exchange(update_.goodbye, std::nullopt);
       update.lost = std::exchange(update_.lost, std::nullopt);
       return update;

@@ -36,7 +36,7 @@ class FrameQueue final : public StreamSink {
   // drawn until then.
   struct StreamUpdate {
     std::vector<ReceivedFrame> frames;      // oldest first
-    bool anew = false;                      // the frames are from a restarted server
+    bool server_restarted = false;          // the frames are from a restarted server
     std::vector<StreamedObject> described;  // added or changed
     std::vector<uint32_t> removed;
     std::vector<uint32_t> refined;  // refined objects, whose kernels are renumbered

@@ -107,7 +107,7 @@ Result<void> HeadsetRun::poll_updates() {
   }
   for (const uint32_t id : update->refined) sizes_m_.erase(id);
   notice_.take(*update, client_);
-  if (update->anew) playout_.reset();
+  if (update->server_restarted) playout_.reset();
   if (update->frames.empty()) return {};
   const auto newest = update->frames.back().drivers;
   run_message_ = update->frames.back().run.message();
@@ -150,7 +150,7 @@ void HeadsetRun::feel(const ReceivedFrame& frame) {
   for (size_t hand = 0; hand < held.size(); ++hand) vibrate(hand, feel_.holds(hand, held[hand]));
   for (const HeldByHand& one : frame.hands) {
     if (one.hand < held.size())
-      vibrate(one.hand, feel_.told(one.hand, one.contact_impulse_n_s, frame.received_ns));
+      vibrate(one.hand, feel_.reported(one.hand, one.contact_impulse_n_s, frame.received_ns));
   }
 }
 

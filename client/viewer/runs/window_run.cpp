@@ -175,7 +175,7 @@ Result<void> WindowRun::poll_updates() {
     for (const ReceivedFrame& frame : stream_.take_recorded()) recording_->add(frame);
     stream_.record_frames(recording_->collecting());
   }
-  if (update->anew) playout_.reset();
+  if (update->server_restarted) playout_.reset();
   if (update->frames.empty()) return {};
   frame_ = update->frames.back();
   for (ReceivedFrame& frame : update->frames) playout_.add(std::move(frame));

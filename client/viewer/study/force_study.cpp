@@ -42,19 +42,19 @@ Eigen::Vector3d ForceStudy::force_n() const {
 std::string ForceStudy::sentence() const { return sentence_of({this, 1}); }
 
 std::string sentence_of(std::span<const ForceStudy> studies) {
-  std::vector<std::pair<std::string, int>> told;  // what, at how many points
+  std::vector<std::pair<std::string, int>> forces;  // what, at how many points
   for (const ForceStudy& study : studies) {
     const std::string what = "a force of " + in_words(study.force_n().norm(), "newton") + " to the " +
                              (study.target() ? study.target()->object : "object") + " for " +
                              in_words(study.duration_s(), "second");
     const auto same =
-        std::find_if(told.begin(), told.end(), [&](const auto& one) { return one.first == what; });
-    same == told.end() ? void(told.emplace_back(what, 1)) : void(++same->second);
+        std::find_if(forces.begin(), forces.end(), [&](const auto& one) { return one.first == what; });
+    same == forces.end() ? void(forces.emplace_back(what, 1)) : void(++same->second);
   }
   std::string sentence = "Apply ";
-  for (size_t i = 0; i < told.size(); ++i) {
-    sentence += (i == 0 ? "" : i + 1 < told.size() ? ", " : ", and ") + told[i].first;
-    if (told[i].second > 1) sentence += " at " + std::to_string(told[i].second) + " points";
+  for (size_t i = 0; i < forces.size(); ++i) {
+    sentence += (i == 0 ? "" : i + 1 < forces.size() ? ", " : ", and ") + forces[i].first;
+    if (forces[i].second > 1) sentence += " at " + std::to_string(forces[i].second) + " points";
   }
   return sentence + ".";
 }

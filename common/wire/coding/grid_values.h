@@ -15,13 +15,16 @@ class GridValues {
  public:
   GridValues() = default;
   explicit GridValues(size_t count) : count_(count) {
-    if (count > kFew) many_ = std::make_shared_for_overwrite<int32_t[]>(count);
+    if (count > kMaxInlineValues) shared_values_ = std::make_shared_for_overwrite<int32_t[]>(count);
   }
 
   size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
-  const int32_t* data() const { return count_ > kFew ? many_.get() : few_.data(); }
-  int32_t* data() { return count_ > kFew ? many_.get() : few_.data(); }  // only before the values are shared
+  const int32_t* data() const {
+    return count_ > kMaxInlineValues ? shared_values_.get() : inline_values_.data();
+  }
+  // Only before the values are shared.
+  int32_t* data() { return count_ > kMaxInlineValues ? shared_values_.get() : inline_values_.data(); }
   int32_t operator[](size_t i) const { return data()[i]; }
   bool operator==(const GridValues& other) const {
     return count_ == other.count_ &&
@@ -29,10 +32,10 @@ class GridValues {
   }
 
  private:
-  static constexpr size_t kFew = 8;
+  static constexpr size_t kMaxInlineValues = 8;
   size_t count_ = 0;
-  std::array<int32_t, kFew> few_{};
-  std::shared_ptr<int32_t[]> many_;
+  std::array<int32_t, kMaxInlineValues> inline_values_{};
+  std::shared_ptr<int32_t[]> shared_values_;
 };
 
 }  // namespace livegs

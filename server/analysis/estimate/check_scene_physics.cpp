@@ -95,13 +95,13 @@ std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estim
   const bool telling = estimated.confidence() >= kMaterialNamedConfidence;
   const std::string taken_for = "a " + estimated.label() + " of " + estimated.material() + " has";
   // The author's stiffness is that of the whole body, so it is compared with s E.
-  const double told = merged.structure_coefficient().best() * merged.youngs_modulus_pa().best();
+  const double stiffness_pa = merged.structure_coefficient().best() * merged.youngs_modulus_pa().best();
   const double low = estimated.structure_coefficient().low() * estimated.youngs_modulus_pa().low();
   const double high = estimated.structure_coefficient().high() * estimated.youngs_modulus_pa().high();
   // A soft shape is intended, such as a cube of jelly; a captured object this soft is a slip.
-  const bool too_soft = !facts.solid && told < low / kImplausibleRatio;
-  if (telling && written.has_youngs_modulus_pa() && (too_soft || told > high * kImplausibleRatio)) {
-    doubts.push_back(remark("youngs_modulus_pa", told, "Pa", taken_for, low, high));
+  const bool too_soft = !facts.solid && stiffness_pa < low / kImplausibleRatio;
+  if (telling && written.has_youngs_modulus_pa() && (too_soft || stiffness_pa > high * kImplausibleRatio)) {
+    doubts.push_back(remark("youngs_modulus_pa", stiffness_pa, "Pa", taken_for, low, high));
   }
   const v1::EstimatedValue& mass = estimated.mass_kg();
   if (telling && facts.scale_known && (written.has_mass_kg() || written.has_density_kg_m3()) &&

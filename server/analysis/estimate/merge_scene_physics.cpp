@@ -31,29 +31,34 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
                                                    const Physics& written, const ObjectFacts& facts,
                                                    EstimatedValue::Source by) {
   const Author author = author_of(by);
-  const auto told_as = [&](EstimatedValue& value, double number, const std::string& reason) {
+  const auto set_value = [&](EstimatedValue& value, double number, const std::string& reason) {
     value.set_low(number);
     value.set_best(number);
     value.set_high(number);
     value.set_source(author.source);
     value.set_reason(reason);
   };
-  const auto tell = [&](EstimatedValue& value, double number) { told_as(value, number, author.written); };
+  const auto set_written = [&](EstimatedValue& value, double number) {
+    set_value(value, number, author.written);
+  };
   const std::string whose = author.whose;
   v1::PhysicalParameters merged = estimated;
   if (auto checked = check_scene_physics(written); !checked) return checked.error();
-  if (written.has_mass_kg()) tell(*merged.mutable_mass_kg(), written.mass_kg());
-  if (written.has_wall_thickness_m()) tell(*merged.mutable_wall_thickness_m(), written.wall_thickness_m());
-  if (written.has_youngs_modulus_pa()) tell(*merged.mutable_youngs_modulus_pa(), written.youngs_modulus_pa());
-  if (written.has_poisson_ratio()) tell(*merged.mutable_poisson_ratio(), written.poisson_ratio());
+  if (written.has_mass_kg()) set_written(*merged.mutable_mass_kg(), written.mass_kg());
+  if (written.has_wall_thickness_m())
+    set_written(*merged.mutable_wall_thickness_m(), written.wall_thickness_m());
+  if (written.has_youngs_modulus_pa())
+    set_written(*merged.mutable_youngs_modulus_pa(), written.youngs_modulus_pa());
+  if (written.has_poisson_ratio()) set_written(*merged.mutable_poisson_ratio(), written.poisson_ratio());
   if (written.has_structure_coefficient()) {
-    tell(*merged.mutable_structure_coefficient(), written.structure_coefficient());
+    set_written(*merged.mutable_structure_coefficient(), written.structure_coefficient());
   }
-  if (written.has_plasticity()) tell(*merged.mutable_plasticity(), written.plasticity());
-  if (written.has_damping()) tell(*merged.mutable_damping(), written.damping());
-  if (written.has_break_impulse_n_s()) tell(*merged.mutable_break_impulse_n_s(), written.break_impulse_n_s());
-  if (written.has_friction()) tell(*merged.mutable_friction(), written.friction());
-  if (written.has_restitution()) tell(*merged.mutable_restitution(), written.restitution());
+  if (written.has_plasticity()) set_written(*merged.mutable_plasticity(), written.plasticity());
+  if (written.has_damping()) set_written(*merged.mutable_damping(), written.damping());
+  if (written.has_break_impulse_n_s())
+    set_written(*merged.mutable_break_impulse_n_s(), written.break_impulse_n_s());
+  if (written.has_friction()) set_written(*merged.mutable_friction(), written.friction());
+  if (written.has_restitution()) set_written(*merged.mutable_restitution(), written.restitution());
   if (written.fill() != Physics::FILL_UNKNOWN) {
     merged.set_fill(written.fill());
     merged.set_fill_reason(author.written);
@@ -64,35 +69,36 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
 
   // A stiffness given without a structure coefficient is that of the whole body; no coefficient is guessed
   // for it.
-  const bool stiffness_told = written.has_youngs_modulus_pa() || written.has_deformation_resistance();
-  if (stiffness_told && !written.has_structure_coefficient()) {
-    told_as(*merged.mutable_structure_coefficient(), 1.0, whose + " stiffness is that of the whole body");
+  const bool stiffness_given = written.has_youngs_modulus_pa() || written.has_deformation_resistance();
+  if (stiffness_given && !written.has_structure_coefficient()) {
+    set_value(*merged.mutable_structure_coefficient(), 1.0, whose + " stiffness is that of the whole body");
   }
   if (written.has_deformation_resistance()) {
     const double stiffness = effective_youngs_modulus_pa(written.deformation_resistance());
-    told_as(*merged.mutable_youngs_modulus_pa(), stiffness / merged.structure_coefficient().best(),
-            "from " + whose + " deformation resistance");
+    set_value(*merged.mutable_youngs_modulus_pa(), stiffness / merged.structure_coefficient().best(),
+              "from " + whose + " deformation resistance");
   }
   const double stiffness = merged.structure_coefficient().best() * merged.youngs_modulus_pa().best();
-  if (stiffness_told || written.has_structure_coefficient()) {
-    told_as(*merged.mutable_deformation_resistance(), deformation_resistance(stiffness),
-            "from E* = s E by the paper's map");
+  if (stiffness_given || written.has_structure_coefficient()) {
+    set_value(*merged.mutable_deformation_resistance(), deformation_resistance(stiffness),
+              "from E* = s E by the paper's map");
   }
 
   // The mass follows the given density, fill and wall, unless it is given itself.
   const MaterialRow* row = find_material_row(merged.material());
-  const bool filled_anew = written.fill() != Physics::FILL_UNKNOWN || written.has_wall_thickness_m();
+  const bool fill_or_wall_given = written.fill() != Physics::FILL_UNKNOWN || written.has_wall_thickness_m();
   const bool mass_estimated = merged.mass_kg().source() == EstimatedValue::OFFLINE;
-  if (written.has_density_kg_m3() || (filled_anew && row && mass_estimated)) {
-    const double told = written.density_kg_m3(), wall = merged.wall_thickness_m().best();
-    const Span3 density = written.has_density_kg_m3() ? Span3{told, told, told} : row->density_kg_m3;
+  if (written.has_density_kg_m3() || (fill_or_wall_given && row && mass_estimated)) {
+    const double given_kg_m3 = written.density_kg_m3(), wall = merged.wall_thickness_m().best();
+    const Span3 density =
+        written.has_density_kg_m3() ? Span3{given_kg_m3, given_kg_m3, given_kg_m3} : row->density_kg_m3;
     ObjectFacts known = facts;
     known.scale_known = facts.scale_known || written.has_density_kg_m3();
     const MassEstimate mass = estimate_mass(density, merged.fill(), {wall, wall, wall}, known);
     EstimatedValue& value = *merged.mutable_mass_kg();
     if (written.has_density_kg_m3()) {
-      told_as(value, mass.mass_kg.best,
-              MessageTemplates::reasons().say(author.by_density, {{"reason", mass.reason}}));
+      set_value(value, mass.mass_kg.best,
+                MessageTemplates::reasons().say(author.by_density, {{"reason", mass.reason}}));
     } else {
       value.set_low(mass.mass_kg.low);
       value.set_best(mass.mass_kg.best);
@@ -114,7 +120,7 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
   if (written.behavior() != Physics::AUTO) {
     merged.set_behavior(written.behavior());
     merged.set_behavior_reason(author.written);
-  } else if (stiffness_told) {
+  } else if (stiffness_given) {
     merged.set_behavior(stiffness > 200e6 ? Physics::RIGID : Physics::ELASTIC);
     merged.set_behavior_reason("from " + whose + " stiffness");
   }

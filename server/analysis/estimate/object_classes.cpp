@@ -12,7 +12,7 @@ constexpr double kNamedMaterialOdds = 30;
 // Bound of the likelihood ratio by which size and shape change the probabilities of a name.
 constexpr double kMaxLikelihoodRatio = 50;
 
-bool told(const ObjectClasses& found, const ObjectRow& row) {
+bool has_named_material(const ObjectClasses& found, const ObjectRow& row) {
   return material_row(row.material).material_class == found.material.row->material_class;
 }
 
@@ -58,14 +58,15 @@ void kinds_by_name(const ObjectFacts& facts, ObjectClasses& found) {
     found.kinds.push_back({find_object_row(alternative.label), alternative.probability, nullptr});
   }
   if (found.material.row && row.fill != v1::Physics::FILLED) {
-    const bool any = std::any_of(found.kinds.begin(), found.kinds.end(),
-                                 [&](const ObjectClass& kind) { return told(found, *kind.row); });
+    const bool any = std::any_of(found.kinds.begin(), found.kinds.end(), [&](const ObjectClass& kind) {
+      return has_named_material(found, *kind.row);
+    });
     for (ObjectClass& kind : found.kinds) {
-      if (any && told(found, *kind.row)) kind.probability *= kNamedMaterialOdds;
+      if (any && has_named_material(found, *kind.row)) kind.probability *= kNamedMaterialOdds;
       // "wooden" adds nothing for a class that is wood by default; "oak" does.
-      const bool differs =
-          found.material.outright ? found.material.row->name != kind.row->material : !told(found, *kind.row);
-      if (differs && (!any || told(found, *kind.row))) kind.material = found.material.row;
+      const bool differs = found.material.outright ? found.material.row->name != kind.row->material
+                                                   : !has_named_material(found, *kind.row);
+      if (differs && (!any || has_named_material(found, *kind.row))) kind.material = found.material.row;
     }
   }
   if (found.kinds.size() < 2) {
@@ -103,7 +104,7 @@ double commonness(const ObjectRow& row) {
 void kinds_by_looks(const ObjectFacts& facts, ObjectClasses& found) {
   for (const ObjectRow& row : object_table()) {
     double weight = commonness(row) * kind_likelihood(row, facts);
-    if (found.material.row && told(found, row)) weight *= kNamedMaterialOdds;
+    if (found.material.row && has_named_material(found, row)) weight *= kNamedMaterialOdds;
     found.kinds.push_back({&row, weight, nullptr});
   }
   normalise(found.kinds);
@@ -115,7 +116,7 @@ void kinds_by_looks(const ObjectFacts& facts, ObjectClasses& found) {
   normalise(found.kinds);
   if (!found.material.row || !found.material.outright) return;
   for (ObjectClass& kind : found.kinds) {
-    if (told(found, *kind.row) && kind.row->material != found.material.row->name)
+    if (has_named_material(found, *kind.row) && kind.row->material != found.material.row->name)
       kind.material = found.material.row;
   }
 }

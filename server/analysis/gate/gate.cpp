@@ -87,11 +87,11 @@ void set_parts(const Answer& answer, v1::PhysicalParameters& result) {
 constexpr double kFrictionReach = 2.0, kRestitutionReach = 0.3, kPlasticityReach = 0.4;
 
 // Clamps a value of the answer to the reach of the material's.
-double within_reach(double told, double low, double high, const char* field, const MaterialRow& material,
+double within_reach(double value, double low, double high, const char* field, const MaterialRow& material,
                     std::vector<std::string>& changes) {
-  const double kept = std::clamp(told, low, high);
-  if (kept != told)
-    changes.push_back(format_text("%s: %.3g was changed to %.3g, the limit for %s", field, told, kept,
+  const double kept = std::clamp(value, low, high);
+  if (kept != value)
+    changes.push_back(format_text("%s: %.3g was changed to %.3g, the limit for %s", field, value, kept,
                                   material.name.c_str()));
   return kept;
 }
@@ -148,10 +148,11 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   }
   EstimatedValue& structure = *result.mutable_structure_coefficient();
   if (!is_locked(structure) && answer.structure_coefficient) {
-    const Span3& told = *answer.structure_coefficient;
-    const Span3 spread = told.high > told.low ? told : Span3{told.best / 1.5, told.best, told.best * 1.5};
+    const Span3& given = *answer.structure_coefficient;
+    const Span3 spread =
+        given.high > given.low ? given : Span3{given.best / 1.5, given.best, given.best * 1.5};
     set(structure, spread, kStructureRange,
-        told.best < 1 ? "the model's: thin or hollow things bend more easily than their material" : "bulk");
+        given.best < 1 ? "the model's: thin or hollow things bend more easily than their material" : "bulk");
   }
   if (!is_locked(result.plasticity())) {
     if (answer.plasticity) {

@@ -62,13 +62,13 @@ std::vector<KnownKind> known_kinds(const ObjectClasses& found, const ObjectFacts
     return kind.material ? *kind.material : material_row(kind.row->material);
   };
   // "wooden bowl" excludes steel bowls and keeps all bowls of wood.
-  const auto told = [&](const ObjectClass& kind) {
+  const auto of_named_material = [&](const ObjectClass& kind) {
     return found.material.row && material_of(kind).material_class == found.material.row->material_class;
   };
-  const bool any_told = std::any_of(found.kinds.begin(), found.kinds.end(), told);
+  const bool any_of_named_material = std::any_of(found.kinds.begin(), found.kinds.end(), of_named_material);
   for (const ObjectClass& kind : found.kinds) {
     if (found.kinds.size() > 1 && !means(*found.match.row, *kind.row)) continue;  // added by appearance
-    if (any_told && !told(kind)) continue;
+    if (any_of_named_material && !of_named_material(kind)) continue;
     KnownKind one;
     one.classes.push_back(material_of(kind).material_class);
     for (const ObjectPart& part : kind.row->parts) add_class(one, part.material);
@@ -145,17 +145,18 @@ std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& pr
   const EstimatedValue& young = proposal.youngs_modulus_pa();
   const EstimatedValue& structure = proposal.structure_coefficient();
   if (is_locked(young) && is_locked(structure)) return "";
-  const auto fits = [&](double told) {
+  const auto fits = [&](double stiffness_pa) {
     return std::any_of(known.begin(), known.end(), [&](const KnownKind& kind) {
       const double stiff = is_soft_class(kind.classes.front()) ? kRigidStiffness_pa : kStiffStiffness_pa;
-      return (told > kRigidStiffness_pa && kind.stiffness_pa.best > stiff) || !far(told, kind.stiffness_pa);
+      return (stiffness_pa > kRigidStiffness_pa && kind.stiffness_pa.best > stiff) ||
+             !far(stiffness_pa, kind.stiffness_pa);
     });
   };
   const double s = structure.best() > 0 ? structure.best() : 1.0;
   const double fused = young.best() * s;
-  const double told =
+  const double answered_pa =
       answer.youngs_modulus_pa && !is_locked(young) ? answer.youngs_modulus_pa->best * s : fused;
-  for (const double one : {told, fused}) {
+  for (const double one : {answered_pa, fused}) {
     if (fits(one)) continue;
     return format_text(
         "%s: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind suggests",

@@ -110,16 +110,16 @@ std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& fact
   const double box_m3 = sorted_box_m(facts.mesh).prod();
   const double most_kg = kMaxAnswerDensity_kg_m3 * solid_m3 * slack,
                least_kg = min_mass_kg(answer, facts) / slack;
-  const std::string told = general(answer.mass_kg.best * 1e3);
+  const std::string mass_text = general(answer.mass_kg.best * 1e3);
   if (solid_m3 > 0 && answer.mass_kg.best > most_kg) {
     return invalid_data(words.say(
         "too_dense",
-        {{"mass", told}, {"volume", short_text(solid_m3 * 1e6)}, {"most", short_text(most_kg * 1e3)}}));
+        {{"mass", mass_text}, {"volume", short_text(solid_m3 * 1e6)}, {"most", short_text(most_kg * 1e3)}}));
   }
   if (box_m3 > 0 && answer.mass_kg.best < least_kg) {
     return invalid_data(words.say(
         "too_light",
-        {{"mass", told}, {"volume", short_text(box_m3 * 1e6)}, {"least", short_text(least_kg * 1e3)}}));
+        {{"mass", mass_text}, {"volume", short_text(box_m3 * 1e6)}, {"least", short_text(least_kg * 1e3)}}));
   }
   return std::nullopt;
 }

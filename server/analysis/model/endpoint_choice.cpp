@@ -31,12 +31,12 @@ Result<void> read_price(const std::string& text, EndpointSettings& settings) {
 }
 
 // Seconds; 0 if unset.
-Result<double> read_deadline(double told_s) {
+Result<double> read_deadline(double option_s) {
   const char* text = std::getenv("LIVEGS_MODEL_DEADLINE_S");
-  const char* name = told_s != 0 ? "--model-deadline" : "LIVEGS_MODEL_DEADLINE_S";
-  if (told_s == 0 && (!text || !*text)) return 0.0;
+  const char* name = option_s != 0 ? "--model-deadline" : "LIVEGS_MODEL_DEADLINE_S";
+  if (option_s == 0 && (!text || !*text)) return 0.0;
   char* end = nullptr;
-  const double seconds = told_s != 0 ? told_s : std::strtod(text, &end);
+  const double seconds = option_s != 0 ? option_s : std::strtod(text, &end);
   if ((end && *end != '\0') || !(seconds >= 1 && seconds <= kMaxDeadline_s)) {
     return invalid_argument(std::string(name) + ": must be 1 to 3600 seconds");
   }
@@ -84,13 +84,13 @@ std::filesystem::path cache_folder() {
 }
 
 Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& choice) {
-  const bool told = !choice.url.empty() || !choice.model.empty() || !choice.record.empty();
-  if (choice.offline && (told || !choice.recorded.empty())) {
+  const bool endpoint_given = !choice.url.empty() || !choice.model.empty() || !choice.record.empty();
+  if (choice.offline && (endpoint_given || !choice.recorded.empty())) {
     return invalid_argument(
         "--offline: disables the language model; leave it out, or leave out --endpoint, --model, "
         "--record-answers and --recorded");
   }
-  if (!choice.recorded.empty() && told) {
+  if (!choice.recorded.empty() && endpoint_given) {
     return invalid_argument(
         "--recorded: replays a folder; leave out --endpoint, --model and --record-answers");
   }
@@ -98,7 +98,7 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   if (choice.offline) return unused_prompts(choice, std::move(none));
   if (!choice.recorded.empty()) return open_recorded_endpoint(choice.recorded, nullptr, choice.prompts);
   auto settings = endpoint_settings_from_environment();
-  if (!settings && !told) return unused_prompts(choice, std::move(none));
+  if (!settings && !endpoint_given) return unused_prompts(choice, std::move(none));
   if (!settings) settings.emplace();
   if (!choice.url.empty()) take_url(choice.url, *settings);
   if (!choice.model.empty()) settings->model = choice.model;
@@ -111,8 +111,8 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   const auto deadline_s = read_deadline(choice.deadline_s);
   if (!deadline_s) return deadline_s.error();
   settings->deadline_s = *deadline_s;
-  const char* told_price = std::getenv("LIVEGS_PRICE");
-  const std::string price = !choice.price.empty() ? choice.price : told_price ? told_price : "";
+  const char* environment_price = std::getenv("LIVEGS_PRICE");
+  const std::string price = !choice.price.empty() ? choice.price : environment_price ? environment_price : "";
   if (!price.empty()) {
     if (auto read = read_price(price, *settings); !read) return read.error();
   }

@@ -25,7 +25,7 @@ std::string size_text(const Eigen::Vector3d& size_m, Words words) {
 }
 
 // Values given by a user or the scene's author, by field.
-std::string told_text(const v1::PhysicalParameters& known, Words words) {
+std::string given_text(const v1::PhysicalParameters& known, Words words) {
   std::string line;
   for (const PhysicsValue& value : physics_values()) {
     const v1::EstimatedValue& one = (known.*value.get)();
@@ -66,8 +66,8 @@ std::string looks_text(const AppearanceFacts& look, Words words) {
 
 std::string neighbours_text(std::span<const SceneObjectFacts> neighbours, Words words) {
   std::string lines;
-  const size_t told = std::min(neighbours.size(), kMaxNeighbourSlots);
-  for (size_t i = 0; i < told; ++i) {
+  const size_t count = std::min(neighbours.size(), kMaxNeighbourSlots);
+  for (size_t i = 0; i < count; ++i) {
     const SceneObjectFacts& other = neighbours[neighbours.size() - 1 - i];  // newest first
     std::string known;
     if (other.mass_kg > 0)
@@ -155,7 +155,7 @@ std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1
   if (!neighbours.empty()) slots["neighbours"] = neighbours_text(neighbours, words);
   slots["materials"] = materials_text(object_classes(facts), words);
   slots["offline"] = offline_text(offline, words);
-  if (std::string told = told_text(offline, words); !told.empty()) slots["told"] = std::move(told);
+  if (std::string given = given_text(offline, words); !given.empty()) slots["told"] = std::move(given);
   return slots;
 }
 

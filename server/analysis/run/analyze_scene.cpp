@@ -66,24 +66,24 @@ class Course {
   // with the nearest last; then finished ones within the context lag, newest last.
   std::vector<SceneObjectFacts> neighbours_of(size_t index) {
     std::lock_guard lock(mutex_);
-    std::vector<SceneObjectFacts> estimated, told, analysed;
+    std::vector<SceneObjectFacts> estimated, given, analysed;
     const auto add = [&](const AnalysisNeighbour& one, std::vector<SceneObjectFacts>& known) {
       const bool estimate = one.known.mass_kg().source() == v1::EstimatedValue::OFFLINE;
       (estimate ? estimated : known).push_back(facts_for_others(one, !estimate, targets_[index].position_m));
     };
-    for (const AnalysisNeighbour& one : others_) add(one, told);
+    for (const AnalysisNeighbour& one : others_) add(one, given);
     for (size_t i = 0; i < targets_.size(); ++i) {
       if (i == index) continue;
       const AnalysisTarget& one = targets_[i];
       const bool visible = i + kContextLag <= index;
       const bool by_model = visible && done_[i]->second;
-      add({one.facts, visible ? done_[i]->first : one.offline, one.position_m}, by_model ? analysed : told);
+      add({one.facts, visible ? done_[i]->first : one.offline, one.position_m}, by_model ? analysed : given);
     }
-    for (auto* group : {&estimated, &told}) {
+    for (auto* group : {&estimated, &given}) {
       std::stable_sort(group->begin(), group->end(),
                        [](const auto& a, const auto& b) { return a.distance_m > b.distance_m; });
     }
-    estimated.insert(estimated.end(), told.begin(), told.end());
+    estimated.insert(estimated.end(), given.begin(), given.end());
     estimated.insert(estimated.end(), analysed.begin(), analysed.end());
     if (estimated.size() > kMaxNeighbours) {
       estimated.erase(estimated.begin(), estimated.end() - static_cast<long>(kMaxNeighbours));

@@ -116,14 +116,14 @@ Result<bool> take_manual_edits(v1::PhysicsFile& file) {
 }
 
 std::string overridden_edits(const Physics& edits, const Physics& written) {
-  const auto told = [](const Physics& physics) {
+  const auto set_fields = [](const Physics& physics) {
     std::vector<const google::protobuf::FieldDescriptor*> fields;
     physics.GetReflection()->ListFields(physics, &fields);  // by number
     return fields;
   };
-  const auto by_author = told(written);
+  const auto by_author = set_fields(written);
   std::string names;
-  for (const auto* field : told(edits)) {
+  for (const auto* field : set_fields(edits)) {
     if (std::find(by_author.begin(), by_author.end(), field) == by_author.end()) continue;
     names += (names.empty() ? "" : ", ") + field->name();
   }

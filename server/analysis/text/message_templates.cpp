@@ -69,9 +69,9 @@ std::string MessageTemplates::say(
   const auto found = lines_.find(line);
   if (found == lines_.end()) return std::string(line);
   return fill_line(found->second, [&](std::string_view slot) {
-    const auto told =
+    const auto value =
         std::find_if(slots.begin(), slots.end(), [&](const auto& one) { return one.first == slot; });
-    return told == slots.end() ? std::string() : std::string(told->second);
+    return value == slots.end() ? std::string() : std::string(value->second);
   });
 }
 

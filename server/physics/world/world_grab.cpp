@@ -56,8 +56,8 @@ std::vector<GripPoint> grip_points_in_palm(const ElasticObject& elastic, const P
 // field returns the distance to the bounding box, too small for a curved fragment, so triangles are used
 // there.
 double surface_distance_m(const RigidShape& shape, const Eigen::Vector3d& local_m) {
-  const double told = shape.sample(local_m).distance_m;
-  if (told <= 0.0 || shape.is_ball() || shape.convex) return told;
+  const double sampled_m = shape.sample(local_m).distance_m;
+  if (sampled_m <= 0.0 || shape.is_ball() || shape.convex) return sampled_m;
   double least = INFINITY;
   for (const auto& [a, b, c] : shape.mesh.triangles) {
     const Eigen::Vector3d on = closest_point_on_triangle(local_m, shape.mesh.vertices_m[a],

@@ -233,8 +233,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   ObjectFacts facts = facts_of(*form, name, object.form_case() == v1::Object::kAsset);
   const std::filesystem::path& kept_in = sidecar.path;
   v1::PhysicsFile kept;
-  if (sidecar.told) {
-    kept = *sidecar.told;
+  if (sidecar.replacement) {
+    kept = *sidecar.replacement;
   } else if (!kept_in.empty()) {
     auto file = read_physics_file(kept_in);
     if (!file) return fail(file.error());

@@ -34,8 +34,8 @@ struct BuiltObject {
 
 // The sidecar of an object: the physical parameters that were estimated or edited before.
 struct ObjectSidecar {
-  std::filesystem::path path;             // location on disk; empty if the object has no sidecar
-  const v1::PhysicsFile* told = nullptr;  // replaces the file on disk; null: read the file
+  std::filesystem::path path;                    // location on disk; empty if the object has no sidecar
+  const v1::PhysicsFile* replacement = nullptr;  // replaces the file on disk; null: read the file
 };
 
 // Builds an object from its asset, shape or points: surface, facts, parameters and body. No side effects

@@ -221,18 +221,18 @@ Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObjec
 Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
                                            const std::filesystem::path& folder,
                                            std::span<std::optional<Result<BuiltObject>>> built) {
-  BuiltEnvironment scenery;
+  BuiltEnvironment result;
   const std::vector<Standing> standing = standing_objects(built);
   for (int i = 0; i < environment.colliders_size(); ++i) {
     auto collider = make_collider(environment.colliders(i), folder, standing,
                                   "environment.colliders[" + std::to_string(i) + "]");
     if (!collider) return collider.error();
-    scenery.colliders.push_back(std::move(*collider));
+    result.colliders.push_back(std::move(*collider));
   }
   if (environment.asset().empty()) {
-    GaussianAsset drawn = drawn_colliders(scenery.colliders, built_bounds(built));
-    if (drawn.size() > 0) scenery.asset = std::make_shared<GaussianAsset>(std::move(drawn));
-    return scenery;
+    GaussianAsset drawn = drawn_colliders(result.colliders, built_bounds(built));
+    if (drawn.size() > 0) result.asset = std::make_shared<GaussianAsset>(std::move(drawn));
+    return result;
   }
   auto file = read_asset(folder / environment.asset());
   if (!file) return Error{file.error().code, "environment.asset: " + file.error().message};
@@ -240,9 +240,9 @@ Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
   if (!pose) return pose.error();
   auto rotation = up_value(environment.up(), "environment.up");
   if (!rotation) return rotation.error();
-  scenery.world_from_object = *pose;
-  scenery.object_from_asset.rotation = *rotation;
-  if (environment.has_scale()) scenery.object_from_asset.scale = environment.scale();
+  result.world_from_object = *pose;
+  result.object_from_asset.rotation = *rotation;
+  if (environment.has_scale()) result.object_from_asset.scale = environment.scale();
   auto asset = std::make_shared<GaussianAsset>(std::move(file->asset));
   if (environment.collide()) {
     const auto stuck = [&](const FieldShape& shape) {
@@ -252,15 +252,15 @@ Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
       }
       return places;
     };
-    auto shape = interior_collider(body_points(*asset, scenery.object_from_asset),
+    auto shape = interior_collider(body_points(*asset, result.object_from_asset),
                                    pose->orientation.conjugate() * Eigen::Vector3d::UnitY(), stuck);
     if (!shape) return Error{shape.error().code, "environment.asset: " + shape.error().message};
-    scenery.colliders.push_back({std::move(*shape), *pose});
-    warn_of_stuck(scenery.colliders.back(), standing, "environment.asset");
+    result.colliders.push_back({std::move(*shape), *pose});
+    warn_of_stuck(result.colliders.back(), standing, "environment.asset");
   }
   log_info("environment: %zu kernels%s", asset->size(), environment.collide() ? ", collides" : "");
-  scenery.asset = std::move(asset);
-  return scenery;
+  result.asset = std::move(asset);
+  return result;
 }
 
 }  // namespace livegs

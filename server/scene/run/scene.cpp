@@ -145,18 +145,18 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
 
   share_elastic_budget(built, *settings);
   scene.bounds_m_ = built_bounds(built);
-  auto scenery = build_environment(file.environment(), folder, built);
-  if (!scenery) return scenery.error();
-  for (const Collider& collider : scenery->colliders) scene.world_->add_collider(collider);
-  if (scenery->asset) {
+  auto environment = build_environment(file.environment(), folder, built);
+  if (!environment) return environment.error();
+  for (const Collider& collider : environment->colliders) scene.world_->add_collider(collider);
+  if (environment->asset) {
     SceneObject drawn;
     drawn.id = scene.next_id_++;
     drawn.name = "environment";
     drawn.environment = true;
-    drawn.asset = scenery->asset;
-    if (auto added = scene.world_->add_static(drawn.id, scenery->world_from_object); !added)
+    drawn.asset = environment->asset;
+    if (auto added = scene.world_->add_static(drawn.id, environment->world_from_object); !added)
       return added.error();
-    scene.add_drawn(std::move(drawn), scenery->object_from_asset);
+    scene.add_drawn(std::move(drawn), environment->object_from_asset);
   }
   for (auto& object : built) {
     BuiltObject& one = **object;

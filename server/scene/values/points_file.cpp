@@ -88,15 +88,15 @@ double filling_spacing_m(const std::vector<Eigen::Vector3d>& points_m,
 
   // The mesh passes through the outermost points, half a spacing inside the body. A box or an ellipsoid that
   // grows by g on every side grows by (1 + 2 g / size) along each axis. Jitter moves the mesh outwards,
-  // because points that moved inwards lie behind it. The outward bias is kPushed of the amount by which the
-  // nearest neighbours are closer than kMaxStraying spacings. Both values are fitted to jittered blocks.
-  constexpr double kMaxStraying = 0.9, kPushed = 0.65;
+  // because points that moved inwards lie behind it. The outward bias is kBiasRatio of the amount by which
+  // the nearest neighbours are closer than kMaxStraying spacings. Both values are fitted to jittered blocks.
+  constexpr double kMaxStraying = 0.9, kBiasRatio = 0.65;
   const double volume_m3 = signed_volume_m3(through_outermost);
   const Eigen::Array3d size_m = mesh_bounds_m(through_outermost).sizes().array();
   if (!(volume_m3 > 0.0) || !(size_m > 0.0).all()) return median;
   double spacing = median;
   for (int i = 0; i < 50; ++i) {
-    const double growth_m = 0.5 * spacing - kPushed * std::max(0.0, kMaxStraying * spacing - median);
+    const double growth_m = 0.5 * spacing - kBiasRatio * std::max(0.0, kMaxStraying * spacing - median);
     spacing =
         std::cbrt(volume_m3 * (1.0 + 2.0 * growth_m / size_m).prod() / static_cast<double>(points_m.size()));
   }

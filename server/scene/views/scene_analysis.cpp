@@ -87,9 +87,9 @@ Result<SceneAnalysis> SceneAnalysis::of(const Scene& scene, bool with_kernels) {
       if (!kept) return kept.error();
       file = std::move(*kept);
     }
-    auto told = offline_physics(file, object.written, *object.facts);
-    if (!told) return Error{told.error().code, object.name + ": " + told.error().message};
-    known.target.offline = std::move(*told);
+    auto offline = offline_physics(file, object.written, *object.facts);
+    if (!offline) return Error{offline.error().code, object.name + ": " + offline.error().message};
+    known.target.offline = std::move(*offline);
     *known.target.offline.mutable_longest_side_m() = object.physics.longest_side_m();
     known.target.position_m = centres_m.contains(object.id) ? centres_m[object.id] : Eigen::Vector3d::Zero();
     snapshot->objects.push_back(std::move(known));

@@ -9,7 +9,7 @@
 namespace livegs {
 
 // The rights of a caller and the token that grants them.
-struct Grant {
+struct Authorization {
   std::string token_id, token_name;  // empty without TLS, where every local caller is an admin
   v1::Scope scope = v1::ADMIN;
 

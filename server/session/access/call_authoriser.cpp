@@ -45,16 +45,17 @@ grpc::Status CallAuthoriser::Process(const InputMetadata& metadata, grpc::AuthCo
   const v1::Scope needed =
       path == metadata.end() ? v1::ADMIN : required_scope({path->second.data(), path->second.size()});
   if (needed == v1::SCOPE_UNSPECIFIED) return grpc::Status::OK;
-  const auto grant = tokens_.check(token_in(metadata));
-  if (!grant) return {grpc::StatusCode::UNAUTHENTICATED, grant.error().message};
-  if (!grant->allows(needed)) {
-    return {grpc::StatusCode::PERMISSION_DENIED, "token \"" + grant->token_name + "\": has scope " +
-                                                     scope_name(grant->scope) + "; this call needs " +
+  const auto authorization = tokens_.check(token_in(metadata));
+  if (!authorization) return {grpc::StatusCode::UNAUTHENTICATED, authorization.error().message};
+  if (!authorization->allows(needed)) {
+    return {grpc::StatusCode::PERMISSION_DENIED, "token \"" + authorization->token_name + "\": has scope " +
+                                                     scope_name(authorization->scope) + "; this call needs " +
                                                      scope_name(needed)};
   }
   std::lock_guard lock(mutex_);
   // Entries of ended tokens are kept: kMaxTokens bounds the map.
-  TokenBucket& calls = calls_.try_emplace(grant->token_id, kMaxCallsPerSecond, kMaxCallsAtOnce).first->second;
+  TokenBucket& calls =
+      calls_.try_emplace(authorization->token_id, kMaxCallsPerSecond, kMaxCallsAtOnce).first->second;
   if (!calls.try_take(now_ns())) {
     return {grpc::StatusCode::RESOURCE_EXHAUSTED,
             "calls: more than 200 a second with this token; send fewer"};
@@ -62,8 +63,8 @@ grpc::Status CallAuthoriser::Process(const InputMetadata& metadata, grpc::AuthCo
   return grpc::Status::OK;
 }
 
-Result<Grant> grant_of(const grpc::CallbackServerContext& context, const TokenStore* tokens) {
-  if (tokens == nullptr) return Grant{};
+Result<Authorization> authorization_of(const grpc::CallbackServerContext& context, const TokenStore* tokens) {
+  if (tokens == nullptr) return Authorization{};
   return tokens->check(token_in(context.client_metadata()));
 }
 

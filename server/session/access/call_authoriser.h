@@ -42,7 +42,7 @@ class CallAuthoriser final : public grpc::AuthMetadataProcessor {
   std::map<std::string, TokenBucket> calls_;  // by token id
 };
 
-// The grant of a call, for its handler. `tokens` is null without TLS.
-Result<Grant> grant_of(const grpc::CallbackServerContext& context, const TokenStore* tokens);
+// The authorization of a call, for its handler. `tokens` is null without TLS.
+Result<Authorization> authorization_of(const grpc::CallbackServerContext& context, const TokenStore* tokens);
 
 }  // namespace livegs

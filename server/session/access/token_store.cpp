@@ -57,7 +57,7 @@ std::string hash_of(std::string_view secret) {
   return content_hash(std::as_bytes(std::span(secret.data(), secret.size())));
 }
 
-Grant grant_of(const v1::Token& token) { return {token.id(), token.name(), token.scope()}; }
+Authorization authorization_of(const v1::Token& token) { return {token.id(), token.name(), token.scope()}; }
 
 Error denied(std::string message) { return {ErrorCode::PermissionDenied, std::move(message)}; }
 
@@ -163,9 +163,9 @@ Result<v1::Token> TokenStore::revoke(const std::string& id) {
     token.set_revoked(
         true);  // before the write: if it fails, the token is still refused until the server ends
     if (auto written = write(); !written) return written.error();
-    v1::Token told = token;
-    told.clear_sha256();
-    return told;
+    v1::Token revoked = token;
+    revoked.clear_sha256();
+    return revoked;
   }
   return not_found("token \"" + id.substr(0, kMaxName) +
                    "\": does not exist; run livegs ctl tokens to list the tokens");
@@ -187,7 +187,7 @@ Result<void> TokenStore::check_record(const v1::Token& token) const {
   return {};
 }
 
-Result<Grant> TokenStore::check(std::string_view secret) const {
+Result<Authorization> TokenStore::check(std::string_view secret) const {
   if (secret.empty()) {
     return denied(
         "token: is required; pass --token-file FILE or set LIVEGS_TOKEN (create one with livegs ctl tokens "
@@ -205,14 +205,14 @@ Result<Grant> TokenStore::check(std::string_view secret) const {
         "token: is not known to this server; check that it is complete, or ask the server's operator for a "
         "new one");
   if (auto good = check_record(*found); !good) return good.error();
-  return grant_of(*found);
+  return authorization_of(*found);
 }
 
-Result<void> TokenStore::check_still(const Grant& grant) const {
+Result<void> TokenStore::check_still(const Authorization& authorization) const {
   std::lock_guard lock(mutex_);
-  if (grant.token_id == local_admin_.id()) return {};
+  if (authorization.token_id == local_admin_.id()) return {};
   for (const v1::Token& token : tokens_.tokens()) {
-    if (token.id() == grant.token_id) return check_record(token);
+    if (token.id() == authorization.token_id) return check_record(token);
   }
   return denied("token: is no longer known to this server; ask the server's operator for a new one");
 }

@@ -41,11 +41,11 @@ class TokenStore {
   Result<v1::Token> revoke(const std::string& id);
   std::vector<v1::Token> list() const;  // without hashes
 
-  // The grant of a token. PermissionDenied, with a remedy, if it is missing (empty), unknown, revoked or
-  // expired. All hashes are compared, each in constant time.
-  Result<Grant> check(std::string_view secret) const;
+  // The authorization of a token. PermissionDenied, with a remedy, if it is missing (empty), unknown, revoked
+  // or expired. All hashes are compared, each in constant time.
+  Result<Authorization> check(std::string_view secret) const;
   // The same check for a token that was valid before.
-  Result<void> check_still(const Grant& grant) const;
+  Result<void> check_still(const Authorization& authorization) const;
 
  private:
   TokenStore(std::filesystem::path file, WallClock clock)

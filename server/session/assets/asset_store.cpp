@@ -70,14 +70,14 @@ std::shared_ptr<const AssetBytes> AssetStore::find(std::string_view hash) const 
   return found == by_hash_.end() ? nullptr : found->second.bytes;
 }
 
-void AssetStore::drop_unused(const std::set<std::string>& told, int64_t now_ns) {
+void AssetStore::drop_unused(const std::set<std::string>& announced, int64_t now_ns) {
   std::lock_guard lock(mutex_);
   // Assets of a replaced scene have no other owner any more.
   std::erase_if(by_asset_, [](const auto& known) { return known.first.use_count() == 1; });
   std::set<std::string_view> used;
   for (const auto& [asset, bytes] : by_asset_) used.insert(bytes->hash);
   for (auto& [hash, kept] : by_hash_) {
-    const bool needed = used.contains(hash) || told.contains(hash);
+    const bool needed = used.contains(hash) || announced.contains(hash);
     if (needed) kept.unused_since_ns.reset();
     if (!needed && !kept.unused_since_ns) kept.unused_since_ns = now_ns;
   }

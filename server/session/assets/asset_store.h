@@ -43,9 +43,9 @@ class AssetStore {
   std::shared_ptr<const AssetBytes> add(const std::shared_ptr<const GaussianAsset>& asset);
   bool has(const std::shared_ptr<const GaussianAsset>& asset) const;
   std::shared_ptr<const AssetBytes> find(std::string_view hash) const;  // nullptr if unknown
-  // Discards assets that no object uses and that are not in `told`, the hashes known to clients, for
+  // Discards assets that no object uses and that are not in `announced`, the hashes known to clients, for
   // kUnusedAssetLifetime_ns. A transfer in progress holds its own reference.
-  void drop_unused(const std::set<std::string>& told, int64_t now_ns);
+  void drop_unused(const std::set<std::string>& announced, int64_t now_ns);
   std::vector<std::string> hashes() const;  // of all stored assets
 
  private:

@@ -45,7 +45,7 @@ constexpr const char* kDecisionRemedy =
     "editing the object";
 
 // The message without server paths, for clients; logs the full message if they differ.
-std::string told(const std::string& object, const std::string& message) {
+std::string client_message_of(const std::string& object, const std::string& message) {
   std::string line = redact_paths(message);
   if (line != message) log_warn("%s: %s", shown_text(object, 80).c_str(), message.c_str());
   return line;
@@ -154,20 +154,21 @@ void AnalysisController::watch_proposals(Proposed proposed) {
 
 SceneAnalysis::Object AnalysisController::loaded(const Known& known) {
   std::lock_guard lock(mutex_);
-  const auto anew = reloaded_.find(known.object->target.object_id);
-  return anew == reloaded_.end() ? *known.object : anew->second;
+  const auto reloaded = reloaded_.find(known.object->target.object_id);
+  return reloaded == reloaded_.end() ? *known.object : reloaded->second;
 }
 
 void AnalysisController::replace(Scene scene) {
   std::lock_guard deciding(deciding_);
-  const auto anew = SceneAnalysis::of(scene, false);
-  if (!anew) log_warn("reset: %s", anew.error().message.c_str());  // a sidecar was damaged after loading
+  const auto reloaded = SceneAnalysis::of(scene, false);
+  if (!reloaded)
+    log_warn("reset: %s", reloaded.error().message.c_str());  // a sidecar was damaged after loading
   find_proposals();
   std::vector<v1::SceneChange> changes;
   for (const auto& [id, known] : known_) {
     const SceneObject* object = scene.find(known.object->name);
-    if (!object || !anew) continue;
-    for (const SceneAnalysis::Object& one : anew->objects()) {
+    if (!object || !reloaded) continue;
+    for (const SceneAnalysis::Object& one : reloaded->objects()) {
       std::lock_guard lock(mutex_);
       if (one.name == known.object->name) reloaded_[id] = one;
     }
@@ -228,10 +229,10 @@ std::vector<AnalysisNeighbour> AnalysisController::refresh(std::vector<AnalysisT
       others.push_back({facts, now ? *now : object.known, object.target.position_m});
     } else if (kept) {
       asked->facts = facts;
-      auto told = offline_physics(*kept, object.written, *facts);
-      if (!told) continue;
-      *told->mutable_longest_side_m() = object.target.offline.longest_side_m();
-      asked->offline = std::move(*told);
+      auto offline = offline_physics(*kept, object.written, *facts);
+      if (!offline) continue;
+      *offline->mutable_longest_side_m() = object.target.offline.longest_side_m();
+      asked->offline = std::move(*offline);
     }
   }
   return others;
@@ -252,7 +253,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
         progress.set_object(known.object->name);
         progress.set_stage(stage_of(update.stage));
         progress.set_objects(static_cast<uint32_t>(request.targets.size()));
-        progress.set_message(told(known.object->name, update.judgement.message));
+        progress.set_message(client_message_of(known.object->name, update.judgement.message));
         *progress.mutable_record() = update.record;
         if (update.stage == AnalysisStage::Finished) {
           ++finished;
@@ -268,7 +269,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
             if (const std::string note = apply_answer(update); !note.empty())
-              progress.set_message(told(known.object->name, note));
+              progress.set_message(client_message_of(known.object->name, note));
           }
           if (!update.cancelled) log_finished(known.object->name, progress);
         }
@@ -301,9 +302,9 @@ std::string AnalysisController::apply_answer(const AnalysisUpdate& update) {
   remove_proposal(update.object_id);
   auto applied = apply(known, *file, note);
   if (!applied) return applied.error().message;
-  std::string told;
-  for (const std::string& warning : applied->warnings()) told += (told.empty() ? "" : "; ") + warning;
-  return told;
+  std::string warnings;
+  for (const std::string& warning : applied->warnings()) warnings += (warnings.empty() ? "" : "; ") + warning;
+  return warnings;
 }
 
 Result<v1::PhysicsReply> AnalysisController::reply_of(const Known& known, const v1::PhysicsFile& file,

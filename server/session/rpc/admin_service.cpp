@@ -79,9 +79,9 @@ grpc::ServerUnaryReactor* AdminService::GetStatus(grpc::CallbackServerContext* c
     client.set_session(session->id.substr(0, 8));
     client.set_name(session->who.name);
     client.set_peer(session->who.peer);
-    client.set_token_id(session->who.grant.token_id);
-    client.set_token_name(session->who.grant.token_name);
-    client.set_scope(session->who.grant.scope);
+    client.set_token_id(session->who.authorization.token_id);
+    client.set_token_name(session->who.authorization.token_name);
+    client.set_scope(session->who.authorization.scope);
     client.set_state(state_name(session->state()));
     client.set_joined_s(seconds_from_ns(now - session->joined_ns));
     client.set_silent_s(seconds_from_ns(now - session->heard_ns));

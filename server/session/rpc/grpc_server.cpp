@@ -91,8 +91,9 @@ struct GrpcServer::Parts {
       : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
     proposals->table = &table;
     if (security)
-      table.check_grants_with(
-          [security](const Grant& grant) { return security->tokens().check_still(grant); });
+      table.check_authorizations_with([security](const Authorization& authorization) {
+        return security->tokens().check_still(authorization);
+      });
     publisher = std::make_unique<FramePublisher>(table, assets);  // starts a thread that uses the table
   }
   SessionTable table;
@@ -197,9 +198,9 @@ void GrpcServer::encode_ahead(const Scene& scene) {
 
 void GrpcServer::open_analysis(AnalysisControl& analysis) {
   analysis.watch_proposals(
-      [told = parts_->proposals](const std::string& object, const v1::PhysicsFile* proposal) {
-        std::lock_guard lock(told->mutex);
-        if (told->table) told->table->propose(object, proposal);
+      [proposals = parts_->proposals](const std::string& object, const v1::PhysicsFile* proposal) {
+        std::lock_guard lock(proposals->mutex);
+        if (proposals->table) proposals->table->propose(object, proposal);
       });
   parts_->service.set_analysis(&analysis);
 }

@@ -124,10 +124,11 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   const auto scene = table_.described();
   if (!scene) return to_status(scene.error());
   if (auto checked = check_encoding(request.encoding(), *scene); !checked) return to_status(checked.error());
-  auto grant = grant_of(context, tokens_);
-  if (!grant) return to_status(grant.error());  // it was revoked or expired after authorisation
-  const v1::Scope scope = grant->scope;
-  const std::string token = grant->token_name;
+  auto authorization = authorization_of(context, tokens_);
+  if (!authorization)
+    return to_status(authorization.error());  // it was revoked or expired after authorisation
+  const v1::Scope scope = authorization->scope;
+  const std::string token = authorization->token_name;
   const std::string name = printable(request.client_name()), peer = context.peer();
   JoinTerms terms;
   terms.max_bytes_s = wish_mbit_s == 0 ? cap_bytes_s_ : std::min(cap_bytes_s_, wish_mbit_s * kBytesPerMbit);
@@ -136,7 +137,7 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   terms.every =
       static_cast<uint64_t>(std::max(1.0, wish_hz == 0 ? 1.0 : std::floor(scene->rate_hz / wish_hz + 1e-9)));
   terms.tick_ns = static_cast<int64_t>(1e9 / scene->rate_hz);
-  auto joined = table_.join(request.resumed_session_id(), {std::move(*grant), name, peer}, terms);
+  auto joined = table_.join(request.resumed_session_id(), {std::move(*authorization), name, peer}, terms);
   if (!joined) return to_status(joined.error());
   reply.set_stream_rate_hz(scene->rate_hz / static_cast<double>(terms.every));
   reply.set_session_id(joined->session->id);
@@ -160,7 +161,7 @@ grpc::ServerWriteReactor<v1::AssetChunk>* GrpcService::FetchAsset(grpc::Callback
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* GrpcService::Stream(
     grpc::CallbackServerContext* context) {
-  return StreamCall::start(table_, grant_of(*context, tokens_), *context);
+  return StreamCall::start(table_, authorization_of(*context, tokens_), *context);
 }
 
 grpc::ServerUnaryReactor* GrpcService::AnalyzeObject(grpc::CallbackServerContext* context,

@@ -32,9 +32,9 @@ inline grpc::Status to_status(const Error& error) {
     }
     return grpc::StatusCode::INTERNAL;
   }();
-  std::string told = redact_paths(error.message);
-  if (told != error.message) log_warn("client request failed: %s", error.message.c_str());
-  return {code, std::move(told)};
+  std::string message = redact_paths(error.message);
+  if (message != error.message) log_warn("client request failed: %s", error.message.c_str());
+  return {code, std::move(message)};
 }
 
 }  // namespace livegs

@@ -68,15 +68,16 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
 
 }  // namespace
 
-StreamCall* StreamCall::start(SessionTable& table, Result<Grant> grant,
+StreamCall* StreamCall::start(SessionTable& table, Result<Authorization> authorization,
                               grpc::CallbackServerContext& context) {
-  const std::shared_ptr<StreamCall> call(new StreamCall(table, grant ? *grant : Grant{}, context));
+  const std::shared_ptr<StreamCall> call(
+      new StreamCall(table, authorization ? *authorization : Authorization{}, context));
   call->self_ = call;
-  if (grant) {
+  if (authorization) {
     table.stream_begun(call);
     call->StartRead(&call->incoming_);
   } else {
-    call->request_finish(to_status(grant.error()));
+    call->request_finish(to_status(authorization.error()));
   }
   return call.get();
 }
@@ -118,7 +119,7 @@ std::optional<grpc::Status> StreamCall::take_message() {
   }
   if (!session) {
     session = table_.find(message.session_id());
-    if (!session || session->who.grant.token_id != grant_.token_id) {
+    if (!session || session->who.authorization.token_id != authorization_.token_id) {
       return grpc::Status(grpc::StatusCode::NOT_FOUND, "session_id: is not a session; call Join first");
     }
     const auto attached = session->attach(weak_from_this());

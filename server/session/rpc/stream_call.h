@@ -30,8 +30,9 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
                          public SessionWriter,
                          public std::enable_shared_from_this<StreamCall> {
  public:
-  // `grant`: the caller's rights; an error ends the call at once.
-  static StreamCall* start(SessionTable& table, Result<Grant> grant, grpc::CallbackServerContext& context);
+  // `authorization`: the caller's rights; an error ends the call at once.
+  static StreamCall* start(SessionTable& table, Result<Authorization> authorization,
+                           grpc::CallbackServerContext& context);
 
   void wake() override;
   void send_keepalive(int64_t now_ns) override;
@@ -41,8 +42,8 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   void abort() override;
 
  private:
-  StreamCall(SessionTable& table, Grant grant, grpc::CallbackServerContext& context)
-      : table_(table), grant_(std::move(grant)), context_(context) {}
+  StreamCall(SessionTable& table, Authorization authorization, grpc::CallbackServerContext& context)
+      : table_(table), authorization_(std::move(authorization)), context_(context) {}
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -56,7 +57,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   void finish_if_idle(const std::lock_guard<std::mutex>&);
 
   SessionTable& table_;
-  const Grant grant_;
+  const Authorization authorization_;
   grpc::CallbackServerContext& context_;
   std::shared_ptr<StreamCall> self_;  // gRPC's reference, released in OnDone
 

@@ -36,7 +36,7 @@ inline constexpr int64_t kKeepaliveInterval_ns = 200'000'000;
 
 // The client of a session.
 struct ClientIdentity {
-  Grant grant;
+  Authorization authorization;
   std::string name, peer;  // its own name, printable; its address
 };
 

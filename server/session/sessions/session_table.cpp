@@ -70,7 +70,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
     std::lock_guard lock(mutex_);
     if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
     if (const auto found = sessions_.find(resumed_id);
-        found != sessions_.end() && found->second->who.grant.token_id == who.grant.token_id) {
+        found != sessions_.end() && found->second->who.authorization.token_id == who.authorization.token_id) {
       joined.session = found->second;
       left = joined.session->rejoin(now_ns(), terms);
     } else {
@@ -151,9 +151,10 @@ void SessionTable::end(ClientSession& session, const Error& why) {
 }
 
 void SessionTable::end_unauthorised() {
-  if (!grant_check_) return;
+  if (!authorization_check_) return;
   for (const auto& session : sessions_now()) {
-    if (const auto holds = grant_check_(session->who.grant); !holds) end(*session, holds.error());
+    if (const auto holds = authorization_check_(session->who.authorization); !holds)
+      end(*session, holds.error());
   }
 }
 
@@ -286,13 +287,13 @@ Result<SessionTable::Described> SessionTable::described() const {
 
 void SessionTable::sweep(int64_t now) {
   std::vector<std::shared_ptr<SessionWriter>> stuck, overdue;
-  bool check_grants = false;
+  bool check_authorizations = false;
   {
     std::lock_guard lock(mutex_);
-    check_grants = now - grants_checked_ns_ >= kGrantCheckInterval_ns;
-    if (check_grants) grants_checked_ns_ = now;
+    check_authorizations = now - authorizations_checked_ns_ >= kAuthorizationCheckInterval_ns;
+    if (check_authorizations) authorizations_checked_ns_ = now;
     std::erase_if(ending_, [&](const Ending& one) {
-      if (now - one.told_ns < kEndTimeout_ns) return one.writer.expired();
+      if (now - one.since_ns < kEndTimeout_ns) return one.writer.expired();
       if (auto writer = one.writer.lock()) stuck.push_back(std::move(writer));
       return true;
     });
@@ -302,7 +303,7 @@ void SessionTable::sweep(int64_t now) {
   }
   for (const auto& writer : overdue) writer->end_without_session();
   for (const auto& writer : stuck) writer->abort();
-  if (check_grants) end_unauthorised();
+  if (check_authorizations) end_unauthorised();
   for (const auto& session : sessions_now()) {
     const ClientSession::State state = session->state();
     const int64_t silent_ns = now - session->heard_ns.load();
@@ -350,7 +351,7 @@ void SessionTable::on_input(const ClientSession& session, std::span<const InputS
   // The scope of hand input is checked here; that of calls in access/call_authoriser.cpp. The lock is held
   // during the call: input after on_session_closed() would create state that is never removed.
   std::lock_guard lock(mutex_);
-  if (inputs_ != nullptr && session.who.grant.allows(v1::INTERACT) && sessions_.contains(session.id))
+  if (inputs_ != nullptr && session.who.authorization.allows(v1::INTERACT) && sessions_.contains(session.id))
     inputs_->on_input(session.number, samples);
 }
 

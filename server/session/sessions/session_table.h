@@ -25,7 +25,7 @@ inline constexpr int64_t kSilenceTimeout_ns = 2'000'000'000;
 // Time for a stream to finish its current write before it is aborted.
 inline constexpr int64_t kEndTimeout_ns = 500'000'000;
 // Interval of the token checks.
-inline constexpr int64_t kGrantCheckInterval_ns = 1'000'000'000;
+inline constexpr int64_t kAuthorizationCheckInterval_ns = 1'000'000'000;
 // Time for which a parked session is kept.
 inline constexpr int64_t kParkedTimeout_ns = 30'000'000'000;
 // Time from Join to Stream, in which a client fetches assets and binds kernels.
@@ -64,10 +64,11 @@ class SessionTable {
   // session has moved to another stream.
   void stream_ended(ClientSession& session, uint64_t stream, bool in_order);
 
-  // Checks that a grant is still valid; called once a second and by end_unauthorised(). Set before open().
-  using GrantCheck = std::function<Result<void>(const Grant&)>;
-  void check_grants_with(GrantCheck check) { grant_check_ = std::move(check); }
-  // Ends every session whose grant is not valid any more, with the reason.
+  // Checks that an authorization is still valid; called once a second and by end_unauthorised(). Set before
+  // open().
+  using AuthorizationCheck = std::function<Result<void>(const Authorization&)>;
+  void check_authorizations_with(AuthorizationCheck check) { authorization_check_ = std::move(check); }
+  // Ends every session whose authorization is not valid any more, with the reason.
   void end_unauthorised();
   // Ends the session whose id has this prefix; returns the id. NotFound for none, InvalidArgument for several
   // or for fewer than four digits.
@@ -132,7 +133,7 @@ class SessionTable {
   void end(ClientSession& session, const Error& why);
 
   const std::string instance_;
-  GrantCheck grant_check_;
+  AuthorizationCheck authorization_check_;
   size_t max_sessions_ = kDefaultSessions;
   mutable std::mutex mutex_;  // guards everything below
   bool open_ = false;
@@ -147,7 +148,7 @@ class SessionTable {
   std::map<std::string, v1::PhysicsFile> proposals_;  // by object name
   std::map<std::string, std::shared_ptr<ClientSession>, std::less<>> sessions_;
   SessionNumber next_number_ = 1;
-  int64_t grants_checked_ns_ = 0;
+  int64_t authorizations_checked_ns_ = 0;
   // Streams of the last two seconds, oldest first; each is checked once.
   struct Begun {
     std::weak_ptr<SessionWriter> writer;
@@ -158,7 +159,7 @@ class SessionTable {
   // aborted.
   struct Ending {
     std::weak_ptr<SessionWriter> writer;
-    int64_t told_ns = 0;
+    int64_t since_ns = 0;
   };
   std::vector<Ending> ending_;
   Totals totals_;

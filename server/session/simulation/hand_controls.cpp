@@ -67,13 +67,13 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
 // no velocity.
 void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_ns) {
   const double passed_s = 1e-9 * (static_cast<double>(sampled_ns) - static_cast<double>(hand.sampled_ns));
-  const bool told = hand.tracked && std::abs(passed_s) <= kMaxSampleInterval_s;
-  if (told && passed_s < kMinSampleInterval_s) {
+  const bool previous_is_recent = hand.tracked && std::abs(passed_s) <= kMaxSampleInterval_s;
+  if (previous_is_recent && passed_s < kMinSampleInterval_s) {
     hand.grip = sample.grip;
     return;
   }
-  hand.extrapolation_s = told ? passed_s : 0.0;
-  if (!told) {
+  hand.extrapolation_s = previous_is_recent ? passed_s : 0.0;
+  if (!previous_is_recent) {
     hand.velocity_m_s.setZero();
     hand.spin_rad_s.setZero();
   } else {

@@ -11,11 +11,11 @@ bool ends_word(char c) { return c == ' ' || c == '"' || c == '\'' || c == '(' ||
 }  // namespace
 
 std::string redact_paths(std::string_view message) {
-  std::string told;
+  std::string redacted;
   for (size_t at = 0; at < message.size();) {
     const bool begins = message[at] == '/' && (at == 0 || ends_word(message[at - 1]));
     if (!begins) {
-      told += message[at++];
+      redacted += message[at++];
       continue;
     }
     size_t end = message.size();
@@ -24,11 +24,11 @@ std::string redact_paths(std::string_view message) {
     const std::string_view path = message.substr(at, end - at);
     const size_t slash = path.find_last_of('/', path.find_last_not_of('/'));
     // A single slash is not a path.
-    told +=
+    redacted +=
         slash == std::string_view::npos || path.size() < 2 || path[1] == ' ' ? path : path.substr(slash + 1);
     at = end;
   }
-  return told;
+  return redacted;
 }
 
 }  // namespace livegs

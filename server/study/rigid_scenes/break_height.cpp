@@ -63,7 +63,7 @@ Result<RigidOutcome> break_height(const RigidSetup& setup) {
     box.world_from_part.position_m.y() = share * height_m + drop.lowest_m;
     stage->solver().add_floor({}, box.friction);
     stage->add(box);
-    if (auto told = stage->solver().broken(0); !told) return told.error();
+    if (auto broken = stage->solver().broken(0); !broken) return broken.error();
     bool broke = false;
     // Until the landing and a few more frames.
     const double fall_s = std::sqrt(2 * share * height_m / kGravity_m_s2);

@@ -23,22 +23,23 @@ using nlohmann::json;
 std::string agree(const std::string& request) {
   static const std::regex line(
       R"(which may be wrong: (.{1,60}?) of ([^,]{1,60}), mass ([0-9.e+-]+) g \(([0-9.e+-]+) to ([0-9.e+-]+)\), (RIGID|ELASTIC), )");
-  std::smatch told;
+  std::smatch estimate;
   const size_t at = request.find("which may be wrong: ");
   const std::string around = at == std::string::npos ? "" : request.substr(at, 400);
-  if (!std::regex_search(around, told, line)) return "";
-  const double best = std::strtod(told[3].str().c_str(), nullptr),
-               low = std::strtod(told[4].str().c_str(), nullptr),
-               high = std::strtod(told[5].str().c_str(), nullptr);
+  if (!std::regex_search(around, estimate, line)) return "";
+  const double best = std::strtod(estimate[3].str().c_str(), nullptr),
+               low = std::strtod(estimate[4].str().c_str(), nullptr),
+               high = std::strtod(estimate[5].str().c_str(), nullptr);
   return json{
       {"description", "as estimated"},
       {"evidence", "as estimated"},
-      {"name", told[1].str()},
+      {"name", estimate[1].str()},
       {"name_confidence", 0.9},
       {"is_replica", false},
       {"fill", "assembly"},
-      {"parts", {{{"name", "all"}, {"material_id", told[2].str()}, {"share", 1}, {"thickness_mm", nullptr}}}},
-      {"behaviour", told[6] == "RIGID" ? "rigid" : "elastic"},
+      {"parts",
+       {{{"name", "all"}, {"material_id", estimate[2].str()}, {"share", 1}, {"thickness_mm", nullptr}}}},
+      {"behaviour", estimate[6] == "RIGID" ? "rigid" : "elastic"},
       {"size_m", nullptr},
       {"mass_g", {{"low", std::max(low, best / 4)}, {"high", std::min(high, best * 4)}, {"best", best}}},
       {"young_mpa", nullptr},

@@ -128,7 +128,7 @@ TEST(FrameStream, RoundTripsBirthsDeathsSleepAndBreaks) {
   motion.absent = {5};
   StreamBaselinePtr baseline;
   StreamReader reader;
-  EXPECT_TRUE(reader.needs_key_frame());
+  EXPECT_TRUE(reader.needs_keyframe());
   std::mt19937 random(3);
   uint64_t tick = 1;
   for (int frame = 0; frame < 300; ++frame) {
@@ -141,7 +141,7 @@ TEST(FrameStream, RoundTripsBirthsDeathsSleepAndBreaks) {
     const EncodedStreamFrame encoded = encode_stream_frame(sent, baseline);
     const Result<DriverFrame> read = reader.read(encoded.bytes);
     ASSERT_TRUE(read) << frame << ": " << read.error().message;
-    EXPECT_FALSE(reader.needs_key_frame());
+    EXPECT_FALSE(reader.needs_keyframe());
     expect_same(*read, frame_of(*encoded.next));
     expect_near(sent, *read);
     baseline = encoded.next;
@@ -250,7 +250,7 @@ TEST(FrameStream, DeferredObjectsKeepTheirStateAndCatchUp) {
   expect_near(motion.at(10), *read);
 }
 
-TEST(FrameStream, ALostFrameRequiresAKeyFrame) {
+TEST(FrameStream, ALostFrameRequiresAKeyframe) {
   const Motion motion;
   StreamReader reader;
   const EncodedStreamFrame a = encode_stream_frame(motion.at(1), nullptr);
@@ -260,9 +260,9 @@ TEST(FrameStream, ALostFrameRequiresAKeyFrame) {
   const auto read = reader.read(c.bytes);
   ASSERT_FALSE(read);
   EXPECT_NE(read.error().message.find("keyframe"), std::string::npos) << read.error().message;
-  EXPECT_TRUE(reader.needs_key_frame());
+  EXPECT_TRUE(reader.needs_keyframe());
   ASSERT_TRUE(reader.read(encode_stream_frame(motion.at(4), nullptr).bytes));
-  EXPECT_FALSE(reader.needs_key_frame());
+  EXPECT_FALSE(reader.needs_keyframe());
 }
 
 TEST(FrameStream, HashDetectsADivergedReader) {

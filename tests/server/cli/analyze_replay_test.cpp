@@ -104,8 +104,8 @@ TEST(AnalyzeReplay, ReplayGivesTheSameBytesOffline) {
   ASSERT_EQ(second.code, 0) << second.err;
   EXPECT_EQ(first.out, second.out);
   EXPECT_EQ(first.out, live.out);
-  const auto told = nlohmann::json::parse(first.out);
-  for (const auto& object : told["objects"]) {
+  const auto reported = nlohmann::json::parse(first.out);
+  for (const auto& object : reported["objects"]) {
     EXPECT_EQ(object["verdict"], "accepted") << object["message"];
     EXPECT_EQ(object["model"], "test-model-2026");
   }
@@ -244,12 +244,12 @@ TEST(AnalyzeReplay, OddAnswersDoNotCorruptTheScene) {
   });
   const Said said = analyze(scratch.path(), {"--endpoint", server.base_url(), "--model", "made-up"});
   ASSERT_EQ(said.code, 0) << said.err;
-  std::map<std::string, nlohmann::json> told;
+  std::map<std::string, nlohmann::json> by_name;
   const auto printed = nlohmann::json::parse(said.out);
-  for (const auto& object : printed["objects"]) told[object["object"].get<std::string>()] = object;
-  EXPECT_EQ(told["cup prose"]["verdict"], "accepted") << said.err;
-  EXPECT_EQ(told["cup units"]["verdict"], "accepted") << said.err;
-  EXPECT_NE(told["cup obeys"]["verdict"], "accepted") << said.err;
+  for (const auto& object : printed["objects"]) by_name[object["object"].get<std::string>()] = object;
+  EXPECT_EQ(by_name["cup prose"]["verdict"], "accepted") << said.err;
+  EXPECT_EQ(by_name["cup units"]["verdict"], "accepted") << said.err;
+  EXPECT_NE(by_name["cup obeys"]["verdict"], "accepted") << said.err;
   const Scene scene = loaded();
   EXPECT_EQ(scene.find("cup obeys")->mass_kg, offline_kg);
   for (const char* name : {"cup prose", "cup units"}) {

@@ -87,8 +87,8 @@ TEST_F(HeadsetSession, ValidationLayerReportsAnInvalidCall) {
   ASSERT_EQ(kept_.size(), 1u);
   EXPECT_EQ(before, "");
   EXPECT_EQ(refused, XR_ERROR_HANDLE_INVALID);
-  const std::string told = text(folder_ / "core.txt");
-  EXPECT_NE(told.find("VUID-xrStringToPath-instance-parameter"), std::string::npos) << told;
+  const std::string after = text(folder_ / "core.txt");
+  EXPECT_NE(after.find("VUID-xrStringToPath-instance-parameter"), std::string::npos) << after;
 }
 
 TEST_F(HeadsetSession, OutlivesLostFocusAndLostSessions) {

@@ -12,14 +12,14 @@ namespace {
 constexpr double kMisjudged_m_s = 40;
 // Minimum distance of two eye positions for which the pictures differ enough to decide from which one was
 // drawn, m.
-constexpr double kToldApart_m = 0.006;
+constexpr double kDistinguishable_m = 0.006;
 
 TEST_F(HeadsetSession, PicturesUseTheLatestHeadPose) {
   // The middle of the scene is at (0, 1.6, -1) in the stage; there is no recentre.
   const Pose scene_from_stage{{0, -1.6, 1}, Eigen::Quaterniond::Identity()};
   struct Drawn {
     std::vector<Camera> eyes;
-    std::vector<Image> as_first_foretold;
+    std::vector<Image> as_first_predicted;
   };
   std::vector<Drawn> drawn;
   const auto eye_row = [&](const std::string& file, int eye) {
@@ -49,7 +49,7 @@ TEST_F(HeadsetSession, PicturesUseTheLatestHeadPose) {
                             early[eye].world_from_camera.position_m =
                                 scene_from_stage * point(eye_row("views.csv", eye), 4);
                           const auto cpu = create_cpu_renderer();
-                          EXPECT_TRUE(view.draw_again(*cpu, early, one.as_first_foretold));
+                          EXPECT_TRUE(view.draw_again(*cpu, early, one.as_first_predicted));
                           drawn.push_back(std::move(one));
                         }});
   ASSERT_TRUE(done) << done.error().message;
@@ -75,8 +75,8 @@ TEST_F(HeadsetSession, PicturesUseTheLatestHeadPose) {
     gained_s += earlier_s;
     ++frames;
     // There is no prediction for past times. Leads are recorded with 1 us resolution, which is 40 um.
-    const double foretold_s = std::max(0.0, std::stod(row.at(3))) - std::max(0.0, std::stod(row.at(7)));
-    EXPECT_NEAR((first - last).norm(), kMisjudged_m_s * foretold_s, 1e-4) << "frame " << row[0];
+    const double predicted_s = std::max(0.0, std::stod(row.at(3))) - std::max(0.0, std::stod(row.at(7)));
+    EXPECT_NEAR((first - last).norm(), kMisjudged_m_s * predicted_s, 1e-4) << "frame " << row[0];
   }
   ASSERT_GE(frames, 6u);
   std::printf("the second query is %.2f ms later than the first (mean of %zu)\n",
@@ -86,7 +86,7 @@ TEST_F(HeadsetSession, PicturesUseTheLatestHeadPose) {
   ASSERT_EQ(kept_.size(), 3u);
   ASSERT_EQ(drawn.size(), 3u);
   expect_oracle();
-  int told_apart = 0;
+  int distinguished = 0;
   for (size_t i = 0; i < kept_.size(); ++i) {
     for (int eye = 0; eye < 2; ++eye) {
       const auto shown = read_png(kept_[i].files[eye]);
@@ -95,13 +95,13 @@ TEST_F(HeadsetSession, PicturesUseTheLatestHeadPose) {
       const std::string frame = std::to_string(std::stol(name.substr(6, 5)));
       const Eigen::Vector3d at = scene_from_stage * submitted_m.at({frame, std::to_string(eye)});
       EXPECT_LT((drawn[i].eyes[eye].world_from_camera.position_m - at).norm(), 1e-5) << name;
-      if (moved_m.at({frame, std::to_string(eye)}) < kToldApart_m) continue;
-      ++told_apart;
-      EXPECT_LT(psnr_db(*shown, drawn[i].as_first_foretold[eye]), psnr_db(*shown, kept_[i].oracle[eye]) - 6)
+      if (moved_m.at({frame, std::to_string(eye)}) < kDistinguishable_m) continue;
+      ++distinguished;
+      EXPECT_LT(psnr_db(*shown, drawn[i].as_first_predicted[eye]), psnr_db(*shown, kept_[i].oracle[eye]) - 6)
           << name;
     }
   }
-  std::printf("%d of 6 pictures were drawn from positions far enough apart to distinguish\n", told_apart);
+  std::printf("%d of 6 pictures were drawn from positions far enough apart to distinguish\n", distinguished);
 }
 
 }  // namespace

@@ -47,13 +47,13 @@ class Parallax : public HeadsetSession {
     for (int i = 0; i < heads; ++i) {
       const Pose head{{between(-0.15, 0.15), between(-0.1, 0.1), 1 + between(-0.1, 0.1)},
                       Eigen::Quaterniond(Eigen::AngleAxisd(between(-0.15, 0.15), Eigen::Vector3d::UnitY()))};
-      const auto told = eyes_of(head, kEyesApart_m, 0, scale),
+      const auto nominal = eyes_of(head, kEyesApart_m, 0, scale),
                  drawn = eyes_of(head, apart_m, toed_in_rad, scale);
       std::vector<Image> pictures;
       EXPECT_TRUE(view_.draw(drivers_, drawn, pictures));
       for (const uint32_t id : ids_) {
-        const auto seen = seen_by_both(*view_.drawn_object(id), told);
-        const auto measured = seen ? parallax(pictures[0], pictures[1], told, *seen) : std::nullopt;
+        const auto seen = seen_by_both(*view_.drawn_object(id), nominal);
+        const auto measured = seen ? parallax(pictures[0], pictures[1], nominal, *seen) : std::nullopt;
         if (measured) found.push_back(*measured / seen->parallax);
       }
     }

@@ -82,8 +82,8 @@ TEST_F(Faults, FractureDuringStallPrecedesItsFrames) {
   const uint32_t revision = first->drivers->objects.back().revision;
   const auto is_it = [&](const StreamedObject& object) { return object.rest.revision == revision; };
   ASSERT_EQ(std::count_if(state.changed.begin(), state.changed.end(), is_it), 1);
-  const auto told = std::find_if(state.changed.begin(), state.changed.end(), is_it) - state.changed.begin();
-  EXPECT_LE(state.changed_at[static_cast<size_t>(told)], static_cast<size_t>(first - state.frames.begin()));
+  const auto change = std::find_if(state.changed.begin(), state.changed.end(), is_it) - state.changed.begin();
+  EXPECT_LE(state.changed_at[static_cast<size_t>(change)], static_cast<size_t>(first - state.frames.begin()));
   std::printf(
       "fracture %.1f ms into a stall of %.0f ms after it; its first frame followed %.1f ms after the stall\n",
       milliseconds_from_ns(broken_ns - stalled_ns), milliseconds_from_ns(kStall_ns),

@@ -210,18 +210,18 @@ TEST_F(SessionPrograms, VulkanFragmentsAndBallsMatchReference) {
   ASSERT_TRUE(bytes);
   const auto frame = decode_frame(*bytes);
   ASSERT_TRUE(frame) << frame.error().message;
-  size_t balls = 0, sherds = 0;
+  size_t balls = 0, fragments = 0;
   for (const ObjectDrivers& drivers : frame->objects) {
     std::lock_guard lock(mutex_);
     const SceneObject& object = objects_.at({drivers.object_id, drivers.revision});
     if (object.asset == Scene::ball_asset()) ++balls;
     if (object.name != "box") continue;
-    sherds = drivers.poses.size();
+    fragments = drivers.poses.size();
     EXPECT_GE(drivers.revision, 1u);
     EXPECT_GT(object.asset->size(), whole_kernels);
   }
   EXPECT_GE(balls, 1u);
-  EXPECT_GE(sherds, 2u);
+  EXPECT_GE(fragments, 2u);
 
   Image last, own;
   ASSERT_NO_FATAL_FAILURE(read_last(run, last, own));
@@ -242,11 +242,12 @@ TEST_F(SessionPrograms, VulkanFragmentsAndBallsMatchReference) {
   };
   const double no_balls_db =
       psnr_db(without([](const SceneObject& one) { return one.asset == Scene::ball_asset(); }), own);
-  const double no_sherds_db = psnr_db(without([](const SceneObject& one) { return one.name == "box"; }), own);
+  const double no_fragments_db =
+      psnr_db(without([](const SceneObject& one) { return one.name == "box"; }), own);
   std::printf("%s: %zu fragments and %zu balls, %.1f dB; %.1f without balls, %.1f without fragments\n",
-              summary->renderer.c_str(), sherds, balls, psnr_db(last, own), no_balls_db, no_sherds_db);
+              summary->renderer.c_str(), fragments, balls, psnr_db(last, own), no_balls_db, no_fragments_db);
   EXPECT_GE(psnr_db(last, own), 50.0);
-  EXPECT_LT(no_sherds_db, 40.0);
+  EXPECT_LT(no_fragments_db, 40.0);
   EXPECT_LT(no_balls_db, 40.0);
 }
 

@@ -135,12 +135,12 @@ TEST_F(SceneControlTest, ResetSendsTheSceneToEveryClient) {
   v1::ControlRunRequest request;
   request.set_reset(true);
   ASSERT_TRUE(control_->control_run(request));
-  const auto anew = watcher_.wait([](const ReceivedFrame& frame) { return frame.run.resets() == 1; });
-  ASSERT_TRUE(anew);
+  const auto after_reset = watcher_.wait([](const ReceivedFrame& frame) { return frame.run.resets() == 1; });
+  ASSERT_TRUE(after_reset);
   EXPECT_EQ(watcher_.added(), (std::vector<std::string>{"environment", "box", "cube"}));
   EXPECT_EQ(watcher_.removed(), old_ids);
-  ASSERT_EQ(anew->drivers->objects.size(), 3u);
-  for (const ObjectDrivers& object : anew->drivers->objects) {
+  ASSERT_EQ(after_reset->drivers->objects.size(), 3u);
+  for (const ObjectDrivers& object : after_reset->drivers->objects) {
     const std::vector<uint32_t> ids = watcher_.ids();
     EXPECT_NE(std::find(ids.begin(), ids.end(), object.object_id), ids.end());
   }

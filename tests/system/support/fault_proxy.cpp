@@ -191,9 +191,9 @@ void FaultProxy::write(Connection& connection, bool to_client, int64_t now) {
     }
     if (piece.written == piece.bytes.size()) way.pieces.pop_front();
   }
-  if (!connection.gone && way.ended && !way.told && way.pieces.empty()) {
+  if (!connection.gone && way.ended && !way.end_forwarded && way.pieces.empty()) {
     ::shutdown(to, SHUT_WR);
-    way.told = true;
+    way.end_forwarded = true;
   }
 }
 
@@ -211,7 +211,8 @@ void FaultProxy::run() {
         if (connection.dead) continue;  // after a cut, not even the end of a connection is read
         write(connection, false, now);
         if (!connection.gone) write(connection, true, now);
-        if (!connection.gone && connection.up.told && connection.down.told) end(connection, false);
+        if (!connection.gone && connection.up.end_forwarded && connection.down.end_forwarded)
+          end(connection, false);
       }
       open_.remove_if([](const Connection& connection) { return connection.gone; });
       polled.assign({{listener_, POLLIN, 0}, {wake_, POLLIN, 0}});

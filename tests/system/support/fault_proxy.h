@@ -60,7 +60,7 @@ class FaultProxy {
     size_t waiting_bytes = 0;
     int64_t last_due_ns = 0;
     bool ended = false;  // the sender has closed; forwarded after the remaining pieces
-    bool told = false;
+    bool end_forwarded = false;
   };
   struct Connection {
     int client = -1, server = -1;

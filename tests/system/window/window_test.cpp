@@ -249,10 +249,10 @@ TEST_F(WindowOnADisplay, ShowsThatTheDeviceIsFull) {
     words.insert(words.begin() + 1, std::string("LIVEGS_VULKAN_MEMORY_MB=") + megabytes);
     Program window(words);
     int newest = 0;
-    const auto told =
+    const auto notice_shot =
         first_shot(shots, 0, newest, [](const Image& image) { return notice_pixels(image) > 100; });
-    EXPECT_TRUE(told) << window.err();
-    if (told) keep((std::string("full_") + megabytes + ".png").c_str(), *told);
+    EXPECT_TRUE(notice_shot) << window.err();
+    if (notice_shot) keep((std::string("full_") + megabytes + ".png").c_str(), *notice_shot);
     window.send(SIGINT);
     EXPECT_EQ(window.wait(), 0) << window.err();
     EXPECT_NE(window.err().find(notice), std::string::npos) << megabytes << " MB: " << window.err();

@@ -152,8 +152,8 @@ TEST(SilentStream, OfKernelsEndsSessionWithRemedy) {
   for (size_t i = 0; i < 3; ++i) EXPECT_GE(lasted_s[i], 0.8 * 0.2 * (1 << i));
 }
 
-// A damaged frame is dropped and a key frame requested; the stream continues.
-TEST(SpoiledFrame, IsDroppedAndRequestsKeyFrame) {
+// A damaged frame is dropped and a keyframe requested; the stream continues.
+TEST(SpoiledFrame, IsDroppedAndRequestsKeyframe) {
   ScriptedServer server;
   server.on_join = let_in;
   server.on_stream = [](int, ScriptedServer::ServerStream& stream) {
@@ -186,9 +186,9 @@ TEST(SpoiledFrame, IsDroppedAndRequestsKeyFrame) {
   EXPECT_TRUE(state.lost.empty());
 }
 
-// The first frame and the requested key frame are both damaged: the request is repeated while unreadable
+// The first frame and the requested keyframe are both damaged: the request is repeated while unreadable
 // frames arrive.
-TEST(SpoiledFrame, RequestIsRepeatedForSpoiledKeyFrame) {
+TEST(SpoiledFrame, RequestIsRepeatedForSpoiledKeyframe) {
   ScriptedServer server;
   server.on_join = let_in;
   std::atomic<int> asked = 0;

@@ -28,20 +28,20 @@ TEST(Haptics, PredictedContactIsNotRepeatedWhenReported) {
   EXPECT_TRUE(feel.holds(0, 7));
   EXPECT_FALSE(feel.foreseen(0, false, 1.0, ms(0)));
   EXPECT_TRUE(feel.foreseen(0, true, 1.0, ms(100)));
-  for (int i = 0; i < 200; ++i) EXPECT_FALSE(feel.told(0, 0.1f, ms(180 + 11 * i)));
+  for (int i = 0; i < 200; ++i) EXPECT_FALSE(feel.reported(0, 0.1f, ms(180 + 11 * i)));
   // A stronger impact during it is felt.
-  EXPECT_TRUE(feel.told(0, 0.9f, ms(180 + 2200)));
+  EXPECT_TRUE(feel.reported(0, 0.9f, ms(180 + 2200)));
 }
 
 TEST(Haptics, ReportedContactIsNotRepeatedWhenPredicted) {
   Haptics feel;
   EXPECT_TRUE(feel.holds(0, 7));
   EXPECT_FALSE(feel.foreseen(0, false, 1.0, ms(0)));
-  EXPECT_TRUE(feel.told(0, 0.1f, ms(50)));
+  EXPECT_TRUE(feel.reported(0, 0.1f, ms(50)));
   EXPECT_FALSE(feel.foreseen(0, true, 1.0, ms(60)));
-  EXPECT_FALSE(feel.told(0, 0.1f, ms(70)));
+  EXPECT_FALSE(feel.reported(0, 0.1f, ms(70)));
   // A new contact after a pause.
-  EXPECT_TRUE(feel.told(0, 0.1f, ms(1000)));
+  EXPECT_TRUE(feel.reported(0, 0.1f, ms(1000)));
 }
 
 // A grabbed object already touches the table, with an impulse of m g dt per tick.
@@ -65,8 +65,8 @@ TEST(Haptics, FirstPredictionSetsStateWithoutPulse) {
 
 TEST(Haptics, WeakImpulseIsNotFelt) {
   Haptics feel;
-  EXPECT_FALSE(feel.told(0, 0.01f, ms(0)));
-  const auto strong = feel.told(0, 50.0f, ms(10));
+  EXPECT_FALSE(feel.reported(0, 0.01f, ms(0)));
+  const auto strong = feel.reported(0, 50.0f, ms(10));
   ASSERT_TRUE(strong);
   EXPECT_EQ(strong->amplitude, 1.0f);
 }

@@ -120,7 +120,7 @@ class FrameQueueTest : public ::testing::Test {
   FrameQueue::StreamUpdate picture_with_news() {
     for (;;) {
       auto update = picture();
-      if (!update.described.empty() || update.anew || HasFailure()) return update;
+      if (!update.described.empty() || update.server_restarted || HasFailure()) return update;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
@@ -201,9 +201,9 @@ TEST_F(FrameQueueTest, ObjectIsRefinedUntilComplete) {
   EXPECT_LT(middle_m(1), 40);
   object.mass_kg = 2;
   stream_.on_object_changed(object);
-  const auto told = picture();
-  EXPECT_EQ(told.described.size(), 1u);
-  EXPECT_TRUE(told.refined.empty());
+  const auto changed = picture();
+  EXPECT_EQ(changed.described.size(), 1u);
+  EXPECT_TRUE(changed.refined.empty());
   EXPECT_EQ(objects_.progress().objects, 1u);
   held_.give(object);
   std::vector<uint32_t> refined;
@@ -270,7 +270,7 @@ TEST_F(FrameQueueTest, RestartedServerAppearsOnceComplete) {
   }
   held_.give(two);
   const auto update = picture_with_news();
-  EXPECT_TRUE(update.anew);
+  EXPECT_TRUE(update.server_restarted);
   EXPECT_TRUE(update.back);
   EXPECT_EQ(update.described.size(), 2u);
   EXPECT_NEAR(middle_m(1), 7.07, 1e-3);

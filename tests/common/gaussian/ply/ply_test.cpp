@@ -64,7 +64,7 @@ constexpr std::array<const char*, 14> kNames = {"x",      "y",       "z",       
                                                 "rot_0",  "rot_1",   "rot_2",   "rot_3"};
 constexpr std::array<double, 14> kValues = {1, 2, 3, 4, 5, 6, 7, -1, -2, -3, 0, 1, 0, 0};
 
-void expect_told_values(const Result<AssetFile>& file, const std::string& what) {
+void expect_named_values(const Result<AssetFile>& file, const std::string& what) {
   ASSERT_TRUE(file) << what << ": " << file.error().message;
   const GaussianAsset& asset = file->asset;
   ASSERT_EQ(asset.size(), 1u) << what;
@@ -103,8 +103,8 @@ TEST(Ply, ReadsAnyOrderTypeAndEncoding) {
         row += encoding == "ascii" ? std::to_string(kValues[p]) + " "
                                    : packed(kValues[p], type, encoding == "binary_big_endian");
       }
-      expect_told_values(decode_asset(bytes_of(header + "end_header\n" + row), "a.ply"),
-                         encoding + std::to_string(turn));
+      expect_named_values(decode_asset(bytes_of(header + "end_header\n" + row), "a.ply"),
+                          encoding + std::to_string(turn));
     }
   }
 }
@@ -118,14 +118,14 @@ TEST(Ply, SkipsOtherElementsAndLists) {
       "vertex_indices\nend_header\n";
   std::string text = "ply\r\nformat ascii 1.0\r\n" + elements + "0.5 2 7 8\n0.5 0\n";
   for (const double value : kValues) text += std::to_string(value) + "\n";
-  expect_told_values(decode_asset(bytes_of(text + "1 9\n3 0 0 0"), "lists.ply"), "ascii");
+  expect_named_values(decode_asset(bytes_of(text + "1 9\n3 0 0 0"), "lists.ply"), "ascii");
 
   const auto binary = [](double value, const char* type) { return packed(value, type, false); };
   std::string rows = binary(0.5, "double") + binary(2, "char") + binary(7, "short") + binary(8, "short") +
                      binary(0.5, "double") + binary(0, "char");
   for (const double value : kValues) rows += binary(value, "float");
   rows += binary(1, "char") + binary(9, "float") + binary(0, "char");
-  expect_told_values(
+  expect_named_values(
       decode_asset(bytes_of("ply\nformat binary_little_endian 1.0\n" + elements + rows), "lists.ply"),
       "binary");
 }

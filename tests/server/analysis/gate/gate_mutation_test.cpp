@@ -163,14 +163,14 @@ TEST(GateMutations, NoneContradictsTheName) {
     SCOPED_TRACE(std::to_string(i) + " " + answer.dump());
     const v1::PhysicalParameters& p = judgement.parameters;
     ASSERT_EQ(p.behavior(), offline.behavior());
-    const double told_pa = p.youngs_modulus_pa().best() * p.structure_coefficient().best();
+    const double stiffness_pa = p.youngs_modulus_pa().best() * p.structure_coefficient().best();
     const auto& e = offline.youngs_modulus_pa();
     const auto& s = offline.structure_coefficient();
     if (offline.behavior() == v1::Physics::RIGID) {
-      ASSERT_GT(told_pa, 200e6 / 8);  // the softest possible mug is plastic
+      ASSERT_GT(stiffness_pa, 200e6 / 8);  // the softest possible mug is plastic
     } else {
-      ASSERT_GE(told_pa, std::min(e.low() * s.low(), e.best() * s.best() / 8) * 0.999);
-      ASSERT_LE(told_pa, std::max(e.high() * s.high(), e.best() * s.best() * 8) * 1.001);
+      ASSERT_GE(stiffness_pa, std::min(e.low() * s.low(), e.best() * s.best() / 8) * 0.999);
+      ASSERT_LE(stiffness_pa, std::max(e.high() * s.high(), e.best() * s.best() * 8) * 1.001);
     }
   }
   EXPECT_GT(accepted, 800);

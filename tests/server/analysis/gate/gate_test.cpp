@@ -256,11 +256,11 @@ TEST(Gate, PlasticityLevelsMatchTheTable) {
   std::string system = *read_text_file(prompts / "system.md");
   system = system.substr(system.find("Plasticity by comparison"));
   const std::regex step(R"(([a-z]+) ([0-9.]*[0-9])(?: to ([0-9.]*[0-9]))?(?: \(([a-z, ]+)\))?[;.])");
-  std::set<std::string> told;
+  std::set<std::string> listed;
   system = system.substr(0, system.find("For rigid things"));
   for (std::sregex_iterator at(system.begin(), system.end(), step), end; at != end; ++at) {
     const double low = std::stod((*at)[2]), high = (*at)[3].matched ? std::stod((*at)[3]) : low;
-    told.insert((*at)[1]);
+    listed.insert((*at)[1]);
     std::stringstream references((*at)[4]);
     std::vector<std::string> words = {(*at)[1]};
     for (std::string word; std::getline(references >> std::ws, word, ',');) words.push_back(word);
@@ -270,7 +270,7 @@ TEST(Gate, PlasticityLevelsMatchTheTable) {
       EXPECT_TRUE(*plasticity >= low && *plasticity <= high) << word << " " << *plasticity;
     }
   }
-  EXPECT_EQ(told, levels);
+  EXPECT_EQ(listed, levels);
   EXPECT_FALSE(plasticity_of("sponge cake"));
   EXPECT_FALSE(plasticity_of(""));
 }

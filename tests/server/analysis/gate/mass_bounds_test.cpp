@@ -85,9 +85,9 @@ TEST(MassBounds, CatchesUnitSlipsWithAName) {
     const ObjectFacts facts = facts_of_row(row, row.label);
     const auto offline = estimate_offline(facts);
     for (const double slip : {1e-3, 1e-2, 1e2, 1e3}) {
-      const double told_kg = slip * row.mass_kg;
-      if (!kMassRange_kg.holds(told_kg)) continue;  // refused by the parser
-      const json answer = answer_of_row(row, offline.behavior(), 1e3 * told_kg);
+      const double answered_kg = slip * row.mass_kg;
+      if (!kMassRange_kg.holds(answered_kg)) continue;  // refused by the parser
+      const json answer = answer_of_row(row, offline.behavior(), 1e3 * answered_kg);
       const Judgement judgement = judge_answer(answer.dump(), facts, offline);
       ++asked;
       if (judgement.verdict != Verdict::Accepted) continue;
@@ -123,15 +123,15 @@ TEST(MassBounds, CatchesMostUnitSlipsWithoutAName) {
       const ObjectFacts facts = facts_of_row(row, "");
       const bool thin = facts.mesh.mean_wall_m < 1.5 * 0.03 * facts.mesh.box_m.norm();
       if (slip < 1 && (airy || (!walled && (thin || facts.mesh.solidity < 0.7)))) continue;  // not bounded
-      const double told_kg = slip * row.mass_kg;
+      const double answered_kg = slip * row.mass_kg;
       Count& count = walled ? wall : solid;
       ++count.all;
-      if (!kMassRange_kg.holds(told_kg)) {
+      if (!kMassRange_kg.holds(answered_kg)) {
         ++count.caught;
         continue;
       }
-      const Answer answer = answer_of(row, told_kg, 1e3 * row.wall_m.best, false);
-      if (!mass_at_odds(answer, facts).empty() || told_kg < min_mass_kg(answer, facts)) ++count.caught;
+      const Answer answer = answer_of(row, answered_kg, 1e3 * row.wall_m.best, false);
+      if (!mass_at_odds(answer, facts).empty() || answered_kg < min_mass_kg(answer, facts)) ++count.caught;
     }
     std::printf("x%g: %d of %d solids, %d of %d walls\n", slip, solid.caught, solid.all, wall.caught,
                 wall.all);

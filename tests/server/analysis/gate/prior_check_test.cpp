@@ -45,7 +45,7 @@ TEST(GatePrior, ContradictionOfTheNameIsAProposal) {
   const std::tuple<const char*, ObjectFacts, json, const char*> cases[] = {
       {"mug of foam", mug_facts(),
        with_fields(soft_mug, {{"parts", all_of("polyurethane foam")}, {"structure_s", nullptr}}), "mass_g"},
-      {"mug of foam, heavy, E told", mug_facts(),
+      {"mug of foam, heavy, E given", mug_facts(),
        with_fields(soft_mug, {{"parts", all_of("polyurethane foam")}, {"young_mpa", foam_e}}), "mass_g"},
       {"soft stoneware", mug_facts(), with_fields(soft_mug, {{"structure_s", 0.001}}), "behaviour"},
       {"a crumb of stoneware", mug_facts(), mixed, "mass_g"},

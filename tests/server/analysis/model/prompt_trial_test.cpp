@@ -198,8 +198,8 @@ TEST(Prompts, RangePrecedesTheValue) {
   }
   for (const auto& example : json("examples.json")) {
     EXPECT_EQ(keys(example["answer"]["mass_g"]), order) << example["facts"];
-    const auto& told = example["answer"]["young_mpa"];
-    if (!told.is_null()) EXPECT_EQ(keys(told), order) << example["facts"];
+    const auto& answered = example["answer"]["young_mpa"];
+    if (!answered.is_null()) EXPECT_EQ(keys(answered), order) << example["facts"];
   }
 }
 

@@ -310,10 +310,10 @@ TEST(AnalyzeScene, LongTranscriptIsDroppedFromTheCache) {
 TEST(AnalyzeScene, QuestionsDescribeUnqueriedObjects) {
   const auto all = mugs(3);
   AnalysisOptions options;
-  v1::PhysicalParameters told = all[0].offline;
-  told.mutable_mass_kg()->set_best(1);
-  told.mutable_mass_kg()->set_source(v1::EstimatedValue::SCENE);
-  options.neighbours = {{all[0].facts, told, all[0].position_m},
+  v1::PhysicalParameters given = all[0].offline;
+  given.mutable_mass_kg()->set_best(1);
+  given.mutable_mass_kg()->set_source(v1::EstimatedValue::SCENE);
+  options.neighbours = {{all[0].facts, given, all[0].position_m},
                         {all[1].facts, all[1].offline, all[1].position_m}};
   FakeEndpoint endpoint(weigh);
   const Seen result = run(std::span(all).subspan(2), &endpoint, options);
@@ -330,27 +330,27 @@ TEST(AnalyzeScene, QuestionsDescribeUnqueriedObjects) {
 TEST(AnalyzeScene, AnswersAreComparedWithUserValues) {
   auto targets = mugs(1);
   v1::Physics edits;
-  const double told_kg = 12 * targets[0].offline.mass_kg().best();
-  edits.set_mass_kg(told_kg);
+  const double given_kg = 12 * targets[0].offline.mass_kg().best();
+  edits.set_mass_kg(given_kg);
   const auto heavy = [&](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> {
     json answer = mug_answer();
-    const double mass_g = 950 * told_kg;
+    const double mass_g = 950 * given_kg;
     answer["mass_g"] = {{"low", mass_g * 0.9}, {"best", mass_g}, {"high", mass_g * 1.1}};
     return answer.dump();
   };
   FakeEndpoint endpoint(heavy);
   EXPECT_EQ(run(targets, &endpoint).last(0).judgement.verdict, Verdict::NeedsReview);
-  const auto told =
+  const auto merged =
       merge_scene_physics(targets[0].offline, edits, *targets[0].facts, v1::EstimatedValue::PERSON);
-  ASSERT_TRUE(told);
-  targets[0].offline = *told;
+  ASSERT_TRUE(merged);
+  targets[0].offline = *merged;
   const Seen result = run(targets, &endpoint);
   const AnalysisUpdate& last = result.last(0);
   EXPECT_EQ(last.judgement.verdict, Verdict::Accepted) << last.judgement.message;
-  EXPECT_EQ(last.parameters.mass_kg().best(), told_kg);
+  EXPECT_EQ(last.parameters.mass_kg().best(), given_kg);
   EXPECT_EQ(last.parameters.mass_kg().source(), v1::EstimatedValue::PERSON);
   EXPECT_EQ(last.parameters.friction().source(), v1::EstimatedValue::MODEL);
-  EXPECT_DOUBLE_EQ(last.parameters.break_impulse_n_s().best(), 3.1 * told_kg);
+  EXPECT_DOUBLE_EQ(last.parameters.break_impulse_n_s().best(), 3.1 * given_kg);
   EXPECT_NE(last.turns.at(0).question.slots.at("told").find("mass_kg "), std::string::npos);
 }
 

@@ -302,18 +302,19 @@ TEST_F(PhysicsFileTest, FileOfANewerVersionIsNotModified) {
   for (const char* newer : {R"({ "version": 7 })", R"({ "version": "7" })",
                             R"({ "version": 7, "viscosity": { "best": 3 }, "edits": { "friction": 9 } })"}) {
     folder.write("mug.physics.json", newer);
-    const std::string told = path.string() +
-                             ": written by a newer LiveGS (layout 7, this one reads up to 1); update LiveGS, "
-                             "or move the file and its .log away. Neither is modified";
+    const std::string expected =
+        path.string() +
+        ": written by a newer LiveGS (layout 7, this one reads up to 1); update LiveGS, "
+        "or move the file and its .log away. Neither is modified";
     const auto file = read_physics_file(path);
     ASSERT_FALSE(file);
     EXPECT_EQ(file.error().code, ErrorCode::Unsupported);
-    EXPECT_EQ(file.error().message, told);
+    EXPECT_EQ(file.error().message, expected);
     for (const auto& changed :
          {edit_physics(path, edit_of_mass(1)), apply_analysis(path, analysed(0.4), record_of("seer-2")),
           undo_physics(path), accept_proposal(path)}) {
       ASSERT_FALSE(changed);
-      EXPECT_EQ(changed.error().message, told);
+      EXPECT_EQ(changed.error().message, expected);
     }
     EXPECT_FALSE(log_proposal(path, analysed(0.4), record_of("seer-2")));
     EXPECT_EQ(*read_text_file(path), newer);

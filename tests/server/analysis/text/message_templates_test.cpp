@@ -78,15 +78,17 @@ TEST(MessageTemplates, MassReasonsAreUnchanged) {
   EXPECT_EQ(reason(solid), "500 kg/m3 x 0.011 m3 enclosed");
   v1::Physics written;
   written.set_density_kg_m3(500);
-  const auto told = [&](v1::EstimatedValue::Source by) {
+  const auto mass_reason = [&](v1::EstimatedValue::Source by) {
     return merge_scene_physics(estimate_offline(solid), written, solid, by)->mass_kg().reason();
   };
-  EXPECT_EQ(told(v1::EstimatedValue::SCENE), "from the scene's density: 500 kg/m3 x 0.011 m3 enclosed");
-  EXPECT_EQ(told(v1::EstimatedValue::PERSON), "from a person's density: 500 kg/m3 x 0.011 m3 enclosed");
+  EXPECT_EQ(mass_reason(v1::EstimatedValue::SCENE),
+            "from the scene's density: 500 kg/m3 x 0.011 m3 enclosed");
+  EXPECT_EQ(mass_reason(v1::EstimatedValue::PERSON),
+            "from a person's density: 500 kg/m3 x 0.011 m3 enclosed");
   written.Clear();
   written.set_mass_kg(3);
-  EXPECT_EQ(told(v1::EstimatedValue::SCENE), "written in the scene");
-  EXPECT_EQ(told(v1::EstimatedValue::PERSON), "edited by a person");
+  EXPECT_EQ(mass_reason(v1::EstimatedValue::SCENE), "written in the scene");
+  EXPECT_EQ(mass_reason(v1::EstimatedValue::PERSON), "edited by a person");
 }
 
 // Byte-identical to the facts before the texts were moved into files (version 2).
@@ -133,17 +135,17 @@ TEST(MessageTemplates, FactsListThreeMaterialsWithRanges) {
   for (ObjectFacts facts : {sponge_facts(), mug_facts(), tennis_ball_facts(), pillow_facts()}) {
     for (const char* name : {facts.name.c_str(), "brick", "steel ball", "hammer", ""}) {
       facts.name = name;
-      const std::string told = fact_slots(facts, estimate_offline(facts), {}).at("materials");
+      const std::string materials = fact_slots(facts, estimate_offline(facts), {}).at("materials");
       const std::regex line(
           R"(- ([^(]+) \([a-z]+\): [0-9.e+]+ to [0-9.e+]+ kg/m3, Young's modulus [^ ]+ MPa \([^ ]+ to [^ ]+\), .*)");
-      std::istringstream lines(told);
+      std::istringstream lines(materials);
       std::set<std::string> names;
       for (std::string one; std::getline(lines, one);) {
         std::smatch found;
         ASSERT_TRUE(std::regex_match(one, found, line)) << one;
-        EXPECT_TRUE(names.insert(found[1]).second) << told;
+        EXPECT_TRUE(names.insert(found[1]).second) << materials;
       }
-      EXPECT_EQ(names.size(), 3u) << name << "\n" << told;
+      EXPECT_EQ(names.size(), 3u) << name << "\n" << materials;
     }
   }
 }
@@ -171,7 +173,7 @@ TEST(MessageTemplates, InsertedValuesAreNotScannedAgain) {
 // quote.
 TEST(MessageTemplates, OnlyOwnBracesReachTheModel) {
   const auto prompts = PromptSet::load({});
-  const auto told = [&](const nlohmann::json& answer) {
+  const auto complaint = [&](const nlohmann::json& answer) {
     const auto read = read_answer(answer.dump());
     EXPECT_FALSE(read);
     const std::string turn = read ? "" : prompts->repair(read.error().message);
@@ -180,16 +182,16 @@ TEST(MessageTemplates, OnlyOwnBracesReachTheModel) {
   const std::string found = "A check of your answer found this: ";
   nlohmann::json answer = mug_answer();
   answer["mass_g"] = nullptr;
-  EXPECT_EQ(told(answer), found + "\"mass_g: is missing; give {low, best, high} in grams\"");
+  EXPECT_EQ(complaint(answer), found + "\"mass_g: is missing; give {low, best, high} in grams\"");
   answer["mass_g"] = nlohmann::json::array({1, 2, 3});
-  EXPECT_EQ(told(answer), found + "\"mass_g: is a JSON array; give {low, best, high}\"");
+  EXPECT_EQ(complaint(answer), found + "\"mass_g: is a JSON array; give {low, best, high}\"");
   answer["mass_g"] = {{"low", 3}, {"best", 2}, {"high", 4}};
-  EXPECT_EQ(told(answer),
+  EXPECT_EQ(complaint(answer),
             found + "\"mass_g: low <= best <= high does not hold; give them in order, in grams\"");
   answer = mug_answer();
   answer["parts"][0]["material_id"] = "{{problem}}\" <b>`ore`\n{low}";
   EXPECT_EQ(
-      told(answer),
+      complaint(answer),
       found +
           "\"parts[0].material_id: '((problem))' (b)'ore' (low)' is not in the table; give a name from it\"");
 }

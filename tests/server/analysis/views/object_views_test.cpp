@@ -256,10 +256,10 @@ TEST_F(HalfHiddenBoard, FactSlotsDescribeTheObject) {
   for (const char* slot : {"name", "size", "scale_off", "mesh", "neighbours", "materials", "offline"}) {
     EXPECT_FALSE(slots.at(slot).empty()) << slot;
   }
-  const std::string& told = slots.at("neighbours");
-  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 11);  // twelve lines
-  EXPECT_NE(told.find("thing 19"), std::string::npos);
-  EXPECT_EQ(told.find("thing 7:"), std::string::npos);
+  const std::string& lines = slots.at("neighbours");
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 11);  // twelve lines
+  EXPECT_NE(lines.find("thing 19"), std::string::npos);
+  EXPECT_EQ(lines.find("thing 7:"), std::string::npos);
   EXPECT_EQ(slots.count("scale"), 0u);  // guessed
   EXPECT_NE(describe_camera(views->front()).find("m from its centre"), std::string::npos);
   // Camera, target and distance are consistent, to their three digits.

@@ -55,9 +55,9 @@ TEST(ElasticBudgetOfAScene, IsSharedAndReported) {
   EXPECT_EQ(six.find("cube")->elastic->cell_width_m, one.find("cube")->elastic->cell_width_m);
   EXPECT_EQ(six.find("cube")->elastic->unbudgeted_cell_width_m, 0);
 
-  std::string told;
-  for (const std::string& warning : six.find("sheet 0")->all_warnings()) told += warning + "\n";
-  EXPECT_NE(told.find("the elastic budget limits it to cells of"), std::string::npos) << told;
+  std::string warnings;
+  for (const std::string& warning : six.find("sheet 0")->all_warnings()) warnings += warning + "\n";
+  EXPECT_NE(warnings.find("the elastic budget limits it to cells of"), std::string::npos) << warnings;
   const v1::ElasticAccuracy message = accuracy_message(shared);
   EXPECT_EQ(message.alone_cell_width_m(), alone.cell_width_m);
   EXPECT_EQ(message.node_substeps(), shared.node_substeps);

@@ -160,8 +160,8 @@ TEST(ElasticReport, BuildsFarTooStiffAutoObjectsAsRigid) {
   EXPECT_EQ(object.all_warnings(), std::vector<std::string>{object.physics.behavior_reason()});
   EXPECT_NEAR(object.mass_kg, 0.125, 1e-9);
 
-  const Scene told = cube("cube", 0.05, 1e8, "ELASTIC");
-  EXPECT_NE(told.world().elastic_body(told.objects()[0].id), nullptr);
+  const Scene elastic = cube("cube", 0.05, 1e8, "ELASTIC");
+  EXPECT_NE(elastic.world().elastic_body(elastic.objects()[0].id), nullptr);
   // At twenty times the size the reachable stiffness is four hundred times higher.
   const Scene large = cube("cube", 1.0, 1e8, "AUTO");
   EXPECT_NE(large.world().elastic_body(large.objects()[0].id), nullptr);

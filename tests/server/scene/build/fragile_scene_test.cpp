@@ -125,7 +125,7 @@ TEST(FragileScene, KeepsItsBreakImpulseWhenMadeTough) {
 }
 
 TEST(FragileScene, CutFacesHaveTheInteriorColour) {
-  const Eigen::Vector3f told(0.8f, 0.3f, 0.1f);
+  const Eigen::Vector3f interior_rgb(0.8f, 0.3f, 0.1f);
   const auto off = [&](const SceneObject& thing) {
     float most = 0;
     size_t inside = 0;
@@ -133,7 +133,7 @@ TEST(FragileScene, CutFacesHaveTheInteriorColour) {
       if (thing.broken->source[k] != kInteriorKernel) continue;
       ++inside;
       const Eigen::Vector3f rgb = (0.5f + 0.28209479f * thing.broken->asset->sh_dc[k].array()).matrix();
-      most = std::max(most, (rgb - told).cwiseAbs().maxCoeff());
+      most = std::max(most, (rgb - interior_rgb).cwiseAbs().maxCoeff());
     }
     EXPECT_GT(inside, 100u);
     return most;
@@ -141,7 +141,8 @@ TEST(FragileScene, CutFacesHaveTheInteriorColour) {
   v1::Physics physics = fragile(8);
   v1::Event recoloured;
   recoloured.mutable_set_physics()->set_object("thing");
-  for (const float part : told) recoloured.mutable_set_physics()->mutable_physics()->add_interior_rgb(part);
+  for (const float part : interior_rgb)
+    recoloured.mutable_set_physics()->mutable_physics()->add_interior_rgb(part);
   v1::Scene file = one_object(physics, false);
   recoloured.set_time_s(0.05);
   *file.add_events() = recoloured;

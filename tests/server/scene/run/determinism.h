@@ -57,7 +57,7 @@ inline uint64_t hash_of(const DriverFrame& frame) {
 
 struct HashedRun {
   std::vector<uint64_t> ticks;
-  size_t sherds = 0;                       // fragments of the cup at the end
+  size_t fragments = 0;                    // of the cup at the end
   std::map<std::string, int> first_touch;  // by object: the tick of its first impact
 };
 
@@ -90,7 +90,7 @@ inline HashedRun run_everything(int threads, int ticks, double rate_hz) {
     }
   }
   for (const BodyState& body : scene->world().bodies())
-    run.sherds += body.object_id == scene->find("cup")->id;
+    run.fragments += body.object_id == scene->find("cup")->id;
   set_thread_count(0);
   return run;
 }
@@ -99,7 +99,7 @@ inline HashedRun run_everything(int threads, int ticks, double rate_hz) {
 inline void expect_same_bits(int ticks, double rate_hz) {
   SCOPED_TRACE(rate_hz);
   const HashedRun one = run_everything(1, ticks, rate_hz);
-  EXPECT_GT(one.sherds, 1u) << "the cup must break";
+  EXPECT_GT(one.fragments, 1u) << "the cup must break";
   EXPECT_GE(one.first_touch.size(), 13u);
   for (const char* name : {"pad", "marble", "plank", "block", "load"})
     EXPECT_TRUE(one.first_touch.contains(name)) << name;

@@ -104,8 +104,8 @@ TEST(ExampleScenes, BallOfPointsKeepsItsVelocities) {
   const BodyEnergy before = scene.world().energy();
   EXPECT_NEAR(before.linear_momentum.x(), 0.5 * mass_kg, 1e-7 * mass_kg);
   for (size_t i = 0; i < count; ++i) {
-    const Vector3d told = Vector3d(0.5, 0, 0) + Vector3d(0, 0, 4).cross(list->positions_m[i]);
-    ASSERT_LT((start[i].velocity_m_s - told).norm(), 1e-5) << i;
+    const Vector3d expected_m_s = Vector3d(0.5, 0, 0) + Vector3d(0, 0, 4).cross(list->positions_m[i]);
+    ASSERT_LT((start[i].velocity_m_s - expected_m_s).norm(), 1e-5) << i;
   }
   // A ball of points has the inertia of its points and their cubes. The lattice has its mass at its nodes,
   // farther out than the material.

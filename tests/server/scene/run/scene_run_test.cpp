@@ -247,16 +247,16 @@ TEST(SceneRun, ResetAfterDivergenceIsReported) {
   auto scene = Scene::load(path, {});
   ASSERT_TRUE(scene) << scene.error().message;
   const SceneObject& foam = scene->objects().front();
-  int told = 0;
+  int reports = 0;
   std::string warnings;
   for (int i = 0; i < 60; ++i) {
     scene->step();
     const Scene::Changes changes = scene->take_changes();
-    told += static_cast<int>(std::count(changes.changed.begin(), changes.changed.end(), foam.id));
+    reports += static_cast<int>(std::count(changes.changed.begin(), changes.changed.end(), foam.id));
     for (const std::string& warning : foam.all_warnings()) warnings = warning;
   }
-  EXPECT_GE(told, 1);
-  EXPECT_LE(told, 3);
+  EXPECT_GE(reports, 1);
+  EXPECT_LE(reports, 3);
   EXPECT_NE(warnings.find("simulation diverged"), std::string::npos) << warnings;
 }
 

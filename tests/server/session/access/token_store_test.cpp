@@ -25,8 +25,8 @@ class Tokens : public ::testing::Test {
     store_ = std::move(*store);
   }
   std::string why(const std::string& secret) const {
-    const auto grant = store_->check(secret);
-    return grant ? "" : grant.error().message;
+    const auto authorization = store_->check(secret);
+    return authorization ? "" : authorization.error().message;
   }
   ScratchFolder folder_;
   const std::filesystem::path file_ = folder_ / "tokens.json";
@@ -38,11 +38,11 @@ TEST_F(Tokens, GrantTheirScopeOnly) {
   for (const v1::Scope scope : {v1::VIEW, v1::INTERACT, v1::AUTHOR, v1::ADMIN}) {
     const auto made = store_->add("headset", scope, 0);
     ASSERT_TRUE(made) << made.error().message;
-    const auto grant = store_->check(made->secret);
-    ASSERT_TRUE(grant) << grant.error().message;
-    EXPECT_EQ(grant->token_id, made->token.id());
+    const auto authorization = store_->check(made->secret);
+    ASSERT_TRUE(authorization) << authorization.error().message;
+    EXPECT_EQ(authorization->token_id, made->token.id());
     for (const v1::Scope needed : {v1::VIEW, v1::INTERACT, v1::AUTHOR, v1::ADMIN})
-      EXPECT_EQ(grant->allows(needed), needed <= scope);
+      EXPECT_EQ(authorization->allows(needed), needed <= scope);
   }
 }
 

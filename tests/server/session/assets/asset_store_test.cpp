@@ -78,12 +78,12 @@ TEST(AssetStore, DropsUnusedAssetsAfterTheirLifetime) {
   store.drop_unused({before}, 0);
   store.drop_unused({before}, 2 * kUnusedAssetLifetime_ns);
   EXPECT_TRUE(has(store, before)) << "clients know it";
-  const int64_t told_otherwise_ns = 2 * kUnusedAssetLifetime_ns + 1;
-  store.drop_unused({after}, told_otherwise_ns);
-  store.drop_unused({after}, told_otherwise_ns + kUnusedAssetLifetime_ns - 1);
+  const int64_t replaced_ns = 2 * kUnusedAssetLifetime_ns + 1;
+  store.drop_unused({after}, replaced_ns);
+  store.drop_unused({after}, replaced_ns + kUnusedAssetLifetime_ns - 1);
   EXPECT_TRUE(has(store, before)) << "a client may still be about to fetch it";
   const auto sending = store.find(before);
-  store.drop_unused({after}, told_otherwise_ns + kUnusedAssetLifetime_ns);
+  store.drop_unused({after}, replaced_ns + kUnusedAssetLifetime_ns);
   EXPECT_FALSE(has(store, before));
   EXPECT_FALSE(store.find(before));
   EXPECT_EQ(sending->hash, before);

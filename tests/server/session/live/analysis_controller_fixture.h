@@ -32,7 +32,7 @@ inline Scene open_scene(const ScratchFolder& folder, const std::string& block_ph
     "objects": [
       { "name": "wood block", "shape": { "box": { "size_m": [SIZE, 0.1, 0.1] } }, "pose": { "position_m": [0, 0.05, 0] },
         "physics": PHYSICS },
-      { "name": "told", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [1, 0.05, 0] },
+      { "name": "given", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [1, 0.05, 0] },
         "physics": { "behavior": "RIGID", "mass_kg": 1.0 } },
       { "name": "sponge", "points": "sponge.csv", "pose": { "position_m": [-1, 0.01, 0] } } ] })";
   text.replace(text.find("SIZE"), 4, block_m);

@@ -17,11 +17,11 @@ TEST_F(AnalysisControllerTest, AcceptedAnswerIsAppliedInOneTick) {
   ASSERT_TRUE(changes_to("wood block", by_model));
   ASSERT_TRUE(changes_to("sponge", by_model));
   EXPECT_EQ(changes_of("wood block"), 1u);
-  EXPECT_EQ(changes_of("told"), 0u);  // its behaviour is given: no question was sent
+  EXPECT_EQ(changes_of("given"), 0u);  // its behaviour is given: no question was sent
   for (const std::string& line : endpoint->asked()) {
-    EXPECT_EQ(line.find("told <"), std::string::npos) << line;
+    EXPECT_EQ(line.find("given <"), std::string::npos) << line;
     // the questions about the others contain it
-    EXPECT_NE(line.find(" told!1.000000"), std::string::npos) << line;
+    EXPECT_NE(line.find(" given!1.000000"), std::string::npos) << line;
   }
   loop->stop();
   const SceneObject* block = loop->scene().find("wood block");
@@ -48,11 +48,11 @@ TEST_F(AnalysisControllerTest, ResetKeepsDecisionsAndReadsTheFile) {
   RunController run(
       *loop,
       [&](uint32_t first_id) -> Result<Scene> {
-        Scene anew = open_scene(folder, R"({ "friction": 0.9 })", "0.2", first_id);
+        Scene reloaded = open_scene(folder, R"({ "friction": 0.9 })", "0.2", first_id);
         EXPECT_TRUE(analysis->set_physics("wood block", edit));
-        return anew;
+        return reloaded;
       },
-      [&](Scene anew) { analysis->replace(std::move(anew)); });
+      [&](Scene reloaded) { analysis->replace(std::move(reloaded)); });
   v1::ControlRunRequest reset;
   reset.set_reset(true);
   ASSERT_TRUE(run.control(reset));
@@ -78,18 +78,18 @@ TEST_F(AnalysisControllerTest, ResetKeepsDecisionsAndReadsTheFile) {
 // Edits of the user are part of the next question and of its plausibility check.
 TEST_F(AnalysisControllerTest, EditsAreUsedInTheNextAnalysis) {
   std::mutex mutex;
-  std::string told;
+  std::string given;
   start([&](const AnalysisQuestion& question, const ToolBox& tools, int turn) -> Result<std::string> {
     std::lock_guard lock(mutex);
     const auto slot = question.slots.find("told");
-    told = slot == question.slots.end() ? "" : slot->second;
+    given = slot == question.slots.end() ? "" : slot->second;
     auto answer = nlohmann::json::parse(*weigh(question, tools, turn));
     answer["mass_g"] = {{"low", 4500}, {"best", 5000}, {"high", 5500}};
     return answer.dump();
   });
   EXPECT_FALSE(analysis->accept_proposal("wood block"));
   EXPECT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);  // ten times the estimate
-  EXPECT_EQ(told, "");
+  EXPECT_EQ(given, "");
   // The user may accept it anyway, and undo that.
   const auto accepted = analysis->accept_proposal("wood block");
   ASSERT_TRUE(accepted) << accepted.error().message;
@@ -105,7 +105,7 @@ TEST_F(AnalysisControllerTest, EditsAreUsedInTheNextAnalysis) {
   EXPECT_EQ(last.verdict(), v1::AnalysisProgress::ACCEPTED) << last.message();
   EXPECT_EQ(last.parameters().mass_kg().source(), EstimatedValue::PERSON);
   EXPECT_EQ(last.parameters().friction().source(), EstimatedValue::MODEL);
-  EXPECT_EQ(told, "mass_kg 5");
+  EXPECT_EQ(given, "mass_kg 5");
 }
 
 TEST(BodyTypeLock, DefersChangesOfBodyTypeToTheNextLoad) {

@@ -27,9 +27,10 @@ TEST_F(AnalysisControllerTest, UndoneAnswerIsNotRequestedAgain) {
   set_log_level(LogLevel::Info);
   testing::internal::CaptureStderr();
   analysis->begin();
-  const std::string told = testing::internal::GetCapturedStderr();
-  EXPECT_NE(told.find("wood block: skipped: its answer was undone or declined"), std::string::npos) << told;
-  EXPECT_EQ(told.find("analysis: asking"), std::string::npos) << told;
+  const std::string logged = testing::internal::GetCapturedStderr();
+  EXPECT_NE(logged.find("wood block: skipped: its answer was undone or declined"), std::string::npos)
+      << logged;
+  EXPECT_EQ(logged.find("analysis: asking"), std::string::npos) << logged;
   EXPECT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::ACCEPTED);  // requested by the user
   EXPECT_EQ(endpoint->asked().size(), 1u);
   analysis.reset();
@@ -70,22 +71,22 @@ TEST_F(AnalysisControllerTest, ProposalAtStartIsLoggedAndWaits) {
   analysis.reset();
   loop->stop();
   EXPECT_FALSE(touched());
-  std::string told = testing::internal::GetCapturedStderr();
-  EXPECT_NE(told.find("analysis: wood block: needs review: mass_g.best: 5000 g is more than 8 times away"),
+  std::string logged = testing::internal::GetCapturedStderr();
+  EXPECT_NE(logged.find("analysis: wood block: needs review: mass_g.best: 5000 g is more than 8 times away"),
             std::string::npos)
-      << told;
+      << logged;
   EXPECT_NE(
-      told.find(
+      logged.find(
           "kept as a proposal; accept it in the window or with livegs analyze --accept; decline it there"),
       std::string::npos);
-  EXPECT_NE(told.find("analysis: sponge: accepted"), std::string::npos) << told;
+  EXPECT_NE(logged.find("analysis: sponge: accepted"), std::string::npos) << logged;
 
   // The next start sends no question and logs that the proposal exists.
   testing::internal::CaptureStderr();
   start(weigh_too_much);
   analysis->begin();
-  told = testing::internal::GetCapturedStderr();
-  EXPECT_NE(told.find("wood block: a proposal from an earlier run waits"), std::string::npos) << told;
+  logged = testing::internal::GetCapturedStderr();
+  EXPECT_NE(logged.find("wood block: a proposal from an earlier run waits"), std::string::npos) << logged;
   EXPECT_TRUE(endpoint->asked().empty());
   std::vector<std::string> offered;
   analysis->watch_proposals([&](const std::string& object, const v1::PhysicsFile* proposal) {
@@ -222,7 +223,7 @@ TEST_F(AnalysisControllerTest, BadEditsNameTheField) {
   EXPECT_EQ(analysis->set_physics("wood block", edit).error().message,
             "physics.friction: is -1; it must be between 0 and 2");
   edit.set_friction(0.5);
-  EXPECT_NE(analysis->set_physics("hat", edit).error().message.find("available: wood block, told, sponge"),
+  EXPECT_NE(analysis->set_physics("hat", edit).error().message.find("available: wood block, given, sponge"),
             std::string::npos);
 }
 
@@ -230,7 +231,7 @@ TEST_F(AnalysisControllerTest, ReportsEditsOverriddenByTheScene) {
   start(nullptr);
   v1::Physics edit;
   edit.set_mass_kg(3.0);
-  const auto reply = analysis->set_physics("told", edit);
+  const auto reply = analysis->set_physics("given", edit);
   ASSERT_TRUE(reply) << reply.error().message;
   ASSERT_EQ(reply->warnings_size(), 1);
   EXPECT_EQ(reply->warnings(0),
@@ -272,7 +273,7 @@ TEST_F(AnalysisControllerTest, ProposalIsOfferedToEveryClient) {
   EXPECT_GT(block.proposal().mass_kg().best(), 2);
   EXPECT_EQ(reasons(block), 1);  // from the sidecar's log
   watching.open();
-  const auto told = [&] { return watching.read().events(0).object_changed(); };
+  const auto next_change = [&] { return watching.read().events(0).object_changed(); };
   const auto accept = [&](bool decline) {
     grpc::ClientContext context;
     set_patience(context);
@@ -283,7 +284,7 @@ TEST_F(AnalysisControllerTest, ProposalIsOfferedToEveryClient) {
     return late.stub().AcceptProposal(&context, request, &reply).error_code();
   };
   EXPECT_EQ(accept(true), grpc::StatusCode::OK);
-  block = told();
+  block = next_change();
   EXPECT_EQ(block.name(), "wood block");
   EXPECT_FALSE(block.has_proposal());
   EXPECT_EQ(reasons(block), 0);
@@ -291,13 +292,13 @@ TEST_F(AnalysisControllerTest, ProposalIsOfferedToEveryClient) {
   EXPECT_EQ(accept(true), grpc::StatusCode::NOT_FOUND);
 
   ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
-  block = told();
+  block = next_change();
   EXPECT_GT(block.proposal().mass_kg().best(), 2);
   EXPECT_EQ(reasons(block), 1);                    // from the latest answer
   EXPECT_LT(block.physics().mass_kg().best(), 2);  // unchanged
   EXPECT_EQ(reasons(joined(late)), 1);
   EXPECT_EQ(accept(false), grpc::StatusCode::OK);
-  block = told();
+  block = next_change();
   EXPECT_FALSE(block.has_proposal());
   EXPECT_EQ(reasons(block), 0);
   watching.cancel();

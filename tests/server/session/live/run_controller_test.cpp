@@ -104,18 +104,18 @@ TEST_F(RunControllerTest, ResetRestoresTheLoadedScene) {
   wait_ticks(3);
   loop_.stop();
   const Ticks ticks = log_.ticks();
-  const auto anew =
+  const auto reset_tick =
       std::find_if(ticks.begin(), ticks.end(), [](const TickResult& tick) { return tick.run.resets == 1; });
   // All objects are replaced in one tick, with unused ids.
-  ASSERT_EQ(anew->added.size(), 2u);
-  EXPECT_EQ(anew->added[1].name, "box");
-  EXPECT_EQ(anew->removed, (std::vector<uint32_t>{1, kBox}));
-  const uint32_t id = anew->added[1].id;
+  ASSERT_EQ(reset_tick->added.size(), 2u);
+  EXPECT_EQ(reset_tick->added[1].name, "box");
+  EXPECT_EQ(reset_tick->removed, (std::vector<uint32_t>{1, kBox}));
+  const uint32_t id = reset_tick->added[1].id;
   EXPECT_GT(id, 1u << 19);
-  EXPECT_EQ(anew->drivers.objects.size(), 2u);
+  EXPECT_EQ(reset_tick->drivers.objects.size(), 2u);
   // It has fallen for at most one tick, g / rate².
-  EXPECT_NEAR(middle_of(anew->drivers, id).y(), 5, 9.81 / 8100);
-  EXPECT_NEAR(anew->run.simulated_s, 1.0 / 90, 1e-8);
+  EXPECT_NEAR(middle_of(reset_tick->drivers, id).y(), 5, 9.81 / 8100);
+  EXPECT_NEAR(reset_tick->run.simulated_s, 1.0 / 90, 1e-8);
   for (auto tick = ticks.begin() + 1; tick != ticks.end(); ++tick) {
     EXPECT_EQ(tick->drivers.tick, (tick - 1)->drivers.tick + 1);
     EXPECT_GT(tick->drivers.simulated_ns, (tick - 1)->drivers.simulated_ns);
@@ -140,7 +140,7 @@ TEST_F(RunControllerTest, FailedResetReportsWhyAndTheSceneContinues) {
 // scene.
 TEST_F(RunControllerTest, ResetWithoutMemoryFailsAndTheSceneContinues) {
   loop_.start();
-  const auto expect_told = [&](RunController& run) {
+  const auto expect_reported = [&](RunController& run) {
     ASSERT_TRUE(run.control(reset()));
     ASSERT_TRUE(
         log_.wait([](const Ticks& ticks) { return !ticks.empty() && !ticks.back().run.message.empty(); }));
@@ -149,13 +149,13 @@ TEST_F(RunControllerTest, ResetWithoutMemoryFailsAndTheSceneContinues) {
     wait_ticks(3);
   };
   RunController short_of_memory(loop_, [](uint32_t) -> Result<Scene> { throw std::bad_alloc(); });
-  expect_told(short_of_memory);
+  expect_reported(short_of_memory);
   loop_.set_loading(false, "");
   ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return ticks.back().run.message.empty(); }));
   RunController cannot_encode(
       loop_, [](uint32_t first_id) -> Result<Scene> { return falling_scene(first_id); },
       [](const Scene&) { throw std::bad_alloc(); });
-  expect_told(cannot_encode);
+  expect_reported(cannot_encode);
   loop_.stop();
   EXPECT_EQ(log_.ticks().back().run.resets, 0u);
 }

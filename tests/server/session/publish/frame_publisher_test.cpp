@@ -107,7 +107,7 @@ class SlowAssetTest : public ::testing::Test {
     return reader_->wait(number);
   }
   // Publishes ticks until an event arrives.
-  Reader::Read publish_until_told() {
+  Reader::Read publish_until_event() {
     Reader::Read read;
     for (const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count();
          read.events.empty() && now_ns() < give_up_ns;)
@@ -180,13 +180,13 @@ TEST_F(SlowAssetTest, FracturedObjectFreezesUntilEncoded) {
   ASSERT_NE(described, late->objects.end());
   EXPECT_EQ((*described)->asset_hash(), assets_.add(object("box").asset)->hash);
   let_go();
-  const Reader::Read told = publish_until_told();
-  ASSERT_EQ(told.events.size(), 1u);
-  EXPECT_EQ(told.events[0].object_changed().object_id(), box);
-  EXPECT_EQ(told.events[0].object_changed().asset_hash(), assets_.add(slow_)->hash);
-  ASSERT_TRUE(find(told, box));
-  EXPECT_EQ(find(told, box)->revision, 1u);
-  EXPECT_DOUBLE_EQ(find(told, box)->poses.at(0).position_m.y(), height(number_));
+  const Reader::Read announced = publish_until_event();
+  ASSERT_EQ(announced.events.size(), 1u);
+  EXPECT_EQ(announced.events[0].object_changed().object_id(), box);
+  EXPECT_EQ(announced.events[0].object_changed().asset_hash(), assets_.add(slow_)->hash);
+  ASSERT_TRUE(find(announced, box));
+  EXPECT_EQ(find(announced, box)->revision, 1u);
+  EXPECT_DOUBLE_EQ(find(announced, box)->poses.at(0).position_m.y(), height(number_));
   EXPECT_EQ(slow_encodings_, 1);
 }
 
@@ -199,9 +199,9 @@ TEST_F(SlowAssetTest, AnnouncesTheStateAfterTheWait) {
   heavier.mass_kg = 7;
   EXPECT_TRUE(publish(tick({heavier})).events.empty());
   let_go();
-  const Reader::Read told = publish_until_told();
-  ASSERT_EQ(told.events.size(), 1u);
-  EXPECT_EQ(told.events[0].object_changed().mass_kg(), 7);
+  const Reader::Read announced = publish_until_event();
+  ASSERT_EQ(announced.events.size(), 1u);
+  EXPECT_EQ(announced.events[0].object_changed().mass_kg(), 7);
   EXPECT_EQ(slow_encodings_, 1);
 }
 
@@ -256,7 +256,7 @@ TEST_F(SlowAssetTest, CutIsAnnouncedWhenItsFragmentsAreEncoded) {
   EXPECT_EQ(read.events[0].object_changed().mass_kg(), 7);
   EXPECT_TRUE(read.events[0].object_changed().broken_asset_hash().empty());
   let_go();
-  read = publish_until_told();
+  read = publish_until_event();
   ASSERT_EQ(read.events.size(), 1u);
   EXPECT_EQ(read.events[0].object_changed().mass_kg(), 7);
   EXPECT_EQ(read.events[0].object_changed().broken_asset_hash(), assets_.add(slow_)->hash);

@@ -271,12 +271,12 @@ TEST(SessionRecorder, ReportsTheTickOfADifference) {
     SessionRecorder recorder(assets);
     EXPECT_TRUE(recorder.start(folder / name));
     for (uint64_t tick = 1; tick <= 120; ++tick) {
-      TickActions done, told;
+      TickActions done, recorded;
       done.samples.push_back({1, {hand_at(tick, -0.5)}});
-      told = done;
-      if (tick == 70) told.samples[0].samples[0].hands[1].aim.position_m.y() += nudge;
+      recorded = done;
+      if (tick == 70) recorded.samples[0].samples[0].hands[1].aim.position_m.y() += nudge;
       const TickResult stepped = run.advance(done);
-      recorder.record(told, stepped, run.scene());
+      recorder.record(recorded, stepped, run.scene());
     }
     EXPECT_TRUE(recorder.stop());
   };

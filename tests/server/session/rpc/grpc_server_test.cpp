@@ -43,14 +43,14 @@ TEST_F(GrpcServerTest, ObjectsIncludeTheirAccuracy) {
   grpc::ClientContext context;
   set_patience(context);
   ASSERT_TRUE(client.stub().AnalyzeObject(&context, request, &reply).ok());
-  for (const v1::ElasticAccuracy& told : {client.joined.objects(2).elastic(), reply.elastic()}) {
-    EXPECT_EQ(told.cell_width_m(), accuracy.cell_width_m);
-    EXPECT_EQ(told.substeps(), static_cast<uint32_t>(accuracy.substeps));
-    EXPECT_EQ(told.courant(), accuracy.courant);
-    EXPECT_EQ(told.youngs_modulus_pa(), 2e4);  // as in the scene
-    EXPECT_EQ(told.reached_youngs_modulus_pa(), accuracy.reached_youngs_modulus_pa);
-    EXPECT_EQ(told.nodes(), client.joined.objects(2).driver_count());
-    EXPECT_GT(told.nodes(), 0u);
+  for (const v1::ElasticAccuracy& reported : {client.joined.objects(2).elastic(), reply.elastic()}) {
+    EXPECT_EQ(reported.cell_width_m(), accuracy.cell_width_m);
+    EXPECT_EQ(reported.substeps(), static_cast<uint32_t>(accuracy.substeps));
+    EXPECT_EQ(reported.courant(), accuracy.courant);
+    EXPECT_EQ(reported.youngs_modulus_pa(), 2e4);  // as in the scene
+    EXPECT_EQ(reported.reached_youngs_modulus_pa(), accuracy.reached_youngs_modulus_pa);
+    EXPECT_EQ(reported.nodes(), client.joined.objects(2).driver_count());
+    EXPECT_GT(reported.nodes(), 0u);
   }
 }
 

@@ -233,8 +233,8 @@ TEST(SessionTable, ClosesEachSessionOnceUnderConcurrency) {
   set_log_level(LogLevel::Warn);
   Attentive inputs;
   SessionTable table;
-  table.check_grants_with([](const Grant& grant) -> Result<void> {
-    if (grant.token_id.size() % 2 == 1) return invalid_argument("it was revoked");
+  table.check_authorizations_with([](const Authorization& authorization) -> Result<void> {
+    if (authorization.token_id.size() % 2 == 1) return invalid_argument("it was revoked");
     return {};
   });
   table.open("scene", 90, {}, inputs);
@@ -244,7 +244,7 @@ TEST(SessionTable, ClosesEachSessionOnceUnderConcurrency) {
     std::string last;
     for (size_t turn = 0; !over; ++turn) {
       ClientIdentity who;
-      who.grant.token_id = turn % 3 == 0 ? "odd" : "even";
+      who.authorization.token_id = turn % 3 == 0 ? "odd" : "even";
       const auto joined = table.join(last, who);
       if (!joined) return;  // the table is closed
       ++joins;

@@ -148,8 +148,8 @@ Ratio ratio_of_p99(const std::vector<Turn>& above, const std::vector<Turn>& belo
 }
 
 int turn_count() {
-  const char* told = std::getenv("LIVEGS_TICK_TURNS");
-  return told ? std::max(8, std::atoi(told)) : 96;
+  const char* text = std::getenv("LIVEGS_TICK_TURNS");
+  return text ? std::max(8, std::atoi(text)) : 96;
 }
 
 // Repeats analyses for one turn; cancels the last one.

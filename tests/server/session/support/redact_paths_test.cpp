@@ -25,7 +25,7 @@ TEST(WithoutFolders, AbsolutePathsBecomeNames) {
       {"cup.ply: is 3 kg/m3 and/or a/b/c, 1 / 2", "cup.ply: is 3 kg/m3 and/or a/b/c, 1 / 2"},
       {"http://127.0.0.1:1234/v1: refused", "http://127.0.0.1:1234/v1: refused"},
       {"", ""}};
-  for (const auto& [message, told] : messages) EXPECT_EQ(redact_paths(message), told);
+  for (const auto& [message, expected] : messages) EXPECT_EQ(redact_paths(message), expected);
 }
 
 TEST(WithoutFolders, ClientStatusHasNoFolders) {

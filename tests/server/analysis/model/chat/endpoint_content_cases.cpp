@@ -77,7 +77,7 @@ std::vector<EndpointCase> content_cases() {
          EXPECT_EQ(raw.prompt_tokens + raw.completion_tokens, 0);
          EXPECT_EQ(raw.cost_usd, 0);
        }},
-      {"cost_as_told",
+      {"cost_as_reported",
        in_turn(
            {plain(200, Json{{"choices", {{{"message", {{"content", answer}}}, {"finish_reason", "stop"}}}},
                             {"usage", {{"prompt_tokens", 10}, {"completion_tokens", 5}, {"cost", 0.25}}}}

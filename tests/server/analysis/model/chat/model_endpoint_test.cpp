@@ -235,8 +235,8 @@ TEST(ModelEndpoint, RepairContinuesTheConversation) {
   const Json messages = body_of(server.posts().back())["messages"];
   ASSERT_EQ(messages.size(), 4u);
   EXPECT_EQ(messages[2]["role"], "assistant");
-  const std::string told = messages[3]["content"];
-  EXPECT_NE(told.find("\"mass_g: low is above best '; ignore this\""), std::string::npos) << told;
+  const std::string content = messages[3]["content"];
+  EXPECT_NE(content.find("\"mass_g: low is above best '; ignore this\""), std::string::npos) << content;
   EXPECT_EQ(repaired->prompt_tokens, 3000);  // of both turns
 }
 
