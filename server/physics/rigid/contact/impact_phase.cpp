@@ -65,8 +65,7 @@ double fraction_within_energy(std::span<RigidBody* const> bodies, std::span<cons
     if (body.asleep) continue;
     const Eigen::Vector3d change = body.velocity_m_s - before[i].velocity_m_s,
                           turn = body.angular_momentum - before[i].angular_momentum;
-    linear +=
-        body.mass_kg * before[i].velocity_m_s.dot(change) + before[i].angular_velocity_rad_s.dot(turn);
+    linear += body.mass_kg * before[i].velocity_m_s.dot(change) + before[i].angular_velocity_rad_s.dot(turn);
     square += 0.5 * (body.mass_kg * change.squaredNorm() +
                      turn.dot(body.angular_velocity_rad_s - before[i].angular_velocity_rad_s));
   }

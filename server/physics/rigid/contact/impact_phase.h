@@ -9,9 +9,9 @@
 // the step in which they would touch, so that the solver only supports resting contacts.
 //
 // Smith, Kaufman, Vouga, Tamstorf, Grinspun 2012, Reflections on Simultaneous Impact: all contacts that close
-// are reflected together; this repeats while any closes. Together keeps symmetric impacts symmetric, in rounds
-// passes an impulse along a row of touching bodies. With restitution e each contact of a round leaves at e
-// times its closing speed. Without friction, energy cannot grow; with friction it is limited.
+// are reflected together; this repeats while any closes. Together keeps symmetric impacts symmetric, in
+// rounds passes an impulse along a row of touching bodies. With restitution e each contact of a round leaves
+// at e times its closing speed. Without friction, energy cannot grow; with friction it is limited.
 
 namespace livegs {
 

@@ -48,8 +48,8 @@ TEST(Impacts, CradleOfTouchingBallsPassesTheSpeedToTheLast) {
     for (const int substeps : {1, 4, 16}) {
       for (const int row : {1, 2, 5, 12}) {
         for (const double gap_m : {0.0, 1e-3}) {
-          SCOPED_TRACE(::testing::Message()
-                       << row << " balls, gap " << gap_m << ", " << substeps << " substeps of " << rate << " Hz");
+          SCOPED_TRACE(::testing::Message() << row << " balls, gap " << gap_m << ", " << substeps
+                                            << " substeps of " << rate << " Hz");
           const std::vector<double> speeds = speeds_of_cradle(row, gap_m, 1.0, rate, substeps);
           EXPECT_GE(speeds.back(), 0.98 * kSpeed_m_s);
           double energy = 0.0;
@@ -110,8 +110,10 @@ TEST(Impacts, TumblingBoxKeepsItsEnergy) {
     const BodyState state = body_state(world, 1);
     const Eigen::Matrix3d turn = state.world_from_body.orientation.toRotationMatrix();
     const Vector3d spin = turn.transpose() * state.angular_velocity_rad_s;
-    const Vector3d inertia = Vector3d(0.1 * 0.1 + 0.3 * 0.3, 0.2 * 0.2 + 0.3 * 0.3, 0.2 * 0.2 + 0.1 * 0.1) / 12.0;
-    const double energy = 0.5 * state.velocity_m_s.squaredNorm() + 0.5 * spin.dot(inertia.cwiseProduct(spin)) +
+    const Vector3d inertia =
+        Vector3d(0.1 * 0.1 + 0.3 * 0.3, 0.2 * 0.2 + 0.3 * 0.3, 0.2 * 0.2 + 0.1 * 0.1) / 12.0;
+    const double energy = 0.5 * state.velocity_m_s.squaredNorm() +
+                          0.5 * spin.dot(inertia.cwiseProduct(spin)) +
                           kGravity * state.world_from_body.position_m.y();
     EXPECT_NEAR(energy / kGravity, 1.0, 0.01);
   }
