@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -42,6 +43,8 @@ struct RigidBodyDescription {
   MassProperties properties;  // per kg, object frame
   // > 0: a sphere about the centre of mass for contact; the mesh is only used for fracture.
   double sphere_radius_m = 0.0;
+  // The exact surface of a cylinder or capsule, in the object frame; the mesh may have facets.
+  std::optional<RoundShape> round;
   Material material;
   Pose world_from_object;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();            // world frame, of the centre of mass
@@ -145,9 +148,12 @@ class World {
   void step();
   uint64_t tick() const;
 
-  // Applies a constant force (world frame) at a material point (object frame at rest) until it is cleared.
-  // The caller chooses ids; an existing id is replaced. Forces on unknown objects are ignored.
-  void set_force(uint64_t force_id, uint32_t object_id, const PointForce& force);
+  // Applies a constant force (world frame) at a material point (object frame at rest) from the next tick on,
+  // for `duration_s` or until it is cleared. Its impulse is force times duration, whatever part of a substep
+  // the duration ends in. The caller chooses ids; an existing id is replaced. Forces on unknown objects are
+  // ignored.
+  void set_force(uint64_t force_id, uint32_t object_id, const PointForce& force,
+                 double duration_s = std::numeric_limits<double>::infinity());
   void clear_force(uint64_t force_id);
   // A material point is specified by its position in the object at rest. In a broken object it moves with the
   // fragment that contains `piece`, or without `piece` with the fragment at that position. Pass `piece` for

@@ -115,9 +115,8 @@ class Scene {
   uint32_t next_id_ = 1;
   Eigen::AlignedBox3d bounds_m_;
   size_t next_event_ = 0;
-  uint64_t next_force_ = 0;                                    // counter of apply_force
-  std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id; in order of their start
-  std::map<size_t, GrabPath> paths_;                           // by event index
+  uint64_t next_force_ = 0;           // counter of apply_force
+  std::map<size_t, GrabPath> paths_;  // by event index
   ScriptedGrabs grabs_;
   std::deque<uint32_t> balls_;  // oldest first
   Changes changes_;

@@ -121,6 +121,8 @@ Result<void> World::add_rigid(const RigidBodyDescription& description) {
   body.rest_centre_m = description.properties.centre_of_mass_m;
   body.shape = description.sphere_radius_m > 0.0 ? ball_shape(description.sphere_radius_m)
                                                  : mesh_shape(description.mesh, body.rest_centre_m);
+  body.shape.round = description.round;
+  if (body.shape.round) body.shape.round->centre_m -= body.rest_centre_m;
   body.mass_kg = description.material.mass_kg;
   body.set_unit_inertia(description.properties.inertia_m2);
   body.friction = description.material.friction;
@@ -213,11 +215,12 @@ void World::remove(uint32_t object_id) {
   }
 }
 
-void World::set_force(uint64_t force_id, uint32_t object_id, const PointForce& force) {
+void World::set_force(uint64_t force_id, uint32_t object_id, const PointForce& force, double duration_s) {
   WorldObject* object = state_->find(object_id);
   if (!object) return;
   object->wake();
-  state_->forces[force_id] = {object_id, force};
+  const double now_s = static_cast<double>(state_->tick) / state_->settings.rate_hz;
+  state_->forces[force_id] = {object_id, force, now_s + duration_s};
 }
 
 void World::clear_force(uint64_t force_id) {

@@ -95,6 +95,7 @@ struct WorldObject {
 struct ActiveForce {
   uint32_t object_id = 0;
   PointForce force;
+  double end_s = 0.0;
 };
 
 struct ActiveSpring {
@@ -171,7 +172,8 @@ struct World::State {
   void link_joints();  // rebuilds joint groups after joints or bodies changed
   const RigidJoint& running(const ActiveJoint& held) const;
 
-  void gather_loads(double duration_s);
+  void clear_ended_forces(double now_s);
+  void gather_loads(double start_s, double duration_s);
   void gather_springs(double duration_s);  // of set_spring() and grabs
   // At the first fracture of an object, assigns to each grab of it the nearest piece.
   void assign_grabs_to_pieces(uint32_t object_id, const RigidObject& object);

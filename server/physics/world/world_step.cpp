@@ -18,8 +18,18 @@ size_t index_of(const std::vector<RigidBody*>& bodies, const RigidBody& body) {
 
 }  // namespace
 
+void World::State::clear_ended_forces(double now_s) {
+  // A force that ends with a tick has ended in spite of rounding.
+  const double ended_s = now_s + 1e-9 / settings.rate_hz;
+  std::erase_if(forces, [&](const auto& force) {
+    if (force.second.end_s > ended_s) return false;
+    if (WorldObject* object = find(force.second.object_id)) object->wake();
+    return true;
+  });
+}
+
 // Gathers forces and springs at the start of the substep.
-void World::State::gather_loads(double duration_s) {
+void World::State::gather_loads(double start_s, double duration_s) {
   std::fill(loads.begin(), loads.end(), RigidLoad{});
   for (ElasticObject* elastic : elastic_objects) elastic->forces.clear();
 
@@ -37,7 +47,9 @@ void World::State::gather_loads(double duration_s) {
     }
   };
   for (const auto& [id, held] : forces) {
-    if (WorldObject* object = find(held.object_id)) push(*object, held.force.point_m, held.force.force_n);
+    const double share = std::clamp((held.end_s - start_s) / duration_s, 0.0, 1.0);
+    if (WorldObject* object = find(held.object_id); object && share > 0.0)
+      push(*object, held.force.point_m, share * held.force.force_n);
   }
   gather_springs(duration_s);
 }
@@ -136,14 +148,17 @@ void World::step() {
   const int64_t begin_ns = now_ns();
   const double tick_s = 1.0 / state.settings.rate_hz;
   const double duration_s = tick_s / state.settings.substeps;
+  const double now_s = static_cast<double>(state.tick) * tick_s;
   state.times = {};
+  state.clear_ended_forces(now_s);
   ++state.tick;
   state.wake_islands();
   for (RigidBody* body : state.rigid_bodies) body->tick_energy_j = state.energy_j(*body);
   for (int substep = 0; substep < state.settings.substeps; ++substep) {
-    state.gather_loads(duration_s);
+    const double start_s = now_s + substep * duration_s;
+    state.gather_loads(start_s, duration_s);
     const int64_t elastic_ns = now_ns();
-    state.step_elastic((state.tick - 1) * tick_s + substep * duration_s, duration_s);
+    state.step_elastic(start_s, duration_s);
     const int64_t rigid_ns = now_ns();
     state.step_rigid(duration_s);
     state.times.elastic_ms += milliseconds_from_ns(rigid_ns - elastic_ns);

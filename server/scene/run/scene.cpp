@@ -314,11 +314,6 @@ void Scene::step() {
   take_cuts(done);
   changes_.cut.insert(changes_.cut.end(), done.begin(), done.end());
   const uint64_t tick = world_->tick();
-  std::erase_if(running_forces_, [&](const auto& running) {
-    if (running.first > tick) return false;
-    world_->clear_force(running.second);
-    return true;
-  });
   const double rate_hz = world_->settings().rate_hz;
   for (; next_event_ < static_cast<size_t>(file_.events_size()); ++next_event_) {
     const v1::Event& event = file_.events(static_cast<int>(next_event_));
@@ -390,20 +385,16 @@ void Scene::apply_force(const v1::Event::Force& force) {
   const SceneObject* object = find(force.object());
   if (!object) return;
   const uint64_t force_id = kPersonForceBit | next_force_++;
-  world_->set_force(force_id, object->id, {vector_of(force.point_m()), vector_of(force.force_n())});
-  const double ticks = std::max(1.0, std::round(force.duration_s() * world_->settings().rate_hz));
-  running_forces_.emplace_back(world_->tick() + static_cast<uint64_t>(ticks), force_id);
+  world_->set_force(force_id, object->id, {vector_of(force.point_m()), vector_of(force.force_n())},
+                    force.duration_s());
 }
 
 void Scene::apply(const v1::Event& event, uint64_t event_id) {
   switch (event.action_case()) {
     case v1::Event::kForce: {
-      const SceneObject* object = find(event.force().object());
-      const uint64_t force_id = kEventForceBit | event_id;
-      world_->set_force(force_id, object->id,
-                        {vector_of(event.force().point_m()), vector_of(event.force().force_n())});
-      const double ticks = std::max(1.0, std::round(event.force().duration_s() * world_->settings().rate_hz));
-      running_forces_.emplace_back(world_->tick() + static_cast<uint64_t>(ticks), force_id);
+      const v1::Event::Force& force = event.force();
+      world_->set_force(kEventForceBit | event_id, find(force.object())->id,
+                        {vector_of(force.point_m()), vector_of(force.force_n())}, force.duration_s());
       break;
     }
     case v1::Event::kBall:
