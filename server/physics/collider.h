@@ -24,6 +24,15 @@ struct BoxShape {
 struct SphereShape {
   double radius_m = 0.5;
 };
+// The exact surface of a cylinder or capsule, of a rigid body only. A capsule's half length excludes its
+// caps.
+struct RoundShape {
+  enum class Kind { Cylinder, Capsule };
+  Kind kind = Kind::Cylinder;
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitY();  // unit
+  double radius_m = 0.0, half_length_m = 0.0;
+};
 struct FieldShape {
   // A mesh or the captured background; immutable, shared by threads.
   std::shared_ptr<const DistanceField> field;

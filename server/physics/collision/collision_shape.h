@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "geometry/field/distance_field.h"
 #include "geometry/triangle_mesh.h"
+#include "physics/collider.h"
 #include "physics/collision/bounding_sphere_tree.h"
 #include "physics/collision/convex_polyhedron.h"
 
@@ -39,6 +41,8 @@ struct RigidShape {
   // distance to the nearest face of a part, whether that face is open or not.
   struct Part;
   std::vector<Part> parts;
+  // Exact surface of a cylinder or capsule (mesh_shape leaves it out).
+  std::optional<RoundShape> round;
   Eigen::Vector3d min_m, max_m;
   double bounding_radius_m = 0.0;  // about the centre of mass
   double wall_m = INFINITY;        // mean wall thickness of a non-convex shape

@@ -136,13 +136,6 @@ void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses,
   for (JointGroup* group : joints) group->reset_impulses();
 }
 
-// Rescales accumulated impulses for the next step, which is `factor` times as long.
-void scale_impulses(ContactManifold& manifold, double factor) {
-  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].impulse_n_s *= factor;
-  manifold.friction_impulse_n_s *= factor;
-  manifold.twist_impulse *= factor;
-}
-
 // Solves an island in `times` as many steps as usual. Contacts keep the impulses of usual steps.
 void solve_island(RigidIsland& island, double duration_s, int times) {
   const auto each = [&](const auto& visit) {

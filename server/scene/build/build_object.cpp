@@ -35,6 +35,19 @@ struct Form {
   std::string scale_reason = "given in the scene file";
 };
 
+std::optional<RoundShape> round_shape(const v1::Shape& shape) {
+  const auto of = [](RoundShape::Kind kind, const v1::CylinderShape& measures) {
+    RoundShape round;
+    round.kind = kind;
+    round.radius_m = measures.radius_m();
+    round.half_length_m = 0.5 * measures.height_m();
+    return round;
+  };
+  if (shape.has_cylinder()) return of(RoundShape::Kind::Cylinder, shape.cylinder());
+  if (shape.has_capsule()) return of(RoundShape::Kind::Capsule, shape.capsule());
+  return std::nullopt;
+}
+
 TriangleMesh mesh_of(const v1::Shape& shape) {
   switch (shape.kind_case()) {
     case v1::Shape::kSphere:
@@ -340,6 +353,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       }
       body.properties = properties_of(*built.cut_mesh, material.fill);
       if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
+      if (shape && !material.fragile) body.round = round_shape(object.shape());
       place(body);
       built.body = std::move(body);
     }

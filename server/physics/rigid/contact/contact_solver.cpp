@@ -147,6 +147,12 @@ double total_impulse(const ContactManifold& manifold) {
   return total;
 }
 
+void scale_impulses(ContactManifold& manifold, double factor) {
+  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].impulse_n_s *= factor;
+  manifold.friction_impulse_n_s *= factor;
+  manifold.twist_impulse *= factor;
+}
+
 void solve_friction(RigidBody& a, ContactManifold& manifold) {
   const double limit = manifold.friction * total_impulse(manifold);
 

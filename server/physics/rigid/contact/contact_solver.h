@@ -42,5 +42,7 @@ double begin_impact(const RigidBody& a, ContactManifold& manifold, double step_s
 double solve_impact(RigidBody& a, ContactManifold& manifold);
 void solve_friction(RigidBody& a, ContactManifold& manifold);  // friction only
 double total_impulse(const ContactManifold& manifold);
+// Rescales the accumulated impulses, for a next step that is `factor` times as long.
+void scale_impulses(ContactManifold& manifold, double factor);
 
 }  // namespace livegs

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "physics/collision/collider_features.h"
+#include "physics/collision/round_contact.h"
 #include "physics/rigid/contact/contact_manifold.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/narrow_phase.h"
@@ -154,6 +155,8 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
     } else {
       collider_candidates(body, collider, search, candidates);
     }
+    if (body.shape.round)
+      move_to_round_surface(*body.shape.round, body.world_from_body, PairSide::First, candidates);
     cores.clear();
     core_candidates(
         body, [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); },
@@ -243,7 +246,7 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
   ContactPair pair = pair_of(body, &other, other.friction, other.restitution, gravity_m_s2, duration_s);
   pair.other = &other;
   pair.other_id = other.body_id();
-  pair.lasts = body.shape.convex && other.shape.convex;
+  pair.lasts = body.shape.convex && other.shape.convex && !body.shape.round && !other.shape.round;
   if (pair.lasts && motion < search.margin_m && reuse_manifold(body, pair)) return;
   candidates.clear();
   if (body.shape.is_ball()) {
@@ -256,6 +259,10 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
     std::vector<ContactCandidate> cores = core_candidates_of_pair(body, other, search);
     if (!cores.empty()) append_manifolds(body, pair, cores);
   }
+  if (body.shape.round)
+    move_to_round_surface(*body.shape.round, body.world_from_body, PairSide::First, candidates);
+  if (other.shape.round)
+    move_to_round_surface(*other.shape.round, other.world_from_body, PairSide::Other, candidates);
   if (!candidates.empty()) append_manifolds(body, pair, candidates);
 }
 

@@ -50,12 +50,6 @@ void put_back(ContactManifold& manifold, const RestingImpulses& resting) {
   manifold.twist_impulse = resting.twist;
 }
 
-void scale_impulses(ContactManifold& manifold, double factor) {
-  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].impulse_n_s *= factor;
-  manifold.friction_impulse_n_s *= factor;
-  manifold.twist_impulse *= factor;
-}
-
 // Fraction of the impulses since `before` with which kinetic energy does not grow: E(s) = before + s linear +
 // s² square.
 double fraction_within_energy(std::span<RigidBody* const> bodies, std::span<const Motion> before) {

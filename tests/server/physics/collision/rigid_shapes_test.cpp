@@ -80,6 +80,64 @@ TEST(RigidShapes, FacettedCylinderRollsLikeItsPrism) {
     }
 }
 
+// With its exact surface a mesh of 32 facets rolls without losing speed: a = g sin(angle) / (1 + I / (m
+// r^2)).
+TEST(RigidShapes, RoundShapesRollLikeCylinders) {
+  const double r = 0.1, height = 0.2, seconds = 1.5;
+  const double side = height, caps = 4.0 / 3.0 * r;  // volume over pi r^2
+  for (const double rate : kRates_hz) {
+    for (const bool capsule : {false, true}) {
+      for (const double degrees : {2.0, 5.0, 10.0, 20.0}) {
+        for (const bool on_box : {false, true}) {
+          SCOPED_TRACE(::testing::Message() << (capsule ? "capsule" : "cylinder") << " on " << degrees
+                                            << " degrees" << (on_box ? ", box, " : ", ") << rate << " Hz");
+          World world = world_at(rate, 4);
+          const double angle = radians(degrees);
+          Collider slope = incline(angle, 1.0);
+          const Eigen::Quaterniond turn(Eigen::AngleAxisd(-angle, Vector3d::UnitZ()));
+          if (on_box)
+            slope = Collider{BoxShape{{20.0, 1.0, 2.0}}, Pose{turn * Vector3d(0, -0.5, 0), turn}, 1.0, 0.0};
+          world.add_collider(slope);
+          auto body = body_of(1, capsule ? capsule_mesh(r, height) : cylinder_mesh(r, height), 1.0);
+          body.round = RoundShape{};
+          body.round->kind = capsule ? RoundShape::Kind::Capsule : RoundShape::Kind::Cylinder;
+          body.round->radius_m = r;
+          body.round->half_length_m = 0.5 * height;
+          body.material.friction = 1.0;
+          body.material.restitution = 0.0;
+          body.world_from_object.orientation = turn * Eigen::AngleAxisd(radians(90), Vector3d::UnitX());
+          body.world_from_object.position_m = turn * Vector3d(0, r, 0);
+          ASSERT_TRUE(world.add_rigid(body));
+          run_seconds(world, seconds);
+          const double inertia = capsule ? (0.5 * side + 0.4 * caps) / (side + caps) : 0.5;
+          const double way = 0.5 * kGravity * std::sin(angle) / (1.0 + inertia) * seconds * seconds;
+          const Vector3d moved = body_state(world, 1).world_from_body.position_m - turn * Vector3d(0, r, 0);
+          EXPECT_NEAR(moved.norm() / way, 1.0, 0.02);
+        }
+      }
+    }
+  }
+}
+
+// Upright, tilted by less than it takes to fall, a cylinder returns to its flat end.
+TEST(RigidShapes, RoundCylinderStandsOnItsEnd) {
+  for (const double rate : kRates_hz) {
+    World world = world_at(rate, 4);
+    world.add_collider(floor_plane(0.6));
+    auto body = body_of(1, cylinder_mesh(0.05, 0.1), 0.5);
+    body.round = RoundShape{};
+    body.round->radius_m = body.round->half_length_m = 0.05;
+    body.world_from_object.orientation = Eigen::AngleAxisd(0.1, Vector3d(1, 0, 0.3).normalized());
+    body.world_from_object.position_m = {0, 0.06, 0};
+    ASSERT_TRUE(world.add_rigid(body));
+    run_seconds(world, 5.0);
+    const BodyState state = body_state(world, 1);
+    EXPECT_TRUE(state.asleep);
+    EXPECT_NEAR(state.world_from_body.position_m.y(), 0.05, 2e-4);
+    EXPECT_GT((state.world_from_body.orientation * Vector3d::UnitY()).y(), 0.99999);
+  }
+}
+
 TEST(RigidShapes, BoxRestsOnDistanceFieldAsOnBox) {
   World world = world_at(60, 4);
   world.add_collider(field_collider(box_mesh({1.0, 0.2, 1.0}), 0.02, {0, -0.1, 0}));
