@@ -39,6 +39,25 @@ BodyMomentum body_momentum(std::span<const Vector3d> positions_m, std::span<cons
   return motion;
 }
 
+Matrix3d inertia_of(const Matrix3d& second) { return second.trace() * Matrix3d::Identity() - second; }
+
+Matrix3d second_moments_of(const Matrix3d& inertia) {
+  return 0.5 * inertia.trace() * Matrix3d::Identity() - inertia;
+}
+
+Matrix3d map_between_moments(const Matrix3d& from, const Matrix3d& to) {
+  const auto power = [](const Matrix3d& matrix, double exponent) {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(matrix);
+    const double least = 1e-9 * std::max(0.0, solver.eigenvalues()[2]);
+    Vector3d values = Vector3d::Zero();
+    for (int d = 0; d < 3; ++d)
+      values[d] = solver.eigenvalues()[d] > least ? std::pow(solver.eigenvalues()[d], exponent) : 0.0;
+    return Matrix3d(solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose());
+  };
+  const Matrix3d root = power(from, 0.5), inverse_root = power(from, -0.5);
+  return inverse_root * power(root * to * root, 0.5) * inverse_root;
+}
+
 Vector3d solve_inertia(const Matrix3d& inertia, const Vector3d& l) {
   const double scale = inertia.trace();
   if (!(scale > 0.0)) return Vector3d::Zero();

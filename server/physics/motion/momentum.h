@@ -24,6 +24,13 @@ BodyMomentum body_momentum(std::span<const Eigen::Vector3d> positions_m,
                            std::span<const Eigen::Vector3d> velocities_m_s,
                            std::span<const double> masses_kg);
 
+// Inertia, kg m², of the second moments `second`, sums of mass times r r^T.
+Eigen::Matrix3d inertia_of(const Eigen::Matrix3d& second);
+Eigen::Matrix3d second_moments_of(const Eigen::Matrix3d& inertia);
+// The symmetric map G with G from G = to (the least motion that takes a distribution of mass with one second
+// moment to one with the other; Dowson and Landau 1982). Axes in which `from` has none are left out.
+Eigen::Matrix3d map_between_moments(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to);
+
 // Angular velocity for the angular momentum `l`. Axes with a negligible moment (all masses on a line) are
 // omitted.
 Eigen::Vector3d solve_inertia(const Eigen::Matrix3d& inertia, const Eigen::Vector3d& l);

@@ -163,6 +163,7 @@ class CellsBody final : public ElasticBody {
   void set_up_materials();
   void choose(double cell_width_m);
   void set_masses();
+  void set_moment_map();
   void regularise_node_masses();
   void damp_light_nodes(double step_s, const Eigen::Vector3d& gravity_m_s2);
   void rebuild_cells();
@@ -187,6 +188,14 @@ class CellsBody final : public ElasticBody {
   void predict(double h, const SubstepContext& context);
   void advance(double h);
   void measure(const NodeSums& sums, double h);
+  Matrix3d moment_map_now() const;
+  Matrix3d centrifugal_correction() const;
+  // Sets the inertia of the material, and the angular momentum with the spin of the nodes.
+  void use_material_inertia();
+  // Angular momentum of the material for that of the nodes.
+  Vector3d material_angular(const Vector3d& of_nodes) const {
+    return motion_.inertia * solve_inertia(node_inertia_, of_nodes);
+  }
 
   void gather_point_loads(const SubstepContext& context);
   void solve_springs(const SubstepPart& part);
@@ -320,8 +329,15 @@ class CellsBody final : public ElasticBody {
   bool moved_ = false;           // part of the body has a prescribed motion
   bool boundary_moved_ = false;  // the whole boundary has a prescribed motion at the start
 
-  // Motion of the whole body, and the impulses on it in this substep. Moments are about the origin.
+  // Motion of the whole body, and the impulses on it in this substep. Moments are about the origin. Its
+  // inertia is that of the material, not of the nodes, and its angular momentum is inertia times spin.
   BodyMomentum motion_;
+  Matrix3d node_inertia_ = Matrix3d::Zero();  // of the nodes as point masses, about the centre
+  double moment_map_share_ =
+      1.0;  // 1 ... 0 as the strain grows from half to all of that of first-order steps
+  Matrix3d moment_map_ =
+      Matrix3d::Identity();  // object frame, at rest; takes the moments of the nodes to the material's
+  Quaterniond step_orientation_ = Quaterniond::Identity();  // orientation_ at the current step
   // From the previous velocities, at the current positions.
   Vector3d momentum_before_ = Vector3d::Zero(), angular_before_ = Vector3d::Zero();
   // Of the nodes, by the momentum ledger.

@@ -192,6 +192,7 @@ void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m
   motion_.angular_momentum += turn;
   momentum_before_ += impulse_n_s;
   angular_before_ += turn;
+  spin_correction_ += solve_inertia(motion_.inertia, turn) - solve_inertia(node_inertia_, turn);
   between_steps_impulse_ += impulse_n_s;
 }
 

@@ -157,7 +157,9 @@ void CellsBody::recover_shape(double frame_s) {
     for (size_t i = 0; i < was.size(); ++i) {
       now[i] = was[i] + share * (centre + rotation * (lattice_.node_position_m(i) - rest_centre) - was[i]);
     }
-    const Vector3d spin = solve_inertia(body_momentum(now, still, masses_kg_).inertia, l);
+    const Matrix3d map = moment_map_now();
+    const Matrix3d second = second_moments_of(body_momentum(now, still, masses_kg_).inertia);
+    const Vector3d spin = solve_inertia(inertia_of(map * second * map), l);
     for (size_t i = 0; i < now.size(); ++i)
       nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - centre));
   };

@@ -45,6 +45,7 @@ void CellsBody::end_frame(double frame_s) {
   motion_.centre_m -= shift;
   reach_m_ = nodes_.move_all(-shift, motion_.centre_m);
   orientation_ = (rotation_exp(frame_s * motion_.angular_velocity_rad_s()) * orientation_).normalized();
+  step_orientation_ = orientation_;
   whole_ = {centre_m(), orientation_};
   candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
   rigid_candidate_margin_m_ -= 1e-6 * reach_m_;
@@ -132,6 +133,7 @@ void CellsBody::restore_last_valid_state() {
   for (LightNode& light_node : light_nodes_) light_node.parent_m_s = still;
   if (!plastic_parts_.empty()) discard_plastic_flow();
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
+  step_orientation_ = orientation_;
   restart_motion();
   carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = degenerate_s_ = 0.0;
   strained_ = degenerate_ = recovering_ = false;
@@ -225,11 +227,16 @@ void CellsBody::place_rigid() {
     nodes_.set_motion(i, r, velocity + spin.cross(r));
   }
   orientation_ = centre_pose().orientation;
+  step_orientation_ = orientation_;
 }
 
 void CellsBody::become_elastic() {
   if (!rigid_) return;
   place_rigid();
+  std::vector<Vector3d> positions(nodes_.count());
+  const std::vector<Vector3d> still(positions.size(), Vector3d::Zero());
+  for (size_t i = 0; i < positions.size(); ++i) positions[i] = nodes_.position_m(i);
+  node_inertia_ = body_momentum(positions, still, masses_kg_).inertia;
   rigid_.reset();
   // The rotations of the sweep are out of date. The strain is negligible, so all are set to the body's
   // rotation.

@@ -17,6 +17,7 @@
 #include <cmath>
 
 #include "physics/elastic/cells/cells_body.h"
+#include "physics/motion/free_rotation.h"
 
 namespace livegs {
 namespace {
@@ -188,6 +189,10 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   strained_ =
       report.strain_squared > kFirstOrderStrainSquared || report.volume_ratio < kFirstOrderVolumeRatio;
   degenerate_ = degenerate_ || strained_;
+  moment_map_share_ =
+      report.volume_ratio < kFirstOrderVolumeRatio
+          ? 0.0
+          : std::clamp(2.0 - 2.0 * report.strain_squared / kFirstOrderStrainSquared, 0.0, 1.0);
 
   if (held_) hold_particles(time_s);
   contact_impulse_.setZero();
@@ -253,7 +258,9 @@ void CellsBody::predict(double h, const SubstepContext& context) {
     ledger_momentum_ = motion_.momentum + h * force;
     ledger_angular_ = motion_.angular_momentum + h * torque;
     new_velocity = (ledger_momentum_ - step_s * force) / mass_kg_;
-    new_spin = solve_inertia(motion_.inertia, ledger_angular_ - step_s * torque);
+    // The nodes get the torque with their own inertia, below.
+    new_spin =
+        solve_inertia(motion_.inertia, ledger_angular_) - step_s * solve_inertia(node_inertia_, torque);
   }
   PredictStep predict;
   predict.memory = static_cast<float>(memory);
@@ -264,6 +271,8 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   predict.correction_spin = lanes_of(spin_correction_);
   predict.bias = lanes_of(new_velocity - kept * old_velocity + step_s * context.gravity_m_s2);
   predict.spin = lanes_of(new_spin - kept * old_spin);
+  const Matrix3d field = step_s * centrifugal_correction();
+  for (int d = 0; d < 3; ++d) predict.field[d] = lanes_of(field.col(d));
   predict_nodes(nodes_.arrays(), predict);
 
   for (const Load& load : point_loads_) {
@@ -275,6 +284,17 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   }
 }
 
+// Rate of the spin's pull on the nodes, 1/s²: that of the material less that of the nodes. With the map G
+// from the nodes' moments to the material's, the kinetic energy of the spin is that of points at G r, whose
+// pull on r is G W G r, W = w² - w w^T.
+Matrix3d CellsBody::centrifugal_correction() const {
+  if (!free()) return Matrix3d::Zero();
+  const Matrix3d map = moment_map_now();
+  const Vector3d spin = motion_.angular_velocity_rad_s();
+  const Matrix3d pull = spin.squaredNorm() * Matrix3d::Identity() - spin * spin.transpose();
+  return map * pull * map - pull;
+}
+
 void CellsBody::advance(double h) {
   NodeSums sums;
   advance_nodes(nodes_.arrays(), static_cast<float>(step_of(h)), sums);
@@ -282,7 +302,8 @@ void CellsBody::advance(double h) {
   const Vector3d momentum_of_step = motion_.momentum;
   measure(sums, h);
   momentum_before_ = momentum_of_step;
-  angular_before_ = vector_of(sums.angular_before) - motion_.centre_m.cross(momentum_before_);
+  angular_before_ =
+      material_angular(vector_of(sums.angular_before) - motion_.centre_m.cross(momentum_before_));
   for (const ColliderContact& touch : collider_contacts_) {
     const NodeSample& sample = surface_[touch.sample];
     nodes_.push_before(sample, touch.impulse_n_s);
@@ -319,7 +340,7 @@ void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
   }
   if (light_nodes_.empty() || !free()) return;
   velocity_correction_ -= momentum / mass_kg_;
-  spin_correction_ -= solve_inertia(motion_.inertia, angular);
+  spin_correction_ -= solve_inertia(node_inertia_, angular);
 }
 
 // Updates the motion of the whole body and the difference between ledger and nodes. An impulse J at p changes
@@ -327,7 +348,7 @@ void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
 // the centre is (p - c) x J, with c before the step, less e x P, where e is the lead of c over h P / m. BDF2
 // spreads this lead over several steps: e' = (e - h J / m) / 3.
 void CellsBody::measure(const NodeSums& sums, double h) {
-  const Vector3d centre_before = motion_.centre_m;
+  const Vector3d centre_before = motion_.centre_m, spin_of_step = motion_.angular_velocity_rad_s();
   motion_.mass_kg = mass_kg_;
   motion_.centre_m = vector_of(sums.mass_position) / mass_kg_;
   motion_.momentum = vector_of(sums.momentum);
@@ -337,6 +358,8 @@ void CellsBody::measure(const NodeSums& sums, double h) {
                zz = sums.second[2] - mass_kg_ * c.z() * c.z(), xy = sums.second[3] - mass_kg_ * c.x() * c.y(),
                yz = sums.second[4] - mass_kg_ * c.y() * c.z(), zx = sums.second[5] - mass_kg_ * c.z() * c.x();
   motion_.inertia << yy + zz, -xy, -zx, -xy, xx + zz, -yz, -zx, -yz, xx + yy;
+  step_orientation_ = (rotation_exp(h * spin_of_step) * step_orientation_).normalized();
+  use_material_inertia();
 
   velocity_correction_.setZero();
   spin_correction_.setZero();
@@ -355,8 +378,8 @@ void CellsBody::measure(const NodeSums& sums, double h) {
   const Vector3d spin = motion_.angular_velocity_rad_s();
   spin_rad_s_ = spin.norm();
   const double rigid_j =
-      0.5 * motion_.momentum.squaredNorm() / mass_kg_ + 0.5 * motion_.angular_momentum.dot(spin);
-  kinetic_j_ = sums.kinetic;
+      0.5 * motion_.momentum.squaredNorm() / mass_kg_ + 0.5 * spin.dot(node_inertia_ * spin);
+  kinetic_j_ = sums.kinetic - 0.5 * spin.dot((node_inertia_ - motion_.inertia) * spin);  // equal if held
   deviation_m_s_ = std::sqrt(std::max(0.0, 2.0 * (sums.kinetic - rigid_j) / mass_kg_));
 }
 

@@ -18,6 +18,7 @@ void predict_nodes(const NodeArrays& nodes, const PredictStep& step) {
   const Lanes centre = twice(step.centre), correction = twice(step.correction),
               correction_spin = twice(step.correction_spin);
   const Lanes bias = twice(step.bias), spin = twice(step.spin), zero = all_lanes(0.0f);
+  const Lanes field_x = twice(step.field[0]), field_y = twice(step.field[1]), field_z = twice(step.field[2]);
   typedef int Mask __attribute__((vector_size(32)));
   const Mask xyz = {-1, -1, -1, 0, -1, -1, -1, 0};
   for (size_t i = 0; i < nodes.count; i += 2) {
@@ -30,7 +31,11 @@ void predict_nodes(const NodeArrays& nodes, const PredictStep& step) {
     const Mask free = (inverse_mass > zero) & xyz;
     v += free ? correction + cross_pairs(correction_spin, r) : zero;
     // w holds the mass and stays unchanged.
-    const Lanes carried = kept * (v + memory * (v - v_before)) + bias + cross_pairs(spin, r);
+    const Lanes r_x = __builtin_shufflevector(r, r, 0, 0, 0, 0, 4, 4, 4, 4),
+                r_y = __builtin_shufflevector(r, r, 1, 1, 1, 1, 5, 5, 5, 5),
+                r_z = __builtin_shufflevector(r, r, 2, 2, 2, 2, 6, 6, 6, 6);
+    const Lanes carried = kept * (v + memory * (v - v_before)) + bias + cross_pairs(spin, r) +
+                          (field_x * r_x + field_y * r_y + field_z * r_z);
     const Lanes predicted = free ? carried : zero;
     const Lanes y = x + (free ? memory * (x - x_before) + step_s * predicted : zero);
     const Lanes out = xyz ? predicted : v;

@@ -32,7 +32,8 @@ struct PredictStep {
   float kept = 1;                         // factor on the deviation from rigid motion
   NodeLanes centre;                       // centre of mass
   NodeLanes correction, correction_spin;  // added to v first: correction by the momentum ledger
-  NodeLanes bias, spin;                   // v^ = kept (v + memory (v - v_)) + bias + spin x r
+  // v^ = kept (v + memory (v - v_)) + bias + spin x r + field r, with the columns of a matrix.
+  NodeLanes bias, spin, field[3];
 };
 void predict_nodes(const NodeArrays& nodes, const PredictStep& step);
 
