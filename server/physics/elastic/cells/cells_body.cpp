@@ -199,7 +199,7 @@ void CellsBody::set_moment_map() {
   moment_map_ = map.eigenvectors() * kept.asDiagonal() * map.eigenvectors().transpose();
 }
 
-// World frame. It fades out with strain, because the moments at rest do not describe a crushed body.
+// World frame. None at a large strain, because the moments at rest do not describe a crushed body.
 Matrix3d CellsBody::moment_map_now() const {
   const Matrix3d turn = step_orientation_.toRotationMatrix(), one = Matrix3d::Identity();
   return turn * (one + moment_map_share_ * (moment_map_ - one)) * turn.transpose();
@@ -207,7 +207,7 @@ Matrix3d CellsBody::moment_map_now() const {
 
 void CellsBody::use_material_inertia() {
   node_inertia_ = motion_.inertia;
-  if (!free()) return;
+  if (!free() || moment_map_share_ == 0.0) return;
   const Matrix3d map = moment_map_now();
   motion_.inertia = inertia_of(map * second_moments_of(node_inertia_) * map);
   motion_.angular_momentum = material_angular(motion_.angular_momentum);

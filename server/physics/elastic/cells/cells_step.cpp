@@ -28,6 +28,9 @@ using Eigen::Vector3d;
 // Beyond this strain a body takes first-order steps, which dissipate energy; BDF2 would amplify the motion.
 constexpr double kFirstOrderStrainSquared = 0.25;  // |S - I|²
 constexpr double kFirstOrderVolumeRatio = 0.2;     // det F
+// Time in which the inertia of the material returns after such a strain. Shorter: a limp body that is
+// strained again and again gains energy from the changes.
+constexpr double kMomentMapReturn_s = 0.5;
 // A body in contact also takes first-order steps while its shape changes slowly: RMS speed below this
 // fraction of sqrt(g L), with L the smallest side (the speed after a fall of L/200). Pointwise contact causes
 // noise, which BDF2 damps too little.
@@ -189,10 +192,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   strained_ =
       report.strain_squared > kFirstOrderStrainSquared || report.volume_ratio < kFirstOrderVolumeRatio;
   degenerate_ = degenerate_ || strained_;
-  moment_map_share_ =
-      report.volume_ratio < kFirstOrderVolumeRatio
-          ? 0.0
-          : std::clamp(2.0 - 2.0 * report.strain_squared / kFirstOrderStrainSquared, 0.0, 1.0);
+  moment_map_share_ = strained_ ? 0.0 : std::min(1.0, moment_map_share_ + h / kMomentMapReturn_s);
 
   if (held_) hold_particles(time_s);
   contact_impulse_.setZero();
@@ -288,7 +288,7 @@ void CellsBody::predict(double h, const SubstepContext& context) {
 // from the nodes' moments to the material's, the kinetic energy of the spin is that of points at G r, whose
 // pull on r is G W G r, W = w² - w w^T.
 Matrix3d CellsBody::centrifugal_correction() const {
-  if (!free()) return Matrix3d::Zero();
+  if (!free() || moment_map_share_ == 0.0) return Matrix3d::Zero();
   const Matrix3d map = moment_map_now();
   const Vector3d spin = motion_.angular_velocity_rad_s();
   const Matrix3d pull = spin.squaredNorm() * Matrix3d::Identity() - spin * spin.transpose();
