@@ -171,18 +171,23 @@ TEST(BreakingLoads, FragmentsReportTheirOwnImpulses) {
     const Vector3d held_at = cup_pieces()->cut.pieces[0].mass.centre_of_mass_m;
     ASSERT_TRUE(world.grab(1, kCup, {world.world_point(kCup, held_at), Eigen::Quaterniond::Identity()}, {}));
     world.move_grab(1, {{0, 0.6, 0}, Eigen::Quaterniond::Identity()}, Vector3d::Zero(), Vector3d::Zero());
-    double held = 0.0, others = 0.0;
-    for (int tick = 0; tick < rate; ++tick) {
+    double held_n_s = 0.0;
+    std::vector<double> mean_n_s(cup_pieces()->cut.pieces.size(), 0.0);
+    const int first = static_cast<int>(rate / 2), ticks = static_cast<int>(rate);
+    for (int tick = 0; tick < ticks; ++tick) {
       world.step();
-      if (2 * tick < rate) continue;  // until the fragment is in the air
-      held = std::max(held, world.contact_impulse_n_s(kCup, held_at));
-      for (const VoronoiPiece& piece : cup_pieces()->cut.pieces) {
-        others = std::max(others, world.contact_impulse_n_s(kCup, piece.mass.centre_of_mass_m));
+      if (tick < first) continue;  // until the fragment is in the air
+      held_n_s = std::max(held_n_s, world.contact_impulse_n_s(kCup, held_at));
+      for (size_t i = 0; i < mean_n_s.size(); ++i) {
+        const Vector3d& centre = cup_pieces()->cut.pieces[i].mass.centre_of_mass_m;
+        mean_n_s[i] += world.contact_impulse_n_s(kCup, centre) / (ticks - first);
       }
     }
-    EXPECT_EQ(held, 0.0);
-    EXPECT_GT(others, 0.0);
-    EXPECT_LT(others, kMass_kg * kGravity / rate) << "exceeds the weight of the whole cup";
+    const double most_n_s = *std::max_element(mean_n_s.begin(), mean_n_s.end());
+    EXPECT_EQ(held_n_s, 0.0);
+    EXPECT_GT(most_n_s, 0.0);
+    // A mean, because fragments still rock.
+    EXPECT_LT(most_n_s, kMass_kg * kGravity / rate) << "exceeds the weight of the whole cup";
   }
 }
 
