@@ -108,7 +108,7 @@ void record_impulses(RigidBody& body, const ContactManifold& manifold, ImpulseKi
   if (other) other->impacts.record_friction(*other, -rubbed, -twist, manifold.arm_b_m, kind);
 }
 
-bool resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s,
+void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s,
                      double remaining_s) {
   std::vector<const RigidIsland::Contact*> closing;
   const auto find_closing = [&](double passed_on_m_s) {
@@ -123,7 +123,7 @@ bool resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
     return fastest_m_s;
   };
   const double fastest_m_s = find_closing(0.0);
-  if (closing.empty()) return false;
+  if (closing.empty()) return;
 
   std::vector<Motion> before(island.bodies.size());
   for (int round = 0; round < kMaxImpactRounds && !closing.empty(); ++round) {
@@ -154,7 +154,6 @@ bool resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
     }
     find_closing(kPassedOn * fastest_m_s);
   }
-  return true;
 }
 
 }  // namespace livegs

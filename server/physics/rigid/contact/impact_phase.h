@@ -16,8 +16,8 @@
 namespace livegs {
 
 // Resolves the impacts of an island in the coming step. Requires prepared manifolds and velocities before the
-// step's acceleration. `remaining_s`: from now to the end of the substep. Returns whether there was one.
-bool resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s,
+// step's acceleration. `remaining_s`: from now to the end of the substep.
+void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s,
                      double remaining_s);
 
 // Adds the impulses of a manifold to the sums of its two bodies. `remaining_s` dates an impact.
