@@ -23,8 +23,9 @@ double squared_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& min
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   triangles_.reserve(mesh.triangles.size());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    Triangle triangle{{mesh.vertices_m[a], mesh.vertices_m[b], mesh.vertices_m[c]}, {}};
+  for (uint32_t index = 0; index < mesh.triangles.size(); ++index) {
+    const auto& [a, b, c] = mesh.triangles[index];
+    Triangle triangle{{mesh.vertices_m[a], mesh.vertices_m[b], mesh.vertices_m[c]}, {}, index};
     const auto& [p, q, r] = triangle.corner_m;
     const Eigen::Vector3d normal = (q - p).cross(r - p);
     const double length = normal.norm();
@@ -57,7 +58,7 @@ void TriangleTree::add_box(uint32_t begin, uint32_t end) {
 }
 
 TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d& point_m) const {
-  Nearest best{INFINITY, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY()};
+  Nearest best{INFINITY, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY(), 0};
   double least2 = INFINITY, squarest = -1.0;
   std::array<uint32_t, 64> waiting;  // never deeper than the logarithm of the number of triangles
   size_t count = 0;
@@ -86,6 +87,7 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d& point_m) cons
       if (!same || square > squarest) {
         best.foot_m = foot;
         best.normal = triangle.normal;
+        best.triangle = triangle.index;
         squarest = square;
       }
       least2 = std::min(least2, squared);

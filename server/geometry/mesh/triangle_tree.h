@@ -24,6 +24,7 @@ class TriangleTree {
     // one whose plane is farthest from the point. For a closed mesh its sign is the side of the point (Sigg
     // 2003, Signed distance transform, 3).
     Eigen::Vector3d normal;
+    uint32_t triangle;  // index in the mesh; 0 if there is none
   };
   Nearest nearest(const Eigen::Vector3d& point_m) const;
 
@@ -33,6 +34,7 @@ class TriangleTree {
   struct Triangle {
     std::array<Eigen::Vector3d, 3> corner_m;
     Eigen::Vector3d normal;
+    uint32_t index;  // in the mesh
   };
   struct Box {
     Eigen::Vector3d min_m, max_m;

@@ -5,26 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "geometry/field/sample_particles.h"
 #include "physics/collider.h"
 
 // Contact of one sampled point of a deformable body: a correction of its position at the end of a substep.
 
 namespace livegs {
-
-// A material point of the body's surface and its particle.
-struct SurfacePoint {
-  uint32_t particle;
-  Eigen::Vector3d rest_m;  // object frame
-  double radius_m;         // of the particle if it is treated as a ball
-  // Outward unit normals, object frame, one for each face at the point; two or three at voxel edges and
-  // corners.
-  std::vector<Eigen::Vector3d> normals;
-};
-// Contact points of the particles. Particles at mesh vertices are used as they are. Boundary voxels without a
-// nearby vertex contribute the centre of their outer face, edge or corner, two to eight points if opposite
-// sides are open. This covers coarse meshes and point clouds.
-std::vector<SurfacePoint> surface_points(const ParticleSet& particles);
 
 // Moves the point out of the solid along the normal. Friction moves it back towards its position at the start
 // of the substep, by at most `friction` times the depth (Coulomb's law on positions). `moved_m` is the

@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 
 // The iteration stops when a sweep changes the impulses by less than this fraction of their sum. More sweeps
 // distribute the weight more evenly.
-constexpr int kMaxIterations = 8;
-constexpr double kConvergence = 0.02;
+constexpr int kMaxIterations = 24;
+constexpr double kConvergence = 0.005;
 
 Vector3d relative_displacement(const ContactConstraint& row) {
   return row.a->displacement_m(row.anchor_a) - row.b->displacement_m(row.anchor_b);

@@ -21,9 +21,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kGravity_m_s2 = 9.81;
-// Least part of a node's distance that counts as inertia: 1/sqrt(3), that of one full cell. Contacts act on
-// the nodes, whose inertia they would exceed many times in a thin cord if its own counted.
-constexpr double kMinMomentMap = 0.577;
 constexpr double kMinNodeMassRatio = 1e-3;  // minimum node mass relative to the heaviest node of its cells
 
 }  // namespace
@@ -164,55 +161,6 @@ void CellsBody::set_masses() {
   set_moment_map();
 }
 
-// Nodes as point masses have a larger inertia than the material: a cube of n cells across 1 + 2 / n² times.
-void CellsBody::set_moment_map() {
-  const Matrix3d object_from_lattice = lattice_.object_from_lattice.orientation.toRotationMatrix();
-  double mass = 0.0;
-  Vector3d centre = Vector3d::Zero();
-  for (size_t i = 0; i < masses_kg_.size(); ++i) centre += masses_kg_[i] * lattice_.node_position_m(i);
-  centre /= mass_kg_;
-  Matrix3d of_nodes = Matrix3d::Zero(), of_material = Matrix3d::Zero();
-  for (size_t i = 0; i < masses_kg_.size(); ++i) {
-    const Vector3d r = lattice_.node_position_m(i) - centre;
-    of_nodes += masses_kg_[i] * r * r.transpose();
-  }
-  Vector3d material_centre = Vector3d::Zero();
-  const double half = 0.5 * lattice_.cell_width_m;
-  for (const LatticeCell& cell : lattice_.cells) {
-    double density = 0.0;
-    for (const MaterialShare& share : cell.materials)
-      density += share.part * densities_kg_m3_[share.material];
-    const double of_cell = density * cell.volume_m3;
-    const Vector3d lattice_m =
-        half * (2.0 * cell.coordinates.cast<double>() + Vector3d::Ones() + cell.centroid);
-    const Vector3d r = lattice_.object_from_lattice * lattice_m;
-    const Vector3d variance = half * half / 3.0 * cell.spread;
-    mass += of_cell;
-    material_centre += of_cell * r;
-    of_material += of_cell * (r * r.transpose() +
-                              object_from_lattice * variance.asDiagonal() * object_from_lattice.transpose());
-  }
-  material_centre /= mass;
-  of_material = mass_kg_ * (of_material / mass - material_centre * material_centre.transpose());
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> map(map_between_moments(of_nodes, of_material));
-  const Vector3d kept = map.eigenvalues().cwiseMax(kMinMomentMap).cwiseMin(1.0);
-  moment_map_ = map.eigenvectors() * kept.asDiagonal() * map.eigenvectors().transpose();
-}
-
-// World frame. None at a large strain, because the moments at rest do not describe a crushed body.
-Matrix3d CellsBody::moment_map_now() const {
-  const Matrix3d turn = step_orientation_.toRotationMatrix(), one = Matrix3d::Identity();
-  return turn * (one + moment_map_share_ * (moment_map_ - one)) * turn.transpose();
-}
-
-void CellsBody::use_material_inertia() {
-  node_inertia_ = motion_.inertia;
-  if (!free() || moment_map_share_ == 0.0) return;
-  const Matrix3d map = moment_map_now();
-  motion_.inertia = inertia_of(map * second_moments_of(node_inertia_) * map);
-  motion_.angular_momentum = material_angular(motion_.angular_momentum);
-}
-
 // Called after changes of masses, held nodes or plastic state. The rotations of the sweep are kept.
 void CellsBody::rebuild_cells() {
   std::vector<Quaterniond> rotations(lattice_.cells.size(), orientation_ * extent_.object_from_lattice);
@@ -279,32 +227,6 @@ const GaussSeidelGains& CellsBody::gains_of(double h, bool second_order) {
                                     second_order ? 2.0 * h / 3.0 : h);
   }
   return *found;
-}
-
-void CellsBody::make_surface(const ParticleSet& particles) {
-  struct Point {
-    EmbeddedPoint at;
-    const std::vector<Vector3d>* normals;
-  };
-  std::vector<Point> points;
-  const std::vector<SurfacePoint> sampled = surface_points(particles);
-  for (const SurfacePoint& point : sampled) points.push_back({lattice_.embed(point.rest_m), &point.normals});
-  std::stable_sort(points.begin(), points.end(),
-                   [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });
-  for (uint32_t i = 0; i < points.size(); ++i) {
-    surface_.push_back(sample_at(points[i].at));
-    surface_local_.push_back(points[i].at.local.cast<float>());
-    face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
-    for (const Vector3d& normal : *points[i].normals) {
-      face_normals_.push_back((extent_.object_from_lattice.conjugate() * normal).cast<float>());
-    }
-    if (i == 0 || points[i].at.cell != points[i - 1].at.cell) {
-      surface_cells_.push_back({lattice_.cells[points[i].at.cell].nodes, i, i, {}});
-    }
-    surface_cells_.back().end = i + 1;
-    surface_cells_.back().points.extend(surface_local_.back());
-  }
-  face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
 }
 
 // Node velocities from particle velocities: the best fit that is linear in position, so that rotation,

@@ -37,6 +37,10 @@
 
 namespace livegs {
 
+// Strain |S - I|² of a cell, including bending, above which it is overstrained in contact or after plastic
+// flow.
+inline constexpr double kOverstrainSquared = 1.0;
+
 class CellsBody final : public ElasticBody {
   using Vector3d = Eigen::Vector3d;
   using Matrix3d = Eigen::Matrix3d;
@@ -123,6 +127,15 @@ class CellsBody final : public ElasticBody {
     uint32_t begin, end;         // range of surface_
     Eigen::AlignedBox3f points;  // bounds of these points, local coordinates
   };
+  // The curvature about a surface point (SurfacePatch), lattice axes at rest.
+  struct CurvedPatch {
+    Eigen::Vector3f bulge;
+    Eigen::Matrix3f curvature, flatten;
+    float radius_m = 0.0f;  // mean of curvature
+    float reach_m = 0.0f;   // 0: without curvature
+    // How far the patch may reach beyond its point, against the other surface's normal.
+    float lowest_m = 0.0f;
+  };
   struct Ball {
     Vector3d centre_m;  // relative to the origin
     double radius_m;
@@ -136,7 +149,8 @@ class CellsBody final : public ElasticBody {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   };
   struct ColliderContact {
-    uint32_t sample;  // index in surface_
+    uint32_t point;  // index in surface_
+    NodeSample sample;
     Vector3d impulse_n_s;
   };
   struct DynamicContact {
@@ -201,6 +215,10 @@ class CellsBody final : public ElasticBody {
   void solve_springs(const SubstepPart& part);
   double grip_factor(const NodeSample& sample) const;  // 0 ... 1, factor on the force of a hand at this point
   bool in_impact(const SubstepContext& context);
+  // How far the patch of a surface point may reach beyond it.
+  double patch_depth_m(uint32_t i) const { return patches_.empty() ? 0.0 : patches_[i].lowest_m; }
+  // The material point at which a surface point's patch touches a surface with the outward normal `normal`.
+  NodeSample touching_sample(uint32_t i, const Vector3d& normal) const;
   Ball ball_around(const SurfaceCell& cell) const;
   void find_candidates(const SubstepContext& context);
   void resolve_colliders(double step_s, const SubstepContext& context);
@@ -233,8 +251,9 @@ class CellsBody final : public ElasticBody {
   // bodies.
   void apply_rolling_resistance(size_t first_contact, double step_s);
   void apply_rolling_resistance(std::span<const ContactConstraint> rows);
-  void apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m,
-                              double step_s);
+  double plane_strain_modulus_pa() const;  // of the body's own material, as simulated
+  void apply_collider_contact(uint32_t index, const NodeSample& sample, const Vector3d& point_m,
+                              const Vector3d& pull_kg_m, double step_s);
 
   struct CellShape {
     Matrix3d f, rotation;
@@ -351,6 +370,7 @@ class CellsBody final : public ElasticBody {
 
   std::vector<NodeSample> surface_;  // grouped by cell
   std::vector<float> surface_mobility_;
+  std::vector<CurvedPatch> patches_;  // by surface_ index; empty if the whole surface is flat
   std::vector<SurfaceCell> surface_cells_;
   std::vector<Candidate> candidates_;
   double candidate_margin_m_ = 0.0;  // remaining motion of any node before a new search
@@ -358,6 +378,7 @@ class CellsBody final : public ElasticBody {
   std::vector<ColliderContact> collider_contacts_;  // of this step
   std::vector<Side> sides_;                         // by surface_ index; empty until a collider is near
   double step_contact_n_s_ = 0.0;                   // sum of impulse magnitudes in this step
+  double pressed_n_ = 0.0;                          // sum of the contact forces, moving average
   double carried_n_ = 0.0;  // force passed through the body between contacts, moving average
   std::vector<Eigen::Vector3f> surface_local_;  // local coordinates of surface_
   std::vector<uint32_t> face_begins_;           // first face of each surface_ point, and the end

@@ -73,12 +73,21 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
   const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
   const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction,
                            uint32_t i) {
-    const NodeSample& sample = surface_[i];
+    NodeSample sample = surface_[i];
     Side& side = sides_[i];
-    const Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
+    Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
     const bool met = side.collider == collider_index;
     const Vector3d last = met ? side.normal.cast<double>().eval() : Vector3d::Zero().eval();
-    const SurfaceSample surface = swept_surface(collider, origin_m_ + from, origin_m_ + point, last);
+    SurfaceSample surface = swept_surface(collider, origin_m_ + from, origin_m_ + point, last);
+    const double patch_depth = patch_depth_m(i);
+    double w = surface_mobility_[i];
+    if (patch_depth > 0.0 && surface.distance_m < patch_depth) {
+      sample = touching_sample(i, surface.normal);
+      w = mobility(sample);
+      point = nodes_.corrected_m(sample);
+      from = nodes_.position_m(sample);
+      surface = swept_surface(collider, origin_m_ + from, origin_m_ + point, last);
+    }
     if (surface.distance_m >= 0.0) {
       if (met) side = {};
       return;
@@ -89,10 +98,9 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const Vector3d moved = point - from;
     const double gap_before = surface.distance_m - surface.normal.dot(moved);
     const double depth = std::min(0.0, gap_before + kContactPushSpeed_m_s * step_s) - surface.distance_m;
-    const double w = surface_mobility_[i];
     if (depth <= 0.0 || w <= 0.0) return;
     const Vector3d pull_kg_m = contact_correction(surface.normal, depth, moved, friction) / w;
-    apply_collider_contact(i, point, pull_kg_m, step_s);
+    apply_collider_contact(i, sample, point, pull_kg_m, step_s);
     const double size = pull_kg_m.norm() / step_s;
     record_contact_impulse(origin_m_ + point, size);
   };
@@ -117,13 +125,13 @@ double CellsBody::mobility(const NodeSample& sample) const {
   return sum > kMinMobilityRatio * unheld ? sum : 0.0;
 }
 
-void CellsBody::apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m,
-                                       double step_s) {
+void CellsBody::apply_collider_contact(uint32_t index, const NodeSample& sample, const Vector3d& point_m,
+                                       const Vector3d& pull_kg_m, double step_s) {
   const Vector3d impulse = pull_kg_m / step_s;
-  nodes_.pull(surface_[sample], pull_kg_m);
+  nodes_.pull(sample, pull_kg_m);
   contact_impulse_ += impulse;
   contact_moment_ += point_m.cross(impulse);
-  collider_contacts_.push_back({sample, impulse});
+  collider_contacts_.push_back({index, sample, impulse});
 }
 
 }  // namespace livegs

@@ -275,15 +275,24 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
     const Frame& frame = frames[candidate.collider];
     const SurfaceCell& cell = surface_cells_[candidate.cell];
     for (uint32_t i = cell.begin; i < cell.end; ++i) {
-      const Vector3d point = nodes_.corrected_m(surface_[i]);
-      const DistanceField::Sample found =
-          swept_gap(*body.shape, frame.from_world_before * (nodes_.position_m(surface_[i]) - frame.before_m),
-                    frame.from_world * (point - frame.at_m));
+      NodeSample sample = surface_[i];
+      Vector3d point = nodes_.corrected_m(sample);
+      const auto gap = [&] {
+        return swept_gap(*body.shape, frame.from_world_before * (nodes_.position_m(sample) - frame.before_m),
+                         frame.from_world * (point - frame.at_m));
+      };
+      DistanceField::Sample found = gap();
+      const double patch_depth = patch_depth_m(i);
+      if (patch_depth > 0.0 && found.distance_m < patch_depth) {
+        sample = touching_sample(i, frame.from_world.transpose() * found.gradient);
+        point = nodes_.corrected_m(sample);
+        found = gap();
+      }
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
       ContactConstraint row;
       row.a = &participant;
       row.b = row.rigid = &body;
-      row.anchor_a.sample = surface_[i];
+      row.anchor_a.sample = sample;
       row.point_m = origin_m_ + point;
       row.anchor_b = body.anchor_at(row.point_m);
       row.normal = frame.from_world.transpose() * found.gradient;
@@ -377,15 +386,22 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
     for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {  // one point's faces
     }
     const SurfaceElement& point = points[k];
-    const auto depth = grid.swept_depth(point.position_m, displacement, {&point, end - k});
+    NodeSample sample = surface_[point.index];
+    Vector3d position = point.position_m;
+    auto depth = grid.swept_depth(position, displacement, {&point, end - k});
+    const double patch_depth = patch_depth_m(point.index);
+    if (depth && patch_depth > 0.0 && depth->distance_m < patch_depth) {
+      sample = touching_sample(point.index, depth->normal);
+      position = origin_m_ + nodes_.corrected_m(sample);
+      depth = grid.swept_depth(position, displacement, {&point, end - k});
+    }
     if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m) continue;
     ContactConstraint row;
     row.a = &participant;
     row.b = &other.body->contact_participant(h);
-    row.anchor_a.sample = surface_[point.index];
-    row.point_m = point.position_m;
-    row.anchor_b =
-        other.body->anchor_at(depth->element, point.position_m - depth->distance_m * depth->normal);
+    row.anchor_a.sample = sample;
+    row.point_m = position;
+    row.anchor_b = other.body->anchor_at(depth->element, position - depth->distance_m * depth->normal);
     row.normal = depth->normal;
     row.gap_m = depth->distance_m;
     row.friction = friction;

@@ -14,6 +14,7 @@
 namespace livegs {
 namespace {
 
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Minimum decay time of the spin; prevents excitation of jittering bodies.
@@ -21,33 +22,63 @@ constexpr double kSpinDecayTime_s = 0.02;
 
 struct Push {
   Vector3d at_m, impulse_n_s;
+  // The surface's radii of curvature at the point, m: of a sphere r (1 - n n^T), of a cylinder r across its
+  // axis.
+  Matrix3d radii_m;
 };
 
-// Resisting couple about a unit axis, N m s; 0 without load. `patch_m2` is the mean square extent of the area
-// that each point represents, along a line.
-double rolling_resistance(const std::vector<Push>& pushes, const Vector3d& axis, double loss_factor,
-                          double patch_m2 = 0.0) {
+// Couple against the relative spin w, N m s, that a contact with the impulses `pushes` can bear; zero without
+// load. The points approach the other body at w.((x - c) x n); Q is the mean square of that by the load, so
+// that sqrt(w.Q w) is the speed of rolling times the extent of the contact, and the couple is its gradient:
+// none against a spin about the normal, and little about a line of contact beside that across it. Each point
+// stands for a Hertzian contact of its own force, of the radius (3 f r / 4 E*)^(1/3), with `stiffness_pa` the
+// plane strain modulus E*. `stop` is the couple that ends the spin per spin, N m s²; where less than the
+// whole couple does, the rolling ends.
+Vector3d rolling_resistance(const std::vector<Push>& pushes, const Vector3d& spin, double loss_factor,
+                            double stiffness_pa, double step_s, double stop) {
   double pressed = 0.0;
   Vector3d push = Vector3d::Zero(), centre = Vector3d::Zero();
-  for (const auto& [at_m, impulse_n_s] : pushes) {
+  for (const auto& [at_m, impulse_n_s, radii_m] : pushes) {
     const double size = impulse_n_s.norm();
     pressed += size;
     centre += size * at_m;
     push += impulse_n_s;
   }
   const double through = push.norm();
-  if (!(through > 0.0)) return 0.0;
+  if (!(through > 0.0)) return Vector3d::Zero();
   centre /= pressed;
-  double variance = patch_m2;
-  for (const auto& [at_m, impulse_n_s] : pushes) {
-    variance += impulse_n_s.norm() / pressed * axis.cross(at_m - centre).squaredNorm();
+  const Vector3d normal = push / through;
+  // Mean square of the points about their centre, by the load; that of a Hertzian pressure over a circle of
+  // radius a is a² / 5 along a line.
+  Matrix3d spread = Matrix3d::Zero();
+  for (const auto& [at_m, impulse_n_s, radii_m] : pushes) {
+    const double size = impulse_n_s.norm();
+    spread += size / pressed * (at_m - centre) * (at_m - centre).transpose();
+    const double sum_m = radii_m.trace();
+    if (!(sum_m > 0.0)) continue;
+    const double radius_m = radii_m.squaredNorm() / sum_m;
+    const double contact_m = std::cbrt(0.75 * size / step_s * radius_m / stiffness_pa);
+    spread += size / pressed * contact_m * contact_m / 5.0 / radius_m * radii_m;
   }
-  // Hertzian pressure over a circle of radius a: mean square extent a² / 5 along a line.
-  const double radius_m = std::sqrt(5.0 * variance), lost = std::min(1.0, 2.0 * M_PI * loss_factor);
-  return 3.0 / 16.0 * lost * through * radius_m;
+  Matrix3d across;  // across x = normal cross x
+  across << 0.0, -normal.z(), normal.y(), normal.z(), 0.0, -normal.x(), -normal.y(), normal.x(), 0.0;
+  const Matrix3d extent = across * spread * across.transpose();
+  const Vector3d rolling = spin - normal * normal.dot(spin), rolled = extent * spin;
+  const double speed = std::sqrt(std::max(0.0, spin.dot(rolled)));
+  if (!(speed > 0.0)) return Vector3d::Zero();
+  const double lost = std::min(1.0, 2.0 * M_PI * loss_factor);
+  const double most = 3.0 / 16.0 * lost * through * std::sqrt(5.0);
+  // As friction: the rolling ends if the couple can take its energy.
+  if (most * speed >= stop * rolling.squaredNorm()) return -stop * spin;
+  return -most / speed * rolled;
 }
 
 }  // namespace
+
+double CellsBody::plane_strain_modulus_pa() const {
+  const IsotropicMaterial& own = cell_materials_.materials[0];
+  return own.youngs_modulus_pa / (1.0 - own.poisson_ratio * own.poisson_ratio);
+}
 
 // Rolling on colliders, by the contact impulses from `first_contact` on.
 void CellsBody::apply_rolling_resistance(size_t first_contact, double step_s) {
@@ -57,14 +88,20 @@ void CellsBody::apply_rolling_resistance(size_t first_contact, double step_s) {
   const double speed = spin.norm();
   if (!(speed > 0.0)) return;
   std::vector<Push> pushes;
+  const Matrix3d world_from_lattice = (step_orientation_ * extent_.object_from_lattice).toRotationMatrix();
   for (size_t i = first_contact; i < collider_contacts_.size(); ++i) {
-    pushes.push_back(
-        {nodes_.corrected_m(surface_[collider_contacts_[i].sample]), collider_contacts_[i].impulse_n_s});
+    const ColliderContact& touch = collider_contacts_[i];
+    Matrix3d radii_m = Matrix3d::Zero();
+    if (!patches_.empty()) {
+      const Matrix3d in_lattice = patches_[touch.point].flatten.cast<double>();
+      radii_m = world_from_lattice * in_lattice * world_from_lattice.transpose();
+    }
+    pushes.push_back({nodes_.corrected_m(touch.sample), touch.impulse_n_s, radii_m});
   }
   const Vector3d axis = spin / speed;
-  const double part = std::min(1.0, step_s / kSpinDecayTime_s), inertia = axis.dot(motion_.inertia * axis);
-  contact_moment_ -=
-      std::min(rolling_resistance(pushes, axis, material_.loss_factor), part * inertia * speed) * axis;
+  const double stop = std::min(1.0, step_s / kSpinDecayTime_s) * axis.dot(motion_.inertia * axis);
+  contact_moment_ +=
+      rolling_resistance(pushes, spin, material_.loss_factor, plane_strain_modulus_pa(), step_s, stop);
 }
 
 // Resistance of balls that roll on this body, by the rows that it listed. Only balls: faces rest on their
@@ -77,7 +114,6 @@ void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows
     const bool rolls = row.rigid && row.rigid->shape->is_ball() && row.normal_impulse_n_s > 0.0;
     if (rolls && std::find(met.begin(), met.end(), row.rigid) == met.end()) met.push_back(row.rigid);
   }
-  const double patch_m2 = extent_.box_edge_m * extent_.box_edge_m / 12.0;
   std::vector<Push> pushes;
   for (RigidProxy* rigid : met) {
     const Vector3d spin = rigid->spin_rad_s - (free() ? motion_.angular_velocity_rad_s() : Vector3d::Zero());
@@ -86,16 +122,17 @@ void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows
     pushes.clear();
     for (const ContactConstraint& row : rows) {
       if (row.rigid != rigid || !(row.normal_impulse_n_s > 0.0)) continue;
-      pushes.push_back({row.point_m - origin_m_, row.normal_impulse_n_s * row.normal});
+      pushes.push_back(
+          {row.point_m - origin_m_, row.normal_impulse_n_s * row.normal,
+           rigid->shape->sphere_radius_m * (Matrix3d::Identity() - row.normal * row.normal.transpose())});
     }
     const Vector3d axis = spin / speed;
     double mobility = axis.dot(rigid->inverse_inertia * axis);
     if (free()) mobility += axis.dot(solve_inertia(motion_.inertia, axis));
-    const double couple_n_m_s =
-        std::min(rolling_resistance(pushes, axis, material_.loss_factor, patch_m2), speed / mobility);
-    const Vector3d couple = couple_n_m_s * axis;
-    rigid->turn(-couple);
-    contact_moment_ += couple;
+    const Vector3d couple = rolling_resistance(pushes, spin, material_.loss_factor, plane_strain_modulus_pa(),
+                                               rigid->step_s, 1.0 / mobility);
+    rigid->turn(couple);
+    contact_moment_ -= couple;
   }
 }
 

@@ -26,7 +26,6 @@ constexpr double kBlendRate_per_s = 12.0;
 constexpr double kMaxDoublings = 10.0;
 constexpr double kMaxEnergyGain = 1.5;              // per frame of recovery, relative to the elastic energy
 constexpr double kMinRecoveryStrainSquared = 0.01;  // |S - I|² of the worst cell
-constexpr double kOverstrainSquared = 1.0;          // the same in contact or after plastic flow
 constexpr double kMinOverstrainedFraction = 0.02;   // of the volume; excludes loose ends of leaves
 constexpr double kMaxSag = 0.05;                    // strain by the body's own weight
 // Relative to E eps A, the force of its strain; a smaller load cannot hold the shape.

@@ -225,6 +225,7 @@ void CellsBody::update_carried_load(const SubstepPart& part) {
   const double friction = material_.friction;
   const double through = step_contact_n_s_ / std::sqrt(1.0 + friction * friction) - contact_impulse_.norm();
   const double part_of_mean = part.duration_s / (part.duration_s + kCarriedLoadTime_s);
+  pressed_n_ += part_of_mean * (step_contact_n_s_ / part.duration_s - pressed_n_);
   carried_n_ += part_of_mean * (0.5 * std::max(0.0, through) / part.duration_s - carried_n_);
 }
 
@@ -284,17 +285,6 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   }
 }
 
-// Rate of the spin's pull on the nodes, 1/s²: that of the material less that of the nodes. With the map G
-// from the nodes' moments to the material's, the kinetic energy of the spin is that of points at G r, whose
-// pull on r is G W G r, W = w² - w w^T.
-Matrix3d CellsBody::centrifugal_correction() const {
-  if (!free() || moment_map_share_ == 0.0) return Matrix3d::Zero();
-  const Matrix3d map = moment_map_now();
-  const Vector3d spin = motion_.angular_velocity_rad_s();
-  const Matrix3d pull = spin.squaredNorm() * Matrix3d::Identity() - spin * spin.transpose();
-  return map * pull * map - pull;
-}
-
 void CellsBody::advance(double h) {
   NodeSums sums;
   advance_nodes(nodes_.arrays(), static_cast<float>(step_of(h)), sums);
@@ -305,7 +295,7 @@ void CellsBody::advance(double h) {
   angular_before_ =
       material_angular(vector_of(sums.angular_before) - motion_.centre_m.cross(momentum_before_));
   for (const ColliderContact& touch : collider_contacts_) {
-    const NodeSample& sample = surface_[touch.sample];
+    const NodeSample& sample = touch.sample;
     nodes_.push_before(sample, touch.impulse_n_s);
     momentum_before_ += touch.impulse_n_s;
     angular_before_ += (nodes_.position_m(sample) - motion_.centre_m).cross(touch.impulse_n_s);

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Strain |S - I|² of the worst cell, including bending.
-constexpr double kStuckStrainSquared = 0.1, kOverstrainSquared = 1.0;
+constexpr double kStuckStrainSquared = 0.1;
 constexpr double kMaxNetImpulseRatio = 0.5;  // of the sum of impulses relative to the sum of their magnitudes
 constexpr double kStuckTime_s = 0.5;
 // Separation: one body radius in this time, with at most this acceleration.

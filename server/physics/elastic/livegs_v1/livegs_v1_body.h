@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "physics/collision/point_contact.h"
+#include "physics/collision/surface_points.h"
 #include "physics/elastic/elastic_sleep_timer.h"
 #include "physics/elastic_body.h"
 #include "physics/motion/momentum.h"
