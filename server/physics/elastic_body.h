@@ -178,11 +178,14 @@ class ElasticBody {
   // caller then takes at least that many steps. Each is:
   //
   // - begin_step: everything except contact
-  // - list_contacts: contact with moving bodies
+  // - prepare_contact_step, one body after the other
+  // - list_contacts: contact with moving bodies; bodies may run on different threads
   // - read_contact_impulses
   // - end_step: contact with colliders, then the update of positions and velocities
   virtual int begin_substep(const SubstepContext& context) = 0;
   virtual void begin_step(const SubstepPart& part, const SubstepContext& context) = 0;
+  // Whatever other bodies ask this one for while they list their contacts is ready afterwards.
+  virtual void prepare_contact_step(double step_s) { (void)step_s; }
   virtual void list_contacts(const SubstepPart& part, const SubstepContext& context,
                              std::vector<ContactConstraint>& rows) = 0;
   // Receives the rows that this body listed, after the solve. Called between list_contacts and end_step.

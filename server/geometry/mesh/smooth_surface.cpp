@@ -65,7 +65,8 @@ Vector3d SmoothSurface::barycentric(uint32_t triangle, const Vector3d& point_m) 
   return Vector3d(1.0 - of_q - of_r, of_q, of_r).cwiseMax(0.0).cwiseMin(1.0);
 }
 
-// Least squares over the edges (Rusinkiewicz 2004, Estimating curvatures and their derivatives on triangle meshes).
+// Least squares over the edges (Rusinkiewicz 2004, Estimating curvatures and their derivatives on triangle
+// meshes).
 Matrix3d SmoothSurface::curvature(uint32_t triangle, const Vector3d& normal) const {
   Eigen::Matrix<double, 3, 2> plane;
   plane.col(0) = normal.unitOrthogonal();
@@ -136,7 +137,8 @@ SmoothSurface::Foot SmoothSurface::nearest(const Vector3d& point_m) const {
   foot.bulge = foot.normals[0];
   if (foot.normals.size() == 1) foot.curvature = curvature(found.triangle, foot.normals[0]);
   if (foot.normals.size() == 2) {
-    // The curve lies in both faces: its curvature vector along each normal is the face's curvature along the edge.
+    // The curve lies in both faces: its curvature vector along each normal is the face's curvature along the
+    // edge.
     const Vector3d &a = foot.normals[0], &b = foot.normals[1], edge = a.cross(b).normalized();
     const double cosine = a.dot(b), bend_a = edge.dot(curvature(faces[0], a) * edge),
                  bend_b = edge.dot(curvature(faces[1], b) * edge), square = 1.0 - cosine * cosine;
@@ -164,7 +166,8 @@ SmoothSurface::SharpPoints SmoothSurface::sharp_points(double spacing_m) const {
     directions[ends.first].push_back((to - from).normalized());
     directions[ends.second].push_back((from - to).normalized());
     const int parts = static_cast<int>(std::ceil((to - from).norm() / spacing_m));
-    for (int k = 1; k < parts; ++k) points.edges_m.push_back(from + static_cast<double>(k) / parts * (to - from));
+    for (int k = 1; k < parts; ++k)
+      points.edges_m.push_back(from + static_cast<double>(k) / parts * (to - from));
   }
   for (const auto& [vertex, sharp] : directions) {
     const bool smooth = sharp.size() == 2 && sharp[0].dot(sharp[1]) <= -kCreaseCosine;

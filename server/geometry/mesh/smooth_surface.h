@@ -10,9 +10,10 @@
 
 namespace livegs {
 
-// The smooth surface that a triangle mesh stands for: curved triangles between vertex normals (Boubekeur and Alexa
-// 2008, Phong tessellation), with sharp edges where faces meet at more than 30 degrees. For the sphere and the cylinder
-// of shape_mesh.h it is within 2e-4 of the radius of the exact surface. Immutable; any thread may query.
+// The smooth surface that a triangle mesh stands for: curved triangles between vertex normals (Boubekeur and
+// Alexa 2008, Phong tessellation), with sharp edges where faces meet at more than 30 degrees. For the sphere
+// and the cylinder of shape_mesh.h it is within 2e-4 of the radius of the exact surface. Immutable; any
+// thread may query.
 class SmoothSurface {
  public:
   // A closed mesh with shared vertices.
@@ -21,8 +22,9 @@ class SmoothSurface {
   struct Foot {
     Eigen::Vector3d point_m;               // on the smooth surface
     std::vector<Eigen::Vector3d> normals;  // outward, unit; one per face that meets at a sharp edge or corner
-    // Convex curvature about the point: the surface is point_m + u - u.curvature u / 2 bulge for tangential u, at a sharp
-    // edge for u along it. Symmetric, 1/m, eigenvalues >= 0, zero along `bulge`; zero at corners.
+    // Convex curvature about the point: the surface is point_m + u - u.curvature u / 2 bulge for tangential
+    // u, at a sharp edge for u along it. Symmetric, 1/m, eigenvalues >= 0, zero along `bulge`; zero at
+    // corners.
     Eigen::Matrix3d curvature;
     Eigen::Vector3d bulge;  // unit; the normal, at a sharp edge the outward normal of its curve
   };
@@ -43,7 +45,7 @@ class SmoothSurface {
 
   TriangleMesh mesh_;
   TriangleTree tree_;
-  std::vector<std::vector<uint32_t>> triangles_at_;              // by vertex
+  std::vector<std::vector<uint32_t>> triangles_at_;             // by vertex
   std::vector<std::array<Eigen::Vector3d, 3>> corner_normals_;  // by triangle
 };
 

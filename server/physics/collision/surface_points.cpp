@@ -26,18 +26,20 @@ struct KeyHash {
   }
 };
 
-// Distance between patches on the same side of the surface, in voxels. The points of a box cut into whole voxels are at
-// least one apart.
+// Distance between patches on the same side of the surface, in voxels. The points of a box cut into whole
+// voxels are at least one apart.
 constexpr double kPatchSpacing = 0.7;
 // Reach of a patch, in voxels; more than half the widest gap between patches.
 constexpr double kPatchReach = 1.0;
-// Radius of curvature, in reaches, beyond which a patch is flat: it bulges by less than half a per cent of its reach.
+// Radius of curvature, in reaches, beyond which a patch is flat: it bulges by less than half a per cent of
+// its reach.
 constexpr double kFlatRadius = 100.0;
 // Cosine between normals below which two points are on different sides, as on a thin sheet.
 constexpr double kSameSideCosine = 0.5;
 // Cosine between a patch and the opposite of the direction below which the patch does not touch.
 constexpr double kMinFacingCosine = 0.01;
-// Reach of a patch, in its radii of curvature, up to which the quadric is near a circle: within 1 % of the radius.
+// Reach of a patch, in its radii of curvature, up to which the quadric is near a circle: within 1 % of the
+// radius.
 constexpr double kMaxReachInRadii = 0.5;
 
 // Hash grid of particles for neighbourhood queries.
@@ -232,8 +234,8 @@ std::vector<SurfacePatch> surface_patches(const ParticleSet& particles) {
     taken.insert(foot.point_m, normal);
     patches.push_back(patch_of(foot, kPatchReach * edge_m));
   };
-  // Corners first, then sharp edges, so that no point beside them takes their place. Points that carry the material of
-  // parts thinner than a voxel all count.
+  // Corners first, then sharp edges, so that no point beside them takes their place. Points that carry the
+  // material of parts thinner than a voxel all count.
   const auto [corners_m, edges_m] = surface.sharp_points(edge_m);
   for (const Vector3d& point_m : corners_m) take(surface.nearest(point_m), true);
   std::vector<SmoothSurface::Foot> smooth;

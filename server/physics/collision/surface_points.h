@@ -25,25 +25,27 @@ struct SurfacePoint {
 // sides are open. This covers coarse meshes and point clouds.
 std::vector<SurfacePoint> surface_points(const ParticleSet& particles);
 
-// A part of the surface about a point, as a quadric: the points rest_m + u - u.S u n / 2 for tangential u up to reach_m,
-// with S the curvature and n `bulge`. Where it touches depends on the direction of the other surface (touching_offset),
-// so that round bodies roll.
+// A part of the surface about a point, as a quadric: the points rest_m + u - u.S u n / 2 for tangential u up
+// to reach_m, with S the curvature and n `bulge`. Where it touches depends on the direction of the other
+// surface (touching_offset), so that round bodies roll.
 struct SurfacePatch {
-  Eigen::Vector3d rest_m;                // object frame
-  std::vector<Eigen::Vector3d> normals;  // outward, unit, object frame; two or more at sharp edges and corners
+  Eigen::Vector3d rest_m;  // object frame
+  std::vector<Eigen::Vector3d>
+      normals;  // outward, unit, object frame; two or more at sharp edges and corners
   Eigen::Vector3d bulge = Eigen::Vector3d::Zero();  // unit: the normal, or that of the curve of a sharp edge
-  // 1/m, symmetric, eigenvalues >= 0, zero along `bulge`; zero where the surface is flat or concave, and at corners.
+  // 1/m, symmetric, eigenvalues >= 0, zero along `bulge`; zero where the surface is flat or concave, and at
+  // corners.
   Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d flatten = Eigen::Matrix3d::Zero();  // pseudoinverse of the curvature, m
   double reach_m = 0.0;                               // 0: without curvature
 };
-// Patches that cover the surface of the body's mesh, about one voxel apart, on the smooth surface that the mesh stands
-// for. Without a mesh: the surface points of the particles, without curvature.
+// Patches that cover the surface of the body's mesh, about one voxel apart, on the smooth surface that the
+// mesh stands for. Without a mesh: the surface points of the particles, without curvature.
 std::vector<SurfacePatch> surface_patches(const ParticleSet& particles);
 
-// The offset, from the point of a patch, of its point that is deepest against `direction`, the outward unit normal of
-// the other surface. Zero if the patch faces away. On a sphere of radius r the depth is exact to r a^4 / 8 at the angle a
-// between the normals.
+// The offset, from the point of a patch, of its point that is deepest against `direction`, the outward unit
+// normal of the other surface. Zero if the patch faces away. On a sphere of radius r the depth is exact to r
+// a^4 / 8 at the angle a between the normals.
 Eigen::Vector3d touching_offset(const SurfacePatch& patch, const Eigen::Vector3d& direction);
 
 }  // namespace livegs

@@ -10,8 +10,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The iteration stops when a sweep changes the impulses by less than this fraction of their sum. More sweeps
-// distribute the weight more evenly.
+// The iteration stops when a sweep changes the impulses by less than this fraction of their sum. Friction
+// that has not converged lets bodies creep and keeps them awake.
 constexpr int kMaxIterations = 24;
 constexpr double kConvergence = 0.005;
 
@@ -27,10 +27,18 @@ void prepare(ContactConstraint& row, double step_s) {
   const Vector3d tangent = row.normal.unitOrthogonal(), bitangent = row.normal.cross(tangent);
   const double k1 = tangent.dot(response * tangent), k2 = bitangent.dot(response * bitangent);
   row.tangent_response = std::max(k1, k2) + std::abs(tangent.dot(response * bitangent));
-  row.normal_impulse_n_s = 0.0;
-  row.friction_impulse_n_s.setZero();
+  row.friction_impulse_n_s -= row.normal * row.normal.dot(row.friction_impulse_n_s);
+  if (!(row.normal_response > 0.0)) {
+    row.normal_impulse_n_s = 0.0;
+    row.friction_impulse_n_s.setZero();
+  }
   const double gap_before = row.gap_m - row.normal.dot(row.displacement_before_m);
   row.least_gap_m = std::min(0.0, gap_before + row.push_m_s * step_s);
+}
+
+void apply(const ContactConstraint& row, const Vector3d& impulse_n_s) {
+  row.a->apply_impulse(row.anchor_a, row.point_m, impulse_n_s);
+  row.b->apply_impulse(row.anchor_b, row.point_m, -impulse_n_s);
 }
 
 // Returns the magnitude of the change of the row's impulse.
@@ -48,29 +56,32 @@ double solve(ContactConstraint& row) {
       (normal - row.normal_impulse_n_s) * row.normal + friction - row.friction_impulse_n_s;
   row.normal_impulse_n_s = normal;
   row.friction_impulse_n_s = friction;
-  row.a->apply_impulse(row.anchor_a, row.point_m, change);
-  row.b->apply_impulse(row.anchor_b, row.point_m, -change);
+  apply(row, change);
   return change.norm();
 }
 
 }  // namespace
 
-void solve_contacts(std::vector<ContactConstraint>& rows, double step_s) {
-  for (ContactConstraint& row : rows) prepare(row, step_s);
+void solve_contacts(std::span<ContactConstraint* const> rows, double step_s) {
+  for (ContactConstraint* row : rows) prepare(*row, step_s);
+  for (ContactConstraint* row : rows) {
+    if (row->normal_impulse_n_s == 0.0) continue;
+    apply(*row, row->normal_impulse_n_s * row->normal + row->friction_impulse_n_s);
+  }
   for (int sweep = 0; sweep < kMaxIterations; ++sweep) {
     double changed = 0.0, total = 0.0;
     for (size_t n = 0; n < rows.size(); ++n) {
-      ContactConstraint& row = rows[sweep % 2 ? rows.size() - 1 - n : n];
+      ContactConstraint& row = *rows[sweep % 2 ? rows.size() - 1 - n : n];
       changed += solve(row);
       total += row.normal_impulse_n_s;
     }
     if (changed <= kConvergence * total) break;
   }
-  for (ContactConstraint& row : rows) {
-    if (row.normal_impulse_n_s <= 0.0) continue;
-    const Vector3d impulse = row.normal_impulse_n_s * row.normal + row.friction_impulse_n_s;
-    row.a->record_impulse(row.anchor_a, row.point_m, impulse);
-    row.b->record_impulse(row.anchor_b, row.point_m, -impulse);
+  for (ContactConstraint* row : rows) {
+    if (row->normal_impulse_n_s <= 0.0) continue;
+    const Vector3d impulse = row->normal_impulse_n_s * row->normal + row->friction_impulse_n_s;
+    row->a->record_impulse(row->anchor_a, row->point_m, impulse);
+    row->b->record_impulse(row->anchor_b, row->point_m, -impulse);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "physics/lattice/node_sample.h"
@@ -55,18 +56,20 @@ struct ContactConstraint {
   double push_m_s = kContactPushSpeed_m_s;  // maximum separation speed of an initial overlap
   uint64_t other_body_id = 0;   // id of the opposite body, as seen by the body that listed the row
   RigidProxy* rigid = nullptr;  // b, if it is a rigid body
+  uint32_t point = UINT32_MAX;  // of the body that listed the row; UINT32_MAX: a point of the other body
 
+  // Before the solve: that of the last step, from which the solve starts. After it: of this step.
+  double normal_impulse_n_s = 0.0;  // >= 0
+  Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
   // Set by solve_contacts.
   Eigen::Vector3d displacement_before_m;  // of a relative to b
   double normal_response = 0.0, tangent_response = 0.0;
-  double normal_impulse_n_s = 0.0;  // >= 0
-  Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
   double least_gap_m = 0.0;
 };
 
 // Brings every row's gap to zero or above at the end of the step of `step_s`. Friction opposes the relative
 // displacement since the start of the step, within Coulomb's cone. There is no restitution: rebound follows
 // from the material.
-void solve_contacts(std::vector<ContactConstraint>& rows, double step_s);
+void solve_contacts(std::span<ContactConstraint* const> rows, double step_s);
 
 }  // namespace livegs

@@ -4,9 +4,16 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/parallel_for.h"
 #include "physics/elastic/rigid_proxy.h"
 
 namespace livegs {
+namespace {
+
+// Bodies that one thread takes at a time, at least, and parts that the bodies are divided into, at most.
+constexpr size_t kMinBodiesPerThread = 4, kMaxBlocks = 16;
+
+}  // namespace
 
 void step_elastic_bodies(std::span<SteppedBody> bodies) {
   int count = 0;
@@ -24,8 +31,16 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
   moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
 
   const double substep_s = bodies.front().context.duration_s;
-  std::vector<ContactConstraint> rows;
-  std::vector<size_t> row_ends(bodies.size());
+  std::vector<ContactConstraint*> rows;
+  // Every body changes only itself, so that few bodies are not worth a second thread.
+  const auto for_each_body = [&](const auto& visit) {
+    parallel_for(bodies.size(), std::max(kMinBodiesPerThread, bodies.size() / kMaxBlocks + 1),
+                 [&](size_t begin, size_t end) {
+                   for (size_t i = begin; i < end; ++i) {
+                     if (bodies[i].steps > 0) visit(bodies[i]);
+                   }
+                 });
+  };
   for (int k = 0; k < count; ++k) {
     const SubstepPart part{k * (substep_s / count), substep_s / count};
     for (SteppedBody& stepped : bodies) {
@@ -33,27 +48,28 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
       if (stepped.steps == 0 && k > 0 && !stepped.body->asleep()) {
         stepped.steps = stepped.body->begin_substep(stepped.context);
       }
-      if (stepped.steps > 0) stepped.body->begin_step(part, stepped.context);
     }
+    for_each_body([&](SteppedBody& stepped) { stepped.body->begin_step(part, stepped.context); });
     for (RigidProxy* body : moving) body->begin_step(part.began_s, part.duration_s, substep_s);
+    for (SteppedBody& stepped : bodies) {
+      stepped.rows->clear();
+      stepped.body->prepare_contact_step(part.duration_s);
+    }
+    for_each_body(
+        [&](SteppedBody& stepped) { stepped.body->list_contacts(part, stepped.context, *stepped.rows); });
     rows.clear();
-    for (size_t i = 0; i < bodies.size(); ++i) {
-      if (bodies[i].steps > 0) bodies[i].body->list_contacts(part, bodies[i].context, rows);
-      row_ends[i] = rows.size();
+    for (const SteppedBody& stepped : bodies) {
+      for (ContactConstraint& row : *stepped.rows) rows.push_back(&row);
     }
     if (!rows.empty()) solve_contacts(rows, part.duration_s);
-    for (size_t i = 0, begin = 0; i < bodies.size(); begin = row_ends[i++]) {
-      const std::span listed(rows.begin() + static_cast<std::ptrdiff_t>(begin),
-                             rows.begin() + static_cast<std::ptrdiff_t>(row_ends[i]));
-      if (bodies[i].steps > 0) bodies[i].body->read_contact_impulses(listed);
-      if (!bodies[i].context.touched_ids) continue;
-      for (const ContactConstraint& row : listed) {
-        if (row.normal_impulse_n_s > 0.0) bodies[i].context.touched_ids->push_back(row.other_body_id);
+    for (SteppedBody& stepped : bodies) {
+      if (stepped.steps > 0) stepped.body->read_contact_impulses(*stepped.rows);
+      if (!stepped.context.touched_ids) continue;
+      for (const ContactConstraint& row : *stepped.rows) {
+        if (row.normal_impulse_n_s > 0.0) stepped.context.touched_ids->push_back(row.other_body_id);
       }
     }
-    for (SteppedBody& stepped : bodies) {
-      if (stepped.steps > 0) stepped.body->end_step(part, stepped.context);
-    }
+    for_each_body([&](SteppedBody& stepped) { stepped.body->end_step(part, stepped.context); });
   }
   for (SteppedBody& stepped : bodies) {
     if (stepped.steps > 0) stepped.body->end_substep(stepped.context);
@@ -62,7 +78,8 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
 
 // Defined here because ElasticBody is a lower layer than the solver of several bodies.
 void ElasticBody::substep(const SubstepContext& context) {
-  SteppedBody alone{this, context};
+  std::vector<ContactConstraint> rows;
+  SteppedBody alone{this, context, &rows};
   step_elastic_bodies({&alone, 1});
 }
 

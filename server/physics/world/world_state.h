@@ -69,6 +69,7 @@ struct ElasticObject {
   std::vector<RigidProxy*> near_bodies;
   std::vector<ElasticNeighbour> near_elastic;
   std::vector<PointForce> forces;
+  std::vector<ContactConstraint> contact_rows;  // of one step
   // Ids (body_id_of, ascending) of bodies in contact during the last tick while awake. They sleep and wake
   // together.
   std::vector<uint64_t> contacts_last_tick, contacts_this_tick;

@@ -72,7 +72,7 @@ void World::State::step_elastic(double start_s, double duration_s) {
           context.others = elastic->near_elastic;
           context.forces = elastic->forces;
           context.touched_ids = &elastic->contacts_this_tick;
-          stepped.push_back({elastic->body.get(), context});
+          stepped.push_back({elastic->body.get(), context, &elastic->contact_rows});
         }
         step_elastic_bodies(stepped);  // sleeping bodies wake on contact
       }

@@ -52,6 +52,7 @@ class CellsBody final : public ElasticBody {
 
   int begin_substep(const SubstepContext& context) override;
   void begin_step(const SubstepPart& part, const SubstepContext& context) override;
+  void prepare_contact_step(double step_s) override;
   void list_contacts(const SubstepPart& part, const SubstepContext& context,
                      std::vector<ContactConstraint>& rows) override;
   void read_contact_impulses(std::span<const ContactConstraint> rows) override;
@@ -386,6 +387,17 @@ class CellsBody final : public ElasticBody {
   std::vector<Candidate> rigid_candidates_;     // with rigid bodies
   std::vector<uint64_t> rigid_candidate_ids_;   // ids at the time of the search
   double rigid_candidate_margin_m_ = 0.0;
+  // By surface_ index: the contact force of the last step that listed contacts, from which the next solve
+  // starts.
+  struct LastForce {
+    uint64_t body_id = 0, step = 0;
+    Eigen::Vector3f friction_n = Eigen::Vector3f::Zero();
+    float normal_n = 0.0f;
+  };
+  std::vector<LastForce> last_forces_;
+  uint64_t contact_step_ = 0;
+  double contact_step_s_ = 0.0;
+  void start_from_last_force(ContactConstraint& row) const;
   std::vector<DynamicContact> dynamic_contacts_;  // of this step, with moving bodies
 
   std::vector<StuckContact> stuck_contacts_;  // ascending id

@@ -299,6 +299,8 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
       row.gap_m = found.distance_m;
       row.friction = mixed_friction(material_.friction, body.friction);
       row.other_body_id = body.body_id;
+      row.point = i;
+      start_from_last_force(row);
       rows.push_back(row);
     }
   }
@@ -406,8 +408,25 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
     row.gap_m = depth->distance_m;
     row.friction = friction;
     row.other_body_id = other.body_id;
+    row.point = point.index;
+    start_from_last_force(row);
     rows.push_back(row);
   }
+}
+
+void CellsBody::prepare_contact_step(double step_s) {
+  contact_participant(step_s);
+  if (!boxes_known_ && !frozen()) list_boxes();
+  ++contact_step_;
+  contact_step_s_ = step_s;
+}
+
+void CellsBody::start_from_last_force(ContactConstraint& row) const {
+  if (last_forces_.empty()) return;
+  const LastForce& last = last_forces_[row.point];
+  if (last.step + 1 != contact_step_ || last.body_id != row.other_body_id) return;
+  row.normal_impulse_n_s = contact_step_s_ * last.normal_n;
+  row.friction_impulse_n_s = contact_step_s_ * last.friction_n.cast<double>();
 }
 
 void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context,

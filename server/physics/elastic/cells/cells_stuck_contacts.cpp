@@ -46,6 +46,13 @@ bool CellsBody::is_separating() const {
 
 void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
   apply_rolling_resistance(rows);
+  for (const ContactConstraint& row : rows) {
+    if (row.point == UINT32_MAX || !(row.normal_impulse_n_s > 0.0)) continue;
+    if (last_forces_.empty()) last_forces_.resize(surface_.size());
+    last_forces_[row.point] = {row.other_body_id, contact_step_,
+                               (row.friction_impulse_n_s / contact_step_s_).cast<float>(),
+                               static_cast<float>(row.normal_impulse_n_s / contact_step_s_)};
+  }
   if (bent_squared_ <= kStuckStrainSquared) return;
   StuckContact* last = nullptr;
   for (const ContactConstraint& row : rows) {

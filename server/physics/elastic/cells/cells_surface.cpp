@@ -56,7 +56,8 @@ void CellsBody::make_surface(const ParticleSet& particles) {
       curved.flatten = in_lattice(patch.flatten);
       curved.reach_m = static_cast<float>(patch.reach_m);
       curved.radius_m = static_cast<float>(patch.flatten.squaredNorm() / patch.flatten.trace());
-      curved.lowest_m = static_cast<float>(std::min(1.0, patch.curvature.norm() * patch.reach_m) * patch.reach_m);
+      curved.lowest_m =
+          static_cast<float>(std::min(1.0, patch.curvature.norm() * patch.reach_m) * patch.reach_m);
       // The box of the cell's points covers the patches.
       const Vector3d across = (1.0 - curved.bulge.cast<double>().array().square()).max(0.0).sqrt();
       const Eigen::Vector3f room = (2.0 * patch.reach_m / lattice_.cell_width_m * across).cast<float>();
@@ -81,12 +82,12 @@ NodeSample CellsBody::touching_sample(uint32_t i, const Vector3d& normal) const 
   const double contact_m = std::cbrt(0.75 * pressed_n_ * patch.radius_m / plane_strain_modulus_pa());
   const double share = std::clamp(2.0 - contact_m / patch.reach_m, 0.0, 1.0);
   const Vector3d offset = share * touching_offset({{},
-                                           {},
-                                           patch.bulge.cast<double>(),
-                                           patch.curvature.cast<double>(),
-                                           patch.flatten.cast<double>(),
-                                           patch.reach_m},
-                                          direction / length);
+                                                   {},
+                                                   patch.bulge.cast<double>(),
+                                                   patch.curvature.cast<double>(),
+                                                   patch.flatten.cast<double>(),
+                                                   patch.reach_m},
+                                                  direction / length);
   const Vector3d local = surface_local_[i].cast<double>() + 2.0 / lattice_.cell_width_m * offset;
   if (local.cwiseAbs().maxCoeff() > std::max<double>(kMaxOwnLocal, surface_local_[i].cwiseAbs().maxCoeff())) {
     Vector3d rest = lattice_.object_from_lattice.orientation * offset;

@@ -34,6 +34,7 @@ class LivegsV1Body final : public ElasticBody {
 
   int begin_substep(const SubstepContext& context) override;
   void begin_step(const SubstepPart& part, const SubstepContext& context) override;
+  void prepare_contact_step(double step_s) override { contact_participant(step_s); }
   void list_contacts(const SubstepPart& part, const SubstepContext& context,
                      std::vector<ContactConstraint>& rows) override;
   void end_step(const SubstepPart& part, const SubstepContext& context) override;
