@@ -56,8 +56,10 @@ struct ElasticBodyDescription {
   Eigen::Matrix3d initial_deformation = Eigen::Matrix3d::Identity();
   std::vector<BodyRegion> regions;  // where materials overlap, the later region applies
   double cell_width_m = 0.0;        // 0: chosen from the material and the rate (lattice_resolution.h)
+  int substeps = 0;                 // per frame, a multiple of the scene's; 0: chosen
   // Per frame (elastic_budget.h); not applied if cell_width_m is given.
   double max_node_substeps = kMaxNodeSubsteps;
+  bool own_budget = false;  // max_node_substeps is the body's own, not a part of the scene's
   double scene_node_substeps = kMaxNodeSubsteps;  // budget of the whole scene; only for the report
   CellsOptions cells;
 };
@@ -214,9 +216,9 @@ class ElasticBody {
   virtual double element_reach_m() const { return 0.0; }  // see PointSurface
   // Anchor of the material point at `point_m`, near an element, at the same time.
   virtual ContactAnchor anchor_at(uint32_t element, const Eigen::Vector3d& point_m) const;
-  // Receiver of impulses in a step of `step_s`: during the body's own step, or while it sleeps (an impulse
-  // wakes it). Valid for that step. Precondition: the body has surface elements.
-  virtual ContactParticipant& contact_participant(double step_s);
+  // Receiver of impulses in a step, after prepare_contact_step: during the body's own step, or while it
+  // sleeps (an impulse wakes it). Precondition: the body has surface elements.
+  virtual ContactParticipant& contact_participant();
 
   // Whether the body is stuck on that body (RigidProxy::body_id) and separates without contact.
   virtual bool is_separating(uint64_t body_id) const {

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 // The iteration stops when a sweep changes the impulses by less than this fraction of their sum. Friction
 // that has not converged lets bodies creep and keeps them awake.
 constexpr int kMaxIterations = 24;
-constexpr double kConvergence = 0.005;
+constexpr double kConvergence = 0.002;
 
 Vector3d relative_displacement(const ContactConstraint& row) {
   return row.a->displacement_m(row.anchor_a) - row.b->displacement_m(row.anchor_b);

@@ -129,7 +129,7 @@ Result<void> check_elastic_body(const ElasticBodyDescription& description) {
 
 void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, std::vector<SurfaceElement>&) const {}
 ContactAnchor ElasticBody::anchor_at(uint32_t, const Vector3d&) const { return {}; }
-ContactParticipant& ElasticBody::contact_participant(double) { std::abort(); }
+ContactParticipant& ElasticBody::contact_participant() { std::abort(); }
 void ElasticBody::defer_sleep(bool) {}
 
 }  // namespace livegs

@@ -9,6 +9,8 @@
 #include "geometry/surface/hollow_mesh.h"
 #include "geometry/surface/mesh_facts.h"
 #include "geometry/surface/shape_mesh.h"
+#include "physics/elastic/resolution/elastic_budget.h"
+#include "physics/elastic/resolution/resolution_request.h"
 #include "physics/mesh_collider.h"
 #include "scene/build/fracture_warning.h"
 #include "scene/build/place_asset.h"
@@ -80,7 +82,8 @@ Result<Form> form_of_points(const v1::Object& object, const std::filesystem::pat
   const size_t count = list->positions_m.size();
   particles.positions_m = std::move(list->positions_m);
   particles.volumes_m3.assign(count, volume);
-  particles.on_surface.assign(count, true);
+  particles.on_surface.assign(count,
+                              false);  // each point stands for a cube: the body ends half a spacing beyond
   form.particle_velocities_m_s = std::move(list->velocities_m_s);
   form.points_m = particles.positions_m;
   const bool kernel_per_point = !object.has_kernel_per_point() || object.kernel_per_point();
@@ -183,6 +186,25 @@ Result<ElasticBodyDescription> elastic_description(const v1::Object& object, For
   body.particle_velocities_m_s = std::move(form.particle_velocities_m_s);
   body.initial_deformation =
       matrix_value(object.initial_deformation(), field + ".initial_deformation").value();
+  const v1::Resolution& resolution = object.resolution();
+  if (resolution.has_cell_width_m()) {
+    body.cell_width_m = resolution.cell_width_m();
+    const double edge_m = resolution_request(body, 1.0, 1).particle_edge_m;
+    if (body.cell_width_m < 0.5 * edge_m) {
+      char message[160];
+      std::snprintf(message, sizeof message,
+                    ".resolution.cell_width_m: %.4g m is less than half of the particles' %.4g m; give at "
+                    "least %.4g, or "
+                    "a smaller spacing_m",
+                    body.cell_width_m, edge_m, 0.5 * edge_m);
+      return invalid_argument(field + message);
+    }
+  }
+  body.substeps = static_cast<int>(resolution.substeps());
+  if (resolution.has_budget_ms()) {
+    body.max_node_substeps = resolution.budget_ms() / kNodeSubstep_ms;
+    body.own_budget = true;
+  }
   const Eigen::AlignedBox3d material = material_bounds(body.particles, form.mesh, points);
   for (int i = 0; i < object.regions_size(); ++i) {
     const std::string name = field + ".regions[" + std::to_string(i) + "]";
@@ -226,6 +248,7 @@ std::string doubtful_spacing(const v1::Object& object, const ParticleSet& partic
 std::string needs_elastic(const v1::Object& object, const Form& form) {
   if (object.regions_size() > 0) return "regions";
   if (!object.initial_deformation().empty()) return "initial_deformation";
+  if (object.has_resolution()) return "resolution";
   if (!form.particle_velocities_m_s.empty()) return "points";
   return "";
 }

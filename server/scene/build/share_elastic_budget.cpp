@@ -21,12 +21,12 @@ void share_elastic_budget(std::span<std::optional<Result<BuiltObject>>> built,
     if (!elastic || !check_elastic_body(*elastic)) continue;  // World::add_elastic reports the error
     bodies.push_back(elastic);
     requests.push_back(resolution_request(*elastic, settings.rate_hz, settings.substeps));
-    requests.back().max_node_substeps = budget;
+    requests.back().max_node_substeps = elastic->own_budget ? elastic->max_node_substeps : budget;
   }
   const double share = std::min(budget, fair_share(requests, budget));
   for (ElasticBodyDescription* body : bodies) {
-    body->max_node_substeps = share;
-    body->scene_node_substeps = budget;
+    if (!body->own_budget) body->max_node_substeps = share;
+    body->scene_node_substeps = body->own_budget ? body->max_node_substeps : budget;
   }
   if (share == budget) return;
   log_warn(

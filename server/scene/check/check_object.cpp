@@ -61,6 +61,21 @@ Result<void> check_deformable(const v1::Object& object, const std::string& field
                           v1::Physics::Behavior_Name(behavior) + "; set physics.behavior to ELASTIC";
   if (object.regions_size() > 0) return missing(field + ".regions", why);
   if (!object.initial_deformation().empty()) return missing(field + ".initial_deformation", why);
+  if (object.has_resolution()) return missing(field + ".resolution", why);
+  return {};
+}
+
+Result<void> check_resolution(const v1::Object& object, const std::string& field) {
+  const v1::Resolution& resolution = object.resolution();
+  if (resolution.has_cell_width_m())
+    LIVEGS_CHECK(number_value(resolution.cell_width_m(), 1e-4, 10, field + ".cell_width_m"));
+  if (resolution.has_substeps())
+    LIVEGS_CHECK(number_value(resolution.substeps(), 1, 1024, field + ".substeps"));
+  if (!resolution.has_budget_ms()) return {};
+  if (resolution.has_cell_width_m())
+    return missing(field + ".budget_ms",
+                   "conflicts with cell_width_m, which fixes the cost; omit one of them");
+  LIVEGS_CHECK(number_value(resolution.budget_ms(), 0.001, 1000, field + ".budget_ms"));
   return {};
 }
 
@@ -126,6 +141,7 @@ Result<void> check_object(const v1::Object& object, const std::string& field) {
     return Error{checked.error().code, field + ".physics." + checked.error().message};
   }
   LIVEGS_CHECK(check_deformable(object, field));
+  LIVEGS_CHECK(check_resolution(object, field + ".resolution"));
   return check_regions(object, field);
 }
 

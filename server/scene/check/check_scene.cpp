@@ -4,6 +4,7 @@
 #include <map>
 
 #include "analysis/estimate.h"
+#include "physics/world.h"
 #include "scene/check/check_object.h"
 #include "scene/check/joint_parts.h"
 #include "scene/values/scene_values.h"
@@ -161,6 +162,15 @@ Result<void> check_scene(const v1::Scene& scene) {
     const std::string name = object_name(scene.objects(i), i);
     if (auto checked = check_object(scene.objects(i), field); !checked)
       return of_object(checked.error(), name);
+    const uint32_t substeps = scene.objects(i).resolution().substeps(),
+                   of_scene = scene.has_substeps() ? scene.substeps()
+                                                   : static_cast<uint32_t>(WorldSettings{}.substeps);
+    if (substeps % of_scene != 0) {
+      return of_object(missing_field(field + ".resolution.substeps",
+                                     std::to_string(substeps) + " is not a multiple of the scene's " +
+                                         std::to_string(of_scene) + " substeps; give a multiple"),
+                       name);
+    }
     if (!objects.emplace(name, &scene.objects(i)).second)
       return missing_field(field + ".name", "\"" + name + "\" is used twice; names must be unique");
   }

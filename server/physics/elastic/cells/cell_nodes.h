@@ -41,6 +41,11 @@ class CellNodes {
   Eigen::Vector3d corrected_m(const NodeSample& sample) const {
     return mean(sample, [&](uint32_t node) { return predicted_[node].value + corrections_[node].value; });
   }
+  Eigen::Vector3d displacement_m(const NodeSample& sample) const {  // corrected_m - position_m
+    return mean(sample, [&](uint32_t node) {
+      return predicted_[node].value - position_[node].value + corrections_[node].value;
+    });
+  }
   // Corners of a box within a cell (local coordinates -1 ... 1) after deformation. Every point of the
   // deformed box is a mean of these eight.
   std::array<NodeLanes, 8> corners_m(const std::array<uint32_t, 8>& nodes, const Eigen::AlignedBox3f& local,

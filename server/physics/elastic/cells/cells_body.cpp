@@ -34,6 +34,7 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
       object_id_(description.object_id),
       rate_hz_(rate_hz),
       scene_substeps_(substeps),
+      given_substeps_(description.substeps),
       max_node_substeps_(description.cell_width_m > 0.0 ? std::numeric_limits<double>::infinity()
                                                         : description.max_node_substeps),
       scene_node_substeps_(description.scene_node_substeps),
@@ -89,6 +90,7 @@ void CellsBody::choose(double cell_width_m) {
   ResolutionRequest request = resolution_request(extent_, {cell_materials_.materials, densities_kg_m3_, {}},
                                                  boundary_moved_, rate_hz_, scene_substeps_);
   request.cell_width_m = cell_width_m;
+  request.body_substeps = given_substeps_;
   request.max_node_substeps = max_node_substeps_;
   resolution_ = choose_resolution(request);
   unbudgeted_.reset();
@@ -345,6 +347,7 @@ void CellsBody::restart_motion() {
   contact_lag_m_.setZero();
   between_steps_impulse_.setZero();
   candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
+  ++restarts_;
   first_step_ = true;
 }
 
@@ -408,26 +411,6 @@ Pose CellsBody::centre_pose() const {
 
 Vector3d CellsBody::velocity_m_s() const { return motion_.velocity_m_s(); }
 Vector3d CellsBody::angular_velocity_rad_s() const { return motion_.angular_velocity_rad_s(); }
-
-std::vector<ParticleState> CellsBody::particles() const {
-  std::vector<ParticleState> states(particle_points_.size());
-  const Matrix3d lattice_from_object = extent_.object_from_lattice.conjugate().toRotationMatrix();
-  for (size_t p = 0; p < states.size(); ++p) {
-    const NodeSample sample = sample_at(particle_points_[p]);
-    const auto gradients = trilinear_gradients(particle_points_[p].local, lattice_.cell_width_m);
-    const LatticeCell& cell = lattice_.cells[particle_points_[p].cell];
-    double density = 0.0;
-    for (const MaterialShare& share : cell.materials)
-      density += share.part * densities_kg_m3_[share.material];
-    states[p].position_m = origin_m_ + nodes_.position_m(sample);
-    states[p].velocity_m_s = velocity_of(sample);
-    states[p].mass_kg = density * particle_volumes_m3_[p];
-    Matrix3d f = Matrix3d::Zero();
-    for (int c = 0; c < 8; ++c) f += nodes_.position_m(sample.nodes[c]) * gradients[c].transpose();
-    states[p].deformation_gradient = f * lattice_from_object;
-  }
-  return states;
-}
 
 double CellsBody::elastic_j() const {
   double sum = 0.0;

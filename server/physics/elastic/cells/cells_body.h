@@ -85,7 +85,7 @@ class CellsBody final : public ElasticBody {
                         std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Vector3d& point_m) const override;
-  ContactParticipant& contact_participant(double step_s) override;
+  ContactParticipant& contact_participant() override { return *participant_; }
   bool is_separating(uint64_t body_id) const override;
   void apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s) override;
   void defer_sleep(bool wait) override { sleep_timer_.defer(wait); }
@@ -114,8 +114,11 @@ class CellsBody final : public ElasticBody {
     std::vector<uint32_t> nodes;                         // held nodes
     std::vector<NodeSample> particles;                   // particles held individually
     std::vector<Vector3d> node_rest_m, particle_rest_m;  // object frame
+    std::vector<uint32_t> particle_nodes;                // of `particles`
+    std::vector<std::array<uint32_t, 8>> numbers;        // of each particle's nodes, in particle_nodes
     bool released = false;
   };
+  void number_held_nodes(ConstrainedRegion& held) const;
   void hold_face(const ParticleSet& particles, ConstrainedRegion& held);
   struct Load {
     NodeSample sample;
@@ -158,6 +161,18 @@ class CellsBody final : public ElasticBody {
     NodeSample sample;
     Vector3d impulse_n_s;
   };
+  // Contacts of this body's points with another elastic body, found a few steps ago.
+  struct ElasticContacts {
+    uint64_t body_id = 0;
+    double margin_m = 0.0;  // relative motion until they are found again
+    int own_restarts = 0, other_restarts = 0;
+    struct Point {
+      uint32_t point;
+      NodeSample own, other;  // material points that touch
+      Vector3d normal;        // outward, of the other body
+    };
+    std::vector<Point> points;
+  };
   // A contact with a body that pushes from opposite sides while the strain is far too large.
   struct StuckContact {
     uint64_t body_id = 0;
@@ -179,6 +194,7 @@ class CellsBody final : public ElasticBody {
   void choose(double cell_width_m);
   void set_masses();
   void set_moment_map();
+  double density_of(const LatticeCell& cell) const;  // kg/m³, mean of its materials
   void regularise_node_masses();
   void damp_light_nodes(double step_s, const Eigen::Vector3d& gravity_m_s2);
   void rebuild_cells();
@@ -226,7 +242,8 @@ class CellsBody final : public ElasticBody {
 
   // cells_dynamic_contact.cpp
   class Participant;
-  Vector3d node_now(uint32_t node) const;  // world frame; during a step the corrected position
+  Vector3d place_now_m(const NodeSample& sample) const;  // as node_now
+  Vector3d node_now(uint32_t node) const;                // world frame; during a step the corrected position
   void list_boxes() const;
   void push_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
   void settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
@@ -240,7 +257,8 @@ class CellsBody final : public ElasticBody {
                                   std::vector<ContactConstraint>& rows);
   void collide_rigid_points(RigidProxy& body, ContactParticipant& participant,
                             std::vector<ContactConstraint>& rows);
-  void collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h,
+  void find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts);
+  void collide_surface_with_elastic(const ElasticNeighbour& neighbour, double h,
                                     std::vector<ContactConstraint>& rows);
   // cells_stuck_contacts.cpp
   StuckContact& stuck_contact(uint64_t body_id);
@@ -291,6 +309,8 @@ class CellsBody final : public ElasticBody {
 
   NodeSample sample_at(const EmbeddedPoint& point) const;
   Vector3d velocity_of(const NodeSample& sample) const;
+  std::vector<Matrix3d> node_gradients() const;
+  void match_momentum(std::vector<ParticleState>& states) const;
   Vector3d node_velocity(size_t node) const;  // with the correction of the momentum ledger
   double mobility(const NodeSample& sample) const;
   bool free() const { return !held_; }
@@ -314,7 +334,7 @@ class CellsBody final : public ElasticBody {
   uint32_t object_id_;
 
   double rate_hz_;
-  int scene_substeps_;
+  int scene_substeps_, given_substeps_;  // per frame; the second 0: chosen
   // Per frame; the first is infinite if the cell width was given.
   double max_node_substeps_, scene_node_substeps_;
   LatticeResolution resolution_;
@@ -394,6 +414,8 @@ class CellsBody final : public ElasticBody {
     Eigen::Vector3f friction_n = Eigen::Vector3f::Zero();
     float normal_n = 0.0f;
   };
+  std::vector<ElasticContacts> elastic_contacts_;
+  int restarts_ = 0;  // of the motion; contacts found before are void
   std::vector<LastForce> last_forces_;
   uint64_t contact_step_ = 0;
   double contact_step_s_ = 0.0;

@@ -20,6 +20,9 @@ using Eigen::Vector3d;
 
 // Minimum margin of the candidate search, in cell widths, as for colliders.
 constexpr double kCandidateRoom = 0.5;
+// Relative motion, in particle edges, after which the contacts of two elastic bodies are found again. Until
+// then their material points and normals are kept.
+constexpr double kElasticCandidateRoom = 0.25;
 // Maximum gap of a contact row, in particle edges. Open gaps are included because a neighbouring impulse can
 // close them.
 constexpr double kRowMargin = 0.02;
@@ -66,7 +69,7 @@ class CellsBody::Participant final : public ContactParticipant {
   }
   Vector3d displacement_m(const ContactAnchor& anchor) const override {
     if (!body_.in_step_) return step_s * body_.velocity_of(anchor.sample);
-    return body_.nodes_.corrected_m(anchor.sample) - body_.nodes_.position_m(anchor.sample);
+    return body_.nodes_.displacement_m(anchor.sample);
   }
   void apply_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
     if (!body_.in_step_) return body_.push_anchor(anchor, point, impulse);
@@ -86,10 +89,8 @@ class CellsBody::Participant final : public ContactParticipant {
   CellsBody& body_;
 };
 
-ContactParticipant& CellsBody::contact_participant(double step_s) {
-  if (!participant_) participant_ = std::make_unique<Participant>(*this);
-  static_cast<Participant&>(*participant_).step_s = in_step_ ? step_of(step_s) : step_s;
-  return *participant_;
+Vector3d CellsBody::place_now_m(const NodeSample& sample) const {
+  return origin_m_ + (in_step_ ? nodes_.corrected_m(sample) : nodes_.position_m(sample));
 }
 
 Vector3d CellsBody::node_now(uint32_t node) const {
@@ -367,15 +368,18 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
   }
 }
 
-// Surface points of this body against another elastic body.
-void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant,
-                                             double h, std::vector<ContactConstraint>& rows) {
-  const double reach = other.body->element_reach_m();
-  const Vector3d displacement = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
+// Surface points of this body against another elastic body, within the margin of relative motion.
+void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts) {
+  contacts.margin_m = kElasticCandidateRoom * std::min(extent_.box_edge_m, other.extent_.box_edge_m);
+  contacts.own_restarts = restarts_;
+  contacts.other_restarts = other.restarts_;
+  contacts.points.clear();
+  const double reach = other.element_reach_m();
+  const Vector3d displacement = h * (motion_.velocity_m_s() - other.velocity_m_s());
   const Vector3d room = Vector3d::Constant(reach) + displacement.cwiseAbs();
   if (!boxes_known_) list_boxes();
   std::vector<SurfaceElement> elements;
-  other.body->surface_elements(AlignedBox3d(surface_box_.min() - room, surface_box_.max() + room), elements);
+  other.surface_elements(AlignedBox3d(surface_box_.min() - room, surface_box_.max() + room), elements);
   if (elements.empty()) return;
   AlignedBox3d box;
   for (const SurfaceElement& element : elements) box.extend(element.position_m);
@@ -383,7 +387,6 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), points);
   if (points.empty()) return;
   const PointSurface grid(elements, reach);
-  const double friction = mixed_friction(material_.friction, other.body->material().friction);
   for (size_t k = 0, end = 0; k < points.size(); k = end) {
     for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {  // one point's faces
     }
@@ -397,25 +400,49 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
       position = origin_m_ + nodes_.corrected_m(sample);
       depth = grid.swept_depth(position, displacement, {&point, end - k});
     }
-    if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m) continue;
+    if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m + contacts.margin_m) continue;
+    const ContactAnchor anchor =
+        other.anchor_at(depth->element, position - depth->distance_m * depth->normal);
+    contacts.points.push_back({point.index, sample, anchor.sample, depth->normal});
+  }
+}
+
+void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& neighbour, double h,
+                                             std::vector<ContactConstraint>& rows) {
+  auto& other = static_cast<CellsBody&>(*neighbour.body);  // of the same solver
+  auto found = std::find_if(elastic_contacts_.begin(), elastic_contacts_.end(),
+                            [&](const ElasticContacts& known) { return known.body_id == neighbour.body_id; });
+  if (found == elastic_contacts_.end())
+    found = elastic_contacts_.insert(elastic_contacts_.end(), {.body_id = neighbour.body_id});
+  ElasticContacts& contacts = *found;
+  contacts.margin_m -= 1.5 * h * (max_node_speed_m_s() + other.max_node_speed_m_s());
+  if (contacts.margin_m <= 0.0 || contacts.own_restarts != restarts_ ||
+      contacts.other_restarts != other.restarts_)
+    find_elastic_contacts(other, h, contacts);
+  const double friction = mixed_friction(material_.friction, other.material_.friction);
+  for (const ElasticContacts::Point& touch : contacts.points) {
+    const Vector3d position = origin_m_ + nodes_.corrected_m(touch.own);
+    const double gap_m = touch.normal.dot(position - other.place_now_m(touch.other));
+    if (gap_m > kRowMargin * extent_.box_edge_m) continue;
     ContactConstraint row;
-    row.a = &participant;
-    row.b = &other.body->contact_participant(h);
-    row.anchor_a.sample = sample;
+    row.a = participant_.get();
+    row.b = other.participant_.get();
+    row.anchor_a.sample = touch.own;
     row.point_m = position;
-    row.anchor_b = other.body->anchor_at(depth->element, position - depth->distance_m * depth->normal);
-    row.normal = depth->normal;
-    row.gap_m = depth->distance_m;
+    row.anchor_b.sample = touch.other;
+    row.normal = touch.normal;
+    row.gap_m = gap_m;
     row.friction = friction;
-    row.other_body_id = other.body_id;
-    row.point = point.index;
+    row.other_body_id = neighbour.body_id;
+    row.point = touch.point;
     start_from_last_force(row);
     rows.push_back(row);
   }
 }
 
 void CellsBody::prepare_contact_step(double step_s) {
-  contact_participant(step_s);
+  if (!participant_) participant_ = std::make_unique<Participant>(*this);
+  static_cast<Participant&>(*participant_).step_s = in_step_ ? step_of(step_s) : step_s;
   if (!boxes_known_ && !frozen()) list_boxes();
   ++contact_step_;
   contact_step_s_ = step_s;
@@ -432,7 +459,7 @@ void CellsBody::start_from_last_force(ContactConstraint& row) const {
 void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context,
                               std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
-  ContactParticipant& participant = contact_participant(part.duration_s);
+  ContactParticipant& participant = contact_participant();
   double fastest = 0.0;
   bool same = rigid_candidate_ids_.size() == context.bodies.size();
   for (size_t k = 0; k < context.bodies.size(); ++k) {
@@ -446,7 +473,7 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   for (RigidProxy* body : context.bodies) collide_rigid_points(*body, participant, rows);
   for (const ElasticNeighbour& other : context.others) {
     if (!other.body->is_separating(body_id_of(object_id_)))
-      collide_surface_with_elastic(other, participant, part.duration_s, rows);
+      collide_surface_with_elastic(other, part.duration_s, rows);
   }
   if (is_separating()) separate(part, context, begin, rows);
 }

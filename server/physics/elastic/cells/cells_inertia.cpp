@@ -16,6 +16,13 @@ constexpr double kMinMomentMap = 0.577;
 
 }  // namespace
 
+double CellsBody::density_of(const LatticeCell& cell) const {
+  double density_kg_m3 = 0.0;
+  for (const MaterialShare& share : cell.materials)
+    density_kg_m3 += share.part * densities_kg_m3_[share.material];
+  return density_kg_m3;
+}
+
 // Nodes as point masses have a larger inertia than the material: a cube of n cells across 1 + 2 / n² times.
 void CellsBody::set_moment_map() {
   const Matrix3d object_from_lattice = lattice_.object_from_lattice.orientation.toRotationMatrix();
@@ -29,12 +36,19 @@ void CellsBody::set_moment_map() {
     of_nodes += masses_kg_[i] * r * r.transpose();
   }
   Vector3d material_centre = Vector3d::Zero();
+  // A list of points is its own mass distribution: the momentum of the points that are given and written is
+  // that of the body. A mesh is filled with material.
+  for (size_t p = 0; extent_.of_points && p < particle_rest_m_.size(); ++p) {
+    const double of_point = density_of(lattice_.cells[particle_points_[p].cell]) * particle_volumes_m3_[p];
+    const Vector3d& r = particle_rest_m_[p];
+    mass += of_point;
+    material_centre += of_point * r;
+    of_material += of_point * r * r.transpose();
+  }
   const double half = 0.5 * lattice_.cell_width_m;
   for (const LatticeCell& cell : lattice_.cells) {
-    double density = 0.0;
-    for (const MaterialShare& share : cell.materials)
-      density += share.part * densities_kg_m3_[share.material];
-    const double of_cell = density * cell.volume_m3;
+    if (extent_.of_points) break;
+    const double of_cell = density_of(cell) * cell.volume_m3;
     const Vector3d lattice_m =
         half * (2.0 * cell.coordinates.cast<double>() + Vector3d::Ones() + cell.centroid);
     const Vector3d r = lattice_.object_from_lattice * lattice_m;

@@ -54,7 +54,6 @@ void CellsBody::flow() {
   YieldSurface surface;  // of the last cell, cached: most bodies have one material
   double surface_plasticity = NAN, surface_poisson_ratio = NAN;
   for (size_t i = 0; i < lattice_.cells.size(); ++i) {
-    if (batches_.places[i].kind == CellPlace::Kind::Held) continue;
     const LatticeCell& cell = lattice_.cells[i];
     double plasticity = 0.0;
     for (const MaterialShare& share : cell.materials)

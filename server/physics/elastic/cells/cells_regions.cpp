@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Fixed, moved and loaded regions. The nodes of cells entirely inside a held region are held directly. If a
-// region ends inside a cell, its particles are held individually after the sweep, which is softer. Lattice
-// planes are therefore snapped to regions if possible.
+// region ends inside a cell, its particles are held individually after the sweep, by the least change of the
+// free nodes in the norm of their masses. Lattice planes are snapped to regions if possible.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/log.h"
 #include "physics/elastic/cells/cells_body.h"
@@ -14,9 +15,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A particle with less than this part of its weight on free nodes is not held individually. The held nodes
-// suffice, and holding it would also hold free nodes up to a cell beyond the region.
-constexpr double kFreeShare = 0.5;
+// A particle with less than this part of its weight on free nodes is not held individually; the held nodes
+// suffice.
+constexpr double kFreeShare = 0.05;
+// Conjugate gradients that hold particles end when the residual is below this part of that at the start of
+// the step, and below this part of a cell, or after this number of iterations.
+constexpr double kHeldResidual = 1e-3, kHeldTolerance = 1e-7;
+constexpr int kMaxHoldIterations = 40;
 
 bool holds(const BodyRegion& region) { return region.fixed || region.motion.has_value(); }
 
@@ -76,7 +81,6 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
         for (int c = 0; c < 8; ++c) free_share += taken[sample.nodes[c]] ? 0.0 : std::abs(sample.weights[c]);
         if (free_share < kFreeShare) continue;
         held.particles.push_back(sample);
-        held.particle_rest_m.push_back(particle_rest_m_[p]);
       }
       if (held.nodes.empty()) hold_face(description.particles, held);
     }
@@ -94,15 +98,16 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
           "widen the region or reduce spacing_m below %.3g m",
           object_id_, region.name.c_str(), held.particles.size(), extent_.spacing_m);
     }
+    number_held_nodes(held);
     held_ = true;
     moved_ = moved_ || region.motion.has_value();
     constrained_regions_.push_back(std::move(held));
   }
 }
 
-// A grip thinner than a voxel contains little more than the corners of the surface. Its face is then held at
-// the points of a traction, in place of its particles: both together would overconstrain a layer of cells.
-// This applies only to grips across the whole body; a line of particles acts as a hinge.
+// A grip thinner than a voxel contains little more than the corners of the surface. Its face is then held as
+// well, at the points of a traction. This applies only to grips across the whole body; a line of particles
+// acts as a hinge.
 void CellsBody::hold_face(const ParticleSet& particles, ConstrainedRegion& held) {
   Eigen::AlignedBox3d body;
   for (const Vector3d& particle : particle_rest_m_) body.extend(particle);
@@ -112,15 +117,7 @@ void CellsBody::hold_face(const ParticleSet& particles, ConstrainedRegion& held)
   if (over.count() < 2) return;
   const std::vector<LoadPoint> points = load_points(particles, extent_, lattice_, held.region);
   if (points.size() <= held.particles.size()) return;
-  held.particles.clear();
-  held.particle_rest_m.clear();
-  for (const LoadPoint& point : points) {
-    const NodeSample sample = sample_at(point.point);
-    Vector3d rest_m = Vector3d::Zero();
-    for (int c = 0; c < 8; ++c) rest_m += sample.weights[c] * lattice_.node_position_m(sample.nodes[c]);
-    held.particles.push_back(sample);
-    held.particle_rest_m.push_back(rest_m);
-  }
+  for (const LoadPoint& point : points) held.particles.push_back(sample_at(point.point));
 }
 
 void CellsBody::load_regions(const ElasticBodyDescription& description) {
@@ -161,16 +158,84 @@ void CellsBody::move_regions(double time_s, double h) {
   }
 }
 
+// Lists the nodes of the particles that are held individually, and the places of the particles at rest: those
+// of their weights, so that all targets agree.
+void CellsBody::number_held_nodes(ConstrainedRegion& held) const {
+  std::vector<uint32_t> nodes;
+  for (const NodeSample& sample : held.particles)
+    nodes.insert(nodes.end(), std::begin(sample.nodes), std::end(sample.nodes));
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  held.particle_nodes = nodes;
+  for (const NodeSample& sample : held.particles) {
+    auto& numbers = held.numbers.emplace_back();
+    Vector3d& rest_m = held.particle_rest_m.emplace_back(Vector3d::Zero());
+    for (int c = 0; c < 8; ++c) {
+      rest_m += sample.weights[c] * lattice_.node_position_m(sample.nodes[c]);
+      numbers[c] = static_cast<uint32_t>(std::lower_bound(nodes.begin(), nodes.end(), sample.nodes[c]) -
+                                         nodes.begin());
+    }
+  }
+}
+
+// Least squares of W d = r with the least sum of m d² by conjugate gradients on B = W M^-1/2 (CGLS; Björck
+// 1996, Numerical methods for least squares problems, 7.4), with r the distances to the targets, W the
+// weights of the particles and d the changes of their nodes. The particles can be more than the free nodes;
+// their targets agree, because motions are affine in each cell.
 void CellsBody::hold_particles(double time_s) {
   for (const ConstrainedRegion& held : constrained_regions_) {
-    if (held.released) continue;
-    for (size_t i = 0; i < held.particles.size(); ++i) {
-      const NodeSample& sample = held.particles[i];
-      const double w = mobility(sample);
-      if (w <= 0.0) continue;
-      nodes_.pull(sample,
-                  (region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.corrected_m(sample)) / w);
+    const size_t count = held.particles.size(), node_count = held.particle_nodes.size();
+    if (held.released || count == 0) continue;
+    std::vector<double> roots(node_count);  // of the inverse masses
+    for (size_t n = 0; n < node_count; ++n) roots[n] = std::sqrt(inverse_masses_[held.particle_nodes[n]]);
+    std::vector<Vector3d> residual(count), gradient(node_count), direction,
+        change(node_count, Vector3d::Zero());
+    double square = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+      residual[i] =
+          region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.corrected_m(held.particles[i]);
+      square += residual[i].squaredNorm();
     }
+    const auto set_gradient = [&] {  // B^T r
+      std::fill(gradient.begin(), gradient.end(), Vector3d::Zero());
+      for (size_t i = 0; i < count; ++i) {
+        for (int c = 0; c < 8; ++c)
+          gradient[held.numbers[i][c]] += held.particles[i].weights[c] * residual[i];
+      }
+      double sum = 0.0;
+      for (size_t n = 0; n < node_count; ++n) {
+        gradient[n] *= roots[n];
+        sum += gradient[n].squaredNorm();
+      }
+      return sum;
+    };
+    const double tolerance_m = kHeldTolerance * lattice_.cell_width_m;
+    const double end = std::max(kHeldResidual * kHeldResidual * square, tolerance_m * tolerance_m * count);
+    double slope = set_gradient();
+    const double least_slope = kHeldResidual * kHeldResidual * kHeldResidual * slope;
+    direction = gradient;
+    for (int k = 0; k < kMaxHoldIterations && square > end && slope > least_slope; ++k) {
+      double length = 0.0;
+      std::vector<Vector3d> image(count, Vector3d::Zero());
+      for (size_t i = 0; i < count; ++i) {
+        for (int c = 0; c < 8; ++c) {
+          const uint32_t n = held.numbers[i][c];
+          image[i] += held.particles[i].weights[c] * roots[n] * direction[n];
+        }
+        length += image[i].squaredNorm();
+      }
+      if (!(length > 0.0)) break;
+      const double step = slope / length, before = slope;
+      square = 0.0;
+      for (size_t i = 0; i < count; ++i) {
+        residual[i] -= step * image[i];
+        square += residual[i].squaredNorm();
+      }
+      for (size_t n = 0; n < node_count; ++n) change[n] += step * direction[n];
+      slope = set_gradient();
+      for (size_t n = 0; n < node_count; ++n) direction[n] = gradient[n] + slope / before * direction[n];
+    }
+    for (size_t n = 0; n < node_count; ++n) nodes_.correct(held.particle_nodes[n], roots[n] * change[n]);
   }
 }
 

@@ -249,6 +249,7 @@ void CellsBody::become_elastic() {
   between_steps_impulse_.setZero();
   unstrained_time_s_ = 0.0;
   candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
+  ++restarts_;
   first_step_ = true;
 }
 

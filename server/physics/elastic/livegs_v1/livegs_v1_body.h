@@ -34,7 +34,7 @@ class LivegsV1Body final : public ElasticBody {
 
   int begin_substep(const SubstepContext& context) override;
   void begin_step(const SubstepPart& part, const SubstepContext& context) override;
-  void prepare_contact_step(double step_s) override { contact_participant(step_s); }
+  void prepare_contact_step(double step_s) override;
   void list_contacts(const SubstepPart& part, const SubstepContext& context,
                      std::vector<ContactConstraint>& rows) override;
   void end_step(const SubstepPart& part, const SubstepContext& context) override;
@@ -48,7 +48,7 @@ class LivegsV1Body final : public ElasticBody {
                         std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Eigen::Vector3d& point_m) const override;
-  ContactParticipant& contact_participant(double step_s) override;
+  ContactParticipant& contact_participant() override { return *participant_; }
   void defer_sleep(bool wait) override { sleep_timer_.defer(wait); }
   bool can_sleep() const override { return sleep_timer_.can_sleep(); }
   void sleep() override;

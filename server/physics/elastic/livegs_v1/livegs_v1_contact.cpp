@@ -55,10 +55,9 @@ class LivegsV1Body::Participant final : public ContactParticipant {
   LivegsV1Body& body_;
 };
 
-ContactParticipant& LivegsV1Body::contact_participant(double step_s) {
+void LivegsV1Body::prepare_contact_step(double step_s) {
   if (!participant_) participant_ = std::make_unique<Participant>(*this);
   static_cast<Participant&>(*participant_).step_s = step_s;
-  return *participant_;
 }
 
 void LivegsV1Body::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
@@ -118,7 +117,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
                                  std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
   const double h = part.duration_s;
-  ContactParticipant& participant = contact_participant(h);
+  ContactParticipant& participant = contact_participant();
   const double margin = kBaselineRowMargin * spacing_m_;
   const Vector3d centre = origin_m_ + motion_.centre_m, displacement = h * motion_.velocity_m_s();
   const double around = 1.1 * (reach_m_ + spacing_m_) + displacement.norm();
@@ -180,7 +179,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       if (!depth || depth->distance_m - point.radius_m > margin) continue;
       ContactConstraint row;
       row.a = &participant;
-      row.b = &other.body->contact_participant(h);
+      row.b = &other.body->contact_participant();
       row.anchor_a = anchor_of(point.particle);
       row.anchor_b = anchor_of(depth->element);
       row.point_m = at;

@@ -96,6 +96,7 @@ double courant_limit(double poisson_ratio, double cells_across) {
 
 LatticeResolution choose_resolution(const ResolutionRequest& request) {
   int cap = std::max(request.substeps, kMaxBodySubsteps / request.substeps * request.substeps);
+  if (request.body_substeps > 0) cap = scene_multiple(request.body_substeps, request.substeps);
   std::vector<Candidate> candidates;
   for (const double width : candidate_widths(request)) candidates.push_back(score(request, width));
   const auto costs_too_much = [&](const Candidate& candidate) {
@@ -112,7 +113,7 @@ LatticeResolution choose_resolution(const ResolutionRequest& request) {
       wider = score(request, kWidthGrowth * wider.width_m);
     }
     candidates = {wider};
-    if (costs_too_much(wider)) {
+    if (costs_too_much(wider) && request.body_substeps == 0) {
       const double affordable = std::max(1.0, request.max_node_substeps / wider.nodes / request.substeps);
       cap =
           std::min(cap, static_cast<int>(std::min<double>(affordable, kMaxBodySubsteps)) * request.substeps);
@@ -139,7 +140,7 @@ LatticeResolution choose_resolution(const ResolutionRequest& request) {
 
   LatticeResolution resolution;
   resolution.cell_width_m = chosen->width_m;
-  resolution.substeps = std::min(chosen->substeps_needed, cap);
+  resolution.substeps = request.body_substeps > 0 ? cap : std::min(chosen->substeps_needed, cap);
   resolution.node_substeps = chosen->nodes * resolution.substeps;
   const double reach =
       limit_of(request, chosen->width_m) * request.rate_hz * resolution.substeps * chosen->width_m;

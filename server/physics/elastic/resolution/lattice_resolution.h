@@ -27,6 +27,7 @@ struct ResolutionRequest {
   int substeps = 1;  // per frame, of the scene
   // > 0: the width, but at least half of particle_edge_m; only the substeps are chosen. 0: chosen too.
   double cell_width_m = 0;
+  int body_substeps = 0;  // > 0: per frame, rounded up to a multiple of the scene's; 0: chosen
   // Per frame; kept by wider cells first, then by fewer substeps.
   double max_node_substeps = kMaxNodeSubsteps;
   double max_courant = 1.0;  // additional bound, below courant_limit

@@ -72,6 +72,7 @@ ResolutionRequest resolution_request(const ElasticBodyDescription& description, 
   ResolutionRequest request =
       resolution_request(measure_extent(description.particles), materials, boundary_moved, rate_hz, substeps);
   request.cell_width_m = description.cell_width_m;
+  request.body_substeps = description.substeps;
   return request;
 }
 

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Motion of the `cells` solver compared with closed forms. The bars are in server/physics/ACCURACY.md.
+#include <Eigen/Geometry>
+
+#include "geometry/field/sample_particles.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scenes/elastic_bodies.h"
+#include "skin/skin_kernels.h"
 
 namespace livegs::test {
 namespace {
@@ -32,6 +37,80 @@ TEST(ElasticDynamics, PointForceAcceleratesTheCentreOfMassExactly) {
   EXPECT_NEAR((stage.body->velocity_m_s() - Vector3d(0.3, 0.1, -0.2) * 0.5).norm(), 0.0, 1e-12);  // 1 kg
 }
 
+// A body that spins, vibrates and touches the floor, of half cells and of two materials.
+Stage busy_stage() {
+  Stage stage;
+  stage.rate_hz = 90.0;
+  stage.gravity_m_s2 = kGravity;
+  stage.add_floor();
+  ElasticBodyDescription body = describe(sample_particles(capsule_mesh(0.05, 0.13)), 2e4, 0.3);
+  BodyRegion heavy;
+  heavy.min_m = {-9, 0.01, -9};
+  heavy.max_m = {9, 9, 9};
+  heavy.material.emplace().density_kg_m3 = 3000.0;
+  body.regions.push_back(heavy);
+  body.world_from_object = {{3.0, 0.2, -2.0},
+                            Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()))};
+  body.velocity_m_s = {1.0, 0.0, 0.5};
+  body.angular_velocity_rad_s = {3.0, -2.0, 5.0};
+  stage.make(body);
+  return stage;
+}
+
+TEST(ElasticDynamics, ParticlesHaveTheMomentumOfTheLedger) {
+  Stage stage = busy_stage();
+  for (int k = 0; k < 10; ++k) {
+    stage.run(0.05);
+    const BodyEnergy ledger = stage.body->energy(kGravity);
+    Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();
+    double scale = 0.0, angular_scale = 0.0, mass_kg = 0.0;
+    for (const ParticleState& particle : stage.body->particles()) {
+      const Vector3d momentum = particle.mass_kg * particle.velocity_m_s;
+      linear += momentum;
+      angular += particle.position_m.cross(momentum);
+      mass_kg += particle.mass_kg;
+      scale += momentum.norm();
+      angular_scale += particle.position_m.norm() * momentum.norm();
+    }
+    EXPECT_NEAR(mass_kg / stage.body->mass_kg(), 1.0, 1e-12);
+    EXPECT_LT((linear - ledger.linear_momentum).norm(), 1e-7 * scale);
+    EXPECT_LT((angular - ledger.angular_momentum).norm(), 1e-7 * angular_scale);
+  }
+}
+
+TEST(ElasticDynamics, ParticlesAndKernelsHaveOneDeformation) {
+  Stage stage = busy_stage();
+  stage.run(0.3);
+  GaussianAsset asset;
+  const ParticleSet set = sample_particles(capsule_mesh(0.05, 0.13));
+  asset.resize(set.positions_m.size());
+  for (size_t i = 0; i < asset.size(); ++i) {
+    asset.positions[i] = set.positions_m[i].cast<float>();
+    asset.rotations[i].setIdentity();
+    asset.log_scales[i].setConstant(-6.0f);
+    asset.opacity_logits[i] = 0.0f;
+    asset.sh_dc[i].setZero();
+  }
+  RestBody rest = stage.body->rest_body();
+  const auto bindings = bind_kernels(asset, rest);
+  ASSERT_TRUE(bindings) << bindings.error().message;
+  ObjectDrivers drivers;
+  stage.body->write_drivers(drivers);
+  PosedKernels kernels;
+  std::vector<Eigen::Matrix3f> gradients;
+  skin_kernels(asset, rest, *bindings, drivers, kernels, &gradients);
+  const std::vector<ParticleState> particles = stage.body->particles();
+  ASSERT_EQ(particles.size(), gradients.size());
+  double most = 0.0, strain = 0.0;
+  for (size_t i = 0; i < particles.size(); ++i) {
+    const Matrix3d& f = particles[i].deformation_gradient;
+    most = std::max(most, (f - gradients[i].cast<double>()).cwiseAbs().maxCoeff());
+    strain = std::max(strain, (f.transpose() * f - Matrix3d::Identity()).norm());
+  }
+  EXPECT_GT(strain, 0.02);  // the body is deformed
+  EXPECT_LT(most, 1e-4);
+}
+
 // A couple on a box: spin = couple * time / inertia, for any number of cells across.
 TEST(ElasticDynamics, CoupleSpinsBoxesByTheInertiaOfTheirMaterial) {
   struct Case {
@@ -49,7 +128,9 @@ TEST(ElasticDynamics, CoupleSpinsBoxesByTheInertiaOfTheirMaterial) {
                                         << " m, axis " << c.axis << ", " << rate_hz << " Hz");
       Stage stage;
       stage.rate_hz = rate_hz;
-      ElasticBodyDescription box = describe(particle_grid(c.size_m, c.spacing_m), 2e6, 0.3, c.cell_width_m);
+      ElasticBodyDescription box =
+          describe(sample_particles(box_mesh(c.size_m), kDefaultSamplingDensity, c.spacing_m), 2e6, 0.3,
+                   c.cell_width_m);
       box.material.mass_kg = 1.0;
       stage.make(box);
       const int along = (c.axis + 1) % 3, across = (c.axis + 2) % 3;

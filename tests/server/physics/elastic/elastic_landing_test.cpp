@@ -72,7 +72,7 @@ TEST_P(ElasticDrop, GainsNothingAtAnyLandingAndSleeps) {
   }
   // Stiff bodies bounce longer, by their loss factor. A few keep rocking slowly on a few points.
   report_gap("landing.asleep_within_3_s", static_cast<double>(soon) / cases);
-  report_gap("landing.asleep_within_12_s", static_cast<double>(sleeping) / cases);
+  EXPECT_EQ(sleeping, cases);  // within 12 s
 }
 
 // `mach` is the impact speed over the wave speed sqrt(E/rho).
@@ -106,7 +106,7 @@ TEST_P(ElasticDrop, ImpactAtWaveSpeedGainsNothing) {
               double& most_j = lowest_m > kNear_m ? in_flight_j : in_touch_j;
               most_j = std::max(most_j, stage.total_energy_j());
             }
-            report_gap("landing.energy_in_touch_at_mach", in_touch_j / start_j);
+            EXPECT_LT(in_touch_j, 1.0005 * start_j);
             EXPECT_LT(in_flight_j, kGain * start_j);
           }
         }

@@ -221,8 +221,7 @@ TEST(ElasticScale, StaysFiniteAndGainsNothingAtAnyScale) {
               stage.time_s += 1.0;
               const double after = peak(10);
               ASSERT_TRUE(all_finite(*stage.body));
-              report_gap("scale.energy_after_long_frame", after / start);
-              EXPECT_LT(after, kExploded * start);
+              EXPECT_LT(after, 1.0005 * start);
             }
       }
     }

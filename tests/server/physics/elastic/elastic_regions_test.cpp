@@ -3,7 +3,10 @@
 // cells.
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "geometry/surface/shape_mesh.h"
+#include "physics/material/return_mapping.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs {
@@ -62,6 +65,79 @@ double sag_ratio(const Vector3d& size_m, double face_m, double spacing_m, double
   stage.run(25.0 / rate_rad_s);
   EXPECT_TRUE(test::all_finite(*stage.body)) << size_m.transpose() << ", held to " << face_m;
   return -end_moved_m(stage, 1) / beam_m;
+}
+
+// Clay keeps the set of the flow rule, whether a region drives all of it or only its boundary.
+TEST(ElasticRegions, DrivenClayKeepsItsSet) {
+  constexpr double kPlasticity = 0.95, kPoisson = 0.3, kStretch = 0.12;
+  const Eigen::Matrix3d stretch = Vector3d(1.0 + kStretch, 1.0, 1.0).asDiagonal();
+  // The set of one cell under the same stretch, in as many steps.
+  const YieldSurface surface = yield_surface(kPlasticity, kPoisson);
+  Eigen::Matrix3d set = Eigen::Matrix3d::Identity();
+  for (int k = 1; k <= 60; ++k) {
+    const Eigen::Matrix3d f =
+        Eigen::Matrix3d::Identity() + k / 60.0 * (stretch - Eigen::Matrix3d::Identity());
+    set = flow_plastically(surface, f * set.inverse(), set).plastic_part;
+  }
+  for (const bool boundary : {false, true}) {
+    SCOPED_TRACE(boundary ? "boundary" : "whole");
+    Stage stage;
+    ElasticBodyDescription clay =
+        test::describe(test::particle_grid({0.2, 0.2, 0.2}, 0.025), 1e5, kPoisson, 0.05);
+    clay.material.plasticity = kPlasticity;
+    clay.material.loss_factor = 0.5;
+    BodyRegion driven;
+    driven.name = "hand";
+    driven.boundary = boundary;
+    driven.min_m = {-9, -9, -9};
+    driven.max_m = {9, 9, 9};
+    driven.motion = AffineRamp{stretch, Vector3d::Zero(), 0.0, 1.0, 0.0};
+    clay.regions.push_back(driven);
+    stage.make(clay);
+    stage.run(1.1);
+    ASSERT_TRUE(stage.body->release_region("hand"));
+    stage.run(2.0);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d end = 0.1 * Vector3d::Unit(axis);
+      const double length_m = (stage.body->world_point(end) - stage.body->world_point(-end)).norm();
+      // Within 2 % of the set along the stretch.
+      EXPECT_NEAR(length_m / 0.2, set(axis, axis), 0.02 * (set(0, 0) - 1.0)) << axis;
+    }
+  }
+}
+
+// A moved face reaches its place wherever it lies in a cell, in the middle and at the edges.
+TEST(ElasticRegions, MovedFaceReachesItsPlace) {
+  constexpr double kWay_m = 0.01;
+  for (const double spacing_m : {0.02, 0.0125}) {
+    for (const double cell_width_m : {0.05, 0.0333}) {
+      for (const double thickness_m : {0.0201, 0.027, 0.034, 0.041, 0.05, 0.063}) {
+        SCOPED_TRACE(testing::Message() << spacing_m << " " << cell_width_m << " " << thickness_m);
+        Stage stage;
+        const double end_m = 0.2, face_m = end_m - thickness_m;
+        ElasticBodyDescription bar =
+            test::describe(test::particle_grid({2 * end_m, 0.1, 0.1}, spacing_m), 1e5, 0.3, cell_width_m);
+        bar.material.loss_factor = 1.0;
+        bar.regions.push_back(clamp_to(-0.15));
+        BodyRegion moved;
+        moved.min_m = {face_m, -9, -9};
+        moved.max_m = {9, 9, 9};
+        moved.motion = DisplacementRamp{{kWay_m, 0.5 * kWay_m, 0.0}, 0.0, 0.25};
+        bar.regions.push_back(moved);
+        stage.make(bar);
+        stage.run(1.0);
+        size_t held = 0;
+        for (const Vector3d& rest_m : bar.particles.positions_m) {
+          if (rest_m.x() < face_m) continue;
+          ++held;
+          const Vector3d way_m = stage.body->world_point(rest_m) - rest_m;
+          EXPECT_NEAR(way_m.x() / kWay_m, 1.0, 0.01) << rest_m.transpose();
+          EXPECT_NEAR(way_m.y() / kWay_m, 0.5, 0.01) << rest_m.transpose();
+        }
+        EXPECT_GT(held, 0u);
+      }
+    }
+  }
 }
 
 // Timoshenko's clamped end is softer than a solid one at nu 0.3, by 8 % for a free length of two widths. Bars

@@ -68,6 +68,58 @@ TEST(ElasticBudgetOfAScene, IsSharedAndReported) {
   EXPECT_EQ(roomy.find("sheet 0")->elastic->unbudgeted_cell_width_m, 0);
 }
 
+Result<Scene> bar_with(const std::string& resolution, const std::string& behavior = "ELASTIC") {
+  v1::Scene file;
+  const std::string text = R"({ "rate_hz": 90, "substeps": 4, "objects": [ { "name": "bar",
+      "shape": { "box": { "size_m": [0.5, 0.02, 0.02] } }, "spacing_m": 0.005, "resolution": )" +
+                           resolution + R"(, "physics": { "behavior": ")" + behavior +
+                           R"(", "density_kg_m3": 1000, "youngs_modulus_pa": 1e5 } } ] })";
+  EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(text, &file).ok());
+  return Scene::build(file, "", "bar", {});
+}
+
+TEST(ElasticResolutionOfAScene, IsUsedAsGiven) {
+  const auto scene = bar_with(R"({ "cell_width_m": 0.01, "substeps": 40 })");
+  ASSERT_TRUE(scene) << scene.error().message;
+  const ElasticAccuracy& given = *scene->find("bar")->elastic;
+  EXPECT_EQ(given.cell_width_m, 0.01);
+  EXPECT_EQ(given.substeps, 40);
+  EXPECT_FALSE(given.clipped);
+
+  // Too few substeps for the stiffness: used, and the stiffness that they reach is reported.
+  const auto slow = bar_with(R"({ "cell_width_m": 0.005, "substeps": 4 })");
+  ASSERT_TRUE(slow) << slow.error().message;
+  EXPECT_EQ(slow->find("bar")->elastic->substeps, 4);
+  EXPECT_TRUE(slow->find("bar")->elastic->clipped);
+  std::string warnings;
+  for (const std::string& warning : slow->find("bar")->all_warnings()) warnings += warning + "\n";
+  EXPECT_NE(warnings.find("stiffness is clipped from 1e+05"), std::string::npos) << warnings;
+
+  const auto rich = bar_with(R"({ "budget_ms": 20 })"), poor = bar_with(R"({ "budget_ms": 0.001 })");
+  ASSERT_TRUE(rich && poor);
+  EXPECT_LT(poor->find("bar")->elastic->node_substeps, rich->find("bar")->elastic->node_substeps);
+}
+
+TEST(ElasticResolutionOfAScene, IsRefusedWhereItCannotBeUsed) {
+  const struct {
+    const char *resolution, *behavior, *message;
+  } cases[] = {
+      {R"({ "cell_width_m": 0.002 })", "ELASTIC",
+       "resolution.cell_width_m: 0.002 m is less than half of the particles'"},
+      {R"({ "cell_width_m": -1 })", "ELASTIC", "resolution.cell_width_m"},
+      {R"({ "substeps": 6 })", "ELASTIC", "resolution.substeps: 6 is not a multiple of the scene's 4"},
+      {R"({ "substeps": 5000 })", "ELASTIC", "resolution.substeps"},
+      {R"({ "cell_width_m": 0.01, "budget_ms": 1 })", "ELASTIC",
+       "resolution.budget_ms: conflicts with cell_width_m"},
+      {R"({ "substeps": 8 })", "RIGID", "resolution: is only for elastic objects"},
+  };
+  for (const auto& one : cases) {
+    const auto scene = bar_with(one.resolution, one.behavior);
+    ASSERT_FALSE(scene) << one.resolution;
+    EXPECT_NE(scene.error().message.find(one.message), std::string::npos) << scene.error().message;
+  }
+}
+
 // An edit of the stiffness keeps the cells. The substeps stay within the remaining budget, and the object
 // reports it.
 TEST(ElasticBudgetOfAScene, EditsStayWithinTheRemainingBudget) {

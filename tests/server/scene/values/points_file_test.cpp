@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/values/points_file.h"
 
+#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -10,6 +11,7 @@
 #include "geometry/reconstruct_surface.h"
 #include "known_gaps.h"
 #include "rates.h"
+#include "scene/scene.h"
 #include "scratch_folder.h"
 
 namespace livegs {
@@ -111,6 +113,29 @@ TEST(PointsFile, RandomListsFillTheirSurface) {
   const auto surface = reconstruct_surface(points, elastic_surface_options());
   ASSERT_TRUE(surface) << surface.error().message;
   EXPECT_NEAR(std::pow(filling_spacing_m(points, surface->mesh) / 0.01, 3), 1.0, 0.1);
+}
+
+// Each point stands for a cube of its spacing, and the body touches at the faces of the cubes.
+TEST(PointsFile, BlockStandsOnItsCubes) {
+  const ScratchFolder folder;
+  std::ofstream csv(folder.path() / "block.csv");
+  csv << "x,y,z\n";
+  for (int k = 0; k < 125; ++k)
+    csv << 0.02 * (k % 5 - 2) << ',' << 0.02 * (k / 5 % 5 - 2) << ',' << 0.02 * (k / 25 - 2) << '\n';
+  csv.close();
+  v1::Scene file;
+  ASSERT_TRUE(
+      google::protobuf::util::JsonStringToMessage(R"({ "environment": { "colliders": [ { "plane": {} } ] },
+      "objects": [ { "name": "block", "points": "block.csv", "spacing_m": 0.02, "pose": { "position_m": [0, 0.05, 0] },
+      "physics": { "behavior": "ELASTIC", "density_kg_m3": 300, "youngs_modulus_pa": 1e6 } } ] })",
+                                                  &file)
+          .ok());
+  auto scene = Scene::build(file, folder.path(), "block", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  for (int k = 0; k < 90; ++k) scene->step();
+  const double height_m = scene->world().elastic_body(scene->find("block")->id)->centre_m().y();
+  // rho g h^2 / 2 E = 1.5e-5 m of its own weight
+  EXPECT_NEAR(height_m, 0.05, 1e-4);
 }
 
 }  // namespace
