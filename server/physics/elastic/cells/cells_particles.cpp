@@ -4,8 +4,8 @@
 
 namespace livegs {
 
-// Deformation gradients of the nodes, from the lattice to the world: means over the adjacent cells of the gradients at
-// their corners, as for the kernels (common/skin/kernels/skin_lattice.cpp).
+// Deformation gradients of the nodes, from the lattice to the world: means over the adjacent cells of the
+// gradients at their corners, as for the kernels (common/skin/kernels/skin_lattice.cpp).
 std::vector<Eigen::Matrix3d> CellsBody::node_gradients() const {
   std::vector<Matrix3d> gradients(nodes_.count(), Matrix3d::Zero());
   std::vector<int> cells_around(nodes_.count(), 0);
@@ -15,7 +15,8 @@ std::vector<Eigen::Matrix3d> CellsBody::node_gradients() const {
       ++cells_around[node];
       for (int d = 0; d < 3; ++d) {
         const double sign = c & 1 << d ? 1.0 : -1.0;
-        gradients[node].col(d) += sign * (nodes_.position_m(node) - nodes_.position_m(cell.nodes[c ^ 1 << d]));
+        gradients[node].col(d) +=
+            sign * (nodes_.position_m(node) - nodes_.position_m(cell.nodes[c ^ 1 << d]));
       }
     }
   }
@@ -44,7 +45,8 @@ std::vector<ParticleState> CellsBody::particles() const {
   return states;
 }
 
-// The particles have nearly the body's centre and inertia. A rigid velocity gives them its linear and angular momentum.
+// The particles have nearly the body's centre and inertia. A rigid velocity gives them its linear and angular
+// momentum.
 void CellsBody::match_momentum(std::vector<ParticleState>& states) const {
   const BodyEnergy body = energy(Vector3d::Zero());
   std::vector<Vector3d> positions, velocities;
