@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 // The iteration stops when a sweep changes the impulses by less than this fraction of their sum. Friction
 // that has not converged lets bodies creep and keeps them awake.
-constexpr int kMaxIterations = 24;
+constexpr int kMaxIterations = 50;
 constexpr double kConvergence = 0.002;
 
 Vector3d relative_displacement(const ContactConstraint& row) {

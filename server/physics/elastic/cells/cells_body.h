@@ -133,8 +133,8 @@ class CellsBody final : public ElasticBody {
   };
   // The curvature about a surface point (SurfacePatch), lattice axes at rest.
   struct CurvedPatch {
-    Eigen::Vector3f bulge;
-    Eigen::Matrix3f curvature, flatten;
+    Eigen::Vector3f bulge = Eigen::Vector3f::Zero();
+    Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero(), flatten = Eigen::Matrix3f::Zero();
     float radius_m = 0.0f;  // mean of curvature
     float reach_m = 0.0f;   // 0: without curvature
     // How far the patch may reach beyond its point, against the other surface's normal.
