@@ -458,7 +458,10 @@ void CellsBody::start_from_last_force(ContactConstraint& row) const {
 
 void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context,
                               std::vector<ContactConstraint>& rows) {
-  if (context.bodies.empty() && context.others.empty()) return;
+  if (context.bodies.empty() && context.others.empty()) {
+    elastic_contacts_.clear();
+    return;
+  }
   ContactParticipant& participant = contact_participant();
   double fastest = 0.0;
   bool same = rigid_candidate_ids_.size() == context.bodies.size();
@@ -471,6 +474,12 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   const size_t begin = rows.size();
   collide_surface_with_rigid(participant, context, rows);
   for (RigidProxy* body : context.bodies) collide_rigid_points(*body, participant, rows);
+  // The motion of a body that is not near is not counted: its contacts are found again when it returns.
+  std::erase_if(elastic_contacts_, [&](const ElasticContacts& contacts) {
+    return std::none_of(context.others.begin(), context.others.end(), [&](const ElasticNeighbour& other) {
+      return other.body_id == contacts.body_id && !other.body->is_separating(body_id_of(object_id_));
+    });
+  });
   for (const ElasticNeighbour& other : context.others) {
     if (!other.body->is_separating(body_id_of(object_id_)))
       collide_surface_with_elastic(other, part.duration_s, rows);

@@ -135,7 +135,8 @@ void CellsBody::restore_last_valid_state() {
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
   step_orientation_ = orientation_;
   restart_motion();
-  carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = degenerate_s_ = 0.0;
+  pressed_n_ = carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = degenerate_s_ =
+      0.0;
   strained_ = degenerate_ = recovering_ = false;
   energy_limit_j_.reset();
   contact_total_ = {};
@@ -147,6 +148,7 @@ void CellsBody::restore_last_valid_state() {
 void CellsBody::sleep() {
   sleep_timer_.sleep();
   jitter_origin_m_.clear();
+  elastic_contacts_.clear();  // the motion of others is not counted during sleep
   nodes_.stop();
   motion_.momentum.setZero();
   motion_.angular_momentum.setZero();
