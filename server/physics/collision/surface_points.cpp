@@ -111,6 +111,7 @@ class TakenPatches {
 // A patch with the curvatures above the least that counts.
 SurfacePatch patch_of(const SmoothSurface::Foot& foot, double reach_m) {
   SurfacePatch patch{foot.point_m, foot.normals, foot.bulge};
+  if (reach_m <= 0.0) return patch;
   const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(foot.curvature);
   const double least = 1.0 / (kFlatRadius * reach_m);
   for (int k = 0; k < 3; ++k) {
@@ -228,11 +229,13 @@ std::vector<SurfacePatch> surface_patches(const ParticleSet& particles) {
   const double edge_m = particles.spacing_m;
   const SmoothSurface surface({particles.mesh_vertices_m, particles.mesh_triangles});
   TakenPatches taken(kPatchSpacing * edge_m);
+  // Parts thinner than a voxel, such as leaves, end within the reach of a patch.
+  const double reach_m = particles.surface_carries ? 0.0 : kPatchReach * edge_m;
   const auto take = [&](const SmoothSurface::Foot& foot, bool apart) {
     const Vector3d normal = mean_normal(foot.normals);
     if (apart && taken.has_neighbour(foot.point_m, normal)) return;
     taken.insert(foot.point_m, normal);
-    patches.push_back(patch_of(foot, kPatchReach * edge_m));
+    patches.push_back(patch_of(foot, reach_m));
   };
   // Corners first, then sharp edges, so that no point beside them takes their place. Points that carry the
   // material of parts thinner than a voxel all count.
