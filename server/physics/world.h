@@ -27,15 +27,20 @@
 
 namespace livegs {
 
+// Longest substep. Longer: bodies that topple or roll pass their contacts, which are found once a substep.
+inline constexpr double kMaxSubstep_s = 1.0 / 30.0;
+
 struct WorldSettings {
   Eigen::Vector3d gravity_m_s2{0, -9.81, 0};
   double rate_hz = 90.0;  // ticks per second
-  int substeps = 4;       // per tick
+  int substeps = 4;       // per tick; raised to min_substeps() if fewer
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
   // Per tick, all elastic bodies together (elastic_budget.h).
   double elastic_node_substeps = kMaxNodeSubsteps;
 };
+
+int min_substeps(double rate_hz);  // so that none is longer than kMaxSubstep_s
 
 struct RigidBodyDescription {
   uint32_t object_id = 0;

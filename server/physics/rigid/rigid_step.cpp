@@ -8,15 +8,14 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "physics/motion/motion_validity.h"
-#include "physics/rigid/ccd_substeps.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/find_contacts.h"
 #include "physics/rigid/contact/impact_phase.h"
 #include "physics/rigid/joint/joint_group.h"
-#include "physics/rigid/mass_ratio_substeps.h"
 #include "physics/rigid/rigid_islands.h"
 #include "physics/rigid/rigid_sleep.h"
 #include "physics/rigid/rigid_spring.h"
+#include "physics/rigid/step_plan.h"
 
 namespace livegs {
 namespace {
@@ -201,11 +200,11 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
   for (RigidBody* body : island.bodies) body->impacts.end_substep(duration_s);
 }
 
-// Solves an island's substep in `ccd_count` parts, each with its own contacts. Its bodies only interact with
-// each other, colliders and sleeping bodies, because other islands may run on other threads.
-void solve_ccd_substeps(RigidIsland& island, std::span<const Collider> colliders, double gravity_m_s2,
-                        double duration_s, int ccd_count) {
-  const double part_s = duration_s / ccd_count;
+// Solves an island's substep in `parts` sub-intervals, each with its own contacts. Its bodies only interact
+// with each other, colliders and sleeping bodies, because other islands may run on other threads.
+void solve_with_detections(RigidIsland& island, std::span<const Collider> colliders, double gravity_m_s2,
+                           double duration_s, int parts) {
+  const double part_s = duration_s / parts;
   std::vector<const RigidBody*> members(island.bodies.begin(), island.bodies.end());
   std::sort(members.begin(), members.end());
   const auto elsewhere = [&](const RigidBody* body) {
@@ -215,12 +214,12 @@ void solve_ccd_substeps(RigidIsland& island, std::span<const Collider> colliders
   for (RigidBody* body : island.bodies) {
     near.push_back(body->near);
     std::erase_if(body->near, elsewhere);
-    for (ContactManifold& manifold : body->manifolds) scale_impulses(manifold, 1.0 / ccd_count);
+    for (ContactManifold& manifold : body->manifolds) scale_impulses(manifold, 1.0 / parts);
     body->velocity_m_s = body->substep_velocity_m_s;
   }
   std::erase_if(island.contacts, [](const RigidIsland::Contact& contact) { return !contact.owner->asleep; });
   const size_t of_sleepers = island.contacts.size();
-  for (int part = 0; part < ccd_count; ++part) {
+  for (int part = 0; part < parts; ++part) {
     for (RigidBody* body : island.bodies) {
       body->substep_velocity_m_s = body->velocity_m_s;
       body->velocity_m_s += part_s * body->substep_acceleration_m_s2;
@@ -234,7 +233,7 @@ void solve_ccd_substeps(RigidIsland& island, std::span<const Collider> colliders
   }
   for (size_t i = 0; i < island.bodies.size(); ++i) {
     island.bodies[i]->near = std::move(near[i]);
-    for (ContactManifold& manifold : island.bodies[i]->manifolds) scale_impulses(manifold, ccd_count);
+    for (ContactManifold& manifold : island.bodies[i]->manifolds) scale_impulses(manifold, parts);
   }
 }
 
@@ -285,11 +284,11 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
   std::vector<RigidIsland> islands = rigid_islands(active, IslandLink::AnyManifold, gravity_m_s2);
   parallel_for(islands.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const int ccd_count = ccd_substeps(islands[i], duration_s);
-      if (ccd_count == 1) {
-        solve_island(islands[i], duration_s, mass_ratio_substeps(islands[i], gravity_m_s2));
+      const StepPlan plan = plan_steps(islands[i], gravity_m_s2, duration_s, kSolverSteps);
+      if (plan.detections == 1) {
+        solve_island(islands[i], duration_s, plan.step_factor);
       } else {
-        solve_ccd_substeps(islands[i], colliders, gravity_m_s2.norm(), duration_s, ccd_count);
+        solve_with_detections(islands[i], colliders, gravity_m_s2.norm(), duration_s, plan.detections);
       }
     }
   });

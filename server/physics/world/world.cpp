@@ -2,6 +2,7 @@
 #include "physics/world.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/assert.h"
@@ -62,9 +63,14 @@ void World::State::wake_all() {
   for (auto& [id, object] : objects) object.wake();
 }
 
+int min_substeps(double rate_hz) {
+  return static_cast<int>(std::ceil(1.0 / (rate_hz * kMaxSubstep_s) - 1e-9));
+}
+
 World::World(const WorldSettings& settings) : state_(std::make_unique<State>()) {
   LIVEGS_ASSERT(check_settings(settings).has_value());
   state_->settings = settings;
+  state_->settings.substeps = std::max(settings.substeps, min_substeps(settings.rate_hz));
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;

@@ -162,9 +162,11 @@ Result<void> check_scene(const v1::Scene& scene) {
     const std::string name = object_name(scene.objects(i), i);
     if (auto checked = check_object(scene.objects(i), field); !checked)
       return of_object(checked.error(), name);
+    const WorldSettings usual;
     const uint32_t substeps = scene.objects(i).resolution().substeps(),
-                   of_scene = scene.has_substeps() ? scene.substeps()
-                                                   : static_cast<uint32_t>(WorldSettings{}.substeps);
+                   asked = scene.has_substeps() ? scene.substeps() : static_cast<uint32_t>(usual.substeps);
+    const double rate_hz = scene.has_rate_hz() ? scene.rate_hz() : usual.rate_hz;
+    const uint32_t of_scene = std::max(asked, static_cast<uint32_t>(min_substeps(rate_hz)));
     if (substeps % of_scene != 0) {
       return of_object(missing_field(field + ".resolution.substeps",
                                      std::to_string(substeps) + " is not a multiple of the scene's " +

@@ -50,6 +50,11 @@ Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& 
   settings.gravity_m_s2 = *gravity;
   settings.rate_hz = options.rate_hz.value_or(file.has_rate_hz() ? file.rate_hz() : settings.rate_hz);
   settings.substeps = options.substeps.value_or(file.has_substeps() ? file.substeps() : settings.substeps);
+  if (const int least = min_substeps(settings.rate_hz); settings.substeps < least) {
+    log_warn("scene: %d substeps per tick at %.3g Hz are too long for contact; %d are taken",
+             settings.substeps, settings.rate_hz, least);
+    settings.substeps = least;
+  }
   if (file.has_elastic_budget_ms())
     settings.elastic_node_substeps = file.elastic_budget_ms() / kNodeSubstep_ms;
   settings.elastic_solver = options.elastic_solver;

@@ -362,9 +362,10 @@ void CellsBody::wake() {
 // longest side and smallest thickness, free at both ends or clamped at one.
 double CellsBody::damping_rate() const { return material_.loss_factor * lowest_rate_rad_s(); }
 
+// Axial or bending mode of a beam with free ends, or with one held end and the length held_reach_m_.
 double CellsBody::lowest_rate_rad_s() const {
   const Vector3d size = extent_.max_m - extent_.min_m;
-  const double length = size.maxCoeff(), thickness = size.minCoeff();
+  const double length = free() ? size.maxCoeff() : held_reach_m_, thickness = size.minCoeff();
   const double wave_m_s = std::sqrt(cell_materials_.materials[0].youngs_modulus_pa / densities_kg_m3_[0]);
   const double axial = (free() ? M_PI : M_PI_2) / length;
   const double bending = (free() ? 22.37 : 3.516) / std::sqrt(12.0) * thickness / (length * length);

@@ -208,6 +208,7 @@ class CellsBody final : public ElasticBody {
   void make_surface(const ParticleSet& particles);
 
   void hold_regions(const ElasticBodyDescription& description);
+  void measure_held_reach();
   bool in_region(const LatticeCell& cell, const BodyRegion& region) const;
   void load_regions(const ElasticBodyDescription& description);
   Vector3d region_target_m(const ConstrainedRegion& held, const Vector3d& rest_m, double time_s) const;
@@ -366,6 +367,7 @@ class CellsBody final : public ElasticBody {
   std::vector<ConstrainedRegion> constrained_regions_;
   std::vector<Load> region_loads_, point_loads_;
   bool held_ = false;            // part of the body is fixed or has a prescribed motion
+  double held_reach_m_ = 0.0;    // from the held nodes to the farthest free one
   bool moved_ = false;           // part of the body has a prescribed motion
   bool boundary_moved_ = false;  // the whole boundary has a prescribed motion at the start
 

@@ -103,6 +103,35 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
     moved_ = moved_ || region.motion.has_value();
     constrained_regions_.push_back(std::move(held));
   }
+  measure_held_reach();
+}
+
+// The largest distance of a node from the held ones, along the body: in steps from cell to cell. It is the
+// length of the beam that sets the lowest mode.
+void CellsBody::measure_held_reach() {
+  std::vector<int> steps(inverse_masses_.size(), -1);
+  for (const ConstrainedRegion& held : constrained_regions_) {
+    if (held.released) continue;
+    for (const uint32_t node : held.nodes) steps[node] = 0;
+    for (const uint32_t node : held.particle_nodes) steps[node] = 0;
+  }
+  int reach = 0;
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (const LatticeCell& cell : lattice_.cells) {
+      const bool reached = std::any_of(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t node) {
+        return steps[node] >= 0 && steps[node] <= reach;
+      });
+      if (!reached) continue;
+      for (const uint32_t node : cell.nodes) {
+        if (steps[node] >= 0) continue;
+        steps[node] = reach + 1;
+        grows = true;
+      }
+    }
+    reach += grows;
+  }
+  held_reach_m_ = std::max(reach, 1) * lattice_.cell_width_m;
 }
 
 // A grip thinner than a voxel contains little more than the corners of the surface. Its face is then held as
@@ -252,6 +281,7 @@ bool CellsBody::release_region(const std::string& name) {
   }
   if (!found) return false;
   set_masses();
+  measure_held_reach();
   restart_motion();  // the last step was not that of a free body
   rebuild_cells();
   wake();

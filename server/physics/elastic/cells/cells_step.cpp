@@ -218,15 +218,17 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
 }
 
 // Estimates the load carried by the body, which lowers its vibration frequencies and increases their energy.
-// The carried load is the part of the contact impulses that cancels. Contact impulses on one side do not
-// cancel: within Coulomb's cone, the sum of their magnitudes is at most sqrt(1 + mu²) times the magnitude of
-// their sum.
+// The carried load is the part of the contact impulses that cancels, each pair counted once. Contact impulses
+// on one side do not cancel: within Coulomb's cone, the sum of their magnitudes is at most sqrt(1 + mu²)
+// times the magnitude of their sum. In a held body the sum passes to the held nodes, so it is carried as
+// well.
 void CellsBody::update_carried_load(const SubstepPart& part) {
-  const double friction = material_.friction;
-  const double through = step_contact_n_s_ / std::sqrt(1.0 + friction * friction) - contact_impulse_.norm();
+  const double friction = material_.friction, sum = contact_impulse_.norm();
+  const double through = step_contact_n_s_ / std::sqrt(1.0 + friction * friction) - sum;
   const double part_of_mean = part.duration_s / (part.duration_s + kCarriedLoadTime_s);
+  const double carried_n_s = 0.5 * std::max(0.0, through) + (held_ ? sum : 0.0);
   pressed_n_ += part_of_mean * (step_contact_n_s_ / part.duration_s - pressed_n_);
-  carried_n_ += part_of_mean * (0.5 * std::max(0.0, through) / part.duration_s - carried_n_);
+  carried_n_ += part_of_mean * (carried_n_s / part.duration_s - carried_n_);
 }
 
 void CellsBody::predict(double h, const SubstepContext& context) {
@@ -239,12 +241,14 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   }
 
   // Damping acts on the deviation from rigid motion, not on forces (otherwise a load would appear lighter).
-  // The rigid motion follows the ledger. A loss factor eta dissipates 2 pi eta of the energy per cycle. Under
-  // a load M, the frequency is sqrt(k / M) with k = E A / L, and only m / 12 M of the energy is in the
-  // deviation of the nodes from their mean motion. The rate eta pi sqrt(k / m) of the lowest free mode is
-  // therefore multiplied by 12 / pi sqrt(M / m). A step cannot remove more than the whole deviation.
+  // The rigid motion follows the ledger. A loss factor eta dissipates 2 pi eta of the energy per cycle, so
+  // the rate is eta times that of the lowest mode. A load M lowers the frequency to sqrt(k / (m' + M)), and
+  // only the part m' / (m' + M) of the energy is in the motion of the nodes, which the damping acts on. The
+  // rate is therefore multiplied by sqrt(1 + M / m'). m' is pi²/144 of m between two contacts, and m/3 in a
+  // held body (a rod held at its end). A step cannot remove more than the whole deviation.
   const double weight_n = mass_kg_ * context.gravity_m_s2.norm(), rate = damping_rate();
-  const double loaded = weight_n > 0.0 ? std::sqrt(1.0 + 144.0 / (M_PI * M_PI) * carried_n_ / weight_n) : 1.0;
+  const double moving_part = free() ? M_PI * M_PI / 144.0 : 1.0 / 3.0;
+  const double loaded = weight_n > 0.0 ? std::sqrt(1.0 + carried_n_ / (moving_part * weight_n)) : 1.0;
   const double kept = std::max(0.0, 1.0 - step_s * (loaded - 1.0) * rate) / (1.0 + step_s * rate);
   Vector3d old_velocity = Vector3d::Zero(), old_spin = Vector3d::Zero();
   Vector3d new_velocity = Vector3d::Zero(), new_spin = Vector3d::Zero();

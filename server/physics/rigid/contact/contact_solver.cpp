@@ -91,8 +91,10 @@ double impact_speed_m_s(const ContactManifold& manifold, double acceleration_m_s
 
 }  // namespace
 
+double contact_rate_rad_s(double step_s) { return 2.0 * std::numbers::pi * kContactCycles / step_s; }
+
 ContactSoftness contact_softness(double step_s) {
-  const double omega = 2.0 * std::numbers::pi * kContactCycles / step_s;
+  const double omega = contact_rate_rad_s(step_s);
   const double a1 = 2.0 * kContactDamping + step_s * omega;
   const double a2 = step_s * omega * a1;
   return {omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2)};

@@ -19,6 +19,7 @@ struct ContactSoftness {
 // Parameters of a contact spring with damping ratio 10 and a frequency f of a quarter of the step rate: 240
 // Hz at 60 Hz with 4 substeps of 4 steps. A resting body sinks g / (2 pi f)².
 ContactSoftness contact_softness(double step_s);
+double contact_rate_rad_s(double step_s);  // 2 pi f
 
 // Phases of one solver step, in order. `a` owns the manifold.
 

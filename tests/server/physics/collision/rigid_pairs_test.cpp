@@ -262,7 +262,7 @@ TEST(RigidPairs, FastBoxesAndRodsDoNotPassAThinPlate) {
 }
 
 // A card or rod stopped at one corner turns about it, and its other end speeds up within the substep. Such
-// pairs take sub-intervals (ccd_substeps.h).
+// pairs take sub-intervals (step_plan.h).
 TEST(RigidPairs, FastCardsAndRodsDoNotPassAThinnerPlate) {
   int passed = 0;
   for (const double rate : kRates_hz) {

@@ -81,7 +81,7 @@ TEST(RigidStructures, HeavyBoxRestsOnLightBox) {
 }
 
 // Books of 30 mm and 0.3 kg under a cube of 30 and 100 times their mass, which must hardly sink. Such mass
-// ratios take shorter substeps (mass_ratio_substeps.h).
+// ratios take shorter substeps (step_plan.h).
 TEST(RigidStructures, HeavyCubeRestsOnLightBooks) {
   constexpr double kThick_m = 0.03, kBook_kg = 0.3, kSize_m = 0.15;
   for (const double rate : kRates_hz) {
