@@ -255,7 +255,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->add_option("--output,-o", options->output, "Output folder for CSV files, pictures and summary.json")
       ->required();
   command->add_option("--rate", options->rate_hz, "Ticks per second (default: from the scene)")
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(CLI::Range(1.0, 2000.0));
   command->add_option("--substeps", options->substeps, "Substeps per tick (default: from the scene)")
       ->check(CLI::Range(1, 1024));
   command

@@ -189,10 +189,10 @@ class World {
   Result<void> grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand, const Grip& grip);
   // Pose of the hand at the start of the next tick and its velocity for `extrapolation_s` from then, at least
   // for that tick. Set it to the expected time until the next update; afterwards the hand stops. Non-finite
-  // values and unknown ids are ignored. A released object keeps its velocity.
+  // values and unknown ids are ignored.
   void move_grab(uint64_t grab_id, const Pose& world_from_hand, const Eigen::Vector3d& velocity_m_s,
                  const Eigen::Vector3d& spin_rad_s, double extrapolation_s = 0.0);
-  void release_grab(uint64_t grab_id);
+  void release_grab(uint64_t grab_id);  // the object keeps its velocity
   struct GrabState {
     Eigen::Vector3d point_m;  // current position of the material point at the hand
     // Force and torque on the object in the last substep; the torque of an elastic object is zero.

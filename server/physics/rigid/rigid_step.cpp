@@ -135,14 +135,16 @@ void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses,
   for (JointGroup* group : joints) group->reset_impulses();
 }
 
-// Solves an island in `times` as many steps as usual. Contacts keep the impulses of usual steps.
-void solve_island(RigidIsland& island, double duration_s, int times) {
+// Solves an island in `steps` solver steps. Contacts keep the impulses of kSolverSteps steps.
+void solve_island(RigidIsland& island, double duration_s, int steps) {
   const auto each = [&](const auto& visit) {
     for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.manifold);
   };
-  const int steps = times * kSolverSteps;
+  const double times = static_cast<double>(steps) / kSolverSteps;
   const double step_s = duration_s / steps;
-  if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, 1.0 / times); });
+  if (steps != kSolverSteps) {
+    each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, 1.0 / times); });
+  }
   std::vector<Pose> poses;
   for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
@@ -192,7 +194,9 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
     });
     record_held_loads(island, joints, step_s);
   }
-  if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, times); });
+  if (steps != kSolverSteps) {
+    each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, times); });
+  }
   if (!std::all_of(island.bodies.begin(), island.bodies.end(),
                    [](const RigidBody* body) { return has_finite_motion(*body); })) {
     restore_last_valid_state(island, poses, joints);
@@ -229,7 +233,7 @@ void solve_with_detections(RigidIsland& island, std::span<const Collider> collid
     for (RigidBody* body : island.bodies) {
       for (ContactManifold& manifold : body->manifolds) island.contacts.push_back({body, &manifold});
     }
-    solve_island(island, part_s, 1);
+    solve_island(island, part_s, kSolverSteps);
   }
   for (size_t i = 0; i < island.bodies.size(); ++i) {
     island.bodies[i]->near = std::move(near[i]);
@@ -286,7 +290,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
     for (size_t i = begin; i < end; ++i) {
       const StepPlan plan = plan_steps(islands[i], gravity_m_s2, duration_s, kSolverSteps);
       if (plan.detections == 1) {
-        solve_island(islands[i], duration_s, plan.step_factor);
+        solve_island(islands[i], duration_s, plan.steps);
       } else {
         solve_with_detections(islands[i], colliders, gravity_m_s2.norm(), duration_s, plan.detections);
       }

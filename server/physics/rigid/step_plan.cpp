@@ -11,14 +11,14 @@ namespace {
 
 // Sag of a contact under the weight that it carries, relative to the bounding radius of the smaller body.
 // Smaller: less sag under heavy bodies, more steps.
-constexpr double kMaxSag = 1e-3;
+constexpr double kMaxSag = 5e-4;
 // A column of bodies of radius r and height H, with springs at its contacts, buckles under its own weight if
 // the sag at its foot exceeds 3.4 r³/H² (Greenhill's column with the rotational stiffness of four springs at
 // the corners of a cube). One sweep a step leaves the springs several times softer, hence the smaller number.
 constexpr double kMaxColumnSag = 0.4;
-// Larger: less sag at high mass ratios and low rates, more time.
-constexpr int kMaxStepFactor = 32;
-constexpr int kMaxManifoldSteps = 256;  // manifolds times the factor
+// Solver steps of a substep. Larger: less sag at high mass ratios and low rates, more time.
+constexpr int kMaxSteps = 128;
+constexpr int kMaxManifoldSteps = 1024;  // manifolds times solver steps
 // Minimum cosine between a supporting normal and the vertical.
 constexpr double kSupportCosine = 0.5;
 
@@ -27,7 +27,7 @@ constexpr double kFastPairThicknesses = 6.0;  // displacement per substep, relat
 constexpr double kMaxTurn_rad = 0.25;
 // Maximum number of sub-intervals. Larger: faster thin pairs are resolved, more time.
 constexpr int kMaxDetections = 32;
-constexpr size_t kMaxManifoldDetections = 1024;  // manifolds times sub-intervals
+constexpr int kMaxManifoldDetections = 1024;  // manifolds times sub-intervals
 
 double thickness_m(const RigidShape& shape) {
   return shape.convex ? 2.0 * shape.inner_radius_m : shape.wall_m;
@@ -113,8 +113,8 @@ double worst_sag(const RigidIsland& island, const Eigen::Vector3d& gravity_m_s2,
 }  // namespace
 
 StepPlan plan_steps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_s2, double duration_s,
-                    int steps) {
-  StepPlan plan;
+                    int usual_steps) {
+  StepPlan plan{1, usual_steps};
   double detections = 1.0;
   for (const RigidIsland::Contact& contact : island.contacts) {
     const RigidBody* other = contact.manifold->other;
@@ -122,13 +122,12 @@ StepPlan plan_steps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_
     if (!other || other->asleep || contact.owner->asleep) continue;
     detections = std::max(detections, detections_of_pair(*contact.owner, *other, duration_s));
   }
-  const size_t manifolds = std::max<size_t>(1, island.contacts.size());
-  plan.detections = static_cast<int>(
-      std::clamp<double>(static_cast<double>(kMaxManifoldDetections / manifolds), 1.0, detections));
-  if (plan.detections > 1 || manifolds > kMaxManifoldSteps / 2) return plan;
-  const double factor = std::ceil(std::sqrt(worst_sag(island, gravity_m_s2, duration_s / steps)));
-  plan.step_factor = std::clamp(kMaxManifoldSteps / static_cast<int>(manifolds), 1,
-                                static_cast<int>(std::clamp<double>(factor, 1.0, kMaxStepFactor)));
+  const int manifolds = std::max(1, static_cast<int>(island.contacts.size()));
+  plan.detections = std::clamp(kMaxManifoldDetections / manifolds, 1, static_cast<int>(detections));
+  const int most = std::min(kMaxSteps, kMaxManifoldSteps / manifolds);
+  if (plan.detections > 1 || most <= usual_steps) return plan;
+  const double needed = std::ceil(std::sqrt(worst_sag(island, gravity_m_s2, duration_s)));
+  plan.steps = static_cast<int>(std::clamp<double>(needed, usual_steps, most));
   return plan;
 }
 

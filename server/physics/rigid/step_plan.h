@@ -5,21 +5,21 @@
 
 namespace livegs {
 
-// How an island takes a substep. Islands with joints, which plan their own steps, or with very many contacts
-// take 1 and 1.
+// How an island takes a substep. Islands with joints, which plan their own steps, and those with very many
+// contacts take one detection and the usual steps.
 struct StepPlan {
   // Sub-intervals, each with its own contacts. More than 1 if two free, non-spherical bodies approach by
   // several times their thickness in a substep: a stopped corner then turns a body over within the substep,
   // and contacts found at its start miss the faces that arrive later.
   int detections = 1;
-  // Factor on the solver steps of a substep. More than 1 if a contact would sink visibly under the weight
-  // that it carries, or a stack would buckle.
-  int step_factor = 1;
+  // Solver steps of the substep. More than usual if a contact would sink visibly under the weight that it
+  // carries, or a stack would buckle.
+  int steps;
 };
 
 // Contact springs are as stiff as the step allows, so the sag under a weight grows with the square of the
-// step. `duration_s`: of the substep; `steps`: solver steps in it at a factor of 1.
+// step. `duration_s`: of the substep; `usual_steps`: the least number of solver steps.
 StepPlan plan_steps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_s2, double duration_s,
-                    int steps);
+                    int usual_steps);
 
 }  // namespace livegs

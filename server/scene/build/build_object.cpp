@@ -190,7 +190,7 @@ Result<ElasticBodyDescription> elastic_description(const v1::Object& object, For
   if (resolution.has_cell_width_m()) {
     body.cell_width_m = resolution.cell_width_m();
     const double edge_m = resolution_request(body, 1.0, 1).particle_edge_m;
-    if (body.cell_width_m < 0.5 * edge_m) {
+    if (body.cell_width_m < 0.5 * edge_m * (1.0 - 1e-9)) {
       char message[160];
       std::snprintf(message, sizeof message,
                     ".resolution.cell_width_m: %.4g m is less than half of the particles' %.4g m; give at "

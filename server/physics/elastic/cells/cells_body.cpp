@@ -460,7 +460,7 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.cell_width_m = resolution_.cell_width_m;
   accuracy.substeps = resolution_.substeps;
   accuracy.courant = resolution_.courant;
-  const auto tell = [&](size_t k, MaterialAccuracy& of_material) {
+  const auto report = [&](size_t k, MaterialAccuracy& of_material) {
     of_material.youngs_modulus_pa = asked_modulus_pa(k);
     of_material.reached_youngs_modulus_pa = cell_materials_.materials[k].youngs_modulus_pa;
     of_material.clipped = of_material.reached_youngs_modulus_pa < of_material.youngs_modulus_pa;
@@ -469,10 +469,10 @@ ElasticAccuracy CellsBody::accuracy() const {
     of_material.modulus_ratio_high = bands_[k].ratio_high;
     of_material.modulus_ratio_across = bands_[k].ratio_across;
   };
-  tell(0, accuracy);
+  report(0, accuracy);
   for (size_t k = 1; k < bands_.size(); ++k) {
     accuracy.regions.push_back({{}, region_names_[k - 1]});
-    tell(k, accuracy.regions.back());
+    report(k, accuracy.regions.back());
   }
   accuracy.recovery_count = recovery_count_;
   accuracy.node_substeps = resolution_.node_substeps;

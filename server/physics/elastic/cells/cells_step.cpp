@@ -323,10 +323,10 @@ void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
     light_node.parent_m_s = parent_m_s;
     if (inverse_masses_[light_node.node] == 0.0) continue;
     const Vector3d position = nodes_.position_m(light_node.node);
-    const Vector3d beside = parent_m_s - nodes_.velocity_m_s(light_node.node) -
-                            spin.cross(nodes_.position_m(light_node.parent) - position);
+    const Vector3d deviation_m_s = parent_m_s - nodes_.velocity_m_s(light_node.node) -
+                                   spin.cross(nodes_.position_m(light_node.parent) - position);
     const Vector3d change =
-        kLightNodeDamping * beside +
+        kLightNodeDamping * deviation_m_s +
         (first_step_ ? 0.0 : light_node.added_mass_fraction) * (gained - step_s * gravity_m_s2);
     nodes_.change_velocities(light_node.node, change);
     momentum += masses_kg_[light_node.node] * change;

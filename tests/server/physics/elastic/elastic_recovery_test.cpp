@@ -22,7 +22,13 @@ struct Recovery {
   const char* name;
   Vector3d size_m;
   double youngs_modulus_pa;
-  int seeds;  // in the gate; more at night
+  int seeds;                                        // in the gate; more at night
+  double spacing_m = 0.0125, cell_width_m = 0.025;  // 0: the cells that the program chooses
+
+  bool compact() const { return size_m.maxCoeff() < 2.0 * size_m.minCoeff(); }
+  ElasticBodyDescription body() const {
+    return describe(particle_grid(size_m, spacing_m), youngs_modulus_pa, 0.3, cell_width_m);
+  }
 };
 
 // Seconds for 20 periods of the lowest mode of a free beam, axial or bending.
@@ -47,13 +53,12 @@ TEST_P(ScrambledBody, RecoversItsRestShape) {
   const Recovery& r = GetParam();
   const char* wanted = std::getenv("LIVEGS_RECOVERY_SEEDS");
   const int seeds = wanted ? std::atoi(wanted) : seed_count(r.seeds);
-  const bool compact = r.size_m.minCoeff() == r.size_m.maxCoeff();
+  const bool compact = r.compact();
   const double seconds = compact ? 2.0 : twenty_periods_s(r.size_m, r.youngs_modulus_pa);
   int wound = 0, inverted = 0;
   for (const double rate_hz : kRates_hz)
     for (int seed = 1; seed <= seeds; ++seed) {
-      ElasticBodyDescription body =
-          describe(particle_grid(r.size_m, 0.0125), r.youngs_modulus_pa, 0.3, 0.025);
+      ElasticBodyDescription body = r.body();
       body.material.loss_factor = 0.2;
       body.cells.scramble = static_cast<uint64_t>(seed);
       Stage stage;
@@ -77,6 +82,7 @@ TEST_P(ScrambledBody, RecoversItsRestShape) {
 INSTANTIATE_TEST_SUITE_P(Recovery, ScrambledBody,
                          testing::Values(Recovery{"Block1e4", Vector3d::Constant(0.1), 1e4, 10},
                                          Recovery{"Block1e5", Vector3d::Constant(0.1), 1e5, 10},
+                                         Recovery{"Brick3e4", {0.1, 0.08, 0.06}, 3e4, 10, 0.01, 0.0},
                                          Recovery{"Leaf", {0.2, 0.2, 0.025}, 1e5, 2},
                                          Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 4}),
                          [](const auto& one) { return one.param.name; });
@@ -123,14 +129,13 @@ class DegenerateStart : public testing::TestWithParam<std::tuple<Recovery, Degen
 
 TEST_P(DegenerateStart, RecoversItsRestShape) {
   const auto& [r, kind] = GetParam();
-  const bool compact = r.size_m.minCoeff() == r.size_m.maxCoeff();
+  const bool compact = r.compact();
   const char* wanted = std::getenv("LIVEGS_RECOVERY_SEEDS");
   const int starts = wanted ? std::atoi(wanted) : seed_count(r.seeds);
   int back = 0, inverted = 0;
   for (const double rate_hz : kRates_hz)
     for (int seed = 0; seed < starts; ++seed) {
-      ElasticBodyDescription body =
-          describe(particle_grid(r.size_m, 0.0125), r.youngs_modulus_pa, 0.3, 0.025);
+      ElasticBodyDescription body = r.body();
       body.material.loss_factor = 0.2;
       body.initial_deformation = start(seed, kind.lost);
       Stage stage;
@@ -159,6 +164,7 @@ INSTANTIATE_TEST_SUITE_P(
     Recovery, DegenerateStart,
     testing::Combine(testing::Values(Recovery{"Block1e4", Vector3d::Constant(0.1), 1e4, 4},
                                      Recovery{"Block1e5", Vector3d::Constant(0.1), 1e5, 4},
+                                     Recovery{"Brick3e4", {0.1, 0.08, 0.06}, 3e4, 4, 0.01, 0.0},
                                      Recovery{"Leaf", {0.2, 0.2, 0.025}, 1e5, 2},
                                      Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 2}),
                      testing::Values(Degenerate{"mirrored", 0}, Degenerate{"plane", 1}, Degenerate{"line", 2},

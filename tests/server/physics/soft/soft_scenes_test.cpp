@@ -98,6 +98,49 @@ TEST(SoftScenes, LossFactorIsIndependentOfLoad) {
   }
 }
 
+// A sheet of 0.7 m and 30 mm that is held along its four edges, and a ball laid on its middle. The ball comes
+// to rest there within the time that the loss factor gives: the sheet's lowest mode falls by exp(-pi eta / 2)
+// in half a cycle, below 4 Hz.
+TEST(SoftScenes, BallRestsOnTheMiddleOfAHeldSheet) {
+  for (const double mass_kg : {0.5, 2.0, 5.0}) {
+    for (const double rate : kRates_hz) {
+      SCOPED_TRACE(testing::Message() << mass_kg << " kg, " << rate << " Hz");
+      World world = world_with(ElasticSolver::Cells, rate);
+      ElasticBodyDescription sheet = soft_block(1, {0.7, 0.03, 0.7}, 1.47, 1e6, 0.03);
+      sheet.material.loss_factor = 0.5;
+      for (const double side : {-1.0, 1.0}) {
+        for (const int axis : {0, 2}) {
+          BodyRegion edge;
+          edge.min_m = Vector3d::Constant(-1.0);
+          edge.max_m = Vector3d::Constant(1.0);
+          (side < 0.0 ? edge.max_m : edge.min_m)[axis] = side * 0.3;
+          edge.fixed = true;
+          sheet.regions.push_back(edge);
+        }
+      }
+      ASSERT_TRUE(world.add_elastic(sheet));
+      BallDescription ball;
+      ball.object_id = 2;
+      ball.position_m = {0, 0.095, 0};
+      ball.radius_m = 0.08;
+      ball.mass_kg = mass_kg;
+      ASSERT_TRUE(world.add_ball(ball));
+      run_seconds(world, 3.0);
+      const Vector3d at_3_s = body_state(world, 2).world_from_body.position_m;
+      double swing_m = 0.0;
+      for (int i = 0; i < static_cast<int>(rate); ++i) {
+        world.step();
+        swing_m =
+            std::max(swing_m, std::abs(body_state(world, 2).world_from_body.position_m.y() - at_3_s.y()));
+      }
+      EXPECT_LT(swing_m, 0.001);
+      const Vector3d rest = body_state(world, 2).world_from_body.position_m;
+      EXPECT_LT(std::hypot(rest.x(), rest.z()), 0.005);
+      EXPECT_GT(rest.y(), 0.02);
+    }
+  }
+}
+
 void add_table_scene(World& world) {
   world.add_collider(floor_plane(0.6));
   RigidBodyDescription table = box_body(1, {0.6, 0.06, 0.4}, 6.0);
