@@ -89,7 +89,7 @@ class Run:
             _, told = process.communicate()
             code = process.returncode
         except OSError as error:
-            code, told = 1, f"{error.strerror}; build the target livegs"
+            code, told = 1, f"{command[0]}: {error.strerror}; build the target livegs or give --program"
         for reader, name in zip(readers, tables):
             while reader.is_alive():  # a program that failed did not open its tables
                 try:

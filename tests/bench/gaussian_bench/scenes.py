@@ -102,7 +102,7 @@ def slab(axis, low, high):
 
 
 def below(points, axis, plane, spacing):
-    """Box of the particles below a plane. It ends at their centres, because a region of the benchmark selects particles."""
+    """Box of the particles below a plane. It ends at their centres: a region of the benchmark selects particles."""
     return slab(axis, -FAR, max(p[axis] for p in points if p[axis] < plane) + EDGE * spacing)
 
 
@@ -275,7 +275,7 @@ def c3():
         {"name": "floor", "box": below(points, 1, 0.004, 0.008), "fixed": True},
         {"name": "plate", "box": above(points, 1, 0.9 * height, 0.008), "motion": {"displacement_ramp": press}},
     ]
-    blob = body(stuff, 0.0081, 0.0081, 64, 0.3, regions)
+    blob = body(stuff, 0.0081, 0.0081, 64, 0.1, regions)
     blob["kernel_per_point"] = True
     scene = world(60, [blob], events=[{"time_s": 1.5, "release_region": {"object": "body", "region": "plate"}}])
     camera = {
@@ -321,7 +321,7 @@ def m1():
             {"name": "load", "box": {"min_m": [0.095, -0.01, -0.01], "max_m": [0.1, 0.01, 0.01]},
              "traction_pa": [load, 0, 0]},
         ]
-        bar = body(stuff, 0.005, 0.005, 1024, 1.0, regions)
+        bar = body(stuff, 0.005, 0.005, 512, 1.0, regions)
         bars.append({**bar, "name": name, "pose": {"position_m": [0, 0, 0.1 * i]}})
         loads[name] = load
     scene = world(240, bars)
