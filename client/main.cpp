@@ -175,7 +175,7 @@ int main(int argc, char** argv) {
                                    "Time limit in seconds for reconnecting after a connection loss (default: "
                                    "10; window mode: none)")
                         ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--most-mbit-s", options.most_mbit_s,
+  app.add_option("--max-mbit-s", options.max_mbit_s,
                  "Bandwidth limit in Mbit/s; the server prioritises important objects (default: no limit)")
       ->check(CLI::Range(0.1, 1e5));
   app.add_option(
@@ -190,9 +190,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option(
          "--encoding", encoding,
-         "Frame contents. drivers: state that drives the kernels, delta-coded; drivers-raw: the same as "
-         "floats; kernels: transformed kernels, packed; kernels-exact: the same as floats. Kernels need a "
-         "hundred to a thousand times the bandwidth of drivers")
+         "Frame contents. drivers: state that drives the kernels, delta-coded; drivers-raw: the same state "
+         "as 32-bit floats; kernels: transformed kernels, packed; kernels-exact: the same kernels as "
+         "32-bit floats. Kernels need a hundred to a thousand times the bandwidth of drivers")
       ->check(CLI::IsMember({"drivers", "drivers-raw", "kernels", "kernels-exact"}))
       ->capture_default_str();
   app.add_option("--pair", access.pairing_code,
@@ -231,8 +231,8 @@ int main(int argc, char** argv) {
   livegs::set_thread_count(threads);
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
   if (unpair) {
-    const auto forgotten = livegs::forget_server(options.address, access.state_dir);
-    return forgotten ? 0 : report(forgotten.error());
+    const auto unpaired = livegs::unpair_server(options.address, access.state_dir);
+    return unpaired ? 0 : report(unpaired.error());
   }
   if (display == "auto") {
     const bool of_files = !options.script_file.empty() || !subscribe.empty() || no_video ||

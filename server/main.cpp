@@ -107,7 +107,7 @@ std::string wait_for_signal(const sigset_t& signals, const std::function<bool()>
   constexpr timespec kAskEvery{0, 20'000'000};
   while (!enough()) {
     const int signal_number = sigtimedwait(&signals, nullptr, &kAskEvery);
-    if (signal_number > 0) return std::string("the server was stopped (") + strsignal(signal_number) + ")";
+    if (signal_number > 0) return std::string("stopped by a signal (") + strsignal(signal_number) + ")";
   }
   return "";
 }
@@ -224,9 +224,9 @@ int run(const Options& options) {
       return (options.seconds > 0 && now_ns() >= end_ns) || !drain_reason().empty();
     });
     if (reason.empty()) reason = drain_reason();
-    if (reason.empty()) reason = "the server has reached its time limit";
+    if (reason.empty()) reason = "the time limit is reached";
   }
-  log_info("%s", reason.c_str());
+  log_info("server is shutting down: %s", reason.c_str());
   notice.say("STOPPING=1");
   (*server)->shut_down(reason);
   loop.stop();
@@ -291,8 +291,10 @@ int main(int argc, char** argv) {
   app.add_flag("--wait-for-client", options.wait_for_client, "Delay the first tick until a client streams");
   app.add_option("--endpoint", options.endpoint.url,
                  "URL of a server with the OpenAI chat completions API, which estimates materials (default: "
-                 "OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY; without one: offline estimates)");
-  app.add_option("--model", options.endpoint.model, "Name of the model (default: LIVEGS_MODEL)");
+                 "the value of the variable OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY; without a "
+                 "URL: offline estimates)");
+  app.add_option("--model", options.endpoint.model,
+                 "Name of the model (default: the value of the variable LIVEGS_MODEL)");
   app.add_option("--recorded", options.endpoint.recorded,
                  "Replay recorded answers from this folder instead of querying a model")
       ->check(CLI::ExistingDirectory);
@@ -303,10 +305,11 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingDirectory);
   app.add_option("--price", options.endpoint.price,
                  "IN,OUT: price in US dollars per million tokens sent and received, for cost reports "
-                 "(default: LIVEGS_PRICE)");
-  app.add_option("--model-deadline", options.endpoint.deadline_s,
-                 "Time limit of one question including retries, 1 to 3600 s (default: "
-                 "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 for Ollama and llama.cpp)")
+                 "(default: the value of the variable LIVEGS_PRICE)");
+  app.add_option(
+         "--model-deadline", options.endpoint.deadline_s,
+         "Time limit of one question including retries, 1 to 3600 s (default: the value of the variable "
+         "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 for Ollama and llama.cpp)")
       ->check(CLI::Range(1.0, 3600.0))
       ->type_name("SECONDS");
   app.add_flag("--web-search", options.endpoint.web_search,

@@ -164,7 +164,7 @@ Result<std::shared_ptr<ServerAccess>> choose_access(const std::string& address,
   return access;
 }
 
-Result<void> forget_server(const std::string& address, const std::filesystem::path& state_dir) {
+Result<void> unpair_server(const std::string& address, const std::filesystem::path& state_dir) {
   auto folder = state_folder(state_dir);
   if (!folder) return folder.error();
   return KnownServers(*folder / "known_servers").remove_server_entry(address);

@@ -56,6 +56,6 @@ struct AccessOptions {
 Result<std::shared_ptr<ServerAccess>> choose_access(const std::string& address, const AccessOptions& options);
 
 // Deletes the saved data of a server.
-Result<void> forget_server(const std::string& address, const std::filesystem::path& state_dir);
+Result<void> unpair_server(const std::string& address, const std::filesystem::path& state_dir);
 
 }  // namespace livegs

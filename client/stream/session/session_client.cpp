@@ -149,7 +149,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   request.set_protocol_version(kProtocolVersion);
   request.set_client_name(options.client_name);
   request.set_resumed_session_id(session_id);
-  request.set_most_mbit_s(options.most_mbit_s);
+  request.set_max_mbit_s(options.max_mbit_s);
   request.set_rate_hz(options.rate_hz);
   request.set_position_bits(options.position_bits);
   request.set_encoding(options.encoding);
@@ -210,7 +210,7 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
   if (options.access) {
     if (auto remembered = options.access->remember(); !remembered) return remembered.error();
   }
-  if (reply->looks_only()) log_warn("%s: the token has view scope; input is ignored", address.c_str());
+  if (reply->view_only()) log_warn("%s: the token has view scope; input is ignored", address.c_str());
   connection->session_id = connection->scene.session_id = reply->session_id();
   connection->server_instance = reply->server_instance();
   connection->scene.rate_hz = connection->rate_hz = reply->rate_hz();
@@ -368,7 +368,7 @@ void SessionClient::Connection::run() {
 }
 
 Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& lost) {
-  const auto reply = join(after(lost.heard_ns, options.reconnect_s));
+  const auto reply = join(after(lost.last_message_ns, options.reconnect_s));
   if (!reply) {
     if (!reply.error().message.empty() && reply.error().code != ErrorCode::Unavailable) return reply.error();
     return Error{ErrorCode::Unavailable,
@@ -377,7 +377,7 @@ Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& los
   }
   ResumedSession resumed;
   resumed.same_server = reply->server_instance() == server_instance;
-  resumed.outage_s = seconds_from_ns(now_ns() - lost.heard_ns);
+  resumed.outage_s = seconds_from_ns(now_ns() - lost.last_message_ns);
   session_id = reply->session_id();
   server_instance = reply->server_instance();
   rate_hz = reply->rate_hz();

@@ -22,7 +22,7 @@ struct ConnectOptions {
   double timeout_s = 5.0;  // until the server runs and its scene is built
   std::string client_name = "livegs-client";
   std::shared_ptr<const ServerAccess> access;  // null: no TLS
-  double most_mbit_s = 0;                      // link bandwidth; 0: no limit
+  double max_mbit_s = 0;                       // link bandwidth; 0: no limit
   double rate_hz = 0;                          // frames per second, at least 5; 0: one per tick
   uint32_t position_bits = 16;                 // elastic positions along the longest side: 16, 18 or 20
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;  // of frames

@@ -45,7 +45,7 @@ SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, dou
       aim_(rate_hz) {}
 
 SessionStream::Outcome SessionStream::run() {
-  heard_ns_ = now_ns();
+  last_message_ns_ = now_ns();
   stream_ = stub_.Stream(&context_);
   std::thread writer([this] {
     pthread_setname_np(pthread_self(), "stream writer");
@@ -63,7 +63,7 @@ SessionStream::Outcome SessionStream::run() {
       const int64_t now = now_ns();
       if (stopping_ && stopping_ns == 0) stopping_ns = now;
       const int64_t most_ns = longest_silence_ns();
-      const bool silent = now - heard_ns_ > most_ns;
+      const bool silent = now - last_message_ns_ > most_ns;
       if (silent && !outcome_.silent) {
         outcome_.silent = true;
         outcome_.reason = most_ns <= kServerTimeout_ns
@@ -77,7 +77,7 @@ SessionStream::Outcome SessionStream::run() {
   }
   writer.join();
   reader.join();
-  outcome_.heard_ns = heard_ns_;
+  outcome_.last_message_ns = last_message_ns_;
   if (outcome_.reason.empty()) outcome_.reason = outcome_.status.error_message();
   if (outcome_.reason.empty()) outcome_.reason = "the stream ended";
   return std::move(outcome_);
@@ -143,8 +143,8 @@ void SessionStream::read() {
   Result<void> taken;
   while (stream_->Read(&message)) {
     const int64_t received_ns = now_ns();
-    longest_gap_ns_ = std::max<int64_t>(longest_gap_ns_, received_ns - heard_ns_);
-    heard_ns_ = received_ns;
+    longest_gap_ns_ = std::max<int64_t>(longest_gap_ns_, received_ns - last_message_ns_);
+    last_message_ns_ = received_ns;
     taken = take(message, received_ns);
     if (!taken) {
       context_.TryCancel();
@@ -192,11 +192,11 @@ Result<void> SessionStream::take(const v1::SessionEvent& event) {
 }
 
 void SessionStream::take_clock(const v1::ServerMessage& message, int64_t received_ns) {
-  if (message.echoed_ns() <= echoed_ns_ || message.heard_ns() == 0) return;  // already processed
+  if (message.echoed_ns() <= echoed_ns_ || message.received_ns() == 0) return;  // already processed
   echoed_ns_ = message.echoed_ns();
-  ends_.clock.add({echoed_ns_, message.heard_ns(), message.sent_ns(), received_ns});
+  ends_.clock.add({echoed_ns_, message.received_ns(), message.sent_ns(), received_ns});
   std::lock_guard lock(mutex_);
-  aim_.arrived(echoed_ns_, message.heard_ns());
+  aim_.arrived(echoed_ns_, message.received_ns());
 }
 
 void SessionStream::warn_of_late_kernels(const ReceivedFrame& frame) {

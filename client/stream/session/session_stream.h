@@ -52,7 +52,7 @@ class SessionStream {
     bool silent = false;         // timed out
     bool drained = false;        // the server announced its shutdown
     uint64_t frames = 0;
-    int64_t heard_ns = 0;  // time of the last message, or of the opening
+    int64_t last_message_ns = 0;  // time of the last message, or of the opening
   };
   // Opens the stream and returns when it is over. One thread reads and calls the sink, another sends inputs,
   // acknowledgements and a keepalive at least every 50 ms. Call once.
@@ -77,7 +77,7 @@ class SessionStream {
   Ends ends_;
   grpc::ClientContext context_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::ClientMessage, v1::ServerMessage>> stream_;
-  std::atomic<int64_t> heard_ns_{0};
+  std::atomic<int64_t> last_message_ns_{0};
   std::atomic<int64_t> longest_gap_ns_{0};  // between messages, or from the opening to the first
   const int64_t first_silence_ns_;
 

@@ -106,13 +106,13 @@ bool Spectator::Connection::follow(const Publication& publication) {
 }
 
 void Spectator::Connection::run() {
-  int64_t heard_ns = 0;  // 0: nothing received yet, so the stream cannot be lost
+  int64_t last_message_ns = 0;  // 0: nothing received yet, so the stream cannot be lost
   bool lost = false;
   while (!stopping) {
     zmq::message_t message;
     try {
       if (!frames.recv(message)) {  // no message within kSpectatorPollInterval
-        if (!lost && heard_ns > 0 && now_ns() - heard_ns > kSilenceTimeout_ns) {
+        if (!lost && last_message_ns > 0 && now_ns() - last_message_ns > kSilenceTimeout_ns) {
           lost = true;
           sink->on_lost("nothing was published for 1 s");
         }
@@ -135,9 +135,9 @@ void Spectator::Connection::run() {
       ++(fits ? totals.frames : totals.left_out);
     }
     if (!fits) continue;
-    if (lost && same_server) sink->on_resumed({true, seconds_from_ns(received_ns - heard_ns)});
+    if (lost && same_server) sink->on_resumed({true, seconds_from_ns(received_ns - last_message_ns)});
     lost = false;
-    heard_ns = received_ns;
+    last_message_ns = received_ns;
     ReceivedFrame frame;
     frame.tick = publication->frame.tick;
     frame.bytes = message.size();

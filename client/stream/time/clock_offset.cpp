@@ -22,8 +22,8 @@ void ClockOffset::tighten(Bounds& bounds, const Bound& bound) {
 }
 
 void ClockOffset::add(const ClockSample& sample) {
-  const Bound up{sample.sent_ns, sample.heard_ns - sample.sent_ns};
-  const Bound down{sample.received_ns, sample.received_ns - sample.answered_ns};
+  const Bound up{sample.sent_ns, sample.server_received_ns - sample.sent_ns};
+  const Bound down{sample.received_ns, sample.received_ns - sample.server_sent_ns};
   if (const auto known = at(sample.received_ns)) {
     const int64_t upper_ns = known->offset_ns + known->uncertainty_ns;
     const int64_t lower_ns = known->offset_ns - known->uncertainty_ns;

@@ -8,20 +8,21 @@
 
 namespace livegs {
 
-// A message to the server and its reply, with NTP timestamps T1 to T4: sent and received by the client's
-// clock, heard and answered by the server's. The reply may be delayed.
+// A message to the server and its reply, with the NTP timestamps T1 to T4. sent_ns and received_ns are times
+// of the client's clock, server_received_ns and server_sent_ns of the server's. The reply may be delayed.
 struct ClockSample {
   int64_t sent_ns = 0;
-  int64_t heard_ns = 0;
-  int64_t answered_ns = 0;
+  int64_t server_received_ns = 0;
+  int64_t server_sent_ns = 0;
   int64_t received_ns = 0;
 };
 
 // Estimates how far the server's clock is ahead of the client's. Travel times are positive, so each message
-// to the server gives an upper bound of the offset, heard - sent, and each reply a lower bound, answered -
-// received; queuing only loosens them. The estimate is midway between the tightest bounds of the last ten
-// seconds, each loosened by the maximum drift since then. Without drift, and if both bounds come from the
-// same round trip, this is the sample with the lowest round trip (RFC 5905, section 10). Not thread-safe.
+// to the server gives an upper bound of the offset, server_received - sent, and each reply a lower bound,
+// server_sent - received; queuing only loosens them. The estimate is midway between the tightest bounds of
+// the last ten seconds, each loosened by the maximum drift since then. Without drift, and if both bounds come
+// from the same round trip, this is the sample with the lowest round trip (RFC 5905, section 10). Not
+// thread-safe.
 class ClockOffset {
  public:
   // Maximum relative drift of two clocks. RFC 5905 assumes 15 ppm for a disciplined clock; cheap quartz

@@ -12,8 +12,8 @@ void TickAim::add_frame(uint64_t tick, int64_t begun_ns) {
   begun_ns_ = begun_ns;
 }
 
-void TickAim::arrived(int64_t sent_ns, int64_t heard_ns) {
-  upward_ns_.push_back(heard_ns - sent_ns);
+void TickAim::arrived(int64_t sent_ns, int64_t received_ns) {
+  upward_ns_.push_back(received_ns - sent_ns);
   if (upward_ns_.size() > kArrivalsKept) upward_ns_.pop_front();
 }
 

@@ -16,8 +16,8 @@ class TickAim {
 
   // The tick of a received frame and its start by the server's clock; the next tick begins one period later.
   void add_frame(uint64_t tick, int64_t begun_ns);
-  // A message sent at `sent_ns` (client clock) arrived at `heard_ns` (server clock).
-  void arrived(int64_t sent_ns, int64_t heard_ns);
+  // A message sent at `sent_ns` (client clock) was received at `received_ns` (server clock).
+  void arrived(int64_t sent_ns, int64_t received_ns);
 
   // 0 ("the next tick") while the travel time is unknown or the result would exceed kMaxTicksAhead.
   uint64_t tick_at(int64_t now_ns) const;
@@ -29,8 +29,9 @@ class TickAim {
 
   const double rate_hz_;
   uint64_t tick_ = 0;
-  int64_t begun_ns_ = 0;           // start of that tick, server clock
-  std::deque<int64_t> upward_ns_;  // heard - sent of the newest arrivals: travel time plus offset
+  int64_t begun_ns_ = 0;  // start of that tick, server clock
+  // Received minus sent, of the newest arrivals: travel time plus clock offset.
+  std::deque<int64_t> upward_ns_;
 };
 
 }  // namespace livegs

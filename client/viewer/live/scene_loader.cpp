@@ -82,7 +82,7 @@ Result<void> SceneLoader::show_scene(ConnectedScene& live) const {
 Result<std::unique_ptr<ConnectedScene>> SceneLoader::load() {
   ConnectOptions connect;
   connect.access = options_.access;
-  connect.most_mbit_s = options_.most_mbit_s;
+  connect.max_mbit_s = options_.max_mbit_s;
   connect.rate_hz = options_.rate_hz;
   connect.position_bits = options_.position_bits;
   connect.encoding = options_.encoding;

@@ -59,10 +59,10 @@ class Watcher final : public StreamSink {
   void on_draining(const std::string&) override {}
 
   // Both 0 before the first frame.
-  struct Heard {
+  struct Received {
     int64_t first_ns = 0, last_ns = 0;
   };
-  Heard heard() const {
+  Received received() const {
     std::lock_guard lock(mutex_);
     return {first_ns_, last_ns_};
   }
@@ -149,16 +149,16 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   (*spectator)->start(watcher);
   for (; !interrupted && !play_ended; std::this_thread::sleep_for(kPollInterval)) {
     const int64_t now = now_ns();
-    const Watcher::Heard heard = watcher.heard();
-    if (heard.first_ns == 0) {
+    const Watcher::Received received = watcher.received();
+    if (received.first_ns == 0) {
       if (seconds_from_ns(now - begun_ns) < patience_s) continue;
       ended = nothing_came(published, seconds_from_ns(now - begun_ns));
-    } else if (options.seconds > 0 && seconds_from_ns(now - heard.first_ns) >= options.seconds) {
+    } else if (options.seconds > 0 && seconds_from_ns(now - received.first_ns) >= options.seconds) {
       break;
-    } else if (seconds_from_ns(now - heard.last_ns) >= silence_s) {
+    } else if (seconds_from_ns(now - received.last_ns) >= silence_s) {
       ended = Error{ErrorCode::Unavailable,
                     format_text("--subscribe %s: connection lost: nothing was published for %.1f s",
-                                published.c_str(), seconds_from_ns(now - heard.last_ns))};
+                                published.c_str(), seconds_from_ns(now - received.last_ns))};
     }
     if (ended) break;
   }
@@ -170,7 +170,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   drawer.join();
   if (auto finished = (*display)->finish(); !finished) log_warn("%s", finished.error().message.c_str());
   if (!played) return played.error();
-  if (ended && watcher.heard().first_ns == 0) return *ended;
+  if (ended && watcher.received().first_ns == 0) return *ended;
   if (auto written = write_pictures(player, options.output); !written) return written.error();
 
   SpectateSummary summary;

@@ -51,35 +51,36 @@ size_t window_of(double intervals) {
 }  // namespace
 
 void WindowSize::add(const Answer& answer) {
-  const int64_t round_trip_ns = answer.heard_ns - answer.written_ns;
-  const int64_t before_ns = heard_ns_;
-  heard_ns_ = answer.heard_ns;
-  if (decided_ns_ == 0) decided_ns_ = answer.heard_ns;
+  const int64_t round_trip_ns = answer.received_ns - answer.written_ns;
+  const int64_t before_ns = last_answer_ns_;
+  last_answer_ns_ = answer.received_ns;
+  if (decided_ns_ == 0) decided_ns_ = answer.received_ns;
   if (lone_left_ > 0) {
     if (!answer.alone) return;
     lone_.push_back(round_trip_ns);
     if (--lone_left_ > 0) return;
     alone_ns_ = median(lone_);
-    alone_at_ns_ = heard_ns_;
-    judge(heard_ns_);
-    forget_answers();
+    alone_at_ns_ = last_answer_ns_;
+    judge(last_answer_ns_);
+    clear_answers();
     return;
   }
   round_trips_ns_.push_back(round_trip_ns);
   if (answer.written_ns < before_ns)
-    paces_ns_.push_back((heard_ns_ - before_ns) / static_cast<int64_t>(std::max<size_t>(answer.frames, 1)));
+    paces_ns_.push_back((last_answer_ns_ - before_ns) /
+                        static_cast<int64_t>(std::max<size_t>(answer.frames, 1)));
   const size_t enough = size_ >= queued_at_ ? kTrialAnswerCount : kAnswersPerDecision;
   const bool few =
-      round_trips_ns_.size() >= kMinAnswers && heard_ns_ - decided_ns_ >= kMaxDecisionInterval_ns;
+      round_trips_ns_.size() >= kMinAnswers && last_answer_ns_ - decided_ns_ >= kMaxDecisionInterval_ns;
   if (round_trips_ns_.size() < enough && !few) return;
-  decide(heard_ns_);
-  forget_answers();
+  decide(last_answer_ns_);
+  clear_answers();
 }
 
-void WindowSize::forget_answers() {
+void WindowSize::clear_answers() {
   round_trips_ns_.clear();
   paces_ns_.clear();
-  decided_ns_ = heard_ns_;
+  decided_ns_ = last_answer_ns_;
 }
 
 void WindowSize::decide(int64_t now_ns) {

@@ -13,10 +13,10 @@ namespace livegs {
 // absorbs a late acknowledgement. If the link or the client is slower than the tick rate, a larger window
 // only adds latency.
 //
-// To tell these cases apart while acknowledgements arrive below the full rate, some frames are sent alone. If
-// their round trips are shorter than the usual ones, a queue exists: the window shrinks to the smallest size
-// that keeps 4/5 of the rate. Otherwise it grows by one. A size with a queue is tried again after a pause
-// that doubles.
+// To distinguish these cases while acknowledgements arrive below the full rate, some frames are sent alone.
+// If their round trips are shorter than the usual ones, a queue exists: the window shrinks to the smallest
+// size that keeps 4/5 of the rate. Otherwise it grows by one. A size with a queue is tried again after a
+// pause that doubles.
 //
 // Compare Brakmo and Peterson 1995, TCP Vegas, and Cardwell et al. 2016, BBR.
 class WindowSize {
@@ -31,9 +31,9 @@ class WindowSize {
   bool slow(int64_t now_ns) const { return now_ns < slow_until_ns_; }
 
   struct Answer {
-    int64_t written_ns = 0, heard_ns = 0;  // heard_ns must not decrease
-    bool alone = false;                    // no other frame was in flight when it was written
-    size_t frames = 1;                     // number of frames acknowledged, including earlier ones
+    int64_t written_ns = 0, received_ns = 0;  // received_ns must not decrease
+    bool alone = false;                       // no other frame was in flight when it was written
+    size_t frames = 1;                        // number of frames acknowledged, including earlier ones
   };
   void add(const Answer& answer);
 
@@ -41,7 +41,7 @@ class WindowSize {
   void decide(int64_t now_ns);
   void judge(int64_t now_ns);
   void note_slow(int64_t now_ns);
-  void forget_answers();
+  void clear_answers();
 
   int64_t interval_ns_ = 11'111'111;
   size_t size_ = kInitialFrames;
@@ -49,7 +49,7 @@ class WindowSize {
   // Since the last decision.
   std::vector<int64_t> round_trips_ns_;
   std::vector<int64_t> paces_ns_;  // acknowledgement intervals of back-to-back frames
-  int64_t heard_ns_ = 0;           // the newest answer; 0: none
+  int64_t last_answer_ns_ = 0;     // the newest answer; 0: none
   int64_t decided_ns_ = 0;
 
   int64_t round_trip_ns_ = 0, pace_ns_ = 0;  // at the last decision

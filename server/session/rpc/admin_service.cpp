@@ -84,7 +84,7 @@ grpc::ServerUnaryReactor* AdminService::GetStatus(grpc::CallbackServerContext* c
     client.set_scope(session->who.authorization.scope);
     client.set_state(state_name(session->state()));
     client.set_joined_s(seconds_from_ns(now - session->joined_ns));
-    client.set_silent_s(seconds_from_ns(now - session->heard_ns));
+    client.set_silent_s(seconds_from_ns(now - session->last_message_ns));
     client.set_frames_sent(session->frames_sent());
     client.set_frames_replaced(session->frames_replaced());
     client.set_bytes_sent(session->bytes_sent);
@@ -148,8 +148,7 @@ grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* conte
   if (!drain)
     return finish(context,
                   {grpc::StatusCode::UNAVAILABLE, "server: the scene is still loading; try again later"});
-  drain(request->reason().empty() ? "the server is being drained"
-                                  : "the server is being drained: " + request->reason());
+  drain(request->reason().empty() ? "requested by the operator" : request->reason());
   return finish(context, grpc::Status::OK);
 }
 

@@ -107,10 +107,10 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
                 " and the server (livegs " + kVersion + ") version " + std::to_string(kProtocolVersion) +
                 "; update the older one"};
   }
-  const double wish_mbit_s = request.most_mbit_s();
+  const double wish_mbit_s = request.max_mbit_s();
   if (wish_mbit_s != 0 && !(wish_mbit_s >= kMinMbit_s)) {  // NaN too
     return {grpc::StatusCode::INVALID_ARGUMENT,
-            "most_mbit_s: must be at least 0.1; use 0 for the limit of the server"};
+            "max_mbit_s: must be at least 0.1; use 0 for the limit of the server"};
   }
   const double wish_hz = request.rate_hz();
   if (wish_hz != 0 && !(wish_hz >= kMinRate_hz)) {
@@ -146,7 +146,7 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   reply.set_ball_speed_m_s(kBallSpeed_m_s);
   reply.set_server_instance(table_.instance());
   reply.set_encoding(request.encoding());
-  reply.set_looks_only(scope < v1::INTERACT);
+  reply.set_view_only(scope < v1::INTERACT);
   for (const SessionTable::Object& object : joined->objects) *reply.add_objects() = *object;
   log_info("session %.8s: \"%s\" joined %sfrom %s%s", joined->session->id.c_str(), name.c_str(),
            joined->session->id == request.resumed_session_id() ? "again " : "", peer.c_str(),

@@ -105,12 +105,12 @@ std::optional<grpc::Status> StreamCall::take_message() {
                           "message: is not a livegs.v1.ClientMessage; update the client");
     }
   }
-  const int64_t heard_ns = now_ns();
+  const int64_t received_ns = now_ns();
   std::shared_ptr<ClientSession> session;
   uint64_t stream = 0;
   {
     std::lock_guard lock(mutex_);
-    if (!messages_.try_take(heard_ns)) {
+    if (!messages_.try_take(received_ns)) {
       return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
                           "messages: more than 1000 a second; send fewer");
     }
@@ -143,21 +143,21 @@ std::optional<grpc::Status> StreamCall::take_message() {
   if (!samples) return to_status(samples.error());
   const auto view = check_view(message);
   if (!view) return to_status(view.error());
-  if (!session->acknowledge(stream, message.acknowledged_tick(), heard_ns)) {
+  if (!session->acknowledge(stream, message.acknowledged_tick(), received_ns)) {
     return grpc::Status(grpc::StatusCode::ABORTED, "session: continues in another stream");
   }
-  session->heard_ns = heard_ns;
+  session->last_message_ns = received_ns;
   {
     std::lock_guard lock(mutex_);
     echoed_ns_ = message.sent_ns();
-    heard_ns_ = heard_ns;
+    received_ns_ = received_ns;
     if (*view) view_ = *view;
     if (message.key_frame_wanted()) baseline_ = nullptr;
     for (; !unacknowledged_.empty() && unacknowledged_.front().tick <= message.acknowledged_tick();
          unacknowledged_.pop_front()) {
       if (const Written& frame = unacknowledged_.front(); frame.tick == message.acknowledged_tick()) {
-        session->add_answer(milliseconds_from_ns(heard_ns - frame.written_ns),
-                            milliseconds_from_ns(heard_ns - frame.stepped_ns));
+        session->add_answer(milliseconds_from_ns(received_ns - frame.written_ns),
+                            milliseconds_from_ns(received_ns - frame.stepped_ns));
       }
     }
   }
@@ -206,7 +206,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
     unacknowledged_.push_back({outgoing.tick->tick(), outgoing.tick->stepped_ns, written_ns_});
   header.set_sent_ns(written_ns_);
   header.set_echoed_ns(echoed_ns_);
-  header.set_heard_ns(heard_ns_);
+  header.set_received_ns(received_ns_);
   slices.front() = grpc::Slice(header.SerializeAsString());
   outgoing_ = grpc::ByteBuffer(slices.data(), slices.size());
   session_->bytes_sent += outgoing_.Length();

@@ -67,7 +67,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   std::shared_ptr<ClientSession> session_;  // set by the first message
   uint64_t stream_ = 0;                     // number of this stream within the session
   int64_t echoed_ns_ = 0;                   // sent_ns of the newest client message
-  int64_t heard_ns_ = 0;                    // when that message was received
+  int64_t received_ns_ = 0;                 // when that message was received
   int64_t written_ns_ = 0;                  // when the last message was handed to gRPC
   struct Written {
     uint64_t tick = 0;

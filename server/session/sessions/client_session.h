@@ -74,7 +74,7 @@ class ClientSession {
         number(session_number),
         who(std::move(identity)),
         joined_ns(joined_at_ns),
-        heard_ns(joined_at_ns),
+        last_message_ns(joined_at_ns),
         terms_(terms) {
     window_.set_interval(terms_.tick_ns * static_cast<int64_t>(terms_.every));
   }
@@ -83,7 +83,7 @@ class ClientSession {
   const SessionNumber number;
   const ClientIdentity who;
   const int64_t joined_ns;
-  std::atomic<int64_t> heard_ns;  // time of the last message or Join
+  std::atomic<int64_t> last_message_ns;  // time of the last message or Join
   std::atomic<uint64_t> bytes_sent{0};
 
   enum class State { Joined, Streaming, Parked };
@@ -96,7 +96,7 @@ class ClientSession {
   // must abort.
   std::shared_ptr<SessionWriter> rejoin(int64_t now_ns, const JoinTerms& terms = {}) {
     std::lock_guard lock(mutex_);
-    heard_ns = now_ns;
+    last_message_ns = now_ns;
     state_ = State::Joined;
     ++stream_;
     offered_ = false;

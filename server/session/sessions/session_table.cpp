@@ -78,7 +78,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
         std::shared_ptr<ClientSession> parked_longest;
         for (const auto& [id, session] : sessions_) {
           if (session->state() == ClientSession::State::Parked &&
-              (!parked_longest || session->heard_ns < parked_longest->heard_ns)) {
+              (!parked_longest || session->last_message_ns < parked_longest->last_message_ns)) {
             parked_longest = session;
           }
         }
@@ -306,7 +306,7 @@ void SessionTable::sweep(int64_t now) {
   if (check_authorizations) end_unauthorised();
   for (const auto& session : sessions_now()) {
     const ClientSession::State state = session->state();
-    const int64_t silent_ns = now - session->heard_ns.load();
+    const int64_t silent_ns = now - session->last_message_ns.load();
     const int64_t patience_ns = state == ClientSession::State::Streaming ? kSilenceTimeout_ns
                                 : state == ClientSession::State::Parked  ? kParkedTimeout_ns
                                                                          : kJoinTimeout_ns;
@@ -324,7 +324,7 @@ void SessionTable::sweep(int64_t now) {
     } else {
       {
         std::lock_guard lock(mutex_);  // also held while a client rejoins
-        if (session->state() != state || now - session->heard_ns.load() < patience_ns) continue;
+        if (session->state() != state || now - session->last_message_ns.load() < patience_ns) continue;
         remove(*session, lock);
       }
       log_info("session %.8s: silent for %.1f s; session dropped", session->id.c_str(),

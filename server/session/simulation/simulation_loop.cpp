@@ -38,10 +38,10 @@ void SimulationLoop::stop() {
 }
 
 void SimulationLoop::on_input(SessionNumber session, std::span<const InputSample> samples) {
-  const int64_t heard_ns = now_ns();
+  const int64_t received_ns = now_ns();
   std::lock_guard lock(mutex_);
   Mailbox& mailbox = mailboxes_[session];
-  mailbox.heard_ns = heard_ns;
+  mailbox.last_input_ns = received_ns;
   for (const InputSample& sample : samples) {
     if (sample.sequence <= mailbox.seen_sequence) continue;
     mailbox.seen_sequence = sample.sequence;
@@ -170,7 +170,7 @@ TickActions SimulationLoop::take_actions(std::vector<v1::SceneChange> changes) {
   for (auto& [session, mailbox] : mailboxes_) {
     auto samples = due(mailbox.samples, next_tick);
     if (!samples.empty()) actions.samples.push_back({session, std::move(samples)});
-    if (now_ns() - mailbox.heard_ns > kInputTimeout_ns && scene_run_.holding(session))
+    if (now_ns() - mailbox.last_input_ns > kInputTimeout_ns && scene_run_.holding(session))
       actions.released.push_back(session);
   }
   actions.stepped = !run_.paused || steps_left_ > 0;

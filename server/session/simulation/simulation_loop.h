@@ -81,7 +81,7 @@ class SimulationLoop : public InputSink {
  private:
   struct Mailbox {
     std::deque<InputSample> samples;
-    int64_t heard_ns = 0;
+    int64_t last_input_ns = 0;
     uint64_t seen_sequence = 0;  // newest sequence received
   };
 

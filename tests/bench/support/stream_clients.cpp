@@ -90,7 +90,7 @@ class LightClient final : public Client,
         arguments));
     v1::JoinRequest request;
     request.set_protocol_version(kProtocolVersion);
-    if (capped) request.set_most_mbit_s(kWideCap_mbit_s);
+    if (capped) request.set_max_mbit_s(kWideCap_mbit_s);
     v1::JoinReply reply;
     grpc::ClientContext context;
     if (const grpc::Status joined = stub_->Join(&context, request, &reply); !joined.ok())

@@ -178,7 +178,7 @@ TEST_F(Access, PairedServersAlwaysUseTls) {
   ASSERT_TRUE(
       KnownServers(options_.state_dir / "known_servers").remember("127.0.0.1:9780", {kFingerprint, ""}));
   EXPECT_NE(*choose_access("127.0.0.1:9780", options_), nullptr);
-  ASSERT_TRUE(forget_server("127.0.0.1:9780", options_.state_dir));
+  ASSERT_TRUE(unpair_server("127.0.0.1:9780", options_.state_dir));
   EXPECT_EQ(*choose_access("127.0.0.1:9780", options_), nullptr);
 }
 

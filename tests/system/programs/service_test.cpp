@@ -144,7 +144,7 @@ TEST_F(Programs, ReportsMetricsPortInUse) {
 }
 
 // The next datagram; empty if none arrives.
-std::string heard(int socket) {
+std::string next_notice(int socket) {
   pollfd news{socket, POLLIN, 0};
   char text[512];
   if (::poll(&news, 1, kPatience_ms) != 1) return "";
@@ -165,11 +165,11 @@ TEST_F(Programs, NotifiesSystemdOfReadyWatchdogAndStopping) {
   Program server(server_words());
   ::unsetenv("NOTIFY_SOCKET");
   ::unsetenv("WATCHDOG_USEC");
-  EXPECT_EQ(heard(manager), "READY=1\nSTATUS=Serving boxes.scene.json");
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(heard(manager), "WATCHDOG=1");
+  EXPECT_EQ(next_notice(manager), "READY=1\nSTATUS=Serving boxes.scene.json");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(next_notice(manager), "WATCHDOG=1");
   server.send(SIGTERM);
-  std::string last = heard(manager);
-  while (last == "WATCHDOG=1") last = heard(manager);
+  std::string last = next_notice(manager);
+  while (last == "WATCHDOG=1") last = next_notice(manager);
   EXPECT_EQ(last, "STOPPING=1");
   EXPECT_EQ(server.wait(), 0) << server.err();
   ::close(manager);

@@ -11,9 +11,9 @@
 namespace livegs {
 namespace {
 
-std::unique_ptr<SessionClient> join(int port, double most_mbit_s) {
+std::unique_ptr<SessionClient> join(int port, double max_mbit_s) {
   ConnectOptions options = patient();
-  options.most_mbit_s = most_mbit_s;
+  options.max_mbit_s = max_mbit_s;
   return livegs::join(port, options);
 }
 

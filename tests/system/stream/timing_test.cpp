@@ -41,9 +41,9 @@ double bytes_a_second(const SinkLog::State& state, int64_t begin_ns, int64_t end
   return bytes / seconds_from_ns(end_ns - begin_ns);
 }
 
-std::unique_ptr<SessionClient> join_capped(int port, double most_mbit_s) {
+std::unique_ptr<SessionClient> join_capped(int port, double max_mbit_s) {
   ConnectOptions options = patient();
-  options.most_mbit_s = most_mbit_s;
+  options.max_mbit_s = max_mbit_s;
   return join(port, options);
 }
 
@@ -267,9 +267,9 @@ TEST_F(Timing, SlowClientDelaysNoOther) {
   sinks[3]->freeze(true);
   (void)share_of(200'000'000);
   const uint64_t frozen_at = sinks[3]->frames;
-  const double beside = share_of(1'500'000'000);
-  std::printf("share of frames received: %.2f, with a frozen client %.2f\n", together, beside);
-  EXPECT_GT(beside, 0.8 * together);
+  const double disturbed = share_of(1'500'000'000);
+  std::printf("share of frames received: %.2f, with a frozen client %.2f\n", together, disturbed);
+  EXPECT_GT(disturbed, 0.8 * together);
   EXPECT_LE(sinks[3]->frames, frozen_at);
   // The threads of the frozen client still acknowledge, so it stays connected and receives frames again.
   sinks[3]->freeze(false);
@@ -323,12 +323,12 @@ TEST_F(Timing, AcceptsAThousandConnectionsASecond) {
   };
   const double alone = share_of([] { sleep_until_ns(now_ns() + 500'000'000); });
   double rate = 0;
-  const double beside = share_of([&] { rate = connection_storm(served_->port(), 1000); });
+  const double disturbed = share_of([&] { rate = connection_storm(served_->port(), 1000); });
   std::printf(
       "at most %.0f connections per second (bound %.0f); share of frames received: %.2f, before %.2f\n", rate,
-      kMinRate, beside, alone);
+      kMinRate, disturbed, alone);
   EXPECT_GE(rate, kMinRate) << "connections per second";
-  EXPECT_GT(beside, 0.6 * alone);
+  EXPECT_GT(disturbed, 0.6 * alone);
 }
 
 // 16 kB frames at 90 Hz need 11.5 Mbit/s. One client requests a cap of 4; the server's cap of 6 applies to

@@ -45,9 +45,9 @@ inline double connection_storm(int port, int connections) {
     EXPECT_LT(tries, 2000);
     if (i % 50 == 0) continue;  // joins without opening a stream
     passer_by.open();
-    v1::ServerMessage heard;
+    v1::ServerMessage message;
     EXPECT_TRUE(passer_by.read_any(
-        heard));  // the stream is open; a session that only joined keeps its slot for two minutes
+        message));  // the stream is open; a session that only joined keeps its slot for two minutes
     passer_by.cancel();
     EXPECT_FALSE(passer_by.finish_reading().ok());
   }

@@ -222,7 +222,7 @@ TEST(SpoiledFrame, RequestIsRepeatedForSpoiledKeyframe) {
 TEST(Inputs, MessagesContainLastThreeSamples) {
   std::mutex mutex;
   std::condition_variable changed;
-  std::vector<std::vector<uint64_t>> heard;  // the sequences in each message
+  std::vector<std::vector<uint64_t>> received;  // the sequences in each message
   ScriptedServer server;
   server.on_join = let_in;
   server.on_stream = [&](int, ScriptedServer::ServerStream& stream) {
@@ -238,7 +238,7 @@ TEST(Inputs, MessagesContainLastThreeSamples) {
       std::vector<uint64_t> sequences;
       for (const v1::Input& input : incoming.inputs()) sequences.push_back(input.sequence());
       std::lock_guard lock(mutex);
-      heard.push_back(std::move(sequences));
+      received.push_back(std::move(sequences));
       changed.notify_all();
     }
     return grpc::Status::OK;
@@ -260,18 +260,18 @@ TEST(Inputs, MessagesContainLastThreeSamples) {
     sample.hands[1].shoot = sequence == 4;  // one press in one sample
     (*joined)->send(sample);
     ASSERT_TRUE(wait_for([&] {
-      return !heard.empty() && !heard.back().empty() && heard.back().back() == sequence;
+      return !received.empty() && !received.back().empty() && received.back().back() == sequence;
     })) << sequence;
   }
   const size_t before = [&] {
     std::lock_guard lock(mutex);
-    return heard.size();
+    return received.size();
   }();
-  ASSERT_TRUE(wait_for([&] { return heard.size() >= before + 3; }));  // keepalives
+  ASSERT_TRUE(wait_for([&] { return received.size() >= before + 3; }));  // keepalives
   EXPECT_TRUE((*joined)->stop());
   std::lock_guard lock(mutex);
   size_t with_the_press = 0;
-  for (const std::vector<uint64_t>& sequences : heard) {
+  for (const std::vector<uint64_t>& sequences : received) {
     if (sequences.empty()) continue;  // before the first sample
     const uint64_t newest = sequences.back();
     std::vector<uint64_t> last_three;
@@ -280,7 +280,7 @@ TEST(Inputs, MessagesContainLastThreeSamples) {
     with_the_press += std::count(sequences.begin(), sequences.end(), 4u) > 0 ? 1 : 0;
   }
   EXPECT_GE(with_the_press, 3u);
-  EXPECT_EQ(heard.back(), (std::vector<uint64_t>{4, 5, 6}));
+  EXPECT_EQ(received.back(), (std::vector<uint64_t>{4, 5, 6}));
 }
 
 }  // namespace

@@ -38,23 +38,24 @@ Trace trace(const Network& network, uint64_t seed) {
   const auto period_ns = static_cast<int64_t>(1e9 / network.messages_hz);
   Trace result;
   ClockOffset clock;
-  int64_t heard_at = 0, received_at = 0, newest_sent = -1, newest_heard = 0;  // client clock
-  std::vector<std::pair<int64_t, int64_t>> up;                                // sent, heard
+  int64_t server_received_at = 0, received_at = 0, newest_sent = -1, newest_received = 0;  // client clock
+  std::vector<std::pair<int64_t, int64_t>> up;  // sent, received by the server
   for (int64_t sent = 0; sent < 60'000 * kMs; sent += period_ns) {
-    heard_at = std::max(heard_at, sent + travel_ns());
-    up.emplace_back(sent, heard_at);
+    server_received_at = std::max(server_received_at, sent + travel_ns());
+    up.emplace_back(sent, server_received_at);
   }
   size_t next = 0;
   int64_t echoed = -1;
   for (int64_t answered = period_ns / 3; answered < 60'000 * kMs; answered += period_ns) {
     while (next < up.size() && up[next].second <= answered) {
       newest_sent = up[next].first;
-      newest_heard = up[next++].second;
+      newest_received = up[next++].second;
     }
     received_at = std::max(received_at, answered + travel_ns());
     if (newest_sent > echoed) {
       echoed = newest_sent;
-      clock.add({newest_sent, server_from_client(newest_heard), server_from_client(answered), received_at});
+      clock.add(
+          {newest_sent, server_from_client(newest_received), server_from_client(answered), received_at});
     }
     const auto estimate = clock.at(received_at);
     if (!estimate || received_at < 2'000 * kMs) continue;

@@ -228,8 +228,8 @@ TEST_F(Gate, ViewScopeIgnoresInput) {
   RawClient looks(channel(token(v1::VIEW))), touches(channel(token(v1::INTERACT)));
   ASSERT_TRUE(looks.join().ok());
   ASSERT_TRUE(touches.join().ok());
-  EXPECT_TRUE(looks.joined.looks_only());
-  EXPECT_FALSE(touches.joined.looks_only());
+  EXPECT_TRUE(looks.joined.view_only());
+  EXPECT_FALSE(touches.joined.view_only());
   looks.open();
   publish(1);
   ASSERT_EQ(looks.read().tick(), 1u);
@@ -240,7 +240,7 @@ TEST_F(Gate, ViewScopeIgnoresInput) {
   touches.open();
   ASSERT_TRUE(touches.send(squeezing(1)));
   ASSERT_TRUE(inputs_.wait_heard(1));
-  EXPECT_EQ(inputs_.heard(), 1u);
+  EXPECT_EQ(inputs_.received(), 1u);
 }
 
 // A session belongs to its token: its id is useless with another token.

@@ -59,7 +59,7 @@ Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed
   WindowSize size;
   std::mt19937_64 random(1);
   struct Under {
-    double written_ms = 0, arrives_ms = 0, heard_ms = 0, tick_ms = 0;
+    double written_ms = 0, arrives_ms = 0, acknowledged_ms = 0, tick_ms = 0;
     bool alone = false;
   };
   std::deque<Under> under_way;
@@ -69,10 +69,10 @@ Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed
   double next_tick_ms = 0, now_ms = 0;
   while (now_ms < 1e3 * seconds) {
     // The next event: a tick or an acknowledgement.
-    if (!under_way.empty() && under_way.front().heard_ms <= next_tick_ms) {
+    if (!under_way.empty() && under_way.front().acknowledged_ms <= next_tick_ms) {
       const Under one = under_way.front();
       under_way.pop_front();
-      now_ms = one.heard_ms;
+      now_ms = one.acknowledged_ms;
       size.add(
           {static_cast<int64_t>(1e6 * one.written_ms), static_cast<int64_t>(1e6 * now_ms), one.alone, 1});
     } else {
@@ -92,8 +92,8 @@ Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed
     }
     const double jitter_ms = std::uniform_real_distribution<double>(0, way.jitter_ms + 1e-9)(random);
     arrived_ms = one.arrives_ms = std::max(arrived_ms, free_ms + way.round_trip_ms / 2 + jitter_ms);
-    const double heard_before_ms = under_way.empty() ? 0 : under_way.back().heard_ms;
-    one.heard_ms = std::max(heard_before_ms, one.arrives_ms + way.round_trip_ms / 2);
+    const double acknowledged_before_ms = under_way.empty() ? 0 : under_way.back().acknowledged_ms;
+    one.acknowledged_ms = std::max(acknowledged_before_ms, one.arrives_ms + way.round_trip_ms / 2);
     under_way.push_back(one);
     result.ages_ms.push_back(one.arrives_ms - one.tick_ms);
     result.sent_ms.push_back(one.arrives_ms);

@@ -21,7 +21,7 @@ class InputLog final : public InputSink {
  public:
   void on_input(SessionNumber session, std::span<const InputSample> samples) override {
     std::lock_guard lock(mutex_);
-    for (const InputSample& sample : samples) heard_.emplace_back(session, sample);
+    for (const InputSample& sample : samples) received_.emplace_back(session, sample);
     changed_.notify_all();
   }
   void on_session_closed(SessionNumber session) override {
@@ -31,15 +31,15 @@ class InputLog final : public InputSink {
   }
   bool wait_heard(size_t samples) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, kPatience, [&] { return heard_.size() >= samples; });
+    return changed_.wait_for(lock, kPatience, [&] { return received_.size() >= samples; });
   }
   bool wait_forgotten(size_t sessions) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kPatience, [&] { return forgotten_.size() >= sessions; });
   }
-  size_t heard() const {
+  size_t received() const {
     std::lock_guard lock(mutex_);
-    return heard_.size();
+    return received_.size();
   }
   size_t forgotten() const {
     std::lock_guard lock(mutex_);
@@ -49,7 +49,7 @@ class InputLog final : public InputSink {
  private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::pair<SessionNumber, InputSample>> heard_;
+  std::vector<std::pair<SessionNumber, InputSample>> received_;
   std::vector<SessionNumber> forgotten_;
 };
 

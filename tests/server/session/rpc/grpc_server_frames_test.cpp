@@ -22,10 +22,10 @@ TEST_F(GrpcServerTest, RefusesInvalidRatesByField) {
     set_patience(context);
     v1::JoinRequest request;
     request.set_protocol_version(kProtocolVersion);
-    request.set_most_mbit_s(mbit_s);
+    request.set_max_mbit_s(mbit_s);
     const grpc::Status status = client.stub().Join(&context, request, &client.joined);
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << mbit_s;
-    EXPECT_EQ(status.error_message().rfind("most_mbit_s: ", 0), 0u) << status.error_message();
+    EXPECT_EQ(status.error_message().rfind("max_mbit_s: ", 0), 0u) << status.error_message();
   }
 }
 

@@ -42,28 +42,28 @@ class SlowListener final : public InputSink {
  public:
   void on_input(SessionNumber session, std::span<const InputSample>) override {
     std::unique_lock lock(mutex_);
-    hearing_ = true;
+    receiving_ = true;
     changed_.notify_all();
     changed_.wait_for(lock, std::chrono::milliseconds(50), [&] { return forgotten_ == session; });
-    if (forgotten_ == session) ++heard_after;
-    hearing_ = false;
+    if (forgotten_ == session) ++received_after;
+    receiving_ = false;
   }
   void on_session_closed(SessionNumber session) override {
     std::lock_guard lock(mutex_);
     forgotten_ = session;
     changed_.notify_all();
   }
-  void wait_hearing() {
+  void wait_receiving() {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return hearing_; });
+    changed_.wait(lock, [&] { return receiving_; });
   }
-  int heard_after = 0;
+  int received_after = 0;
 
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
   SessionNumber forgotten_ = 0;
-  bool hearing_ = false;
+  bool receiving_ = false;
 };
 
 // Counts inputs of sessions after they were closed.
@@ -71,8 +71,8 @@ class Attentive final : public InputSink {
  public:
   void on_input(SessionNumber session, std::span<const InputSample>) override {
     std::lock_guard lock(mutex_);
-    ++heard;
-    if (gone_.contains(session)) ++heard_after;
+    ++received;
+    if (gone_.contains(session)) ++received_after;
   }
   void on_session_closed(SessionNumber session) override {
     std::lock_guard lock(mutex_);
@@ -82,8 +82,8 @@ class Attentive final : public InputSink {
     std::lock_guard lock(mutex_);
     return gone_.size();
   }
-  int heard_after = 0, forgotten_again = 0;
-  size_t heard = 0;
+  int received_after = 0, forgotten_again = 0;
+  size_t received = 0;
 
  private:
   std::mutex mutex_;
@@ -105,17 +105,18 @@ TEST_F(SessionTableTest, SilentStreamAndSessionTimeOut) {
   const auto session = join();
   const auto writer = std::make_shared<Writer>();
   ASSERT_TRUE(session->attach(writer));
-  const int64_t heard_ns = session->heard_ns;
-  table.sweep(heard_ns + 2 * kSecond_ns - 1);
+  const int64_t last_message_ns = session->last_message_ns;
+  table.sweep(last_message_ns + 2 * kSecond_ns - 1);
   EXPECT_FALSE(writer->aborted);
   EXPECT_EQ(writer->beats, 1);
-  table.sweep(heard_ns + 2 * kSecond_ns);  // the publisher sweeps at least every 0.1 s, so before 2.5 s
+  // The publisher sweeps at least every 0.1 s, so before 2.5 s.
+  table.sweep(last_message_ns + 2 * kSecond_ns);
   EXPECT_TRUE(writer->aborted);
   EXPECT_EQ(session->state(), ClientSession::State::Parked);
-  table.sweep(heard_ns + 30 * kSecond_ns - 1);
+  table.sweep(last_message_ns + 30 * kSecond_ns - 1);
   EXPECT_EQ(table.find(session->id), session);
   EXPECT_TRUE(inputs.sessions.empty());
-  table.sweep(heard_ns + 30 * kSecond_ns);
+  table.sweep(last_message_ns + 30 * kSecond_ns);
   EXPECT_EQ(table.find(session->id), nullptr);
   EXPECT_EQ(inputs.sessions, std::vector<SessionNumber>{session->number});
 }
@@ -141,9 +142,9 @@ TEST_F(SessionTableTest, StreamWithoutSessionEndsAfterTwoSeconds) {
 
 TEST_F(SessionTableTest, AllowsTwoMinutesToLoadAssets) {
   const auto session = join();
-  table.sweep(session->heard_ns + 120 * kSecond_ns - 1);
+  table.sweep(session->last_message_ns + 120 * kSecond_ns - 1);
   EXPECT_EQ(table.find(session->id), session);
-  table.sweep(session->heard_ns + 120 * kSecond_ns);
+  table.sweep(session->last_message_ns + 120 * kSecond_ns);
   EXPECT_EQ(table.find(session->id), nullptr);
 }
 
@@ -156,7 +157,7 @@ TEST_F(SessionTableTest, LongestParkedSessionMakesRoom) {
     ASSERT_TRUE(sessions[parked]->attach(std::make_shared<Writer>()));
     table.stream_ended(*sessions[parked], 1, false);
   }
-  sessions[3]->heard_ns = sessions[5]->heard_ns - kSecond_ns;
+  sessions[3]->last_message_ns = sessions[5]->last_message_ns - kSecond_ns;
   EXPECT_NE(join(), nullptr);
   EXPECT_EQ(table.find(sessions[3]->id), nullptr);
   EXPECT_EQ(table.find(sessions[5]->id), sessions[5]);
@@ -219,12 +220,12 @@ TEST(SessionTable, NoInputAfterASessionIsClosed) {
   table.open("scene", 90, {}, inputs);
   const auto session = table.join()->session;
   std::thread speaker([&] { table.on_input(*session, {}); });
-  inputs.wait_hearing();
+  inputs.wait_receiving();
   EXPECT_TRUE(table.end_session(session->id, invalid_argument("enough")));
   speaker.join();
-  EXPECT_EQ(inputs.heard_after, 0);
+  EXPECT_EQ(inputs.received_after, 0);
   table.on_input(*session, {});
-  EXPECT_EQ(inputs.heard_after, 0);
+  EXPECT_EQ(inputs.received_after, 0);
 }
 
 // Two clients send, rejoin, are kicked, revoked and swept while the server closes. Each session is closed
@@ -270,8 +271,8 @@ TEST(SessionTable, ClosesEachSessionOnceUnderConcurrency) {
   for (std::thread& one : clients) one.join();
   for (const auto& session : table.sessions_now())
     (void)table.end_session(session->id, invalid_argument("enough"));
-  EXPECT_GT(inputs.heard, 400u);
-  EXPECT_EQ(inputs.heard_after, 0);
+  EXPECT_GT(inputs.received, 400u);
+  EXPECT_EQ(inputs.received_after, 0);
   EXPECT_EQ(inputs.forgotten_again, 0);
   EXPECT_EQ(inputs.forgotten(), table.totals().sessions);
   set_log_level(LogLevel::Info);

@@ -49,23 +49,23 @@ class StepTimes final : public TickSink {
  public:
   void publish(TickResult&& tick) override {
     std::lock_guard lock(mutex_);
-    if (heard_) now_.steps_ms.push_back(tick.step_ms);
+    if (counting_) now_.steps_ms.push_back(tick.step_ms);
   }
   void begin() {
     std::lock_guard lock(mutex_);
-    heard_ = true;
+    counting_ = true;
     begun_ns_ = now_ns();
   }
   Turn end() {
     std::lock_guard lock(mutex_);
-    heard_ = false;
+    counting_ = false;
     now_.wall_s = seconds_from_ns(now_ns() - begun_ns_);
     return std::exchange(now_, {});
   }
 
  private:
   std::mutex mutex_;  // guards the members below
-  bool heard_ = false;
+  bool counting_ = false;
   int64_t begun_ns_ = 0;
   Turn now_;
 };
