@@ -63,7 +63,7 @@ std::string shown(const std::string& name) { return shown_text(name, 80); }
 std::string shown_message(const std::string& message) { return shown_text(message, 1000); }
 
 // Printed while the rest of the scene is loaded and the model is queried.
-void tell_first(const SceneObject& object) {
+void print_first(const SceneObject& object) {
   const v1::EstimatedValue& mass = object.physics.mass_kg();
   std::fprintf(stderr, "%s: first estimate %.4g g (%.4g to %.4g) of %s, %s\n", shown(object.name).c_str(),
                1e3 * mass.best(), 1e3 * mass.low(), 1e3 * mass.high(),
@@ -71,10 +71,10 @@ void tell_first(const SceneObject& object) {
                v1::Physics::Behavior_Name(object.physics.behavior()).c_str());
 }
 
-Result<Scene> load(const AnalyzeCommand& options, bool tell) {
+Result<Scene> load(const AnalyzeCommand& options, bool print_estimates) {
   SceneOptions still;
   still.cut_fragile = false;
-  if (tell) still.built = tell_first;
+  if (print_estimates) still.built = print_first;
   if (is_scene(options.path)) return Scene::load(options.path, still);
   const auto alone = scene_of(options);
   return Scene::build(alone->file, alone->folder, alone->name, still);
@@ -97,16 +97,16 @@ const char* verdict_text(const AnalysisUpdate& update) {
                                                             : "refused";
 }
 
-void tell_progress(const std::string& object, const AnalysisUpdate& update) {
+void print_progress(const std::string& object, const AnalysisUpdate& update) {
   const std::string name = shown(object);
   switch (update.stage) {
     case AnalysisStage::Offline:
-      break;  // printed by tell_first
+      break;  // printed by print_first
     case AnalysisStage::Asked:
       std::fprintf(stderr, "%s: request sent\n", name.c_str());
       break;
     case AnalysisStage::Repaired:
-      std::fprintf(stderr, "%s: answer rejected, asking again: %s\n", name.c_str(),
+      std::fprintf(stderr, "%s: answer rejected, request repeated: %s\n", name.c_str(),
                    shown_message(update.turns.back().error).c_str());
       break;
     case AnalysisStage::Finished:
@@ -289,7 +289,7 @@ int run(const AnalyzeCommand& options) {
         Analysed& one = all[update.index];
         one.object = object_of(update.object_id);
         one.update = update;
-        if (*endpoint) tell_progress(one.object->name, update);
+        if (*endpoint) print_progress(one.object->name, update);
         // Saved at once, so that paid answers survive an interruption.
         if (options.write && update.stage == AnalysisStage::Finished) {
           if (auto kept = keep(*one.object, update, *endpoint != nullptr); !kept && all_kept) all_kept = kept;
@@ -341,14 +341,16 @@ void add_analyze(CLI::App& app, int& exit_code) {
         const double scale = std::strtod(text.c_str(), nullptr);
         return scale > 0 && std::isfinite(scale) ? "" : "is " + text + "; it must be above 0";
       });
-  command->add_option("--up", options->up, "Up axis of the asset: x -x y -y z -z")->default_str("-y");
+  command->add_option("--up", options->up, "Up axis of the asset, one of x, -x, y, -y, z, -z")
+      ->default_str("-y");
   command->add_flag("--json", options->json,
                     "Print JSON (livegs.v1.PhysicalParameters; for a scene, one per object)");
   command->add_option(
       "--endpoint", options->endpoint.url,
-      "URL of a server with an OpenAI-compatible chat completions API (default: OPENAI_BASE_URL, with "
-      "OPENAI_API_KEY; without one, offline estimates are used)");
-  command->add_option("--model", options->endpoint.model, "Name of the model (default: LIVEGS_MODEL)");
+      "URL of a server with an OpenAI-compatible chat completions API (default: the value of the variable "
+      "OPENAI_BASE_URL, with OPENAI_API_KEY; without a URL, offline estimates are used)");
+  command->add_option("--model", options->endpoint.model,
+                      "Name of the model (default: the value of the variable LIVEGS_MODEL)");
   command
       ->add_option("--recorded", options->endpoint.recorded,
                    "Replay the answers in this folder instead of calling a model")
@@ -361,13 +363,13 @@ void add_analyze(CLI::App& app, int& exit_code) {
       ->check(CLI::ExistingDirectory);
   command->add_option(
       "--price", options->endpoint.price,
-      "US dollars per million tokens sent and received, as IN,OUT, to compute the cost (default: "
-      "LIVEGS_PRICE)");
+      "US dollars per million tokens sent and received, as IN,OUT, to compute the cost (default: the value "
+      "of the variable LIVEGS_PRICE)");
   command
       ->add_option(
           "--model-deadline", options->endpoint.deadline_s,
-          "Timeout of one question including retries, 1 to 3600 s (default: LIVEGS_MODEL_DEADLINE_S, "
-          "else 60, or 300 for Ollama and llama.cpp)")
+          "Timeout of one question including retries, 1 to 3600 s (default: the value of the variable "
+          "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 for Ollama and llama.cpp)")
       ->check(CLI::Range(1.0, 3600.0))
       ->type_name("SECONDS");
   command->add_flag("--web-search", options->endpoint.web_search,

@@ -25,8 +25,9 @@ Result<std::filesystem::path> sidecar_of(const std::string& name, const v1::Scen
     if (one == name && !paths[static_cast<size_t>(i)].empty()) return paths[static_cast<size_t>(i)];
     known += (known.empty() ? "" : ", ") + shown(one);
   }
-  return Error{ErrorCode::InvalidArgument, "the scene has no object \"" + shown(name) +
-                                               "\"; available: " + (known.empty() ? "none" : known)};
+  return Error{
+      ErrorCode::InvalidArgument,
+      "object \"" + shown(name) + "\": is not in the scene; available: " + (known.empty() ? "none" : known)};
 }
 
 std::string held_text(const v1::PhysicsFile& file) {

@@ -158,17 +158,24 @@ void add_fracture(CLI::App& app, int& exit_code) {
   command->add_flag("--coarse", options->coarse,
                     "Cut the coarse surface of a rigid body instead of the fine surface");
   command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)");
-  command->add_option("--up", options->up, "Up axis of the asset: x -x y -y z -z")->default_str("-y");
+  command->add_option("--up", options->up, "Up axis of the asset, one of x, -x, y, -y, z, -z")
+      ->default_str("-y");
   command
       ->add_option("--apart", options->apart,
                    "Displacement of the pieces relative to their distance from the centre")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  command->add_option("--width", options->width)->check(CLI::Range(1, 16384))->capture_default_str();
-  command->add_option("--height", options->height)->check(CLI::Range(1, 16384))->capture_default_str();
+  command->add_option("--width", options->width, "Width of the picture in pixels")
+      ->check(CLI::Range(1, 16384))
+      ->capture_default_str();
+  command->add_option("--height", options->height, "Height of the picture in pixels")
+      ->check(CLI::Range(1, 16384))
+      ->capture_default_str();
   command->add_option("--azimuth", options->azimuth_deg, "Azimuth of the camera in degrees, to the right")
       ->capture_default_str();
-  command->add_option("--elevation", options->elevation_deg, "Elevation of the camera in degrees")
+  command
+      ->add_option("--elevation", options->elevation_deg,
+                   "Elevation of the camera in degrees above the horizon")
       ->check(CLI::Range(-89.0, 89.0))
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });

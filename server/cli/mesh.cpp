@@ -65,7 +65,8 @@ void add_mesh(CLI::App& app, int& exit_code) {
   command->add_option("ASSET", options->asset, "Splat asset")->required();
   command->add_option("--output", options->output, "Output .obj file");
   command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)");
-  command->add_option("--up", options->up, "Up axis of the asset: x -x y -y z -z")->default_str("-y");
+  command->add_option("--up", options->up, "Up axis of the asset, one of x, -x, y, -y, z, -z")
+      ->default_str("-y");
   command->add_flag("--rigid", options->rigid, "Reconstruct the coarse surface of a rigid body");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -105,7 +105,7 @@ int run(const RenderCommand& options) {
   const bool scene = options.input.string().ends_with(".scene.json") ||
                      (std::filesystem::is_directory(options.input, ignored) && !unpacked_sog);
   if (!scene && !options.frame.empty())
-    return report(invalid_argument("--frame: the input is a single asset; give a scene"));
+    return report(invalid_argument("--frame: does not apply to a single asset; give a scene file or folder"));
   return scene ? render_scene(options) : render_asset(options);
 }
 
@@ -118,12 +118,19 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--output,-o", options->output, "Output PNG file")->capture_default_str();
   command->add_option("--camera", options->camera, "Camera file (default: everything, from the front)");
   command->add_option("--frame", options->frame, "Pose the scene with this recorded driver frame");
-  command->add_option("--up", options->up, "Up axis of an asset: x -x y -y z -z")->default_str("-y");
-  command->add_option("--width", options->width)->check(CLI::Range(1, 16384))->capture_default_str();
-  command->add_option("--height", options->height)->check(CLI::Range(1, 16384))->capture_default_str();
+  command->add_option("--up", options->up, "Up axis of the asset, one of x, -x, y, -y, z, -z")
+      ->default_str("-y");
+  command->add_option("--width", options->width, "Width of the picture in pixels")
+      ->check(CLI::Range(1, 16384))
+      ->capture_default_str();
+  command->add_option("--height", options->height, "Height of the picture in pixels")
+      ->check(CLI::Range(1, 16384))
+      ->capture_default_str();
   command->add_option("--azimuth", options->azimuth_deg, "Azimuth of the camera in degrees, to the right")
       ->capture_default_str();
-  command->add_option("--elevation", options->elevation_deg, "Elevation of the camera in degrees")
+  command
+      ->add_option("--elevation", options->elevation_deg,
+                   "Elevation of the camera in degrees above the horizon")
       ->check(CLI::Range(-89.0, 89.0))
       ->capture_default_str();
   command->add_option("--turns", options->turns, "Number of pictures around the object, with numbered files")

@@ -59,7 +59,7 @@ void add_sample(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("sample", "Generate the sample scene: six objects and a room");
   command->add_option("DIR", options->folder, "Output folder, created if it does not exist")->required();
-  command->add_option("--seed", options->seed, "Seed of the details")->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of the random details")->capture_default_str();
   command->callback([options, &exit_code] { exit_code = write_sample(options->folder, options->seed); });
 }
 

@@ -48,7 +48,7 @@ ElasticSolver solver_of(const std::string& name) {
   return name == kSolvers[2] ? ElasticSolver::LivegsV1Steady : ElasticSolver::Cells;
 }
 
-void tell_stiffness(const MaterialAccuracy& accuracy, nlohmann::json& summary) {
+void write_stiffness(const MaterialAccuracy& accuracy, nlohmann::json& summary) {
   summary["band"] = name_of(accuracy.band);
   summary["youngs_modulus_pa"] = accuracy.youngs_modulus_pa;
   summary["reached_youngs_modulus_pa"] = accuracy.reached_youngs_modulus_pa;
@@ -91,11 +91,11 @@ nlohmann::json object_summary(const Scene& scene, const SceneObject& object) {
     summary["cell_width_m"] = accuracy.cell_width_m;
     summary["substeps"] = accuracy.substeps;
     summary["courant"] = accuracy.courant;
-    tell_stiffness(accuracy, summary);
+    write_stiffness(accuracy, summary);
     for (const RegionAccuracy& region : accuracy.regions) {
       nlohmann::json& own = summary["regions"].emplace_back();
       own["name"] = region.name;
-      tell_stiffness(region, own);
+      write_stiffness(region, own);
     }
   }
   return summary;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame loop, and what is submitted.
+// The frame loop and the submitted layers.
 #include <algorithm>
 #include <cmath>
 #include <thread>

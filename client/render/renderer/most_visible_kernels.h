@@ -8,8 +8,9 @@
 
 namespace livegs {
 
-// The `count` most visible kernels of an asset, or all: ranked by opacity times the product of the two
-// longest axes. Indices ascend. Ties go to the lower index.
+// Indices of the `count` most visible kernels, ascending; all kernels if there are fewer. Visibility is
+// opacity times the product of the two longest axes. At equal visibility the lower index is chosen. Pure; any
+// thread.
 std::vector<uint32_t> most_visible_kernels(const GaussianAsset& asset, size_t count);
 
 }  // namespace livegs

@@ -178,7 +178,7 @@ Result<void> VulkanSplatPainter::try_multiview() {
     }
   }
   if (!*multiview_works_)
-    log_info("%s: multiview draws wrong; eyes are drawn one after the other", handles_.name.c_str());
+    log_info("%s: multiview gives wrong pictures; the eyes are drawn separately", handles_.name.c_str());
   return {};
 }
 
@@ -187,7 +187,7 @@ Result<void> VulkanSplatPainter::paint(const FrameSplats& frame, int width, int 
   const auto most = static_cast<int>(handles_.properties.limits.maxImageDimension2D);
   if (width > most || height > most) {
     return Error{ErrorCode::TooLarge, "picture of " + std::to_string(width) + "x" + std::to_string(height) +
-                                          ": " + handles_.name + " draws at most " + std::to_string(most) +
+                                          ": the limit of " + handles_.name + " is " + std::to_string(most) +
                                           " pixels per side"};
   }
   if (eyes == 2 && !multiview_works_) {
@@ -323,7 +323,7 @@ Result<std::unique_ptr<SplatPass>> SplatPass::create(Backend& backend, const Vul
   LIVEGS_ASSERT(commands != nullptr);
   if (!handles.draws) {
     return Error{ErrorCode::Unavailable,
-                 "vulkan: " + handles.name + " computes but does not draw; draw with the cpu"};
+                 "vulkan: " + handles.name + " supports compute but not graphics; use --renderer cpu"};
   }
   auto painter = std::make_unique<VulkanSplatPainter>(backend, *commands, handles);
   if (auto made = painter->create(options); !made) return made.error();

@@ -13,6 +13,7 @@ namespace livegs {
 // (DriverFrame::simulated_ns), which is independent of network jitter. Not thread-safe.
 class FrameHistory {
  public:
+  // `max_frames`: at least 2, which interpolation and extrapolation need.
   explicit FrameHistory(size_t max_frames) : max_frames_(max_frames) {}
 
   // Appends a frame; one that is not newer than the newest is ignored. The oldest is dropped when full.
@@ -27,10 +28,10 @@ class FrameHistory {
   static constexpr int64_t kFramesAhead = 2;
 
   // Interpolates the two frames around the time: positions linearly, rotations by normalised lerp along the
-  // shorter arc. Before the oldest frame its pose is returned. After the newest, motion is extrapolated from
-  // the last two frames for up to kFramesAhead intervals and then stops. An object that is only in the later
-  // frame is omitted; one that is only in the earlier frame is kept until the later. A fractured object stays
-  // whole until the later frame. Nothing while empty.
+  // shorter arc. Times before the oldest frame give the poses of that frame. After the newest, motion is
+  // extrapolated from the last two frames for up to kFramesAhead intervals and then stops. An object that is
+  // only in the later frame is omitted; one that is only in the earlier frame is kept until the later. A
+  // fractured object stays whole until the later frame. Returns nullopt while the history is empty.
   std::optional<DriverFrame> at(int64_t simulated_ns) const;
   // Drops frames that at(t) does not need for t >= simulated_ns.
   void drop_before(int64_t simulated_ns);
@@ -42,11 +43,11 @@ class FrameHistory {
   std::deque<DriverFrame> frames_;
 };
 
-// Interpolates from a to b; `share` in 0..1. Objects whose kind, revision or count differ, and kernels, are
+// Interpolates from a to b; `share` in 0..1. Kernels, and objects whose kind, revision or count differ, are
 // copied from a.
 DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share);
-// Extrapolates beyond b; `share` >= 1 is measured from a. Objects that sleep in b, differ in kind, revision
-// or count, or are missing in a, and kernels, are copied from b.
+// Extrapolates beyond b; `share` >= 1 is measured from a. Kernels, and objects that sleep in b, are missing
+// in a, or differ in kind, revision or count, are copied from b.
 DriverFrame extrapolate(const DriverFrame& a, const DriverFrame& b, double share);
 
 }  // namespace livegs

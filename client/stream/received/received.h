@@ -33,7 +33,7 @@ struct StreamedObject {
   uint64_t broken_asset_bytes = 0;
   std::optional<v1::Fragility> fragility;  // of a fragile object
   std::vector<std::string> warnings;
-  std::optional<v1::PhysicalParameters> proposal;  // a model's reply that awaits approval
+  std::optional<v1::PhysicalParameters> proposal;  // values proposed by a language model, not yet accepted
 };
 
 struct JoinedScene {
@@ -59,7 +59,7 @@ struct ReceivedFrame {
   uint64_t tick = 0;
   std::shared_ptr<const DriverFrame> drivers;  // never null
   size_t bytes = 0;                            // size on the wire
-  // Server clock: the step was done, encoding for this client began, the frame was sent.
+  // Server clock: end of the step, start of the encoding for this client, time of sending.
   int64_t stepped_ns = 0;
   int64_t encode_begun_ns = 0;
   int64_t sent_ns = 0;
@@ -69,8 +69,8 @@ struct ReceivedFrame {
   // Server clock minus client clock, with its uncertainty. Nothing before the first reply to a client
   // message.
   std::optional<ClockOffset::Estimate> clock;
-  double step_ms = 0;
-  uint64_t input_sequence = 0;
+  double step_ms = 0;           // wall time of the step on the server
+  uint64_t input_sequence = 0;  // newest input of this client applied in this tick
   std::vector<HeldByHand> hands;
   v1::RunState run;  // state of the simulation in this tick
 };
@@ -83,7 +83,8 @@ struct ResumedSession {
   double outage_s = 0;  // since the last message
 };
 
-// Receives the contents of a stream, one call at a time, in order. An object is added before the first frame
+// Receives the contents of a stream, in order and one call at a time, on threads of the client: the reader of
+// the stream, and between two streams the thread that reconnects. An object is added before the first frame
 // that moves it. Frames are acknowledged when on_frame returns, so it must be fast.
 class StreamSink {
  public:
@@ -98,6 +99,7 @@ class StreamSink {
   // previous revision may still follow.
   virtual void on_object_changed(StreamedObject object) = 0;
   virtual void on_object_removed(uint32_t object_id) = 0;
+  // The server is shutting down; `reason` is text for the user.
   virtual void on_draining(const std::string& reason) = 0;
 };
 

@@ -102,8 +102,8 @@ ProgressiveObjects::Progress ProgressiveObjects::progress() const {
   Progress progress;
   for (const auto& [id, coarse] : coarse_) {
     ++progress.objects;
-    progress.kernels += coarse.shown;
-    progress.of += coarse.object.kernel_count;
+    progress.kernels_shown += coarse.shown;
+    progress.kernels_total += coarse.object.kernel_count;
   }
   return progress;
 }

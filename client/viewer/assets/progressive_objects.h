@@ -17,8 +17,8 @@ namespace livegs {
 // to their drivers on internal threads. Use on the renderer's thread, except for request().
 class ProgressiveObjects {
  public:
-  // The library must outlive this object; objects are refined only if it shows parts. The destructor waits
-  // for running bindings.
+  // The library must outlive this object. Objects are refined only if the library returns incomplete assets
+  // (AssetLibrary::show_parts). The destructor waits for running bindings.
   explicit ProgressiveObjects(AssetLibrary& assets) : assets_(assets) {}
 
   // Any thread.
@@ -31,22 +31,23 @@ class ProgressiveObjects {
     size_t step = 0;  // as in AssetLibrary::Arrived
     bool whole = true;
   };
-  // Binds the first kernels of an asset that was requested.
+  // Binds the first kernels of an asset that was requested. Errors: those of the fetch, of the decoder and of
+  // bind_object(); the binding then has no kernels to show.
   std::future<Result<Binding>> bind(const StreamedObject& object);
-  // Shows a binding without blocking. `added`: with SceneView::add, else with change().
+  // Shows a binding without blocking. `added` true: calls SceneView::add(); false: SceneView::change().
   void show(Binding binding, SceneView& view, bool added);
-  // bind() and show(); blocks until the first kernels are bound.
+  // bind() and show(); blocks until the first kernels are bound. Errors: those of bind().
   Result<void> add(const StreamedObject& object, SceneView& view);
   void remove(uint32_t object_id, SceneView& view);
 
   // Shows kernels received and bound since the last call, without blocking. Returns the ids of the changed
-  // objects, whose kernels are renumbered.
+  // objects, whose kernels are renumbered. Errors: those of bind(), for the first object that fails.
   Result<std::vector<uint32_t>> refine(SceneView& view);
 
   // Progress of the incomplete objects.
   struct Progress {
     size_t objects = 0;
-    uint64_t kernels = 0, of = 0;
+    uint64_t kernels_shown = 0, kernels_total = 0;  // sums over these objects
   };
   Progress progress() const;
 
@@ -55,7 +56,7 @@ class ProgressiveObjects {
   struct Coarse {
     StreamedObject object;
     size_t shown = 0, step = 0;
-    std::future<Result<Binding>> finer;  // valid while more of it is being bound
+    std::future<Result<Binding>> finer;  // valid while more of its kernels are being bound
   };
   std::future<Result<Binding>> bind_more(const StreamedObject& object, size_t than_step);
   void remove_coarse(uint32_t object_id);

@@ -66,7 +66,7 @@ void FrameQueue::on_object_removed(uint32_t object_id) {
 
 void FrameQueue::on_draining(const std::string& reason) {
   std::lock_guard lock(mutex_);
-  update_.goodbye = reason;
+  update_.shutdown_reason = reason;
 }
 
 bool FrameQueue::Pending::ready() const {
@@ -116,7 +116,7 @@ Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
     const bool all_there =
         std::all_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.ready(); });
     if (update_.server_restarted && !all_there) {
-      update.goodbye = std::exchange(update_.goodbye, std::nullopt);
+      update.shutdown_reason = std::exchange(update_.shutdown_reason, std::nullopt);
       update.lost = std::exchange(update_.lost, std::nullopt);
       return update;
     }

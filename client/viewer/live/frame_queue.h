@@ -39,10 +39,10 @@ class FrameQueue final : public StreamSink {
     bool server_restarted = false;          // the frames are from a restarted server
     std::vector<StreamedObject> described;  // added or changed
     std::vector<uint32_t> removed;
-    std::vector<uint32_t> refined;  // refined objects, whose kernels are renumbered
-    std::optional<std::string> goodbye;
-    std::optional<std::string> lost;  // reason of a lost stream
-    bool back = false;                // the frames are the first after a reconnect
+    std::vector<uint32_t> refined;               // refined objects, whose kernels are renumbered
+    std::optional<std::string> shutdown_reason;  // the server has announced its shutdown
+    std::optional<std::string> lost;             // reason of a lost stream
+    bool back = false;                           // the frames are the first after a reconnect
   };
   Result<StreamUpdate> take(SceneView& view);
 

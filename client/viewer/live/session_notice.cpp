@@ -6,25 +6,25 @@
 namespace livegs {
 
 void SessionNotice::take(const FrameQueue::StreamUpdate& update, SessionClient& client) {
-  const auto say = [this](std::string text) {
+  const auto warn = [this](std::string text) {
     text_ = std::move(text);
     log_warn("%s", text_.c_str());
   };
-  if (!update.frames.empty() && !over_ && (update.back || !said_by_server_)) {
+  if (!update.frames.empty() && !ended_ && (update.back || !shutdown_announced_)) {
     if (update.back) log_info("server reconnected");
     text_.clear();
-    said_by_server_ = false;
+    shutdown_announced_ = false;
   }
-  if (update.goodbye) {
-    say("server is shutting down: " + *update.goodbye);
-    said_by_server_ = true;
+  if (update.shutdown_reason) {
+    warn("server is shutting down: " + *update.shutdown_reason);
+    shutdown_announced_ = true;
   }
-  if (update.lost && !said_by_server_)
-    say("server disconnected: " + *update.lost + "; reconnecting");  // a message of the server is kept
-  if (client.ended() && !over_) {
-    over_ = true;
+  if (update.lost && !shutdown_announced_)
+    warn("server disconnected: " + *update.lost + "; reconnecting");  // a message of the server is kept
+  if (client.ended() && !ended_) {
+    ended_ = true;
     const auto stopped = client.stop();
-    say("session ended" + (stopped ? std::string() : ": " + stopped.error().message));
+    warn("session ended" + (stopped ? std::string() : ": " + stopped.error().message));
   }
 }
 

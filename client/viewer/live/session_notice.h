@@ -19,7 +19,8 @@ class SessionNotice {
 
  private:
   std::string text_ = "waiting for the first frame";
-  bool said_by_server_ = false, over_ = false;
+  bool shutdown_announced_ = false;  // the notice is the shutdown reason of the server; a loss keeps it
+  bool ended_ = false;               // the session has ended; the notice is final
 };
 
 }  // namespace livegs

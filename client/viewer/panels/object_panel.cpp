@@ -51,7 +51,7 @@ std::string stiffness_text(const v1::ElasticAccuracy& elastic) {
     case v1::ElasticAccuracy::EXACT:
       return asked + ", simulated within 5 %";
     case v1::ElasticAccuracy::BAND:
-      return asked + format_text(", simulated at %.2f to %.2f of it", elastic.modulus_ratio_low(),
+      return asked + format_text(", simulated at %.2f to %.2f times that", elastic.modulus_ratio_low(),
                                  elastic.modulus_ratio_high());
     case v1::ElasticAccuracy::CLIPPED:
       return asked + " is too stiff for this rate; " +

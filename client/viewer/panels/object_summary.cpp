@@ -38,7 +38,8 @@ std::string object_summary(const StreamedObject& object) {
     line += format_text(" to %.3g Pa", elastic.reached_youngs_modulus_pa());
   }
   if (elastic.modulus_ratio_high() > 0) {
-    line += format_text(" (%.3g to %.3g of it", elastic.modulus_ratio_low(), elastic.modulus_ratio_high());
+    line += format_text(" (simulated at %.3g to %.3g times E", elastic.modulus_ratio_low(),
+                        elastic.modulus_ratio_high());
     if (elastic.modulus_ratio_across() > 1.02 * elastic.modulus_ratio_high()) {
       line += format_text("; across its shortest side up to %.3g", elastic.modulus_ratio_across());
     }

@@ -103,8 +103,9 @@ Result<double> parse_quantity(std::string_view text, Unit unit) {
   for (const Prefix& prefix : prefixes_of(unit))
     names += (names.empty() ? "" : ", ") + std::string(prefix.name);
   const auto refuse = [&] {
-    return invalid_argument("\"" + plain + "\" is not a number" +
-                            (names.empty() ? std::string() : "; give one, alone or with " + names));
+    return invalid_argument(
+        "\"" + plain + "\" is not a number" +
+        (names.empty() ? std::string() : "; enter a number, alone or followed by " + names));
   };
   double value = 0;
   const auto [end, failed] = std::from_chars(plain.data(), plain.data() + plain.size(), value);

@@ -316,7 +316,7 @@ std::string summary_text(const HeadsetRunSummary& summary) {
                      count(summary.counts.pictures), summary.runtime.c_str(), summary.renderer.c_str(),
                      count(summary.counts.sessions), count(summary.counts.losses),
                      count(summary.counts.recentres)) +
-         format_text("hand to picture p50 %.0f ms, p95 %.0f ms; drawing p50 %.1f ms, p95 %.1f ms\n",
+         format_text("input latency p50 %.0f ms, p95 %.0f ms; drawing p50 %.1f ms, p95 %.1f ms\n",
                      summary.hand_to_picture_ms_p50, summary.hand_to_picture_ms_p95, summary.draw_ms_p50,
                      summary.draw_ms_p95);
 }

@@ -380,20 +380,20 @@ WindowPanels WindowRun::panels() const {
                            ? format_text(", culling under %.1g px", scale_.min_contribution_px())
                            : ""));
   run.lines.push_back(
-      format_text("%.0f pictures/s, %.0f ticks/s", meter_.pictures_a_second(), meter_.ticks_a_second()));
+      format_text("%.0f fps, %.0f server ticks/s", meter_.pictures_a_second(), meter_.ticks_a_second()));
   if (frame_) {
     run.lines.push_back(format_text("tick %llu, %.1f s simulated%s",
                                     static_cast<unsigned long long>(frame_->tick), frame_->run.simulated_s(),
                                     run.paused ? ", paused" : ""));
   }
   if (const auto coming = arriving_.progress(); coming.objects > 0) {
-    run.lines.push_back(format_text(
-        "loading %zu objects: %.0f %% of their kernels", coming.objects,
-        100.0 * static_cast<double>(coming.kernels) / static_cast<double>(std::max<uint64_t>(coming.of, 1))));
+    run.lines.push_back(format_text("loading %zu objects: %.0f %% of their kernels", coming.objects,
+                                    100.0 * static_cast<double>(coming.kernels_shown) /
+                                        static_cast<double>(std::max<uint64_t>(coming.kernels_total, 1))));
   }
   run.graph = meter_.graph();
   if (const auto latency_ms = meter_.hand_to_picture_ms()) {
-    run.latency = format_text("hand to picture %.0f ms\nskin %.1f ms, render %.1f ms", *latency_ms,
+    run.latency = format_text("input latency %.0f ms\nskin %.1f ms, render %.1f ms", *latency_ms,
                               view_.last_times().skin_ms, view_.last_times().raster_ms);
   }
   if (const auto& device = view_.last_times().device) {

@@ -115,8 +115,8 @@ Result<void> OpenXrDisplay::create(VulkanDeviceOptions options) {
   if (!device) return device.error();
   device_ = *std::move(device);
   if (!device_->can_draw())
-    return Error{ErrorCode::Unavailable,
-                 "openxr: " + device_->name() + ", the headset's device, cannot draw; update its driver"};
+    return Error{ErrorCode::Unavailable, "openxr: the headset's device " + device_->name() +
+                                             " does not support graphics; update its driver"};
   plate_.emplace(device_->handles());
   hands_ = std::make_unique<OpenXrHands>(*instance_);
   if (auto made = hands_->create(); !made) return made;

@@ -48,7 +48,7 @@ Guess guess_by_name(const ObjectClasses& kinds, const ObjectFacts& facts) {
   guess.material = guess.kind.material ? guess.kind.material : &material_row(guess.kind.row->material);
   guess.wall_m = guess.kind.row->wall_m;
   guess.confidence = (kinds.material.row ? 0.6 : 0.55) * (0.5 + 0.5 * guess.kind.probability);
-  guess.reason = format_text("the name \"%s\" says %s; ", facts.name.c_str(), kinds.match.alias.c_str());
+  guess.reason = format_text("the name \"%s\" means %s; ", facts.name.c_str(), kinds.match.alias.c_str());
   if (label == kinds.match.row->label) {
     guess.reason +=
         format_text("a %s is usually %s", kinds.match.alias.c_str(), guess.material->name.c_str());
@@ -93,7 +93,7 @@ Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   }
   if (kinds.material.row && guess.material->material_class == kinds.material.row->material_class) {
     guess.confidence = kMaterialNamedConfidence;
-    guess.reason = format_text("the name \"%s\" says %s", facts.name.c_str(), guess.material->name.c_str());
+    guess.reason = format_text("the name \"%s\" means %s", facts.name.c_str(), guess.material->name.c_str());
   }
   return guess;
 }
@@ -120,7 +120,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   answer.set_fragile(material.fragile);
   const Span3 wall_m = facts.solid ? Span3{} : guess.wall_m;
   answer.set_fill(facts.solid ? v1::Physics::SOLID : row.fill);
-  answer.set_fill_reason(facts.solid ? "shapes and points are solid unless the scene says otherwise"
+  answer.set_fill_reason(facts.solid ? "shapes and points are solid unless the scene has another fill"
                          : by_name
                              ? format_text("a %s usually is", row.label.c_str())
                              : format_text("as a %s is; openness %.2f, filled share of the hull %.2f",

@@ -31,7 +31,8 @@ std::string material_text(const MaterialAccuracy& material) {
   std::string text = format_text("E %.3g Pa %s", material.youngs_modulus_pa, name_of(material.band));
   if (material.clipped) text += format_text(" to %.3g Pa", material.reached_youngs_modulus_pa);
   if (material.modulus_ratio_high > 0) {
-    text += format_text(" (%.3g to %.3g of it", material.modulus_ratio_low, material.modulus_ratio_high);
+    text += format_text(" (simulated at %.3g to %.3g times E", material.modulus_ratio_low,
+                        material.modulus_ratio_high);
     if (material.modulus_ratio_across > kMinReportedAnisotropy * material.modulus_ratio_high) {
       text += format_text("; across its shortest side up to %.3g", material.modulus_ratio_across);
     }
@@ -83,7 +84,7 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
     warnings.push_back(
         where +
         format_text("stiffness is clipped from %.3g to %.3g Pa, the maximum for cells of %.3g mm and %d "
-                    "substeps; raise the rate, or use a rigid body",
+                    "substeps; raise rate_hz, or use a rigid body",
                     material.youngs_modulus_pa, material.reached_youngs_modulus_pa,
                     1e3 * accuracy.cell_width_m, accuracy.substeps));
   };

@@ -20,7 +20,7 @@ bool KernelPoser::bind_object(Object& object) {
   if (bindings)
     object.bindings = *std::move(bindings);
   else
-    log_warn("%s: kernels are not streamed: %s; ask for frames of drivers", object.name.c_str(),
+    log_warn("%s: kernels are not streamed: %s; request frames of drivers", object.name.c_str(),
              bindings.error().message.c_str());
   return !object.failed;
 }
@@ -38,7 +38,7 @@ KernelFrame KernelPoser::pose(const DriverFrame& frame, KernelEncoding encoding)
     if (bytes > kMaxFrameBytes) {
       if (!std::exchange(warned_of_room_, true))
         log_warn(
-            "%s: this and later objects are not streamed as kernels: the frame is full; ask for frames of "
+            "%s: this and later objects are not streamed as kernels: the frame is full; request frames of "
             "drivers",
             object.name.c_str());
       break;

@@ -56,7 +56,7 @@ const std::string& logged(const std::string& object, const std::string& warning)
   return warning;
 }
 
-// Logs the result for an object, with what the user can do.
+// Logs the result for an object, with the actions open to the user.
 void log_finished(const std::string& name, const v1::AnalysisProgress& progress) {
   const std::string shown = shown_text(name, 80);
   const std::string why = progress.message().empty() ? "" : ": " + progress.message();
@@ -110,7 +110,7 @@ void AnalysisController::begin() {
     }
   }
   if (!endpoint_ || names.empty()) return;
-  log_info("analysis: asking %s about %zu objects", endpoint_->state().name.c_str(), names.size());
+  log_info("analysis: %zu objects are sent to %s", names.size(), endpoint_->state().name.c_str());
   if (auto begun = analyze(
           names, [](const auto&) { return true; }, [] {});
       !begun) {
@@ -244,7 +244,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
   options.views = options_.views;
   options.cache = &cache_;
   uint32_t finished = 0;
-  bool heard = true;
+  bool client_receives = true;
   const AnalysisSummary summary = analyze_scene(
       request.targets, endpoint_.get(), scene_.views(), options,
       [&](const AnalysisUpdate& update) {
@@ -281,7 +281,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
             present ? layered_physics(*present, object.written, *facts_by_name(object, *present), ignored)
                     : Result<v1::PhysicalParameters>(present.error());
         *progress.mutable_parameters() = layered ? *layered : update.parameters;
-        if (heard) heard = request.progress(progress);
+        if (client_receives) client_receives = request.progress(progress);
       },
       stop);
   if (endpoint_) {

@@ -96,7 +96,7 @@ TEST(AnalyzeReplay, ReplayGivesTheSameBytesOffline) {
     EXPECT_EQ(server.posts().size(), 3u);  // including one retry
   }
   ASSERT_EQ(live.code, 0) << live.err;
-  EXPECT_NE(live.err.find("duck: answer rejected, asking again"), std::string::npos) << live.err;
+  EXPECT_NE(live.err.find("duck: answer rejected, request repeated"), std::string::npos) << live.err;
 
   const Said first = analyze(scratch / "first", {"--recorded", answers});
   const Said second = analyze(scratch / "second", {"--recorded", answers});

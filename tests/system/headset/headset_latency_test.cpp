@@ -92,7 +92,7 @@ class HeadsetLatency : public HeadsetSession {
     std::printf("sample to picture seen p50 %.1f, p95 %.1f ms\n", done->hand_to_picture_ms_p50,
                 done->hand_to_picture_ms_p95);
     std::printf(
-        "hand to picture: submitted p50 %.1f, p95 %.1f ms; seen p50 %.1f, p95 %.1f ms; drawing p50 %.1f, p95 "
+        "input latency: submitted p50 %.1f, p95 %.1f ms; seen p50 %.1f, p95 %.1f ms; drawing p50 %.1f, p95 "
         "%.1f ms, a picture each "
         "p50 %.1f, p95 %.1f ms\n",
         at(measured.submitted_ms, 0.5), at(measured.submitted_ms, 0.95), at(measured.seen_ms, 0.5),

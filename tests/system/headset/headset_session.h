@@ -183,11 +183,11 @@ class HeadsetSession : public ::testing::Test {
     EXPECT_LT(left_from_right.orientation.vec().norm(), 1e-6);
     if (kept.hands_in_sight) return shares;
     for (const auto& [name, seen] : kept.seen) {
-      const auto beside = [&](const auto& other) {
+      const auto overlaps = [&](const auto& other) {
         return other.first != name && (other.second.in_picture_px[0].intersects(seen.in_picture_px[0]) ||
                                        other.second.in_picture_px[1].intersects(seen.in_picture_px[1]));
       };
-      if (!left || !right || std::any_of(kept.seen.begin(), kept.seen.end(), beside)) continue;
+      if (!left || !right || std::any_of(kept.seen.begin(), kept.seen.end(), overlaps)) continue;
       const auto found = parallax(*left, *right, kept.eyes, seen);
       EXPECT_TRUE(found) << name << " is not visible in " << kept.files[0];
       if (!found) continue;

@@ -155,7 +155,7 @@ TEST_F(WindowPanelClicks, GraphAndLatencyLineShowTheTimes) {
     EXPECT_GT(*std::max_element(values_ms->begin(), values_ms->end()), 0);
   }
   double hand_ms = 0, skin_ms = -1, render_ms = 0;
-  ASSERT_EQ(std::sscanf(run.latency.c_str(), "hand to picture %lf ms\nskin %lf ms, render %lf ms", &hand_ms,
+  ASSERT_EQ(std::sscanf(run.latency.c_str(), "input latency %lf ms\nskin %lf ms, render %lf ms", &hand_ms,
                         &skin_ms, &render_ms),
             3)
       << run.latency;

@@ -72,7 +72,7 @@ class VulkanPictures : public ::testing::Test {
     const auto& device = shared_vulkan.device();
     ASSERT_TRUE(device) << device.error().message;
     device_ = *device;
-    make_renderer({.precision = BlendPrecision::Half});  // what a device that is not software draws with
+    make_renderer({.precision = BlendPrecision::Half});  // the default of hardware devices
   }
 
   void TearDown() override {
@@ -108,7 +108,7 @@ class VulkanPictures : public ::testing::Test {
                                    const RenderOptions& options = {}) {
     std::vector<Image> images;
     EXPECT_TRUE(create_cpu_renderer()->draw(objects, eyes, options, images));
-    for (Image& image : images) {  // what a screen can show
+    for (Image& image : images) {  // the range of a screen
       for (float& value : image.pixels) value = std::min(value, 1.0f);
     }
     return images;

@@ -123,12 +123,14 @@ TEST(AssetCache, ReportsDrawablePartsDuringTransfer) {
   const AssetCache cache(folder / "cache");
   Source source(9000);
   std::vector<size_t> kernels;
-  const auto tell = [&](const ProgressiveDecoder& so_far) { kernels.push_back(so_far.part().asset.size()); };
+  const auto note_part = [&](const ProgressiveDecoder& so_far) {
+    kernels.push_back(so_far.part().asset.size());
+  };
   const size_t most = source.bytes.size() * 6 / 10;
-  ASSERT_FALSE(cache.obtain(source.hash, source.bytes.size(), source.fetch(most), tell));
+  ASSERT_FALSE(cache.obtain(source.hash, source.bytes.size(), source.fetch(most), note_part));
   EXPECT_EQ(kernels, (std::vector<size_t>{1024, 3072}));
   kernels.clear();
-  const auto whole = cache.obtain(source.hash, source.bytes.size(), source.fetch(), tell);
+  const auto whole = cache.obtain(source.hash, source.bytes.size(), source.fetch(), note_part);
   ASSERT_TRUE(whole) << whole.error().message;
   EXPECT_EQ(kernels, (std::vector<size_t>{3072, 7168, 9000}));
   EXPECT_EQ(whole->bytes, source.ply);

@@ -113,13 +113,13 @@ TEST_F(Arriving, ObjectIsRefinedUntilComplete) {
   ASSERT_TRUE(objects.add(source.object, view_));
   const Image coarse = drawn();
   EXPECT_EQ(objects.progress().objects, 1u);
-  EXPECT_LT(objects.progress().kernels, 5000u);
-  EXPECT_EQ(objects.progress().of, 20'000u);
+  EXPECT_LT(objects.progress().kernels_shown, 5000u);
+  EXPECT_EQ(objects.progress().kernels_total, 20'000u);
   ASSERT_TRUE(view_.pick({0, 0, 2}, {0, 0, -1}));  // it can already be picked
   source.let(0.35);
-  while (objects.progress().kernels < 7168) wait_refined(objects);
+  while (objects.progress().kernels_shown < 7168) wait_refined(objects);
   const Image finer = drawn();
-  EXPECT_LT(objects.progress().kernels, 20'000u);
+  EXPECT_LT(objects.progress().kernels_shown, 20'000u);
   source.let(1);
   while (objects.progress().objects > 0) wait_refined(objects);
   const Image whole = drawn();

@@ -195,8 +195,8 @@ TEST_F(FrameQueueTest, ObjectIsRefinedUntilComplete) {
   ASSERT_EQ(picture_with_news().described.size(), 1u);
   (void)picture();
   EXPECT_EQ(objects_.progress().objects, 1u);
-  EXPECT_GT(objects_.progress().kernels, 1000u);
-  EXPECT_LT(objects_.progress().kernels, 8192u);
+  EXPECT_GT(objects_.progress().kernels_shown, 1000u);
+  EXPECT_LT(objects_.progress().kernels_shown, 8192u);
   EXPECT_FALSE(view_.bounds(1).isEmpty());
   EXPECT_LT(middle_m(1), 40);
   object.mass_kg = 2;

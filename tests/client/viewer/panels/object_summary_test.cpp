@@ -23,11 +23,12 @@ TEST(ObjectLine, ShowsAccuracyOfElasticStiffness) {
   elastic.set_bytes(52000);
   EXPECT_EQ(
       object_summary(object),
-      "hat: elastic, 0.09 kg, E 9e+05 Pa clipped to 4e+05 Pa (0.42 to 0.48 of it); cells 50 mm, 28 substeps, "
-      "Courant 0.75, 183 nodes, 52 kB");
+      "hat: elastic, 0.09 kg, E 9e+05 Pa clipped to 4e+05 Pa (simulated at 0.42 to 0.48 times E); cells "
+      "50 mm, 28 substeps, Courant 0.75, 183 nodes, 52 kB");
   elastic.set_modulus_ratio_across(0.6);
-  EXPECT_NE(object_summary(object).find("(0.42 to 0.48 of it; across its shortest side up to 0.6)"),
-            std::string::npos);
+  EXPECT_NE(
+      object_summary(object).find("(simulated at 0.42 to 0.48 times E; across its shortest side up to 0.6)"),
+      std::string::npos);
   // The ratio is omitted if it is unknown.
   elastic.set_band(v1::ElasticAccuracy::UNKNOWN);
   elastic.clear_modulus_ratio_low();

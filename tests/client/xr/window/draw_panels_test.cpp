@@ -220,7 +220,7 @@ TEST_F(PanelTest, OneIsOpenInNarrowWindow) {
 
 TEST_F(PanelTest, EachButtonWorksInNarrowWindow) {
   resize(330, 700);
-  panels_.run.lines = {"vulkan: llvmpipe, resolution 100 %", "60 pictures/s, 90 ticks/s"};
+  panels_.run.lines = {"vulkan: llvmpipe, resolution 100 %", "60 fps, 90 server ticks/s"};
   EXPECT_TRUE(is_open("Objects"));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.undo; }, 15, 320));
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.redo; }, 15, 320));

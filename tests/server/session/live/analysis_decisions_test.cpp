@@ -30,7 +30,7 @@ TEST_F(AnalysisControllerTest, UndoneAnswerIsNotRequestedAgain) {
   const std::string logged = testing::internal::GetCapturedStderr();
   EXPECT_NE(logged.find("wood block: skipped: its answer was undone or declined"), std::string::npos)
       << logged;
-  EXPECT_EQ(logged.find("analysis: asking"), std::string::npos) << logged;
+  EXPECT_EQ(logged.find("objects are sent to"), std::string::npos) << logged;
   EXPECT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::ACCEPTED);  // requested by the user
   EXPECT_EQ(endpoint->asked().size(), 1u);
   analysis.reset();
