@@ -118,7 +118,7 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
       continue;
     }
     DriverGrid grid = to_grid(*object, known ? &(*known)->now : nullptr, options.precision);
-    if (!options.tell_neighbours) grid.neighbours = nullptr;
+    if (!options.send_neighbours) grid.neighbours = nullptr;
     if (known && grid == (*known)->now) {
       next->objects.push_back(*known);
       continue;

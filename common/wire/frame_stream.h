@@ -14,7 +14,7 @@
 
 // Driver frames of one ordered, reliable stream, each coded as the difference from those written before. See
 // proto/frame_format.md, "Streams". Both ends keep the same integers, so errors do not accumulate. Unchanged
-// objects take no space. The number of a frame is its tick; there is no other. It is counted in
+// objects take no space. The tick is the only sequence number of a frame. It is counted in
 // SceneRun::advance (server/session/simulation/scene_run.cpp); a stream may skip ticks.
 
 namespace livegs {
@@ -38,7 +38,7 @@ struct StreamOptions {
   uint32_t hash_interval = 32;
   // Whether a keyframe contains the known neighbours of a lattice. They reduce the size of every later
   // frame.
-  bool tell_neighbours = true;
+  bool send_neighbours = true;
   // Object ids to leave at the state of the reader although they moved. New objects are never left out.
   std::function<bool(uint32_t object_id)> leave_out;
 };
@@ -60,6 +60,8 @@ Result<int64_t> stream_frame_time_ns(std::span<const std::byte> bytes);
 
 class StreamReader {
  public:
+  // Called by FrameReader of the client (client/stream/received/frame_reader.h). The predecessor named in the
+  // frame must be the last frame read (stream_reader.cpp).
   // Accepts any bytes. An error leaves the reader unchanged. After an error, only the frame that follows the
   // last one read or a keyframe can be read. Memory is bounded by kMaxFrameBytes and the current state.
   Result<DriverFrame> read(std::span<const std::byte> bytes);

@@ -104,20 +104,20 @@ bool code_nodes(Bits& stream, DriverGrid& grid, Prediction prediction, const Gri
   Bits bits = stream;
   const size_t n = grid.count;
   scratch.predicted.resize(3 * n);
-  scratch.beside.resize(4 * n + 8);
+  scratch.neighbours.resize(4 * n + 8);
   predict(prediction, past, 3 * n, scratch.predicted.data());
   const int least = prediction == Prediction::Intra ? kMinIntraBits : 0;
   const int32_t* const p = scratch.predicted.data();
   int32_t* const x = grid.values.data();
   const NodeNeighbours::Before* const before = grid.neighbours->before.data();
-  uint32_t* const beside = scratch.beside.data();
+  uint32_t* const neighbours = scratch.neighbours.data();
   const auto at = [&](size_t node) {
     Lanes lanes;
-    std::memcpy(&lanes, beside + 4 * node, sizeof lanes);
+    std::memcpy(&lanes, neighbours + 4 * node, sizeof lanes);
     return lanes;
   };
   const Lanes none = {0, 0, 0, 0};
-  std::memcpy(beside + 4 * n, &none, sizeof none);  // added for a missing neighbour
+  std::memcpy(neighbours + 4 * n, &none, sizeof none);  // added for a missing neighbour
   Lanes here = none;  // the node before, usually the first neighbour; a register avoids a memory round trip
   for (size_t i = 0; i < n; ++i) {
     const NodeNeighbours::Before& b = before[i];
@@ -141,7 +141,7 @@ bool code_nodes(Bits& stream, DriverGrid& grid, Prediction prediction, const Gri
       magnitudes += magnitude(left[c]);
     }
     here[3] = magnitudes;
-    std::memcpy(beside + 4 * i, &here, sizeof here);
+    std::memcpy(neighbours + 4 * i, &here, sizeof here);
     scale.add(magnitudes);
     if (failed(bits)) return false;
   }

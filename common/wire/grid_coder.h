@@ -50,7 +50,7 @@ struct GridScales {
 // Buffers reused from frame to frame.
 struct GridScratch {
   std::vector<int32_t> predicted;
-  std::vector<uint32_t> beside;
+  std::vector<uint32_t> neighbours;
 };
 
 // Writes the values of the grid, or reads them into it. The grid already has its form and its size. False if

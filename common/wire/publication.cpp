@@ -37,7 +37,7 @@ std::vector<std::byte> encode_publication(const Publication& publication) {
   std::vector<std::byte> bytes = std::move(out).take();
   // A subscriber reads each frame separately: computing neighbours would cost more than they save.
   StreamOptions options;
-  options.tell_neighbours = false;
+  options.send_neighbours = false;
   const std::vector<std::byte> frame = encode_stream_frame(publication.frame, nullptr, options).bytes;
   bytes.insert(bytes.end(), frame.begin(), frame.end());
   return bytes;

@@ -2,9 +2,9 @@
 // Cost of the tick in which an object breaks, compared with an ordinary tick. Prints CSV: `break_bench >
 // results/<machine>/break.csv`. A cup of 300 000 kernels, cut into 64 pieces at load, falls onto a floor fast
 // enough to break into all of them. Times are processor times of all threads: median, minimum and maximum
-// over the runs. Bound: 11 ms for `step` and `tell` of `breaking` together.
+// over the runs. Bound: 11 ms for `step` and `encode` of `breaking` together.
 //   step    Scene::step: the world, and the new body of each kernel
-//   tell    the server's messages: the drivers as a frame, and the object's new description
+//   encode  the server's messages: the drivers as a frame, and the object's new description
 //   rebind  the client's work after that: the driver of each kernel
 // `before` is the tick before the impact, `breaking` the tick of the break, `after_N` the Nth tick after it.
 #include <algorithm>
@@ -77,7 +77,7 @@ void run(const std::filesystem::path& folder, Costs& costs, size_t& kernels, siz
   int after = -1;
   while (after < kTicksAfter) {
     const double step_ms = cost_of([&] { scene->step(); });
-    const double tell_ms = cost_of([&] {
+    const double encode_ms = cost_of([&] {
       (void)encode_frame(scene->world().drivers());
       const Scene::Changes changes = scene->take_changes();
       for (const uint32_t id : changes.changed) {
@@ -89,7 +89,7 @@ void run(const std::filesystem::path& folder, Costs& costs, size_t& kernels, siz
     if (after == 0) {
       costs["before,step"].push_back(last_step_ms);
       costs["breaking,step"].push_back(step_ms);
-      costs["breaking,tell"].push_back(tell_ms);
+      costs["breaking,encode"].push_back(encode_ms);
       costs["breaking,rebind"].push_back(cost_of([&] { (void)bind_kernels(*cup.asset, cup.rest); }));
     } else if (after > 0) {
       costs["after_" + std::string(after < 10 ? "0" : "") + std::to_string(after) + ",step"].push_back(

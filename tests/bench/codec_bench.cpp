@@ -96,7 +96,7 @@ Encoding stream(const std::string& name, const GridPrecision& precision, bool ne
   return {name, [=](const DriverFrame& frame) {
             StreamOptions options;
             options.precision = precision;
-            options.tell_neighbours = neighbours;
+            options.send_neighbours = neighbours;
             EncodedStreamFrame encoded = encode_stream_frame(frame, *baseline, options);
             *baseline = encoded.next;
             auto read = reader->read(encoded.bytes);

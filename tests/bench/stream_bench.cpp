@@ -138,7 +138,7 @@ struct Measured {
   }
   // Bound of the values in the note.
   const char* goal_of_note() const {
-    if (what == "noise beside a frozen client")
+    if (what == "noise and a frozen client")
       return "p99 1.10 of that without; dropped after 2.5 s; server grows by 5 MB";
     return what.ends_with("stall") || what.ends_with("stalls") ? "2 old frames after each stall" : "";
   }
@@ -225,7 +225,7 @@ void looking_around(size_t nodes, double seconds) {
 void frozen_among_63(size_t nodes, double seconds) {
   NoiseServer server(nodes);
   Measured alone("noise", "plain", 63, ClientKind::Light),
-      beside("noise beside a frozen client", "plain", 63, ClientKind::Light);
+      with_frozen("noise and a frozen client", "plain", 63, ClientKind::Light);
   StreamClients clients({server.port(), "", ""}, 63, ClientKind::Light);
   std::vector<Window> windows[2];
   double longest_s = 0, most_grown_mb = 0;
@@ -250,14 +250,14 @@ void frozen_among_63(size_t nodes, double seconds) {
   }
   const std::vector<GotFrame> got = clients.stop();
   for (const Window& window : windows[0]) alone.add(window, got);
-  for (const Window& window : windows[1]) beside.add(window, got);
+  for (const Window& window : windows[1]) with_frozen.add(window, got);
   char note[160];
   std::snprintf(note, sizeof note,
                 "p99 %.2f of that without; dropped after %.2f s at most; server grew by %.1f MB at most",
-                beside.decoded_p99_ms() / alone.decoded_p99_ms(), longest_s, most_grown_mb);
-  beside.note = note;
+                with_frozen.decoded_p99_ms() / alone.decoded_p99_ms(), longest_s, most_grown_mb);
+  with_frozen.note = note;
   alone.print();
-  beside.print();
+  with_frozen.print();
 }
 
 // One client behind a link, with or without stalls of 300 ms every two seconds.

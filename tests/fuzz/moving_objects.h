@@ -26,12 +26,12 @@ inline DriverFrame frame_at(uint64_t tick) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(3 * t, Eigen::Vector3d(1, id, 2).normalized()));
     for (int i = 0; i < (object.kind == DriverKind::Rigid ? 2 : 12); ++i) {
       if (object.kind == DriverKind::Lattice) {
-        static const NodeNeighboursPtr beside = [] {
+        static const NodeNeighboursPtr neighbours = [] {
           std::vector<Eigen::Vector3i> places;
           for (int k = 0; k < 12; ++k) places.emplace_back(k & 1, (k >> 1) & 1, k >> 2);
           return find_node_neighbours(std::move(places));
         }();
-        object.neighbours = tick % 7 == 0 ? nullptr : beside;  // with and without neighbours
+        object.neighbours = tick % 7 == 0 ? nullptr : neighbours;  // with and without neighbours
       }
       const Eigen::Vector3d at(0.1 * i + 0.2 * std::sin(9 * t + i), id + t, -4.9 * t * t);
       if (object.kind == DriverKind::Rigid) {

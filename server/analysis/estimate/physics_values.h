@@ -15,7 +15,7 @@ struct PhysicsValue {
   const v1::EstimatedValue& (v1::PhysicalParameters::*get)() const;
   v1::EstimatedValue* (v1::PhysicalParameters::*mutable_value)();
   bool (v1::PhysicalParameters::*has)() const;
-  void (v1::Physics::*tell)(double);
+  void (v1::Physics::*set)(double);
 };
 std::span<const PhysicsValue> physics_values();
 

@@ -8,8 +8,8 @@
 #include "analysis/estimate.h"
 #include "analysis/gate/answer.h"
 
-// Acceptance gate: every answer of a language model passes it before it reaches an object. The steps, in the
-// order in which they run:
+// Acceptance gate: an answer of a language model must pass this gate before its values reach an object. The
+// steps, in the order in which they run:
 //
 //   1 answer_object    answer_object.cpp    one JSON object; size, UTF-8, depth       refuse
 //   2 read_answer      read_answer.cpp      types, words, low <= best <= high, hard   refuse

@@ -94,7 +94,7 @@ Result<std::string> read_own(const std::filesystem::path& path, const BuiltIn& f
 }
 
 // Reports files with unknown names: a mistyped name would leave the built-in text in effect.
-void tell_of_strangers(const std::filesystem::path& folder) {
+void report_unknown_files(const std::filesystem::path& folder) {
   SlotNames names;
   for (const BuiltIn& file : kBuiltIn) names.emplace(file.name);
   std::error_code failed;
@@ -142,7 +142,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
     everything += std::string(file.name) + "\n" + std::to_string(text.size()) + "\n" + text;
     set.texts_[file.name] = std::move(text);
   }
-  if (!folder.empty()) tell_of_strangers(folder);
+  if (!folder.empty()) report_unknown_files(folder);
   auto schema = parse_prompt_file(set.text("answer.schema.json"));
   if (!schema) return wrong("answer.schema.json", schema.error().message);
   put_materials(*schema);

@@ -126,7 +126,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
   const EndpointState known = endpoint ? endpoint->state() : EndpointState{};
   Course course(targets, options.neighbours);
   std::vector<bool> finished(targets.size(), false);
-  const auto tell = [&](const AnalysisUpdate& one) {
+  const auto report = [&](const AnalysisUpdate& one) {
     std::lock_guard lock(mutex);
     if (one.stage == AnalysisStage::Finished) {
       finished[one.index] = true;
@@ -165,11 +165,11 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
           targets[*index], course.neighbours_of(*index), *endpoint, known, drawn, options,
           [&](AnalysisStage stage) {
             one.stage = stage;
-            tell(one);
+            report(one);
           },
           stop, one);
       one.stage = AnalysisStage::Finished;
-      tell(one);
+      report(one);
       course.finish(*index, one.parameters, one.judgement.verdict == Verdict::Accepted);
     }
   };
@@ -192,7 +192,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
     last.stage = AnalysisStage::Finished;
     last.cancelled = endpoint && stop.stop_requested();
     last.judgement.message = !endpoint ? "no model endpoint is set" : "cancelled";
-    tell(last);
+    report(last);
   }
   return summary;
 }

@@ -57,10 +57,10 @@ Result<bool> take_manual_edits(v1::PhysicsFile& file) {
     if (!(p.*value.has)()) continue;
     const double best = (p.*value.get)().best();
     if (!differs(value.name, exact(best))) continue;
-    (edits.*value.tell)(best);
+    (edits.*value.set)(best);
     // Checked alone, so that the message names the field.
     Physics alone;
-    (alone.*value.tell)(best);
+    (alone.*value.set)(best);
     if (auto checked = check_scene_physics(alone); !checked) {
       const std::string& what = checked.error().message;
       return invalid_argument("physics." + std::string(value.name) + ".best" + what.substr(what.find(':')));

@@ -42,9 +42,9 @@ SurfaceSample sample(const FieldShape& shape, const Vector3d& point) {
   if (shape.sheet && found.distance_m < kSheetCells * shape.field->cell_m()) {
     const TriangleTree::Nearest nearest = shape.sheet->nearest(point);
     const Vector3d away = point - nearest.foot_m;
-    const bool beside = nearest.distance_m > 1e-6 * shape.field->cell_m();
+    const bool outside = nearest.distance_m > 1e-6 * shape.field->cell_m();
     return {nearest.distance_m - shape.half_thickness_m,
-            beside ? Vector3d(away / nearest.distance_m) : nearest.normal};
+            outside ? Vector3d(away / nearest.distance_m) : nearest.normal};
   }
   const double length = found.gradient.norm();
   // The gradient of an interpolated field vanishes on the medial axis.

@@ -130,15 +130,15 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh) {
     for (size_t i = 0; i < region.size(); ++i) {
       const auto& corner = welded->triangles[region[i]];
       for (int k = 0; k < 3; ++k) {
-        const auto beside = edges.find({corner[(k + 1) % 3], corner[k]});
-        if (beside == edges.end()) return std::nullopt;
-        const auto& other = welded->triangles[beside->second];
-        if (taken[beside->second] || height(other[0]) < -tolerance || height(other[1]) < -tolerance ||
+        const auto neighbour = edges.find({corner[(k + 1) % 3], corner[k]});
+        if (neighbour == edges.end()) return std::nullopt;
+        const auto& other = welded->triangles[neighbour->second];
+        if (taken[neighbour->second] || height(other[0]) < -tolerance || height(other[1]) < -tolerance ||
             height(other[2]) < -tolerance) {
           continue;
         }
-        taken[beside->second] = 1;
-        region.push_back(beside->second);
+        taken[neighbour->second] = 1;
+        region.push_back(neighbour->second);
       }
     }
     const std::vector<uint16_t> loop = boundary_loop(*welded, region);

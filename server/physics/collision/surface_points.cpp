@@ -237,7 +237,7 @@ std::vector<SurfacePatch> surface_patches(const ParticleSet& particles) {
     taken.insert(foot.point_m, normal);
     patches.push_back(patch_of(foot, reach_m));
   };
-  // Corners first, then sharp edges, so that no point beside them takes their place. Points that carry the
+  // Corners first, then sharp edges, so that no point next to them takes their place. Points that carry the
   // material of parts thinner than a voxel all count.
   const auto [corners_m, edges_m] = surface.sharp_points(edge_m);
   for (const Vector3d& point_m : corners_m) take(surface.nearest(point_m), true);

@@ -5,6 +5,10 @@
 //   elastic, cells   CellsBody::solve_springs()                  elastic/cells/cells_step.cpp
 //   elastic, others  spring_force(), explicit, called from here  world/spring.cpp
 // The forces of the last step are read back by spring_force_n() and grab_state().
+//
+// Release of a grab: HandControls::release_hand (session/simulation/hand_controls.cpp) calls release_grab(),
+// which erases the grab. From the next substep on no spring acts; the body keeps its velocities and sleeps by
+// its own test.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -13,9 +13,9 @@ void line_up_along_edge(const std::function<double(const SurfaceSample&)>& dista
     if (!(std::abs(from_m) < margin_m)) continue;
     Eigen::Vector3d slope;
     for (int axis = 0; axis < 3; ++axis) {
-      SurfaceSample beside = sample;
-      beside.position_m[axis] += kStep_m;
-      slope[axis] = (distance_m(beside) - from_m) / kStep_m;
+      SurfaceSample shifted = sample;
+      shifted.position_m[axis] += kStep_m;
+      slope[axis] = (distance_m(shifted) - from_m) / kStep_m;
     }
     slope -= sample.normal * sample.normal.dot(slope);
     const double steepness = slope.norm();

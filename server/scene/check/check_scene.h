@@ -7,7 +7,9 @@
 namespace livegs {
 
 // Checks a scene file without opening its assets: list lengths, ranges, dangling references and duplicate
-// names. The error names the field.
+// names. The error names the field. Called by Scene::build and by read_scene_file()
+// (run/read_scene_file.cpp); the latter reports JSON and schema errors itself and puts the file name before
+// every error. The checks of values are in check_scene.cpp, check_object.cpp and values/scene_values.cpp.
 Result<void> check_scene(const v1::Scene& scene);
 
 }  // namespace livegs

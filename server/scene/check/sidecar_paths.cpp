@@ -11,8 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the file that the sidecar is stored next to. Empty for a shape of a scene without a file.
-fs::path beside(const v1::Object& object, const fs::path& folder, const std::string& scene_name) {
+// The file whose sidecar is in the same folder. Empty for a shape of a scene without a file.
+fs::path described_file(const v1::Object& object, const fs::path& folder, const std::string& scene_name) {
   switch (object.form_case()) {
     case v1::Object::kAsset:
       return (folder / object.asset()).lexically_normal();
@@ -30,12 +30,12 @@ std::vector<fs::path> sidecar_paths(const v1::Scene& scene, const fs::path& fold
   std::map<fs::path, int> users;  // by sidecar, so that cup.ply and cup.spz share one
   std::vector<fs::path> paths;
   for (const v1::Object& object : scene.objects()) {
-    const fs::path file = beside(object, folder, scene_name);
+    const fs::path file = described_file(object, folder, scene_name);
     if (!file.empty()) ++users[physics_file_path(file)];
   }
   for (int i = 0; i < scene.objects_size(); ++i) {
     const v1::Object& object = scene.objects(i);
-    const fs::path file = beside(object, folder, scene_name);
+    const fs::path file = described_file(object, folder, scene_name);
     fs::path path;
     if (!file.empty()) {
       const fs::path own = physics_file_path(file, object_name(object, i));

@@ -39,9 +39,9 @@ double fitted_step(const Eigen::MatrixX3d& columns, const std::vector<int>& axes
   for (const int axis : axes) {
     const Eigen::ArrayXd phase = columns.col(axis).array() * (2.0 * M_PI / step_m);
     const double offset = std::atan2(phase.sin().mean(), phase.cos().mean());
-    const Eigen::ArrayXd steps = ((phase - offset) / (2.0 * M_PI)).round(), beside = steps - steps.mean();
-    both += (beside * columns.col(axis).array()).sum();
-    whole += (beside * beside).sum();
+    const Eigen::ArrayXd steps = ((phase - offset) / (2.0 * M_PI)).round(), deviations = steps - steps.mean();
+    both += (deviations * columns.col(axis).array()).sum();
+    whole += (deviations * deviations).sum();
   }
   return whole > 0.0 ? both / whole : step_m;
 }

@@ -9,11 +9,11 @@
 #include "core/view_cone.h"
 #include "wire/frame_stream.h"
 
-// Selects the objects that a frame for one client omits. In a frame over the budget, held objects go first.
-// Others follow by visible error angle times age in ticks, per integer to send (bytes are in proportion); out
-// of view it counts one eighth. New and broken objects are never omitted. Called by
-// TickEncodings::for_client. See proto/frame_format.md, "Deferred objects". Pure functions: clients with
-// equal views get equal frames.
+// Selects the objects that a frame for one client omits. In a frame over the budget, held objects are
+// included first and omitted last. Others follow by visible error angle times age in ticks, per integer to
+// send (bytes are in proportion); out of view it counts one eighth. New and broken objects are never omitted.
+// Called by TickEncodings::for_client. See proto/frame_format.md, "Deferred objects". Pure functions: clients
+// with equal views get equal frames.
 
 namespace livegs {
 

@@ -29,7 +29,7 @@ NodeNeighboursPtr neighbours_of(size_t side) {
 // A soft block that oscillates and shears, some tumbling rigid bodies, and particles with rotations.
 struct Motion {
   size_t side = 6;
-  bool beside = true;  // send the neighbours of the lattice
+  bool neighbours = true;  // send the neighbours of the lattice
   std::set<uint32_t> asleep, absent;
   std::set<uint32_t> broken;
 
@@ -46,7 +46,7 @@ struct Motion {
       object.asleep = asleep.count(id) > 0;
       if (id <= 2) {
         object.kind = id == 1 ? DriverKind::Lattice : DriverKind::Particles;
-        if (id == 1 && beside) object.neighbours = neighbours_of(side);
+        if (id == 1 && neighbours) object.neighbours = neighbours_of(side);
         for (size_t i = 0; i < side * side * side; ++i) {
           const Vector3d rest(0.05 * (i % side), 0.05 * (i / side % side), 0.05 * (i / side / side));
           const double swing = 0.1 * std::sin(9.0 * when + 4.0 * rest.y());
@@ -170,12 +170,12 @@ TEST(FrameStream, WritesTheWorkedExample) {
 TEST(FrameStream, WritesTheWorkedExampleOfNeighbours) {
   DriverFrame frame;
   StreamBaselinePtr baseline;
-  const NodeNeighboursPtr beside = find_node_neighbours({{0, 0, 0}, {1, 0, 0}});
+  const NodeNeighboursPtr neighbours = find_node_neighbours({{0, 0, 0}, {1, 0, 0}});
   for (int tick = 1; tick <= 4; ++tick) {
     const float z = 15.0f / (1 << 18) * static_cast<float>(tick * tick);  // 1, 4, 9, 16 steps
     frame.tick = static_cast<uint64_t>(tick);
     frame.simulated_ns = 0;
-    frame.objects = {{7, DriverKind::Lattice, 0, false, {}, {{0, 0, 0}, {0, 0, z}}, {}, beside}};
+    frame.objects = {{7, DriverKind::Lattice, 0, false, {}, {{0, 0, 0}, {0, 0, z}}, {}, neighbours}};
     StreamOptions options;
     options.hash_interval = 0;
     const EncodedStreamFrame encoded = encode_stream_frame(frame, baseline, options);
@@ -191,11 +191,11 @@ TEST(FrameStream, WritesTheWorkedExampleOfNeighbours) {
 // Neighbours cost some bytes once and save bytes in each frame.
 TEST(FrameStream, NeighboursMakeFramesSmaller) {
   std::array<size_t, 2> bytes{}, key{};
-  for (const bool beside : {false, true}) {
+  for (const bool neighbours : {false, true}) {
     Motion motion;
     motion.side = 12;
     motion.absent = {2, 3, 4, 5, 6};
-    motion.beside = beside;
+    motion.neighbours = neighbours;
     StreamBaselinePtr baseline;
     StreamReader reader;
     for (uint64_t tick = 1; tick <= 40; ++tick) {
@@ -209,8 +209,8 @@ TEST(FrameStream, NeighboursMakeFramesSmaller) {
       const auto read = reader.read(encoded.bytes);
       ASSERT_TRUE(read) << read.error().message;
       expect_same(*read, frame_of(*encoded.next));
-      if (tick == 1) key[beside] = encoded.bytes.size();
-      if (tick > 3) bytes[beside] += encoded.bytes.size();
+      if (tick == 1) key[neighbours] = encoded.bytes.size();
+      if (tick > 3) bytes[neighbours] += encoded.bytes.size();
       baseline = encoded.next;
     }
   }

@@ -201,8 +201,8 @@ void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m
 void CellsBody::settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m,
                               const Vector3d& impulse_n_s) {
   if (!free()) return;
-  const Vector3d beside = point_m - origin_m_ - nodes_.position_m(anchor.sample);
-  spin_correction_ += solve_inertia(motion_.inertia, beside.cross(impulse_n_s));
+  const Vector3d offset_m = point_m - origin_m_ - nodes_.position_m(anchor.sample);
+  spin_correction_ += solve_inertia(motion_.inertia, offset_m.cross(impulse_n_s));
 }
 
 void CellsBody::record_contact_impulse(const Vector3d& point_m, double impulse_n_s) {

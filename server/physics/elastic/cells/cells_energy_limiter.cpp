@@ -106,17 +106,17 @@ bool CellsBody::limit_energy() {
 
   const Vector3d velocity = free() ? motion_.velocity_m_s() : Vector3d::Zero();
   const Vector3d spin = free() ? motion_.angular_velocity_rad_s() : Vector3d::Zero();
-  std::vector<Vector3d> beside(nodes_.count());
-  double beside_j = 0.0;
-  for (size_t i = 0; i < beside.size(); ++i) {
+  std::vector<Vector3d> deviation(nodes_.count());
+  double deviation_j = 0.0;
+  for (size_t i = 0; i < deviation.size(); ++i) {
     if (inverse_masses_[i] == 0.0) continue;
-    beside[i] = nodes_.velocity_m_s(i) - velocity - spin.cross(nodes_.position_m(i) - motion_.centre_m);
-    beside_j += 0.5 * masses_kg_[i] * beside[i].squaredNorm();
+    deviation[i] = nodes_.velocity_m_s(i) - velocity - spin.cross(nodes_.position_m(i) - motion_.centre_m);
+    deviation_j += 0.5 * masses_kg_[i] * deviation[i].squaredNorm();
   }
-  if (!(beside_j > 0.0)) return true;
-  const double taken = 1.0 - std::sqrt(1.0 - std::min(1.0, gained_j / beside_j));
-  for (size_t i = 0; i < beside.size(); ++i) {
-    if (inverse_masses_[i] != 0.0) nodes_.change_velocities(i, -taken * beside[i]);
+  if (!(deviation_j > 0.0)) return true;
+  const double taken = 1.0 - std::sqrt(1.0 - std::min(1.0, gained_j / deviation_j));
+  for (size_t i = 0; i < deviation.size(); ++i) {
+    if (inverse_masses_[i] != 0.0) nodes_.change_velocities(i, -taken * deviation[i]);
   }
   return true;
 }

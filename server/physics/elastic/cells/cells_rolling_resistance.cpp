@@ -30,7 +30,7 @@ struct Push {
 // Couple against the relative spin w, N m s, that a contact with the impulses `pushes` can bear; zero without
 // load. The points approach the other body at w.((x - c) x n); Q is the mean square of that by the load, so
 // that sqrt(w.Q w) is the speed of rolling times the extent of the contact, and the couple is its gradient:
-// none against a spin about the normal, and little about a line of contact beside that across it. Each point
+// none against a spin about the normal, and less about the line of contact than across it. Each point
 // stands for a Hertzian contact of its own force, of the radius (3 f r / 4 E*)^(1/3), with `stiffness_pa` the
 // plane strain modulus E*. `stop` is the couple that ends the spin per spin, N m s²; where less than the
 // whole couple does, the rolling ends.

@@ -25,10 +25,10 @@ struct ResolutionRequest {
   double youngs_modulus_pa = 0, poisson_ratio = 0, density_kg_m3 = 0;
   double rate_hz = 0;
   int substeps = 1;  // per frame, of the scene
-  // > 0: the width, but at least half of particle_edge_m; only the substeps are chosen. 0: chosen too.
+  // Cell width, m, raised to half of particle_edge_m if smaller. 0: the width is chosen too.
   double cell_width_m = 0;
   int body_substeps = 0;  // > 0: per frame, rounded up to a multiple of the scene's; 0: chosen
-  // Per frame; kept by wider cells first, then by fewer substeps.
+  // Per frame; met first by wider cells, then by fewer substeps.
   double max_node_substeps = kMaxNodeSubsteps;
   double max_courant = 1.0;  // additional bound, below courant_limit
 };
@@ -106,8 +106,8 @@ struct ModulusBand {
 // - clipped: below; between 0.45 and 1.1 of the ceiling in long bodies
 // - unknown: too few cells along and too long steps to reach equilibrium under loads at the ends
 //
-// A body that chooses its own cells is never in the last two: it lowers E to the value that eight cells along
-// reproduce exactly, and reports this.
+// A body whose cells are chosen automatically is never in the last two classes: its E is lowered to the value
+// that eight cells along reproduce exactly, and the body reports this.
 ModulusBand band_of(const BandRequest& request);
 
 }  // namespace livegs

@@ -144,7 +144,8 @@ std::vector<char> silhouette(const TriangleMesh& mesh, const Camera& camera, dou
 // kernels would bridge a crack. Compares with uncut kernels, each bound to the piece at its centre.
 TEST_F(BrokenCup, PiecesDoNotBridgeCracks) {
   constexpr float kSeen = 0.1f;
-  const auto beside = [&](const GaussianAsset& asset, const std::function<bool(size_t, uint32_t)>& is_of) {
+  const auto outside_share = [&](const GaussianAsset& asset,
+                                 const std::function<bool(size_t, uint32_t)>& is_of) {
     size_t over = 0, covered = 0;
     for (uint32_t piece = 0; piece < pieces->pieces.size(); ++piece) {
       GaussianAsset alone = asset;
@@ -178,8 +179,9 @@ TEST_F(BrokenCup, PiecesDoNotBridgeCracks) {
     return static_cast<double>(over) / static_cast<double>(covered);
   };
   const double cut =
-      beside(kernels->asset, [&](size_t k, uint32_t piece) { return kernels->piece[k] == piece; });
-  const double uncut = beside(*cup, [&](size_t k, uint32_t piece) { return kernels->piece[k] == piece; });
+      outside_share(kernels->asset, [&](size_t k, uint32_t piece) { return kernels->piece[k] == piece; });
+  const double uncut =
+      outside_share(*cup, [&](size_t k, uint32_t piece) { return kernels->piece[k] == piece; });
   std::printf("visible across cracks: %.5f of the covered area; with uncut kernels %.5f\n", cut, uncut);
   EXPECT_EQ(cut, 0.0);
   EXPECT_GT(uncut, 5e-3);

@@ -54,8 +54,8 @@ TEST(SurfaceElements, PointMeetsTheFaceOppositeItsNormal) {
   EXPECT_NEAR((found->normal - Vector3d::UnitY()).norm(), 0.0, 1e-12);
   const SurfaceElement up{{0.0, 0.9, 0.1}, {0, 1, 0}, 0.0, 0};
   EXPECT_FALSE(grid.depth(up.position_m, {&up, 1})) << "its normal points away from the surface";
-  const SurfaceElement beside{{1.05, 0.9, 0.1}, {0, -1, 0}, 0.0, 0};
-  EXPECT_GT(grid.depth(beside.position_m, {&beside, 1})->distance_m, 0.0);
+  const SurfaceElement outside{{1.05, 0.9, 0.1}, {0, -1, 0}, 0.0, 0};
+  EXPECT_GT(grid.depth(outside.position_m, {&outside, 1})->distance_m, 0.0);
 }
 
 }  // namespace

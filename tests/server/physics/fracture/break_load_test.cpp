@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lasting loads are not impacts: weights, piles and hands that press, at any rate. Impacts that are
-// transmitted through other bodies are.
+// Sustained loads (weights, stacks, pressing hands) are not impacts, at any tick rate. Impacts transmitted
+// through other bodies are impacts.
 #include "known_gaps.h"
 #include "physics/rigid/contact/impact_record.h"
 #include "scenes/break_fixtures.h"
@@ -23,9 +23,9 @@ World weighed(double rate, int substeps, double kg) {
   return world;
 }
 
-// A mass of 10 kg presses with 98 N, a seventh of the break impulse of 0.7 N s per millisecond. The load must
-// not be accumulated over a tick. At one substep of 60 Hz the mass of 10 kg slides off, which does not break
-// the cup either.
+// A mass of 10 kg presses with 98 N. In 1 ms that is 0.098 N s, one seventh of the break impulse of 0.7 N s.
+// The load must not be accumulated over a tick. At one substep of 60 Hz the mass of 10 kg slides off, which
+// does not break the cup either.
 TEST(BreakingLoads, RestingWeightBreaksNothing) {
   for (const double rate : kRates_hz) {
     for (const int substeps : kSubsteps) {
@@ -102,9 +102,9 @@ TEST(BreakingLoads, WeightBreaksCupFromOneHeight) {
     run_seconds(world, std::sqrt(2 * fall_m / kGravity) + 0.05);
     return world.revision(kCup) > 0;
   };
-  // The impulse passes between weight, cup and floor until nothing closes; at e = 0.2 and equal masses the
-  // cup receives 0.6 + 0.72 + 0.312 + ... = 1.995 m v in all. The bounds contain the scatter from the
-  // position of the landing within a substep.
+  // The impulse passes between weight, cup and floor until no contact closes any more; at e = 0.2 and equal
+  // masses the cup receives 0.6 + 0.72 + 0.312 + ... = 1.995 m v in all. The bounds contain the scatter from
+  // the position of the landing within a substep.
   constexpr double kSpeed_m_s = kBreakImpulse_n_s / (1.995 * kMass_kg);
   constexpr double kHeight_m = kSpeed_m_s * kSpeed_m_s / (2.0 * kGravity);
   for (const double rate : kRates_hz) {
@@ -122,8 +122,8 @@ TEST(BreakingLoads, WeightBreaksCupFromOneHeight) {
   }
 }
 
-// Light bodies that hit a load do not turn it into an impact: 36 balls of 1 g from the first tick on. The
-// balls may also hit the cup under the weight of 4 kg.
+// Impacts of light bodies on a resting weight do not break the cup below it. 36 balls of 1 g fall from the
+// first tick on; some hit the cup directly if the weight is 4 kg.
 TEST(BreakingLoads, LightImpactsOnALoadBreakNothing) {
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
@@ -207,8 +207,8 @@ TEST(BreakingLoads, ForceOnSleepingBodyIsNotAccumulated) {
   }
 }
 
-// Two hands that pull a cup apart are a load like any other, with grips or ray springs. Both count, each with
-// its impulse over kImpactDuration_s.
+// Two hands, with grips or ray springs, break the cup at the same force as any other load. The impulses of
+// both hands over kImpactDuration_s add up.
 TEST(BreakingLoads, PullingHandsBreakAtTheForceThreshold) {
   const double tearing_n = 0.5 * kBreakImpulse_n_s / kImpactDuration_s;
   for (const double rate : kRates_hz) {
@@ -286,8 +286,8 @@ TEST(BreakingLoads, HookedCupBreaksAtOneImpactSpeed) {
   }
 }
 
-// By their distance fields, fragments start with deep overlaps. The impulses that separate them must fade, so
-// that the fragments press only with their weight.
+// The distance fields of the fragments overlap deeply at the start. The impulses that separate them must
+// fade, so that the fragments press only with their weight.
 TEST(BreakingLoads, FragmentHeapPressesWithItsWeight) {
   const auto pieces = pieces_of(small_cup(), 64, 1);
   for (const double rate : kRates_hz) {

@@ -147,10 +147,10 @@ TEST(Breaking, DistantCrashDoesNotAffectFracture) {
         broke = broke || event.kind == WorldEventKind::Fracture;
       if (!broke) continue;
       ++breaks;
-      World beside = falling_cups(rate, tick);
-      while (beside.tick() < tick) beside.step();
-      EXPECT_GT(body_state(beside, kBlock).velocity_m_s.y(), -0.1) << "the block has not landed";
-      const std::vector<BodyState> one = alone.bodies(), other = beside.bodies();
+      World with_block = falling_cups(rate, tick);
+      while (with_block.tick() < tick) with_block.step();
+      EXPECT_GT(body_state(with_block, kBlock).velocity_m_s.y(), -0.1) << "the block has not landed";
+      const std::vector<BodyState> one = alone.bodies(), other = with_block.bodies();
       ASSERT_EQ(one.size() + 1, other.size());
       double differ_m_s = 0;
       for (size_t i = 0; i < one.size(); ++i) {

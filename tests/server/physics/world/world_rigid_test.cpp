@@ -216,10 +216,10 @@ TEST(World, RayHitsTheNearestObject) {
   EXPECT_EQ(hit->object_id, 1u);
   EXPECT_NEAR(hit->distance_m, 1.9, 1e-12);
   EXPECT_LT((world.world_point(1, hit->rest_point_m) - Vector3d(0.05, 0.02, -1.9)).norm(), 1e-12);
-  const auto beside = world.ray_cast({0.15, 0, 0}, {0, 0, -1}, 10.0);
-  ASSERT_TRUE(beside);
-  EXPECT_EQ(beside->object_id, 2u);
-  EXPECT_NEAR(beside->distance_m, 3.0 - std::sqrt(0.09 - 0.0225), 1e-12);
+  const auto past_box = world.ray_cast({0.15, 0, 0}, {0, 0, -1}, 10.0);
+  ASSERT_TRUE(past_box);
+  EXPECT_EQ(past_box->object_id, 2u);
+  EXPECT_NEAR(past_box->distance_m, 3.0 - std::sqrt(0.09 - 0.0225), 1e-12);
   EXPECT_FALSE(world.ray_cast({0.15, 0, 0}, {0, 0, -1}, 1.0));
   EXPECT_FALSE(world.ray_cast({5, 0, 0}, {0, 0, -1}, 10.0));
 }

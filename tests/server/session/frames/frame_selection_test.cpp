@@ -84,9 +84,9 @@ TEST(ViewCone, TouchesPartlyVisibleBalls) {
   EXPECT_TRUE(cone.touches({0, 0, -5}, 0.01));
   EXPECT_FALSE(cone.touches({0, 0, 5}, 1));
   EXPECT_TRUE(cone.touches({0, 0, 5}, 5.1));  // the eye is inside
-  const Eigen::Vector3d beside(10 * std::sin(0.6), 0, -10 * std::cos(0.6));
-  EXPECT_FALSE(cone.touches(beside, 0.9));  // 10 sin(0.1) is 0.998
-  EXPECT_TRUE(cone.touches(beside, 1.1));
+  const Eigen::Vector3d outside(10 * std::sin(0.6), 0, -10 * std::cos(0.6));
+  EXPECT_FALSE(cone.touches(outside, 0.9));  // 10 sin(0.1) is 0.998
+  EXPECT_TRUE(cone.touches(outside, 1.1));
   EXPECT_TRUE((ViewCone{{0, 0, 0}, {0, 0, -1}, M_PI}.touches({0, 0, 9}, 0.1)));
 }
 
