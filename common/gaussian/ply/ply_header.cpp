@@ -50,9 +50,8 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return words;
 }
 
-// Lines end in \
-//  or \\r\
-// . nullopt: no line is left within the limit.
+// Lines end in a line feed, or in a carriage return and a line feed. nullopt: no line is left within the
+// limit.
 std::optional<std::string_view> next_line(std::string_view text, size_t& at) {
   const size_t end = text.substr(0, kMaxHeaderBytes).find('\n', at);
   if (end == std::string_view::npos) return std::nullopt;

@@ -26,34 +26,34 @@ constexpr double kMinNodeMassRatio = 1e-3;  // minimum node mass relative to the
 }  // namespace
 
 CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep)
-    : material_(description.material),
-      options_(description.cells),
+    : options_(description.cells),
+      object_id_(description.object_id),
       extent_(measure_extent(description.particles)),
       particle_rest_m_(description.particles.positions_m),
-      particle_volumes_m3_(description.particles.volumes_m3),
-      object_id_(description.object_id),
-      rate_hz_(rate_hz),
-      scene_substeps_(substeps),
-      given_substeps_(description.substeps),
-      max_node_substeps_(description.cell_width_m > 0.0 ? std::numeric_limits<double>::infinity()
-                                                        : description.max_node_substeps),
-      scene_node_substeps_(description.scene_node_substeps),
-      world_from_object_{description.world_from_object.position_m,
-                         description.world_from_object.orientation.normalized()},
-      orientation_(world_from_object_.orientation),
-      may_rest_(may_sleep),
-      sleep_timer_(may_sleep) {
+      particle_volumes_m3_(description.particles.volumes_m3) {
+  materials_.own = description.material;
+  accuracy_.rate_hz = rate_hz;
+  accuracy_.scene_substeps = substeps;
+  accuracy_.given_substeps = description.substeps;
+  accuracy_.max_node_substeps = description.cell_width_m > 0.0 ? std::numeric_limits<double>::infinity()
+                                                               : description.max_node_substeps;
+  accuracy_.scene_node_substeps = description.scene_node_substeps;
+  holding_.world_from_object = {description.world_from_object.position_m,
+                                description.world_from_object.orientation.normalized()};
+  orientation_ = holding_.world_from_object.orientation;
+  rest_.may_rest = may_sleep;
+  rest_.sleep_timer = SleepTimer(may_sleep);
   for (const double volume : particle_volumes_m3_) volume_m3_ += volume;
   for (size_t i = 0; i < description.regions.size(); ++i) {
     const BodyRegion& region = description.regions[i];
-    boundary_moved_ = boundary_moved_ || (region.boundary && region.motion);
+    holding_.boundary_moved = holding_.boundary_moved || (region.boundary && region.motion);
     if (!region.material) continue;
-    region_materials_.push_back(*region.material);
-    region_names_.push_back(region.name.empty() ? "region " + std::to_string(i) : region.name);
+    materials_.regions.push_back(*region.material);
+    materials_.region_names.push_back(region.name.empty() ? "region " + std::to_string(i) : region.name);
   }
   set_up_materials();
   choose(description.cell_width_m);
-  lattice_ = build_lattice(extent_, resolution_.cell_width_m, description.regions);
+  lattice_ = build_lattice(extent_, accuracy_.resolution.cell_width_m, description.regions);
   neighbours_ = find_node_neighbours(lattice_.node_coordinates);
   if (const int pieces = piece_count(lattice_), own = description.particles.piece_count;
       own > 0 && pieces > own) {
@@ -75,44 +75,47 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
 }
 
 void CellsBody::set_up_materials() {
-  BodyMaterials materials = body_materials(material_, region_materials_, volume_m3_);
-  cell_materials_.materials = std::move(materials.elastic);
-  densities_kg_m3_ = std::move(materials.densities_kg_m3);
-  plasticities_ = std::move(materials.plasticities);
+  BodyMaterials materials = body_materials(materials_.own, materials_.regions, volume_m3_);
+  materials_.cells.materials = std::move(materials.elastic);
+  materials_.densities_kg_m3 = std::move(materials.densities_kg_m3);
+  materials_.plasticities = std::move(materials.plasticities);
 }
 
 double CellsBody::asked_modulus_pa(size_t material) const {
-  const double own = material_.effective_youngs_modulus_pa();
-  return material == 0 ? own : region_materials_[material - 1].youngs_modulus_pa.value_or(own);
+  const double own = materials_.own.effective_youngs_modulus_pa();
+  return material == 0 ? own : materials_.regions[material - 1].youngs_modulus_pa.value_or(own);
 }
 
 void CellsBody::choose(double cell_width_m) {
-  ResolutionRequest request = resolution_request(extent_, {cell_materials_.materials, densities_kg_m3_, {}},
-                                                 boundary_moved_, rate_hz_, scene_substeps_);
+  ResolutionRequest request =
+      resolution_request(extent_, {materials_.cells.materials, materials_.densities_kg_m3, {}},
+                         holding_.boundary_moved, accuracy_.rate_hz, accuracy_.scene_substeps);
   request.cell_width_m = cell_width_m;
-  request.body_substeps = given_substeps_;
-  request.max_node_substeps = max_node_substeps_;
-  resolution_ = choose_resolution(request);
-  unbudgeted_.reset();
-  if (max_node_substeps_ < scene_node_substeps_) {
-    request.max_node_substeps = scene_node_substeps_;
+  request.body_substeps = accuracy_.given_substeps;
+  request.max_node_substeps = accuracy_.max_node_substeps;
+  accuracy_.resolution = choose_resolution(request);
+  accuracy_.unbudgeted.reset();
+  if (accuracy_.max_node_substeps < accuracy_.scene_node_substeps) {
+    request.max_node_substeps = accuracy_.scene_node_substeps;
     const LatticeResolution alone = choose_resolution(request);
-    if (alone.cell_width_m != resolution_.cell_width_m || alone.substeps != resolution_.substeps)
-      unbudgeted_ = alone;
+    if (alone.cell_width_m != accuracy_.resolution.cell_width_m ||
+        alone.substeps != accuracy_.resolution.substeps)
+      accuracy_.unbudgeted = alone;
   }
   if (!options_.choose) {
-    resolution_.substeps = scene_substeps_;
-    resolution_.youngs_modulus_pa = request.youngs_modulus_pa;
-    resolution_.clipped = false;
-    resolution_.impact_substeps = 1;
-    resolution_.courant = std::sqrt(request.youngs_modulus_pa / request.density_kg_m3) /
-                          (rate_hz_ * scene_substeps_ * resolution_.cell_width_m);
+    accuracy_.resolution.substeps = accuracy_.scene_substeps;
+    accuracy_.resolution.youngs_modulus_pa = request.youngs_modulus_pa;
+    accuracy_.resolution.clipped = false;
+    accuracy_.resolution.impact_substeps = 1;
+    accuracy_.resolution.courant =
+        std::sqrt(request.youngs_modulus_pa / request.density_kg_m3) /
+        (accuracy_.rate_hz * accuracy_.scene_substeps * accuracy_.resolution.cell_width_m);
   }
-  if (!resolution_.clipped) return;
-  const double ceiling = resolution_.youngs_modulus_pa / request.density_kg_m3;
-  for (size_t k = 0; k < densities_kg_m3_.size(); ++k) {
-    IsotropicMaterial& one = cell_materials_.materials[k];
-    one.youngs_modulus_pa = std::min(one.youngs_modulus_pa, ceiling * densities_kg_m3_[k]);
+  if (!accuracy_.resolution.clipped) return;
+  const double ceiling = accuracy_.resolution.youngs_modulus_pa / request.density_kg_m3;
+  for (size_t k = 0; k < materials_.densities_kg_m3.size(); ++k) {
+    IsotropicMaterial& one = materials_.cells.materials[k];
+    one.youngs_modulus_pa = std::min(one.youngs_modulus_pa, ceiling * materials_.densities_kg_m3[k]);
   }
 }
 
@@ -150,7 +153,7 @@ void CellsBody::set_masses() {
   masses_kg_.assign(nodes_.count(), 0.0);
   for (size_t k = 0; k < lattice_.material_node_volumes_m3.size(); ++k) {
     for (size_t i = 0; i < masses_kg_.size(); ++i) {
-      masses_kg_[i] += densities_kg_m3_[k] * lattice_.material_node_volumes_m3[k][i];
+      masses_kg_[i] += materials_.densities_kg_m3[k] * lattice_.material_node_volumes_m3[k][i];
     }
   }
   regularise_node_masses();
@@ -171,36 +174,39 @@ void CellsBody::rebuild_cells() {
       if (batches_.places[i].kind != CellPlace::Kind::Held) rotations[i] = batches_.rotation(i);
     }
   }
-  surface_mobility_.clear();
-  for (const NodeSample& sample : surface_) surface_mobility_.push_back(static_cast<float>(mobility(sample)));
+  surface_.mobility.clear();
+  for (const NodeSample& sample : surface_.points)
+    surface_.mobility.push_back(static_cast<float>(mobility(sample)));
   predict_accuracy();
-  batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(), plastic_parts_.empty(),
+  batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(), plastic_.parts.empty(),
                                options_.thin);
-  own_gains_ = impact_gains_ = neighbour_gains_ = {};
-  last_step_s_ = 0.0;
-  if (!plastic_parts_.empty()) set_all_plastic();
+  gains_.own = gains_.impact = gains_.imposed = {};
+  gains_.last_step_s = 0.0;
+  if (!plastic_.parts.empty()) set_all_plastic();
 }
 
 // Assumes second-order steps, which all bodies in motion use. The band of a clipped material is that of the
 // simulated modulus, scaled by its ratio to the requested modulus.
 void CellsBody::predict_accuracy() {
-  const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * resolution_.substeps);
+  const double step_s =
+      (options_.second_order ? 2.0 / 3.0 : 1.0) / (accuracy_.rate_hz * accuracy_.resolution.substeps);
   const Vector3d cells = (extent_.max_m - extent_.min_m) / lattice_.cell_width_m;
-  bands_.clear();
-  thin_part_ = thin_part(lattice_, extent_.loose);
-  for (size_t k = 0; k < densities_kg_m3_.size(); ++k) {
-    const IsotropicMaterial& one = cell_materials_.materials[k];
+  accuracy_.bands.clear();
+  accuracy_.thin_part = thin_part(lattice_, extent_.loose);
+  for (size_t k = 0; k < materials_.densities_kg_m3.size(); ++k) {
+    const IsotropicMaterial& one = materials_.cells.materials[k];
     const double courant =
-        std::sqrt(one.youngs_modulus_pa / densities_kg_m3_[k]) * step_s / lattice_.cell_width_m;
-    ModulusBand band = band_of(
-        {.mean_pass_compliance =
-             mean_pass_compliance(lattice_, inverse_masses_, one.youngs_modulus_pa, step_s),
-         .poisson_ratio = one.poisson_ratio,
-         .cells_across = cells.minCoeff(),
-         .cells_along = cells.maxCoeff(),
-         .courant = courant,
-         .ceiling_ratio = modulus_ceiling_pa(lattice_, densities_kg_m3_[k], step_s) / one.youngs_modulus_pa});
-    if (thin_part_ > kMaxThinPart && band.band != ElasticBand::Unknown) {
+        std::sqrt(one.youngs_modulus_pa / materials_.densities_kg_m3[k]) * step_s / lattice_.cell_width_m;
+    ModulusBand band =
+        band_of({.mean_pass_compliance =
+                     mean_pass_compliance(lattice_, inverse_masses_, one.youngs_modulus_pa, step_s),
+                 .poisson_ratio = one.poisson_ratio,
+                 .cells_across = cells.minCoeff(),
+                 .cells_along = cells.maxCoeff(),
+                 .courant = courant,
+                 .ceiling_ratio = modulus_ceiling_pa(lattice_, materials_.densities_kg_m3[k], step_s) /
+                                  one.youngs_modulus_pa});
+    if (accuracy_.thin_part > kMaxThinPart && band.band != ElasticBand::Unknown) {
       if (band.band == ElasticBand::Exact) band.band = ElasticBand::Band;
       band.ratio_low *= kThinBendsFrom;
       band.ratio_high *= kThinBendsTo;
@@ -210,7 +216,7 @@ void CellsBody::predict_accuracy() {
     band.ratio_low *= kept;
     band.ratio_high *= kept;
     band.ratio_across *= kept;
-    bands_.push_back(band);
+    accuracy_.bands.push_back(band);
   }
 }
 
@@ -218,15 +224,15 @@ void CellsBody::predict_accuracy() {
 // lengths (alone, in an impact, with neighbours). The gains of each are therefore cached.
 const GaussSeidelGains& CellsBody::gains_of(double h, bool second_order) {
   const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
-  const double own_s = 1.0 / (rate_hz_ * resolution_.substeps);
-  StepGains& gains = alike(own_s)                                 ? own_gains_
-                     : alike(own_s / resolution_.impact_substeps) ? impact_gains_
-                                                                  : neighbour_gains_;
+  const double own_s = 1.0 / (accuracy_.rate_hz * accuracy_.resolution.substeps);
+  StepGains& gains = alike(own_s)                                          ? gains_.own
+                     : alike(own_s / accuracy_.resolution.impact_substeps) ? gains_.impact
+                                                                           : gains_.imposed;
   if (!alike(gains.step_s)) gains = {h, {}};
   std::optional<GaussSeidelGains>& found = gains.of_order[second_order];
   if (!found) {
-    found = make_gauss_seidel_gains(lattice_, batches_, inverse_masses_, cell_materials_, options_.compensate,
-                                    second_order ? 2.0 * h / 3.0 : h);
+    found = make_gauss_seidel_gains(lattice_, batches_, inverse_masses_, materials_.cells,
+                                    options_.compensate, second_order ? 2.0 * h / 3.0 : h);
   }
   return *found;
 }
@@ -283,7 +289,7 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
   const auto anywhere = [&] { return 2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0; };
   Vector3d rest_centre = Vector3d::Zero();
   for (size_t i = 0; i < count; ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
-  origin_m_ = world_from_object_ * rest_centre;
+  origin_m_ = holding_.world_from_object * rest_centre;
   const Matrix3d world_from_rest = orientation_.toRotationMatrix() * description.initial_deformation;
   if (!description.particle_velocities_m_s.empty()) {
     velocities = node_velocities(description.particle_velocities_m_s, rest_centre, world_from_rest);
@@ -303,25 +309,25 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
     }
     nodes_.set_motion(i, positions[i], velocities[i]);
   }
-  motion_ = body_momentum(positions, velocities, masses_kg_);
-  step_orientation_ = orientation_;
+  ledger_.motion = body_momentum(positions, velocities, masses_kg_);
+  ledger_.step_orientation = orientation_;
   use_material_inertia();
-  momentum_before_ = motion_.momentum;
-  angular_before_ = motion_.angular_momentum;
+  ledger_.momentum_before = ledger_.motion.momentum;
+  ledger_.angular_before = ledger_.motion.angular_momentum;
   whole_ = {centre_m(), orientation_};
   for (const Vector3d& position : positions)
-    reach_m_ = std::max(reach_m_, (position - motion_.centre_m).norm());
+    reach_m_ = std::max(reach_m_, (position - ledger_.motion.centre_m).norm());
 }
 
 void CellsBody::set_node_substep_budget(double node_substeps) {
-  if (std::isfinite(max_node_substeps_)) max_node_substeps_ = node_substeps;
+  if (std::isfinite(accuracy_.max_node_substeps)) accuracy_.max_node_substeps = node_substeps;
 }
 
 void CellsBody::set_material(const Material& material) {
   become_elastic();
-  material_ = material;
+  materials_.own = material;
   set_up_materials();
-  choose(resolution_.cell_width_m);
+  choose(accuracy_.resolution.cell_width_m);
   const double before = mass_kg_;
   set_masses();
   // The velocities stay, so momentum changes with the mass.
@@ -337,36 +343,37 @@ void CellsBody::restart_motion() {
     velocities[i] = nodes_.velocity_m_s(i);
     nodes_.set_motion(i, positions[i], velocities[i]);
   }
-  motion_ = body_momentum(positions, velocities, masses_kg_);
-  step_orientation_ = orientation_;
+  ledger_.motion = body_momentum(positions, velocities, masses_kg_);
+  ledger_.step_orientation = orientation_;
   use_material_inertia();
-  momentum_before_ = motion_.momentum;
-  angular_before_ = motion_.angular_momentum;
-  velocity_correction_.setZero();
-  spin_correction_.setZero();
-  contact_lag_m_.setZero();
-  between_steps_impulse_.setZero();
-  candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
-  ++restarts_;
-  first_step_ = true;
+  ledger_.momentum_before = ledger_.motion.momentum;
+  ledger_.angular_before = ledger_.motion.angular_momentum;
+  ledger_.velocity_correction.setZero();
+  ledger_.spin_correction.setZero();
+  ledger_.contact_lag_m.setZero();
+  ledger_.between_steps_impulse.setZero();
+  colliders_.margin_m = bodies_.rigid_margin_m = 0.0;
+  ++bodies_.restarts;
+  step_.first = true;
 }
 
 void CellsBody::wake() {
   become_elastic();
-  sleep_timer_.wake();
-  stationary_s_ = 0.0;
+  rest_.sleep_timer.wake();
+  rest_.stationary_s = 0.0;
 }
 
 // Hysteretic damping dissipates 2 pi eta of a vibration's energy per cycle. Damping at the rate eta omega is
 // equivalent at one frequency, here the lowest. It is the axial or bending mode of a beam with the body's
 // longest side and smallest thickness, free at both ends or clamped at one.
-double CellsBody::damping_rate() const { return material_.loss_factor * lowest_rate_rad_s(); }
+double CellsBody::damping_rate() const { return materials_.own.loss_factor * lowest_rate_rad_s(); }
 
-// Axial or bending mode of a beam with free ends, or with one held end and the length held_reach_m_.
+// Axial or bending mode of a beam with free ends, or with one held end and the length holding_.reach_m.
 double CellsBody::lowest_rate_rad_s() const {
   const Vector3d size = extent_.max_m - extent_.min_m;
-  const double length = free() ? size.maxCoeff() : held_reach_m_, thickness = size.minCoeff();
-  const double wave_m_s = std::sqrt(cell_materials_.materials[0].youngs_modulus_pa / densities_kg_m3_[0]);
+  const double length = free() ? size.maxCoeff() : holding_.reach_m, thickness = size.minCoeff();
+  const double wave_m_s =
+      std::sqrt(materials_.cells.materials[0].youngs_modulus_pa / materials_.densities_kg_m3[0]);
   const double axial = (free() ? M_PI : M_PI_2) / length;
   const double bending = (free() ? 22.37 : 3.516) / std::sqrt(12.0) * thickness / (length * length);
   return wave_m_s * std::min(axial, bending);
@@ -404,14 +411,14 @@ Pose CellsBody::centre_pose() const {
   for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] * lattice_.node_position_m(i);
   rest_centre /= mass_kg_;
   for (size_t i = 0; i < masses_kg_.size(); ++i) {
-    match += masses_kg_[i] * (nodes_.position_m(i) - motion_.centre_m) *
+    match += masses_kg_[i] * (nodes_.position_m(i) - ledger_.motion.centre_m) *
              (lattice_.node_position_m(i) - rest_centre).transpose();
   }
-  return {origin_m_ + motion_.centre_m, extract_rotation(match, orientation_)};
+  return {origin_m_ + ledger_.motion.centre_m, extract_rotation(match, orientation_)};
 }
 
-Vector3d CellsBody::velocity_m_s() const { return motion_.velocity_m_s(); }
-Vector3d CellsBody::angular_velocity_rad_s() const { return motion_.angular_velocity_rad_s(); }
+Vector3d CellsBody::velocity_m_s() const { return ledger_.motion.velocity_m_s(); }
+Vector3d CellsBody::angular_velocity_rad_s() const { return ledger_.motion.angular_velocity_rad_s(); }
 
 double CellsBody::elastic_j() const {
   double sum = 0.0;
@@ -435,13 +442,13 @@ BodyEnergy CellsBody::energy(const Vector3d& gravity_m_s2) const {
   }
   // The spin of the nodes as point masses counts with the inertia of the material.
   if (free()) {
-    const Vector3d spin = motion_.angular_velocity_rad_s();
-    const Vector3d excess = (inertia_of(second) - motion_.inertia) * spin;
+    const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
+    const Vector3d excess = (inertia_of(second) - ledger_.motion.inertia) * spin;
     energy.kinetic_j -= 0.5 * spin.dot(excess);
     energy.angular_momentum -= excess;
   }
   energy.elastic_j = elastic_j();
-  energy.plastic_work_j = plastic_work_j_;
+  energy.plastic_work_j = plastic_.work_j;
   return energy;
 }
 
@@ -457,41 +464,41 @@ Eigen::AlignedBox3d CellsBody::bounds_m() const {
 
 ElasticAccuracy CellsBody::accuracy() const {
   ElasticAccuracy accuracy;
-  accuracy.cell_width_m = resolution_.cell_width_m;
-  accuracy.substeps = resolution_.substeps;
-  accuracy.courant = resolution_.courant;
+  accuracy.cell_width_m = accuracy_.resolution.cell_width_m;
+  accuracy.substeps = accuracy_.resolution.substeps;
+  accuracy.courant = accuracy_.resolution.courant;
   const auto report = [&](size_t k, MaterialAccuracy& of_material) {
     of_material.youngs_modulus_pa = asked_modulus_pa(k);
-    of_material.reached_youngs_modulus_pa = cell_materials_.materials[k].youngs_modulus_pa;
+    of_material.reached_youngs_modulus_pa = materials_.cells.materials[k].youngs_modulus_pa;
     of_material.clipped = of_material.reached_youngs_modulus_pa < of_material.youngs_modulus_pa;
-    of_material.band = of_material.clipped ? ElasticBand::Clipped : bands_[k].band;
-    of_material.modulus_ratio_low = bands_[k].ratio_low;
-    of_material.modulus_ratio_high = bands_[k].ratio_high;
-    of_material.modulus_ratio_across = bands_[k].ratio_across;
+    of_material.band = of_material.clipped ? ElasticBand::Clipped : accuracy_.bands[k].band;
+    of_material.modulus_ratio_low = accuracy_.bands[k].ratio_low;
+    of_material.modulus_ratio_high = accuracy_.bands[k].ratio_high;
+    of_material.modulus_ratio_across = accuracy_.bands[k].ratio_across;
   };
   report(0, accuracy);
-  for (size_t k = 1; k < bands_.size(); ++k) {
-    accuracy.regions.push_back({{}, region_names_[k - 1]});
+  for (size_t k = 1; k < accuracy_.bands.size(); ++k) {
+    accuracy.regions.push_back({{}, materials_.region_names[k - 1]});
     report(k, accuracy.regions.back());
   }
   accuracy.recovery_count = recovery_count_;
-  accuracy.node_substeps = resolution_.node_substeps;
-  if (unbudgeted_) {
-    accuracy.unbudgeted_cell_width_m = unbudgeted_->cell_width_m;
-    accuracy.unbudgeted_reached_pa = unbudgeted_->youngs_modulus_pa;
+  accuracy.node_substeps = accuracy_.resolution.node_substeps;
+  if (accuracy_.unbudgeted) {
+    accuracy.unbudgeted_cell_width_m = accuracy_.unbudgeted->cell_width_m;
+    accuracy.unbudgeted_reached_pa = accuracy_.unbudgeted->youngs_modulus_pa;
   }
-  accuracy.over_budget = resolution_.over_budget;
-  accuracy.sag = densities_kg_m3_[0] * kGravity_m_s2 * (extent_.max_m - extent_.min_m).minCoeff() /
-                 cell_materials_.materials[0].youngs_modulus_pa;
-  accuracy.thin_part = thin_part_;
+  accuracy.over_budget = accuracy_.resolution.over_budget;
+  accuracy.sag = materials_.densities_kg_m3[0] * kGravity_m_s2 * (extent_.max_m - extent_.min_m).minCoeff() /
+                 materials_.cells.materials[0].youngs_modulus_pa;
+  accuracy.thin_part = accuracy_.thin_part;
   accuracy.nodes = nodes_.count();
   accuracy.cells = lattice_.cells.size();
   accuracy.particles = particle_points_.size();
   accuracy.bytes = nodes_.bytes() + batches_.bytes() +
-                   surface_.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
-                   face_normals_.capacity() * sizeof(Eigen::Vector3f) +
-                   surface_cells_.capacity() * sizeof(SurfaceCell);
-  for (const StepGains* gains : {&own_gains_, &impact_gains_, &neighbour_gains_}) {
+                   surface_.points.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
+                   surface_.face_normals.capacity() * sizeof(Eigen::Vector3f) +
+                   surface_.cells.capacity() * sizeof(SurfaceCell);
+  for (const StepGains* gains : {&gains_.own, &gains_.impact, &gains_.imposed}) {
     for (const auto& of_order : gains->of_order) accuracy.bytes += of_order ? of_order->bytes() : 0;
   }
   return accuracy;
@@ -531,8 +538,8 @@ NodeSample CellsBody::sample_at(const EmbeddedPoint& point) const {
 
 Vector3d CellsBody::node_velocity(size_t node) const {
   if (inverse_masses_[node] == 0.0) return nodes_.velocity_m_s(node);
-  return nodes_.velocity_m_s(node) + velocity_correction_ +
-         spin_correction_.cross(nodes_.position_m(node) - motion_.centre_m);
+  return nodes_.velocity_m_s(node) + ledger_.velocity_correction +
+         ledger_.spin_correction.cross(nodes_.position_m(node) - ledger_.motion.centre_m);
 }
 
 Vector3d CellsBody::velocity_of(const NodeSample& sample) const {

@@ -36,25 +36,25 @@ CellsBody::Ball CellsBody::ball_around(const SurfaceCell& cell) const {
 
 // Pairs of surface cells and colliders that can touch before a node moves by the margin.
 void CellsBody::find_candidates(const SubstepContext& context) {
-  const double speed = motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_ +
-                       context.gravity_m_s2.norm() / rate_hz_;
-  const double margin = std::max(kColliderCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
-  candidate_margin_m_ = margin;
-  candidate_colliders_ = context.colliders.size();
-  candidates_.clear();
+  const double speed = ledger_.motion.velocity_m_s().norm() + reach_m_ * step_.spin_rad_s +
+                       4.0 * step_.deviation_m_s + context.gravity_m_s2.norm() / accuracy_.rate_hz;
+  const double margin = std::max(kColliderCandidateRoom * lattice_.cell_width_m, speed / accuracy_.rate_hz);
+  colliders_.margin_m = margin;
+  colliders_.count = context.colliders.size();
+  colliders_.candidates.clear();
   std::vector<uint32_t> near;
   for (uint32_t k = 0; k < context.colliders.size(); ++k) {
-    if (reaches(context.colliders[k], origin_m_ + motion_.centre_m,
+    if (reaches(context.colliders[k], origin_m_ + ledger_.motion.centre_m,
                 1.5 * reach_m_ + extent_.box_edge_m + margin)) {
       near.push_back(k);
     }
   }
   if (near.empty()) return;
-  for (uint32_t i = 0; i < surface_cells_.size(); ++i) {
-    const Ball ball = ball_around(surface_cells_[i]);
+  for (uint32_t i = 0; i < surface_.cells.size(); ++i) {
+    const Ball ball = ball_around(surface_.cells[i]);
     for (const uint32_t k : near) {
       if (reaches(context.colliders[k], origin_m_ + ball.centre_m, ball.radius_m + margin))
-        candidates_.push_back({i, k});
+        colliders_.candidates.push_back({i, k});
     }
   }
 }
@@ -62,25 +62,25 @@ void CellsBody::find_candidates(const SubstepContext& context) {
 void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) {
   // Bound of a node's motion in this step, and of the corners of its cell. Deviations can be several times
   // their root mean square.
-  candidate_margin_m_ -=
-      1.5 * step_s * (motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_);
-  if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size())
-    find_candidates(context);
+  colliders_.margin_m -=
+      1.5 * step_s *
+      (ledger_.motion.velocity_m_s().norm() + reach_m_ * step_.spin_rad_s + 4.0 * step_.deviation_m_s);
+  if (colliders_.margin_m <= 0.0 || colliders_.count != context.colliders.size()) find_candidates(context);
 
-  if (candidates_.empty()) return;
-  if (sides_.empty()) sides_.assign(surface_.size(), Side{});
-  const size_t first_contact = collider_contacts_.size();
+  if (colliders_.candidates.empty()) return;
+  if (colliders_.sides.empty()) colliders_.sides.assign(surface_.points.size(), Side{});
+  const size_t first_contact = colliders_.contacts.size();
   const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
   const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction,
                            uint32_t i) {
-    NodeSample sample = surface_[i];
-    Side& side = sides_[i];
+    NodeSample sample = surface_.points[i];
+    Side& side = colliders_.sides[i];
     Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
     const bool met = side.collider == collider_index;
     const Vector3d last = met ? side.normal.cast<double>().eval() : Vector3d::Zero().eval();
     SurfaceSample surface = swept_surface(collider, origin_m_ + from, origin_m_ + point, last);
     const double patch_depth = patch_depth_m(i);
-    double w = surface_mobility_[i];
+    double w = surface_.mobility[i];
     if (patch_depth > 0.0 && surface.distance_m < patch_depth) {
       sample = touching_sample(i, surface.normal);
       w = mobility(sample);
@@ -93,7 +93,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
       return;
     }
     side = {collider_index, surface.normal.cast<float>()};
-    touching_ = true;
+    step_.touching = true;
     // Initial overlaps separate at kContactPushSpeed_m_s at most.
     const Vector3d moved = point - from;
     const double gap_before = surface.distance_m - surface.normal.dot(moved);
@@ -104,14 +104,15 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const double size = pull_kg_m.norm() / step_s;
     record_contact_impulse(origin_m_ + point, size);
   };
-  for (size_t n = 0; n < candidates_.size(); ++n) {
-    const Candidate& candidate = candidates_[backward_ ? candidates_.size() - 1 - n : n];
-    const SurfaceCell& cell = surface_cells_[candidate.cell];
+  for (size_t n = 0; n < colliders_.candidates.size(); ++n) {
+    const Candidate& candidate =
+        colliders_.candidates[step_.backward ? colliders_.candidates.size() - 1 - n : n];
+    const SurfaceCell& cell = surface_.cells[candidate.cell];
     const ColliderProbe& collider = probes[candidate.collider];
-    const double friction = mixed_friction(material_.friction, collider.collider().friction);
+    const double friction = mixed_friction(materials_.own.friction, collider.collider().friction);
     const uint32_t count = cell.end - cell.begin;
     for (uint32_t i = 0; i < count; ++i) {
-      resolve(collider, candidate.collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
+      resolve(collider, candidate.collider, friction, step_.backward ? cell.end - 1 - i : cell.begin + i);
     }
   }
   apply_rolling_resistance(first_contact, step_s);
@@ -129,9 +130,9 @@ void CellsBody::apply_collider_contact(uint32_t index, const NodeSample& sample,
                                        const Vector3d& pull_kg_m, double step_s) {
   const Vector3d impulse = pull_kg_m / step_s;
   nodes_.pull(sample, pull_kg_m);
-  contact_impulse_ += impulse;
-  contact_moment_ += point_m.cross(impulse);
-  collider_contacts_.push_back({index, sample, impulse});
+  ledger_.contact_impulse += impulse;
+  ledger_.contact_moment += point_m.cross(impulse);
+  colliders_.contacts.push_back({index, sample, impulse});
 }
 
 }  // namespace livegs

@@ -68,21 +68,21 @@ class CellsBody::Participant final : public ContactParticipant {
     return step_s * body_.mobility(anchor.sample) * Matrix3d::Identity();
   }
   Vector3d displacement_m(const ContactAnchor& anchor) const override {
-    if (!body_.in_step_) return step_s * body_.velocity_of(anchor.sample);
+    if (!body_.step_.in_step) return step_s * body_.velocity_of(anchor.sample);
     return body_.nodes_.displacement_m(anchor.sample);
   }
   void apply_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
-    if (!body_.in_step_) return body_.push_anchor(anchor, point, impulse);
+    if (!body_.step_.in_step) return body_.push_anchor(anchor, point, impulse);
     body_.nodes_.pull(anchor.sample, step_s * impulse);
-    body_.contact_impulse_ += impulse;
-    body_.contact_moment_ += (point - body_.origin_m_).cross(impulse);
+    body_.ledger_.contact_impulse += impulse;
+    body_.ledger_.contact_moment += (point - body_.origin_m_).cross(impulse);
   }
   void record_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
     body_.record_contact_impulse(point, impulse.norm());
-    body_.work_j_ += impulse.dot(displacement_m(anchor)) / step_s;
-    if (!body_.in_step_) return body_.settle_anchor(anchor, point, impulse);
-    body_.dynamic_contacts_.push_back({anchor.sample, impulse});
-    body_.touching_ = true;
+    body_.limiter_.work_j += impulse.dot(displacement_m(anchor)) / step_s;
+    if (!body_.step_.in_step) return body_.settle_anchor(anchor, point, impulse);
+    body_.bodies_.contacts.push_back({anchor.sample, impulse});
+    body_.step_.touching = true;
   }
 
  private:
@@ -90,49 +90,49 @@ class CellsBody::Participant final : public ContactParticipant {
 };
 
 Vector3d CellsBody::place_now_m(const NodeSample& sample) const {
-  return origin_m_ + (in_step_ ? nodes_.corrected_m(sample) : nodes_.position_m(sample));
+  return origin_m_ + (step_.in_step ? nodes_.corrected_m(sample) : nodes_.position_m(sample));
 }
 
 Vector3d CellsBody::node_now(uint32_t node) const {
-  return origin_m_ + (in_step_ ? nodes_.corrected_m(node) : nodes_.position_m(node));
+  return origin_m_ + (step_.in_step ? nodes_.corrected_m(node) : nodes_.position_m(node));
 }
 
 void CellsBody::list_boxes() const {
-  boxes_known_ = true;
-  surface_box_.setEmpty();
-  cell_boxes_.clear();
-  for (const SurfaceCell& cell : surface_cells_) {
-    const std::array<NodeLanes, 8> corners = nodes_.corners_m(cell.nodes, cell.points, in_step_);
+  surface_.boxes_known = true;
+  surface_.box.setEmpty();
+  surface_.cell_boxes.clear();
+  for (const SurfaceCell& cell : surface_.cells) {
+    const std::array<NodeLanes, 8> corners = nodes_.corners_m(cell.nodes, cell.points, step_.in_step);
     NodeLanes low = corners[0], high = corners[0];
     for (int k = 1; k < 8; ++k) {
       low = corners[k] < low ? corners[k] : low;
       high = corners[k] > high ? corners[k] : high;
     }
     const NodeLanes room = kBoxRoom * (high - low);
-    cell_boxes_.emplace_back(origin_m_ + vector_of(low - room), origin_m_ + vector_of(high + room));
-    surface_box_.extend(cell_boxes_.back());
+    surface_.cell_boxes.emplace_back(origin_m_ + vector_of(low - room), origin_m_ + vector_of(high + room));
+    surface_.box.extend(surface_.cell_boxes.back());
   }
 }
 
 AlignedBox3d CellsBody::surface_bounds_m(const AlignedBox3d& within) const {
   if (frozen()) return ElasticBody::surface_bounds_m(within);
-  if (!boxes_known_) list_boxes();
+  if (!surface_.boxes_known) list_boxes();
   AlignedBox3d bounds;
-  if (!surface_box_.intersects(within)) return bounds;
-  for (const AlignedBox3d& box : cell_boxes_) {
+  if (!surface_.box.intersects(within)) return bounds;
+  for (const AlignedBox3d& box : surface_.cell_boxes) {
     if (box.intersects(within)) bounds.extend(box);
   }
   return bounds;
 }
 
 void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
-  if (!boxes_known_) list_boxes();
-  if (!surface_box_.intersects(within)) return;
-  for (size_t n = 0; n < surface_cells_.size(); ++n) {
-    if (!cell_boxes_[n].intersects(within)) continue;
-    const SurfaceCell& cell = surface_cells_[n];
+  if (!surface_.boxes_known) list_boxes();
+  if (!surface_.box.intersects(within)) return;
+  for (size_t n = 0; n < surface_.cells.size(); ++n) {
+    if (!surface_.cell_boxes[n].intersects(within)) continue;
+    const SurfaceCell& cell = surface_.cells[n];
     NodeLanes corners[8];
-    for (int c = 0; c < 8; ++c) corners[c] = nodes_.place_m(cell.nodes[c], in_step_);
+    for (int c = 0; c < 8; ++c) corners[c] = nodes_.place_m(cell.nodes[c], step_.in_step);
     // Normals transform with the cofactors of the deformation gradient.
     Matrix3d f;
     for (int d = 0; d < 3; ++d) {
@@ -142,14 +142,14 @@ void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<Surface
     }
     Matrix3d cofactors;
     cofactors << f.col(1).cross(f.col(2)), f.col(2).cross(f.col(0)), f.col(0).cross(f.col(1));
-    const bool inside = within.contains(cell_boxes_[n]);
+    const bool inside = within.contains(surface_.cell_boxes[n]);
     for (uint32_t i = cell.begin; i < cell.end; ++i) {
       NodeLanes place{0, 0, 0, 0};
-      for (int c = 0; c < 8; ++c) place += surface_[i].weights[c] * corners[c];
+      for (int c = 0; c < 8; ++c) place += surface_.points[i].weights[c] * corners[c];
       const Vector3d position = origin_m_ + vector_of(place);
       if (!inside && !within.contains(position)) continue;
-      for (uint32_t k = face_begins_[i]; k < face_begins_[i + 1]; ++k) {
-        const Vector3d normal = cofactors * face_normals_[k].cast<double>();
+      for (uint32_t k = surface_.face_begins[i]; k < surface_.face_begins[i + 1]; ++k) {
+        const Vector3d normal = cofactors * surface_.face_normals[k].cast<double>();
         const double length = normal.norm();
         if (length > 0.0) elements.push_back({position, normal / length, 0.0, i});
       }
@@ -162,7 +162,7 @@ double CellsBody::element_reach_m() const { return kElementReach * extent_.box_e
 // Starts at the element's local coordinates and adds the offset, by the inverse of the cell's deformation.
 ContactAnchor CellsBody::anchor_at(uint32_t element, const Vector3d& point_m) const {
   ContactAnchor anchor;
-  anchor.sample = surface_[element];
+  anchor.sample = surface_.points[element];
   Vector3d position = Vector3d::Zero();
   Matrix3d f = Matrix3d::Zero();  // with respect to the local coordinates
   for (int c = 0; c < 8; ++c) {
@@ -172,7 +172,7 @@ ContactAnchor CellsBody::anchor_at(uint32_t element, const Vector3d& point_m) co
   }
   const double half = 0.5 * lattice_.cell_width_m;
   if (!(f.determinant() > 0.01 * half * half * half)) return anchor;
-  const Vector3d local = surface_local_[element].cast<double>();
+  const Vector3d local = surface_.local[element].cast<double>();
   const Vector3d furthest = local.cwiseAbs().cwiseMax(kMaxAnchorLocal);
   const auto weights =
       trilinear_weights((local + f.inverse() * (point_m - position)).cwiseMin(furthest).cwiseMax(-furthest));
@@ -188,13 +188,14 @@ void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m
     nodes_.change_velocities(node, anchor.sample.weights[c] * inverse_masses_[node] * impulse_n_s);
   }
   if (!free()) return;
-  const Vector3d turn = (point_m - origin_m_ - motion_.centre_m).cross(impulse_n_s);
-  motion_.momentum += impulse_n_s;
-  motion_.angular_momentum += turn;
-  momentum_before_ += impulse_n_s;
-  angular_before_ += turn;
-  spin_correction_ += solve_inertia(motion_.inertia, turn) - solve_inertia(node_inertia_, turn);
-  between_steps_impulse_ += impulse_n_s;
+  const Vector3d turn = (point_m - origin_m_ - ledger_.motion.centre_m).cross(impulse_n_s);
+  ledger_.motion.momentum += impulse_n_s;
+  ledger_.motion.angular_momentum += turn;
+  ledger_.momentum_before += impulse_n_s;
+  ledger_.angular_before += turn;
+  ledger_.spin_correction +=
+      solve_inertia(ledger_.motion.inertia, turn) - solve_inertia(ledger_.node_inertia, turn);
+  ledger_.between_steps_impulse += impulse_n_s;
 }
 
 // Corrects for the offset between the point of the impulse (ledger) and the anchor (nodes).
@@ -202,13 +203,13 @@ void CellsBody::settle_anchor(const ContactAnchor& anchor, const Vector3d& point
                               const Vector3d& impulse_n_s) {
   if (!free()) return;
   const Vector3d offset_m = point_m - origin_m_ - nodes_.position_m(anchor.sample);
-  spin_correction_ += solve_inertia(motion_.inertia, offset_m.cross(impulse_n_s));
+  ledger_.spin_correction += solve_inertia(ledger_.motion.inertia, offset_m.cross(impulse_n_s));
 }
 
 void CellsBody::record_contact_impulse(const Vector3d& point_m, double impulse_n_s) {
-  step_contact_n_s_ += impulse_n_s;
-  contact_total_.impulse_n_s += impulse_n_s;
-  contact_total_.moment += impulse_n_s * point_m;
+  loads_.contact_n_s += impulse_n_s;
+  loads_.contact_total.impulse_n_s += impulse_n_s;
+  loads_.contact_total.moment += impulse_n_s * point_m;
 }
 
 // Calls `visit(i)` for the surface cells within `margin_m` of a rigid body.
@@ -218,9 +219,9 @@ void CellsBody::visit_cells_near(const RigidProxy& body, double margin_m, const 
   const auto distance = [&](const Vector3d& point) {
     return body.shape->sample(body_from_world * point).distance_m;
   };
-  if (distance(origin_m_ + motion_.centre_m) > 1.5 * reach_m_ + extent_.box_edge_m + margin_m) return;
-  for (uint32_t i = 0; i < surface_cells_.size(); ++i) {
-    const Ball ball = ball_around(surface_cells_[i]);
+  if (distance(origin_m_ + ledger_.motion.centre_m) > 1.5 * reach_m_ + extent_.box_edge_m + margin_m) return;
+  for (uint32_t i = 0; i < surface_.cells.size(); ++i) {
+    const Ball ball = ball_around(surface_.cells[i]);
     if (distance(origin_m_ + ball.centre_m) <= ball.radius_m + margin_m) visit(i);
   }
 }
@@ -239,22 +240,22 @@ bool CellsBody::may_touch_awake(const SubstepContext& context) const {
 
 // As find_candidates, for rigid bodies: pairs that can touch before they approach by the margin.
 void CellsBody::find_rigid_candidates(const SubstepContext& context) {
-  rigid_candidate_ids_.clear();
-  rigid_candidates_.clear();
-  double speed = max_node_speed_m_s() + context.gravity_m_s2.norm() / rate_hz_;
+  bodies_.rigid_ids.clear();
+  bodies_.rigid_candidates.clear();
+  double speed = max_node_speed_m_s() + context.gravity_m_s2.norm() / accuracy_.rate_hz;
   for (const RigidProxy* body : context.bodies)
     speed = std::max(speed, max_node_speed_m_s() + body->fastest_m_s());
-  rigid_candidate_margin_m_ = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
+  bodies_.rigid_margin_m = std::max(kCandidateRoom * lattice_.cell_width_m, speed / accuracy_.rate_hz);
   for (uint32_t k = 0; k < context.bodies.size(); ++k) {
-    rigid_candidate_ids_.push_back(context.bodies[k]->body_id);
-    visit_cells_near(*context.bodies[k], rigid_candidate_margin_m_, [&](uint32_t cell) {
-      rigid_candidates_.push_back({cell, k});
+    bodies_.rigid_ids.push_back(context.bodies[k]->body_id);
+    visit_cells_near(*context.bodies[k], bodies_.rigid_margin_m, [&](uint32_t cell) {
+      bodies_.rigid_candidates.push_back({cell, k});
     });
   }
 }
 
 double CellsBody::max_node_speed_m_s() const {
-  return motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_;
+  return ledger_.motion.velocity_m_s().norm() + reach_m_ * step_.spin_rad_s + 4.0 * step_.deviation_m_s;
 }
 
 // Surface points of this body against rigid bodies.
@@ -271,12 +272,12 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
                       at.orientation.toRotationMatrix().transpose(), before.position_m - origin_m_,
                       at.position_m - origin_m_});
   }
-  for (const Candidate& candidate : rigid_candidates_) {
+  for (const Candidate& candidate : bodies_.rigid_candidates) {
     RigidProxy& body = *context.bodies[candidate.collider];
     const Frame& frame = frames[candidate.collider];
-    const SurfaceCell& cell = surface_cells_[candidate.cell];
+    const SurfaceCell& cell = surface_.cells[candidate.cell];
     for (uint32_t i = cell.begin; i < cell.end; ++i) {
-      NodeSample sample = surface_[i];
+      NodeSample sample = surface_.points[i];
       Vector3d point = nodes_.corrected_m(sample);
       const auto gap = [&] {
         return swept_gap(*body.shape, frame.from_world_before * (nodes_.position_m(sample) - frame.before_m),
@@ -298,7 +299,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
       row.anchor_b = body.anchor_at(row.point_m);
       row.normal = frame.from_world.transpose() * found.gradient;
       row.gap_m = found.distance_m;
-      row.friction = mixed_friction(material_.friction, body.friction);
+      row.friction = mixed_friction(materials_.own.friction, body.friction);
       row.other_body_id = body.body_id;
       row.point = i;
       start_from_last_force(row);
@@ -313,12 +314,12 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const Vector3d room = Vector3d::Constant(reach + radius);
-  const Vector3d own_displacement = body.step_s * motion_.velocity_m_s();
+  const Vector3d own_displacement = body.step_s * ledger_.motion.velocity_m_s();
   struct Point {
     Vector3d at_m, displacement_m, local_m;
   };
   std::vector<Point> points;
-  if (!boxes_known_) list_boxes();
+  if (!surface_.boxes_known) list_boxes();
   const Matrix3d turn = at.orientation.toRotationMatrix(),
                  turn_before = body.before.orientation.toRotationMatrix();
   AlignedBox3d box;
@@ -327,7 +328,7 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
     const Vector3d displacement = point - body.before.position_m - turn_before * local - own_displacement;
     AlignedBox3d passed(point);
     passed.extend(Vector3d(point - displacement));
-    if (!surface_box_.intersects(AlignedBox3d(passed.min() - room, passed.max() + room))) return;
+    if (!surface_.box.intersects(AlignedBox3d(passed.min() - room, passed.max() + room))) return;
     points.push_back({point, displacement, local});
     box.extend(point);
   };
@@ -362,7 +363,7 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
     row.anchor_b = body.anchor_at(row.point_m);
     row.normal = -depth->normal;
     row.gap_m = gap;
-    row.friction = mixed_friction(material_.friction, body.friction);
+    row.friction = mixed_friction(materials_.own.friction, body.friction);
     row.other_body_id = body.body_id;
     rows.push_back(row);
   }
@@ -371,15 +372,15 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
 // Surface points of this body against another elastic body, within the margin of relative motion.
 void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContacts& contacts) {
   contacts.margin_m = kElasticCandidateRoom * std::min(extent_.box_edge_m, other.extent_.box_edge_m);
-  contacts.own_restarts = restarts_;
-  contacts.other_restarts = other.restarts_;
+  contacts.own_restarts = bodies_.restarts;
+  contacts.other_restarts = other.bodies_.restarts;
   contacts.points.clear();
   const double reach = other.element_reach_m();
-  const Vector3d displacement = h * (motion_.velocity_m_s() - other.velocity_m_s());
+  const Vector3d displacement = h * (ledger_.motion.velocity_m_s() - other.velocity_m_s());
   const Vector3d room = Vector3d::Constant(reach) + displacement.cwiseAbs();
-  if (!boxes_known_) list_boxes();
+  if (!surface_.boxes_known) list_boxes();
   std::vector<SurfaceElement> elements;
-  other.surface_elements(AlignedBox3d(surface_box_.min() - room, surface_box_.max() + room), elements);
+  other.surface_elements(AlignedBox3d(surface_.box.min() - room, surface_.box.max() + room), elements);
   if (elements.empty()) return;
   AlignedBox3d box;
   for (const SurfaceElement& element : elements) box.extend(element.position_m);
@@ -391,7 +392,7 @@ void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContact
     for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {  // one point's faces
     }
     const SurfaceElement& point = points[k];
-    NodeSample sample = surface_[point.index];
+    NodeSample sample = surface_.points[point.index];
     Vector3d position = point.position_m;
     auto depth = grid.swept_depth(position, displacement, {&point, end - k});
     const double patch_depth = patch_depth_m(point.index);
@@ -410,16 +411,16 @@ void CellsBody::find_elastic_contacts(CellsBody& other, double h, ElasticContact
 void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& neighbour, double h,
                                              std::vector<ContactConstraint>& rows) {
   auto& other = static_cast<CellsBody&>(*neighbour.body);  // of the same solver
-  auto found = std::find_if(elastic_contacts_.begin(), elastic_contacts_.end(),
+  auto found = std::find_if(bodies_.elastic.begin(), bodies_.elastic.end(),
                             [&](const ElasticContacts& known) { return known.body_id == neighbour.body_id; });
-  if (found == elastic_contacts_.end())
-    found = elastic_contacts_.insert(elastic_contacts_.end(), {.body_id = neighbour.body_id});
+  if (found == bodies_.elastic.end())
+    found = bodies_.elastic.insert(bodies_.elastic.end(), {.body_id = neighbour.body_id, .points = {}});
   ElasticContacts& contacts = *found;
   contacts.margin_m -= 1.5 * h * (max_node_speed_m_s() + other.max_node_speed_m_s());
-  if (contacts.margin_m <= 0.0 || contacts.own_restarts != restarts_ ||
-      contacts.other_restarts != other.restarts_)
+  if (contacts.margin_m <= 0.0 || contacts.own_restarts != bodies_.restarts ||
+      contacts.other_restarts != other.bodies_.restarts)
     find_elastic_contacts(other, h, contacts);
-  const double friction = mixed_friction(material_.friction, other.material_.friction);
+  const double friction = mixed_friction(materials_.own.friction, other.materials_.own.friction);
   for (const ElasticContacts::Point& touch : contacts.points) {
     const Vector3d position = origin_m_ + nodes_.corrected_m(touch.own);
     const double gap_m = touch.normal.dot(position - other.place_now_m(touch.other));
@@ -442,40 +443,40 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& neighbour, 
 
 void CellsBody::prepare_contact_step(double step_s) {
   if (!participant_) participant_ = std::make_unique<Participant>(*this);
-  static_cast<Participant&>(*participant_).step_s = in_step_ ? step_of(step_s) : step_s;
-  if (!boxes_known_ && !frozen()) list_boxes();
-  ++contact_step_;
-  contact_step_s_ = step_s;
+  static_cast<Participant&>(*participant_).step_s = step_.in_step ? step_of(step_s) : step_s;
+  if (!surface_.boxes_known && !frozen()) list_boxes();
+  ++bodies_.step;
+  bodies_.step_s = step_s;
 }
 
 void CellsBody::start_from_last_force(ContactConstraint& row) const {
-  if (last_forces_.empty()) return;
-  const LastForce& last = last_forces_[row.point];
-  if (last.step + 1 != contact_step_ || last.body_id != row.other_body_id) return;
-  row.normal_impulse_n_s = contact_step_s_ * last.normal_n;
-  row.friction_impulse_n_s = contact_step_s_ * last.friction_n.cast<double>();
+  if (bodies_.last_forces.empty()) return;
+  const LastForce& last = bodies_.last_forces[row.point];
+  if (last.step + 1 != bodies_.step || last.body_id != row.other_body_id) return;
+  row.normal_impulse_n_s = bodies_.step_s * last.normal_n;
+  row.friction_impulse_n_s = bodies_.step_s * last.friction_n.cast<double>();
 }
 
 void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context,
                               std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) {
-    elastic_contacts_.clear();
+    bodies_.elastic.clear();
     return;
   }
   ContactParticipant& participant = contact_participant();
   double fastest = 0.0;
-  bool same = rigid_candidate_ids_.size() == context.bodies.size();
+  bool same = bodies_.rigid_ids.size() == context.bodies.size();
   for (size_t k = 0; k < context.bodies.size(); ++k) {
     fastest = std::max(fastest, context.bodies[k]->fastest_m_s());
-    same = same && rigid_candidate_ids_[k] == context.bodies[k]->body_id;
+    same = same && bodies_.rigid_ids[k] == context.bodies[k]->body_id;
   }
-  rigid_candidate_margin_m_ -= 1.5 * part.duration_s * (max_node_speed_m_s() + fastest);
-  if (rigid_candidate_margin_m_ <= 0.0 || !same) find_rigid_candidates(context);
+  bodies_.rigid_margin_m -= 1.5 * part.duration_s * (max_node_speed_m_s() + fastest);
+  if (bodies_.rigid_margin_m <= 0.0 || !same) find_rigid_candidates(context);
   const size_t begin = rows.size();
   collide_surface_with_rigid(participant, context, rows);
   for (RigidProxy* body : context.bodies) collide_rigid_points(*body, participant, rows);
   // The motion of a body that is not near is not counted: its contacts are found again when it returns.
-  std::erase_if(elastic_contacts_, [&](const ElasticContacts& contacts) {
+  std::erase_if(bodies_.elastic, [&](const ElasticContacts& contacts) {
     return std::none_of(context.others.begin(), context.others.end(), [&](const ElasticNeighbour& other) {
       return other.body_id == contacts.body_id && !other.body->is_separating(body_id_of(object_id_));
     });

@@ -38,7 +38,7 @@ void put_moduli(const LatticeCell& cell, double width_m, const IsotropicMaterial
 
 double CellsBody::elastic_f32_j() const {
   // With plastic flow no cell is full, and cut cells have individual rest strains.
-  std::vector<CutModuli> cut(plastic_parts_.empty() ? batches_.cut.size() : 0, CutModuli{});
+  std::vector<CutModuli> cut(plastic_.parts.empty() ? batches_.cut.size() : 0, CutModuli{});
   double sum = 0.0;
   size_t a_full_one = lattice_.cells.size();
   for (size_t i = 0; i < lattice_.cells.size(); ++i) {
@@ -47,7 +47,7 @@ double CellsBody::elastic_f32_j() const {
     if (at.kind == CellPlace::Kind::Full) {
       a_full_one = i;
     } else if (at.kind == CellPlace::Kind::Cut && !cut.empty()) {
-      put_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell),
+      put_moduli(cell, lattice_.cell_width_m, materials_.cells.of(cell),
                  [&](float shear_j, float lambda_j, const auto& modes) {
                    CutModuli& eight = cut[at.index];
                    eight.shear_j[at.lane] = shear_j;
@@ -68,7 +68,7 @@ double CellsBody::elastic_f32_j() const {
   if (a_full_one == lattice_.cells.size()) return sum;
   FullModuli full;
   const LatticeCell& cell = lattice_.cells[a_full_one];
-  put_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell),
+  put_moduli(cell, lattice_.cell_width_m, materials_.cells.of(cell),
              [&](float shear_j, float lambda_j, const auto& modes) {
                full.shear_j = shear_j;
                full.lambda_j = lambda_j;
@@ -83,34 +83,37 @@ double CellsBody::elastic_f32_j() const {
 
 // Runs once per frame, before other changes between frames. False: the state is lost.
 bool CellsBody::limit_energy() {
-  const bool touched = std::exchange(touched_last_frame_, touching_) || touching_;
-  const double work_j = std::exchange(work_j_, 0.0);
-  const bool unknown = driven_ || moved_ || recovering_ || is_separating() || !region_loads_.empty();
-  if (resolution_.courant > kMaxCourant || std::max(strain_squared_, bent_squared_) < kMinStrainSquared) {
-    energy_limit_j_.reset();
+  const bool touched = std::exchange(limiter_.touched_last_frame, step_.touching) || step_.touching;
+  const double work_j = std::exchange(limiter_.work_j, 0.0);
+  const bool unknown =
+      rest_.driven || holding_.moved || recovery_.recovering || is_separating() || !loads_.regions.empty();
+  if (accuracy_.resolution.courant > kMaxCourant ||
+      std::max(step_.strain_squared, step_.bent_squared) < kMinStrainSquared) {
+    limiter_.limit_j.reset();
     return true;
   }
   const double stored_j = elastic_f32_j(),
-               flight_j = free() ? 0.5 * motion_.momentum.squaredNorm() / mass_kg_ : 0.0;
-  const double inner_j = std::max(0.0, kinetic_j_ - flight_j) + stored_j;
-  const double fall_j = mass_kg_ * gravity_m_s2_ * reach_m_ + flight_j;
-  if (inner_j > kMaxStrainEnergyRatio * cell_materials_.materials[0].youngs_modulus_pa * volume_m3_ +
+               flight_j = free() ? 0.5 * ledger_.motion.momentum.squaredNorm() / mass_kg_ : 0.0;
+  const double inner_j = std::max(0.0, step_.kinetic_j - flight_j) + stored_j;
+  const double fall_j = mass_kg_ * step_.gravity_m_s2 * reach_m_ + flight_j;
+  if (inner_j > kMaxStrainEnergyRatio * materials_.cells.materials[0].youngs_modulus_pa * volume_m3_ +
                     kMaxFallEnergyRatio * fall_j)
     return false;
-  const double energy_j = kinetic_j_ + stored_j - mass_kg_ * gravity_.dot(centre_m());
+  const double energy_j = step_.kinetic_j + stored_j - mass_kg_ * step_.gravity.dot(centre_m());
   const double energy_limit_j =
-      energy_limit_j_ && !unknown ? std::min(*energy_limit_j_ + work_j, energy_j) : energy_j;
-  energy_limit_j_ = energy_limit_j;
+      limiter_.limit_j && !unknown ? std::min(*limiter_.limit_j + work_j, energy_j) : energy_j;
+  limiter_.limit_j = energy_limit_j;
   const double gained_j = energy_j - energy_limit_j;
-  if (gained_j <= (touched || forced_ ? kMaxGainTouching : kMaxGainFree) * inner_j) return true;
+  if (gained_j <= (touched || rest_.forced ? kMaxGainTouching : kMaxGainFree) * inner_j) return true;
 
-  const Vector3d velocity = free() ? motion_.velocity_m_s() : Vector3d::Zero();
-  const Vector3d spin = free() ? motion_.angular_velocity_rad_s() : Vector3d::Zero();
+  const Vector3d velocity = free() ? ledger_.motion.velocity_m_s() : Vector3d::Zero();
+  const Vector3d spin = free() ? ledger_.motion.angular_velocity_rad_s() : Vector3d::Zero();
   std::vector<Vector3d> deviation(nodes_.count());
   double deviation_j = 0.0;
   for (size_t i = 0; i < deviation.size(); ++i) {
     if (inverse_masses_[i] == 0.0) continue;
-    deviation[i] = nodes_.velocity_m_s(i) - velocity - spin.cross(nodes_.position_m(i) - motion_.centre_m);
+    deviation[i] =
+        nodes_.velocity_m_s(i) - velocity - spin.cross(nodes_.position_m(i) - ledger_.motion.centre_m);
     deviation_j += 0.5 * masses_kg_[i] * deviation[i].squaredNorm();
   }
   if (!(deviation_j > 0.0)) return true;

@@ -19,7 +19,7 @@ constexpr double kMinMomentMap = 0.577;
 double CellsBody::density_of(const LatticeCell& cell) const {
   double density_kg_m3 = 0.0;
   for (const MaterialShare& share : cell.materials)
-    density_kg_m3 += share.part * densities_kg_m3_[share.material];
+    density_kg_m3 += share.part * materials_.densities_kg_m3[share.material];
   return density_kg_m3;
 }
 
@@ -62,30 +62,30 @@ void CellsBody::set_moment_map() {
   of_material = mass_kg_ * (of_material / mass - material_centre * material_centre.transpose());
   const Eigen::SelfAdjointEigenSolver<Matrix3d> map(map_between_moments(of_nodes, of_material));
   const Vector3d kept = map.eigenvalues().cwiseMax(kMinMomentMap).cwiseMin(1.0);
-  moment_map_ = map.eigenvectors() * kept.asDiagonal() * map.eigenvectors().transpose();
+  ledger_.map = map.eigenvectors() * kept.asDiagonal() * map.eigenvectors().transpose();
 }
 
 // World frame. None at a large strain, because the moments at rest do not describe a crushed body.
 Matrix3d CellsBody::moment_map_now() const {
-  const Matrix3d turn = step_orientation_.toRotationMatrix(), one = Matrix3d::Identity();
-  return turn * (one + moment_map_share_ * (moment_map_ - one)) * turn.transpose();
+  const Matrix3d turn = ledger_.step_orientation.toRotationMatrix(), one = Matrix3d::Identity();
+  return turn * (one + ledger_.map_share * (ledger_.map - one)) * turn.transpose();
 }
 
 void CellsBody::use_material_inertia() {
-  node_inertia_ = motion_.inertia;
-  if (!free() || moment_map_share_ == 0.0) return;
+  ledger_.node_inertia = ledger_.motion.inertia;
+  if (!free() || ledger_.map_share == 0.0) return;
   const Matrix3d map = moment_map_now();
-  motion_.inertia = inertia_of(map * second_moments_of(node_inertia_) * map);
-  motion_.angular_momentum = material_angular(motion_.angular_momentum);
+  ledger_.motion.inertia = inertia_of(map * second_moments_of(ledger_.node_inertia) * map);
+  ledger_.motion.angular_momentum = material_angular(ledger_.motion.angular_momentum);
 }
 
 // Rate of the spin's pull on the nodes, 1/s²: that of the material less that of the nodes. With the map G
 // from the nodes' moments to the material's, the kinetic energy of the spin is that of points at G r, whose
 // pull on r is G W G r, W = w² - w w^T.
 Matrix3d CellsBody::centrifugal_correction() const {
-  if (!free() || moment_map_share_ == 0.0) return Matrix3d::Zero();
+  if (!free() || ledger_.map_share == 0.0) return Matrix3d::Zero();
   const Matrix3d map = moment_map_now();
-  const Vector3d spin = motion_.angular_velocity_rad_s();
+  const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   const Matrix3d pull = spin.squaredNorm() * Matrix3d::Identity() - spin * spin.transpose();
   return map * pull * map - pull;
 }

@@ -49,18 +49,18 @@ void CellsBody::turn(size_t index, CellShape& shape) const {
 }
 
 void CellsBody::flow() {
-  if (recovering_) return;
-  if (*std::max_element(plasticities_.begin(), plasticities_.end()) <= 0.0) return;
+  if (recovery_.recovering) return;
+  if (*std::max_element(materials_.plasticities.begin(), materials_.plasticities.end()) <= 0.0) return;
   YieldSurface surface;  // of the last cell, cached: most bodies have one material
   double surface_plasticity = NAN, surface_poisson_ratio = NAN;
   for (size_t i = 0; i < lattice_.cells.size(); ++i) {
     const LatticeCell& cell = lattice_.cells[i];
     double plasticity = 0.0;
     for (const MaterialShare& share : cell.materials)
-      plasticity += share.part * plasticities_[share.material];
+      plasticity += share.part * materials_.plasticities[share.material];
     if (plasticity <= 0.0) continue;
-    const IsotropicMaterial material = cell_materials_.of(cell);
-    const Matrix3d before = plastic_parts_.empty() ? Matrix3d::Identity() : plastic_parts_[i];
+    const IsotropicMaterial material = materials_.cells.of(cell);
+    const Matrix3d before = plastic_.parts.empty() ? Matrix3d::Identity() : plastic_.parts[i];
     if (plasticity != surface_plasticity || material.poisson_ratio != surface_poisson_ratio) {
       surface = yield_surface(plasticity, material.poisson_ratio);
       surface_plasticity = plasticity;
@@ -75,8 +75,8 @@ void CellsBody::flow() {
 
     // Cheap test, because most cells are far from yielding: |U - I| <= |U² - I|.
     CellShape shape = unturned_shape_of(i);
-    const bool fresh = plastic_parts_.empty() ||
-                       (plastic_parts_[i] == Matrix3d::Identity() && none_flowed(plastic_modes_[i]));
+    const bool fresh = plastic_.parts.empty() ||
+                       (plastic_.parts[i] == Matrix3d::Identity() && none_flowed(plastic_.modes[i]));
     if (fresh && (shape.f.transpose() * shape.f - Matrix3d::Identity()).norm() <= surface.radius &&
         std::all_of(shape.modes.begin(), shape.modes.end(),
                     [&](const Vector3d& mode) { return per_m * mode.norm() <= yield; })) {
@@ -87,7 +87,7 @@ void CellsBody::flow() {
     std::array<Vector3d, kModeCount> rest;
     bool bent = false;
     for (int j = 0; j < kModeCount; ++j) {
-      rest[j] = plastic_modes_.empty() ? Vector3d::Zero() : plastic_modes_[i][j];
+      rest[j] = plastic_.modes.empty() ? Vector3d::Zero() : plastic_.modes[i][j];
       const Vector3d elastic = shape.modes[j] - rest[j];
       const double strain = per_m * elastic.norm();
       if (strain <= yield * (1.0 + 1e-6) || shape.f.determinant() < 0.05) continue;
@@ -102,76 +102,76 @@ void CellsBody::flow() {
     // If strain and bending are coupled, one can flow at the cost of the other. Flow that would increase the
     // stored energy is rejected.
     const double stored = energy_of(i, shape);
-    const std::array<Vector3d, kModeCount> rest_before = plastic_modes_[i];
+    const std::array<Vector3d, kModeCount> rest_before = plastic_.modes[i];
     double work = 0.0;
     for (const auto& [strain_flows, modes_flow] : {std::pair(true, true), {true, false}, {false, true}}) {
-      plastic_parts_[i] = strain_flows ? flowed.plastic_part : before;
-      plastic_modes_[i] = modes_flow ? rest : rest_before;
+      plastic_.parts[i] = strain_flows ? flowed.plastic_part : before;
+      plastic_.modes[i] = modes_flow ? rest : rest_before;
       work = stored - energy_of(i, shape);
       if (work >= 0.0) break;
     }
     if (work < 0.0) {
-      plastic_modes_[i] = rest_before;
+      plastic_.modes[i] = rest_before;
       continue;
     }
-    plastic_work_j_ += work;
+    plastic_.work_j += work;
     set_plastic_lanes(i);
   }
 }
 
 // From the first flow on, every cell has its own constants.
 void CellsBody::begin_plastic() {
-  if (!plastic_parts_.empty()) return;
-  plastic_parts_.assign(lattice_.cells.size(), Matrix3d::Identity());
-  plastic_modes_.assign(lattice_.cells.size(),
+  if (!plastic_.parts.empty()) return;
+  plastic_.parts.assign(lattice_.cells.size(), Matrix3d::Identity());
+  plastic_.modes.assign(lattice_.cells.size(),
                         {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()});
-  const double h = last_step_s_;
+  const double h = gains_.last_step_s;
   rebuild_cells();
-  last_step_s_ = h;
+  gains_.last_step_s = h;
 }
 
 // Discards plastic flow caused by a tangled state; it is unrelated to the intended shape.
 void CellsBody::discard_plastic_flow() {
-  plastic_parts_.clear();
-  plastic_modes_.clear();
-  plastic_.clear();
-  thin_plastic_.clear();
-  const double h = last_step_s_;
+  plastic_.parts.clear();
+  plastic_.modes.clear();
+  plastic_.cut.clear();
+  plastic_.thin.clear();
+  const double h = gains_.last_step_s;
   rebuild_cells();
-  last_step_s_ = h;
+  gains_.last_step_s = h;
 }
 
 void CellsBody::set_all_plastic() {
   PlasticCells whole{};
   for (int k = 0; k < 3; ++k) whole.part[k] = all_lanes(1.0f);
-  plastic_.assign(batches_.cut.size(), whole);
-  thin_plastic_.assign(batches_.thin.size(), whole);
+  plastic_.cut.assign(batches_.cut.size(), whole);
+  plastic_.thin.assign(batches_.thin.size(), whole);
   for (size_t i = 0; i < lattice_.cells.size(); ++i) set_plastic_lanes(i);
 }
 
 void CellsBody::set_plastic_lanes(size_t index) {
   const CellPlace& at = batches_.places[index];
   if (at.kind != CellPlace::Kind::Cut && at.kind != CellPlace::Kind::Thin) return;
-  PlasticCells& eight = at.kind == CellPlace::Kind::Cut ? plastic_[at.index] : thin_plastic_[at.index];
-  const Vector6 part = mandel(plastic_parts_[index]);
+  PlasticCells& eight = at.kind == CellPlace::Kind::Cut ? plastic_.cut[at.index] : plastic_.thin[at.index];
+  const Vector6 part = mandel(plastic_.parts[index]);
   for (int k = 0; k < 6; ++k) eight.part[k][at.lane] = static_cast<float>(part[k]);
   for (int j = 0; j < kModeCount; ++j) {
     for (int d = 0; d < 3; ++d)
-      eight.mode_rest[j][d][at.lane] = static_cast<float>(plastic_modes_[index][j][d]);
+      eight.mode_rest[j][d][at.lane] = static_cast<float>(plastic_.modes[index][j][d]);
   }
 }
 
 double CellsBody::energy_of(size_t index, const CellShape& shape) const {
   Matrix3d rest = Matrix3d::Identity();
   std::array<Vector3d, kModeCount> modes = shape.modes;
-  if (!plastic_parts_.empty()) {
-    rest = plastic_parts_[index];
-    for (int j = 0; j < kModeCount; ++j) modes[j] -= plastic_modes_[index][j];
+  if (!plastic_.parts.empty()) {
+    rest = plastic_.parts[index];
+    for (int j = 0; j < kModeCount; ++j) modes[j] -= plastic_.modes[index][j];
   }
   const LatticeCell& cell = lattice_.cells[index];
   const Matrix3d stretch = shape.rotation.transpose() * shape.f;
   if (options_.thin && cell.thin) {
-    const IsotropicMaterial material = cell_materials_.of(cell);
+    const IsotropicMaterial material = materials_.cells.of(cell);
     Vector18 measures;
     measures.head<6>() = mandel(0.5 * (stretch + stretch.transpose()) - rest);
     for (int j = 0; j < kModeCount; ++j) measures.segment<3>(6 + 3 * j) = modes[j];
@@ -179,7 +179,7 @@ double CellsBody::energy_of(size_t index, const CellShape& shape) const {
            measures.dot(thin_cell_stiffness(cell, lattice_.cell_width_m, material, strain_modulus(material)) *
                         measures);
   }
-  return cell_energy(cell, lattice_.cell_width_m, cell_materials_.of(cell),
+  return cell_energy(cell, lattice_.cell_width_m, materials_.cells.of(cell),
                      0.5 * (stretch + stretch.transpose()) - rest, shape.f.determinant(), modes);
 }
 

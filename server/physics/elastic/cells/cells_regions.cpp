@@ -99,9 +99,9 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
           object_id_, region.name.c_str(), held.particles.size(), extent_.spacing_m);
     }
     number_held_nodes(held);
-    held_ = true;
-    moved_ = moved_ || region.motion.has_value();
-    constrained_regions_.push_back(std::move(held));
+    holding_.held = true;
+    holding_.moved = holding_.moved || region.motion.has_value();
+    holding_.regions.push_back(std::move(held));
   }
   measure_held_reach();
 }
@@ -110,7 +110,7 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
 // length of the beam that sets the lowest mode.
 void CellsBody::measure_held_reach() {
   std::vector<int> steps(inverse_masses_.size(), -1);
-  for (const ConstrainedRegion& held : constrained_regions_) {
+  for (const ConstrainedRegion& held : holding_.regions) {
     if (held.released) continue;
     for (const uint32_t node : held.nodes) steps[node] = 0;
     for (const uint32_t node : held.particle_nodes) steps[node] = 0;
@@ -131,7 +131,7 @@ void CellsBody::measure_held_reach() {
     }
     reach += grows;
   }
-  held_reach_m_ = std::max(reach, 1) * lattice_.cell_width_m;
+  holding_.reach_m = std::max(reach, 1) * lattice_.cell_width_m;
 }
 
 // A grip thinner than a voxel contains little more than the corners of the surface. Its face is then held as
@@ -158,7 +158,7 @@ void CellsBody::load_regions(const ElasticBodyDescription& description) {
                region.name.c_str());
     }
     for (const LoadPoint& point : points) {
-      region_loads_.push_back({sample_at(point.point), point.area_m2 * region.traction_pa});
+      loads_.regions.push_back({sample_at(point.point), point.area_m2 * region.traction_pa});
     }
   }
 }
@@ -166,19 +166,18 @@ void CellsBody::load_regions(const ElasticBodyDescription& description) {
 Vector3d CellsBody::region_target_m(const ConstrainedRegion& held, const Vector3d& rest_m,
                                     double time_s) const {
   const Vector3d point = held.region.motion ? moved_point(*held.region.motion, rest_m, time_s) : rest_m;
-  return world_from_object_ * point - origin_m_;
+  return holding_.world_from_object * point - origin_m_;
 }
 
 bool CellsBody::driven(double from_s, double to_s) const {
-  return moved_ && std::any_of(constrained_regions_.begin(), constrained_regions_.end(),
-                               [&](const ConstrainedRegion& held) {
-                                 return !held.released && held.region.motion &&
-                                        moves_between(*held.region.motion, from_s, to_s);
-                               });
+  return holding_.moved &&
+         std::any_of(holding_.regions.begin(), holding_.regions.end(), [&](const ConstrainedRegion& held) {
+           return !held.released && held.region.motion && moves_between(*held.region.motion, from_s, to_s);
+         });
 }
 
 void CellsBody::move_regions(double time_s, double h) {
-  for (const ConstrainedRegion& held : constrained_regions_) {
+  for (const ConstrainedRegion& held : holding_.regions) {
     if (held.released || !held.region.motion) continue;
     for (size_t i = 0; i < held.nodes.size(); ++i) {
       const Vector3d target = region_target_m(held, held.node_rest_m[i], time_s);
@@ -212,7 +211,7 @@ void CellsBody::number_held_nodes(ConstrainedRegion& held) const {
 // weights of the particles and d the changes of their nodes. The particles can be more than the free nodes;
 // their targets agree, because motions are affine in each cell.
 void CellsBody::hold_particles(double time_s) {
-  for (const ConstrainedRegion& held : constrained_regions_) {
+  for (const ConstrainedRegion& held : holding_.regions) {
     const size_t count = held.particles.size(), node_count = held.particle_nodes.size();
     if (held.released || count == 0) continue;
     std::vector<double> roots(node_count);  // of the inverse masses
@@ -270,14 +269,14 @@ void CellsBody::hold_particles(double time_s) {
 
 bool CellsBody::release_region(const std::string& name) {
   bool found = false;
-  held_ = moved_ = false;
-  for (ConstrainedRegion& held : constrained_regions_) {
+  holding_.held = holding_.moved = false;
+  for (ConstrainedRegion& held : holding_.regions) {
     if (held.region.name == name && !held.released) {
       found = held.released = true;
       for (const uint32_t node : held.nodes) inverse_masses_[node] = 1.0;
     }
-    held_ = held_ || !held.released;
-    moved_ = moved_ || (!held.released && held.region.motion);
+    holding_.held = holding_.held || !held.released;
+    holding_.moved = holding_.moved || (!held.released && held.region.motion);
   }
   if (!found) return false;
   set_masses();

@@ -76,39 +76,40 @@ Vector3d rolling_resistance(const std::vector<Push>& pushes, const Vector3d& spi
 }  // namespace
 
 double CellsBody::plane_strain_modulus_pa() const {
-  const IsotropicMaterial& own = cell_materials_.materials[0];
+  const IsotropicMaterial& own = materials_.cells.materials[0];
   return own.youngs_modulus_pa / (1.0 - own.poisson_ratio * own.poisson_ratio);
 }
 
 // Rolling on colliders, by the contact impulses from `first_contact` on.
 void CellsBody::apply_rolling_resistance(size_t first_contact, double step_s) {
   // No rolling resistance during impacts.
-  if (!free() || !is_slow_ || collider_contacts_.size() == first_contact) return;
-  const Vector3d spin = motion_.angular_velocity_rad_s();
+  if (!free() || !step_.is_slow || colliders_.contacts.size() == first_contact) return;
+  const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   const double speed = spin.norm();
   if (!(speed > 0.0)) return;
   std::vector<Push> pushes;
-  const Matrix3d world_from_lattice = (step_orientation_ * extent_.object_from_lattice).toRotationMatrix();
-  for (size_t i = first_contact; i < collider_contacts_.size(); ++i) {
-    const ColliderContact& touch = collider_contacts_[i];
+  const Matrix3d world_from_lattice =
+      (ledger_.step_orientation * extent_.object_from_lattice).toRotationMatrix();
+  for (size_t i = first_contact; i < colliders_.contacts.size(); ++i) {
+    const ColliderContact& touch = colliders_.contacts[i];
     Matrix3d radii_m = Matrix3d::Zero();
-    if (!patches_.empty()) {
-      const Matrix3d in_lattice = patches_[touch.point].flatten.cast<double>();
+    if (!surface_.patches.empty()) {
+      const Matrix3d in_lattice = surface_.patches[touch.point].flatten.cast<double>();
       radii_m = world_from_lattice * in_lattice * world_from_lattice.transpose();
     }
     pushes.push_back({nodes_.corrected_m(touch.sample), touch.impulse_n_s, radii_m});
   }
   const Vector3d axis = spin / speed;
-  const double stop = std::min(1.0, step_s / kSpinDecayTime_s) * axis.dot(motion_.inertia * axis);
-  contact_moment_ +=
-      rolling_resistance(pushes, spin, material_.loss_factor, plane_strain_modulus_pa(), step_s, stop);
+  const double stop = std::min(1.0, step_s / kSpinDecayTime_s) * axis.dot(ledger_.motion.inertia * axis);
+  ledger_.contact_moment +=
+      rolling_resistance(pushes, spin, materials_.own.loss_factor, plane_strain_modulus_pa(), step_s, stop);
 }
 
 // Resistance of balls that roll on this body, by the rows that it listed. Only balls: faces rest on their
 // own, and a box leaning on a block and a floor would jitter between them. A held body takes part. The spin
 // ends as soon as the couple suffices; a decay over kSpinDecayTime_s would let balls creep away.
 void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows) {
-  if (!is_slow_) return;
+  if (!step_.is_slow) return;
   std::vector<RigidProxy*> met;
   for (const ContactConstraint& row : rows) {
     const bool rolls = row.rigid && row.rigid->shape->is_ball() && row.normal_impulse_n_s > 0.0;
@@ -116,7 +117,8 @@ void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows
   }
   std::vector<Push> pushes;
   for (RigidProxy* rigid : met) {
-    const Vector3d spin = rigid->spin_rad_s - (free() ? motion_.angular_velocity_rad_s() : Vector3d::Zero());
+    const Vector3d spin =
+        rigid->spin_rad_s - (free() ? ledger_.motion.angular_velocity_rad_s() : Vector3d::Zero());
     const double speed = spin.norm();
     if (!(speed > 0.0)) continue;
     pushes.clear();
@@ -128,11 +130,11 @@ void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows
     }
     const Vector3d axis = spin / speed;
     double mobility = axis.dot(rigid->inverse_inertia * axis);
-    if (free()) mobility += axis.dot(solve_inertia(motion_.inertia, axis));
-    const Vector3d couple = rolling_resistance(pushes, spin, material_.loss_factor, plane_strain_modulus_pa(),
-                                               rigid->step_s, 1.0 / mobility);
+    if (free()) mobility += axis.dot(solve_inertia(ledger_.motion.inertia, axis));
+    const Vector3d couple = rolling_resistance(pushes, spin, materials_.own.loss_factor,
+                                               plane_strain_modulus_pa(), rigid->step_s, 1.0 / mobility);
     rigid->turn(couple);
-    contact_moment_ -= couple;
+    ledger_.contact_moment -= couple;
   }
 }
 

@@ -53,16 +53,16 @@ double CellsBody::overstrained_volume_fraction() const {
     if (batches_.places[i].kind == CellPlace::Kind::Held) continue;
     const CellShape shape = shape_of(i);
     const Matrix3d stretch = shape.rotation.transpose() * shape.f;
-    const bool flowed = !plastic_parts_.empty();
+    const bool flowed = !plastic_.parts.empty();
     // A fold leaves no strain at the centroid, so bending is included.
     const double fold = batches_.places[i].kind == CellPlace::Kind::Thin
                             ? thin_cell_fold(lattice_.cells[i], lattice_.cell_width_m)
                             : 16.0 / (lattice_.cell_width_m * lattice_.cell_width_m);
     double squared =
-        (0.5 * (stretch + stretch.transpose()) - (flowed ? plastic_parts_[i] : Matrix3d::Identity()))
+        (0.5 * (stretch + stretch.transpose()) - (flowed ? plastic_.parts[i] : Matrix3d::Identity()))
             .squaredNorm();
     for (int j = 0; j < kModeCount; ++j) {
-      const Vector3d bent = flowed ? Vector3d(shape.modes[j] - plastic_modes_[i][j]) : shape.modes[j];
+      const Vector3d bent = flowed ? Vector3d(shape.modes[j] - plastic_.modes[i][j]) : shape.modes[j];
       squared += fold * bent.squaredNorm();
     }
     if (squared > kOverstrainSquared) overstrained_m3 += lattice_.cells[i].volume_m3;
@@ -82,21 +82,21 @@ double CellsBody::thickness_m() const {
 }
 
 void CellsBody::recover_shape(double frame_s) {
-  if (!degenerate_) return;
+  if (!recovery_.degenerate) return;
   // No recovery under load or sag: the strain is then legitimate.
-  const double youngs_modulus_pa = cell_materials_.materials[0].youngs_modulus_pa,
-               weight_n = mass_kg_ * gravity_m_s2_;
+  const double youngs_modulus_pa = materials_.cells.materials[0].youngs_modulus_pa,
+               weight_n = mass_kg_ * step_.gravity_m_s2;
   const double length_m = (extent_.max_m - extent_.min_m).norm();
-  const double sag = densities_kg_m3_[0] * gravity_m_s2_ * length_m / youngs_modulus_pa;
+  const double sag = materials_.densities_kg_m3[0] * step_.gravity_m_s2 * length_m / youngs_modulus_pa;
   const double area_m2 = volume_m3_ / (extent_.max_m - extent_.min_m).maxCoeff();
   const double holding_n =
-      std::max(weight_n, kMinHoldingForce * youngs_modulus_pa * std::sqrt(bent_squared_) * area_m2);
-  const bool pressed = touching_ && (carried_n_ > holding_n || sag > kMaxSag),
-             flowed = !plastic_parts_.empty();
-  const bool alone = free() && !pressed && !forced_ && !is_separating() && region_loads_.empty();
+      std::max(weight_n, kMinHoldingForce * youngs_modulus_pa * std::sqrt(step_.bent_squared) * area_m2);
+  const bool pressed = step_.touching && (loads_.carried_n > holding_n || sag > kMaxSag),
+             flowed = !plastic_.parts.empty();
+  const bool alone = free() && !pressed && !rest_.forced && !is_separating() && loads_.regions.empty();
   if (!alone) {
-    degenerate_s_ = 0.0;
-    recovering_ = false;  // otherwise plastic flow would stay off while a hand holds the body
+    recovery_.degenerate_s = 0.0;
+    recovery_.recovering = false;  // otherwise plastic flow would stay off while a hand holds the body
     return;
   }
   Vector3d rest_centre = Vector3d::Zero();
@@ -105,50 +105,52 @@ void CellsBody::recover_shape(double frame_s) {
   Matrix3d match = Matrix3d::Zero(), rest = Matrix3d::Zero();
   for (size_t i = 0; i < masses_kg_.size(); ++i) {
     const Vector3d r = lattice_.node_position_m(i) - rest_centre;
-    match += masses_kg_[i] * (nodes_.position_m(i) - motion_.centre_m) * r.transpose();
+    match += masses_kg_[i] * (nodes_.position_m(i) - ledger_.motion.centre_m) * r.transpose();
     rest += masses_kg_[i] * r * r.transpose();
   }
   const Matrix3d fit = match * rest.inverse();
   if (!fit.allFinite()) return;
   const double upright = normalised_determinant(fit);
   // Spin alone strains a body by rho (omega L)² / E, and by a factor L / t more in bending.
-  const double wave_squared = youngs_modulus_pa / densities_kg_m3_[0], slender = length_m / thickness_m();
+  const double wave_squared = youngs_modulus_pa / materials_.densities_kg_m3[0],
+               slender = length_m / thickness_m();
   const double spun =
-      std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared * slender;
+      std::pow(ledger_.motion.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared * slender;
   // A limp body in contact takes any shape under its weight, so its uprightness is not used.
-  const bool limp = touching_ && sag * slender * slender > kMaxSag;
-  const bool wild = touching_ || flowed;
+  const bool limp = step_.touching && sag * slender * slender > kMaxSag;
+  const bool wild = step_.touching || flowed;
   const bool strained =
-      bent_squared_ > (wild ? kOverstrainSquared : kMinRecoveryStrainSquared) + 4.0 * spun * spun &&
+      step_.bent_squared > (wild ? kOverstrainSquared : kMinRecoveryStrainSquared) + 4.0 * spun * spun &&
       (!wild || overstrained_volume_fraction() > kMinOverstrainedFraction);
-  if (!recovering_) {
-    if ((limp || upright > kRecoveredDeterminant) && !strained) degenerate_ = false;
-    const bool settled =
-        strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettledEnergyRatio * elastic_f32_j();
+  if (!recovery_.recovering) {
+    if ((limp || upright > kRecoveredDeterminant) && !strained) recovery_.degenerate = false;
+    const bool settled = strained && 0.5 * mass_kg_ * step_.deviation_m_s * step_.deviation_m_s <
+                                         kSettledEnergyRatio * elastic_f32_j();
     // A tangle that does not come to rest counts half: first-order steps should have calmed it by then.
     const double weight = (!limp && upright < kMinDeterminant) || settled ? 1.0
-                          : strained && (wild || strained_)               ? 0.5
+                          : strained && (wild || step_.strained)          ? 0.5
                                                                           : -1.0;
-    degenerate_s_ = std::max(0.0, degenerate_s_ + weight * frame_s);
-    recovering_ = degenerate_s_ > kRecoveryDelay_s;
-    if (recovering_) {
-      ++recovered_count_;
+    recovery_.degenerate_s = std::max(0.0, recovery_.degenerate_s + weight * frame_s);
+    recovery_.recovering = recovery_.degenerate_s > kRecoveryDelay_s;
+    if (recovery_.recovering) {
+      ++recovery_.count;
       if (flowed) discard_plastic_flow();
     }
   }
-  if (!recovering_) return;
+  if (!recovery_.recovering) return;
   if ((limp || upright > kRecoveredDeterminant) && !strained) {
-    recovering_ = false;
-    degenerate_s_ = 0.0;
+    recovery_.recovering = false;
+    recovery_.degenerate_s = 0.0;
     return;
   }
   // Blends positions to the rigid shape about the centre and sets a rigid motion with the same momentum and
   // angular momentum. The rate grows, because folds of thin sheets can snap back between frames.
-  degenerate_s_ += frame_s;
-  const double doublings = std::min(degenerate_s_ / kRecoveryDelay_s - 1.0, kMaxDoublings);
+  recovery_.degenerate_s += frame_s;
+  const double doublings = std::min(recovery_.degenerate_s / kRecoveryDelay_s - 1.0, kMaxDoublings);
   const double part = 1.0 - std::exp(-kBlendRate_per_s * std::exp2(doublings) * frame_s);
   const Matrix3d rotation = nearest_rotation(fit);
-  const Vector3d velocity = motion_.velocity_m_s(), l = motion_.angular_momentum, centre = motion_.centre_m;
+  const Vector3d velocity = ledger_.motion.velocity_m_s(), l = ledger_.motion.angular_momentum,
+                 centre = ledger_.motion.centre_m;
   std::vector<Vector3d> was(masses_kg_.size()), now(was.size());
   const std::vector<Vector3d> still(was.size(), Vector3d::Zero());
   for (size_t i = 0; i < was.size(); ++i) was[i] = nodes_.position_m(i);

@@ -31,7 +31,7 @@ constexpr double kMaxJitter = 0.01, kJitterTime_s = 2.0;
 
 void CellsBody::end_frame(double frame_s) {
   if (asleep()) return;
-  if (rigid_) {
+  if (rest_.rigid) {
     place_rigid();
     whole_ = {centre_m(), orientation_};
     return;
@@ -39,16 +39,17 @@ void CellsBody::end_frame(double frame_s) {
   if (!has_finite_motion() || !limit_energy()) restore_last_valid_state();
   // The origin of a held body stays, so that rounding does not move held nodes.
   Vector3d shift = Vector3d::Zero();
-  if (!held_ || motion_.centre_m.norm() > 4.0 * reach_m_)
-    shift = motion_.centre_m.cast<float>().cast<double>();
+  if (!holding_.held || ledger_.motion.centre_m.norm() > 4.0 * reach_m_)
+    shift = ledger_.motion.centre_m.cast<float>().cast<double>();
   origin_m_ += shift;
-  motion_.centre_m -= shift;
-  reach_m_ = nodes_.move_all(-shift, motion_.centre_m);
-  orientation_ = (rotation_exp(frame_s * motion_.angular_velocity_rad_s()) * orientation_).normalized();
-  step_orientation_ = orientation_;
+  ledger_.motion.centre_m -= shift;
+  reach_m_ = nodes_.move_all(-shift, ledger_.motion.centre_m);
+  orientation_ =
+      (rotation_exp(frame_s * ledger_.motion.angular_velocity_rad_s()) * orientation_).normalized();
+  ledger_.step_orientation = orientation_;
   whole_ = {centre_m(), orientation_};
-  candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
-  rigid_candidate_margin_m_ -= 1e-6 * reach_m_;
+  colliders_.margin_m -= 1e-6 * reach_m_;  // rounding of the shift
+  bodies_.rigid_margin_m -= 1e-6 * reach_m_;
 
   update_stuck_contacts(frame_s);
   flow();
@@ -57,64 +58,67 @@ void CellsBody::end_frame(double frame_s) {
 }
 
 void CellsBody::rest(double frame_s) {
-  const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && !is_separating() &&
-                          region_loads_.empty() && strain_squared_ < kVisibleStrain * kVisibleStrain;
-  unstrained_time_s_ = unstrained ? unstrained_time_s_ + frame_s : 0.0;
-  if (unstrained_time_s_ >= kUnstrainedTime_s) {
+  const bool unstrained = free() && rest_.may_rest && !step_.touching && !rest_.forced && !is_separating() &&
+                          loads_.regions.empty() && step_.strain_squared < kVisibleStrain * kVisibleStrain;
+  rest_.unstrained_s = unstrained ? rest_.unstrained_s + frame_s : 0.0;
+  if (rest_.unstrained_s >= kUnstrainedTime_s) {
     become_rigid();
     return;
   }
   // Held and loaded bodies are tested by drift as well: they sleep in equilibrium, not while they creep.
   // Bodies resting on others jitter too much for that test.
-  const bool measured = held_ || !region_loads_.empty();
-  const bool moves = forced_ || driven_ || is_separating() || (measured && !is_stationary(frame_s));
+  const bool measured = holding_.held || !loads_.regions.empty();
+  const bool moves = rest_.forced || rest_.driven || is_separating() || (measured && !is_stationary(frame_s));
   const double calm = measured ? kStationarySpeedFactor : 1.0;
-  double seen_m_s = moves || !supported_ ? 0.0 : fastest_m_s(SleepTimer::kStillSpeed_m_s / calm);
-  if (!measured && !moves && supported_ && is_jittering(seen_m_s, frame_s)) seen_m_s = 0.0;
-  if (sleep_timer_.tick(frame_s, calm * seen_m_s, supported_, moves)) sleep();
+  double seen_m_s = moves || !rest_.supported ? 0.0 : fastest_m_s(SleepTimer::kStillSpeed_m_s / calm);
+  if (!measured && !moves && rest_.supported && is_jittering(seen_m_s, frame_s)) seen_m_s = 0.0;
+  if (rest_.sleep_timer.tick(frame_s, calm * seen_m_s, rest_.supported, moves)) sleep();
 }
 
 // Drift test. A slow vibration has zero speed twice per period, for longer than any timer, so the motion
 // during half a period decides. The centre of mass is insensitive to rounding.
 bool CellsBody::is_stationary(double frame_s) {
   const Vector3d centre = centre_m();
-  stationary_s_ += frame_s;
-  if ((centre - stationary_at_m_).norm() > kMaxStationaryDrift * (extent_.max_m - extent_.min_m).maxCoeff()) {
-    stationary_at_m_ = centre;
-    stationary_s_ = 0.0;
+  rest_.stationary_s += frame_s;
+  if ((centre - rest_.stationary_at_m).norm() >
+      kMaxStationaryDrift * (extent_.max_m - extent_.min_m).maxCoeff()) {
+    rest_.stationary_at_m = centre;
+    rest_.stationary_s = 0.0;
   }
-  return stationary_s_ >= M_PI / lowest_rate_rad_s();
+  return rest_.stationary_s >= M_PI / lowest_rate_rad_s();
 }
 
 // Whether only jitter remains. A corner folded under the body can snap back and forth indefinitely while the
 // rest is still.
 bool CellsBody::is_jittering(double seen_m_s, double frame_s) {
-  const bool still = std::max(motion_.velocity_m_s().norm(), deviation_m_s_) < SleepTimer::kStillSpeed_m_s;
-  if (!still || (seen_m_s < SleepTimer::kStillSpeed_m_s && jitter_origin_m_.empty())) {
-    jitter_origin_m_.clear();
+  const bool still =
+      std::max(ledger_.motion.velocity_m_s().norm(), step_.deviation_m_s) < SleepTimer::kStillSpeed_m_s;
+  if (!still || (seen_m_s < SleepTimer::kStillSpeed_m_s && rest_.jitter_origin_m.empty())) {
+    rest_.jitter_origin_m.clear();
     return false;
   }
   const double most_m = kMaxJitter * (extent_.max_m - extent_.min_m).minCoeff();
-  bool near = jitter_origin_m_.size() == surface_.size();
-  for (size_t i = 0; near && i < surface_.size(); ++i) {
-    near = (origin_m_ + nodes_.position_m(surface_[i]) - jitter_origin_m_[i]).squaredNorm() < most_m * most_m;
+  bool near = rest_.jitter_origin_m.size() == surface_.points.size();
+  for (size_t i = 0; near && i < surface_.points.size(); ++i) {
+    near = (origin_m_ + nodes_.position_m(surface_.points[i]) - rest_.jitter_origin_m[i]).squaredNorm() <
+           most_m * most_m;
   }
   if (near) {
-    jitter_time_s_ += frame_s;
+    rest_.jitter_s += frame_s;
   } else {
-    jitter_origin_m_.clear();
-    for (const NodeSample& sample : surface_)
-      jitter_origin_m_.push_back(origin_m_ + nodes_.position_m(sample));
-    jitter_time_s_ = 0.0;
+    rest_.jitter_origin_m.clear();
+    for (const NodeSample& sample : surface_.points)
+      rest_.jitter_origin_m.push_back(origin_m_ + nodes_.position_m(sample));
+    rest_.jitter_s = 0.0;
   }
-  return jitter_time_s_ >= kJitterTime_s;
+  return rest_.jitter_s >= kJitterTime_s;
 }
 
 // Uses the sums of the last step over all nodes: one non-finite node makes them non-finite.
 bool CellsBody::has_finite_motion() const {
-  return is_valid_position(centre_m()) && std::isfinite(reach_m_) && std::isfinite(kinetic_j_) &&
-         kinetic_j_ < 0.5 * mass_kg_ * kMaxValidSpeed_m_s * kMaxValidSpeed_m_s &&
-         motion_.momentum.allFinite() && motion_.angular_momentum.allFinite();
+  return is_valid_position(centre_m()) && std::isfinite(reach_m_) && std::isfinite(step_.kinetic_j) &&
+         step_.kinetic_j < 0.5 * mass_kg_ * kMaxValidSpeed_m_s * kMaxValidSpeed_m_s &&
+         ledger_.motion.momentum.allFinite() && ledger_.motion.angular_momentum.allFinite();
 }
 
 // Resets the body to its rest shape, at rest, at the pose of the last valid frame; a held body at its held
@@ -124,55 +128,55 @@ void CellsBody::restore_last_valid_state() {
   Vector3d rest_centre = Vector3d::Zero();
   for (size_t i = 0; i < masses_kg_.size(); ++i)
     rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
-  orientation_ = held_ ? world_from_object_.orientation : whole_.orientation;
-  origin_m_ = held_ ? world_from_object_ * rest_centre : whole_.position_m;
+  orientation_ = holding_.held ? holding_.world_from_object.orientation : whole_.orientation;
+  origin_m_ = holding_.held ? holding_.world_from_object * rest_centre : whole_.position_m;
   const Vector3d still = Vector3d::Zero();
   for (size_t i = 0; i < nodes_.count(); ++i) {
     nodes_.set_motion(i, orientation_ * (lattice_.node_position_m(i) - rest_centre), still);
   }
   for (LightNode& light_node : light_nodes_) light_node.parent_m_s = still;
-  if (!plastic_parts_.empty()) discard_plastic_flow();
+  if (!plastic_.parts.empty()) discard_plastic_flow();
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
-  step_orientation_ = orientation_;
+  ledger_.step_orientation = orientation_;
   restart_motion();
-  pressed_n_ = carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = degenerate_s_ =
-      0.0;
-  strained_ = degenerate_ = recovering_ = false;
-  energy_limit_j_.reset();
-  contact_total_ = {};
-  stuck_contacts_.clear();
-  sides_.clear();
-  boxes_known_ = false;
+  loads_.pressed_n = loads_.carried_n = step_.strain_squared = step_.bent_squared = step_.deviation_m_s =
+      step_.spin_rad_s = recovery_.degenerate_s = 0.0;
+  step_.strained = recovery_.degenerate = recovery_.recovering = false;
+  limiter_.limit_j.reset();
+  loads_.contact_total = {};
+  bodies_.stuck.clear();
+  colliders_.sides.clear();
+  surface_.boxes_known = false;
 }
 
 void CellsBody::sleep() {
-  sleep_timer_.sleep();
-  jitter_origin_m_.clear();
-  elastic_contacts_.clear();  // the motion of others is not counted during sleep
+  rest_.sleep_timer.sleep();
+  rest_.jitter_origin_m.clear();
+  bodies_.elastic.clear();  // the motion of others is not counted during sleep
   nodes_.stop();
-  motion_.momentum.setZero();
-  motion_.angular_momentum.setZero();
-  momentum_before_.setZero();
-  angular_before_.setZero();
-  velocity_correction_.setZero();
-  spin_correction_.setZero();
-  contact_lag_m_.setZero();
-  between_steps_impulse_.setZero();
-  deviation_m_s_ = 0.0;
-  first_step_ = true;
+  ledger_.motion.momentum.setZero();
+  ledger_.motion.angular_momentum.setZero();
+  ledger_.momentum_before.setZero();
+  ledger_.angular_before.setZero();
+  ledger_.velocity_correction.setZero();
+  ledger_.spin_correction.setZero();
+  ledger_.contact_lag_m.setZero();
+  ledger_.between_steps_impulse.setZero();
+  step_.deviation_m_s = 0.0;
+  step_.first = true;
 }
 
 // Fastest visible surface point. Nearly empty cells can have jittering nodes that are not visible. If the
 // whole body moves or deforms faster than `still_m_s`, that speed is returned, which is cheap. If all nodes
 // are still, so are the points, which are means of nodes.
 double CellsBody::fastest_m_s(double still_m_s) const {
-  const double mean = std::max(motion_.velocity_m_s().norm(), deviation_m_s_);
+  const double mean = std::max(ledger_.motion.velocity_m_s().norm(), step_.deviation_m_s);
   if (mean >= still_m_s) return mean;
   double squared = 0.0;
   for (size_t i = 0; i < nodes_.count(); ++i) squared = std::max(squared, node_velocity(i).squaredNorm());
-  if (surface_.empty() || squared < still_m_s * still_m_s) return std::sqrt(squared);
+  if (surface_.points.empty() || squared < still_m_s * still_m_s) return std::sqrt(squared);
   squared = 0.0;
-  for (const NodeSample& sample : surface_) {
+  for (const NodeSample& sample : surface_.points) {
     squared = std::max(squared, velocity_of(sample).squaredNorm());
     if (squared >= still_m_s * still_m_s) break;
   }
@@ -180,79 +184,80 @@ double CellsBody::fastest_m_s(double still_m_s) const {
 }
 
 void CellsBody::become_rigid() {
-  RigidMotion rigid;
-  rigid.world_from_body.position_m = origin_m_ + motion_.centre_m;
+  cells::RigidMotion rigid;
+  rigid.world_from_body.position_m = origin_m_ + ledger_.motion.centre_m;
   for (size_t i = 0; i < nodes_.count(); ++i) {
-    rigid.shape_m.push_back((nodes_.position_m(i) - motion_.centre_m).cast<float>());
+    rigid.shape_m.push_back((nodes_.position_m(i) - ledger_.motion.centre_m).cast<float>());
   }
   // A single line of particles has no inertia about itself and stays elastic.
-  if (!(motion_.inertia.determinant() > 0.0)) return;
-  rigid.axes = principal_axes(motion_.inertia);
-  rigid.inverse_inertia = motion_.inertia.inverse();
-  rigid_ = std::move(rigid);
+  if (!(ledger_.motion.inertia.determinant() > 0.0)) return;
+  rigid.axes = principal_axes(ledger_.motion.inertia);
+  rigid.inverse_inertia = ledger_.motion.inertia.inverse();
+  rest_.rigid = std::move(rigid);
 }
 
 // One world substep as a rigid body. False if something is near; the body is then elastic again.
 bool CellsBody::rigid_substep(const SubstepContext& context) {
   const double h = context.duration_s;
-  const Vector3d velocity = motion_.velocity_m_s();
-  const Vector3d centre = rigid_->world_from_body.position_m;
+  const Vector3d velocity = ledger_.motion.velocity_m_s();
+  const Vector3d centre = rest_.rigid->world_from_body.position_m;
   // Becomes elastic one frame before a contact is possible.
-  const double reach = reach_m_ + extent_.box_edge_m + 2.0 / rate_hz_ * velocity.norm();
+  const double reach = reach_m_ + extent_.box_edge_m + 2.0 / accuracy_.rate_hz * velocity.norm();
   bool near = !context.forces.empty() || !context.others.empty();
   for (const Collider& collider : context.colliders) near = near || reaches(collider, centre, reach);
   for (const RigidProxy* body : context.bodies) {
     const double distance = body->shape->sample(body->start.inverse() * centre).distance_m;
-    near = near || distance < reach + 2.0 / rate_hz_ * body->fastest_m_s();
+    near = near || distance < reach + 2.0 / accuracy_.rate_hz * body->fastest_m_s();
   }
   if (near) {
     become_elastic();
     return false;
   }
-  rigid_->world_from_body.position_m += h * velocity + 0.5 * h * h * context.gravity_m_s2;
-  rigid_->world_from_body.orientation =
-      rotate_freely(rigid_->world_from_body.orientation, rigid_->axes, motion_.angular_momentum, h);
-  motion_.momentum += h * mass_kg_ * context.gravity_m_s2;
-  motion_.inertia = rotated_tensor(rigid_->world_from_body.orientation, rigid_->inverse_inertia).inverse();
-  supported_ = context.gravity_m_s2.squaredNorm() == 0.0;
+  rest_.rigid->world_from_body.position_m += h * velocity + 0.5 * h * h * context.gravity_m_s2;
+  rest_.rigid->world_from_body.orientation = rotate_freely(
+      rest_.rigid->world_from_body.orientation, rest_.rigid->axes, ledger_.motion.angular_momentum, h);
+  ledger_.motion.momentum += h * mass_kg_ * context.gravity_m_s2;
+  ledger_.motion.inertia =
+      rotated_tensor(rest_.rigid->world_from_body.orientation, rest_.rigid->inverse_inertia).inverse();
+  rest_.supported = context.gravity_m_s2.squaredNorm() == 0.0;
   return true;
 }
 
 // Sets the nodes from the rigid motion.
 void CellsBody::place_rigid() {
-  origin_m_ = rigid_->world_from_body.position_m;
-  motion_.centre_m.setZero();
-  const Matrix3d turn = rigid_->world_from_body.orientation.toRotationMatrix();
-  const Vector3d velocity = motion_.velocity_m_s(), spin = motion_.angular_velocity_rad_s();
+  origin_m_ = rest_.rigid->world_from_body.position_m;
+  ledger_.motion.centre_m.setZero();
+  const Matrix3d turn = rest_.rigid->world_from_body.orientation.toRotationMatrix();
+  const Vector3d velocity = ledger_.motion.velocity_m_s(), spin = ledger_.motion.angular_velocity_rad_s();
   for (size_t i = 0; i < nodes_.count(); ++i) {
-    const Vector3d r = turn * rigid_->shape_m[i].cast<double>();
+    const Vector3d r = turn * rest_.rigid->shape_m[i].cast<double>();
     nodes_.set_motion(i, r, velocity + spin.cross(r));
   }
   orientation_ = centre_pose().orientation;
-  step_orientation_ = orientation_;
+  ledger_.step_orientation = orientation_;
 }
 
 void CellsBody::become_elastic() {
-  if (!rigid_) return;
+  if (!rest_.rigid) return;
   place_rigid();
   std::vector<Vector3d> positions(nodes_.count());
   const std::vector<Vector3d> still(positions.size(), Vector3d::Zero());
   for (size_t i = 0; i < positions.size(); ++i) positions[i] = nodes_.position_m(i);
-  node_inertia_ = body_momentum(positions, still, masses_kg_).inertia;
-  rigid_.reset();
+  ledger_.node_inertia = body_momentum(positions, still, masses_kg_).inertia;
+  rest_.rigid.reset();
   // The rotations of the sweep are out of date. The strain is negligible, so all are set to the body's
   // rotation.
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
-  momentum_before_ = motion_.momentum;
-  angular_before_ = motion_.angular_momentum;
-  velocity_correction_.setZero();
-  spin_correction_.setZero();
-  contact_lag_m_.setZero();
-  between_steps_impulse_.setZero();
-  unstrained_time_s_ = 0.0;
-  candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
-  ++restarts_;
-  first_step_ = true;
+  ledger_.momentum_before = ledger_.motion.momentum;
+  ledger_.angular_before = ledger_.motion.angular_momentum;
+  ledger_.velocity_correction.setZero();
+  ledger_.spin_correction.setZero();
+  ledger_.contact_lag_m.setZero();
+  ledger_.between_steps_impulse.setZero();
+  rest_.unstrained_s = 0.0;
+  colliders_.margin_m = bodies_.rigid_margin_m = 0.0;
+  ++bodies_.restarts;
+  step_.first = true;
 }
 
 }  // namespace livegs

@@ -65,24 +65,24 @@ Vector3d vector_of(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 }  // namespace
 
 int CellsBody::begin_substep(const SubstepContext& context) {
-  boxes_known_ = false;
-  forced_ = false;
-  driven_ = driven(context.start_s, context.start_s + context.duration_s);
+  surface_.boxes_known = false;
+  rest_.forced = false;
+  rest_.driven = driven(context.start_s, context.start_s + context.duration_s);
   for (const PointForce& force : context.forces)
-    forced_ = forced_ || force.spring || force.force_n.squaredNorm() > 0.0;
+    rest_.forced = rest_.forced || force.spring || force.force_n.squaredNorm() > 0.0;
   if (asleep()) {
-    const bool touched = forced_ || driven_ || may_touch_awake(context);
+    const bool touched = rest_.forced || rest_.driven || may_touch_awake(context);
     if (!touched) return 0;
     wake();
   }
-  if (rigid_ && rigid_substep(context)) return 0;
+  if (rest_.rigid && rigid_substep(context)) return 0;
   // A substep longer than the scene's is split, never stretched, because the stiffness was chosen for the
   // scene's.
-  const double longer = std::ceil(context.duration_s * rate_hz_ * scene_substeps_ - 1e-6);
+  const double longer = std::ceil(context.duration_s * accuracy_.rate_hz * accuracy_.scene_substeps - 1e-6);
   gather_point_loads(context);
-  const int steps =
-      resolution_.substeps / scene_substeps_ * static_cast<int>(std::clamp(longer, 1.0, kMaxSceneSubsteps));
-  return in_impact(context) ? steps * resolution_.impact_substeps : steps;
+  const int steps = accuracy_.resolution.substeps / accuracy_.scene_substeps *
+                    static_cast<int>(std::clamp(longer, 1.0, kMaxSceneSubsteps));
+  return in_impact(context) ? steps * accuracy_.resolution.impact_substeps : steps;
 }
 
 // Impact detection. The body's own steps are too long for a shock: with one sweep each, the cells in front of
@@ -90,27 +90,27 @@ int CellsBody::begin_substep(const SubstepContext& context) {
 // last kImpactFrames, by which time most of the shock is vibration. They are not used for bodies in a hand,
 // or next to other elastic bodies: all of these would take the same steps, and they yield anyway.
 bool CellsBody::in_impact(const SubstepContext& context) {
-  if (!context.others.empty() || forced_) return false;
-  const bool comes = !touching_ && !(candidates_.empty() && rigid_candidates_.empty());
-  const double speed_m_s = touching_ ? deviation_m_s_
-                           : comes   ? motion_.velocity_m_s().norm() + deviation_m_s_
-                                     : 0.0;
-  if (speed_m_s > kImpactSpeedRatio * resolution_.wave_speed_m_s(rate_hz_))
-    impact_until_s_ = context.start_s + kImpactFrames / rate_hz_;
-  return context.start_s < impact_until_s_;
+  if (!context.others.empty() || rest_.forced) return false;
+  const bool comes = !step_.touching && !(colliders_.candidates.empty() && bodies_.rigid_candidates.empty());
+  const double speed_m_s = step_.touching ? step_.deviation_m_s
+                           : comes        ? ledger_.motion.velocity_m_s().norm() + step_.deviation_m_s
+                                          : 0.0;
+  if (speed_m_s > kImpactSpeedRatio * accuracy_.resolution.wave_speed_m_s(accuracy_.rate_hz))
+    step_.impact_until_s = context.start_s + kImpactFrames / accuracy_.rate_hz;
+  return context.start_s < step_.impact_until_s;
 }
 
 void CellsBody::end_substep(const SubstepContext& context) {
-  gravity_ = context.gravity_m_s2;
-  gravity_m_s2_ = gravity_.norm();
-  supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
+  step_.gravity = context.gravity_m_s2;
+  step_.gravity_m_s2 = step_.gravity.norm();
+  rest_.supported = step_.touching || holding_.held || context.gravity_m_s2.squaredNorm() == 0.0;
 }
 
 // Collects the point forces of the scene and the tractions of regions.
 void CellsBody::gather_point_loads(const SubstepContext& context) {
-  point_loads_ = region_loads_;
+  loads_.points = loads_.regions;
   for (const PointForce& force : context.forces) {
-    point_loads_.push_back({sample_at(lattice_.embed(force.point_m)), force.force_n, force.spring});
+    loads_.points.push_back({sample_at(lattice_.embed(force.point_m)), force.force_n, force.spring});
   }
 }
 
@@ -119,7 +119,7 @@ void CellsBody::gather_point_loads(const SubstepContext& context) {
 // and at rest the force is stiffness times stretch.
 void CellsBody::solve_springs(const SubstepPart& part) {
   const double h = part.duration_s;
-  for (Load& load : point_loads_) {
+  for (Load& load : loads_.points) {
     if (!load.spring) continue;
     PointSpring& spring = *load.spring;
     if (!spring.force_n.allFinite()) spring.force_n.setZero();  // non-finite after a reset of the body
@@ -155,21 +155,22 @@ double CellsBody::grip_factor(const NodeSample& sample) const {
 void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& context) {
   const double h = part.duration_s, time_s = context.start_s + part.began_s + h;
   // Neighbours can impose another step length. The previous step is then not a valid basis for BDF2.
-  const bool even = std::abs(h - last_step_s_) <= 1e-9 * h;
-  last_step_s_ = h;
+  const bool even = std::abs(h - gains_.last_step_s) <= 1e-9 * h;
+  gains_.last_step_s = h;
   const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
-  is_slow_ =
-      touching_ && deviation_m_s_ < kMaxSlowSpeedRatio * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
-  second_order_ = options_.second_order && even && !first_step_ && !strained_ && !is_slow_;
+  step_.is_slow =
+      step_.touching &&
+      step_.deviation_m_s < kMaxSlowSpeedRatio * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
+  step_.second_order = options_.second_order && even && !step_.first && !step_.strained && !step_.is_slow;
   // The result of a sweep from zero multipliers depends slightly on its order. A landing body alternates the
   // order, because a fixed one would cause a sideways drift. A slow body keeps one order in order to come to
   // rest, and so does a free one, because nearly empty cells would vibrate.
-  const bool pressed = carried_n_ > kMaxAlternatingLoad * mass_kg_ * context.gravity_m_s2.norm();
-  backward_ = touching_ && !is_slow_ && !pressed && !backward_;
-  for (Load& load : point_loads_) load.from_m = nodes_.position_m(load.sample);
+  const bool pressed = loads_.carried_n > kMaxAlternatingLoad * mass_kg_ * context.gravity_m_s2.norm();
+  step_.backward = step_.touching && !step_.is_slow && !pressed && !step_.backward;
+  for (Load& load : loads_.points) load.from_m = nodes_.position_m(load.sample);
   solve_springs(part);
   predict(h, context);
-  if (moved_) move_regions(time_s, h);
+  if (holding_.moved) move_regions(time_s, h);
 
   GaussSeidelArrays sweep;
   sweep.predicted = nodes_.predicted();
@@ -177,44 +178,44 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   sweep.full = batches_.full.data();
   sweep.cut = batches_.cut.data();
   sweep.thin = batches_.thin.data();
-  sweep.plastic = plastic_.empty() ? nullptr : plastic_.data();
-  sweep.thin_plastic = plastic_parts_.empty() ? nullptr : thin_plastic_.data();
-  const GaussSeidelGains& gains = gains_of(h, second_order_);
+  sweep.plastic = plastic_.cut.empty() ? nullptr : plastic_.cut.data();
+  sweep.thin_plastic = plastic_.parts.empty() ? nullptr : plastic_.thin.data();
+  const GaussSeidelGains& gains = gains_of(h, step_.second_order);
   sweep.gains = gains.cut.data();
   sweep.thin_gains = gains.thin.data();
   sweep.full_gains = gains.full;
   sweep.inverse_four_widths = static_cast<float>(0.25 / lattice_.cell_width_m);
-  sweep.backward = backward_;
+  sweep.backward = step_.backward;
   sweep.paired = batches_.paired;
   const GaussSeidelReport report = gauss_seidel_pass(sweep, batches_.colours);
-  strain_squared_ = report.strain_squared;
-  bent_squared_ = report.bent_squared;
-  strained_ =
+  step_.strain_squared = report.strain_squared;
+  step_.bent_squared = report.bent_squared;
+  step_.strained =
       report.strain_squared > kFirstOrderStrainSquared || report.volume_ratio < kFirstOrderVolumeRatio;
-  degenerate_ = degenerate_ || strained_;
-  moment_map_share_ = strained_ ? 0.0 : std::min(1.0, moment_map_share_ + h / kMomentMapReturn_s);
+  recovery_.degenerate = recovery_.degenerate || step_.strained;
+  ledger_.map_share = step_.strained ? 0.0 : std::min(1.0, ledger_.map_share + h / kMomentMapReturn_s);
 
-  if (held_) hold_particles(time_s);
-  contact_impulse_.setZero();
-  contact_moment_.setZero();
-  collider_contacts_.clear();
-  dynamic_contacts_.clear();
-  touching_ = false;
-  step_contact_n_s_ = 0.0;
-  in_step_ = true;
-  boxes_known_ = false;
+  if (holding_.held) hold_particles(time_s);
+  ledger_.contact_impulse.setZero();
+  ledger_.contact_moment.setZero();
+  colliders_.contacts.clear();
+  bodies_.contacts.clear();
+  step_.touching = false;
+  loads_.contact_n_s = 0.0;
+  step_.in_step = true;
+  surface_.boxes_known = false;
 }
 
 void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context) {
   resolve_colliders(step_of(part.duration_s), context);
   update_carried_load(part);
   advance(part.duration_s);
-  for (const Load& load : point_loads_)
-    work_j_ += load.force_n.dot(nodes_.position_m(load.sample) - load.from_m);
+  for (const Load& load : loads_.points)
+    limiter_.work_j += load.force_n.dot(nodes_.position_m(load.sample) - load.from_m);
   damp_light_nodes(part.duration_s, context.gravity_m_s2);
-  first_step_ = false;
-  in_step_ = false;
-  boxes_known_ = false;  // boxes are also queried between steps
+  step_.first = false;
+  step_.in_step = false;
+  surface_.boxes_known = false;  // boxes are also queried between steps
 }
 
 // Estimates the load carried by the body, which lowers its vibration frequencies and increases their energy.
@@ -223,21 +224,21 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
 // times the magnitude of their sum. In a held body the sum passes to the held nodes, so it is carried as
 // well.
 void CellsBody::update_carried_load(const SubstepPart& part) {
-  const double friction = material_.friction, sum = contact_impulse_.norm();
-  const double through = step_contact_n_s_ / std::sqrt(1.0 + friction * friction) - sum;
+  const double friction = materials_.own.friction, sum = ledger_.contact_impulse.norm();
+  const double through = loads_.contact_n_s / std::sqrt(1.0 + friction * friction) - sum;
   const double part_of_mean = part.duration_s / (part.duration_s + kCarriedLoadTime_s);
-  const double carried_n_s = 0.5 * std::max(0.0, through) + (held_ ? sum : 0.0);
-  pressed_n_ += part_of_mean * (step_contact_n_s_ / part.duration_s - pressed_n_);
-  carried_n_ += part_of_mean * (carried_n_s / part.duration_s - carried_n_);
+  const double carried_n_s = 0.5 * std::max(0.0, through) + (holding_.held ? sum : 0.0);
+  loads_.pressed_n += part_of_mean * (loads_.contact_n_s / part.duration_s - loads_.pressed_n);
+  loads_.carried_n += part_of_mean * (carried_n_s / part.duration_s - loads_.carried_n);
 }
 
 void CellsBody::predict(double h, const SubstepContext& context) {
   const double step_s = step_of(h);
-  const double memory = second_order_ ? 1.0 / 3.0 : 0.0;
+  const double memory = step_.second_order ? 1.0 / 3.0 : 0.0;
   Vector3d force = mass_kg_ * context.gravity_m_s2, torque = Vector3d::Zero();
-  for (const Load& load : point_loads_) {
+  for (const Load& load : loads_.points) {
     force += load.force_n;
-    torque += (nodes_.position_m(load.sample) - motion_.centre_m).cross(load.force_n);
+    torque += (nodes_.position_m(load.sample) - ledger_.motion.centre_m).cross(load.force_n);
   }
 
   // Damping acts on the deviation from rigid motion, not on forces (otherwise a load would appear lighter).
@@ -248,39 +249,41 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   // held body (a rod held at its end). A step cannot remove more than the whole deviation.
   const double weight_n = mass_kg_ * context.gravity_m_s2.norm(), rate = damping_rate();
   const double moving_part = free() ? M_PI * M_PI / 144.0 : 1.0 / 3.0;
-  const double loaded = weight_n > 0.0 ? std::sqrt(1.0 + carried_n_ / (moving_part * weight_n)) : 1.0;
+  const double loaded = weight_n > 0.0 ? std::sqrt(1.0 + loads_.carried_n / (moving_part * weight_n)) : 1.0;
   const double kept = std::max(0.0, 1.0 - step_s * (loaded - 1.0) * rate) / (1.0 + step_s * rate);
   Vector3d old_velocity = Vector3d::Zero(), old_spin = Vector3d::Zero();
   Vector3d new_velocity = Vector3d::Zero(), new_spin = Vector3d::Zero();
-  if (free() || moved_) {
-    old_velocity = (motion_.momentum + memory * (motion_.momentum - momentum_before_)) / mass_kg_;
-    old_spin = solve_inertia(
-        motion_.inertia, motion_.angular_momentum + memory * (motion_.angular_momentum - angular_before_));
+  if (free() || holding_.moved) {
+    old_velocity =
+        (ledger_.motion.momentum + memory * (ledger_.motion.momentum - ledger_.momentum_before)) / mass_kg_;
+    old_spin = solve_inertia(ledger_.motion.inertia,
+                             ledger_.motion.angular_momentum +
+                                 memory * (ledger_.motion.angular_momentum - ledger_.angular_before));
     new_velocity = old_velocity;
     new_spin = old_spin;
   }
   if (free()) {
-    ledger_momentum_ = motion_.momentum + h * force;
-    ledger_angular_ = motion_.angular_momentum + h * torque;
-    new_velocity = (ledger_momentum_ - step_s * force) / mass_kg_;
+    ledger_.momentum = ledger_.motion.momentum + h * force;
+    ledger_.angular = ledger_.motion.angular_momentum + h * torque;
+    new_velocity = (ledger_.momentum - step_s * force) / mass_kg_;
     // The nodes get the torque with their own inertia, below.
-    new_spin =
-        solve_inertia(motion_.inertia, ledger_angular_) - step_s * solve_inertia(node_inertia_, torque);
+    new_spin = solve_inertia(ledger_.motion.inertia, ledger_.angular) -
+               step_s * solve_inertia(ledger_.node_inertia, torque);
   }
   PredictStep predict;
   predict.memory = static_cast<float>(memory);
   predict.step_s = static_cast<float>(step_s);
   predict.kept = static_cast<float>(kept);
-  predict.centre = lanes_of(motion_.centre_m);
-  predict.correction = lanes_of(velocity_correction_);
-  predict.correction_spin = lanes_of(spin_correction_);
+  predict.centre = lanes_of(ledger_.motion.centre_m);
+  predict.correction = lanes_of(ledger_.velocity_correction);
+  predict.correction_spin = lanes_of(ledger_.spin_correction);
   predict.bias = lanes_of(new_velocity - kept * old_velocity + step_s * context.gravity_m_s2);
   predict.spin = lanes_of(new_spin - kept * old_spin);
   const Matrix3d field = step_s * centrifugal_correction();
   for (int d = 0; d < 3; ++d) predict.field[d] = lanes_of(field.col(d));
   predict_nodes(nodes_.arrays(), predict);
 
-  for (const Load& load : point_loads_) {
+  for (const Load& load : loads_.points) {
     for (int c = 0; c < 8; ++c) {
       const uint32_t node = load.sample.nodes[c];
       const Vector3d gained = step_s * load.sample.weights[c] * inverse_masses_[node] * load.force_n;
@@ -293,21 +296,22 @@ void CellsBody::advance(double h) {
   NodeSums sums;
   advance_nodes(nodes_.arrays(), static_cast<float>(step_of(h)), sums);
   nodes_.swap();
-  const Vector3d momentum_of_step = motion_.momentum;
+  const Vector3d momentum_of_step = ledger_.motion.momentum;
   measure(sums, h);
-  momentum_before_ = momentum_of_step;
-  angular_before_ =
-      material_angular(vector_of(sums.angular_before) - motion_.centre_m.cross(momentum_before_));
-  for (const ColliderContact& touch : collider_contacts_) {
+  ledger_.momentum_before = momentum_of_step;
+  ledger_.angular_before = material_angular(vector_of(sums.angular_before) -
+                                            ledger_.motion.centre_m.cross(ledger_.momentum_before));
+  for (const ColliderContact& touch : colliders_.contacts) {
     const NodeSample& sample = touch.sample;
     nodes_.push_before(sample, touch.impulse_n_s);
-    momentum_before_ += touch.impulse_n_s;
-    angular_before_ += (nodes_.position_m(sample) - motion_.centre_m).cross(touch.impulse_n_s);
+    ledger_.momentum_before += touch.impulse_n_s;
+    ledger_.angular_before += (nodes_.position_m(sample) - ledger_.motion.centre_m).cross(touch.impulse_n_s);
   }
-  for (const DynamicContact& touch : dynamic_contacts_) {
+  for (const DynamicContact& touch : bodies_.contacts) {
     nodes_.push_before(touch.sample, touch.impulse_n_s);
-    momentum_before_ += touch.impulse_n_s;
-    angular_before_ += (nodes_.position_m(touch.sample) - motion_.centre_m).cross(touch.impulse_n_s);
+    ledger_.momentum_before += touch.impulse_n_s;
+    ledger_.angular_before +=
+        (nodes_.position_m(touch.sample) - ledger_.motion.centre_m).cross(touch.impulse_n_s);
   }
 }
 
@@ -315,7 +319,7 @@ void CellsBody::advance(double h) {
 // motion relative to the parent node, without the rigid motion of the body, is damped. The added mass follows
 // the parent: it gets the velocity change of the parent, without gravity, which the next step adds.
 void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
-  const Vector3d spin = motion_.angular_velocity_rad_s();
+  const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
   for (LightNode& light_node : light_nodes_) {
     const Vector3d parent_m_s = nodes_.velocity_m_s(light_node.parent),
@@ -327,14 +331,14 @@ void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
                                    spin.cross(nodes_.position_m(light_node.parent) - position);
     const Vector3d change =
         kLightNodeDamping * deviation_m_s +
-        (first_step_ ? 0.0 : light_node.added_mass_fraction) * (gained - step_s * gravity_m_s2);
+        (step_.first ? 0.0 : light_node.added_mass_fraction) * (gained - step_s * gravity_m_s2);
     nodes_.change_velocities(light_node.node, change);
     momentum += masses_kg_[light_node.node] * change;
-    angular += masses_kg_[light_node.node] * (position - motion_.centre_m).cross(change);
+    angular += masses_kg_[light_node.node] * (position - ledger_.motion.centre_m).cross(change);
   }
   if (light_nodes_.empty() || !free()) return;
-  velocity_correction_ -= momentum / mass_kg_;
-  spin_correction_ -= solve_inertia(node_inertia_, angular);
+  ledger_.velocity_correction -= momentum / mass_kg_;
+  ledger_.spin_correction -= solve_inertia(ledger_.node_inertia, angular);
 }
 
 // Updates the motion of the whole body and the difference between ledger and nodes. An impulse J at p changes
@@ -342,39 +346,43 @@ void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
 // the centre is (p - c) x J, with c before the step, less e x P, where e is the lead of c over h P / m. BDF2
 // spreads this lead over several steps: e' = (e - h J / m) / 3.
 void CellsBody::measure(const NodeSums& sums, double h) {
-  const Vector3d centre_before = motion_.centre_m, spin_of_step = motion_.angular_velocity_rad_s();
-  motion_.mass_kg = mass_kg_;
-  motion_.centre_m = vector_of(sums.mass_position) / mass_kg_;
-  motion_.momentum = vector_of(sums.momentum);
-  motion_.angular_momentum = vector_of(sums.angular) - motion_.centre_m.cross(motion_.momentum);
-  const Vector3d& c = motion_.centre_m;
+  const Vector3d centre_before = ledger_.motion.centre_m,
+                 spin_of_step = ledger_.motion.angular_velocity_rad_s();
+  ledger_.motion.mass_kg = mass_kg_;
+  ledger_.motion.centre_m = vector_of(sums.mass_position) / mass_kg_;
+  ledger_.motion.momentum = vector_of(sums.momentum);
+  ledger_.motion.angular_momentum =
+      vector_of(sums.angular) - ledger_.motion.centre_m.cross(ledger_.motion.momentum);
+  const Vector3d& c = ledger_.motion.centre_m;
   const double xx = sums.second[0] - mass_kg_ * c.x() * c.x(), yy = sums.second[1] - mass_kg_ * c.y() * c.y(),
                zz = sums.second[2] - mass_kg_ * c.z() * c.z(), xy = sums.second[3] - mass_kg_ * c.x() * c.y(),
                yz = sums.second[4] - mass_kg_ * c.y() * c.z(), zx = sums.second[5] - mass_kg_ * c.z() * c.x();
-  motion_.inertia << yy + zz, -xy, -zx, -xy, xx + zz, -yz, -zx, -yz, xx + yy;
-  step_orientation_ = (rotation_exp(h * spin_of_step) * step_orientation_).normalized();
+  ledger_.motion.inertia << yy + zz, -xy, -zx, -xy, xx + zz, -yz, -zx, -yz, xx + yy;
+  ledger_.step_orientation = (rotation_exp(h * spin_of_step) * ledger_.step_orientation).normalized();
   use_material_inertia();
 
-  velocity_correction_.setZero();
-  spin_correction_.setZero();
+  ledger_.velocity_correction.setZero();
+  ledger_.spin_correction.setZero();
   if (free()) {
-    ledger_momentum_ += contact_impulse_;
-    contact_lag_m_ -= h / mass_kg_ * (contact_impulse_ + between_steps_impulse_);
-    contact_lag_m_ *= second_order_ ? 1.0 / 3.0 : 0.0;
-    between_steps_impulse_.setZero();
-    ledger_angular_ +=
-        contact_moment_ - centre_before.cross(contact_impulse_) - contact_lag_m_.cross(ledger_momentum_);
-    velocity_correction_ = (ledger_momentum_ - motion_.momentum) / mass_kg_;
-    spin_correction_ = solve_inertia(motion_.inertia, ledger_angular_ - motion_.angular_momentum);
-    motion_.momentum = ledger_momentum_;
-    motion_.angular_momentum = ledger_angular_;
+    ledger_.momentum += ledger_.contact_impulse;
+    ledger_.contact_lag_m -= h / mass_kg_ * (ledger_.contact_impulse + ledger_.between_steps_impulse);
+    ledger_.contact_lag_m *= step_.second_order ? 1.0 / 3.0 : 0.0;
+    ledger_.between_steps_impulse.setZero();
+    ledger_.angular += ledger_.contact_moment - centre_before.cross(ledger_.contact_impulse) -
+                       ledger_.contact_lag_m.cross(ledger_.momentum);
+    ledger_.velocity_correction = (ledger_.momentum - ledger_.motion.momentum) / mass_kg_;
+    ledger_.spin_correction =
+        solve_inertia(ledger_.motion.inertia, ledger_.angular - ledger_.motion.angular_momentum);
+    ledger_.motion.momentum = ledger_.momentum;
+    ledger_.motion.angular_momentum = ledger_.angular;
   }
-  const Vector3d spin = motion_.angular_velocity_rad_s();
-  spin_rad_s_ = spin.norm();
+  const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
+  step_.spin_rad_s = spin.norm();
   const double rigid_j =
-      0.5 * motion_.momentum.squaredNorm() / mass_kg_ + 0.5 * spin.dot(node_inertia_ * spin);
-  kinetic_j_ = sums.kinetic - 0.5 * spin.dot((node_inertia_ - motion_.inertia) * spin);  // equal if held
-  deviation_m_s_ = std::sqrt(std::max(0.0, 2.0 * (sums.kinetic - rigid_j) / mass_kg_));
+      0.5 * ledger_.motion.momentum.squaredNorm() / mass_kg_ + 0.5 * spin.dot(ledger_.node_inertia * spin);
+  step_.kinetic_j =
+      sums.kinetic - 0.5 * spin.dot((ledger_.node_inertia - ledger_.motion.inertia) * spin);  // equal if held
+  step_.deviation_m_s = std::sqrt(std::max(0.0, 2.0 * (sums.kinetic - rigid_j) / mass_kg_));
 }
 
 }  // namespace livegs

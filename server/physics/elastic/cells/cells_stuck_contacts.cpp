@@ -28,19 +28,19 @@ constexpr double kMaxSeparation_m_s2 = 20.0;
 }  // namespace
 
 CellsBody::StuckContact& CellsBody::stuck_contact(uint64_t body_id) {
-  const auto at = std::lower_bound(stuck_contacts_.begin(), stuck_contacts_.end(), body_id,
+  const auto at = std::lower_bound(bodies_.stuck.begin(), bodies_.stuck.end(), body_id,
                                    [](const StuckContact& one, uint64_t id) { return one.body_id < id; });
-  if (at != stuck_contacts_.end() && at->body_id == body_id) return *at;
-  return *stuck_contacts_.insert(at, {.body_id = body_id});
+  if (at != bodies_.stuck.end() && at->body_id == body_id) return *at;
+  return *bodies_.stuck.insert(at, {.body_id = body_id});
 }
 
 bool CellsBody::is_separating(uint64_t body_id) const {
-  return std::any_of(stuck_contacts_.begin(), stuck_contacts_.end(),
+  return std::any_of(bodies_.stuck.begin(), bodies_.stuck.end(),
                      [&](const StuckContact& one) { return one.separating && one.body_id == body_id; });
 }
 
 bool CellsBody::is_separating() const {
-  return std::any_of(stuck_contacts_.begin(), stuck_contacts_.end(),
+  return std::any_of(bodies_.stuck.begin(), bodies_.stuck.end(),
                      [](const StuckContact& one) { return one.separating; });
 }
 
@@ -48,12 +48,12 @@ void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
   apply_rolling_resistance(rows);
   for (const ContactConstraint& row : rows) {
     if (row.point == UINT32_MAX || !(row.normal_impulse_n_s > 0.0)) continue;
-    if (last_forces_.empty()) last_forces_.resize(surface_.size());
-    last_forces_[row.point] = {row.other_body_id, contact_step_,
-                               (row.friction_impulse_n_s / contact_step_s_).cast<float>(),
-                               static_cast<float>(row.normal_impulse_n_s / contact_step_s_)};
+    if (bodies_.last_forces.empty()) bodies_.last_forces.resize(surface_.points.size());
+    bodies_.last_forces[row.point] = {row.other_body_id, bodies_.step,
+                                      (row.friction_impulse_n_s / bodies_.step_s).cast<float>(),
+                                      static_cast<float>(row.normal_impulse_n_s / bodies_.step_s)};
   }
-  if (bent_squared_ <= kStuckStrainSquared) return;
+  if (step_.bent_squared <= kStuckStrainSquared) return;
   StuckContact* last = nullptr;
   for (const ContactConstraint& row : rows) {
     if (!(row.normal_impulse_n_s > 0.0)) continue;
@@ -68,12 +68,12 @@ void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
 
 // Runs once per frame.
 void CellsBody::update_stuck_contacts(double frame_s) {
-  for (StuckContact& one : stuck_contacts_) {
+  for (StuckContact& one : bodies_.stuck) {
     if (!one.separating) {
       // First moment of the impulses about the mean contact point.
       const double apart =
           one.pushed_n_s > 0.0 ? one.apart - one.net_n_s.dot(one.moment) / one.pushed_n_s : 0.0;
-      const bool stuck = (apart > 0.0 || bent_squared_ > kOverstrainSquared) &&
+      const bool stuck = (apart > 0.0 || step_.bent_squared > kOverstrainSquared) &&
                          one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
       one.separating = one.overlaps = one.stuck_s > kStuckTime_s;
@@ -90,8 +90,7 @@ void CellsBody::update_stuck_contacts(double frame_s) {
     one.net_n_s.setZero();
     one.moment.setZero();
   }
-  std::erase_if(stuck_contacts_,
-                [](const StuckContact& one) { return !one.separating && one.stuck_s <= 0.0; });
+  std::erase_if(bodies_.stuck, [](const StuckContact& one) { return !one.separating && one.stuck_s <= 0.0; });
 }
 
 void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s) {
@@ -99,19 +98,19 @@ void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s
   const Vector3d gained = impulse_n_s / mass_kg_;
   for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
     if (inverse_masses_[i] == 0.0) continue;
-    if (in_step_) {
+    if (step_.in_step) {
       nodes_.correct(i, step_of(step_s) * gained);
     } else {
       nodes_.change_velocities(i, gained);
     }
   }
-  if (in_step_) {
-    contact_impulse_ += impulse_n_s;
-    contact_moment_ += motion_.centre_m.cross(impulse_n_s);
+  if (step_.in_step) {
+    ledger_.contact_impulse += impulse_n_s;
+    ledger_.contact_moment += ledger_.motion.centre_m.cross(impulse_n_s);
   } else if (free()) {
-    motion_.momentum += impulse_n_s;
-    momentum_before_ += impulse_n_s;
-    between_steps_impulse_ += impulse_n_s;
+    ledger_.motion.momentum += impulse_n_s;
+    ledger_.momentum_before += impulse_n_s;
+    ledger_.between_steps_impulse += impulse_n_s;
   }
 }
 

@@ -34,17 +34,17 @@ void CellsBody::make_surface(const ParticleSet& particles) {
   const Matrix3d lattice_from_object = extent_.object_from_lattice.conjugate().toRotationMatrix();
   for (uint32_t i = 0; i < points.size(); ++i) {
     const SurfacePatch& patch = *points[i].patch;
-    surface_.push_back(sample_at(points[i].at));
-    surface_local_.push_back(points[i].at.local.cast<float>());
-    face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
+    surface_.points.push_back(sample_at(points[i].at));
+    surface_.local.push_back(points[i].at.local.cast<float>());
+    surface_.face_begins.push_back(static_cast<uint32_t>(surface_.face_normals.size()));
     for (const Vector3d& normal : patch.normals) {
-      face_normals_.push_back((lattice_from_object * normal).cast<float>());
+      surface_.face_normals.push_back((lattice_from_object * normal).cast<float>());
     }
     if (i == 0 || points[i].at.cell != points[i - 1].at.cell) {
-      surface_cells_.push_back({lattice_.cells[points[i].at.cell].nodes, i, i, {}});
+      surface_.cells.push_back({lattice_.cells[points[i].at.cell].nodes, i, i, {}});
     }
-    surface_cells_.back().end = i + 1;
-    surface_cells_.back().points.extend(surface_local_.back());
+    surface_.cells.back().end = i + 1;
+    surface_.cells.back().points.extend(surface_.local.back());
     if (!round) continue;
     CurvedPatch curved;
     if (patch.reach_m > 0.0) {
@@ -61,25 +61,25 @@ void CellsBody::make_surface(const ParticleSet& particles) {
       // The box of the cell's points covers the patches.
       const Vector3d across = (1.0 - curved.bulge.cast<double>().array().square()).max(0.0).sqrt();
       const Eigen::Vector3f room = (2.0 * patch.reach_m / lattice_.cell_width_m * across).cast<float>();
-      surface_cells_.back().points.extend(Eigen::Vector3f(surface_local_.back() + room));
-      surface_cells_.back().points.extend(Eigen::Vector3f(surface_local_.back() - room));
+      surface_.cells.back().points.extend(Eigen::Vector3f(surface_.local.back() + room));
+      surface_.cells.back().points.extend(Eigen::Vector3f(surface_.local.back() - room));
     }
-    patches_.push_back(curved);
+    surface_.patches.push_back(curved);
   }
-  face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
+  surface_.face_begins.push_back(static_cast<uint32_t>(surface_.face_normals.size()));
 }
 
 NodeSample CellsBody::touching_sample(uint32_t i, const Vector3d& normal) const {
-  const CurvedPatch& patch = patches_[i];
-  const NodeSample& own = surface_[i];
+  const CurvedPatch& patch = surface_.patches[i];
+  const NodeSample& own = surface_.points[i];
   // The deformed surface is lowest against the normal where the surface at rest is against F^T normal.
-  const auto gradients = trilinear_gradients(surface_local_[i].cast<double>(), lattice_.cell_width_m);
+  const auto gradients = trilinear_gradients(surface_.local[i].cast<double>(), lattice_.cell_width_m);
   Vector3d direction = Vector3d::Zero();
   for (int c = 0; c < 8; ++c) direction += normal.dot(nodes_.corrected_m(own.nodes[c])) * gradients[c];
   const double length = direction.norm();
   if (!(length > 0.0)) return own;
   // Hertz: a contact with this load and radius of curvature has this radius.
-  const double contact_m = std::cbrt(0.75 * pressed_n_ * patch.radius_m / plane_strain_modulus_pa());
+  const double contact_m = std::cbrt(0.75 * loads_.pressed_n * patch.radius_m / plane_strain_modulus_pa());
   const double share = std::clamp(2.0 - contact_m / patch.reach_m, 0.0, 1.0);
   const Vector3d offset = share * touching_offset({{},
                                                    {},
@@ -88,8 +88,8 @@ NodeSample CellsBody::touching_sample(uint32_t i, const Vector3d& normal) const 
                                                    patch.flatten.cast<double>(),
                                                    patch.reach_m},
                                                   direction / length);
-  const Vector3d local = surface_local_[i].cast<double>() + 2.0 / lattice_.cell_width_m * offset;
-  if (local.cwiseAbs().maxCoeff() > std::max<double>(kMaxOwnLocal, surface_local_[i].cwiseAbs().maxCoeff())) {
+  const Vector3d local = surface_.local[i].cast<double>() + 2.0 / lattice_.cell_width_m * offset;
+  if (local.cwiseAbs().maxCoeff() > std::max<double>(kMaxOwnLocal, surface_.local[i].cwiseAbs().maxCoeff())) {
     Vector3d rest = lattice_.object_from_lattice.orientation * offset;
     for (int c = 0; c < 8; ++c) rest += own.weights[c] * lattice_.node_position_m(own.nodes[c]);
     return sample_at(lattice_.embed(rest));

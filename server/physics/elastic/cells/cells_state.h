@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "physics/collision/point_contact.h"
+#include "physics/elastic/cells/cell_batches.h"
+#include "physics/elastic/cells/cell_nodes.h"
+#include "physics/elastic/elastic_sleep_timer.h"
+#include "physics/elastic/resolution/lattice_resolution.h"
+#include "physics/elastic_body.h"
+#include "physics/lattice/lattice.h"
+#include "physics/motion/free_rotation.h"
+#include "physics/motion/momentum.h"
+
+// The state of a body of the `cells` solver, in parts. Each part belongs to one or two files of this folder
+// and holds data only; CellsBody (cells_body.h) composes them. Positions are relative to the body's origin.
+
+namespace livegs::cells {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Materials of the body and of its regions; cells_body.cpp.
+struct Materials {
+  Material own;
+  std::vector<RegionMaterial> regions;
+  std::vector<std::string> region_names;  // of `regions`
+  CellMaterials cells;
+  std::vector<double> densities_kg_m3, plasticities;  // by material
+};
+
+// Resolution in space and time, and the predicted accuracy; cells_body.cpp.
+struct Accuracy {
+  double rate_hz = 0.0;
+  int scene_substeps = 0, given_substeps = 0;  // per frame; the second 0: chosen
+  // Per frame; the first is infinite if the cell width was given.
+  double max_node_substeps = 0.0, scene_node_substeps = 0.0;
+  LatticeResolution resolution;
+  std::optional<LatticeResolution> unbudgeted;  // set if the scene's budget limits the body
+  std::vector<ModulusBand> bands;               // by material, of the simulated moduli
+  double thin_part = 0.0;                       // as ElasticAccuracy::thin_part
+};
+
+// Gains of the sweep for the body's own steps, for impact steps, and for the last other step length, imposed
+// by neighbours; cells_body.cpp.
+struct Gains {
+  struct OfStep {
+    double step_s = 0.0;                          // h; 0: none
+    std::optional<GaussSeidelGains> of_order[2];  // first, second; computed on first use
+  };
+  OfStep own, impact, imposed;
+  double last_step_s = 0.0;  // h; 0: none, or the cells have changed
+};
+
+// Plastic flow; cells_plasticity.cpp.
+struct Plasticity {
+  std::vector<PlasticCells> cut, thin;  // as CellBatches::cut and .thin; empty until plastic flow
+  std::vector<Matrix3d> parts;          // by cell
+  std::vector<std::array<Vector3d, kModeCount>> modes;  // rest amplitudes, rotated frame
+  double work_j = 0.0;
+};
+
+// A region that holds or moves part of the body.
+struct ConstrainedRegion {
+  BodyRegion region;
+  std::vector<uint32_t> nodes;                         // held nodes
+  std::vector<NodeSample> particles;                   // particles held individually
+  std::vector<Vector3d> node_rest_m, particle_rest_m;  // object frame
+  std::vector<uint32_t> particle_nodes;                // of `particles`
+  std::vector<std::array<uint32_t, 8>> numbers;        // of each particle's nodes, in particle_nodes
+  bool released = false;
+};
+
+// Fixed and moved regions; cells_regions.cpp.
+struct Holding {
+  Pose world_from_object;  // initial pose, for regions
+  std::vector<ConstrainedRegion> regions;
+  bool held = false;            // part of the body is fixed or has a prescribed motion
+  bool moved = false;           // part of the body has a prescribed motion
+  bool boundary_moved = false;  // the whole boundary has a prescribed motion at the start
+  double reach_m = 0.0;         // from the held nodes to the farthest free one
+};
+
+struct Load {
+  NodeSample sample;
+  Vector3d force_n;  // world frame
+  PointSpring* spring = nullptr;
+  Vector3d from_m = Vector3d::Zero();  // position before the step
+};
+
+// Forces on the body; cells_step.cpp.
+struct Loads {
+  std::vector<Load> regions, points;
+  double contact_n_s = 0.0;  // sum of impulse magnitudes in this step
+  double pressed_n = 0.0;    // sum of the contact forces, moving average
+  double carried_n = 0.0;    // force passed through the body between contacts, moving average
+  ContactTotal contact_total;
+};
+
+// Motion of the whole body, and the impulses on it in this substep; cells_step.cpp, cells_inertia.cpp.
+// Moments are about the origin. The inertia of `motion` is that of the material, not of the nodes, and its
+// angular momentum is inertia times spin.
+struct MomentumLedger {
+  BodyMomentum motion;
+  Matrix3d node_inertia = Matrix3d::Zero();  // of the nodes as point masses, about the centre
+  double map_share = 1.0;  // 1 ... 0 as the strain grows from half to all of that of first-order steps
+  Matrix3d map = Matrix3d::Identity();  // object frame, at rest; moments of the nodes to the material's
+  Eigen::Quaterniond step_orientation = Eigen::Quaterniond::Identity();  // of the body at the current step
+  // From the previous velocities, at the current positions.
+  Vector3d momentum_before = Vector3d::Zero(), angular_before = Vector3d::Zero();
+  // Of the nodes, by the ledger.
+  Vector3d velocity_correction = Vector3d::Zero(), spin_correction = Vector3d::Zero();
+  Vector3d contact_impulse = Vector3d::Zero(), contact_moment = Vector3d::Zero();
+  Vector3d between_steps_impulse = Vector3d::Zero();  // received between the last step and this one
+  Vector3d contact_lag_m = Vector3d::Zero();          // lag of the centre of mass behind the contact impulses
+  Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
+};
+
+struct SurfaceCell {
+  std::array<uint32_t, 8> nodes;
+  uint32_t begin, end;         // range of Surface::points
+  Eigen::AlignedBox3f points;  // bounds of these points, local coordinates
+};
+
+// The curvature around a surface point (SurfacePatch), lattice axes at rest.
+struct CurvedPatch {
+  Eigen::Vector3f bulge = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero(), flatten = Eigen::Matrix3f::Zero();
+  float radius_m = 0.0f;  // mean of curvature
+  float reach_m = 0.0f;   // 0: without curvature
+  // How far the patch may reach beyond its point, against the other surface's normal.
+  float lowest_m = 0.0f;
+};
+
+// Surface points, grouped by cell; cells_surface.cpp.
+struct Surface {
+  std::vector<NodeSample> points;
+  std::vector<float> mobility;
+  std::vector<CurvedPatch> patches;  // by point; empty if the whole surface is flat
+  std::vector<SurfaceCell> cells;
+  std::vector<Eigen::Vector3f> local;         // local coordinates of the points
+  std::vector<uint32_t> face_begins;          // first face of each point, and the end
+  std::vector<Eigen::Vector3f> face_normals;  // outward, lattice axes
+  // Boxes of `cells` and of all of them, at the current node positions; valid if boxes_known.
+  mutable std::vector<Eigen::AlignedBox3d> cell_boxes;
+  mutable Eigen::AlignedBox3d box;
+  mutable bool boxes_known = false;
+};
+
+struct Candidate {
+  uint32_t cell, collider;
+};
+
+// The side of a collider that a surface point was on at its last contact.
+struct Side {
+  uint32_t collider = UINT32_MAX;
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+};
+
+struct ColliderContact {
+  uint32_t point;  // index in Surface::points
+  NodeSample sample;
+  Vector3d impulse_n_s;
+};
+
+// Contact with colliders; cells_contact.cpp.
+struct ColliderContacts {
+  std::vector<Candidate> candidates;
+  double margin_m = 0.0;                  // remaining motion of any node before a new search
+  size_t count = 0;                       // of colliders at the search
+  std::vector<ColliderContact> contacts;  // of this step
+  std::vector<Side> sides;                // by surface point; empty until a collider is near
+};
+
+struct DynamicContact {
+  NodeSample sample;
+  Vector3d impulse_n_s;
+};
+
+// Contacts of this body's points with another elastic body, found a few steps ago.
+struct ElasticContacts {
+  uint64_t body_id = 0;
+  double margin_m = 0.0;  // relative motion until they are found again
+  int own_restarts = 0, other_restarts = 0;
+  struct Point {
+    uint32_t point;
+    NodeSample own, other;  // material points that touch
+    Vector3d normal;        // outward, of the other body
+  };
+  std::vector<Point> points;
+};
+
+// The contact force of the last step that listed contacts, from which the next solve starts.
+struct LastForce {
+  uint64_t body_id = 0, step = 0;
+  Eigen::Vector3f friction_n = Eigen::Vector3f::Zero();
+  float normal_n = 0.0f;
+};
+
+// A contact with a body that pushes from opposite sides while the strain is far too large.
+struct StuckContact {
+  uint64_t body_id = 0;
+  // In this frame: sums of impulse magnitudes, impulses, magnitudes times points, and impulses dot points.
+  double pushed_n_s = 0.0, apart = 0.0;
+  Vector3d net_n_s = Vector3d::Zero(), moment = Vector3d::Zero();
+  double stuck_s = 0.0;
+  bool separating = false, overlaps = false;  // contact is off while separating, until no overlap remains
+};
+
+// Contact with rigid and elastic bodies; cells_dynamic_contact.cpp, cells_stuck_contacts.cpp.
+struct BodyContacts {
+  std::vector<Candidate> rigid_candidates;
+  std::vector<uint64_t> rigid_ids;  // ids at the time of the search
+  double rigid_margin_m = 0.0;
+  std::vector<ElasticContacts> elastic;
+  int restarts = 0;                    // of the motion; contacts found before are void
+  std::vector<LastForce> last_forces;  // by surface point
+  uint64_t step = 0;                   // steps that listed contacts
+  double step_s = 0.0;
+  std::vector<DynamicContact> contacts;  // of this step
+  std::vector<StuckContact> stuck;       // ascending id
+};
+
+// The current step; cells_step.cpp.
+struct StepState {
+  double kinetic_j = 0.0;                           // of the last step
+  double deviation_m_s = 0.0;                       // root mean square velocity relative to the rigid motion
+  double spin_rad_s = 0.0;                          // of the whole body
+  double strain_squared = 0.0, bent_squared = 0.0;  // largest over the cells
+  bool second_order = false, is_slow = false, in_step = false;
+  bool first = true, strained = false, touching = false, backward = false;
+  double gravity_m_s2 = 0.0;  // of the last substep
+  Vector3d gravity = Vector3d::Zero();
+  double impact_until_s = -1.0;
+};
+
+// Upper bound of the energy while badly strained; cells_energy_limiter.cpp.
+struct EnergyLimiter {
+  std::optional<double> limit_j;
+  double work_j = 0.0;              // of hands and moving bodies in this frame
+  bool touched_last_frame = false;  // whether there was contact
+};
+
+// cells_shape_recovery.cpp.
+struct ShapeRecovery {
+  bool degenerate = false, recovering = false;
+  double degenerate_s = 0.0;
+  int count = 0;  // number of shape recoveries
+};
+
+// State of a body that moves as a rigid body because it does not deform visibly.
+struct RigidMotion {
+  Pose world_from_body;                  // pose of the frozen shape_m
+  std::vector<Eigen::Vector3f> shape_m;  // nodes relative to the centre of mass
+  PrincipalAxes axes;
+  Matrix3d inverse_inertia;  // body axes
+};
+
+// Sleep, and rigid motion before it; cells_sleep.cpp.
+struct Rest {
+  bool supported = false, forced = false, driven = false;  // or without gravity; loaded; moved by a region
+  std::optional<RigidMotion> rigid;
+  double unstrained_s = 0.0;
+  Vector3d stationary_at_m = Vector3d::Constant(INFINITY);  // centre of mass at the start of stationary_s
+  double stationary_s = 0.0;
+  // By surface point; reference points of the last jitter_s; empty if all points are still, or the body
+  // moves.
+  std::vector<Vector3d> jitter_origin_m;
+  double jitter_s = 0.0;
+  bool may_rest = false;
+  SleepTimer sleep_timer{false};
+};
+
+}  // namespace livegs::cells
