@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/motion/body_id.h"
@@ -450,7 +451,7 @@ void CellsBody::prepare_contact_step(double step_s) {
 }
 
 void CellsBody::start_from_last_force(ContactConstraint& row) const {
-  if (bodies_.last_forces.empty()) return;
+  if (bodies_.last_forces.empty() || without(Mechanism::ContactWarmStart)) return;
   const LastForce& last = bodies_.last_forces[row.point];
   if (last.step + 1 != bodies_.step || last.body_id != row.other_body_id) return;
   row.normal_impulse_n_s = bodies_.step_s * last.normal_n;

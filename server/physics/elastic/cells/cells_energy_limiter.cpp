@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 
 namespace livegs {
@@ -83,6 +84,7 @@ double CellsBody::elastic_f32_j() const {
 
 // Runs once per frame, before other changes between frames. False: the state is lost.
 bool CellsBody::limit_energy() {
+  if (without(Mechanism::EnergyLimiter)) return true;
   const bool touched = std::exchange(limiter_.touched_last_frame, step_.touching) || step_.touching;
   const double work_j = std::exchange(limiter_.work_j, 0.0);
   const bool unknown =

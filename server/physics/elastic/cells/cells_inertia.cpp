@@ -2,6 +2,7 @@
 // Inertia of the body's material, for a free body. That of its nodes as point masses is larger.
 #include <Eigen/Eigenvalues>
 
+#include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 
 namespace livegs {
@@ -83,7 +84,8 @@ void CellsBody::use_material_inertia() {
 // from the nodes' moments to the material's, the kinetic energy of the spin is that of points at G r, whose
 // pull on r is G W G r, W = w² - w w^T.
 Matrix3d CellsBody::centrifugal_correction() const {
-  if (!free() || ledger_.map_share == 0.0) return Matrix3d::Zero();
+  if (without(Mechanism::CentrifugalCorrection) || !free() || ledger_.map_share == 0.0)
+    return Matrix3d::Zero();
   const Matrix3d map = moment_map_now();
   const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   const Matrix3d pull = spin.squaredNorm() * Matrix3d::Identity() - spin * spin.transpose();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/cells/plate_cell.h"
 #include "physics/material/return_mapping.h"
@@ -108,9 +109,9 @@ void CellsBody::flow() {
       plastic_.parts[i] = strain_flows ? flowed.plastic_part : before;
       plastic_.modes[i] = modes_flow ? rest : rest_before;
       work = stored - energy_of(i, shape);
-      if (work >= 0.0) break;
+      if (work >= 0.0 || without(Mechanism::FlowEnergyCheck)) break;
     }
-    if (work < 0.0) {
+    if (work < 0.0 && !without(Mechanism::FlowEnergyCheck)) {
       plastic_.modes[i] = rest_before;
       continue;
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/motion/free_rotation.h"
@@ -61,17 +62,20 @@ void CellsBody::rest(double frame_s) {
   const bool unstrained = free() && rest_.may_rest && !step_.touching && !rest_.forced && !is_separating() &&
                           loads_.regions.empty() && step_.strain_squared < kVisibleStrain * kVisibleStrain;
   rest_.unstrained_s = unstrained ? rest_.unstrained_s + frame_s : 0.0;
-  if (rest_.unstrained_s >= kUnstrainedTime_s) {
+  if (rest_.unstrained_s >= kUnstrainedTime_s && !without(Mechanism::RigidWhenUnstrained)) {
     become_rigid();
     return;
   }
   // Held and loaded bodies are tested by drift as well: they sleep in equilibrium, not while they creep.
   // Bodies resting on others jitter too much for that test.
   const bool measured = holding_.held || !loads_.regions.empty();
-  const bool moves = rest_.forced || rest_.driven || is_separating() || (measured && !is_stationary(frame_s));
+  const bool moves = rest_.forced || rest_.driven || is_separating() ||
+                     (measured && !without(Mechanism::DriftTest) && !is_stationary(frame_s));
   const double calm = measured ? kStationarySpeedFactor : 1.0;
   double seen_m_s = moves || !rest_.supported ? 0.0 : fastest_m_s(SleepTimer::kStillSpeed_m_s / calm);
-  if (!measured && !moves && rest_.supported && is_jittering(seen_m_s, frame_s)) seen_m_s = 0.0;
+  if (!without(Mechanism::JitterTest) && !measured && !moves && rest_.supported &&
+      is_jittering(seen_m_s, frame_s))
+    seen_m_s = 0.0;
   if (rest_.sleep_timer.tick(frame_s, calm * seen_m_s, rest_.supported, moves)) sleep();
 }
 

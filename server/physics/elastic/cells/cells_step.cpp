@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/motion/free_rotation.h"
 
@@ -90,7 +91,7 @@ int CellsBody::begin_substep(const SubstepContext& context) {
 // last kImpactFrames, by which time most of the shock is vibration. They are not used for bodies in a hand,
 // or next to other elastic bodies: all of these would take the same steps, and they yield anyway.
 bool CellsBody::in_impact(const SubstepContext& context) {
-  if (!context.others.empty() || rest_.forced) return false;
+  if (without(Mechanism::ImpactSteps) || !context.others.empty() || rest_.forced) return false;
   const bool comes = !step_.touching && !(colliders_.candidates.empty() && bodies_.rigid_candidates.empty());
   const double speed_m_s = step_.touching ? step_.deviation_m_s
                            : comes        ? ledger_.motion.velocity_m_s().norm() + step_.deviation_m_s
@@ -140,6 +141,7 @@ void CellsBody::solve_springs(const SubstepPart& part) {
 // Grip strength, by the largest stretch of the cell that a hand holds. Unlimited pulling would stretch thin
 // parts without bound and add large amounts of energy.
 double CellsBody::grip_factor(const NodeSample& sample) const {
+  if (without(Mechanism::GripFade)) return 1.0;
   Eigen::Matrix3d f = Eigen::Matrix3d::Zero();
   for (int c = 0; c < 8; ++c) {
     const Vector3d sign(c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0);
@@ -159,14 +161,17 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   gains_.last_step_s = h;
   const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
   step_.is_slow =
-      step_.touching &&
+      !without(Mechanism::FirstOrderWhenSlow) && step_.touching &&
       step_.deviation_m_s < kMaxSlowSpeedRatio * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
-  step_.second_order = options_.second_order && even && !step_.first && !step_.strained && !step_.is_slow;
+  step_.second_order = options_.second_order && even && !step_.first &&
+                       (!step_.strained || without(Mechanism::FirstOrderWhenStrained)) && !step_.is_slow;
   // The result of a sweep from zero multipliers depends slightly on its order. A landing body alternates the
   // order, because a fixed one would cause a sideways drift. A slow body keeps one order in order to come to
   // rest, and so does a free one, because nearly empty cells would vibrate.
-  const bool pressed = loads_.carried_n > kMaxAlternatingLoad * mass_kg_ * context.gravity_m_s2.norm();
-  step_.backward = step_.touching && !step_.is_slow && !pressed && !step_.backward;
+  const bool pressed = !without(Mechanism::AlternatingLimit) &&
+                       loads_.carried_n > kMaxAlternatingLoad * mass_kg_ * context.gravity_m_s2.norm();
+  step_.backward = !without(Mechanism::AlternatingSweep) && step_.touching && !step_.is_slow && !pressed &&
+                   !step_.backward;
   for (Load& load : loads_.points) load.from_m = nodes_.position_m(load.sample);
   solve_springs(part);
   predict(h, context);
@@ -193,7 +198,9 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   step_.strained =
       report.strain_squared > kFirstOrderStrainSquared || report.volume_ratio < kFirstOrderVolumeRatio;
   recovery_.degenerate = recovery_.degenerate || step_.strained;
-  ledger_.map_share = step_.strained ? 0.0 : std::min(1.0, ledger_.map_share + h / kMomentMapReturn_s);
+  const double returned =
+      without(Mechanism::MomentMapReturn) ? 1.0 : ledger_.map_share + h / kMomentMapReturn_s;
+  ledger_.map_share = step_.strained || without(Mechanism::MaterialInertia) ? 0.0 : std::min(1.0, returned);
 
   if (holding_.held) hold_particles(time_s);
   ledger_.contact_impulse.setZero();
@@ -249,7 +256,9 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   // held body (a rod held at its end). A step cannot remove more than the whole deviation.
   const double weight_n = mass_kg_ * context.gravity_m_s2.norm(), rate = damping_rate();
   const double moving_part = free() ? M_PI * M_PI / 144.0 : 1.0 / 3.0;
-  const double loaded = weight_n > 0.0 ? std::sqrt(1.0 + loads_.carried_n / (moving_part * weight_n)) : 1.0;
+  const double loaded = weight_n > 0.0 && !without(Mechanism::LoadedDamping)
+                            ? std::sqrt(1.0 + loads_.carried_n / (moving_part * weight_n))
+                            : 1.0;
   const double kept = std::max(0.0, 1.0 - step_s * (loaded - 1.0) * rate) / (1.0 + step_s * rate);
   Vector3d old_velocity = Vector3d::Zero(), old_spin = Vector3d::Zero();
   Vector3d new_velocity = Vector3d::Zero(), new_spin = Vector3d::Zero();
@@ -319,6 +328,7 @@ void CellsBody::advance(double h) {
 // motion relative to the parent node, without the rigid motion of the body, is damped. The added mass follows
 // the parent: it gets the velocity change of the parent, without gravity, which the next step adds.
 void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
+  if (without(Mechanism::LightNodeDamping)) return;
   const Vector3d spin = ledger_.motion.angular_velocity_rad_s();
   Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
   for (LightNode& light_node : light_nodes_) {
@@ -366,7 +376,7 @@ void CellsBody::measure(const NodeSums& sums, double h) {
   if (free()) {
     ledger_.momentum += ledger_.contact_impulse;
     ledger_.contact_lag_m -= h / mass_kg_ * (ledger_.contact_impulse + ledger_.between_steps_impulse);
-    ledger_.contact_lag_m *= step_.second_order ? 1.0 / 3.0 : 0.0;
+    ledger_.contact_lag_m *= step_.second_order && !without(Mechanism::ContactLag) ? 1.0 / 3.0 : 0.0;
     ledger_.between_steps_impulse.setZero();
     ledger_.angular += ledger_.contact_moment - centre_before.cross(ledger_.contact_impulse) -
                        ledger_.contact_lag_m.cross(ledger_.momentum);

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "core/log.h"
+#include "physics/ablation/ablation.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/motion/body_id.h"
@@ -76,7 +77,7 @@ void CellsBody::update_stuck_contacts(double frame_s) {
       const bool stuck = (apart > 0.0 || step_.bent_squared > kOverstrainSquared) &&
                          one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
-      one.separating = one.overlaps = one.stuck_s > kStuckTime_s;
+      one.separating = one.overlaps = one.stuck_s > kStuckTime_s && !without(Mechanism::StuckContacts);
       if (one.separating)
         log_debug("object %u: stuck on object %u; contact is off until they are apart", object_id_,
                   object_of_body(one.body_id));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/ablation/ablation.h"
 #include "physics/collision/surface_points.h"
 #include "physics/elastic/cells/cells_body.h"
 
@@ -27,7 +28,7 @@ void CellsBody::make_surface(const ParticleSet& particles) {
   bool round = false;
   for (const SurfacePatch& patch : patches) {
     points.push_back({lattice_.embed(patch.rest_m), &patch});
-    round = round || patch.reach_m > 0.0;
+    round = round || (patch.reach_m > 0.0 && !without(Mechanism::CurvedPatches));
   }
   std::stable_sort(points.begin(), points.end(),
                    [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });
