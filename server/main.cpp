@@ -48,6 +48,7 @@ struct Options {
   std::string log_format = "text";
   std::optional<double> rate_hz;
   std::optional<int> substeps;
+  bool drop = false;
   int threads = 0;
   double seconds = 0;
   std::string publish;
@@ -145,6 +146,7 @@ int run(const Options& options) {
   SceneOptions scene_options;
   scene_options.rate_hz = options.rate_hz;
   scene_options.substeps = options.substeps;
+  scene_options.drop = options.drop;
   scene_options.wait_for_pieces = options.wait_for_client;
   if (auto fits = check_scene_memory(options.scene, options.clients); !fits) return report(fits.error());
   auto scene = Scene::load(options.scene, scene_options);
@@ -257,6 +259,8 @@ int main(int argc, char** argv) {
                  "Folder of the certificate and the tokens (default: $XDG_STATE_HOME/livegs)");
   app.add_option("--rate", options.rate_hz, "Ticks per second (default: set by the scene)")
       ->check(CLI::Range(1.0, 1000.0));
+  app.add_flag("--drop", options.drop,
+               "Folder of assets: the objects fall onto the floor instead of standing on it");
   app.add_option("--substeps", options.substeps, "Substeps per tick (default: set by the scene)")
       ->check(CLI::Range(1, 1024));
   app.add_option("--threads", options.threads, "Simulation threads; 0: one per core")

@@ -29,7 +29,7 @@ struct SimulateCommand {
   double rate_hz = 0;
   int substeps = 0;
   std::string solver = "cells", skinning = "lattice";
-  bool particles = false, kernels = false, no_sleep = false, draw = false;
+  bool particles = false, kernels = false, no_sleep = false, drop = false, draw = false;
   int every = 1;
   uint64_t seed = 1;
 };
@@ -164,6 +164,7 @@ int run(const SimulateCommand& options) {
   scene_options.elastic_solver = solver_of(options.solver);
   scene_options.sleep = !options.no_sleep;
   scene_options.seed = options.seed;
+  scene_options.drop = options.drop;
 
   PhaseTimes times;
   int64_t mark_ns = now_ns();
@@ -278,6 +279,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--seed", options->seed, "Seed of the pieces of fragile objects")
       ->capture_default_str();
   command->add_flag("--no-sleep", options->no_sleep, "Do not put bodies at rest to sleep");
+  command->add_flag("--drop", options->drop,
+                    "Folder of assets: the objects fall onto the floor instead of standing on it");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -140,6 +140,9 @@ class World {
   Result<void> add_rigid(const RigidBodyDescription& description);
   Result<void> add_elastic(const ElasticBodyDescription& description);
   Result<void> add_ball(const BallDescription& description);
+  // A body without velocity sleeps until it is touched, also before its first tick. No effect on other
+  // objects.
+  void put_to_sleep(uint32_t object_id);
   // Removes an object, for example a ball that is far away. Unknown ids are ignored. Forces, springs, grabs
   // and joints of the object are removed too.
   void remove(uint32_t object_id);

@@ -138,12 +138,14 @@ struct SceneText {
   std::string name;
   bool of_file = false;
 };
-Result<SceneText> read_scene(const std::filesystem::path& path);
+// `drop`: as SceneOptions::drop.
+Result<SceneText> read_scene(const std::filesystem::path& path, bool drop = false);
 // Reads and checks a scene file without opening its assets. Comments (//, /* */) are allowed.
 Result<v1::Scene> read_scene_file(const std::filesystem::path& path);
 // Checks a force from a user: finite, at most 1e5 N, for at most 60 s. InvalidArgument names the field.
 Result<void> check_force(const v1::Event::Force& force);
-// Makes a scene of all assets in a folder, in rows on a floor. All objects are AUTO.
-Result<v1::Scene> scene_of_folder(const std::filesystem::path& folder);
+// Makes a scene of all assets in a folder, in rows on a floor. All objects are AUTO. They stand on the floor,
+// or with `drop` fall onto it from a small height.
+Result<v1::Scene> scene_of_folder(const std::filesystem::path& folder, bool drop = false);
 
 }  // namespace livegs

@@ -64,6 +64,7 @@ struct SceneOptions {
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
   uint64_t seed = 1;  // seed of the cuts of fragile objects
+  bool drop = false;  // objects of a folder fall from a small height instead of standing
   // load() waits until all pieces are ready; false: objects can break only once they are.
   bool wait_for_pieces = true;
   // First id of objects and balls. A scene that replaces another one starts above the ids of that scene.

@@ -24,6 +24,16 @@ void RigidBody::wake() {
   update_turning();
 }
 
+void RigidBody::sleep(uint64_t group) {
+  asleep = true;
+  sleep_group = group;
+  velocity_m_s.setZero();
+  angular_momentum.setZero();
+  substep_velocity_m_s.setZero();
+  substep_acceleration_m_s2.setZero();
+  update_turning();
+}
+
 void RigidBody::set_angular_velocity(const Eigen::Vector3d& velocity_rad_s) {
   angular_momentum =
       rotated_tensor(world_from_body.orientation, mass_kg * unit_inertia_body) * velocity_rad_s;

@@ -85,6 +85,8 @@ struct RigidBody {
     return velocity_m_s + angular_velocity_rad_s.cross(arm_m);
   }
   void wake();
+  // Stops the body and puts it to sleep together with the other bodies of `group`.
+  void sleep(uint64_t group);
   void set_unit_inertia(const Eigen::Matrix3d& of_one_kg);
   // Updates the values derived from orientation, angular momentum and sleep.
   void update_turning();

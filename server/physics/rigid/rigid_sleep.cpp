@@ -32,15 +32,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
       return body->still_s >= kTimeToSleep_s && !body->island_awake;
     });
     if (!still) continue;
-    for (RigidBody* body : island.bodies) {
-      body->asleep = true;
-      body->sleep_group = island.bodies.front()->body_id() + 1;
-      body->velocity_m_s.setZero();
-      body->angular_momentum.setZero();
-      body->substep_velocity_m_s.setZero();
-      body->substep_acceleration_m_s2.setZero();
-      body->update_turning();
-    }
+    for (RigidBody* body : island.bodies) body->sleep(island.bodies.front()->body_id() + 1);
     broad_phase.invalidate();
   }
 }

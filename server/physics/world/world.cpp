@@ -13,6 +13,15 @@
 
 namespace livegs {
 
+void WorldObject::sleep() {
+  if (RigidObject* object = rigid()) {
+    for (size_t i = 0; i < object->body_count(); ++i)
+      object->body_at(i).sleep(object->body_at(0).body_id() + 1);
+  } else if (ElasticObject* soft = elastic()) {
+    soft->body->sleep();
+  }
+}
+
 bool WorldObject::asleep() const {
   if (const RigidObject* object = rigid()) {
     for (size_t i = 0; i < object->body_count(); ++i) {
@@ -79,6 +88,10 @@ World& World::operator=(World&&) noexcept = default;
 const WorldSettings& World::settings() const { return state_->settings; }
 uint64_t World::tick() const { return state_->tick; }
 StepTimes World::last_times() const { return state_->times; }
+
+void World::put_to_sleep(uint32_t object_id) {
+  if (WorldObject* object = state_->find(object_id)) object->sleep();
+}
 
 void World::add_collider(const Collider& collider) {
   state_->colliders.push_back(collider);

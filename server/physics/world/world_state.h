@@ -91,6 +91,7 @@ struct WorldObject {
   const ElasticObject* elastic() const { return std::get_if<ElasticObject>(&thing); }
   bool asleep() const;
   void wake();
+  void sleep();
 };
 
 struct ActiveForce {

@@ -4,7 +4,9 @@
 #include "analysis/physics_file.h"
 #include "analysis/sidecar/manual_edits.h"
 #include "core/clock.h"
+#include "core/log.h"
 #include "geometry/field/sample_particles.h"
+#include "geometry/mesh/standing_base.h"
 #include "geometry/reconstruct_surface.h"
 #include "geometry/surface/hollow_mesh.h"
 #include "geometry/surface/mesh_facts.h"
@@ -103,7 +105,8 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
     return form;
   }
   const auto scale = object.has_scale() ? std::optional(object.scale()) : std::nullopt;
-  auto placed = place_asset(folder / object.asset(), name, scale, object.up(), field);
+  const auto assumed = object.has_assumed_scale() ? std::optional(object.assumed_scale()) : std::nullopt;
+  auto placed = place_asset(folder / object.asset(), name, scale, object.up(), field, assumed);
   if (!placed) return placed.error();
   auto surface = reconstruct_surface(placed->body_points_m, elastic_surface_options());
   if (!surface) return surface.error();
@@ -113,6 +116,8 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
   form.mesh = std::move(surface->mesh);
   form.surface_note = std::move(surface->note);
   form.scale_known = placed->scale_known;
+  if (object.standing() && !placed->up_known)
+    log_info("%s: the file names no up axis; -y is assumed; set \"up\" in a scene file", name.c_str());
   form.scale_reason = std::move(placed->scale_reason);
   return form;
 }
@@ -141,6 +146,13 @@ Result<TriangleMesh> rigid_mesh(const Form& form, bool fine) {
   auto surface = reconstruct_surface(form.points_m, rigid_surface_options());
   if (!surface) return surface.error();
   return std::move(surface->mesh);
+}
+
+// Makes the base of a captured thing flat, so that it stands. Returns the base, nullopt if there is none.
+std::optional<StandingBase> stand(TriangleMesh& mesh, const Eigen::Vector3d& centre_of_mass_m) {
+  const auto base = standing_base(mesh.vertices_m, centre_of_mass_m);
+  if (base) flatten_base(mesh.vertices_m, *base, centre_of_mass_m);
+  return base;
 }
 
 MassProperties properties_of(const TriangleMesh& mesh, Fill fill) {
@@ -266,6 +278,15 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   const bool shape = object.form_case() == v1::Object::kShape;
   auto form = form_of(object, folder, index, name, field);
   if (!form) return fail(form.error());
+  double lowest_m = INFINITY;  // of the capture
+  for (const Eigen::Vector3d& point : form->points_m) lowest_m = std::min(lowest_m, point.y());
+  std::optional<StandingBase> base;
+  if (object.standing()) {
+    base = stand(form->mesh, solid_mass_properties(form->mesh).centre_of_mass_m);
+    for (Eigen::Vector3d& point : form->points_m) {
+      if (base) point.y() = std::max(point.y(), base->plane_m);
+    }
+  }
   ObjectFacts facts = facts_of(*form, name, object.form_case() == v1::Object::kAsset);
   const std::filesystem::path& kept_in = sidecar.path;
   v1::PhysicsFile kept;
@@ -341,6 +362,10 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     body.material = material;
     body.world_from_object =
         pose_value(object.pose(), field + ".pose").value();  // checked when the file was read
+    if (base) {
+      const Eigen::Vector3d shift_m(0.0, lowest_m - base->plane_m, 0.0);
+      body.world_from_object.position_m += body.world_from_object.orientation * shift_m;
+    }
     body.velocity_m_s = vector_value(object.velocity_m_s(), Eigen::Vector3d::Zero(), field).value();
     body.angular_velocity_rad_s =
         vector_value(object.angular_velocity_rad_s(), Eigen::Vector3d::Zero(), field).value();
@@ -362,6 +387,10 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       auto mesh = rigid_mesh(*form, shape || material.fragile);
       if (!mesh) return fail(mesh.error());
       body.mesh = std::move(*mesh);
+      if (base) {
+        // The collision mesh is another surface, and the material may be a shell.
+        base = stand(body.mesh, properties_of(body.mesh, material.fill).centre_of_mass_m);
+      }
       built.cut_mesh = std::make_shared<const TriangleMesh>(body.mesh);
       built.fine_mesh =
           shape || material.fragile ? built.cut_mesh : std::make_shared<const TriangleMesh>(form->mesh);
@@ -381,6 +410,13 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       built.body = std::move(body);
     }
   }
+  if (base && base->widened > 1.0) {
+    char text[160];
+    std::snprintf(text, sizeof text, "base: too narrow to stand on as captured; it is widened %.2g times",
+                  base->widened);
+    built.drawn.warnings.push_back(text);
+  }
+  built.standing = base.has_value();
   built.drawn.name = name;
   built.drawn.asset = std::move(form->asset);
   built.drawn.physics = std::move(*parameters);

@@ -29,6 +29,7 @@ struct BuiltObject {
   // Rigid bodies only: the surface that is cut if the object is fragile, and the fine surface that the
   // kernels lie on.
   std::shared_ptr<const TriangleMesh> cut_mesh, fine_mesh;
+  bool standing = false;  // starts asleep
   double build_ms = 0;
 };
 

@@ -26,6 +26,7 @@ double longest_side(const std::vector<Eigen::Vector3d>& points) {
 struct Guess {
   double scale;
   std::string reason;
+  bool by_name = false;
 };
 
 Guess guess_scale(double longest_units, std::string_view name) {
@@ -35,11 +36,11 @@ Guess guess_scale(double longest_units, std::string_view name) {
     if (longest_units >= prior.low_m && longest_units <= prior.high_m) {
       std::snprintf(reason, sizeof reason, "assumed to be metres: %.3g fits a %s", longest_units,
                     prior.label.c_str());
-      return {1.0, reason};
+      return {1.0, reason, true};
     }
     std::snprintf(reason, sizeof reason, "guessed: a %s is about %.3g m long", prior.label.c_str(),
                   prior.best_m);
-    return {prior.best_m / longest_units, reason};
+    return {prior.best_m / longest_units, reason, true};
   }
   if (longest_units >= kMinObjectSize_m && longest_units <= kMaxObjectSize_m) {
     std::snprintf(reason, sizeof reason, "guessed: %.3g units are assumed to be metres", longest_units);
@@ -53,7 +54,8 @@ Guess guess_scale(double longest_units, std::string_view name) {
 }  // namespace
 
 Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_view name,
-                                std::optional<double> scale, std::string_view up, std::string_view field) {
+                                std::optional<double> scale, std::string_view up, std::string_view field,
+                                std::optional<double> assumed_scale) {
   auto rotation = up_value(up, std::string(field) + ".up");
   if (!rotation) return rotation.error();
   auto file = read_asset(path);
@@ -63,6 +65,7 @@ Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_v
   PlacedAsset placed;
   auto asset = std::make_shared<GaussianAsset>(std::move(file->asset));
   placed.object_from_asset.rotation = *rotation;
+  placed.up_known = !up.empty() || file->y_up_in_file;
   placed.body_points_m = body_points(*asset, placed.object_from_asset);
   const double longest = longest_side(placed.body_points_m);
   if (!(longest > 0))
@@ -76,7 +79,10 @@ Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_v
     placed.scale_known = true;
     placed.scale_reason = "the format is metric";
   } else {
-    const Guess guess = guess_scale(longest, name);
+    Guess guess = guess_scale(longest, name);
+    placed.scale_by_name = guess.by_name;
+    if (assumed_scale && !guess.by_name)
+      guess = {*assumed_scale, "guessed: one scale for all assets of the folder"};
     placed.object_from_asset.scale = guess.scale;
     placed.scale_reason = guess.reason;
   }

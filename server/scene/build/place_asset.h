@@ -19,6 +19,8 @@ struct PlacedAsset {
   std::shared_ptr<const GaussianAsset> asset;
   Similarity object_from_asset;
   bool scale_known = false;                    // given by the scene file or the format, not guessed
+  bool scale_by_name = false;                  // guessed from the usual size of what the name says
+  bool up_known = false;                       // given by the scene file or the format
   std::string scale_reason;                    // one sentence
   std::vector<Eigen::Vector3d> body_points_m;  // positions of the kernels that form the body, object frame
 };
@@ -28,9 +30,11 @@ struct PlacedAsset {
 // - An .spz file is metric.
 // - An asset whose size fits its name is metric.
 // - An asset with a known name gets the usual size of that object.
+// - `assumed_scale`, if given.
 // - Other assets are metric if the size is that of a household object, else kDefaultSize_m long.
 inline constexpr double kDefaultSize_m = 0.4;
 Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_view name,
-                                std::optional<double> scale, std::string_view up, std::string_view field);
+                                std::optional<double> scale, std::string_view up, std::string_view field,
+                                std::optional<double> assumed_scale = std::nullopt);
 
 }  // namespace livegs

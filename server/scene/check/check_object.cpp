@@ -65,6 +65,17 @@ Result<void> check_deformable(const v1::Object& object, const std::string& field
   return {};
 }
 
+Result<void> check_standing(const v1::Object& object, const std::string& field) {
+  if (object.has_assumed_scale())
+    LIVEGS_CHECK(number_value(object.assumed_scale(), 1e-6, 1e6, field + ".assumed_scale"));
+  if (!object.standing()) return {};
+  if (object.form_case() != v1::Object::kAsset)
+    return missing(field + ".standing", "is only for assets; shapes and points are exact as they are");
+  if (object.velocity_m_s_size() > 0 || object.angular_velocity_rad_s_size() > 0)
+    return missing(field + ".standing", "conflicts with a velocity; omit one of them");
+  return {};
+}
+
 Result<void> check_resolution(const v1::Object& object, const std::string& field) {
   const v1::Resolution& resolution = object.resolution();
   if (resolution.has_cell_width_m())
@@ -142,6 +153,7 @@ Result<void> check_object(const v1::Object& object, const std::string& field) {
   }
   LIVEGS_CHECK(check_deformable(object, field));
   LIVEGS_CHECK(check_resolution(object, field + ".resolution"));
+  LIVEGS_CHECK(check_standing(object, field));
   return check_regions(object, field);
 }
 

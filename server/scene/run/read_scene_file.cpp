@@ -49,7 +49,7 @@ Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
   return scene;
 }
 
-Result<SceneText> read_scene(const std::filesystem::path& path) {
+Result<SceneText> read_scene(const std::filesystem::path& path, bool drop) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(path, ignored)) {
     auto file = read_scene_file(path);
@@ -57,7 +57,7 @@ Result<SceneText> read_scene(const std::filesystem::path& path) {
     return SceneText{std::move(*file), path.parent_path(), path.filename().string(), true};
   }
   if (const auto scene_file = only_scene_file(path)) return read_scene(*scene_file);
-  auto file = scene_of_folder(path);
+  auto file = scene_of_folder(path, drop);
   if (!file) return file.error();
   return SceneText{std::move(*file), path,
                    std::filesystem::absolute(path).lexically_normal().filename().string()};

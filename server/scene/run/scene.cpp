@@ -104,7 +104,7 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 Scene::~Scene() = default;
 
 Result<Scene> Scene::load(const std::filesystem::path& path, const SceneOptions& options) {
-  auto text = read_scene(path);
+  auto text = read_scene(path, options.drop);
   if (!text) return text.error();
   auto scene = build(text->file, text->folder, text->name, options);
   if (!scene && text->of_file) return Error{scene.error().code, text->name + ": " + scene.error().message};
@@ -180,6 +180,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
       added = scene.world_->add_elastic(elastic);
     }
     if (!added) return of_object(added.error(), one.drawn.name);
+    if (one.standing && settings->sleep) scene.world_->put_to_sleep(one.drawn.id);
     const Similarity object_from_asset = one.object_from_asset;
     scene.note_elastic(one.drawn);
     const SceneObject& drawn = scene.add_drawn(std::move(one.drawn), object_from_asset);

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr int kMaxFolderDepth = 3;  // subfolder levels that are searched
 constexpr double kGap_m = 0.25;     // gap between neighbours
 
-// Initial height above the floor, so that the scene moves at once. Slender objects start lower, because a
+// Height above the floor from which objects are dropped. Slender objects start lower, because a
 // fall on an uneven captured base would tip them over. The energy to topple scales with (width / height)².
 constexpr double kDropHeight_m = 0.15;
 double drop_height_m(const Eigen::Vector3d& size_m) {
@@ -69,11 +69,32 @@ struct Standing {
   fs::path path;
   std::string name;
   Eigen::AlignedBox3d bounds;  // object frame
+  double scale = 1.0;          // metres per unit
+  bool scale_is_free = false;  // a guess from the size alone
 };
+
+// Assets of one folder were captured in one unit: those whose scale is a guess from their size alone get the
+// smallest of these scales, that of the largest.
+void share_scale(std::vector<Standing>& standing) {
+  std::map<fs::path, double> shared;
+  for (const Standing& one : standing) {
+    if (!one.scale_is_free) continue;
+    const auto [at, fresh] = shared.try_emplace(one.path.parent_path(), one.scale);
+    at->second = std::min(at->second, one.scale);
+  }
+  for (Standing& one : standing) {
+    if (!one.scale_is_free) continue;
+    const double scale = shared.at(one.path.parent_path());
+    const Eigen::Vector3d low = scale / one.scale * one.bounds.min(),
+                          high = scale / one.scale * one.bounds.max();
+    one.bounds = {low, high};
+    one.scale = scale;
+  }
+}
 
 }  // namespace
 
-Result<v1::Scene> scene_of_folder(const fs::path& folder) {
+Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
   const auto assets = find_assets(folder);
   v1::Scene scene;
   v1::Collider& floor = *scene.mutable_environment()->add_colliders();
@@ -108,6 +129,8 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder) {
         continue;
       }
       for (const Eigen::Vector3d& point : placed->body_points_m) standing[i].bounds.extend(point);
+      standing[i].scale = placed->object_from_asset.scale;
+      standing[i].scale_is_free = !placed->scale_known && !placed->scale_by_name;
     }
   });
   for (const std::string& failure : failures) {
@@ -115,6 +138,8 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder) {
   }
   std::erase_if(standing, [](const Standing& one) { return one.bounds.isEmpty(); });
   if (standing.empty()) return invalid_data(folder.string() + ": no asset can be read; see the log");
+
+  share_scale(standing);
 
   // Places the objects in rows, tallest at the back. Rows are centred on x = 0 and the first is at z = 0.
   std::stable_sort(standing.begin(), standing.end(), [](const Standing& a, const Standing& b) {
@@ -135,9 +160,11 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder) {
       v1::Object& object = *scene.add_objects();
       object.set_name(one.name);
       object.set_asset(fs::relative(one.path, folder).string());
-      // Only the resulting scale is needed here. build_object() guesses it again, with its reason.
       const Eigen::Vector3d size = one.bounds.sizes();
-      const Eigen::Vector3d target(x + 0.5 * size.x(), 0.5 * size.y() + drop_height_m(size), z + 0.5 * depth);
+      object.set_standing(!drop);
+      if (one.scale_is_free) object.set_assumed_scale(one.scale);
+      const double lift_m = drop ? drop_height_m(size) : 0.0;
+      const Eigen::Vector3d target(x + 0.5 * size.x(), 0.5 * size.y() + lift_m, z + 0.5 * depth);
       const Eigen::Vector3d position = target - one.bounds.center();
       for (double coordinate : position) object.mutable_pose()->add_position_m(coordinate);
       x += size.x() + kGap_m;
