@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace livegs {
 namespace {
@@ -14,6 +15,9 @@ using Eigen::Vector3d;
 // that has not converged lets bodies creep and keeps them awake.
 constexpr int kMaxIterations = 50;
 constexpr double kConvergence = 0.002;
+// Sweeps over the pushing rows alone after each sweep over all. Larger: cheaper sweeps, and rows that close
+// in the meantime are found later.
+constexpr int kPushingSweeps = 4;
 
 Vector3d relative_displacement(const ContactConstraint& row) {
   return row.a->displacement_m(row.anchor_a) - row.b->displacement_m(row.anchor_b);
@@ -68,14 +72,28 @@ void solve_contacts(std::span<ContactConstraint* const> rows, double step_s) {
     if (row->normal_impulse_n_s == 0.0) continue;
     apply(*row, row->normal_impulse_n_s * row->normal + row->friction_impulse_n_s);
   }
-  for (int sweep = 0; sweep < kMaxIterations; ++sweep) {
+  // Most rows do not push. Sweeps over those that do alternate with sweeps over all; only the latter can end.
+  std::vector<ContactConstraint*> pushing;
+  bool of_all = true;
+  for (int sweep = 0, since_all = 0; sweep < kMaxIterations; ++sweep) {
+    const std::span<ContactConstraint* const> swept =
+        of_all ? rows : std::span<ContactConstraint* const>(pushing);
     double changed = 0.0, total = 0.0;
-    for (size_t n = 0; n < rows.size(); ++n) {
-      ContactConstraint& row = *rows[sweep % 2 ? rows.size() - 1 - n : n];
+    for (size_t n = 0; n < swept.size(); ++n) {
+      ContactConstraint& row = *swept[sweep % 2 ? swept.size() - 1 - n : n];
       changed += solve(row);
       total += row.normal_impulse_n_s;
     }
-    if (changed <= kConvergence * total) break;
+    const bool converged = changed <= kConvergence * total;
+    if (of_all && converged) break;
+    if (of_all) {
+      pushing.clear();
+      for (ContactConstraint* row : rows) {
+        if (row->normal_impulse_n_s > 0.0) pushing.push_back(row);
+      }
+      since_all = 0;
+    }
+    of_all = (!of_all && converged) || ++since_all > kPushingSweeps;
   }
   for (ContactConstraint* row : rows) {
     if (row->normal_impulse_n_s <= 0.0) continue;

@@ -36,9 +36,6 @@ constexpr double kMomentMapReturn_s = 0.5;
 // fraction of sqrt(g L), with L the smallest side (the speed after a fall of L/200). Pointwise contact causes
 // noise, which BDF2 damps too little.
 constexpr double kMaxSlowSpeedRatio = 0.1;
-// A body loaded by more than this multiple of its weight does not alternate the direction of its sweep. The
-// difference between the two directions grows with the load and would excite a vibration under heavy loads.
-constexpr double kMaxAlternatingLoad = 4.0;
 
 // Grip strength fades from full at the first cell stretch to zero at the second.
 constexpr double kGripFadeStart = 2.0, kGripFadeEnd = 4.0;
@@ -168,10 +165,8 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   // The result of a sweep from zero multipliers depends slightly on its order. A landing body alternates the
   // order, because a fixed one would cause a sideways drift. A slow body keeps one order in order to come to
   // rest, and so does a free one, because nearly empty cells would vibrate.
-  const bool pressed = !without(Mechanism::AlternatingLimit) &&
-                       loads_.carried_n > kMaxAlternatingLoad * mass_kg_ * context.gravity_m_s2.norm();
-  step_.backward = !without(Mechanism::AlternatingSweep) && step_.touching && !step_.is_slow && !pressed &&
-                   !step_.backward;
+  step_.backward =
+      !without(Mechanism::AlternatingSweep) && step_.touching && !step_.is_slow && !step_.backward;
   for (Load& load : loads_.points) load.from_m = nodes_.position_m(load.sample);
   solve_springs(part);
   predict(h, context);
