@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 // The iteration stops when a sweep changes the impulses by less than this fraction of their sum. Friction
 // that has not converged lets bodies creep and keeps them awake.
-constexpr int kMaxIterations = 50;
+constexpr int kMaxIterations = 100;
 constexpr double kConvergence = 0.002;
 // Sweeps over the pushing rows alone after each sweep over all. Larger: cheaper sweeps, and rows that close
 // in the meantime are found later.
