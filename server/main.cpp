@@ -258,7 +258,7 @@ int main(int argc, char** argv) {
   app.add_option("--state-dir", options.state_dir,
                  "Folder of the certificate and the tokens (default: $XDG_STATE_HOME/livegs)");
   app.add_option("--rate", options.rate_hz, "Ticks per second (default: set by the scene)")
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(CLI::Range(1.0, 2000.0));
   app.add_flag("--drop", options.drop,
                "Folder of assets: the objects fall onto the floor instead of standing on it");
   app.add_option("--substeps", options.substeps, "Substeps per tick (default: set by the scene)")

@@ -36,6 +36,7 @@ std::vector<Vector2d> hull_of(std::vector<Vector2d> points) {
   const size_t lower = hull.size() - 1;
   for (size_t i = points.size() - 1; i-- > 0;) chain(points[i], lower);
   hull.pop_back();
+  if (hull.size() < 3) return {};  // collinear
   return hull;
 }
 
@@ -87,7 +88,7 @@ std::optional<StandingBase> standing_base(std::span<const Vector3d> points_m,
   for (const Vector2d& point : best_hull) middle += point / static_cast<double>(best_hull.size());
   const double own_m = inside_m(best_hull, middle);
   best->widened = std::clamp(own_m > 0.0 ? needed_m / own_m : kMaxWidening, 1.0, kMaxWidening);
-  best->margin = std::max(best->margin, 0.0);
+  best->middle_m = middle;
   return best;
 }
 
@@ -95,21 +96,13 @@ void flatten_base(std::span<Vector3d> points_m, const StandingBase& base, const 
   double highest = -INFINITY;
   for (const Vector3d& point : points_m) highest = std::max(highest, point.y());
   const double upto_m = base.plane_m + kBaseHeight * (highest - base.lowest_m);
-  Vector3d middle = Vector3d::Zero();
-  double count = 0.0;
-  for (const Vector3d& point : points_m) {
-    if (point.y() > upto_m) continue;
-    middle += point;
-    count += 1.0;
-  }
-  if (count > 0.0) middle /= count;
   const bool move = base.margin < kStandingMargin;
   for (Vector3d& point : points_m) {
     if (point.y() > upto_m) continue;
     point.y() = base.plane_m;
     if (!move) continue;
-    point.x() = centre_of_mass_m.x() + base.widened * (point.x() - middle.x());
-    point.z() = centre_of_mass_m.z() + base.widened * (point.z() - middle.z());
+    point.x() = centre_of_mass_m.x() + base.widened * (point.x() - base.middle_m.x());
+    point.z() = centre_of_mass_m.z() + base.widened * (point.z() - base.middle_m.y());
   }
 }
 

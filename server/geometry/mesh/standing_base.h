@@ -20,7 +20,8 @@ struct StandingBase {
   // Least horizontal distance of the centre of mass from the edge of the base over its height: the slope, as
   // a tangent, on which the thing begins to topple.
   double margin = 0.0;
-  double widened = 1.0;  // factor on the size of the base; 1: as captured
+  double widened = 1.0;                                // factor on the size of the base; 1: as captured
+  Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();  // x, z; mean of the corners of the base
 };
 
 // Slope on which a thing that stands may not topple yet, as a tangent; 3 degrees.

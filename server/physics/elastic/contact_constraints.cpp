@@ -93,7 +93,7 @@ void solve_contacts(std::span<ContactConstraint* const> rows, double step_s) {
       }
       since_all = 0;
     }
-    of_all = (!of_all && converged) || ++since_all > kPushingSweeps;
+    of_all = (!of_all && converged) || ++since_all > kPushingSweeps || sweep + 2 >= kMaxIterations;
   }
   for (ContactConstraint* row : rows) {
     if (row->normal_impulse_n_s <= 0.0) continue;

@@ -148,10 +148,22 @@ Result<TriangleMesh> rigid_mesh(const Form& form, bool fine) {
   return std::move(surface->mesh);
 }
 
-// Makes the base of a captured thing flat, so that it stands. Returns the base, nullopt if there is none.
+// Makes the base of a captured thing flat, so that it stands. Returns the base; nullopt, and the mesh
+// unchanged, if there is none or if a part of the volume would go, such as the floor of a tray.
 std::optional<StandingBase> stand(TriangleMesh& mesh, const Eigen::Vector3d& centre_of_mass_m) {
+  constexpr double kMinVolume = 0.8;  // after over before
+  const auto volume_m3 = [](const TriangleMesh& of) {
+    double six = 0.0;
+    for (const auto& triangle : of.triangles)
+      six += of.vertices_m[triangle[0]].dot(of.vertices_m[triangle[1]].cross(of.vertices_m[triangle[2]]));
+    return six / 6.0;
+  };
   const auto base = standing_base(mesh.vertices_m, centre_of_mass_m);
-  if (base) flatten_base(mesh.vertices_m, *base, centre_of_mass_m);
+  if (!base) return base;
+  TriangleMesh flat = mesh;
+  flatten_base(flat.vertices_m, *base, centre_of_mass_m);
+  if (volume_m3(flat) < kMinVolume * volume_m3(mesh)) return std::nullopt;
+  mesh = std::move(flat);
   return base;
 }
 
@@ -358,14 +370,14 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   if (const auto why = fracture_warning(*parameters); why && object.physics().fragile()) {
     built.drawn.warnings.push_back("physics." + *why);
   }
+  const auto placed_pose = [&] {
+    Pose pose = pose_value(object.pose(), field + ".pose").value();  // checked when the file was read
+    if (base) pose.position_m += pose.orientation * Eigen::Vector3d(0.0, lowest_m - base->plane_m, 0.0);
+    return pose;
+  };
   const auto place = [&](auto& body) {
     body.material = material;
-    body.world_from_object =
-        pose_value(object.pose(), field + ".pose").value();  // checked when the file was read
-    if (base) {
-      const Eigen::Vector3d shift_m(0.0, lowest_m - base->plane_m, 0.0);
-      body.world_from_object.position_m += body.world_from_object.orientation * shift_m;
-    }
+    body.world_from_object = placed_pose();
     body.velocity_m_s = vector_value(object.velocity_m_s(), Eigen::Vector3d::Zero(), field).value();
     body.angular_velocity_rad_s =
         vector_value(object.angular_velocity_rad_s(), Eigen::Vector3d::Zero(), field).value();
@@ -378,8 +390,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       break;
     }
     case Behavior::Static: {
-      built.body = StaticBodyDescription{pose_value(object.pose(), field + ".pose").value(),
-                                         mesh_collider(form->mesh), material.friction, material.restitution};
+      built.body = StaticBodyDescription{placed_pose(), mesh_collider(form->mesh), material.friction,
+                                         material.restitution};
       break;
     }
     default: {
@@ -387,9 +399,12 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       auto mesh = rigid_mesh(*form, shape || material.fragile);
       if (!mesh) return fail(mesh.error());
       body.mesh = std::move(*mesh);
-      if (base) {
+      if (base && !material.fragile) {
         // The collision mesh is another surface, and the material may be a shell.
-        base = stand(body.mesh, properties_of(body.mesh, material.fill).centre_of_mass_m);
+        const double widened = base->widened;
+        const Eigen::Vector3d centre = properties_of(body.mesh, material.fill).centre_of_mass_m;
+        if (const auto own = stand(body.mesh, centre)) base = own;
+        base->widened = std::max(base->widened, widened);
       }
       built.cut_mesh = std::make_shared<const TriangleMesh>(body.mesh);
       built.fine_mesh =
@@ -416,7 +431,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
                   base->widened);
     built.drawn.warnings.push_back(text);
   }
-  built.standing = base.has_value();
+  built.standing = object.standing() && material.behavior != Behavior::Static;
   built.drawn.name = name;
   built.drawn.asset = std::move(form->asset);
   built.drawn.physics = std::move(*parameters);

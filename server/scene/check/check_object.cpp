@@ -73,6 +73,8 @@ Result<void> check_standing(const v1::Object& object, const std::string& field) 
     return missing(field + ".standing", "is only for assets; shapes and points are exact as they are");
   if (object.velocity_m_s_size() > 0 || object.angular_velocity_rad_s_size() > 0)
     return missing(field + ".standing", "conflicts with a velocity; omit one of them");
+  if (!object.initial_deformation().empty() || object.regions_size() > 0)
+    return missing(field + ".standing", "conflicts with initial_deformation and regions; omit one of them");
   return {};
 }
 

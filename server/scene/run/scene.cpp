@@ -163,6 +163,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
       return added.error();
     scene.add_drawn(std::move(drawn), environment->object_from_asset);
   }
+  std::vector<uint32_t> standing;  // a static object that is added wakes all others
   for (auto& object : built) {
     BuiltObject& one = **object;
     one.drawn.id = scene.next_id_++;
@@ -180,7 +181,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
       added = scene.world_->add_elastic(elastic);
     }
     if (!added) return of_object(added.error(), one.drawn.name);
-    if (one.standing && settings->sleep) scene.world_->put_to_sleep(one.drawn.id);
+    if (one.standing && settings->sleep) standing.push_back(one.drawn.id);
     const Similarity object_from_asset = one.object_from_asset;
     scene.note_elastic(one.drawn);
     const SceneObject& drawn = scene.add_drawn(std::move(one.drawn), object_from_asset);
@@ -190,6 +191,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     }
     log_notes(scene.objects_.back());
   }
+  for (const uint32_t id : standing) scene.world_->put_to_sleep(id);
   if (options.wait_for_pieces) {
     for (FragileTask& task : scene.cutting_) scene.finish_cut(task);
     scene.cutting_.clear();

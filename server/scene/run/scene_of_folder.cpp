@@ -79,12 +79,12 @@ void share_scale(std::vector<Standing>& standing) {
   std::map<fs::path, double> shared;
   for (const Standing& one : standing) {
     if (!one.scale_is_free) continue;
-    const auto [at, fresh] = shared.try_emplace(one.path.parent_path(), one.scale);
+    const auto [at, fresh] = shared.try_emplace(fs::path(one.stem).parent_path(), one.scale);
     at->second = std::min(at->second, one.scale);
   }
   for (Standing& one : standing) {
     if (!one.scale_is_free) continue;
-    const double scale = shared.at(one.path.parent_path());
+    const double scale = shared.at(fs::path(one.stem).parent_path());
     const Eigen::Vector3d low = scale / one.scale * one.bounds.min(),
                           high = scale / one.scale * one.bounds.max();
     one.bounds = {low, high};

@@ -106,7 +106,8 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
   measure_held_reach();
 }
 
-// The largest distance of a node from the held ones, along the body: in steps from cell to cell. It is the
+// The largest distance of a node from the held ones, along the body: in steps from cell to cell, of which a
+// diagonal one counts once. It is the
 // length of the beam that sets the lowest mode.
 void CellsBody::measure_held_reach() {
   std::vector<int> steps(inverse_masses_.size(), -1);

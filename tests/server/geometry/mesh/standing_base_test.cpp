@@ -6,7 +6,6 @@
 #include <random>
 
 #include "geometry/mesh/mass_properties.h"
-#include "geometry/mesh/mesh_topology.h"
 #include "geometry/surface/shape_mesh.h"
 
 namespace livegs {
@@ -50,7 +49,7 @@ TEST(StandingBase, PlaneIsAboveHaze) {
   }
 }
 
-// A cone on its tip gets a base, and stays closed.
+// A cone on its tip gets a base.
 TEST(StandingBase, TipIsWidened) {
   TriangleMesh cone = sphere_mesh(0.1, 3);
   for (Vector3d& vertex : cone.vertices_m) {

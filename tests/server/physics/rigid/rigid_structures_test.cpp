@@ -80,8 +80,8 @@ TEST(RigidStructures, HeavyBoxRestsOnLightBox) {
   }
 }
 
-// No setting lets a stack sink or topple: the steps follow from the weight on each contact (step_plan.h), and
-// no substep is longer than kMaxSubstep_s.
+// Stacks of up to 20 boxes neither sink nor topple: the steps follow from the weight on each contact
+// (step_plan.h), and no substep is longer than kMaxSubstep_s.
 TEST(RigidStructures, StacksStandAtAnyRate) {
   struct Setting {
     double rate_hz;
