@@ -401,10 +401,11 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       body.mesh = std::move(*mesh);
       if (base && !material.fragile) {
         // The collision mesh is another surface, and the material may be a shell.
-        const double widened = base->widened;
+        const StandingBase fine = *base;
         const Eigen::Vector3d centre = properties_of(body.mesh, material.fill).centre_of_mass_m;
         if (const auto own = stand(body.mesh, centre)) base = own;
-        base->widened = std::max(base->widened, widened);
+        base->widened = std::max(base->widened, fine.widened);
+        base->margin = std::min(base->margin, fine.margin);
       }
       built.cut_mesh = std::make_shared<const TriangleMesh>(body.mesh);
       built.fine_mesh =
@@ -425,9 +426,11 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       built.body = std::move(body);
     }
   }
-  if (base && base->widened > 1.0) {
+  if (base && base->margin < kStandingMargin) {
     char text[160];
-    std::snprintf(text, sizeof text, "base: too narrow to stand on as captured; it is widened %.2g times",
+    std::snprintf(text, sizeof text,
+                  "base: does not carry the object as captured; it is moved under the centre of mass and "
+                  "widened %.2g times",
                   base->widened);
     built.drawn.warnings.push_back(text);
   }
