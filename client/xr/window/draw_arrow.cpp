@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "xr/window/draw_arrow.h"
 
+#include <algorithm>
+
 #include "xr/window/window_style.h"
 
 namespace livegs {
@@ -13,11 +15,19 @@ ImVec2 at(const Eigen::Vector2d& point) {
   return {static_cast<float>(point.x()), static_cast<float>(point.y())};
 }
 
-// Draws text on a dark plate; `left_px` is the middle of its left edge.
+constexpr float kPlateWidth_px = 6, kPlateHeight_px = 3;  // around the text
+
+// Draws text on a dark plate; `left_px` is the middle of its left edge. The plate is moved into the window.
 void draw_label(ImDrawList& list, const Eigen::Vector2d& left_px, const std::string& label, ImU32 ink) {
   const ImVec2 size = ImGui::CalcTextSize(label.c_str());
-  const ImVec2 from(static_cast<float>(left_px.x()), static_cast<float>(left_px.y()) - 0.5f * size.y);
-  list.AddRectFilled({from.x - 6, from.y - 3}, {from.x + size.x + 6, from.y + size.y + 3}, kPlate, 4);
+  const ImVec2 window = ImGui::GetIO().DisplaySize;
+  const auto within = [](double from, float text, float plate, float whole) {
+    return std::max(plate, std::min(static_cast<float>(from), whole - text - plate));
+  };
+  const ImVec2 from(within(left_px.x(), size.x, kPlateWidth_px, window.x),
+                    within(left_px.y() - 0.5 * size.y, size.y, kPlateHeight_px, window.y));
+  list.AddRectFilled({from.x - kPlateWidth_px, from.y - kPlateHeight_px},
+                     {from.x + size.x + kPlateWidth_px, from.y + size.y + kPlateHeight_px}, kPlate, 4);
   list.AddText(from, ink, label.c_str());
 }
 
