@@ -20,11 +20,13 @@
 #include "core/log_format.h"
 #include "core/parallel_for.h"
 #include "core/require_processor.h"
+#include "scene/build/object_cache.h"
 #include "scene/scene.h"
 #include "service_notice.h"
 #include "session/access/server_security.h"
 #include "session/live/analysis_controller.h"
 #include "session/live/run_controller.h"
+#include "session/live/scene_author.h"
 #include "session/metrics/metrics.h"
 #include "session/metrics/run_summary.h"
 #include "session/recording/session_recorder.h"
@@ -55,6 +57,7 @@ struct Options {
   std::string record;
   livegs::RecordingOptions recording;
   bool print_port = false;
+  bool fresh = false;  // --new
   bool wait_for_client = false;
   bool verbose = false;
   livegs::EndpointChoice endpoint;
@@ -148,9 +151,16 @@ int run(const Options& options) {
   scene_options.substeps = options.substeps;
   scene_options.drop = options.drop;
   scene_options.wait_for_pieces = options.wait_for_client;
+  scene_options.cache = std::make_shared<ObjectCache>();
+  auto text = options.fresh ? new_scene(options.scene) : read_scene(options.scene, options.drop);
+  if (!text) return report(text.error());
   if (auto fits = check_scene_memory(options.scene, options.clients); !fits) return report(fits.error());
-  auto scene = Scene::load(options.scene, scene_options);
-  if (!scene) return report(scene.error());
+  auto document = SceneDocument::open(*std::move(text));
+  if (!document) return report(document.error());
+  auto scene = Scene::build(document->scene(), document->folder(), document->name(), scene_options);
+  if (!scene) {
+    return report({scene.error().code, document->name() + ": " + scene.error().message});
+  }
   log_info("scene %s: %zu objects, built in %.1f s", scene->name().c_str(), scene->objects().size(),
            seconds_from_ns(now_ns() - begun_ns));
 
@@ -164,13 +174,12 @@ int run(const Options& options) {
     analysis_options.answers = cache_folder() / "answers";
   }
   AnalysisController analysis(std::move(*analysed), std::move(*endpoint), loop, analysis_options);
+  SceneAuthor author(std::move(*document), scene_options, loop, analysis);
   RunController run(
       loop,
       [&](uint32_t first_object_id) -> Result<Scene> {
         if (auto fits = check_scene_memory(options.scene, options.clients); !fits) return fits.error();
-        SceneOptions again = scene_options;
-        again.first_object_id = first_object_id;
-        return Scene::load(options.scene, again);
+        return author.build(first_object_id);
       },
       [&](Scene loaded) {
         (*server)->encode_ahead(loaded);
@@ -194,6 +203,7 @@ int run(const Options& options) {
   (*server)->open(loop.scene(), loop);
   (*server)->open_analysis(analysis);
   (*server)->open_run(run);
+  (*server)->open_author(author);
   std::mutex drain_mutex;
   std::string drained;  // the reason, once requested
   (*server)->open_drain([&](const std::string& reason) {
@@ -218,6 +228,7 @@ int run(const Options& options) {
     if (reason.empty()) reason = drain_reason();
   }
   if (reason.empty()) {
+    if (options.wait_for_client && (*server)->starter_joined()) loop.wait_to_start();
     loop.start();
     analysis.begin();
     const int64_t end_ns = now_ns() + static_cast<int64_t>(options.seconds * 1e9);
@@ -292,7 +303,10 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   app.add_flag("--print-port", options.print_port, "Print the port to standard output when clients can join");
-  app.add_flag("--wait-for-client", options.wait_for_client, "Delay the first tick until a client streams");
+  app.add_flag("--wait-for-client", options.wait_for_client,
+               "Delay the first tick until a client shows its first picture and starts the simulation");
+  app.add_flag("--new", options.fresh,
+               "Begin an empty scene: SCENE is a folder of assets, or a *.scene.json that does not exist yet");
   app.add_option("--endpoint", options.endpoint.url,
                  "URL of a server with the OpenAI chat completions API, which estimates materials (default: "
                  "the value of the variable OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY; without a "

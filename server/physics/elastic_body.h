@@ -236,6 +236,13 @@ class ElasticBody {
   virtual bool can_sleep() const { return asleep(); }
   virtual void sleep() {}
 
+  // Sets the rest shape at a pose, with the motion of a rigid body. False: this solver cannot.
+  virtual bool place(const Pose& world_from_object, const Eigen::Vector3d& velocity_m_s,
+                     const Eigen::Vector3d& angular_velocity_rad_s) {
+    (void)world_from_object, (void)velocity_m_s, (void)angular_velocity_rad_s;
+    return false;
+  }
+
   // Permanently releases a fixed or moved region; its other properties stay. False if there is no such
   // region.
   virtual bool release_region(const std::string& name) = 0;

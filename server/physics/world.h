@@ -136,6 +136,8 @@ class World {
 
   // The caller chooses ids; they must be unique. Errors name the object's id and the invalid value.
   void add_collider(const Collider& collider);
+  // `object_id`: of the static object that the collider belongs to.
+  void add_collider(const Collider& collider, uint32_t object_id);
   Result<void> add_static(uint32_t object_id, const Pose& world_from_object);
   Result<void> add_rigid(const RigidBodyDescription& description);
   Result<void> add_elastic(const ElasticBodyDescription& description);
@@ -143,8 +145,21 @@ class World {
   // A body without velocity sleeps until it is touched, also before its first tick. No effect on other
   // objects.
   void put_to_sleep(uint32_t object_id);
+  // Sets an object to its rest shape at a pose, with the motion of a rigid body (centre of mass, world frame).
+  // It wakes, as does what touches it. Fails for static and broken objects, and for solvers that cannot.
+  Result<void> place(uint32_t object_id, const Pose& world_from_object,
+                     const Eigen::Vector3d& velocity_m_s = Eigen::Vector3d::Zero(),
+                     const Eigen::Vector3d& angular_velocity_rad_s = Eigen::Vector3d::Zero());
+  // Way that an object can go straight down, along gravity, until it meets a collider or another body, m. It
+  // counts from the object's lowest points and is negative if they are inside. nullopt: nothing within
+  // `max_distance_m`, no gravity, or no such object.
+  std::optional<double> distance_down_m(uint32_t object_id, double max_distance_m) const;
+  // The same for surface points (world frame) of an object that is not there yet, or is elsewhere now.
+  std::optional<double> distance_down_m(std::span<const Eigen::Vector3d> points_m,
+                                        std::optional<uint32_t> except_object_id,
+                                        double max_distance_m) const;
   // Removes an object, for example a ball that is far away. Unknown ids are ignored. Forces, springs, grabs
-  // and joints of the object are removed too.
+  // and joints of the object are removed too, and the colliders of a static object.
   void remove(uint32_t object_id);
 
   // Errors name the objects. A joint is removed together with either of its objects.

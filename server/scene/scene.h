@@ -30,7 +30,10 @@ namespace livegs {
 
 namespace v1 {
 class SceneSource;  // livegs/v1/recording.proto
+class SceneChange_Edit;
+class SceneChange_Carry;
 }
+struct BuiltObject;
 class FragileTask;
 struct TriangleMesh;
 
@@ -80,6 +83,15 @@ class Scene {
   Result<std::vector<std::string>> set_physics(uint32_t object_id, v1::PhysicalParameters physics);
   BodyTypeLock body_type_lock(const SceneObject& object) const;
 
+  // Adds, removes or changes one object as an author edited it. A moved object keeps its id; one that has to be
+  // built again gets a new one. Built from the cache, or on this thread. After an error nothing has changed.
+  Result<void> edit(const v1::SceneChange_Edit& edit);
+  // Moves an object towards a pose, at most kMaxCarrySpeed_m_s fast, until it is released or half a second has
+  // passed. It pushes what it meets. Without pose: releases it.
+  void carry(const v1::SceneChange_Carry& carry);
+  void place_carried();  // at once, while the scene is halted
+  static constexpr double kMaxCarrySpeed_m_s = 3.0;
+
   // Applies the cuts of these objects, in this order, before the next step. Blocks until they are ready.
   void take_cuts(std::span<const uint32_t> object_ids);
 
@@ -104,12 +116,22 @@ class Scene {
   void apply_fractures();
   void report_recoveries();
   SceneObject& drawn(uint32_t object_id);
+  Result<uint32_t> add_built(BuiltObject& one);  // returns its id
+  void remove_object(uint32_t object_id);
+  Pose pose_of(uint32_t object_id) const;              // of the object's frame
+  Eigen::Vector3d centre_of(uint32_t object_id) const;  // at rest, object frame
+  void move_carried();
+  // Puts standing objects to sleep that have something to stand on.
+  void settle(std::span<const uint32_t> standing);
+  std::string cut_key(const SceneObject& object) const;
+  uint64_t cut_seed(const SceneObject& object) const;
   const SceneObject& add_drawn(SceneObject drawn, const Similarity& object_from_asset);
 
   std::string name_;
   std::filesystem::path folder_;
   SceneOptions options_;
-  v1::Scene file_;
+  v1::Scene built_file_;  // as built
+  v1::Scene file_;        // with the edits since
   std::unique_ptr<World> world_;
   std::deque<SceneObject> objects_;
   uint32_t next_id_ = 1;
@@ -129,6 +151,12 @@ class Scene {
     std::optional<Eigen::Vector3f> interior_rgb;
   };
   std::map<uint32_t, Cuttable> cuttable_;
+  std::map<uint32_t, bool> standing_;  // BuiltObject::standing of the file's objects
+  struct Carried {
+    Pose at, target;
+    uint64_t until_tick = 0;
+  };
+  std::map<uint32_t, Carried> carried_;
 };
 
 // The scene that a path stands for, a scene file or a folder: its contents, base folder and name.
@@ -140,6 +168,8 @@ struct SceneText {
 };
 // `drop`: as SceneOptions::drop.
 Result<SceneText> read_scene(const std::filesystem::path& path, bool drop = false);
+// An empty scene with a floor: `path` is a folder, or a *.scene.json that does not exist yet.
+Result<SceneText> new_scene(const std::filesystem::path& path);
 // Reads and checks a scene file without opening its assets. Comments (//, /* */) are allowed.
 Result<v1::Scene> read_scene_file(const std::filesystem::path& path);
 // Checks a force from a user: finite, at most 1e5 N, for at most 60 s. InvalidArgument names the field.

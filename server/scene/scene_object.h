@@ -19,6 +19,7 @@
 namespace livegs {
 
 struct ObjectFacts;  // analysis/estimate.h
+class ObjectCache;   // scene/build/object_cache.h
 struct BrokenAsset;  // scene/build/fragile_object.h
 
 // Fracture state of a fragile object.
@@ -35,6 +36,9 @@ struct SceneObject {
   uint32_t id = 0;
   std::string name;
   bool environment = false;
+  bool hidden = false;  // not drawn
+  double lift_m = 0;    // of the body's frame above the object's pose, along the object's +y
+  std::string label;    // what the scene file says it is; may be empty
   // Shared with the service that sends it; broken->asset after the object broke.
   std::shared_ptr<const GaussianAsset> asset;
   std::shared_ptr<const BrokenAsset> broken;  // fragile objects only, once prepared
@@ -76,6 +80,7 @@ struct SceneOptions {
   // Called after each object is built, before the whole scene is. Id and rest are not set. Any thread; calls
   // are serialised.
   std::function<void(const SceneObject&)> built;
+  std::shared_ptr<ObjectCache> cache;  // of built objects; null: everything is built
   // Simulates a recorded run again: cuts that load() did not wait for are applied by take_cuts() only.
   bool recorded_cuts = false;
 };

@@ -2,6 +2,7 @@
 #include "stream/received/object_description.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/file.h"
 #include "wire/rest_body_codec.h"
@@ -15,6 +16,9 @@ Result<StreamedObject> read_description(const v1::ObjectDescription& description
   object.asset_hash = description.asset_hash();
   object.asset_bytes = description.asset_bytes();
   object.environment = description.environment();
+  object.hidden = description.hidden();
+  object.label = description.label();
+  object.lift_m = description.lift_m();
   object.kernel_count = description.kernel_count();
   object.mass_kg = description.mass_kg();
   object.physics = description.physics();
@@ -37,6 +41,7 @@ Result<StreamedObject> read_description(const v1::ObjectDescription& description
   if (std::max(object.asset_bytes, object.broken_asset_bytes) > kMaxFileBytes) {
     return fail("the asset is over 4 GiB");
   }
+  if (!std::isfinite(object.lift_m)) return fail("lift_m is no number");
   auto rest = decode_rest_body(std::as_bytes(std::span(description.rest_body())));
   if (!rest) return fail(rest.error().message);
   object.rest = std::move(*rest);

@@ -24,6 +24,9 @@ struct StreamedObject {
   uint64_t asset_bytes = 0;
   RestBody rest;
   bool environment = false;
+  bool hidden = false;  // not drawn
+  std::string label;    // what an author says it is; may be empty
+  double lift_m = 0;    // of the body's frame above the object's pose, along the object's +y
   uint32_t kernel_count = 0;
   double mass_kg = 0;
   v1::PhysicalParameters physics;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stream/session/scene_control.h"
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <set>
 
+#include "core/file.h"
 #include "livegs/v1/session.grpc.pb.h"
 #include "stream/channel/rpc_channel.h"
 
@@ -12,6 +14,8 @@ namespace livegs {
 namespace {
 
 constexpr std::chrono::seconds kControlDeadline{10};
+constexpr std::chrono::seconds kBuildDeadline{120};  // of calls that may build several large objects
+constexpr size_t kUploadChunkBytes = 1 << 20;
 
 }  // namespace
 
@@ -42,9 +46,9 @@ struct SceneControl::Connection {
 
   template <class Reply, class Request>
   Result<Reply> ask(grpc::Status (v1::LiveGs::Stub::*method)(grpc::ClientContext*, const Request&, Reply*),
-                    const Request& request) {
+                    const Request& request, std::chrono::seconds deadline = kControlDeadline) {
     Call call(*this);
-    call.context.set_deadline(std::chrono::system_clock::now() + kControlDeadline);
+    call.context.set_deadline(std::chrono::system_clock::now() + deadline);
     Reply reply;
     const grpc::Status status = (stub.get()->*method)(&call.context, request, &reply);
     if (!status.ok()) return error_from(status, address);
@@ -91,6 +95,53 @@ Result<uint64_t> SceneControl::apply_force(const v1::Event::Force& force) {
   const auto reply = connection_->ask(&v1::LiveGs::Stub::ApplyForce, request);
   if (!reply) return reply.error();
   return reply->tick();
+}
+
+Result<v1::EditSceneReply> SceneControl::edit_scene(const v1::EditSceneRequest& request) {
+  return connection_->ask(&v1::LiveGs::Stub::EditScene, request, kBuildDeadline);
+}
+
+Result<v1::EditSceneReply> SceneControl::undo_edit(bool redo) {
+  v1::UndoEditRequest request;
+  request.set_redo(redo);
+  return connection_->ask(&v1::LiveGs::Stub::UndoEdit, request, kBuildDeadline);
+}
+
+Result<void> SceneControl::carry_object(const v1::CarryObjectRequest& request) {
+  const auto reply = connection_->ask(&v1::LiveGs::Stub::CarryObject, request);
+  return reply ? Result<void>() : reply.error();
+}
+
+Result<v1::SceneDocument> SceneControl::scene() {
+  return connection_->ask(&v1::LiveGs::Stub::GetScene, v1::GetSceneRequest());
+}
+
+Result<v1::SaveSceneReply> SceneControl::save_scene(const v1::SaveSceneRequest& request) {
+  return connection_->ask(&v1::LiveGs::Stub::SaveScene, request, kBuildDeadline);
+}
+
+Result<v1::ListAssetsReply> SceneControl::assets() {
+  return connection_->ask(&v1::LiveGs::Stub::ListAssets, v1::ListAssetsRequest());
+}
+
+Result<std::string> SceneControl::upload_asset(const std::filesystem::path& file) {
+  auto bytes = read_file(file);
+  if (!bytes) return bytes.error();
+  Connection::Call call(*connection_);
+  v1::UploadAssetReply reply;
+  const auto writer = connection_->stub->UploadAsset(&call.context, &reply);
+  v1::UploadAssetChunk chunk;
+  chunk.set_name(file.filename().string());
+  bool open = writer->Write(chunk);
+  chunk.clear_name();
+  for (size_t sent = 0; open && sent < bytes->size(); sent += chunk.data().size()) {
+    chunk.set_data(bytes->data() + sent, std::min(kUploadChunkBytes, bytes->size() - sent));
+    open = writer->Write(chunk);
+  }
+  writer->WritesDone();
+  const grpc::Status status = writer->Finish();
+  if (!status.ok()) return error_from(status, connection_->address);
+  return reply.path();
 }
 
 Result<void> SceneControl::analyze(const std::vector<std::string>& objects, const Progress& progress) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -29,6 +30,16 @@ class SceneControl {
   // `force`: the point in rest coordinates of the object, the direction in world coordinates.
   // Returns the newest tick at acceptance; the force acts from the next tick on.
   Result<uint64_t> apply_force(const v1::Event::Force& force);
+
+  // Editing (author.proto).
+  Result<v1::EditSceneReply> edit_scene(const v1::EditSceneRequest& request);
+  Result<v1::EditSceneReply> undo_edit(bool redo);
+  Result<void> carry_object(const v1::CarryObjectRequest& request);
+  Result<v1::SceneDocument> scene();
+  Result<v1::SaveSceneReply> save_scene(const v1::SaveSceneRequest& request);
+  Result<v1::ListAssetsReply> assets();
+  // Sends a file; blocks until the server has it, without a time limit. Returns its path as Object.asset.
+  Result<std::string> upload_asset(const std::filesystem::path& file);
 
   // Blocks until all objects are analysed, without a time limit. No names: every object marked for analysis.
   // `progress` is called on this thread.

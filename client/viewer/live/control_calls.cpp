@@ -107,6 +107,81 @@ void ControlCalls::control_run(v1::ControlRunRequest request) {
   });
 }
 
+void ControlCalls::edit_scene(v1::EditSceneRequest request) {
+  edits_.post([this, request = std::move(request)] {
+    Answer result = answer_of(Answer::Kind::Edit);
+    auto reply = control_.edit_scene(request);
+    reply ? void(result.edited = *std::move(reply)) : void(result.refused = reply.error());
+    answer(std::move(result));
+  });
+}
+
+void ControlCalls::undo_edit(bool redo) {
+  edits_.post([this, redo] {
+    Answer result = answer_of(Answer::Kind::Edit);
+    auto reply = control_.undo_edit(redo);
+    reply ? void(result.edited = *std::move(reply)) : void(result.refused = reply.error());
+    answer(std::move(result));
+  });
+}
+
+void ControlCalls::carry_object(v1::CarryObjectRequest request) {
+  if (carries_waiting_ > 0 && request.has_pose()) return;
+  ++carries_waiting_;
+  edits_.post([this, request = std::move(request)] {
+    --carries_waiting_;
+    Answer result = answer_of(Answer::Kind::Edit);
+    auto reply = control_.carry_object(request);
+    if (reply) return;
+    result.refused = reply.error();
+    answer(std::move(result));
+  });
+}
+
+void ControlCalls::get_scene() {
+  quick_.post([this] {
+    Answer result = answer_of(Answer::Kind::Scene);
+    auto reply = control_.scene();
+    reply ? void(result.scene = *std::move(reply)) : void(result.refused = reply.error());
+    answer(std::move(result));
+  });
+}
+
+void ControlCalls::save_scene(v1::SaveSceneRequest request) {
+  edits_.post([this, request = std::move(request)] {
+    Answer result = answer_of(Answer::Kind::Save);
+    auto reply = control_.save_scene(request);
+    reply ? void(result.saved = reply->file()) : void(result.refused = reply.error());
+    answer(std::move(result));
+  });
+}
+
+void ControlCalls::list_assets() {
+  quick_.post([this] {
+    Answer result = answer_of(Answer::Kind::Assets);
+    auto reply = control_.assets();
+    reply ? void(result.assets = *std::move(reply)) : void(result.refused = reply.error());
+    answer(std::move(result));
+  });
+}
+
+void ControlCalls::upload_asset(std::filesystem::path file, v1::ObjectEdit edit) {
+  edits_.post([this, file = std::move(file), edit = std::move(edit)]() mutable {
+    Answer result = answer_of(Answer::Kind::Edit);
+    auto path = control_.upload_asset(file);
+    if (path) {
+      edit.mutable_value()->set_asset(*path);
+      v1::EditSceneRequest request;
+      *request.add_objects() = std::move(edit);
+      auto reply = control_.edit_scene(request);
+      reply ? void(result.edited = *std::move(reply)) : void(result.refused = reply.error());
+    } else {
+      result.refused = path.error();
+    }
+    answer(std::move(result));
+  });
+}
+
 void ControlCalls::apply_force(v1::Event::Force force) {
   quick_.post([this, force = std::move(force)] {
     Answer result = answer_of(Answer::Kind::Force, force.object());

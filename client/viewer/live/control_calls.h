@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -27,14 +28,26 @@ class ControlCalls {
   void analyze(std::vector<std::string> objects);
   void control_run(v1::ControlRunRequest request);
   void apply_force(v1::Event::Force force);
+  void edit_scene(v1::EditSceneRequest request);
+  void undo_edit(bool redo);
+  void carry_object(v1::CarryObjectRequest request);  // dropped while an earlier one waits
+  void get_scene();
+  void save_scene(v1::SaveSceneRequest request);
+  void list_assets();
+  // Sends the file, then adds its object with the `edit` as for a new object.
+  void upload_asset(std::filesystem::path file, v1::ObjectEdit edit);
 
-  // At most one of `physics`, `progress` and `refused` is set; none for an accepted call without a result.
+  // At most one of the optional values is set; none for an accepted call without a result.
   struct Answer {
-    enum class Kind { Physics, Analysis, Run, Force };
+    enum class Kind { Physics, Analysis, Run, Force, Edit, Scene, Save, Assets };
     Kind kind = Kind::Physics;
     std::string object;  // for Physics and Force
     std::optional<v1::PhysicsReply> physics;
     std::optional<v1::AnalysisProgress> progress;
+    std::optional<v1::EditSceneReply> edited;
+    std::optional<v1::SceneDocument> scene;
+    std::optional<v1::ListAssetsReply> assets;
+    std::string saved;  // name of the scene file
     std::optional<Error> refused;
     uint64_t tick = 0;  // Force: the newest tick at acceptance
     bool last = true;   // the final reply to this call
@@ -59,7 +72,8 @@ class ControlCalls {
   SceneControl& control_;
   std::mutex mutex_;  // guards answers_
   std::vector<Answer> answers_;
-  Lane quick_, analyses_;  // last: their threads use all members above
+  std::atomic<int> carries_waiting_ = 0;
+  Lane quick_, analyses_, edits_;  // last: their threads use all members above
 };
 
 }  // namespace livegs

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
 #include "xr/window/draw_frame_graph.h"
 #include "xr/window/window_style.h"
@@ -13,6 +14,8 @@ namespace {
 
 constexpr float kMargin_px = 10, kGap_px = 4, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84,
                 kValueWidth_px = 64;
+// The Scene panel is open at first if there is this much room below the Run panel.
+constexpr float kMinScenePanel_px = 300;
 
 void coloured(ImU32 colour, const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
@@ -83,7 +86,8 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   had_notice_ = !panels.run.notice.empty();
 
   const float across_px = std::max(1.0f, width_px - 2 * kMargin_px), down_px = height_px - 2 * kMargin_px;
-  const float max_px = stacked_ ? down_px - kGap_px - ImGui::GetFrameHeight() : down_px;
+  const float other_bars = stacked_ && panels.scene.available ? 2 : stacked_ || panels.scene.available ? 1 : 0;
+  const float max_px = down_px - other_bars * (kGap_px + ImGui::GetFrameHeight());
   place(Panel::Run, kMargin_px, kMargin_px, std::min(kLeftWidth_px, across_px), 0, max_px);
   ImGui::Begin("Run", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Run);
@@ -104,6 +108,19 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   ImGui::Begin("Objects", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Objects);
   draw_objects(panels.objects, actions);
+  const float below_objects_px = below_px + ImGui::GetWindowHeight() + kGap_px;
+  ImGui::End();
+  if (!panels.scene.available) return actions;
+
+  // Closed at first where it would cover the picture.
+  const float top_px = stacked_ ? below_objects_px : below_px;
+  if (!stacked_ && !std::exchange(scene_seen_, true))
+    ImGui::SetNextWindowCollapsed(height_px - top_px < kMinScenePanel_px, ImGuiCond_Always);
+  place(Panel::Scene, kMargin_px, top_px, std::min(kLeftWidth_px, across_px), 0,
+        std::max(height_px - top_px - kMargin_px, ImGui::GetFrameHeight()));
+  ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_NoResize);
+  see_whether_open(Panel::Scene);
+  scene_.draw(panels.scene, actions.scene);
   ImGui::End();
   return actions;
 }
@@ -121,6 +138,12 @@ void PanelDrawer::draw_loading(const LoadingPanel& loading, float width_px, floa
 }
 
 void PanelDrawer::draw_run(const RunPanel& run, PanelActions& actions) {
+  if (run.waiting) {
+    actions.start = button("Start", true, -1);
+    coloured(kNoteInk, "Halted at the beginning. Press Start or P.");
+    if (!run.notice.empty()) coloured(kRefusalInk, run.notice);
+    return;
+  }
   const float third = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   if (button(run.paused ? "Resume" : "Pause", true, third)) actions.pause = !run.paused;
   ImGui::SameLine();

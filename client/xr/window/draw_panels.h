@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "xr/window/draw_scene_panel.h"
 #include "xr/window/window_panels.h"
 
 namespace livegs {
@@ -16,7 +17,7 @@ std::optional<std::pair<double, double>> columns_beside_panels(double width_px, 
 // Draws the panels of a window with Dear ImGui and reports the user's actions. Keeps the position of a slider
 // that is dragged. Call between ImGui's NewFrame and Render.
 //
-// Run is on the left and Objects on the right; the user can move them until the window is resized. In a
+// Run is on the left with Scene below it, and Objects on the right; the user can move them until the window is resized. In a
 // window narrower than kMinSideBySideWidth_px they are stacked and at most one is open: opening one closes
 // the other. The first selection opens Objects, and a notice opens Run.
 class PanelDrawer {
@@ -26,7 +27,7 @@ class PanelDrawer {
   static constexpr float kMinSideBySideWidth_px = 700;
 
  private:
-  enum class Panel { None, Run, Objects };
+  enum class Panel { None, Run, Objects, Scene };
   // Before and after a panel is begun. `max_px`: maximum height; `height_px` 0: fits the contents.
   void place(Panel panel, float left_px, float top_px, float width_px, float height_px, float max_px);
   void see_whether_open(Panel panel);
@@ -44,6 +45,8 @@ class PanelDrawer {
   bool had_notice_ = false;
   std::string held_;  // name of the row whose slider is dragged
   float held_position_ = 0;
+  ScenePanelDrawer scene_;
+  bool scene_seen_ = false;  // the Scene panel has been shown
 };
 
 }  // namespace livegs

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace livegs {
@@ -46,6 +48,7 @@ struct FrameGraph {
 
 struct RunPanel {
   bool paused = false, loading = false;
+  bool waiting = false;  // before the first tick, until the user starts it
   bool recorded = false;           // playback of a recording: the scene cannot be changed
   std::string notice;              // an error, in red; empty: none
   std::vector<std::string> lines;  // status, one per line
@@ -63,6 +66,38 @@ struct ForcePanel {
   std::string progress;                // of a recording; empty: none
 };
 
+// The scene as authors edit it.
+struct ScenePanel {
+  bool available = false;  // the server lets this client edit
+  std::string file;        // name, or that there is none yet
+  bool unsaved = false;
+  std::string undo, redo;  // titles of the next steps; empty: none
+  std::string notice;      // an error; empty: none
+  std::string progress;    // of an edit under way; empty: none
+  std::string suggested_file;
+  struct Entry {
+    std::string name, group;
+    bool selected = false, hidden = false, locked = false;
+  };
+  std::vector<Entry> entries;
+  int tool = 0;  // of kTools
+  bool snap = false, grid = false;
+  // Of the selected object, if it is only one.
+  struct Fields {
+    std::string name, label, label_hint, group, material;
+    int behavior = 0;          // of kBehaviors
+    double longest_side_m = 0;  // 0: cannot be edited
+    std::array<double, 3> position_m{}, angles_deg{};  // angles: yaw, pitch, roll
+  };
+  std::optional<Fields> fields;
+  size_t selected = 0;  // number of objects
+  std::vector<std::string> labels, materials, assets, bookmarks;
+  std::optional<std::array<float, 3>> background;
+
+  static constexpr std::array<const char*, 5> kTools{"Pull", "Move", "Turn", "Scale", "Measure"};
+  static constexpr std::array<const char*, 4> kBehaviors{"as estimated", "static", "rigid", "elastic"};
+};
+
 // Replaces all other panels until there is something to show.
 struct LoadingPanel {
   std::string text;
@@ -75,6 +110,27 @@ struct WindowPanels {
   RunPanel run;  // the only panel for a recording
   ForcePanel force;
   ObjectsPanel objects;
+  ScenePanel scene;
+};
+
+// The user's actions on the scene panel in one picture.
+struct SceneActions {
+  std::optional<size_t> clicked;  // an entry of the list
+  bool extends = false;           // Ctrl or Shift was held
+  std::optional<std::pair<size_t, bool>> hidden, locked;
+  bool undo = false, redo = false, save = false, opened_assets = false;
+  std::optional<std::string> save_as;
+  bool replace = false;  // of save_as
+  std::optional<size_t> add;
+  bool duplicate = false, remove = false, drop = false, frame = false;
+  std::optional<int> tool, behavior;
+  std::optional<bool> snap, grid;
+  std::optional<std::string> name, label, group, material;
+  std::optional<double> longest_side_m;
+  std::optional<std::array<double, 3>> position_m, angles_deg;
+  std::optional<std::string> keep_bookmark;
+  std::optional<size_t> go_bookmark, delete_bookmark;
+  std::optional<std::array<float, 3>> background;
 };
 
 // The user's actions on the panels in one picture.
@@ -99,6 +155,8 @@ struct PanelActions {
   };
   std::optional<Force> force;  // changed
   bool apply_force = false, record_force = false;
+  bool start = false;  // of a simulation that waits for it
+  SceneActions scene;
 };
 
 }  // namespace livegs

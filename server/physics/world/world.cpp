@@ -93,8 +93,11 @@ void World::put_to_sleep(uint32_t object_id) {
   if (WorldObject* object = state_->find(object_id)) object->sleep();
 }
 
-void World::add_collider(const Collider& collider) {
+void World::add_collider(const Collider& collider) { add_collider(collider, 0); }
+
+void World::add_collider(const Collider& collider, uint32_t object_id) {
   state_->colliders.push_back(collider);
+  state_->collider_objects.push_back(object_id);
   if (auto* box = std::get_if<BoxShape>(&state_->colliders.back().shape);
       box && box->size_m.minCoeff() > 0.0) {
     box->polyhedron = std::make_shared<ConvexPolyhedron>(box_polyhedron(box->size_m));
@@ -198,21 +201,55 @@ Result<void> World::add_elastic(const ElasticBodyDescription& description) {
   return {};
 }
 
+// Contacts refer to bodies by pointer, so they must not outlive a body or a move of it.
+void World::State::end_contacts_of(uint32_t object_id) {
+  WorldObject* object = find(object_id);
+  if (RigidObject* rigid = object->rigid()) {
+    for (size_t i = 0; i < rigid->body_count(); ++i) {
+      RigidBody& body = rigid->body_at(i);
+      for (const ContactManifold& manifold : body.manifolds) {
+        if (manifold.other) manifold.other->wake();
+      }
+      body.manifolds.clear();
+      body.previous_manifolds.clear();
+    }
+  }
+  if (const ElasticObject* elastic = object->elastic()) {
+    for (const uint64_t id : elastic->contacts_last_tick) {
+      if (WorldObject* other = find(object_of_body(id))) other->wake();
+    }
+  }
+  for (ElasticObject* elastic : elastic_objects) {
+    const auto was = [&](uint64_t id) { return object_of_body(id) == object_id; };
+    if (std::erase_if(elastic->contacts_last_tick, was) > 0) elastic->body->wake();
+  }
+  const auto gone = [&](const ContactManifold& manifold) {
+    return manifold.other_id < kColliderBit && object_of_body(manifold.other_id) == object_id;
+  };
+  for (RigidBody* body : rigid_bodies) {
+    if (std::erase_if(body->manifolds, gone) > 0) body->wake();
+    std::erase_if(body->previous_manifolds, gone);
+  }
+}
+
 void World::remove(uint32_t object_id) {
   const auto found = state_->objects.find(object_id);
   if (found == state_->objects.end()) return;
-  // Contacts refer to bodies by pointer, so they must not outlive a body. Bodies in contact with it wake.
-  if (const RigidObject* rigid = found->second.rigid()) {
-    for (size_t i = 0; i < rigid->body_count(); ++i) {
-      for (const ContactManifold& manifold : rigid->body_at(i).manifolds) {
-        if (manifold.other) manifold.other->wake();
-      }
+  state_->end_contacts_of(object_id);
+  if (found->second.fixed()) {
+    State& state = *state_;
+    for (size_t i = state.colliders.size(); i-- > 0;) {
+      if (state.collider_objects[i] != object_id) continue;
+      state.colliders.erase(state.colliders.begin() + static_cast<std::ptrdiff_t>(i));
+      state.collider_objects.erase(state.collider_objects.begin() + static_cast<std::ptrdiff_t>(i));
     }
-  }
-  if (const ElasticObject* elastic = found->second.elastic()) {
-    for (const uint64_t id : elastic->contacts_last_tick) {
-      if (WorldObject* other = state_->find(object_of_body(id))) other->wake();
+    // Contacts with colliders are known by the collider's index.
+    for (RigidBody* body : state.rigid_bodies) {
+      const auto fixed = [](const ContactManifold& manifold) { return manifold.other_id >= kColliderBit; };
+      std::erase_if(body->manifolds, fixed);
+      std::erase_if(body->previous_manifolds, fixed);
     }
+    state.wake_all();
   }
   state_->objects.erase(found);
   // The id may be reused by an object without forces, springs and grabs.
@@ -221,17 +258,33 @@ void World::remove(uint32_t object_id) {
   std::erase_if(state_->springs, on_it);
   std::erase_if(state_->grabs, on_it);
   state_->list_bodies();
-  for (ElasticObject* elastic : state_->elastic_objects) {
-    const auto was = [&](uint64_t id) { return object_of_body(id) == object_id; };
-    if (std::erase_if(elastic->contacts_last_tick, was) > 0) elastic->body->wake();
-  }
-  const auto gone = [&](const ContactManifold& manifold) {
-    return manifold.other_id < kColliderBit && object_of_body(manifold.other_id) == object_id;
+}
+
+Result<void> World::place(uint32_t object_id, const Pose& world_from_object,
+                          const Eigen::Vector3d& velocity_m_s,
+                          const Eigen::Vector3d& angular_velocity_rad_s) {
+  const auto fail = [&](const char* why) {
+    return invalid_argument("object " + std::to_string(object_id) + ": " + why);
   };
-  for (RigidBody* body : state_->rigid_bodies) {
-    if (std::erase_if(body->manifolds, gone) > 0) body->wake();
-    std::erase_if(body->previous_manifolds, gone);
+  WorldObject* object = state_->find(object_id);
+  if (!object || object->fixed()) return fail("is static and cannot be moved");
+  if (auto checked = check_pose(object_id, world_from_object); !checked) return checked;
+  const Pose pose = normalized(world_from_object);
+  if (RigidObject* rigid = object->rigid()) {
+    if (!rigid->piece_bodies.empty()) return fail("is broken and cannot be moved as a whole");
+    state_->end_contacts_of(object_id);
+    RigidBody& body = *rigid->body;
+    body.wake();
+    body.world_from_body = {pose * body.rest_centre_m, pose.orientation};
+    body.velocity_m_s = velocity_m_s;
+    body.set_angular_velocity(angular_velocity_rad_s);
+  } else {
+    if (!object->elastic()->body->place(pose, velocity_m_s, angular_velocity_rad_s))
+      return fail("cannot be moved by this solver");
+    state_->end_contacts_of(object_id);
   }
+  state_->broad_phase.invalidate();
+  return {};
 }
 
 void World::set_force(uint64_t force_id, uint32_t object_id, const PointForce& force, double duration_s) {

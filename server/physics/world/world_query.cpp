@@ -15,6 +15,10 @@ constexpr double kSurfaceTolerance_m = 0.005;
 // Minimum step and maximum number of steps of a ray march.
 constexpr double kMinMarch_m = 0.001;
 constexpr int kMaxRayMarches = 4096;
+// distance_down_m: at most this number of surface points is cast; a point at most this deep in a collider counts
+// as sunk into it, a deeper one as beyond a wall.
+constexpr size_t kMaxCasts = 400;
+constexpr double kSunk_m = 0.05;
 
 // Distance to a collider, or `most_m` if it is not hit before. Colliders that contain the ray's start are
 // ignored: a camera may be behind a wall.
@@ -75,6 +79,58 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
   }
   if (met) nearest->piece = met->piece_nearest_to(met_index, nearest->rest_point_m);
   return nearest;
+}
+
+std::optional<double> World::distance_down_m(uint32_t object_id, double max_distance_m) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object || object->fixed()) return std::nullopt;
+  const Eigen::Vector3d down = state_->settings.gravity_m_s2.normalized();
+  std::vector<Eigen::Vector3d> points_m;
+  if (const RigidObject* rigid = object->rigid()) {
+    for (size_t i = 0; i < rigid->body_count(); ++i) {
+      const RigidBody& body = rigid->body_at(i);
+      if (body.shape.is_ball())
+        points_m.push_back(body.world_from_body.position_m + body.shape.bounding_radius_m * down);
+      for (const Eigen::Vector3d& vertex : body.shape.mesh.vertices_m)
+        points_m.push_back(body.world_from_body * vertex);
+    }
+  } else {
+    std::vector<SurfaceElement> elements;
+    const ElasticBody& body = *object->elastic()->body;
+    body.surface_elements(body.bounds_m(), elements);
+    for (const SurfaceElement& element : elements)
+      points_m.push_back(element.position_m + element.radius_m * down);
+  }
+  return distance_down_m(points_m, object_id, max_distance_m);
+}
+
+std::optional<double> World::distance_down_m(std::span<const Eigen::Vector3d> points_m,
+                                             std::optional<uint32_t> except_object_id,
+                                             double max_distance_m) const {
+  const Eigen::Vector3d& gravity = state_->settings.gravity_m_s2;
+  if (gravity.norm() == 0.0) return std::nullopt;
+  const Eigen::Vector3d down = gravity.normalized();
+  const size_t stride = 1 + points_m.size() / kMaxCasts;
+  double least = max_distance_m;
+  for (size_t i = 0; i < points_m.size(); i += stride) {
+    const Eigen::Vector3d& point = points_m[i];
+    for (const Collider& collider : state_->colliders) {
+      const double start = ColliderProbe(collider).sample(point).distance_m;
+      least = std::min(least, start > 0.0 ? way_to(collider, point, down, least)
+                                          : (start > -kSunk_m ? start : least));
+    }
+    for (const auto& [id, other] : state_->objects) {
+      if (id == except_object_id) continue;
+      if (const RigidObject* rigid = other.rigid()) {
+        for (size_t body = 0; body < rigid->body_count(); ++body) {
+          if (const auto way = livegs::ray_cast(rigid->body_at(body), point, down)) least = std::min(least, *way);
+        }
+      } else if (const ElasticObject* elastic = other.elastic()) {
+        if (const auto hit = elastic->body->ray_cast(point, down)) least = std::min(least, hit->distance_m);
+      }
+    }
+  }
+  return least < max_distance_m ? std::optional(least) : std::nullopt;
 }
 
 Eigen::Vector3d World::world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m,

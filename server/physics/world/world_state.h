@@ -143,6 +143,7 @@ struct ActiveJoint {
 struct World::State {
   WorldSettings settings;
   std::vector<Collider> colliders;
+  std::vector<uint32_t> collider_objects;  // of each collider: the static object that it belongs to; 0: none
   std::map<uint32_t, WorldObject> objects;
   std::map<uint64_t, ActiveForce> forces;
   std::map<uint64_t, ActiveSpring> springs;
@@ -170,6 +171,8 @@ struct World::State {
   const WorldObject* find(uint32_t object_id) const;
   void list_bodies();
   void wake_all();
+  // Wakes what touches the object, and drops the contacts with it.
+  void end_contacts_of(uint32_t object_id);
   Result<void> add_joint(const HingeJointDescription& description, bool hinge);
   void link_joints();  // rebuilds joint groups after joints or bodies changed
   const RigidJoint& running(const ActiveJoint& held) const;

@@ -288,7 +288,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   };
   const std::string name = object_name(object, index);
   const bool shape = object.form_case() == v1::Object::kShape;
-  auto form = form_of(object, folder, index, name, field);
+  const std::string& identity = object.label().empty() ? name : object.label();
+  auto form = form_of(object, folder, index, identity, field);
   if (!form) return fail(form.error());
   double lowest_m = INFINITY;  // of the capture
   for (const Eigen::Vector3d& point : form->points_m) lowest_m = std::min(lowest_m, point.y());
@@ -299,7 +300,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       if (base) point.y() = std::max(point.y(), base->plane_m);
     }
   }
-  ObjectFacts facts = facts_of(*form, name, object.form_case() == v1::Object::kAsset);
+  ObjectFacts facts = facts_of(*form, identity, object.form_case() == v1::Object::kAsset);
   const std::filesystem::path& kept_in = sidecar.path;
   v1::PhysicsFile kept;
   if (sidecar.replacement) {
@@ -309,7 +310,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     if (!file) return fail(file.error());
     kept = std::move(*file);
   }
-  if (!kept.name().empty()) facts.name = kept.name();
+  if (!kept.name().empty() && object.label().empty()) facts.name = kept.name();
   const v1::PhysicalParameters offline = estimate_offline(facts);
   std::string kept_note;
   auto before = with_physics_file(offline, kept, facts, kept_note);
@@ -370,28 +371,16 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   if (const auto why = fracture_warning(*parameters); why && object.physics().fragile()) {
     built.drawn.warnings.push_back("physics." + *why);
   }
-  const auto placed_pose = [&] {
-    Pose pose = pose_value(object.pose(), field + ".pose").value();  // checked when the file was read
-    if (base) pose.position_m += pose.orientation * Eigen::Vector3d(0.0, lowest_m - base->plane_m, 0.0);
-    return pose;
-  };
-  const auto place = [&](auto& body) {
-    body.material = material;
-    body.world_from_object = placed_pose();
-    body.velocity_m_s = vector_value(object.velocity_m_s(), Eigen::Vector3d::Zero(), field).value();
-    body.angular_velocity_rad_s =
-        vector_value(object.angular_velocity_rad_s(), Eigen::Vector3d::Zero(), field).value();
-  };
   switch (material.behavior) {
     case Behavior::Elastic: {
-      place(*elastic);
+      elastic->material = material;
       built.drawn.rest_particles_m = elastic->particles.positions_m;
       built.body = std::move(*elastic);
       break;
     }
     case Behavior::Static: {
-      built.body = StaticBodyDescription{placed_pose(), mesh_collider(form->mesh), material.friction,
-                                         material.restitution};
+      built.body =
+          StaticBodyDescription{{}, mesh_collider(form->mesh), material.friction, material.restitution};
       break;
     }
     default: {
@@ -422,7 +411,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       body.properties = properties_of(*built.cut_mesh, material.fill);
       if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
       if (shape && !material.fragile) body.round = round_shape(object.shape());
-      place(body);
+      body.material = material;
       built.body = std::move(body);
     }
   }
@@ -436,6 +425,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   }
   built.standing = object.standing() && material.behavior != Behavior::Static;
   built.drawn.name = name;
+  built.drawn.label = object.label();
   built.drawn.asset = std::move(form->asset);
   built.drawn.physics = std::move(*parameters);
   built.drawn.written = object.physics();
@@ -446,8 +436,30 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   built.drawn.facts = std::make_shared<const ObjectFacts>(std::move(facts));
   built.object_from_asset = form->object_from_asset;
   built.body_points_m = shape ? std::move(form->mesh.vertices_m) : std::move(form->points_m);
+  if (base) built.drawn.lift_m = lowest_m - base->plane_m;
+  place_built(built, object);
   built.build_ms = milliseconds_from_ns(now_ns() - started_ns);
   return built;
+}
+
+Pose body_pose(const v1::Object& object, double lift_m) {
+  Pose pose = pose_value(object.pose(), "pose").value();  // checked when the file was read
+  pose.position_m += pose.orientation * Eigen::Vector3d(0.0, lift_m, 0.0);
+  return pose;
+}
+
+void place_built(BuiltObject& built, const v1::Object& object) {
+  built.drawn.hidden = object.hidden();
+  const Pose pose = body_pose(object, built.drawn.lift_m);
+  const auto move = [&](auto& body) {
+    body.world_from_object = pose;
+    if constexpr (!std::is_same_v<decltype(body), StaticBodyDescription&>) {
+      body.velocity_m_s = vector_value(object.velocity_m_s(), Eigen::Vector3d::Zero(), "").value();
+      body.angular_velocity_rad_s =
+          vector_value(object.angular_velocity_rad_s(), Eigen::Vector3d::Zero(), "").value();
+    }
+  };
+  std::visit(move, built.body);
 }
 
 }  // namespace livegs

@@ -46,5 +46,10 @@ struct ObjectSidecar {
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field, const WorldSettings& settings,
                                  const ObjectSidecar& sidecar = {});
+// Sets pose, velocity and visibility to those of `object`, which build_object() does too. The rest of a built
+// object does not depend on them.
+void place_built(BuiltObject& built, const v1::Object& object);
+// Pose of the body's frame for the object's pose.
+Pose body_pose(const v1::Object& object, double lift_m);
 
 }  // namespace livegs

@@ -116,4 +116,10 @@ FragileTask::FragileTask(uint32_t object_id, TriangleMesh mesh, Fill fill,
   }
 }
 
+FragileTask::FragileTask(uint32_t object_id, const FragileObject& ready) : object_id_(object_id) {
+  std::promise<Result<FragileObject>> done;
+  done.set_value(ready);
+  future_ = done.get_future();
+}
+
 }  // namespace livegs

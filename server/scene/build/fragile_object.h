@@ -61,6 +61,7 @@ class FragileTask {
  public:
   FragileTask(uint32_t object_id, TriangleMesh mesh, Fill fill, std::shared_ptr<const GaussianAsset> asset,
               const FragileOptions& options);
+  FragileTask(uint32_t object_id, const FragileObject& ready);  // of an earlier task
   FragileTask(FragileTask&&) = default;
   FragileTask& operator=(FragileTask&&) = default;
   ~FragileTask() { stop_.request_stop(); }

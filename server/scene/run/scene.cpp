@@ -2,6 +2,7 @@
 #include "scene/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "scene/build/elastic_report.h"
 #include "scene/build/fracture_warning.h"
 #include "scene/build/fragile_object.h"
+#include "scene/build/object_cache.h"
 #include "scene/build/shape_asset.h"
 #include "scene/build/share_elastic_budget.h"
 #include "scene/check/check_object.h"
@@ -68,6 +70,14 @@ const v1::PhysicsFile* sidecar_of(const SceneOptions& options, const v1::Object&
   if (!options.sidecars) return nullptr;
   const auto found = options.sidecars->find(object_name(object, index));
   return found == options.sidecars->end() ? &kNone : &found->second;
+}
+
+Result<BuiltObject> build_cached(ObjectCache* cache, const v1::Object& object,
+                                 const std::filesystem::path& folder, int index,
+                                 const WorldSettings& settings, const ObjectSidecar& sidecar) {
+  const std::string field = "objects[" + std::to_string(index) + "]";
+  return cache ? cache->build(object, folder, index, field, settings, sidecar)
+               : build_object(object, folder, index, field, settings, sidecar);
 }
 
 void log_built(const BuiltObject& built) {
@@ -124,6 +134,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   scene.file_ = file;
   std::stable_sort(scene.file_.mutable_events()->begin(), scene.file_.mutable_events()->end(),
                    [](const v1::Event& a, const v1::Event& b) { return a.time_s() < b.time_s(); });
+  scene.built_file_ = scene.file_;
   scene.world_ = std::make_unique<World>(*settings);
 
   // Objects are independent, so they are built in parallel. The results are added in the file's order.
@@ -134,8 +145,8 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   parallel_for(count, 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const int index = static_cast<int>(i);
-      built[i] = build_object(file.objects(index), folder, index, "objects[" + std::to_string(i) + "]",
-                              *settings, {kept_in[i], sidecar_of(options, file.objects(index), index)});
+      built[i] = build_cached(options.cache.get(), file.objects(index), folder, index, *settings,
+                              {kept_in[i], sidecar_of(options, file.objects(index), index)});
       if (!*built[i]) continue;
       log_built(**built[i]);
       if (!options.built) continue;
@@ -165,33 +176,11 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   }
   std::vector<uint32_t> standing;  // a static object that is added wakes all others
   for (auto& object : built) {
-    BuiltObject& one = **object;
-    one.drawn.id = scene.next_id_++;
-    Result<void> added;
-    if (auto* fixed = std::get_if<StaticBodyDescription>(&one.body)) {
-      scene.world_->add_collider(
-          {fixed->shape, fixed->world_from_object, fixed->friction, fixed->restitution});
-      added = scene.world_->add_static(one.drawn.id, fixed->world_from_object);
-    } else if (auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
-      rigid->object_id = one.drawn.id;
-      added = scene.world_->add_rigid(*rigid);
-    } else {
-      auto& elastic = std::get<ElasticBodyDescription>(one.body);
-      elastic.object_id = one.drawn.id;
-      added = scene.world_->add_elastic(elastic);
-    }
-    if (!added) return of_object(added.error(), one.drawn.name);
-    if (one.standing && settings->sleep) standing.push_back(one.drawn.id);
-    const Similarity object_from_asset = one.object_from_asset;
-    scene.note_elastic(one.drawn);
-    const SceneObject& drawn = scene.add_drawn(std::move(one.drawn), object_from_asset);
-    if (const auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
-      scene.cuttable_[drawn.id] = {one.cut_mesh, one.fine_mesh, 0, {}};
-      if (rigid->material.fragile && options.cut_fragile) scene.begin_cut(drawn);
-    }
-    log_notes(scene.objects_.back());
+    const auto id = scene.add_built(**object);
+    if (!id) return id.error();
+    if (scene.standing_.at(*id)) standing.push_back(*id);
   }
-  for (const uint32_t id : standing) scene.world_->put_to_sleep(id);
+  scene.settle(standing);
   if (options.wait_for_pieces) {
     for (FragileTask& task : scene.cutting_) scene.finish_cut(task);
     scene.cutting_.clear();
@@ -207,6 +196,34 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   }
   scene.changes_ = {};
   return scene;
+}
+
+Result<uint32_t> Scene::add_built(BuiltObject& one) {
+  one.drawn.id = next_id_++;
+  Result<void> added;
+  if (auto* fixed = std::get_if<StaticBodyDescription>(&one.body)) {
+    world_->add_collider({fixed->shape, fixed->world_from_object, fixed->friction, fixed->restitution},
+                         one.drawn.id);
+    added = world_->add_static(one.drawn.id, fixed->world_from_object);
+  } else if (auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
+    rigid->object_id = one.drawn.id;
+    added = world_->add_rigid(*rigid);
+  } else {
+    auto& elastic = std::get<ElasticBodyDescription>(one.body);
+    elastic.object_id = one.drawn.id;
+    added = world_->add_elastic(elastic);
+  }
+  if (!added) return of_object(added.error(), one.drawn.name);
+  standing_[one.drawn.id] = one.standing;
+  const Similarity object_from_asset = one.object_from_asset;
+  note_elastic(one.drawn);
+  const SceneObject& drawn = add_drawn(std::move(one.drawn), object_from_asset);
+  if (const auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
+    cuttable_[drawn.id] = {one.cut_mesh, one.fine_mesh, 0, {}};
+    if (rigid->material.fragile && options_.cut_fragile) begin_cut(drawn);
+  }
+  log_notes(objects_.back());
+  return drawn.id;
 }
 
 void Scene::note_elastic(SceneObject& drawn) const {
@@ -235,8 +252,7 @@ void Scene::begin_cut(const SceneObject& object) {
   drawn(object.id).fragility = fragility;
   FragileOptions options;
   options.object_from_asset = object.rest.object_from_asset;
-  // Seeded by the object's index in the scene, so that a reloaded scene with new ids has the same pieces.
-  options.pieces.seed = options_.seed + (object.id - options_.first_object_id) + 1;
+  options.pieces.seed = cut_seed(object);
   Cuttable& cuttable = cuttable_.at(object.id);
   cuttable.pieces = material.fracture_pieces;
   cuttable.interior_rgb = material.interior_rgb;
@@ -244,7 +260,33 @@ void Scene::begin_cut(const SceneObject& object) {
   options.interior_rgb = material.interior_rgb;
   if (cuttable.fine != cuttable.mesh) options.fine_mesh = cuttable.fine;
   std::erase_if(cutting_, [&](const FragileTask& task) { return task.object_id() == object.id; });
-  cutting_.emplace_back(object.id, *cuttable.mesh, material.fill, object.asset, options);
+  if (const auto before = options_.cache ? options_.cache->cut(cut_key(object)) : nullptr)
+    cutting_.emplace_back(object.id, *before);
+  else
+    cutting_.emplace_back(object.id, *cuttable.mesh, material.fill, object.asset, options);
+}
+
+// Everything that the cut of an object is made from. A mesh is known by its address, which the cache keeps alive.
+std::string Scene::cut_key(const SceneObject& object) const {
+  const Cuttable& cuttable = cuttable_.at(object.id);
+  const Material& material = *world_->material(object.id);
+  std::array<char, 200> key{};
+  const Eigen::Vector3f inside = cuttable.interior_rgb.value_or(Eigen::Vector3f::Constant(-1));
+  std::snprintf(key.data(), key.size(), "cut %p %p %p %u %d %llu %.9g %.9g %.9g",
+                static_cast<const void*>(cuttable.mesh.get()), static_cast<const void*>(cuttable.fine.get()),
+                static_cast<const void*>(object.asset.get()), cuttable.pieces, static_cast<int>(material.fill),
+                static_cast<unsigned long long>(cut_seed(object)), static_cast<double>(inside.x()),
+                static_cast<double>(inside.y()), static_cast<double>(inside.z()));
+  return key.data();
+}
+
+// By the object's place in the scene, so that a reloaded scene with new ids has the same pieces.
+uint64_t Scene::cut_seed(const SceneObject& object) const {
+  for (int i = 0; i < file_.objects_size(); ++i) {
+    if (object_name(file_.objects(i), i) != object.name) continue;
+    return options_.seed + static_cast<uint64_t>(i) + (objects_.front().environment ? 2 : 1);
+  }
+  return options_.seed;
 }
 
 void Scene::recut(const SceneObject& object) {
@@ -262,6 +304,10 @@ void Scene::recut(const SceneObject& object) {
 void Scene::finish_cut(FragileTask& task) {
   SceneObject& object = drawn(task.object_id());
   auto fragile = task.take();
+  if (fragile && options_.cache) {
+    const Cuttable& cuttable = cuttable_.at(object.id);
+    options_.cache->keep_cut(cut_key(object), *fragile, {cuttable.mesh, cuttable.fine, object.asset});
+  }
   if (world_->revision(object.id) > 0) return;  // the object broke into its previous pieces
   const auto set = fragile ? world_->set_pieces(object.id, fragile->pieces) : Result<void>(fragile.error());
   if (!set) {
@@ -330,6 +376,7 @@ void Scene::step() {
     apply(event, next_event_);
   }
   grabs_.move(*world_, static_cast<double>(world_->tick()) / rate_hz);
+  move_carried();
   world_->step();
   apply_fractures();
   report_recoveries();

@@ -92,14 +92,35 @@ void share_scale(std::vector<Standing>& standing) {
   }
 }
 
-}  // namespace
-
-Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
-  const auto assets = find_assets(folder);
+v1::Scene floor_scene() {
   v1::Scene scene;
   v1::Collider& floor = *scene.mutable_environment()->add_colliders();
   floor.mutable_plane();
   floor.set_friction(0.6);
+  return scene;
+}
+
+}  // namespace
+
+Result<SceneText> new_scene(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    return SceneText{floor_scene(), path, fs::absolute(path).lexically_normal().filename().string()};
+  }
+  const std::string name = path.filename().string();
+  if (!name.ends_with(".scene.json"))
+    return invalid_argument(path.string() +
+                            ": is no folder; give one, or the name of a new file that ends in .scene.json");
+  if (fs::exists(path, error)) return invalid_argument(path.string() + ": exists; open it without --new");
+  const fs::path folder = path.parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, error))
+    return not_found(folder.string() + ": no such folder; create it first");
+  return SceneText{floor_scene(), folder, name, true};
+}
+
+Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
+  const auto assets = find_assets(folder);
+  v1::Scene scene = floor_scene();
 
   std::vector<Standing> standing;
   std::set<std::string> names;

@@ -15,7 +15,7 @@ v1::SceneSource Scene::source() const {
   v1::SceneSource source;
   source.set_name(name_);
   source.set_folder(std::filesystem::absolute(folder_.empty() ? "." : folder_).lexically_normal().string());
-  *source.mutable_file() = file_;
+  *source.mutable_file() = built_file_;
   if (options_.rate_hz) source.set_rate_hz(*options_.rate_hz);
   if (options_.substeps) source.set_substeps(*options_.substeps);
   source.set_seed(options_.seed);

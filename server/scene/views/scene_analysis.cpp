@@ -5,6 +5,7 @@
 #include <map>
 
 #include "analysis/physics_file.h"
+#include "scene/check/check_object.h"
 #include "scene/values/scene_values.h"
 #include "scene/views/target_views.h"
 #include "skin/skin_kernels.h"
@@ -14,15 +15,17 @@ namespace livegs {
 struct SceneAnalysis::Snapshot {
   std::vector<Object> objects;
   ViewedScene viewed;
+  bool with_kernels = false;
 };
 
 namespace {
 
 // Poses the kernels as at the start of the scene, undeformed. The drivers of the body are not used: they
 // depend on the material (centre of mass, cells), and a query must not depend on its answer.
-Result<PosedKernels> placed_kernels(const SceneObject& object, const Pose& world_from_object) {
+Result<PosedKernels> placed_kernels(const SceneObject& object, const Similarity& object_from_asset,
+                                    const Pose& world_from_object) {
   RestBody rest;
-  rest.object_from_asset = object.rest.object_from_asset;
+  rest.object_from_asset = object_from_asset;
   rest.bodies.emplace_back();
   auto bindings = bind_kernels(*object.asset, rest);
   if (!bindings) return Error{bindings.error().code, object.name + ": " + bindings.error().message};
@@ -33,17 +36,42 @@ Result<PosedKernels> placed_kernels(const SceneObject& object, const Pose& world
   return kernels;
 }
 
+Result<SceneAnalysis::Object> known_of(const SceneObject& object, const BodyTypeLock& built) {
+  SceneAnalysis::Object known;
+  known.name = object.name;
+  known.written = object.written;
+  known.built = built;
+  known.physics_file = object.physics_file;
+  known.target.facts = object.facts;
+  known.target.position_m.setZero();
+  known.known = object.physics;
+  v1::PhysicsFile file;
+  if (!object.physics_file.empty()) {
+    auto kept = read_physics_file(object.physics_file);
+    if (!kept) return kept.error();
+    file = std::move(*kept);
+  }
+  auto offline = offline_physics(file, object.written, *object.facts);
+  if (!offline) return Error{offline.error().code, object.name + ": " + offline.error().message};
+  known.target.offline = std::move(*offline);
+  *known.target.offline.mutable_longest_side_m() = object.physics.longest_side_m();
+  return known;
+}
+
 // Returns world_from_object of all objects, in the scene's order. Objects of the file are at their initial
 // poses. The environment and balls are at their current poses, which do not depend on estimated parameters.
 std::vector<Pose> places_of(const Scene& scene) {
   std::vector<Pose> places;
   const DriverFrame now = scene.world().drivers();
-  int of_file = 0;
+  std::map<std::string, Pose> initial;  // checked when the file was read
+  for (int i = 0; i < scene.file().objects_size(); ++i) {
+    const v1::Object& object = scene.file().objects(i);
+    initial[object_name(object, i)] = pose_value(object.pose(), "").value();
+  }
   for (const SceneObject& object : scene.objects()) {
     Pose place;
     if (object.facts) {
-      // Checked when the file was read.
-      place = pose_value(scene.file().objects(of_file++).pose(), "").value();
+      place = initial[object.name];
     } else {
       for (const ObjectDrivers& drivers : now.objects) {
         if (drivers.object_id == object.id) place = drivers.poses.at(0) * object.rest.bodies.at(0).inverse();
@@ -63,7 +91,7 @@ Result<SceneAnalysis> SceneAnalysis::of(const Scene& scene, bool with_kernels) {
     const std::vector<Pose> places = places_of(scene);
     for (size_t i = 0; i < places.size(); ++i) {
       const SceneObject& object = scene.objects()[i];
-      auto kernels = placed_kernels(object, places[i]);
+      auto kernels = placed_kernels(object, object.rest.object_from_asset, places[i]);
       if (!kernels) return kernels.error();
       Eigen::AlignedBox3d bounds;
       for (const Eigen::Vector3f& at : kernels->positions_m) bounds.extend(at.cast<double>());
@@ -73,26 +101,43 @@ Result<SceneAnalysis> SceneAnalysis::of(const Scene& scene, bool with_kernels) {
   }
   for (const SceneObject& object : scene.objects()) {
     if (!object.facts) continue;
-    Object known;
-    known.name = object.name;
-    known.written = object.written;
-    known.built = scene.body_type_lock(object);
-    known.physics_file = object.physics_file;
-    known.target.object_id = object.id;
-    known.target.facts = object.facts;
-    known.known = object.physics;
-    v1::PhysicsFile file;
-    if (!object.physics_file.empty()) {
-      auto kept = read_physics_file(object.physics_file);
-      if (!kept) return kept.error();
-      file = std::move(*kept);
+    auto known = known_of(object, scene.body_type_lock(object));
+    if (!known) return known.error();
+    known->target.object_id = object.id;
+    if (centres_m.contains(object.id)) known->target.position_m = centres_m[object.id];
+    snapshot->objects.push_back(std::move(*known));
+  }
+  snapshot->with_kernels = with_kernels;
+  SceneAnalysis analysis;
+  analysis.snapshot_ = std::move(snapshot);
+  return analysis;
+}
+
+Result<SceneAnalysis> SceneAnalysis::changed(const std::vector<std::string>& gone,
+                                             std::span<const BuiltObject> fresh, uint32_t first_id) const {
+  auto snapshot = std::make_shared<Snapshot>(*snapshot_);
+  for (const std::string& name : gone) {
+    const auto found = std::find_if(snapshot->objects.begin(), snapshot->objects.end(),
+                                    [&](const Object& one) { return one.name == name; });
+    if (found == snapshot->objects.end()) continue;
+    std::erase_if(snapshot->viewed.objects,
+                  [&](const auto& one) { return one.object_id == found->target.object_id; });
+    snapshot->objects.erase(found);
+  }
+  for (const BuiltObject& one : fresh) {
+    const bool rigid = std::holds_alternative<RigidBodyDescription>(one.body);
+    auto known = known_of(one.drawn, {one.drawn.physics.behavior(), rigid});
+    if (!known) return known.error();
+    known->target.object_id = first_id++;
+    const Pose pose = std::visit([](const auto& body) { return body.world_from_object; }, one.body);
+    known->target.position_m = pose.position_m;
+    if (snapshot->with_kernels) {
+      auto kernels = placed_kernels(one.drawn, one.object_from_asset, pose);
+      if (!kernels) return kernels.error();
+      snapshot->viewed.objects.push_back(
+          {known->target.object_id, one.drawn.asset, std::move(*kernels)});
     }
-    auto offline = offline_physics(file, object.written, *object.facts);
-    if (!offline) return Error{offline.error().code, object.name + ": " + offline.error().message};
-    known.target.offline = std::move(*offline);
-    *known.target.offline.mutable_longest_side_m() = object.physics.longest_side_m();
-    known.target.position_m = centres_m.contains(object.id) ? centres_m[object.id] : Eigen::Vector3d::Zero();
-    snapshot->objects.push_back(std::move(known));
+    snapshot->objects.push_back(std::move(*known));
   }
   SceneAnalysis analysis;
   analysis.snapshot_ = std::move(snapshot);

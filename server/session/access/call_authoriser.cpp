@@ -34,6 +34,13 @@ v1::Scope required_scope(std::string_view path) {
       {"/livegs.v1.LiveGs/AcceptProposal", v1::AUTHOR},
       {"/livegs.v1.LiveGs/UndoPhysics", v1::AUTHOR},
       {"/livegs.v1.LiveGs/ControlRun", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/EditScene", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/UndoEdit", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/CarryObject", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/GetScene", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/SaveScene", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/ListAssets", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/UploadAsset", v1::AUTHOR},
   };
   const auto found = kRequiredScopes.find(path);
   return found == kRequiredScopes.end() ? v1::ADMIN : found->second;

@@ -42,6 +42,9 @@ v1::ObjectDescription describe_object(const SceneObject& object, AssetStore& ass
   const std::vector<std::byte> rest = encode_rest_body(object.rest);
   description.set_rest_body(rest.data(), rest.size());
   description.set_environment(object.environment);
+  description.set_hidden(object.hidden);
+  description.set_label(object.label);
+  description.set_lift_m(object.lift_m);
   *description.mutable_physics() = object.physics;
   description.set_mass_kg(object.mass_kg);
   description.set_reach_m(reach_m(object.rest, *asset));

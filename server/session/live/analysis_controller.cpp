@@ -77,13 +77,13 @@ void log_finished(const std::string& name, const v1::AnalysisProgress& progress)
 
 AnalysisController::AnalysisController(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint,
                                        SimulationLoop& loop, const AnalysisControllerOptions& options)
-    : scene_(std::move(scene)),
-      endpoint_(std::move(endpoint)),
+    : endpoint_(std::move(endpoint)),
       loop_(loop),
       options_(options),
-      cache_(options.answers) {
+      cache_(options.answers),
+      scene_(std::move(scene)) {
   for (const SceneAnalysis::Object& object : scene_.objects()) {
-    known_[object.target.object_id] = {&object, std::make_unique<PhysicsOverrides>(object.physics_file)};
+    known_[object.target.object_id] = {object, std::make_unique<PhysicsOverrides>(object.physics_file)};
   }
   find_proposals();
   thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
@@ -93,20 +93,20 @@ AnalysisController::~AnalysisController() = default;
 
 void AnalysisController::begin() {
   std::vector<std::string> names;
-  for (const auto& [id, known] : known_) {
-    const std::string name = shown_text(known.object->name, 80);
+  for (const auto& [id, known] : present()) {
+    const std::string name = shown_text(known->object.name, 80);
     if (waits(id)) {
       log_info("analysis: %s: a proposal from an earlier run waits; %s", name.c_str(), kDecisionRemedy);
       continue;
     }
-    if (known.object->written.behavior() != v1::Physics::AUTO) continue;
-    const auto kept = known.decided->present();
+    if (known->object.written.behavior() != v1::Physics::AUTO) continue;
+    const auto kept = known->decided->present();
     if (!kept || !kept->analysis().model().empty()) continue;
-    if (known.decided->answer_undone()) {
+    if (known->decided->answer_undone()) {
       log_info("analysis: %s: skipped: its answer was undone or declined; analyse it again by name",
                name.c_str());
     } else {
-      names.push_back(known.object->name);
+      names.push_back(known->object.name);
     }
   }
   if (!endpoint_ || names.empty()) return;
@@ -119,8 +119,8 @@ void AnalysisController::begin() {
 }
 
 void AnalysisController::find_proposals() {
-  for (const auto& [id, known] : known_) {
-    if (const auto proposal = known.decided->proposal()) {
+  for (const auto& [id, known] : present()) {
+    if (const auto proposal = known->decided->proposal()) {
       add_proposal(id, *proposal);
     } else {
       remove_proposal(id);  // accepted by another program
@@ -132,12 +132,12 @@ void AnalysisController::add_proposal(uint32_t object_id, const v1::PhysicsFile&
   std::lock_guard lock(mutex_);
   v1::PhysicsFile& waiting = proposals_[object_id];
   waiting = proposal;
-  if (proposed_) proposed_(known_.at(object_id).object->name, &waiting);
+  if (proposed_) proposed_(known_.at(object_id).object.name, &waiting);
 }
 
 void AnalysisController::remove_proposal(uint32_t object_id) {
   std::lock_guard lock(mutex_);
-  if (proposals_.erase(object_id) > 0 && proposed_) proposed_(known_.at(object_id).object->name, nullptr);
+  if (proposals_.erase(object_id) > 0 && proposed_) proposed_(known_.at(object_id).object.name, nullptr);
 }
 
 bool AnalysisController::waits(uint32_t object_id) {
@@ -149,13 +149,59 @@ void AnalysisController::watch_proposals(Proposed proposed) {
   std::lock_guard lock(mutex_);
   proposed_ = std::move(proposed);
   if (!proposed_) return;
-  for (const auto& [id, proposal] : proposals_) proposed_(known_.at(id).object->name, &proposal);
+  for (const auto& [id, proposal] : proposals_) proposed_(known_.at(id).object.name, &proposal);
 }
 
 SceneAnalysis::Object AnalysisController::loaded(const Known& known) {
   std::lock_guard lock(mutex_);
-  const auto reloaded = reloaded_.find(known.object->target.object_id);
-  return reloaded == reloaded_.end() ? *known.object : reloaded->second;
+  const auto reloaded = reloaded_.find(known.object.target.object_id);
+  return reloaded == reloaded_.end() ? known.object : reloaded->second;
+}
+
+AnalysisController::Known& AnalysisController::at(uint32_t object_id) {
+  std::lock_guard lock(mutex_);
+  return known_.at(object_id);
+}
+
+std::vector<std::pair<uint32_t, AnalysisController::Known*>> AnalysisController::present() {
+  std::lock_guard lock(mutex_);
+  std::vector<std::pair<uint32_t, Known*>> all;
+  for (auto& [id, known] : known_) {
+    if (!known.gone) all.emplace_back(id, &known);
+  }
+  return all;
+}
+
+SceneAnalysis AnalysisController::snapshot() {
+  std::lock_guard lock(mutex_);
+  return scene_;
+}
+
+void AnalysisController::change(const std::vector<std::string>& gone, std::span<const BuiltObject> fresh) {
+  std::lock_guard deciding(deciding_);
+  std::lock_guard lock(mutex_);
+  auto changed = scene_.changed(gone, fresh, next_id_);
+  if (!changed) {
+    log_warn("analysis: %s", changed.error().message.c_str());
+    return;
+  }
+  for (auto& [id, known] : known_) {
+    if (!known.gone && std::find(gone.begin(), gone.end(), known.object.name) != gone.end()) {
+      known.gone = true;
+      if (proposals_.erase(id) > 0 && proposed_) proposed_(known.object.name, nullptr);
+    }
+  }
+  scene_ = std::move(*changed);
+  for (const SceneAnalysis::Object& object : scene_.objects()) {
+    const uint32_t id = object.target.object_id;
+    if (id < next_id_ || known_.contains(id)) continue;
+    Known& known = known_[id] = {object, std::make_unique<PhysicsOverrides>(object.physics_file)};
+    if (const auto proposal = known.decided->proposal()) {
+      v1::PhysicsFile& waiting = proposals_[id] = *proposal;
+      if (proposed_) proposed_(object.name, &waiting);
+    }
+  }
+  next_id_ += static_cast<uint32_t>(fresh.size());
 }
 
 void AnalysisController::replace(Scene scene) {
@@ -165,23 +211,23 @@ void AnalysisController::replace(Scene scene) {
     log_warn("reset: %s", reloaded.error().message.c_str());  // a sidecar was damaged after loading
   find_proposals();
   std::vector<v1::SceneChange> changes;
-  for (const auto& [id, known] : known_) {
-    const SceneObject* object = scene.find(known.object->name);
+  for (const auto& [id, known] : present()) {
+    const SceneObject* object = scene.find(known->object.name);
     if (!object || !reloaded) continue;
     for (const SceneAnalysis::Object& one : reloaded->objects()) {
       std::lock_guard lock(mutex_);
-      if (one.name == known.object->name) reloaded_[id] = one;
+      if (one.name == known->object.name) reloaded_[id] = one;
     }
-    const auto kept = known.decided->present();
+    const auto kept = known->decided->present();
     if (!kept || !(kept->has_physics() || kept->has_edits())) continue;
-    if (const auto reply = reply_of(known, *kept, "")) changes.push_back(change_of(*reply));
+    if (const auto reply = reply_of(*known, *kept, "")) changes.push_back(change_of(*reply));
   }
   loop_.replace(std::move(scene), std::move(changes));
 }
 
 Result<void> AnalysisController::analyze(std::vector<std::string> objects, Progress progress,
                                          std::function<void()> ended, std::stop_token stop) {
-  auto targets = scene_.targets(objects);
+  auto targets = snapshot().targets(objects);
   if (!targets) return targets.error();
   std::lock_guard lock(mutex_);
   if (requests_.size() >= kMaxWaiting) {
@@ -216,11 +262,11 @@ void AnalysisController::run(std::stop_token stop) {
 
 std::vector<AnalysisNeighbour> AnalysisController::refresh(std::vector<AnalysisTarget>& targets) {
   std::vector<AnalysisNeighbour> others;
-  for (const auto& [id, known] : known_) {
-    const SceneAnalysis::Object object = loaded(known);
+  for (const auto& [id, known] : present()) {
+    const SceneAnalysis::Object object = loaded(*known);
     const auto asked = std::find_if(targets.begin(), targets.end(),
                                     [&, wanted = id](const auto& one) { return one.object_id == wanted; });
-    const auto kept = known.decided->present();
+    const auto kept = known->decided->present();
     std::string ignored;
     const auto facts = kept ? facts_by_name(object, *kept) : object.target.facts;
     if (asked == targets.end()) {
@@ -246,14 +292,14 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
   uint32_t finished = 0;
   bool client_receives = true;
   const AnalysisSummary summary = analyze_scene(
-      request.targets, endpoint_.get(), scene_.views(), options,
+      request.targets, endpoint_.get(), snapshot().views(), options,
       [&](const AnalysisUpdate& update) {
-        const Known& known = known_.at(update.object_id);
+        const Known& known = at(update.object_id);
         v1::AnalysisProgress progress;
-        progress.set_object(known.object->name);
+        progress.set_object(known.object.name);
         progress.set_stage(stage_of(update.stage));
         progress.set_objects(static_cast<uint32_t>(request.targets.size()));
-        progress.set_message(client_message_of(known.object->name, update.judgement.message));
+        progress.set_message(client_message_of(known.object.name, update.judgement.message));
         *progress.mutable_record() = update.record;
         if (update.stage == AnalysisStage::Finished) {
           ++finished;
@@ -269,9 +315,9 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
             if (const std::string note = apply_answer(update); !note.empty())
-              progress.set_message(client_message_of(known.object->name, note));
+              progress.set_message(client_message_of(known.object.name, note));
           }
-          if (!update.cancelled) log_finished(known.object->name, progress);
+          if (!update.cancelled) log_finished(known.object.name, progress);
         }
         progress.set_finished(finished);
         std::string ignored;
@@ -294,7 +340,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
 }
 
 std::string AnalysisController::apply_answer(const AnalysisUpdate& update) {
-  const Known& known = known_.at(update.object_id);
+  const Known& known = at(update.object_id);
   std::string note;
   std::lock_guard deciding(deciding_);
   auto file = known.decided->apply(update.parameters, update.record, note);
@@ -339,9 +385,9 @@ Result<v1::PhysicsReply> AnalysisController::apply(const Known& known, const v1:
 }
 
 Result<AnalysisController::Known*> AnalysisController::find(const std::string& name) {
-  auto targets = scene_.targets({name});
+  auto targets = snapshot().targets({name});
   if (!targets) return targets.error();
-  return &known_.at(targets->front().object_id);
+  return &at(targets->front().object_id);
 }
 
 Result<v1::PhysicsReply> AnalysisController::set_physics(const std::string& object,
@@ -356,7 +402,7 @@ Result<v1::PhysicsReply> AnalysisController::set_physics(const std::string& obje
   std::lock_guard deciding(deciding_);
   auto file = (*known)->decided->edit(physics, name, note);
   if (!file) return file.error();
-  remove_proposal((*known)->object->target.object_id);
+  remove_proposal((*known)->object.target.object_id);
   if (!name.empty() && file->has_physics()) {
     note += (note.empty() ? "" : "; ") +
             std::string("the values were estimated under another name; analyse it again");
@@ -373,7 +419,7 @@ Result<v1::PhysicsReply> AnalysisController::accept_proposal(const std::string& 
   std::lock_guard deciding(deciding_);
   auto file = (*known)->decided->accept(note);
   if (!file) return file.error();
-  remove_proposal((*known)->object->target.object_id);
+  remove_proposal((*known)->object.target.object_id);
   return apply(**known, *file, note);
 }
 
@@ -384,7 +430,7 @@ Result<v1::PhysicsReply> AnalysisController::decline_proposal(const std::string&
   std::lock_guard deciding(deciding_);
   auto file = (*known)->decided->decline(note);
   if (!file) return file.error();
-  remove_proposal((*known)->object->target.object_id);
+  remove_proposal((*known)->object.target.object_id);
   return reply_of(**known, *file, note);
 }
 

@@ -34,6 +34,10 @@ class AnalysisController final : public AnalysisControl {
   // undone or waits for a decision. Returns at once.
   void begin();
 
+  // Objects of these names are gone, and these were built. Values and proposals of an object that was built again
+  // are read from its sidecar.
+  void change(const std::vector<std::string>& gone, std::span<const BuiltObject> fresh);
+
   // Passes a reloaded scene to the loop. Its file, measurements and body types are used from now on.
   // Decisions made during loading are applied at its first tick.
   void replace(Scene scene);
@@ -49,8 +53,9 @@ class AnalysisController final : public AnalysisControl {
 
  private:
   struct Known {
-    const SceneAnalysis::Object* object;
+    SceneAnalysis::Object object;
     std::unique_ptr<PhysicsOverrides> decided;
+    bool gone = false;  // edited away; kept for the analyses under way
   };
   struct Request {
     std::vector<AnalysisTarget> targets;
@@ -81,17 +86,22 @@ class AnalysisController final : public AnalysisControl {
   void add_proposal(uint32_t object_id, const v1::PhysicsFile& proposal);
   void remove_proposal(uint32_t object_id);
   bool waits(uint32_t object_id);
+  Known& at(uint32_t object_id);
+  std::vector<std::pair<uint32_t, Known*>> present();  // objects of the scene now
+  SceneAnalysis snapshot();
 
-  SceneAnalysis scene_;
   std::unique_ptr<ModelEndpoint> endpoint_;
   SimulationLoop& loop_;
   AnalysisControllerOptions options_;
   AnswerCache cache_;
-  std::map<uint32_t, Known> known_;  // constant after construction
 
   // Locked from a decision until the loop has it, so that the last decision wins. Locked before mutex_.
   std::mutex deciding_;
-  std::mutex mutex_;                                    // guards the next five
+  std::mutex mutex_;  // guards the next eight
+  // Entries are added and never erased, so that references stay valid.
+  std::map<uint32_t, Known> known_;
+  SceneAnalysis scene_;
+  uint32_t next_id_ = 1u << 31;  // of objects that authors add; above the ids of scenes
   std::map<uint32_t, SceneAnalysis::Object> reloaded_;  // by initial id
   std::map<uint32_t, v1::PhysicsFile> proposals_;       // by object id
   Proposed proposed_;

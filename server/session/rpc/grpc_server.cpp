@@ -189,6 +189,10 @@ void GrpcServer::open_drain(std::function<void(const std::string&)> drain) {
 
 void GrpcServer::open_run(RunControl& run) { parts_->service.set_run(&run); }
 
+void GrpcServer::open_author(AuthorControl& author) { parts_->service.set_author(&author); }
+
+bool GrpcServer::starter_joined() const { return parts_->service.starter_joined(); }
+
 void GrpcServer::encode_ahead(const Scene& scene) {
   for (const SceneObject& object : scene.objects()) {
     (void)parts_->assets.add(object.asset);

@@ -10,6 +10,7 @@
 #include "scene/scene.h"
 #include "session/publish/frame_publisher.h"
 #include "session/tick/analysis_control.h"
+#include "session/tick/author_control.h"
 #include "session/tick/run_control.h"
 #include "session/tick/tick_result.h"
 
@@ -59,6 +60,9 @@ class GrpcServer {
   void open_drain(std::function<void(const std::string& reason)> drain);
   // Enables pause, step and reset. `run` must outlive shut_down().
   void open_run(RunControl& run);
+  // Enables editing of the scene. `author` must outlive shut_down().
+  void open_author(AuthorControl& author);
+  bool starter_joined() const;  // GrpcService::starter_joined()
   // Encodes the assets of this scene on the calling thread, so that no encoding is pending when it replaces
   // the current scene.
   void encode_ahead(const Scene& scene);

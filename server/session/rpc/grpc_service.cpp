@@ -128,6 +128,7 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   if (!authorization)
     return to_status(authorization.error());  // it was revoked or expired after authorisation
   const v1::Scope scope = authorization->scope;
+  const bool may_start = authorization->allows(v1::AUTHOR);
   const std::string token = authorization->token_name;
   const std::string name = printable(request.client_name()), peer = context.peer();
   JoinTerms terms;
@@ -139,6 +140,7 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   terms.tick_ns = static_cast<int64_t>(1e9 / scene->rate_hz);
   auto joined = table_.join(request.resumed_session_id(), {std::move(*authorization), name, peer}, terms);
   if (!joined) return to_status(joined.error());
+  if (request.starts_run() && may_start) starter_joined_ = true;
   reply.set_stream_rate_hz(scene->rate_hz / static_cast<double>(terms.every));
   reply.set_session_id(joined->session->id);
   reply.set_rate_hz(scene->rate_hz);
@@ -182,10 +184,10 @@ grpc::ServerUnaryReactor* GrpcService::SetPhysics(grpc::CallbackServerContext* c
                                                   v1::PhysicsReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   AnalysisControl* analysis = analysis_;
-  reactor->Finish(answer(analysis
-                             ? analysis->set_physics(request->object(), request->physics(), request->name())
-                             : Result<v1::PhysicsReply>(no_analysis()),
-                         *reply));
+  const auto set = analysis ? analysis->set_physics(request->object(), request->physics(), request->name())
+                            : Result<v1::PhysicsReply>(no_analysis());
+  if (AuthorControl* edits = author(); set && edits) edits->note_physics(request->object());
+  reactor->Finish(answer(set, *reply));
   return reactor;
 }
 

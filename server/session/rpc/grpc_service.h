@@ -7,6 +7,7 @@
 #include "livegs/v1/session.grpc.pb.h"
 #include "session/access/token_store.h"
 #include "session/assets/asset_store.h"
+#include "session/rpc/author_calls.h"
 #include "session/sessions/session_table.h"
 #include "session/tick/analysis_control.h"
 #include "session/tick/run_control.h"
@@ -21,7 +22,7 @@ class GrpcService final
               v1::LiveGs::WithCallbackMethod_AnalyzeObject<v1::LiveGs::WithCallbackMethod_AnalyzeScene<
                   v1::LiveGs::WithCallbackMethod_SetPhysics<v1::LiveGs::WithCallbackMethod_UndoPhysics<
                       v1::LiveGs::WithCallbackMethod_ControlRun<v1::LiveGs::WithCallbackMethod_AcceptProposal<
-                          v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>>> {
+                          v1::LiveGs::WithCallbackMethod_ApplyForce<AuthorCalls>>>>>>>>>>> {
  public:
   // `tokens` is null without TLS.
   GrpcService(SessionTable& table, const AssetStore& assets, const TokenStore* tokens)
@@ -62,7 +63,9 @@ class GrpcService final
   void set_cap(double bytes_s) { cap_bytes_s_ = bytes_s; }
   // Enables pause, step and reset; null disables them. Must outlive the calls.
   void set_run(RunControl* run) { run_ = run; }
-  // Enables analysis and edits; null disables them. Must outlive the calls.
+  // Whether a client has joined that starts a waiting run (JoinRequest.starts_run) and may.
+  bool starter_joined() const { return starter_joined_; }
+  // Enables analysis and edits of values; null disables them. Must outlive the calls.
   void set_analysis(AnalysisControl* analysis) { analysis_ = analysis; }
 
  private:
@@ -79,6 +82,7 @@ class GrpcService final
   double cap_bytes_s_ = std::numeric_limits<double>::infinity();
   std::atomic<AnalysisControl*> analysis_ = nullptr;
   std::atomic<RunControl*> run_ = nullptr;
+  std::atomic<bool> starter_joined_ = false;
 };
 
 }  // namespace livegs

@@ -8,7 +8,12 @@ namespace livegs {
 namespace {
 
 void apply(Scene& scene, const v1::SceneChange& change) {
-  if (change.has_force()) {
+  if (change.has_edit()) {
+    if (auto edited = scene.edit(change.edit()); !edited)
+      log_warn("edit: %s", edited.error().message.c_str());
+  } else if (change.has_carry()) {
+    scene.carry(change.carry());
+  } else if (change.has_force()) {
     scene.apply_force(change.force());
   } else if (change.has_set_physics()) {
     const std::string& name = change.set_physics().object();
@@ -56,7 +61,7 @@ TickResult SceneRun::advance(const TickActions& actions) {
   apply(actions);
   TickResult tick;
   const int64_t begun_ns = now_ns();
-  if (actions.stepped) scene_.step();
+  actions.stepped ? scene_.step() : scene_.place_carried();
   ++tick_;
   tick.stepped_ns = now_ns();
   tick.step_ms = milliseconds_from_ns(tick.stepped_ns - begun_ns);

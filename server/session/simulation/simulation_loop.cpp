@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -19,7 +20,10 @@ constexpr int64_t kMaxSleep_ns = 50'000'000;
 }  // namespace
 
 SimulationLoop::SimulationLoop(Scene scene, TickSink& sink, std::function<void(const Scene&)> observe)
-    : scene_run_(std::move(scene)), sink_(sink), observe_(std::move(observe)) {}
+    : scene_run_(std::move(scene)),
+      world_settings_(scene_run_.scene().world().settings()),
+      sink_(sink),
+      observe_(std::move(observe)) {}
 
 SimulationLoop::~SimulationLoop() { stop(); }
 
@@ -86,9 +90,51 @@ void SimulationLoop::post(v1::SceneChange change) {
   posted_.push_back(std::move(change));
 }
 
+void SimulationLoop::post(std::vector<v1::SceneChange> changes) {
+  std::lock_guard lock(mutex_);
+  posted_.insert(posted_.end(), std::make_move_iterator(changes.begin()),
+                 std::make_move_iterator(changes.end()));
+}
+
+struct SimulationLoop::Query {
+  std::function<void(const Scene&)> read;
+  bool done = false;  // guarded by SimulationLoop::mutex_
+};
+
+bool SimulationLoop::query(const std::function<void(const Scene&)>& read) {
+  const auto query = std::make_shared<Query>();
+  query->read = read;
+  std::unique_lock lock(mutex_);
+  if (query_) return false;
+  query_ = query;
+  queried_.wait_for(lock, std::chrono::seconds(2), [&] { return query->done; });
+  if (query_ == query) query_.reset();
+  return query->done;
+}
+
+void SimulationLoop::answer_query() {
+  std::lock_guard lock(mutex_);  // so that a query that is given up is not called
+  if (!query_) return;
+  query_->read(scene());
+  query_->done = true;
+  query_.reset();
+  queried_.notify_all();
+}
+
+void SimulationLoop::set_edit_revision(uint64_t revision) {
+  std::lock_guard lock(mutex_);
+  run_.edit_revision = revision;
+}
+
+void SimulationLoop::wait_to_start() {
+  std::lock_guard lock(mutex_);
+  waits_to_start_ = run_.paused = run_.waiting = true;
+}
+
 void SimulationLoop::pause(bool paused) {
   std::lock_guard lock(mutex_);
   run_.paused = paused;
+  if (!paused) run_.waiting = false;
   steps_left_ = 0;
 }
 
@@ -126,6 +172,7 @@ std::vector<v1::SceneChange> SimulationLoop::take_next_scene() {
     next.swap(next_scene_);
     run_.loading = false;
     ++run_.resets;
+    if (waits_to_start_) run_.paused = run_.waiting = true;
   }
   scene_run_.replace(*std::move(next));
   log_info("reset: %zu objects reloaded", scene().objects().size());
@@ -133,6 +180,7 @@ std::vector<v1::SceneChange> SimulationLoop::take_next_scene() {
 }
 
 void SimulationLoop::tick() {
+  answer_query();
   const TickActions actions = take_actions(take_next_scene());
   TickResult stepped = scene_run_.advance(actions);
   {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -63,6 +65,15 @@ class SimulationLoop : public InputSink {
   // Queues a change for the next tick, in the order of the calls. Any thread; returns at once. Changes after
   // the last tick are dropped.
   void post(v1::SceneChange change);
+  void post(std::vector<v1::SceneChange> changes);  // for one tick
+  // Calls `read` with the scene between two ticks, on the loop's thread, and waits for it. Without calling it,
+  // false if the loop does not run or takes longer than two seconds.
+  bool query(const std::function<void(const Scene&)>& read);
+  // Of every scene of this loop. Any thread.
+  const WorldSettings& world_settings() const { return world_settings_; }
+  void set_edit_revision(uint64_t revision);  // RunStatus::edit_revision
+  // Halts before the first tick and after every reset, until pause(false).
+  void wait_to_start();
 
   // While paused, ticks continue with unchanged drivers: inputs and changes are accepted, nothing moves.
   void pause(bool paused);
@@ -93,8 +104,10 @@ class SimulationLoop : public InputSink {
   // Removes and returns the samples that are due at `tick`, and all before them.
   static std::vector<InputSample> due(std::deque<InputSample>& samples, uint64_t tick);
   void log_every_second(int64_t now_ns);
+  void answer_query();
 
   SceneRun scene_run_;  // loop thread only
+  const WorldSettings world_settings_;
   TickSink& sink_;
   std::function<void(const Scene&)> observe_;
   TickRecorder* recorder_ = nullptr;
@@ -104,6 +117,10 @@ class SimulationLoop : public InputSink {
   uint32_t steps_left_ = 0;  // while paused
   std::optional<Scene> next_scene_;
   std::vector<v1::SceneChange> posted_;
+  struct Query;
+  std::shared_ptr<Query> query_;  // the one that waits
+  std::condition_variable queried_;
+  bool waits_to_start_ = false;
   std::map<SessionNumber, Mailbox> mailboxes_;
   std::vector<SessionNumber> closed_sessions_;
 

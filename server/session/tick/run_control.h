@@ -22,6 +22,8 @@ inline void write_run(const RunStatus& status, v1::RunState& message) {
   message.set_resets(status.resets);
   message.set_simulated_s(status.simulated_s);
   message.set_message(status.message);
+  message.set_edit_revision(status.edit_revision);
+  message.set_waiting(status.waiting);
 }
 
 }  // namespace livegs

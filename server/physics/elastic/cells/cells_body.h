@@ -60,6 +60,8 @@ class CellsBody final : public ElasticBody {
   const Material& material() const override { return materials_.own; }
   bool asleep() const override { return rest_.sleep_timer.asleep(); }
   int recovery_count() const override { return recovery_count_; }
+  bool place(const Pose& world_from_object, const Eigen::Vector3d& velocity_m_s,
+             const Eigen::Vector3d& angular_velocity_rad_s) override;
   void wake() override;
   bool frozen() const override { return rest_.rigid.has_value(); }
 
@@ -240,6 +242,10 @@ class CellsBody final : public ElasticBody {
   bool has_finite_motion() const;
   bool limit_energy();
   void restore_last_valid_state();
+  Eigen::Vector3d rest_centre_m() const;  // centre of mass, object frame
+  // All nodes at the rest shape, with the motion of a rigid body; forgets flow, contacts and loads.
+  void set_rest_shape(const Pose& world_from_object, const Eigen::Vector3d& velocity_m_s,
+                      const Eigen::Vector3d& angular_velocity_rad_s);
   // At least exact enough to compare with still_m_s.
   double fastest_m_s(double still_m_s) const;
 

@@ -129,16 +129,40 @@ bool CellsBody::has_finite_motion() const {
 // pose.
 void CellsBody::restore_last_valid_state() {
   ++recovery_count_;
-  Vector3d rest_centre = Vector3d::Zero();
-  for (size_t i = 0; i < masses_kg_.size(); ++i)
-    rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
-  orientation_ = holding_.held ? holding_.world_from_object.orientation : whole_.orientation;
-  origin_m_ = holding_.held ? holding_.world_from_object * rest_centre : whole_.position_m;
   const Vector3d still = Vector3d::Zero();
-  for (size_t i = 0; i < nodes_.count(); ++i) {
-    nodes_.set_motion(i, orientation_ * (lattice_.node_position_m(i) - rest_centre), still);
+  if (holding_.held) {
+    set_rest_shape(holding_.world_from_object, still, still);
+  } else {
+    set_rest_shape({whole_.position_m - whole_.orientation * rest_centre_m(), whole_.orientation}, still, still);
   }
-  for (LightNode& light_node : light_nodes_) light_node.parent_m_s = still;
+}
+
+bool CellsBody::place(const Pose& world_from_object, const Vector3d& velocity_m_s,
+                      const Vector3d& angular_velocity_rad_s) {
+  wake();
+  if (holding_.held) holding_.world_from_object = world_from_object;
+  set_rest_shape(world_from_object, velocity_m_s, angular_velocity_rad_s);
+  whole_ = {origin_m_, orientation_};
+  return true;
+}
+
+Vector3d CellsBody::rest_centre_m() const {
+  Vector3d centre = Vector3d::Zero();
+  for (size_t i = 0; i < masses_kg_.size(); ++i)
+    centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  return centre;
+}
+
+void CellsBody::set_rest_shape(const Pose& world_from_object, const Vector3d& velocity_m_s,
+                               const Vector3d& angular_velocity_rad_s) {
+  const Vector3d rest_centre = rest_centre_m();
+  orientation_ = world_from_object.orientation;
+  origin_m_ = world_from_object * rest_centre;
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    const Vector3d arm = orientation_ * (lattice_.node_position_m(i) - rest_centre);
+    nodes_.set_motion(i, arm, velocity_m_s + angular_velocity_rad_s.cross(arm));
+  }
+  for (LightNode& light_node : light_nodes_) light_node.parent_m_s = velocity_m_s;
   if (!plastic_.parts.empty()) discard_plastic_flow();
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
   ledger_.step_orientation = orientation_;

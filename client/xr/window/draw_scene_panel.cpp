@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "xr/window/draw_scene_panel.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+
+#include "xr/window/window_style.h"
+
+namespace livegs {
+namespace {
+
+constexpr float kLabel_px = 84;  // names of the fields
+constexpr size_t kMaxText = 128, kMaxSuggestions = 12;
+
+bool button(const char* name, bool possible = true) {
+  ImGui::BeginDisabled(!possible);
+  const bool pressed = ImGui::Button(name);
+  ImGui::EndDisabled();
+  return pressed;
+}
+
+void same_line_if_it_fits(const char* button) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float needed = style.ItemSpacing.x + ImGui::CalcTextSize(button).x + 2 * style.FramePadding.x;
+  if (ImGui::GetItemRectMax().x + needed <= ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x)
+    ImGui::SameLine();
+}
+
+void tip(const std::string& text) {
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", text.c_str());
+}
+
+std::string lower(std::string text) {
+  for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return text;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return lower(text).find(lower(part)) != std::string::npos;
+}
+
+bool input_text(const char* id, std::string& text, ImGuiInputTextFlags flags = 0) {
+  std::array<char, kMaxText> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%s", text.c_str());
+  const bool entered = ImGui::InputText(id, buffer.data(), buffer.size(), flags);
+  text = buffer.data();
+  return entered;
+}
+
+void field_name(const char* name) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(name);
+  ImGui::SameLine(kLabel_px);
+  ImGui::SetNextItemWidth(-1);
+}
+
+}  // namespace
+
+void ScenePanelDrawer::draw(const ScenePanel& panel, SceneActions& actions) {
+  draw_steps(panel, actions);
+  draw_list(panel, actions);
+  draw_objects(panel, actions);
+  if (panel.fields) draw_fields(panel, actions);
+  draw_view(panel, actions);
+}
+
+void ScenePanelDrawer::draw_steps(const ScenePanel& panel, SceneActions& actions) {
+  actions.undo = button("Undo", !panel.undo.empty());
+  tip(panel.undo.empty() ? "Nothing to undo" : "Undo " + panel.undo + " (Ctrl+Z)");
+  ImGui::SameLine();
+  actions.redo = button("Redo", !panel.redo.empty());
+  tip(panel.redo.empty() ? "Nothing to redo" : "Redo " + panel.redo + " (Ctrl+Y)");
+  ImGui::SameLine();
+  actions.save = button("Save", panel.unsaved);
+  tip("Write " + (panel.file.empty() ? "a scene file" : panel.file) + " (Ctrl+S)");
+  ImGui::SameLine();
+  if (button("Save as")) {
+    file_ = panel.suggested_file;
+    ImGui::OpenPopup("save as");
+  }
+  if (ImGui::BeginPopup("save as")) {
+    ImGui::TextUnformatted("File in the scene's folder");
+    if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+    ImGui::SetNextItemWidth(240);
+    const bool entered = input_text("##file", file_, ImGuiInputTextFlags_EnterReturnsTrue);
+    const bool saves = ImGui::Button("Save##as");
+    ImGui::SameLine();
+    const bool replaces = ImGui::Button("Replace");
+    tip("Save even if the file exists; the old one is kept as FILE.bak");
+    if ((entered || saves || replaces) && !file_.empty()) {
+      actions.save_as = file_;
+      actions.replace = replaces;
+      ImGui::CloseCurrentPopup();
+    }
+    ImGui::EndPopup();
+  }
+  ImGui::PushStyleColor(ImGuiCol_Text, kDimInk);
+  ImGui::TextWrapped("%s%s", panel.file.empty() ? "not saved yet" : panel.file.c_str(),
+                     panel.unsaved && !panel.file.empty() ? ", unsaved changes" : "");
+  if (!panel.progress.empty()) ImGui::TextWrapped("%s", panel.progress.c_str());
+  ImGui::PopStyleColor();
+  if (!panel.notice.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, kRefusalInk);
+    ImGui::TextWrapped("%s", panel.notice.c_str());
+    ImGui::PopStyleColor();
+  }
+}
+
+void ScenePanelDrawer::draw_list(const ScenePanel& panel, SceneActions& actions) {
+  ImGui::SetNextItemWidth(-1);
+  std::array<char, kMaxText> search{};
+  std::snprintf(search.data(), search.size(), "%s", search_.c_str());
+  if (ImGui::InputTextWithHint("##search", "Search", search.data(), search.size())) search_ = search.data();
+  const float rows = static_cast<float>(std::clamp<size_t>(panel.entries.size(), 1, 7));
+  ImGui::BeginChild("list", {0, rows * ImGui::GetTextLineHeightWithSpacing() + 8}, true);
+  for (size_t i = 0; i < panel.entries.size(); ++i) {
+    const ScenePanel::Entry& entry = panel.entries[i];
+    if (!search_.empty() && !contains(entry.name, search_) && !contains(entry.group, search_)) continue;
+    ImGui::PushID(static_cast<int>(i));
+    bool drawn = !entry.hidden, locked = entry.locked;
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 0});
+    if (ImGui::Checkbox("##drawn", &drawn)) actions.hidden = {i, !drawn};
+    tip(drawn ? "Drawn" : "Hidden");
+    ImGui::SameLine();
+    if (ImGui::Checkbox("##locked", &locked)) actions.locked = {i, locked};
+    tip(locked ? "Locked: cannot be edited" : "Not locked");
+    ImGui::PopStyleVar();
+    ImGui::SameLine();
+    const std::string line = entry.group.empty() ? entry.name : entry.name + "  (" + entry.group + ")";
+    if (ImGui::Selectable(line.c_str(), entry.selected)) {
+      actions.clicked = i;
+      actions.extends = ImGui::GetIO().KeyCtrl || ImGui::GetIO().KeyShift;
+    }
+    tip(line);
+    ImGui::PopID();
+  }
+  if (panel.entries.empty()) ImGui::TextDisabled("Empty: add an asset, or drop files on the window.");
+  ImGui::EndChild();
+}
+
+void ScenePanelDrawer::draw_objects(const ScenePanel& panel, SceneActions& actions) {
+  const bool any = panel.selected > 0;
+  if (button("Add")) {
+    actions.opened_assets = true;
+    choosing_.clear();
+    ImGui::OpenPopup("add");
+  }
+  tip("Add an asset of the scene's folder; or drop files on the window");
+  if (ImGui::BeginPopup("add")) {
+    if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+    ImGui::SetNextItemWidth(260);
+    input_text("##asset", choosing_);
+    ImGui::BeginChild("assets", {260, 180});
+    for (size_t i = 0; i < panel.assets.size(); ++i) {
+      if (!choosing_.empty() && !contains(panel.assets[i], choosing_)) continue;
+      if (ImGui::Selectable(panel.assets[i].c_str())) {
+        actions.add = i;
+        ImGui::CloseCurrentPopup();
+      }
+    }
+    if (panel.assets.empty()) ImGui::TextDisabled("The scene's folder has no splat files.");
+    ImGui::EndChild();
+    ImGui::EndPopup();
+  }
+  ImGui::SameLine();
+  actions.duplicate = button("Duplicate", any);
+  tip("Ctrl+D");
+  ImGui::SameLine();
+  actions.remove = button("Delete", any);
+  tip("Delete");
+  same_line_if_it_fits("Drop");
+  actions.drop = button("Drop", any);
+  tip("Move it down onto what is below");
+  same_line_if_it_fits("Frame");
+  actions.frame = button("Frame");
+  tip("Show the selection, or everything (F)");
+  for (size_t i = 0; i < panel.kTools.size(); ++i) {
+    if (i > 0) same_line_if_it_fits(panel.kTools[i]);
+    if (ImGui::RadioButton(panel.kTools[i], panel.tool == static_cast<int>(i)))
+      actions.tool = static_cast<int>(i);
+    tip(std::string("Key ") + std::to_string(i + 1));
+  }
+  bool snap = panel.snap, grid = panel.grid;
+  if (ImGui::Checkbox("Snap", &snap)) actions.snap = snap;
+  tip("To 0.1 m, 15 degrees and 10 %; Ctrl while dragging does so too");
+  ImGui::SameLine();
+  if (ImGui::Checkbox("Grid", &grid)) actions.grid = grid;
+  tip("A metre a square, on the floor");
+}
+
+void ScenePanelDrawer::draw_fields(const ScenePanel& panel, SceneActions& actions) {
+  const ScenePanel::Fields& fields = *panel.fields;
+  ImGui::Separator();
+  field_name("Name");
+  actions.name = text_field("##name", fields.name);
+  field_name("What is it?");
+  actions.label = choice("##label", fields.label.empty() ? fields.label_hint : fields.label, panel.labels);
+  tip("Mass and material are estimated from this at once");
+  field_name("Material");
+  actions.material =
+      choice("##material", fields.material.empty() ? "as estimated" : fields.material, panel.materials);
+  field_name("Behaviour");
+  if (ImGui::BeginCombo("##behavior", panel.kBehaviors[static_cast<size_t>(fields.behavior)])) {
+    for (size_t i = 0; i < panel.kBehaviors.size(); ++i) {
+      if (ImGui::Selectable(panel.kBehaviors[i], fields.behavior == static_cast<int>(i)))
+        actions.behavior = static_cast<int>(i);
+    }
+    ImGui::EndCombo();
+  }
+  if (fields.longest_side_m > 0) {
+    field_name("Size, m");
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.4g", fields.longest_side_m);
+    double value = 0;
+    if (const auto typed = text_field("##size", text.data());
+        typed && std::sscanf(typed->c_str(), "%lf", &value) == 1)
+      actions.longest_side_m = value;
+    tip("Longest side");
+  }
+  field_name("Position, m");
+  actions.position_m = numbers("##position", fields.position_m, "%.4g");
+  field_name("Turn, deg");
+  actions.angles_deg = numbers("##angles", fields.angles_deg, "%.4g");
+  tip("Yaw about y, pitch about x, roll about z");
+  field_name("Group");
+  actions.group = text_field("##group", fields.group);
+  tip("Objects of one group are selected together");
+}
+
+void ScenePanelDrawer::draw_view(const ScenePanel& panel, SceneActions& actions) {
+  ImGui::Separator();
+  field_name("View");
+  if (ImGui::BeginCombo("##views", "Saved views")) {
+    for (size_t i = 0; i < panel.bookmarks.size(); ++i) {
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::SmallButton("x")) actions.delete_bookmark = i;
+      tip("Delete this view");
+      ImGui::SameLine();
+      if (ImGui::Selectable(panel.bookmarks[i].c_str())) actions.go_bookmark = i;
+      ImGui::PopID();
+    }
+    if (panel.bookmarks.empty()) ImGui::TextDisabled("None yet");
+    ImGui::Separator();
+    ImGui::SetNextItemWidth(160);
+    input_text("##new view", bookmark_);
+    ImGui::SameLine();
+    if (button("Keep this view", !bookmark_.empty())) {
+      actions.keep_bookmark = bookmark_;
+      bookmark_.clear();
+      ImGui::CloseCurrentPopup();
+    }
+    ImGui::EndCombo();
+  }
+  std::array<float, 3> rgb = panel.background.value_or(std::array<float, 3>{0.0f, 0.0f, 0.0f});
+  field_name("Background");
+  ImGui::ColorEdit3("##background", rgb.data(), ImGuiColorEditFlags_NoInputs);
+  if (ImGui::IsItemDeactivatedAfterEdit()) actions.background = rgb;
+}
+
+std::optional<std::string> ScenePanelDrawer::text_field(const char* id, const std::string& value) {
+  std::string text = editing_ == id ? edited_ : value;
+  const bool entered = input_text(id, text, ImGuiInputTextFlags_EnterReturnsTrue |
+                                                ImGuiInputTextFlags_AutoSelectAll);
+  if (ImGui::IsItemActive()) {
+    editing_ = id;
+    edited_ = text;
+    if (!entered) return std::nullopt;
+  }
+  if (editing_ != id) return std::nullopt;
+  const std::string now = entered ? text : edited_;
+  if (!entered && !ImGui::IsItemDeactivated()) return std::nullopt;
+  editing_.clear();
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) || now == value) return std::nullopt;
+  return now;
+}
+
+std::optional<std::array<double, 3>> ScenePanelDrawer::numbers(const char* id,
+                                                               const std::array<double, 3>& values,
+                                                               const char* format) {
+  std::optional<std::array<double, 3>> changed;
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (axis > 0) ImGui::SameLine();
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), format, values[axis]);
+    ImGui::SetNextItemWidth(width);
+    double value = 0;
+    const std::string own = id + std::string(1, static_cast<char>('x' + axis));
+    if (const auto typed = text_field(own.c_str(), text.data());
+        typed && std::sscanf(typed->c_str(), "%lf", &value) == 1) {
+      changed = values;
+      (*changed)[axis] = value;
+    }
+  }
+  return changed;
+}
+
+std::optional<std::string> ScenePanelDrawer::choice(const char* id, const std::string& value,
+                                                    const std::vector<std::string>& suggestions) {
+  std::optional<std::string> chosen;
+  if (!ImGui::BeginCombo(id, value.c_str())) return chosen;
+  if (ImGui::IsWindowAppearing()) {
+    choosing_.clear();
+    ImGui::SetKeyboardFocusHere();
+  }
+  ImGui::SetNextItemWidth(-1);
+  if (input_text("##typed", choosing_, ImGuiInputTextFlags_EnterReturnsTrue)) chosen = choosing_;
+  size_t shown = 0;
+  for (const std::string& suggestion : suggestions) {
+    if (!choosing_.empty() && !contains(suggestion, choosing_)) continue;
+    if (++shown > kMaxSuggestions && choosing_.empty()) break;
+    if (ImGui::Selectable(suggestion.c_str())) chosen = suggestion;
+  }
+  if (chosen) ImGui::CloseCurrentPopup();
+  ImGui::EndCombo();
+  return chosen;
+}
+
+}  // namespace livegs

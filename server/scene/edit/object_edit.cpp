@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/edit/object_edit.h"
+
+#include <google/protobuf/util/field_mask_util.h>
+
+#include <set>
+
+#include "analysis/gate/answer.h"
+#include "scene/check/check_object.h"
+#include "scene/values/scene_values.h"
+
+namespace livegs {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::util::FieldMaskUtil;
+
+constexpr size_t kMaxNameLength = 120;
+// Height above the given place from which a new object is dropped: more than a drawn floor's thickness.
+constexpr double kDropFrom_m = 0.05;
+
+int index_of(const v1::Scene& scene, const std::string& name) {
+  for (int i = 0; i < scene.objects_size(); ++i) {
+    if (object_name(scene.objects(i), i) == name) return i;
+  }
+  return -1;
+}
+
+// `wanted`, with a number if another object has that name.
+std::string free_name(const v1::Scene& scene, const std::string& wanted, int except) {
+  std::set<std::string> taken;
+  for (int i = 0; i < scene.objects_size(); ++i) {
+    if (i != except) taken.insert(object_name(scene.objects(i), i));
+  }
+  if (!taken.contains(wanted)) return wanted;
+  // "cup 2" and its copy "cup 3", not "cup 2 2".
+  std::string stem = wanted;
+  const size_t space = stem.rfind(' ');
+  if (space != std::string::npos && space + 1 < stem.size() &&
+      stem.find_first_not_of("0123456789", space + 1) == std::string::npos)
+    stem.resize(space);
+  for (int number = 2;; ++number) {
+    std::string name = stem + " " + std::to_string(number);
+    if (!taken.contains(name)) return name;
+  }
+}
+
+// Calls `visit` for every string field that names an object, in a message and those in it.
+void visit_references(Message& message, const std::function<void(std::string&)>& visit) {
+  const auto* reflection = message.GetReflection();
+  std::vector<const FieldDescriptor*> fields;
+  reflection->ListFields(message, &fields);
+  for (const FieldDescriptor* field : fields) {
+    if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !field->is_repeated()) {
+      visit_references(*reflection->MutableMessage(&message, field), visit);
+    } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_STRING && !field->is_repeated() &&
+               (field->name() == "object" || field->name() == "other")) {
+      std::string value = reflection->GetString(message, field);
+      const std::string before = value;
+      visit(value);
+      if (value != before) reflection->SetString(&message, field, value);
+    }
+  }
+}
+
+void set_position(v1::Object& object, const Eigen::Vector3d& position_m) {
+  object.mutable_pose()->clear_position_m();
+  for (const double coordinate : position_m) object.mutable_pose()->add_position_m(coordinate);
+}
+
+Result<void> set_fields(v1::Object& object, const v1::ObjectEdit& edit) {
+  google::protobuf::FieldMask mask;
+  for (const std::string& path : edit.fields()) {
+    if (!FieldMaskUtil::IsValidPath<v1::Object>(path))
+      return invalid_argument("fields: \"" + shown_text(path, 60) +
+                              "\" is no field of an object; see Object in scene.proto");
+    mask.add_paths(path);
+  }
+  FieldMaskUtil::MergeOptions options;
+  options.set_replace_message_fields(true);
+  options.set_replace_repeated_fields(true);
+  FieldMaskUtil::MergeMessageTo(edit.value(), mask, options, &object);
+  return {};
+}
+
+bool only_unlocks(const v1::ObjectEdit& edit) {
+  return !edit.remove() && !edit.has_longest_side_m() && !edit.drop() && edit.fields_size() == 1 &&
+         edit.fields(0) == "locked";
+}
+
+}  // namespace
+
+void name_objects(v1::Scene& scene) {
+  for (int i = 0; i < scene.objects_size(); ++i) {
+    if (scene.objects(i).name().empty()) scene.mutable_objects(i)->set_name(object_name(scene.objects(i), i));
+  }
+}
+
+void rename_references(v1::Scene& scene, const std::string& from, const std::string& to) {
+  const auto rename = [&](std::string& name) {
+    if (name == from) name = to;
+  };
+  for (v1::Event& event : *scene.mutable_events()) visit_references(event, rename);
+  for (v1::Joint& joint : *scene.mutable_joints()) visit_references(joint, rename);
+}
+
+std::string reference_to(const v1::Scene& scene, const std::string& name) {
+  std::string found;
+  const auto look = [&](auto one, const char* list, int index) {
+    visit_references(one, [&](std::string& named) {
+      if (named == name && found.empty()) found = std::string(list) + "[" + std::to_string(index) + "]";
+    });
+  };
+  for (int i = 0; i < scene.events_size(); ++i) look(scene.events(i), "events", i);
+  for (int i = 0; i < scene.joints_size(); ++i) look(scene.joints(i), "joints", i);
+  return found;
+}
+
+Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, const MeasureObject& measure) {
+  int index = 0;
+  if (edit.object().empty()) {
+    v1::Object added = edit.value();
+    if (!edit.copy_of().empty()) {
+      const int original = index_of(scene, edit.copy_of());
+      if (original < 0)
+        return not_found("copy_of: \"" + shown_text(edit.copy_of(), 80) + "\" is not in the scene");
+      added = scene.objects(original);
+      added.clear_locked();
+      if (auto set = set_fields(added, edit); !set) return set.error();
+    }
+    index = scene.objects_size();
+    const std::string name = free_name(scene, object_name(added, index), index);
+    added.set_name(name);
+    *scene.add_objects() = std::move(added);
+  } else {
+    index = index_of(scene, edit.object());
+    if (index < 0)
+      return not_found("object: \"" + shown_text(edit.object(), 80) +
+                       "\" is not in the scene; it may have been deleted");
+    const std::string before = object_name(scene.objects(index), index);
+    if (scene.objects(index).locked() && !only_unlocks(edit))
+      return invalid_argument("object \"" + before + "\": is locked; unlock it first");
+    if (edit.remove()) {
+      if (const std::string user = reference_to(scene, before); !user.empty())
+        return invalid_argument("object \"" + before + "\": is named by " + user +
+                                " of the scene; remove that first");
+      scene.mutable_objects()->DeleteSubrange(index, 1);
+      return before;
+    }
+    v1::Object& object = *scene.mutable_objects(index);
+    if (auto set = set_fields(object, edit); !set)
+      return Error{set.error().code, "object \"" + before + "\": " + set.error().message};
+    if (object.name().size() > kMaxNameLength)
+      return invalid_argument("object \"" + shown_text(before, 80) + "\": name: is longer than 120 characters");
+    if (object.name().empty()) object.set_name(before);
+    if (object.name() != before) {
+      object.set_name(free_name(scene, object.name(), index));
+      rename_references(scene, before, object.name());
+    }
+  }
+  v1::Object& object = *scene.mutable_objects(index);
+  if (edit.has_longest_side_m()) {
+    if (object.form_case() != v1::Object::kAsset)
+      return invalid_argument("object \"" + object.name() +
+                              "\": longest_side_m: only an asset has a scale; edit the shape's size");
+    if (!(edit.longest_side_m() >= 1e-4 && edit.longest_side_m() <= 1e4))
+      return invalid_argument("object \"" + object.name() + "\": longest_side_m: must be 1e-4 to 1e4");
+    auto measures = measure(object);
+    if (!measures) return measures.error();
+    object.set_scale(measures->scale * edit.longest_side_m() / measures->longest_side_m);
+    object.clear_assumed_scale();
+  }
+  if (edit.drop()) {
+    auto measures = measure(object);
+    if (!measures) return measures.error();
+    if (edit.object().empty() && edit.copy_of().empty()) {
+      // The position of a new object is where it should stand: its lowest point is put there first.
+      auto pose = pose_value(object.pose(), "pose");
+      if (!pose) return pose.error();
+      const auto gravity = vector_value(scene.gravity_m_s2(), Eigen::Vector3d(0, -9.81, 0), "gravity_m_s2");
+      if (!gravity) return gravity.error();
+      set_position(object, pose->position_m + (measures->bottom_m - kDropFrom_m) * gravity->normalized());
+      measures = measure(object);
+      if (!measures) return measures.error();
+    }
+    if (!measures->way_down_m)
+      return invalid_argument("object \"" + object.name() +
+                              "\": nothing is below it; move it above the floor");
+    auto pose = pose_value(object.pose(), "pose");
+    if (!pose) return pose.error();
+    const auto gravity = vector_value(scene.gravity_m_s2(), Eigen::Vector3d(0, -9.81, 0), "gravity_m_s2");
+    if (!gravity) return gravity.error();
+    set_position(object, pose->position_m + *measures->way_down_m * gravity->normalized());
+  }
+  return object.name();
+}
+
+std::string title_of(const v1::EditSceneRequest& request) {
+  if (!request.title().empty()) return shown_text(request.title(), 80);
+  if (request.objects_size() == 0) return request.background() ? "set background" : "set bookmarks";
+  const v1::ObjectEdit& edit = request.objects(0);
+  std::string what = "edit";
+  if (edit.object().empty())
+    what = edit.copy_of().empty() ? "add" : "duplicate";
+  else if (edit.remove())
+    what = "delete";
+  else if (edit.drop())
+    what = "drop";
+  else if (edit.has_longest_side_m())
+    what = "scale";
+  else if (edit.fields_size() == 1)
+    what = edit.fields(0) == "pose" ? "move" : edit.fields(0) == "name" ? "rename" : "set " + edit.fields(0) + " of";
+  if (request.objects_size() > 1) return what + " " + std::to_string(request.objects_size()) + " objects";
+  const std::string name = !edit.object().empty()    ? edit.object()
+                           : !edit.copy_of().empty() ? edit.copy_of()
+                                                     : object_name(edit.value(), 0);
+  return what + " " + shown_text(name, 60);
+}
+
+}  // namespace livegs

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "core/result.h"
+#include "livegs/v1/author.pb.h"
+#include "livegs/v1/scene.pb.h"
+
+namespace livegs {
+
+// Gives every object of a scene the name that it has anyway (object_name()), so that edits can name it.
+void name_objects(v1::Scene& scene);
+
+// What an edit needs to know of the running scene.
+struct ObjectMeasures {
+  double longest_side_m = 0;           // now, at the object's scale
+  double scale = 1;                    // metres per unit of the asset, given or guessed
+  double bottom_m = 0;                 // of its lowest point above the origin of its frame, along up
+  std::optional<double> way_down_m;    // until it stands on something; nullopt: nothing is below
+};
+using MeasureObject = std::function<Result<ObjectMeasures>(const v1::Object& object)>;
+
+// Applies one edit to the scene and returns the object's name afterwards. The scene is not checked. After an
+// error it may be changed in part. `measure` is called for edits of size and for those that drop an object.
+Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, const MeasureObject& measure);
+
+// Changes the name of an object in events and joints.
+void rename_references(v1::Scene& scene, const std::string& from, const std::string& to);
+// The event or joint that names the object, such as "events[2]"; empty if there is none.
+std::string reference_to(const v1::Scene& scene, const std::string& name);
+
+// One line for the log and the undo button: "move cup".
+std::string title_of(const v1::EditSceneRequest& request);
+
+}  // namespace livegs

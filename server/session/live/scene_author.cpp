@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/live/scene_author.h"
+
+#include <fcntl.h>
+#include <pthread.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/gate/answer.h"
+#include "analysis/knowledge/tables.h"
+#include "analysis/physics_file.h"
+#include "core/log.h"
+#include "gaussian/asset_file.h"
+#include "scene/build/object_cache.h"
+#include "scene/check/check_object.h"
+#include "scene/check/sidecar_paths.h"
+#include "scene/values/scene_values.h"
+#include "session/support/redact_paths.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMaxDrop_m = 100.0;  // an object farther above the floor is not dropped
+constexpr int kMaxAssetDepth = 3;     // subfolder levels that are listed
+constexpr size_t kMaxListedAssets = 2000;
+
+bool is_splat_file(const fs::path& path) {
+  const std::string name = path.filename().string();
+  for (const char* ending : {".ply", ".spz", ".sog", ".splat"}) {
+    if (name.ends_with(ending) && name.size() > std::string_view(ending).size()) return true;
+  }
+  return name == "meta.json";
+}
+
+// Points of the body's surface, object frame.
+std::vector<Eigen::Vector3d> surface_points(const BuiltObject& built) {
+  if (const auto* rigid = std::get_if<RigidBodyDescription>(&built.body)) return rigid->mesh.vertices_m;
+  if (const auto* elastic = std::get_if<ElasticBodyDescription>(&built.body))
+    return elastic->particles.positions_m;
+  return built.body_points_m;
+}
+
+class FileUpload final : public AuthorControl::Upload {
+ public:
+  FileUpload(fs::path folder, std::string name) : folder_(std::move(folder)), name_(std::move(name)) {}
+
+  Result<void> add(std::span<const std::byte> bytes) override {
+    if (bytes_.size() + bytes.size() > SceneAuthor::kMaxUploadBytes)
+      return Error{ErrorCode::TooLarge, name_ + ": is larger than 1 GiB; copy it to the scene's folder"};
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    return {};
+  }
+
+  Result<std::string> finish() override {
+    if (auto asset = decode_asset(bytes_, name_); !asset) return asset.error();
+    const fs::path wanted(name_);
+    for (int number = 1; number < 1000; ++number) {
+      const std::string name =
+          number == 1 ? name_
+                      : wanted.stem().string() + "-" + std::to_string(number) + wanted.extension().string();
+      std::error_code error;
+      if (fs::exists(folder_ / name, error)) {
+        const auto present = read_file(folder_ / name, SceneAuthor::kMaxUploadBytes);
+        if (present && *present == bytes_) return name;
+        continue;
+      }
+      if (auto written = write_file_atomically(folder_ / name, bytes_); !written) return written.error();
+      log_info("asset: %s received, %.1f MB", name.c_str(), static_cast<double>(bytes_.size()) * 1e-6);
+      return name;
+    }
+    return Error{ErrorCode::TooLarge, name_ + ": the folder has too many files of this name; rename it"};
+  }
+
+ private:
+  fs::path folder_;
+  std::string name_;
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace
+
+SceneAuthor::SceneAuthor(SceneDocument document, const SceneOptions& options, SimulationLoop& loop,
+                         AnalysisController& analysis)
+    : options_(options), loop_(loop), analysis_(analysis), document_(std::move(document)) {
+  show_revision();
+  thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
+}
+
+SceneAuthor::~SceneAuthor() {
+  thread_.request_stop();
+  thread_.join();
+}
+
+void SceneAuthor::run(std::stop_token stop) {
+  pthread_setname_np(pthread_self(), "author");
+  for (;;) {
+    std::function<void()> task;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, stop, [&] { return !tasks_.empty(); });
+      if (tasks_.empty()) return;  // every edit that was accepted is answered
+      task = std::move(tasks_.front());
+      tasks_.pop_front();
+    }
+    task();
+  }
+}
+
+bool SceneAuthor::post(std::function<void()> task) {
+  {
+    std::lock_guard lock(mutex_);
+    if (tasks_.size() >= kMaxWaiting) return false;
+    tasks_.push_back(std::move(task));
+  }
+  changed_.notify_one();
+  return true;
+}
+
+namespace {
+Error too_many_edits() {
+  return {ErrorCode::TooLarge, "edit: 64 edits are waiting, the maximum; try again later"};
+}
+}  // namespace
+
+void SceneAuthor::edit(v1::EditSceneRequest request, Answer<v1::EditSceneReply> answer) {
+  if (!post([this, request = std::move(request), answer] { answer(edited(request)); })) answer(too_many_edits());
+}
+
+void SceneAuthor::undo(bool redo, Answer<v1::EditSceneReply> answer) {
+  if (!post([this, redo, answer] { answer(undone(redo)); })) answer(too_many_edits());
+}
+
+void SceneAuthor::save(v1::SaveSceneRequest request, Answer<v1::SaveSceneReply> answer) {
+  const auto task = [this, request = std::move(request), answer] {
+    Result<std::string> saved = [&] {
+      std::lock_guard lock(document_mutex_);
+      return document_.save(request.file(), request.replace());
+    }();
+    if (!saved) return answer(saved.error());
+    show_revision();
+    log_info("scene: saved as %s", saved->c_str());
+    v1::SaveSceneReply reply;
+    reply.set_file(*saved);
+    answer(std::move(reply));
+  };
+  if (!post(task)) answer(too_many_edits());
+}
+
+Result<BuiltObject> SceneAuthor::built(const v1::Scene& scene, int index, v1::PhysicsFile* sidecar) const {
+  const std::vector<fs::path> kept_in = sidecar_paths(scene, document_.folder(), document_.name());
+  const fs::path& path = kept_in[static_cast<size_t>(index)];
+  v1::PhysicsFile kept;
+  if (!path.empty()) {
+    auto file = read_physics_file(path);
+    if (!file) return file.error();
+    kept = std::move(*file);
+  }
+  const std::string field = "objects[" + std::to_string(index) + "]";
+  auto object = options_.cache->build(scene.objects(index), document_.folder(), index, field,
+                                      loop_.world_settings(), {path, &kept});
+  if (sidecar) *sidecar = std::move(kept);
+  if (!object) return of_object(object.error(), object_name(scene.objects(index), index));
+  return object;
+}
+
+Result<ObjectMeasures> SceneAuthor::measure(const v1::Object& object) const {
+  if (auto checked = check_object(object, "object"); !checked) return of_object(checked.error(), object.name());
+  v1::Scene alone = document_.scene();
+  *alone.add_objects() = object;
+  auto object_built = built(alone, alone.objects_size() - 1, nullptr);
+  if (!object_built) return object_built.error();
+  ObjectMeasures measures;
+  measures.longest_side_m = object_built->drawn.facts->mesh.size_m.maxCoeff();
+  measures.scale = object_built->object_from_asset.scale;
+  const Pose pose = body_pose(object, object_built->drawn.lift_m);
+  std::vector<Eigen::Vector3d> points = surface_points(*object_built);
+  const v1::Scene& scene = document_.scene();
+  const auto gravity = vector_value(scene.gravity_m_s2(), Eigen::Vector3d(0, -9.81, 0), "gravity_m_s2");
+  if (!gravity) return gravity.error();
+  const Eigen::Vector3d origin = pose_value(object.pose(), "pose").value().position_m;  // checked by built()
+  const Eigen::Vector3d up = -gravity->normalized();
+  measures.bottom_m = INFINITY;
+  for (Eigen::Vector3d& point : points) {
+    point = pose * point;
+    measures.bottom_m = std::min(measures.bottom_m, up.dot(point - origin));
+  }
+  const bool answered = loop_.query([&, name = object.name()](const Scene& scene) {
+    const SceneObject* present = scene.find(std::string_view(name));
+    measures.way_down_m = scene.world().distance_down_m(
+        points, present ? std::optional(present->id) : std::nullopt, kMaxDrop_m);
+  });
+  if (!answered) return Error{ErrorCode::Unavailable, "edit: the simulation does not answer; try again"};
+  return measures;
+}
+
+Result<std::vector<std::string>> SceneAuthor::apply(const v1::Scene& before, const v1::Scene& after) {
+  std::vector<std::string> warnings, gone;
+  std::vector<v1::SceneChange> changes;
+  std::vector<BuiltObject> fresh;
+  for (v1::SceneChange::Edit& edit : edits_between(before, after)) {
+    if (edit.has_after()) {
+      int index = 0;
+      while (object_name(after.objects(index), index) != edit.after().name()) ++index;
+      auto object = built(after, index, edit.mutable_sidecar());
+      if (!object) return object.error();
+      if (edit.sidecar().ByteSizeLong() == 0) edit.clear_sidecar();
+      for (const std::string& warning : object->drawn.warnings)
+        warnings.push_back(edit.after().name() + ": " + redact_paths(warning));
+      fresh.push_back(std::move(*object));
+    }
+    if (!edit.object().empty()) gone.push_back(edit.object());
+    *changes.emplace_back().mutable_edit() = std::move(edit);
+  }
+  analysis_.change(gone, fresh);
+  loop_.post(std::move(changes));
+  return warnings;
+}
+
+Result<v1::EditSceneReply> SceneAuthor::edited(const v1::EditSceneRequest& request) {
+  v1::EditSceneReply reply;
+  std::vector<std::string> names;
+  auto step = document_.prepare(request, [this](const v1::Object& object) { return measure(object); }, names);
+  if (!step) return step.error();
+  auto warnings = apply(step->before, step->after);
+  if (!warnings) return warnings.error();
+  log_info("scene: %s", step->title.c_str());
+  {
+    std::lock_guard lock(document_mutex_);
+    const std::string not_kept = document_.commit(std::move(*step));
+    if (!not_kept.empty()) warnings->push_back(redact_paths(not_kept));
+    reply.set_revision(document_.revision());
+  }
+  show_revision();
+  for (std::string& name : names) reply.add_objects(std::move(name));
+  for (std::string& warning : *warnings) reply.add_warnings(std::move(warning));
+  return reply;
+}
+
+Result<v1::EditSceneReply> SceneAuthor::undone(bool redo) {
+  const SceneDocument::Step* step = document_.next(redo);
+  if (!step) return not_found(redo ? "redo: there is nothing to redo" : "undo: there is nothing to undo");
+  v1::EditSceneReply reply;
+  std::vector<std::string> warnings;
+  if (!step->physics_object.empty()) {
+    auto physics = analysis_.undo_physics(step->physics_object, redo);
+    if (!physics) return physics.error();
+    warnings.assign(physics->warnings().begin(), physics->warnings().end());
+    reply.add_objects(step->physics_object);
+  } else {
+    auto applied = redo ? apply(step->before, step->after) : apply(step->after, step->before);
+    if (!applied) return applied.error();
+    warnings = std::move(*applied);
+  }
+  log_info("scene: %s %s", redo ? "redo" : "undo", step->title.c_str());
+  {
+    std::lock_guard lock(document_mutex_);
+    const std::string not_kept = document_.take(redo);
+    if (!not_kept.empty()) warnings.push_back(redact_paths(not_kept));
+    reply.set_revision(document_.revision());
+  }
+  show_revision();
+  for (std::string& warning : warnings) reply.add_warnings(std::move(warning));
+  return reply;
+}
+
+void SceneAuthor::note_physics(const std::string& object) {
+  (void)post([this, object] {
+    {
+      std::lock_guard lock(document_mutex_);
+      (void)document_.commit(
+          {"edit values of " + shown_text(object, 60), document_.scene(), document_.scene(), object});
+    }
+    show_revision();
+  });
+}
+
+Result<void> SceneAuthor::carry(const v1::CarryObjectRequest& request) {
+  if (request.has_pose()) {
+    if (auto pose = pose_value(request.pose(), "pose"); !pose) return pose.error();
+  }
+  {
+    std::lock_guard lock(document_mutex_);
+    const auto& objects = document_.scene().objects();
+    const auto found = std::find_if(objects.begin(), objects.end(),
+                                    [&](const v1::Object& one) { return one.name() == request.object(); });
+    if (found == objects.end())
+      return not_found("object: \"" + shown_text(request.object(), 80) + "\" is not in the scene");
+    if (found->locked())
+      return invalid_argument("object \"" + found->name() + "\": is locked; unlock it first");
+  }
+  v1::SceneChange change;
+  change.mutable_carry()->set_object(request.object());
+  if (request.has_pose()) *change.mutable_carry()->mutable_pose() = request.pose();
+  loop_.post(std::move(change));
+  return {};
+}
+
+v1::SceneDocument SceneAuthor::document() {
+  v1::SceneDocument message;
+  std::lock_guard lock(document_mutex_);
+  document_.describe(message);
+  return message;
+}
+
+v1::ListAssetsReply SceneAuthor::assets() {
+  v1::ListAssetsReply reply;
+  const fs::path& folder = document_.folder();  // constant
+  std::vector<std::pair<std::string, uint64_t>> found;
+  std::error_code error;
+  auto walk = fs::recursive_directory_iterator(folder.empty() ? fs::path(".") : folder,
+                                               fs::directory_options::skip_permission_denied, error);
+  for (; !error && walk != fs::recursive_directory_iterator() && found.size() < kMaxListedAssets;
+       walk.increment(error)) {
+    if (walk.depth() >= kMaxAssetDepth) walk.disable_recursion_pending();
+    std::error_code ignored;
+    if (!walk->is_regular_file(ignored) || !is_splat_file(walk->path())) continue;
+    fs::path path = fs::relative(walk->path(), folder.empty() ? fs::path(".") : folder, ignored);
+    if (path.filename() == "meta.json") path = path.parent_path();
+    found.emplace_back(path.string(), walk->file_size(ignored));
+  }
+  std::sort(found.begin(), found.end());
+  for (const auto& [path, bytes] : found) {
+    v1::ListAssetsReply::Asset& asset = *reply.add_assets();
+    asset.set_path(path);
+    asset.set_bytes(bytes);
+  }
+  for (const ObjectRow& row : object_table()) reply.add_labels(row.label);
+  for (const MaterialRow& row : material_table()) reply.add_materials(row.name);
+  return reply;
+}
+
+Result<std::unique_ptr<AuthorControl::Upload>> SceneAuthor::upload(const std::string& name) {
+  const bool plain = !name.empty() && name.size() <= 120 && name.front() != '.' &&
+                     std::all_of(name.begin(), name.end(), [](unsigned char letter) {
+                       return letter >= 32 && letter != 127 && letter != '/' && letter != '\\';
+                     });
+  if (!plain || name == "meta.json" || !is_splat_file(name))
+    return invalid_argument("name: \"" + shown_text(name, 80) +
+                            "\" is no splat file; give a plain name ending in .ply, .spz, .sog or .splat");
+  return std::unique_ptr<Upload>(std::make_unique<FileUpload>(document_.folder(), name));
+}
+
+void SceneAuthor::show_revision() {
+  std::lock_guard lock(document_mutex_);
+  loop_.set_edit_revision(document_.revision());
+}
+
+Result<Scene> SceneAuthor::build(uint32_t first_object_id) {
+  SceneOptions again = options_;
+  again.first_object_id = first_object_id;
+  v1::Scene scene;
+  {
+    std::lock_guard lock(document_mutex_);
+    if (!document_.unsaved() && document_.changed_on_disk()) {
+      auto file = read_scene_file(document_.folder() / document_.name());
+      if (!file) return file.error();
+      document_.reload(std::move(*file));
+    }
+    scene = document_.scene();
+  }
+  show_revision();
+  return Scene::build(scene, document_.folder(), document_.name(), again);
+}
+
+}  // namespace livegs

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "scene/edit/scene_document.h"
+#include "session/live/analysis_controller.h"
+#include "session/simulation/simulation_loop.h"
+#include "session/tick/author_control.h"
+
+namespace livegs {
+
+// Applies edits of authors to the document and to the running scene. Edits are prepared on one thread, in the
+// order of their arrival: objects are built into the cache first, so that an edit that cannot be built changes
+// nothing, and the simulation takes it within a tick.
+class SceneAuthor final : public AuthorControl {
+ public:
+  // `options`: those that the scene was loaded with; they have a cache. `loop` and `analysis` must outlive this.
+  SceneAuthor(SceneDocument document, const SceneOptions& options, SimulationLoop& loop,
+              AnalysisController& analysis);
+  ~SceneAuthor() override;  // ends after the edit under way
+
+  void edit(v1::EditSceneRequest request, Answer<v1::EditSceneReply> answer) override;
+  void undo(bool redo, Answer<v1::EditSceneReply> answer) override;
+  void save(v1::SaveSceneRequest request, Answer<v1::SaveSceneReply> answer) override;
+  Result<void> carry(const v1::CarryObjectRequest& request) override;
+  v1::SceneDocument document() override;
+  v1::ListAssetsReply assets() override;
+  void note_physics(const std::string& object) override;
+  Result<std::unique_ptr<Upload>> upload(const std::string& name) override;
+
+  // The scene as edited, built again for a reset. If another program changed the scene file and there are no
+  // unsaved steps, the file is read again.
+  Result<Scene> build(uint32_t first_object_id);
+
+  // Largest file that a client may upload, bytes, and number of edits that may wait.
+  static constexpr size_t kMaxUploadBytes = size_t{1} << 30;
+  static constexpr size_t kMaxWaiting = 64;
+
+ private:
+  void run(std::stop_token stop);
+  bool post(std::function<void()> task);
+  // Builds what the step needs and hands it to the simulation.
+  Result<std::vector<std::string>> apply(const v1::Scene& before, const v1::Scene& after);
+  Result<BuiltObject> built(const v1::Scene& scene, int index, v1::PhysicsFile* sidecar) const;
+  Result<ObjectMeasures> measure(const v1::Object& object) const;
+  Result<v1::EditSceneReply> edited(const v1::EditSceneRequest& request);
+  Result<v1::EditSceneReply> undone(bool redo);
+  void show_revision();
+
+  const SceneOptions options_;
+  SimulationLoop& loop_;
+  AnalysisController& analysis_;
+  mutable std::mutex document_mutex_;
+  SceneDocument document_;  // written on the author's thread only, under the mutex
+  std::mutex mutex_;        // guards tasks_
+  std::condition_variable_any changed_;
+  std::deque<std::function<void()>> tasks_;
+  std::jthread thread_;  // last: uses all members above
+};
+
+}  // namespace livegs
