@@ -13,19 +13,21 @@
 
 namespace livegs {
 
-// Mouse and keyboard input of one window frame. Pixels from the top left of the contents. Input that a panel
-// consumed is omitted.
+// Mouse and keyboard input of one window frame, from all events since the last one. Pixels from the top left
+// of the contents. Input that a panel consumed is omitted.
 struct WindowInput {
+  // Of the mouse when a button changed, else now; and since the last frame or the press.
   Eigen::Vector2d mouse_px{0, 0}, moved_px{0, 0};
-  double scrolled = 0;  // notches, positive is up
-  bool left = false, middle = false, right = false;
-  bool shoot = false;                              // space was pressed
-  bool over_panel = false;                         // the mouse is over a panel
-  bool hide = false, pause = false, step = false;  // H, P, full stop were pressed
-  bool home = false;                               // Home was pressed
-  int jump = 0;                                    // 1: the right arrow was pressed; -1: the left
-  Eigen::Vector3d flown{0, 0, 0};                  // D - A, E - Q, S - W: -1, 0 or 1 each
-  double passed_s = 0;                             // since the last frame; 0 in the first
+  double scrolled = 0;                 // notches, positive is up
+  bool left = false;                   // down; a click is down in one frame at least
+  bool middle = false, right = false;  // down at any time of the frame
+  bool over_panel = false;             // the mouse is over a panel
+  int shoot = 0, step = 0;             // presses of space and full stop
+  bool hide = false, pause = false;    // H, P were pressed an odd number of times
+  bool home = false;                   // Home was pressed
+  int jump = 0;                        // presses of the right arrow less those of the left
+  Eigen::Vector3d flown{0, 0, 0};      // D - A, E - Q, S - W: -1..1 each, share of the frame
+  double passed_s = 0;                 // since the last frame; 0 in the first
 };
 
 // Drawn over the picture.

@@ -20,7 +20,9 @@ constexpr std::chrono::milliseconds kKeepaliveInterval{50};
 constexpr std::chrono::milliseconds kPollInterval{50};  // check for a silent server
 constexpr int64_t kSilenceGapFactor = 5;  // multiple of the longest gap between frames of kernels
 constexpr int64_t kHalfCloseTimeout_ns = 1'000'000'000;
-constexpr size_t kSamplesPerMessage = 3;
+// Samples in a message: the last three, so that a lost message loses no press, or all that are new, up to the
+// maximum that a server accepts. Older than the last kMaxUnsentSamples are dropped if the stream stalls.
+constexpr size_t kSamplesPerMessage = 3, kMaxSamplesPerMessage = 8, kMaxUnsentSamples = 64;
 // Between requests for a keyframe: the requested one may be damaged too.
 constexpr int64_t kKeyframeRetryInterval_ns = 250'000'000;
 
@@ -94,8 +96,8 @@ void SessionStream::send(const InputSample& sample) {
     std::lock_guard lock(mutex_);
     samples_.push_back(sample);
     samples_.back().for_tick = aim_.tick_at(now_ns());
-    if (samples_.size() > kSamplesPerMessage) samples_.pop_front();
-    samples_new_ = true;
+    unsent_samples_ = std::min(unsent_samples_ + 1, kMaxUnsentSamples);
+    while (samples_.size() > std::max(kSamplesPerMessage, unsent_samples_)) samples_.pop_front();
   }
   to_send_.notify_one();
 }
@@ -121,13 +123,17 @@ void SessionStream::write() {
       std::unique_lock lock(mutex_);
       if (!first) {
         to_send_.wait_for(lock, kKeepaliveInterval,
-                          [&] { return stopping_ || ended_ || samples_new_ || acknowledgement_new_; });
+                          [&] { return stopping_ || ended_ || unsent_samples_ > 0 || acknowledgement_new_; });
       }
       if (stopping_ || ended_) break;
-      samples_new_ = acknowledgement_new_ = false;
+      acknowledgement_new_ = false;
       message.set_acknowledged_tick(acknowledged_tick_);
       message.set_key_frame_wanted(std::exchange(keyframe_wanted_, false));
-      for (const InputSample& sample : samples_) write_input(sample, *message.add_inputs());
+      const size_t begin =
+          samples_.size() - std::min(samples_.size(), std::max(kSamplesPerMessage, unsent_samples_));
+      const size_t end = std::min(samples_.size(), begin + kMaxSamplesPerMessage);
+      for (size_t i = begin; i < end; ++i) write_input(samples_[i], *message.add_inputs());
+      unsent_samples_ = samples_.size() - end;
       if (view_) write_view(*view_, *message.mutable_view());
       view_.reset();
     }

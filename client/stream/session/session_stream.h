@@ -58,7 +58,8 @@ class SessionStream {
   // acknowledgements and a keepalive at least every 50 ms. Call once.
   Outcome run();
   // Any thread. send() queues a sample for the tick from TickAim; each message carries the last three
-  // samples. stop() half-closes the stream; it is cancelled if the server does not end it within a second.
+  // samples, or more if more are new. stop() half-closes the stream; it is cancelled if the server does not
+  // end it within a second.
   void send(const InputSample& sample);
   void set_view(const ViewCone& view);  // sent with the next message
   void stop();
@@ -94,9 +95,9 @@ class SessionStream {
   std::condition_variable over_;  // for run()
   Outcome outcome_;
   TickAim aim_;
-  std::deque<InputSample> samples_;  // the last three
-  bool samples_new_ = false;
-  std::optional<ViewCone> view_;  // not sent yet
+  std::deque<InputSample> samples_;  // the last three, or the unsent ones if they are more
+  size_t unsent_samples_ = 0;        // at the end of samples_
+  std::optional<ViewCone> view_;     // not sent yet
   uint64_t acknowledged_tick_ = 0;
   bool acknowledgement_new_ = false;
   bool keyframe_wanted_ = false;

@@ -133,12 +133,14 @@ class ReplayWindow {
     if (actions.pause || input.pause) paused_ = actions.pause.value_or(!paused_);
     if (input.home || actions.reset) return go_to(0);
     if (input.jump != 0) return go_to(shown_s() + kJump_s * input.jump);
-    if (input.step || actions.step) {
+    if (const int steps = input.step + (actions.step ? 1 : 0); steps > 0) {
       paused_ = true;
-      if (moment_ns_ >= history_.newest().simulated_ns) {  // else playback was paused before that frame
-        if (auto taken = take_frame(); !taken) return taken;
+      for (int step = 0; step < steps; ++step) {
+        if (moment_ns_ >= history_.newest().simulated_ns) {  // else playback was paused before that frame
+          if (auto taken = take_frame(); !taken) return taken;
+        }
+        moment_ns_ = history_.newest().simulated_ns;
       }
-      moment_ns_ = history_.newest().simulated_ns;
     } else if (!paused_) {
       moment_ns_ += static_cast<int64_t>(1e9 * input.passed_s);
     }

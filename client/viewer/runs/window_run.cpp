@@ -214,11 +214,18 @@ void WindowRun::send_hands(const WindowInput& input) {
   hand.aim = ray_through(window, input.mouse_px);
   hand.grip = hand.aim;
   hand.trigger = input.left ? 1.0f : 0.0f;
-  hand.shoot = input.shoot;
-  ++sample_.sequence;
-  sample_.sampled_ns = now_ns();
-  meter_.sampled(sample_.sequence, sample_.sampled_ns);
-  client_.send(sample_);
+  const auto send = [&](bool shoot) {
+    hand.shoot = shoot;
+    ++sample_.sequence;
+    sample_.sampled_ns = now_ns();
+    meter_.sampled(sample_.sequence, sample_.sampled_ns);
+    client_.send(sample_);
+  };
+  for (int press = 0; press < input.shoot; ++press) {  // one rising edge each
+    send(true);
+    send(false);
+  }
+  if (input.shoot == 0) send(false);
 }
 
 void WindowRun::send_script() {
@@ -299,7 +306,8 @@ void WindowRun::act(const WindowInput& input) {
   const bool paused = frame_ && frame_->run.paused();
   v1::ControlRunRequest request;
   if (actions.pause || input.pause) request.set_pause(actions.pause.value_or(!paused));
-  if (actions.step || input.step) request.set_step_ticks(1);
+  if (const int steps = input.step + (actions.step ? 1 : 0); steps > 0)
+    request.set_step_ticks(static_cast<uint32_t>(steps));
   if (actions.reset) request.set_reset(true);
   if (request.action_case() != v1::ControlRunRequest::ACTION_NOT_SET) {
     refusal_.clear();

@@ -7,13 +7,14 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <utility>
 
 #include "core/assert.h"
 #include "xr/window/draw_panels.h"
+#include "xr/window/window_events.h"
 #include "xr/window/window_style.h"
 
 namespace livegs {
@@ -43,11 +44,15 @@ class GlfwWindowDisplay final : public WindowDisplay {
   void keep_next(Image& image) override { kept_ = &image; }
 
  private:
+  void take_events();
   void take_input();
   void draw_picture(const Image& image);
   void draw_overlay();
-  bool went_down(int key, bool now);
   void read_back(Image& image) const;
+  Eigen::Vector2d cursor_px() const;
+  static GlfwWindowDisplay& of(GLFWwindow* window) {
+    return *static_cast<GlfwWindowDisplay*>(glfwGetWindowUserPointer(window));
+  }
 
   bool initialised_ = false, panels_ = false;
   GLFWwindow* window_ = nullptr;
@@ -57,7 +62,7 @@ class GlfwWindowDisplay final : public WindowDisplay {
   WindowOverlay overlay_;
   PanelDrawer drawer_;
   PanelActions actions_;
-  std::map<int, bool> keys_down_;
+  WindowEvents events_;
   double last_s_ = 0;
   uint64_t planned_ = 0;
   Image* kept_ = nullptr;
@@ -87,6 +92,14 @@ Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int 
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
+  glfwSetWindowUserPointer(window_, this);
+  // ImGui's callbacks, which are installed below, call these.
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    if (action != GLFW_REPEAT) of(window).events_.on_key(key, action == GLFW_PRESS);
+  });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int) {
+    of(window).events_.on_button(button, action == GLFW_PRESS, of(window).cursor_px());
+  });
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // ImGui must not write a file to the working directory
   set_window_style();
@@ -123,39 +136,58 @@ double GlfwWindowDisplay::refresh_hz() const {
   return hz;
 }
 
-bool GlfwWindowDisplay::went_down(int key, bool now) { return !std::exchange(keys_down_[key], now) && now; }
+Eigen::Vector2d GlfwWindowDisplay::cursor_px() const {
+  Eigen::Vector2d at(0, 0);
+  glfwGetCursorPos(window_, &at.x(), &at.y());
+  return at;
+}
+
+// Takes the events since the last picture. ImGui's backend reads the current state, in which a short press
+// has passed; it is replaced by that of the events.
+void GlfwWindowDisplay::take_events() {
+  events_.begin_picture(cursor_px());
+  ImGuiIO& io = ImGui::GetIO();
+  const WindowEvents::Mouse& mouse = events_.mouse();
+  if (io.MousePos.x > -FLT_MAX)  // ImGui's mark for a window without the mouse
+    io.MousePos = {static_cast<float>(mouse.position_px.x()), static_cast<float>(mouse.position_px.y())};
+  for (int i = 0; i < WindowEvents::kButtons; ++i) io.MouseDown[i] = mouse.down[i];
+  for (const int key : events_.used_keys()) {
+    if (key >= 0 && key < IM_ARRAYSIZE(io.KeysDown)) io.KeysDown[key] = events_.held(key);
+  }
+}
 
 void GlfwWindowDisplay::take_input() {
   const ImGuiIO& io = ImGui::GetIO();
+  const WindowEvents::Mouse& mouse = events_.mouse();
   const double now_s = glfwGetTime();
   WindowInput taken;
   if (planned_ > 0)
     taken.passed_s = now_s - last_s_;  // else the time includes the loading since the window was opened
   last_s_ = now_s;
-  glfwGetCursorPos(window_, &taken.mouse_px.x(), &taken.mouse_px.y());
-  taken.moved_px = planned_ == 0 ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(taken.mouse_px - input_.mouse_px);
-  const auto down = [&](int key) {
-    return glfwGetKey(window_, key) == GLFW_PRESS && !io.WantCaptureKeyboard;
-  };
-  const auto button = [&](int which) {
-    return glfwGetMouseButton(window_, which) == GLFW_PRESS && !io.WantCaptureMouse;
-  };
-  taken.left = button(GLFW_MOUSE_BUTTON_LEFT);
-  taken.middle = button(GLFW_MOUSE_BUTTON_MIDDLE);
-  taken.right = button(GLFW_MOUSE_BUTTON_RIGHT);
-  if (!io.WantCaptureMouse) taken.scrolled = io.MouseWheel;
-  const auto axis = [&](int plus, int minus) {
-    return static_cast<double>(down(plus)) - static_cast<double>(down(minus));
-  };
-  taken.flown = {axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q), axis(GLFW_KEY_S, GLFW_KEY_W)};
-  taken.shoot = went_down(GLFW_KEY_SPACE, down(GLFW_KEY_SPACE));
-  taken.hide = went_down(GLFW_KEY_H, down(GLFW_KEY_H));
-  taken.pause = went_down(GLFW_KEY_P, down(GLFW_KEY_P));
-  taken.step = went_down(GLFW_KEY_PERIOD, down(GLFW_KEY_PERIOD));
-  taken.home = went_down(GLFW_KEY_HOME, down(GLFW_KEY_HOME));
-  taken.jump = (went_down(GLFW_KEY_RIGHT, down(GLFW_KEY_RIGHT)) ? 1 : 0) -
-               (went_down(GLFW_KEY_LEFT, down(GLFW_KEY_LEFT)) ? 1 : 0);
+  taken.mouse_px = mouse.position_px;
+  const bool pressed = std::find(mouse.pressed.begin(), mouse.pressed.end(), true) != mouse.pressed.end();
+  // A drag starts where the button went down.
+  taken.moved_px =
+      planned_ == 0 || pressed ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(taken.mouse_px - input_.mouse_px);
   taken.over_panel = io.WantCaptureMouse;
+  if (!io.WantCaptureMouse) {
+    taken.left = mouse.down[GLFW_MOUSE_BUTTON_LEFT];
+    taken.middle = mouse.held[GLFW_MOUSE_BUTTON_MIDDLE];
+    taken.right = mouse.held[GLFW_MOUSE_BUTTON_RIGHT];
+    taken.scrolled = io.MouseWheel;
+  }
+  if (!io.WantCaptureKeyboard) {
+    const auto axis = [&](int plus, int minus) {
+      return events_.held_share(plus, taken.passed_s) - events_.held_share(minus, taken.passed_s);
+    };
+    taken.flown = {axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q), axis(GLFW_KEY_S, GLFW_KEY_W)};
+    taken.shoot = events_.presses(GLFW_KEY_SPACE);
+    taken.hide = events_.toggled(GLFW_KEY_H);
+    taken.pause = events_.toggled(GLFW_KEY_P);
+    taken.step = events_.presses(GLFW_KEY_PERIOD);
+    taken.home = events_.presses(GLFW_KEY_HOME) > 0;
+    taken.jump = events_.presses(GLFW_KEY_RIGHT) - events_.presses(GLFW_KEY_LEFT);
+  }
   input_ = taken;
 }
 
@@ -164,6 +196,7 @@ std::optional<PlannedFrame> GlfwWindowDisplay::wait_frame() {
   if (glfwWindowShouldClose(window_)) return std::nullopt;
   ImGui_ImplOpenGL2_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  take_events();
   ImGui::NewFrame();
   take_input();
   PlannedFrame frame;

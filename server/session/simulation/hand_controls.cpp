@@ -14,7 +14,7 @@ Eigen::Vector3d ray_direction(const Pose& aim) { return aim.orientation * -Eigen
 
 }  // namespace
 
-void HandControls::apply(Scene& scene, SessionNumber session, const InputSample& sample, double now_s) {
+void HandControls::apply(Scene& scene, SessionNumber session, const InputSample& sample) {
   Hands& hands = sessions_[session];
   for (size_t i = 0; i < hands.size(); ++i) {
     Hand& hand = hands[i];
@@ -22,17 +22,28 @@ void HandControls::apply(Scene& scene, SessionNumber session, const InputSample&
     if (!input.active) {  // an untracked hand releases its object
       release_hand(scene, spring_id(session, i), hand);
       hand.triggered = hand.shooting = hand.squeezed = hand.tracked = false;
+      hand.waiting_shots.clear();
       continue;
     }
     track(hand, input, sample.sampled_ns);
     apply_grab(scene, spring_id(session, i), hand, input);
     apply_ray(scene, spring_id(session, i), hand, input);
-    if (input.shoot && !hand.shooting && now_s - hand.last_shot_s >= kMinShotInterval_s) {
-      scene.shoot_ball(input.aim.position_m, kBallSpeed_m_s * ray_direction(input.aim));
+    if (input.shoot && !hand.shooting && hand.waiting_shots.size() < kMaxWaitingShots)
+      hand.waiting_shots.push_back(input.aim);
+    hand.shooting = input.shoot;
+  }
+}
+
+void HandControls::shoot(Scene& scene, double now_s) {
+  for (auto& [session, hands] : sessions_) {
+    for (Hand& hand : hands) {
+      if (hand.waiting_shots.empty() || now_s - hand.last_shot_s < kMinShotInterval_s) continue;
+      const Pose aim = hand.waiting_shots.front();
+      hand.waiting_shots.pop_front();
+      scene.shoot_ball(aim.position_m, kBallSpeed_m_s * ray_direction(aim));
       hand.last_shot_s = now_s;
       ++shots_;
     }
-    hand.shooting = input.shoot;
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 
@@ -38,13 +39,20 @@ inline constexpr double kMaxHandSpin_rad_s = 30.0;
 
 // Speed of a ball: an underarm throw.
 inline constexpr double kBallSpeed_m_s = 6.0;
-// Minimum time between shots of a hand, so that a client cannot flood the scene.
+// Minimum time between shots of a hand, so that a client cannot flood the scene. A faster press is shot
+// later.
 inline constexpr double kMinShotInterval_s = 0.1;
+// Presses of a hand that wait for their shot; further ones are ignored. More would shoot for seconds after
+// the last press.
+inline constexpr size_t kMaxWaitingShots = 16;
 
 class HandControls {
  public:
-  // Applies one sample of a session. `now_s` is simulated time and limits the rate of shots.
-  void apply(Scene& scene, SessionNumber session, const InputSample& sample, double now_s);
+  // Applies one sample of a session. A rising edge of `shoot` waits for shoot().
+  void apply(Scene& scene, SessionNumber session, const InputSample& sample);
+  // Shoots the waiting balls that are due, at most one per hand. Call once per tick, after its samples.
+  // `now_s` is simulated time and limits the rate of shots.
+  void shoot(Scene& scene, double now_s);
   // Releases the objects held by a session; on_session_closed() also drops its state.
   void release(Scene& scene, SessionNumber session);
   void on_session_closed(Scene& scene, SessionNumber session);
@@ -73,6 +81,7 @@ class HandControls {
     std::optional<uint32_t> piece;  // fragment hit by the ray
     double distance_m = 0;          // distance of the hit along the ray
     double last_shot_s = -1e9;
+    std::deque<Pose> waiting_shots;  // the aims of the presses
   };
   using Hands = std::array<Hand, 2>;
 

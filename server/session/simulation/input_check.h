@@ -12,7 +12,7 @@
 namespace livegs {
 
 // Validation of client messages. Clients are untrusted: only checked values reach the world.
-inline constexpr int kMaxSamplesPerMessage = 8;  // a client sends three per message
+inline constexpr int kMaxSamplesPerMessage = 8;  // a client sends three per message, or all that are new
 inline constexpr double kMaxHandPosition_m = 1000.0;
 
 // The samples of a message, oldest first. Fails with the field's name for:

@@ -50,9 +50,10 @@ void SceneRun::apply(const TickActions& actions) {
     applied_.erase(session);
   }
   for (const SessionSamples& one : actions.samples) {
-    for (const InputSample& sample : one.samples) controls_.apply(scene_, one.session, sample, now_s);
+    for (const InputSample& sample : one.samples) controls_.apply(scene_, one.session, sample);
     if (!one.samples.empty()) applied_[one.session] = one.samples.back().sequence;
   }
+  controls_.shoot(scene_, now_s);
   for (const SessionNumber session : actions.released) controls_.release(scene_, session);
   scene_.take_cuts(actions.cuts);
 }

@@ -283,5 +283,56 @@ TEST(Inputs, MessagesContainLastThreeSamples) {
   EXPECT_EQ(received.back(), (std::vector<uint64_t>{4, 5, 6}));
 }
 
+// Two samples for each of ten presses, sent at once: none is left out.
+TEST(Inputs, BurstOfSamplesIsSentWhole) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<uint64_t> received;  // sequences, each once
+  int most_in_a_message = 0;
+  ScriptedServer server;
+  server.on_join = let_in;
+  server.on_stream = [&](int, ScriptedServer::ServerStream& stream) {
+    v1::ServerMessage message;
+    DriverFrame frame;
+    frame.tick = 7;
+    message.set_tick(7);
+    const auto encoded = encode_stream_frame(frame, nullptr);
+    message.set_frame(encoded.bytes.data(), encoded.bytes.size());
+    stream.Write(message);
+    v1::ClientMessage incoming;
+    while (stream.Read(&incoming)) {
+      std::lock_guard lock(mutex);
+      most_in_a_message = std::max(most_in_a_message, incoming.inputs_size());
+      for (const v1::Input& input : incoming.inputs()) {
+        if (received.empty() || input.sequence() > received.back()) received.push_back(input.sequence());
+      }
+      changed.notify_all();
+    }
+    return grpc::Status::OK;
+  };
+  server.start();
+  auto joined = SessionClient::join(server.address(), patient());
+  ASSERT_TRUE(joined) << joined.error().message;
+  SinkLog sink;
+  (*joined)->start(sink);
+  ASSERT_TRUE(sink.wait([](const SinkLog::State& state) { return !state.frames.empty(); }));
+  constexpr uint64_t kSamples = 20;
+  for (uint64_t sequence = 1; sequence <= kSamples; ++sequence) {
+    InputSample sample;
+    sample.sequence = sequence;
+    sample.hands[1].active = true;
+    sample.hands[1].shoot = sequence % 2 == 1;
+    (*joined)->send(sample);
+  }
+  {
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(
+        changed.wait_for(lock, kPatience, [&] { return !received.empty() && received.back() == kSamples; }));
+    EXPECT_EQ(received.size(), kSamples);
+    EXPECT_LE(most_in_a_message, 8);  // the limit of the server
+  }
+  EXPECT_TRUE((*joined)->stop());
+}
+
 }  // namespace
 }  // namespace livegs

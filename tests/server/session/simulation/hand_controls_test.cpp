@@ -58,7 +58,7 @@ struct Hands {
     for (int look = looks; look-- > 0;) {
       InputSample seen = sample;
       for (HandSample& hand : seen.hands) hand.grip.position_m -= look * Vector3d(5e-4, 5e-4, 0);
-      controls.apply(scene, 1, seen, static_cast<double>(sequence) / rate_hz());
+      controls.apply(scene, 1, seen);
     }
     scene.step();
   }
@@ -267,7 +267,7 @@ TEST(HandControls, TwoClientsHoldOneObjectBetweenThem) {
         sample.hands[1].active = true;
         sample.hands[1].grip.position_m = hand[session - 1];
         sample.hands[1].squeeze = squeeze[session - 1];
-        hands.controls.apply(hands.scene, session, sample, static_cast<double>(sequence) / hands.rate_hz());
+        hands.controls.apply(hands.scene, session, sample);
       }
       hands.scene.step();
     };

@@ -103,16 +103,44 @@ TEST(SimulationLoop, RisingEdgeShootsOneBall) {
   EXPECT_NEAR(travelled, kBallSpeed_m_s * 9 / 90, 1e-3);
 }
 
+// Presses faster than the limit are shot one after the other, each along the ray of its press.
 TEST(SimulationLoop, ShotsAreLimitedInTime) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
   std::vector<InputSample> flicker;
-  for (uint64_t i = 1; i <= 40; ++i) flicker.push_back(hand_sample(i, {0, 0.5, 1}, 0, i % 2 == 0));
+  for (uint64_t i = 1; i <= 6; ++i) {
+    const double x_m = 0.5 * static_cast<double>(i / 2);
+    flicker.push_back(hand_sample(i, {x_m, 0.5, 1}, 0, i % 2 == 0));
+  }
   loop.on_input(1, flicker);
   loop.start();
-  ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 3; }));
+  ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 30; }));
   loop.stop();
-  EXPECT_EQ(loop.summary().shots, 1u);
+  EXPECT_EQ(loop.summary().shots, 3u);
+  const Ticks ticks = log.ticks();
+  std::vector<size_t> shot_in;
+  for (size_t i = 0; i < ticks.size(); ++i) {
+    for (const SceneObject& ball : ticks[i].added) {
+      shot_in.push_back(i);
+      EXPECT_NEAR(middle_of(ticks[i].drivers, ball.id).x(), 0.5 * static_cast<double>(shot_in.size()), 1e-3);
+    }
+  }
+  ASSERT_EQ(shot_in.size(), 3u);
+  // kMinShotInterval_s is nine ticks, or ten by rounding.
+  EXPECT_NEAR(static_cast<double>(shot_in[1] - shot_in[0]), 9.5, 0.5);
+  EXPECT_NEAR(static_cast<double>(shot_in[2] - shot_in[1]), 9.5, 0.5);
+}
+
+TEST(SimulationLoop, WaitingShotsAreLimitedInNumber) {
+  TickLog log;
+  SimulationLoop loop(box_scene(), log);
+  std::vector<InputSample> flicker;
+  for (uint64_t i = 1; i <= 60; ++i) flicker.push_back(hand_sample(i, {0, 0.5, 1}, 0, i % 2 == 0));
+  loop.on_input(1, flicker);
+  loop.start();
+  ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 10 * (kMaxWaitingShots + 2); }));
+  loop.stop();
+  EXPECT_EQ(loop.summary().shots, kMaxWaitingShots);
 }
 
 TEST(SimulationLoop, ClosedSessionReleasesItsObject) {
