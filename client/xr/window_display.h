@@ -28,11 +28,18 @@ struct WindowInput {
   int jump = 0;                        // presses of the right arrow less those of the left
   Eigen::Vector3d flown{0, 0, 0};      // D - A, E - Q, S - W: -1..1 each, share of the frame
   double passed_s = 0;                 // since the last frame; 0 in the first
+  bool ctrl = false;                   // Ctrl is down
+  // Presses of Ctrl+Z, Ctrl+Y or Ctrl+Shift+Z, Ctrl+S, Ctrl+D, Delete.
+  int undo = 0, redo = 0, save = 0, duplicate = 0, remove = 0;
+  bool frame = false;                // F was pressed
+  std::optional<int> tool;           // 0..4: the key 1 to 5 was pressed
+  std::vector<std::string> dropped;  // files that were dropped on the window
 };
 
 // Drawn over the picture.
 struct WindowOverlay {
   std::vector<WindowArrow> arrows;
+  std::vector<WindowLine> lines;
   std::optional<WindowAim> aim;
   std::string sentence;  // empty: none
   WindowPanels panels;

@@ -153,6 +153,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   request.set_rate_hz(options.rate_hz);
   request.set_position_bits(options.position_bits);
   request.set_encoding(options.encoding);
+  request.set_starts_run(options.starts_run);
   grpc::Status status;
   std::chrono::seconds deadline = session_id.empty() ? kCallDeadline : kRejoinDeadline;
   for (;;) {

@@ -26,6 +26,7 @@ struct ConnectOptions {
   double rate_hz = 0;                          // frames per second, at least 5; 0: one per tick
   uint32_t position_bits = 16;                 // elastic positions along the longest side: 16, 18 or 20
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;  // of frames
+  bool starts_run = false;  // this client starts a simulation that waits for its first picture
   // Timeout of the first frame of kernels; doubled for each stream without a frame, up to 30 s.
   double first_kernels_s = 10;
   // Time to try reconnecting before the session ends; infinity: until stop().

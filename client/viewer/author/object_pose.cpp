@@ -2,16 +2,23 @@
 #include "viewer/author/object_pose.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 namespace livegs {
 namespace {
 
-// Best fit of a rotation and a translation from rest points to current ones.
+// Best fit of a rotation and a translation from rest points to current ones (Kabsch 1976).
 Pose fitted(const Eigen::Matrix3Xd& rest_m, const Eigen::Matrix3Xd& now_m) {
-  const Eigen::Matrix4d fit = Eigen::umeyama(rest_m, now_m, false);
-  return {fit.topRightCorner<3, 1>(), Eigen::Quaterniond(Eigen::Matrix3d(fit.topLeftCorner<3, 3>())).normalized()};
+  const Eigen::Vector3d rest_centre = rest_m.rowwise().mean(), now_centre = now_m.rowwise().mean();
+  const Eigen::Matrix3d covariance =
+      (now_m.colwise() - now_centre) * (rest_m.colwise() - rest_centre).transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
+  flip(2, 2) = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
+  const Eigen::Matrix3d rotation = svd.matrixU() * flip * svd.matrixV().transpose();
+  return {now_centre - rotation * rest_centre, Eigen::Quaterniond(rotation).normalized()};
 }
 
 Pose body_frame(const RestBody& rest, const ObjectDrivers& drivers) {

@@ -89,7 +89,7 @@ ScenePanel SceneEditor::shown(const Objects& objects) const {
                           ? "unknown: say what it is"
                           : format_text("%s? (%.0f %%)", running.estimated_label.c_str(), 100 * running.confidence);
   fields.group = object->group();
-  fields.material = object->physics().material();
+  fields.material = object->material();
   const auto behavior = std::find(kBehaviors.begin(), kBehaviors.end(), object->physics().behavior());
   fields.behavior = static_cast<int>(behavior - kBehaviors.begin()) % 4;
   if (object->has_asset()) fields.longest_side_m = running.longest_side_m;
@@ -245,8 +245,8 @@ std::vector<EditorCall> SceneEditor::act(const SceneActions& actions, const Obje
     edit(edit_of_selection(value, {"group"}), "grouping");
   }
   if (actions.material) {
-    if (!actions.material->empty()) value.mutable_physics()->set_material(*actions.material);
-    edit(edit_of_selection(value, {"physics.material"}), "setting the material");
+    if (!actions.material->empty()) value.set_material(*actions.material);
+    edit(edit_of_selection(value, {"material"}), "setting the material");
   }
   if (actions.behavior) {
     value.mutable_physics()->set_behavior(kBehaviors[static_cast<size_t>(*actions.behavior)]);
@@ -377,6 +377,7 @@ std::vector<EditorCall> SceneEditor::release(const Camera& camera, const Eigen::
   for (const auto& [name, object] : begun_) {
     v1::ObjectEdit edit = pose_edit(name, changed_pose(object.pose, change, pivot_m_));
     if (scales) edit.set_longest_side_m(object.longest_side_m * change.scale);
+    if (scales && begun_.size() == 1) edit.clear_fields();  // its base stays where it is
     *request.add_objects() = std::move(edit);
   }
   const char* what = scales ? "scale" : gizmo_tool() == GizmoTool::Turn ? "turn" : "move";

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kMaxElevation_rad = 1.55;
 constexpr double kMinDistance_m = 0.05;
+constexpr double kFrameMargin = 1.1;  // of a framed box: its sphere over the height of the picture
 
 }  // namespace
 
@@ -45,6 +46,21 @@ void OrbitCamera::zoom(double notches) {
 
 void OrbitCamera::fly(const Eigen::Vector3d& direction, double passed_s) {
   target_m_ += orientation() * (std::min(passed_s, 0.1) * distance_m_ * direction);
+}
+
+void OrbitCamera::frame(const Eigen::AlignedBox3d& box_m) {
+  target_m_ = box_m.center();
+  const double radius_m = 0.5 * box_m.sizes().norm();
+  distance_m_ = std::max(kMinDistance_m, kFrameMargin * radius_m / std::sin(0.5 * vertical_fov_rad_));
+}
+
+void OrbitCamera::look(const Eigen::Vector3d& position_m, const Eigen::Vector3d& target_m) {
+  const Eigen::Vector3d back = position_m - target_m;
+  if (!(back.norm() > kMinDistance_m)) return;
+  target_m_ = target_m;
+  distance_m_ = back.norm();
+  azimuth_rad_ = std::atan2(back.x(), back.z());
+  elevation_rad_ = std::clamp(std::asin(back.y() / distance_m_), -kMaxElevation_rad, kMaxElevation_rad);
 }
 
 Camera OrbitCamera::camera(int width, int height) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 
 #include "splat/camera.h"
@@ -23,6 +24,10 @@ class OrbitCamera {
   void zoom(double notches);
   // Moves camera and target along `direction` (camera axes); speed per second: the distance to the target.
   void fly(const Eigen::Vector3d& direction, double passed_s);
+
+  // Looks at a box so that it fills most of the picture, from the same direction.
+  void frame(const Eigen::AlignedBox3d& box_m);
+  void look(const Eigen::Vector3d& position_m, const Eigen::Vector3d& target_m);
 
   Camera camera(int width, int height) const;
   const Eigen::Vector3d& target_m() const { return target_m_; }

@@ -34,6 +34,7 @@ struct JoinOptions {
   // Shows partially received objects. If false, or for streamed kernels, which refer to the complete asset,
   // objects appear once they are complete.
   bool coarse_first = true;
+  bool starts_run = false;  // ConnectOptions::starts_run
 };
 
 // The cache of fetched assets in this folder; empty: the user's cache.

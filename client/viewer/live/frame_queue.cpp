@@ -100,8 +100,14 @@ Result<void> FrameQueue::show(Pending pending, SceneView& view, StreamUpdate& up
     if (!bound) return bound.error();
     objects_.show(*std::move(bound), view, pending.event.added);
   }
+  hide(std::span(&*pending.event.object, 1));
   update.described.push_back(std::move(*pending.event.object));
   return {};
+}
+
+void FrameQueue::hide(std::span<const StreamedObject> described) {
+  for (const StreamedObject& object : described)
+    object.hidden ? void(hidden_.insert(object.id)) : void(hidden_.erase(object.id));
 }
 
 Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
@@ -141,6 +147,13 @@ Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
     if (auto shown = show(std::move(one), view, update); !shown) return shown.error();
   }
   pending_ = std::move(later);
+  for (ReceivedFrame& frame : update.frames) {
+    if (hidden_.empty()) break;
+    auto shown = std::make_shared<DriverFrame>(*frame.drivers);
+    std::erase_if(shown->objects,
+                  [&](const ObjectDrivers& object) { return hidden_.contains(object.object_id); });
+    frame.drivers = std::move(shown);
+  }
   std::erase_if(unwanted_, [](const auto& one) {
     return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   });

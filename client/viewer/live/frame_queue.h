@@ -5,6 +5,8 @@
 #include <future>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +47,9 @@ class FrameQueue final : public StreamSink {
     bool back = false;                           // the frames are the first after a reconnect
   };
   Result<StreamUpdate> take(SceneView& view);
+  // Objects that were there when the client joined: hidden ones are left out of all frames, as those are that an
+  // event describes so. Renderer thread.
+  void hide(std::span<const StreamedObject> joined);
 
   // Starts or stops keeping every frame for a recording.
   void record_frames(bool keep);
@@ -71,7 +76,8 @@ class FrameQueue final : public StreamSink {
   std::deque<Pending> pending_;  // renderer thread; in the order of events
   // Renderer thread: bindings of objects that were removed before they were ready.
   std::vector<std::future<Result<Binding>>> unwanted_;
-  std::mutex mutex_;  // guards everything below
+  std::set<uint32_t> hidden_;  // renderer thread
+  std::mutex mutex_;           // guards everything below
   std::vector<Event> events_;
   size_t events_to_take_ = 0;  // events from before a server restart
   bool holds_ = false;         // holds the other events back until the next frame

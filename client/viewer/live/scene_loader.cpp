@@ -86,6 +86,7 @@ Result<std::unique_ptr<ConnectedScene>> SceneLoader::load() {
   connect.rate_hz = options_.rate_hz;
   connect.position_bits = options_.position_bits;
   connect.encoding = options_.encoding;
+  connect.starts_run = options_.starts_run;
   connect.timeout_s = options_.connect_timeout_s;
   connect.reconnect_s = options_.reconnect_s;
   connect.reconnect_after_drain = options_.reconnect_after_drain;

@@ -37,6 +37,7 @@ class HeadsetRun {
              SceneView& view, HeadsetDisplay& display)
       : options_(options), client_(client), stream_(arriving), view_(view), display_(display) {
     for (const StreamedObject& object : client.scene().objects) masses_kg_[object.id] = object.mass_kg;
+    stream_.hide(client.scene().objects);
   }
 
   Result<void> run(const std::atomic<bool>& interrupted);

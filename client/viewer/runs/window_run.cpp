@@ -10,6 +10,7 @@
 #include "stream/session/scene_control.h"
 #include "stream/session/scripted_hands.h"
 #include "stream/session/session_client.h"
+#include "viewer/author/author_run.h"
 #include "viewer/camera/client_view_cone.h"
 #include "viewer/camera/initial_camera.h"
 #include "viewer/camera/orbit_camera.h"
@@ -33,7 +34,7 @@ namespace {
 constexpr size_t kRightHand = 1;
 constexpr const char* kHelp =
     "left: pull   right: rotate   middle: pan\nwheel: zoom   WASDQE: fly   space: shoot\n"
-    "P: pause   full stop: step   H: hide panels";
+    "P: pause   full stop: step   H: hide panels\n1 to 5: pull, move, turn, scale, measure   F: frame";
 
 class WindowRun {
  public:
@@ -42,12 +43,14 @@ class WindowRun {
       : options_(options),
         client_(client),
         calls_(control),
+        author_(calls_),
         arriving_(arriving),
         stream_(arriving),
         view_(view),
         display_(display),
         scale_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
+    stream_.hide(client.scene().objects);
   }
 
   // Finishes a recording in progress before it returns.
@@ -82,6 +85,7 @@ class WindowRun {
   const WindowRunOptions& options_;
   SessionClient& client_;
   ControlCalls calls_;
+  AuthorRun author_;
   const ProgressiveObjects& arriving_;
   FrameQueue stream_;
   SceneView& view_;
@@ -102,6 +106,7 @@ class WindowRun {
   std::string recorded_;                      // path of the last recording
   std::optional<SceneView::Picked> pointed_;  // kernel under the mouse
   bool was_left_ = false, panels_shown_ = true;
+  bool asked_to_start_ = false;
   uint64_t force_until_tick_ = 0;  // for the force of the panel
   SessionNotice notice_;
   std::string refusal_;
@@ -202,6 +207,7 @@ void WindowRun::point(const WindowInput& input, const Camera& window) {
   if (!pressed || !pointed_) return;
   const std::string& name = objects_.at(pointed_->object_id).name;
   panel_.select(name);
+  author_.select(name, input.ctrl);
   study_.aim({name, pointed_->object_id, pointed_->kernel, pointed_->rest_point_m});
 }
 
@@ -213,7 +219,7 @@ void WindowRun::send_hands(const WindowInput& input) {
   client_.set_view(client_view_cone(std::span(&window, 1)));
   hand.aim = ray_through(window, input.mouse_px);
   hand.grip = hand.aim;
-  hand.trigger = input.left ? 1.0f : 0.0f;
+  hand.trigger = input.left && !author_.uses_left_button() ? 1.0f : 0.0f;
   const auto send = [&](bool shoot) {
     hand.shoot = shoot;
     ++sample_.sequence;
@@ -292,19 +298,37 @@ Result<void> WindowRun::cut_recording(const std::string& why) {
 // Applies the user's actions on the panels of the last picture and on the keyboard.
 void WindowRun::act(const WindowInput& input) {
   const PanelActions& actions = display_.actions();
-  for (ObjectCall& call : panel_.act(actions, objects_)) {
+  if (frame_) author_.see(*frame_, objects_, view_);
+  const std::string selected_before = author_.selected();
+  const Eigen::Vector2i size = display_.size_px();
+  author_.act(input, actions.scene, camera_->camera(size.x(), size.y()), view_, *camera_);
+  if (author_.selected() != selected_before) panel_.select(author_.selected());
+  std::vector<ObjectCall> calls = panel_.act(actions, objects_);
+  if (actions.selected) author_.select(panel_.selected(), false);
+  for (ObjectCall& call : calls) {
     if (auto* set = std::get_if<SetPhysicsCall>(&call))
       calls_.set_physics(set->object, set->physics);
     else if (auto* accept = std::get_if<AcceptProposalCall>(&call))
       calls_.accept_proposal(accept->object, accept->decline);
     else if (auto* undo = std::get_if<UndoPhysicsCall>(&call))
-      calls_.undo_physics(undo->object, undo->redo);
+      author_.available() ? author_.undo(undo->redo) : calls_.undo_physics(undo->object, undo->redo);
     else
       calls_.analyze(std::get<AnalyzeCall>(call).objects);
   }
   if (input.hide) panels_shown_ = !panels_shown_;
   const bool paused = frame_ && frame_->run.paused();
   v1::ControlRunRequest request;
+  // Without a user, the simulation starts with the first complete picture.
+  const bool waiting = frame_ && frame_->run.waiting();
+  const bool unattended = options_.seconds > 0 || !options_.poke.empty() || !options_.forces.empty();
+  if (actions.start || (waiting && unattended && !asked_to_start_ && arriving_.progress().objects == 0)) {
+    request.set_pause(false);
+    asked_to_start_ = true;
+  }
+  if (waiting)
+    begun_ns_ = now_ns();  // scripts and --seconds count from the start
+  else
+    asked_to_start_ = false;
   if (actions.pause || input.pause) request.set_pause(actions.pause.value_or(!paused));
   if (const int steps = input.step + (actions.step ? 1 : 0); steps > 0)
     request.set_step_ticks(static_cast<uint32_t>(steps));
@@ -333,6 +357,12 @@ Result<void> WindowRun::take_answers() {
         break;
       case ControlCalls::Answer::Kind::Run:
         refusal_ = why;
+        break;
+      case ControlCalls::Answer::Kind::Edit:
+      case ControlCalls::Answer::Kind::Scene:
+      case ControlCalls::Answer::Kind::Save:
+      case ControlCalls::Answer::Kind::Assets:
+        author_.take(answer);
         break;
       case ControlCalls::Answer::Kind::Force:
         refusal_ = why;
@@ -379,6 +409,7 @@ WindowPanels WindowRun::panels() const {
   RunPanel& run = panels.run;
   run.paused = frame_ && frame_->run.paused();
   run.loading = frame_ && frame_->run.loading();
+  run.waiting = frame_ && frame_->run.waiting();
   run.notice = notice_.text(!refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "");
   if (run.notice.empty()) run.notice = view_.notice();
   run.lines.push_back(view_.renderer_name());
@@ -413,6 +444,7 @@ WindowPanels WindowRun::panels() const {
   panels.force = study_.shown(recording_ ? recording_->progress() : std::string());
   if (!recording_ && !recorded_.empty()) panels.force.sentence += " Recorded: " + recorded_;
   panels.objects = panel_.shown(objects_);
+  panels.scene = author_.shown();
   return panels;
 }
 
@@ -420,6 +452,7 @@ WindowOverlay WindowRun::overlay(const Camera& window) const {
   WindowOverlay overlay;
   overlay.panels = panels();
   if (!frame_) return overlay;
+  author_.draw(window, view_, overlay);
   const ReceivedFrame& shown = playout_.shown() ? *playout_.shown() : *frame_;
   for (const HeldByHand& held : shown.hands) {
     draw_force(held.point_m.cast<double>(), held.force_n.cast<double>(), held.object_id, window, overlay);
@@ -562,6 +595,7 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height);
   if (!display) return display.error();
   JoinOptions join = options;
+  join.starts_run = true;
   join.coarse_first = options.forces.empty();  // a recording that starts at once shows complete objects
   SceneLoader loading(std::move(join), [&] { return choose_renderer(options.renderer); });
   auto live = load_in_window(loading, **display, interrupted);

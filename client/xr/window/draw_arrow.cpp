@@ -51,6 +51,43 @@ void draw_arrow(ImDrawList& list, const WindowArrow& arrow) {
   if (!arrow.label.empty()) draw_label(list, label_px, arrow.label, IM_COL32(255, 190, 90, 255));
 }
 
+void draw_line(ImDrawList& list, const WindowLine& line) {
+  if (line.points_px.size() < 2) return;
+  const auto ink = [&]() -> ImU32 {
+    switch (line.ink) {
+      case WindowLine::Ink::X:
+        return IM_COL32(230, 80, 80, 255);
+      case WindowLine::Ink::Y:
+        return IM_COL32(110, 200, 90, 255);
+      case WindowLine::Ink::Z:
+        return IM_COL32(90, 140, 240, 255);
+      case WindowLine::Ink::Plane:
+        return IM_COL32(240, 220, 110, 255);
+      case WindowLine::Ink::Grid:
+        return IM_COL32(200, 200, 210, 60);
+      case WindowLine::Ink::Axis:
+        return IM_COL32(220, 220, 230, 130);
+      default:
+        return IM_COL32(255, 205, 90, 220);
+    }
+  }();
+  std::vector<ImVec2> points;
+  for (const Eigen::Vector2d& point : line.points_px) points.push_back(at(point));
+  const bool faint = line.ink == WindowLine::Ink::Grid || line.ink == WindowLine::Ink::Axis;
+  const int count = static_cast<int>(points.size());
+  if (!faint) list.AddPolyline(points.data(), count, kDark, 0, line.width_px + 2);
+  list.AddPolyline(points.data(), count, ink, 0, line.width_px);
+  if (line.arrow) {
+    const Eigen::Vector2d tip = line.points_px.back(), along = tip - line.points_px[line.points_px.size() - 2];
+    if (along.norm() > 1e-6) {
+      const Eigen::Vector2d unit = along.normalized(), side(-unit.y(), unit.x());
+      list.AddTriangleFilled(at(tip + 10 * unit), at(tip + 5 * side), at(tip - 5 * side), ink);
+    }
+  }
+  if (!line.label.empty())
+    draw_label(list, 0.5 * (line.points_px.front() + line.points_px.back()) + Eigen::Vector2d(8, -12), line.label, ink);
+}
+
 void draw_aim(ImDrawList& list, const WindowAim& aim) {
   list.AddCircle(at(aim.at_px), 9, kDark, 0, 4);
   list.AddCircle(at(aim.at_px), 9, kLight, 0, 1.5f);

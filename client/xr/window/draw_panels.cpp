@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "xr/window/draw_frame_graph.h"
-#include "xr/window/window_style.h"
+#include "xr/window/widgets.h"
 
 namespace livegs {
 namespace {
@@ -16,27 +16,6 @@ constexpr float kMargin_px = 10, kGap_px = 4, kLeftWidth_px = 300, kRightWidth_p
                 kValueWidth_px = 64;
 // The Scene panel is open at first if there is this much room below the Run panel.
 constexpr float kMinScenePanel_px = 300;
-
-void coloured(ImU32 colour, const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, colour);
-  ImGui::TextWrapped("%s", text.c_str());
-  ImGui::PopStyleColor();
-}
-
-bool button(const char* name, bool possible = true, float width_px = 0) {
-  ImGui::BeginDisabled(!possible);
-  const bool pressed = ImGui::Button(name, {width_px, 0});
-  ImGui::EndDisabled();
-  return pressed;
-}
-
-// Continues on the line of the last button if the panel is wide enough.
-void same_line_if_it_fits(const char* button) {
-  const ImGuiStyle& style = ImGui::GetStyle();
-  const float needed = style.ItemSpacing.x + ImGui::CalcTextSize(button).x + 2 * style.FramePadding.x;
-  if (ImGui::GetItemRectMax().x + needed <= ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x)
-    ImGui::SameLine();
-}
 
 }  // namespace
 
@@ -118,7 +97,8 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
     ImGui::SetNextWindowCollapsed(height_px - top_px < kMinScenePanel_px, ImGuiCond_Always);
   place(Panel::Scene, kMargin_px, top_px, std::min(kLeftWidth_px, across_px), 0,
         std::max(height_px - top_px - kMargin_px, ImGui::GetFrameHeight()));
-  ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_NoResize);
+  ImGui::SetNextWindowPos({kMargin_px, top_px});  // the Run panel changes its height
+  ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
   see_whether_open(Panel::Scene);
   scene_.draw(panels.scene, actions.scene);
   ImGui::End();
@@ -154,7 +134,7 @@ void PanelDrawer::draw_run(const RunPanel& run, PanelActions& actions) {
   for (const std::string& line : run.lines) coloured(kDimInk, line);
   if (!run.recorded) draw_frame_graph(run.graph);
   if (!run.latency.empty()) coloured(kDimInk, run.latency);
-  if (!run.help.empty()) coloured(kDimInk, run.help);
+  if (!run.help.empty() && ImGui::CollapsingHeader("Mouse and keys")) coloured(kDimInk, run.help);
 }
 
 void PanelDrawer::draw_force(const ForcePanel& force, PanelActions& actions) {

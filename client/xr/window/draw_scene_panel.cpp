@@ -5,31 +5,13 @@
 #include <cctype>
 #include <cstdio>
 
-#include "xr/window/window_style.h"
+#include "xr/window/widgets.h"
 
 namespace livegs {
 namespace {
 
 constexpr float kLabel_px = 84;  // names of the fields
 constexpr size_t kMaxText = 128, kMaxSuggestions = 12;
-
-bool button(const char* name, bool possible = true) {
-  ImGui::BeginDisabled(!possible);
-  const bool pressed = ImGui::Button(name);
-  ImGui::EndDisabled();
-  return pressed;
-}
-
-void same_line_if_it_fits(const char* button) {
-  const ImGuiStyle& style = ImGui::GetStyle();
-  const float needed = style.ItemSpacing.x + ImGui::CalcTextSize(button).x + 2 * style.FramePadding.x;
-  if (ImGui::GetItemRectMax().x + needed <= ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x)
-    ImGui::SameLine();
-}
-
-void tip(const std::string& text) {
-  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", text.c_str());
-}
 
 std::string lower(std::string text) {
   for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
@@ -112,7 +94,7 @@ void ScenePanelDrawer::draw_list(const ScenePanel& panel, SceneActions& actions)
   std::array<char, kMaxText> search{};
   std::snprintf(search.data(), search.size(), "%s", search_.c_str());
   if (ImGui::InputTextWithHint("##search", "Search", search.data(), search.size())) search_ = search.data();
-  const float rows = static_cast<float>(std::clamp<size_t>(panel.entries.size(), 1, 7));
+  const float rows = static_cast<float>(std::clamp<size_t>(panel.entries.size(), 2, 7));
   ImGui::BeginChild("list", {0, rows * ImGui::GetTextLineHeightWithSpacing() + 8}, true);
   for (size_t i = 0; i < panel.entries.size(); ++i) {
     const ScenePanel::Entry& entry = panel.entries[i];
@@ -135,7 +117,7 @@ void ScenePanelDrawer::draw_list(const ScenePanel& panel, SceneActions& actions)
     tip(line);
     ImGui::PopID();
   }
-  if (panel.entries.empty()) ImGui::TextDisabled("Empty: add an asset, or drop files on the window.");
+  if (panel.entries.empty()) ImGui::TextWrapped("Empty: add an asset, or drop files on the window.");
   ImGui::EndChild();
 }
 

@@ -63,6 +63,7 @@ class GlfwWindowDisplay final : public WindowDisplay {
   PanelDrawer drawer_;
   PanelActions actions_;
   WindowEvents events_;
+  std::vector<std::string> dropped_;  // since the last picture
   double last_s_ = 0;
   uint64_t planned_ = 0;
   Image* kept_ = nullptr;
@@ -99,6 +100,9 @@ Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int 
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int) {
     of(window).events_.on_button(button, action == GLFW_PRESS, of(window).cursor_px());
+  });
+  glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+    of(window).dropped_.insert(of(window).dropped_.end(), paths, paths + count);
   });
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // ImGui must not write a file to the working directory
@@ -187,8 +191,24 @@ void GlfwWindowDisplay::take_input() {
     taken.step = events_.presses(GLFW_KEY_PERIOD);
     taken.home = events_.presses(GLFW_KEY_HOME) > 0;
     taken.jump = events_.presses(GLFW_KEY_RIGHT) - events_.presses(GLFW_KEY_LEFT);
+    taken.ctrl = events_.held(GLFW_KEY_LEFT_CONTROL) || events_.held(GLFW_KEY_RIGHT_CONTROL);
+    if (taken.ctrl) {
+      const bool shift = events_.held(GLFW_KEY_LEFT_SHIFT) || events_.held(GLFW_KEY_RIGHT_SHIFT);
+      (shift ? taken.redo : taken.undo) = events_.presses(GLFW_KEY_Z);
+      taken.redo += events_.presses(GLFW_KEY_Y);
+      taken.save = events_.presses(GLFW_KEY_S);
+      taken.duplicate = events_.presses(GLFW_KEY_D);
+      taken.flown.setZero();  // their letters fly without Ctrl
+    } else {
+      taken.remove = events_.presses(GLFW_KEY_DELETE);
+      taken.frame = events_.presses(GLFW_KEY_F) > 0;
+      for (int tool = 0; tool < 5; ++tool) {
+        if (events_.presses(GLFW_KEY_1 + tool) > 0) taken.tool = tool;
+      }
+    }
   }
-  input_ = taken;
+  taken.dropped = std::exchange(dropped_, {});
+  input_ = std::move(taken);
 }
 
 std::optional<PlannedFrame> GlfwWindowDisplay::wait_frame() {
@@ -223,6 +243,7 @@ void GlfwWindowDisplay::draw_picture(const Image& image) {
 void GlfwWindowDisplay::draw_overlay() {
   ImDrawList& over = *ImGui::GetBackgroundDrawList();  // above the picture, below the panels
   const Eigen::Vector2i size = size_px();
+  for (const WindowLine& line : overlay_.lines) draw_line(over, line);
   for (const WindowArrow& arrow : overlay_.arrows) draw_arrow(over, arrow);
   if (overlay_.aim) draw_aim(over, *overlay_.aim);
   if (!overlay_.sentence.empty()) draw_sentence(over, size.cast<double>(), overlay_.sentence);

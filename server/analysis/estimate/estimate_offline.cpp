@@ -64,6 +64,27 @@ Guess guess_by_name(const ObjectClasses& kinds, const ObjectFacts& facts) {
   return guess;
 }
 
+// The middle, by stiffness, of the materials of the likely classes that do not break: what is least wrong if
+// nothing speaks for one of them.
+const MaterialRow* middle_material(const ObjectClasses& kinds) {
+  std::vector<std::pair<double, const MaterialRow*>> weights;  // sorted by stiffness below
+  double total = 0;
+  for (const ObjectClass& kind : kinds.kinds) {
+    const MaterialRow& material = kind.material ? *kind.material : material_row(kind.row->material);
+    if (material.fragile) continue;
+    weights.emplace_back(kind.probability, &material);
+    total += kind.probability;
+  }
+  std::stable_sort(weights.begin(), weights.end(), [](const auto& a, const auto& b) {
+    return a.second->youngs_modulus_pa.best < b.second->youngs_modulus_pa.best;
+  });
+  for (const auto& [weight, material] : weights) {
+    total -= 2 * weight;
+    if (total <= 0) return material;
+  }
+  return nullptr;
+}
+
 // Material shared by the likely classes, and the likeliest class.
 Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   Guess guess;
@@ -94,6 +115,14 @@ Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   if (kinds.material.row && guess.material->material_class == kinds.material.row->material_class) {
     guess.confidence = kMaterialNamedConfidence;
     guess.reason = format_text("the name \"%s\" means %s", facts.name.c_str(), guess.material->name.c_str());
+  } else if (const double trust = facts.scale_known ? 1.0 : kGuessedScaleTrust;
+             trust * guess.confidence < kMinMaterialConfidence) {
+    if (const MaterialRow* middle = middle_material(kinds)) {
+      guess.material = middle;
+      guess.reason =
+          format_text("unknown; %s is the middle of what unbreakable things of this size and shape are made of",
+                      middle->name.c_str());
+    }
   }
   return guess;
 }

@@ -288,7 +288,9 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   };
   const std::string name = object_name(object, index);
   const bool shape = object.form_case() == v1::Object::kShape;
-  const std::string& identity = object.label().empty() ? name : object.label();
+  // The analysis reads what an object is, and of what, from one phrase: "oak stool".
+  const std::string identity = (object.material().empty() ? "" : object.material() + " ") +
+                               (object.label().empty() ? name : object.label());
   auto form = form_of(object, folder, index, identity, field);
   if (!form) return fail(form.error());
   double lowest_m = INFINITY;  // of the capture
@@ -310,7 +312,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     if (!file) return fail(file.error());
     kept = std::move(*file);
   }
-  if (!kept.name().empty() && object.label().empty()) facts.name = kept.name();
+  if (!kept.name().empty() && object.label().empty() && object.material().empty()) facts.name = kept.name();
   const v1::PhysicalParameters offline = estimate_offline(facts);
   std::string kept_note;
   auto before = with_physics_file(offline, kept, facts, kept_note);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/check/check_object.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
 #include "analysis/estimate.h"
+#include "analysis/knowledge/tables.h"
 #include "scene/values/region_value.h"
 #include "scene/values/scene_values.h"
 
@@ -63,6 +65,20 @@ Result<void> check_deformable(const v1::Object& object, const std::string& field
   if (!object.initial_deformation().empty()) return missing(field + ".initial_deformation", why);
   if (object.has_resolution()) return missing(field + ".resolution", why);
   return {};
+}
+
+Result<void> check_material(const std::string& name, const std::string& field) {
+  if (name.empty()) return {};
+  const std::vector<MaterialRow>& table = material_table();
+  if (std::any_of(table.begin(), table.end(), [&](const MaterialRow& row) { return row.name == name; }))
+    return {};
+  std::string known;
+  for (const MaterialRow& row : table) {
+    if (row.name.find(name) != std::string::npos || name.find(row.name) != std::string::npos)
+      known += (known.empty() ? "" : ", ") + row.name;
+  }
+  return missing(field, quoted(name) + " is not in the material table" +
+                            (known.empty() ? "; see server/analysis/knowledge/materials.csv" : "; similar: " + known));
 }
 
 Result<void> check_standing(const v1::Object& object, const std::string& field) {
@@ -149,6 +165,7 @@ Result<void> check_object(const v1::Object& object, const std::string& field) {
   if (object.has_kernel_per_point() && object.form_case() != v1::Object::kPoints) {
     return missing(field + ".kernel_per_point", "is only for points; omit it");
   }
+  LIVEGS_CHECK(check_material(object.material(), field + ".material"));
   LIVEGS_CHECK(matrix_value(object.initial_deformation(), field + ".initial_deformation"));
   if (auto checked = check_scene_physics(object.physics()); !checked) {
     return Error{checked.error().code, field + ".physics." + checked.error().message};

@@ -3,6 +3,7 @@
 
 #include <google/protobuf/util/field_mask_util.h>
 
+#include <filesystem>
 #include <set>
 
 #include "analysis/gate/answer.h"
@@ -84,6 +85,22 @@ Result<void> set_fields(v1::Object& object, const v1::ObjectEdit& edit) {
   return {};
 }
 
+// Whether an edit of an asset may change its scale, which a guess takes from what the object is.
+bool may_resize(const v1::ObjectEdit& edit) {
+  bool resizes = edit.has_longest_side_m();
+  for (const std::string& field : edit.fields()) {
+    if (field == "pose") return false;  // the author says where it goes
+    resizes |= field == "label" || field == "name" || field == "scale" || field == "up" || field == "material";
+  }
+  return resizes;
+}
+
+// A remote author names files of the scene's folder only.
+bool stays_in_folder(const std::string& path) {
+  const std::filesystem::path plain = std::filesystem::path(path).lexically_normal();
+  return plain.is_relative() && (plain.empty() || *plain.begin() != "..");
+}
+
 bool only_unlocks(const v1::ObjectEdit& edit) {
   return !edit.remove() && !edit.has_longest_side_m() && !edit.drop() && edit.fields_size() == 1 &&
          edit.fields(0) == "locked";
@@ -119,6 +136,7 @@ std::string reference_to(const v1::Scene& scene, const std::string& name) {
 
 Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, const MeasureObject& measure) {
   int index = 0;
+  std::optional<v1::Object> before_edit;
   if (edit.object().empty()) {
     v1::Object added = edit.value();
     if (!edit.copy_of().empty()) {
@@ -149,6 +167,7 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
       return before;
     }
     v1::Object& object = *scene.mutable_objects(index);
+    before_edit = object;
     if (auto set = set_fields(object, edit); !set)
       return Error{set.error().code, "object \"" + before + "\": " + set.error().message};
     if (object.name().size() > kMaxNameLength)
@@ -160,6 +179,11 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
     }
   }
   v1::Object& object = *scene.mutable_objects(index);
+  for (const std::string& path : {object.asset(), object.points()}) {
+    if (!path.empty() && !stays_in_folder(path) && (!before_edit || path != before_edit->asset()))
+      return invalid_argument("object \"" + object.name() + "\": asset: \"" + shown_text(path, 80) +
+                              "\" is outside the scene's folder; give a path within it");
+  }
   if (edit.has_longest_side_m()) {
     if (object.form_case() != v1::Object::kAsset)
       return invalid_argument("object \"" + object.name() +
@@ -170,6 +194,15 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
     if (!measures) return measures.error();
     object.set_scale(measures->scale * edit.longest_side_m() / measures->longest_side_m);
     object.clear_assumed_scale();
+  }
+  if (before_edit && object.has_asset() && may_resize(edit)) {
+    // An asset of another size keeps its lowest point where it was.
+    const auto was = measure(*before_edit), is = measure(object);
+    if (!is) return is.error();
+    auto pose = pose_value(object.pose(), "pose");
+    const auto gravity = vector_value(scene.gravity_m_s2(), Eigen::Vector3d(0, -9.81, 0), "gravity_m_s2");
+    if (was && pose && gravity && was->bottom_m != is->bottom_m)
+      set_position(object, pose->position_m + (is->bottom_m - was->bottom_m) * gravity->normalized());
   }
   if (edit.drop()) {
     auto measures = measure(object);

@@ -64,7 +64,7 @@ std::map<std::string, fs::path> find_assets(const fs::path& folder) {
   return assets;
 }
 
-struct Standing {
+struct PlacedObject {
   std::string stem;
   fs::path path;
   std::string name;
@@ -75,14 +75,14 @@ struct Standing {
 
 // Assets of one folder were captured in one unit: those whose scale is a guess from their size alone get the
 // smallest of these scales, that of the largest.
-void share_scale(std::vector<Standing>& standing) {
+void share_scale(std::vector<PlacedObject>& standing) {
   std::map<fs::path, double> shared;
-  for (const Standing& one : standing) {
+  for (const PlacedObject& one : standing) {
     if (!one.scale_is_free) continue;
     const auto [at, fresh] = shared.try_emplace(fs::path(one.stem).parent_path(), one.scale);
     at->second = std::min(at->second, one.scale);
   }
-  for (Standing& one : standing) {
+  for (PlacedObject& one : standing) {
     if (!one.scale_is_free) continue;
     const double scale = shared.at(fs::path(one.stem).parent_path());
     const Eigen::Vector3d low = scale / one.scale * one.bounds.min(),
@@ -122,14 +122,14 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
   const auto assets = find_assets(folder);
   v1::Scene scene = floor_scene();
 
-  std::vector<Standing> standing;
+  std::vector<PlacedObject> standing;
   std::set<std::string> names;
   for (const auto& [stem, path] : assets) {
     if (names_environment(stem) && scene.environment().asset().empty()) {
       scene.mutable_environment()->set_asset(fs::relative(path, folder).string());
       continue;
     }
-    Standing one;
+    PlacedObject one;
     one.stem = stem;
     one.path = path;
     one.name = fs::path(stem).filename().string();
@@ -157,13 +157,13 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
   for (const std::string& failure : failures) {
     if (!failure.empty()) log_warn("asset skipped: %s", failure.c_str());
   }
-  std::erase_if(standing, [](const Standing& one) { return one.bounds.isEmpty(); });
+  std::erase_if(standing, [](const PlacedObject& one) { return one.bounds.isEmpty(); });
   if (standing.empty()) return invalid_data(folder.string() + ": no asset can be read; see the log");
 
   share_scale(standing);
 
   // Places the objects in rows, tallest at the back. Rows are centred on x = 0 and the first is at z = 0.
-  std::stable_sort(standing.begin(), standing.end(), [](const Standing& a, const Standing& b) {
+  std::stable_sort(standing.begin(), standing.end(), [](const PlacedObject& a, const PlacedObject& b) {
     return a.bounds.sizes().y() > b.bounds.sizes().y();
   });
   const auto across = static_cast<size_t>(std::ceil(std::sqrt(1.6 * static_cast<double>(standing.size()))));
@@ -177,7 +177,7 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
     }
     double x = -0.5 * width;
     for (size_t i = begin; i < end; ++i) {
-      const Standing& one = standing[i];
+      const PlacedObject& one = standing[i];
       v1::Object& object = *scene.add_objects();
       object.set_name(one.name);
       object.set_asset(fs::relative(one.path, folder).string());

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <mutex>
 
+#include "core/clock.h"
 #include "core/log.h"
 #include "scene/build/fragile_object.h"
 #include "session/access/call_authoriser.h"
@@ -28,8 +29,10 @@ namespace {
 
 constexpr const char* kServiceName = "livegs.v1.LiveGs";
 
-// Client messages are small.
-constexpr int kMaxRequestBytes = 16 << 10;
+// Client messages are small; a part of an uploaded file is the largest.
+constexpr int kMaxRequestBytes = 64 << 10;
+// Between two lines about assets that are encoded at the start.
+constexpr int64_t kProgressEvery_ns = 1'000'000'000;
 constexpr int kMaxStreamsPerConnection = 16;
 static_assert(3 * kMaxSessions < kMaxConnections,
               "a client has three connections; the rest is for unary calls");
@@ -150,7 +153,12 @@ TickSink& GrpcServer::ticks() { return *parts_->publisher; }
 void GrpcServer::open(const std::string& scene_name, double rate_hz,
                       std::span<const SceneObject* const> objects, InputSink& inputs) {
   std::vector<SessionTable::Object> described;
+  int64_t told_ns = now_ns();
   for (const SceneObject* object : objects) {
+    if (now_ns() - told_ns > kProgressEvery_ns) {
+      told_ns = now_ns();
+      log_info("assets: %zu of %zu objects encoded", described.size(), objects.size());
+    }
     if (object->broken) (void)parts_->assets.add(object->broken->asset);
     described.push_back(
         std::make_shared<const v1::ObjectDescription>(describe_object(*object, parts_->assets)));

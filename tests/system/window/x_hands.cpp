@@ -4,7 +4,9 @@
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 namespace livegs {
 
@@ -92,6 +94,60 @@ void XHands::close() {
   event.xclient.data.l[0] = static_cast<long>(XInternAtom(window_->display, "WM_DELETE_WINDOW", False));
   XSendEvent(window_->display, window_->window, False, NoEventMask, &event);
   XSync(window_->display, False);
+}
+
+bool XHands::drop_files(const std::vector<std::string>& files, double x_px, double y_px) const {
+  Display* const display = XOpenDisplay(DisplayString(window_->display));
+  if (!display) return false;
+  const auto atom = [&](const char* name) { return XInternAtom(display, name, False); };
+  const ::Window root = DefaultRootWindow(display), target = window_->window,
+                 source = XCreateSimpleWindow(display, root, 0, 0, 1, 1, 0, 0, 0);
+  const Atom list = atom("text/uri-list"), selection = atom("XdndSelection");
+  XSetSelectionOwner(display, selection, source, CurrentTime);
+  int x = 0, y = 0;
+  ::Window child = 0;
+  XTranslateCoordinates(display, target, root, static_cast<int>(x_px), static_cast<int>(y_px), &x, &y, &child);
+  const auto tell = [&](const char* message, const std::vector<long>& data) {
+    XEvent event{};
+    event.type = ClientMessage;
+    event.xclient.window = target;
+    event.xclient.message_type = atom(message);
+    event.xclient.format = 32;
+    event.xclient.data.l[0] = static_cast<long>(source);
+    for (size_t i = 0; i < data.size(); ++i) event.xclient.data.l[i + 1] = data[i];
+    XSendEvent(display, target, False, NoEventMask, &event);
+    XFlush(display);
+  };
+  std::string text;
+  for (const std::string& file : files) text += "file://" + file + "\r\n";
+  tell("XdndEnter", {5L << 24, static_cast<long>(list), 0, 0});
+  tell("XdndPosition", {0, (static_cast<long>(x) << 16) | y, CurrentTime, static_cast<long>(atom("XdndActionCopy"))});
+  bool taken = false;
+  for (int waits = 0; waits < 1000 && !taken; ++waits) {
+    while (XPending(display) > 0) {
+      XEvent event{};
+      XNextEvent(display, &event);
+      if (event.type == ClientMessage && event.xclient.message_type == atom("XdndStatus"))
+        tell("XdndDrop", {0, CurrentTime, 0, 0});
+      taken = taken || (event.type == ClientMessage && event.xclient.message_type == atom("XdndFinished"));
+      if (event.type != SelectionRequest) continue;
+      const XSelectionRequestEvent& asked = event.xselectionrequest;
+      XChangeProperty(display, asked.requestor, asked.property, asked.target, 8, PropModeReplace,
+                      reinterpret_cast<const unsigned char*>(text.data()), static_cast<int>(text.size()));
+      XEvent reply{};
+      reply.type = SelectionNotify;
+      reply.xselection.requestor = asked.requestor;
+      reply.xselection.selection = asked.selection;
+      reply.xselection.target = asked.target;
+      reply.xselection.property = asked.property;
+      reply.xselection.time = asked.time;
+      XSendEvent(display, asked.requestor, False, NoEventMask, &reply);
+      XFlush(display);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  XCloseDisplay(display);
+  return taken;
 }
 
 Image XHands::picture() const {
