@@ -1,14 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "xr/display/fonts.h"
 
-#include <filesystem>
-
 namespace livegs {
 namespace {
 
-constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+constexpr const char* kSystemFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+// In an archive of deploy/package, relative to the folder of the program.
+constexpr const char* kArchiveFont = "../share/livegs/fonts/DejaVuSans.ttf";
 
 }  // namespace
+
+std::filesystem::path window_font_file(const std::filesystem::path& program) {
+  std::error_code error;
+  for (const std::filesystem::path& font :
+       {program.parent_path() / kArchiveFont, std::filesystem::path(kSystemFont)}) {
+    if (std::filesystem::exists(font, error)) return font;
+  }
+  return {};
+}
 
 ImFont* add_window_font(ImFontAtlas& atlas, float size_px, bool exact) {
   std::error_code error;
@@ -17,7 +26,8 @@ ImFont* add_window_font(ImFontAtlas& atlas, float size_px, bool exact) {
     config.OversampleH = config.OversampleV = 1;
     config.PixelSnapH = true;
   }
-  if (std::filesystem::exists(kFont, error)) return atlas.AddFontFromFileTTF(kFont, size_px, &config);
+  const std::filesystem::path font = window_font_file(std::filesystem::read_symlink("/proc/self/exe", error));
+  if (!font.empty()) return atlas.AddFontFromFileTTF(font.c_str(), size_px, &config);
   config.SizePixels = size_px;
   return atlas.AddFontDefault(&config);
 }
