@@ -305,8 +305,9 @@ int main(int argc, char** argv) {
   app.add_flag("--print-port", options.print_port, "Print the port to standard output when clients can join");
   app.add_flag("--wait-for-client", options.wait_for_client,
                "Delay the first tick until a client shows its first picture and starts the simulation");
-  app.add_flag("--new", options.fresh,
-               "Begin an empty scene: SCENE is a folder of assets, or a *.scene.json that does not exist yet");
+  app.add_flag(
+      "--new", options.fresh,
+      "Begin an empty scene: SCENE is a folder of assets, or a *.scene.json that does not exist yet");
   app.add_option("--endpoint", options.endpoint.url,
                  "URL of a server with the OpenAI chat completions API, which estimates materials (default: "
                  "the value of the variable OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY; without a "

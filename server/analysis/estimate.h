@@ -40,8 +40,8 @@ struct ObjectFacts {
 // alone has at most 0.35. Below this constant, an estimate does not contradict the material of an author or a
 // model. If reduced, appearance overrules authors. If increased, a named material is ignored.
 inline constexpr double kMaterialNamedConfidence = 0.4;
-// Below this confidence the estimate names no likely material but a middle one that does not break, and the client
-// asks the user. Larger: fewer cups of glass, and more things that are neither hard nor soft.
+// Below this confidence the estimate names no likely material but a middle one that does not break, and the
+// client asks the user. Larger: fewer cups of glass, and more things that are neither hard nor soft.
 inline constexpr double kMinMaterialConfidence = 0.25;
 // Factor on the confidence of an estimate if the scale is guessed.
 inline constexpr double kGuessedScaleTrust = 0.8;

@@ -145,8 +145,9 @@ class World {
   // A body without velocity sleeps until it is touched, also before its first tick. No effect on other
   // objects.
   void put_to_sleep(uint32_t object_id);
-  // Sets an object to its rest shape at a pose, with the motion of a rigid body (centre of mass, world frame).
-  // It wakes, as does what touches it. Fails for static and broken objects, and for solvers that cannot.
+  // Sets an object to its rest shape at a pose, with the motion of a rigid body (centre of mass, world
+  // frame). It wakes, as does what touches it. Fails for static and broken objects, and for solvers that
+  // cannot.
   Result<void> place(uint32_t object_id, const Pose& world_from_object,
                      const Eigen::Vector3d& velocity_m_s = Eigen::Vector3d::Zero(),
                      const Eigen::Vector3d& angular_velocity_rad_s = Eigen::Vector3d::Zero());

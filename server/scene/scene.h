@@ -32,7 +32,7 @@ namespace v1 {
 class SceneSource;  // livegs/v1/recording.proto
 class SceneChange_Edit;
 class SceneChange_Carry;
-}
+}  // namespace v1
 struct BuiltObject;
 class FragileTask;
 struct TriangleMesh;
@@ -83,11 +83,12 @@ class Scene {
   Result<std::vector<std::string>> set_physics(uint32_t object_id, v1::PhysicalParameters physics);
   BodyTypeLock body_type_lock(const SceneObject& object) const;
 
-  // Adds, removes or changes one object as an author edited it. A moved object keeps its id; one that has to be
-  // built again gets a new one. Built from the cache, or on this thread. After an error nothing has changed.
+  // Adds, removes or changes one object as an author edited it. A moved object keeps its id; one that has to
+  // be built again gets a new one. Built from the cache, or on this thread. After an error nothing has
+  // changed.
   Result<void> edit(const v1::SceneChange_Edit& edit);
-  // Moves an object towards a pose, at most kMaxCarrySpeed_m_s fast, until it is released or half a second has
-  // passed. It pushes what it meets. Without pose: releases it.
+  // Moves an object towards a pose, at most kMaxCarrySpeed_m_s fast, until it is released or half a second
+  // has passed. It pushes what it meets. Without pose: releases it.
   void carry(const v1::SceneChange_Carry& carry);
   void place_carried();  // at once, while the scene is halted
   static constexpr double kMaxCarrySpeed_m_s = 3.0;
@@ -118,7 +119,7 @@ class Scene {
   SceneObject& drawn(uint32_t object_id);
   Result<uint32_t> add_built(BuiltObject& one);  // returns its id
   void remove_object(uint32_t object_id);
-  Pose pose_of(uint32_t object_id) const;              // of the object's frame
+  Pose pose_of(uint32_t object_id) const;               // of the object's frame
   Eigen::Vector3d centre_of(uint32_t object_id) const;  // at rest, object frame
   void move_carried();
   // Puts standing objects to sleep that have something to stand on.

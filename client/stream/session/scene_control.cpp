@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::chrono::seconds kControlDeadline{10};
 constexpr std::chrono::seconds kBuildDeadline{120};  // of calls that may build several large objects
-constexpr size_t kUploadChunkBytes = 48 << 10;  // a server takes messages of 64 kB
+constexpr size_t kUploadChunkBytes = 48 << 10;       // a server takes messages of 64 kB
 
 }  // namespace
 

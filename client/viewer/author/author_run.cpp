@@ -112,15 +112,19 @@ void AuthorRun::act(const WindowInput& input, const SceneActions& actions, const
     const auto& views = scene().bookmarks();
     if (*actions.go_bookmark < static_cast<size_t>(views.size())) {
       const v1::Bookmark& kept = views[static_cast<int>(*actions.go_bookmark)];
-      const auto vector = [](const auto& numbers) { return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]); };
+      const auto vector = [](const auto& numbers) {
+        return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+      };
       if (kept.position_m_size() == 3 && kept.look_at_m_size() == 3)
         camera.look(vector(kept.position_m()), vector(kept.look_at_m()));
     }
   }
   using Shortcut = SceneEditor::Shortcut;
-  for (const auto& [times, shortcut] :
-       {std::pair(input.undo, Shortcut::Undo), {input.redo, Shortcut::Redo}, {input.save, Shortcut::Save},
-        {input.duplicate, Shortcut::Duplicate}, {input.remove, Shortcut::Remove}}) {
+  for (const auto& [times, shortcut] : {std::pair(input.undo, Shortcut::Undo),
+                                        {input.redo, Shortcut::Redo},
+                                        {input.save, Shortcut::Save},
+                                        {input.duplicate, Shortcut::Duplicate},
+                                        {input.remove, Shortcut::Remove}}) {
     for (int i = 0; i < times; ++i) perform(editor_.act(shortcut, objects_));
   }
   if (input.tool) editor_.set_tool(*input.tool);
@@ -201,13 +205,14 @@ void AuthorRun::draw(const Camera& window, const SceneView& view, WindowOverlay&
     if (const auto id = ids_.find(name); id != ids_.end()) add_box(window, view.bounds(id->second), lines);
   }
   if (const auto at = editor_.pivot_m(objects_)) {
-    const auto under = editor_.dragging() ? std::nullopt
-                                          : Gizmo::handle_at(editor_.gizmo_tool(), window, *at, mouse_px_);
+    const auto under =
+        editor_.dragging() ? std::nullopt : Gizmo::handle_at(editor_.gizmo_tool(), window, *at, mouse_px_);
     for (const GizmoHandle& handle : Gizmo::handles(editor_.gizmo_tool(), window, *at)) {
       const bool lit = editor_.dragging() ? handle.axis == editor_.gizmo().axis() : under == handle.axis;
       static constexpr std::array kInks{WindowLine::Ink::X, WindowLine::Ink::Y, WindowLine::Ink::Z,
                                         WindowLine::Ink::Plane};
-      lines.push_back({handle.line_px, kInks[static_cast<size_t>(handle.axis)], lit ? 5.0f : 3.0f, handle.arrow, ""});
+      lines.push_back(
+          {handle.line_px, kInks[static_cast<size_t>(handle.axis)], lit ? 5.0f : 3.0f, handle.arrow, ""});
     }
   }
   for (const Eigen::Vector3d& point : measured_m_) {

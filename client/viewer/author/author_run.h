@@ -15,14 +15,15 @@
 
 namespace livegs {
 
-// Editing of the scene in a desktop window: connects the editor with the input, the calls and the overlay of a
-// picture. Renderer thread.
+// Editing of the scene in a desktop window: connects the editor with the input, the calls and the overlay of
+// a picture. Renderer thread.
 class AuthorRun {
  public:
   explicit AuthorRun(ControlCalls& calls) : calls_(calls) {}
 
   // The newest state of the scene; once a picture, before act().
-  void see(const ReceivedFrame& frame, const std::map<uint32_t, StreamedObject>& objects, const SceneView& view);
+  void see(const ReceivedFrame& frame, const std::map<uint32_t, StreamedObject>& objects,
+           const SceneView& view);
   // Applies the input and the actions on the panel. May move the camera.
   void act(const WindowInput& input, const SceneActions& actions, const Camera& window, const SceneView& view,
            OrbitCamera& camera);

@@ -25,7 +25,8 @@ double metres_a_px(const Camera& camera, const Eigen::Vector3d& at_m) {
 
 double rounded(double value, double step) { return step * std::round(value / step); }
 
-// Parameter along an axis through `at_m` of the point nearest to the mouse's ray; nothing if they are parallel.
+// Parameter along an axis through `at_m` of the point nearest to the mouse's ray; nothing if they are
+// parallel.
 std::optional<double> along_axis(const Camera& camera, const Eigen::Vector2d& mouse_px,
                                  const Eigen::Vector3d& at_m, const Eigen::Vector3d& axis) {
   const Pose ray = ray_through(camera, mouse_px);
@@ -128,7 +129,8 @@ GizmoChange Gizmo::drag(const Camera& camera, const Eigen::Vector2d& mouse_px, b
   if (!dragging_) return change;
   if (tool_ == GizmoTool::Move && axis_ < 3) {
     const Eigen::Vector3d axis = Eigen::Vector3d::Unit(axis_);
-    const auto from = along_axis(camera, from_px_, at_m_, axis), to = along_axis(camera, mouse_px, at_m_, axis);
+    const auto from = along_axis(camera, from_px_, at_m_, axis),
+               to = along_axis(camera, mouse_px, at_m_, axis);
     if (!from || !to) return change;
     const double way = *to - *from;
     change.shift_m = (snaps ? rounded(way, kSnap_m) : way) * axis;

@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// Current pose of an object as a scene file states it (Object.pose): of the first body of a rigid object; the best
-// fit for one that deforms. `lift_m` as in ObjectDescription.
+// Current pose of an object as a scene file states it (Object.pose): of the first body of a rigid object; the
+// best fit for one that deforms. `lift_m` as in ObjectDescription.
 Pose scene_pose(const RestBody& rest, const ObjectDrivers& drivers, double lift_m);
 
 // Yaw about y, then pitch about x, then roll about z, degrees; and back.

@@ -65,8 +65,8 @@ ScenePanel SceneEditor::shown(const Objects& objects) const {
   panel.snap = snap_;
   panel.grid = grid_;
   for (const v1::Object& object : document_.scene().objects()) {
-    panel.entries.push_back({object.name(), object.group(), selected_.contains(object.name()), object.hidden(),
-                             object.locked()});
+    panel.entries.push_back(
+        {object.name(), object.group(), selected_.contains(object.name()), object.hidden(), object.locked()});
     panel.selected += selected_.contains(object.name()) ? 1 : 0;
   }
   panel.labels.assign(assets_.labels().begin(), assets_.labels().end());
@@ -85,9 +85,10 @@ ScenePanel SceneEditor::shown(const Objects& objects) const {
   fields.name = object->name();
   fields.label = object->label();
   const EditedObject& running = now->second;
-  fields.label_hint = running.confidence < kMinConfidence || running.estimated_label.empty()
-                          ? "unknown: say what it is"
-                          : format_text("%s? (%.0f %%)", running.estimated_label.c_str(), 100 * running.confidence);
+  fields.label_hint =
+      running.confidence < kMinConfidence || running.estimated_label.empty()
+          ? "unknown: say what it is"
+          : format_text("%s? (%.0f %%)", running.estimated_label.c_str(), 100 * running.confidence);
   fields.group = object->group();
   fields.material = object->material();
   const auto behavior = std::find(kBehaviors.begin(), kBehaviors.end(), object->physics().behavior());
@@ -97,7 +98,7 @@ ScenePanel SceneEditor::shown(const Objects& objects) const {
   for (int axis = 0; axis < 3; ++axis) {
     const auto at = static_cast<size_t>(axis);
     fields.position_m[at] = running.pose.position_m[axis];
-    fields.angles_deg[at] = std::abs(angles[axis]) < 5e-5 ? 0.0 : angles[axis];
+    fields.angles_deg[at] = std::abs(angles[axis]) < 0.05 ? 0.0 : angles[axis];  // as shown, not -0.0
   }
   panel.fields = std::move(fields);
   return panel;
@@ -169,15 +170,16 @@ std::vector<EditorCall> SceneEditor::act(const SceneActions& actions, const Obje
                                                              : std::string();
   };
   if (actions.clicked) select(name_at(*actions.clicked), actions.extends);
-  const auto set_flag = [&](const std::optional<std::pair<size_t, bool>>& flag, const char* field, auto setter) {
+  const auto set_flag = [&](const std::optional<std::pair<size_t, bool>>& flag, const char* field,
+                            auto setter) {
     if (!flag) return;
     v1::EditSceneRequest request;
     v1::ObjectEdit& one = *request.add_objects();
     one.set_object(name_at(flag->first));
     (one.mutable_value()->*setter)(flag->second);
     one.add_fields(field);
-    request.set_title((flag->second ? "" : "un") + std::string(field == std::string("hidden") ? "hide " : "lock ") +
-                      one.object());
+    request.set_title((flag->second ? "" : "un") +
+                      std::string(field == std::string("hidden") ? "hide " : "lock ") + one.object());
     edit(std::move(request), field);
   };
   set_flag(actions.hidden, "hidden", &v1::Object::set_hidden);
@@ -187,7 +189,8 @@ std::vector<EditorCall> SceneEditor::act(const SceneActions& actions, const Obje
     calls.emplace_back(UndoEditCall{actions.redo});
   }
   if (actions.save || actions.save_as) {
-    for (EditorCall& call : save(actions.save_as.value_or(""), actions.replace)) calls.push_back(std::move(call));
+    for (EditorCall& call : save(actions.save_as.value_or(""), actions.replace))
+      calls.push_back(std::move(call));
   }
   if (actions.opened_assets) calls.emplace_back(ListAssetsCall{});
   if (actions.add && *actions.add < static_cast<size_t>(assets_.assets_size())) {
@@ -262,7 +265,8 @@ std::vector<EditorCall> SceneEditor::act(const SceneActions& actions, const Obje
     if (now != objects.end()) {
       Pose pose = now->second.pose;
       if (const auto& at = actions.position_m) pose.position_m = {(*at)[0], (*at)[1], (*at)[2]};
-      if (const auto& turn = actions.angles_deg) pose.orientation = orientation_of({(*turn)[0], (*turn)[1], (*turn)[2]});
+      if (const auto& turn = actions.angles_deg)
+        pose.orientation = orientation_of({(*turn)[0], (*turn)[1], (*turn)[2]});
       v1::EditSceneRequest request;
       *request.add_objects() = pose_edit(now->first, pose);
       edit(std::move(request), "moving");
@@ -314,7 +318,10 @@ std::vector<EditorCall> SceneEditor::drop_files(const std::vector<std::string>& 
 }
 
 GizmoTool SceneEditor::gizmo_tool() const {
-  return tool_ == 1 ? GizmoTool::Move : tool_ == 2 ? GizmoTool::Turn : tool_ == 3 ? GizmoTool::Scale : GizmoTool::None;
+  return tool_ == 1   ? GizmoTool::Move
+         : tool_ == 2 ? GizmoTool::Turn
+         : tool_ == 3 ? GizmoTool::Scale
+                      : GizmoTool::None;
 }
 
 std::optional<Eigen::Vector3d> SceneEditor::pivot_m(const Objects& objects) const {
@@ -364,13 +371,15 @@ std::vector<EditorCall> SceneEditor::drag(const Camera& camera, const Eigen::Vec
   return calls;
 }
 
-std::vector<EditorCall> SceneEditor::release(const Camera& camera, const Eigen::Vector2d& mouse_px, bool ctrl) {
+std::vector<EditorCall> SceneEditor::release(const Camera& camera, const Eigen::Vector2d& mouse_px,
+                                             bool ctrl) {
   std::vector<EditorCall> calls;
   if (!gizmo_.dragging()) return calls;
   const GizmoChange change = change_now(camera, mouse_px, ctrl);
   const bool scales = gizmo_tool() == GizmoTool::Scale;
   gizmo_.end();
-  const bool moved = !change.shift_m.isZero(1e-9) || change.rotation.angularDistance(Eigen::Quaterniond::Identity()) > 1e-9 ||
+  const bool moved = !change.shift_m.isZero(1e-9) ||
+                     change.rotation.angularDistance(Eigen::Quaterniond::Identity()) > 1e-9 ||
                      std::abs(change.scale - 1.0) > 1e-9;
   if (!moved) return calls;
   v1::EditSceneRequest request;
@@ -399,7 +408,8 @@ void SceneEditor::select(const std::string& name, bool extends) {
     }
   }
   const bool takes_out = extends && selected_.contains(name);
-  for (const std::string& one : together) takes_out ? void(selected_.erase(one)) : void(selected_.insert(one));
+  for (const std::string& one : together)
+    takes_out ? void(selected_.erase(one)) : void(selected_.insert(one));
 }
 
 std::optional<EditorCall> SceneEditor::see_revision(uint64_t revision) {

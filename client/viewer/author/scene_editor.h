@@ -25,26 +25,27 @@ struct UploadCall {
   std::filesystem::path file;
   v1::ObjectEdit edit;  // that adds its object
 };
-using EditorCall = std::variant<v1::EditSceneRequest, UndoEditCall, v1::SaveSceneRequest, v1::CarryObjectRequest,
-                                ListAssetsCall, GetSceneCall, UploadCall>;
+using EditorCall = std::variant<v1::EditSceneRequest, UndoEditCall, v1::SaveSceneRequest,
+                                v1::CarryObjectRequest, ListAssetsCall, GetSceneCall, UploadCall>;
 
 // An object of the running scene, as the editor needs it.
 struct EditedObject {
-  Pose pose;                   // scene_pose()
-  Eigen::Vector3d centre_m;    // of what is drawn
+  Pose pose;                 // scene_pose()
+  Eigen::Vector3d centre_m;  // of what is drawn
   double longest_side_m = 0;
   std::string estimated_label;  // what the analysis takes it for
   double confidence = 0;
 };
 
-// State of the Scene panel and of the gizmo: the document as the server last sent it, selection, tool. Makes no
-// calls. Renderer thread.
+// State of the Scene panel and of the gizmo: the document as the server last sent it, selection, tool. Makes
+// no calls. Renderer thread.
 class SceneEditor {
  public:
   using Objects = std::map<std::string, EditedObject>;  // of the newest frame, by name
 
   ScenePanel shown(const Objects& objects) const;
-  // The calls for the actions on the panel. `floor_m`: where a new object is put. `view`: as bookmarks keep it.
+  // The calls for the actions on the panel. `floor_m`: where a new object is put. `view`: as bookmarks keep
+  // it.
   std::vector<EditorCall> act(const SceneActions& actions, const Objects& objects,
                               const Eigen::Vector3d& floor_m, const v1::Bookmark& view);
 
@@ -79,7 +80,8 @@ class SceneEditor {
 
  private:
   const v1::Object* described(const std::string& name) const;
-  v1::EditSceneRequest edit_of_selection(const v1::Object& value, const std::vector<std::string>& fields) const;
+  v1::EditSceneRequest edit_of_selection(const v1::Object& value,
+                                         const std::vector<std::string>& fields) const;
   std::vector<EditorCall> save(const std::string& file, bool replace);
   GizmoChange change_now(const Camera& camera, const Eigen::Vector2d& mouse_px, bool ctrl) const;
   void begin_edit(const std::string& what);

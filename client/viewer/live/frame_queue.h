@@ -47,8 +47,8 @@ class FrameQueue final : public StreamSink {
     bool back = false;                           // the frames are the first after a reconnect
   };
   Result<StreamUpdate> take(SceneView& view);
-  // Objects that were there when the client joined: hidden ones are left out of all frames, as those are that an
-  // event describes so. Renderer thread.
+  // Objects that were there when the client joined: hidden ones are left out of all frames, as those are that
+  // an event describes so. Renderer thread.
   void hide(std::span<const StreamedObject> joined);
 
   // Starts or stops keeping every frame for a recording.

@@ -107,6 +107,7 @@ class WindowRun {
   std::optional<SceneView::Picked> pointed_;  // kernel under the mouse
   bool was_left_ = false, panels_shown_ = true;
   bool asked_to_start_ = false;
+  std::string author_selected_;    // as in the last picture
   uint64_t force_until_tick_ = 0;  // for the force of the panel
   SessionNotice notice_;
   std::string refusal_;
@@ -299,10 +300,9 @@ Result<void> WindowRun::cut_recording(const std::string& why) {
 void WindowRun::act(const WindowInput& input) {
   const PanelActions& actions = display_.actions();
   if (frame_) author_.see(*frame_, objects_, view_);
-  const std::string selected_before = author_.selected();
   const Eigen::Vector2i size = display_.size_px();
   author_.act(input, actions.scene, camera_->camera(size.x(), size.y()), view_, *camera_);
-  if (author_.selected() != selected_before) panel_.select(author_.selected());
+  if (author_.selected() != author_selected_) panel_.select(author_selected_ = author_.selected());
   std::vector<ObjectCall> calls = panel_.act(actions, objects_);
   if (actions.selected) author_.select(panel_.selected(), false);
   for (ObjectCall& call : calls) {
@@ -426,9 +426,10 @@ WindowPanels WindowRun::panels() const {
                                     run.paused ? ", paused" : ""));
   }
   if (const auto coming = arriving_.progress(); coming.objects > 0) {
-    run.lines.push_back(format_text("loading %zu objects: %.0f %% of their kernels", coming.objects,
-                                    100.0 * static_cast<double>(coming.kernels_shown) /
-                                        static_cast<double>(std::max<uint64_t>(coming.kernels_total, 1))));
+    // On the renderer's line, so that the panel keeps its height.
+    run.lines.front() += format_text(", loading %zu objects: %.0f %%", coming.objects,
+                                     100.0 * static_cast<double>(coming.kernels_shown) /
+                                         static_cast<double>(std::max<uint64_t>(coming.kernels_total, 1)));
   }
   run.graph = meter_.graph();
   if (const auto latency_ms = meter_.hand_to_picture_ms()) {

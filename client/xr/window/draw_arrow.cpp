@@ -78,14 +78,16 @@ void draw_line(ImDrawList& list, const WindowLine& line) {
   if (!faint) list.AddPolyline(points.data(), count, kDark, 0, line.width_px + 2);
   list.AddPolyline(points.data(), count, ink, 0, line.width_px);
   if (line.arrow) {
-    const Eigen::Vector2d tip = line.points_px.back(), along = tip - line.points_px[line.points_px.size() - 2];
+    const Eigen::Vector2d tip = line.points_px.back(),
+                          along = tip - line.points_px[line.points_px.size() - 2];
     if (along.norm() > 1e-6) {
       const Eigen::Vector2d unit = along.normalized(), side(-unit.y(), unit.x());
       list.AddTriangleFilled(at(tip + 10 * unit), at(tip + 5 * side), at(tip - 5 * side), ink);
     }
   }
   if (!line.label.empty())
-    draw_label(list, 0.5 * (line.points_px.front() + line.points_px.back()) + Eigen::Vector2d(8, -12), line.label, ink);
+    draw_label(list, 0.5 * (line.points_px.front() + line.points_px.back()) + Eigen::Vector2d(8, -12),
+               line.label, ink);
 }
 
 void draw_aim(ImDrawList& list, const WindowAim& aim) {

@@ -65,7 +65,9 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   had_notice_ = !panels.run.notice.empty();
 
   const float across_px = std::max(1.0f, width_px - 2 * kMargin_px), down_px = height_px - 2 * kMargin_px;
-  const float other_bars = stacked_ && panels.scene.available ? 2 : stacked_ || panels.scene.available ? 1 : 0;
+  const float other_bars = stacked_ && panels.scene.available   ? 2
+                           : stacked_ || panels.scene.available ? 1
+                                                                : 0;
   const float max_px = down_px - other_bars * (kGap_px + ImGui::GetFrameHeight());
   place(Panel::Run, kMargin_px, kMargin_px, std::min(kLeftWidth_px, across_px), 0, max_px);
   ImGui::Begin("Run", nullptr, ImGuiWindowFlags_NoResize);

@@ -17,9 +17,9 @@ std::optional<std::pair<double, double>> columns_beside_panels(double width_px, 
 // Draws the panels of a window with Dear ImGui and reports the user's actions. Keeps the position of a slider
 // that is dragged. Call between ImGui's NewFrame and Render.
 //
-// Run is on the left with Scene below it, and Objects on the right; the user can move them until the window is resized. In a
-// window narrower than kMinSideBySideWidth_px they are stacked and at most one is open: opening one closes
-// the other. The first selection opens Objects, and a notice opens Run.
+// Run is on the left with Scene below it, and Objects on the right; the user can move them until the window
+// is resized. In a window narrower than kMinSideBySideWidth_px they are stacked and at most one is open:
+// opening one closes the other. The first selection opens Objects, and a notice opens Run.
 class PanelDrawer {
  public:
   PanelActions draw(const WindowPanels& panels, float width_px, float height_px);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 
 #include "xr/window/widgets.h"
@@ -45,6 +46,9 @@ void ScenePanelDrawer::draw(const ScenePanel& panel, SceneActions& actions) {
   draw_objects(panel, actions);
   if (panel.fields) draw_fields(panel, actions);
   draw_view(panel, actions);
+  // At the end, so that nothing moves under the mouse.
+  coloured(kDimInk, panel.progress.empty() ? " " : panel.progress);
+  if (!panel.notice.empty()) coloured(kRefusalInk, panel.notice);
 }
 
 void ScenePanelDrawer::draw_steps(const ScenePanel& panel, SceneActions& actions) {
@@ -80,13 +84,7 @@ void ScenePanelDrawer::draw_steps(const ScenePanel& panel, SceneActions& actions
   ImGui::PushStyleColor(ImGuiCol_Text, kDimInk);
   ImGui::TextWrapped("%s%s", panel.file.empty() ? "not saved yet" : panel.file.c_str(),
                      panel.unsaved && !panel.file.empty() ? ", unsaved changes" : "");
-  if (!panel.progress.empty()) ImGui::TextWrapped("%s", panel.progress.c_str());
   ImGui::PopStyleColor();
-  if (!panel.notice.empty()) {
-    ImGui::PushStyleColor(ImGuiCol_Text, kRefusalInk);
-    ImGui::TextWrapped("%s", panel.notice.c_str());
-    ImGui::PopStyleColor();
-  }
 }
 
 void ScenePanelDrawer::draw_list(const ScenePanel& panel, SceneActions& actions) {
@@ -151,19 +149,19 @@ void ScenePanelDrawer::draw_objects(const ScenePanel& panel, SceneActions& actio
   ImGui::SameLine();
   actions.remove = button("Delete", any);
   tip("Delete");
-  same_line_if_it_fits("Drop");
   actions.drop = button("Drop", any);
   tip("Move it down onto what is below");
-  same_line_if_it_fits("Frame");
+  ImGui::SameLine();
   actions.frame = button("Frame");
   tip("Show the selection, or everything (F)");
   for (size_t i = 0; i < panel.kTools.size(); ++i) {
-    if (i > 0) same_line_if_it_fits(panel.kTools[i]);
+    if (i % 3 != 0) ImGui::SameLine();  // rows of fixed length: a scroll bar must not change the layout
     if (ImGui::RadioButton(panel.kTools[i], panel.tool == static_cast<int>(i)))
       actions.tool = static_cast<int>(i);
     tip(std::string("Key ") + std::to_string(i + 1));
   }
   bool snap = panel.snap, grid = panel.grid;
+  ImGui::SameLine();
   if (ImGui::Checkbox("Snap", &snap)) actions.snap = snap;
   tip("To 0.1 m, 15 degrees and 10 %; Ctrl while dragging does so too");
   ImGui::SameLine();
@@ -201,9 +199,9 @@ void ScenePanelDrawer::draw_fields(const ScenePanel& panel, SceneActions& action
     tip("Longest side");
   }
   field_name("Position, m");
-  actions.position_m = numbers("##position", fields.position_m, "%.4g");
+  actions.position_m = numbers("##position", fields.position_m, "%.3f");
   field_name("Turn, deg");
-  actions.angles_deg = numbers("##angles", fields.angles_deg, "%.4g");
+  actions.angles_deg = numbers("##angles", fields.angles_deg, "%.1f");
   tip("Yaw about y, pitch about x, roll about z");
   field_name("Group");
   actions.group = text_field("##group", fields.group);
@@ -242,8 +240,8 @@ void ScenePanelDrawer::draw_view(const ScenePanel& panel, SceneActions& actions)
 
 std::optional<std::string> ScenePanelDrawer::text_field(const char* id, const std::string& value) {
   std::string text = editing_ == id ? edited_ : value;
-  const bool entered = input_text(id, text, ImGuiInputTextFlags_EnterReturnsTrue |
-                                                ImGuiInputTextFlags_AutoSelectAll);
+  const bool entered =
+      input_text(id, text, ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
   if (ImGui::IsItemActive()) {
     editing_ = id;
     edited_ = text;
@@ -265,7 +263,7 @@ std::optional<std::array<double, 3>> ScenePanelDrawer::numbers(const char* id,
   for (size_t axis = 0; axis < 3; ++axis) {
     if (axis > 0) ImGui::SameLine();
     std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), format, values[axis]);
+    std::snprintf(text.data(), text.size(), format, std::abs(values[axis]) < 5e-4 ? 0.0 : values[axis]);
     ImGui::SetNextItemWidth(width);
     double value = 0;
     const std::string own = id + std::string(1, static_cast<char>('x' + axis));

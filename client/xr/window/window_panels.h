@@ -48,7 +48,7 @@ struct FrameGraph {
 
 struct RunPanel {
   bool paused = false, loading = false;
-  bool waiting = false;  // before the first tick, until the user starts it
+  bool waiting = false;            // before the first tick, until the user starts it
   bool recorded = false;           // playback of a recording: the scene cannot be changed
   std::string notice;              // an error, in red; empty: none
   std::vector<std::string> lines;  // status, one per line
@@ -85,8 +85,8 @@ struct ScenePanel {
   // Of the selected object, if it is only one.
   struct Fields {
     std::string name, label, label_hint, group, material;
-    int behavior = 0;          // of kBehaviors
-    double longest_side_m = 0;  // 0: cannot be edited
+    int behavior = 0;                                  // of kBehaviors
+    double longest_side_m = 0;                         // 0: cannot be edited
     std::array<double, 3> position_m{}, angles_deg{};  // angles: yaw, pitch, roll
   };
   std::optional<Fields> fields;

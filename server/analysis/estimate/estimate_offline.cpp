@@ -119,9 +119,9 @@ Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
              trust * guess.confidence < kMinMaterialConfidence) {
     if (const MaterialRow* middle = middle_material(kinds)) {
       guess.material = middle;
-      guess.reason =
-          format_text("unknown; %s is the middle of what unbreakable things of this size and shape are made of",
-                      middle->name.c_str());
+      guess.reason = format_text(
+          "unknown; %s is the middle of what unbreakable things of this size and shape are made of",
+          middle->name.c_str());
     }
   }
   return guess;

@@ -15,8 +15,8 @@ constexpr double kSurfaceTolerance_m = 0.005;
 // Minimum step and maximum number of steps of a ray march.
 constexpr double kMinMarch_m = 0.001;
 constexpr int kMaxRayMarches = 4096;
-// distance_down_m: at most this number of surface points is cast; a point at most this deep in a collider counts
-// as sunk into it, a deeper one as beyond a wall.
+// distance_down_m: at most this number of surface points is cast; a point at most this deep in a collider
+// counts as sunk into it, a deeper one as beyond a wall.
 constexpr size_t kMaxCasts = 400;
 constexpr double kSunk_m = 0.05;
 
@@ -116,14 +116,15 @@ std::optional<double> World::distance_down_m(std::span<const Eigen::Vector3d> po
     const Eigen::Vector3d& point = points_m[i];
     for (const Collider& collider : state_->colliders) {
       const double start = ColliderProbe(collider).sample(point).distance_m;
-      least = std::min(least, start > 0.0 ? way_to(collider, point, down, least)
-                                          : (start > -kSunk_m ? start : least));
+      least = std::min(
+          least, start > 0.0 ? way_to(collider, point, down, least) : (start > -kSunk_m ? start : least));
     }
     for (const auto& [id, other] : state_->objects) {
       if (id == except_object_id) continue;
       if (const RigidObject* rigid = other.rigid()) {
         for (size_t body = 0; body < rigid->body_count(); ++body) {
-          if (const auto way = livegs::ray_cast(rigid->body_at(body), point, down)) least = std::min(least, *way);
+          if (const auto way = livegs::ray_cast(rigid->body_at(body), point, down))
+            least = std::min(least, *way);
         }
       } else if (const ElasticObject* elastic = other.elastic()) {
         if (const auto hit = elastic->body->ray_cast(point, down)) least = std::min(least, hit->distance_m);

@@ -113,7 +113,8 @@ Result<BuiltObject> ObjectCache::build(const v1::Object& object, const fs::path&
     }
   }
   auto built = build_object(object, folder, index, field, settings, read);
-  if (built) keep(key, {std::make_shared<const BuiltObject>(*built), nullptr, {}, built->drawn.asset->size(), {}});
+  if (built)
+    keep(key, {std::make_shared<const BuiltObject>(*built), nullptr, {}, built->drawn.asset->size(), {}});
   return built;
 }
 

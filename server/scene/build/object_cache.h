@@ -32,12 +32,13 @@ class ObjectCache {
   void keep_cut(const std::string& key, const FragileObject& cut,
                 std::vector<std::shared_ptr<const void>> inputs);
 
-  // Larger: more memory, 240 bytes a kernel with third-order colour. Smaller: undo of an old step builds again.
+  // Larger: more memory, 240 bytes a kernel with third-order colour. Smaller: undo of an old step builds
+  // again.
   static constexpr size_t kMaxKernels = 20'000'000;
 
  private:
   struct Entry {
-    std::shared_ptr<const BuiltObject> object;   // or
+    std::shared_ptr<const BuiltObject> object;  // or
     std::shared_ptr<const FragileObject> pieces;
     std::vector<std::shared_ptr<const void>> inputs;
     size_t kernels = 0;

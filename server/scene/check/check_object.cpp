@@ -77,8 +77,9 @@ Result<void> check_material(const std::string& name, const std::string& field) {
     if (row.name.find(name) != std::string::npos || name.find(row.name) != std::string::npos)
       known += (known.empty() ? "" : ", ") + row.name;
   }
-  return missing(field, quoted(name) + " is not in the material table" +
-                            (known.empty() ? "; see server/analysis/knowledge/materials.csv" : "; similar: " + known));
+  return missing(
+      field, quoted(name) + " is not in the material table" +
+                 (known.empty() ? "; see server/analysis/knowledge/materials.csv" : "; similar: " + known));
 }
 
 Result<void> check_standing(const v1::Object& object, const std::string& field) {

@@ -90,7 +90,8 @@ bool may_resize(const v1::ObjectEdit& edit) {
   bool resizes = edit.has_longest_side_m();
   for (const std::string& field : edit.fields()) {
     if (field == "pose") return false;  // the author says where it goes
-    resizes |= field == "label" || field == "name" || field == "scale" || field == "up" || field == "material";
+    resizes |=
+        field == "label" || field == "name" || field == "scale" || field == "up" || field == "material";
   }
   return resizes;
 }
@@ -171,9 +172,12 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
     if (auto set = set_fields(object, edit); !set)
       return Error{set.error().code, "object \"" + before + "\": " + set.error().message};
     if (object.name().size() > kMaxNameLength)
-      return invalid_argument("object \"" + shown_text(before, 80) + "\": name: is longer than 120 characters");
+      return invalid_argument("object \"" + shown_text(before, 80) +
+                              "\": name: is longer than 120 characters");
     if (object.name().empty()) object.set_name(before);
     if (object.name() != before) {
+      // A name is only a name: what the object is stays what it was taken for.
+      if (object.label().empty()) object.set_label(before);
       object.set_name(free_name(scene, object.name(), index));
       rename_references(scene, before, object.name());
     }
@@ -243,7 +247,9 @@ std::string title_of(const v1::EditSceneRequest& request) {
   else if (edit.has_longest_side_m())
     what = "scale";
   else if (edit.fields_size() == 1)
-    what = edit.fields(0) == "pose" ? "move" : edit.fields(0) == "name" ? "rename" : "set " + edit.fields(0) + " of";
+    what = edit.fields(0) == "pose"   ? "move"
+           : edit.fields(0) == "name" ? "rename"
+                                      : "set " + edit.fields(0) + " of";
   if (request.objects_size() > 1) return what + " " + std::to_string(request.objects_size()) + " objects";
   const std::string name = !edit.object().empty()    ? edit.object()
                            : !edit.copy_of().empty() ? edit.copy_of()

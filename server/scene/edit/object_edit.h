@@ -16,10 +16,10 @@ void name_objects(v1::Scene& scene);
 
 // What an edit needs to know of the running scene.
 struct ObjectMeasures {
-  double longest_side_m = 0;           // now, at the object's scale
-  double scale = 1;                    // metres per unit of the asset, given or guessed
-  double bottom_m = 0;                 // of its lowest point above the origin of its frame, along up
-  std::optional<double> way_down_m;    // until it stands on something; nullopt: nothing is below
+  double longest_side_m = 0;         // now, at the object's scale
+  double scale = 1;                  // metres per unit of the asset, given or guessed
+  double bottom_m = 0;               // of its lowest point above the origin of its frame, along up
+  std::optional<double> way_down_m;  // until it stands on something; nullopt: nothing is below
 };
 using MeasureObject = std::function<Result<ObjectMeasures>(const v1::Object& object)>;
 

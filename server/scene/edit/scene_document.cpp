@@ -191,8 +191,9 @@ std::vector<v1::SceneChange::Edit> edits_between(const v1::Scene& before, const 
   }
   for (int i = 0; i < before.objects_size(); ++i) {
     const std::string name = object_name(before.objects(i), i);
-    const bool goes = !now.contains(name) && std::none_of(renamed.begin(), renamed.end(),
-                                                          [&](const auto& one) { return one.second == name; });
+    const bool goes =
+        !now.contains(name) &&
+        std::none_of(renamed.begin(), renamed.end(), [&](const auto& one) { return one.second == name; });
     if (goes) removed.emplace_back().set_object(name);
   }
   for (int i = 0; i < after.objects_size(); ++i) {

@@ -14,11 +14,11 @@
 
 namespace livegs {
 
-// The scene that authors edit: a Scene message, one log of steps for undo, and the files that it is kept in. One
-// thread at a time.
+// The scene that authors edit: a Scene message, one log of steps for undo, and the files that it is kept in.
+// One thread at a time.
 //
-// The journal .NAME.unsaved holds the whole document as a scene file. It is replaced after every step and removed
-// by a save, so a killed server loses at most the step under way.
+// The journal .NAME.unsaved holds the whole document as a scene file. It is replaced after every step and
+// removed by a save, so a killed server loses at most the step under way.
 class SceneDocument {
  public:
   // `text`: the scene as read. Continues from the journal of an earlier run if there is one: its changes are
@@ -46,11 +46,11 @@ class SceneDocument {
   const Step* next(bool redo) const;
 
   // Each returns a warning if the journal could not be written; the document has changed all the same.
-  std::string commit(Step step);   // a new step; what was undone is forgotten
-  std::string take(bool redo);     // precondition: next(redo)
+  std::string commit(Step step);  // a new step; what was undone is forgotten
+  std::string take(bool redo);    // precondition: next(redo)
 
-  // Writes the scene file: `file` in the scene's folder, or if empty the scene's own. An earlier version of an
-  // existing file is kept as FILE.bak. Returns the file's name.
+  // Writes the scene file: `file` in the scene's folder, or if empty the scene's own. An earlier version of
+  // an existing file is kept as FILE.bak. Returns the file's name.
   Result<std::string> save(const std::string& file, bool replace);
 
   // Whether the scene file was changed by another program since it was read or saved.

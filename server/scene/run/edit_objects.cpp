@@ -90,8 +90,7 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
   // Asleep without contacts that would wake them, so they are looked after here.
   std::vector<uint32_t> supported;
   for (const auto& [id, standing] : standing_) {
-    if (standing && (!present || id != present->id) &&
-        world_->distance_down_m(id, kMaxStandingGap_m))
+    if (standing && (!present || id != present->id) && world_->distance_down_m(id, kMaxStandingGap_m))
       supported.push_back(id);
   }
   const auto wake_unsupported = [&] {
@@ -113,8 +112,7 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
   if (exists && same_body(file_.objects(index), after) && !is_jointed(file_, edit.object())) {
     const v1::Object before = file_.objects(index);
     SceneObject& object = drawn(present->id);
-    const bool moved =
-        !google::protobuf::util::MessageDifferencer::Equals(before.pose(), after.pose());
+    const bool moved = !google::protobuf::util::MessageDifferencer::Equals(before.pose(), after.pose());
     const bool placed = !moved || world_->place(object.id, body_pose(after, object.lift_m));
     if (placed) {
       *file_.mutable_objects(index) = after;

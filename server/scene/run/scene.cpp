@@ -266,7 +266,8 @@ void Scene::begin_cut(const SceneObject& object) {
     cutting_.emplace_back(object.id, *cuttable.mesh, material.fill, object.asset, options);
 }
 
-// Everything that the cut of an object is made from. A mesh is known by its address, which the cache keeps alive.
+// Everything that the cut of an object is made from. A mesh is known by its address, which the cache keeps
+// alive.
 std::string Scene::cut_key(const SceneObject& object) const {
   const Cuttable& cuttable = cuttable_.at(object.id);
   const Material& material = *world_->material(object.id);
@@ -274,9 +275,10 @@ std::string Scene::cut_key(const SceneObject& object) const {
   const Eigen::Vector3f inside = cuttable.interior_rgb.value_or(Eigen::Vector3f::Constant(-1));
   std::snprintf(key.data(), key.size(), "cut %p %p %p %u %d %llu %.9g %.9g %.9g",
                 static_cast<const void*>(cuttable.mesh.get()), static_cast<const void*>(cuttable.fine.get()),
-                static_cast<const void*>(object.asset.get()), cuttable.pieces, static_cast<int>(material.fill),
-                static_cast<unsigned long long>(cut_seed(object)), static_cast<double>(inside.x()),
-                static_cast<double>(inside.y()), static_cast<double>(inside.z()));
+                static_cast<const void*>(object.asset.get()), cuttable.pieces,
+                static_cast<int>(material.fill), static_cast<unsigned long long>(cut_seed(object)),
+                static_cast<double>(inside.x()), static_cast<double>(inside.y()),
+                static_cast<double>(inside.z()));
   return key.data();
 }
 

@@ -134,8 +134,7 @@ Result<SceneAnalysis> SceneAnalysis::changed(const std::vector<std::string>& gon
     if (snapshot->with_kernels) {
       auto kernels = placed_kernels(one.drawn, one.object_from_asset, pose);
       if (!kernels) return kernels.error();
-      snapshot->viewed.objects.push_back(
-          {known->target.object_id, one.drawn.asset, std::move(*kernels)});
+      snapshot->viewed.objects.push_back({known->target.object_id, one.drawn.asset, std::move(*kernels)});
     }
     snapshot->objects.push_back(std::move(*known));
   }

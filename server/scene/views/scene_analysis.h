@@ -33,8 +33,8 @@ class SceneAnalysis {
     v1::PhysicalParameters known;  // includes the sidecar's answer, if it exists
   };
   const std::vector<Object>& objects() const;
-  // A snapshot without the objects of these names and with newly built ones, whose ids are given in order from
-  // `first_id` on.
+  // A snapshot without the objects of these names and with newly built ones, whose ids are given in order
+  // from `first_id` on.
   Result<SceneAnalysis> changed(const std::vector<std::string>& gone, std::span<const BuiltObject> fresh,
                                 uint32_t first_id) const;
   // Returns all objects except the targets, with their parameters at the time of the snapshot. Without

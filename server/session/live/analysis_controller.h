@@ -34,8 +34,8 @@ class AnalysisController final : public AnalysisControl {
   // undone or waits for a decision. Returns at once.
   void begin();
 
-  // Objects of these names are gone, and these were built. Values and proposals of an object that was built again
-  // are read from its sidecar.
+  // Objects of these names are gone, and these were built. Values and proposals of an object that was built
+  // again are read from its sidecar.
   void change(const std::vector<std::string>& gone, std::span<const BuiltObject> fresh);
 
   // Passes a reloaded scene to the loop. Its file, measurements and body types are used from now on.

@@ -127,7 +127,8 @@ Error too_many_edits() {
 }  // namespace
 
 void SceneAuthor::edit(v1::EditSceneRequest request, Answer<v1::EditSceneReply> answer) {
-  if (!post([this, request = std::move(request), answer] { answer(edited(request)); })) answer(too_many_edits());
+  if (!post([this, request = std::move(request), answer] { answer(edited(request)); }))
+    answer(too_many_edits());
 }
 
 void SceneAuthor::undo(bool redo, Answer<v1::EditSceneReply> answer) {
@@ -168,7 +169,8 @@ Result<BuiltObject> SceneAuthor::built(const v1::Scene& scene, int index, v1::Ph
 }
 
 Result<ObjectMeasures> SceneAuthor::measure(const v1::Object& object) const {
-  if (auto checked = check_object(object, "object"); !checked) return of_object(checked.error(), object.name());
+  if (auto checked = check_object(object, "object"); !checked)
+    return of_object(checked.error(), object.name());
   v1::Scene alone = document_.scene();
   *alone.add_objects() = object;
   auto object_built = built(alone, alone.objects_size() - 1, nullptr);
@@ -223,7 +225,8 @@ Result<std::vector<std::string>> SceneAuthor::apply(const v1::Scene& before, con
 Result<v1::EditSceneReply> SceneAuthor::edited(const v1::EditSceneRequest& request) {
   v1::EditSceneReply reply;
   std::vector<std::string> names;
-  auto step = document_.prepare(request, [this](const v1::Object& object) { return measure(object); }, names);
+  auto step = document_.prepare(
+      request, [this](const v1::Object& object) { return measure(object); }, names);
   if (!step) return step.error();
   auto warnings = apply(step->before, step->after);
   if (!warnings) return warnings.error();

@@ -16,11 +16,12 @@
 namespace livegs {
 
 // Applies edits of authors to the document and to the running scene. Edits are prepared on one thread, in the
-// order of their arrival: objects are built into the cache first, so that an edit that cannot be built changes
-// nothing, and the simulation takes it within a tick.
+// order of their arrival: objects are built into the cache first, so that an edit that cannot be built
+// changes nothing, and the simulation takes it within a tick.
 class SceneAuthor final : public AuthorControl {
  public:
-  // `options`: those that the scene was loaded with; they have a cache. `loop` and `analysis` must outlive this.
+  // `options`: those that the scene was loaded with; they have a cache. `loop` and `analysis` must outlive
+  // this.
   SceneAuthor(SceneDocument document, const SceneOptions& options, SimulationLoop& loop,
               AnalysisController& analysis);
   ~SceneAuthor() override;  // ends after the edit under way

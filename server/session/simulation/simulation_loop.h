@@ -66,8 +66,8 @@ class SimulationLoop : public InputSink {
   // the last tick are dropped.
   void post(v1::SceneChange change);
   void post(std::vector<v1::SceneChange> changes);  // for one tick
-  // Calls `read` with the scene between two ticks, on the loop's thread, and waits for it. Without calling it,
-  // false if the loop does not run or takes longer than two seconds.
+  // Calls `read` with the scene between two ticks, on the loop's thread, and waits for it. Without calling
+  // it, false if the loop does not run or takes longer than two seconds.
   bool query(const std::function<void(const Scene&)>& read);
   // Of every scene of this loop. Any thread.
   const WorldSettings& world_settings() const { return world_settings_; }

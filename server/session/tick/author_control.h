@@ -12,8 +12,8 @@
 
 namespace livegs {
 
-// Editing of a running scene by clients. Any thread. Calls that build objects return at once and answer later, on
-// a thread of their own and in the order of the calls.
+// Editing of a running scene by clients. Any thread. Calls that build objects return at once and answer
+// later, on a thread of their own and in the order of the calls.
 class AuthorControl {
  public:
   virtual ~AuthorControl() = default;

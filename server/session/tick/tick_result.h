@@ -42,8 +42,8 @@ struct RunStatus {
   bool paused = false;
   bool loading = false;  // a reset is in progress
   uint32_t resets = 0;
-  double simulated_s = 0;  // since the current scene was loaded
-  std::string message;     // reason for the last failed reset
+  double simulated_s = 0;      // since the current scene was loaded
+  std::string message;         // reason for the last failed reset
   uint64_t edit_revision = 0;  // of the document that authors edit; 0: none
   bool waiting = false;        // paused before the first tick, until a client starts it
 };

@@ -25,7 +25,8 @@ class Authoring : public Programs {
   }
   // Starts a server on made/room.scene.json and connects.
   void serve(bool fresh) {
-    std::vector<std::string> words = {LIVEGS_SERVER, folder_ / "made/room.scene.json", "--listen", "127.0.0.1:0",
+    std::vector<std::string> words = {LIVEGS_SERVER,  folder_ / "made/room.scene.json",
+                                      "--listen",     "127.0.0.1:0",
                                       "--print-port", "--offline"};
     if (fresh) words.push_back("--new");
     server_ = std::make_unique<Program>(words);
@@ -49,7 +50,8 @@ class Authoring : public Programs {
     return done ? std::vector<std::string>(done->objects().begin(), done->objects().end())
                 : std::vector<std::string>(1);
   }
-  static v1::EditSceneRequest one(const std::string& object, const std::function<void(v1::ObjectEdit&)>& change) {
+  static v1::EditSceneRequest one(const std::string& object,
+                                  const std::function<void(v1::ObjectEdit&)>& change) {
     v1::EditSceneRequest request;
     request.add_objects()->set_object(object);
     change(*request.mutable_objects(0));
@@ -59,13 +61,15 @@ class Authoring : public Programs {
     return one("", [&](v1::ObjectEdit& edit) {
       edit.mutable_value()->set_asset(asset);
       edit.mutable_value()->set_standing(true);
-      for (const double coordinate : {x, 0.0, 0.0}) edit.mutable_value()->mutable_pose()->add_position_m(coordinate);
+      for (const double coordinate : {x, 0.0, 0.0})
+        edit.mutable_value()->mutable_pose()->add_position_m(coordinate);
       edit.set_drop(true);
     });
   }
   static v1::EditSceneRequest moved(const std::string& object, double x, double z) {
     return one(object, [&](v1::ObjectEdit& edit) {
-      for (const double coordinate : {x, 1.0, z}) edit.mutable_value()->mutable_pose()->add_position_m(coordinate);
+      for (const double coordinate : {x, 1.0, z})
+        edit.mutable_value()->mutable_pose()->add_position_m(coordinate);
       edit.add_fields("pose");
     });
   }
@@ -107,7 +111,8 @@ TEST_F(Authoring, ASceneIsBuiltSavedAndOpenedTheSame) {
   soft.set_behavior(v1::Physics::ELASTIC);
   soft.set_youngs_modulus_pa(3e4);
   ASSERT_TRUE(author_->set_physics("pillow", soft));
-  while (document().undo() != "edit values of pillow") std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  while (document().undo() != "edit values of pillow")
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_FALSE(author_->save_scene({}).value().file().empty());
   const v1::SceneDocument saved = document();
   EXPECT_FALSE(saved.unsaved());
@@ -123,13 +128,15 @@ TEST_F(Authoring, ASceneIsBuiltSavedAndOpenedTheSame) {
 
 TEST_F(Authoring, AKilledServerLosesAtMostTheStepUnderWay) {
   serve(true);
-  std::vector<v1::EditSceneRequest> steps = {added("cup.ply", 0), moved("cup", 0.3, 0.1), added("pillow.ply", 1),
-                                             one("pillow", [](v1::ObjectEdit& edit) { edit.set_remove(true); })};
+  std::vector<v1::EditSceneRequest> steps = {
+      added("cup.ply", 0), moved("cup", 0.3, 0.1), added("pillow.ply", 1),
+      one("pillow", [](v1::ObjectEdit& edit) { edit.set_remove(true); })};
   for (size_t i = 0; i < steps.size(); ++i) {
     edit(steps[i]);
     const v1::Scene before = document().scene();
     kill_server();
-    if (i == 0) EXPECT_FALSE(std::filesystem::exists(folder_ / "made/room.scene.json")) << "nothing was saved";
+    if (i == 0)
+      EXPECT_FALSE(std::filesystem::exists(folder_ / "made/room.scene.json")) << "nothing was saved";
     serve(i < steps.size());  // there is no scene file until a save
     EXPECT_TRUE(MessageDifferencer::Equals(document().scene(), before)) << "after step " << i;
     EXPECT_TRUE(document().unsaved());
@@ -172,10 +179,12 @@ TEST_F(Authoring, BadEditsChangeNothing) {
   };
   EXPECT_NE(refusal(added("none.ply", 0)).find("none.ply"), std::string::npos);
   EXPECT_NE(refusal(added("../sample/hat.ply/..", 0)), "accepted");
-  EXPECT_NE(refusal(one("cup", [](v1::ObjectEdit& edit) {
-                edit.mutable_value()->set_material("unobtainium");
-                edit.add_fields("material");
-              })).find("is not in the material table"),
+  EXPECT_NE(refusal(one("cup",
+                        [](v1::ObjectEdit& edit) {
+                          edit.mutable_value()->set_material("unobtainium");
+                          edit.add_fields("material");
+                        }))
+                .find("is not in the material table"),
             std::string::npos);
   v1::EditSceneRequest half = moved("cup", 1, 1);  // the second edit fails, so the first is not made
   half.add_objects()->set_object("jug");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene that is built in the window: files dropped in, named, moved by gizmo and by numbers, scaled, deleted,
-// undone, edited, saved, and opened again.
+// A scene that is built in the window: files dropped in, named, moved by gizmo and by numbers, scaled,
+// deleted, undone, edited, saved, and opened again.
 #include <google/protobuf/util/message_differencer.h>
 
 #include <future>
@@ -26,7 +26,8 @@ class WindowAuthor : public WindowHands {
     if (server_) server_->send(SIGTERM);
   }
   void serve(bool fresh) {
-    std::vector<std::string> words = {LIVEGS_SERVER, folder_ / "made/room.scene.json", "--listen", "127.0.0.1:0",
+    std::vector<std::string> words = {LIVEGS_SERVER,  folder_ / "made/room.scene.json",
+                                      "--listen",     "127.0.0.1:0",
                                       "--print-port", "--offline"};
     if (fresh) words.push_back("--new");
     server_ = std::make_unique<Program>(words);
@@ -75,7 +76,8 @@ class WindowAuthor : public WindowHands {
   void drop(const std::string& file, double x) {
     auto dropped = std::make_shared<std::future<bool>>();
     const Eigen::Vector2d at = pixel_of(camera(), {x, 0, 0.3}).value();
-    act({[this, at] { hands_->move(at.x(), at.y()); }, [] {}, [this, dropped, at, file] {
+    act({[this, at] { hands_->move(at.x(), at.y()); }, [] {},
+         [this, dropped, at, file] {
            *dropped = std::async(std::launch::async, [this, file, at] {
              return hands_->drop_files({(folder_ / "sample" / file).string()}, at.x(), at.y());
            });
@@ -84,11 +86,13 @@ class WindowAuthor : public WindowHands {
       return dropped->wait_for(std::chrono::seconds(0)) == std::future_status::ready && dropped->get();
     });
   }
-  // Fields of the Scene panel from below: 0 background, 1 view, 2 group, 3 turn, 4 position, 5 size, …
+  // Text fields of the Scene panel from below: 0 group, 1 turn, 2 position, 3 size, 4 name.
   void click_field(const std::string& name, size_t from_below, double x) {
-    click(name, [from_below, x](const Image& shown) -> std::optional<Eigen::Vector2d> {
-      const std::vector<int> rows = widgets(shown, kFields + 3, 46, 51, 61);
-      if (rows.size() < from_below + 1) return std::nullopt;
+    auto before = std::make_shared<std::vector<int>>();
+    click(name, [from_below, x, before](const Image& shown) -> std::optional<Eigen::Vector2d> {
+      const std::vector<int> rows = widgets(shown, kFieldsEnd, 46, 51, 61);
+      const bool moves = std::exchange(*before, rows) != rows;  // a panel takes its size one picture later
+      if (moves || rows.size() != kTextRows) return std::nullopt;
       return Eigen::Vector2d(x, rows[rows.size() - 1 - from_below]);
     });
   }
@@ -103,7 +107,8 @@ class WindowAuthor : public WindowHands {
   }
 
   static constexpr int kWindowHeight = 1000;
-  static constexpr int kFields = 10 + 8 + 84;  // left end of the Scene panel's fields
+  static constexpr size_t kTextRows = 6;                     // with the search above the list
+  static constexpr int kFields = 10 + 84, kFieldsEnd = 283;  // ends of the Scene panel's fields
   std::unique_ptr<Program> server_;
   std::unique_ptr<SceneControl> control_;
   std::string address_;
@@ -122,7 +127,7 @@ TEST_F(WindowAuthor, BuildsAScene) {
   keep("author_1_dropped");
 
   // The hat was added last and is selected: named in its field.
-  click_field("the name", 9, kFields + 40);
+  click_field("the name", 4, kFields + 40);
   type({"f", "e", "z"});
   step("the new name", [this](const Image&) { return object("fez") != nullptr; });
   keep("author_2_named");
@@ -159,7 +164,7 @@ TEST_F(WindowAuthor, BuildsAScene) {
   press_key("1");
 
   // Moved by numbers.
-  click_field("the position", 4, kFields + 20);
+  click_field("the position", 2, kFields + 20);
   type({"1", "period", "5"});
   step("the number", [this](const Image&) { return along("fez", 0) == 1.5; });
   chord("z");
@@ -168,7 +173,7 @@ TEST_F(WindowAuthor, BuildsAScene) {
   step("and redone", [this](const Image&) { return along("fez", 0) == 1.5; });
 
   // Scaled by its size.
-  click_field("the size", 5, kFields + 40);
+  click_field("the size", 3, kFields + 40);
   type({"0", "period", "5"});
   step("the scale", [this](const Image&) {
     const v1::Object* fez = object("fez");
@@ -179,7 +184,8 @@ TEST_F(WindowAuthor, BuildsAScene) {
   // Deleted and brought back.
   act({[this] { hands_->move(600, 900); }, [] {}});
   press_key("Delete");
-  step("the hat deleted", [this](const Image&) { return object("fez") == nullptr && seen_.objects_size() == 3; });
+  step("the hat deleted",
+       [this](const Image&) { return object("fez") == nullptr && seen_.objects_size() == 3; });
   chord("z");
   step("the hat back", [this](const Image&) { return object("fez") != nullptr; });
   pictures(3);
@@ -187,7 +193,8 @@ TEST_F(WindowAuthor, BuildsAScene) {
 
   // Saved.
   chord("s");
-  step("the file", [this](const Image&) { return std::filesystem::exists(folder_ / "made/room.scene.json"); });
+  step("the file",
+       [this](const Image&) { return std::filesystem::exists(folder_ / "made/room.scene.json"); });
   step("no unsaved change", [this](const Image&) {
     const auto document = control_->scene();
     return document && !document->unsaved();

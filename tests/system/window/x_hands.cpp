@@ -106,7 +106,8 @@ bool XHands::drop_files(const std::vector<std::string>& files, double x_px, doub
   XSetSelectionOwner(display, selection, source, CurrentTime);
   int x = 0, y = 0;
   ::Window child = 0;
-  XTranslateCoordinates(display, target, root, static_cast<int>(x_px), static_cast<int>(y_px), &x, &y, &child);
+  XTranslateCoordinates(display, target, root, static_cast<int>(x_px), static_cast<int>(y_px), &x, &y,
+                        &child);
   const auto tell = [&](const char* message, const std::vector<long>& data) {
     XEvent event{};
     event.type = ClientMessage;
@@ -121,7 +122,8 @@ bool XHands::drop_files(const std::vector<std::string>& files, double x_px, doub
   std::string text;
   for (const std::string& file : files) text += "file://" + file + "\r\n";
   tell("XdndEnter", {5L << 24, static_cast<long>(list), 0, 0});
-  tell("XdndPosition", {0, (static_cast<long>(x) << 16) | y, CurrentTime, static_cast<long>(atom("XdndActionCopy"))});
+  tell("XdndPosition",
+       {0, (static_cast<long>(x) << 16) | y, CurrentTime, static_cast<long>(atom("XdndActionCopy"))});
   bool taken = false;
   for (int waits = 0; waits < 1000 && !taken; ++waits) {
     while (XPending(display) > 0) {

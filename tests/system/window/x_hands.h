@@ -22,10 +22,10 @@ class XHands {
   void release(int button = 1);
   void key(const std::string& name, bool down);  // X key name: "space"
   void close();                                  // as a window manager requests it
-  // Drops files at a place, as a file manager does (XDND). Blocks until the window has taken them, so it is called
-  // on a thread of its own; false if the window does not take them within ten seconds.
+  // Drops files at a place, as a file manager does (XDND). Blocks until the window has taken them, so it is
+  // called on a thread of its own; false if the window does not take them within ten seconds.
   bool drop_files(const std::vector<std::string>& files, double x_px, double y_px) const;
-  Image picture() const;                         // content of the window; empty until it is mapped
+  Image picture() const;  // content of the window; empty until it is mapped
 
  private:
   struct Window;

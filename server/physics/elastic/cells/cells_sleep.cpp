@@ -133,7 +133,8 @@ void CellsBody::restore_last_valid_state() {
   if (holding_.held) {
     set_rest_shape(holding_.world_from_object, still, still);
   } else {
-    set_rest_shape({whole_.position_m - whole_.orientation * rest_centre_m(), whole_.orientation}, still, still);
+    set_rest_shape({whole_.position_m - whole_.orientation * rest_centre_m(), whole_.orientation}, still,
+                   still);
   }
 }
 

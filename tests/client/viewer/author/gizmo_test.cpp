@@ -82,8 +82,10 @@ TEST(ObjectPoses, OfAMovedLattice) {
   RestBody rest;
   rest.kind = DriverKind::Lattice;
   rest.cell_width_m = 0.1;
-  rest.object_from_lattice = {{0.05, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()))};
-  const Pose pose{{1, 0.5, -2}, Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()))};
+  rest.object_from_lattice = {{0.05, 0, 0},
+                              Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()))};
+  const Pose pose{{1, 0.5, -2},
+                  Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()))};
   ObjectDrivers drivers;
   drivers.kind = DriverKind::Lattice;
   for (int x = 0; x < 3; ++x) {
@@ -96,7 +98,8 @@ TEST(ObjectPoses, OfAMovedLattice) {
     }
   }
   const Pose found = scene_pose(rest, drivers, 0.25);
-  EXPECT_LT((found * Eigen::Vector3d(0, 0.25, 0) - pose.position_m).norm(), 1e-5) << "the body's frame is lifted";
+  EXPECT_LT((found * Eigen::Vector3d(0, 0.25, 0) - pose.position_m).norm(), 1e-5)
+      << "the body's frame is lifted";
   EXPECT_LT(found.orientation.angularDistance(pose.orientation), 1e-4);
 }
 

@@ -106,7 +106,8 @@ TEST_F(Editors, TheGizmoMovesTheSelectionAndEndsInOneStep) {
   ASSERT_EQ(released.size(), 1u);
   const auto& request = std::get<v1::EditSceneRequest>(released[0]);
   ASSERT_EQ(request.objects_size(), 2);
-  EXPECT_EQ(request.objects(0).value().pose().position_m(0), carry.pose().position_m(0)) << "where it was carried";
+  EXPECT_EQ(request.objects(0).value().pose().position_m(0), carry.pose().position_m(0))
+      << "where it was carried";
   EXPECT_GT(carry.pose().position_m(0), 0.05);
   EXPECT_EQ(request.title(), "move 2 objects");
   EXPECT_FALSE(editor_.dragging());

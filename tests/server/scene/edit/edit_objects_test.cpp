@@ -125,7 +125,8 @@ TEST_F(Edits, ACarriedObjectPushesWhatItMeets) {
   const Eigen::Vector3d soft_before = place(scene, "soft");
   for (int i = 0; i < 90; ++i) {  // 1.2 m in a second, through the soft block
     carry.mutable_pose()->clear_position_m();
-    for (const double coordinate : {1.2 * i / 90.0, 0.1, 0.0}) carry.mutable_pose()->add_position_m(coordinate);
+    for (const double coordinate : {1.2 * i / 90.0, 0.1, 0.0})
+      carry.mutable_pose()->add_position_m(coordinate);
     scene.carry(carry);
     scene.step();
   }

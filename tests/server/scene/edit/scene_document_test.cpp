@@ -44,11 +44,13 @@ class Documents : public ::testing::Test {
     v1::EditSceneRequest request;
     v1::ObjectEdit& edit = *request.add_objects();
     edit.set_object(name);
-    for (const double coordinate : {x, 0.5, 0.0}) edit.mutable_value()->mutable_pose()->add_position_m(coordinate);
+    for (const double coordinate : {x, 0.5, 0.0})
+      edit.mutable_value()->mutable_pose()->add_position_m(coordinate);
     edit.add_fields("pose");
     return request;
   }
-  static v1::EditSceneRequest with(const std::string& name, const std::function<void(v1::ObjectEdit&)>& change) {
+  static v1::EditSceneRequest with(const std::string& name,
+                                   const std::function<void(v1::ObjectEdit&)>& change) {
     v1::EditSceneRequest request;
     request.add_objects()->set_object(name);
     change(*request.mutable_objects(0));
@@ -88,13 +90,13 @@ TEST_F(Documents, FieldsKeepWhatOthersWrote) {
   SceneDocument document = open();
   ASSERT_TRUE(edit(document, moved("cup", 1)));
   ASSERT_TRUE(edit(document, with("cup", [](v1::ObjectEdit& edit) {
-    edit.mutable_value()->set_label("marble bust");
-    edit.add_fields("label");
-  })));
+                     edit.mutable_value()->set_label("marble bust");
+                     edit.add_fields("label");
+                   })));
   ASSERT_TRUE(edit(document, with("cup", [](v1::ObjectEdit& edit) {
-    edit.mutable_value()->mutable_physics()->set_behavior(v1::Physics::RIGID);
-    edit.add_fields("physics.behavior");
-  })));
+                     edit.mutable_value()->mutable_physics()->set_behavior(v1::Physics::RIGID);
+                     edit.add_fields("physics.behavior");
+                   })));
   const v1::Object& cup = document.scene().objects(0);
   EXPECT_EQ(cup.pose().position_m(0), 1);
   EXPECT_EQ(cup.label(), "marble bust");
@@ -106,9 +108,9 @@ TEST_F(Documents, FieldsKeepWhatOthersWrote) {
 TEST_F(Documents, NamesStayUniqueAndReferencesFollow) {
   SceneDocument document = open();
   const auto renamed = edit(document, with("cup", [](v1::ObjectEdit& edit) {
-    edit.mutable_value()->set_name("box");
-    edit.add_fields("name");
-  }));
+                              edit.mutable_value()->set_name("box");
+                              edit.add_fields("name");
+                            }));
   ASSERT_TRUE(renamed);
   EXPECT_EQ(renamed->at(0), "box 2");
   EXPECT_EQ(document.scene().events(0).force().object(), "box 2");
@@ -133,9 +135,9 @@ TEST_F(Documents, RefusesWhatCannotBe) {
   EXPECT_EQ(document.revision(), 1u) << "a refused edit is no step";
 
   ASSERT_TRUE(edit(document, with("box", [](v1::ObjectEdit& edit) {
-    edit.mutable_value()->set_locked(true);
-    edit.add_fields("locked");
-  })));
+                     edit.mutable_value()->set_locked(true);
+                     edit.add_fields("locked");
+                   })));
   EXPECT_EQ(refusal(moved("box", 1)), "object \"box\": is locked; unlock it first");
   EXPECT_TRUE(edit(document, with("box", [](v1::ObjectEdit& edit) { edit.add_fields("locked"); })));
   EXPECT_TRUE(edit(document, moved("box", 1)));
@@ -179,8 +181,8 @@ TEST_F(Documents, SeesThatAnotherProgramChangedTheFile) {
   SceneDocument document = open();
   EXPECT_FALSE(document.changed_on_disk());
   folder_.write("two.scene.json", R"({ "objects": [] })");
-  std::filesystem::last_write_time(scene_, std::filesystem::file_time_type::clock::now() +
-                                               std::chrono::seconds(2));
+  std::filesystem::last_write_time(scene_,
+                                   std::filesystem::file_time_type::clock::now() + std::chrono::seconds(2));
   EXPECT_TRUE(document.changed_on_disk());
   EXPECT_EQ(document.save("", false).error().message,
             "file: two.scene.json was changed by another program; replace it, or save under another name");
