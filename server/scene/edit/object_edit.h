@@ -27,11 +27,6 @@ using MeasureObject = std::function<Result<ObjectMeasures>(const v1::Object& obj
 // error it may be changed in part. `measure` is called for edits of size and for those that drop an object.
 Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, const MeasureObject& measure);
 
-// Changes the name of an object in events and joints.
-void rename_references(v1::Scene& scene, const std::string& from, const std::string& to);
-// The event or joint that names the object, such as "events[2]"; empty if there is none.
-std::string reference_to(const v1::Scene& scene, const std::string& name);
-
 // One line for the log and the undo button: "move cup".
 std::string title_of(const v1::EditSceneRequest& request);
 

@@ -14,8 +14,8 @@
 #include "scene/build/object_cache.h"
 #include "scene/check/check_object.h"
 #include "scene/check/joint_parts.h"
+#include "scene/check/object_references.h"
 #include "scene/check/sidecar_paths.h"
-#include "scene/edit/object_edit.h"
 #include "scene/scene.h"
 #include "scene/values/scene_values.h"
 
