@@ -24,6 +24,7 @@
 #include "stream/channel/retry_schedule.h"
 #include "stream/channel/rpc_channel.h"
 #include "stream/session/session_stream.h"
+#include "wire/call_metadata.h"
 #include "wire/frame_codec.h"
 
 namespace livegs {
@@ -35,8 +36,8 @@ constexpr std::chrono::seconds kCallDeadline{10};
 // Deadline for resuming a session; short, so that a lost reply is retried soon.
 constexpr std::chrono::seconds kRejoinDeadline{2};
 constexpr int64_t kRetryInterval_ns = 100'000'000;  // while the server builds its scene
-// A call for an asset that takes longer is repeated from the last byte if any data arrived. Otherwise the
-// fetch fails and the received data is kept for the next attempt.
+// A call for an asset that takes longer is repeated from the last byte if data of any asset arrived.
+// Otherwise the fetch fails and the received data is kept for the next attempt.
 constexpr std::chrono::seconds kFetchTimeout{10};
 constexpr uint64_t kMinFetchRate_bytes_s = 1 << 20;
 // Consecutive streams of kernels without a frame before the session fails; the timeout doubles each time.
@@ -77,11 +78,13 @@ struct SessionClient::Connection {
   StreamSink* sink = nullptr;
   std::thread thread;
   std::atomic<bool> ended{false};
-  bool joined_thread = false;  // accessed by the caller of stop() only
+  std::atomic<int64_t> fetched_ns{0};  // when the last byte of any asset arrived
+  bool joined_thread = false;          // accessed by the caller of stop() only
 
   std::mutex mutex;  // guards everything below
   std::condition_variable changed;
   std::shared_ptr<v1::LiveGs::Stub> stub, asset_stub;
+  std::string asset_session_id;           // of the asset_stub; the session whose bandwidth cap fetches share
   std::shared_ptr<SessionStream> stream;  // null while disconnected; shared with threads that send
   std::optional<ViewCone> view;           // the last view set
   bool stopping = false, given_up = false;
@@ -175,6 +178,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
         std::lock_guard lock(mutex);
         stub = std::move(connected);
         asset_stub = v1::LiveGs::NewStub(make_channel(address, options.access.get()));
+        asset_session_id = reply.session_id();
         return reply;
       }
       const bool full = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
@@ -233,18 +237,21 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
                                         const TakeChunk& take) {
   Connection& connection = *connection_;
   const std::string prefix = connection.address + ": asset " + hash.substr(0, 12);
-  int64_t progress_ns = now_ns();
+  const int64_t begun_ns = now_ns();
   for (;;) {
-    const uint64_t from = offset;
+    const int64_t called_ns = now_ns();
     std::shared_ptr<v1::LiveGs::Stub> stub;
+    std::string session_id;
     {
       std::lock_guard lock(connection.mutex);
       stub = connection.asset_stub;
+      session_id = connection.asset_session_id;
     }
     v1::FetchAssetRequest request;
     request.set_asset_hash(hash);
     request.set_offset(offset);
     Connection::Call call(connection);
+    call.context.AddMetadata(kSessionMetadata, session_id);
     call.context.set_deadline(
         Clock::now() + kFetchTimeout +
         std::chrono::seconds((asset_bytes - std::min(offset, asset_bytes)) / kMinFetchRate_bytes_s));
@@ -258,12 +265,15 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
         return taken;
       }
       offset = chunk.offset() + chunk.data().size();
-      progress_ns = now_ns();
+      connection.fetched_ns = now_ns();
     }
     const grpc::Status status = reader->Finish();
     if (status.ok()) return {};
+    // Fetches of a client wait for each other on a slow link, so a byte of any of them is progress.
+    const int64_t progress_ns = std::max(begun_ns, connection.fetched_ns.load());
     const bool over = now_ns() >= after(progress_ns, connection.options.reconnect_s);
-    const bool slow = status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED && offset > from;
+    const bool slow =
+        status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED && connection.fetched_ns > called_ns;
     if ((!connection_broke(status) && !slow) || over || connection.wait(kRetryPause_ns))
       return error_from(status, prefix);
     log_debug("%s: %s; resuming at byte %llu", prefix.c_str(), status.error_message().c_str(),

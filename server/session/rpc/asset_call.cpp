@@ -2,34 +2,58 @@
 #include "session/rpc/asset_call.h"
 
 #include <algorithm>
+#include <chrono>
+
+#include "core/clock.h"
 
 namespace livegs {
 
-AssetCall::AssetCall(std::shared_ptr<const AssetBytes> asset, uint64_t offset)
-    : asset_(std::move(asset)), offset_(offset) {
-  if (!asset_) {
-    Finish({grpc::StatusCode::NOT_FOUND,
-            "asset_hash: is not an asset of the scene; use a hash from the reply of Join"});
-  } else if (offset_ > asset_->bytes.size()) {
-    Finish({grpc::StatusCode::OUT_OF_RANGE,
-            "offset: is past the end of the asset, " + std::to_string(asset_->bytes.size()) + " bytes"});
+AssetCall* AssetCall::start(std::shared_ptr<const AssetBytes> asset, uint64_t offset,
+                            std::shared_ptr<SendBudget> budget, std::shared_ptr<ClientSession> session) {
+  const std::shared_ptr<AssetCall> call(
+      new AssetCall(std::move(asset), offset, std::move(budget), std::move(session)));
+  call->self_ = call;
+  if (!call->asset_) {
+    call->Finish({grpc::StatusCode::NOT_FOUND,
+                  "asset_hash: is not an asset of the scene; use a hash from the reply of Join"});
+  } else if (offset > call->asset_->bytes.size()) {
+    call->Finish({grpc::StatusCode::OUT_OF_RANGE, "offset: is past the end of the asset, " +
+                                                      std::to_string(call->asset_->bytes.size()) + " bytes"});
   } else {
-    write_next();
+    call->write_next();
   }
+  return call.get();
 }
 
 void AssetCall::write_next() {
+  const std::shared_ptr<AssetCall> kept = shared_from_this();  // Finish may release gRPC's reference
   const std::vector<std::byte>& bytes = asset_->bytes;
   if (offset_ == bytes.size()) {
     Finish(grpc::Status::OK);
     return;
   }
-  const size_t length = std::min<size_t>(kAssetChunkBytes, bytes.size() - offset_);
-  chunk_.set_offset(offset_);
-  chunk_.set_total_bytes(bytes.size());
-  chunk_.set_data(bytes.data() + offset_, length);
-  offset_ += length;
-  StartWrite(&chunk_);
+  const int64_t now = now_ns();
+  if (session_) session_->fetches(now);
+  const SendBudget::Turn turn =
+      budget_->take_turn(this, std::min<size_t>(kAssetChunkBytes, bytes.size() - offset_), now);
+  if (turn.bytes == 0) {
+    std::lock_guard lock(mutex_);
+    if (!cancelled_) {
+      turn_.Set(std::chrono::system_clock::now() + std::chrono::nanoseconds(turn.wait_ns),
+                [call = weak_from_this()](bool) {
+                  if (const auto waiting = call.lock()) waiting->write_next();
+                });
+      return;
+    }
+  } else {
+    chunk_.set_offset(offset_);
+    chunk_.set_total_bytes(bytes.size());
+    chunk_.set_data(bytes.data() + offset_, turn.bytes);
+    offset_ += turn.bytes;
+    StartWrite(&chunk_);
+    return;
+  }
+  Finish(grpc::Status::CANCELLED);
 }
 
 void AssetCall::OnWriteDone(bool ok) {
@@ -37,6 +61,17 @@ void AssetCall::OnWriteDone(bool ok) {
     write_next();
   else
     Finish(grpc::Status::CANCELLED);
+}
+
+void AssetCall::OnCancel() {
+  std::lock_guard lock(mutex_);
+  cancelled_ = true;
+  turn_.Cancel();  // the timer fires at once
+}
+
+void AssetCall::OnDone() {
+  budget_->leave(this);
+  const std::shared_ptr<AssetCall> last_share = std::move(self_);
 }
 
 }  // namespace livegs

@@ -14,6 +14,7 @@
 #include "session/rpc/stream_call.h"
 #include "session/simulation/hand_controls.h"
 #include "session/support/version.h"
+#include "wire/call_metadata.h"
 #include "wire/driver_grid.h"
 #include "wire/frame_codec.h"
 #include "wire/kernel_codec.h"
@@ -156,9 +157,21 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   return grpc::Status::OK;
 }
 
-grpc::ServerWriteReactor<v1::AssetChunk>* GrpcService::FetchAsset(grpc::CallbackServerContext*,
+std::shared_ptr<ClientSession> GrpcService::session_of(const grpc::CallbackServerContext& context) const {
+  const auto named = context.client_metadata().find(kSessionMetadata);
+  if (named == context.client_metadata().end()) return nullptr;
+  const auto authorization = authorization_of(context, tokens_);
+  auto session = table_.find({named->second.data(), named->second.size()});
+  const bool own = session && authorization && session->who.authorization.token_id == authorization->token_id;
+  return own ? session : nullptr;
+}
+
+grpc::ServerWriteReactor<v1::AssetChunk>* GrpcService::FetchAsset(grpc::CallbackServerContext* context,
                                                                   const v1::FetchAssetRequest* request) {
-  return new AssetCall(assets_.find(request->asset_hash()), request->offset());
+  auto session = session_of(*context);
+  auto budget = session ? session->budget : peer_budgets_.of(context->peer(), cap_bytes_s_);
+  return AssetCall::start(assets_.find(request->asset_hash()), request->offset(), std::move(budget),
+                          std::move(session));
 }
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* GrpcService::Stream(

@@ -8,6 +8,7 @@
 #include "session/access/token_store.h"
 #include "session/assets/asset_store.h"
 #include "session/rpc/author_calls.h"
+#include "session/sessions/peer_budgets.h"
 #include "session/sessions/session_table.h"
 #include "session/tick/analysis_control.h"
 #include "session/tick/run_control.h"
@@ -58,8 +59,8 @@ class GrpcService final
                                        const v1::ApplyForceRequest* request,
                                        v1::ApplyForceReply* reply) override;
 
-  // Upper limit of a client's stream, bytes a second; the client may request less. Call before the first
-  // Join.
+  // Upper limit of a client's stream and fetches together, bytes a second; the client may request less. Also
+  // the limit of all fetches without a session from one machine. Call before the first Join.
   void set_cap(double bytes_s) { cap_bytes_s_ = bytes_s; }
   // Enables pause, step and reset; null disables them. Must outlive the calls.
   void set_run(RunControl* run) { run_ = run; }
@@ -71,6 +72,8 @@ class GrpcService final
  private:
   grpc::Status join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request,
                     v1::JoinReply& reply);
+  // The session that a call names in its metadata; null for none, or for one of another token.
+  std::shared_ptr<ClientSession> session_of(const grpc::CallbackServerContext& context) const;
   grpc::Status control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const;
   grpc::Status apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const;
   grpc::Status unknown_object(const std::string& name) const;
@@ -79,6 +82,7 @@ class GrpcService final
   SessionTable& table_;
   const AssetStore& assets_;
   const TokenStore* const tokens_;
+  PeerBudgets peer_budgets_;
   double cap_bytes_s_ = std::numeric_limits<double>::infinity();
   std::atomic<AnalysisControl*> analysis_ = nullptr;
   std::atomic<RunControl*> run_ = nullptr;

@@ -135,7 +135,6 @@ std::optional<grpc::Status> StreamCall::take_message() {
     std::lock_guard lock(mutex_);
     session_ = session;
     stream_ = stream;
-    budget_.set_cap(attached->terms.max_bytes_s);
     position_bits_ = attached->terms.position_bits;
     encoding_ = attached->terms.encoding;
   }
@@ -173,7 +172,7 @@ void StreamCall::wake() {
 void StreamCall::write_next(const std::lock_guard<std::mutex>& lock) {
   if (writing_ || finish_status_ || !session_) return;
   const int64_t now = now_ns();
-  if (const auto outgoing = session_->take(stream_, now, budget_.available_bytes(now) > 0)) {
+  if (const auto outgoing = session_->take(stream_, now, session_->budget->available_bytes(now) > 0)) {
     write(*outgoing, lock);
   } else if (finish_when_flushed_) {
     finish_status_ = finish_when_flushed_;
@@ -194,10 +193,11 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
     header.set_encode_begun_ns(now_ns());
     const TickEncodings& tick = *outgoing.tick;
     const ClientView who{view_, held_by(hands_of(tick, session_->number)), position_bits_,
-                         !budget_.capped() && !outgoing.slow};
-    const EncodedFrame frame = encoding_ == v1::JoinRequest::DRIVERS
-                                   ? tick.for_client(baseline_, who, budget_.available_bytes(now_ns()))
-                                   : tick.keyframe(encoding_);
+                         !session_->budget->capped() && !outgoing.slow};
+    const EncodedFrame frame =
+        encoding_ == v1::JoinRequest::DRIVERS
+            ? tick.for_client(baseline_, who, session_->budget->available_bytes(now_ns()))
+            : tick.keyframe(encoding_);
     baseline_ = frame.next;
     slices.push_back(frame.tail->slice);  // shared, not copied
   }
@@ -210,7 +210,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   slices.front() = grpc::Slice(header.SerializeAsString());
   outgoing_ = grpc::ByteBuffer(slices.data(), slices.size());
   session_->bytes_sent += outgoing_.Length();
-  budget_.pay(static_cast<double>(outgoing_.Length()));
+  session_->budget->pay(static_cast<double>(outgoing_.Length()));
   writing_ = true;
   StartWrite(&outgoing_);
 }

@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "core/token_bucket.h"
-#include "session/frames/send_budget.h"
 #include "session/sessions/client_session.h"
 #include "session/sessions/session_table.h"
 
@@ -75,7 +74,6 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   };
   std::deque<Written> unacknowledged_;  // frames in flight, at most one window
   TokenBucket messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
-  SendBudget budget_;
   int position_bits_ = 16;  // requested at Join, like encoding_
   v1::JoinRequest::Encoding encoding_ = v1::JoinRequest::DRIVERS;
   std::optional<ViewCone> view_;  // newest view of the client

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "session/access/authorization.h"
+#include "session/frames/send_budget.h"
 #include "session/frames/send_window.h"
 #include "session/support/duration_histogram.h"
 #include "session/tick/tick_result.h"
@@ -75,6 +76,7 @@ class ClientSession {
         who(std::move(identity)),
         joined_ns(joined_at_ns),
         last_message_ns(joined_at_ns),
+        budget(std::make_shared<SendBudget>(terms.max_bytes_s)),
         terms_(terms) {
     window_.set_interval(terms_.tick_ns * static_cast<int64_t>(terms_.every));
   }
@@ -85,6 +87,8 @@ class ClientSession {
   const int64_t joined_ns;
   std::atomic<int64_t> last_message_ns;  // time of the last message or Join
   std::atomic<uint64_t> bytes_sent{0};
+  // The cap of the client, for its stream and for its fetches of assets, which may end after the session.
+  const std::shared_ptr<SendBudget> budget;
 
   enum class State { Joined, Streaming, Parked };
   State state() const {
@@ -101,6 +105,7 @@ class ClientSession {
     ++stream_;
     offered_ = false;
     terms_ = terms;
+    budget->set_cap(terms.max_bytes_s);
     window_.set_interval(terms_.tick_ns * static_cast<int64_t>(terms_.every));
     window_.restart();
     return std::exchange(writer_, {}).lock();
@@ -109,6 +114,11 @@ class ClientSession {
     uint64_t stream = 0;  // number of the stream
     JoinTerms terms;
   };
+  // The client fetches an asset. Before its stream begins, this counts as a message.
+  void fetches(int64_t now_ns) {
+    std::lock_guard lock(mutex_);
+    if (state_ == State::Joined) last_message_ns = now_ns;
+  }
   // Attaches a new stream. Nothing if another stream is attached or the client must join again.
   std::optional<Attached> attach(std::weak_ptr<SessionWriter> writer) {
     std::lock_guard lock(mutex_);

@@ -266,19 +266,5 @@ TEST(Cap, ChoosesByAngleAndAge) {
             (std::vector<uint32_t>{1, 3, 30}));
 }
 
-TEST(SendBudget, AccumulatesBrieflyAndAllowsDebt) {
-  SendBudget free;
-  EXPECT_FALSE(free.capped());
-  EXPECT_EQ(free.available_bytes(5), std::numeric_limits<double>::infinity());
-  SendBudget budget;
-  budget.set_cap(1000);
-  EXPECT_DOUBLE_EQ(budget.available_bytes(1'000'000'000), 100);
-  budget.pay(350);
-  EXPECT_DOUBLE_EQ(budget.available_bytes(1'100'000'000), -150);
-  EXPECT_DOUBLE_EQ(budget.available_bytes(1'300'000'000), 50);
-  EXPECT_DOUBLE_EQ(budget.available_bytes(1'200'000'000), 50);  // a clock that runs backwards adds nothing
-  EXPECT_DOUBLE_EQ(budget.available_bytes(9'000'000'000), 100);
-}
-
 }  // namespace
 }  // namespace livegs

@@ -7,10 +7,13 @@
 #include <random>
 #include <thread>
 
+#include "common/gaussian/synthetic_asset.h"
 #include "core/content_hash.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/progressive_asset.h"
 #include "server/session/rpc/grpc_server_fixture.h"
+#include "session/frames/send_budget.h"
+#include "wire/call_metadata.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs {
@@ -277,6 +280,82 @@ TEST_F(GrpcServerTest, AssetsAreFetchedFromAnyOffset) {
   EXPECT_TRUE(none.empty());
   EXPECT_EQ(fetch(box.asset_hash(), whole.size() + 1, error).error_code(), grpc::StatusCode::OUT_OF_RANGE);
   EXPECT_EQ(fetch("../../etc/passwd", 0, error).error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+// Bytes that arrived since its construction, compared with a cap. A delay on the way only makes them fewer.
+class CapMeter {
+ public:
+  explicit CapMeter(double mbit_s) : cap_bytes_s_(mbit_s * 1e6 / 8) {}
+  void add(size_t bytes) {
+    std::lock_guard lock(mutex_);
+    bytes_ += static_cast<double>(bytes);
+    const double allowed = cap_bytes_s_ * (seconds_from_ns(now_ns() - begun_ns_) + SendBudget::kBurst_s);
+    excess_bytes_ = std::max(excess_bytes_, bytes_ - allowed);
+  }
+  double excess_bytes() const {
+    std::lock_guard lock(mutex_);
+    return excess_bytes_;
+  }
+
+ private:
+  const double cap_bytes_s_;
+  const int64_t begun_ns_ = now_ns();
+  mutable std::mutex mutex_;
+  double bytes_ = 0, excess_bytes_ = 0;
+};
+
+TEST_F(GrpcServerTest, AssetsAndFramesShareTheCap) {
+  constexpr double kMbit_s = 2;
+  SceneObject big = *scene_.find("box");
+  big.asset = std::make_shared<const GaussianAsset>(synthetic_asset(50'000, 0, 1));
+  const SceneObject* const objects[] = {&big};
+  server_->cap_clients(kMbit_s);
+  server_->open("big", 90, objects, inputs_);
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  const v1::ObjectDescription& box = client.joined.objects(0);
+  ASSERT_GT(box.asset_bytes(), 1'000'000u);
+  // Fetches until `enough` bytes arrived.
+  const auto fetch = [&](const std::string& session_id, CapMeter& meter, size_t enough) {
+    grpc::ClientContext context;
+    set_patience(context);
+    if (!session_id.empty()) context.AddMetadata(kSessionMetadata, session_id);
+    v1::FetchAssetRequest request;
+    request.set_asset_hash(box.asset_hash());
+    const auto reader = client.stub().FetchAsset(&context, request);
+    v1::AssetChunk chunk;
+    size_t bytes = 0;
+    while (bytes < enough && reader->Read(&chunk)) {
+      bytes += chunk.data().size();
+      meter.add(chunk.data().size());
+    }
+    context.TryCancel();
+    reader->Finish();
+    return bytes;
+  };
+  {
+    CapMeter meter(kMbit_s);
+    size_t fetched = 0;
+    std::thread fetches([&] { fetched = fetch(client.joined.session_id(), meter, 150'000); });
+    client.open();
+    for (uint64_t number = 1; number <= 50; ++number) {
+      publish(number);
+      const v1::ServerMessage message = client.read();
+      meter.add(message.ByteSizeLong());
+      EXPECT_EQ(message.tick(), number);  // a fetch holds back no frame
+      ASSERT_TRUE(client.acknowledge(message.tick()));
+    }
+    fetches.join();
+    EXPECT_GE(fetched, 150'000u);
+    EXPECT_LE(meter.excess_bytes(), 0);
+  }
+  for (const char* no_session : {"", "0123456789abcdef"}) {
+    CapMeter meter(kMbit_s);
+    std::thread other([&] { fetch(no_session, meter, 40'000); });  // they share the cap of the machine
+    EXPECT_GE(fetch(no_session, meter, 40'000), 40'000u);
+    other.join();
+    EXPECT_LE(meter.excess_bytes(), 0);
+  }
 }
 
 TEST_F(GrpcServerTest, AnalyzeReturnsRangesAndListsObjects) {
