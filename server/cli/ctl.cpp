@@ -19,6 +19,7 @@
 #include "session/access/server_security.h"
 #include "trust/host_port.h"
 #include "trust/server_access.h"
+#include "trust/server_probe.h"
 #include "trust/state_folder.h"
 
 namespace livegs {
@@ -111,6 +112,12 @@ class Server {
     }
     const bool absent = status.error_code() == grpc::StatusCode::UNAVAILABLE ||
                         status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
+    if (absent && !access_ && speaks_tls(address_)) {
+      return {ErrorCode::PermissionDenied,
+              address_ +
+                  ": is not the server of this state directory, since it requires TLS; give --state-dir, or "
+                  "--pair CODE and --token-file for a remote server"};
+    }
     const bool theirs = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT ||
                         status.error_code() == grpc::StatusCode::NOT_FOUND;
     return {absent   ? ErrorCode::Unavailable

@@ -94,6 +94,13 @@ bool may_pass(const grpc::Status& status) {
   }
 }
 
+Error requires_tls(const std::string& address) {
+  return {ErrorCode::PermissionDenied,
+          address +
+              ": a server answers with TLS; pair with --pair CODE, using the code that it prints at start, "
+              "and give its token with --token-file"};
+}
+
 Error error_from(const grpc::Status& status, const std::string& prefix) {
   const auto code = [&] {
     switch (status.error_code()) {

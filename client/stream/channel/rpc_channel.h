@@ -29,6 +29,8 @@ using WaitOrStop = std::function<bool(int64_t duration_ns)>;
 std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, const ServerAccess* access,
                                                int64_t give_up_ns, const WaitOrStop& wait);
 
+// The error of a client without TLS whose server answers with TLS.
+Error requires_tls(const std::string& address);
 Error error_from(const grpc::Status& status, const std::string& prefix);
 // Whether a retry may succeed.
 bool may_pass(const grpc::Status& status);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <functional>
+#include <future>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -24,6 +25,7 @@
 #include "stream/channel/retry_schedule.h"
 #include "stream/channel/rpc_channel.h"
 #include "stream/session/session_stream.h"
+#include "trust/server_probe.h"
 #include "wire/call_metadata.h"
 #include "wire/frame_codec.h"
 
@@ -40,6 +42,9 @@ constexpr int64_t kRetryInterval_ns = 100'000'000;  // while the server builds i
 // Otherwise the fetch fails and the received data is kept for the next attempt.
 constexpr std::chrono::seconds kFetchTimeout{10};
 constexpr uint64_t kMinFetchRate_bytes_s = 1 << 20;
+// Time without a connection before the first probe for TLS, so that a server that answers is not probed; and
+// the pause between probes.
+constexpr int64_t kTlsSearchDelay_ns = 200'000'000, kTlsSearchInterval_ns = 1'000'000'000;
 // Consecutive streams of kernels without a frame before the session fails; the timeout doubles each time.
 constexpr int kMaxSilentStreams = 3;
 // Upper bound of the pause between streams that deliver no frame.
@@ -62,6 +67,27 @@ bool connection_broke(const grpc::Status& status) {
       return false;
   }
 }
+
+// Finds out, while a client without TLS finds no server, whether one answers there with TLS.
+class TlsSearch {
+ public:
+  explicit TlsSearch(std::string address) : address_(std::move(address)) {}
+  bool found() {
+    if (!found_ && probe_.valid() && probe_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+      found_ = probe_.get();
+      next_ns_ = now_ns() + kTlsSearchInterval_ns;
+    }
+    if (!found_ && !probe_.valid() && now_ns() >= next_ns_)
+      probe_ = std::async(std::launch::async, [this] { return speaks_tls(address_); });
+    return found_;
+  }
+
+ private:
+  const std::string address_;
+  int64_t next_ns_ = now_ns() + kTlsSearchDelay_ns;
+  bool found_ = false;
+  std::future<bool> probe_;  // last: it uses the address
+};
 
 }  // namespace
 
@@ -160,9 +186,13 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   grpc::Status status;
   std::chrono::seconds deadline = session_id.empty() ? kCallDeadline : kRejoinDeadline;
   for (;;) {
-    const auto channel = connect_channel(address, options.access.get(), give_up_ns,
-                                         [this](int64_t duration_ns) { return wait(duration_ns); });
+    TlsSearch tls(address);
+    const bool searches = session_id.empty() && !options.access;
+    const auto channel = connect_channel(address, options.access.get(), give_up_ns, [&](int64_t duration_ns) {
+      return wait(duration_ns) || (searches && tls.found());
+    });
     if (!channel) {
+      if (searches && tls.found()) return requires_tls(address);
       if (options.access) {
         if (auto refused = options.access->refused(); !refused) return refused.error();
       }

@@ -16,6 +16,7 @@
 #include "livegs/v1/spectate.grpc.pb.h"
 #include "stream/channel/rpc_channel.h"
 #include "stream/received/known_objects.h"
+#include "trust/server_probe.h"
 #include "wire/frame_codec.h"
 #include "wire/publication.h"
 
@@ -182,7 +183,10 @@ Result<std::unique_ptr<Spectator>> Spectator::subscribe(const std::string& serve
     sleep_until_ns(now_ns() + kSpectatorRetry_ns);
     described = connection->describe();
   }
-  if (!described) return described.error();
+  if (!described) {
+    const bool absent = described.error().code == ErrorCode::Unavailable;
+    return absent && !keys && speaks_tls(server) ? requires_tls(server) : described.error();
+  }
   auto all = connection->take(*described);
   if (!all) return all.error();
   connection->scene.rate_hz = described->rate_hz();

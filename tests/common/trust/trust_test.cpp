@@ -7,6 +7,7 @@
 #include "trust/host_port.h"
 #include "trust/known_servers.h"
 #include "trust/server_access.h"
+#include "trust/server_probe.h"
 #include "trust/state_folder.h"
 
 namespace livegs {
@@ -190,6 +191,13 @@ TEST_F(Access, TokenIsTheFirstLineOfItsFile) {
     options_.token_file = folder_.write("bad", text);
     EXPECT_FALSE(choose_access("a:1", options_)) << text;
   }
+}
+
+// A server with TLS is in tests/system/programs/security_test.cpp.
+TEST(ServerProbe, NothingSpeaksTlsWhereNothingListens) {
+  EXPECT_FALSE(speaks_tls("127.0.0.1:1"));
+  EXPECT_FALSE(speaks_tls("[::1]:1"));
+  EXPECT_FALSE(speaks_tls("nowhere"));
 }
 
 }  // namespace

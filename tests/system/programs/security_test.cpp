@@ -265,6 +265,19 @@ TEST_F(SecurePrograms, CtlWorksWithoutTls) {
   expect_one_line(gone, "server does not answer");
 }
 
+TEST_F(SecurePrograms, TlsServerWithoutPairingIsNamedAsThat) {
+  Program server(secure_server());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  expect_refused(viewer(port, {}), "a server answers with TLS; pair with --pair CODE");
+  expect_refused(viewer(port, {"--subscribe", "tcp://127.0.0.1:1", "--connect-timeout", "1"}),
+                 "a server answers with TLS; pair with --pair CODE");
+  Program stranger(ctl_words(port, {"status"}, "another state"));
+  EXPECT_EQ(stranger.wait(), 1);
+  expect_one_line(stranger, "is not the server of this state directory");
+  EXPECT_NE(stranger.err().find("--state-dir"), std::string::npos) << stranger.err();
+}
+
 TEST(Ctl, ReportsUnknownCommands) {
   const auto says = [](std::vector<std::string> words) {
     words.insert(words.begin(), LIVEGS_TOOL);
