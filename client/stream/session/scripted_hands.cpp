@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stream/session/scripted_hands.h"
 
-#include <google/protobuf/util/json_util.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/clock.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "json/json_message.h"
 
 namespace livegs {
 namespace {
@@ -100,11 +99,8 @@ Result<v1::InputScript> read_script_file(const std::filesystem::path& path) {
   if (!text) return text.error();
   const std::string name = path.filename().string();
   v1::InputScript script;
-  const auto status = google::protobuf::util::JsonStringToMessage(*text, &script);
-  if (!status.ok()) {
-    return invalid_data(name + ": " + std::string(status.message()) +
-                        " (field names are those of InputScript in proto/livegs/v1/session.proto)");
-  }
+  if (auto parsed = parse_json_message(*text, script); !parsed)
+    return invalid_data(name + ": " + parsed.error().message);
   if (auto checked = check_script(script); !checked)
     return invalid_data(name + ": " + checked.error().message);
   return script;

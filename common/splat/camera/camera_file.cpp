@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/file.h"
+#include "json/json_message.h"
 #include "livegs/v1/scene.pb.h"
 #include "splat/camera_file.h"
 
@@ -50,11 +51,8 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
   if (!text) return text.error();
   const std::string name = path.filename().string();
   v1::CameraFile file;
-  const auto status = google::protobuf::util::JsonStringToMessage(*text, &file);
-  if (!status.ok()) {
-    return invalid_data(name + ": " + std::string(status.message()) +
-                        " (field names are those of CameraFile in proto/livegs/v1/scene.proto)");
-  }
+  if (auto parsed = parse_json_message(*text, file); !parsed)
+    return invalid_data(name + ": " + parsed.error().message);
   if (file.position_m().empty() || file.look_at_m().empty()) {
     return invalid_data(name + ": position_m and look_at_m are required");
   }

@@ -16,6 +16,7 @@
 #include "analysis/text/json_text.h"
 #include "core/content_hash.h"
 #include "core/format_text.h"
+#include "json/json_message.h"
 
 namespace livegs {
 namespace {
@@ -38,13 +39,6 @@ fs::path default_path(const fs::path& sidecar) {
   return before.ends_with(kEnding) ? sidecar.parent_path() / (before + ".json") : fs::path();
 }
 
-std::string one_line(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  }
-  return text;
-}
-
 Error newer(double version) {
   return {ErrorCode::Unsupported,
           format_text("written by a newer LiveGS (layout %.0f, this one reads up to %u); update LiveGS, or "
@@ -60,11 +54,7 @@ Result<v1::PhysicsFile> parse_sidecar(const std::string& text) {
   if (const auto version = number_member(*json, "version"); version && *version > kPhysicsLayout)
     return newer(*version);
   v1::PhysicsFile file;
-  const auto status = google::protobuf::util::JsonStringToMessage(dump_json(*json), &file);
-  if (!status.ok()) {
-    return invalid_data(one_line(std::string(status.message())) +
-                        " (field names are those of PhysicsFile in proto/livegs/v1/physics.proto)");
-  }
+  if (auto parsed = parse_json_message(text, file); !parsed) return parsed.error();
   if (file.version() > kPhysicsLayout) return newer(file.version());  // stored as text
   if (auto checked = check_scene_physics(file.edits()); !checked) {
     return invalid_argument("edits." + checked.error().message);

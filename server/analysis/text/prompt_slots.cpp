@@ -2,31 +2,15 @@
 #include "analysis/text/prompt_slots.h"
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
 #include "analysis/text/prompt_text.h"
+#include "core/nearest_word.h"
 
 namespace livegs {
 namespace {
 
 constexpr std::size_t kMaxShownLength = 40;
-
-// Damerau-Levenshtein distance: an exchange of two adjacent characters is one step.
-std::size_t steps_between(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
-  std::iota(last.begin(), last.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    now[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      now[j] = std::min({last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        now[j] = std::min(now[j], before[j - 2] + 1);
-    }
-    before = std::exchange(last, now);
-  }
-  return last[b.size()];
-}
 
 bool lower_case(std::string_view slot) {
   return !slot.empty() &&
@@ -87,7 +71,7 @@ std::string meant_word(std::string_view word, const SlotNames& known) {
   std::string meant;
   std::size_t least = 3 + word.size() / 8;
   for (const std::string& one : known) {
-    const std::size_t steps = steps_between(word, one);
+    const std::size_t steps = edit_distance(word, one);
     if (steps < std::min(least, one.size())) {
       least = steps;
       meant = one;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <google/protobuf/util/json_util.h>
-
-#include "analysis/text/json_text.h"
 #include "core/file.h"
+#include "json/json_message.h"
 #include "scene/check/check_scene.h"
 #include "scene/scene.h"
 
@@ -29,21 +27,9 @@ Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
   if (!text) return text.error();
   const std::string name = path.filename().string();
 
-  // nlohmann-json accepts comments and reports error positions; protobuf checks the schema.
-  const Result<Json> json = parse_commented_json(*text);
-  if (!json) return invalid_data(name + ": " + json.error().message);
-  if (!json->is_object())
-    return invalid_data(name + ": must be one JSON object; see proto/livegs/v1/scene.proto");
-
   v1::Scene scene;
-  const auto status = google::protobuf::util::JsonStringToMessage(dump_json(*json), &scene);
-  if (!status.ok()) {
-    std::string what(status.message());
-    for (char& letter : what) {
-      if (letter == '\n') letter = ' ';
-    }
-    return invalid_data(name + ": " + what + " (field names are those of proto/livegs/v1/scene.proto)");
-  }
+  if (auto parsed = parse_json_message(*text, scene); !parsed)
+    return invalid_data(name + ": " + parsed.error().message);
   if (auto checked = check_scene(scene); !checked)
     return Error{checked.error().code, name + ": " + checked.error().message};
   return scene;

@@ -32,8 +32,8 @@ TEST(SceneFile, RefusalsNameFileAndField) {
   const std::pair<std::string, const char*> cases[] = {
       {"", "not JSON"},
       {"[]", "one JSON object"},
-      {"{\"a\":" + std::string(400'000, '[') + std::string(400'000, ']') + "}",
-       "nested deeper than 64 levels"},
+      {"{\"objects\":" + std::string(400'000, '[') + std::string(400'000, ']') + "}",
+       "objects[0]: must be an object"},
       {"{ \"objects\": [ {", "line 1"},
       {R"({ "gravitation": 9 })", "gravitation"},
       {R"({ "objects": [ { "name": "a", "asset": "x.ply", "colour": 3 } ] })", "colour"},
