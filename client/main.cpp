@@ -325,9 +325,6 @@ int main(int argc, char** argv) {
   if (!summary) return report(summary.error());
   std::fputs(livegs::summary_text(*summary).c_str(), stdout);
   std::printf("output: %s\n", options.output.c_str());
-  if (summary->stream_error) {
-    report(*summary->stream_error);
-    return 1;
-  }
-  return 0;
+  if (summary->stream_error && !summary->error_logged) report(*summary->stream_error);
+  return summary->stream_error ? 1 : 0;
 }

@@ -36,6 +36,8 @@ class OffscreenDisplay final : public Display {
  private:
   explicit OffscreenDisplay(const OffscreenOptions& options) : options_(options) {}
 
+  bool is_saved(uint64_t index) const;  // as PNG
+
   OffscreenOptions options_;
   Camera camera_;
   std::optional<VideoFile> video_;

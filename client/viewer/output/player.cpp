@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/output/player.h"
 
-#include "core/clock.h"
+#include "core/log.h"
 
 namespace livegs {
+namespace {
+
+constexpr int64_t kProgressInterval_ns = 5'000'000'000;
+
+}  // namespace
 
 Result<void> Player::play() {
   while (auto item = items_.take()) {
@@ -93,15 +98,32 @@ Result<void> Player::draw_until_newest() {
     if (!planned_) return {};
     const int64_t shown_ns = *first_simulated_ns_ + planned_->display_time_ns;
     if (shown_ns > history_.newest().simulated_ns) return {};
-    if (auto drawn = draw(*history_.at(shown_ns)); !drawn) return drawn;
+    if (auto drawn = draw_if_kept(*history_.at(shown_ns)); !drawn) return drawn;
+    played_ns_ = shown_ns - *first_simulated_ns_;
+    log_progress();
     history_.drop_before(shown_ns);
   }
 }
 
+Result<void> Player::draw_if_kept(const DriverFrame& frame) {
+  if (planned_->kept || drawn_ == 0) return draw(frame);
+  planned_.reset();
+  return {};
+}
+
+void Player::log_progress() {
+  if (now_ns() - logged_ns_ < kProgressInterval_ns) return;
+  logged_ns_ = now_ns();
+  log_info("played %.1f s of the stream, drew %llu pictures", played_s(),
+           static_cast<unsigned long long>(drawn_));
+}
+
 Result<void> Player::draw(const DriverFrame& frame) {
   if (auto drawn = view_.draw(frame, planned_->views, pictures_); !drawn) return drawn;
-  if (!first_picture_) first_picture_ = pictures_.front();
   if (auto submitted = display_.submit(*planned_, pictures_); !submitted) return submitted;
+  if (drawn_++ == 0) {
+    if (auto taken = on_first_picture_(pictures_.front()); !taken) return taken;
+  }
   log_.add({planned_->index, seconds_from_ns(frame.simulated_ns), last_.tick, last_.received_ns,
             age_ms(last_).value_or(0), milliseconds_from_ns(now_ns() - last_.received_ns),
             view_.last_times().skin_ms, view_.last_times().raster_ms, last_.bytes, last_.step_ms,

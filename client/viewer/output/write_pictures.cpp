@@ -4,22 +4,30 @@
 #include <algorithm>
 
 #include "core/file.h"
+#include "core/log.h"
 #include "splat/image.h"
 #include "wire/frame_codec.h"
 
 namespace livegs {
 
-Result<void> write_pictures(const Player& player, const std::filesystem::path& folder) {
-  if (player.first_picture()) {
-    if (auto written = write_png(folder / "first.png", *player.first_picture()); !written) return written;
-  }
+Result<void> write_first_picture(const Image& picture, const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "first.png";
+  auto written = write_png(file, picture);
+  if (!written) return written;
+  log_info("first picture: %s", file.c_str());
+  return {};
+}
+
+Result<void> write_last_picture(const Player& player, const std::filesystem::path& folder) {
   if (player.last_picture()) {
     if (auto written = write_png(folder / "last.png", *player.last_picture()); !written) return written;
     const std::vector<ObjectDrivers>& objects = player.last_frame()->objects;
     if (std::any_of(objects.begin(), objects.end(),
                     [](const ObjectDrivers& one) { return one.kernels != nullptr; }))
       return {};
-    return write_file_atomically(folder / "last_frame.bin", encode_frame(*player.last_frame()));
+    if (auto written = write_file_atomically(folder / "last_frame.bin", encode_frame(*player.last_frame()));
+        !written)
+      return written;
   }
   return {};
 }

@@ -8,7 +8,9 @@
 
 namespace livegs {
 
-// Writes first.png, last.png and last_frame.bin of the played pictures, if any.
-Result<void> write_pictures(const Player& player, const std::filesystem::path& folder);
+// Writes first.png.
+Result<void> write_first_picture(const Image& picture, const std::filesystem::path& folder);
+// Writes last.png and last_frame.bin of the played pictures, if any.
+Result<void> write_last_picture(const Player& player, const std::filesystem::path& folder);
 
 }  // namespace livegs

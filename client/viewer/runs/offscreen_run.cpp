@@ -21,6 +21,7 @@ namespace livegs {
 namespace {
 
 constexpr double kWaitSlice_s = 0.05;
+constexpr int64_t kLoadingInterval_ns = 5'000'000'000;  // between log lines while the scene loads
 constexpr std::chrono::milliseconds kOffscreenPollInterval{10};
 
 // Inputs that are validated before connecting.
@@ -96,8 +97,11 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   SceneLoader loading(
       std::move(join), [&] { return choose_renderer(options.renderer); },
       [&](const JoinedScene& joined) { return check_names(prepared->script, joined); });
-  while (!loading.wait(kWaitSlice_s)) {
+  for (int64_t logged_ns = now_ns(); !loading.wait(kWaitSlice_s);) {
     if (interrupted) return Error{ErrorCode::Unavailable, "interrupted before the scene was loaded"};
+    if (now_ns() - logged_ns < kLoadingInterval_ns) continue;
+    logged_ns = now_ns();
+    if (const auto now = loading.progress(); now.share > 0) log_info("loading: %.0f %%", 100 * now.share);
   }
   auto live = loading.take();
   if (!live) return live.error();
@@ -130,7 +134,8 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
     }
     return write_camera_file(options.output / "camera.json", camera);
   };
-  Player player(view, assets, queue, **display, std::move(*drawn_log), on_first_frame);
+  Player player(view, assets, queue, **display, std::move(*drawn_log), on_first_frame,
+                [&](const Image& picture) { return write_first_picture(picture, options.output); });
   Result<void> played;
   std::atomic<bool> play_ended{false};
   std::thread drawer([&] {
@@ -138,19 +143,26 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
     play_ended = true;
   });
 
+  log_info("receiving %s, writing to %s",
+           options.seconds > 0 ? format_text("%g s", options.seconds).c_str() : "until the server ends",
+           options.output.c_str());
   client.start(recorder);
   while (!recorder.wait_done(kWaitSlice_s) && !client.ended() && !interrupted && !play_ended) {
   }
   const Result<void> streamed = client.stop();
   queue.close();
-  if (!play_ended && !interrupted) log_info("stream ended; drawing the remaining frames");
+  if (!streamed) log_warn("%s", streamed.error().message.c_str());
+  if (!play_ended && !interrupted) {
+    log_info("stream ended after %.1f s; drawing the pictures after %.1f s", recorder.summary().seconds,
+             player.played_s());
+  }
   for (; !play_ended; std::this_thread::sleep_for(kOffscreenPollInterval)) {
     if (interrupted) queue.abandon();
   }
   drawer.join();
   auto finished = (*display)->finish();
   if (!finished) log_warn("%s", finished.error().message.c_str());
-  if (auto written = write_pictures(player, options.output); !written) return written.error();
+  if (auto written = write_last_picture(player, options.output); !written) return written.error();
 
   OffscreenRunSummary summary;
   summary.scene_address = options.address;
@@ -173,7 +185,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   if (!played)
     summary.stream_error = played.error();
   else if (!streamed)
-    summary.stream_error = streamed.error();
+    summary.stream_error = streamed.error(), summary.error_logged = true;
   else if (recorder.gave_up())
     summary.stream_error = Error{ErrorCode::Unavailable, options.address + ": no frame arrived within " +
                                                              format_text("%.0f s", recorder.patience_s())};

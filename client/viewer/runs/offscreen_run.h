@@ -44,6 +44,7 @@ struct OffscreenRunSummary {
   OffscreenSink::Outages outages;
   uint64_t dropped_frames = 0;        // received but not drawn, because the backlog was full
   std::optional<Error> stream_error;  // reason of a broken stream; the outputs are complete up to there
+  bool error_logged = false;          // the reason was logged when the stream ended
 };
 
 // Memory limit of frames that wait to be drawn: four minutes at 90 Hz and 25 kB.
@@ -51,13 +52,14 @@ inline constexpr size_t kMaxBacklogBytes = 512u << 20;
 
 // Joins a server, fetches assets, records the stream for the given time and draws it into `output`:
 //   out.mp4, frame_NNNNN.png      the video, and some of its pictures
-//   first.png, last.png           the first picture, and one of the very last frame
+//   first.png, last.png           the first picture, as soon as it is drawn; and one of the very last frame
 //   last_frame.bin, camera.json   that frame's bytes (not for kernels) and the camera, for
 //                                 `livegs render SCENE --frame --camera`
 //   frames.csv, timings.csv       one row per received frame; one row per drawn picture
 //
-// The stream is received at its full rate; drawing follows from a bounded backlog of encoded frames. After
-// the time is up the session ends and the rest is drawn. Fails if it cannot start or was interrupted before;
+// The stream is received at its full rate; drawing follows from a bounded backlog of encoded frames. Pictures
+// that no file contains are not drawn. The reason of an early end is logged at once. After the time is up the
+// session ends and the rest is drawn. Fails if it cannot start or was interrupted before;
 // a later break of the stream is reported in the summary.
 Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
                                           const std::atomic<bool>& interrupted);

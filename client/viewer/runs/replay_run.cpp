@@ -105,16 +105,18 @@ Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic
   ReplaySummary summary;
   summary.frames_decoded_to_seek = playback->decoded();
   Stretch stretch(*playback, assets, options.seconds, interrupted);
-  Player player(view, assets, stretch, **display, std::move(*drawn_log),
-                [&](const SceneView& posed) -> Result<void> {
-                  const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
-                  (*display)->set_camera(chosen);
-                  return write_camera_file(options.output / "camera.json", chosen);
-                });
+  Player player(
+      view, assets, stretch, **display, std::move(*drawn_log),
+      [&](const SceneView& posed) -> Result<void> {
+        const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
+        (*display)->set_camera(chosen);
+        return write_camera_file(options.output / "camera.json", chosen);
+      },
+      [&](const Image& picture) { return write_first_picture(picture, options.output); });
   const auto played = player.play();
   if (auto finished = (*display)->finish(); !finished) log_warn("%s", finished.error().message.c_str());
   if (!played) return played.error();
-  if (auto written = write_pictures(player, options.output); !written) return written.error();
+  if (auto written = write_last_picture(player, options.output); !written) return written.error();
   summary.file = options.file.string();
   summary.scene = playback->start().scene().name();
   summary.renderer = view.renderer_name();

@@ -127,12 +127,14 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
 
   PlaybackQueue queue(kMaxBacklogBytes);
   Watcher watcher(assets, queue, std::move(*received_log));
-  Player player(view, assets, queue, **display, std::move(*drawn_log),
-                [&](const SceneView& posed) -> Result<void> {
-                  const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
-                  (*display)->set_camera(chosen);
-                  return write_camera_file(options.output / "camera.json", chosen);
-                });
+  Player player(
+      view, assets, queue, **display, std::move(*drawn_log),
+      [&](const SceneView& posed) -> Result<void> {
+        const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
+        (*display)->set_camera(chosen);
+        return write_camera_file(options.output / "camera.json", chosen);
+      },
+      [&](const Image& picture) { return write_first_picture(picture, options.output); });
   Result<void> played;
   std::atomic<bool> play_ended{false};
   std::thread drawer([&] {
@@ -171,7 +173,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   if (auto finished = (*display)->finish(); !finished) log_warn("%s", finished.error().message.c_str());
   if (!played) return played.error();
   if (ended && watcher.received().first_ns == 0) return *ended;
-  if (auto written = write_pictures(player, options.output); !written) return written.error();
+  if (auto written = write_last_picture(player, options.output); !written) return written.error();
 
   SpectateSummary summary;
   summary.published = published;

@@ -28,19 +28,24 @@ Result<std::unique_ptr<OffscreenDisplay>> OffscreenDisplay::open(const Offscreen
   return display;
 }
 
+bool OffscreenDisplay::is_saved(uint64_t index) const {
+  return options_.png_every > 0 && index % static_cast<uint64_t>(options_.png_every) == 0;
+}
+
 std::optional<PlannedFrame> OffscreenDisplay::wait_frame() {
   PlannedFrame frame;
   frame.index = planned_++;
   frame.display_time_ns =
       static_cast<int64_t>(std::llround(static_cast<double>(frame.index) * 1e9 / options_.rate_hz));
   frame.views = {camera_};
+  frame.kept = video_ || is_saved(frame.index);
   return frame;
 }
 
 Result<void> OffscreenDisplay::submit(const PlannedFrame& frame, std::span<const Image> images) {
   LIVEGS_ASSERT(images.size() == 1);
   ++pictures_;
-  if (options_.png_every > 0 && frame.index % static_cast<uint64_t>(options_.png_every) == 0) {
+  if (is_saved(frame.index)) {
     char name[32];
     std::snprintf(name, sizeof name, "frame_%05llu.png", static_cast<unsigned long long>(frame.index));
     if (auto written = write_png(options_.folder / name, images[0]); !written) return written;

@@ -249,15 +249,20 @@ TEST_F(SecurePrograms, CtlWorksWithoutTls) {
   Program tokens(ctl_words(port, {"tokens", "list"}));
   EXPECT_EQ(tokens.wait(), 1);
   expect_one_line(tokens, "--tls on");
-  Program client(client_words(port, {"--seconds", "0", "--no-video", "--reconnect", "60"}));
+  Program client(client_words(port, {"--seconds", "0", "--no-video", "--every", "0", "--reconnect", "60"}));
   ASSERT_TRUE(server.says("streaming to")) << server.err();
+  ASSERT_TRUE(client.says("first picture: ")) << client.err();  // while the stream continues
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "view" / "first.png"));
   std::istringstream lines(ctl(port, {"clients"}));
   std::string head, row;
   std::getline(lines, head);
   std::getline(lines, row);
   ctl(port, {"kick", row.substr(0, 8), "--reason", "lunch"});
   EXPECT_EQ(client.wait(), 1);
-  EXPECT_NE(client.err().find("ended by the server's operator: lunch"), std::string::npos) << client.err();
+  const size_t reason = client.err().find("ended by the server's operator: lunch");
+  EXPECT_NE(reason, std::string::npos) << client.err();
+  EXPECT_LT(reason, client.err().find("stream ended after")) << client.err();  // npos if all is drawn
+  EXPECT_NE(client.out().find("drawn: 2 pictures"), std::string::npos) << client.out();
   ctl(port, {"drain"});
   EXPECT_EQ(server.wait(), 0) << server.err();
   Program gone(ctl_words(port, {"health"}));

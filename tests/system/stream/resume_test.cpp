@@ -185,7 +185,7 @@ TEST(OffscreenRun, ContinuesAfterServerRestart) {
   run.cache = folder / "cache";
   run.size = PictureSize{64, 48};
   run.video = false;
-  run.png_every = 0;
+  run.png_every = 1;  // draws every picture
   run.renderer = RendererChoice::Cpu;
   run.connect_timeout_s = run.reconnect_s = 60;
   std::atomic<bool> interrupted{false};
@@ -211,7 +211,8 @@ TEST(OffscreenRun, ContinuesAfterServerRestart) {
   EXPECT_GT(summary->outages.seconds, 0);
   EXPECT_EQ(summary->assets.assets,
             5u);  // three initially, then a different box and floor; the cube is unchanged
-  EXPECT_NE(summary_text(*summary).find("resumed 1 times"), std::string::npos) << summary_text(*summary);
+  EXPECT_NE(summary_text(*summary).find("resumed 1 times"), std::string::npos)
+      << summary_text(*summary);
   std::ifstream file(run.output / "timings.csv");
   std::string line;
   std::getline(file, line);

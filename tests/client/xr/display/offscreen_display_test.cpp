@@ -41,6 +41,20 @@ TEST(OffscreenDisplay, SavesEveryNthPicture) {
   }
 }
 
+TEST(OffscreenDisplay, PicturesWithoutAFileAreNotKept) {
+  const ScratchFolder folder;
+  auto some = OffscreenDisplay::open({folder / "some", 30, 32, 24, 2, false});
+  auto none = OffscreenDisplay::open({folder / "none", 30, 32, 24, 0, false});
+  ASSERT_TRUE(some && none);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ((*some)->wait_frame()->kept, k % 2 == 0);
+    EXPECT_FALSE((*none)->wait_frame()->kept);
+  }
+  auto video = OffscreenDisplay::open({folder / "video", 30, 32, 24, 0, true});
+  ASSERT_TRUE(video);
+  for (int k = 0; k < 4; ++k) EXPECT_TRUE((*video)->wait_frame()->kept);  // also without ffmpeg
+}
+
 TEST(OffscreenDisplay, WritesVideoOfOddSize) {
   const ScratchFolder folder;
   auto display = OffscreenDisplay::open({folder / "out", 30, 33, 25, 0, true});
