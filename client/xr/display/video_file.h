@@ -11,7 +11,8 @@
 namespace livegs {
 
 // An H.264 video, 4:2:0, written through the `ffmpeg` command; playable everywhere. Odd sizes are padded by
-// one pixel.
+// one pixel. The file is readable while it grows, and if its writer is killed: it consists of fragments of
+// one second until finish() gives it an index.
 class VideoFile {
  public:
   // Unsupported if ffmpeg is not installed.
@@ -19,6 +20,8 @@ class VideoFile {
   VideoFile(VideoFile&& other) noexcept;
   VideoFile& operator=(VideoFile&&) = delete;
   ~VideoFile();
+
+  pid_t process() const { return process_; }  // the encoder
 
   Result<void> add(const Image& image);  // of the size given to create()
   Result<void> finish();                 // waits for the file; may be called repeatedly
