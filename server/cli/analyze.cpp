@@ -20,8 +20,10 @@
 #include "analysis/run/explain_page.h"
 #include "cli/commands.h"
 #include "cli/decide_physics.h"
+#include "cli/output_path.h"
 #include "cli/parameters_table.h"
 #include "core/file.h"
+#include "core/help_format.h"
 #include "core/log.h"
 #include "scene/views/scene_analysis.h"
 
@@ -195,8 +197,10 @@ Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object
     log_warn("%s: views could not be drawn: %s", shown(object.name).c_str(),
              shown_message(views.error().message).c_str());
   const fs::path page = folder / (object_file_name(object.name) + ".html");
-  return write_file_atomically(
+  auto written = write_file_atomically(
       page, explain_page(object.target, update, views ? *views : std::vector<TargetView>{}));
+  if (written) std::fprintf(stderr, "written: %s\n", page.c_str());
+  return written;
 }
 
 int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
@@ -243,6 +247,7 @@ Result<void> check_options(const AnalyzeCommand& options) {
 
 int run(const AnalyzeCommand& options) {
   if (auto checked = check_options(options); !checked) return report(checked.error());
+  if (auto checked = check_output_folder(options.explain); !checked) return report(checked.error());
   if (options.decision.any()) {
     const auto scene = scene_of(options);
     if (!scene) return report(scene.error());
@@ -394,6 +399,23 @@ void add_analyze(CLI::App& app, int& exit_code) {
       command->add_option("--undo", options->decision.undo, "Undo the last change of this OBJECT's values");
   CLI::Option* redo =
       command->add_option("--redo", options->decision.redo, "Redo the change that --undo reverted");
+  group_options(*command, "Object", {{"--name", "NAME"}, {"--scale", "METRES"}, {"--up", "AXIS"}});
+  group_options(*command, "Model",
+                {{"--offline", ""},
+                 {"--endpoint", "URL"},
+                 {"--model", "NAME"},
+                 {"--views", ""},
+                 {"--web-search", ""},
+                 {"--model-deadline", "SECONDS"},
+                 {"--price", "IN,OUT"},
+                 {"--prompts", "FOLDER"},
+                 {"--recorded", "FOLDER"},
+                 {"--record-answers", "FOLDER"},
+                 {"--no-cache", ""}});
+  group_options(*command, "Output", {{"--json", ""}, {"--explain", "FOLDER"}, {"--write", ""}});
+  group_options(
+      *command, "Decisions",
+      {{"--accept", "OBJECT"}, {"--decline", "OBJECT"}, {"--undo", "OBJECT"}, {"--redo", "OBJECT"}});
   decline->excludes(accept);
   undo->excludes(accept)->excludes(decline);
   redo->excludes(accept)->excludes(decline)->excludes(undo);

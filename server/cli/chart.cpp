@@ -4,10 +4,12 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/output_path.h"
 #include "core/clock.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
+#include "core/written_files.h"
 #include "study/chart/chart_figure.h"
 #include "study/chart/chart_page.h"
 #include "study/chart/rigid_chart.h"
@@ -23,6 +25,7 @@ struct ChartCommand {
 };
 
 int run(const ChartCommand& options) {
+  if (auto checked = check_output_folder(options.output); !checked) return report(checked.error());
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (error) {
@@ -62,6 +65,8 @@ int run(const ChartCommand& options) {
   const std::string page = study::chart_page(rows, how, LIVEGS_VERSION) + study::rigid_page(rigid_rows);
   if (auto written = write_file_atomically(options.output / "chart.md", page); !written)
     return report(written.error());
+  note_written(options.output / "chart.csv");
+  note_written(options.output / "chart.md");
   for (const study::ChartScene& scene : study::chart_scenes()) {
     for (const std::string& quantity : scene.quantities) {
       const auto panels = study::panels_of(scene, quantity, rows);
@@ -69,14 +74,16 @@ int run(const ChartCommand& options) {
       const std::filesystem::path svg = options.output / scene.figure(quantity);
       if (auto drawn = draw_figure(study::elastic_figure(scene, panels), svg); !drawn)
         return report(drawn.error());
+      note_written(svg);
     }
   }
   for (const study::RigidChartScene& scene : study::rigid_chart_scenes()) {
     const std::filesystem::path svg = options.output / scene.figure();
     if (auto drawn = draw_figure(rigid_figure(scene, rigid_rows), svg); !drawn) return report(drawn.error());
+    note_written(svg);
   }
-  std::printf("%s: %zu runs in %.0f s\n", (options.output / "chart.md").c_str(),
-              rows.size() + rigid_rows.size(), seconds_from_ns(now_ns() - start_ns));
+  std::fputs(written_files_text().c_str(), stdout);
+  std::printf("%zu runs in %.0f s\n", rows.size() + rigid_rows.size(), seconds_from_ns(now_ns() - start_ns));
   return 0;
 }
 
@@ -92,6 +99,7 @@ void add_chart(CLI::App& app, int& exit_code) {
   for (const study::ChartScene& scene : study::chart_scenes()) names.push_back(scene.name);
   for (const study::RigidChartScene& scene : study::rigid_chart_scenes()) names.push_back(scene.name);
   command->add_option("--output,-o", options->output, "Folder for chart.csv, chart.md and one SVG per scene")
+      ->type_name("FOLDER")
       ->capture_default_str();
   command->add_option("--only", options->only, "Run this scene only")->check(CLI::IsMember(names));
   command->add_flag("--quick", options->quick, "Short run: few substeps, one cell width, soft bodies");

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cstring>
 
+#include "core/written_files.h"
+
 namespace livegs {
 namespace {
 
@@ -18,6 +20,7 @@ Result<CsvFile> CsvFile::create(const std::filesystem::path& path, const char* h
   if (!csv.file_) {
     return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be written: " + std::strerror(errno)};
   }
+  note_written(path);
   csv.rows_.reserve(kBuffer + (kBuffer >> 4));
   csv.rows_ += header;
   csv.rows_ += '\n';

@@ -14,6 +14,7 @@
 
 #include "cli/commands.h"
 #include "cli/replay.h"
+#include "core/help_format.h"
 #include "livegs/v1/admin.grpc.pb.h"
 #include "session/access/authorization.h"
 #include "session/access/server_security.h"
@@ -165,7 +166,7 @@ void print_tokens(const v1::TokenList& list) {
 
 void print_clients(const v1::ServerStatus& status) {
   std::printf("%-10s%-18s%-26s%-16s%-10s%-11s%9s%9s%10s%10s%9s\n", "session", "name", "from", "token",
-              "scope", "state", "joined s", "frames", "replaced", "MB", "RTT ms");
+              "scope", "state", "joined s", "frames", "dropped", "MB", "RTT ms");
   for (const v1::ClientStatus& client : status.clients()) {
     std::printf("%-10s%-18.17s%-26.25s%-16.15s%-10s%-11s%9.0f%9llu%10llu%10.1f%9.1f\n",
                 client.session().c_str(), client.name().c_str(), client.peer().c_str(),
@@ -275,13 +276,21 @@ void add_ctl(CLI::App& app, int& exit_code) {
   ctl->require_subcommand(1);
   ctl->fallthrough();
   auto options = std::make_shared<Options>();
-  ctl->add_option("--server", options->server, "HOST:PORT of the server")->capture_default_str();
+  ctl->add_option("--server", options->server, "Address of the server")->capture_default_str();
   ctl->add_option("--state-dir", options->access.state_dir,
                   "State folder of a local server, or of the pairings with remote servers");
   ctl->add_option("--pair", options->access.pairing_code, "Pairing code of a remote server");
   ctl->add_option("--token-file", options->access.token_file, "File with a token of scope admin")
       ->check(CLI::ExistingFile);
   ctl->add_flag("--json", options->json, "Print JSON");
+  group_options(
+      *ctl, "Server",
+      {{"--server", "HOST:PORT"}, {"--state-dir", "FOLDER"}, {"--pair", "CODE"}, {"--token-file", "FILE"}});
+  ctl->footer(
+      "Examples:\n"
+      "  livegs ctl status                                          # of the server on this machine\n"
+      "  livegs ctl tokens add headset --scope interact > headset.token\n"
+      "  livegs ctl kick 3fa9 --reason \"maintenance at noon\"");
   const auto add = [&, options](CLI::App* to, const char* name, const char* about, auto run) {
     auto* command = to->add_subcommand(name, about);
     command->fallthrough();
@@ -304,9 +313,10 @@ void add_ctl(CLI::App& app, int& exit_code) {
                   reply.session().c_str());
     });
   });
-  kick->add_option("SESSION", options->session, "Session id as listed by `clients`; at least four digits")
+  kick->add_option("SESSION", options->session,
+                   "Session id as listed by `clients`, or its first digits, at least four")
       ->required();
-  kick->add_option("--reason", options->reason, "Reason sent to the client");
+  kick->add_option("--reason", options->reason, "Reason sent to the client")->type_name("TEXT");
   add(ctl, "health", "Check whether the server is serving; exit code 0 if it is", health);
   auto* drain = add(ctl, "drain", "Disconnect all clients and stop the server", [](const Options& given) {
     v1::DrainRequest request;
@@ -339,7 +349,8 @@ void add_ctl(CLI::App& app, int& exit_code) {
   replayed
       ->add_option("--scene", options->replaying.folder,
                    "Folder of the scene's files, if they are neither in the recording nor at their old path")
-      ->check(CLI::ExistingDirectory);
+      ->check(CLI::ExistingDirectory)
+      ->type_name("FOLDER");
 
   auto* tokens = ctl->add_subcommand("tokens", "Manage access tokens");
   tokens->require_subcommand(1);
@@ -348,8 +359,9 @@ void add_ctl(CLI::App& app, int& exit_code) {
   made->add_option("NAME", options->token_name, "User or purpose of the token")->required();
   made->add_option("--scope", options->scope,
                    "view, interact, author or admin; each includes the previous ones")
+      ->type_name("SCOPE")
       ->capture_default_str();
-  made->add_option("--days", options->days, "Validity in days")->capture_default_str();
+  made->add_option("--days", options->days, "Validity in days")->type_name("DAYS")->capture_default_str();
   add(tokens, "list", "List all tokens, including those that expired or were revoked in the last month",
       [](const Options& given) {
         return ask_and_print(given, &v1::Admin::Stub::ListTokens, v1::ListTokensRequest(), print_tokens);
@@ -362,7 +374,10 @@ void add_ctl(CLI::App& app, int& exit_code) {
           std::printf("token %s (%s) revoked\n", token.id().c_str(), token.name().c_str());
         });
       });
-  revoked->add_option("ID", options->token_id, "Token id as listed by `tokens list`")->required();
+  revoked
+      ->add_option("ID", options->token_id,
+                   "Token id as listed by `tokens list`, or its first digits, at least four")
+      ->required();
 }
 
 }  // namespace livegs

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "cli/commands.h"
+#include "cli/output_path.h"
 #include "geometry/fracture/fracture_seeds.h"
 #include "geometry/fracture/piece_kernels.h"
 #include "geometry/fracture/voronoi_pieces.h"
@@ -74,6 +75,7 @@ Result<void> draw(const GaussianAsset& asset, const PosedKernels& kernels, const
 }
 
 int run(const FractureCommand& options) {
+  if (auto checked = check_output_folder(options.output); !checked) return report(checked.error());
   auto placed =
       place_asset(options.asset, options.asset.stem().string(),
                   options.scale > 0 ? std::optional(options.scale) : std::nullopt, options.up, "fracture");
@@ -106,8 +108,8 @@ int run(const FractureCommand& options) {
   for (const VoronoiBond& bond : cut->bonds) area_m2 += bond.area_m2;
   const double whole_m3 = signed_volume_m3(surface->mesh);
   std::printf("surface      %zu triangles, %.6g m3\n", surface->mesh.triangles.size(), whole_m3);
-  std::printf("pieces       %zu of %zu seeds, %.6g m3 (%+.1e of the whole), in %.3f s\n", cut->pieces.size(),
-              seeds->size(), volume_m3, volume_m3 / whole_m3 - 1.0, cut_s);
+  std::printf("pieces       %zu from %zu seeds, %.6g m3 (the whole has %.6g m3), in %.3f s\n",
+              cut->pieces.size(), seeds->size(), volume_m3, whole_m3, cut_s);
   std::printf("bonds        %zu, %.6g m2\n", cut->bonds.size(), area_m2);
   std::printf("kernels      %zu: %zu cut, %zu parts added, %zu on cut faces, in %.3f s\n",
               kernels->asset.size(), kernels->changed.size(),
@@ -148,17 +150,22 @@ void add_fracture(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<FractureCommand>();
   CLI::App* command = app.add_subcommand("fracture", "Cut an asset into the pieces that it would break into");
   command->add_option("ASSET", options->asset, "Splat asset")->required();
-  command->add_option("--output", options->output,
-                      "Folder for pictures of the pieces, assembled and separated");
+  command
+      ->add_option("--output", options->output, "Folder for pictures of the pieces, assembled and separated")
+      ->type_name("FOLDER");
   command->add_option("--pieces", options->pieces, "Number of pieces")
       ->check(CLI::Range(size_t{1}, kMaxSeeds))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of the pieces")->capture_default_str();
-  command->add_option("--impact", options->impact_m, "Point of impact: x y z in metres, +Y up")->expected(3);
+  command->add_option("--impact", options->impact_m, "Point of impact: x y z in metres, +Y up")
+      ->type_name("X Y Z")
+      ->expected(3);
   command->add_flag("--coarse", options->coarse,
                     "Cut the coarse surface of a rigid body instead of the fine surface");
-  command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)");
+  command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)")
+      ->type_name("METRES");
   command->add_option("--up", options->up, "Up axis of the asset, one of x, -x, y, -y, z, -z")
+      ->type_name("AXIS")
       ->default_str("-y");
   command
       ->add_option("--apart", options->apart,
@@ -172,10 +179,12 @@ void add_fracture(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 16384))
       ->capture_default_str();
   command->add_option("--azimuth", options->azimuth_deg, "Azimuth of the camera in degrees, to the right")
+      ->type_name("DEGREES")
       ->capture_default_str();
   command
       ->add_option("--elevation", options->elevation_deg,
                    "Elevation of the camera in degrees above the horizon")
+      ->type_name("DEGREES")
       ->check(CLI::Range(-89.0, 89.0))
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });

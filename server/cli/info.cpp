@@ -14,9 +14,10 @@ namespace livegs {
 namespace {
 
 int print_scene(const std::filesystem::path& path) {
-  auto scene = read_scene_file(path);
-  if (!scene) return report(scene.error());
-  std::printf("scene        %s\n", path.filename().c_str());
+  const auto text = read_scene(path);
+  if (!text) return report(text.error());
+  const v1::Scene* const scene = &text->file;
+  std::printf("scene        %s\n", text->name.c_str());
   std::printf("rate         %g Hz, %d substeps\n", scene->has_rate_hz() ? scene->rate_hz() : 90.0,
               scene->has_substeps() ? scene->substeps() : 4);
   std::printf("environment  %s, %d colliders\n",
@@ -86,10 +87,14 @@ void add_info(CLI::App& app, int& exit_code) {
   auto path = std::make_shared<std::filesystem::path>();
   CLI::App* command =
       app.add_subcommand("info", "Show the contents of a splat asset or a scene file, and check it");
-  command->add_option("FILE", *path, "Splat file, unpacked .sog folder, or *.scene.json")->required();
+  command->add_option("PATH", *path, "Splat file, unpacked .sog folder, *.scene.json, or folder of assets")
+      ->required();
   command->callback([path, &exit_code] {
-    exit_code = path->extension() == ".json" && path->filename() != "meta.json" ? print_scene(*path)
-                                                                                : print_asset(*path);
+    std::error_code ignored;
+    const bool scene = std::filesystem::is_directory(*path, ignored)
+                           ? !std::filesystem::exists(*path / "meta.json", ignored)
+                           : path->extension() == ".json" && path->filename() != "meta.json";
+    exit_code = scene ? print_scene(*path) : print_asset(*path);
   });
 }
 

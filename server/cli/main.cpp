@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/commands.h"
+#include "core/help_format.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "core/require_processor.h"
@@ -47,7 +48,7 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   livegs::require_processor();
-  CLI::App app("LiveGS: physically simulated Gaussian splats. Command line tools.", "livegs");
+  CLI::App app("Command-line tools for LiveGS, physically simulated Gaussian splats", "livegs");
   app.set_version_flag("--version", LIVEGS_VERSION);
   app.require_subcommand(1);
   int threads = 0;
@@ -61,6 +62,7 @@ int main(int argc, char** argv) {
     if (quiet) livegs::set_log_level(livegs::LogLevel::Warn);
     if (verbose) livegs::set_log_level(livegs::LogLevel::Debug);
   });
+  app.formatter(std::make_shared<livegs::HelpFormatter>());  // also of the commands
   app.fallthrough();  // global options are also accepted after the command
 
   int exit_code = 0;

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/output_path.h"
 #include "core/file.h"
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/reconstruct_surface.h"
@@ -33,6 +34,9 @@ std::string obj_text(const TriangleMesh& mesh) {
 }
 
 int run(const MeshCommand& options) {
+  if (!options.output.empty()) {
+    if (auto checked = check_output_file(options.output, {".obj"}); !checked) return report(checked.error());
+  }
   auto placed =
       place_asset(options.asset, options.asset.stem().string(),
                   options.scale > 0 ? std::optional(options.scale) : std::nullopt, options.up, "mesh");
@@ -42,7 +46,8 @@ int run(const MeshCommand& options) {
   if (!surface) return report(surface.error());
   const MassProperties properties = solid_mass_properties(surface->mesh);
   std::printf("scale        %.6g (%s)\n", placed->object_from_asset.scale, placed->scale_reason.c_str());
-  std::printf("points       %zu of %zu kernels\n", placed->body_points_m.size(), placed->asset->size());
+  std::printf("points       %zu, sampled from %zu kernels\n", placed->body_points_m.size(),
+              placed->asset->size());
   std::printf("surface      %zu vertices, %zu triangles, alpha radius %.4g m\n",
               surface->mesh.vertices_m.size(), surface->mesh.triangles.size(), surface->alpha_radius_m);
   std::printf("volume       %.6g m3, area %.6g m2\n", properties.volume_m3, properties.area_m2);
@@ -63,9 +68,11 @@ void add_mesh(CLI::App& app, int& exit_code) {
   CLI::App* command =
       app.add_subcommand("mesh", "Reconstruct the closed surface of an asset, as used for its body");
   command->add_option("ASSET", options->asset, "Splat asset")->required();
-  command->add_option("--output", options->output, "Output .obj file");
-  command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)");
+  command->add_option("--output", options->output, "Output .obj file")->type_name("FILE");
+  command->add_option("--scale", options->scale, "Metres per unit of the asset (default: guessed)")
+      ->type_name("METRES");
   command->add_option("--up", options->up, "Up axis of the asset, one of x, -x, y, -y, z, -z")
+      ->type_name("AXIS")
       ->default_str("-y");
   command->add_flag("--rigid", options->rigid, "Reconstruct the coarse surface of a rigid body");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "cli/commands.h"
+#include "cli/output_path.h"
 #include "core/file.h"
 #include "scene/build/place_asset.h"
 #include "scene/views/scene_drawing.h"
@@ -100,6 +101,7 @@ int render_scene(const RenderCommand& options) {
 }
 
 int run(const RenderCommand& options) {
+  if (auto checked = check_output_file(options.output, {".png"}); !checked) return report(checked.error());
   std::error_code ignored;
   const bool unpacked_sog = std::filesystem::exists(options.input / "meta.json", ignored);
   const bool scene = options.input.string().ends_with(".scene.json") ||
@@ -115,10 +117,15 @@ void add_render(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RenderCommand>();
   CLI::App* command = app.add_subcommand("render", "Render an asset or the initial state of a scene to PNG");
   command->add_option("INPUT", options->input, "Splat asset, *.scene.json or folder of assets")->required();
-  command->add_option("--output,-o", options->output, "Output PNG file")->capture_default_str();
-  command->add_option("--camera", options->camera, "Camera file (default: everything, from the front)");
-  command->add_option("--frame", options->frame, "Pose the scene with this recorded driver frame");
+  command->add_option("--output,-o", options->output, "Output PNG file")
+      ->type_name("FILE")
+      ->capture_default_str();
+  command->add_option("--camera", options->camera, "Camera file (default: everything, from the front)")
+      ->type_name("FILE");
+  command->add_option("--frame", options->frame, "Pose the scene with this recorded driver frame")
+      ->type_name("FILE");
   command->add_option("--up", options->up, "Up axis of the asset, one of x, -x, y, -y, z, -z")
+      ->type_name("AXIS")
       ->default_str("-y");
   command->add_option("--width", options->width, "Width of the picture in pixels")
       ->check(CLI::Range(1, 16384))
@@ -127,16 +134,19 @@ void add_render(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 16384))
       ->capture_default_str();
   command->add_option("--azimuth", options->azimuth_deg, "Azimuth of the camera in degrees, to the right")
+      ->type_name("DEGREES")
       ->capture_default_str();
   command
       ->add_option("--elevation", options->elevation_deg,
                    "Elevation of the camera in degrees above the horizon")
+      ->type_name("DEGREES")
       ->check(CLI::Range(-89.0, 89.0))
       ->capture_default_str();
   command->add_option("--turns", options->turns, "Number of pictures around the object, with numbered files")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
   command->add_option("--background", options->background, "Background colour: red, green, blue, 0 to 1")
+      ->type_name("R G B")
       ->expected(3)
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/output_path.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
@@ -33,6 +34,7 @@ constexpr const char* kSceneFile = R"({
 )";
 
 int write_sample(const std::filesystem::path& folder, uint64_t seed) {
+  if (auto checked = check_output_folder(folder); !checked) return report(checked.error());
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)

@@ -9,12 +9,15 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/output_path.h"
 #include "cli/simulation_record.h"
 #include "core/clock.h"
 #include "core/file.h"
+#include "core/help_format.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "core/percentile.h"
+#include "core/written_files.h"
 #include "scene/build/elastic_report.h"
 #include "splat/camera_file.h"
 #include "splat/frame_bounds.h"
@@ -30,6 +33,7 @@ struct SimulateCommand {
   int substeps = 0;
   std::string solver = "cells", skinning = "lattice";
   bool particles = false, kernels = false, no_sleep = false, drop = false, draw = false;
+  bool offline = false;  // accepted as by the other commands; there is nothing to leave out
   int every = 1;
   uint64_t seed = 1;
 };
@@ -158,6 +162,7 @@ int run(const SimulateCommand& options) {
   if (!std::isfinite(options.seconds) || !std::isfinite(options.rate_hz)) {
     return report(invalid_argument("--seconds, --rate: must be finite numbers"));
   }
+  if (auto checked = check_output_folder(options.output); !checked) return report(checked.error());
   SceneOptions scene_options;
   if (options.rate_hz > 0) scene_options.rate_hz = options.rate_hz;
   if (options.substeps > 0) scene_options.substeps = options.substeps;
@@ -219,6 +224,7 @@ int run(const SimulateCommand& options) {
         std::snprintf(name, sizeof name, "frame_%04lu.png", frame);
         if (auto written = write_png(options.output / name, view.image, false, 3); !written)
           return report(written.error());
+        note_written(options.output / name);
         times.draw_ms += lap();
       }
     }
@@ -237,6 +243,8 @@ int run(const SimulateCommand& options) {
       !written) {
     return report(written.error());
   }
+  note_written(options.output / "summary.json");
+  std::fputs(written_files_text().c_str(), stdout);
   std::printf("%s: %lu frames at %g Hz, step p50 %.2f ms, p99 %.2f ms\n", options.output.c_str(), frames,
               rate_hz, percentile(times.steps_ms, 0.5), percentile(times.steps_ms, 0.99));
   return 0;
@@ -249,7 +257,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   CLI::App* command =
       app.add_subcommand("simulate", "Simulate a scene offline and write its motion to files");
   command->add_option("SCENE", options->scene, "*.scene.json or folder of assets")->required();
-  command->add_option("--seconds", options->seconds, "Simulated time in seconds")
+  command->add_option("--seconds", options->seconds, "Simulated time")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
   command
@@ -279,8 +287,31 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--seed", options->seed, "Seed of the pieces of fragile objects")
       ->capture_default_str();
   command->add_flag("--no-sleep", options->no_sleep, "Do not put bodies at rest to sleep");
+  command->add_flag("--offline", options->offline,
+                    "Never call a model; simulate does not call one, also without this option");
   command->add_flag("--drop", options->drop,
                     "Folder of assets: the objects fall onto the floor instead of standing on it");
+  group_options(*command, "Simulation",
+                {{"--seconds", "SECONDS"},
+                 {"--rate", "HZ"},
+                 {"--substeps", ""},
+                 {"--elastic-solver", ""},
+                 {"--skinning", ""},
+                 {"--seed", ""},
+                 {"--no-sleep", ""},
+                 {"--drop", ""},
+                 {"--offline", ""}});
+  group_options(*command, "Output",
+                {{"--output", "FOLDER"},
+                 {"--particles", ""},
+                 {"--kernels", ""},
+                 {"--pictures", ""},
+                 {"--render", "CAMERA_FILE"},
+                 {"--every", ""}});
+  command->footer(
+      "Examples:\n"
+      "  livegs simulate scene/sample.scene.json --seconds 2 -o out/sim\n"
+      "  livegs simulate FOLDER --drop --pictures --every 3 -o out/fall");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/file.h"
+#include "core/written_files.h"
 #include "json/json_message.h"
 #include "livegs/v1/scene.pb.h"
 #include "splat/camera_file.h"
@@ -101,7 +102,9 @@ Result<void> write_camera_file(const std::filesystem::path& path, const Camera& 
   if (!google::protobuf::util::MessageToJsonString(file, &text, print).ok()) {
     return Error{ErrorCode::Internal, path.string() + ": the camera cannot be converted to JSON"};
   }
-  return write_file_atomically(path, text);
+  auto written = write_file_atomically(path, text);
+  if (written) note_written(path);
+  return written;
 }
 
 }  // namespace livegs

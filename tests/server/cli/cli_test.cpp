@@ -4,11 +4,13 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/gaussian/synthetic_asset.h"
 #include "core/file.h"
 #include "gaussian/asset_file.h"
 #include "scratch_folder.h"
@@ -72,6 +74,53 @@ TEST(Cli, SimulateWritesAllDocumentedFiles) {
   for (const char* picture : {"frame_0000.png", "frame_0015.png", "frame_0030.png"}) {
     EXPECT_TRUE(read_png(out / picture)) << picture;
   }
+}
+
+TEST(Cli, SimulateNamesItsFiles) {
+  ScratchFolder folder;
+  const Said said = run({"simulate", folder.write("two.scene.json", kScene), "--seconds", "0.2", "--offline",
+                         "--output", folder / "out", "--pictures", "--quiet"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  for (const char* name : {"bodies.csv", "energy.csv", "events.csv", "summary.json"})
+    EXPECT_NE(said.out.find("written: " + (folder / "out").string() + "/" + name), std::string::npos)
+        << said.out;
+  EXPECT_NE(said.out.find("written: 13 files, " + (folder / "out") + "/frame_0000.png to frame_0012.png"),
+            std::string::npos)
+      << said.out;
+}
+
+TEST(Cli, ConvertTurnsAndScales) {
+  ScratchFolder folder;
+  GaussianAsset asset = synthetic_asset(100, 2, 4);
+  ASSERT_TRUE(write_asset(folder / "z_up.ply", asset));
+  const Said said = run({"convert", folder / "z_up.ply", folder / "y_up.ply", "--up", "z", "--scale", "0.5"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find((folder / "y_up.ply").string()), std::string::npos) << said.out;
+  const auto turned = read_asset(folder / "y_up.ply");
+  ASSERT_TRUE(turned) << turned.error().message;
+  for (size_t k = 0; k < asset.size(); ++k) {
+    // +Z of the input is -Y of the output.
+    EXPECT_NEAR(turned->asset.positions[k].y(), -0.5f * asset.positions[k].z(), 1e-6);
+    EXPECT_NEAR(turned->asset.positions[k].norm(), 0.5f * asset.positions[k].norm(), 1e-6);
+    EXPECT_NEAR(turned->asset.log_scales[k].x(), asset.log_scales[k].x() + std::log(0.5f), 1e-6);
+  }
+}
+
+TEST(Cli, InfoDescribesFolders) {
+  ScratchFolder folder;
+  fs::create_directory(folder / "things");
+  ASSERT_EQ(run({"sample", folder / "scene", "--quiet"}).code, 0);
+  fs::copy(folder / "scene/cup.ply", folder / "things/cup.ply");
+  fs::copy(folder / "scene/duck.ply", folder / "things/duck.ply");
+  const Said said = run({"info", folder / "things"});
+  EXPECT_EQ(said.code, 0) << said.err;
+  for (const char* name :
+       {"scene        things", "object       cup", "object       duck", "builds       yes"})
+    EXPECT_NE(said.out.find(name), std::string::npos) << said.out;
+  fs::create_directory(folder / "nothing");
+  const Said empty = run({"info", folder / "nothing"});
+  EXPECT_EQ(empty.code, 2);
+  EXPECT_EQ(empty.err.find("meta.json"), std::string::npos) << empty.err;
 }
 
 TEST(Cli, OutputIsBitEqualForAnyThreadCount) {
@@ -270,7 +319,9 @@ TEST(Cli, AssetCommandsSucceed) {
   const auto picture = read_png(folder / "cup.png");
   ASSERT_TRUE(picture);
   EXPECT_EQ(picture->width, 160);
-  EXPECT_EQ(run({"mesh", cup, "--output", folder / "cup.obj"}).code, 0);
+  const Said mesh = run({"mesh", cup, "--output", folder / "cup.obj"});
+  EXPECT_EQ(mesh.code, 0);
+  EXPECT_NE(mesh.out.find((folder / "cup.obj").string()), std::string::npos) << mesh.out;
   EXPECT_GT(lines_of(folder / "cup.obj").size(), 1000u);
   const Said analysis = run({"analyze", cup, "--json", "--offline", "--explain", folder / "pages"});
   EXPECT_EQ(analysis.code, 0);
@@ -317,6 +368,23 @@ TEST(Cli, ErrorsOfBadInputAreOneLine) {
       {{"analyze", folder / "broken.ply", "--offline", "--prompts", prompts.parent_path()},
        "user.md: line 1: {{nmae}} is not a known slot; write {{name}} or remove it"},
       {{"mesh", folder / "broken.ply"}, "broken.ply"},
+      // A file is never written in another format than its ending names.
+      {{"render", folder / "broken.ply", "-o", folder / "x.jpg"},
+       "x.jpg: cannot be written as .jpg; use .png"},
+      {{"render", folder / "broken.ply", "-o", folder / "x"},
+       "x: cannot be written without an ending; use .png"},
+      {{"mesh", folder / "broken.ply", "--output", folder / "x.ply"},
+       "x.ply: cannot be written as .ply; use .obj"},
+      {{"convert", folder / "broken.ply", folder / "x.sog"},
+       "x.sog: cannot be written as .sog; use .ply or .spz"},
+      {{"convert", folder / "broken.ply", folder / "x.ply", "--up", "w"}, "--up: is \"w\""},
+      {{"convert", folder / "broken.ply", folder / "x.ply", "--scale", "0"},
+       "--scale: must be a number above 0"},
+      {{"fracture", folder / "broken.ply", "--output", folder / "x.png"}, "x.png: is the name of a file"},
+      {{"simulate", folder / "ok.scene.json", "-o", folder / "x.csv"}, "x.csv: is the name of a file"},
+      {{"sample", folder / "x.ply"}, "x.ply: is the name of a file"},
+      {{"analyze", folder / "broken.ply", "--offline", "--explain", folder / "x.html"},
+       "x.html: is the name of a file"},
   };
   for (const auto& [words, named] : cases) {
     const Said said = run(words);

@@ -447,6 +447,9 @@ TEST(SessionRecorder, RefusesUnwritablePaths) {
   const auto there = recorder.start(folder / "there.lvgrec");
   ASSERT_FALSE(there);
   EXPECT_NE(there.error().message.find("already exists"), std::string::npos);
+  const auto film = recorder.start(folder / "film.mp4");
+  ASSERT_FALSE(film);
+  EXPECT_NE(film.error().message.find("film.mp4: is a recording"), std::string::npos) << film.error().message;
   const auto nowhere = recorder.start(folder / "no/such/folder.lvgrec");
   ASSERT_FALSE(nowhere);
   EXPECT_NE(nowhere.error().message.find("has no folder"), std::string::npos);
