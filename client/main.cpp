@@ -10,9 +10,11 @@
 #include <map>
 #include <string>
 
+#include "core/help_format.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "core/require_processor.h"
+#include "core/written_files.h"
 #include "viewer/runs/headset_run.h"
 #include "viewer/runs/offscreen_run.h"
 #include "viewer/runs/replay_run.h"
@@ -95,7 +97,7 @@ int run_replayed(const livegs::ReplayOptions& options, bool window) {
   const auto summary = livegs::run_replay(options, interrupted);
   if (!summary) return report(summary.error());
   std::fputs(livegs::summary_text(*summary).c_str(), stdout);
-  std::printf("output: %s\n", options.output.c_str());
+  std::fputs(livegs::written_files_text().c_str(), stdout);
   return summary->error ? report(*summary->error) : 0;
 }
 
@@ -135,14 +137,17 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"auto", "vulkan", "cpu"}))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds,
-                 "Duration in seconds; 0: until the server ends or the window is closed")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--output,-o", options.output,
-                 "Folder for pictures, video and timings; window mode: for screenshots")
-      ->capture_default_str();
-  app.add_option("--size", size,
-                 "Picture size WxH in pixels (default: 640x480, or the size in the camera file)");
+                 "Duration; 0: until the server ends or the window is closed (default: 10 offscreen, 0 in a "
+                 "window or a headset)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option(
+      "--output,-o", options.output,
+      "Folder for pictures, video and timings (default: out/client); window mode: for a screenshot per "
+      "second, and for recordings (default: no screenshots, recordings in out/study)");
+  app.add_option(
+      "--size", size,
+      "Picture size in pixels (default: that of the camera file, else 1280x800 in a window and 640x480 "
+      "offscreen)");
   app.add_option("--camera", options.camera_file,
                  "Camera file (default: all objects, seen from slightly above)");
   auto* script = app.add_option("--script", options.script_file,
@@ -152,31 +157,32 @@ int main(int argc, char** argv) {
       ->excludes(script);
   app.add_option("--select", select, "Object selected in the panel at the start");
   app.add_option("--force", forces,
-                 "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS: apply a force in newtons at a point of the object at rest, "
+                 "Apply a force in newtons at a point of the object at rest, "
                  "record it to a video with a description, and exit. Repeat for several points at once")
       ->allow_extra_args(false);
   app.add_option("--video-rate", options.video_rate_hz, "Video frame rate in Hz")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str();
-  app.add_option("--every", options.png_every,
-                 "Save every Nth frame as PNG (0: never; window mode: once per second)")
-      ->check(CLI::Range(0, 1000000))
-      ->capture_default_str();
+  app.add_option(
+         "--every", options.png_every,
+         "Save every Nth picture as PNG; 0: none (default: 30 offscreen; window mode with --output: one per "
+         "second)")
+      ->check(CLI::Range(0, 1000000));
   app.add_flag("--no-video", no_video, "Save PNGs only");
   app.add_flag(
       "--full-size", full_size,
       "Window mode: always render at full resolution (default: reduce resolution when frames are late)");
   app.add_option("--cache", options.cache, "Folder for fetched assets (default: $XDG_CACHE_HOME/livegs)");
-  app.add_option("--connect-timeout", options.connect_timeout_s,
-                 "Time limit in seconds until the server is ready")
+  app.add_option("--connect-timeout", options.connect_timeout_s, "Time limit until the server is ready")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   auto* reconnect = app.add_option("--reconnect", options.reconnect_s,
-                                   "Time limit in seconds for reconnecting after a connection loss (default: "
-                                   "10; window mode: none)")
+                                   "Time limit for reconnecting after a connection loss (default: 10; window "
+                                   "mode: none)")
                         ->check(CLI::Range(0.0, 1e6));
   app.add_option("--max-mbit-s", options.max_mbit_s,
-                 "Bandwidth limit in Mbit/s; the server prioritises important objects (default: no limit)")
+                 "Bandwidth limit of frames and assets together, in Mbit/s; important objects are sent first "
+                 "(default: no limit)")
       ->check(CLI::Range(0.1, 1e5));
   app.add_option(
          "--rate", options.rate_hz,
@@ -206,6 +212,39 @@ int main(int argc, char** argv) {
   app.add_option("--threads", threads, "Rendering threads; 0: one per core")->check(CLI::Range(0, 1024));
   app.add_flag("--verbose", verbose, "Verbose logging");
   app.set_version_flag("--version", LIVEGS_VERSION);
+  using livegs::group_options;
+  group_options(app, "Display",
+                {{"--display", ""},
+                 {"--renderer", ""},
+                 {"--size", "WxH"},
+                 {"--full-size", ""},
+                 {"--camera", "FILE"},
+                 {"--select", "NAME"},
+                 {"--seconds", "SECONDS"},
+                 {"--threads", ""}});
+  group_options(app, "Output",
+                {{"--output", "FOLDER"}, {"--every", ""}, {"--video-rate", "HZ"}, {"--no-video", ""}});
+  group_options(app, "Input",
+                {{"--script", "FILE"}, {"--poke", "NAME"}, {"--force", "NAME:X,Y,Z:FX,FY,FZ:SECONDS"}});
+  group_options(app, "Connection",
+                {{"--connect-timeout", "SECONDS"},
+                 {"--reconnect", "SECONDS"},
+                 {"--max-mbit-s", "NUMBER"},
+                 {"--rate", "HZ"},
+                 {"--position-bits", ""},
+                 {"--encoding", ""},
+                 {"--cache", "FOLDER"}});
+  group_options(app, "Access to other machines",
+                {{"--pair", "CODE"}, {"--token-file", "FILE"}, {"--state-dir", "FOLDER"}, {"--unpair", ""}});
+  group_options(app, "Recordings and publications",
+                {{"--replay", "FILE"}, {"--from", "SECONDS"}, {"--subscribe", "tcp://HOST:PORT"}});
+  app.formatter(std::make_shared<livegs::HelpFormatter>());
+  app.footer(
+      "Examples:\n"
+      "  livegs-client 127.0.0.1:9780                     # a window\n"
+      "  livegs-client 127.0.0.1:9780 --display offscreen --seconds 5 --poke cup -o out/cup\n"
+      "  livegs-client HOST:9780 --pair CODE --token-file my.token    # a server on another machine, once\n"
+      "  livegs-client --replay session.lvgrec            # a recording");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -275,7 +314,7 @@ int main(int argc, char** argv) {
     const auto watched = livegs::run_spectator(subscribe, options, interrupted);
     if (!watched) return report(watched.error());
     std::fputs(livegs::summary_text(*watched).c_str(), stdout);
-    std::printf("output: %s\n", options.output.c_str());
+    std::fputs(livegs::written_files_text().c_str(), stdout);
     if (watched->stream_error) {
       report(*watched->stream_error);
       return 1;
@@ -318,13 +357,14 @@ int main(int argc, char** argv) {
     }
     if (app.count("--output") > 0) window.screenshots = options.output;
     if (app.count("--every") > 0) window.screenshot_every = options.png_every;
-    if (const auto done = livegs::run_window(window, interrupted); !done) return report(done.error());
-    return 0;
+    const auto done = livegs::run_window(window, interrupted);
+    std::fputs(livegs::written_files_text().c_str(), stdout);
+    return done ? 0 : report(done.error());
   }
   const auto summary = livegs::run_offscreen(options, interrupted);
   if (!summary) return report(summary.error());
   std::fputs(livegs::summary_text(*summary).c_str(), stdout);
-  std::printf("output: %s\n", options.output.c_str());
+  std::fputs(livegs::written_files_text().c_str(), stdout);
   if (summary->stream_error && !summary->error_logged) report(*summary->stream_error);
   return summary->stream_error ? 1 : 0;
 }

@@ -16,6 +16,7 @@
 
 #include "analysis/model/endpoint_choice.h"
 #include "core/clock.h"
+#include "core/help_format.h"
 #include "core/log.h"
 #include "core/log_format.h"
 #include "core/parallel_for.h"
@@ -81,17 +82,32 @@ livegs::Result<std::unique_ptr<livegs::ServerSecurity>> open_security(const Opti
   return ServerSecurity::open(*folder);
 }
 
-// The command that connects a client, for the log.
-std::string client_command(const Options& options, int port, const livegs::ServerSecurity* security) {
+// Address at which clients reach the server.
+std::string client_address(const Options& options, int port) {
   const std::string host = options.listen.substr(0, options.listen.rfind(':'));
   std::array<char, 256> name{};
   const bool any = host == "0.0.0.0" || host == "[::]";
   if (any && gethostname(name.data(), name.size() - 1) != 0) name = {};
-  const std::string command =
-      "livegs-client " + (any && name[0] != 0 ? std::string(name.data()) : host) + ":" + std::to_string(port);
-  if (!security) return command;
-  return command + " --pair " + livegs::pairing_code(security->fingerprint()) +
-         " --token-file FILE (create a token with: livegs ctl tokens add NAME)";
+  return (any && name[0] != 0 ? std::string(name.data()) : host) + ":" + std::to_string(port);
+}
+
+// Logs that clients may join, and prints the commands for it, each on a line of its own, to be copied.
+void announce(const Options& options, int port, const livegs::ServerSecurity* security) {
+  const std::string address = client_address(options, port);
+  std::string client = "livegs-client " + address, token;
+  if (security) {
+    client += " --pair " + livegs::pairing_code(security->fingerprint()) + " --token-file client.token";
+    token = "livegs ctl --server 127.0.0.1:" + std::to_string(port) +
+            (options.state_dir.empty() ? "" : " --state-dir '" + options.state_dir + "'") +
+            " tokens add client > client.token";
+  }
+  if (options.log_format == "json") {
+    livegs::log_info("ready on %s: %s", address.c_str(), client.c_str());
+    return;
+  }
+  livegs::log_info("ready on %s", address.c_str());
+  if (security) std::fprintf(stderr, "Create a token for a client, here:\n  %s\n", token.c_str());
+  std::fprintf(stderr, "Connect a client:\n  %s\n", client.c_str());
 }
 
 // Blocks the signals that end the server, for all threads that are started later.
@@ -214,7 +230,7 @@ int run(const Options& options) {
     std::lock_guard lock(drain_mutex);
     return drained;
   };
-  log_info("ready: %s", client_command(options, (*server)->port(), security->get()).c_str());
+  announce(options, (*server)->port(), security->get());
   if (options.print_port) {
     std::printf("%d\n", (*server)->port());
     std::fflush(stdout);
@@ -260,7 +276,7 @@ int main(int argc, char** argv) {
   app.add_option("SCENE", options.scene, "A *.scene.json file, or a folder of assets")->required();
   app.add_option(
          "--listen", options.listen,
-         "HOST:PORT; port 0 lets the system choose. 0.0.0.0 accepts other machines, with TLS and a token")
+         "Address; port 0 lets the system choose. 0.0.0.0 accepts other machines, with TLS and a token")
       ->capture_default_str();
   app.add_option("--tls", options.tls,
                  "on; off: local clients only; auto: on unless the listen address is local")
@@ -276,21 +292,23 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1024));
   app.add_option("--threads", options.threads, "Simulation threads; 0: one per core")
       ->check(CLI::Range(0, 1024));
-  app.add_option("--seconds", options.seconds, "Stop after this many seconds; 0: run until stopped")
+  app.add_option("--seconds", options.seconds, "Stop after this time; 0: run until stopped (default: 0)")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--metrics", options.metrics_port,
-                 "Serve Prometheus metrics on 127.0.0.1:PORT; 0 lets the system choose (default: off)")
+  app.add_option(
+         "--metrics", options.metrics_port,
+         "Serve Prometheus metrics on this port of 127.0.0.1; 0 lets the system choose (default: off)")
       ->check(CLI::Range(0, 65535));
   app.add_option(
          "--client-mbit-s", options.client_mbit_s,
-         "Bandwidth limit per client in Mbit/s; the least visible objects are delayed (default: no limit)")
+         "Bandwidth limit per client in Mbit/s, of frames and assets together; the least visible objects "
+         "are delayed (default: no limit)")
       ->check(CLI::Range(0.1, 1e5));
   app.add_option("--clients", options.clients,
                  "Maximum number of clients; a disconnected client keeps its slot for 30 s")
       ->check(CLI::Range(size_t{1}, livegs::kMaxSessions))
       ->capture_default_str();
   app.add_option("--publish", options.publish,
-                 "tcp://127.0.0.1:PORT: publish frames to local subscribers (livegs-client --subscribe), "
+                 "Publish frames to local subscribers (livegs-client --subscribe), "
                  "without tokens; port 0 lets the system choose (default: off)");
   app.add_option("--record", options.record,
                  "Record the session to this new file, *.lvgrec, from the first tick on (livegs ctl record "
@@ -323,7 +341,7 @@ int main(int argc, char** argv) {
                  "Folder of prompts; its files replace built-in prompts of the same names")
       ->check(CLI::ExistingDirectory);
   app.add_option("--price", options.endpoint.price,
-                 "IN,OUT: price in US dollars per million tokens sent and received, for cost reports "
+                 "Price in US dollars per million tokens sent and received, for cost reports "
                  "(default: the value of the variable LIVEGS_PRICE)");
   app.add_option(
          "--model-deadline", options.endpoint.deadline_s,
@@ -338,6 +356,41 @@ int main(int argc, char** argv) {
   app.add_flag("--offline", options.endpoint.offline, "Disable the language model");
   app.add_flag("--verbose", options.verbose, "Log simulation statistics every second");
   app.set_version_flag("--version", LIVEGS_VERSION);
+  using livegs::group_options;
+  group_options(app, "Simulation",
+                {{"--rate", "HZ"},
+                 {"--substeps", ""},
+                 {"--drop", ""},
+                 {"--threads", ""},
+                 {"--seconds", "SECONDS"},
+                 {"--wait-for-client", ""}});
+  group_options(app, "Clients",
+                {{"--listen", "HOST:PORT"},
+                 {"--tls", ""},
+                 {"--state-dir", "FOLDER"},
+                 {"--clients", ""},
+                 {"--client-mbit-s", "NUMBER"},
+                 {"--publish", "tcp://127.0.0.1:PORT"}});
+  group_options(app, "Recording",
+                {{"--record", "FILE"}, {"--record-inputs-only", ""}, {"--record-assets", ""}});
+  group_options(app, "Monitoring",
+                {{"--metrics", "PORT"}, {"--log-format", ""}, {"--print-port", ""}, {"--verbose", ""}});
+  group_options(app, "Analysis by a model",
+                {{"--offline", ""},
+                 {"--endpoint", "URL"},
+                 {"--model", "NAME"},
+                 {"--views", ""},
+                 {"--web-search", ""},
+                 {"--model-deadline", "SECONDS"},
+                 {"--price", "IN,OUT"},
+                 {"--prompts", "FOLDER"},
+                 {"--recorded", "FOLDER"},
+                 {"--record-answers", "FOLDER"}});
+  app.formatter(std::make_shared<livegs::HelpFormatter>());
+  app.footer(
+      "Examples:\n"
+      "  livegs-server scene/sample.scene.json                       # for clients on this machine\n"
+      "  livegs-server FOLDER --listen 0.0.0.0:9780 --record out/session.lvgrec    # also for others");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

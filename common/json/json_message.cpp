@@ -86,7 +86,8 @@ class Reader {
       if (!given.insert(field).second) return fail_at(key_at, quoted(key) + " is given twice; remove one");
       if (const OneofDescriptor* oneof = field->real_containing_oneof()) {
         if (const auto [other, first] = chosen.emplace(oneof, key); !first)
-          return fail_at(key_at, quoted(other->second) + " and " + quoted(key) + " exclude each other; remove one");
+          return fail_at(key_at,
+                         quoted(other->second) + " and " + quoted(key) + " exclude each other; remove one");
       }
       if (!skip()) return false;
       if (!take(':')) return fail_missing("a colon after " + quoted(key), begin);

@@ -33,9 +33,9 @@ Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice) {
   if (!device && device.error().code == ErrorCode::TooLarge)
     return made_or_cpu(choice, "vulkan", device.error());
   if (choice == RendererChoice::Auto && (!device || (*device)->is_software())) {
-    const std::string why =
-        !device ? device.error().message
-                : "vulkan: " + (*device)->name() + " is a software device; use it with --renderer vulkan";
+    const std::string why = !device ? device.error().message
+                                    : "vulkan: no GPU, only the software driver " + (*device)->name() +
+                                          "; force it with --renderer vulkan";
     log_info("renderer: cpu: %s", why.c_str());
     return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer());
   }

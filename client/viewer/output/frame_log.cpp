@@ -7,13 +7,16 @@
 
 #include "core/clock.h"
 #include "core/percentile.h"
+#include "core/written_files.h"
 
 namespace livegs {
 namespace {
 
 std::unique_ptr<std::FILE, int (*)(std::FILE*)> open(const std::filesystem::path& path, const char* header) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "w"), &std::fclose);
-  if (file) std::fprintf(file.get(), "%s\n", header);
+  if (!file) return file;
+  std::fprintf(file.get(), "%s\n", header);
+  note_written(path);
   return file;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/file.h"
 #include "core/log.h"
+#include "core/written_files.h"
 #include "splat/image.h"
 #include "wire/frame_codec.h"
 
@@ -14,6 +15,7 @@ Result<void> write_first_picture(const Image& picture, const std::filesystem::pa
   const std::filesystem::path file = folder / "first.png";
   auto written = write_png(file, picture);
   if (!written) return written;
+  note_written(file);
   log_info("first picture: %s", file.c_str());
   return {};
 }
@@ -21,6 +23,7 @@ Result<void> write_first_picture(const Image& picture, const std::filesystem::pa
 Result<void> write_last_picture(const Player& player, const std::filesystem::path& folder) {
   if (player.last_picture()) {
     if (auto written = write_png(folder / "last.png", *player.last_picture()); !written) return written;
+    note_written(folder / "last.png");
     const std::vector<ObjectDrivers>& objects = player.last_frame()->objects;
     if (std::any_of(objects.begin(), objects.end(),
                     [](const ObjectDrivers& one) { return one.kernels != nullptr; }))
@@ -28,6 +31,7 @@ Result<void> write_last_picture(const Player& player, const std::filesystem::pat
     if (auto written = write_file_atomically(folder / "last_frame.bin", encode_frame(*player.last_frame()));
         !written)
       return written;
+    note_written(folder / "last_frame.bin");
   }
   return {};
 }

@@ -204,11 +204,14 @@ std::string summary_text(const OffscreenRunSummary& summary) {
                       count(received.frames), received.seconds, received.rate_hz, summary.server_rate_hz,
                       count(received.missed_ticks));
   if (summary.outages.count > 0) {
-    text += format_text(
-        "  stream lost %llu times, resumed %llu times after %.1f s in total, %llu times from a restarted "
-        "server; last reason: %.80s\n",
-        count(summary.outages.count), count(summary.outages.resumed), summary.outages.seconds,
-        count(summary.outages.restarted), summary.outages.last_reason.c_str());
+    const auto times = [&](uint64_t value, const char* word) {
+      return format_text("%llu %s%s", count(value), word, value == 1 ? "" : "s");
+    };
+    text += "  " + times(summary.outages.count, "disconnect") + ", " +
+            times(summary.outages.resumed, "reconnect") +
+            format_text(" after %.1f s in total, %llu of them to a restarted server; last reason: %.80s\n",
+                        summary.outages.seconds, count(summary.outages.restarted),
+                        summary.outages.last_reason.c_str());
   }
   text += format_text(
       "  staleness p50 %.2f ms, p99 %.2f ms, uncertainty %.2f ms; %.0f bytes per frame p50, %.0f p99; "

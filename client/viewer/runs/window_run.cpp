@@ -7,6 +7,7 @@
 #include "core/clock.h"
 #include "core/format_text.h"
 #include "core/log.h"
+#include "core/written_files.h"
 #include "stream/session/scene_control.h"
 #include "stream/session/scripted_hands.h"
 #include "stream/session/session_client.h"
@@ -32,6 +33,7 @@ namespace livegs {
 namespace {
 
 constexpr size_t kRightHand = 1;
+constexpr int kManyScreenshots = 100;  // are worth a warning; they take some 60 MB
 constexpr const char* kHelp =
     "left: pull   right: rotate   middle: pan\nwheel: zoom   WASDQE: fly   space: shoot\n"
     "P: pause   full stop: step   H: hide panels\n1 to 5: pull, move, turn, scale, measure   F: frame";
@@ -472,7 +474,11 @@ WindowOverlay WindowRun::overlay(const Camera& window) const {
 }
 
 Result<void> WindowRun::keep_screenshot() {
-  return write_png(options_.screenshots / format_text("window_%03d.png", screenshots_++), screenshot_);
+  const std::filesystem::path file = options_.screenshots / format_text("window_%03d.png", screenshots_++);
+  note_written(file);
+  if (screenshots_ == kManyScreenshots)
+    log_warn("%s: %d screenshots so far; fewer with --every N", options_.screenshots.c_str(), screenshots_);
+  return write_png(file, screenshot_);
 }
 
 // Draws a picture of the live scene.

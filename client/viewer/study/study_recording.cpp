@@ -8,6 +8,7 @@
 
 #include "core/file.h"
 #include "core/format_text.h"
+#include "core/written_files.h"
 #include "splat/camera_file.h"
 
 namespace livegs {
@@ -100,7 +101,10 @@ Result<void> StudyRecording::keep(const Image& picture) {
   return video_->add(picture);
 }
 
-Result<void> StudyRecording::finish() { return video_ ? video_->finish() : Result<void>(); }
+Result<void> StudyRecording::finish() {
+  for (const char* ending : {".txt", ".json"}) note_written(stem_.string() + ending);
+  return video_ ? video_->finish() : Result<void>();
+}
 
 void StudyRecording::abandon() {
   std::error_code ignored;

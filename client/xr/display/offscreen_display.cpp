@@ -6,6 +6,7 @@
 
 #include "core/assert.h"
 #include "core/log.h"
+#include "core/written_files.h"
 
 namespace livegs {
 
@@ -49,6 +50,7 @@ Result<void> OffscreenDisplay::submit(const PlannedFrame& frame, std::span<const
     char name[32];
     std::snprintf(name, sizeof name, "frame_%05llu.png", static_cast<unsigned long long>(frame.index));
     if (auto written = write_png(options_.folder / name, images[0]); !written) return written;
+    note_written(options_.folder / name);
   }
   return video_ ? video_->add(images[0]) : Result<void>();
 }

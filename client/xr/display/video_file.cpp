@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "core/written_files.h"
+
 extern char** environ;
 
 namespace livegs {
@@ -138,6 +140,7 @@ Result<void> VideoFile::finish() {
                  path_.string() + ": ffmpeg could not write the video, or not to its end"};
   }
   defragment(path_);
+  note_written(path_);
   return {};
 }
 

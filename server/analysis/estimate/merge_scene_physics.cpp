@@ -20,7 +20,7 @@ struct Author {
 Author author_of(EstimatedValue::Source by) {
   const MessageTemplates& reasons = MessageTemplates::reasons();
   if (by == EstimatedValue::PERSON)
-    return {by, "a person's", reasons.say("reason_person"), "reason_person_density", "reason_person_fill"};
+    return {by, "the user's", reasons.say("reason_person"), "reason_person_density", "reason_person_fill"};
   return {EstimatedValue::SCENE, "the scene's", reasons.say("reason_scene"), "reason_scene_density",
           "reason_scene_fill"};
 }

@@ -116,7 +116,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   EstimatedValue& mass = *result.mutable_mass_kg();
   if (is_locked(mass)) {
     changes.push_back("mass_g: ignored, the mass is " +
-                      std::string(mass.source() == EstimatedValue::PERSON ? "a person's" : "the scene's"));
+                      std::string(mass.source() == EstimatedValue::PERSON ? "the user's" : "the scene's"));
   } else if (kMassRange_kg.holds(mass.best())) {
     const Span3 both = fuse(answer.mass_kg, span_of(mass));
     set(mass, both, kMassRange_kg,

@@ -251,7 +251,7 @@ void take_proposal(const v1::PhysicsFile& proposal, v1::PhysicsFile& file) {
   *file.mutable_physics() = proposal.physics();
   *file.mutable_analysis() = proposal.analysis();
   file.mutable_analysis()->clear_review();
-  file.mutable_analysis()->add_gate("accepted by a person");
+  file.mutable_analysis()->add_gate("accepted by the user");
 }
 
 Result<v1::PhysicsFile> accept_proposal(const fs::path& path, const WriteStep& before) {

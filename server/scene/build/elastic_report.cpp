@@ -92,7 +92,8 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
   if (accuracy.thin_part > kMaxThinPart) {
     warnings.push_back(format_text(
         "%.0f %% of the volume is sheets or cords thinner than half a cell of %.3g mm that are not aligned "
-        "with the cells; their bending stiffness is %.2g to %.2g of the correct value",
+        "with the cells; their bending stiffness is %.2g to %.2g of the correct value; lower spacing_m for "
+        "smaller cells",
         100.0 * accuracy.thin_part, 1e3 * accuracy.cell_width_m, kThinBendsFrom, kThinBendsTo));
   }
   if (accuracy.over_budget) {

@@ -14,6 +14,7 @@
 #include "core/assert.h"
 #include "core/content_hash.h"
 #include "core/file.h"
+#include "session/access/id_prefix.h"
 #include "trust/fingerprint.h"
 #include "trust/state_folder.h"
 
@@ -158,17 +159,16 @@ std::string TokenStore::add_local_admin() {
 
 Result<v1::Token> TokenStore::revoke(const std::string& id) {
   std::lock_guard lock(mutex_);
-  for (v1::Token& token : *tokens_.mutable_tokens()) {
-    if (token.id() != id) continue;
-    token.set_revoked(
-        true);  // before the write: if it fails, the token is still refused until the server ends
-    if (auto written = write(); !written) return written.error();
-    v1::Token revoked = token;
-    revoked.clear_sha256();
-    return revoked;
-  }
-  return not_found("token \"" + id.substr(0, kMaxName) +
-                   "\": does not exist; run livegs ctl tokens to list the tokens");
+  std::vector<std::string> ids;
+  for (const v1::Token& token : tokens_.tokens()) ids.push_back(token.id());
+  const auto found = find_by_prefix(ids, id, "token", "livegs ctl tokens list");
+  if (!found) return found.error();
+  v1::Token& token = *tokens_.mutable_tokens(static_cast<int>(*found));
+  token.set_revoked(true);  // before the write: if it fails, the token is still refused until the server ends
+  if (auto written = write(); !written) return written.error();
+  v1::Token revoked = token;
+  revoked.clear_sha256();
+  return revoked;
 }
 
 std::vector<v1::Token> TokenStore::list() const {

@@ -4,8 +4,12 @@
 #include <prometheus/collectable.h>
 #include <prometheus/exposer.h>
 #include <prometheus/metric_family.h>
+#include <unistd.h>
 
+#include <cstdlib>
 #include <exception>
+#include <fstream>
+#include <sstream>
 #include <utility>
 
 #include "session/support/version.h"
@@ -138,6 +142,38 @@ void collect_sessions(const SessionTable& table, std::vector<MetricFamily>& fami
     families.push_back(std::move(*one));
 }
 
+// Memory and start of this process, by the names that the client libraries of Prometheus use.
+void collect_process(std::vector<MetricFamily>& families) {
+  // Resident pages are the second number of statm; the start is field 22 of stat, in clock ticks since boot,
+  // counted after the name, which may contain spaces.
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0, resident_pages = 0;
+  if (statm >> pages >> resident_pages) {
+    const auto page_bytes = static_cast<double>(::sysconf(_SC_PAGESIZE));
+    auto& resident = families.emplace_back(
+        family("process_resident_memory_bytes", "Memory of the process in RAM", MetricType::Gauge));
+    add(resident, resident_pages * page_bytes);
+    auto& virtual_size = families.emplace_back(
+        family("process_virtual_memory_bytes", "Address space of the process", MetricType::Gauge));
+    add(virtual_size, pages * page_bytes);
+  }
+  std::ifstream stat("/proc/self/stat"), system("/proc/stat");
+  std::string line, word;
+  double ticks = 0, boot_s = 0;
+  if (std::getline(stat, line) && line.rfind(')') != std::string::npos) {
+    std::istringstream fields(line.substr(line.rfind(')') + 1));  // from field 3 on
+    for (int field = 3; field < 22; ++field) fields >> word;
+    fields >> ticks;
+  }
+  while (std::getline(system, line)) {
+    if (line.starts_with("btime ")) boot_s = std::strtod(line.c_str() + 6, nullptr);
+  }
+  if (ticks <= 0 || boot_s <= 0) return;
+  auto& start = families.emplace_back(
+      family("process_start_time_seconds", "Start of the process, Unix time", MetricType::Gauge));
+  add(start, boot_s + ticks / static_cast<double>(::sysconf(_SC_CLK_TCK)));
+}
+
 class Collector final : public prometheus::Collectable {
  public:
   explicit Collector(Metrics::Sources sources) : sources_(std::move(sources)) {}
@@ -145,6 +181,7 @@ class Collector final : public prometheus::Collectable {
     std::vector<MetricFamily> families;
     auto& about = families.emplace_back(family("livegs_info", "Version of the server", MetricType::Gauge));
     add(about, 1, {{"version", kVersion}});
+    collect_process(families);
     collect_simulation(sources_.simulation(), families);
     collect_publisher(sources_.publisher(), families);
     collect_sessions(sources_.sessions, families);

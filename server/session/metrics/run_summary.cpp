@@ -53,7 +53,7 @@ std::string run_summary(const Scene& scene, const SimulationSummary& simulated,
       "stream: %.0f bytes a frame p50, %.0f p99; encoding p50 %.2f ms, p99 %.2f ms; %llu frames skipped\n",
       published.frame_bytes_p50, published.frame_bytes_p99, published.encode_ms_p50, published.encode_ms_p99,
       static_cast<unsigned long long>(published.skipped));
-  text += format_text("  %llu sessions, %llu frames sent, %llu replaced by newer ones\n",
+  text += format_text("  %llu sessions, %llu frames sent, %llu dropped because newer ones waited\n",
                       static_cast<unsigned long long>(sessions.sessions),
                       static_cast<unsigned long long>(sessions.frames_sent),
                       static_cast<unsigned long long>(sessions.frames_replaced));

@@ -278,8 +278,9 @@ void StreamCall::OnDone() {
   }
   if (session) {
     table_.stream_ended(*session, stream, in_order);
-    log_info("session %.8s: stream %s, %llu frames sent, %llu replaced by newer ones", session->id.c_str(),
-             in_order ? "ended" : "broke", static_cast<unsigned long long>(session->frames_sent()),
+    log_info("session %.8s: stream %s, %llu frames sent, %llu dropped because newer ones waited",
+             session->id.c_str(), in_order ? "ended" : "broke",
+             static_cast<unsigned long long>(session->frames_sent()),
              static_cast<unsigned long long>(session->frames_replaced()));
   }
   const std::shared_ptr<StreamCall> last_share = std::move(self_);

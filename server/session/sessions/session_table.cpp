@@ -7,6 +7,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
+#include "session/access/id_prefix.h"
 
 namespace livegs {
 namespace {
@@ -159,16 +160,13 @@ void SessionTable::end_unauthorised() {
 }
 
 Result<std::string> SessionTable::end_session(std::string_view id_begin, const Error& why) {
-  if (id_begin.size() < 4) return invalid_argument("session: id is too short; give four or more digits");
-  std::shared_ptr<ClientSession> found;
-  for (const auto& session : sessions_now()) {
-    if (!session->id.starts_with(id_begin)) continue;
-    if (found) return invalid_argument("session: several ids have this prefix; give more digits");
-    found = session;
-  }
-  if (!found) return not_found("session: no id has this prefix; run livegs ctl clients to list the sessions");
-  end(*found, why);
-  return found->id;
+  const auto sessions = sessions_now();
+  std::vector<std::string> ids;
+  for (const auto& session : sessions) ids.push_back(session->id);
+  const auto found = find_by_prefix(ids, id_begin, "session", "livegs ctl clients");
+  if (!found) return found.error();
+  end(*sessions[*found], why);
+  return ids[*found];
 }
 
 uint64_t SessionTable::deliver(std::shared_ptr<TickEncodings> tick, std::span<const Object> added,

@@ -46,10 +46,12 @@ TEST(JsonMessage, RefusalsAreExact) {
       {R"({ "objects": [ { "nme": "cup" } ] })",
        R"(line 1, column 18: objects[0]: unknown field "nme"; did you mean "name"?)"},
       {"{\n  \"objects\": [\n    { \"name\": \"cup\", \"physics\": { \"behavior\": \"SQUISHY\" } } ] }",
-       "line 3, column 47: objects[0].physics.behavior of \"cup\": must be AUTO, STATIC, RIGID or ELASTIC, not "
+       "line 3, column 47: objects[0].physics.behavior of \"cup\": must be AUTO, STATIC, RIGID or ELASTIC, "
+       "not "
        "\"SQUISHY\""},
       {R"({ "objects": [ { "physics": { "behavior": "elastic" } } ] })",
-       "line 1, column 43: objects[0].physics.behavior: must be AUTO, STATIC, RIGID or ELASTIC, not \"elastic\"; "
+       "line 1, column 43: objects[0].physics.behavior: must be AUTO, STATIC, RIGID or ELASTIC, not "
+       "\"elastic\"; "
        "did you mean \"ELASTIC\"?"},
       {R"({ "objects": [ { "physics": { "behavior": 9 } } ] })",
        "line 1, column 43: objects[0].physics.behavior: must be AUTO, STATIC, RIGID or ELASTIC, not 9"},
@@ -57,19 +59,23 @@ TEST(JsonMessage, RefusalsAreExact) {
       {R"({ "rate_hz": .5 })", "line 1, column 14: rate_hz: must be a number, not .5"},
       {R"({ "rate_hz": NaN })", "line 1, column 14: rate_hz: must be a number, not NaN"},
       {R"({ "rate_hz": 090 })", "line 1, column 14: rate_hz: must be a number, not 090"},
-      {R"({ "rate_hz": 1e999 })", "line 1, column 14: rate_hz: is out of range: must be from -1.8e+308 to "
-                                  "1.8e+308, not 1e999"},
+      {R"({ "rate_hz": 1e999 })",
+       "line 1, column 14: rate_hz: is out of range: must be from -1.8e+308 to "
+       "1.8e+308, not 1e999"},
       {R"({ "rate_hz": [90] })", "line 1, column 14: rate_hz: must be a number, not a list"},
       {R"({ "substeps": 2.5 })", "line 1, column 15: substeps: must be a whole number, not 2.5"},
-      {R"({ "substeps": 3000000000 })", "line 1, column 15: substeps: is out of range: must be from -2147483648 "
-                                        "to 2147483647, not 3000000000"},
+      {R"({ "substeps": 3000000000 })",
+       "line 1, column 15: substeps: is out of range: must be from -2147483648 "
+       "to 2147483647, not 3000000000"},
       {R"({ "substeps": true })", "line 1, column 15: substeps: must be a number, not true"},
       {R"({ "gravity_m_s2": -9.81 })", "line 1, column 19: gravity_m_s2: must be a list, [ … ], not -9.81"},
       {R"({ "gravity_m_s2": [0, "down", 0] })",
        "line 1, column 23: gravity_m_s2[1]: must be a number, not \"down\""},
-      {R"({ "objects": { "name": "cup" } })", "line 1, column 14: objects: must be a list, [ … ], not an object"},
+      {R"({ "objects": { "name": "cup" } })",
+       "line 1, column 14: objects: must be a list, [ … ], not an object"},
       {R"({ "objects": [ "cup" ] })", "line 1, column 16: objects[0]: must be an object, { … }, not \"cup\""},
-      {R"({ "objects": [ { "name": 7 } ] })", "line 1, column 26: objects[0].name: must be a text in quotes, not 7"},
+      {R"({ "objects": [ { "name": 7 } ] })",
+       "line 1, column 26: objects[0].name: must be a text in quotes, not 7"},
       {R"({ "environment": { "collide": "yes" } })",
        "line 1, column 31: environment.collide: must be true or false, not \"yes\""},
       {R"({ "objects": [ { "name": "a", "name": "b" } ] })",
@@ -82,14 +88,17 @@ TEST(JsonMessage, RefusalsAreExact) {
       {"{ \"objects\": [\n  { \"name\": \"cup\"",
        "line 2, column 18: objects[0] of \"cup\": is not JSON: the text ends within what begins at line 2, "
        "column 3"},
-      {"{ \"objects\": [", "line 1, column 15: objects: is not JSON: the text ends within what begins at line 1, "
-                           "column 14"},
-      {"{ \"objects\": [ { \"name\": \"cu", "line 1, column 26: objects[0].name: is not JSON: a text in quotes "
-                                             "does not end"},
+      {"{ \"objects\": [",
+       "line 1, column 15: objects: is not JSON: the text ends within what begins at line 1, "
+       "column 14"},
+      {"{ \"objects\": [ { \"name\": \"cu",
+       "line 1, column 26: objects[0].name: is not JSON: a text in quotes "
+       "does not end"},
       {"{ \"name", "line 1, column 3: is not JSON: a text in quotes does not end"},
       {"{ \"rate_hz\" 90 }", "line 1, column 13: is not JSON: a colon after \"rate_hz\" is missing"},
       {"{ \"rate_hz\": 90 \"substeps\": 4 }", "line 1, column 17: is not JSON: a comma or } is missing"},
-      {"{ \"gravity_m_s2\": [0 1] }", "line 1, column 22: gravity_m_s2: is not JSON: a comma or ] is missing"},
+      {"{ \"gravity_m_s2\": [0 1] }",
+       "line 1, column 22: gravity_m_s2: is not JSON: a comma or ] is missing"},
       {"{ \"rate_hz\": 90, }", "line 1, column 16: is not JSON: a comma before }; remove it"},
       {"{ rate_hz: 90 }", "line 1, column 3: is not JSON: a field begins with its name in quotes"},
       {"{ /* rate_hz", "line 1, column 3: is not JSON: a comment does not end; add */"},

@@ -316,5 +316,34 @@ TEST_F(Programs, PokeAtUnknownObjectListsTheObjects) {
   expect_one_line(client, "box, cube");
 }
 
+// --help names the kind of each value and gives commands that can be copied.
+TEST(Help, HasKindsGroupsAndExamples) {
+  const std::vector<std::vector<std::string>> programs = {
+      {LIVEGS_SERVER, "Clients:", "--listen HOST:PORT"},
+      {LIVEGS_CLIENT, "Connection:", "--size WxH"},
+      {LIVEGS_TOOL, "Server:", "--server HOST:PORT", "ctl"},
+      {LIVEGS_TOOL, "Output:", "-o,--output FOLDER", "simulate"}};
+  for (const auto& one : programs) {
+    std::vector<std::string> words = {one[0]};
+    words.insert(words.end(), one.begin() + 3, one.end());
+    words.push_back("--help");
+    Program program(words);
+    ASSERT_EQ(program.wait(), 0) << program.err();
+    const std::string text = program.out();
+    EXPECT_NE(text.find("\n" + one[1] + "\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("  " + one[2] + " "), std::string::npos) << text;
+    const size_t examples = text.find("Examples:");
+    ASSERT_NE(examples, std::string::npos) << text;
+    const std::string commands = text.substr(examples);
+    size_t count = 0;
+    for (size_t at = commands.find("\n  livegs"); at != std::string::npos;
+         at = commands.find("\n  livegs", at + 1))
+      ++count;
+    EXPECT_GE(count, 2u) << text;
+    for (const char* untyped : {" TEXT", " UINT", " INT", " FLOAT", " in ["})
+      EXPECT_EQ(text.find(untyped), std::string::npos) << untyped << "\n" << text;
+  }
+}
+
 }  // namespace
 }  // namespace livegs

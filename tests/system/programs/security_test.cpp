@@ -230,6 +230,14 @@ TEST_F(SecurePrograms, RemoteClientsNeedTlsAndTokens) {
   const std::string port = secure.first_line();
   ASSERT_NE(port, "") << secure.err();
   EXPECT_NE(secure.err().find("--pair " + pairing_code(port)), std::string::npos) << secure.err();
+  // The commands are on lines of their own, to be copied.
+  EXPECT_NE(secure.err().find(":" + port + " --pair " + pairing_code(port) + " --token-file client.token\n"),
+            std::string::npos)
+      << secure.err();
+  EXPECT_NE(secure.err().find("\n  livegs ctl --server 127.0.0.1:" + port + " --state-dir '" +
+                              (folder_ / "state").string() + "' tokens add client > client.token\n"),
+            std::string::npos)
+      << secure.err();
 
   auto far = viewer("9780", {});
   std::replace(far.begin(), far.end(), std::string("127.0.0.1:9780"), std::string("192.0.2.1:9780"));

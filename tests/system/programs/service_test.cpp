@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -42,7 +43,7 @@ std::map<std::string, double> metrics_at(int port) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     const size_t space = line.rfind(' ');
-    if (line.starts_with("livegs_") && space != std::string::npos)
+    if ((line.starts_with("livegs_") || line.starts_with("process_")) && space != std::string::npos)
       values[line.substr(0, space)] = std::stod(line.substr(space));
   }
   return values;
@@ -78,6 +79,11 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
     return found == values.end() ? -1.0 : found->second;
   };
   EXPECT_EQ(value("livegs_serving"), 1);
+  EXPECT_GT(value("process_resident_memory_bytes"), 1e7);
+  EXPECT_GE(value("process_virtual_memory_bytes"), value("process_resident_memory_bytes"));
+  const auto now_s = static_cast<double>(std::time(nullptr));
+  EXPECT_LE(value("process_start_time_seconds"), now_s + 1);  // the kernel rounds its own start to a second
+  EXPECT_GT(value("process_start_time_seconds"), now_s - 3600);
   EXPECT_GE(value("livegs_sessions_total"), 2);
   EXPECT_GT(value("livegs_ticks_total"), 10);
   EXPECT_EQ(value("livegs_tick_seconds_count"), value("livegs_ticks_total"));

@@ -211,7 +211,7 @@ TEST(OffscreenRun, ContinuesAfterServerRestart) {
   EXPECT_GT(summary->outages.seconds, 0);
   EXPECT_EQ(summary->assets.assets,
             5u);  // three initially, then a different box and floor; the cube is unchanged
-  EXPECT_NE(summary_text(*summary).find("resumed 1 times"), std::string::npos)
+  EXPECT_NE(summary_text(*summary).find("1 disconnect, 1 reconnect after"), std::string::npos)
       << summary_text(*summary);
   std::ifstream file(run.output / "timings.csv");
   std::string line;

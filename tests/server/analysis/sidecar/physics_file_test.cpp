@@ -178,7 +178,7 @@ TEST_F(PhysicsFileTest, ProposalCanBeAccepted) {
   EXPECT_EQ(mass_kg(), 30);
   EXPECT_EQ(read().analysis().model(), "seer-2");
   EXPECT_EQ(read().analysis().review(), "");
-  EXPECT_EQ(*read().analysis().gate().rbegin(), "accepted by a person");
+  EXPECT_EQ(*read().analysis().gate().rbegin(), "accepted by the user");
   EXPECT_EQ(read().edits().friction(), 0.9);
   EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);  // only once
   ASSERT_TRUE(undo_physics(path));

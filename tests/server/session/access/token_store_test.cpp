@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scratch_folder.h"
+#include "session/access/id_prefix.h"
 #include "session/access/server_security.h"
 #include "trust/fingerprint.h"
 #include "trust/state_folder.h"
@@ -107,6 +108,7 @@ TEST_F(Tokens, BadRequestsNameTheField) {
   refused("a", static_cast<v1::Scope>(5), 1, "scope:");
   for (const double days : {-1.0, 3651.0, std::nan(""), HUGE_VAL}) refused("a", v1::VIEW, days, "days:");
   EXPECT_FALSE(store_->revoke("00000000"));
+  EXPECT_FALSE(store_->revoke("0"));
   EXPECT_TRUE(store_->list().empty());
 }
 
@@ -187,6 +189,28 @@ TEST(ServerSecurity, RefusesBadFilesByName) {
   EXPECT_FALSE(ServerSecurity::open(state));
   folder.write("file", "");
   EXPECT_FALSE(ServerSecurity::open(folder / "file"));
+}
+
+TEST_F(Tokens, RevokeTakesAUniqueBeginningOfTheId) {
+  const auto made = store_->add("a", v1::VIEW, 1);
+  ASSERT_TRUE(made);
+  const std::string id = made->token.id();
+  EXPECT_FALSE(store_->revoke(id.substr(0, 3)));  // too short, also if unique
+  const auto revoked = store_->revoke(id.substr(0, 4));
+  ASSERT_TRUE(revoked) << revoked.error().message;
+  EXPECT_EQ(revoked->id(), id);
+  EXPECT_NE(why(made->secret).find("revoked"), std::string::npos);
+}
+
+TEST(IdPrefix, MustBeLongEnoughAndUnique) {
+  const std::vector<std::string> ids = {"abcd1", "abcd12", "ffff0"};
+  const auto find = [&](const char* prefix) { return find_by_prefix(ids, prefix, "token", "livegs ctl"); };
+  EXPECT_EQ(find("ffff").value(), 2u);
+  EXPECT_EQ(find("abcd1").value(), 0u);  // a whole id is preferred
+  EXPECT_EQ(find("abcd12").value(), 1u);
+  EXPECT_EQ(find("fff").error().message, "token: id is too short; give four or more digits");
+  EXPECT_EQ(find("abcd").error().message, "token: several ids start with \"abcd\"; give more digits");
+  EXPECT_EQ(find("zzzz").error().message, "token: no id starts with \"zzzz\"; run livegs ctl to list them");
 }
 
 }  // namespace
