@@ -192,6 +192,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
       {deformation_resistance(stiffness.low), deformation_resistance(stiffness.best),
        deformation_resistance(stiffness.high)},
       "from E* = s E by the paper's map");
+  set_inside(material, answer);
   if (answer.fragile()) {
     // Drop heights of 0.2, 0.5 and 1.2 m onto a hard floor: the range in which such objects usually break.
     const double mass_kg = answer.mass_kg().best();

@@ -106,6 +106,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   const bool same_class = before && before->material_class == material.material_class;
   if (!answer.name.empty()) result.set_label(answer.name);
   result.set_material(material.name);
+  if (!before || has_inside_of(*before, offline)) set_inside(material, result);
   result.set_confidence(std::min(answer.confidence, kMaxConfidence));
   set_parts(answer, result);
   if (answer.fill != Physics::FILL_UNKNOWN) {

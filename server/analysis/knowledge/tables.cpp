@@ -49,11 +49,21 @@ Span3 span(const std::vector<std::string>& row, size_t at, double factor = 1.0) 
   return {number(row[at]) * factor, number(row[at + 1]) * factor, number(row[at + 2]) * factor};
 }
 
+// Parses "C6B294"; nothing for an empty cell.
+std::optional<std::array<double, 3>> colour(const std::string& cell) {
+  if (cell.empty()) return std::nullopt;
+  char* end = nullptr;
+  const unsigned long rgb = std::strtoul(cell.c_str(), &end, 16);
+  LIVEGS_ASSERT(cell.size() == 6 && *end == '\0');
+  const auto part = [&](int shift) { return static_cast<double>(rgb >> shift & 255) / 255; };
+  return std::array{part(16), part(8), part(0)};
+}
+
 std::vector<MaterialRow> parse_materials() {
   std::vector<MaterialRow> table;
-  for (const auto& row : rows_of(kMaterialsCsv, 15)) {
+  for (const auto& row : rows_of(kMaterialsCsv, 16)) {
     table.push_back({row[0], row[1], span(row, 2), span(row, 5), number(row[8]), number(row[9]),
-                     number(row[10]), number(row[12]), number(row[13]), row[11] == "1"});
+                     number(row[10]), number(row[12]), number(row[13]), row[11] == "1", colour(row[14])});
   }
   return table;
 }
@@ -139,6 +149,18 @@ const ObjectRow* find_object_row(std::string_view label) {
     if (row.label == label) return &row;
   }
   return nullptr;
+}
+
+void set_inside(const MaterialRow& material, v1::PhysicalParameters& parameters) {
+  parameters.clear_interior_rgb();
+  if (!material.inside_rgb) return;
+  for (const double part : *material.inside_rgb) parameters.add_interior_rgb(part);
+}
+
+bool has_inside_of(const MaterialRow& material, const v1::PhysicalParameters& parameters) {
+  const auto& rgb = parameters.interior_rgb();
+  if (!material.inside_rgb) return rgb.empty();
+  return std::equal(rgb.begin(), rgb.end(), material.inside_rgb->begin(), material.inside_rgb->end());
 }
 
 double mass_exponent(const ObjectRow& row) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +26,9 @@ struct MaterialRow {
   Span3 density_kg_m3, youngs_modulus_pa;
   double poisson_ratio, restitution, friction, plasticity, loss_factor;
   bool fragile;
+  // Colour of a cut through it, 0 to 1, display-encoded, for materials that are often glazed, painted or
+  // coated; nothing if the inside looks like the surface.
+  std::optional<std::array<double, 3>> inside_rgb;
 };
 
 // Another meaning of a name: an enamel mug for "mug".
@@ -65,6 +70,11 @@ const std::vector<ObjectRow>& object_table();
 const MaterialRow& material_row(std::string_view name);       // precondition: the name is in the table
 const MaterialRow* find_material_row(std::string_view name);  // nullptr if not found
 const ObjectRow* find_object_row(std::string_view label);     // by label, not by alias; nullptr if not found
+
+// Sets the colour of cut faces to that of the material, or clears it if the inside looks like the surface.
+void set_inside(const MaterialRow& material, v1::PhysicalParameters& parameters);
+// Whether the colour of cut faces is that of the material, not one that a scene states.
+bool has_inside_of(const MaterialRow& material, const v1::PhysicalParameters& parameters);
 
 // Level of plasticity with reference objects, for judgement by comparison. LIVE-GS's p: 0 springs back, 1
 // keeps its shape after a bend or dent. Ascending.

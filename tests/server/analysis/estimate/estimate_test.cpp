@@ -202,6 +202,17 @@ TEST(EstimateOffline, BrittleMaterialHasBreakingImpulse) {
   EXPECT_FALSE(estimate_offline(facts_of_box("pillow", {0.4, 0.1, 0.4})).fragile());
 }
 
+// A glazed mug is clay inside; glass looks the same inside.
+TEST(EstimateOffline, CutFacesHaveTheColourOfTheMaterial) {
+  const auto mug = estimate_offline(facts_of_box("coffee mug", {0.12, 0.095, 0.085}));
+  ASSERT_EQ(mug.material(), "stoneware");
+  ASSERT_EQ(mug.interior_rgb_size(), 3);
+  for (int part = 0; part < 3; ++part)
+    EXPECT_EQ(mug.interior_rgb(part), (*material_row("stoneware").inside_rgb)[static_cast<size_t>(part)]);
+  EXPECT_GT(mug.interior_rgb(0), mug.interior_rgb(2));  // warm
+  EXPECT_EQ(estimate_offline(facts_of_box("beer glass", {0.14, 0.13, 0.09})).interior_rgb_size(), 0);
+}
+
 TEST(EstimateOffline, GuessedScaleWidensTheMassRange) {
   ObjectFacts facts = facts_of_box("mug", {0.1, 0.1, 0.1});
   const auto known = estimate_offline(facts);

@@ -57,6 +57,21 @@ TEST(Gate, ValidAnswerIsFusedWithThePrior) {
   EXPECT_TRUE(mentions(judgement.changes, "fused"));
 }
 
+// Another material brings the colour of its inside, unless a scene states a colour.
+TEST(Gate, InsideColourFollowsTheMaterial) {
+  const auto offline = estimate_offline(mug_facts());
+  const Judgement judgement = judge(with("/parts/0/material_id", "porcelain"));
+  ASSERT_EQ(judgement.parameters.material(), "porcelain") << judgement.message;
+  EXPECT_TRUE(has_inside_of(material_row("porcelain"), judgement.parameters));
+  EXPECT_FALSE(has_inside_of(material_row("porcelain"), offline));
+  auto stated = offline;
+  stated.clear_interior_rgb();
+  for (const double part : {0.1, 0.2, 0.3}) stated.add_interior_rgb(part);
+  const Judgement kept = judge_answer(with("/parts/0/material_id", "porcelain").dump(), mug_facts(), stated);
+  ASSERT_EQ(kept.parameters.material(), "porcelain") << kept.message;
+  EXPECT_EQ(kept.parameters.interior_rgb(1), 0.2);
+}
+
 // Estimates of 200 and 800 g with equal ranges meet at the geometric mean: inverse variance in log space.
 TEST(Gate, EqualRangesMeetAtTheGeometricMean) {
   auto offline = estimate_offline(mug_facts());
