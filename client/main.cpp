@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
   std::string replay_file, subscribe;
   double from_s = 0;
   int threads = 0;
-  bool verbose = false, no_video = false, unpair = false, full_size = false;
+  bool verbose = false, no_video = false, unpair = false, full_size = false, no_shadows = false;
   livegs::AccessOptions access;
   CLI::App app("Shows a scene streamed by livegs-server and sends input to it", "livegs-client");
   auto* address = app.add_option("HOST:PORT", options.address, "Address of the server");
@@ -169,6 +169,7 @@ int main(int argc, char** argv) {
          "second)")
       ->check(CLI::Range(0, 1000000));
   app.add_flag("--no-video", no_video, "Save PNGs only");
+  app.add_flag("--no-shadows", no_shadows, "Draw no contact and soft shadows under objects");
   app.add_flag(
       "--full-size", full_size,
       "Window mode: always render at full resolution (default: reduce resolution when frames are late)");
@@ -263,6 +264,7 @@ int main(int argc, char** argv) {
     options.size = parsed;
   }
   options.video = !no_video;
+  options.shadows = !no_shadows;
   if (renderer != "auto")
     options.renderer = renderer == "cpu" ? livegs::RendererChoice::Cpu : livegs::RendererChoice::Vulkan;
   options.encoding = kEncodings.at(encoding);
@@ -300,6 +302,7 @@ int main(int argc, char** argv) {
     replayed.png_every = options.png_every;
     replayed.video = options.video;
     replayed.renderer = options.renderer;
+    replayed.shadows = options.shadows;
     replayed.full_size = full_size;
     return run_replayed(replayed, display == "window");
   }

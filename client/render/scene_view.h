@@ -13,7 +13,9 @@
 #include "render/view/bound_object.h"
 #include "skin/driver_frame.h"
 #include "skin/kernels/kernel_reach.h"
+#include "skin/shape_sample.h"
 #include "skin/skin_kernels.h"
+#include "splat/shadow_table.h"
 
 namespace livegs {
 
@@ -59,12 +61,16 @@ class SceneView {
   // tests/bench/results, cap.csv.
   void set_min_contribution(float min_contribution_px) { min_contribution_px_ = min_contribution_px; }
 
+  // Whether objects darken other objects and the environment under and around them; true by default.
+  void set_shadows(bool drawn) { draws_shadows_ = drawn; }
+
   // Draws the last picture with another renderer, for a comparison with the CPU.
   Result<void> draw_again(SplatRenderer& renderer, std::span<const Camera> eyes,
                           std::vector<Image>& images) const;
 
   struct Times {
     double skin_ms = 0;                             // kernels skinned here since the last pose()
+    double shadow_ms = 0;                           // shadows of objects that moved, likewise
     size_t objects_moved = 0, objects_skinned = 0;  // since the last pose()
     double raster_ms = 0;                           // of the last picture, like the next
     std::optional<DeviceTimes> device;
@@ -111,15 +117,18 @@ class SceneView {
     RestBody rest;
     KernelBindings bindings;
     KernelReach reach;
+    ShapeSample shape;
     bool environment = false;
     std::optional<ObjectDrivers> posed_by;
     uint64_t posed_version = 0, asset_version = 0;  // as in RenderedObject
+    uint64_t shadow_version = 0;                    // posed_version of the shadow
     mutable PosedKernels kernels;                   // valid for the pose of `skinned_version`
     mutable uint64_t skinned_version = 0;
   };
 
   Result<void> draw(std::span<const Camera> eyes, const DeviceImage* image, std::vector<Image>& images);
   std::vector<RenderedObject> rendered(const SplatRenderer& renderer) const;
+  void cast_shadows();                                         // of the visible objects, as posed
   const PosedKernels& kernels_of(const Object& object) const;  // current positions
   DrawnObject drawn(uint32_t object_id) const;                 // the visible revision
   RenderOptions options_for(std::span<const Camera> eyes) const;
@@ -130,6 +139,9 @@ class SceneView {
   std::unique_ptr<SplatRenderer> renderer_;
   bool draws_on_cpu_ = false;  // after a failure of the renderer
   float min_contribution_px_ = 0;
+  bool draws_shadows_ = true;
+  SceneShadows shadows_;
+  const ShadowTable* shadow_table_ = nullptr;  // of `shadows_`, if drawn
   uint64_t last_version_ = 0;
   mutable Times times_;
 };

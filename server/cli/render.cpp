@@ -23,6 +23,7 @@ struct RenderCommand {
   double azimuth_deg = 0, elevation_deg = kDefaultElevation_rad * 180 / std::numbers::pi;
   int turns = 1;
   std::vector<double> background = {0.08, 0.08, 0.1};
+  bool no_shadows = false;
 };
 
 Camera camera_at(const RenderCommand& options, const Eigen::AlignedBox3d& bounds, int turn) {
@@ -39,8 +40,7 @@ std::filesystem::path numbered(const std::filesystem::path& output, int turn, in
 }
 
 int draw(const RenderCommand& options, std::span<const DrawnObject> objects,
-         const Eigen::AlignedBox3d& bounds) {
-  RasteriseOptions rasterise;
+         const Eigen::AlignedBox3d& bounds, RasteriseOptions rasterise = {}) {
   rasterise.background =
       Eigen::Vector3d(options.background[0], options.background[1], options.background[2]).cast<float>();
   Rasteriser rasteriser;
@@ -95,9 +95,10 @@ int render_scene(const RenderCommand& options) {
     frame = std::move(*decoded);
   }
   SceneDrawing drawing;
+  drawing.set_shadows(!options.no_shadows);
   auto drawn = drawing.pose(*scene, options.frame.empty() ? nullptr : &frame);
   if (!drawn) return report(drawn.error());
-  return draw(options, *drawn, scene->bounds_m());
+  return draw(options, *drawn, scene->bounds_m(), drawing.options());
 }
 
 int run(const RenderCommand& options) {
@@ -149,6 +150,8 @@ void add_render(CLI::App& app, int& exit_code) {
       ->type_name("R G B")
       ->expected(3)
       ->capture_default_str();
+  command->add_flag("--no-shadows", options->no_shadows,
+                    "Draw no contact and soft shadows under the objects of a scene");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

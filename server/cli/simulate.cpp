@@ -32,7 +32,7 @@ struct SimulateCommand {
   double rate_hz = 0;
   int substeps = 0;
   std::string solver = "cells", skinning = "lattice";
-  bool particles = false, kernels = false, no_sleep = false, drop = false, draw = false;
+  bool particles = false, kernels = false, no_sleep = false, drop = false, draw = false, no_shadows = false;
   bool offline = false;  // accepted as by the other commands; there is nothing to leave out
   int every = 1;
   uint64_t seed = 1;
@@ -199,6 +199,7 @@ int run(const SimulateCommand& options) {
 
   SceneDrawing drawing(options.skinning == "lattice" ? Skinning::Lattice : Skinning::LivegsV1);
   drawing.keep_deformation_gradients(options.kernels);
+  drawing.set_shadows(camera.has_value() && !options.no_shadows);
   Rasteriser rasteriser;
   RasterisedView view;
   const double rate_hz = scene->world().settings().rate_hz;
@@ -219,7 +220,9 @@ int run(const SimulateCommand& options) {
       if (!drawn) return report(drawn.error());
       times.pose_ms += lap();
       if (drawn_now) {
-        rasteriser.draw(*drawn, *camera, {.background = {0.08f, 0.08f, 0.1f}}, view);
+        RasteriseOptions rasterise = drawing.options();
+        rasterise.background = {0.08f, 0.08f, 0.1f};
+        rasteriser.draw(*drawn, *camera, rasterise, view);
         char name[32];
         std::snprintf(name, sizeof name, "frame_%04lu.png", frame);
         if (auto written = write_png(options.output / name, view.image, false, 3); !written)
@@ -280,6 +283,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_flag("--particles", options->particles, "Write particles.csv");
   command->add_flag("--kernels", options->kernels, "Write kernels.csv");
   command->add_option("--render", options->camera, "Render PNGs with this camera file");
+  command->add_flag("--no-shadows", options->no_shadows,
+                    "Draw no contact and soft shadows under the objects in the pictures");
   command->add_flag("--pictures", options->draw, "Render PNGs of the whole scene from the front");
   command->add_option("--every", options->every, "Render every Nth frame")
       ->check(CLI::Range(1, 100000))

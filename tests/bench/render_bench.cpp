@@ -3,6 +3,7 @@
 // camera orbits the object once, after a warm-up. cpu_ms is the processor time of all threads per frame; on
 // an idle machine, a frame takes about cpu_ms / threads. Run by hand:
 //   render_bench > tests/bench/results/<processor>/render.csv
+//   render_bench --shadows: the cost of shadows, as a ratio within one run
 #include <time.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/splat/synthetic_kernels.h"
@@ -21,7 +23,7 @@
 namespace livegs {
 namespace {
 
-constexpr int kFrames = 60;
+constexpr int kFrames = 60, kShadowFrames = 12;
 constexpr int kWarmUpFrames = 5;
 constexpr double kFov_rad = 0.8;
 
@@ -121,7 +123,101 @@ void measure_all() {
   }
 }
 
+// A shell of kernels on or above the floor, and the sample of its kernels that casts the shadow.
+struct Caster {
+  synthetic::Object object;
+  std::vector<Eigen::Vector3f> positions_m;
+  std::vector<Symmetric3f> covariances_m2;
+  std::vector<float> weights;
+  std::vector<uint32_t> bodies;
+
+  Caster(size_t kernels, const Eigen::Vector3f& at_m, uint64_t seed) {
+    object = synthetic::shell(kernels, 2, 0.9 / std::sqrt(static_cast<double>(kernels)), seed);
+    for (size_t i = 0; i < object.size(); ++i) {
+      object.posed.positions_m[i] = 0.3f * object.posed.positions_m[i] + at_m;
+      for (float& value : object.posed.covariances_m2[i]) value *= 0.09f;
+    }
+    const size_t step = std::max<size_t>(1, kernels / 2048);
+    for (size_t i = 0; i < object.size(); i += step) {
+      positions_m.push_back(object.posed.positions_m[i]);
+      covariances_m2.push_back(object.posed.covariances_m2[i]);
+    }
+    weights.assign(positions_m.size(), static_cast<float>(step));
+    bodies.assign(positions_m.size(), 0);
+  }
+};
+
+// The cost of shadows in one run: the same pictures of six objects on a floor, 434k kernels as in the sample
+// scene, with and without shadows in turn. `moving` objects are cast again for every picture.
+void measure_shadows() {
+  std::vector<Caster> casters;
+  for (int i = 0; i < 6; ++i) {
+    const float height_m = i % 2 == 0 ? 0.3f : 0.5f;
+    casters.emplace_back(
+        60'000,
+        Eigen::Vector3f(0.7f * static_cast<float>(i % 3 - 1), height_m, 0.7f * static_cast<float>(i / 3)),
+        10 + static_cast<uint64_t>(i));
+  }
+  synthetic::Object floor = synthetic::shell(74'000, 1, 0.01, 3);
+  for (size_t i = 0; i < floor.size(); ++i) {
+    const auto column = static_cast<float>(i % 272), row = static_cast<float>(i / 272);
+    floor.posed.positions_m[i] = {0.011f * column - 1.5f, 0, 0.011f * row - 1.2f};
+    floor.posed.covariances_m2[i] = {6e-5f, 0, 0, 1e-6f, 0, 6e-5f};
+  }
+  std::vector<DrawnObject> drawn = {{&floor.asset, &floor.posed, 100}};
+  for (uint32_t i = 0; i < casters.size(); ++i)
+    drawn.push_back({&casters[i].object.asset, &casters[i].object.posed, i});
+  const Camera camera = look_at({0.5, 1.2, 2.6}, {0, 0.2, 0.3}, Eigen::Vector3d::UnitY(), kFov_rad, 640, 480);
+  SceneShadows shadows;
+  const auto cast = [&] {
+    for (uint32_t i = 0; i < casters.size(); ++i) {
+      const Caster& caster = casters[i];
+      shadows.set(i, {caster.positions_m, caster.covariances_m2, caster.weights, caster.bodies});
+    }
+    (void)shadows.table();
+  };
+  std::printf("scene,moving,threads,plain_cpu_ms,shadows_cpu_ms,cast_cpu_ms,ratio\n");
+  Rasteriser rasteriser;
+  RasterisedView view;
+  for (const int threads : {1, 2}) {
+    set_thread_count(threads);
+    for (const bool moving : {false, true}) {
+      cast();
+      std::vector<double> plain, shaded, casting;
+      for (int frame = -kWarmUpFrames; frame < kShadowFrames; ++frame) {
+        double at_ms = process_cpu_ms();
+        const auto lap = [&] {
+          const double before_ms = std::exchange(at_ms, process_cpu_ms());
+          return at_ms - before_ms;
+        };
+        rasteriser.draw(drawn, camera, {}, view);
+        const double plain_ms = lap();
+        if (moving) cast();
+        const double cast_ms = lap();
+        RasteriseOptions options;
+        options.shadows = &shadows.table();
+        rasteriser.draw(drawn, camera, options, view);
+        const double shaded_ms = lap();
+        if (frame < 0) continue;
+        plain.push_back(plain_ms);
+        casting.push_back(cast_ms);
+        shaded.push_back(shaded_ms + cast_ms);
+      }
+      const double p = percentiles(plain).median, s = percentiles(shaded).median;
+      std::printf("six objects on a floor,%s,%d,%.2f,%.2f,%.2f,%.3f\n", moving ? "all" : "none", threads, p,
+                  s, percentiles(casting).median, s / p);
+      std::fflush(stdout);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace livegs
 
-int main() { livegs::measure_all(); }
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "--shadows") {
+    livegs::measure_shadows();
+  } else {
+    livegs::measure_all();
+  }
+}

@@ -12,7 +12,10 @@ Result<BoundObject> bind_object(uint32_t object_id, std::shared_ptr<const Gaussi
     return Error{bindings.error().code,
                  "object " + std::to_string(object_id) + ": " + bindings.error().message};
   KernelReach reach = kernel_reach(rest, *bindings);
-  return BoundObject{std::move(asset), std::move(rest), *std::move(bindings), std::move(reach), environment};
+  ShapeSample shape;
+  if (!environment) shape = ShapeSample(*asset, *bindings);
+  return BoundObject{std::move(asset), std::move(rest),  *std::move(bindings),
+                     std::move(reach), std::move(shape), environment};
 }
 
 }  // namespace livegs

@@ -8,6 +8,7 @@
 #include "gaussian/gaussian_asset.h"
 #include "skin/kernels/kernel_reach.h"
 #include "skin/rest_body.h"
+#include "skin/shape_sample.h"
 #include "skin/skin_kernels.h"
 
 namespace livegs {
@@ -18,6 +19,7 @@ struct BoundObject {
   RestBody rest;
   KernelBindings bindings;
   KernelReach reach;
+  ShapeSample shape;  // casts the shadow; empty: none, as for an environment
   bool environment = false;
 };
 

@@ -101,6 +101,7 @@ void SceneView::change(uint32_t object_id, BoundObject bound) {
   object.rest = std::move(bound.rest);
   object.bindings = std::move(bound.bindings);
   object.reach = std::move(bound.reach);
+  object.shape = std::move(bound.shape);
   object.environment = bound.environment;
   object.asset_version = ++last_version_;
 }
@@ -117,6 +118,7 @@ void SceneView::refine(uint32_t object_id, BoundObject bound) {
   object.rest = std::move(bound.rest);
   object.bindings = std::move(bound.bindings);
   object.reach = std::move(bound.reach);
+  object.shape = std::move(bound.shape);
   object.environment = bound.environment;
   object.asset_version = ++last_version_;
   if (object.posed_by) object.posed_version = ++last_version_;
@@ -133,7 +135,7 @@ void SceneView::remove(uint32_t object_id) {
 }
 
 Result<void> SceneView::pose(const DriverFrame& frame) {
-  times_.skin_ms = 0;
+  times_.skin_ms = times_.shadow_ms = 0;
   times_.objects_moved = times_.objects_skinned = 0;
   visible_.clear();
   for (const ObjectDrivers& drivers : frame.objects) {
@@ -162,8 +164,30 @@ Result<void> SceneView::pose(const DriverFrame& frame) {
 
 Result<void> SceneView::prepare(const DriverFrame& frame) {
   if (auto posed = pose(frame); !posed) return posed;
+  cast_shadows();
   (void)rendered(*renderer_);
   return {};
+}
+
+void SceneView::cast_shadows() {
+  shadow_table_ = nullptr;
+  if (!draws_shadows_) return;
+  const int64_t begun_ns = now_ns();
+  std::vector<uint32_t> casting;
+  PosedKernels posed;
+  for (uint32_t id : visible_) {
+    Object& object = objects_.at(id).begin()->second;
+    if (object.shape.size() == 0) continue;
+    casting.push_back(id);
+    if (object.shadow_version == object.posed_version) continue;
+    object.shape.pose(object.rest, *object.posed_by, posed);
+    shadows_.set(id,
+                 {posed.positions_m, posed.covariances_m2, object.shape.weights(), object.shape.bodies()});
+    object.shadow_version = object.posed_version;
+  }
+  shadows_.keep(casting);
+  shadow_table_ = &shadows_.table();
+  times_.shadow_ms += milliseconds_from_ns(now_ns() - begun_ns);
 }
 
 const PosedKernels& SceneView::kernels_of(const Object& object) const {
@@ -232,6 +256,7 @@ RenderOptions SceneView::options_for(std::span<const Camera> eyes) const {
   // tests/bench/results, order.csv. A single eye uses depth, as `livegs render` does.
   options.order = eyes.size() == 2 ? DepthOrder::Distance : DepthOrder::ViewZ;
   options.min_contribution_px = min_contribution_px_;
+  options.shadows = shadow_table_;
   options.max_radius_px =
       static_cast<float>((min_contribution_px_ > 0 ? 1 : 2) * std::max(eye.width, eye.height));
   return options;
@@ -244,6 +269,7 @@ Result<void> SceneView::draw_again(SplatRenderer& renderer, std::span<const Came
 
 Result<void> SceneView::draw(std::span<const Camera> eyes, const DeviceImage* image,
                              std::vector<Image>& images) {
+  cast_shadows();
   std::vector<RenderedObject> objects = rendered(*renderer_);
   int64_t begun_ns = now_ns();
   const RenderOptions options = options_for(eyes);

@@ -55,7 +55,7 @@ class VulkanSplatRenderer final : public SplatRenderer {
   };
   Result<void> hold(std::span<const RenderedObject> objects);
   Result<Held> make_held(const RenderedObject& object);
-  FrameSplats::Object frame_object(const Held& held);
+  FrameSplats::Object frame_object(uint32_t object_id, const Held& held);
   // Waits for all submitted work; milliseconds since the last call.
   Result<double> step_ms();
 
@@ -128,13 +128,15 @@ Result<void> VulkanSplatRenderer::hold(std::span<const RenderedObject> objects) 
   return {};
 }
 
-FrameSplats::Object VulkanSplatRenderer::frame_object(const Held& held) {
-  if (!held.skin) return {&held.kernels, {}};
-  return {&held.kernels, [this, &held](uint32_t first, uint32_t count, BufferId posed) -> Result<void> {
+FrameSplats::Object VulkanSplatRenderer::frame_object(uint32_t object_id, const Held& held) {
+  if (!held.skin) return {&held.kernels, {}, object_id};
+  return {&held.kernels,
+          [this, &held](uint32_t first, uint32_t count, BufferId posed) -> Result<void> {
             if (auto done = timer_.mark(DevicePass::Skin); !done) return done;
             if (auto done = held.skin->pose(first, count, posed); !done) return done;
             return timer_.mark(DevicePass::Project);
-          }};
+          },
+          object_id};
 }
 
 Result<double> VulkanSplatRenderer::step_ms() {
@@ -225,9 +227,9 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
   if (auto done = timed(hold(objects), times_.upload_ms); !done) return done;
   std::vector<FrameSplats::Object> kernels;
   for (const RenderedObject& object : objects)
-    kernels.push_back(frame_object(held_.find(object.drawn.object_id)->second));
+    kernels.push_back(frame_object(object.drawn.object_id, held_.find(object.drawn.object_id)->second));
   const FrameSplats::Options splats{options.order, options.max_sh_degree, options.max_radius_px,
-                                    options.min_contribution_px};
+                                    options.min_contribution_px, options.shadows};
   const auto project = [&]() -> Result<void> {
     if (auto done = frame_.prepare(kernels, eyes, splats); !done) return done;
     if (auto done = timer_.begin(); !done) return done;

@@ -50,7 +50,10 @@ Result<void> HandMarkers::add_to(SceneView& view) {
   rest.kernel_runs = {{0, kRayKernels}, {1, 1}};
   for (uint32_t i = 0; i < kBeads; ++i) rest.kernel_runs.push_back({2 + i, 1});
   for (uint32_t hand = 0; hand < 2; ++hand) {
-    if (auto added = view.add(kFirstId + hand, asset, rest, false); !added) return added;
+    auto bound = bind_object(kFirstId + hand, asset, rest, false);
+    if (!bound) return bound.error();
+    bound->shape = {};  // marks cast no shadows
+    view.add(kFirstId + hand, *std::move(bound));
   }
   return {};
 }

@@ -26,6 +26,7 @@ struct JoinOptions {
   double connect_timeout_s = 5;
   double reconnect_s = std::numeric_limits<double>::infinity();  // time to try reconnecting
   RendererChoice renderer = RendererChoice::Auto;
+  bool shadows = true;          // as in SceneView::set_shadows
   double max_mbit_s = 0;        // link bandwidth; 0: no limit
   double rate_hz = 0;           // frames per second, at least 5; 0: one per tick
   uint32_t position_bits = 16;  // elastic positions: 16, 18 or 20

@@ -102,6 +102,7 @@ Result<std::unique_ptr<ConnectedScene>> SceneLoader::load() {
   if (!renderer) return renderer.error();
   auto live =
       std::make_unique<ConnectedScene>(stop_, std::move(*joined), std::move(*cache), std::move(*renderer));
+  live->view.set_shadows(options_.shadows);
   {
     std::lock_guard lock(mutex_);
     loading_ = live.get();

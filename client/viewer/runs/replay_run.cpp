@@ -96,6 +96,7 @@ Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic
   if (!renderer) return renderer.error();
   AssetLibrary assets(assets_of_recording(options.file), *cache);
   SceneView view(*std::move(renderer));
+  view.set_shadows(options.shadows);
   auto display = OffscreenDisplay::open(
       {options.output, options.video_rate_hz, size.width, size.height, options.png_every, options.video});
   if (!display) return display.error();

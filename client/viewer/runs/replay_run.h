@@ -29,6 +29,7 @@ struct ReplayOptions {
   int png_every = 30;
   bool video = true;
   RendererChoice renderer = RendererChoice::Auto;
+  bool shadows = true;  // as in SceneView::set_shadows
   // Window only.
   bool full_size = false;  // always render at full resolution
   struct Moment {

@@ -194,6 +194,7 @@ Result<void> run_replay_window(const ReplayOptions& options, const std::atomic<b
   if (!renderer) return renderer.error();
   AssetLibrary assets(assets_of_recording(options.file), *cache);
   SceneView view(*std::move(renderer));
+  view.set_shadows(options.shadows);
   return ReplayWindow(options, *playback, assets, view, **display).run(interrupted);
 }
 

@@ -116,6 +116,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
       },
       *cache);
   SceneView view(*std::move(renderer));
+  view.set_shadows(options.shadows);
   if (auto loaded = load_scene((*spectator)->scene(), assets, view); !loaded) return loaded.error();
   auto display = OffscreenDisplay::open(
       {options.output, options.video_rate_hz, size.width, size.height, options.png_every, options.video});

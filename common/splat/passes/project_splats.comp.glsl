@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "splat/passes/project_splats_layout.h"
+#include "splat/shadow/shadow_layout.h"
 
 layout(local_size_x_id = 0) in;
 layout(std430, set = 0, binding = 0) readonly restrict buffer Views { FrameViews views; };
@@ -11,10 +12,12 @@ layout(std430, set = 0, binding = 3) readonly restrict buffer Bands { uint bands
 layout(std430, set = 0, binding = 4) writeonly restrict buffer Left { SplatRow left_rows[]; };
 layout(std430, set = 0, binding = 5) writeonly restrict buffer Right { SplatRow right_rows[]; };
 layout(std430, set = 0, binding = 6) writeonly restrict buffer Keys { uint keys[]; };
+layout(std430, set = 0, binding = 7) readonly restrict buffer Shadows { uint shadow_words[]; };
 layout(push_constant) uniform Constants { ProjectSplatsConstants constants; };
 
 #include "splat/project/precise.glsl"
 #include "splat/project/spherical_harmonics.glsl"
+#include "splat/shadow/shadow.glsl"
 
 const float kHalfLog2E = 0.72134752;
 const uint kNoKey = 0xffffffffu;  // kSortDroppedKey
@@ -142,10 +145,12 @@ void main() {
   const Cofactors c = cofactors(k);
   const uint row_place = constants.first_row + i;
   bool seen = false;
+  float light = 1.0;
   for (uint e = 0; e < views.eye_count; ++e) {
     SplatRow row;
     if (project(views.eye[e], k, c, looks[constants.first_kernel + i].log2_opacity, row)) {
-      const vec3 colour = colour_towards(views.eye[e], k, i);
+      if (!seen) light = shadow_light(vec3(k.x_m, k.y_m, k.z_m), constants.object_id);
+      const vec3 colour = light * colour_towards(views.eye[e], k, i);
       row.red = colour.x;
       row.green = colour.y;
       row.blue = colour.z;

@@ -15,6 +15,7 @@
 #include "splat/project/precise.h"
 #include "splat/project/project_kernels.h"
 #include "splat/project/spherical_harmonics.h"
+#include "splat/shadow_table.h"
 
 namespace livegs {
 namespace {
@@ -141,7 +142,7 @@ bool project(const EyeView& eye, const PosedKernelRow& k, const Cofactors& c, fl
 }
 
 void shade(const EyeView& eye, const PosedKernelRow& k, const KernelLookRow& look, uint32_t degree,
-           std::span<const uint32_t> bands_of, SplatRow& row) {
+           std::span<const uint32_t> bands_of, float light, SplatRow& row) {
   Eigen::Vector3f rest[15];
   const uint32_t count = (degree + 1) * (degree + 1) - 1;
   for (uint32_t i = 0; i < 3 * count; ++i) {
@@ -155,9 +156,9 @@ void shade(const EyeView& eye, const PosedKernelRow& k, const KernelLookRow& loo
   }
   const Eigen::Vector3f colour = evaluate_sh_colour({look.dc_red, look.dc_green, look.dc_blue}, rest,
                                                     static_cast<int>(degree), direction);
-  row.red = colour.x();
-  row.green = colour.y();
-  row.blue = colour.z();
+  row.red = light * colour.x();
+  row.green = light * colour.y();
+  row.blue = light * colour.z();
 }
 
 void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
@@ -177,11 +178,13 @@ void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
     const auto look = row_at<KernelLookRow>(buffers[2], kernel);
     const Cofactors c = cofactors(k);
     bool seen = false;
+    float light = 1.0f;
     for (uint32_t e = 0; e < views.eye_count; ++e) {
       SplatRow row;
       if (project(views.eye[e], k, c, look.log2_opacity, constants.antialiased != 0, row)) {
+        if (!seen) light = shadow_light(words_of(buffers[7]), {k.x_m, k.y_m, k.z_m}, constants.object_id);
         shade(views.eye[e], k, look, constants.sh_degree,
-              constants.sh_degree > 0 ? bands.subspan(kernel * constants.sh_row_words) : bands, row);
+              constants.sh_degree > 0 ? bands.subspan(kernel * constants.sh_row_words) : bands, light, row);
         seen = true;
       }
       set_row(buffers[e == 0 ? 4 : 5], constants.first_row + i, row);
@@ -198,7 +201,7 @@ void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
 const Pass& project_splats_pass() {
   static const Pass pass{.name = "project_splats",
                          .group_size = kProjectGroup,
-                         .buffer_count = 7,
+                         .buffer_count = 8,
                          .constants_bytes = sizeof(ProjectSplatsConstants),
                          .spirv = project_splats_spirv,
                          .run = project_splats};

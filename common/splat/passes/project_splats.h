@@ -10,7 +10,7 @@ namespace livegs {
 // The pass that culls, projects and shades kernels for one eye or two and writes their sort keys:
 // project_kernel in floats, with half-float bands. One item per kernel. Buffers: FrameViews, PosedKernelRow,
 // KernelLookRow, bands (words), SplatRow of the first eye, SplatRow of the second (unused with one eye), keys
-// (kSortDroppedKey if no eye sees the kernel).
+// (kSortDroppedKey if no eye sees the kernel), the words of a ShadowTable, at least kShadowHeaderWords.
 //
 // Two quantities need more precision than float arithmetic: the cofactors of a needle's covariance and the
 // determinant of its ellipse. Both are computed without cancellation (precise.h), so that a needle keeps its

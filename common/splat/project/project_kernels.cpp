@@ -139,9 +139,12 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
   }
   const Eigen::Vector3f colour =
       evaluate_sh_colour(asset.sh_dc[kernel], asset.sh_rest.data() + kernel * stride, degree, direction);
-  projected.red = colour.x();
-  projected.green = colour.y();
-  projected.blue = colour.z();
+  const float light = options.shadows
+                          ? shadow_light(options.shadows->words, posed.positions_m[kernel], object.object_id)
+                          : 1.0f;
+  projected.red = light * colour.x();
+  projected.green = light * colour.y();
+  projected.blue = light * colour.z();
   return std::isfinite(projected.centre_x_px) && std::isfinite(projected.centre_y_px);
 }
 

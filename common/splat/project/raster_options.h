@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "splat/image.h"
+#include "splat/shadow_table.h"
 
 // Options and results of the rasteriser (rasterise.h).
 
@@ -25,6 +26,7 @@ struct RasteriseOptions {
   float max_radius_px = 0;        // as in eye_view; 0: no limit
   // origin of Distance order, for a point between two eyes; empty: the camera
   std::optional<Eigen::Vector3d> distance_from_m = {};
+  const ShadowTable* shadows = nullptr;  // of the objects; null: none
 };
 
 struct RasterisedView {

@@ -8,6 +8,7 @@
 #include "core/assert.h"
 #include "splat/passes/project_splats.h"
 #include "splat/project/spherical_harmonics.h"
+#include "splat/shadow/shadow_layout.h"
 
 namespace livegs {
 namespace {
@@ -54,6 +55,7 @@ void FrameSplats::release() {
   sorter_.reset();
   views_.reset();
   posed_.reset();
+  shadows_.reset();
   for (auto& parts : rows_) {
     for (Buffer& part : parts) part.reset();
   }
@@ -131,8 +133,28 @@ Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<con
   }
   kernel_count_ = static_cast<uint32_t>(total);
   if (auto made = make_room(std::max(1u, kernel_count_), eyes.size(), poses); !made) return made;
+  if (auto done = upload_shadows(options.shadows); !done) return done;
   const FrameViews views = frame_views(eyes, options);
   return backend_->upload(views_.id(), std::as_bytes(std::span(&views, 1)));
+}
+
+// A device reads at least a header. The buffer grows with half of its size to spare.
+Result<void> FrameSplats::upload_shadows(const ShadowTable* shadows) {
+  if (shadows_ && shadows == shadows_of_ && (!shadows || shadows->version == shadows_version_)) return {};
+  const std::vector<uint32_t> none(kShadowHeaderWords, 0);
+  const std::vector<uint32_t>& words = shadows && !shadows->words.empty() ? shadows->words : none;
+  const size_t bytes = 4 * words.size();
+  if (!shadows_ || shadows_.bytes() < bytes) {
+    device_bytes_ -= shadows_.bytes();
+    shadows_.reset();
+    auto made = Buffer::create(*backend_, words.size() > none.size() ? bytes + bytes / 2 / 4 * 4 : bytes);
+    if (!made) return Error{made.error().code, "shadows: " + made.error().message};
+    shadows_ = *std::move(made);
+    device_bytes_ += shadows_.bytes();
+  }
+  shadows_of_ = shadows;
+  shadows_version_ = shadows ? shadows->version : 0;
+  return backend_->upload(shadows_.id(), std::as_bytes(std::span(words)));
 }
 
 Result<void> FrameSplats::project_rows(const Object& object, const Options& options, BufferId posed,
@@ -148,10 +170,11 @@ Result<void> FrameSplats::project_rows(const Object& object, const Options& opti
                                          .first_row = first_place % part_rows_,
                                          .sh_degree = static_cast<uint32_t>(degree),
                                          .sh_row_words = kernels.sh_row_words(),
-                                         .antialiased = kernels.antialiased() ? 1u : 0u};
+                                         .antialiased = kernels.antialiased() ? 1u : 0u,
+                                         .object_id = object.object_id};
   const std::array buffers{
-      views_.id(),       posed,          part.looks.id(), part.bands.id(), rows(0, row_part),
-      rows(1, row_part), sorter_->keys()};
+      views_.id(),       posed,           part.looks.id(), part.bands.id(), rows(0, row_part),
+      rows(1, row_part), sorter_->keys(), shadows_.id()};
   return backend_->dispatch(project_splats_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
 }
 

@@ -15,15 +15,16 @@ namespace livegs {
 
 // The splats of all objects of one frame in one set, for one eye or two, and the draw order shared by both
 // eyes. Buffers are kept and sized by the scene: 52 bytes per kernel for one eye, 88 for two, and 6.5 for
-// kernels posed by passes, which are posed and projected an eighth of the frame at a time. The rows of an eye
-// are in up to kRowParts buffers, each within the binding limit of the device (lavapipe: 128 MiB, or 3.7
-// million kernels).
+// kernels posed by passes, which are posed and projected an eighth of the frame at a time, besides the
+// shadows. The rows of an eye are in up to kRowParts buffers, each within the binding limit of the device
+// (lavapipe: 128 MiB, or 3.7 million kernels).
 class FrameSplats {
  public:
   struct Options {
     DepthOrder order = DepthOrder::Distance;  // from the midpoint between the eyes
     int max_sh_degree = 3;
     float max_radius_px = 0, min_contribution_px = 0;  // as in eye_view
+    const ShadowTable* shadows = nullptr;              // of one SceneShadows; null: none
   };
 
   // An object of the frame.
@@ -32,6 +33,7 @@ class FrameSplats {
     // Records a pass that writes PosedKernelRow of the kernels [first, first + count), all of one part, to
     // the front of `posed`. Empty: kernels->pose() has set the poses.
     std::function<Result<void>(uint32_t first, uint32_t count, BufferId posed)> pose;
+    uint32_t object_id = 0;  // as in the options
   };
 
   // `max_part_rows`: kernels whose rows share a buffer; 0: the maximum that the backend can bind.
@@ -72,6 +74,7 @@ class FrameSplats {
 
  private:
   Result<void> make_room(uint32_t kernels, size_t eyes, bool poses);
+  Result<void> upload_shadows(const ShadowTable* shadows);
   void release();
   Result<void> project_rows(const Object& object, const Options& options, BufferId posed,
                             const DeviceKernels::Part& part, uint32_t first, uint32_t count,
@@ -80,9 +83,12 @@ class FrameSplats {
   Backend* backend_;
   std::optional<KeySorter> sorter_;
   uint32_t part_rows_;
-  Buffer views_, rows_[2][kRowParts], posed_;
+  Buffer views_, rows_[2][kRowParts], posed_, shadows_;
   uint32_t rows_held_[2]{}, posed_held_ = 0;
   uint32_t kernel_count_ = 0;
+  // The table in `shadows_`.
+  const ShadowTable* shadows_of_ = nullptr;
+  uint64_t shadows_version_ = 0;
   size_t device_bytes_ = 0;
 };
 

@@ -42,6 +42,8 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
   if (!frame) own = scene.world().drivers();
   const DriverFrame& drivers = frame ? *frame : own;
   std::vector<DrawnObject> drawn;
+  std::vector<uint32_t> casting;
+  PosedKernels shape;
   for (const ObjectDrivers& object : drivers.objects) {
     const SceneObject* of = scene.find(object.object_id);
     if (!of)
@@ -60,6 +62,7 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
       auto bindings = bind_kernels(*of->asset, bound.rest);
       if (!bindings) return Error{bindings.error().code, of->name + ": " + bindings.error().message};
       bound.bindings = std::move(*bindings);
+      bound.shape = of->environment ? ShapeSample() : ShapeSample(*of->asset, bound.bindings);
     }
     const ObjectDrivers converted =
         as_particles ? particle_drivers(object.object_id, particles) : ObjectDrivers{};
@@ -70,7 +73,14 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
     skin_kernels(*of->asset, bound.rest, bound.bindings, used, bound.kernels,
                  keep_gradients_ ? &bound.gradients : nullptr);
     drawn.push_back({of->asset.get(), &bound.kernels, object.object_id});
+    if (!draws_shadows_ || bound.shape.size() == 0) continue;
+    bound.shape.pose(bound.rest, used, shape);
+    shadows_.set(object.object_id,
+                 {shape.positions_m, shape.covariances_m2, bound.shape.weights(), bound.shape.bodies()});
+    casting.push_back(object.object_id);
   }
+  shadows_.keep(casting);
+  shadow_table_ = draws_shadows_ ? &shadows_.table() : nullptr;
   return drawn;
 }
 

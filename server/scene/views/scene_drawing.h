@@ -7,7 +7,10 @@
 #include "core/result.h"
 #include "gaussian/posed_kernels.h"
 #include "scene/scene.h"
+#include "skin/shape_sample.h"
 #include "skin/skin_kernels.h"
+#include "splat/rasterise.h"
+#include "splat/shadow_table.h"
 
 namespace livegs {
 
@@ -24,6 +27,14 @@ class SceneDrawing {
   // Poses all objects of `scene`. If `frame` is given (from a file), its drivers replace those of the world;
   // fails if they do not match the scene. The result is valid until the next call.
   Result<std::vector<DrawnObject>> pose(const Scene& scene, const DriverFrame* frame = nullptr);
+  // Computes the shadows of the objects, as the client draws them, in every pose(); off by default.
+  void set_shadows(bool drawn) { draws_shadows_ = drawn; }
+  // Options with the shadows of the last pose(), valid until the next.
+  RasteriseOptions options() const {
+    RasteriseOptions options;
+    options.shadows = shadow_table_;
+    return options;
+  }
 
   // The deformation gradient F of each kernel of an object in the last pose(). Stored only if enabled.
   void keep_deformation_gradients(bool keep) { keep_gradients_ = keep; }
@@ -35,11 +46,15 @@ class SceneDrawing {
     RestBody rest;
     KernelBindings bindings;
     PosedKernels kernels;
+    ShapeSample shape;  // empty for the environment
     std::vector<Eigen::Matrix3f> gradients;
   };
   Skinning skinning_;
   bool keep_gradients_ = false;
   std::map<uint32_t, Bound> bound_;
+  bool draws_shadows_ = false;
+  SceneShadows shadows_;
+  const ShadowTable* shadow_table_ = nullptr;
 };
 
 }  // namespace livegs

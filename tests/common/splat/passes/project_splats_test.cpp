@@ -31,7 +31,7 @@ Result<Projected> project_on(Backend& backend, const std::vector<const Object*>&
     if (auto posed = made->pose(object->posed); !posed) return posed.error();
     kernels.push_back(*std::move(made));
   }
-  for (const DeviceKernels& each : kernels) in_frame.push_back({&each, {}});
+  for (size_t i = 0; i < kernels.size(); ++i) in_frame.push_back({&kernels[i], {}, static_cast<uint32_t>(i)});
   FrameSplats frame(backend);
   if (auto done = frame.project(in_frame, eyes, options); !done) return done.error();
   if (auto done = frame.sort(); !done) return done.error();
@@ -147,6 +147,47 @@ TEST_P(ProjectSplatsTest, MatchesTheTwinForTwoEyes) {
   ASSERT_NO_FATAL_FAILURE(expect_the_twin({&turned, &smoothed}, eyes, {}));
   ASSERT_NO_FATAL_FAILURE(expect_the_twin(
       {&turned, &smoothed}, eyes, {.order = DepthOrder::ViewZ, .max_sh_degree = 2, .max_radius_px = 25}));
+}
+
+// Each object darkens the other one. The pass and project_kernel, the reference, agree on the light.
+TEST_P(ProjectSplatsTest, MatchesTheTwinAndTheReferenceWithShadows) {
+  Object above = cloud(1, 22), below = cloud(1, 23);
+  for (size_t i = 0; i < above.size(); ++i) {
+    above.posed.positions_m[i] = 0.3f * above.posed.positions_m[i] + Eigen::Vector3f(0.05f, 0.3f, 0);
+    below.posed.positions_m[i].y() *= 0.2f;
+  }
+  const std::vector<float> weights(above.size(), 1.0f);
+  const std::vector<uint32_t> bodies(above.size(), 0u);
+  SceneShadows shadows;
+  for (const auto& [id, object] : {std::pair(0u, &above), {1u, &below}})
+    shadows.set(id, {object->posed.positions_m, object->posed.covariances_m2, weights, bodies});
+  FrameSplats::Options options;
+  options.shadows = &shadows.table();
+  const Camera eye = ahead();
+  ASSERT_NO_FATAL_FAILURE(expect_the_twin({&above, &below}, {&eye, 1}, options));
+  ASSERT_NO_FATAL_FAILURE(expect_the_twin({&above, &below}, headset(0.9), options));
+
+  const auto made = project_on(*backend_, {&above, &below}, {&eye, 1}, options);
+  ASSERT_TRUE(made) << made.error().message;
+  RasteriseOptions rasterised;
+  rasterised.shadows = options.shadows;
+  const Projection projection(eye);
+  size_t dark = 0;
+  for (uint32_t id = 0; id < 2; ++id) {
+    const Object& object = id == 0 ? above : below;
+    for (size_t k = 0; k < object.size(); ++k) {
+      ProjectedKernel expected;
+      float depth_m = 0;
+      const SplatRow& row = made->eye[0][id * above.size() + k];
+      if (!project_kernel(projection, {&object.asset, &object.posed, id}, k, 0, rasterised, expected,
+                          depth_m) ||
+          row.log2_opacity == kCulled_log2)
+        continue;
+      EXPECT_NEAR(row.red, expected.red, 2e-3);  // half floats in the bands of the pass
+      dark += shadow_light(options.shadows->words, object.posed.positions_m[k], id) < 0.8f;
+    }
+  }
+  EXPECT_GT(dark, 300u);
 }
 
 TEST_P(ProjectSplatsTest, AcceptsAnEmptyScene) {
