@@ -41,9 +41,10 @@ struct RenderOptions {
   // For two eyes: Distance is measured from the point between them, ViewZ along their common axis.
   DepthOrder order = DepthOrder::ViewZ;
   int max_sh_degree = 3;
-  float max_radius_px = 0;               // as in eye_view; 0: no limit
-  float min_contribution_px = 0;         // as in eye_view; 0: all kernels are drawn
-  const ShadowTable* shadows = nullptr;  // of one SceneShadows, by object id; null: none
+  float max_radius_px = 0;                  // as in eye_view; 0: no limit
+  float min_contribution_px = 0;            // as in eye_view; 0: all kernels are drawn
+  const ShadowTable* shadows = nullptr;     // of one SceneShadows, by object id; null: none
+  std::vector<uint32_t> environments = {};  // object ids, see kEnvironmentOrderBias
 };
 
 // Device time of the passes.

@@ -21,7 +21,7 @@ class CpuSplatRenderer final : public SplatRenderer {
       between_m += eye.world_from_camera.position_m / static_cast<double>(eyes.size());
     const RasteriseOptions rasterised{
         options.background,    options.order, options.max_sh_degree, options.min_contribution_px,
-        options.max_radius_px, between_m,     options.shadows};
+        options.max_radius_px, between_m,     options.shadows,       options.environments};
     for (size_t e = 0; e < eyes.size(); ++e) {
       rasteriser_.draw(drawn, eyes[e], rasterised, view_);
       std::swap(images[e], view_.image);

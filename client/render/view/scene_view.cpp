@@ -257,6 +257,9 @@ RenderOptions SceneView::options_for(std::span<const Camera> eyes) const {
   options.order = eyes.size() == 2 ? DepthOrder::Distance : DepthOrder::ViewZ;
   options.min_contribution_px = min_contribution_px_;
   options.shadows = shadow_table_;
+  for (uint32_t id : visible_) {
+    if (shown(id)->environment) options.environments.push_back(id);
+  }
   options.max_radius_px =
       static_cast<float>((min_contribution_px_ > 0 ? 1 : 2) * std::max(eye.width, eye.height));
   return options;

@@ -228,8 +228,9 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
   std::vector<FrameSplats::Object> kernels;
   for (const RenderedObject& object : objects)
     kernels.push_back(frame_object(object.drawn.object_id, held_.find(object.drawn.object_id)->second));
-  const FrameSplats::Options splats{options.order, options.max_sh_degree, options.max_radius_px,
-                                    options.min_contribution_px, options.shadows};
+  const FrameSplats::Options splats{options.order,         options.max_sh_degree,
+                                    options.max_radius_px, options.min_contribution_px,
+                                    options.shadows,       options.environments};
   const auto project = [&]() -> Result<void> {
     if (auto done = frame_.prepare(kernels, eyes, splats); !done) return done;
     if (auto done = timer_.begin(); !done) return done;

@@ -164,7 +164,12 @@ void main() {
   }
   const vec3 from_origin =
       vec3(k.x_m, k.y_m, k.z_m) - vec3(views.origin_x_m, views.origin_y_m, views.origin_z_m);
-  const float depth = views.by_distance != 0 ? sqrt(dot(from_origin, from_origin))
-                                             : dot(vec3(views.axis_x, views.axis_y, views.axis_z), from_origin);
+  vec3 towards = vec3(views.axis_x, views.axis_y, views.axis_z);
+  float depth = dot(towards, from_origin);
+  if (views.by_distance != 0) {
+    depth = sqrt(dot(from_origin, from_origin));
+    towards = from_origin / max(depth, 1e-9);
+  }
+  if (constants.order_bias > 0.0) depth += constants.order_bias * sqrt(max(0.0, dot(spread(k, towards), towards)));
   keys[constants.first_key + i] = seen ? ordered_key(depth) : kNoKey;
 }

@@ -190,8 +190,15 @@ void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
       set_row(buffers[e == 0 ? 4 : 5], constants.first_row + i, row);
     }
     const Row3 from_origin = offset_from(k, views.origin_x_m, views.origin_y_m, views.origin_z_m);
-    const float depth = views.by_distance != 0 ? std::sqrt(dot(from_origin, from_origin))
-                                               : dot({views.axis_x, views.axis_y, views.axis_z}, from_origin);
+    Row3 towards{views.axis_x, views.axis_y, views.axis_z};
+    float depth = dot(towards, from_origin);
+    if (views.by_distance != 0) {
+      depth = std::sqrt(dot(from_origin, from_origin));
+      const float length = std::max(depth, 1e-9f);
+      towards = {from_origin.x / length, from_origin.y / length, from_origin.z / length};
+    }
+    if (constants.order_bias > 0.0f)
+      depth += constants.order_bias * std::sqrt(std::max(0.0f, dot(spread(k, towards), towards)));
     keys[constants.first_key + i] = seen ? ordered_key(depth) : kSortDroppedKey;
   }
 }

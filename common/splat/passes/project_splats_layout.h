@@ -85,6 +85,7 @@ struct ProjectSplatsConstants {
   uint sh_row_words;  // words per kernel in the bands buffer
   uint antialiased;   // 1: opacity compensates for the low-pass
   uint object_id;     // of the kernels, which its own shadow does not darken
+  float order_bias;   // kEnvironmentOrderBias for an environment, else 0
 };
 
 const uint kProjectGroup = 128;
@@ -96,6 +97,6 @@ const float kLog2OfTwoPi = 2.65149613;
 #ifdef __cplusplus
 static_assert(sizeof(KernelLookRow) == 16);
 static_assert(sizeof(EyeView) == 100 && sizeof(FrameViews) == 232 && sizeof(SplatRow) == 36);
-static_assert(sizeof(ProjectSplatsConstants) == 36);
+static_assert(sizeof(ProjectSplatsConstants) == 40);
 }  // namespace livegs
 #endif

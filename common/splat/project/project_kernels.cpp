@@ -29,6 +29,12 @@ ScreenCovariance project_covariance(const Symmetric3f& s, const Eigen::Vector3d&
   return {across.dot(row_x), across.dot(row_y), times(row_y).dot(row_y)};
 }
 
+double deviation_along(const Symmetric3f& s, const Eigen::Vector3d& d) {
+  const double variance = s[0] * d.x() * d.x() + s[3] * d.y() * d.y() + s[5] * d.z() * d.z() +
+                          2.0 * (s[1] * d.x() * d.y() + s[2] * d.x() * d.z() + s[4] * d.y() * d.z());
+  return std::sqrt(std::max(0.0, variance));
+}
+
 double sigmoid(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
 
 // Rises from 0 at near_m to 1 at three times near_m.
@@ -124,12 +130,17 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
   projected.depth_m = static_cast<float>(z);
   projected.object_slot = object_slot;
   projected.tile_bound = tiles(left, right, projection.width) * tiles(top, bottom, projection.height);
-  if (options.order == DepthOrder::ViewZ) {
-    order_depth_m = projected.depth_m;
-  } else {
-    const Eigen::Vector3d from_m = options.distance_from_m.value_or(projection.position_m);
-    order_depth_m = static_cast<float>((posed.positions_m[kernel].cast<double>() - from_m).norm());
+  Eigen::Vector3d towards = axes.row(2).transpose();
+  double order_m = z;
+  if (options.order == DepthOrder::Distance) {
+    towards =
+        posed.positions_m[kernel].cast<double>() - options.distance_from_m.value_or(projection.position_m);
+    order_m = towards.norm();
+    towards /= std::max(order_m, 1e-9);
   }
+  if (const float bias = order_bias(object.object_id, options.environments); bias > 0.0f)
+    order_m += bias * deviation_along(posed.covariances_m2[kernel], towards);
+  order_depth_m = static_cast<float>(order_m);
 
   const int degree = std::clamp(options.max_sh_degree, 0, std::min(asset.sh_degree, kMaxShDegree));
   const size_t stride = asset.sh_rest_count();

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "splat/image.h"
@@ -18,6 +20,19 @@ enum class DepthOrder {
   Distance,  // distance from the camera: invariant under head rotation (KHR_gaussian_splatting's default)
 };
 
+// Standard deviations of an environment's kernel along the view that are added to its depth in the drawing
+// order. Kernels are ordered by their centres, so the wide kernels of a floor that lie nearer to the eye
+// would cover what rests on it. Like the slope-scaled depth bias of decals, this orders a surface behind
+// objects that are within two of its standard deviations. Less lets the floor show through thin objects, more
+// draws objects that it hides.
+inline constexpr float kEnvironmentOrderBias = 2.0f;
+// The bias of one object; `environments` has the ids of those that are an environment.
+inline float order_bias(uint32_t object_id, std::span<const uint32_t> environments) {
+  return std::find(environments.begin(), environments.end(), object_id) == environments.end()
+             ? 0.0f
+             : kEnvironmentOrderBias;
+}
+
 struct RasteriseOptions {
   Eigen::Vector3f background{0, 0, 0};
   DepthOrder order = DepthOrder::ViewZ;
@@ -26,7 +41,8 @@ struct RasteriseOptions {
   float max_radius_px = 0;        // as in eye_view; 0: no limit
   // origin of Distance order, for a point between two eyes; empty: the camera
   std::optional<Eigen::Vector3d> distance_from_m = {};
-  const ShadowTable* shadows = nullptr;  // of the objects; null: none
+  const ShadowTable* shadows = nullptr;     // of the objects; null: none
+  std::vector<uint32_t> environments = {};  // object ids, see kEnvironmentOrderBias
 };
 
 struct RasterisedView {

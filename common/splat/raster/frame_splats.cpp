@@ -171,7 +171,8 @@ Result<void> FrameSplats::project_rows(const Object& object, const Options& opti
                                          .sh_degree = static_cast<uint32_t>(degree),
                                          .sh_row_words = kernels.sh_row_words(),
                                          .antialiased = kernels.antialiased() ? 1u : 0u,
-                                         .object_id = object.object_id};
+                                         .object_id = object.object_id,
+                                         .order_bias = order_bias(object.object_id, options.environments)};
   const std::array buffers{
       views_.id(),       posed,           part.looks.id(), part.bands.id(), rows(0, row_part),
       rows(1, row_part), sorter_->keys(), shadows_.id()};

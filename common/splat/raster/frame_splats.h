@@ -25,6 +25,7 @@ class FrameSplats {
     int max_sh_degree = 3;
     float max_radius_px = 0, min_contribution_px = 0;  // as in eye_view
     const ShadowTable* shadows = nullptr;              // of one SceneShadows; null: none
+    std::vector<uint32_t> environments = {};           // object ids, see kEnvironmentOrderBias
   };
 
   // An object of the frame.

@@ -41,6 +41,7 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
   DriverFrame own;
   if (!frame) own = scene.world().drivers();
   const DriverFrame& drivers = frame ? *frame : own;
+  environments_.clear();
   std::vector<DrawnObject> drawn;
   std::vector<uint32_t> casting;
   PosedKernels shape;
@@ -73,6 +74,7 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
     skin_kernels(*of->asset, bound.rest, bound.bindings, used, bound.kernels,
                  keep_gradients_ ? &bound.gradients : nullptr);
     drawn.push_back({of->asset.get(), &bound.kernels, object.object_id});
+    if (of->environment) environments_.push_back(object.object_id);
     if (!draws_shadows_ || bound.shape.size() == 0) continue;
     bound.shape.pose(bound.rest, used, shape);
     shadows_.set(object.object_id,

@@ -29,10 +29,11 @@ class SceneDrawing {
   Result<std::vector<DrawnObject>> pose(const Scene& scene, const DriverFrame* frame = nullptr);
   // Computes the shadows of the objects, as the client draws them, in every pose(); off by default.
   void set_shadows(bool drawn) { draws_shadows_ = drawn; }
-  // Options with the shadows of the last pose(), valid until the next.
+  // Options with the shadows and environments of the last pose(), valid until the next.
   RasteriseOptions options() const {
     RasteriseOptions options;
     options.shadows = shadow_table_;
+    options.environments = environments_;
     return options;
   }
 
@@ -55,6 +56,7 @@ class SceneDrawing {
   bool draws_shadows_ = false;
   SceneShadows shadows_;
   const ShadowTable* shadow_table_ = nullptr;
+  std::vector<uint32_t> environments_;
 };
 
 }  // namespace livegs

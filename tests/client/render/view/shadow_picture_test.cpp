@@ -117,6 +117,33 @@ TEST_F(StandingSample, LiftedObjectHasNoShadowOnTheFloor) {
   }
 }
 
+// Within the outline of an object, the picture with the room is that of the objects alone: no floor shows
+// through thin parts, such as the brim of the hat.
+TEST_F(StandingSample, FloorDoesNotPierceRestingObjects) {
+  for (uint32_t id = 0; id < count; ++id) {
+    SCOPED_TRACE((*names)[id]);
+    const Camera eye = towards(id);
+    const Image scene = draw(frame({}), eye, false), objects = draw(frame({}, false), eye, false);
+    int inside = 0, pierced = 0;
+    for (int y = 2; y < kViewHeight - 2; ++y) {
+      for (int x = 2; x < kViewWidth - 2; ++x) {
+        float least = 1;
+        for (int dy = -2; dy <= 2; ++dy) {
+          for (int dx = -2; dx <= 2; ++dx) least = std::min(least, objects.at(x + dx, y + dy)[3]);
+        }
+        if (least < 0.98f) continue;
+        ++inside;
+        float most = 0;
+        for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(scene.at(x, y)[c] - objects.at(x, y)[c]));
+        pierced += most > 0.08f;
+      }
+    }
+    RecordProperty((*names)[id] + "_pierced", pierced);
+    ASSERT_GT(inside, 500);
+    EXPECT_LT(pierced, inside / 200);
+  }
+}
+
 TEST_F(StandingSample, VulkanDrawsTheSameShadows) {
   SceneView device(std::move(renderer_));
   RestBody rest;

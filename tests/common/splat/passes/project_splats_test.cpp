@@ -190,6 +190,40 @@ TEST_P(ProjectSplatsTest, MatchesTheTwinAndTheReferenceWithShadows) {
   EXPECT_GT(dark, 300u);
 }
 
+// An environment is ordered behind an object whose kernels lie within two of its standard deviations, for
+// both orders, by the pass and by the reference.
+TEST_P(ProjectSplatsTest, EnvironmentIsOrderedBehindWhatTouchesIt) {
+  Object floor = synthetic::shell(1, 0, 0.03, 5), thing = floor;
+  const float z_m = 0.0f;
+  floor.posed.positions_m[0] = {0, 0, z_m};
+  floor.posed.covariances_m2[0] = {4e-4f, 0, 0, 1e-6f, 0, 4e-4f};  // a level disc, 2 cm
+  floor.asset.opacity_logits[0] = thing.asset.opacity_logits[0] = 2;
+  for (const DepthOrder order : {DepthOrder::ViewZ, DepthOrder::Distance}) {
+    for (const float behind_m : {0.02f, 0.08f}) {
+      thing.posed.positions_m[0] = {0, 0.002f, z_m - behind_m};
+      const Camera eye = look_at({0, 0.3, 1.5}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.9, 320, 240);
+      FrameSplats::Options options;
+      options.order = order;
+      options.environments = {0};
+      const auto made = project_on(*backend_, {&floor, &thing}, {&eye, 1}, options);
+      ASSERT_TRUE(made) << made.error().message;
+      ASSERT_EQ(made->order.size(), 2u);
+      EXPECT_EQ(made->order[0], behind_m < 0.04f ? 1u : 0u);
+      RasteriseOptions rasterised;
+      rasterised.order = order;
+      rasterised.environments = {0};
+      float depths_m[2];
+      ProjectedKernel projected;
+      for (uint32_t id = 0; id < 2; ++id) {
+        const Object& object = id == 0 ? floor : thing;
+        ASSERT_TRUE(project_kernel(Projection(eye), {&object.asset, &object.posed, id}, 0, 0, rasterised,
+                                   projected, depths_m[id]));
+      }
+      EXPECT_EQ(depths_m[1] < depths_m[0], behind_m < 0.04f);
+    }
+  }
+}
+
 TEST_P(ProjectSplatsTest, AcceptsAnEmptyScene) {
   const Object none;
   const Camera eye = ahead();
