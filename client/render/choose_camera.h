@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "render/scene_view.h"
-#include "splat/camera.h"
+#include "splat/frame_bounds.h"
 
 namespace livegs {
 
@@ -12,9 +12,6 @@ namespace livegs {
 // environment lies to one side (two walls of a room), from the opposite side, so that it is behind the
 // objects; else from the front, +z. `free`: the columns of the picture that must contain all objects;
 // default: the whole picture.
-struct PictureColumns {
-  double left_px = 0, right_px = 0;
-};
 Camera choose_camera(const SceneView& view, int width, int height,
                      const std::optional<PictureColumns>& free = {});
 

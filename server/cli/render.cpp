@@ -26,10 +26,10 @@ struct RenderCommand {
   bool no_shadows = false;
 };
 
-Camera camera_at(const RenderCommand& options, const Eigen::AlignedBox3d& bounds, int turn) {
+Camera camera_at(const RenderCommand& options, std::span<const Eigen::AlignedBox3d> boxes, int turn) {
   const double azimuth = options.azimuth_deg + 360.0 * turn / options.turns;
-  return frame_bounds(bounds, options.width, options.height, azimuth * std::numbers::pi / 180,
-                      options.elevation_deg * std::numbers::pi / 180);
+  return frame_boxes(boxes, options.width, options.height, azimuth * std::numbers::pi / 180,
+                     options.elevation_deg * std::numbers::pi / 180);
 }
 
 std::filesystem::path numbered(const std::filesystem::path& output, int turn, int turns) {
@@ -40,13 +40,13 @@ std::filesystem::path numbered(const std::filesystem::path& output, int turn, in
 }
 
 int draw(const RenderCommand& options, std::span<const DrawnObject> objects,
-         const Eigen::AlignedBox3d& bounds, RasteriseOptions rasterise = {}) {
+         std::span<const Eigen::AlignedBox3d> boxes, RasteriseOptions rasterise = {}) {
   rasterise.background =
       Eigen::Vector3d(options.background[0], options.background[1], options.background[2]).cast<float>();
   Rasteriser rasteriser;
   RasterisedView view;
   for (int turn = 0; turn < options.turns; ++turn) {
-    Camera camera = camera_at(options, bounds, turn);
+    Camera camera = camera_at(options, boxes, turn);
     if (!options.camera.empty()) {
       auto read = read_camera_file(options.camera);
       if (!read) return report(read.error());
@@ -78,7 +78,7 @@ int render_asset(const RenderCommand& options) {
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3d& point : placed->body_points_m) bounds.extend(point);
   const DrawnObject object{placed->asset.get(), &kernels, 0};
-  return draw(options, std::span(&object, 1), bounds);
+  return draw(options, std::span(&object, 1), std::span(&bounds, 1));
 }
 
 int render_scene(const RenderCommand& options) {
@@ -98,7 +98,7 @@ int render_scene(const RenderCommand& options) {
   drawing.set_shadows(!options.no_shadows);
   auto drawn = drawing.pose(*scene, options.frame.empty() ? nullptr : &frame);
   if (!drawn) return report(drawn.error());
-  return draw(options, *drawn, scene->bounds_m(), drawing.options());
+  return draw(options, *drawn, drawing.object_boxes(), drawing.options());
 }
 
 int run(const RenderCommand& options) {

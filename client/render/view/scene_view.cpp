@@ -8,6 +8,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "render/view/pick_kernel.h"
+#include "splat/frame_bounds.h"
 
 namespace livegs {
 namespace {
@@ -50,26 +51,6 @@ bool meets(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
     leaves = std::min(leaves, std::max(a, b));
   }
   return enters <= leaves;
-}
-
-// Bounds from the 1st to the 99th percentile along each axis.
-Eigen::AlignedBox3d robust_bounds(const std::vector<Eigen::Vector3f>& positions) {
-  Eigen::AlignedBox3d box;
-  if (positions.empty()) return box;
-  std::vector<float> along(positions.size());
-  Eigen::Vector3d low, high;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (size_t i = 0; i < positions.size(); ++i) along[i] = positions[i][axis];
-    const auto at = [&](double share) {
-      const auto rank =
-          along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
-      std::nth_element(along.begin(), rank, along.end());
-      return static_cast<double>(*rank);
-    };
-    low[axis] = at(0.01);
-    high[axis] = at(0.99);
-  }
-  return {low, high};
 }
 
 }  // namespace

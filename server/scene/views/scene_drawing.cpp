@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 
 #include "core/assert.h"
+#include "splat/frame_bounds.h"
 
 namespace livegs {
 namespace {
@@ -42,6 +43,7 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
   if (!frame) own = scene.world().drivers();
   const DriverFrame& drivers = frame ? *frame : own;
   environments_.clear();
+  boxes_.clear();
   std::vector<DrawnObject> drawn;
   std::vector<uint32_t> casting;
   PosedKernels shape;
@@ -74,7 +76,11 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
     skin_kernels(*of->asset, bound.rest, bound.bindings, used, bound.kernels,
                  keep_gradients_ ? &bound.gradients : nullptr);
     drawn.push_back({of->asset.get(), &bound.kernels, object.object_id});
-    if (of->environment) environments_.push_back(object.object_id);
+    if (of->environment) {
+      environments_.push_back(object.object_id);
+    } else {
+      boxes_.push_back(robust_bounds(bound.kernels.positions_m));
+    }
     if (!draws_shadows_ || bound.shape.size() == 0) continue;
     bound.shape.pose(bound.rest, used, shape);
     shadows_.set(object.object_id,

@@ -37,6 +37,9 @@ class SceneDrawing {
     return options;
   }
 
+  // Bounds of the objects in the last pose() without the environment, as the client frames them.
+  std::vector<Eigen::AlignedBox3d> object_boxes() const { return boxes_; }
+
   // The deformation gradient F of each kernel of an object in the last pose(). Stored only if enabled.
   void keep_deformation_gradients(bool keep) { keep_gradients_ = keep; }
   const std::vector<Eigen::Matrix3f>& deformation_gradients(uint32_t object_id) const;
@@ -57,6 +60,7 @@ class SceneDrawing {
   SceneShadows shadows_;
   const ShadowTable* shadow_table_ = nullptr;
   std::vector<uint32_t> environments_;
+  std::vector<Eigen::AlignedBox3d> boxes_;
 };
 
 }  // namespace livegs

@@ -64,7 +64,9 @@ class StandingSample : public VulkanPictures {
     made.objects.push_back(still);
     return made;
   }
-  Camera towards(uint32_t id) const { return frame_bounds(boxes[id], kViewWidth, kViewHeight, 0.6, 0.5); }
+  Camera towards(uint32_t id) const {
+    return frame_boxes(std::span(&boxes[id], 1), kViewWidth, kViewHeight, 0.6, 0.5);
+  }
   Image draw(const DriverFrame& drivers, const Camera& eye, bool shadows) {
     view.set_shadows(shadows);
     std::vector<Image> images;
@@ -153,9 +155,7 @@ TEST_F(StandingSample, VulkanDrawsTheSameShadows) {
     const bool room = (*names)[id] == "room";
     ASSERT_TRUE(device.add(room ? kRoomId : id, (*assets)[id], rest, room));
   }
-  Eigen::AlignedBox3d all;
-  for (const Eigen::AlignedBox3d& box : boxes) all.extend(box);
-  const Camera eye = frame_bounds(all, kViewWidth, kViewHeight, 0.6, 0.5);
+  const Camera eye = frame_boxes(boxes, kViewWidth, kViewHeight, 0.6, 0.5);
   for (const double height_m : {0.0, 0.1}) {
     std::vector<Image> made;
     ASSERT_TRUE(device.draw(frame({{2, height_m}}), {&eye, 1}, made));

@@ -87,5 +87,40 @@ TEST(Camera, FrameBoundsShowsEveryCorner) {
   }
 }
 
+// A row of boxes on a floor fills nine tenths of the width; one tall box nine tenths of the height.
+TEST(Camera, FrameBoxesFillsThePicture) {
+  const std::vector<Eigen::AlignedBox3d> row = {{Eigen::Vector3d(-2, 0, -0.5), Eigen::Vector3d(-1, 1, 0)},
+                                                {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.3, 0.2, 0.4)},
+                                                {Eigen::Vector3d(1.2, 0, -0.2), Eigen::Vector3d(1.9, 0.7, 0)},
+                                                {}};
+  const std::vector<Eigen::AlignedBox3d> tall = {{Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.1, 2, 0.1)}};
+  for (const auto& boxes : {row, tall}) {
+    for (const double azimuth : {0.0, 0.6, -2.0}) {
+      Eigen::AlignedBox2d seen;
+      const Camera camera = frame_boxes(boxes, 640, 480, azimuth, 0.3);
+      for (const Eigen::AlignedBox3d& box : boxes) {
+        if (box.isEmpty()) continue;
+        for (int corner = 0; corner < 8; ++corner)
+          seen.extend(pixel_of(camera, box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
+      }
+      EXPECT_GE(seen.min().x(), 32 - 1e-6);
+      EXPECT_GE(seen.min().y(), 24 - 1e-6);
+      EXPECT_NEAR(std::max(seen.sizes().x() / 640, seen.sizes().y() / 480), 0.9, 1e-9) << azimuth;
+    }
+  }
+  EXPECT_TRUE(frame_boxes({}, 640, 480).world_from_camera.position_m.allFinite());
+}
+
+TEST(Camera, RobustBoundsExcludeFloaters) {
+  std::vector<Eigen::Vector3f> positions_m;
+  for (int i = 0; i <= 1000; ++i) positions_m.emplace_back(0.001f * static_cast<float>(i), 0.5f, -2.0f);
+  positions_m.emplace_back(90.0f, -80.0f, 70.0f);
+  const Eigen::AlignedBox3d box = robust_bounds(positions_m);
+  EXPECT_NEAR(box.min().x(), 0.01, 2e-3);
+  EXPECT_NEAR(box.max().x(), 0.99, 2e-3);
+  EXPECT_NEAR(box.sizes().tail<2>().norm(), 0.0, 1e-9);
+  EXPECT_TRUE(robust_bounds({}).isEmpty());
+}
+
 }  // namespace
 }  // namespace livegs
