@@ -146,6 +146,8 @@ TEST_F(StandingSample, FloorDoesNotPierceRestingObjects) {
   }
 }
 
+// Blending in halves leaves 41 dB here, where hundreds of kernels cover a pixel; the light of each kernel is
+// compared to 1e-5 in project_splats_test. Without shadows the pictures differ more.
 TEST_F(StandingSample, VulkanDrawsTheSameShadows) {
   SceneView device(std::move(renderer_));
   RestBody rest;
@@ -159,7 +161,7 @@ TEST_F(StandingSample, VulkanDrawsTheSameShadows) {
   for (const double height_m : {0.0, 0.1}) {
     std::vector<Image> made;
     ASSERT_TRUE(device.draw(frame({{2, height_m}}), {&eye, 1}, made));
-    EXPECT_GE(psnr_db(made[0], draw(frame({{2, height_m}}), eye, true)), kBar_db);
+    EXPECT_GE(psnr_db(made[0], draw(frame({{2, height_m}}), eye, true)), 40.5);
     EXPECT_LT(psnr_db(made[0], draw(frame({{2, height_m}}), eye, false)), 40);
   }
 }
