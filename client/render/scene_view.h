@@ -52,6 +52,9 @@ class SceneView {
   // notice.
   Result<void> draw(const DriverFrame& frame, std::span<const Camera> eyes, std::vector<Image>& images);
 
+  // The same in the pose of the last pose() or draw().
+  Result<void> draw(std::span<const Camera> eyes, std::vector<Image>& images);
+
   // The same into an image on the renderer's device; if it cannot, into `images`, which are empty otherwise.
   Result<void> draw_into(const DriverFrame& frame, std::span<const Camera> eyes, const DeviceImage& image,
                          std::vector<Image>& images);
@@ -67,6 +70,10 @@ class SceneView {
   // Draws the last picture with another renderer, for a comparison with the CPU.
   Result<void> draw_again(SplatRenderer& renderer, std::span<const Camera> eyes,
                           std::vector<Image>& images) const;
+
+  // Changes whenever a picture of the same camera and renderer may change: with pose(), and with added,
+  // refined and removed objects.
+  uint64_t version() const { return last_version_; }
 
   struct Times {
     double skin_ms = 0;                             // kernels skinned here since the last pose()
@@ -142,7 +149,7 @@ class SceneView {
   bool draws_shadows_ = true;
   SceneShadows shadows_;
   const ShadowTable* shadow_table_ = nullptr;  // of `shadows_`, if drawn
-  uint64_t last_version_ = 0;
+  uint64_t last_version_ = 0;  // of an object's pose or asset, or of the set of objects
   mutable Times times_;
 };
 

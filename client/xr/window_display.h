@@ -54,9 +54,14 @@ class WindowDisplay : public Display {
   // Unavailable, with the remedy, without a display or OpenGL.
   static Result<std::unique_ptr<WindowDisplay>> open(const std::string& title, int width, int height);
 
+  // As Display::submit; without an image the last picture stays, and the window is redrawn only if overlay,
+  // panels or window changed since.
+  Result<void> submit(const PlannedFrame& frame, std::span<const Image> images) override = 0;
   virtual void set_camera(const Camera& camera) = 0;  // for the next wait_frame
-  virtual const WindowInput& input() const = 0;       // of the last wait_frame
-  virtual Eigen::Vector2i size_px() const = 0;        // current size of the contents
+  // The next wait_frame blocks until an event arrives, for up to this time.
+  virtual void set_wait(double seconds) = 0;
+  virtual const WindowInput& input() const = 0;  // of the last wait_frame
+  virtual Eigen::Vector2i size_px() const = 0;   // current size of the contents
   // Of the monitor with the largest part of the window; 0 if unknown.
   virtual double refresh_hz() const = 0;
   virtual void set_overlay(WindowOverlay overlay) = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "core/clock.h"
 #include "core/log.h"
@@ -111,6 +112,7 @@ const SceneView::Object* SceneView::shown(uint32_t object_id) const {
 }
 
 void SceneView::remove(uint32_t object_id) {
+  ++last_version_;
   objects_.erase(object_id);
   std::erase(visible_, object_id);
 }
@@ -118,14 +120,17 @@ void SceneView::remove(uint32_t object_id) {
 Result<void> SceneView::pose(const DriverFrame& frame) {
   times_.skin_ms = times_.shadow_ms = 0;
   times_.objects_moved = times_.objects_skinned = 0;
-  visible_.clear();
+  const std::vector<uint32_t> visible_before = std::exchange(visible_, {});
   for (const ObjectDrivers& drivers : frame.objects) {
     const auto found = objects_.find(drivers.object_id);
     if (found == objects_.end()) continue;
     std::map<uint32_t, Object>& revisions = found->second;
     // Shown times ascend, so revisions older than this frame are no longer needed.
-    if (revisions.contains(drivers.revision))
-      revisions.erase(revisions.begin(), revisions.find(drivers.revision));
+    if (const auto newer = revisions.find(drivers.revision);
+        newer != revisions.end() && newer != revisions.begin()) {
+      revisions.erase(revisions.begin(), newer);
+      ++last_version_;
+    }
     Object& object = revisions.begin()->second;
     const bool yet_to_come = drivers.revision > revisions.rbegin()->first;
     if (yet_to_come && !object.posed_by) continue;
@@ -140,6 +145,7 @@ Result<void> SceneView::pose(const DriverFrame& frame) {
     }
     visible_.push_back(drivers.object_id);
   }
+  if (visible_ != visible_before) ++last_version_;
   return {};
 }
 
@@ -185,6 +191,10 @@ const PosedKernels& SceneView::kernels_of(const Object& object) const {
 Result<void> SceneView::draw(const DriverFrame& frame, std::span<const Camera> eyes,
                              std::vector<Image>& images) {
   if (auto posed = pose(frame); !posed) return posed;
+  return draw(eyes, nullptr, images);
+}
+
+Result<void> SceneView::draw(std::span<const Camera> eyes, std::vector<Image>& images) {
   return draw(eyes, nullptr, images);
 }
 

@@ -7,7 +7,7 @@
 #include "stream/received/frame_history.h"
 #include "stream/replay/recording_playback.h"
 #include "viewer/camera/initial_camera.h"
-#include "viewer/camera/render_scale.h"
+#include "viewer/camera/window_picture.h"
 #include "viewer/live/connected_scene.h"
 #include "viewer/runs/replay_run.h"
 #include "xr/window/draw_panels.h"
@@ -30,34 +30,40 @@ class ReplayWindow {
         assets_(assets),
         view_(view),
         display_(display),
-        scale_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {}
+        picture_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {}
 
   Result<void> run(const std::atomic<bool>& interrupted) {
     if (auto begun = go_to(options_.from_s); !begun) return begun;
     if (auto framed = frame_camera(); !framed) return framed;
     while (!interrupted) {
       const Eigen::Vector2i size = display_.size_px();
-      display_.set_camera(camera_.camera(scale_.of(size.x()), scale_.of(size.y())));
+      display_.set_camera(camera_.camera(size.x(), size.y()));
+      display_.set_wait(wait_s());
       const auto planned = display_.wait_frame();
       if (!planned) break;
       if (auto acted = act(display_.input()); !acted) return acted;
       if (auto reached = reach(moment_ns_); !reached) return reached;
-      if (auto drawn = view_.draw(*history_.at(moment_ns_), planned->views, pictures_); !drawn) return drawn;
-      scale_.drew(view_.last_times().raster_ms);
+      if (auto posed = view_.pose(*history_.at(moment_ns_)); !posed) return posed;
+      if (auto drawn = picture_.draw(view_, camera_, display_.size_px(), now_ns()); !drawn) return drawn;
       display_.set_overlay(overlay());
       if (options_.on_picture) display_.keep_next(screenshot_);
-      if (auto submitted = display_.submit(*planned, pictures_); !submitted) return submitted;
-      if (options_.on_picture)
-        options_.on_picture(screenshot_,
-                            {shown_s(), paused_, at_end_ && moment_ns_ >= history_.newest().simulated_ns});
+      if (auto submitted = display_.submit(*planned, picture_.drawn()); !submitted) return submitted;
+      if (options_.on_picture) options_.on_picture(screenshot_, {shown_s(), paused_, ended()});
       if (options_.seconds > 0 && shown_s() >= options_.from_s + options_.seconds) break;
-      if (options_.seconds > 0 && at_end_ && moment_ns_ >= history_.newest().simulated_ns) break;
+      if (options_.seconds > 0 && ended()) break;
     }
     return {};
   }
 
  private:
   double shown_s() const { return seconds_from_ns(moment_ns_ - first_ns_); }
+  bool ended() const { return at_end_ && moment_ns_ >= history_.newest().simulated_ns; }
+
+  // Time for which the window may wait for events.
+  double wait_s() const {
+    const double wait_s = picture_.wait_s(now_ns());
+    return paused_ || ended() ? wait_s : std::min(wait_s, StillPicture::kAlertWait_s);
+  }
 
   Result<void> frame_camera() {
     const Eigen::Vector2i size = display_.size_px();
@@ -158,7 +164,7 @@ class ReplayWindow {
         "%.2f s of %.1f s, tick %llu%s%s", shown_s(), playback_.length_s(),
         static_cast<unsigned long long>(tick_), paused_ ? ", paused" : "", at_end_ ? ", at the end" : ""));
     overlay.panels.run.lines.push_back(view_.renderer_name());
-    overlay.panels.run.lines.push_back(format_text("resolution %.0f %%", 100.0 * scale_.value()));
+    overlay.panels.run.lines.push_back(picture_.text());
     overlay.panels.run.help = kReplayHelp;
     return overlay;
   }
@@ -170,12 +176,11 @@ class ReplayWindow {
   SceneView& view_;
   WindowDisplay& display_;
   OrbitCamera camera_;
-  RenderScale scale_;
+  WindowPicture picture_;
   FrameHistory history_{kFramesKept};
   int64_t first_ns_ = 0, moment_ns_ = 0;  // simulated time of the first frame and of the picture
   uint64_t tick_ = 0;
   bool paused_ = false, at_end_ = false, panels_shown_ = true;
-  std::vector<Image> pictures_;
   Image screenshot_;
 };
 

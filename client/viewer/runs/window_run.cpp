@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/runs/window_run.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
+#include <utility>
 
 #include "core/clock.h"
 #include "core/format_text.h"
@@ -15,7 +18,7 @@
 #include "viewer/camera/client_view_cone.h"
 #include "viewer/camera/initial_camera.h"
 #include "viewer/camera/orbit_camera.h"
-#include "viewer/camera/render_scale.h"
+#include "viewer/camera/window_picture.h"
 #include "viewer/hands/force_arrow.h"
 #include "viewer/live/control_calls.h"
 #include "viewer/live/frame_queue.h"
@@ -34,6 +37,8 @@ namespace {
 
 constexpr size_t kRightHand = 1;
 constexpr int kManyScreenshots = 100;  // are worth a warning; they take some 60 MB
+// Between updates of the counters in the Run panel at rest. Each update redraws the window.
+constexpr int64_t kCounterInterval_ns = 1'000'000'000;
 constexpr const char* kHelp =
     "left: pull   right: rotate   middle: pan\nwheel: zoom   WASDQE: fly   space: shoot\n"
     "P: pause   full stop: step   H: hide panels\n1 to 5: pull, move, turn, scale, measure   F: frame";
@@ -50,7 +55,7 @@ class WindowRun {
         stream_(arriving),
         view_(view),
         display_(display),
-        scale_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {
+        picture_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
     stream_.hide(client.scene().objects);
   }
@@ -64,6 +69,8 @@ class WindowRun {
   Result<void> first_frame();
   void move_camera(const WindowInput& input);
   void point(const WindowInput& input, const Camera& window);
+  double wait_s() const;
+  void hold_counters(RunPanel& run);
   void send_hands(const WindowInput& input);
   void send_script();
   void act(const WindowInput& input);
@@ -74,7 +81,7 @@ class WindowRun {
   void abandon_recording();
   Result<void> cut_recording(const std::string& why);
   Result<void> take_answers();
-  Result<void> picture(const PlannedFrame& planned);
+  Result<void> picture();
   Result<void> recorded_picture(const PlannedFrame& planned);
   void draw_force(const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_n, uint32_t object_id,
                   const Camera& window, WindowOverlay& overlay) const;
@@ -99,7 +106,7 @@ class WindowRun {
   std::optional<OrbitCamera> camera_;
   std::optional<ScriptedHands> script_;
   InputSample sample_;
-  RenderScale scale_;  // reduces the resolution of late pictures
+  WindowPicture picture_;
   FrameMeter meter_;
   ObjectPanel panel_;
   ForceStudy study_;
@@ -107,6 +114,7 @@ class WindowRun {
   bool records_options_ = false;              // recording_ holds the forces given at the start
   std::string recorded_;                      // path of the last recording
   std::optional<SceneView::Picked> pointed_;  // kernel under the mouse
+  WindowInput pointed_with_;                  // of the last picture
   bool was_left_ = false, panels_shown_ = true;
   bool asked_to_start_ = false;
   std::string author_selected_;    // as in the last picture
@@ -114,7 +122,9 @@ class WindowRun {
   SessionNotice notice_;
   std::string refusal_;
   int64_t begun_ns_ = 0;
-  std::vector<Image> pictures_;
+  RunPanel counted_;  // with the counters that are shown at rest
+  int64_t counted_ns_ = 0;
+  std::vector<Image> pictures_;  // before the first frame, and of a recording
   Image screenshot_, recorded_picture_;
   RunPanel shown_run_;  // in screenshot_
   int screenshots_ = 0;
@@ -198,8 +208,13 @@ void WindowRun::move_camera(const WindowInput& input) {
   camera_->fly(input.flown, input.passed_s);
 }
 
-// Picks the kernel under the mouse, and selects its object on a click.
+// Picks the kernel under the mouse, and selects its object on a click. What was picked stays while neither
+// mouse nor scene move.
 void WindowRun::point(const WindowInput& input, const Camera& window) {
+  const WindowInput before = std::exchange(pointed_with_, input);
+  if (picture_.drawn().empty() && input.mouse_px == before.mouse_px && input.left == before.left &&
+      input.over_panel == before.over_panel)
+    return;
   pointed_.reset();
   const bool pressed = input.left && !was_left_;
   was_left_ = input.left;
@@ -415,13 +430,11 @@ WindowPanels WindowRun::panels() const {
   run.notice = notice_.text(!refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "");
   if (run.notice.empty()) run.notice = view_.notice();
   run.lines.push_back(view_.renderer_name());
-  // Kept short enough for one line: longer text would be broken after the decimal point.
-  run.lines.push_back(format_text("resolution %.0f %%", 100.0 * scale_.value()) +
-                      (scale_.min_contribution_px() > 0
-                           ? format_text(", culling under %.1g px", scale_.min_contribution_px())
-                           : ""));
-  run.lines.push_back(
-      format_text("%.0f fps, %.0f server ticks/s", meter_.pictures_a_second(), meter_.ticks_a_second()));
+  run.lines.push_back(picture_.text());
+  if (!picture_.rests()) {
+    run.lines.push_back(
+        format_text("%.0f fps, %.0f server ticks/s", meter_.pictures_a_second(), meter_.ticks_a_second()));
+  }
   if (frame_) {
     run.lines.push_back(format_text("tick %llu, %.1f s simulated%s",
                                     static_cast<unsigned long long>(frame_->tick), frame_->run.simulated_s(),
@@ -481,20 +494,38 @@ Result<void> WindowRun::keep_screenshot() {
   return write_png(file, screenshot_);
 }
 
+// At rest, counters alone do not redraw the window for every tick.
+void WindowRun::hold_counters(RunPanel& run) {
+  if (picture_.rests() && now_ns() - counted_ns_ < kCounterInterval_ns && counted_.paused == run.paused) {
+    run.lines = counted_.lines;
+    run.latency = counted_.latency;
+    return;
+  }
+  counted_ = run;
+  counted_ns_ = picture_.rests() ? now_ns() : 0;
+}
+
+// Time for which the window may wait for events.
+double WindowRun::wait_s() const {
+  const double wait_s = picture_.wait_s(now_ns());
+  const bool holds = script_ || (playout_.shown() && !playout_.shown()->hands.empty());
+  return holds ? std::min(wait_s, StillPicture::kAlertWait_s) : wait_s;
+}
+
 // Draws a picture of the live scene.
-Result<void> WindowRun::picture(const PlannedFrame& planned) {
+Result<void> WindowRun::picture() {
   const WindowInput& input = display_.input();
   const Eigen::Vector2i size = display_.size_px();
   move_camera(input);
   script_ ? send_script() : send_hands(input);
   const int64_t now = now_ns();
-  view_.set_min_contribution(scale_.min_contribution_px());
-  if (auto drawn = view_.draw(*playout_.at(now, now), planned.views, pictures_); !drawn) return drawn;
-  scale_.drew(view_.last_times().raster_ms);
+  if (auto posed = view_.pose(*playout_.at(now, now)); !posed) return posed;
   const Camera window = camera_->camera(size.x(), size.y());
+  if (auto drawn = picture_.draw(view_, *camera_, size, now); !drawn) return drawn;
   point(input, window);
   act(input);
   WindowOverlay over = overlay(window);
+  hold_counters(over.panels.run);
   if (options_.on_picture) shown_run_ = over.panels.run;
   display_.set_overlay(std::move(over));
   return {};
@@ -503,6 +534,7 @@ Result<void> WindowRun::picture(const PlannedFrame& planned) {
 // Draws the next picture of the recording's video, without panels.
 Result<void> WindowRun::recorded_picture(const PlannedFrame& planned) {
   const Eigen::Vector2i size = display_.size_px();
+  picture_.reset();
   view_.set_min_contribution(0);
   if (auto drawn = view_.draw(*recording_->next(), planned.views, pictures_); !drawn) return drawn;
   WindowOverlay overlay;
@@ -535,8 +567,8 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
     if (auto taken = take_answers(); !taken) return taken;
     bool records = recording_ && recording_->next();
     const Eigen::Vector2i size = display_.size_px();
-    const auto scaled = [&](int pixels) { return records ? pixels : scale_.of(pixels); };
-    if (camera_) display_.set_camera(camera_->camera(scaled(size.x()), scaled(size.y())));
+    if (camera_) display_.set_camera(camera_->camera(size.x(), size.y()));
+    display_.set_wait(records ? 0 : wait_s());
     const auto planned = display_.wait_frame();
     if (!planned) break;
     Result<void> drawn;
@@ -555,7 +587,7 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
           records = false;
         }
       }
-      if (!records) drawn = picture(*planned);
+      if (!records) drawn = picture();
     }
     if (!drawn) return drawn;
     const bool second_is_over = now_ns() - second_ns >= 1'000'000'000;
@@ -564,9 +596,10 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
     const bool keeps = due && !options_.screenshots.empty() && camera_ && !records;
     const bool looked_at = options_.on_picture && camera_ && !records;
     if (keeps || looked_at) display_.keep_next(screenshot_);
-    if (auto submitted = display_.submit(*planned, pictures_); !submitted) return submitted;
+    const std::span<const Image> shown = camera_ && !records ? picture_.drawn() : pictures_;
+    if (auto submitted = display_.submit(*planned, shown); !submitted) return submitted;
     const int64_t now = now_ns();
-    if (playout_.shown() && !records)
+    if (playout_.shown() && !records && !shown.empty())
       meter_.shown(*playout_.shown(), now, milliseconds_from_ns(now - last_ns), view_.last_times().device);
     last_ns = now;
     if (second_is_over) second_ns = now;

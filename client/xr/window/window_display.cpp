@@ -8,8 +8,10 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <thread>
 #include <utility>
 
 #include "core/assert.h"
@@ -20,10 +22,35 @@
 namespace livegs {
 namespace {
 
+// Shortest time between two frames that waited for events, seconds: a mouse may send a thousand a second.
+constexpr double kMinWaitedFrame_s = 1.0 / 120;
+
 std::string glfw_error() {
   const char* text = nullptr;
   glfwGetError(&text);
   return text ? text : "no reason given";
+}
+
+// All that determines the contents of a window, apart from its textures.
+std::vector<uint8_t> drawn_bytes(const ImDrawData& data, int width, int height) {
+  std::vector<uint8_t> bytes;
+  const auto add = [&](const void* from, size_t count) {
+    const auto* first = static_cast<const uint8_t*>(from);
+    bytes.insert(bytes.end(), first, first + count);
+  };
+  add(&width, sizeof width);
+  add(&height, sizeof height);
+  for (int i = 0; i < data.CmdListsCount; ++i) {
+    const ImDrawList& list = *data.CmdLists[i];
+    add(list.VtxBuffer.Data, sizeof(ImDrawVert) * static_cast<size_t>(list.VtxBuffer.Size));
+    add(list.IdxBuffer.Data, sizeof(ImDrawIdx) * static_cast<size_t>(list.IdxBuffer.Size));
+    for (const ImDrawCmd& command : list.CmdBuffer) {
+      add(&command.ClipRect, sizeof command.ClipRect);
+      add(&command.TextureId, sizeof command.TextureId);
+      add(&command.ElemCount, sizeof command.ElemCount);
+    }
+  }
+  return bytes;
 }
 
 class GlfwWindowDisplay final : public WindowDisplay {
@@ -36,6 +63,7 @@ class GlfwWindowDisplay final : public WindowDisplay {
   Result<void> finish() override { return {}; }
 
   void set_camera(const Camera& camera) override { camera_ = camera; }
+  void set_wait(double seconds) override { wait_s_ = seconds; }
   const WindowInput& input() const override { return input_; }
   Eigen::Vector2i size_px() const override;
   double refresh_hz() const override;
@@ -46,7 +74,9 @@ class GlfwWindowDisplay final : public WindowDisplay {
  private:
   void take_events();
   void take_input();
-  void draw_picture(const Image& image);
+  void wait_for_events();
+  void load_picture(const Image& image);
+  void draw_picture();
   void draw_overlay();
   void read_back(Image& image) const;
   Eigen::Vector2d cursor_px() const;
@@ -64,7 +94,9 @@ class GlfwWindowDisplay final : public WindowDisplay {
   PanelActions actions_;
   WindowEvents events_;
   std::vector<std::string> dropped_;  // since the last picture
-  double last_s_ = 0;
+  double last_s_ = 0, wait_s_ = 0;
+  bool damaged_ = true;         // the system lost contents of the window
+  std::vector<uint8_t> shown_;  // drawn_bytes() of the contents
   uint64_t planned_ = 0;
   Image* kept_ = nullptr;
 };
@@ -104,6 +136,7 @@ Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int 
   glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
     of(window).dropped_.insert(of(window).dropped_.end(), paths, paths + count);
   });
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { of(window).damaged_ = true; });
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // ImGui must not write a file to the working directory
   set_window_style();
@@ -211,8 +244,18 @@ void GlfwWindowDisplay::take_input() {
   input_ = std::move(taken);
 }
 
-std::optional<PlannedFrame> GlfwWindowDisplay::wait_frame() {
+void GlfwWindowDisplay::wait_for_events() {
+  const double wait_s = std::exchange(wait_s_, 0);
+  if (wait_s > 0 && !events_.waiting()) {
+    glfwWaitEventsTimeout(wait_s);
+    const double early_s = last_s_ + kMinWaitedFrame_s - glfwGetTime();
+    if (early_s > 0) std::this_thread::sleep_for(std::chrono::duration<double>(early_s));
+  }
   glfwPollEvents();
+}
+
+std::optional<PlannedFrame> GlfwWindowDisplay::wait_frame() {
+  wait_for_events();
   if (glfwWindowShouldClose(window_)) return std::nullopt;
   ImGui_ImplOpenGL2_NewFrame();
   ImGui_ImplGlfw_NewFrame();
@@ -226,7 +269,7 @@ std::optional<PlannedFrame> GlfwWindowDisplay::wait_frame() {
   return frame;
 }
 
-void GlfwWindowDisplay::draw_picture(const Image& image) {
+void GlfwWindowDisplay::load_picture(const Image& image) {
   const std::vector<uint8_t> bytes = rgb_bytes(image);
   glBindTexture(GL_TEXTURE_2D, texture_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -234,6 +277,9 @@ void GlfwWindowDisplay::draw_picture(const Image& image) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, image.width, image.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
                bytes.data());
+}
+
+void GlfwWindowDisplay::draw_picture() {
   const Eigen::Vector2i size = size_px();
   ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<intptr_t>(texture_)),
                                            {0, 0},
@@ -251,12 +297,17 @@ void GlfwWindowDisplay::draw_overlay() {
 }
 
 Result<void> GlfwWindowDisplay::submit(const PlannedFrame&, std::span<const Image> images) {
-  LIVEGS_ASSERT(images.size() == 1);
-  draw_picture(images[0]);
+  LIVEGS_ASSERT(images.size() <= 1);
+  if (!images.empty()) load_picture(images[0]);
+  draw_picture();
   draw_overlay();
   ImGui::Render();
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
+  std::vector<uint8_t> drawn = drawn_bytes(*ImGui::GetDrawData(), width, height);
+  if (images.empty() && !kept_ && !damaged_ && drawn == shown_) return {};
+  shown_ = std::move(drawn);
+  damaged_ = false;
   glViewport(0, 0, width, height);
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());

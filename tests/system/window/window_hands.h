@@ -85,6 +85,13 @@ class WindowHands : public Programs {
         shown);
     interrupted = true;
   }
+  // Discards the steps and the window, for another run.
+  void restart() {
+    steps_.clear();
+    now_ = 0;
+    begun_ns_ = 0;
+    hands_.reset();
+  }
   void expect_all_done() const {
     EXPECT_EQ(now_, steps_.size()) << "timeout while waiting for: "
                                    << (now_ < steps_.size() ? steps_[now_].name : "");

@@ -108,7 +108,7 @@ class WindowClicks : public WindowHands {
     options.cache = folder_ / "window_cache";
     options.renderer = RendererChoice::Cpu;
     options.size = PictureSize{kWidth, kHeight};
-    options.full_size = true;
+    options.full_size = !reduced_;
     options.camera_file = camera_file();
     std::atomic<bool> interrupted{false};
     options.on_picture = [&](const Image& shown, const RunPanel& run) {
@@ -149,6 +149,7 @@ class WindowClicks : public WindowHands {
     return run_row_;
   }
 
+  bool reduced_ = false;  // pictures that are late are drawn at a reduced size
   RunPanel run_;  // state in the picture that a step receives
   std::unique_ptr<Program> server_;
   std::string address_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "render/choose_camera.h"
 #include "render/scene_view.h"
 #include "splat/image.h"
@@ -55,6 +57,30 @@ TEST(SceneView, SkinsOnlyMovedObjects) {
   EXPECT_EQ(view.last_times().objects_skinned, 1u);
   EXPECT_NEAR(view.bounds(2).center().x(), 1.5, 1e-6);
   EXPECT_EQ(view.last_times().objects_skinned, 1u);
+}
+
+TEST(SceneView, VersionChangesWithEverythingThatMayChangeAPicture) {
+  SceneView view;
+  ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.add(2, cube_asset(0.2f, {0, 1, 0}), rigid_rest(), false));
+  uint64_t last = 0;
+  const auto changed = [&] { return std::exchange(last, view.version()) != view.version(); };
+  EXPECT_TRUE(changed());
+  ASSERT_TRUE(view.pose(frame_of({{1, {0, 0, 0}}, {2, {1, 0, 0}}})));
+  EXPECT_TRUE(changed());
+  ASSERT_TRUE(view.pose(frame_of({{1, {0, 0, 0}}, {2, {1, 0, 0}}})));
+  (void)view.pick({1, 0, 2}, {0, 0, -1});
+  EXPECT_FALSE(changed());
+  ASSERT_TRUE(view.pose(frame_of({{1, {0, 0, 0}}, {2, {1, 1e-9, 0}}})));
+  EXPECT_TRUE(changed());
+  ASSERT_TRUE(view.pose(frame_of({{2, {1, 1e-9, 0}}})));  // object 1 is hidden
+  EXPECT_TRUE(changed());
+  auto finer = bind_object(2, cube_asset(0.2f, {0, 0, 1}), rigid_rest(), false);
+  ASSERT_TRUE(finer);
+  view.refine(2, *std::move(finer));
+  EXPECT_TRUE(changed());
+  view.remove(2);
+  EXPECT_TRUE(changed());
 }
 
 // Positions are computed on a query, not for every pose.
