@@ -2,14 +2,20 @@
 // Time of the CPU rasteriser. Prints CSV: medians and 99th percentiles of the passes over frames in which the
 // camera orbits the object once, after a warm-up. cpu_ms is the processor time of all threads per frame; on
 // an idle machine, a frame takes about cpu_ms / threads. Run by hand:
-//   render_bench > tests/bench/results/<processor>/render.csv
+//   livegs sample scene/
+//   render_bench scene > tests/bench/results/<processor>/render.csv
 //   render_bench --shadows: the cost of shadows, as a ratio within one run
+// The folder adds the sample scene as a window draws it: at a quarter and at half of 1280x720 with the
+// culling of these sizes (viewer/camera/render_scale.h), and at full size with all kernels. Its camera moves
+// from side to side.
 #include <time.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,22 +48,24 @@ Percentiles percentiles(const std::vector<double>& values) {
   return {percentile(values, 0.5), percentile(values, 0.99)};
 }
 
-// The camera is on a circle of radius `distance_m`, slightly above the centre.
-void measure(const char* name, const synthetic::Object& object, const Eigen::Vector3d& centre_m,
-             double distance_m, int width, int height, int threads) {
+using CameraAt = std::function<Camera(double angle_rad)>;  // 0..2 pi over the frames
+
+void measure(const char* name, std::span<const DrawnObject> drawn, const CameraAt& camera_at,
+             const RasteriseOptions& options, int threads) {
   set_thread_count(threads);
   Rasteriser rasteriser;
   RasterisedView view;
-  const DrawnObject drawn = object.drawn();
   std::vector<double> project, sort, blend, total, cpu;
-  size_t visible = 0;
+  size_t visible = 0, kernels = 0;
+  int degree = 0;
+  for (const DrawnObject& object : drawn) {
+    kernels += object.asset->size();
+    degree = std::max(degree, object.asset->sh_degree);
+  }
   for (int frame = -kWarmUpFrames; frame < kFrames; ++frame) {
-    const double angle = 2.0 * M_PI * frame / kFrames;
-    const Eigen::Vector3d from(std::sin(angle), 0.3, std::cos(angle));
-    const Camera camera = look_at(centre_m + distance_m * from.normalized(), centre_m,
-                                  Eigen::Vector3d::UnitY(), kFov_rad, width, height);
+    const Camera camera = camera_at(2.0 * M_PI * frame / kFrames);
     const double cpu_start_ms = process_cpu_ms();
-    rasteriser.draw({&drawn, 1}, camera, {}, view);
+    rasteriser.draw(drawn, camera, options, view);
     const double cpu_ms = process_cpu_ms() - cpu_start_ms;
     if (frame < 0) continue;
     const Rasteriser::Times& times = rasteriser.last_times();
@@ -70,10 +78,71 @@ void measure(const char* name, const synthetic::Object& object, const Eigen::Vec
   }
   const Percentiles p = percentiles(project), s = percentiles(sort), b = percentiles(blend),
                     t = percentiles(total);
-  std::printf("%s,%zu,%zu,%d,%d,%d,%d,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f\n", name, object.size(),
-              visible, object.asset.sh_degree, width, height, threads, p.median, p.p99, s.median, s.p99,
+  std::printf("%s,%zu,%zu,%d,%d,%d,%d,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f\n", name, kernels, visible,
+              degree, view.image.width, view.image.height, threads, p.median, p.p99, s.median, s.p99,
               b.median, b.p99, t.median, t.p99, percentiles(cpu).median);
   std::fflush(stdout);
+}
+
+// The camera is on a circle of radius `distance_m`, slightly above the centre.
+void measure(const char* name, const synthetic::Object& object, const Eigen::Vector3d& centre_m,
+             double distance_m, int width, int height, int threads) {
+  const DrawnObject drawn = object.drawn();
+  const auto camera = [&](double angle) {
+    const Eigen::Vector3d from(std::sin(angle), 0.3, std::cos(angle));
+    return look_at(centre_m + distance_m * from.normalized(), centre_m, Eigen::Vector3d::UnitY(), kFov_rad,
+                   width, height);
+  };
+  measure(name, {&drawn, 1}, camera, {}, threads);
+}
+
+synthetic::Object posed(GaussianAsset asset, double scale, const Pose& pose) {
+  synthetic::Object object;
+  object.posed.resize(asset.size());
+  for (size_t i = 0; i < asset.size(); ++i) {
+    object.posed.positions_m[i] =
+        (pose.position_m + scale * (pose.orientation * asset.positions[i].cast<double>())).cast<float>();
+    object.posed.covariances_m2[i] =
+        synthetic::covariance(pose.orientation * asset.rotations[i].cast<double>(),
+                              scale * asset.log_scales[i].cast<double>().array().exp().matrix());
+    object.posed.world_from_asset[i] = pose.orientation.cast<float>();
+  }
+  object.asset = std::move(asset);
+  return object;
+}
+
+// The sample scene: its assets, with -Y up and in metres, at the positions of its scene file.
+void measure_sample(const std::filesystem::path& folder) {
+  const std::pair<const char*, Eigen::Vector3d> places[] = {{"room", {0, 0, 0}},
+                                                            {"stool", {-0.62, 0.02, -0.45}},
+                                                            {"plant", {0.72, 0.04, -0.55}},
+                                                            {"pillow", {-0.02, 0.40, -0.30}},
+                                                            {"hat", {-0.42, 0.30, 0.12}},
+                                                            {"cup", {0.42, 0.90, 0.15}},
+                                                            {"duck", {0.05, 0.05, 0.30}}};
+  std::vector<synthetic::Object> objects;
+  for (const auto& [name, place] : places) {
+    Result<AssetFile> asset = read_asset(folder / (std::string(name) + ".ply"));
+    if (!asset) {
+      std::fprintf(stderr, "%s: skipped: %s\n", name, asset.error().message.c_str());
+      return;
+    }
+    objects.push_back(posed(std::move(asset->asset), 1, {place, Eigen::Quaterniond(0, 1, 0, 0)}));
+    objects.back().id = static_cast<uint32_t>(objects.size());
+  }
+  std::vector<DrawnObject> drawn;
+  for (const synthetic::Object& object : objects) drawn.push_back(object.drawn());
+  for (const int part : {4, 2, 1}) {
+    const int width = 1280 / part, height = 720 / part;
+    RasteriseOptions options;
+    options.min_contribution_px = part == 1 ? 0.0f : 0.25f;
+    options.max_radius_px = static_cast<float>((part == 1 ? 2 : 1) * width);
+    const auto camera = [&](double angle) {
+      return look_at({0.8 * std::sin(angle), 1.0, 2.2}, {0, 0.35, -0.2}, Eigen::Vector3d::UnitY(), kFov_rad,
+                     width, height);
+    };
+    for (const int threads : {1, 2}) measure("sample", drawn, camera, options, threads);
+  }
 }
 
 // The asset in a usual pose: -Y turned up, with a bounding-box diagonal of 1.5 m.
@@ -82,21 +151,10 @@ synthetic::Object standing(GaussianAsset asset) {
   for (const Eigen::Vector3f& position : asset.positions) bounds.extend(position);
   const double scale = 1.5 / bounds.diagonal().norm();
   const Eigen::Quaterniond turn(0, 1, 0, 0);  // half a turn about x
-  synthetic::Object object;
-  object.posed.resize(asset.size());
-  for (size_t i = 0; i < asset.size(); ++i) {
-    const Eigen::Vector3d from_centre = (asset.positions[i] - bounds.center()).cast<double>();
-    object.posed.positions_m[i] = (scale * (turn * from_centre)).cast<float>();
-    object.posed.covariances_m2[i] =
-        synthetic::covariance(turn * asset.rotations[i].cast<double>(),
-                              scale * asset.log_scales[i].cast<double>().array().exp().matrix());
-    object.posed.world_from_asset[i] = turn.cast<float>();
-  }
-  object.asset = std::move(asset);
-  return object;
+  return posed(std::move(asset), scale, {-scale * (turn * bounds.center().cast<double>()), turn});
 }
 
-void measure_all() {
+void measure_all(const char* sample) {
   std::printf(
       "scene,kernels,visible,sh_degree,width,height,threads,project_ms,project_p99_ms,sort_ms,sort_p99_ms,"
       "blend_ms,blend_p99_ms,total_ms,total_p99_ms,cpu_ms\n");
@@ -121,6 +179,7 @@ void measure_all() {
     const synthetic::Object object = standing(std::move(asset->asset));
     measure(name.c_str(), object, origin, 1.8, 640, 480, 2);
   }
+  if (sample) measure_sample(sample);
 }
 
 // A shell of kernels on or above the floor, and the sample of its kernels that casts the shadow.
@@ -214,10 +273,9 @@ void measure_shadows() {
 }  // namespace
 }  // namespace livegs
 
-int main(int argc, char** argv) {
-  if (argc > 1 && std::string(argv[1]) == "--shadows") {
+int main(int count, char** words) {
+  if (count > 1 && std::string(words[1]) == "--shadows")
     livegs::measure_shadows();
-  } else {
-    livegs::measure_all();
-  }
+  else
+    livegs::measure_all(count > 1 ? words[1] : nullptr);
 }

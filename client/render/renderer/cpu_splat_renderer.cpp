@@ -19,9 +19,16 @@ class CpuSplatRenderer final : public SplatRenderer {
     Eigen::Vector3d between_m = Eigen::Vector3d::Zero();
     for (const Camera& eye : eyes)
       between_m += eye.world_from_camera.position_m / static_cast<double>(eyes.size());
-    const RasteriseOptions rasterised{
-        options.background,    options.order, options.max_sh_degree, options.min_contribution_px,
-        options.max_radius_px, between_m,     options.shadows,       options.environments};
+    RasteriseOptions rasterised;
+    rasterised.background = options.background;
+    rasterised.order = options.order;
+    rasterised.max_sh_degree = options.max_sh_degree;
+    rasterised.min_contribution_px = options.min_contribution_px;
+    rasterised.max_radius_px = options.max_radius_px;
+    rasterised.image_only = true;
+    rasterised.distance_from_m = between_m;
+    rasterised.shadows = options.shadows;
+    rasterised.environments = options.environments;
     for (size_t e = 0; e < eyes.size(); ++e) {
       rasteriser_.draw(drawn, eyes[e], rasterised, view_);
       std::swap(images[e], view_.image);

@@ -98,9 +98,10 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
   const double log2_opacity = std::log2(opacity);
 
   const double rim = (log2_opacity + kLog2Of255) / kHalfLog2E;  // dᵀ S⁻¹ d where alpha is kMinAlpha
-  if (options.max_radius_px > 0) {
+  const double most = double{options.max_radius_px} * options.max_radius_px;
+  // The trace bounds the longest axis; most kernels are far smaller.
+  if (options.max_radius_px > 0 && rim * (xx + yy) > 0.99 * most) {
     const double longest = rim * (0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), s.xy));
-    const double most = double{options.max_radius_px} * options.max_radius_px;
     if (longest > most) {
       const double shrink = most / longest;
       xx *= shrink;
@@ -115,11 +116,11 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
   const double top = centre_y - reach_y, bottom = centre_y + reach_y;
   if (!(right >= 0.0 && left <= projection.width && bottom >= 0.0 && top <= projection.height)) return false;
 
-  const auto tiles = [](double begin, double end, int size) {
-    const double last = size - 1;
-    return static_cast<uint32_t>(std::clamp(end, 0.0, last)) / kTileSize -
-           static_cast<uint32_t>(std::clamp(begin, 0.0, last)) / kTileSize + 1;
+  const auto tile_at = [](double at, int size) {
+    return static_cast<uint32_t>(std::clamp(at, 0.0, size - 1.0)) / kTileSize;
   };
+  const uint32_t column = tile_at(left, projection.width), row = tile_at(top, projection.height);
+  const uint32_t columns = (static_cast<uint32_t>(projection.width) + kTileSize - 1) / kTileSize;
   const double scale = std::sqrt(kHalfLog2E);
   projected.centre_x_px = static_cast<float>(centre_x);
   projected.centre_y_px = static_cast<float>(centre_y);
@@ -129,7 +130,9 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
   projected.log2_opacity = static_cast<float>(log2_opacity);
   projected.depth_m = static_cast<float>(z);
   projected.object_slot = object_slot;
-  projected.tile_bound = tiles(left, right, projection.width) * tiles(top, bottom, projection.height);
+  projected.tile_bound =
+      (tile_at(right, projection.width) - column + 1) * (tile_at(bottom, projection.height) - row + 1);
+  projected.tile = row * columns + column;
   Eigen::Vector3d towards = axes.row(2).transpose();
   double order_m = z;
   if (options.order == DepthOrder::Distance) {

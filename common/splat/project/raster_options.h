@@ -39,6 +39,8 @@ struct RasteriseOptions {
   int max_sh_degree = 3;
   float min_contribution_px = 0;  // as in eye_view (project_splats.h)
   float max_radius_px = 0;        // as in eye_view; 0: no limit
+  // Fills the image only; depth_m and object_id are left empty.
+  bool image_only = false;
   // origin of Distance order, for a point between two eyes; empty: the camera
   std::optional<Eigen::Vector3d> distance_from_m = {};
   const ShadowTable* shadows = nullptr;     // of the objects; null: none

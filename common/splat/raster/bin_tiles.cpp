@@ -76,18 +76,23 @@ void TileBins::fill(std::span<const ProjectedKernel> kernels, std::span<const ui
       // Depth order gives random memory accesses. The prefetch hides their latency.
       if (i + kBinPrefetch < end) __builtin_prefetch(&kernels[order[i + kBinPrefetch]]);
       const uint32_t kernel = order[i];
+      const auto touch = [&](uint32_t tile) {
+        if (live[tile] == 0) return;
+        run.touches.push_back({tile, kernel});
+        ++run.next[tile];
+      };
+      if (kernels[kernel].tile_bound == 1) {  // most kernels; they need no rim
+        touch(kernels[kernel].tile);
+        continue;
+      }
       const Rim rim(kernels[kernel]);
       const TileSpan pixel_rows = rim.rows(grid);
       if (pixel_rows.first > pixel_rows.last) continue;
       const int last_row = pixel_rows.last / kTileSize;
       for (int row = pixel_rows.first / kTileSize; row <= last_row; ++row) {
         const TileSpan span = rim.span(grid, row);
-        for (int column = span.first; column <= span.last; ++column) {
-          const uint32_t tile = static_cast<uint32_t>(row * columns + column);
-          if (live[tile] == 0) continue;
-          run.touches.push_back({tile, kernel});
-          ++run.next[tile];
-        }
+        for (int column = span.first; column <= span.last; ++column)
+          touch(static_cast<uint32_t>(row * columns + column));
       }
     }
   });

@@ -117,12 +117,12 @@ float* share_of(TileShares& shares, uint32_t slot) {
 
 }  // namespace
 
-void TileBlender::begin(const TileGrid& grid, size_t object_slots) {
+void TileBlender::begin(const TileGrid& grid, size_t object_slots, bool image_only) {
   grid_ = grid;
-  object_slots_ = object_slots;
+  image_only_ = image_only;
   tiles_.resize(grid.size());
   live_.resize(grid.size());
-  shares_.resize(object_slots > 1 ? grid.size() : 0);
+  shares_.resize(object_slots > 1 && !image_only ? grid.size() : 0);
   for (TileShares& shares : shares_) {
     shares.slots.clear();
     shares.shares.clear();
@@ -193,6 +193,7 @@ void TileBlender::resolve(const Eigen::Vector3f& background, std::span<const uin
         rgba[1] = tile.green[i] + transmittance * background.y();
         rgba[2] = tile.blue[i] + transmittance * background.z();
         rgba[3] = 1.0f - transmittance;
+        if (image_only_) continue;
         view.depth_m[pixel] = tile.depth_m[i];
         view.object_id[pixel] = rgba[3] < 0.5f ? kNoObject : largest_share(t, i);
       }

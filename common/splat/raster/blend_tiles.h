@@ -36,7 +36,8 @@ struct TileShares {
 class TileBlender {
  public:
   // Clears all tiles. With a single object slot, shares are not stored; they equal the coverage.
-  void begin(const TileGrid& grid, size_t object_slots);
+  // `image_only`: as in RasteriseOptions.
+  void begin(const TileGrid& grid, size_t object_slots, bool image_only);
 
   // The kernels of each bin must be behind all kernels blended since begin().
   void blend(std::span<const ProjectedKernel> kernels, const TileBins& bins);
@@ -50,7 +51,7 @@ class TileBlender {
 
  private:
   TileGrid grid_{};
-  size_t object_slots_ = 0;
+  bool image_only_ = false;
   std::vector<TileState> tiles_;
   std::vector<TileShares> shares_;
   std::vector<uint32_t> live_;

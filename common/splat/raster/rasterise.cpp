@@ -2,6 +2,7 @@
 #include "splat/rasterise.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/assert.h"
 #include "core/clock.h"
@@ -63,8 +64,8 @@ struct ObjectSlots {
 }  // namespace
 
 struct Rasteriser::Buffers {
-  std::vector<ProjectedKernel> projected;  // block by block, each compacted to its front
-  std::vector<uint32_t> block_counts;
+  std::vector<ProjectedKernel> projected;            // block by block, each compacted to its front
+  std::vector<uint32_t> block_counts, block_begins;  // kernels of each block, and of all blocks before it
   std::vector<float> order_depths_m;
   std::vector<KeyedIndex> keys, key_scratch;
   std::vector<uint32_t> order;
@@ -100,13 +101,15 @@ void Rasteriser::Buffers::project(std::span<const DrawnObject> objects, const Ob
     }
     block_counts[begin / kProjectBlock] = static_cast<uint32_t>(next - begin);
   });
-  keys.clear();
-  for (size_t block = 0; block < blocks; ++block) {
-    const size_t begin = block * kProjectBlock;
-    for (size_t i = begin; i < begin + block_counts[block]; ++i) {
-      keys.push_back({ordered_key(order_depths_m[i]), static_cast<uint32_t>(i)});
-    }
-  }
+  block_begins.resize(blocks);
+  std::exclusive_scan(block_counts.begin(), block_counts.end(), block_begins.begin(), 0u);
+  keys.resize(blocks == 0 ? 0 : block_begins.back() + block_counts.back());
+  parallel_for(range.total, kProjectBlock, [&](size_t begin, size_t) {
+    const size_t block = begin / kProjectBlock;
+    KeyedIndex* next = keys.data() + block_begins[block];
+    for (size_t i = begin; i < begin + block_counts[block]; ++i)
+      *next++ = {ordered_key(order_depths_m[i]), static_cast<uint32_t>(i)};
+  });
   times.visible_kernels = keys.size();
 }
 
@@ -157,8 +160,8 @@ void Rasteriser::draw(std::span<const DrawnObject> objects, const Camera& camera
   view.image.width = camera.width;
   view.image.height = camera.height;
   view.image.pixels.resize(4 * pixels);
-  view.depth_m.resize(pixels);
-  view.object_id.resize(pixels);
+  view.depth_m.resize(options.image_only ? 0 : pixels);
+  view.object_id.resize(options.image_only ? 0 : pixels);
 
   Buffers& b = *buffers_;
   b.times = {};
@@ -172,7 +175,7 @@ void Rasteriser::draw(std::span<const DrawnObject> objects, const Camera& camera
   const int64_t sorted_ns = now_ns();
   b.times.project_ms = milliseconds_from_ns(projected_ns - start_ns);
   b.times.sort_ms = milliseconds_from_ns(sorted_ns - projected_ns);
-  b.blender.begin(grid, slots.ids.size());
+  b.blender.begin(grid, slots.ids.size(), options.image_only);
   b.times.blend_ms = milliseconds_from_ns(now_ns() - sorted_ns);
   b.blend(grid);
   const int64_t blended_ns = now_ns();

@@ -91,6 +91,22 @@ TEST(BinTiles, KeepTheGivenOrderInEachTile) {
   EXPECT_GT(touches, kernels.size());
 }
 
+// The projection finds the tile of a small kernel.
+TEST(BinTiles, KernelOfOneTileIsOnlyThere) {
+  std::vector<ProjectedKernel> kernels = {ellipse(40, 24, 2, 1, 0.3, 0.9)};
+  kernels[0].tile_bound = 1;
+  kernels[0].tile = static_cast<uint32_t>(24 / kTileSize * kGrid.columns() + 40 / kTileSize);
+  const std::vector<uint32_t> order = {0};
+  std::vector<uint32_t> live(kGrid.size(), 1);
+  TileBins bins;
+  bins.fill(kernels, order, kGrid, live);
+  for (size_t tile = 0; tile < kGrid.size(); ++tile)
+    EXPECT_EQ(bins.of_tile(tile).size(), tile == kernels[0].tile ? 1u : 0u) << tile;
+  live[kernels[0].tile] = 0;
+  bins.fill(kernels, order, kGrid, live);
+  EXPECT_TRUE(bins.of_tile(kernels[0].tile).empty());
+}
+
 TEST(BinTiles, LeaveFinishedTilesEmpty) {
   const std::vector<ProjectedKernel> kernels = random_ellipses(1000, 3);
   std::vector<uint32_t> order(kernels.size());

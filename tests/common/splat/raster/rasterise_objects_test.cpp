@@ -2,6 +2,7 @@
 // Object ids and depths of pixels.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -32,6 +33,23 @@ RasterisedView draw(std::initializer_list<Object> objects) {
 }
 
 size_t middle() { return static_cast<size_t>(kHeight / 2) * kWidth + kWidth / 2; }
+
+TEST(RasteriseObjects, ImageAloneIsTheSameImage) {
+  const Object one = synthetic::shell(3000, 2, 0.02, 1);
+  Object other = synthetic::moved(one, {{0.3, 0.1, -0.4}, Eigen::Quaterniond(0.8, 0, 0.6, 0)});
+  other.id = 1;
+  const std::array<DrawnObject, 2> drawn = {one.drawn(), other.drawn()};
+  const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 150, 100);
+  RasteriseOptions options;
+  RasterisedView all, image;
+  Rasteriser rasteriser;
+  rasteriser.draw(drawn, camera, options, all);
+  options.image_only = true;
+  rasteriser.draw(drawn, camera, options, image);
+  EXPECT_EQ(image.image.pixels, all.image.pixels);
+  EXPECT_TRUE(image.depth_m.empty() && image.object_id.empty());
+  EXPECT_EQ(all.object_id.size(), 150u * 100u);
+}
 
 TEST(RasteriseObjects, AnEmptySceneIsBackground) {
   RasteriseOptions options;
