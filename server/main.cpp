@@ -200,6 +200,7 @@ int run(const Options& options) {
       [&](Scene loaded) {
         (*server)->encode_ahead(loaded);
         analysis.replace(std::move(loaded));
+        author.installed();
       });
   loop.record_with((*server)->recorder());
   if (!options.record.empty()) {

@@ -149,7 +149,7 @@ class SceneView {
   bool draws_shadows_ = true;
   SceneShadows shadows_;
   const ShadowTable* shadow_table_ = nullptr;  // of `shadows_`, if drawn
-  uint64_t last_version_ = 0;  // of an object's pose or asset, or of the set of objects
+  uint64_t last_version_ = 0;                  // of an object's pose or asset, or of the set of objects
   mutable Times times_;
 };
 

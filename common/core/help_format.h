@@ -93,7 +93,8 @@ struct OptionKind {
   const char* option;
   const char* kind;
 };
-inline void group_options(CLI::App& app, const std::string& group, std::initializer_list<OptionKind> options) {
+inline void group_options(CLI::App& app, const std::string& group,
+                          std::initializer_list<OptionKind> options) {
   for (const OptionKind& one : options) {
     CLI::Option* option = app.get_option(one.option);
     option->group(group);

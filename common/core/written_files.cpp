@@ -24,8 +24,7 @@ void note_written(const std::filesystem::path& path) {
   auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& one) {
     return one.folder == path.parent_path() && one.ending == path.extension();
   });
-  if (group == groups.end())
-    group = groups.insert(groups.end(), {path.parent_path(), path.extension(), {}});
+  if (group == groups.end()) group = groups.insert(groups.end(), {path.parent_path(), path.extension(), {}});
   if (std::find(group->files.rbegin(), group->files.rend(), path) == group->files.rend())
     group->files.push_back(path);
 }

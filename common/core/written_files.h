@@ -11,8 +11,8 @@ namespace livegs {
 // Adds a file that was written for the user. A file that is written again counts once.
 void note_written(const std::filesystem::path& path);
 
-// One line per file that still exists, "written: PATH"; more than kMaxNamedFiles of a folder with the same ending become one
-// line with their number. In the order of the first of each. Empty if there are none.
+// One line per file that still exists, "written: PATH"; more than kMaxNamedFiles of a folder with the same
+// ending become one line with their number. In the order of the first of each. Empty if there are none.
 inline constexpr size_t kMaxNamedFiles = 4;
 std::string written_files_text();
 

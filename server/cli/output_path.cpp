@@ -28,16 +28,18 @@ Result<void> check_output_file(const std::filesystem::path& path,
 }
 
 Result<void> check_output_folder(const std::filesystem::path& path) {
-  static constexpr const char* kFormats[] = {".bmp",  ".csv", ".gif", ".glb",  ".html", ".jpeg", ".jpg",
-                                             ".json", ".mp4", ".obj", ".ply",  ".png",  ".ppm",  ".sog",
+  static constexpr const char* kFormats[] = {".bmp",   ".csv", ".gif", ".glb", ".html", ".jpeg", ".jpg",
+                                             ".json",  ".mp4", ".obj", ".ply", ".png",  ".ppm",  ".sog",
                                              ".splat", ".spz", ".stl", ".tif", ".tiff", ".webp"};
   std::error_code ignored;
   const std::string ending = lower_case_ending(path);
-  const bool file = std::any_of(std::begin(kFormats), std::end(kFormats),
-                                [&](const char* one) { return ending == one; });
+  const bool file =
+      std::any_of(std::begin(kFormats), std::end(kFormats), [&](const char* one) { return ending == one; });
   if (!file || std::filesystem::is_directory(path, ignored)) return {};
-  return invalid_argument(path.string() + ": is the name of a file, but several files are written; give a "
-                                          "folder, without " + ending);
+  return invalid_argument(path.string() +
+                          ": is the name of a file, but several files are written; give a "
+                          "folder, without " +
+                          ending);
 }
 
 }  // namespace livegs

@@ -65,6 +65,8 @@ class Scene {
   const std::deque<SceneObject>& objects() const { return objects_; }  // sorted by id; addresses are stable
   const SceneObject* find(std::string_view name) const;
   const SceneObject* find(uint32_t object_id) const;
+  // An object of the scene file; balls and the environment may have any name.
+  const SceneObject* find_in_file(std::string_view name) const;
   // World bounds of all objects in their initial poses, without the environment.
   const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
 
@@ -152,7 +154,8 @@ class Scene {
     std::optional<Eigen::Vector3f> interior_rgb;
   };
   std::map<uint32_t, Cuttable> cuttable_;
-  std::map<uint32_t, bool> standing_;  // BuiltObject::standing of the file's objects
+  std::map<uint32_t, bool> standing_;         // BuiltObject::standing of the file's objects
+  std::map<uint32_t, std::string> cut_keys_;  // cut_key() of the cuts under way
   struct Carried {
     Pose at, target;
     uint64_t until_tick = 0;

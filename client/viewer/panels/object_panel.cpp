@@ -125,10 +125,11 @@ ValueRow value_row(SliderParameter field, const v1::PhysicalParameters& physics)
   row.origin = source_text(value.source());
   if (value.high() > value.low()) row.origin += ", " + range_text(value.low(), value.high(), unit);
   if (value.source() != v1::EstimatedValue::PERSON) row.reason = shortened(value.reason());
-  row.position = slider_position(field, value.best());
-  row.range_low = slider_position(field, value.low());
-  row.range_high = slider_position(field, value.high());
-  row.text_at = [field, unit](double position) { return quantity_text(slider_value(field, position), unit); };
+  const SliderRange range = slider_range(field, value);
+  row.position = slider_position(range, value.best());
+  row.range_low = slider_position(range, value.low());
+  row.range_high = slider_position(range, value.high());
+  row.text_at = [range, unit](double position) { return quantity_text(slider_value(range, position), unit); };
   return row;
 }
 
@@ -183,7 +184,8 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
     };
     if (actions.released && actions.released->row < fields.size()) {
       const SliderParameter field = fields[actions.released->row];
-      set(edit_of(field, slider_value(field, actions.released->position)));
+      const SliderRange range = slider_range(field, shown_value(field, object->physics));
+      set(edit_of(field, slider_value(range, actions.released->position)));
     }
     if (actions.typed && actions.typed->row < fields.size()) {
       const SliderParameter field = fields[actions.typed->row];

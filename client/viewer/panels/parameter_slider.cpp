@@ -45,18 +45,27 @@ std::vector<SliderParameter> slider_parameters(const v1::PhysicalParameters& phy
 const char* parameter_name(SliderParameter field) { return row_of(field).name; }
 Unit parameter_unit(SliderParameter field) { return row_of(field).unit; }
 
-double slider_position(SliderParameter field, double value) {
+SliderRange slider_range(SliderParameter field, const v1::EstimatedValue& value) {
+  constexpr double kMargin = 10;  // on both sides of the plausible range
   const FieldRow& row = row_of(field);
-  const double inside = std::clamp(value, row.low, row.high);
-  if (!row.logarithmic) return (inside - row.low) / (row.high - row.low);
-  return std::log(inside / row.low) / std::log(row.high / row.low);
+  SliderRange range{row.low, row.high, row.logarithmic};
+  if (!row.logarithmic || !(value.best() > 0)) return range;
+  const double low = value.low() > 0 ? std::min(value.low(), value.best()) : value.best();
+  range.low = std::clamp(low / kMargin, row.low, row.high / kMargin);
+  range.high = std::clamp(std::max(value.high(), value.best()) * kMargin, kMargin * range.low, row.high);
+  return range;
 }
 
-double slider_value(SliderParameter field, double position) {
-  const FieldRow& row = row_of(field);
+double slider_position(const SliderRange& range, double value) {
+  const double inside = std::clamp(value, range.low, range.high);
+  if (!range.logarithmic) return (inside - range.low) / (range.high - range.low);
+  return std::log(inside / range.low) / std::log(range.high / range.low);
+}
+
+double slider_value(const SliderRange& range, double position) {
   const double share = std::clamp(position, 0.0, 1.0);
-  const double value = row.logarithmic ? row.low * std::pow(row.high / row.low, share)
-                                       : row.low + share * (row.high - row.low);
+  const double value = range.logarithmic ? range.low * std::pow(range.high / range.low, share)
+                                         : range.low + share * (range.high - range.low);
   return rounded(value);
 }
 

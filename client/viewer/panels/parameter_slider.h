@@ -19,10 +19,17 @@ std::vector<SliderParameter> slider_parameters(const v1::PhysicalParameters& phy
 const char* parameter_name(SliderParameter field);  // "Young's modulus"
 Unit parameter_unit(SliderParameter field);
 
-// Converts between a value and its slider position, 0 to 1: logarithmic for mass, modulus and impulse,
-// otherwise linear. Positions are clamped; values are rounded to three digits, as displayed.
-double slider_position(SliderParameter field, double value);
-double slider_value(SliderParameter field, double position);
+// Values at the ends of a slider. Logarithmic for mass, modulus and impulse: ten times the plausible range to
+// both sides, and the value itself, within what the field can have. Otherwise the whole range of the field.
+struct SliderRange {
+  double low = 0, high = 1;
+  bool logarithmic = false;
+};
+SliderRange slider_range(SliderParameter field, const v1::EstimatedValue& value);
+// Converts between a value and its slider position, 0 to 1. Positions are clamped; values are rounded to
+// three digits, as displayed.
+double slider_position(const SliderRange& range, double value);
+double slider_value(const SliderRange& range, double position);
 
 // The displayed value. The modulus is that of the whole body, E* = s E, since an edit sets it; its range is
 // that of the product.

@@ -431,10 +431,10 @@ WindowPanels WindowRun::panels() const {
   if (run.notice.empty()) run.notice = view_.notice();
   run.lines.push_back(view_.renderer_name());
   run.lines.push_back(picture_.text());
-  if (!picture_.rests()) {
-    run.lines.push_back(
-        format_text("%.0f fps, %.0f server ticks/s", meter_.pictures_a_second(), meter_.ticks_a_second()));
-  }
+  // The same number of lines at rest, so that nothing moves under the mouse.
+  run.lines.push_back(picture_.rests() ? "no new pictures"
+                                       : format_text("%.0f fps, %.0f server ticks/s",
+                                                     meter_.pictures_a_second(), meter_.ticks_a_second()));
   if (frame_) {
     run.lines.push_back(format_text("tick %llu, %.1f s simulated%s",
                                     static_cast<unsigned long long>(frame_->tick), frame_->run.simulated_s(),

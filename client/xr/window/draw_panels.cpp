@@ -14,8 +14,9 @@ namespace {
 
 constexpr float kMargin_px = 10, kGap_px = 4, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84,
                 kValueWidth_px = 64;
-// The Scene panel is open at first if there is this much room below the Run panel.
-constexpr float kMinScenePanel_px = 300;
+constexpr float kFineDrag = 0.1f;  // of a slider, with Shift
+// The Scene panel is open at first if there is room for all of it below the Run panel.
+constexpr float kMinScenePanel_px = 560;
 
 }  // namespace
 
@@ -65,11 +66,12 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   had_notice_ = !panels.run.notice.empty();
 
   const float across_px = std::max(1.0f, width_px - 2 * kMargin_px), down_px = height_px - 2 * kMargin_px;
-  const float other_bars = stacked_ && panels.scene.available   ? 2
-                           : stacked_ || panels.scene.available ? 1
-                                                                : 0;
-  const float max_px = down_px - other_bars * (kGap_px + ImGui::GetFrameHeight());
-  place(Panel::Run, kMargin_px, kMargin_px, std::min(kLeftWidth_px, across_px), 0, max_px);
+  // The title bars of the other panels in the same column stay visible.
+  const float bar_px = kGap_px + ImGui::GetFrameHeight();
+  const float scene_px = panels.scene.available ? bar_px : 0;
+  const float max_px = stacked_ ? down_px - bar_px - scene_px : down_px;
+  place(Panel::Run, kMargin_px, kMargin_px, std::min(kLeftWidth_px, across_px), 0,
+        stacked_ ? max_px : down_px - scene_px);
   ImGui::Begin("Run", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Run);
   draw_run(panels.run, actions);
@@ -244,6 +246,9 @@ void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& acti
                      ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
   const bool active = ImGui::IsItemActive(), released = ImGui::IsItemDeactivatedAfterEdit();
   const ImVec2 size = ImGui::GetItemRectSize();
+  tip("Shift: ten times finer");
+  if (held && ImGui::GetIO().KeyShift)
+    position = std::clamp(held_position_ + kFineDrag * ImGui::GetIO().MouseDelta.x / size.x, 0.0f, 1.0f);
   if (row.range_high > row.range_low) {  // range of the estimate
     const float inside = size.x - 4;
     ImGui::GetWindowDrawList()->AddRectFilled(

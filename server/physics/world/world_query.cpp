@@ -111,10 +111,16 @@ std::optional<double> World::distance_down_m(std::span<const Eigen::Vector3d> po
   if (gravity.norm() == 0.0) return std::nullopt;
   const Eigen::Vector3d down = gravity.normalized();
   const size_t stride = 1 + points_m.size() / kMaxCasts;
+  if (points_m.empty()) return std::nullopt;
+  const Eigen::Vector3d lowest = *std::max_element(
+      points_m.begin(), points_m.end(),
+      [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return down.dot(a) < down.dot(b); });
   double least = max_distance_m;
   for (size_t i = 0; i < points_m.size(); i += stride) {
-    const Eigen::Vector3d& point = points_m[i];
-    for (const Collider& collider : state_->colliders) {
+    const Eigen::Vector3d& point = i == 0 ? lowest : points_m[i];
+    for (size_t c = 0; c < state_->colliders.size(); ++c) {
+      if (except_object_id && state_->collider_objects[c] == *except_object_id) continue;
+      const Collider& collider = state_->colliders[c];
       const double start = ColliderProbe(collider).sample(point).distance_m;
       least = std::min(
           least, start > 0.0 ? way_to(collider, point, down, least) : (start > -kSunk_m ? start : least));

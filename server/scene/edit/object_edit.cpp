@@ -106,6 +106,7 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
       if (original < 0)
         return not_found("copy_of: \"" + shown_text(edit.copy_of(), 80) + "\" is not in the scene");
       added = scene.objects(original);
+      before_edit = added;
       added.clear_locked();
       if (auto set = set_fields(added, edit); !set) return set.error();
     }
@@ -132,9 +133,6 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
     before_edit = object;
     if (auto set = set_fields(object, edit); !set)
       return Error{set.error().code, "object \"" + before + "\": " + set.error().message};
-    if (object.name().size() > kMaxNameLength)
-      return invalid_argument("object \"" + shown_text(before, 80) +
-                              "\": name: is longer than 120 characters");
     if (object.name().empty()) object.set_name(before);
     if (object.name() != before) {
       // A name is only a name: what the object is stays what it was taken for.
@@ -144,8 +142,12 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
     }
   }
   v1::Object& object = *scene.mutable_objects(index);
+  if (object.name().size() > kMaxNameLength)
+    return invalid_argument("object \"" + shown_text(object.name(), 80) +
+                            "\": name: is longer than 120 characters");
   for (const std::string& path : {object.asset(), object.points()}) {
-    if (!path.empty() && !stays_in_folder(path) && (!before_edit || path != before_edit->asset()))
+    if (!path.empty() && !stays_in_folder(path) &&
+        !(before_edit && (path == before_edit->asset() || path == before_edit->points())))
       return invalid_argument("object \"" + object.name() + "\": asset: \"" + shown_text(path, 80) +
                               "\" is outside the scene's folder; give a path within it");
   }
@@ -160,7 +162,7 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
     object.set_scale(measures->scale * edit.longest_side_m() / measures->longest_side_m);
     object.clear_assumed_scale();
   }
-  if (before_edit && object.has_asset() && may_resize(edit)) {
+  if (!edit.object().empty() && object.has_asset() && may_resize(edit)) {
     // An asset of another size keeps its lowest point where it was.
     const auto was = measure(*before_edit), is = measure(object);
     if (!is) return is.error();

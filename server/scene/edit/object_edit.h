@@ -14,7 +14,7 @@ namespace livegs {
 // Gives every object of a scene the name that it has anyway (object_name()), so that edits can name it.
 void name_objects(v1::Scene& scene);
 
-// What an edit needs to know of the running scene.
+// Measurements that an edit uses.
 struct ObjectMeasures {
   double longest_side_m = 0;         // now, at the object's scale
   double scale = 1;                  // metres per unit of the asset, given or guessed

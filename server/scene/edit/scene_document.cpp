@@ -36,12 +36,13 @@ Result<std::string> scene_file_name(std::string name) {
 
 }  // namespace
 
-std::string scene_text(const v1::Scene& scene) {
+Result<std::string> scene_text(const v1::Scene& scene) {
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = true;
   options.preserve_proto_field_names = true;
   std::string text;
-  (void)google::protobuf::util::MessageToJsonString(scene, &text, options);
+  const auto written = google::protobuf::util::MessageToJsonString(scene, &text, options);
+  if (!written.ok()) return Error{ErrorCode::Internal, "scene: " + std::string(written.message())};
   return text + "\n";
 }
 
@@ -62,7 +63,11 @@ Result<SceneDocument> SceneDocument::open(SceneText text) {
              kept.error().message.c_str(), journal.c_str());
     return document;
   }
-  Step step{"changes of the last run", document.scene_, std::move(*kept), ""};
+  // A file that was changed after the journal is not overwritten without a question.
+  std::error_code error;
+  if (fs::last_write_time(journal, error) < document.file_time_.value_or(fs::file_time_type::min()))
+    document.file_time_.reset();
+  Step step{"changes of the last run", document.scene_, std::move(*kept), {}, ""};
   document.scene_ = step.after;
   document.undo_.push_back(std::move(step));
   document.unsaved_ = true;
@@ -82,10 +87,12 @@ void SceneDocument::describe(v1::SceneDocument& message) const {
 Result<SceneDocument::Step> SceneDocument::prepare(const v1::EditSceneRequest& request,
                                                    const MeasureObject& measure,
                                                    std::vector<std::string>& names) const {
-  Step step{title_of(request), scene_, scene_, ""};
+  Step step{title_of(request), scene_, scene_, {}, ""};
   for (const v1::ObjectEdit& edit : request.objects()) {
     auto name = apply_edit(step.after, edit, measure);
     if (!name) return name.error();
+    if (!edit.object().empty() && !edit.remove() && edit.object() != *name)
+      step.renames.emplace_back(edit.object(), *name);
     names.push_back(std::move(*name));
   }
   if (request.bookmarks()) *step.after.mutable_bookmarks() = request.scene().bookmarks();
@@ -119,14 +126,18 @@ std::string SceneDocument::take(bool redo) {
   return write_journal();
 }
 
-fs::path SceneDocument::journal_path() const { return folder_ / ("." + name_ + ".unsaved"); }
+fs::path SceneDocument::journal_path() const {
+  return folder_ / ("." + (file_.empty() ? name_ : file_) + ".unsaved");
+}
 
 std::string SceneDocument::write_journal() {
   ++revision_;
   unsaved_ = true;
-  if (auto written = write_file_atomically(journal_path(), scene_text(scene_)); !written)
-    return "the change is not kept if the server is killed: " + written.error().message + "; save the scene";
-  return "";
+  const auto text = scene_text(scene_);
+  const Result<void> written = text ? write_file_atomically(journal_path(), *text) : text.error();
+  return written ? ""
+                 : "the change is not kept if the server is killed: " + written.error().message +
+                       "; save the scene";
 }
 
 void SceneDocument::note_file_time() {
@@ -168,7 +179,9 @@ Result<std::string> SceneDocument::save(const std::string& file, bool replace) {
   // Comments and layout of a file that was written by hand are lost in a new version.
   if (exists) fs::copy_file(path, path.string() + ".bak", fs::copy_options::overwrite_existing, error);
   if (error) return Error{ErrorCode::Unavailable, *name + ".bak: cannot be written: " + error.message()};
-  if (auto written = write_file_atomically(path, scene_text(scene_)); !written) return written.error();
+  const auto text = scene_text(scene_);
+  if (!text) return text.error();
+  if (auto written = write_file_atomically(path, *text); !written) return written.error();
   fs::remove(journal_path(), error);
   file_ = *name;
   unsaved_ = false;
@@ -177,17 +190,15 @@ Result<std::string> SceneDocument::save(const std::string& file, bool replace) {
   return file_;
 }
 
-std::vector<v1::SceneChange::Edit> edits_between(const v1::Scene& before, const v1::Scene& after) {
+std::vector<v1::SceneChange::Edit> edits_between(const v1::Scene& before, const v1::Scene& after,
+                                                 const Renames& renames) {
   std::map<std::string, const v1::Object*> old, now;
   for (int i = 0; i < before.objects_size(); ++i) old[object_name(before.objects(i), i)] = &before.objects(i);
   for (int i = 0; i < after.objects_size(); ++i) now[object_name(after.objects(i), i)] = &after.objects(i);
   std::vector<v1::SceneChange::Edit> removed, changed;
   std::map<std::string, std::string> renamed;  // from, by the new name
-  if (before.objects_size() == after.objects_size()) {
-    for (int i = 0; i < before.objects_size(); ++i) {
-      const std::string from = object_name(before.objects(i), i), to = object_name(after.objects(i), i);
-      if (from != to && !now.contains(from) && !old.contains(to)) renamed[to] = from;
-    }
+  for (const auto& [from, to] : renames) {
+    if (old.contains(from) && now.contains(to)) renamed[to] = from;
   }
   for (int i = 0; i < before.objects_size(); ++i) {
     const std::string name = object_name(before.objects(i), i);

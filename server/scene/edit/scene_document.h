@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result.h"
@@ -14,11 +15,14 @@
 
 namespace livegs {
 
+// Names of objects before and after.
+using Renames = std::vector<std::pair<std::string, std::string>>;
+
 // The scene that authors edit: a Scene message, one log of steps for undo, and the files that it is kept in.
 // One thread at a time.
 //
-// The journal .NAME.unsaved holds the whole document as a scene file. It is replaced after every step and
-// removed by a save, so a killed server loses at most the step under way.
+// The journal .FILE.unsaved (.NAME.unsaved without a file) holds the whole document as a scene file. It is
+// replaced after every step and removed by a save, so a killed server loses at most the step under way.
 class SceneDocument {
  public:
   // `text`: the scene as read. Continues from the journal of an earlier run if there is one: its changes are
@@ -28,6 +32,7 @@ class SceneDocument {
   const v1::Scene& scene() const { return scene_; }
   const std::filesystem::path& folder() const { return folder_; }
   const std::string& name() const { return name_; }  // of the scene, as Scene::name()
+  const std::string& file() const { return file_; }  // in folder(); empty if the scene has none
   uint64_t revision() const { return revision_; }    // starts at 1
   bool unsaved() const { return unsaved_; }
   void describe(v1::SceneDocument& message) const;
@@ -35,6 +40,7 @@ class SceneDocument {
   struct Step {
     std::string title;
     v1::Scene before, after;
+    Renames renames;  // from before to after
     // The step is a revision of this object's sidecar; before and after are equal. Empty: it is not.
     std::string physics_object;
   };
@@ -76,9 +82,10 @@ class SceneDocument {
 };
 
 // The edits that turn one scene into another, object by object. A renamed object is one edit.
-std::vector<v1::SceneChange::Edit> edits_between(const v1::Scene& before, const v1::Scene& after);
+std::vector<v1::SceneChange::Edit> edits_between(const v1::Scene& before, const v1::Scene& after,
+                                                 const Renames& renames);
 
 // A scene as the text of a scene file.
-std::string scene_text(const v1::Scene& scene);
+Result<std::string> scene_text(const v1::Scene& scene);
 
 }  // namespace livegs

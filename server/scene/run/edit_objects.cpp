@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "core/log.h"
 #include "livegs/v1/recording.pb.h"
@@ -61,6 +63,7 @@ void Scene::remove_object(uint32_t object_id) {
   std::erase_if(cutting_, [&](const FragileTask& task) { return task.object_id() == object_id; });
   std::erase_if(objects_, [&](const SceneObject& one) { return one.id == object_id; });
   cuttable_.erase(object_id);
+  cut_keys_.erase(object_id);
   standing_.erase(object_id);
   carried_.erase(object_id);
   changes_.removed.push_back(object_id);
@@ -86,8 +89,11 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
   const bool exists = !edit.object().empty() && index < file_.objects_size();
   if (!edit.object().empty() && !exists)
     return not_found("object \"" + edit.object() + "\": is not in the scene");
-  const SceneObject* present = exists ? find(std::string_view(edit.object())) : nullptr;
-  // Asleep without contacts that would wake them, so they are looked after here.
+  if (edit.has_after()) {  // a recording may say anything
+    if (auto checked = check_object(edit.after(), "edit"); !checked) return checked;
+  }
+  const SceneObject* present = exists ? find_in_file(edit.object()) : nullptr;
+  // Standing objects sleep without contacts that would wake them.
   std::vector<uint32_t> supported;
   for (const auto& [id, standing] : standing_) {
     if (standing && (!present || id != present->id) && world_->distance_down_m(id, kMaxStandingGap_m))
@@ -100,7 +106,7 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
     }
   };
   if (!edit.has_after()) {
-    if (!exists) return invalid_argument("edit: names no object and has none to add");
+    if (!present) return invalid_argument("edit: names no object and has none to add");
     remove_object(present->id);
     file_.mutable_objects()->DeleteSubrange(index, 1);
     wake_unsupported();
@@ -109,7 +115,7 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
 
   v1::Object after = edit.after();
   const std::string name = object_name(after, index);
-  if (exists && same_body(file_.objects(index), after) && !is_jointed(file_, edit.object())) {
+  if (present && same_body(file_.objects(index), after) && !is_jointed(file_, edit.object())) {
     const v1::Object before = file_.objects(index);
     SceneObject& object = drawn(present->id);
     const bool moved = !google::protobuf::util::MessageDifferencer::Equals(before.pose(), after.pose());
@@ -153,13 +159,14 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
     elastic->max_node_substeps =
         std::max(settings.elastic_node_substeps - used, settings.elastic_node_substeps / bodies);
   }
-  if (present) remove_object(present->id);
-  file_ = std::move(next);
+  std::swap(file_, next);  // the cut of a fragile object is seeded by its place in the file
+  const std::optional<uint32_t> old_id = present ? std::optional(present->id) : std::nullopt;
   const auto id = add_built(*built);
-  if (!id) {  // the file and the world agree: the object is gone from both
-    file_.mutable_objects()->DeleteSubrange(index, 1);
+  if (!id) {
+    std::swap(file_, next);
     return id.error();
   }
+  if (old_id) remove_object(*old_id);
   if (options_.wait_for_pieces && !cutting_.empty() && cutting_.back().object_id() == *id) {
     finish_cut(cutting_.back());
     cutting_.pop_back();
@@ -169,7 +176,7 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
     const JointParts parts = parts_of(joint);
     if (parts.object == name || parts.other == name) *joined.add_joints() = joint;
   }
-  const auto by_name = [&](const std::string& object) { return find(std::string_view(object)); };
+  const auto by_name = [&](const std::string& object) { return find_in_file(object); };
   if (auto added = add_joints(joined, by_name, *world_); !added)
     log_warn("%s: %s", name.c_str(), added.error().message.c_str());
   if (standing_.at(*id)) settle(std::array{*id});
@@ -178,8 +185,8 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
 }
 
 void Scene::carry(const v1::SceneChange::Carry& carry) {
-  const SceneObject* object = find(std::string_view(carry.object()));
-  if (!object || !standing_.contains(object->id)) return;
+  const SceneObject* object = find_in_file(carry.object());
+  if (!object || object->physics.behavior() == v1::Physics::STATIC) return;
   if (!carry.has_pose()) {
     if (const auto held = carried_.find(object->id); held != carried_.end()) {
       (void)world_->place(object->id, held->second.at);
@@ -187,6 +194,7 @@ void Scene::carry(const v1::SceneChange::Carry& carry) {
     }
     return;
   }
+  if (!pose_value(carry.pose(), "pose")) return;
   v1::Object at;
   *at.mutable_pose() = carry.pose();
   const auto [held, fresh] = carried_.try_emplace(object->id);
@@ -223,9 +231,8 @@ void Scene::move_carried() {
     // The body's own velocity is that of its centre of mass, which turns about the frame's origin.
     const Eigen::Vector3d spin = angle / tick_s * turn.axis();
     const Eigen::Vector3d arm = world_->world_point(id, centre_of(id)) - held.at.position_m;
-    if (auto placed = world_->place(id, held.at, way / tick_s + spin.cross(arm), spin); !placed) {
-      log_warn("%s: %s", find(id)->name.c_str(), placed.error().message.c_str());
-      at = carried_.erase(at);
+    if (!world_->place(id, held.at, way / tick_s + spin.cross(arm), spin)) {
+      at = carried_.erase(at);  // a broken object; the edit at the end of the drag says so
       continue;
     }
     held.at = next;

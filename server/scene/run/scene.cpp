@@ -260,7 +260,8 @@ void Scene::begin_cut(const SceneObject& object) {
   options.interior_rgb = material.interior_rgb;
   if (cuttable.fine != cuttable.mesh) options.fine_mesh = cuttable.fine;
   std::erase_if(cutting_, [&](const FragileTask& task) { return task.object_id() == object.id; });
-  if (const auto before = options_.cache ? options_.cache->cut(cut_key(object)) : nullptr)
+  const std::string& key = cut_keys_[object.id] = cut_key(object);
+  if (const auto before = options_.cache ? options_.cache->cut(key) : nullptr)
     cutting_.emplace_back(object.id, *before);
   else
     cutting_.emplace_back(object.id, *cuttable.mesh, material.fill, object.asset, options);
@@ -308,7 +309,7 @@ void Scene::finish_cut(FragileTask& task) {
   auto fragile = task.take();
   if (fragile && options_.cache) {
     const Cuttable& cuttable = cuttable_.at(object.id);
-    options_.cache->keep_cut(cut_key(object), *fragile, {cuttable.mesh, cuttable.fine, object.asset});
+    options_.cache->keep_cut(cut_keys_.at(object.id), *fragile, {cuttable.mesh, cuttable.fine, object.asset});
   }
   if (world_->revision(object.id) > 0) return;  // the object broke into its previous pieces
   const auto set = fragile ? world_->set_pieces(object.id, fragile->pieces) : Result<void>(fragile.error());
@@ -447,20 +448,27 @@ void Scene::apply_force(const v1::Event::Force& force) {
 }
 
 void Scene::apply(const v1::Event& event, uint64_t event_id) {
+  // An edit may have taken the object away.
+  const auto target = [&](const std::string& name) {
+    const SceneObject* object = find_in_file(name);
+    if (!object) log_warn("event at %.3f s: object \"%s\" is gone", event.time_s(), name.c_str());
+    return object;
+  };
   switch (event.action_case()) {
     case v1::Event::kForce: {
       const v1::Event::Force& force = event.force();
-      world_->set_force(kEventForceBit | event_id, find(force.object())->id,
-                        {vector_of(force.point_m()), vector_of(force.force_n())}, force.duration_s());
+      if (const SceneObject* object = target(force.object()))
+        world_->set_force(kEventForceBit | event_id, object->id,
+                          {vector_of(force.point_m()), vector_of(force.force_n())}, force.duration_s());
       break;
     }
     case v1::Event::kBall:
       shoot_ball(vector_of(event.ball().from_m()), vector_of(event.ball().velocity_m_s()));
       break;
     case v1::Event::kSetPhysics: {
-      const auto object = std::find_if(objects_.begin(), objects_.end(), [&](const SceneObject& one) {
-        return one.name == event.set_physics().object() && one.facts;
-      });
+      const SceneObject* found = target(event.set_physics().object());
+      if (!found) break;
+      SceneObject* const object = &drawn(found->id);
       auto merged = merge_scene_physics(object->physics, event.set_physics().physics(), *object->facts);
       if (!merged) {
         log_warn("%s: set_physics at %.3f s: %s", object->name.c_str(), event.time_s(),
@@ -474,7 +482,8 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       break;
     }
     case v1::Event::kReleaseRegion: {
-      const SceneObject* object = find(event.release_region().object());
+      const SceneObject* object = target(event.release_region().object());
+      if (!object) break;
       if (auto released = world_->release_region(object->id, event.release_region().region()); !released) {
         log_warn("%s: release_region at %.3f s: %s", object->name.c_str(), event.time_s(),
                  released.error().message.c_str());
@@ -482,7 +491,8 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       break;
     }
     case v1::Event::kBreak: {
-      const SceneObject* object = find(event.break_().object());
+      const SceneObject* object = target(event.break_().object());
+      if (!object) break;
       if (auto broken = world_->break_object(object->id, vector_of(event.break_().point_m())); !broken) {
         log_warn("%s: break at %.3f s: %s", object->name.c_str(), event.time_s(),
                  without_id(broken.error().message, object->id).c_str());
@@ -490,7 +500,8 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       break;
     }
     case v1::Event::kGrab: {
-      const SceneObject* object = find(event.grab().object());
+      const SceneObject* object = target(event.grab().object());
+      if (!object) break;
       const double now_s = static_cast<double>(world_->tick()) / world_->settings().rate_hz;
       auto grabbed = grabs_.begin(*world_, kEventForceBit | event_id, object->id,
                                   vector_of(event.grab().point_m()), paths_.at(event_id), now_s);
@@ -501,7 +512,8 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       break;
     }
     case v1::Event::kPull: {
-      const SceneObject* object = find(event.pull().object());
+      const SceneObject* object = target(event.pull().object());
+      if (!object) break;
       const double now_s = static_cast<double>(world_->tick()) / world_->settings().rate_hz;
       grabs_.begin_pull(*world_, kEventForceBit | event_id, object->id, vector_of(event.pull().point_m()),
                         paths_.at(event_id), now_s);
@@ -515,6 +527,12 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
 const SceneObject* Scene::find(std::string_view name) const {
   const auto found =
       std::find_if(objects_.begin(), objects_.end(), [&](const auto& one) { return one.name == name; });
+  return found == objects_.end() ? nullptr : &*found;
+}
+
+const SceneObject* Scene::find_in_file(std::string_view name) const {
+  const auto found = std::find_if(objects_.begin(), objects_.end(),
+                                  [&](const auto& one) { return one.name == name && one.facts; });
   return found == objects_.end() ? nullptr : &*found;
 }
 

@@ -106,6 +106,7 @@ void SceneAuthor::run(std::stop_token stop) {
       task = std::move(tasks_.front());
       tasks_.pop_front();
     }
+    std::lock_guard editing(editing_);
     task();
   }
 }
@@ -171,9 +172,11 @@ Result<BuiltObject> SceneAuthor::built(const v1::Scene& scene, int index, v1::Ph
 Result<ObjectMeasures> SceneAuthor::measure(const v1::Object& object) const {
   if (auto checked = check_object(object, "object"); !checked)
     return of_object(checked.error(), object.name());
-  v1::Scene alone = document_.scene();
-  *alone.add_objects() = object;
-  auto object_built = built(alone, alone.objects_size() - 1, nullptr);
+  v1::Scene with = document_.scene();
+  int index = 0;
+  while (index < with.objects_size() && with.objects(index).name() != object.name()) ++index;
+  *(index < with.objects_size() ? with.mutable_objects(index) : with.add_objects()) = object;
+  auto object_built = built(with, index, nullptr);
   if (!object_built) return object_built.error();
   ObjectMeasures measures;
   measures.longest_side_m = object_built->drawn.facts->mesh.size_m.maxCoeff();
@@ -191,7 +194,7 @@ Result<ObjectMeasures> SceneAuthor::measure(const v1::Object& object) const {
     measures.bottom_m = std::min(measures.bottom_m, up.dot(point - origin));
   }
   const bool answered = loop_.query([&, name = object.name()](const Scene& scene) {
-    const SceneObject* present = scene.find(std::string_view(name));
+    const SceneObject* present = scene.find_in_file(name);
     measures.way_down_m = scene.world().distance_down_m(
         points, present ? std::optional(present->id) : std::nullopt, kMaxDrop_m);
   });
@@ -199,11 +202,33 @@ Result<ObjectMeasures> SceneAuthor::measure(const v1::Object& object) const {
   return measures;
 }
 
-Result<std::vector<std::string>> SceneAuthor::apply(const v1::Scene& before, const v1::Scene& after) {
+// A renamed object keeps the values that were stored under its name.
+void SceneAuthor::keep_sidecars(const v1::Scene& before, const v1::Scene& after,
+                                const Renames& renames) const {
+  const auto path_of = [&](const v1::Scene& scene, const std::string& name) {
+    const std::vector<fs::path> paths = sidecar_paths(scene, document_.folder(), document_.name());
+    for (int i = 0; i < scene.objects_size(); ++i) {
+      if (object_name(scene.objects(i), i) == name) return paths[static_cast<size_t>(i)];
+    }
+    return fs::path();
+  };
+  for (const auto& [from, to] : renames) {
+    const fs::path was = path_of(before, from), is = path_of(after, to);
+    std::error_code error;
+    if (was.empty() || is.empty() || was == is || !fs::exists(was, error) || fs::exists(is, error)) continue;
+    if (!fs::copy_file(was, is, error))
+      log_warn("%s: its values could not be kept under the new name: %s", to.c_str(),
+               error.message().c_str());
+  }
+}
+
+Result<std::vector<std::string>> SceneAuthor::apply(const v1::Scene& before, const v1::Scene& after,
+                                                    const Renames& renames) {
+  keep_sidecars(before, after, renames);
   std::vector<std::string> warnings, gone;
   std::vector<v1::SceneChange> changes;
   std::vector<BuiltObject> fresh;
-  for (v1::SceneChange::Edit& edit : edits_between(before, after)) {
+  for (v1::SceneChange::Edit& edit : edits_between(before, after, renames)) {
     if (edit.has_after()) {
       int index = 0;
       while (object_name(after.objects(index), index) != edit.after().name()) ++index;
@@ -228,7 +253,7 @@ Result<v1::EditSceneReply> SceneAuthor::edited(const v1::EditSceneRequest& reque
   auto step = document_.prepare(
       request, [this](const v1::Object& object) { return measure(object); }, names);
   if (!step) return step.error();
-  auto warnings = apply(step->before, step->after);
+  auto warnings = apply(step->before, step->after, step->renames);
   if (!warnings) return warnings.error();
   log_info("scene: %s", step->title.c_str());
   {
@@ -250,11 +275,19 @@ Result<v1::EditSceneReply> SceneAuthor::undone(bool redo) {
   std::vector<std::string> warnings;
   if (!step->physics_object.empty()) {
     auto physics = analysis_.undo_physics(step->physics_object, redo);
-    if (!physics) return physics.error();
-    warnings.assign(physics->warnings().begin(), physics->warnings().end());
-    reply.add_objects(step->physics_object);
+    if (physics) {
+      warnings.assign(physics->warnings().begin(), physics->warnings().end());
+      reply.add_objects(step->physics_object);
+    } else if (physics.error().code == ErrorCode::NotFound) {  // taken back another way, or the object is new
+      warnings.push_back(step->physics_object + ": these values were already taken back");
+    } else {
+      return physics.error();
+    }
   } else {
-    auto applied = redo ? apply(step->before, step->after) : apply(step->after, step->before);
+    Renames back;
+    for (const auto& [from, to] : step->renames) back.emplace_back(to, from);
+    auto applied =
+        redo ? apply(step->before, step->after, step->renames) : apply(step->after, step->before, back);
     if (!applied) return applied.error();
     warnings = std::move(*applied);
   }
@@ -275,7 +308,7 @@ void SceneAuthor::note_physics(const std::string& object) {
     {
       std::lock_guard lock(document_mutex_);
       (void)document_.commit(
-          {"edit values of " + shown_text(object, 60), document_.scene(), document_.scene(), object});
+          {"edit values of " + shown_text(object, 60), document_.scene(), document_.scene(), {}, object});
     }
     show_revision();
   });
@@ -353,20 +386,21 @@ void SceneAuthor::show_revision() {
 }
 
 Result<Scene> SceneAuthor::build(uint32_t first_object_id) {
+  std::unique_lock editing(editing_);
   SceneOptions again = options_;
   again.first_object_id = first_object_id;
-  v1::Scene scene;
-  {
+  if (!document_.unsaved() && document_.changed_on_disk()) {
+    auto file = read_scene_file(document_.folder() / document_.file());
+    if (!file) return file.error();
     std::lock_guard lock(document_mutex_);
-    if (!document_.unsaved() && document_.changed_on_disk()) {
-      auto file = read_scene_file(document_.folder() / document_.name());
-      if (!file) return file.error();
-      document_.reload(std::move(*file));
-    }
-    scene = document_.scene();
+    document_.reload(std::move(*file));
   }
   show_revision();
-  return Scene::build(scene, document_.folder(), document_.name(), again);
+  auto scene = Scene::build(document_.scene(), document_.folder(), document_.name(), again);
+  if (scene) resetting_ = std::move(editing);
+  return scene;
 }
+
+void SceneAuthor::installed() { resetting_ = {}; }
 
 }  // namespace livegs

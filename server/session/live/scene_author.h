@@ -36,8 +36,10 @@ class SceneAuthor final : public AuthorControl {
   Result<std::unique_ptr<Upload>> upload(const std::string& name) override;
 
   // The scene as edited, built again for a reset. If another program changed the scene file and there are no
-  // unsaved steps, the file is read again.
+  // unsaved steps, the file is read again. Edits wait until installed() is called on the same thread, once
+  // the simulation has the scene; after an error they do not.
   Result<Scene> build(uint32_t first_object_id);
+  void installed();
 
   // Largest file that a client may upload, bytes, and number of edits that may wait.
   static constexpr size_t kMaxUploadBytes = size_t{1} << 30;
@@ -47,7 +49,9 @@ class SceneAuthor final : public AuthorControl {
   void run(std::stop_token stop);
   bool post(std::function<void()> task);
   // Builds what the step needs and hands it to the simulation.
-  Result<std::vector<std::string>> apply(const v1::Scene& before, const v1::Scene& after);
+  Result<std::vector<std::string>> apply(const v1::Scene& before, const v1::Scene& after,
+                                         const Renames& renames);
+  void keep_sidecars(const v1::Scene& before, const v1::Scene& after, const Renames& renames) const;
   Result<BuiltObject> built(const v1::Scene& scene, int index, v1::PhysicsFile* sidecar) const;
   Result<ObjectMeasures> measure(const v1::Object& object) const;
   Result<v1::EditSceneReply> edited(const v1::EditSceneRequest& request);
@@ -57,8 +61,10 @@ class SceneAuthor final : public AuthorControl {
   const SceneOptions options_;
   SimulationLoop& loop_;
   AnalysisController& analysis_;
+  std::mutex editing_;  // held by each task of the author's thread, and from build() to installed()
+  std::unique_lock<std::mutex> resetting_;
   mutable std::mutex document_mutex_;
-  SceneDocument document_;  // written on the author's thread only, under the mutex
+  SceneDocument document_;  // written by the holder of editing_, under the mutex
   std::mutex mutex_;        // guards tasks_
   std::condition_variable_any changed_;
   std::deque<std::function<void()>> tasks_;

@@ -22,7 +22,8 @@ AuthorControl::Answer<Reply> answer_to(grpc::ServerUnaryReactor* reactor, Reply*
 
 class UploadCall final : public grpc::ServerReadReactor<v1::UploadAssetChunk> {
  public:
-  UploadCall(AuthorControl* author, v1::UploadAssetReply* reply) : author_(author), reply_(reply) {
+  UploadCall(grpc::CallbackServerContext* context, AuthorControl* author, v1::UploadAssetReply* reply)
+      : context_(context), author_(author), reply_(reply) {
     if (author_)
       StartRead(&chunk_);
     else
@@ -31,6 +32,7 @@ class UploadCall final : public grpc::ServerReadReactor<v1::UploadAssetChunk> {
 
   void OnReadDone(bool ok) override {
     if (ended_) return;
+    if (!ok && context_->IsCancelled()) return end(grpc::Status::CANCELLED);
     if (!ok) {  // the client has sent everything
       if (!upload_) return end({grpc::StatusCode::INVALID_ARGUMENT, "name: is missing; send it first"});
       auto path = upload_->finish();
@@ -56,6 +58,7 @@ class UploadCall final : public grpc::ServerReadReactor<v1::UploadAssetChunk> {
     Finish(status);
   }
 
+  grpc::CallbackServerContext* context_;
   AuthorControl* author_;
   v1::UploadAssetReply* reply_;
   v1::UploadAssetChunk chunk_;
@@ -126,9 +129,9 @@ grpc::ServerUnaryReactor* AuthorCalls::ListAssets(grpc::CallbackServerContext* c
   return reactor;
 }
 
-grpc::ServerReadReactor<v1::UploadAssetChunk>* AuthorCalls::UploadAsset(grpc::CallbackServerContext*,
+grpc::ServerReadReactor<v1::UploadAssetChunk>* AuthorCalls::UploadAsset(grpc::CallbackServerContext* context,
                                                                         v1::UploadAssetReply* reply) {
-  return new UploadCall(author_, reply);
+  return new UploadCall(context, author_, reply);
 }
 
 }  // namespace livegs

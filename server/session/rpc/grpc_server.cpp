@@ -153,10 +153,10 @@ TickSink& GrpcServer::ticks() { return *parts_->publisher; }
 void GrpcServer::open(const std::string& scene_name, double rate_hz,
                       std::span<const SceneObject* const> objects, InputSink& inputs) {
   std::vector<SessionTable::Object> described;
-  int64_t told_ns = now_ns();
+  int64_t logged_ns = now_ns();
   for (const SceneObject* object : objects) {
-    if (now_ns() - told_ns > kProgressEvery_ns) {
-      told_ns = now_ns();
+    if (now_ns() - logged_ns > kProgressEvery_ns) {
+      logged_ns = now_ns();
       log_info("assets: %zu of %zu objects encoded", described.size(), objects.size());
     }
     if (object->broken) (void)parts_->assets.add(object->broken->asset);

@@ -98,7 +98,7 @@ void SimulationLoop::post(std::vector<v1::SceneChange> changes) {
 
 struct SimulationLoop::Query {
   std::function<void(const Scene&)> read;
-  bool done = false;  // guarded by SimulationLoop::mutex_
+  bool begun = false, done = false;  // guarded by SimulationLoop::mutex_
 };
 
 bool SimulationLoop::query(const std::function<void(const Scene&)>& read) {
@@ -108,16 +108,20 @@ bool SimulationLoop::query(const std::function<void(const Scene&)>& read) {
   if (query_) return false;
   query_ = query;
   queried_.wait_for(lock, std::chrono::seconds(2), [&] { return query->done; });
+  if (query->begun) queried_.wait(lock, [&] { return query->done; });  // it reads the caller's values
   if (query_ == query) query_.reset();
   return query->done;
 }
 
 void SimulationLoop::answer_query() {
-  std::lock_guard lock(mutex_);  // so that a query that is given up is not called
+  std::unique_lock lock(mutex_);
   if (!query_) return;
-  query_->read(scene());
-  query_->done = true;
-  query_.reset();
+  const std::shared_ptr<Query> query = std::exchange(query_, nullptr);
+  query->begun = true;
+  lock.unlock();
+  query->read(scene());
+  lock.lock();
+  query->done = true;
   queried_.notify_all();
 }
 

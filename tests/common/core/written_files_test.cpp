@@ -17,10 +17,12 @@ TEST(WrittenFiles, NamesFewAndCountsMany) {
   const std::string at = "written: " + folder.path().string();
   const std::string few = at + "/first.png\n" + at + "/last.png\n" + at + "/clip.mp4\n";
   EXPECT_EQ(written_files_text(), few);
-  for (int i = 0; i < 10; ++i) note_written(folder.write("shots/window_00" + std::to_string(i) + ".png", "x"));
+  for (int i = 0; i < 10; ++i)
+    note_written(folder.write("shots/window_00" + std::to_string(i) + ".png", "x"));
   note_written(folder.write("shots/notes.txt", "x"));
   EXPECT_EQ(written_files_text(), few + "written: 10 files, " + folder.path().string() +
-                                      "/shots/window_000.png to window_009.png\n" + at + "/shots/notes.txt\n");
+                                      "/shots/window_000.png to window_009.png\n" + at +
+                                      "/shots/notes.txt\n");
 }
 
 }  // namespace

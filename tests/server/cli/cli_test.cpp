@@ -84,8 +84,9 @@ TEST(Cli, SimulateNamesItsFiles) {
   for (const char* name : {"bodies.csv", "energy.csv", "events.csv", "summary.json"})
     EXPECT_NE(said.out.find("written: " + (folder / "out").string() + "/" + name), std::string::npos)
         << said.out;
-  EXPECT_NE(said.out.find("written: 13 files, " + (folder / "out") + "/frame_0000.png to frame_0012.png"),
-            std::string::npos)
+  EXPECT_NE(
+      said.out.find("written: 13 files, " + (folder / "out").string() + "/frame_0000.png to frame_0012.png"),
+      std::string::npos)
       << said.out;
 }
 

@@ -107,7 +107,7 @@ TEST_F(Programs, ClientsResumeAfterServerRestart) {
   for (Program* one : {&client, &other}) {
     one->send(SIGINT);
     EXPECT_EQ(one->wait(), 0) << one->err();
-    EXPECT_NE(one->out().find("lost 2 times, resumed 2 times"), std::string::npos) << one->out();
+    EXPECT_NE(one->out().find("2 disconnects, 2 reconnects"), std::string::npos) << one->out();
     // The totals at the end equal those at the join: nothing was fetched again.
     const size_t joined = one->err().find(" assets fetched, ");
     ASSERT_NE(joined, std::string::npos) << one->err();

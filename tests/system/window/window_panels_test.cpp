@@ -141,8 +141,15 @@ TEST_F(WindowPanelClicks, GraphAndLatencyLineShowTheTimes) {
   constexpr int kGraphLeft = 10 + 12, kGraphRight = 10 + 300 - 12, kGraphHeight = 74;
   RunPanel run;
   Image shown;
-  move(600, 30);
-  step("a latency", [&](const Image&) { return run_.graph.picture_ms.size() > 60 && !run_.latency.empty(); });
+  // A scene at rest is not drawn again, so the view turns.
+  move(600, 300);
+  act({[this] { hands_->press(3); }});
+  auto turned = std::make_shared<int>(0);
+  step("a latency", [this, turned](const Image&) {
+    hands_->move(600 + ++*turned % 40, 300);
+    return run_.graph.picture_ms.size() > 60 && !run_.latency.empty();
+  });
+  act({[this] { hands_->release(3); }});
   step("its picture", [&](const Image& now) { return shown = now, run = run_, true; });
   keep("run_panel");
   close();

@@ -119,7 +119,7 @@ TEST_F(WindowReplay, PausesStepsAndSeeks) {
   EXPECT_GT(at_s, 6);
   ASSERT_FALSE(now.pixels.empty());
   // There is only the playback panel, because a recording cannot be edited.
-  EXPECT_GT(text_pixels(now, 10, 310, 10, 400), 1000u);
+  EXPECT_GT(text_pixels(now, 10, 310, 10, 400), 800u);
   EXPECT_EQ(text_pixels(now, 881, 1270, 10, 60), 0u);
 }
 

@@ -9,9 +9,8 @@ namespace livegs {
 namespace {
 
 bool rests(const RunPanel& run) {
-  return std::any_of(run.lines.begin(), run.lines.end(), [](const std::string& line) {
-    return line.find("at rest") != std::string::npos;
-  });
+  return std::any_of(run.lines.begin(), run.lines.end(),
+                     [](const std::string& line) { return line.find("at rest") != std::string::npos; });
 }
 
 // The picture at rest is that of --full-size, after the camera has moved there and after a pause; hover and

@@ -150,7 +150,7 @@ class WindowClicks : public WindowHands {
   }
 
   bool reduced_ = false;  // pictures that are late are drawn at a reduced size
-  RunPanel run_;  // state in the picture that a step receives
+  RunPanel run_;          // state in the picture that a step receives
   std::unique_ptr<Program> server_;
   std::string address_;
   Watcher watcher_;

@@ -243,7 +243,7 @@ class CellsBody final : public ElasticBody {
   bool limit_energy();
   void restore_last_valid_state();
   Eigen::Vector3d rest_centre_m() const;  // centre of mass, object frame
-  // All nodes at the rest shape, with the motion of a rigid body; forgets flow, contacts and loads.
+  // All nodes at the rest shape, with the motion of a rigid body; clears flow, contacts and loads.
   void set_rest_shape(const Pose& world_from_object, const Eigen::Vector3d& velocity_m_s,
                       const Eigen::Vector3d& angular_velocity_rad_s);
   // At least exact enough to compare with still_m_s.

@@ -74,8 +74,13 @@ TEST(ObjectPanel, SliderReleaseIsOneCall) {
   panel.select("pillow");
   EXPECT_TRUE(panel.act({}, objects).empty());
   PanelActions actions;
-  actions.released = {row_of(panel.shown(objects), "Young's modulus"),
-                      slider_position(SliderParameter::YoungsModulus, 5e4)};
+  SliderRange range;
+  for (const auto& [id, object] : objects) {
+    if (object.name == "pillow")
+      range = slider_range(SliderParameter::YoungsModulus,
+                           shown_value(SliderParameter::YoungsModulus, object.physics));
+  }
+  actions.released = {row_of(panel.shown(objects), "Young's modulus"), slider_position(range, 5e4)};
   const auto calls = panel.act(actions, objects);
   ASSERT_EQ(calls.size(), 1u);
   const auto& set = std::get<SetPhysicsCall>(calls[0]);

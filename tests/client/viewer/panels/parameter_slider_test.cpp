@@ -10,26 +10,46 @@ constexpr SliderParameter kAll[] = {SliderParameter::Mass,       SliderParameter
                                     SliderParameter::Plasticity, SliderParameter::DeformationResistance,
                                     SliderParameter::Friction,   SliderParameter::BreakImpulse};
 
+v1::EstimatedValue estimated(double low, double best, double high) {
+  v1::EstimatedValue value;
+  value.set_low(low);
+  value.set_best(best);
+  value.set_high(high);
+  return value;
+}
+
 TEST(SliderParameter, PositionAndValueRoundTrip) {
   for (const SliderParameter field : kAll) {
+    const SliderRange range = slider_range(field, estimated(0.2, 0.3, 0.4));
     double last = -1;
     for (int i = 0; i <= 50; ++i) {
-      const double value = slider_value(field, i / 50.0);
+      const double value = slider_value(range, i / 50.0);
       EXPECT_GT(value, last) << parameter_name(field);
       last = value;
-      // Three digits of the value: at most half a percent of it, over at least ln(1000) of a slider.
-      EXPECT_NEAR(slider_position(field, value), i / 50.0, 1e-3) << parameter_name(field);
+      // Three digits of the value: at most half a percent of it, over at least ln(100) of a slider.
+      EXPECT_NEAR(slider_position(range, value), i / 50.0, 1.1e-3) << parameter_name(field);
     }
-    EXPECT_EQ(slider_position(field, 1e300), 1.0);
-    EXPECT_EQ(slider_position(field, -1), 0.0);
+    EXPECT_EQ(slider_position(range, 1e300), 1.0);
+    EXPECT_EQ(slider_position(range, -1), 0.0);
   }
 }
 
-// A decade of modulus has the same width everywhere.
-TEST(SliderParameter, ModulusIsLogarithmic) {
-  const auto at = [](double value) { return slider_position(SliderParameter::YoungsModulus, value); };
-  EXPECT_NEAR(at(1e4) - at(1e3), at(1e9) - at(1e8), 1e-12);
-  EXPECT_NEAR(at(1e4) - at(1e3), 1.0 / 9, 1e-12);  // 100 Pa to 100 GPa are nine decades
+TEST(SliderParameter, RangeIsTenTimesThePlausible) {
+  const SliderRange range = slider_range(SliderParameter::YoungsModulus, estimated(1e4, 3e4, 1e5));
+  EXPECT_DOUBLE_EQ(range.low, 1e3);
+  EXPECT_DOUBLE_EQ(range.high, 1e6);
+  EXPECT_NEAR(slider_position(range, 1e4), 1.0 / 3, 1e-12);
+  EXPECT_NEAR(slider_position(range, 1e5), 2.0 / 3, 1e-12);
+  // A value that was set by hand has no range of its own, and one beyond the field's limits stays in reach.
+  const SliderRange by_hand = slider_range(SliderParameter::Mass, estimated(2, 2, 2));
+  EXPECT_DOUBLE_EQ(by_hand.low, 0.2);
+  EXPECT_DOUBLE_EQ(by_hand.high, 20);
+  const SliderRange heavy = slider_range(SliderParameter::Mass, estimated(1e5, 1e5, 1e5));
+  EXPECT_LT(heavy.low, heavy.high);
+  EXPECT_EQ(slider_position(heavy, 1e5), 1.0);
+  const SliderRange share = slider_range(SliderParameter::Plasticity, estimated(0.1, 0.2, 0.3));
+  EXPECT_EQ(share.low, 0);
+  EXPECT_EQ(share.high, 1);
 }
 
 TEST(SliderParameter, EditSetsOnlyItsField) {

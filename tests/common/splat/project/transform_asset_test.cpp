@@ -36,7 +36,8 @@ TEST(TransformAsset, TurnsPositionsShapesAndColours) {
       EXPECT_EQ(after.opacity_logits[k], before.opacity_logits[k]);
       for (int i = 0; i < 5; ++i) {
         const Eigen::Vector3f direction =
-            Eigen::Vector3f(std::sin(float(i)), std::cos(2.0f * float(i)), 0.3f * float(i) - 0.5f).normalized();
+            Eigen::Vector3f(std::sin(float(i)), std::cos(2.0f * float(i)), 0.3f * float(i) - 0.5f)
+                .normalized();
         EXPECT_LT((colour(after, k, turn * direction) - colour(before, k, direction)).norm(), 1e-4);
       }
     }
@@ -46,7 +47,8 @@ TEST(TransformAsset, TurnsPositionsShapesAndColours) {
 TEST(TransformAsset, TurningBackGivesTheOriginal) {
   const GaussianAsset before = synthetic_asset(50, 3, 3);
   GaussianAsset after = before;
-  const Eigen::Quaterniond up = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY());
+  const Eigen::Quaterniond up =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY());
   transform_asset(after, up, 4);
   transform_asset(after, up.conjugate(), 0.25);
   for (size_t k = 0; k < before.size(); ++k) {

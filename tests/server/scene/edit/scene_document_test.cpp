@@ -193,17 +193,17 @@ TEST(SceneEdits, BetweenTwoScenesAreFewest) {
   v1::Scene before, after;
   for (const char* name : {"a", "b", "c"}) before.add_objects()->set_name(name);
   after = before;
-  EXPECT_TRUE(edits_between(before, after).empty());
+  EXPECT_TRUE(edits_between(before, after, {}).empty());
   after.mutable_objects(1)->set_name("d");  // renamed
   after.mutable_objects(2)->set_hidden(true);
-  const auto edits = edits_between(before, after);
+  const auto edits = edits_between(before, after, {{"b", "d"}});
   ASSERT_EQ(edits.size(), 2u);
   EXPECT_EQ(edits[0].object(), "b");
   EXPECT_EQ(edits[0].after().name(), "d");
   EXPECT_EQ(edits[1].object(), "c");
   after.mutable_objects()->DeleteSubrange(0, 1);
   after.add_objects()->set_name("e");
-  const auto more = edits_between(before, after);
+  const auto more = edits_between(before, after, {{"b", "d"}});
   ASSERT_GE(more.size(), 3u);
   EXPECT_FALSE(more[0].has_after()) << "removals come first";
 }

@@ -75,6 +75,24 @@ TEST(SceneFile, RefusalsNameFileAndField) {
   }
 }
 
+// Values of a wrong type are found in the text, with their place.
+TEST(SceneFile, RefusesWrongTypesWithTheirPlace) {
+  const std::pair<const char*, const char*> cases[] = {
+      {R"("mass_kg": "NaN")", "mass_kg of \"hat\": must be a number, not \"NaN\""},
+      {R"("youngs_modulus_pa": "Infinity")",
+       "youngs_modulus_pa of \"hat\": must be a number, not \"Infinity\""},
+      {R"("behavior": 9)", "behavior of \"hat\": must be AUTO, STATIC, RIGID or ELASTIC, not 9"},
+      {R"("fill": 9)", "fill of \"hat\": must be FILL_UNKNOWN, SOLID, SHELL, OPEN_SHELL or FILLED, not 9"},
+  };
+  for (const auto& [physics, expected] : cases) {
+    const std::string message =
+        refusal(std::string(R"({ "objects": [ { "name": "hat", "asset": "absent.ply", )") +
+                R"("physics": { )" + physics + " } } ] }");
+    EXPECT_TRUE(message.starts_with("a.scene.json: line 1, column ")) << message;
+    EXPECT_TRUE(message.ends_with(std::string(": objects[0].physics.") + expected)) << message;
+  }
+}
+
 // Physically impossible numbers are refused before an asset is opened. The error gives the valid range.
 TEST(SceneFile, RefusesImpossiblePhysicsWithItsRange) {
   const struct {
@@ -84,11 +102,9 @@ TEST(SceneFile, RefusesImpossiblePhysicsWithItsRange) {
   } cases[] = {
       {R"("mass_kg": 0)", "mass_kg: is 0", "between 1e-06 and 1e+06"},
       {R"("mass_kg": -2)", "mass_kg: is -2", "between 1e-06 and 1e+06"},
-      {R"("mass_kg": "NaN")", "mass_kg: is nan", "between 1e-06 and 1e+06"},
       {R"("density_kg_m3": 0)", "density_kg_m3: is 0", "between 0.1 and 25000"},
       {R"("wall_thickness_m": -1)", "wall_thickness_m: is -1", "between 1e-06 and 10"},
       {R"("youngs_modulus_pa": 0)", "youngs_modulus_pa: is 0", "between 1 and 1e+12"},
-      {R"("youngs_modulus_pa": "Infinity")", "youngs_modulus_pa: is inf", "between 1 and 1e+12"},
       {R"("poisson_ratio": 0.5)", "poisson_ratio: is 0.5", "between 0 and 0.49"},
       {R"("poisson_ratio": -0.1)", "poisson_ratio: is -0.1", "between 0 and 0.49"},
       {R"("structure_coefficient": 1.5)", "structure_coefficient: is 1.5", "between 1e-06 and 1"},
@@ -100,8 +116,6 @@ TEST(SceneFile, RefusesImpossiblePhysicsWithItsRange) {
       {R"("break_impulse_n_s": 0)", "break_impulse_n_s: is 0", "between 1e-06 and 1e+06"},
       {R"("friction": 3)", "friction: is 3", "between 0 and 2"},
       {R"("restitution": 1.2)", "restitution: is 1.2", "between 0 and 1"},
-      {R"("behavior": 9)", "behavior: is 9", "AUTO, STATIC, RIGID or ELASTIC"},
-      {R"("fill": 9)", "fill: is 9", "SOLID, SHELL, OPEN_SHELL or FILLED"},
   };
   for (const auto& one : cases) {
     const std::string physics = std::string(R"("physics": { )") + one.physics + " }";

@@ -100,7 +100,9 @@ v1::Scope expected_scope(const std::string& path) {
   if (!path.starts_with("/livegs.v1.LiveGs/")) return v1::ADMIN;
   const std::string method = path.substr(path.rfind('/') + 1);
   if (method == "SetPhysics" || method == "UndoPhysics" || method == "AcceptProposal" ||
-      method == "AnalyzeScene" || method == "ControlRun")
+      method == "AnalyzeScene" || method == "ControlRun" || method == "EditScene" || method == "UndoEdit" ||
+      method == "CarryObject" || method == "GetScene" || method == "SaveScene" || method == "ListAssets" ||
+      method == "UploadAsset")
     return v1::AUTHOR;
   return method == "ApplyForce" ? v1::INTERACT : v1::VIEW;
 }
