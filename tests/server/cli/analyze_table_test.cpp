@@ -57,7 +57,7 @@ std::string range_of(const json& value, double factor) {
   return number(part(value, "low", factor)) + " to " + number(part(value, "high", factor));
 }
 
-// "mass 0.3217 kg 0.3217 to 0.3217 person set by hand"
+// "mass 0.3217 kg 0.3217 to 0.3217 person edited by a person"
 std::string value_line(const char* name, const json& value, double factor, const std::string& unit) {
   const std::string line = name + (" " + number(part(value, "best", factor))) +
                            (unit.empty() ? "" : " " + unit) + " " + range_of(value, factor) + " " +
@@ -119,7 +119,7 @@ TEST_F(AnalyzeTable, AssetTableMatchesJson) {
   EXPECT_EQ(lines, wanted);
   // Also compares fixed values: an edited mass, and the table of materials for stoneware.
   ASSERT_EQ(lines.size(), wanted.size());
-  EXPECT_EQ(lines[5], "mass 0.3217 kg 0.3217 to 0.3217 person set by hand");
+  EXPECT_EQ(lines[5], "mass 0.3217 kg 0.3217 to 0.3217 person edited by a person");
   EXPECT_EQ(lines[9], "structure coefficient 1 1 to 1 offline bulk");
   EXPECT_EQ(lines[7].rfind("Young's modulus 4e+04 MPa 3e+04 to 6e+04 offline stoneware", 0), 0u) << lines[7];
 }

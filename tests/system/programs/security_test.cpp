@@ -283,7 +283,7 @@ TEST_F(SecurePrograms, TlsServerWithoutPairingIsNamedAsThat) {
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
   expect_refused(viewer(port, {}), "a server answers with TLS; pair with --pair CODE");
-  expect_refused(viewer(port, {"--subscribe", "tcp://127.0.0.1:1", "--connect-timeout", "1"}),
+  expect_refused(viewer(port, {"--subscribe", "tcp://127.0.0.1:1"}),
                  "a server answers with TLS; pair with --pair CODE");
   Program stranger(ctl_words(port, {"status"}, "another state"));
   EXPECT_EQ(stranger.wait(), 1);

@@ -84,11 +84,11 @@ TEST(MessageTemplates, MassReasonsAreUnchanged) {
   EXPECT_EQ(mass_reason(v1::EstimatedValue::SCENE),
             "from the scene's density: 500 kg/m3 x 0.011 m3 enclosed");
   EXPECT_EQ(mass_reason(v1::EstimatedValue::PERSON),
-            "from a density set by hand: 500 kg/m3 x 0.011 m3 enclosed");
+            "from a person's density: 500 kg/m3 x 0.011 m3 enclosed");
   written.Clear();
   written.set_mass_kg(3);
   EXPECT_EQ(mass_reason(v1::EstimatedValue::SCENE), "written in the scene");
-  EXPECT_EQ(mass_reason(v1::EstimatedValue::PERSON), "set by hand");
+  EXPECT_EQ(mass_reason(v1::EstimatedValue::PERSON), "edited by a person");
 }
 
 // Byte-identical to the facts before the texts were moved into files (version 2).
