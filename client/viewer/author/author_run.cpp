@@ -65,6 +65,8 @@ void AuthorRun::see(const ReceivedFrame& frame, const std::map<uint32_t, Streame
     const auto described = objects.find(drivers.object_id);
     if (described == objects.end() || described->second.environment) continue;
     const StreamedObject& object = described->second;
+    ids_[object.name] = object.id;
+    if (!editor_.selected().contains(object.name)) continue;  // bounds read every kernel
     const Eigen::AlignedBox3d box = view.bounds(object.id);
     EditedObject edited;
     edited.pose = scene_pose(object.rest, drivers, object.lift_m);
@@ -73,7 +75,6 @@ void AuthorRun::see(const ReceivedFrame& frame, const std::map<uint32_t, Streame
     edited.estimated_label = object.physics.label();
     edited.confidence = object.physics.confidence();
     objects_[object.name] = std::move(edited);
-    ids_[object.name] = object.id;
   }
 }
 

@@ -52,7 +52,7 @@ class AuthorRun {
 
   ControlCalls& calls_;
   SceneEditor editor_;
-  SceneEditor::Objects objects_;
+  SceneEditor::Objects objects_;  // the selected ones
   std::map<std::string, uint32_t> ids_;
   bool was_left_ = false;
   Eigen::Vector2d mouse_px_{0, 0};
