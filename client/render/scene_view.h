@@ -67,6 +67,9 @@ class SceneView {
   // Whether objects darken other objects and the environment under and around them; true by default.
   void set_shadows(bool drawn) { draws_shadows_ = drawn; }
 
+  // Colour where nothing is, display-encoded, 0 to 1; nothing: the default, a dark grey.
+  void set_background(const std::optional<Eigen::Vector3f>& rgb);
+
   // Draws the last picture with another renderer, for a comparison with the CPU.
   Result<void> draw_again(SplatRenderer& renderer, std::span<const Camera> eyes,
                           std::vector<Image>& images) const;
@@ -149,7 +152,8 @@ class SceneView {
   bool draws_shadows_ = true;
   SceneShadows shadows_;
   const ShadowTable* shadow_table_ = nullptr;  // of `shadows_`, if drawn
-  uint64_t last_version_ = 0;                  // of an object's pose or asset, or of the set of objects
+  std::optional<Eigen::Vector3f> background_rgb_;
+  uint64_t last_version_ = 0;  // of an object's pose or asset, or of the set of objects
   mutable Times times_;
 };
 

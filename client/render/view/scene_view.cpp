@@ -238,10 +238,16 @@ std::optional<DrawnObject> SceneView::drawn_object(uint32_t object_id) const {
   return drawn(object_id);
 }
 
+void SceneView::set_background(const std::optional<Eigen::Vector3f>& rgb) {
+  if (rgb == background_rgb_) return;
+  background_rgb_ = rgb;
+  ++last_version_;
+}
+
 RenderOptions SceneView::options_for(std::span<const Camera> eyes) const {
   const Camera& eye = eyes.front();
   RenderOptions options;
-  options.background = kBackground;
+  options.background = background_rgb_.value_or(kBackground);
   // Sorting by distance from the point between the eyes is invariant to head rotation, so kernels do not pop,
   // and both eyes share one order. Captures are trained with depth order; the error of either order is in
   // tests/bench/results, order.csv. A single eye uses depth, as `livegs render` does.

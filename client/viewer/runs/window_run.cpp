@@ -317,6 +317,10 @@ Result<void> WindowRun::cut_recording(const std::string& why) {
 void WindowRun::act(const WindowInput& input) {
   const PanelActions& actions = display_.actions();
   if (frame_) author_.see(*frame_, objects_, view_);
+  if (const auto& rgb = author_.scene().background_rgb(); rgb.size() == 3)
+    view_.set_background(Eigen::Vector3d(rgb[0], rgb[1], rgb[2]).cast<float>());
+  else
+    view_.set_background(std::nullopt);
   const Eigen::Vector2i size = display_.size_px();
   author_.act(input, actions.scene, camera_->camera(size.x(), size.y()), view_, *camera_);
   if (author_.selected() != author_selected_) panel_.select(author_selected_ = author_.selected());
