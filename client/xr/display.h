@@ -17,7 +17,7 @@ struct PlannedFrame {
   uint64_t index = 0;
   int64_t display_time_ns = 0;  // on the display's clock, from its first frame
   std::vector<Camera> views;
-  bool kept = true;  // false: nobody sees the picture and no file contains it, so that it need not be drawn
+  bool kept = true;  // false: no display and no file needs the picture, so it is not drawn
 };
 
 // A target for pictures: a headset, a window, or files. Used by one thread: wait_frame, draw each view,

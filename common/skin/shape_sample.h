@@ -17,10 +17,10 @@ namespace livegs {
 // on a device. Takes about 100 bytes per kernel and a copy of the lattice's terms.
 class ShapeSample {
  public:
-  static constexpr size_t kMostKernels = 2048;
+  static constexpr size_t kMaxKernels = 2048;
 
   ShapeSample() = default;
-  // Every n-th kernel with an opacity of at least 0.3, at most kMostKernels. `bindings` are of `asset`.
+  // Every n-th kernel with an opacity of at least 0.3, at most kMaxKernels. `bindings` are of `asset`.
   ShapeSample(const GaussianAsset& asset, const KernelBindings& bindings);
 
   // Their positions and covariances, with the bits of skin_kernels. Preconditions as there; `rest` is that of

@@ -413,7 +413,6 @@ void SceneEditor::select(const std::string& name, bool extends) {
 }
 
 std::optional<EditorCall> SceneEditor::see_revision(uint64_t revision) {
-  seen_revision_ = revision;
   if (revision == 0 || revision == document_.revision() || revision == asked_revision_) return std::nullopt;
   asked_revision_ = revision;
   return EditorCall(GetSceneCall{});

@@ -88,7 +88,7 @@ class SceneEditor {
 
   v1::SceneDocument document_;
   v1::ListAssetsReply assets_;
-  uint64_t seen_revision_ = 0, asked_revision_ = 0;
+  uint64_t asked_revision_ = 0;
   std::set<std::string> selected_;
   int tool_ = 0;
   bool snap_ = false, grid_ = false;

@@ -29,7 +29,7 @@ ShapeSample::ShapeSample(const GaussianAsset& asset, const KernelBindings& bindi
   for (uint32_t k = 0; k < asset.size(); ++k) {
     if (opacity_of_logit(asset.opacity_logits[k]) >= kOpaque) opaque.push_back(k);
   }
-  const size_t count = std::min(kMostKernels, opaque.size());
+  const size_t count = std::min(kMaxKernels, opaque.size());
   const float each = count > 0 ? static_cast<float>(opaque.size()) / static_cast<float>(count) : 0.0f;
   for (size_t i = 0; i < count; ++i) {
     const uint32_t k = opaque[i * opaque.size() / count];

@@ -22,7 +22,7 @@ constexpr float kDarkest = 0.85f;
 // Standard deviation of the blur per metre of gap. The light of a uniform sky gives 0.85; less keeps the
 // shape of the body longer.
 constexpr float kBlurPerGap = 0.6f;
-constexpr float kLeastBlur = 0.6f;  // texels; less shows the texels
+constexpr float kMinBlur = 0.6f;    // texels; less shows the texels
 constexpr float kBlurReach = 2.5f;  // standard deviations at which the blur is cut off
 // Upper ends of the bands, relative to the height of the body. Narrow at the bottom, where contacts are.
 constexpr std::array<float, kBands - 1> kBandEnds = {0.06f, 0.15f, 0.3f, 0.6f};
@@ -30,10 +30,10 @@ constexpr std::array<float, kBands - 1> kBandEnds = {0.06f, 0.15f, 0.3f, 0.6f};
 constexpr float kHighLevel = 0.3f, kGapLevels[] = {0.0f, 0.25f, 0.75f}, kReach = 2.0f;
 // Border of the map around the body, in widths; its outer part fades out.
 constexpr float kBorder = 0.75f, kFadeShare = 0.4f;
-constexpr float kMostTexels = 48;        // along the longer side; more costs time in proportion to the square
-constexpr float kLeastTexel_m = 0.004f;  // about the size of the kernels of a detailed floor
-constexpr double kTrimmed = 0.01;        // share of kernels at each end that may be floaters
-constexpr float kMostCells = 32;         // of the header's grid along its longer side
+constexpr float kMaxTexels = 48;       // along the longer side; more costs time in proportion to the square
+constexpr float kMinTexel_m = 0.004f;  // about the size of the kernels of a detailed floor
+constexpr double kTrimmed = 0.01;      // share of kernels at each end that may be floaters
+constexpr float kMostCells = 32;       // of the header's grid along its longer side
 
 struct Map {
   int nx = 0, nz = 0;
@@ -160,7 +160,7 @@ SceneShadows::Body shadow_of(const ShadowShape& shape, std::span<const uint32_t>
   }
   const Eigen::Vector3f size = (high - low).cwiseMax(1e-4f);
   const float wide_m = std::max(size.x(), size.z()), border_m = kBorder * wide_m;
-  const float texel_m = std::max((wide_m + 2 * border_m) / kMostTexels, kLeastTexel_m);
+  const float texel_m = std::max((wide_m + 2 * border_m) / kMaxTexels, kMinTexel_m);
   const auto texels = [&](float of_m) {
     return static_cast<uint32_t>(std::ceil((of_m + 2 * border_m) / texel_m)) + 2;
   };
@@ -183,7 +183,7 @@ SceneShadows::Body shadow_of(const ShadowShape& shape, std::span<const uint32_t>
       const float gap_m = bands.height_m[b] - body.heights_m[1 + level];
       if (!(gap_m > -0.02f * size.y())) continue;  // the band is empty or does not lie above
       const float strength = kDarkest * std::max(0.0f, 1.0f - std::max(0.0f, gap_m) / reach_m);
-      const Map map = blurred(bands.covered[b], kLeastBlur + kBlurPerGap * std::max(0.0f, gap_m) / texel_m);
+      const Map map = blurred(bands.covered[b], kMinBlur + kBlurPerGap * std::max(0.0f, gap_m) / texel_m);
       for (size_t i = 0; i < count; ++i) {
         float& dark = body.darkness[kLevels * i + level];
         dark = std::max(dark, strength * map.values[i]);

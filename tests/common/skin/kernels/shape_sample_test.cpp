@@ -53,7 +53,7 @@ TEST(ShapeSample, KernelsHaveThePosesOfSkinning) {
     PosedKernels all, some;
     skin_kernels(made.asset, made.rest, made.bindings, made.drivers, all);
     made.sample.pose(made.rest, made.drivers, some);
-    ASSERT_EQ(made.sample.size(), ShapeSample::kMostKernels);
+    ASSERT_EQ(made.sample.size(), ShapeSample::kMaxKernels);
     ASSERT_EQ(some.positions_m.size(), made.sample.size());
     ObjectDrivers streamed;
     streamed.kernels = std::make_shared<PosedKernels>(all);
