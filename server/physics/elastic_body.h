@@ -28,6 +28,7 @@
 namespace livegs {
 
 struct RigidProxy;
+struct SurfacePatch;  // collision/surface_points.h
 
 // Default budget of node-substeps (nodes times substeps, summed) per frame for the elastic bodies of a scene.
 // elastic_budget.h has the time that one node-substep takes. A larger budget allows finer cells and costs
@@ -47,6 +48,8 @@ struct CellsOptions {
 struct ElasticBodyDescription {
   uint32_t object_id = 0;
   ParticleSet particles;  // object frame, at rest
+  // Contact surface of the particles (prepare_body.h); null: the body makes it.
+  std::shared_ptr<const std::vector<SurfacePatch>> patches;
   Material material;
   Pose world_from_object;                                            // pose of the rest shape at the start
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();            // centre of mass, world frame

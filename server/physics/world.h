@@ -27,6 +27,8 @@
 
 namespace livegs {
 
+struct RigidShape;  // collision/collision_shape.h
+
 // Longest substep. Longer: bodies that topple or roll pass their contacts, which are found once a substep.
 inline constexpr double kMaxSubstep_s = 1.0 / 30.0;
 
@@ -44,7 +46,9 @@ int min_substeps(double rate_hz);  // so that none is longer than kMaxSubstep_s
 
 struct RigidBodyDescription {
   uint32_t object_id = 0;
-  TriangleMesh mesh;          // object frame; closed
+  TriangleMesh mesh;  // object frame; closed
+  // Contact shape of the mesh about the centre of mass (prepare_body.h); null: add_rigid makes it.
+  std::shared_ptr<const RigidShape> shape;
   MassProperties properties;  // per kg, object frame
   // > 0: a sphere about the centre of mass for contact; the mesh is only used for fracture.
   double sphere_radius_m = 0.0;
@@ -58,8 +62,8 @@ struct RigidBodyDescription {
 
 struct BallDescription {
   uint32_t object_id = 0;
-  Eigen::Vector3d position_m;
-  Eigen::Vector3d velocity_m_s;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
   double radius_m = 0.03;
   double mass_kg = 0.1;
   double friction = 0.4;
@@ -138,6 +142,8 @@ class World {
   void add_collider(const Collider& collider);
   // `object_id`: of the static object that the collider belongs to.
   void add_collider(const Collider& collider, uint32_t object_id);
+  // Removes the colliders of a static object, or with 0 those of none. What rests on them wakes.
+  void remove_colliders(uint32_t object_id);
   Result<void> add_static(uint32_t object_id, const Pose& world_from_object);
   Result<void> add_rigid(const RigidBodyDescription& description);
   Result<void> add_elastic(const ElasticBodyDescription& description);

@@ -35,7 +35,6 @@ enum class Mechanism {
   FlowEnergyCheck,
   RigidWhenUnstrained,
   DriftTest,
-  JitterTest,
   // Rigid bodies
   StepsByLoad,
   DetectionsBySpeed,
@@ -71,7 +70,6 @@ inline constexpr std::array<std::string_view, static_cast<size_t>(Mechanism::Cou
     "flow_energy_check",
     "rigid_when_unstrained",
     "drift_test",
-    "jitter_test",
     "steps_by_load",
     "detections_by_speed",
     "coincident_shapes",

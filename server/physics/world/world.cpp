@@ -141,8 +141,11 @@ Result<void> World::add_rigid(const RigidBodyDescription& description) {
   RigidBody& body = *object.body;
   body.object_id = id;
   body.rest_centre_m = description.properties.centre_of_mass_m;
-  body.shape = description.sphere_radius_m > 0.0 ? ball_shape(description.sphere_radius_m)
-                                                 : mesh_shape(description.mesh, body.rest_centre_m);
+  if (description.sphere_radius_m > 0.0) {
+    body.shape = ball_shape(description.sphere_radius_m);
+  } else {
+    body.shape = description.shape ? *description.shape : mesh_shape(description.mesh, body.rest_centre_m);
+  }
   body.shape.round = description.round;
   if (body.shape.round) body.shape.round->centre_m -= body.rest_centre_m;
   body.mass_kg = description.material.mass_kg;
@@ -232,25 +235,27 @@ void World::State::end_contacts_of(uint32_t object_id) {
   }
 }
 
+void World::remove_colliders(uint32_t object_id) {
+  State& state = *state_;
+  for (size_t i = state.colliders.size(); i-- > 0;) {
+    if (state.collider_objects[i] != object_id) continue;
+    state.colliders.erase(state.colliders.begin() + static_cast<std::ptrdiff_t>(i));
+    state.collider_objects.erase(state.collider_objects.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  // Contacts with colliders are known by the collider's index.
+  for (RigidBody* body : state.rigid_bodies) {
+    const auto fixed = [](const ContactManifold& manifold) { return manifold.other_id >= kColliderBit; };
+    std::erase_if(body->manifolds, fixed);
+    std::erase_if(body->previous_manifolds, fixed);
+  }
+  state.wake_all();
+}
+
 void World::remove(uint32_t object_id) {
   const auto found = state_->objects.find(object_id);
   if (found == state_->objects.end()) return;
   state_->end_contacts_of(object_id);
-  if (found->second.fixed()) {
-    State& state = *state_;
-    for (size_t i = state.colliders.size(); i-- > 0;) {
-      if (state.collider_objects[i] != object_id) continue;
-      state.colliders.erase(state.colliders.begin() + static_cast<std::ptrdiff_t>(i));
-      state.collider_objects.erase(state.collider_objects.begin() + static_cast<std::ptrdiff_t>(i));
-    }
-    // Contacts with colliders are known by the collider's index.
-    for (RigidBody* body : state.rigid_bodies) {
-      const auto fixed = [](const ContactManifold& manifold) { return manifold.other_id >= kColliderBit; };
-      std::erase_if(body->manifolds, fixed);
-      std::erase_if(body->previous_manifolds, fixed);
-    }
-    state.wake_all();
-  }
+  if (found->second.fixed()) remove_colliders(object_id);
   state_->objects.erase(found);
   // The id may be reused by an object without forces, springs and grabs.
   const auto on_it = [&](const auto& entry) { return entry.second.object_id == object_id; };

@@ -14,6 +14,7 @@
 #include "physics/elastic/resolution/elastic_budget.h"
 #include "physics/elastic/resolution/resolution_request.h"
 #include "physics/mesh_collider.h"
+#include "physics/prepare_body.h"
 #include "scene/build/fracture_warning.h"
 #include "scene/build/place_asset.h"
 #include "scene/build/shape_asset.h"
@@ -377,6 +378,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     case Behavior::Elastic: {
       elastic->material = material;
       built.drawn.rest_particles_m = elastic->particles.positions_m;
+      prepare_body(*elastic);
       built.body = std::move(*elastic);
       break;
     }
@@ -414,6 +416,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
       if (shape && !material.fragile) body.round = round_shape(object.shape());
       body.material = material;
+      prepare_body(body);
       built.body = std::move(body);
     }
   }

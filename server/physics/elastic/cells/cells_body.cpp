@@ -11,6 +11,7 @@
 
 #include "core/log.h"
 #include "physics/ablation/ablation.h"
+#include "physics/collision/surface_points.h"
 #include "physics/elastic/resolution/resolution_request.h"
 #include "physics/lattice/region_load.h"
 
@@ -69,7 +70,7 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   inverse_masses_.assign(nodes_.count(), 1.0);
   hold_regions(description);
   set_masses();
-  make_surface(description.particles);
+  make_surface(description.patches ? *description.patches : surface_patches(description.particles));
   start_motion(description);
   load_regions(description);
   rebuild_cells();
@@ -362,6 +363,7 @@ void CellsBody::wake() {
   become_elastic();
   rest_.sleep_timer.wake();
   rest_.stationary_s = 0.0;
+  colliders_.margin_m = 0.0;  // the colliders may have changed
 }
 
 // Hysteretic damping dissipates 2 pi eta of a vibration's energy per cycle. Damping at the rate eta omega is

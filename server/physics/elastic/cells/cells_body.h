@@ -139,7 +139,7 @@ class CellsBody final : public ElasticBody {
   std::vector<Eigen::Vector3d> node_velocities(std::span<const Eigen::Vector3d> velocities_m_s,
                                                const Eigen::Vector3d& rest_centre_m,
                                                const Eigen::Matrix3d& world_from_rest) const;
-  void make_surface(const ParticleSet& particles);
+  void make_surface(const std::vector<SurfacePatch>& patches);
 
   void hold_regions(const ElasticBodyDescription& description);
   void measure_held_reach();
@@ -238,7 +238,6 @@ class CellsBody final : public ElasticBody {
   void place_rigid();
   void rest(double frame_s);
   bool is_stationary(double frame_s);
-  bool is_jittering(double seen_m_s, double frame_s);
   bool has_finite_motion() const;
   bool limit_energy();
   void restore_last_valid_state();
@@ -246,8 +245,7 @@ class CellsBody final : public ElasticBody {
   // All nodes at the rest shape, with the motion of a rigid body; clears flow, contacts and loads.
   void set_rest_shape(const Pose& world_from_object, const Eigen::Vector3d& velocity_m_s,
                       const Eigen::Vector3d& angular_velocity_rad_s);
-  // At least exact enough to compare with still_m_s.
-  double fastest_m_s(double still_m_s) const;
+  bool has_moved(double distance_m);
 
   NodeSample sample_at(const EmbeddedPoint& point) const;
   Vector3d velocity_of(const NodeSample& sample) const;

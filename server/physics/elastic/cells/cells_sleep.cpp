@@ -20,13 +20,15 @@ using Eigen::Vector3d;
 // A free body with a smaller strain in its worst cell for kUnstrainedTime_s is frozen into its shape.
 constexpr double kVisibleStrain = 1e-3;
 constexpr double kUnstrainedTime_s = 0.25;
-constexpr double kStationarySpeedFactor = 100.0;  // divides the sleep speed of held and loaded bodies
+// Distance from its place within which every visible point of a sleeping body stayed for
+// SleepTimer::kStillTime_s; the second relative to the longest side, for small bodies. It bounds the speed of
+// what stops: 4 mm/s in the mean. Smaller: bodies whose points flutter in contact stay awake. Larger: slow
+// motion stops visibly.
+constexpr double kStillDistance_m = 2e-3, kStillShare = 0.02;
+constexpr double kStationaryFactor = 100.0;  // divides this distance for held and loaded bodies
 // Maximum drift of the centre of mass, as a fraction of the body's length, in half a period of its slowest
 // vibration. The deflection is then within 1 % of equilibrium for a bending of a thousandth of the length.
 constexpr double kMaxStationaryDrift = 3e-6;
-// A jittering body counts as still if its points stay within this fraction of its smallest side for
-// kJitterTime_s.
-constexpr double kMaxJitter = 0.01, kJitterTime_s = 2.0;
 
 }  // namespace
 
@@ -71,12 +73,25 @@ void CellsBody::rest(double frame_s) {
   const bool measured = holding_.held || !loads_.regions.empty();
   const bool moves = rest_.forced || rest_.driven || is_separating() ||
                      (measured && !without(Mechanism::DriftTest) && !is_stationary(frame_s));
-  const double calm = measured ? kStationarySpeedFactor : 1.0;
-  double seen_m_s = moves || !rest_.supported ? 0.0 : fastest_m_s(SleepTimer::kStillSpeed_m_s / calm);
-  if (!without(Mechanism::JitterTest) && !measured && !moves && rest_.supported &&
-      is_jittering(seen_m_s, frame_s))
-    seen_m_s = 0.0;
-  if (rest_.sleep_timer.tick(frame_s, calm * seen_m_s, rest_.supported, moves)) sleep();
+  const double still_m = std::min(kStillDistance_m, kStillShare * (extent_.max_m - extent_.min_m).maxCoeff());
+  const bool moved = moves || !rest_.supported || has_moved(measured ? still_m / kStationaryFactor : still_m);
+  if (rest_.sleep_timer.tick(frame_s, moved ? INFINITY : 0.0, rest_.supported, moves)) sleep();
+}
+
+// Whether a visible surface point has left its place by more than `distance_m` since the last time that this
+// was so. Motion that comes and goes is not seen, such as that of an edge that opens and closes its contact,
+// nor that of nodes of nearly empty cells.
+bool CellsBody::has_moved(double distance_m) {
+  bool moved = rest_.points_m.size() != surface_.points.size();
+  for (size_t i = 0; i < surface_.points.size() && !moved; ++i) {
+    const Vector3d point = origin_m_ + nodes_.position_m(surface_.points[i]);
+    moved = (point - rest_.points_m[i]).squaredNorm() > distance_m * distance_m;
+  }
+  if (!moved) return false;
+  rest_.points_m.clear();
+  for (const NodeSample& sample : surface_.points)
+    rest_.points_m.push_back(origin_m_ + nodes_.position_m(sample));
+  return true;
 }
 
 // Drift test. A slow vibration has zero speed twice per period, for longer than any timer, so the motion
@@ -90,32 +105,6 @@ bool CellsBody::is_stationary(double frame_s) {
     rest_.stationary_s = 0.0;
   }
   return rest_.stationary_s >= M_PI / lowest_rate_rad_s();
-}
-
-// Whether only jitter remains. A corner folded under the body can snap back and forth indefinitely while the
-// rest is still.
-bool CellsBody::is_jittering(double seen_m_s, double frame_s) {
-  const bool still =
-      std::max(ledger_.motion.velocity_m_s().norm(), step_.deviation_m_s) < SleepTimer::kStillSpeed_m_s;
-  if (!still || (seen_m_s < SleepTimer::kStillSpeed_m_s && rest_.jitter_origin_m.empty())) {
-    rest_.jitter_origin_m.clear();
-    return false;
-  }
-  const double most_m = kMaxJitter * (extent_.max_m - extent_.min_m).minCoeff();
-  bool near = rest_.jitter_origin_m.size() == surface_.points.size();
-  for (size_t i = 0; near && i < surface_.points.size(); ++i) {
-    near = (origin_m_ + nodes_.position_m(surface_.points[i]) - rest_.jitter_origin_m[i]).squaredNorm() <
-           most_m * most_m;
-  }
-  if (near) {
-    rest_.jitter_s += frame_s;
-  } else {
-    rest_.jitter_origin_m.clear();
-    for (const NodeSample& sample : surface_.points)
-      rest_.jitter_origin_m.push_back(origin_m_ + nodes_.position_m(sample));
-    rest_.jitter_s = 0.0;
-  }
-  return rest_.jitter_s >= kJitterTime_s;
 }
 
 // Uses the sums of the last step over all nodes: one non-finite node makes them non-finite.
@@ -180,7 +169,7 @@ void CellsBody::set_rest_shape(const Pose& world_from_object, const Vector3d& ve
 
 void CellsBody::sleep() {
   rest_.sleep_timer.sleep();
-  rest_.jitter_origin_m.clear();
+  rest_.points_m.clear();
   bodies_.elastic.clear();  // the motion of others is not counted during sleep
   nodes_.stop();
   ledger_.motion.momentum.setZero();
@@ -193,23 +182,6 @@ void CellsBody::sleep() {
   ledger_.between_steps_impulse.setZero();
   step_.deviation_m_s = 0.0;
   step_.first = true;
-}
-
-// Fastest visible surface point. Nearly empty cells can have jittering nodes that are not visible. If the
-// whole body moves or deforms faster than `still_m_s`, that speed is returned, which is cheap. If all nodes
-// are still, so are the points, which are means of nodes.
-double CellsBody::fastest_m_s(double still_m_s) const {
-  const double mean = std::max(ledger_.motion.velocity_m_s().norm(), step_.deviation_m_s);
-  if (mean >= still_m_s) return mean;
-  double squared = 0.0;
-  for (size_t i = 0; i < nodes_.count(); ++i) squared = std::max(squared, node_velocity(i).squaredNorm());
-  if (surface_.points.empty() || squared < still_m_s * still_m_s) return std::sqrt(squared);
-  squared = 0.0;
-  for (const NodeSample& sample : surface_.points) {
-    squared = std::max(squared, velocity_of(sample).squaredNorm());
-    if (squared >= still_m_s * still_m_s) break;
-  }
-  return std::sqrt(squared);
 }
 
 void CellsBody::become_rigid() {

@@ -271,10 +271,7 @@ struct Rest {
   double unstrained_s = 0.0;
   Vector3d stationary_at_m = Vector3d::Constant(INFINITY);  // centre of mass at the start of stationary_s
   double stationary_s = 0.0;
-  // By surface point; reference points of the last jitter_s; empty if all points are still, or the body
-  // moves.
-  std::vector<Vector3d> jitter_origin_m;
-  double jitter_s = 0.0;
+  std::vector<Vector3d> points_m;  // of the surface, when one of them moved last; world frame
   bool may_rest = false;
   SleepTimer sleep_timer{false};
 };

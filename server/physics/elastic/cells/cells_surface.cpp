@@ -18,13 +18,12 @@ constexpr double kMaxOwnLocal = 1.05;
 
 }  // namespace
 
-void CellsBody::make_surface(const ParticleSet& particles) {
+void CellsBody::make_surface(const std::vector<SurfacePatch>& patches) {
   struct Point {
     EmbeddedPoint at;
     const SurfacePatch* patch;
   };
   std::vector<Point> points;
-  const std::vector<SurfacePatch> patches = surface_patches(particles);
   bool round = false;
   for (const SurfacePatch& patch : patches) {
     points.push_back({lattice_.embed(patch.rest_m), &patch});

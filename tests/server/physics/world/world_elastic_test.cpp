@@ -3,6 +3,7 @@
 
 #include "geometry/field/sample_particles.h"
 #include "known_gaps.h"
+#include "physics/prepare_body.h"
 #include "scenes/rigid_fixtures.h"
 
 // Elastic bodies in a world, with balls, springs and rays.
@@ -102,6 +103,36 @@ TEST(WorldElastic, RayHitsASoftBody) {
   // Within one particle spacing (0.1 m / 6) of the face.
   EXPECT_NEAR(hit->distance_m, 0.95, 0.02);
   EXPECT_FALSE(world.ray_cast({0.3, 0, 1}, {0, 0, -1}, 5.0));
+}
+
+// What is computed before a body is added is what adding it computes.
+TEST(WorldElastic, PreparedBodiesMoveLikeOthers) {
+  std::vector<World> worlds;
+  for (const bool prepared : {false, true}) {
+    World& world = worlds.emplace_back(world_at(90, 4));
+    world.add_collider(floor_plane());
+    ElasticBodyDescription soft = soft_box(1, {0.2, 0.1, 0.2}, 0.5, 5e4);
+    RigidBodyDescription hard = body_of(2, sphere_mesh(0.05, 2), 0.3);
+    soft.world_from_object.position_m = {0, 0.1, 0};
+    hard.world_from_object.position_m = {0.02, 0.25, 0.01};
+    if (prepared) {
+      prepare_body(soft);
+      prepare_body(hard);
+      EXPECT_TRUE(soft.patches && hard.shape);
+    }
+    ASSERT_TRUE(world.add_elastic(soft));
+    ASSERT_TRUE(world.add_rigid(hard));
+    run_seconds(world, 1.0);
+  }
+  EXPECT_EQ(worlds[0].elastic_body(1)->centre_m(), worlds[1].elastic_body(1)->centre_m());
+  EXPECT_EQ(body_state(worlds[0], 2).world_from_body.position_m,
+            body_state(worlds[1], 2).world_from_body.position_m);
+  // What cannot be added is left alone.
+  RigidBodyDescription bad = body_of(3, sphere_mesh(0.05, 1), 0.3);
+  bad.mesh.triangles.pop_back();
+  bad.properties.inertia_m2.setZero();
+  prepare_body(bad);
+  EXPECT_FALSE(bad.shape);
 }
 
 }  // namespace

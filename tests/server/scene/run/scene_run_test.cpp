@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gaussian/asset_file.h"
+#include "sample/sample_scene.h"
 #include "scene/scene.h"
 #include "scene/views/scene_drawing.h"
 #include "scratch_folder.h"
@@ -258,6 +260,25 @@ TEST(SceneRun, ResetAfterDivergenceIsReported) {
   EXPECT_GE(reports, 1);
   EXPECT_LE(reports, 3);
   EXPECT_NE(warnings.find("simulation diverged"), std::string::npos) << warnings;
+}
+
+// The brim of the sample hat flutters on the floor by some tenths of a millimetre. That is no motion to
+// watch.
+TEST(SceneRun, TheSampleHatComesToRest) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(write_asset(folder.path() / "hat.ply", make_felt_hat()));
+  const auto path = folder.write("hat.scene.json", R"({
+    "rate_hz": 90, "substeps": 4,
+    "environment": { "colliders": [ { "plane": {}, "friction": 0.6 } ] },
+    "objects": [ { "name": "hat", "asset": "hat.ply", "scale": 1, "spacing_m": 0.014,
+                   "pose": { "position_m": [-0.42, 0.3, 0.12] } } ] })");
+  auto scene = Scene::load(path, {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const ElasticBody* hat = scene->world().elastic_body(scene->find("hat")->id);
+  ASSERT_TRUE(hat);
+  for (int tick = 0; tick < 3 * 90 && !hat->asleep(); ++tick) scene->step();
+  EXPECT_TRUE(hat->asleep());
+  EXPECT_GT(hat->centre_m().y(), 0.02);
 }
 
 }  // namespace
