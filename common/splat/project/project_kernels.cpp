@@ -130,6 +130,7 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
   projected.log2_opacity = static_cast<float>(log2_opacity);
   projected.depth_m = static_cast<float>(z);
   projected.object_slot = object_slot;
+  projected.kernel = static_cast<uint32_t>(kernel);
   projected.tile_bound =
       (tile_at(right, projection.width) - column + 1) * (tile_at(bottom, projection.height) - row + 1);
   projected.tile = row * columns + column;

@@ -26,6 +26,7 @@ struct alignas(64) ProjectedKernel {
   uint32_t object_slot;
   uint32_t tile_bound;  // tiles of the bounding box on the screen, at least 1
   uint32_t tile;        // the tile, if it is only one
+  uint32_t kernel;      // index in its object
 
   // u² + v² on the rim of the ellipse, where alpha is kMinAlpha.
   float rim() const { return log2_opacity + kLog2Of255; }

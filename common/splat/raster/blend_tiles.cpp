@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kerbl et al. 2023, section 6 and algorithm 2. The 256 pixels of a tile are 32 runs of eight: run b is row b
-// % 16, left half for b < 16, right half otherwise. A kernel is evaluated only in runs that its ellipse
-// touches and that are not yet opaque.
+// Kerbl et al. 2023, section 6 and algorithm 2.
 #include "splat/raster/blend_tiles.h"
 
 #include <algorithm>
@@ -11,65 +9,22 @@
 
 #include "core/parallel_for.h"
 #include "splat/raster/lanes.h"
+#include "splat/raster/tile_runs.h"
 
 namespace livegs {
 namespace {
-
-constexpr float kMinTransmittance = 1e-4f;  // (1 - kMaxAlpha)²
-constexpr float kHalfway = 0.5f;
-constexpr size_t kTilesPerBlock = 4;
-
-// Margin of the rim, in powers of two of alpha, so that rounding drops no pixel. The alpha of a pixel decides
-// whether it counts.
-constexpr float kRimMargin = 1e-3f;
-
-// A kernel in the frame of a tile: `u` and `v` at the first pixel of the tile.
-struct PlacedKernel {
-  PlacedKernel(const ProjectedKernel& k, float tile_x, float tile_y)
-      : dx(tile_x + 0.5f - k.centre_x_px), dy(tile_y + 0.5f - k.centre_y_px) {}
-  float dx, dy;
-};
-
-uint32_t touched_runs(const ProjectedKernel& kernel, const PlacedKernel& placed) {
-  const float rim = kernel.rim() + kRimMargin;
-  const float width = 1.0f / kernel.across_x;
-  uint32_t runs = 0;
-  for (int half = 0; half < 2; ++half) {
-    const Lanes dy = placed.dy + (8.0f * static_cast<float>(half) + lane_indices());
-    const Lanes v = kernel.down_y * dy;
-    const Lanes left_over = rim - v * v;
-    const Lanes reach = sqrt(max(left_over, lanes(0.0f))) * width;
-    // of the rim, relative to the first pixel
-    const Lanes middle = -(kernel.across_y * width) * dy - placed.dx;
-    const LaneMask in_rows = left_over >= 0.0f;
-    const Lanes first = middle - reach, last = middle + reach;
-    // A margin of half a pixel at both ends, for the rounding of centres far outside the screen.
-    const uint32_t left_runs = mask_bits(in_rows & (first <= 7.5f) & (last >= -0.5f));
-    const uint32_t right_runs = mask_bits(in_rows & (first <= 15.5f) & (last >= 7.5f));
-    runs |= (left_runs << (8 * half)) | (right_runs << (16 + 8 * half));
-  }
-  return runs;
-}
 
 // Blends the kernel into the live runs that it touches; returns the runs that became opaque. kShares: `share`
 // receives the weights of the kernel.
 template <bool kShares>
 uint32_t blend_kernel(const ProjectedKernel& kernel, const PlacedKernel& placed, uint32_t runs,
                       TileState& tile, float* share) {
-  const Lanes along_run = kernel.across_x * lane_indices();
-  const float u_first = kernel.across_x * placed.dx;
-  const float u_right = kernel.across_x * 8.0f;
+  const RunAlpha alpha_of(kernel, placed);
   uint32_t finished = 0;
   for (; runs != 0; runs &= runs - 1) {
     const int run = std::countr_zero(runs);
-    const int row = run & 15;
-    const float dy = placed.dy + static_cast<float>(row);
-    const float v = kernel.down_y * dy;
-    const Lanes u = along_run + (u_first + kernel.across_y * dy + (run < 16 ? 0.0f : u_right));
-    const Lanes exponent = (kernel.log2_opacity - v * v) - u * u;
-    const Lanes alpha = min(exp2(max(exponent, lanes(-64.0f))), lanes(kMaxAlpha));
-
-    const int pixel = row * kTileSize + (run < 16 ? 0 : 8);
+    const Lanes alpha = alpha_of(run);
+    const int pixel = first_pixel_of(run);
     Lanes& transmittance = lanes_at(tile.transmittance + pixel);
     const Lanes before = transmittance;
     const LaneMask seen = (alpha >= kMinAlpha) & (before > 0.0f);
@@ -93,16 +48,6 @@ uint32_t blend_kernel(const ProjectedKernel& kernel, const PlacedKernel& placed,
     if (mask_bits(left > 0.0f) == 0) finished |= uint32_t{1} << run;
   }
   return finished;
-}
-
-// Runs that contain at least one pixel of the image.
-uint32_t runs_inside(int columns, int rows) {
-  uint32_t runs = 0;
-  for (int row = 0; row < std::min(rows, kTileSize); ++row) {
-    runs |= uint32_t{1} << row;
-    if (columns > 8) runs |= uint32_t{1} << (16 + row);
-  }
-  return runs;
 }
 
 float* share_of(TileShares& shares, uint32_t slot) {

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/segment_files.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/written_files.h"
+#include "gaussian/asset_file.h"
+#include "parts/views/room_view.h"
+#include "scene/values/scene_values.h"
+#include "splat/frame_bounds.h"
+#include "splat/image.h"
+#include "splat/rasterise.h"
+#include "splat/transform_asset.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr double kLevelTilt_deg = 0.2;        // a floor within this of level is not turned
+constexpr double kTableThickness_voxels = 4;  // of the box under a support that is not the floor
+constexpr double kFloorGap_voxels = 6;        // a support this far above the lowest surface is a table
+constexpr int kPictureWidth_px = 640;
+constexpr float kDimmed = 0.35f;              // of the room around the outlined thing
+
+ordered_json numbers(const Eigen::Vector3d& v) {
+  const auto rounded = [](double x) { return std::round(x * 1e6) / 1e6 + 0.0; };
+  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
+}
+
+// Planes and boxes of a room in the world of the scene.
+ordered_json colliders(const SegmentedRoom& room, const Eigen::Quaterniond& world_from_asset) {
+  ordered_json all = ordered_json::array();
+  const auto add_plane = [&](const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+    all.push_back({{"plane", {{"point_m", numbers(room.scale * (world_from_asset * point))}, {"normal", numbers(world_from_asset * normal)}}},
+                   {"friction", 0.5},
+                   {"restitution", 0.2}});
+  };
+  double lowest_m = room.parts.lowest_m;
+  bool floor = false;
+  for (const RoomPlane& plane : room.parts.planes.supports) {
+    if (plane.offset_m - lowest_m < kFloorGap_voxels * room.parts.voxel_m) {
+      add_plane(plane.offset_m * plane.normal, plane.normal);
+      floor = true;
+      continue;
+    }
+    const PlaneRegion& region = plane.region;
+    const Eigen::Vector2d size = region.high_m() - region.low_m(), middle = 0.5 * (region.high_m() + region.low_m());
+    const double thick_m = kTableThickness_voxels * room.parts.voxel_m;
+    const Eigen::Vector3d centre = middle.x() * region.u() + middle.y() * region.v() + (plane.offset_m - 0.5 * thick_m) * plane.normal;
+    Eigen::Matrix3d axes;
+    axes.col(0) = region.u();
+    axes.col(1) = plane.normal;
+    axes.col(2) = region.u().cross(plane.normal);
+    const Eigen::Quaterniond q = (world_from_asset * Eigen::Quaterniond(axes)).normalized();
+    all.push_back({{"box", {{"size_m", numbers(room.scale * Eigen::Vector3d(size.x(), thick_m, size.y()))}}},
+                   {"pose", {{"position_m", numbers(room.scale * (world_from_asset * centre))}, {"orientation", {q.w(), q.x(), q.y(), q.z()}}}},
+                   {"friction", 0.5},
+                   {"restitution", 0.2}});
+  }
+  if (!floor) add_plane(lowest_m * room.up, room.up);
+  for (const RoomPlane& wall : room.parts.planes.walls) add_plane(wall.offset_m * wall.normal, wall.normal);
+  return all;
+}
+
+std::string scene_text(const SegmentedRoom& room, const Eigen::Quaterniond& world_from_asset) {
+  ordered_json scene;
+  scene["environment"] = {{"asset", "room.ply"}, {"scale", room.scale}, {"up", room.up_axis}, {"colliders", colliders(room, world_from_asset)}};
+  scene["objects"] = ordered_json::array();
+  for (const SegmentedThing& thing : room.things) {
+    ordered_json object = {{"name", thing.name}, {"asset", thing.name + ".ply"}, {"scale", room.scale}, {"up", room.up_axis}};
+    if (thing.part.support) object["standing"] = true;
+    else if (thing.part.wall) object["physics"] = {{"behavior", "STATIC"}};
+    scene["objects"].push_back(std::move(object));
+  }
+  return scene.dump(2) + "\n";
+}
+
+Image draw_assets(std::span<const GaussianAsset* const> assets, const Camera& camera, std::vector<uint32_t>* ids = nullptr) {
+  std::vector<PosedKernels> posed;
+  std::vector<DrawnObject> objects;
+  posed.reserve(assets.size());
+  for (size_t i = 0; i < assets.size(); ++i) {
+    posed.push_back(pose_in_place(*assets[i]));
+    objects.push_back({assets[i], &posed.back(), static_cast<uint32_t>(i)});
+  }
+  Rasteriser rasteriser;
+  RasterisedView view;
+  rasteriser.draw(objects, camera, {}, view);
+  if (ids) *ids = view.object_id;
+  return view.image;
+}
+
+// The view among those used in which the label has the most pixels.
+const Camera& best_view(const RoomParts& parts, uint16_t label) {
+  size_t best = 0, most = 0;
+  for (size_t v = 0; v < parts.pictures.size(); ++v) {
+    const auto count = static_cast<size_t>(std::count(parts.pictures[v].begin(), parts.pictures[v].end(), label));
+    if (count > most) most = count, best = v;
+  }
+  return parts.cameras[best];
+}
+
+Camera enlarged(Camera camera) {
+  const double scale = static_cast<double>(kPictureWidth_px) / camera.width;
+  camera.width = kPictureWidth_px;
+  camera.height = std::max(1, static_cast<int>(std::lround(scale * camera.height)));
+  camera.focal_x_px *= scale;
+  camera.focal_y_px *= scale;
+  camera.centre_x_px *= scale;
+  camera.centre_y_px *= scale;
+  return camera;
+}
+
+// The thing where it stands, the room around it dimmed; next to it the room without it.
+Image thing_picture(const SegmentedRoom& room, const SegmentedThing& thing) {
+  const Camera camera = enlarged(best_view(room.parts, thing.part.label));
+  std::vector<const GaussianAsset*> assets{&thing.asset};
+  std::vector<uint32_t> ids;
+  for (const SegmentedThing& other : room.things)
+    if (&other != &thing) assets.push_back(&other.asset);
+  assets.push_back(&room.room);
+  Image with = draw_assets(assets, camera, &ids);
+  const Image without = draw_assets(std::span(assets).subspan(1), camera);
+  Image both;
+  both.width = 2 * with.width;
+  both.height = with.height;
+  both.pixels.resize(2 * with.pixels.size());
+  for (int y = 0; y < with.height; ++y)
+    for (int x = 0; x < with.width; ++x) {
+      const float light = ids[static_cast<size_t>(y) * with.width + x] == 0 ? 1.0f : kDimmed;
+      for (int c = 0; c < 4; ++c) {
+        both.at(x, y)[c] = c < 3 ? light * with.at(x, y)[c] : 1.0f;
+        both.at(with.width + x, y)[c] = c < 3 ? without.at(x, y)[c] : 1.0f;
+      }
+    }
+  return both;
+}
+
+std::string page_text(const SegmentedRoom& room) {
+  char line[400];
+  std::string page = "# Parts of a room\n\n";
+  std::snprintf(line, sizeof line,
+                "%zu things were found. `livegs-server room.scene.json` runs the scene; the room is its background.\n\n", room.things.size());
+  page += line;
+  page += "Left: the thing where it stands. Right: the room without it.\n\n";
+  for (const SegmentedThing& thing : room.things) {
+    const Eigen::Vector3d size = room.scale * thing.part.bounds_m.sizes();
+    std::snprintf(line, sizeof line, "## %s\n\n%zu kernels, %.3g x %.3g x %.3g m%s%s%s\n\n![%s](%s.png)\n\n", thing.name.c_str(),
+                  thing.asset.size(), size.x(), size.y(), size.z(), thing.part.support ? ", stands on a support" : "",
+                  thing.part.wall ? ", touches a wall" : "", thing.unfilled ? "; the room behind it was left open" : "",
+                  thing.name.c_str(), thing.name.c_str());
+    page += line;
+  }
+  page += "`labels.u16` has one little-endian number of 16 bits per kernel of the input: 0 for the room, N for the Nth thing.\n";
+  return page;
+}
+
+}  // namespace
+
+Result<void> write_segmented_room(const fs::path& folder, SegmentedRoom room) {
+  // Level: the largest support becomes perpendicular to the up axis.
+  const auto& supports = room.parts.planes.supports;
+  const auto largest = std::max_element(supports.begin(), supports.end(), [](const RoomPlane& a, const RoomPlane& b) { return a.share < b.share; });
+  Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
+  if (largest != supports.end()) level = Eigen::Quaterniond::FromTwoVectors(largest->normal, room.up);
+  if (Eigen::AngleAxisd(level).angle() * 180 / M_PI > kLevelTilt_deg) {
+    for (SegmentedThing& thing : room.things) transform_asset(thing.asset, level, 1.0);
+    transform_asset(room.room, level, 1.0);
+    transform_asset(room.original, level, 1.0);
+    for (Camera& camera : room.parts.cameras)
+      camera.world_from_camera = Pose{Eigen::Vector3d::Zero(), level} * camera.world_from_camera;
+  } else {
+    level.setIdentity();
+  }
+  const auto world_from_asset = up_value(room.up_axis, "--up");
+  if (!world_from_asset) return world_from_asset.error();
+
+  std::error_code error;
+  const fs::path scratch = folder.parent_path() / ("." + folder.filename().string() + ".part");
+  fs::remove_all(scratch, error);
+  fs::create_directories(scratch, error);
+  if (error) return Error{ErrorCode::PermissionDenied, scratch.string() + ": cannot be created: " + error.message()};
+  const auto write_all = [&]() -> Result<void> {
+    for (const SegmentedThing& thing : room.things) {
+      if (auto written = write_asset(scratch / (thing.name + ".ply"), thing.asset); !written) return written;
+      if (auto written = write_png(scratch / (thing.name + ".png"), thing_picture(room, thing)); !written) return written;
+    }
+    if (auto written = write_asset(scratch / "room.ply", room.room); !written) return written;
+    if (auto written = write_file_atomically(scratch / "room.scene.json", scene_text(room, *world_from_asset * level)); !written)
+      return written;
+    std::vector<std::byte> labels;
+    for (uint16_t label : room.parts.label) {
+      labels.push_back(static_cast<std::byte>(label & 0xff));
+      labels.push_back(static_cast<std::byte>(label >> 8));
+    }
+    if (auto written = write_file_atomically(scratch / "labels.u16", labels); !written) return written;
+    return write_file_atomically(scratch / "README.md", page_text(room));
+  };
+  auto written = write_all();
+  if (written) {
+    fs::remove(folder, error);  // an empty folder
+    fs::rename(scratch, folder, error);
+    if (error) written = Error{ErrorCode::PermissionDenied, folder.string() + ": cannot be written: " + error.message()};
+  }
+  if (!written) {
+    fs::remove_all(scratch, error);
+    return written;
+  }
+  for (const auto& file : fs::directory_iterator(folder, error)) note_written(file.path());
+  return {};
+}
+
+}  // namespace livegs

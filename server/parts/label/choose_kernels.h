@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "gaussian/gaussian_asset.h"
+
+namespace livegs {
+
+// Appends kernel k of `from`; both have the same degree of spherical harmonics.
+void append_kernel(GaussianAsset& to, const GaussianAsset& from, size_t k);
+
+// The kernels with one label, in their order.
+GaussianAsset kernels_with(const GaussianAsset& asset, std::span<const uint16_t> label, uint16_t wanted);
+
+}  // namespace livegs

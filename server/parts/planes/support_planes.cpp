@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "parts/planes/support_planes.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// Least share of all points on a plane. Lower values take the top of a large box for a table, higher values
+// miss a small table.
+constexpr double kMinSupportShare = 0.07, kMinWallShare = 0.03;
+constexpr size_t kMaxSupports = 6, kMaxWalls = 8;
+constexpr int kTries = 3000;             // RANSAC hypotheses; a plane with a share of 7 % among its candidates is
+                                         // missed with a probability of e^-1 at three points each
+constexpr size_t kScored = 4000;         // points that score a hypothesis
+constexpr double kTolerance_footprints = 2.0;  // of a point on a plane, while searching
+constexpr double kMinDeviation_footprints = 0.2;
+constexpr double kInlierDeviations = 3.0;
+constexpr double kMaxTilt = 0.94;        // cosine of 20 degrees, of a plane against level or upright
+constexpr double kMaxPointTilt = 0.87;   // cosine of 30 degrees, of the normal of a point against its plane
+constexpr double kMaxBehind = 0.01;      // share of points behind a wall
+constexpr double kRegionCell_footprints = 6.0;
+
+Vector3d any_perpendicular(const Vector3d& n) {
+  const Vector3d axis = std::abs(n.x()) < 0.7 ? Vector3d::UnitX() : Vector3d::UnitZ();
+  return (axis - n * n.dot(axis)).normalized();
+}
+
+double median_of(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Candidate {
+  Vector3d normal;
+  double offset_m;
+  size_t score = 0;
+};
+
+bool on_plane(const ViewPoint& point, const Vector3d& normal, double offset_m, double tolerance_m) {
+  return std::abs(normal.dot(point.position_m.cast<double>()) - offset_m) < tolerance_m &&
+         point.normal.cast<double>().dot(normal) > kMaxPointTilt;
+}
+
+// Least squares on the points within three robust deviations, repeated.
+RoomPlane refit(std::span<const ViewPoint> points, std::span<const uint32_t> open, const Candidate& start,
+                double footprint_m) {
+  RoomPlane plane;
+  plane.normal = start.normal;
+  plane.offset_m = start.offset_m;
+  double tolerance_m = kTolerance_footprints * footprint_m;
+  for (int round = 0; round < 6; ++round) {
+    Vector3d mean = Vector3d::Zero();
+    Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+    std::vector<double> distances;
+    for (uint32_t i : open) {
+      if (!on_plane(points[i], plane.normal, plane.offset_m, tolerance_m)) continue;
+      const Vector3d p = points[i].position_m.cast<double>();
+      mean += p;
+      moment += p * p.transpose();
+      distances.push_back(std::abs(plane.height_m(p)));
+    }
+    if (distances.size() < 3) return plane;
+    mean /= static_cast<double>(distances.size());
+    moment = moment / static_cast<double>(distances.size()) - mean * mean.transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(moment);
+    Vector3d normal = axes.eigenvectors().col(0);
+    if (normal.dot(plane.normal) < 0) normal = -normal;
+    plane.normal = normal.normalized();
+    plane.offset_m = plane.normal.dot(mean);
+    plane.deviation_m = std::max(1.4826 * median_of(distances), kMinDeviation_footprints * footprint_m);
+    tolerance_m = std::min(kInlierDeviations * plane.deviation_m, kTolerance_footprints * footprint_m);
+  }
+  return plane;
+}
+
+// The best plane among the open points whose own normals pass `upright`.
+template <class Fits>
+Candidate best_plane(std::span<const ViewPoint> points, std::span<const uint32_t> open, double footprint_m,
+                     std::mt19937_64& random, Fits&& fits) {
+  Candidate best;
+  if (open.size() < 3) return best;
+  std::vector<uint32_t> scored;
+  const size_t step = std::max<size_t>(1, open.size() / kScored);
+  for (size_t i = 0; i < open.size(); i += step) scored.push_back(open[i]);
+  const auto draw = [&] { return points[open[random() % open.size()]].position_m.cast<double>().eval(); };
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    const Vector3d a = draw(), b = draw(), c = draw();
+    Vector3d normal = (b - a).cross(c - a);
+    if (!(normal.norm() > 1e-12)) continue;
+    normal.normalize();
+    if (!fits(normal)) {
+      normal = -normal;
+      if (!fits(normal)) continue;
+    }
+    Candidate plane{normal, normal.dot(a)};
+    for (uint32_t i : scored)
+      plane.score += on_plane(points[i], normal, plane.offset_m, kTolerance_footprints * footprint_m);
+    if (plane.score > best.score) best = plane;
+  }
+  best.score *= step;
+  return best;
+}
+
+}  // namespace
+
+PlaneRegion::PlaneRegion(const Vector3d& normal, double cell_m, std::span<const Eigen::Vector3f> points_m)
+    : u_(any_perpendicular(normal)), v_(normal.cross(u_)), cell_m_(cell_m) {
+  if (points_m.empty()) return;
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3f& p : points_m)
+    box.extend(Eigen::Vector2d(u_.dot(p.cast<double>()), v_.dot(p.cast<double>())));
+  constexpr double kMaxCells = 2048;
+  cell_m_ = std::max(cell_m_, box.sizes().maxCoeff() / kMaxCells);
+  low_ = box.min() - Eigen::Vector2d::Constant(2 * cell_m_);
+  columns_ = static_cast<int>(box.sizes().x() / cell_m_) + 5;
+  rows_ = static_cast<int>(box.sizes().y() / cell_m_) + 5;
+  cells_.assign(static_cast<size_t>(columns_) * rows_, 0);
+  for (const Eigen::Vector3f& p : points_m) {
+    if (const int cell = cell_of(p.cast<double>()); cell >= 0) cells_[cell] = 2;
+  }
+  // Cells that the outside does not reach are holes of the region.
+  std::vector<uint8_t> outside(cells_.size(), 0);
+  std::vector<int> open{0};
+  outside[0] = 1;
+  while (!open.empty()) {
+    const int cell = open.back();
+    open.pop_back();
+    const int x = cell % columns_, y = cell / columns_;
+    const auto visit = [&](int nx, int ny) {
+      if (nx < 0 || ny < 0 || nx >= columns_ || ny >= rows_) return;
+      const int next = ny * columns_ + nx;
+      if (outside[next] || cells_[next] == 2) return;
+      outside[next] = 1;
+      open.push_back(next);
+    };
+    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
+  }
+  for (size_t i = 0; i < cells_.size(); ++i)
+    if (!outside[i] && cells_[i] == 0) cells_[i] = 1;
+}
+
+int PlaneRegion::cell_of(const Vector3d& point_m) const {
+  const double x = (u_.dot(point_m) - low_.x()) / cell_m_, y = (v_.dot(point_m) - low_.y()) / cell_m_;
+  if (!(x >= 0 && y >= 0 && x < columns_ && y < rows_)) return -1;
+  return static_cast<int>(y) * columns_ + static_cast<int>(x);
+}
+
+bool PlaneRegion::contains(const Vector3d& point_m) const {
+  const int cell = cell_of(point_m);
+  return cell >= 0 && cells_[cell] != 0;
+}
+
+bool PlaneRegion::seen(const Vector3d& point_m) const {
+  const int cell = cell_of(point_m);
+  return cell >= 0 && cells_[cell] == 2;
+}
+
+double PlaneRegion::area_m2() const {
+  return cell_m_ * cell_m_ * static_cast<double>(std::count_if(cells_.begin(), cells_.end(), [](uint8_t c) { return c != 0; }));
+}
+
+RoomPlanes find_planes(std::span<const ViewPoint> points, const Vector3d& up, double footprint_m) {
+  RoomPlanes planes;
+  std::mt19937_64 random(20240607);
+  std::vector<uint8_t> taken(points.size(), 0);
+  const auto open_points = [&](auto&& wanted) {
+    std::vector<uint32_t> open;
+    for (uint32_t i = 0; i < points.size(); ++i)
+      if (!taken[i] && wanted(points[i].normal.cast<double>())) open.push_back(i);
+    return open;
+  };
+  const auto find = [&](size_t most, double min_share, auto&& fits, auto&& wanted, auto&& accept,
+                        std::vector<RoomPlane>& found) {
+    for (size_t attempt = 0; attempt < 2 * most && found.size() < most; ++attempt) {
+      const std::vector<uint32_t> open = open_points(wanted);
+      if (static_cast<double>(open.size()) < min_share * static_cast<double>(points.size())) return;
+      const Candidate best = best_plane(points, open, footprint_m, random, fits);
+      if (best.score == 0) return;
+      RoomPlane plane = refit(points, open, best, footprint_m);
+      const double tolerance_m =
+          std::max(kInlierDeviations * plane.deviation_m, kTolerance_footprints * footprint_m);
+      std::vector<Eigen::Vector3f> inliers;
+      for (uint32_t i : open) {
+        if (!on_plane(points[i], plane.normal, plane.offset_m, tolerance_m)) continue;
+        taken[i] = 1;
+        inliers.push_back(points[i].position_m);
+      }
+      plane.share = static_cast<double>(inliers.size()) / static_cast<double>(points.size());
+      if (plane.share < min_share) return;  // the largest one is too small
+      if (!accept(plane)) continue;
+      plane.region = PlaneRegion(plane.normal, kRegionCell_footprints * footprint_m, inliers);
+      found.push_back(std::move(plane));
+    }
+  };
+  find(
+      kMaxSupports, kMinSupportShare, [&](const Vector3d& n) { return n.dot(up) > kMaxTilt; },
+      [&](const Vector3d& n) { return n.dot(up) > kMaxPointTilt; }, [](const RoomPlane&) { return true; },
+      planes.supports);
+  const double upright = std::sqrt(1 - kMaxTilt * kMaxTilt);
+  find(
+      kMaxWalls, kMinWallShare, [&](const Vector3d& n) { return std::abs(n.dot(up)) < upright; },
+      [&](const Vector3d& n) { return n.norm() > 0.5 && std::abs(n.dot(up)) < 0.5; },
+      [&](const RoomPlane& plane) {
+        const double behind = static_cast<double>(std::count_if(points.begin(), points.end(), [&](const ViewPoint& p) {
+          return plane.height_m(p.position_m.cast<double>()) < -3 * kTolerance_footprints * footprint_m;
+        }));
+        return behind < kMaxBehind * static_cast<double>(points.size());
+      },
+      planes.walls);
+  std::sort(planes.supports.begin(), planes.supports.end(),
+            [&](const RoomPlane& a, const RoomPlane& b) { return a.offset_m > b.offset_m; });
+  return planes;
+}
+
+}  // namespace livegs

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "parts/views/room_view.h"
+
+// Large planes of a room: what things stand on, and walls.
+
+namespace livegs {
+
+// The cells of a plane in which its surface was seen, with holes filled: a thing that stands there hides it.
+class PlaneRegion {
+ public:
+  PlaneRegion() = default;
+  PlaneRegion(const Eigen::Vector3d& normal, double cell_m, std::span<const Eigen::Vector3f> points_m);
+
+  bool contains(const Eigen::Vector3d& point_m) const;  // of its foot on the plane
+  bool seen(const Eigen::Vector3d& point_m) const;      // without the filled holes
+  double area_m2() const;
+  const Eigen::Vector3d& u() const { return u_; }
+  const Eigen::Vector3d& v() const { return v_; }
+  double cell_m() const { return cell_m_; }
+  // The bounding rectangle of the region along u() and v(), metres.
+  Eigen::Vector2d low_m() const { return low_ + Eigen::Vector2d::Constant(2 * cell_m_); }
+  Eigen::Vector2d high_m() const { return low_ + cell_m_ * Eigen::Vector2d(columns_ - 2, rows_ - 2); }
+
+ private:
+  int cell_of(const Eigen::Vector3d& point_m) const;  // -1: outside
+
+  Eigen::Vector3d u_{1, 0, 0}, v_{0, 0, 1};
+  Eigen::Vector2d low_{0, 0};
+  double cell_m_ = 1;
+  int columns_ = 0, rows_ = 0;
+  std::vector<uint8_t> cells_;  // 0 outside, 1 filled, 2 seen
+};
+
+struct RoomPlane {
+  Eigen::Vector3d normal{0, 1, 0};  // unit, towards the side from which it is seen
+  double offset_m = 0;              // normal · point on the plane
+  double deviation_m = 0;           // robust standard deviation of its points
+  double share = 0;                 // of all points
+  PlaneRegion region;
+
+  double height_m(const Eigen::Vector3d& point_m) const { return normal.dot(point_m) - offset_m; }
+};
+
+struct RoomPlanes {
+  std::vector<RoomPlane> supports;  // level, highest first
+  std::vector<RoomPlane> walls;     // upright, with nothing behind them
+};
+
+// Finds planes by RANSAC on points (Fischler and Bolles 1981) with a fixed seed, and refits each to its
+// points. `up` is a unit vector within 20 degrees of the vertical. `footprint_m` is the usual size of a
+// pixel on the surface, the unit of all tolerances. Deterministic.
+RoomPlanes find_planes(std::span<const ViewPoint> points, const Eigen::Vector3d& up, double footprint_m);
+
+}  // namespace livegs

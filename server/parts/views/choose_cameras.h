@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "gaussian/gaussian_asset.h"
+#include "splat/camera.h"
+
+namespace livegs {
+
+// Cameras in the free space of a room whose photos are not known. Candidates on rings around dense places are
+// scored by the kernels that their rays meet in a coarse grid; the best are taken one after the other, and
+// what was seen before counts less. `up` is a unit vector. Deterministic. Empty if there is no free place.
+std::vector<Camera> choose_cameras(const GaussianAsset& asset, const Eigen::Vector3d& up, size_t count,
+                                   int width);
+
+// At most `count` of the cameras, evenly taken, scaled to at most `width` pixels.
+std::vector<Camera> thin_cameras(const std::vector<Camera>& cameras, size_t count, int width);
+
+}  // namespace livegs
