@@ -33,6 +33,7 @@ class SceneSource;  // livegs/v1/recording.proto
 class SceneChange_Edit;
 class SceneChange_Carry;
 }  // namespace v1
+struct BuiltEnvironment;
 struct BuiltObject;
 class FragileTask;
 struct TriangleMesh;
@@ -89,6 +90,9 @@ class Scene {
   // be built again gets a new one. Built from the cache, or on this thread. After an error nothing has
   // changed.
   Result<void> edit(const v1::SceneChange_Edit& edit);
+  // Takes another environment: its asset, colliders and labels. What rests on it wakes. Built from the cache
+  // (keep_environment), or on this thread. After an error nothing has changed.
+  Result<void> replace_environment(const v1::Environment& environment);
   // Moves an object towards a pose, at most kMaxCarrySpeed_m_s fast, until it is released or half a second
   // has passed. It pushes what it meets. Without pose: releases it.
   void carry(const v1::SceneChange_Carry& carry);
@@ -120,6 +124,7 @@ class Scene {
   void report_recoveries();
   SceneObject& drawn(uint32_t object_id);
   Result<uint32_t> add_built(BuiltObject& one);  // returns its id
+  Result<void> add_environment(const BuiltEnvironment& environment);
   void remove_object(uint32_t object_id);
   Pose pose_of(uint32_t object_id) const;               // of the object's frame
   Eigen::Vector3d centre_of(uint32_t object_id) const;  // at rest, object frame
@@ -138,6 +143,7 @@ class Scene {
   std::unique_ptr<World> world_;
   std::deque<SceneObject> objects_;
   uint32_t next_id_ = 1;
+  std::optional<uint32_t> environment_id_;  // of the drawn environment
   Eigen::AlignedBox3d bounds_m_;
   size_t next_event_ = 0;
   uint64_t next_force_ = 0;           // counter of apply_force

@@ -124,6 +124,20 @@ Result<v1::ListAssetsReply> SceneControl::assets() {
   return connection_->ask(&v1::LiveGs::Stub::ListAssets, v1::ListAssetsRequest());
 }
 
+Result<v1::RoomParts> SceneControl::room_parts() {
+  return connection_->ask(&v1::LiveGs::Stub::GetRoomParts, v1::GetRoomPartsRequest());
+}
+
+Result<v1::TakePartReply> SceneControl::take_part(const v1::TakePartRequest& request) {
+  return connection_->ask(&v1::LiveGs::Stub::TakePart, request, kBuildDeadline);
+}
+
+Result<v1::EditSceneReply> SceneControl::put_back(const std::string& object) {
+  v1::PutBackRequest request;
+  request.set_object(object);
+  return connection_->ask(&v1::LiveGs::Stub::PutBack, request, kBuildDeadline);
+}
+
 Result<std::string> SceneControl::upload_asset(const std::filesystem::path& file) {
   auto bytes = read_file(file);
   if (!bytes) return bytes.error();

@@ -38,6 +38,9 @@ class SceneControl {
   Result<v1::SceneDocument> scene();
   Result<v1::SaveSceneReply> save_scene(const v1::SaveSceneRequest& request);
   Result<v1::ListAssetsReply> assets();
+  Result<v1::RoomParts> room_parts();
+  Result<v1::TakePartReply> take_part(const v1::TakePartRequest& request);
+  Result<v1::EditSceneReply> put_back(const std::string& object);
   // Sends a file; blocks until the server has it, without a time limit. Returns its path as Object.asset.
   Result<std::string> upload_asset(const std::filesystem::path& file);
 

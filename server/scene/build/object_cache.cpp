@@ -24,8 +24,32 @@ std::string bytes_of(const google::protobuf::Message& message) {
   return bytes;
 }
 
-// Size and time of a file, or of every file of a folder.
-std::string stamp_of(const fs::path& path) {
+std::string key_of(const v1::Object& object, const fs::path& folder, int index, const WorldSettings& settings,
+                   const fs::path& sidecar_path, const v1::PhysicsFile& sidecar) {
+  v1::Object described = object;
+  described.clear_pose();
+  described.clear_velocity_m_s();
+  described.clear_angular_velocity_rad_s();
+  described.clear_hidden();
+  described.clear_locked();
+  described.clear_group();
+  described.clear_part();
+  std::string key = bytes_of(described) + '\n' + bytes_of(sidecar) + '\n' + sidecar_path.string() + '\n' +
+                    std::to_string(settings.rate_hz) + ' ' + std::to_string(settings.substeps) + ' ' +
+                    std::to_string(static_cast<int>(settings.elastic_solver)) + '\n';
+  switch (object.form_case()) {
+    case v1::Object::kAsset:
+      return key + ObjectCache::stamp_of(folder / object.asset());
+    case v1::Object::kPoints:
+      return key + ObjectCache::stamp_of(folder / object.points()) + std::to_string(index);
+    default:
+      return key + std::to_string(index);  // selects the colour
+  }
+}
+
+}  // namespace
+
+std::string ObjectCache::stamp_of(const fs::path& path) {
   std::error_code error;
   std::string stamp;
   const auto add = [&](const fs::path& file) {
@@ -43,30 +67,6 @@ std::string stamp_of(const fs::path& path) {
   for (const fs::path& file : files) add(file);
   return stamp;
 }
-
-std::string key_of(const v1::Object& object, const fs::path& folder, int index, const WorldSettings& settings,
-                   const fs::path& sidecar_path, const v1::PhysicsFile& sidecar) {
-  v1::Object described = object;
-  described.clear_pose();
-  described.clear_velocity_m_s();
-  described.clear_angular_velocity_rad_s();
-  described.clear_hidden();
-  described.clear_locked();
-  described.clear_group();
-  std::string key = bytes_of(described) + '\n' + bytes_of(sidecar) + '\n' + sidecar_path.string() + '\n' +
-                    std::to_string(settings.rate_hz) + ' ' + std::to_string(settings.substeps) + ' ' +
-                    std::to_string(static_cast<int>(settings.elastic_solver)) + '\n';
-  switch (object.form_case()) {
-    case v1::Object::kAsset:
-      return key + stamp_of(folder / object.asset());
-    case v1::Object::kPoints:
-      return key + stamp_of(folder / object.points()) + std::to_string(index);
-    default:
-      return key + std::to_string(index);  // selects the colour
-  }
-}
-
-}  // namespace
 
 const ObjectCache::Entry* ObjectCache::find(const std::string& key) {
   const auto found = entries_.find(key);
@@ -114,7 +114,8 @@ Result<BuiltObject> ObjectCache::build(const v1::Object& object, const fs::path&
   }
   auto built = build_object(object, folder, index, field, settings, read);
   if (built)
-    keep(key, {std::make_shared<const BuiltObject>(*built), nullptr, {}, built->drawn.asset->size(), {}});
+    keep(key,
+         {std::make_shared<const BuiltObject>(*built), nullptr, nullptr, {}, built->drawn.asset->size(), {}});
   return built;
 }
 
@@ -127,7 +128,17 @@ std::shared_ptr<const FragileObject> ObjectCache::cut(const std::string& key) {
 void ObjectCache::keep_cut(const std::string& key, const FragileObject& cut,
                            std::vector<std::shared_ptr<const void>> inputs) {
   const size_t kernels = cut.broken->asset->size();
-  keep(key, {nullptr, std::make_shared<const FragileObject>(cut), std::move(inputs), kernels, {}});
+  keep(key, {nullptr, std::make_shared<const FragileObject>(cut), nullptr, std::move(inputs), kernels, {}});
+}
+
+std::shared_ptr<const void> ObjectCache::value(const std::string& key) {
+  std::lock_guard lock(mutex_);
+  const Entry* entry = find(key);
+  return entry ? entry->value : nullptr;
+}
+
+void ObjectCache::keep_value(const std::string& key, std::shared_ptr<const void> value, size_t kernels) {
+  keep(key, {nullptr, nullptr, std::move(value), {}, kernels, {}});
 }
 
 }  // namespace livegs

@@ -32,14 +32,21 @@ class ObjectCache {
   void keep_cut(const std::string& key, const FragileObject& cut,
                 std::vector<std::shared_ptr<const void>> inputs);
 
+  // Anything else that takes time to build, such as an environment; null if there is none.
+  std::shared_ptr<const void> value(const std::string& key);
+  void keep_value(const std::string& key, std::shared_ptr<const void> value, size_t kernels);
+  // Size and time of a file, or of every file of a folder: part of a key.
+  static std::string stamp_of(const std::filesystem::path& path);
+
   // Larger: more memory, 240 bytes a kernel with third-order colour. Smaller: undo of an old step builds
   // again.
   static constexpr size_t kMaxKernels = 20'000'000;
 
  private:
   struct Entry {
-    std::shared_ptr<const BuiltObject> object;  // or
-    std::shared_ptr<const FragileObject> pieces;
+    std::shared_ptr<const BuiltObject> object;    // or
+    std::shared_ptr<const FragileObject> pieces;  // or
+    std::shared_ptr<const void> value;
     std::vector<std::shared_ptr<const void>> inputs;
     size_t kernels = 0;
     std::list<std::string>::iterator age;

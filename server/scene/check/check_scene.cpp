@@ -12,6 +12,8 @@
 namespace livegs {
 namespace {
 
+constexpr uint32_t kMaxLabel = 0x7fff;  // of a thing of the room (environment/labelled_room.h)
+
 Error missing_field(const std::string& field, const std::string& remedy) {
   return invalid_argument(field + ": " + remedy);
 }
@@ -151,6 +153,13 @@ Result<void> check_scene(const v1::Scene& scene) {
   LIVEGS_CHECK(pose_value(environment.pose(), "environment.pose"));
   if (environment.collide() && environment.asset().empty()) {
     return missing_field("environment.asset", "is missing, but environment.collide is true");
+  }
+  if (environment.taken_size() > 0 && environment.labels().empty())
+    return missing_field("environment.labels", "is missing, but environment.taken names things of the room");
+  for (const uint32_t label : environment.taken()) {
+    if (label < 1 || label > kMaxLabel)
+      return invalid_argument("environment.taken: " + std::to_string(label) +
+                              " is no label; give 1 to 32767");
   }
   for (int i = 0; i < environment.colliders_size(); ++i) {
     LIVEGS_CHECK(

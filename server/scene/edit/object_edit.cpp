@@ -108,6 +108,7 @@ Result<std::string> apply_edit(v1::Scene& scene, const v1::ObjectEdit& edit, con
       added = scene.objects(original);
       before_edit = added;
       added.clear_locked();
+      added.clear_part();
       if (auto set = set_fields(added, edit); !set) return set.error();
     }
     index = scene.objects_size();

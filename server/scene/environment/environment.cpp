@@ -13,8 +13,10 @@
 #include "geometry/reconstruct_surface.h"
 #include "geometry/surface/shape_mesh.h"
 #include "physics/mesh_collider.h"
+#include "scene/build/object_cache.h"
 #include "scene/build/shape_asset.h"
 #include "scene/environment/interior_collider.h"
+#include "scene/environment/labelled_room.h"
 #include "scene/values/scene_values.h"
 
 namespace livegs {
@@ -140,7 +142,6 @@ Result<Collider> make_collider(const v1::Collider& file, const std::filesystem::
     auto mesh = read_obj(folder / file.mesh());
     if (!mesh) return Error{mesh.error().code, field + ".mesh: " + mesh.error().message};
     if (auto shaped = shape_mesh(*mesh, standing, field + ".mesh", collider); !shaped) return shaped.error();
-    warn_of_stuck(collider, standing, field);
   }
   return collider;
 }
@@ -218,15 +219,32 @@ Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObjec
   return bounds;
 }
 
-Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
-                                           const std::filesystem::path& folder,
-                                           std::span<std::optional<Result<BuiltObject>>> built) {
+namespace {
+
+// The asset without the things that were taken out of it.
+Result<GaussianAsset> drawn_room(const v1::Environment& environment, const std::filesystem::path& folder) {
+  if (environment.taken_size() == 0) {
+    auto file = read_asset(folder / environment.asset());
+    if (!file) return Error{file.error().code, "environment.asset: " + file.error().message};
+    return std::move(file->asset);
+  }
+  auto room = read_labelled_room(folder / environment.labels());
+  if (!room) return Error{room.error().code, "environment.labels: " + room.error().message};
+  const std::vector<uint32_t> taken(environment.taken().begin(), environment.taken().end());
+  return room_without(*room, taken);
+}
+
+Result<BuiltEnvironment> make_environment(const v1::Environment& environment,
+                                          const std::filesystem::path& folder,
+                                          std::span<const Standing> standing,
+                                          std::span<const std::optional<Result<BuiltObject>>> built) {
   BuiltEnvironment result;
-  const std::vector<Standing> standing = standing_objects(built);
   for (int i = 0; i < environment.colliders_size(); ++i) {
-    auto collider = make_collider(environment.colliders(i), folder, standing,
-                                  "environment.colliders[" + std::to_string(i) + "]");
+    const std::string field = "environment.colliders[" + std::to_string(i) + "]";
+    auto collider = make_collider(environment.colliders(i), folder, standing, field);
     if (!collider) return collider.error();
+    if (environment.colliders(i).shape_case() == v1::Collider::kMesh)
+      result.solids.emplace_back(result.colliders.size(), field);
     result.colliders.push_back(std::move(*collider));
   }
   if (environment.asset().empty()) {
@@ -234,8 +252,8 @@ Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
     if (drawn.size() > 0) result.asset = std::make_shared<GaussianAsset>(std::move(drawn));
     return result;
   }
-  auto file = read_asset(folder / environment.asset());
-  if (!file) return Error{file.error().code, "environment.asset: " + file.error().message};
+  auto room = drawn_room(environment, folder);
+  if (!room) return room.error();
   auto pose = pose_value(environment.pose(), "environment.pose");
   if (!pose) return pose.error();
   auto rotation = up_value(environment.up(), "environment.up");
@@ -243,7 +261,7 @@ Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
   result.world_from_object = *pose;
   result.object_from_asset.rotation = *rotation;
   if (environment.has_scale()) result.object_from_asset.scale = environment.scale();
-  auto asset = std::make_shared<GaussianAsset>(std::move(file->asset));
+  auto asset = std::make_shared<GaussianAsset>(std::move(*room));
   if (environment.collide()) {
     const auto stuck = [&](const FieldShape& shape) {
       std::vector<Eigen::Vector3d> places;
@@ -255,12 +273,65 @@ Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
     auto shape = interior_collider(body_points(*asset, result.object_from_asset),
                                    pose->orientation.conjugate() * Eigen::Vector3d::UnitY(), stuck);
     if (!shape) return Error{shape.error().code, "environment.asset: " + shape.error().message};
+    result.solids.emplace_back(result.colliders.size(), "environment.asset");
     result.colliders.push_back({std::move(*shape), *pose});
-    warn_of_stuck(result.colliders.back(), standing, "environment.asset");
   }
   log_info("environment: %zu kernels%s", asset->size(), environment.collide() ? ", collides" : "");
   result.asset = std::move(asset);
   return result;
+}
+
+// The files and fields that an environment is built from.
+std::string key_of(const v1::Environment& environment, const std::filesystem::path& folder) {
+  std::string key = "environment " + environment.SerializeAsString() + '\n';
+  for (const std::string* file : {&environment.asset(), &environment.labels()}) {
+    if (!file->empty()) key += ObjectCache::stamp_of(folder / *file);
+  }
+  for (const v1::Collider& collider : environment.colliders()) {
+    if (collider.shape_case() == v1::Collider::kMesh) key += ObjectCache::stamp_of(folder / collider.mesh());
+  }
+  return key;
+}
+
+// The objects decide how a room is opened and how large a drawn floor is.
+std::string key_of(std::span<const Standing> standing) {
+  std::string bytes;
+  for (const Standing& one : standing)
+    bytes.append(reinterpret_cast<const char*>(one.points_m.data()),
+                 one.points_m.size() * sizeof(Eigen::Vector3d));
+  return "\naround " + std::to_string(bytes.size()) + " " + std::to_string(std::hash<std::string>()(bytes));
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const BuiltEnvironment>> build_environment(
+    ObjectCache* cache, const v1::Environment& environment, const std::filesystem::path& folder,
+    std::span<std::optional<Result<BuiltObject>>> built) {
+  const std::vector<Standing> standing = standing_objects(built);
+  const std::string key = cache ? key_of(environment, folder) + key_of(standing) : "";
+  auto made = cache ? std::static_pointer_cast<const BuiltEnvironment>(cache->value(key)) : nullptr;
+  if (!made) {
+    auto fresh = make_environment(environment, folder, standing, built);
+    if (!fresh) return fresh.error();
+    made = std::make_shared<const BuiltEnvironment>(std::move(*fresh));
+    if (cache) cache->keep_value(key, made, made->asset ? made->asset->size() : 0);
+  }
+  for (const auto& [collider, field] : made->solids)
+    warn_of_stuck(made->colliders[collider], standing, field);
+  return made;
+}
+
+void keep_environment(ObjectCache& cache, const v1::Environment& environment,
+                      const std::filesystem::path& folder, std::shared_ptr<const BuiltEnvironment> built) {
+  const size_t kernels = built->asset ? built->asset->size() : 0;
+  cache.keep_value(key_of(environment, folder), std::move(built), kernels);
+}
+
+std::shared_ptr<const BuiltEnvironment> kept_environment(ObjectCache* cache,
+                                                         const v1::Environment& environment,
+                                                         const std::filesystem::path& folder) {
+  if (!cache) return nullptr;
+  return std::static_pointer_cast<const BuiltEnvironment>(cache->value(key_of(environment, folder)));
 }
 
 }  // namespace livegs

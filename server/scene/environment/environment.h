@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result.h"
@@ -23,13 +25,23 @@ struct BuiltEnvironment {
   std::shared_ptr<const GaussianAsset> asset;  // null if there is nothing to draw
   Similarity object_from_asset;
   Pose world_from_object;
+  // Colliders in which an object must not start, by index, and their fields in the file.
+  std::vector<std::pair<size_t, std::string>> solids;
 };
 // Builds the environment. A mesh that is open or contains an object becomes a wall around its surface. A
 // captured room is opened around the objects in it (interior_collider.h). An object that still starts inside
-// a solid gets a warning. Precondition: all objects were built successfully.
-Result<BuiltEnvironment> build_environment(const v1::Environment& environment,
-                                           const std::filesystem::path& folder,
-                                           std::span<std::optional<Result<BuiltObject>>> built);
+// a solid gets a warning. Precondition: all objects were built successfully. `cache`: as SceneOptions::cache.
+Result<std::shared_ptr<const BuiltEnvironment>> build_environment(
+    ObjectCache* cache, const v1::Environment& environment, const std::filesystem::path& folder,
+    std::span<std::optional<Result<BuiltObject>>> built);
+
+// Hands an environment from the thread that builds it to the scene that takes it
+// (Scene::replace_environment).
+void keep_environment(ObjectCache& cache, const v1::Environment& environment,
+                      const std::filesystem::path& folder, std::shared_ptr<const BuiltEnvironment> built);
+std::shared_ptr<const BuiltEnvironment> kept_environment(ObjectCache* cache,
+                                                         const v1::Environment& environment,
+                                                         const std::filesystem::path& folder);
 
 // Returns the world bounds of all objects in their initial poses, metres.
 Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObject>>> built);

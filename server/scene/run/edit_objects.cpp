@@ -15,9 +15,11 @@
 #include "scene/build/build_object.h"
 #include "scene/build/object_cache.h"
 #include "scene/check/check_object.h"
+#include "scene/check/check_scene.h"
 #include "scene/check/joint_parts.h"
 #include "scene/check/object_references.h"
 #include "scene/check/sidecar_paths.h"
+#include "scene/environment/environment.h"
 #include "scene/scene.h"
 #include "scene/values/scene_values.h"
 
@@ -38,6 +40,7 @@ bool same_body(v1::Object a, v1::Object b) {
     one->clear_hidden();
     one->clear_locked();
     one->clear_group();
+    one->clear_part();
   }
   return google::protobuf::util::MessageDifferencer::Equals(a, b);
 }
@@ -182,6 +185,37 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
   if (standing_.at(*id)) settle(std::array{*id});
   wake_unsupported();
   return {};
+}
+
+Result<void> Scene::replace_environment(const v1::Environment& environment) {
+  v1::Scene next = file_;
+  *next.mutable_environment() = environment;
+  if (auto checked = check_scene(next); !checked) return checked;  // a recording may say anything
+  auto made = kept_environment(options_.cache.get(), environment, folder_);
+  if (!made) {
+    const std::vector<std::filesystem::path> kept_in = sidecar_paths(file_, folder_, name_);
+    std::vector<std::optional<Result<BuiltObject>>> built;
+    for (int i = 0; i < file_.objects_size(); ++i) {
+      const std::string field = "objects[" + std::to_string(i) + "]";
+      const ObjectSidecar sidecar{kept_in[static_cast<size_t>(i)], nullptr};
+      built.emplace_back(
+          options_.cache
+              ? options_.cache->build(file_.objects(i), folder_, i, field, world_->settings(), sidecar)
+              : build_object(file_.objects(i), folder_, i, field, world_->settings(), sidecar));
+      if (!*built.back()) return built.back()->error();
+    }
+    auto fresh = build_environment(options_.cache.get(), environment, folder_, built);
+    if (!fresh) return fresh.error();
+    made = *std::move(fresh);
+  }
+  file_ = std::move(next);
+  world_->remove_colliders(0);
+  if (environment_id_) {
+    world_->remove(*environment_id_);
+    std::erase_if(objects_, [&](const SceneObject& one) { return one.id == *environment_id_; });
+    changes_.removed.push_back(*environment_id_);
+  }
+  return add_environment(*made);
 }
 
 void Scene::carry(const v1::SceneChange::Carry& carry) {

@@ -161,19 +161,9 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
 
   share_elastic_budget(built, *settings);
   scene.bounds_m_ = built_bounds(built);
-  auto environment = build_environment(file.environment(), folder, built);
+  auto environment = build_environment(options.cache.get(), file.environment(), folder, built);
   if (!environment) return environment.error();
-  for (const Collider& collider : environment->colliders) scene.world_->add_collider(collider);
-  if (environment->asset) {
-    SceneObject drawn;
-    drawn.id = scene.next_id_++;
-    drawn.name = "environment";
-    drawn.environment = true;
-    drawn.asset = environment->asset;
-    if (auto added = scene.world_->add_static(drawn.id, environment->world_from_object); !added)
-      return added.error();
-    scene.add_drawn(std::move(drawn), environment->object_from_asset);
-  }
+  if (auto added = scene.add_environment(**environment); !added) return added.error();
   std::vector<uint32_t> standing;  // a static object that is added wakes all others
   for (auto& object : built) {
     const auto id = scene.add_built(**object);
@@ -196,6 +186,22 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   }
   scene.changes_ = {};
   return scene;
+}
+
+Result<void> Scene::add_environment(const BuiltEnvironment& environment) {
+  environment_id_.reset();
+  if (environment.asset) {
+    SceneObject drawn;
+    drawn.id = next_id_++;
+    drawn.name = "environment";
+    drawn.environment = true;
+    drawn.asset = environment.asset;
+    if (auto added = world_->add_static(drawn.id, environment.world_from_object); !added) return added;
+    environment_id_ = drawn.id;
+    add_drawn(std::move(drawn), environment.object_from_asset);
+  }
+  for (const Collider& collider : environment.colliders) world_->add_collider(collider);
+  return {};
 }
 
 Result<uint32_t> Scene::add_built(BuiltObject& one) {
@@ -287,7 +293,7 @@ std::string Scene::cut_key(const SceneObject& object) const {
 uint64_t Scene::cut_seed(const SceneObject& object) const {
   for (int i = 0; i < file_.objects_size(); ++i) {
     if (object_name(file_.objects(i), i) != object.name) continue;
-    return options_.seed + static_cast<uint64_t>(i) + (objects_.front().environment ? 2 : 1);
+    return options_.seed + static_cast<uint64_t>(i) + (environment_id_ ? 2 : 1);
   }
   return options_.seed;
 }

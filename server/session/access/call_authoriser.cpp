@@ -41,6 +41,9 @@ v1::Scope required_scope(std::string_view path) {
       {"/livegs.v1.LiveGs/SaveScene", v1::AUTHOR},
       {"/livegs.v1.LiveGs/ListAssets", v1::AUTHOR},
       {"/livegs.v1.LiveGs/UploadAsset", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/GetRoomParts", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/TakePart", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/PutBack", v1::AUTHOR},
   };
   const auto found = kRequiredScopes.find(path);
   return found == kRequiredScopes.end() ? v1::ADMIN : found->second;

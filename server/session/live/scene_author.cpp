@@ -2,6 +2,7 @@
 #include "session/live/scene_author.h"
 
 #include <fcntl.h>
+#include <google/protobuf/util/message_differencer.h>
 #include <pthread.h>
 #include <unistd.h>
 
@@ -15,7 +16,9 @@
 #include "gaussian/asset_file.h"
 #include "scene/build/object_cache.h"
 #include "scene/check/check_object.h"
+#include "scene/check/check_scene.h"
 #include "scene/check/sidecar_paths.h"
+#include "scene/environment/environment.h"
 #include "scene/values/scene_values.h"
 #include "session/support/redact_paths.h"
 
@@ -23,6 +26,7 @@ namespace livegs {
 namespace {
 
 namespace fs = std::filesystem;
+using google::protobuf::util::MessageDifferencer;
 
 constexpr double kMaxDrop_m = 100.0;  // an object farther above the floor is not dropped
 constexpr int kMaxAssetDepth = 3;     // subfolder levels that are listed
@@ -85,7 +89,11 @@ class FileUpload final : public AuthorControl::Upload {
 
 SceneAuthor::SceneAuthor(SceneDocument document, const SceneOptions& options, SimulationLoop& loop,
                          AnalysisController& analysis)
-    : options_(options), loop_(loop), analysis_(analysis), document_(std::move(document)) {
+    : options_(options),
+      loop_(loop),
+      analysis_(analysis),
+      things_(document.folder()),
+      document_(std::move(document)) {
   show_revision();
   thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
 }
@@ -222,12 +230,28 @@ void SceneAuthor::keep_sidecars(const v1::Scene& before, const v1::Scene& after,
   }
 }
 
+Result<void> SceneAuthor::build_environment_of(const v1::Scene& scene) const {
+  std::vector<std::optional<Result<BuiltObject>>> objects;
+  for (int i = 0; i < scene.objects_size(); ++i) {
+    objects.emplace_back(built(scene, i, nullptr));
+    if (!*objects.back()) return objects.back()->error();
+  }
+  auto made = build_environment(options_.cache.get(), scene.environment(), document_.folder(), objects);
+  if (!made) return made.error();
+  keep_environment(*options_.cache, scene.environment(), document_.folder(), *std::move(made));
+  return {};
+}
+
 Result<std::vector<std::string>> SceneAuthor::apply(const v1::Scene& before, const v1::Scene& after,
                                                     const Renames& renames) {
   keep_sidecars(before, after, renames);
   std::vector<std::string> warnings, gone;
   std::vector<v1::SceneChange> changes;
   std::vector<BuiltObject> fresh;
+  if (!MessageDifferencer::Equals(before.environment(), after.environment())) {
+    if (auto made = build_environment_of(after); !made) return made.error();
+    *changes.emplace_back().mutable_environment() = after.environment();
+  }
   for (v1::SceneChange::Edit& edit : edits_between(before, after, renames)) {
     if (edit.has_after()) {
       int index = 0;
@@ -253,17 +277,98 @@ Result<v1::EditSceneReply> SceneAuthor::edited(const v1::EditSceneRequest& reque
   auto step = document_.prepare(
       request, [this](const v1::Object& object) { return measure(object); }, names);
   if (!step) return step.error();
-  auto warnings = apply(step->before, step->after, step->renames);
+  auto warnings = done(std::move(*step));
   if (!warnings) return warnings.error();
-  log_info("scene: %s", step->title.c_str());
+  reply.set_revision(document_.revision());
+  for (std::string& name : names) reply.add_objects(std::move(name));
+  for (std::string& warning : *warnings) reply.add_warnings(std::move(warning));
+  return reply;
+}
+
+Result<std::vector<std::string>> SceneAuthor::done(SceneDocument::Step step) {
+  auto warnings = apply(step.before, step.after, step.renames);
+  if (!warnings) return warnings;
+  log_info("scene: %s", step.title.c_str());
   {
     std::lock_guard lock(document_mutex_);
-    const std::string not_kept = document_.commit(std::move(*step));
+    const std::string not_kept = document_.commit(std::move(step));
     if (!not_kept.empty()) warnings->push_back(redact_paths(not_kept));
-    reply.set_revision(document_.revision());
   }
   show_revision();
-  for (std::string& name : names) reply.add_objects(std::move(name));
+  return warnings;
+}
+
+v1::RoomParts SceneAuthor::room_parts() {
+  const v1::Environment environment = [&] {
+    std::lock_guard lock(document_mutex_);
+    return document_.scene().environment();
+  }();
+  return things_.describe(environment);
+}
+
+void SceneAuthor::take_part(v1::TakePartRequest request, Answer<v1::TakePartReply> answer) {
+  if (!post([this, request = std::move(request), answer] { answer(taken(request)); }))
+    answer(too_many_edits());
+}
+
+void SceneAuthor::put_back(const std::string& object, Answer<v1::EditSceneReply> answer) {
+  if (!post([this, object, answer] { answer(returned(object)); })) answer(too_many_edits());
+}
+
+Result<v1::TakePartReply> SceneAuthor::taken(const v1::TakePartRequest& request) {
+  const v1::Environment& environment = document_.scene().environment();
+  (void)things_.describe(environment);  // begins the search if nobody asked before
+  auto thing = things_.under(request, environment);
+  if (!thing) return thing.error();
+  v1::TakePartReply reply;
+  reply.set_kernels(thing->kernels);
+  for (const double number : thing->bounds_m.min()) reply.add_min_m(number);
+  for (const double number : thing->bounds_m.max()) reply.add_max_m(number);
+  if (request.preview()) return reply;
+  auto out = things_.take(*thing, environment);
+  if (!out) return out.error();
+  v1::EditSceneRequest added;
+  *added.add_objects()->mutable_value() = out->object;
+  added.mutable_objects(0)->mutable_value()->set_name(request.name().empty() ? "thing 1" : request.name());
+  std::vector<std::string> names;
+  auto step = document_.prepare(
+      added, [this](const v1::Object& object) { return measure(object); }, names);
+  if (!step) return step.error();
+  *step->after.mutable_environment() = out->environment;
+  if (auto checked = check_scene(step->after); !checked) return checked.error();
+  step->title = "take " + shown_text(names.front(), 60);
+  auto warnings = done(std::move(*step));
+  if (!warnings) return warnings.error();
+  reply.set_object(names.front());
+  reply.set_revision(document_.revision());
+  for (std::string& warning : *warnings) reply.add_warnings(std::move(warning));
+  return reply;
+}
+
+Result<v1::EditSceneReply> SceneAuthor::returned(const std::string& object) {
+  const auto& objects = document_.scene().objects();
+  const auto found = std::find_if(objects.begin(), objects.end(),
+                                  [&](const v1::Object& one) { return one.name() == object; });
+  if (found == objects.end())
+    return not_found("object: \"" + shown_text(object, 80) + "\" is not in the scene");
+  if (found->part() == 0)
+    return invalid_argument("object \"" + shown_text(object, 80) +
+                            "\": was not taken from the room; delete it instead");
+  v1::EditSceneRequest gone;
+  gone.add_objects()->set_object(object);
+  gone.mutable_objects(0)->set_remove(true);
+  const uint32_t part = found->part();
+  std::vector<std::string> names;
+  auto step = document_.prepare(
+      gone, [this](const v1::Object& one) { return measure(one); }, names);
+  if (!step) return step.error();
+  *step->after.mutable_environment() = RoomThings::put_back(part, step->after.environment());
+  step->title = "put back " + shown_text(object, 60);
+  auto warnings = done(std::move(*step));
+  if (!warnings) return warnings.error();
+  v1::EditSceneReply reply;
+  reply.add_objects(object);
+  reply.set_revision(document_.revision());
   for (std::string& warning : *warnings) reply.add_warnings(std::move(warning));
   return reply;
 }

@@ -10,6 +10,7 @@
 
 #include "scene/edit/scene_document.h"
 #include "session/live/analysis_controller.h"
+#include "session/live/room_things.h"
 #include "session/simulation/simulation_loop.h"
 #include "session/tick/author_control.h"
 
@@ -32,6 +33,9 @@ class SceneAuthor final : public AuthorControl {
   Result<void> carry(const v1::CarryObjectRequest& request) override;
   v1::SceneDocument document() override;
   v1::ListAssetsReply assets() override;
+  v1::RoomParts room_parts() override;
+  void take_part(v1::TakePartRequest request, Answer<v1::TakePartReply> answer) override;
+  void put_back(const std::string& object, Answer<v1::EditSceneReply> answer) override;
   void note_physics(const std::string& object) override;
   Result<std::unique_ptr<Upload>> upload(const std::string& name) override;
 
@@ -52,10 +56,16 @@ class SceneAuthor final : public AuthorControl {
   Result<std::vector<std::string>> apply(const v1::Scene& before, const v1::Scene& after,
                                          const Renames& renames);
   void keep_sidecars(const v1::Scene& before, const v1::Scene& after, const Renames& renames) const;
+  // Builds the environment and keeps it for the simulation.
+  Result<void> build_environment_of(const v1::Scene& scene) const;
   Result<BuiltObject> built(const v1::Scene& scene, int index, v1::PhysicsFile* sidecar) const;
   Result<ObjectMeasures> measure(const v1::Object& object) const;
   Result<v1::EditSceneReply> edited(const v1::EditSceneRequest& request);
   Result<v1::EditSceneReply> undone(bool redo);
+  // Takes a prepared step: builds, applies and commits it. Returns the warnings.
+  Result<std::vector<std::string>> done(SceneDocument::Step step);
+  Result<v1::TakePartReply> taken(const v1::TakePartRequest& request);
+  Result<v1::EditSceneReply> returned(const std::string& object);
   void show_revision();
 
   const SceneOptions options_;
@@ -64,6 +74,7 @@ class SceneAuthor final : public AuthorControl {
   std::mutex editing_;  // held by each task of the author's thread, and from build() to installed()
   std::unique_lock<std::mutex> resetting_;
   mutable std::mutex document_mutex_;
+  RoomThings things_;
   SceneDocument document_;  // written by the holder of editing_, under the mutex
   std::mutex mutex_;        // guards tasks_
   std::condition_variable_any changed_;

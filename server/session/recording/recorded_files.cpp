@@ -25,6 +25,7 @@ void for_each_path(v1::Scene& scene, const std::function<void(std::string& path)
   };
   if (scene.has_environment()) {
     visit_given(scene.mutable_environment()->mutable_asset());
+    visit_given(scene.mutable_environment()->mutable_labels());
     for (v1::Collider& collider : *scene.mutable_environment()->mutable_colliders()) {
       if (collider.shape_case() == v1::Collider::kMesh) visit_given(collider.mutable_mesh());
     }

@@ -129,6 +129,36 @@ grpc::ServerUnaryReactor* AuthorCalls::ListAssets(grpc::CallbackServerContext* c
   return reactor;
 }
 
+grpc::ServerUnaryReactor* AuthorCalls::GetRoomParts(grpc::CallbackServerContext* context,
+                                                    const v1::GetRoomPartsRequest*, v1::RoomParts* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  AuthorControl* author = author_;
+  if (author) *reply = author->room_parts();
+  reactor->Finish(author ? grpc::Status::OK : not_open());
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* AuthorCalls::TakePart(grpc::CallbackServerContext* context,
+                                                const v1::TakePartRequest* request,
+                                                v1::TakePartReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  if (AuthorControl* author = author_)
+    author->take_part(*request, answer_to(reactor, reply));
+  else
+    reactor->Finish(not_open());
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* AuthorCalls::PutBack(grpc::CallbackServerContext* context,
+                                               const v1::PutBackRequest* request, v1::EditSceneReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  if (AuthorControl* author = author_)
+    author->put_back(request->object(), answer_to(reactor, reply));
+  else
+    reactor->Finish(not_open());
+  return reactor;
+}
+
 grpc::ServerReadReactor<v1::UploadAssetChunk>* AuthorCalls::UploadAsset(grpc::CallbackServerContext* context,
                                                                         v1::UploadAssetReply* reply) {
   return new UploadCall(context, author_, reply);

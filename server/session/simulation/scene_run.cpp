@@ -11,6 +11,9 @@ void apply(Scene& scene, const v1::SceneChange& change) {
   if (change.has_edit()) {
     if (auto edited = scene.edit(change.edit()); !edited)
       log_warn("edit: %s", edited.error().message.c_str());
+  } else if (change.has_environment()) {
+    if (auto replaced = scene.replace_environment(change.environment()); !replaced)
+      log_warn("environment: %s", replaced.error().message.c_str());
   } else if (change.has_carry()) {
     scene.carry(change.carry());
   } else if (change.has_force()) {

@@ -25,6 +25,10 @@ class AuthorControl {
   virtual Result<void> carry(const v1::CarryObjectRequest& request) = 0;
   virtual v1::SceneDocument document() = 0;
   virtual v1::ListAssetsReply assets() = 0;
+  // Things of a captured room. The first call of room_parts() begins to find them.
+  virtual v1::RoomParts room_parts() = 0;
+  virtual void take_part(v1::TakePartRequest request, Answer<v1::TakePartReply> answer) = 0;
+  virtual void put_back(const std::string& object, Answer<v1::EditSceneReply> answer) = 0;
   // A revision of an object's sidecar, made by a user: becomes a step of the log.
   virtual void note_physics(const std::string& object) = 0;
 

@@ -102,7 +102,7 @@ v1::Scope expected_scope(const std::string& path) {
   if (method == "SetPhysics" || method == "UndoPhysics" || method == "AcceptProposal" ||
       method == "AnalyzeScene" || method == "ControlRun" || method == "EditScene" || method == "UndoEdit" ||
       method == "CarryObject" || method == "GetScene" || method == "SaveScene" || method == "ListAssets" ||
-      method == "UploadAsset")
+      method == "UploadAsset" || method == "GetRoomParts" || method == "TakePart" || method == "PutBack")
     return v1::AUTHOR;
   return method == "ApplyForce" ? v1::INTERACT : v1::VIEW;
 }

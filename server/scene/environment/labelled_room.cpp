@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/environment/labelled_room.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "core/file.h"
+#include "gaussian/asset_file.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kMagic[] = "LGSLAB1\n";
+constexpr size_t kHeaderBytes = 16;
+
+fs::path kernels_of(fs::path labels) { return labels.replace_extension(".ply"); }
+
+}  // namespace
+
+GaussianAsset room_without(const LabelledRoom& room, std::span<const uint32_t> taken,
+                           std::vector<uint32_t>* kept) {
+  const auto is_taken = [&](uint16_t label) { return std::find(taken.begin(), taken.end(), label) != taken.end(); };
+  std::vector<uint32_t> stays;
+  for (uint32_t i = 0; i < room.label.size(); ++i) {
+    const auto thing = static_cast<uint16_t>(room.label[i] & ~kFillBit);
+    const bool fill = (room.label[i] & kFillBit) != 0;
+    if (thing == 0 || is_taken(thing) == fill) stays.push_back(i);
+  }
+  const GaussianAsset& from = room.asset;
+  GaussianAsset rest;
+  rest.sh_degree = from.sh_degree;
+  rest.antialiased = from.antialiased;
+  rest.resize(stays.size());
+  const size_t stride = from.sh_rest_count();
+  rest.sh_rest.resize(stays.size() * stride);
+  for (size_t k = 0; k < stays.size(); ++k) {
+    const uint32_t i = stays[k];
+    rest.positions[k] = from.positions[i];
+    rest.rotations[k] = from.rotations[i];
+    rest.log_scales[k] = from.log_scales[i];
+    rest.opacity_logits[k] = from.opacity_logits[i];
+    rest.sh_dc[k] = from.sh_dc[i];
+    std::copy_n(from.sh_rest.begin() + static_cast<std::ptrdiff_t>(i * stride), stride,
+                rest.sh_rest.begin() + static_cast<std::ptrdiff_t>(k * stride));
+  }
+  if (kept) *kept = std::move(stays);
+  return rest;
+}
+
+Result<void> write_labelled_room(const fs::path& labels, const LabelledRoom& room) {
+  if (auto written = write_asset(kernels_of(labels), room.asset); !written) return written;
+  std::vector<std::byte> bytes(kHeaderBytes + 2 * room.label.size());
+  const uint64_t count = room.label.size();
+  std::memcpy(bytes.data(), kMagic, 8);
+  std::memcpy(bytes.data() + 8, &count, 8);
+  std::memcpy(bytes.data() + kHeaderBytes, room.label.data(), 2 * room.label.size());
+  return write_file_atomically(labels, bytes);
+}
+
+Result<LabelledRoom> read_labelled_room(const fs::path& labels) {
+  const std::string name = labels.filename().string();
+  auto bytes = read_file(labels);
+  if (!bytes) return bytes.error();
+  uint64_t count = 0;
+  if (bytes->size() >= kHeaderBytes) std::memcpy(&count, bytes->data() + 8, 8);
+  if (bytes->size() < kHeaderBytes || std::memcmp(bytes->data(), kMagic, 8) != 0 ||
+      count != (bytes->size() - kHeaderBytes) / 2 || bytes->size() % 2 != 0)
+    return invalid_data(name + ": is no file of labels, or is cut off; restore it, or remove \"labels\" and \"taken\"");
+  auto kernels = read_asset(kernels_of(labels));
+  if (!kernels) return kernels.error();
+  if (kernels->asset.size() != count)
+    return invalid_data(name + ": has " + std::to_string(count) + " labels for " +
+                        std::to_string(kernels->asset.size()) + " kernels in " +
+                        kernels_of(labels).filename().string() + "; restore both from one copy");
+  LabelledRoom room;
+  room.asset = std::move(kernels->asset);
+  room.label.resize(count);
+  std::memcpy(room.label.data(), bytes->data() + kHeaderBytes, 2 * count);
+  return room;
+}
+
+}  // namespace livegs

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/live/room_things.h"
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/content_hash.h"
+#include "core/log.h"
+#include "gaussian/asset_file.h"
+#include "parts/label/choose_kernels.h"
+#include "parts/room_parts.h"
+#include "parts/separate/split_straddling.h"
+#include "parts/views/room_view.h"
+#include "scene/values/scene_values.h"
+#include "session/support/redact_paths.h"
+#include "splat/kernel_view.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+
+// Rays are drawn as pictures of this many pixels across, of which the middle one counts.
+constexpr int kPickWidth = 3;
+constexpr double kPickFov_rad = 2e-3;
+
+struct Placed {
+  Pose world_from_object;
+  Eigen::Quaterniond rotation;
+  double scale = 1.0;
+
+  Vector3d world(const Vector3d& asset) const { return world_from_object * (scale * (rotation * asset)); }
+  Vector3d asset_direction(const Vector3d& world) const {
+    return rotation.conjugate() * (world_from_object.orientation.conjugate() * world);
+  }
+  Vector3d asset(const Vector3d& world) const {
+    return rotation.conjugate() * (world_from_object.inverse() * world) / scale;
+  }
+};
+
+Placed placed(const v1::Environment& environment) {
+  Placed at;
+  at.world_from_object = pose_value(environment.pose(), "environment.pose").value();  // checked
+  at.rotation = up_value(environment.up(), "environment.up").value();
+  if (environment.has_scale()) at.scale = environment.scale();
+  return at;
+}
+
+Result<Vector3d> ray_value(const Numbers& numbers, const char* field) {
+  if (numbers.size() != 3) return invalid_argument(std::string("rays.") + field + ": give three numbers");
+  const Vector3d value(numbers[0], numbers[1], numbers[2]);
+  if (!value.allFinite() || value.cwiseAbs().maxCoeff() > 1e6)
+    return invalid_argument(std::string("rays.") + field + ": must be finite and at most 1e6 m");
+  return value;
+}
+
+Eigen::AlignedBox3d world_box(const Placed& at, const Eigen::AlignedBox3d& box) {
+  Eigen::AlignedBox3d all;
+  for (int corner = 0; corner < 8; ++corner)
+    all.extend(at.world(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
+  return all;
+}
+
+void set_numbers(Numbers& numbers, const Vector3d& value) {
+  numbers.Clear();
+  for (const double number : value) numbers.Add(number);
+}
+
+}  // namespace
+
+RoomThings::~RoomThings() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+RoomThings::Room RoomThings::room_of(LabelledRoom labelled, std::string labels_file) {
+  Room room;
+  for (size_t i = 0; i < labelled.label.size(); ++i) {
+    const uint16_t label = labelled.label[i];
+    if (label == 0 || (label & kFillBit) != 0) continue;
+    Known& thing = room.things[label];
+    thing.bounds.extend(labelled.asset.positions[i].cast<double>());
+    ++thing.kernels;
+  }
+  room.labelled = std::move(labelled);
+  room.labels_file = std::move(labels_file);
+  return room;
+}
+
+void RoomThings::search(std::stop_token stop, const v1::Environment& environment) {
+  const auto end = [&](v1::RoomParts::State state, const std::string& reason,
+                       std::shared_ptr<const Room> room = nullptr) {
+    if (!reason.empty()) log_info("room: %s", reason.c_str());
+    std::lock_guard lock(mutex_);
+    state_ = state;
+    reason_ = redact_paths(reason);
+    room_ = std::move(room);
+  };
+  if (!environment.labels().empty()) {
+    auto kept = read_labelled_room(folder_ / environment.labels());
+    if (!kept) return end(v1::RoomParts::FAILED, kept.error().message);
+    auto room = std::make_shared<Room>(room_of(std::move(*kept), environment.labels()));
+    return end(v1::RoomParts::READY, "", room);
+  }
+  auto file = read_asset(folder_ / environment.asset());
+  if (!file) return end(v1::RoomParts::FAILED, file.error().message);
+  const Placed at = placed(environment);
+  PartsOptions options;
+  options.up = at.asset_direction(Vector3d::UnitY());
+  options.stop = stop;
+  options.progress = [&](const char*, double fraction) {
+    std::lock_guard lock(mutex_);
+    progress_ = fraction;
+  };
+  auto found = find_parts(file->asset, options);
+  if (stop.stop_requested()) return;
+  if (!found) return end(v1::RoomParts::FAILED, found.error().message);
+  SplitRoom split = split_straddling(file->asset, *found);
+  auto room = std::make_shared<Room>(room_of({std::move(split.asset), std::move(split.label)}, ""));
+  log_info("room: %zu things found that can be taken", room->things.size());
+  if (room->things.empty())
+    return end(v1::RoomParts::FAILED, "no thing was found that stands apart; nothing can be taken");
+  end(v1::RoomParts::READY, "", room);
+}
+
+v1::RoomParts RoomThings::describe(const v1::Environment& environment) {
+  v1::RoomParts message;
+  if (environment.asset().empty()) {
+    message.set_reason("environment: has no captured room; name its splat as environment.asset");
+    return message;
+  }
+  std::unique_lock lock(mutex_);
+  // Labels that this object wrote are those that it has.
+  const bool known = asset_ == environment.asset() &&
+                     (labels_ == environment.labels() || environment.labels().empty() ||
+                      (room_ && room_->labels_file == environment.labels()));
+  if (!known && state_ != v1::RoomParts::PREPARING) {
+    asset_ = environment.asset();
+    labels_ = environment.labels();
+    state_ = v1::RoomParts::PREPARING;
+    progress_ = 0;
+    reason_.clear();
+    room_.reset();
+    lock.unlock();
+    thread_ = std::jthread([this, environment](const std::stop_token& stop) {
+      pthread_setname_np(pthread_self(), "room");
+      search(stop, environment);
+    });
+    lock.lock();
+  }
+  message.set_state(state_);
+  message.set_progress(state_ == v1::RoomParts::READY ? 1.0 : progress_);
+  message.set_reason(reason_);
+  if (!room_) return message;
+  const Placed at = placed(environment);
+  for (const auto& [label, thing] : room_->things) {
+    v1::RoomParts::Part& part = *message.add_parts();
+    const Eigen::AlignedBox3d box = world_box(at, thing.bounds);
+    part.set_label(label);
+    set_numbers(*part.mutable_min_m(), box.min());
+    set_numbers(*part.mutable_max_m(), box.max());
+    part.set_kernels(thing.kernels);
+    part.set_taken(std::count(environment.taken().begin(), environment.taken().end(), label) > 0);
+  }
+  return message;
+}
+
+std::shared_ptr<const RoomThings::Room> RoomThings::room_for(const v1::Environment& environment) const {
+  std::lock_guard lock(mutex_);
+  return asset_ == environment.asset() ? room_ : nullptr;
+}
+
+const RoomThings::Shown& RoomThings::shown(std::shared_ptr<const Room> room,
+                                           const v1::Environment& environment) {
+  const std::vector<uint32_t> taken(environment.taken().begin(), environment.taken().end());
+  if (shown_.room == room && shown_.taken == taken) return shown_;
+  shown_.asset = room_without(room->labelled, taken, &shown_.kept);
+  shown_.posed = pose_in_place(shown_.asset);
+  shown_.taken = taken;
+  shown_.room = std::move(room);
+  return shown_;
+}
+
+Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
+                                            const v1::Environment& environment) {
+  const auto room = room_for(environment);
+  if (!room) return Error{ErrorCode::Unavailable, "room: its things are not found yet; try again later"};
+  if (request.rays_size() < 1 || request.rays_size() > kMaxRays)
+    return invalid_argument("rays: give 1 to 32");
+  const Shown& seen = shown(room, environment);
+  const Placed at = placed(environment);
+  KernelRasteriser rasteriser;
+  KernelView view;
+  std::set<uint16_t> labels;
+  for (const v1::PickRay& ray : request.rays()) {
+    auto from = ray_value(ray.from_m(), "from_m");
+    if (!from) return from.error();
+    auto towards = ray_value(ray.towards(), "towards");
+    if (!towards) return towards.error();
+    if (!(towards->norm() > 0.0)) return invalid_argument("rays.towards: is zero; give a direction");
+    const Vector3d start = at.asset(*from), direction = at.asset_direction(*towards).normalized();
+    const Camera camera = look_at(start, start + direction, direction.unitOrthogonal(), kPickFov_rad,
+                                  kPickWidth, kPickWidth);
+    rasteriser.draw({&seen.asset, &seen.posed, 0}, camera, view);
+    const uint32_t kernel = view.kernel[kPickWidth * kPickWidth / 2];
+    const uint16_t label = kernel == kNoKernel ? 0 : room->labelled.label[seen.kept[kernel]];
+    if (label == 0 || (label & kFillBit) != 0) {
+      if (!ray.away() && labels.empty()) return not_found("rays: meet no thing that can be taken; aim at one");
+      continue;
+    }
+    if (ray.away())
+      labels.erase(label);
+    else
+      labels.insert(label);
+  }
+  if (labels.empty()) return not_found("rays: nothing is left to take; aim at a thing");
+  Thing thing;
+  Eigen::AlignedBox3d box;
+  for (const uint16_t label : labels) {
+    thing.labels.push_back(label);
+    thing.kernels += room->things.at(label).kernels;
+    box.extend(room->things.at(label).bounds);
+  }
+  thing.bounds_m = world_box(at, box);
+  return thing;
+}
+
+Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environment& environment) {
+  auto room = room_for(environment);
+  if (!room) return Error{ErrorCode::Unavailable, "room: its things are not found yet; try again later"};
+  const uint16_t label = thing.labels.front();
+  if (thing.labels.size() > 1 || room->labels_file.empty()) {
+    LabelledRoom joined = room->labelled;
+    for (uint16_t& one : joined.label) {
+      const auto own = static_cast<uint16_t>(one & ~kFillBit);
+      if (std::find(thing.labels.begin(), thing.labels.end(), own) != thing.labels.end())
+        one = static_cast<uint16_t>(label | (one & kFillBit));
+    }
+    // Equal labels are one file; other files that name it stay valid.
+    const std::string hash = content_hash(std::as_bytes(std::span(joined.label))).substr(0, 8);
+    const std::string stem = fs::path(environment.asset()).stem().string();
+    const std::string name = stem + "-" + hash + ".labels";
+    if (auto written = write_labelled_room(folder_ / name, joined); !written) return written.error();
+    auto read = read_labelled_room(folder_ / name);  // with the bits that later runs see
+    if (!read) return read.error();
+    room = std::make_shared<Room>(room_of(std::move(*read), name));
+    std::lock_guard lock(mutex_);
+    room_ = room;
+  }
+  GaussianAsset asset = kernels_with(room->labelled.asset, room->labelled.label, label);
+  if (asset.size() == 0) return not_found("room: the thing has no kernels; take another");
+  const Placed at = placed(environment);
+  // The object's frame is at the middle of the thing's bottom.
+  const Vector3d up = at.asset_direction(Vector3d::UnitY());
+  const Eigen::AlignedBox3d& box = room->things.at(label).bounds;
+  Vector3d origin = box.center();
+  double lowest = INFINITY;
+  for (const Eigen::Vector3f& position : asset.positions)
+    lowest = std::min(lowest, up.dot(position.cast<double>()));
+  origin += (lowest - up.dot(origin)) * up;
+  for (Eigen::Vector3f& position : asset.positions)
+    position = (position.cast<double>() - origin).cast<float>();
+  const std::string stem = fs::path(room->labels_file).stem().string();
+  const std::string file = stem + "-thing-" + std::to_string(label) + ".ply";
+  if (auto written = write_asset(folder_ / file, asset); !written) return written.error();
+
+  Taken taken{environment, {}};
+  taken.environment.set_labels(room->labels_file);
+  taken.environment.add_taken(label);
+  v1::Object& object = taken.object;
+  object.set_asset(file);
+  object.set_scale(at.scale);
+  object.set_up(environment.up());
+  *object.mutable_pose() = environment.pose();
+  set_numbers(*object.mutable_pose()->mutable_position_m(), at.world(origin));
+  object.set_standing(true);
+  object.set_part(label);
+  return taken;
+}
+
+v1::Environment RoomThings::put_back(uint32_t label, v1::Environment environment) {
+  auto& taken = *environment.mutable_taken();
+  taken.erase(std::remove(taken.begin(), taken.end(), label), taken.end());
+  return environment;
+}
+
+}  // namespace livegs

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/result.h"
+#include "gaussian/posed_kernels.h"
+#include "livegs/v1/author.pb.h"
+#include "livegs/v1/scene.pb.h"
+#include "scene/environment/labelled_room.h"
+
+namespace livegs {
+
+// The things of a captured room that authors can take out. They are found on a thread of their own
+// (parts/room_parts.h), or read from the labels that an earlier take wrote next to the scene.
+class RoomThings {
+ public:
+  explicit RoomThings(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  ~RoomThings();  // stops the search
+
+  // State for the environment of a scene. Begins the search if there was none for its asset. Any thread.
+  v1::RoomParts describe(const v1::Environment& environment);
+
+  struct Thing {
+    std::vector<uint16_t> labels;  // more than one: they become one thing
+    uint32_t kernels = 0;
+    Eigen::AlignedBox3d bounds_m;  // world frame
+  };
+  // The thing that the rays hit. Unavailable while the room is prepared. The thread of edits only.
+  Result<Thing> under(const v1::TakePartRequest& request, const v1::Environment& environment);
+
+  struct Taken {
+    v1::Environment environment;  // with the thing left out
+    v1::Object object;            // without name
+  };
+  // Writes the labels and the thing's asset into the scene's folder. The thread of edits only.
+  Result<Taken> take(const Thing& thing, const v1::Environment& environment);
+  // The environment with the thing back in it.
+  static v1::Environment put_back(uint32_t label, v1::Environment environment);
+
+  static constexpr int kMaxRays = 32;
+
+ private:
+  struct Known {
+    Eigen::AlignedBox3d bounds;  // asset frame
+    uint32_t kernels = 0;
+  };
+  struct Room {
+    LabelledRoom labelled;
+    std::map<uint16_t, Known> things;
+    std::string labels_file;  // in the folder; empty: not written yet
+  };
+  void search(std::stop_token stop, const v1::Environment& environment);
+  std::shared_ptr<const Room> room_for(const v1::Environment& environment) const;
+  static Room room_of(LabelledRoom labelled, std::string labels_file);
+  // The room that rays meet; kept for the next rays.
+  struct Shown {
+    std::shared_ptr<const Room> room;
+    std::vector<uint32_t> taken, kept;
+    GaussianAsset asset;
+    PosedKernels posed;
+  };
+  const Shown& shown(std::shared_ptr<const Room> room, const v1::Environment& environment);
+
+  const std::filesystem::path folder_;
+  mutable std::mutex mutex_;  // guards the rest but the thread
+  std::string asset_, labels_;  // of the search
+  v1::RoomParts::State state_ = v1::RoomParts::NONE;
+  double progress_ = 0;
+  std::string reason_;
+  std::shared_ptr<const Room> room_;
+  Shown shown_;  // not guarded: the thread of edits
+  std::jthread thread_;  // last: uses all members above
+};
+
+}  // namespace livegs
