@@ -101,7 +101,7 @@ void TileBlender::blend(std::span<const ProjectedKernel> kernels, const TileBins
         if (i + 8 < bin.size()) __builtin_prefetch(&kernels[bin[i + 8]]);
         const ProjectedKernel& kernel = kernels[bin[i]];
         const PlacedKernel placed(kernel, tile_x, tile_y);
-        const uint32_t runs = touched_runs(kernel, placed) & live;
+        const uint32_t runs = touched_runs(kernel, placed, kernel.rim()) & live;
         if (runs == 0) continue;
         live &= ~(shares_.empty() ? blend_kernel<false>(kernel, placed, runs, tiles_[t], nullptr)
                                   : blend_kernel<true>(kernel, placed, runs, tiles_[t],
