@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "splat/camera.h"
+#include "train/kernel_parameters.h"
+#include "train/render/project_trained.h"
+#include "train/render/render_cuts.h"
+
+namespace livegs {
+
+// A picture as planes of width * height floats, rows from the top.
+struct PicturePlanes {
+  int width = 0, height = 0;
+  std::vector<float> red, green, blue;
+  std::vector<float> alpha;
+
+  void resize(int new_width, int new_height) {
+    width = new_width;
+    height = new_height;
+    const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
+    for (auto* plane : {&red, &green, &blue, &alpha}) plane->resize(count);
+  }
+  size_t pixels() const { return red.size(); }
+};
+
+struct ViewOptions {
+  Eigen::Vector3f background{0, 0, 0};
+  int sh_degree = 3;
+  RenderCuts cuts;
+  bool depth = false;  // fills depths()
+};
+
+// Draws trained kernels and takes the derivative of a loss back to their numbers. Both passes run front to
+// back over tiles of 16 x 16 pixels (Kerbl et al. 2023, algorithm 2). Results have the same bits for any
+// number of threads: each (kernel, tile) pair has its own row of sums, and the rows of a kernel are added in
+// order. Buffers are kept between calls. Not shared between threads.
+class TrainedView {
+ public:
+  // Colours over the background, without an upper limit; alpha is coverage.
+  void draw(const KernelParameters& parameters, const Camera& camera, const ViewOptions& options);
+  const PicturePlanes& picture() const { return picture_; }
+
+  // Depth along the view axis where the response of the kernel is greatest on the pixel's ray, for the kernel
+  // at which transmittance falls under 0.5; infinity if it never does. Scene units.
+  const std::vector<float>& depths() const { return depths_; }
+
+  // Kernels of the last draw, by depth.
+  size_t visible_count() const { return order_.size(); }
+  // For each kernel of the last draw: 1 if it was visible.
+  std::span<const uint8_t> visible() const { return visible_; }
+  size_t pair_count() const { return pair_kernels_.size(); }
+
+  // `by_picture`: dL by the colour (over the background) and alpha of each pixel. Writes the derivative by
+  // every trained number; 0 for kernels that were not visible. Call after draw, with the same parameters.
+  void backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
+                KernelParameters& gradient);
+
+ private:
+  void project(const KernelParameters& parameters);
+  void bin();
+  void blend();
+  void find_depths(const KernelParameters& parameters);
+
+  Camera camera_;
+  ViewOptions options_;
+  PicturePlanes picture_;
+  std::vector<float> depths_;
+  std::vector<uint32_t> halfway_;           // rank of the kernel at which a pixel becomes half opaque
+  std::vector<ProjectedKernel> projected_;  // by kernel
+  std::vector<uint8_t> visible_;            // by kernel
+  std::vector<ProjectedKernel> kernels_;    // visible ones, nearest first
+  std::vector<uint32_t> order_;             // kernel index of each
+  std::vector<uint32_t> pair_first_;        // by rank: its first pair; one more at the end
+  std::vector<uint32_t> pair_tiles_;        // by pair
+  std::vector<uint32_t> pair_kernels_;      // by pair: rank
+  std::vector<uint32_t> tile_first_;        // by tile: its first entry in tile_pairs_; one more at the end
+  std::vector<uint32_t> tile_pairs_;        // pairs of each tile, nearest first
+  std::vector<EllipseGradient> pair_gradients_;
+  std::vector<uint64_t> keys_;
+};
+
+}  // namespace livegs
