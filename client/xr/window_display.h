@@ -58,13 +58,15 @@ class WindowDisplay : public Display {
   // panels or window changed since.
   Result<void> submit(const PlannedFrame& frame, std::span<const Image> images) override = 0;
   virtual void set_camera(const Camera& camera) = 0;  // for the next wait_frame
-  // The next wait_frame blocks until an event arrives, for up to this time.
+  // The next wait_frame blocks until an event arrives or wake() is called, for up to this time; for less
+  // while the panels are still changing after an event.
   virtual void set_wait(double seconds) = 0;
   virtual const WindowInput& input() const = 0;  // of the last wait_frame
   virtual Eigen::Vector2i size_px() const = 0;   // current size of the contents
   // Of the monitor with the largest part of the window; 0 if unknown.
   virtual double refresh_hz() const = 0;
   virtual void set_overlay(WindowOverlay overlay) = 0;
+  virtual void wake() = 0;                       // any thread
   virtual const PanelActions& actions() const = 0;  // on the panels of the last submit
   // Copies the output of the next submit, panels included, to `image`, which must outlive it.
   virtual void keep_next(Image& image) = 0;

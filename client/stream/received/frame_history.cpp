@@ -13,7 +13,8 @@ Quaternion nlerp(const Quaternion& a, const Quaternion& b, typename Quaternion::
   return Quaternion((a.coeffs() * (1 - share) + b.coeffs() * (sign * share)).normalized());
 }
 
-bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
+// Whether drivers can be interpolated.
+bool match(const ObjectDrivers& a, const ObjectDrivers& b) {
   return !a.kernels && !b.kernels && a.kind == b.kind && a.revision == b.revision &&
          a.poses.size() == b.poses.size() && a.positions_m.size() == b.positions_m.size() &&
          a.rotations.size() == b.rotations.size();
@@ -47,13 +48,30 @@ Objects::const_iterator find(Objects::const_iterator from, Objects::const_iterat
 
 }  // namespace
 
+bool same_drivers(const DriverFrame& a, const DriverFrame& b) {
+  const auto same_pose = [](const Pose& one, const Pose& other) {
+    return one.position_m == other.position_m && one.orientation.coeffs() == other.orientation.coeffs();
+  };
+  const auto same_turn = [](const Eigen::Quaternionf& one, const Eigen::Quaternionf& other) {
+    return one.coeffs() == other.coeffs();
+  };
+  return std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(),
+                    [&](const ObjectDrivers& one, const ObjectDrivers& other) {
+                      return match(one, other) && one.object_id == other.object_id &&
+                             std::equal(one.poses.begin(), one.poses.end(), other.poses.begin(), same_pose) &&
+                             one.positions_m == other.positions_m &&
+                             std::equal(one.rotations.begin(), one.rotations.end(), other.rotations.begin(),
+                                        same_turn);
+                    });
+}
+
 DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share) {
   DriverFrame between = a;
   between.simulated_ns += static_cast<int64_t>(share * static_cast<double>(b.simulated_ns - a.simulated_ns));
   auto other = b.objects.begin();
   for (ObjectDrivers& object : between.objects) {
     other = find(other, b.objects.end(), object.object_id);
-    if (other != b.objects.end() && other->object_id == object.object_id && same_drivers(object, *other)) {
+    if (other != b.objects.end() && other->object_id == object.object_id && match(object, *other)) {
       interpolate(object, *other, share);
     }
   }
@@ -68,7 +86,7 @@ DriverFrame extrapolate(const DriverFrame& a, const DriverFrame& b, double share
   for (ObjectDrivers& object : beyond.objects) {
     other = find(other, a.objects.end(), object.object_id);
     if (object.asleep || other == a.objects.end() || other->object_id != object.object_id) continue;
-    if (!same_drivers(*other, object)) continue;
+    if (!match(*other, object)) continue;
     ObjectDrivers gone_on = *other;
     interpolate(gone_on, object, share);
     object = std::move(gone_on);
@@ -76,8 +94,26 @@ DriverFrame extrapolate(const DriverFrame& a, const DriverFrame& b, double share
   return beyond;
 }
 
-void FrameHistory::add(DriverFrame frame) {
-  if (!frames_.empty() && frame.simulated_ns <= frames_.back().simulated_ns) return;
+std::optional<int64_t> FrameHistory::add(DriverFrame frame) {
+  if (!frames_.empty() && frame.simulated_ns <= frames_.back().simulated_ns) return std::nullopt;
+  std::optional<int64_t> repeated_ns;
+  if (frames_.size() >= 2) {
+    const DriverFrame &newest = frames_.back(), &before = frames_[frames_.size() - 2];
+    const uint64_t ticks = frame.tick > newest.tick ? frame.tick - newest.tick : 0;
+    if (ticks > 1 && same_drivers(before, newest)) {
+      DriverFrame repeated = newest;
+      repeated.simulated_ns =
+          frame.simulated_ns - (frame.simulated_ns - newest.simulated_ns) / static_cast<int64_t>(ticks);
+      repeated.tick = frame.tick - 1;
+      repeated_ns = repeated.simulated_ns;
+      push(std::move(repeated));
+    }
+  }
+  push(std::move(frame));
+  return repeated_ns;
+}
+
+void FrameHistory::push(DriverFrame frame) {
   frames_.push_back(std::move(frame));
   if (frames_.size() > max_frames_) frames_.pop_front();
 }

@@ -16,8 +16,10 @@ class FrameHistory {
   // `max_frames`: at least 2, which interpolation and extrapolation need.
   explicit FrameHistory(size_t max_frames) : max_frames_(max_frames) {}
 
-  // Appends a frame; one that is not newer than the newest is ignored. The oldest is dropped when full.
-  void add(DriverFrame frame);
+  // Appends a frame; one that is not newer than the newest is ignored. The oldest is dropped when full. A
+  // server omits frames while a scene rests: if the last two frames are equal and ticks are missing, the
+  // newest is repeated for the tick before the new one. Returns the simulated time of that repetition.
+  std::optional<int64_t> add(DriverFrame frame);
 
   bool empty() const { return frames_.empty(); }
   size_t size() const { return frames_.size(); }
@@ -37,12 +39,15 @@ class FrameHistory {
   void drop_before(int64_t simulated_ns);
 
  private:
+  void push(DriverFrame frame);
   int64_t shortest_ns() const;
 
   size_t max_frames_;
   std::deque<DriverFrame> frames_;
 };
 
+// Whether all objects have the same drivers, to the bit. False for frames of kernels.
+bool same_drivers(const DriverFrame& a, const DriverFrame& b);
 // Interpolates from a to b; `share` in 0..1. Kernels, and objects whose kind, revision or count differ, are
 // copied from a.
 DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share);

@@ -16,11 +16,12 @@ constexpr double kCorrection_ns = 400e6;            // time constant of the erro
 
 }  // namespace
 
-void PlayoutClock::arrived(int64_t simulated_ns, int64_t received_ns) {
+void PlayoutClock::arrived(int64_t simulated_ns, int64_t received_ns, std::optional<int64_t> held_until_ns) {
   const bool stands = !arrivals_.empty() && simulated_ns <= arrivals_.back().simulated_ns;
   const bool silent = !arrivals_.empty() && received_ns - arrivals_.back().received_ns > kSilenceTimeout_ns;
   if (stands || silent) arrivals_.clear();
-  arrivals_.push_back({simulated_ns, received_ns});
+  const int64_t before_ns = arrivals_.empty() ? simulated_ns : arrivals_.back().simulated_ns;
+  arrivals_.push_back({simulated_ns, received_ns, held_until_ns.value_or(before_ns)});
   while (arrivals_.front().received_ns < received_ns - kWindow_ns) arrivals_.pop_front();
 }
 
@@ -46,7 +47,7 @@ double PlayoutClock::wanted_ns(int64_t drawn_ns) const {
   std::vector<double> needed, intervals;
   double quickest = late(newest.received_ns, newest.simulated_ns);
   for (size_t i = 1; i < arrivals_.size(); ++i) {
-    needed.push_back(late(arrivals_[i].received_ns, arrivals_[i - 1].simulated_ns));
+    needed.push_back(late(arrivals_[i].received_ns, arrivals_[i].held_until_ns));
     quickest = std::min(quickest, late(arrivals_[i].received_ns, arrivals_[i].simulated_ns));
   }
   const double delay =

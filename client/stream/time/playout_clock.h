@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 namespace livegs {
 
@@ -24,8 +25,9 @@ class PlayoutClock {
   // Silence after which the clock is reset, since the simulation may have been paused.
   static constexpr int64_t kSilenceTimeout_ns = 250'000'000;
 
-  // Frames in order of arrival. A frame that is not newer indicates a paused simulation.
-  void arrived(int64_t simulated_ns, int64_t received_ns);
+  // Frames in order of arrival. A frame that is not newer indicates a paused simulation. `held_until_ns`: the
+  // simulated time for which the frame before is valid, if frames were omitted at rest (FrameHistory::add).
+  void arrived(int64_t simulated_ns, int64_t received_ns, std::optional<int64_t> held_until_ns = {});
   // Simulated time of a picture that is drawn now and displayed at `displayed_ns`. Call in order, after the
   // first arrived(). Monotonic except for jumps; does not pass the time of a paused simulation.
   int64_t at(int64_t now_ns, int64_t displayed_ns);
@@ -38,6 +40,7 @@ class PlayoutClock {
  private:
   struct Arrival {
     int64_t simulated_ns = 0, received_ns = 0;
+    int64_t held_until_ns = 0;  // the frame before is valid until then
   };
   double wanted_ns(int64_t drawn_ns) const;  // relative to the newest arrival's simulated_ns
 

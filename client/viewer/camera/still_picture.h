@@ -15,9 +15,9 @@ class StillPicture {
   // Time without a change after which the picture is drawn at full size. Shorter values draw large pictures
   // in short halts of a drag; longer ones leave a blurred picture.
   static constexpr int64_t kRest_ns = 150'000'000;
-  // Waits for events after a change and at rest. Received frames are taken once per wait, so a longer wait
-  // delays the first picture of a motion and a shorter one costs processor time.
-  static constexpr double kAlertWait_s = 0.01, kRestWait_s = 0.05;
+  // Waits for events and messages after a change, when more is expected, and at rest. The second only bounds
+  // the time until an interrupt of the program is seen; a shorter one costs processor time.
+  static constexpr double kAlertWait_s = 0.01, kRestWait_s = 0.25;
 
   enum class Draw { Moving, Full, Nothing };
   // What to draw for this camera, of the size of the window, and SceneView::version() after pose(). Call in

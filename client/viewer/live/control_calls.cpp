@@ -44,13 +44,17 @@ void ControlCalls::Lane::run(std::stop_token stop) {
   }
 }
 
-ControlCalls::ControlCalls(SceneControl& control) : control_(control) {}
+ControlCalls::ControlCalls(SceneControl& control, std::function<void()> wake)
+    : control_(control), wake_(std::move(wake)) {}
 
 ControlCalls::~ControlCalls() { control_.cancel(); }
 
 void ControlCalls::answer(Answer answer) {
-  std::lock_guard lock(mutex_);
-  answers_.push_back(std::move(answer));
+  {
+    std::lock_guard lock(mutex_);
+    answers_.push_back(std::move(answer));
+  }
+  wake_();
 }
 
 std::vector<ControlCalls::Answer> ControlCalls::take() {

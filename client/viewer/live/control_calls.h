@@ -19,8 +19,10 @@ namespace livegs {
 // thread from quick calls; replies are collected with take(). Any thread.
 class ControlCalls {
  public:
-  explicit ControlCalls(SceneControl& control);  // must outlive this object
-  ~ControlCalls();                               // cancels running calls
+  // `control` must outlive this object. `wake` is called on internal threads after each reply.
+  explicit ControlCalls(
+      SceneControl& control, std::function<void()> wake = [] {});
+  ~ControlCalls();  // cancels running calls
 
   void set_physics(std::string object, v1::Physics physics);
   void accept_proposal(std::string object, bool decline = false);
@@ -72,6 +74,7 @@ class ControlCalls {
   SceneControl& control_;
   std::mutex mutex_;  // guards answers_
   std::vector<Answer> answers_;
+  const std::function<void()> wake_;
   std::atomic<int> carries_waiting_ = 0;
   Lane quick_, analyses_, edits_;  // last: their threads use all members above
 };

@@ -8,9 +8,10 @@
 namespace livegs {
 
 void FrameQueue::on_lost(const std::string& reason) {
-  std::lock_guard lock(mutex_);
-  update_.lost = reason;
-  lost_ = true;
+  update([&] {
+    update_.lost = reason;
+    lost_ = true;
+  });
 }
 
 void FrameQueue::on_resumed(const ResumedSession& resumed) {
@@ -21,18 +22,19 @@ void FrameQueue::on_resumed(const ResumedSession& resumed) {
 }
 
 void FrameQueue::on_frame(ReceivedFrame frame) {
-  std::lock_guard lock(mutex_);
-  if (std::exchange(lost_, false)) {
-    update_.back = true;
-    update_.lost.reset();  // the outage ended before it was reported
-  }
-  if (std::exchange(holds_, false)) {
-    update_.server_restarted = true;
-    update_.frames.clear();
-  }
-  if (records_frames_) recorded_.push_back(frame);
-  if (update_.frames.size() == kMaxFrames) update_.frames.erase(update_.frames.begin());
-  update_.frames.push_back(std::move(frame));
+  update([&] {
+    if (std::exchange(lost_, false)) {
+      update_.back = true;
+      update_.lost.reset();  // the outage ended before it was reported
+    }
+    if (std::exchange(holds_, false)) {
+      update_.server_restarted = true;
+      update_.frames.clear();
+    }
+    if (records_frames_) recorded_.push_back(frame);
+    if (update_.frames.size() == kMaxFrames) update_.frames.erase(update_.frames.begin());
+    update_.frames.push_back(std::move(frame));
+  });
 }
 
 void FrameQueue::record_frames(bool keep) {
@@ -47,26 +49,22 @@ std::vector<ReceivedFrame> FrameQueue::take_recorded() {
 
 void FrameQueue::on_object_added(StreamedObject object) {
   objects_.request(object);
-  std::lock_guard lock(mutex_);
   const uint32_t id = object.id;
-  events_.push_back({std::move(object), true, id});
+  update([&] { events_.push_back({std::move(object), true, id}); });
 }
 
 void FrameQueue::on_object_changed(StreamedObject object) {
   objects_.request(object);
-  std::lock_guard lock(mutex_);
   const uint32_t id = object.id;
-  events_.push_back({std::move(object), false, id});
+  update([&] { events_.push_back({std::move(object), false, id}); });
 }
 
 void FrameQueue::on_object_removed(uint32_t object_id) {
-  std::lock_guard lock(mutex_);
-  events_.push_back({std::nullopt, false, object_id});
+  update([&] { events_.push_back({std::nullopt, false, object_id}); });
 }
 
 void FrameQueue::on_draining(const std::string& reason) {
-  std::lock_guard lock(mutex_);
-  update_.shutdown_reason = reason;
+  update([&] { update_.shutdown_reason = reason; });
 }
 
 bool FrameQueue::Pending::ready() const {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <future>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/scene_view.h"
@@ -20,7 +22,10 @@ namespace livegs {
 // never.
 class FrameQueue final : public StreamSink {
  public:
-  explicit FrameQueue(ProgressiveObjects& objects) : objects_(objects) {}
+  // `wake` is called on the session's threads after each update; it must not call this object.
+  explicit FrameQueue(
+      ProgressiveObjects& objects, std::function<void()> wake = [] {})
+      : objects_(objects), wake_(std::move(wake)) {}
 
   // Called on the session's threads.
   void on_lost(const std::string& reason) override;
@@ -47,6 +52,8 @@ class FrameQueue final : public StreamSink {
     bool back = false;                           // the frames are the first after a reconnect
   };
   Result<StreamUpdate> take(SceneView& view);
+  // Whether objects are being bound, so that take() should be called soon. Renderer thread.
+  bool binds() const { return !pending_.empty() || objects_.progress().objects > 0; }
   // Objects that were there when the client joined: hidden ones are left out of all frames, as those are that
   // an event describes so. Renderer thread.
   void hide(std::span<const StreamedObject> joined);
@@ -72,7 +79,18 @@ class FrameQueue final : public StreamSink {
   void take_event(Event event, const SceneView& view);
   Result<void> show(Pending pending, SceneView& view, StreamUpdate& update);
 
+  // Appends under the lock, then wakes the renderer.
+  template <class Change>
+  void update(Change change) {
+    {
+      std::lock_guard lock(mutex_);
+      change();
+    }
+    wake_();
+  }
+
   ProgressiveObjects& objects_;
+  const std::function<void()> wake_;
   std::deque<Pending> pending_;  // renderer thread; in the order of events
   // Renderer thread: bindings of objects that were removed before they were ready.
   std::vector<std::future<Result<Binding>>> unwanted_;

@@ -24,6 +24,8 @@ class Playout {
   std::optional<DriverFrame> at(int64_t now_ns, int64_t displayed_ns);
   // The newest frame that the last at() had reached; its hand states match that picture. Null before at().
   const ReceivedFrame* shown() const { return shown_ ? &*shown_ : nullptr; }
+  // Whether the last at() had reached the newest change of the drivers, so that later calls return the same.
+  bool settled() const { return moment_ns_ >= changed_ns_; }
 
  private:
   static constexpr size_t kFramesKept = 64;
@@ -31,6 +33,8 @@ class Playout {
   PlayoutClock clock_;
   std::deque<ReceivedFrame> waiting_;  // later than the last at()
   std::optional<ReceivedFrame> shown_;
+  int64_t changed_ns_ = 0;  // simulated time of the newest frame that differs from the one before it
+  int64_t moment_ns_ = 0;   // of the last at()
 };
 
 }  // namespace livegs

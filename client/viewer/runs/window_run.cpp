@@ -37,8 +37,8 @@ namespace {
 
 constexpr size_t kRightHand = 1;
 constexpr int kManyScreenshots = 100;  // are worth a warning; they take some 60 MB
-// Between updates of the counters in the Run panel at rest. Each update redraws the window.
-constexpr int64_t kCounterInterval_ns = 1'000'000'000;
+// Longest wait while pictures are taken, by a test or for screenshots.
+constexpr double kWatchedWait_s = 0.05;
 constexpr const char* kHelp =
     "left: pull   right: rotate   middle: pan\nwheel: zoom   WASDQE: fly   space: shoot\n"
     "P: pause   full stop: step   H: hide panels\n1 to 5: pull, move, turn, scale, measure   F: frame";
@@ -49,10 +49,10 @@ class WindowRun {
             ProgressiveObjects& arriving, SceneView& view, WindowDisplay& display)
       : options_(options),
         client_(client),
-        calls_(control),
+        calls_(control, [&display] { display.wake(); }),
         author_(calls_),
         arriving_(arriving),
-        stream_(arriving),
+        stream_(arriving, [&display] { display.wake(); }),
         view_(view),
         display_(display),
         picture_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {
@@ -71,6 +71,7 @@ class WindowRun {
   void point(const WindowInput& input, const Camera& window);
   double wait_s() const;
   void hold_counters(RunPanel& run);
+  bool holds() const;
   void send_hands(const WindowInput& input);
   void send_script();
   void act(const WindowInput& input);
@@ -106,6 +107,7 @@ class WindowRun {
   std::optional<OrbitCamera> camera_;
   std::optional<ScriptedHands> script_;
   InputSample sample_;
+  HandSample sent_hand_;  // of the last sample
   WindowPicture picture_;
   FrameMeter meter_;
   ObjectPanel panel_;
@@ -122,13 +124,18 @@ class WindowRun {
   SessionNotice notice_;
   std::string refusal_;
   int64_t begun_ns_ = 0;
-  RunPanel counted_;  // with the counters that are shown at rest
-  int64_t counted_ns_ = 0;
+  RunPanel counted_;             // with the counters that are shown at rest
+  bool rested_ = false;          // counted_ is of a picture at rest
   std::vector<Image> pictures_;  // before the first frame, and of a recording
   Image screenshot_, recorded_picture_;
   RunPanel shown_run_;  // in screenshot_
   int screenshots_ = 0;
 };
+
+bool same(const HandSample& a, const HandSample& b) {
+  return a.active == b.active && a.trigger == b.trigger && a.aim.position_m == b.aim.position_m &&
+         a.aim.orientation.coeffs() == b.aim.orientation.coeffs();
+}
 
 const StreamedObject* WindowRun::named(const std::string& name) const {
   for (const auto& [id, object] : objects_) {
@@ -249,7 +256,10 @@ void WindowRun::send_hands(const WindowInput& input) {
     send(true);
     send(false);
   }
-  if (input.shoot == 0) send(false);
+  // At rest a repeated sample would only wake the server, and its reply this window.
+  const bool repeats = picture_.rests() && !holds() && hand.trigger == 0 && same(hand, sent_hand_);
+  if (input.shoot == 0 && !repeats) send(false);
+  sent_hand_ = hand;
 }
 
 void WindowRun::send_script() {
@@ -442,7 +452,9 @@ WindowPanels WindowRun::panels() const {
   if (frame_) {
     run.lines.push_back(format_text("tick %llu, %.1f s simulated%s",
                                     static_cast<unsigned long long>(frame_->tick), frame_->run.simulated_s(),
-                                    run.paused ? ", paused" : ""));
+                                    run.paused         ? ", paused"
+                                    : picture_.rests() ? " at rest"
+                                                       : ""));
   }
   if (const auto coming = arriving_.progress(); coming.objects > 0) {
     // On the renderer's line, so that the panel keeps its height.
@@ -498,22 +510,26 @@ Result<void> WindowRun::keep_screenshot() {
   return write_png(file, screenshot_);
 }
 
-// At rest, counters alone do not redraw the window for every tick.
+// At rest, counters alone do not redraw the window.
 void WindowRun::hold_counters(RunPanel& run) {
-  if (picture_.rests() && now_ns() - counted_ns_ < kCounterInterval_ns && counted_.paused == run.paused) {
+  if (rested_ && picture_.rests() && counted_.paused == run.paused) {
     run.lines = counted_.lines;
     run.latency = counted_.latency;
-    return;
   }
   counted_ = run;
-  counted_ns_ = picture_.rests() ? now_ns() : 0;
+  rested_ = picture_.rests();
 }
 
-// Time for which the window may wait for events.
+// Whether a hand holds something, or a script moves it.
+bool WindowRun::holds() const { return script_ || (playout_.shown() && !playout_.shown()->hands.empty()); }
+
+// Time for which the window may wait for events and messages.
 double WindowRun::wait_s() const {
-  const double wait_s = picture_.wait_s(now_ns());
-  const bool holds = script_ || (playout_.shown() && !playout_.shown()->hands.empty());
-  return holds ? std::min(wait_s, StillPicture::kAlertWait_s) : wait_s;
+  double wait_s = picture_.wait_s(now_ns());
+  if (holds() || !playout_.settled() || stream_.binds())
+    wait_s = std::min(wait_s, StillPicture::kAlertWait_s);
+  if (options_.on_picture || !options_.screenshots.empty()) wait_s = std::min(wait_s, kWatchedWait_s);
+  return wait_s;
 }
 
 // Draws a picture of the live scene.
@@ -577,6 +593,7 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
     if (!planned) break;
     Result<void> drawn;
     if (!camera_) {
+    if (picture_.rests()) last_ns = now_ns();  // a wait for events is no time of a picture
       pictures_.assign(1, Image{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}});
       display_.set_overlay(overlay({}));
     } else {

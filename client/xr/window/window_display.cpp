@@ -24,6 +24,10 @@ namespace {
 
 // Shortest time between two frames that waited for events, seconds: a mouse may send a thousand a second.
 constexpr double kMinWaitedFrame_s = 1.0 / 120;
+// Dear ImGui lays a panel out over a few frames, so waits are short for so many frames after a change of the
+// contents. Fewer leave a panel at a wrong size until the next event.
+constexpr int kSettlingFrames = 3;
+constexpr double kSettlingWait_s = 0.01;
 
 std::string glfw_error() {
   const char* text = nullptr;
@@ -64,6 +68,7 @@ class GlfwWindowDisplay final : public WindowDisplay {
 
   void set_camera(const Camera& camera) override { camera_ = camera; }
   void set_wait(double seconds) override { wait_s_ = seconds; }
+  void wake() override { glfwPostEmptyEvent(); }
   const WindowInput& input() const override { return input_; }
   Eigen::Vector2i size_px() const override;
   double refresh_hz() const override;
@@ -98,6 +103,7 @@ class GlfwWindowDisplay final : public WindowDisplay {
   bool damaged_ = true;         // the system lost contents of the window
   std::vector<uint8_t> shown_;  // drawn_bytes() of the contents
   uint64_t planned_ = 0;
+  int settling_ = 0;            // frames with short waits
   Image* kept_ = nullptr;
 };
 
@@ -139,7 +145,6 @@ Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int 
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { of(window).damaged_ = true; });
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // ImGui must not write a file to the working directory
-  set_window_style();
   panels_ = ImGui_ImplGlfw_InitForOpenGL(window_, true) && ImGui_ImplOpenGL2_Init();
   glGenTextures(1, &texture_);
   last_s_ = glfwGetTime();
@@ -245,7 +250,11 @@ void GlfwWindowDisplay::take_input() {
 }
 
 void GlfwWindowDisplay::wait_for_events() {
-  const double wait_s = std::exchange(wait_s_, 0);
+  double wait_s = std::exchange(wait_s_, 0);
+  if (settling_ > 0) {
+    --settling_;
+    wait_s = std::min(wait_s, kSettlingWait_s);
+  }
   if (wait_s > 0 && !events_.waiting()) {
     glfwWaitEventsTimeout(wait_s);
     const double early_s = last_s_ + kMinWaitedFrame_s - glfwGetTime();
@@ -305,7 +314,9 @@ Result<void> GlfwWindowDisplay::submit(const PlannedFrame&, std::span<const Imag
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   std::vector<uint8_t> drawn = drawn_bytes(*ImGui::GetDrawData(), width, height);
-  if (images.empty() && !kept_ && !damaged_ && drawn == shown_) return {};
+  const bool changed = drawn != shown_;
+  if (changed) settling_ = kSettlingFrames;
+  if (images.empty() && !kept_ && !damaged_ && !changed) return {};
   shown_ = std::move(drawn);
   damaged_ = false;
   glViewport(0, 0, width, height);

@@ -38,6 +38,12 @@ std::optional<SendWindow::Outgoing> SendWindow::take(int64_t now_ns, bool frames
   return outgoing;
 }
 
+void SendWindow::withdraw(uint64_t tick) {
+  if (in_flight_.empty() || in_flight_.back().tick != tick) return;  // a client may acknowledge any tick
+  in_flight_.pop_back();
+  --sent_;
+}
+
 void SendWindow::restart() {
   waiting_.reset();
   events_.clear();

@@ -41,6 +41,8 @@ class SendWindow {
   };
   // The next message, which then counts as sent; nothing if there is none. Without `frames`, events only.
   std::optional<Outgoing> take(int64_t now_ns, bool frames = true);
+  // The frame of the last take() was not written, because the client has all that is in it.
+  void withdraw(uint64_t tick);
 
   // Resets the state for a new stream; the counters continue.
   void restart();

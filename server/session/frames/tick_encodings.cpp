@@ -127,7 +127,8 @@ EncodedFrame TickEncodings::encoded(const StreamBaselinePtr& baseline, const std
   EncodedStreamFrame made = encode_stream_frame(frame_, baseline, options);
   if (record_) record_->add(made.bytes.size(), milliseconds_from_ns(now_ns() - begun_ns));
   EncodedFrame frame{std::make_shared<const SharedFramePayload>(make_frame_tail(made.bytes)),
-                     std::move(made.next), made.bytes.size()};
+                     std::move(made.next), made.bytes.size(),
+                     baseline && made.object_count == 0 && left_out.empty()};
   made_.push_back({baseline, left_out, position_bits, frame});
   return frame;
 }

@@ -42,6 +42,7 @@ struct EncodedFrame {
   std::shared_ptr<const SharedFramePayload> tail;
   StreamBaselinePtr next;
   size_t bytes = 0;
+  bool unchanged = false;  // the baseline has all that is in the tick
 };
 
 // v1::ObjectDescription.reach_m by object id.

@@ -66,6 +66,16 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
   return header;
 }
 
+// What a header holds besides times.
+std::string contents_of(v1::ServerMessage header) {
+  header.clear_tick();
+  header.clear_stepped_ns();
+  header.clear_step_ms();
+  header.clear_encode_begun_ns();
+  header.mutable_run()->clear_simulated_s();
+  return header.SerializeAsString();
+}
+
 }  // namespace
 
 StreamCall* StreamCall::start(SessionTable& table, Result<Authorization> authorization,
@@ -137,6 +147,7 @@ std::optional<grpc::Status> StreamCall::take_message() {
     stream_ = stream;
     position_bits_ = attached->terms.position_bits;
     encoding_ = attached->terms.encoding;
+    rest_ticks_ = std::max<uint64_t>(1, static_cast<uint64_t>(kRestInterval_ns / attached->terms.tick_ns));
   }
   auto samples = check_inputs(message);
   if (!samples) return to_status(samples.error());
@@ -172,9 +183,10 @@ void StreamCall::wake() {
 void StreamCall::write_next(const std::lock_guard<std::mutex>& lock) {
   if (writing_ || finish_status_ || !session_) return;
   const int64_t now = now_ns();
-  if (const auto outgoing = session_->take(stream_, now, session_->budget->available_bytes(now) > 0)) {
-    write(*outgoing, lock);
-  } else if (finish_when_flushed_) {
+  while (const auto outgoing = session_->take(stream_, now, session_->budget->available_bytes(now) > 0)) {
+    if (write(*outgoing, lock)) return;
+  }
+  if (finish_when_flushed_) {
     finish_status_ = finish_when_flushed_;
     finish_if_idle(lock);
   }
@@ -186,7 +198,7 @@ void StreamCall::send_keepalive(int64_t now) {
   write({}, lock);
 }
 
-void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_guard<std::mutex>&) {
+bool StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_guard<std::mutex>&) {
   v1::ServerMessage header = header_of(outgoing, session_->number);
   std::vector<grpc::Slice> slices(1);
   if (outgoing.tick) {
@@ -198,6 +210,16 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
         encoding_ == v1::JoinRequest::DRIVERS
             ? tick.for_client(baseline_, who, session_->budget->available_bytes(now_ns()))
             : tick.keyframe(encoding_);
+    // Two frames without a change are written, so that the client can see that the scene rests.
+    const bool unchanged =
+        frame.unchanged && outgoing.events.empty() && contents_of(header) == contents_of(header_);
+    if (unchanged && rests_ && tick.tick() / rest_ticks_ == header_.tick() / rest_ticks_) {
+      session_->withdraw(stream_, tick.tick());
+      return false;
+    }
+    rests_ = unchanged;
+    header_ = header;
+    header_.clear_events();
     baseline_ = frame.next;
     slices.push_back(frame.tail->slice);  // shared, not copied
   }
@@ -213,6 +235,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   session_->budget->pay(static_cast<double>(outgoing_.Length()));
   writing_ = true;
   StartWrite(&outgoing_);
+  return true;
 }
 
 void StreamCall::OnWriteDone(bool ok) {

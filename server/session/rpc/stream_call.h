@@ -51,7 +51,8 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
 
   std::optional<grpc::Status> take_message();  // a status ends the stream
   void write_next(const std::lock_guard<std::mutex>&);
-  void write(const SendWindow::Outgoing& outgoing, const std::lock_guard<std::mutex>&);
+  // False if the client has all that is in the tick and no frame is due, so that nothing was written.
+  bool write(const SendWindow::Outgoing& outgoing, const std::lock_guard<std::mutex>&);
   void request_finish(const grpc::Status& status);
   void finish_if_idle(const std::lock_guard<std::mutex>&);
 
@@ -78,6 +79,9 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   v1::JoinRequest::Encoding encoding_ = v1::JoinRequest::DRIVERS;
   std::optional<ViewCone> view_;  // newest view of the client
   StreamBaselinePtr baseline_;    // baseline of the last frame; null: the next frame is a keyframe
+  v1::ServerMessage header_;      // of the last frame
+  bool rests_ = false;            // the last frame changed nothing
+  uint64_t rest_ticks_ = 1;       // interval of frames at rest; the same ticks for all clients
   grpc::ByteBuffer outgoing_;     // buffer of the current write
   bool writing_ = false;
   std::optional<grpc::Status> finish_when_flushed_;

@@ -34,6 +34,10 @@ class SessionWriter {
 };
 
 inline constexpr int64_t kKeepaliveInterval_ns = 200'000'000;
+// Interval of frames to a client that has the whole state of a scene at rest. Shorter than
+// kKeepaliveInterval_ns, so that a frame takes the place of the empty message. Shorter values cost processor
+// time at rest; with longer ones the tick that a client shows is older.
+inline constexpr int64_t kRestInterval_ns = 150'000'000;
 
 // The client of a session.
 struct ClientIdentity {
@@ -193,6 +197,11 @@ class ClientSession {
     std::lock_guard lock(mutex_);
     if (stream != stream_ || state_ != State::Streaming) return std::nullopt;
     return window_.take(now_ns, frames);
+  }
+  // See SendWindow::withdraw.
+  void withdraw(uint64_t stream, uint64_t tick) {
+    std::lock_guard lock(mutex_);
+    if (stream == stream_) window_.withdraw(tick);
   }
   void add_send(double ms) {
     std::lock_guard lock(mutex_);

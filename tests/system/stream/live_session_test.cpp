@@ -22,6 +22,34 @@
 namespace livegs {
 namespace {
 
+// Ticks of the received frames, in order.
+class FrameTicks final : public StreamSink {
+ public:
+  void on_lost(const std::string&) override {}
+  void on_resumed(const ResumedSession&) override {}
+  void on_frame(ReceivedFrame frame) override {
+    std::lock_guard lock(mutex_);
+    ticks_.push_back(frame.tick);
+    changed_.notify_all();
+  }
+  void on_object_added(StreamedObject) override {}
+  void on_object_changed(StreamedObject) override {}
+  void on_object_removed(uint32_t) override {}
+  void on_draining(const std::string&) override {}
+  // Waits for this number of frames and returns the ticks of the last ones.
+  std::vector<uint64_t> wait(size_t frames) {
+    std::unique_lock lock(mutex_);
+    const size_t begin = ticks_.size();
+    changed_.wait(lock, [&] { return ticks_.size() >= begin + frames; });
+    return {ticks_.begin() + static_cast<std::ptrdiff_t>(begin), ticks_.end()};
+  }
+
+ private:
+  std::mutex mutex_;  // guards the rest
+  std::condition_variable changed_;
+  std::vector<uint64_t> ticks_;
+};
+
 class SessionPrograms : public ::testing::Test {
  protected:
   void start(double rate_hz = 90) { start(box_scene(rate_hz)); }
@@ -142,6 +170,37 @@ TEST_F(SessionPrograms, LastPictureMatchesOfflineDraw) {
   // The picture is not empty: the objects differ from the background.
   const auto [darkest, brightest] = std::minmax_element(last.pixels.begin(), last.pixels.end());
   EXPECT_GT(*brightest - *darkest, 0.3f);
+}
+
+// Frames without news take the place of keepalives; a motion is sent in every tick again.
+TEST_F(SessionPrograms, SceneAtRestSendsFewFrames) {
+  start();
+  ConnectOptions connect;
+  connect.timeout_s = connect.reconnect_s = 60;
+  auto client = SessionClient::join("127.0.0.1:" + std::to_string(server_->port()), connect);
+  ASSERT_TRUE(client) << client.error().message;
+  FrameTicks frames;
+  (*client)->start(frames);
+  constexpr double kRestTicks = 13;  // kRestInterval_ns at 90 Hz
+  const auto interval = [&](size_t count) {
+    const std::vector<uint64_t> ticks = frames.wait(count + 1);
+    return static_cast<double>(ticks.back() - ticks.front()) / static_cast<double>(ticks.size() - 1);
+  };
+  double rest = 0;
+  for (int i = 0; i < 1000 && rest < 0.9 * kRestTicks; ++i) rest = interval(5);
+  EXPECT_GE(rest, 0.9 * kRestTicks) << "the bodies sleep";
+  InputSample shot;
+  for (const bool shoots : {true, false}) {
+    ++shot.sequence;
+    shot.hands[1].active = true;
+    shot.hands[1].aim.position_m = {0, 1.5, 2};
+    shot.hands[1].shoot = shoots;
+    (*client)->send(shot);
+  }
+  double motion = kRestTicks;
+  for (int i = 0; i < 10 && motion > 0.25 * kRestTicks; ++i) motion = interval(10);
+  EXPECT_LE(motion, 0.25 * kRestTicks) << "a machine that is busy may drop frames";
+  ASSERT_TRUE((*client)->stop());
 }
 
 // All encodings give the same picture: quantised drivers, float drivers, and kernels that the server has

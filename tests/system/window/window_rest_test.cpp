@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A window whose camera and scene rest.
 #include <algorithm>
+#include <thread>
 
 #include "system/window/window_session.h"
 #include "xr/window_display.h"
@@ -52,6 +53,35 @@ TEST_F(WindowClicks, RestsAtFullSize) {
   run_steps();
   ASSERT_FALSE(paused.pixels.empty());
   EXPECT_GT(psnr_db(full, paused), 50);
+}
+
+// A window that waits for events is woken by another thread, as by a message of the server.
+TEST_F(WindowHands, WaitEndsWithAMessage) {
+  auto display = WindowDisplay::open("wait", 200, 100);
+  ASSERT_TRUE(display) << display.error().message;
+  const Image grey{1, 1, {0.5f, 0.5f, 0.5f, 1}};
+  for (int i = 0; i < 10; ++i) {  // until the window is mapped and nothing changes
+    const auto planned = (*display)->wait_frame();
+    ASSERT_TRUE(planned);
+    ASSERT_TRUE((*display)->submit(*planned, {&grey, 1}));
+  }
+  constexpr double kWait_s = 60;
+  std::atomic<bool> ended{false};
+  std::jthread message([&] {
+    while (!ended) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      (*display)->wake();
+    }
+  });
+  const int64_t begun_ns = now_ns();
+  for (int i = 0; i < 5; ++i) {
+    (*display)->set_wait(kWait_s);
+    const auto planned = (*display)->wait_frame();
+    ASSERT_TRUE(planned);
+    ASSERT_TRUE((*display)->submit(*planned, {}));
+  }
+  EXPECT_LT(seconds_from_ns(now_ns() - begun_ns), kWait_s) << "not one wait was for its whole time";
+  ended = true;
 }
 
 TEST_F(WindowHands, WindowWithoutANewPictureKeepsTheLast) {

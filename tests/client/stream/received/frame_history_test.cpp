@@ -56,6 +56,30 @@ TEST(FrameHistory, HoldsPoseBeforeOldestFrame) {
   EXPECT_EQ(history.at(0)->tick, 3u);
 }
 
+// A server omits frames at rest: the motion begins a tick before the next frame, not at the last one.
+TEST(FrameHistory, RepeatsAFrameAtRestUntilTheNext) {
+  FrameHistory history(8);
+  const auto resting = [](uint64_t tick) {
+    DriverFrame made = frame(2);
+    made.tick = tick;
+    made.simulated_ns = static_cast<int64_t>(tick) * 10'000'000;
+    return made;
+  };
+  EXPECT_FALSE(history.add(resting(2)));
+  EXPECT_FALSE(history.add(resting(3)));
+  EXPECT_EQ(history.add(frame(20)), 190'000'000);
+  const auto x_m = [&](int64_t simulated_ns) {
+    return history.at(simulated_ns)->objects[0].poses[0].position_m.x();
+  };
+  EXPECT_EQ(x_m(100'000'000), 2.0);
+  EXPECT_EQ(x_m(190'000'000), 2.0);
+  EXPECT_NEAR(x_m(195'000'000), 11.0, 1e-12);
+  EXPECT_EQ(x_m(200'000'000), 20.0);
+  // Without rest, a missing frame is interpolated.
+  EXPECT_FALSE(history.add(frame(22)));
+  EXPECT_NEAR(x_m(210'000'000), 21.0, 1e-12);
+}
+
 TEST(FrameHistory, ExtrapolatesForTwoFramesThenStops) {
   FrameHistory history(8);
   for (uint64_t tick : {1, 2, 4})

@@ -205,6 +205,30 @@ TEST(PlayoutClock, RecoversAfterSilence) {
   }
 }
 
+// Frames omitted at rest add no delay: the clock is that of a stream in which they are all there.
+TEST(PlayoutClock, RestAddsNoDelay) {
+  constexpr int kRestTicks = 13;  // between frames at rest
+  PlayoutClock all, sparse;
+  const auto arrived = [](PlayoutClock& clock, int tick, std::optional<int64_t> held_until_ns = {}) {
+    clock.arrived(tick * kPeriod_ns, tick * kPeriod_ns + 4'000'000, held_until_ns);
+  };
+  int64_t now_ns = 0, all_ns = 0, sparse_ns = 0;
+  for (int tick = 1; tick <= 400; ++tick) {
+    arrived(all, tick);
+    if (tick < 100 || tick > 300)
+      arrived(sparse, tick);
+    else if (tick % kRestTicks == 0)
+      arrived(sparse, tick, (tick - 1) * kPeriod_ns);
+    now_ns = tick * kPeriod_ns + 5'000'000;
+    all_ns = all.at(now_ns, now_ns);
+    sparse_ns = sparse.at(now_ns, now_ns);
+    if (tick > 50 &&
+        (tick < 100 || tick > 315)) {  // the rest ends with a frame that is due within its interval
+      EXPECT_NEAR(static_cast<double>(all_ns), static_cast<double>(sparse_ns), 0.1 * kPeriod_ns) << tick;
+    }
+  }
+}
+
 TEST(PlayoutClock, IsDeterministic) {
   const std::vector<Shown> a = play({}, {}, 6, 9), b = play({}, {}, 6, 9);
   ASSERT_EQ(a.size(), b.size());
