@@ -74,6 +74,7 @@ std::string what_is_not_done(const std::string& of, const std::string& display,
       {"--every", headset, "does not apply to a headset; use --display window or --display offscreen"},
       {"--size", headset, "does not apply to a headset; remove the option"},
       {"--full-size", !window, "applies to a window only; remove the option, or use --display window"},
+      {"--ui-scale", !window, "applies to a window only; remove the option, or use --display window"},
       {"--no-video", !offscreen,
        "applies to --display offscreen only; remove the option, or use --display offscreen"},
       {"--video-rate", !offscreen,
@@ -110,6 +111,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> forces;
   std::string replay_file, subscribe;
   double from_s = 0;
+  double ui_scale = 0;
   int threads = 0;
   bool verbose = false, no_video = false, unpair = false, full_size = false, no_shadows = false;
   livegs::AccessOptions access;
@@ -173,6 +175,9 @@ int main(int argc, char** argv) {
   app.add_flag(
       "--full-size", full_size,
       "Window mode: always render at full resolution (default: reduce resolution when frames are late)");
+  app.add_option("--ui-scale", ui_scale,
+                 "Window mode: scale of texts and panels (default: that of the monitor)")
+      ->check(CLI::Range(livegs::kMinUiScale, livegs::kMaxUiScale));
   app.add_option("--cache", options.cache, "Folder for fetched assets (default: $XDG_CACHE_HOME/livegs)");
   app.add_option("--connect-timeout", options.connect_timeout_s, "Time limit until the server is ready")
       ->check(CLI::Range(0.1, 3600.0))
@@ -219,6 +224,7 @@ int main(int argc, char** argv) {
                  {"--renderer", ""},
                  {"--size", "WxH"},
                  {"--full-size", ""},
+                 {"--ui-scale", "NUMBER"},
                  {"--camera", "FILE"},
                  {"--select", "NAME"},
                  {"--seconds", "SECONDS"},
@@ -279,7 +285,7 @@ int main(int argc, char** argv) {
     const bool of_files = !options.script_file.empty() || !subscribe.empty() || no_video ||
                           app.count("--video-rate") > 0 ||
                           (!replay_file.empty() && app.count("--output") + app.count("--every") > 0);
-    const bool of_window = !forces.empty() || !select.empty() || full_size;
+    const bool of_window = !forces.empty() || !select.empty() || full_size || ui_scale > 0;
     display = of_window || (!of_files && livegs::WindowDisplay::is_possible()) ? "window" : "offscreen";
   }
   const std::string of = !replay_file.empty() ? "a recording" : !subscribe.empty() ? "publications" : display;
@@ -304,6 +310,7 @@ int main(int argc, char** argv) {
     replayed.renderer = options.renderer;
     replayed.shadows = options.shadows;
     replayed.full_size = full_size;
+    replayed.ui_scale = ui_scale;
     return run_replayed(replayed, display == "window");
   }
   auto chosen = livegs::choose_access(options.address, access);
@@ -351,6 +358,7 @@ int main(int argc, char** argv) {
     window.size = options.size;
     window.camera_file = options.camera_file;
     window.full_size = full_size;
+    window.ui_scale = ui_scale;
     window.poke = options.poke;
     window.select = select;
     for (const std::string& force : forces) {

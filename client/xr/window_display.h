@@ -45,6 +45,9 @@ struct WindowOverlay {
   WindowPanels panels;
 };
 
+// Range of the scale of texts and panels.
+inline constexpr double kMinUiScale = 0.5, kMaxUiScale = 4;
+
 // A desktop window: GLFW, with Dear ImGui over the picture. Pictures are passed as images from any renderer
 // and stretched over the window. Use on the thread that opened it.
 class WindowDisplay : public Display {
@@ -52,7 +55,9 @@ class WindowDisplay : public Display {
   // Whether open() would succeed; opens a hidden window. Call before a window is open.
   static bool is_possible();
   // Unavailable, with the remedy, without a display or OpenGL.
-  static Result<std::unique_ptr<WindowDisplay>> open(const std::string& title, int width, int height);
+  // `ui_scale`: of texts and panels; 0: that of the monitor. `scaled_size`: the size is for scale 1.
+  static Result<std::unique_ptr<WindowDisplay>> open(const std::string& title, int width, int height,
+                                                     double ui_scale = 0, bool scaled_size = false);
 
   // As Display::submit; without an image the last picture stays, and the window is redrawn only if overlay,
   // panels or window changed since.
@@ -61,12 +66,13 @@ class WindowDisplay : public Display {
   // The next wait_frame blocks until an event arrives or wake() is called, for up to this time; for less
   // while the panels are still changing after an event.
   virtual void set_wait(double seconds) = 0;
+  virtual void wake() = 0;                       // any thread
   virtual const WindowInput& input() const = 0;  // of the last wait_frame
   virtual Eigen::Vector2i size_px() const = 0;   // current size of the contents
+  virtual double ui_scale() const = 0;           // of texts and panels
   // Of the monitor with the largest part of the window; 0 if unknown.
   virtual double refresh_hz() const = 0;
   virtual void set_overlay(WindowOverlay overlay) = 0;
-  virtual void wake() = 0;                       // any thread
   virtual const PanelActions& actions() const = 0;  // on the panels of the last submit
   // Copies the output of the next submit, panels included, to `image`, which must outlive it.
   virtual void keep_next(Image& image) = 0;

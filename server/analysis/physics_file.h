@@ -65,6 +65,10 @@ Result<v1::PhysicsFile> edit_physics(const std::filesystem::path& path, const v1
                                      const WriteStep& before = {});
 Result<v1::PhysicsFile> edit_physics(const std::filesystem::path& path, const v1::Physics& edits,
                                      const std::string& name, const WriteStep& before = {});
+// Removes these fields of Physics from the edits, so that the analysis or the scene determines them again.
+// Errors as for remove_edits() (sidecar/manual_edits.h).
+Result<v1::PhysicsFile> restore_physics(const std::filesystem::path& path,
+                                        std::span<const std::string> fields, const WriteStep& before = {});
 // NotFound if there is nothing (more) to undo or redo.
 Result<v1::PhysicsFile> undo_physics(const std::filesystem::path& path, const WriteStep& before = {});
 Result<v1::PhysicsFile> redo_physics(const std::filesystem::path& path, const WriteStep& before = {});

@@ -71,6 +71,24 @@ void ControlCalls::set_physics(std::string object, v1::Physics physics) {
   });
 }
 
+void ControlCalls::restore_estimate(std::string object, std::vector<std::string> fields) {
+  edits_.post([this, object = std::move(object), fields = std::move(fields)] {
+    v1::EditSceneRequest request;
+    v1::ObjectEdit& edit = *request.add_objects();
+    edit.set_object(object);
+    for (const std::string& field : fields) edit.add_fields("physics." + field);
+    auto reply = control_.edit_scene(request);
+    Answer result = answer_of(Answer::Kind::Physics, object);
+    if (reply) {
+      result.physics.emplace().set_object(object);
+      *result.physics->mutable_warnings() = reply->warnings();
+    } else {
+      result.refused = reply.error();
+    }
+    answer(std::move(result));
+  });
+}
+
 void ControlCalls::accept_proposal(std::string object, bool decline) {
   quick_.post([this, object = std::move(object), decline] {
     auto reply = control_.accept_proposal(object, decline);

@@ -25,6 +25,8 @@ class ControlCalls {
   ~ControlCalls();  // cancels running calls
 
   void set_physics(std::string object, v1::Physics physics);
+  // Removes fields of Physics that were set by hand; answered as Physics.
+  void restore_estimate(std::string object, std::vector<std::string> fields);
   void accept_proposal(std::string object, bool decline = false);
   void undo_physics(std::string object, bool redo);
   void analyze(std::vector<std::string> objects);
@@ -72,9 +74,9 @@ class ControlCalls {
   void answer(Answer answer);
 
   SceneControl& control_;
+  const std::function<void()> wake_;
   std::mutex mutex_;  // guards answers_
   std::vector<Answer> answers_;
-  const std::function<void()> wake_;
   std::atomic<int> carries_waiting_ = 0;
   Lane quick_, analyses_, edits_;  // last: their threads use all members above
 };

@@ -124,7 +124,8 @@ ValueRow value_row(SliderParameter field, const v1::PhysicalParameters& physics)
   row.value = quantity_text(value.best(), unit);
   row.origin = source_text(value.source());
   if (value.high() > value.low()) row.origin += ", " + range_text(value.low(), value.high(), unit);
-  if (value.source() != v1::EstimatedValue::PERSON) row.reason = shortened(value.reason());
+  row.edited = value.source() == v1::EstimatedValue::PERSON;
+  if (!row.edited) row.reason = shortened(value.reason());
   const SliderRange range = slider_range(field, value);
   row.position = slider_position(range, value.best());
   row.range_low = slider_position(range, value.low());
@@ -192,6 +193,12 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
       const auto value = parse_quantity(actions.typed->text, parameter_unit(field));
       value ? set(edit_of(field, *value))
             : refuse(selected_, std::string(parameter_name(field)) + ": " + value.error().message);
+    }
+    if (actions.estimated && *actions.estimated < fields.size()) {
+      calls.push_back(RestoreEstimateCall{selected_, fields_of(fields[*actions.estimated])});
+      messages_[selected_].clear();
+      waiting_ = "Changing " + selected_;
+      ++answers_missing_;
     }
     if (actions.fragile) set(edit_of_fragile(*actions.fragile));
     if (const std::string proposal = open_proposal(*object);

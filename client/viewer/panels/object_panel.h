@@ -25,6 +25,11 @@ struct SetPhysicsCall {
   std::string object;
   v1::Physics physics;
 };
+// Removes values that were set by hand.
+struct RestoreEstimateCall {
+  std::string object;
+  std::vector<std::string> fields;  // of Physics
+};
 struct AcceptProposalCall {
   std::string object;
   bool decline = false;
@@ -36,7 +41,8 @@ struct UndoPhysicsCall {
 struct AnalyzeCall {
   std::vector<std::string> objects;  // empty: all objects marked for analysis
 };
-using ObjectCall = std::variant<SetPhysicsCall, AcceptProposalCall, UndoPhysicsCall, AnalyzeCall>;
+using ObjectCall =
+    std::variant<SetPhysicsCall, RestoreEstimateCall, AcceptProposalCall, UndoPhysicsCall, AnalyzeCall>;
 
 // State of the objects panel: the selection and the server's replies. Makes no calls. Renderer thread.
 class ObjectPanel {

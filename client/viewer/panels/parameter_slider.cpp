@@ -122,6 +122,23 @@ v1::Physics edit_of(SliderParameter field, double value) {
   return edit;
 }
 
+std::vector<std::string> fields_of(SliderParameter field) {
+  switch (field) {
+    case SliderParameter::Mass:
+      return {"mass_kg", "density_kg_m3"};
+    case SliderParameter::YoungsModulus:
+    case SliderParameter::DeformationResistance:  // one is computed from the other
+      return {"youngs_modulus_pa", "deformation_resistance"};
+    case SliderParameter::Plasticity:
+      return {"plasticity"};
+    case SliderParameter::BreakImpulse:
+      return {"break_impulse_n_s"};
+    case SliderParameter::Friction:
+      return {"friction"};
+  }
+  return {};
+}
+
 v1::Physics edit_of_fragile(bool fragile) {
   v1::Physics edit;
   edit.set_fragile(fragile);

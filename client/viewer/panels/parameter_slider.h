@@ -37,6 +37,8 @@ v1::EstimatedValue shown_value(SliderParameter field, const v1::PhysicalParamete
 
 // The SetPhysics request that sets the field to this value.
 v1::Physics edit_of(SliderParameter field, double value);
+// The fields of Physics that set this parameter.
+std::vector<std::string> fields_of(SliderParameter field);
 // Leaves the impulse unchanged: the server computes one for a newly fragile object.
 v1::Physics edit_of_fragile(bool fragile);
 

@@ -31,6 +31,7 @@ struct ReplayOptions {
   RendererChoice renderer = RendererChoice::Auto;
   bool shadows = true;  // as in SceneView::set_shadows
   // Window only.
+  double ui_scale = 0;     // of texts and panels; 0: that of the monitor
   bool full_size = false;  // always render at full resolution
   struct Moment {
     double shown_s = 0;  // after the first frame

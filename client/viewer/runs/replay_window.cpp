@@ -68,7 +68,7 @@ class ReplayWindow {
   Result<void> frame_camera() {
     const Eigen::Vector2i size = display_.size_px();
     if (auto posed = view_.pose(history_.newest()); !posed) return posed;
-    const auto free = columns_beside_panels(size.x(), true);
+    const auto free = columns_beside_panels(size.x(), true, display_.ui_scale());
     const auto camera =
         initial_camera(view_, {size.x(), size.y()}, options_.camera_file,
                        free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
@@ -191,7 +191,8 @@ Result<void> run_replay_window(const ReplayOptions& options, const std::atomic<b
   if (!playback) return playback.error();
   if (auto checked = check_from(options, playback->length_s()); !checked) return checked;
   const PictureSize size = options.size.value_or(PictureSize{1280, 800});
-  auto display = WindowDisplay::open("LiveGS " + options.file.filename().string(), size.width, size.height);
+  auto display = WindowDisplay::open("LiveGS " + options.file.filename().string(), size.width, size.height,
+                                     options.ui_scale, !options.size);
   if (!display) return display.error();
   const auto cache = asset_cache(options.cache);
   if (!cache) return cache.error();

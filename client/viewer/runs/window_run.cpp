@@ -147,7 +147,7 @@ const StreamedObject* WindowRun::named(const std::string& name) const {
 Result<void> WindowRun::first_frame() {
   const Eigen::Vector2i size = display_.size_px();
   if (auto posed = view_.pose(*frame_->drivers); !posed) return posed;
-  const auto free = columns_beside_panels(size.x(), false);
+  const auto free = columns_beside_panels(size.x(), false, display_.ui_scale());
   const auto camera =
       initial_camera(view_, {size.x(), size.y()}, options_.camera_file,
                      free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
@@ -339,6 +339,8 @@ void WindowRun::act(const WindowInput& input) {
   for (ObjectCall& call : calls) {
     if (auto* set = std::get_if<SetPhysicsCall>(&call))
       calls_.set_physics(set->object, set->physics);
+    else if (auto* restore = std::get_if<RestoreEstimateCall>(&call))
+      calls_.restore_estimate(restore->object, restore->fields);
     else if (auto* accept = std::get_if<AcceptProposalCall>(&call))
       calls_.accept_proposal(accept->object, accept->decline);
     else if (auto* undo = std::get_if<UndoPhysicsCall>(&call))
@@ -516,8 +518,8 @@ void WindowRun::hold_counters(RunPanel& run) {
     run.lines = counted_.lines;
     run.latency = counted_.latency;
   }
-  counted_ = run;
   rested_ = picture_.rests();
+  counted_ = run;
 }
 
 // Whether a hand holds something, or a script moves it.
@@ -591,9 +593,9 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
     display_.set_wait(records ? 0 : wait_s());
     const auto planned = display_.wait_frame();
     if (!planned) break;
+    if (picture_.rests()) last_ns = now_ns();  // a wait for events is no time of a picture
     Result<void> drawn;
     if (!camera_) {
-    if (picture_.rests()) last_ns = now_ns();  // a wait for events is no time of a picture
       pictures_.assign(1, Image{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}});
       display_.set_overlay(overlay({}));
     } else {
@@ -653,7 +655,8 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
       return invalid_argument(options.screenshots.string() + ": cannot be created: " + error.message());
   }
   const PictureSize size = options.size.value_or(PictureSize{1280, 800});
-  auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height);
+  auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height, options.ui_scale,
+                                     !options.size);
   if (!display) return display.error();
   JoinOptions join = options;
   join.starts_run = true;

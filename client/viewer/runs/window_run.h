@@ -19,6 +19,7 @@ namespace livegs {
 struct WindowRunOptions : JoinOptions {
   double seconds = 0;  // 0: until the window is closed
   std::optional<PictureSize> size;
+  double ui_scale = 0;                // of texts and panels; 0: that of the monitor
   bool full_size = false;             // always render at full resolution
   std::filesystem::path camera_file;  // empty: all objects from slightly above
   std::string poke;                   // object to poke as if by the mouse; empty: none

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "xr/window/widgets.h"
 #include "xr/window/window_style.h"
 
 namespace livegs {
@@ -38,10 +39,10 @@ void draw_frame_graph(const FrameGraph& graph) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const ImVec2 from = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x;
-  const ImVec2 to(from.x + width, from.y + kHeight_px);
+  const ImVec2 to(from.x + width, from.y + scaled(kHeight_px));
   list.AddRectFilled(from, to, IM_COL32(30, 34, 40, 255), 4);
   for (int quarter = 1; quarter < 4; ++quarter) {
-    const float y = from.y + kHeight_px * 0.25f * static_cast<float>(quarter);
+    const float y = from.y + scaled(kHeight_px) * 0.25f * static_cast<float>(quarter);
     list.AddLine({from.x, y}, {to.x, y}, IM_COL32(52, 58, 66, 255));
   }
   list.PushClipRect(from, to, true);
@@ -51,7 +52,7 @@ void draw_frame_graph(const FrameGraph& graph) {
     for (size_t i = 0; i < count; ++i) {
       const float along = count > 1 ? static_cast<float>(i) / static_cast<float>(count - 1) : 0.0f;
       points[i] = {from.x + along * width,
-                   to.y - 2 - (kHeight_px - 4) * std::min(1.0f, line.values_ms[i] / most)};
+                   to.y - 2 - (scaled(kHeight_px) - 4) * std::min(1.0f, line.values_ms[i] / most)};
     }
     list.AddPolyline(points.data(), static_cast<int>(count), line.colour, 0, 1.5f);
   }
@@ -59,7 +60,7 @@ void draw_frame_graph(const FrameGraph& graph) {
   char scale[32];
   std::snprintf(scale, sizeof scale, "%.0f ms", most);
   list.AddText({from.x + 5, from.y + 2}, kDimInk, scale);
-  ImGui::Dummy({width, kHeight_px});
+  ImGui::Dummy({width, scaled(kHeight_px)});
   for (const Line& line : lines) {
     if (&line == &lines[3] && line.values_ms.empty()) continue;
     char text[48];

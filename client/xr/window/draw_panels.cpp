@@ -12,18 +12,21 @@
 namespace livegs {
 namespace {
 
+// Lengths at scale 1.
 constexpr float kMargin_px = 10, kGap_px = 4, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84,
                 kValueWidth_px = 64;
 constexpr float kFineDrag = 0.1f;  // of a slider, with Shift
 // The Scene panel is open at first if there is room for all of it below the Run panel.
 constexpr float kMinScenePanel_px = 560;
+// Share of the height of a lower window that an open Scene panel has. A higher share leaves less for Run.
+constexpr float kSceneShare = 0.6f;
 
 }  // namespace
 
-std::optional<std::pair<double, double>> columns_beside_panels(double width_px, bool recorded) {
+std::optional<std::pair<double, double>> columns_beside_panels(double width_px, bool recorded, double scale) {
   constexpr double kMinPanelShare = 0.3;
-  const double left_px = kMargin_px + kLeftWidth_px,
-               right_px = recorded ? width_px : width_px - kRightWidth_px - kMargin_px;
+  const double left_px = scale * (kMargin_px + kLeftWidth_px),
+               right_px = recorded ? width_px : width_px - scale * (kRightWidth_px + kMargin_px);
   return right_px - left_px >= kMinPanelShare * width_px ? std::optional(std::pair(left_px, right_px))
                                                          : std::nullopt;
 }
@@ -52,10 +55,11 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
     draw_loading(*panels.loading, width_px, height_px);
     return actions;
   }
-  resized_ = width_px != width_px_ || height_px != height_px_;
+  resized_ = width_px != width_px_ || height_px != height_px_ || scale_ != scaled(1);
+  scale_ = scaled(1);
   width_px_ = width_px;
   height_px_ = height_px;
-  const bool stacks = width_px < kMinSideBySideWidth_px;
+  const bool stacks = width_px < scaled(kMinSideBySideWidth_px);
   const bool selected = panels.objects.selected.has_value();
   if (stacks && !stacked_) open_ = selected ? Panel::Objects : Panel::Run;
   if (selected && !had_selection_) open_ = Panel::Objects;
@@ -65,13 +69,19 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   if (!panels.run.notice.empty() && !had_notice_) open_ = Panel::Run;
   had_notice_ = !panels.run.notice.empty();
 
-  const float across_px = std::max(1.0f, width_px - 2 * kMargin_px), down_px = height_px - 2 * kMargin_px;
+  const float across_px = std::max(1.0f, width_px - 2 * scaled(kMargin_px)),
+              down_px = height_px - 2 * scaled(kMargin_px);
   // The title bars of the other panels in the same column stay visible.
-  const float bar_px = kGap_px + ImGui::GetFrameHeight();
+  const float bar_px = scaled(kGap_px) + ImGui::GetFrameHeight();
   const float scene_px = panels.scene.available ? bar_px : 0;
   const float max_px = stacked_ ? down_px - bar_px - scene_px : down_px;
-  place(Panel::Run, kMargin_px, kMargin_px, std::min(kLeftWidth_px, across_px), 0,
-        stacked_ ? max_px : down_px - scene_px);
+  // Side by side, Run leaves room for an open Scene panel below it, and scrolls.
+  const float run_max_px =
+      stacked_      ? max_px
+      : scene_open_ ? down_px - scaled(kGap_px) - std::min(scaled(kMinScenePanel_px), kSceneShare * down_px)
+                    : down_px - scene_px;
+  place(Panel::Run, scaled(kMargin_px), scaled(kMargin_px), std::min(scaled(kLeftWidth_px), across_px), 0,
+        run_max_px);
   ImGui::Begin("Run", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Run);
   draw_run(panels.run, actions);
@@ -79,31 +89,33 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
     ImGui::Separator();
     draw_force(panels.force, actions);
   }
-  const float below_px = kMargin_px + ImGui::GetWindowHeight() + kGap_px;
+  const float below_px = scaled(kMargin_px) + ImGui::GetWindowHeight() + scaled(kGap_px);
   ImGui::End();
   if (panels.run.recorded) return actions;
 
   const float right_px =
-      std::min(kRightWidth_px, stacked_ ? across_px : width_px - kLeftWidth_px - 3 * kMargin_px);
+      std::min(scaled(kRightWidth_px),
+               stacked_ ? across_px : width_px - scaled(kLeftWidth_px) - 3 * scaled(kMargin_px));
   // With an object selected the panel takes the full height: automatic sizing lags one picture behind.
-  place(Panel::Objects, stacked_ ? kMargin_px : width_px - right_px - kMargin_px,
-        stacked_ ? below_px : kMargin_px, right_px, panels.objects.selected ? max_px : 0, max_px);
+  place(Panel::Objects, stacked_ ? scaled(kMargin_px) : width_px - right_px - scaled(kMargin_px),
+        stacked_ ? below_px : scaled(kMargin_px), right_px, panels.objects.selected ? max_px : 0, max_px);
   ImGui::Begin("Objects", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Objects);
   draw_objects(panels.objects, actions);
-  const float below_objects_px = below_px + ImGui::GetWindowHeight() + kGap_px;
+  const float below_objects_px = below_px + ImGui::GetWindowHeight() + scaled(kGap_px);
   ImGui::End();
   if (!panels.scene.available) return actions;
 
   // Closed at first where it would cover the picture.
   const float top_px = stacked_ ? below_objects_px : below_px;
   if (!stacked_ && !std::exchange(scene_seen_, true))
-    ImGui::SetNextWindowCollapsed(height_px - top_px < kMinScenePanel_px, ImGuiCond_Always);
-  place(Panel::Scene, kMargin_px, top_px, std::min(kLeftWidth_px, across_px), 0,
-        std::max(height_px - top_px - kMargin_px, ImGui::GetFrameHeight()));
-  ImGui::SetNextWindowPos({kMargin_px, top_px});  // the Run panel changes its height
+    ImGui::SetNextWindowCollapsed(height_px - top_px < scaled(kMinScenePanel_px), ImGuiCond_Always);
+  place(Panel::Scene, scaled(kMargin_px), top_px, std::min(scaled(kLeftWidth_px), across_px), 0,
+        std::max(height_px - top_px - scaled(kMargin_px), ImGui::GetFrameHeight()));
+  ImGui::SetNextWindowPos({scaled(kMargin_px), top_px});  // the Run panel changes its height
   ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
   see_whether_open(Panel::Scene);
+  scene_open_ = !ImGui::IsWindowCollapsed();
   scene_.draw(panels.scene, actions.scene);
   ImGui::End();
   return actions;
@@ -111,7 +123,7 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
 
 void PanelDrawer::draw_loading(const LoadingPanel& loading, float width_px, float height_px) {
   ImGui::SetNextWindowPos({0.5f * width_px, 0.5f * height_px}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({std::min(kRightWidth_px, width_px - 2 * kMargin_px), 0});
+  ImGui::SetNextWindowSize({std::min(scaled(kRightWidth_px), width_px - 2 * scaled(kMargin_px)), 0});
   ImGui::Begin("Loading", nullptr,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kPictureInk);
@@ -151,8 +163,8 @@ void PanelDrawer::draw_force(const ForcePanel& force, PanelActions& actions) {
                           ImGuiSliderFlags flags = 0) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted(name);
-    ImGui::SameLine(kTextWidth_px);
-    ImGui::SetNextItemWidth(-kValueWidth_px);
+    ImGui::SameLine(scaled(kTextWidth_px));
+    ImGui::SetNextItemWidth(-scaled(kValueWidth_px));
     changed |=
         ImGui::SliderScalar((std::string("##") + name).c_str(), ImGuiDataType_Double, &value, &low, &high, "",
                             flags | ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
@@ -175,7 +187,7 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
   if (ImGui::BeginTable("list", 3)) {
     ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 1.0f);
     ImGui::TableSetupColumn("kind", ImGuiTableColumnFlags_WidthStretch, 2.0f);
-    ImGui::TableSetupColumn("mass", ImGuiTableColumnFlags_WidthFixed, kTextWidth_px);
+    ImGui::TableSetupColumn("mass", ImGuiTableColumnFlags_WidthFixed, scaled(kTextWidth_px));
     for (size_t i = 0; i < objects.entries.size(); ++i) {
       const ObjectsPanel::Entry& entry = objects.entries[i];
       ImGui::TableNextRow();
@@ -239,7 +251,7 @@ void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& acti
   ImGui::SameLine(0.45f * width);
   const bool held = held_ == row.name;
   float position = held ? held_position_ : static_cast<float>(row.position);
-  ImGui::SetNextItemWidth(0.55f * width - kTextWidth_px - ImGui::GetStyle().ItemSpacing.x +
+  ImGui::SetNextItemWidth(0.55f * width - scaled(kTextWidth_px) - ImGui::GetStyle().ItemSpacing.x +
                           ImGui::GetStyle().WindowPadding.x);
   const ImVec2 from = ImGui::GetCursorScreenPos();
   ImGui::SliderFloat("##slider", &position, 0, 1, "",
@@ -268,7 +280,7 @@ void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& acti
   }
 
   ImGui::SameLine();
-  ImGui::SetNextItemWidth(kTextWidth_px);
+  ImGui::SetNextItemWidth(scaled(kTextWidth_px));
   const std::string shown = held && row.text_at ? row.text_at(held_position_) : row.value;
   std::array<char, 64> text{};  // ImGui keeps the text while it is edited
   std::snprintf(text.data(), text.size(), "%s", shown.c_str());
@@ -278,6 +290,13 @@ void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& acti
   }
 
   coloured(kDimInk, row.origin);
+  if (row.edited) {  // on the same line, so that nothing moves when it goes
+    const char* name = "To the estimate";
+    ImGui::SameLine(width + ImGui::GetStyle().WindowPadding.x - ImGui::CalcTextSize(name).x -
+                    2 * ImGui::GetStyle().FramePadding.x);
+    if (ImGui::SmallButton(name)) actions.estimated = index;
+    tip("Removes the value that was set by hand; Undo brings it back");
+  }
   if (!row.reason.empty()) coloured(kDimInk, row.reason);
   ImGui::Spacing();
   ImGui::PopID();

@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-constexpr float kLabel_px = 84;  // names of the fields
+constexpr float kLabel_px = 84;  // names of the fields, at scale 1
 constexpr size_t kMaxText = 128, kMaxSuggestions = 12;
 
 std::string lower(std::string text) {
@@ -34,7 +34,7 @@ bool input_text(const char* id, std::string& text, ImGuiInputTextFlags flags = 0
 void field_name(const char* name) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(name);
-  ImGui::SameLine(kLabel_px);
+  ImGui::SameLine(scaled(kLabel_px));
   ImGui::SetNextItemWidth(-1);
 }
 
@@ -68,7 +68,7 @@ void ScenePanelDrawer::draw_steps(const ScenePanel& panel, SceneActions& actions
   if (ImGui::BeginPopup("save as")) {
     ImGui::TextUnformatted("File in the scene's folder");
     if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-    ImGui::SetNextItemWidth(240);
+    ImGui::SetNextItemWidth(scaled(240));
     const bool entered = input_text("##file", file_, ImGuiInputTextFlags_EnterReturnsTrue);
     const bool saves = ImGui::Button("Save##as");
     ImGui::SameLine();
@@ -129,9 +129,9 @@ void ScenePanelDrawer::draw_objects(const ScenePanel& panel, SceneActions& actio
   tip("Add an asset of the scene's folder; or drop files on the window");
   if (ImGui::BeginPopup("add")) {
     if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-    ImGui::SetNextItemWidth(260);
+    ImGui::SetNextItemWidth(scaled(260));
     input_text("##asset", choosing_);
-    ImGui::BeginChild("assets", {260, 180});
+    ImGui::BeginChild("assets", {scaled(260), scaled(180)});
     for (size_t i = 0; i < panel.assets.size(); ++i) {
       if (!choosing_.empty() && !contains(panel.assets[i], choosing_)) continue;
       if (ImGui::Selectable(panel.assets[i].c_str())) {
@@ -222,7 +222,7 @@ void ScenePanelDrawer::draw_view(const ScenePanel& panel, SceneActions& actions)
     }
     if (panel.bookmarks.empty()) ImGui::TextDisabled("None yet");
     ImGui::Separator();
-    ImGui::SetNextItemWidth(160);
+    ImGui::SetNextItemWidth(scaled(160));
     input_text("##new view", bookmark_);
     ImGui::SameLine();
     if (button("Keep this view", !bookmark_.empty())) {

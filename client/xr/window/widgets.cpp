@@ -3,6 +3,8 @@
 
 namespace livegs {
 
+float scaled(float px) { return px * ImGui::GetFont()->FontSize / kFontSize_px; }
+
 void coloured(ImU32 colour, const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
   ImGui::TextWrapped("%s", text.c_str());

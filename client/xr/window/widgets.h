@@ -9,6 +9,8 @@
 
 namespace livegs {
 
+// A length of the layout, given for scale 1. Requires set_window_style().
+float scaled(float px);
 void coloured(ImU32 colour, const std::string& text);
 bool button(const char* name, bool possible = true, float width_px = 0);
 // Continues on the line of the last button if the panel is wide enough.

@@ -60,7 +60,7 @@ std::vector<uint8_t> drawn_bytes(const ImDrawData& data, int width, int height) 
 class GlfwWindowDisplay final : public WindowDisplay {
  public:
   ~GlfwWindowDisplay() override;
-  Result<void> create(const std::string& title, int width, int height);
+  Result<void> create(const std::string& title, int width, int height, double ui_scale, bool scaled_size);
 
   std::optional<PlannedFrame> wait_frame() override;
   Result<void> submit(const PlannedFrame& frame, std::span<const Image> images) override;
@@ -71,12 +71,14 @@ class GlfwWindowDisplay final : public WindowDisplay {
   void wake() override { glfwPostEmptyEvent(); }
   const WindowInput& input() const override { return input_; }
   Eigen::Vector2i size_px() const override;
+  double ui_scale() const override { return ui_scale_; }
   double refresh_hz() const override;
   void set_overlay(WindowOverlay overlay) override { overlay_ = std::move(overlay); }
   const PanelActions& actions() const override { return actions_; }
   void keep_next(Image& image) override { kept_ = &image; }
 
  private:
+  void follow_scale();
   void take_events();
   void take_input();
   void wait_for_events();
@@ -90,6 +92,7 @@ class GlfwWindowDisplay final : public WindowDisplay {
   }
 
   bool initialised_ = false, panels_ = false;
+  double wanted_scale_ = 0, ui_scale_ = 0;  // wanted: 0 is that of the monitor
   GLFWwindow* window_ = nullptr;
   GLuint texture_ = 0;
   Camera camera_;
@@ -100,10 +103,10 @@ class GlfwWindowDisplay final : public WindowDisplay {
   WindowEvents events_;
   std::vector<std::string> dropped_;  // since the last picture
   double last_s_ = 0, wait_s_ = 0;
+  int settling_ = 0;            // frames with short waits
   bool damaged_ = true;         // the system lost contents of the window
   std::vector<uint8_t> shown_;  // drawn_bytes() of the contents
   uint64_t planned_ = 0;
-  int settling_ = 0;            // frames with short waits
   Image* kept_ = nullptr;
 };
 
@@ -118,12 +121,15 @@ GlfwWindowDisplay::~GlfwWindowDisplay() {
   if (initialised_) glfwTerminate();
 }
 
-Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int height) {
+Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int height, double ui_scale,
+                                       bool scaled_size) {
   if (!glfwInit()) {
     return Error{ErrorCode::Unavailable, "window: no display is available (" + glfw_error() +
                                              "); set DISPLAY, or use --display offscreen"};
   }
   initialised_ = true;
+  wanted_scale_ = ui_scale;
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, scaled_size ? GLFW_TRUE : GLFW_FALSE);
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (!window_) {
     return Error{ErrorCode::Unavailable,
@@ -146,6 +152,7 @@ Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int 
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // ImGui must not write a file to the working directory
   panels_ = ImGui_ImplGlfw_InitForOpenGL(window_, true) && ImGui_ImplOpenGL2_Init();
+  follow_scale();
   glGenTextures(1, &texture_);
   last_s_ = glfwGetTime();
   return {};
@@ -155,6 +162,24 @@ Eigen::Vector2i GlfwWindowDisplay::size_px() const {
   int width = 0, height = 0;
   glfwGetWindowSize(window_, &width, &height);
   return {std::max(1, width), std::max(1, height)};
+}
+
+// Takes the scale of the monitor, which changes when the window is moved to another one. Where a window has
+// coordinates other than pixels, they already include a part of it.
+void GlfwWindowDisplay::follow_scale() {
+  double scale = wanted_scale_;
+  if (scale == 0) {
+    float content = 1;
+    int pixels = 0, height = 0;
+    glfwGetWindowContentScale(window_, &content, nullptr);
+    glfwGetFramebufferSize(window_, &pixels, &height);
+    scale = pixels > 0 ? content * size_px().x() / pixels : content;
+  }
+  scale = std::clamp(scale, kMinUiScale, kMaxUiScale);
+  if (scale == ui_scale_) return;
+  ui_scale_ = scale;
+  set_window_style(static_cast<float>(scale));
+  ImGui_ImplOpenGL2_DestroyFontsTexture();  // made again by the next frame
 }
 
 double GlfwWindowDisplay::refresh_hz() const {
@@ -266,6 +291,7 @@ void GlfwWindowDisplay::wait_for_events() {
 std::optional<PlannedFrame> GlfwWindowDisplay::wait_frame() {
   wait_for_events();
   if (glfwWindowShouldClose(window_)) return std::nullopt;
+  follow_scale();
   ImGui_ImplOpenGL2_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   take_events();
@@ -355,9 +381,10 @@ bool WindowDisplay::is_possible() {
   return window != nullptr;
 }
 
-Result<std::unique_ptr<WindowDisplay>> WindowDisplay::open(const std::string& title, int width, int height) {
+Result<std::unique_ptr<WindowDisplay>> WindowDisplay::open(const std::string& title, int width, int height,
+                                                           double ui_scale, bool scaled_size) {
   auto display = std::make_unique<GlfwWindowDisplay>();
-  if (auto made = display->create(title, width, height); !made) return made.error();
+  if (auto made = display->create(title, width, height, ui_scale, scaled_size); !made) return made.error();
   return Result<std::unique_ptr<WindowDisplay>>(std::move(display));
 }
 

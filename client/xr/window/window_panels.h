@@ -17,6 +17,7 @@ struct ValueRow {
   std::string name, value;  // "Mass", "0.35 kg"
   std::string origin;       // "estimate, 0.2 to 0.6 kg"
   std::string reason;
+  bool edited = false;                         // set by hand, so that it can go back to the estimate
   double position = 0;                         // on the slider, 0..1
   double range_low = 0, range_high = 0;        // the range below it, 0..1; empty if equal
   std::function<std::string(double)> text_at;  // formats a position while the slider is dragged
@@ -146,6 +147,7 @@ struct PanelActions {
     std::string text;
   };
   std::optional<Typed> typed;
+  std::optional<size_t> estimated;  // a row that goes back to its estimate
   std::optional<bool> fragile;
   bool accept = false, decline = false, undo = false, redo = false, analyse = false, analyse_all = false;
   std::optional<bool> pause;

@@ -6,14 +6,14 @@
 namespace livegs {
 namespace {
 
-constexpr float kFontSize_px = 14;
-
 ImVec4 colour(float r, float g, float b, float a = 1.0f) { return {r, g, b, a}; }
 
 }  // namespace
 
-void set_window_style() {
-  add_window_font(*ImGui::GetIO().Fonts, kFontSize_px);
+void set_window_style(float scale) {
+  ImGui::GetIO().Fonts->Clear();
+  add_window_font(*ImGui::GetIO().Fonts, kFontSize_px * scale);
+  ImGui::GetStyle() = ImGuiStyle();
   ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
   style.WindowRounding = 6;
@@ -25,6 +25,7 @@ void set_window_style() {
   style.CellPadding = {4, 3};
   style.ScrollbarSize = 10;
   style.GrabMinSize = 12;
+  style.ScaleAllSizes(scale);
   ImVec4* colours = style.Colors;
   colours[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(kInk);
   colours[ImGuiCol_WindowBg] = colour(0.09f, 0.10f, 0.12f, 0.90f);

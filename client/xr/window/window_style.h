@@ -17,6 +17,9 @@ inline constexpr ImU32 kTickInk = IM_COL32(130, 205, 140, 255);
 inline constexpr ImU32 kAgeInk = IM_COL32(226, 160, 110, 255);
 inline constexpr ImU32 kDeviceInk = IM_COL32(190, 150, 225, 255);
 
-void set_window_style();
+inline constexpr float kFontSize_px = 14;  // at scale 1
+
+// `scale`: of texts and widgets. Replaces style and fonts.
+void set_window_style(float scale = 1);
 
 }  // namespace livegs

@@ -142,4 +142,18 @@ void merge_edits(v1::Physics& edits, const v1::Physics& later) {
   edits.MergeFrom(later);
 }
 
+Result<void> remove_edits(v1::Physics& edits, std::span<const std::string> fields) {
+  bool any = false;
+  for (const std::string& name : fields) {
+    const auto* field = v1::Physics::descriptor()->FindFieldByName(name);
+    if (!field) return invalid_argument("physics: \"" + shown_text(name, 60) + "\" is no field of Physics");
+    const auto& reflection = *v1::Physics::GetReflection();
+    any = any ||
+          (field->is_repeated() ? reflection.FieldSize(edits, field) > 0 : reflection.HasField(edits, field));
+    reflection.ClearField(&edits, field);
+  }
+  if (!any) return not_found("physics: none of these values was set by hand");
+  return {};
+}
+
 }  // namespace livegs

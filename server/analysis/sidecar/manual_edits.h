@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -25,5 +26,7 @@ std::string physics_name(std::string_view name);
 
 // Merges edits by field: the later value wins, also over a mutually exclusive field (mass over density).
 void merge_edits(v1::Physics& edits, const v1::Physics& later);
+// Removes fields of Physics. InvalidArgument for another name; NotFound if none of them is edited.
+Result<void> remove_edits(v1::Physics& edits, std::span<const std::string> fields);
 
 }  // namespace livegs

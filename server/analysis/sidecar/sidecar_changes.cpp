@@ -296,6 +296,18 @@ Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& ed
                      });
 }
 
+Result<v1::PhysicsFile> restore_physics(const fs::path& path, std::span<const std::string> fields,
+                                        const WriteStep& before) {
+  return change_file(path, before,
+                     [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                       record.set_action(PhysicsLogRecord::EDIT);
+                       v1::PhysicsFile next = kept.file;
+                       if (auto removed = remove_edits(*next.mutable_edits(), fields); !removed)
+                         return removed.error();
+                       return next;
+                     });
+}
+
 Result<v1::PhysicsFile> undo_physics(const fs::path& path, const WriteStep& before) {
   return change_file(
       path, before, [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {

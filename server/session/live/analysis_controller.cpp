@@ -434,6 +434,18 @@ Result<v1::PhysicsReply> AnalysisController::decline_proposal(const std::string&
   return reply_of(**known, *file, note);
 }
 
+Result<v1::PhysicsReply> AnalysisController::restore_estimate(const std::string& object,
+                                                              std::span<const std::string> fields) {
+  auto known = find(object);
+  if (!known) return known.error();
+  std::string note;
+  std::lock_guard deciding(deciding_);
+  auto file = (*known)->decided->restore(fields, note);
+  if (!file) return file.error();
+  remove_proposal((*known)->object.target.object_id);
+  return apply(**known, *file, note);
+}
+
 Result<v1::PhysicsReply> AnalysisController::undo_physics(const std::string& object, bool redo) {
   auto known = find(object);
   if (!known) return known.error();

@@ -49,6 +49,8 @@ class AnalysisController final : public AnalysisControl {
   Result<v1::PhysicsReply> accept_proposal(const std::string& object) override;
   Result<v1::PhysicsReply> decline_proposal(const std::string& object) override;
   Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo) override;
+  // Removes fields of Physics that were set by hand; the estimate, or the scene file, determines them again.
+  Result<v1::PhysicsReply> restore_estimate(const std::string& object, std::span<const std::string> fields);
   void watch_proposals(Proposed proposed) override;
 
  private:

@@ -53,6 +53,18 @@ Result<v1::PhysicsFile> PhysicsOverrides::edit(const v1::Physics& edits, const s
                 note);
 }
 
+Result<v1::PhysicsFile> PhysicsOverrides::restore(std::span<const std::string> fields, std::string& note) {
+  return change([&] { return restore_physics(file_, fields); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  v1::PhysicsFile next = revisions_[current_];
+                  if (auto removed = remove_edits(*next.mutable_edits(), fields); !removed)
+                    return removed.error();
+                  proposal_.reset();
+                  return push_revision(std::move(next));
+                },
+                note);
+}
+
 Result<v1::PhysicsFile> PhysicsOverrides::step(bool redo, std::string& note) {
   return change([&] { return redo ? redo_physics(file_) : undo_physics(file_); },
                 [&]() -> Result<v1::PhysicsFile> {

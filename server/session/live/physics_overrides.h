@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ class PhysicsOverrides {
   Result<v1::PhysicsFile> apply(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record,
                                 std::string& note);
   Result<v1::PhysicsFile> edit(const v1::Physics& edits, const std::string& name, std::string& note);
+  Result<v1::PhysicsFile> restore(std::span<const std::string> fields, std::string& note);
   Result<v1::PhysicsFile> step(bool redo, std::string& note);
   void propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record);
   Result<v1::PhysicsFile> accept(std::string& note);   // the last proposal; NotFound if none

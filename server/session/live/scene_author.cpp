@@ -271,7 +271,51 @@ Result<std::vector<std::string>> SceneAuthor::apply(const v1::Scene& before, con
   return warnings;
 }
 
+namespace {
+
+// Fields of an object's physics, if a request does nothing but clear values that the scene does not state:
+// they were set by hand and are kept in the sidecar.
+std::vector<std::string> cleared_edits(const v1::EditSceneRequest& request, const v1::Scene& scene) {
+  static const std::string kPhysics = "physics.";
+  if (request.objects_size() != 1 || request.has_bookmarks() || request.has_background()) return {};
+  const v1::ObjectEdit& edit = request.objects(0);
+  if (edit.object().empty() || edit.remove() || edit.drop() || edit.has_longest_side_m()) return {};
+  const auto object = std::find_if(scene.objects().begin(), scene.objects().end(),
+                                   [&](const v1::Object& one) { return one.name() == edit.object(); });
+  if (object == scene.objects().end() || object->locked()) return {};
+  std::vector<std::string> fields;
+  for (const std::string& path : edit.fields()) {
+    const auto* field = path.starts_with(kPhysics)
+                            ? v1::Physics::descriptor()->FindFieldByName(path.substr(kPhysics.size()))
+                            : nullptr;
+    if (!field || !field->has_presence()) return {};
+    const auto& reflection = *v1::Physics::GetReflection();
+    if (reflection.HasField(edit.value().physics(), field) || reflection.HasField(object->physics(), field))
+      return {};
+    fields.push_back(field->name());
+  }
+  return fields;
+}
+
+}  // namespace
+
+Result<v1::EditSceneReply> SceneAuthor::restored(const std::string& object,
+                                                 std::span<const std::string> fields) {
+  auto physics = analysis_.restore_estimate(object, fields);
+  if (!physics) return physics.error();
+  v1::EditSceneReply reply;
+  reply.add_objects(object);
+  *reply.mutable_warnings() = physics->warnings();
+  const std::string not_kept = commit_physics("return to the estimate of", object);
+  if (!not_kept.empty()) reply.add_warnings(redact_paths(not_kept));
+  reply.set_revision(document_.revision());
+  log_info("scene: return to the estimate of %s", object.c_str());
+  return reply;
+}
+
 Result<v1::EditSceneReply> SceneAuthor::edited(const v1::EditSceneRequest& request) {
+  if (const auto fields = cleared_edits(request, document_.scene()); !fields.empty())
+    return restored(request.objects(0).object(), fields);
   v1::EditSceneReply reply;
   std::vector<std::string> names;
   auto step = document_.prepare(
@@ -409,14 +453,18 @@ Result<v1::EditSceneReply> SceneAuthor::undone(bool redo) {
 }
 
 void SceneAuthor::note_physics(const std::string& object) {
-  (void)post([this, object] {
-    {
-      std::lock_guard lock(document_mutex_);
-      (void)document_.commit(
-          {"edit values of " + shown_text(object, 60), document_.scene(), document_.scene(), {}, object});
-    }
-    show_revision();
-  });
+  (void)post([this, object] { (void)commit_physics("edit values of", object); });
+}
+
+std::string SceneAuthor::commit_physics(const std::string& title, const std::string& object) {
+  std::string not_kept;
+  {
+    std::lock_guard lock(document_mutex_);
+    not_kept = document_.commit(
+        {title + " " + shown_text(object, 60), document_.scene(), document_.scene(), {}, object});
+  }
+  show_revision();
+  return not_kept;
 }
 
 Result<void> SceneAuthor::carry(const v1::CarryObjectRequest& request) {

@@ -6,6 +6,8 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
+#include <string>
 #include <thread>
 
 #include "scene/edit/scene_document.h"
@@ -66,6 +68,9 @@ class SceneAuthor final : public AuthorControl {
   Result<std::vector<std::string>> done(SceneDocument::Step step);
   Result<v1::TakePartReply> taken(const v1::TakePartRequest& request);
   Result<v1::EditSceneReply> returned(const std::string& object);
+  Result<v1::EditSceneReply> restored(const std::string& object, std::span<const std::string> fields);
+  // Adds a revision of an object's sidecar to the steps.
+  std::string commit_physics(const std::string& title, const std::string& object);
   void show_revision();
 
   const SceneOptions options_;

@@ -8,6 +8,8 @@
 
 #include <functional>
 
+#include "xr/window/window_style.h"
+
 namespace livegs {
 namespace {
 
@@ -18,9 +20,7 @@ class PanelTest : public ::testing::Test {
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
     io.DisplaySize = {width_px_, height_px_};
-    unsigned char* pixels = nullptr;
-    int width = 0, height = 0;
-    io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+    set_style(1);
     panels_.objects.entries = {{"hat", "felt, elastic", "0.1 kg"}, {"cup", "stoneware, rigid", "0.27 kg"}};
     panels_.objects.selected = 0;
     panels_.objects.rows.resize(2);
@@ -35,6 +35,12 @@ class PanelTest : public ::testing::Test {
     for (int i = 0; i < 3; ++i) frame();  // layout settles
   }
   void TearDown() override { ImGui::DestroyContext(); }
+  static void set_style(float scale) {
+    set_window_style(scale);
+    unsigned char* pixels = nullptr;
+    int width = 0, height = 0;
+    ImGui::GetIO().Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+  }
 
   PanelActions frame() {
     ImGui::GetIO().DeltaTime = 1.0f / 60;
@@ -69,6 +75,25 @@ class PanelTest : public ::testing::Test {
   }
   static ImGuiWindow* panel(const char* name) { return ImGui::FindWindowByName(name); }
   static bool is_open(const char* name) { return !panel(name)->Collapsed; }
+  void show_scene() {
+    ScenePanel& scene = panels_.scene;
+    scene.available = true;
+    scene.entries = {{"hat", "", true}, {"cup", ""}};
+    scene.selected = 1;
+    scene.fields.emplace();
+    scene.fields->longest_side_m = 0.3;
+    for (int i = 0; i < 4; ++i) frame();
+  }
+  // Everything of a panel is within the window or can be scrolled to, and a few lines are visible.
+  void expect_usable(const char* name) const {
+    const ImGuiWindow& window = *panel(name);
+    EXPECT_TRUE(ImRect(0, 0, width_px_, height_px_).Contains(window.Rect()))
+        << name << " ends at " << window.Rect().Max.x << " " << window.Rect().Max.y;
+    EXPECT_LE(window.ContentSize.x, window.InnerRect.GetWidth()) << name << ": cut off at the right";
+    const float hidden_px = window.ContentSize.y + 2 * window.WindowPadding.y - window.InnerRect.GetHeight();
+    EXPECT_LE(hidden_px, window.ScrollMax.y + 1) << name << ": cannot be scrolled to its end";
+    EXPECT_GE(window.InnerRect.GetHeight(), 4 * ImGui::GetTextLineHeightWithSpacing()) << name;
+  }
   // Both are within the window and do not overlap.
   void expect_room_for_both() const {
     const ImRect run = panel("Run")->Rect(), objects = panel("Objects")->Rect(),
@@ -216,6 +241,53 @@ TEST_F(PanelTest, OneIsOpenInNarrowWindow) {
     for (int i = 0; i < 4; ++i) frame();
     EXPECT_TRUE(is_open("Run") && !is_open("Objects"));
   }
+}
+
+// Only a value that was set by hand goes back to its estimate, and the button takes no other action.
+TEST_F(PanelTest, EditedValueCanGoBackToItsEstimate) {
+  const auto back = [](const PanelActions& actions) { return actions.estimated.has_value(); };
+  EXPECT_FALSE(find(back, 890, 1270));
+  panels_.objects.rows[1].edited = true;
+  panels_.objects.rows[1].origin = "set by hand";
+  const float height = panel("Objects")->ContentSize.y;
+  EXPECT_TRUE(find([](const PanelActions& actions) { return actions.estimated == 1u; }, 890, 1270));
+  EXPECT_FALSE(find([](const PanelActions& actions) { return actions.estimated == 0u; }, 890, 1270));
+  EXPECT_EQ(panel("Objects")->ContentSize.y, height) << "nothing moves";
+}
+
+// With the Scene panel open, nothing is off the screen in small windows and at any scale.
+TEST_F(PanelTest, ScenePanelFitsSmallWindows) {
+  for (const float scale : {1.0f, 1.5f, 2.0f}) {
+    set_style(scale);
+    for (const auto& [width, height] : {std::pair(640, 480), std::pair(800, 480), std::pair(1280, 800)}) {
+      SCOPED_TRACE(std::to_string(width) + " at " + std::to_string(scale));
+      panels_.objects.selected = 0;
+      resize(static_cast<float>(width), static_cast<float>(height));
+      show_scene();
+      if (!is_open("Scene")) click_bar("Scene");
+      ASSERT_TRUE(is_open("Scene"));
+      expect_usable("Scene");
+      for (const char* name : {"Run", "Objects"}) {
+        if (is_open(name)) expect_usable(name);
+        EXPECT_TRUE(ImRect(0, 0, width_px_, height_px_).Contains(panel(name)->TitleBarRect())) << name;
+        EXPECT_FALSE(panel(name)->Rect().Overlaps(panel("Scene")->Rect())) << name;
+      }
+    }
+  }
+}
+
+// At a scale of two everything is twice as large.
+TEST_F(PanelTest, ScaleAppliesToTextsAndPanels) {
+  resize(2560, 1600);
+  const float line = ImGui::GetTextLineHeight(), run = panel("Run")->Size.x;
+  set_style(2);
+  for (int i = 0; i < 4; ++i) frame();
+  EXPECT_NEAR(ImGui::GetTextLineHeight(), 2 * line, 1e-3);
+  EXPECT_EQ(panel("Run")->Size.x, 2 * run);
+  EXPECT_EQ(columns_beside_panels(2560, false, 2)->second, 2560 - 2 * 400);
+  expect_room_for_both();
+  resize(1380, 800);  // too narrow for both at this scale
+  EXPECT_TRUE(is_open("Run") != is_open("Objects"));
 }
 
 TEST_F(PanelTest, EachButtonWorksInNarrowWindow) {

@@ -96,6 +96,23 @@ TEST_F(PhysicsFileTest, EditsAreLockedAgainstLaterAnalyses) {
   EXPECT_EQ(physics->mass_kg().source(), EstimatedValue::PERSON);
 }
 
+TEST_F(PhysicsFileTest, EditedValueReturnsToTheEstimate) {
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  v1::Physics edits = edit_of_mass(0.25);
+  edits.set_friction(0.9);
+  ASSERT_TRUE(edit_physics(path, edits));
+  const std::vector<std::string> mass{"mass_kg", "density_kg_m3"}, wrong{"mass"};
+  ASSERT_TRUE(restore_physics(path, mass));
+  EXPECT_EQ(mass_kg(), 0.31);
+  EXPECT_EQ(read().edits().friction(), 0.9) << "other edits stay";
+  EXPECT_EQ(restore_physics(path, mass).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(restore_physics(path, wrong).error().code, ErrorCode::InvalidArgument);
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(mass_kg(), 0.25);
+  ASSERT_TRUE(redo_physics(path));
+  EXPECT_EQ(mass_kg(), 0.31);
+}
+
 TEST_F(PhysicsFileTest, UndoAndRedoStepThroughRevisions) {
   EXPECT_EQ(undo_physics(path).error().code, ErrorCode::NotFound);
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
