@@ -22,7 +22,7 @@ struct RenderCommand {
   int width = 640, height = 480;
   double azimuth_deg = 0, elevation_deg = kDefaultElevation_rad * 180 / std::numbers::pi;
   int turns = 1;
-  std::vector<double> background = {0.08, 0.08, 0.1};
+  std::vector<double> background;  // empty: that of the scene, else kPictureBackground
   bool no_shadows = false;
 };
 
@@ -41,8 +41,8 @@ std::filesystem::path numbered(const std::filesystem::path& output, int turn, in
 
 int draw(const RenderCommand& options, std::span<const DrawnObject> objects,
          std::span<const Eigen::AlignedBox3d> boxes, RasteriseOptions rasterise = {}) {
-  rasterise.background =
-      Eigen::Vector3d(options.background[0], options.background[1], options.background[2]).cast<float>();
+  const auto& rgb = options.background;
+  if (rgb.size() == 3) rasterise.background = Eigen::Vector3d(rgb[0], rgb[1], rgb[2]).cast<float>();
   Rasteriser rasteriser;
   RasterisedView view;
   for (int turn = 0; turn < options.turns; ++turn) {
@@ -78,7 +78,9 @@ int render_asset(const RenderCommand& options) {
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3d& point : placed->body_points_m) bounds.extend(point);
   const DrawnObject object{placed->asset.get(), &kernels, 0};
-  return draw(options, std::span(&object, 1), std::span(&bounds, 1));
+  RasteriseOptions rasterise;
+  rasterise.background = kPictureBackground;
+  return draw(options, std::span(&object, 1), std::span(&bounds, 1), rasterise);
 }
 
 int render_scene(const RenderCommand& options) {
@@ -146,10 +148,11 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--turns", options->turns, "Number of pictures around the object, with numbered files")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
-  command->add_option("--background", options->background, "Background colour: red, green, blue, 0 to 1")
+  command
+      ->add_option("--background", options->background,
+                   "Background colour: red, green, blue, 0 to 1 (default: that of the scene, else dark)")
       ->type_name("R G B")
-      ->expected(3)
-      ->capture_default_str();
+      ->expected(3);
   command->add_flag("--no-shadows", options->no_shadows,
                     "Draw no contact and soft shadows under the objects of a scene");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -220,9 +220,7 @@ int run(const SimulateCommand& options) {
       if (!drawn) return report(drawn.error());
       times.pose_ms += lap();
       if (drawn_now) {
-        RasteriseOptions rasterise = drawing.options();
-        rasterise.background = {0.08f, 0.08f, 0.1f};
-        rasteriser.draw(*drawn, *camera, rasterise, view);
+        rasteriser.draw(*drawn, *camera, drawing.options(), view);
         char name[32];
         std::snprintf(name, sizeof name, "frame_%04lu.png", frame);
         if (auto written = write_png(options.output / name, view.image, false, 3); !written)

@@ -9,6 +9,7 @@
 #include "core/format_text.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
+#include "stream/session/scene_control.h"
 #include "stream/session/session_client.h"
 #include "viewer/live/scene_loader.h"
 #include "viewer/output/offscreen_sink.h"
@@ -109,6 +110,11 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   AssetLibrary& assets = (*live)->assets;
   SceneView& view = (*live)->view;
   const JoinedScene& scene = client.scene();
+  // Known to authors only; without that right, pictures have the default background.
+  if (const auto document = SceneControl(options.address, options.access).scene(); document) {
+    const auto& rgb = document->scene().background_rgb();
+    if (rgb.size() == 3) view.set_background(Eigen::Vector3d(rgb[0], rgb[1], rgb[2]).cast<float>());
+  }
   log_info("joined %s: %zu objects, %.0f Hz; %zu of %zu assets fetched, %.1f MB", options.address.c_str(),
            scene.objects.size(), scene.rate_hz, assets.totals().fetched, assets.totals().assets,
            static_cast<double>(assets.totals().fetched_bytes) * 1e-6);

@@ -42,6 +42,9 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
   DriverFrame own;
   if (!frame) own = scene.world().drivers();
   const DriverFrame& drivers = frame ? *frame : own;
+  const auto& rgb = scene.file().background_rgb();
+  background_ = rgb.size() == 3 ? Eigen::Vector3f(Eigen::Vector3d(rgb[0], rgb[1], rgb[2]).cast<float>())
+                                : kPictureBackground;
   environments_.clear();
   boxes_.clear();
   std::vector<DrawnObject> drawn;

@@ -14,6 +14,9 @@
 
 namespace livegs {
 
+// Background of pictures of a scene that states none.
+inline const Eigen::Vector3f kPictureBackground(0.08f, 0.08f, 0.1f);
+
 enum class Skinning { Lattice, LivegsV1 };
 
 // Poses a scene's kernels by a frame of its drivers, ready for the rasteriser. Binds each object once and
@@ -29,9 +32,10 @@ class SceneDrawing {
   Result<std::vector<DrawnObject>> pose(const Scene& scene, const DriverFrame* frame = nullptr);
   // Computes the shadows of the objects, as the client draws them, in every pose(); off by default.
   void set_shadows(bool drawn) { draws_shadows_ = drawn; }
-  // Options with the shadows and environments of the last pose(), valid until the next.
+  // Options with background, shadows and environments of the last pose(), valid until the next.
   RasteriseOptions options() const {
     RasteriseOptions options;
+    options.background = background_;
     options.shadows = shadow_table_;
     options.environments = environments_;
     return options;
@@ -60,6 +64,7 @@ class SceneDrawing {
   SceneShadows shadows_;
   const ShadowTable* shadow_table_ = nullptr;
   std::vector<uint32_t> environments_;
+  Eigen::Vector3f background_ = kPictureBackground;
   std::vector<Eigen::AlignedBox3d> boxes_;
 };
 

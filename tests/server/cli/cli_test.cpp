@@ -90,6 +90,30 @@ TEST(Cli, SimulateNamesItsFiles) {
       << said.out;
 }
 
+// Where nothing is, pictures have the background of the scene; the option takes precedence.
+TEST(Cli, PicturesHaveTheBackgroundOfTheScene) {
+  ScratchFolder folder;
+  std::string text = kScene;
+  text.insert(1, R"( "background_rgb": [0.2, 0.4, 0.6],)");
+  const fs::path scene = folder.write("two.scene.json", text);
+  const auto corner = [](const fs::path& file) {
+    const auto image = read_png(file);
+    EXPECT_TRUE(image) << image.error().message;
+    const float* pixel = image ? image->at(0, 0) : nullptr;
+    return image ? Eigen::Vector3f(pixel[0], pixel[1], pixel[2]) : Eigen::Vector3f();
+  };
+  constexpr float kRounding = 0.5f / 255 + 1e-6f;
+  const Eigen::Vector3f stated(0.2f, 0.4f, 0.6f);
+  ASSERT_EQ(run({"render", scene, "-o", folder / "scene.png"}).code, 0);
+  EXPECT_LE((corner(folder / "scene.png") - stated).cwiseAbs().maxCoeff(), kRounding);
+  ASSERT_EQ(run({"render", scene, "-o", folder / "option.png", "--background", "1", "0", "0"}).code, 0);
+  EXPECT_LE((corner(folder / "option.png") - Eigen::Vector3f(1, 0, 0)).cwiseAbs().maxCoeff(), kRounding);
+  ASSERT_EQ(
+      run({"simulate", scene, "--seconds", "0", "--output", folder / "out", "--pictures", "--quiet"}).code,
+      0);
+  EXPECT_LE((corner(folder / "out/frame_0000.png") - stated).cwiseAbs().maxCoeff(), kRounding);
+}
+
 TEST(Cli, ConvertTurnsAndScales) {
   ScratchFolder folder;
   GaussianAsset asset = synthetic_asset(100, 2, 4);
