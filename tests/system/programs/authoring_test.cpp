@@ -2,12 +2,12 @@
 // Scenes that are built through the server's calls: steps, undo, two authors, crashes.
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <thread>
 
-#include "stream/session/scene_control.h"
+#include "splat/image.h"
 #include "system/programs/programs_fixture.h"
+#include "system/support/author_server.h"
 
 namespace livegs {
 namespace {
@@ -17,27 +17,13 @@ using google::protobuf::util::MessageDifferencer;
 class Authoring : public Programs {
  protected:
   void SetUp() override {
-    Program sample({LIVEGS_TOOL, "sample", folder_ / "sample"});
-    ASSERT_EQ(sample.wait(), 0) << sample.err();
-    std::filesystem::create_directories(folder_ / "made");
+    server_ = std::make_unique<AuthorServer>(folder_.path());
     for (const char* asset : {"cup.ply", "pillow.ply", "stool.ply"})
       std::filesystem::copy(folder_ / "sample" / asset, folder_ / "made" / asset);
   }
-  // Starts a server on made/room.scene.json and connects.
   void serve(bool fresh) {
-    std::vector<std::string> words = {LIVEGS_SERVER,  folder_ / "made/room.scene.json",
-                                      "--listen",     "127.0.0.1:0",
-                                      "--print-port", "--offline"};
-    if (fresh) words.push_back("--new");
-    server_ = std::make_unique<Program>(words);
-    const std::string port = server_->first_line();
-    ASSERT_NE(port, "") << server_->err();
-    address_ = "127.0.0.1:" + port;
-    author_ = std::make_unique<SceneControl>(address_);
-  }
-  void kill_server() {
-    server_->send(SIGKILL);
-    server_->wait();
+    server_->start(fresh);
+    author_ = &server_->control();
   }
   v1::SceneDocument document() {
     auto scene = author_->scene();
@@ -73,9 +59,45 @@ class Authoring : public Programs {
       edit.add_fields("pose");
     });
   }
-  std::unique_ptr<Program> server_;
-  std::unique_ptr<SceneControl> author_;
-  std::string address_;
+  void expect_undo(const std::string& title) {
+    while (document().undo() != title) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  // A value that was set by hand goes back to its estimate as a step of the log. Takes all steps back.
+  void expect_return_to_the_estimate(const std::string& object) {
+    const v1::SceneDocument before = document();
+    const auto mass = [&](double friction) {  // the reply of another edit has all values
+      v1::Physics rough;
+      rough.set_friction(friction);
+      const auto reply = author_->set_physics(object, rough);
+      EXPECT_TRUE(reply) << reply.error().message;
+      expect_undo("edit values of " + object);
+      EXPECT_TRUE(author_->undo_edit(false));
+      return reply ? reply->parameters().mass_kg() : v1::EstimatedValue();
+    };
+    const v1::EstimatedValue estimate = mass(0.7);
+    EXPECT_EQ(estimate.source(), v1::EstimatedValue::OFFLINE);
+    v1::Physics heavy;
+    heavy.set_mass_kg(3);
+    ASSERT_TRUE(author_->set_physics(object, heavy));
+    expect_undo("edit values of " + object);
+    edit(one(object, [](v1::ObjectEdit& edit) {
+      edit.add_fields("physics.mass_kg");
+      edit.add_fields("physics.density_kg_m3");
+    }));
+    EXPECT_EQ(document().undo(), "return to the estimate of " + object);
+    EXPECT_EQ(mass(0.8).best(), estimate.best());
+    ASSERT_TRUE(author_->undo_edit(false));
+    EXPECT_EQ(mass(0.9).best(), 3);
+    const auto none =
+        author_->edit_scene(one(object, [](v1::ObjectEdit& edit) { edit.add_fields("physics.plasticity"); }));
+    ASSERT_FALSE(none);
+    EXPECT_NE(none.error().message.find("set by hand"), std::string::npos) << none.error().message;
+    ASSERT_TRUE(author_->undo_edit(false));
+    EXPECT_EQ(document().undo(), before.undo());
+    EXPECT_TRUE(MessageDifferencer::Equals(document().scene(), before.scene()));
+  }
+  std::unique_ptr<AuthorServer> server_;
+  SceneControl* author_ = nullptr;
 };
 
 TEST_F(Authoring, ASceneIsBuiltSavedAndOpenedTheSame) {
@@ -91,6 +113,7 @@ TEST_F(Authoring, ASceneIsBuiltSavedAndOpenedTheSame) {
   ASSERT_EQ(author_->upload_asset(folder_ / "sample/hat.ply").value(), "hat.ply") << "it is not stored twice";
 
   EXPECT_EQ(edit(added("cup.ply", 0))[0], "cup");
+  ASSERT_NO_FATAL_FAILURE(expect_return_to_the_estimate("cup"));
   EXPECT_EQ(edit(added("pillow.ply", 1))[0], "pillow");
   EXPECT_EQ(edit(added("stool.ply", 2))[0], "stool");
   EXPECT_EQ(edit(added("hat.ply", 3))[0], "hat");
@@ -111,19 +134,31 @@ TEST_F(Authoring, ASceneIsBuiltSavedAndOpenedTheSame) {
   soft.set_behavior(v1::Physics::ELASTIC);
   soft.set_youngs_modulus_pa(3e4);
   ASSERT_TRUE(author_->set_physics("pillow", soft));
-  while (document().undo() != "edit values of pillow")
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  expect_undo("edit values of pillow");
+  v1::EditSceneRequest background;
+  background.set_background(true);
+  const Eigen::Vector3f stated(0.2f, 0.4f, 0.6f);
+  for (const float part : stated) background.mutable_scene()->add_background_rgb(part);
+  edit(background);
   EXPECT_FALSE(author_->save_scene({}).value().file().empty());
   const v1::SceneDocument saved = document();
   EXPECT_FALSE(saved.unsaved());
-  server_->send(SIGTERM);
-  EXPECT_EQ(server_->wait(), 0);
+  server_->stop();
 
   serve(false);
   EXPECT_TRUE(MessageDifferencer::Equals(document().scene(), saved.scene())) << "to the bit";
   const auto& mug = saved.scene().objects(0);
   EXPECT_EQ(mug.label(), "stoneware mug");
   EXPECT_NEAR(mug.pose().position_m(0), 0, 1e-9);
+
+  // Offscreen pictures have the background.
+  Program client(client_words(server_->port(), {"--seconds", "0.5", "--no-video", "--every", "0"}));
+  ASSERT_EQ(client.wait(), 0) << client.err();
+  const auto first = read_png(folder_ / "view/first.png");
+  ASSERT_TRUE(first) << first.error().message;
+  const float* corner = first->at(0, 0);
+  EXPECT_LE((Eigen::Vector3f(corner[0], corner[1], corner[2]) - stated).cwiseAbs().maxCoeff(),
+            0.5f / 255 + 1e-6f);
 }
 
 TEST_F(Authoring, AKilledServerLosesAtMostTheStepUnderWay) {
@@ -134,7 +169,7 @@ TEST_F(Authoring, AKilledServerLosesAtMostTheStepUnderWay) {
   for (size_t i = 0; i < steps.size(); ++i) {
     edit(steps[i]);
     const v1::Scene before = document().scene();
-    kill_server();
+    server_->kill();
     if (i == 0)
       EXPECT_FALSE(std::filesystem::exists(folder_ / "made/room.scene.json")) << "nothing was saved";
     serve(i < steps.size());  // there is no scene file until a save
@@ -150,7 +185,7 @@ TEST_F(Authoring, TwoAuthorsShareOneLog) {
   const v1::Scene before = document().scene();
   constexpr int kSteps = 12;
   const auto work = [&](const std::string& object, double z) {
-    SceneControl own(address_);
+    SceneControl own(server_->address());
     for (int i = 1; i <= kSteps; ++i) {
       const auto done = own.edit_scene(moved(object, 0.05 * i, z));
       EXPECT_TRUE(done) << done.error().message;
@@ -162,7 +197,8 @@ TEST_F(Authoring, TwoAuthorsShareOneLog) {
   const v1::Scene both = document().scene();
   EXPECT_EQ(both.objects(0).pose().position_m(0), 0.05 * kSteps);
   EXPECT_EQ(both.objects(1).pose().position_m(0), 0.05 * kSteps);
-  EXPECT_EQ(SceneControl(address_).scene().value().revision(), document().revision()) << "both see the same";
+  EXPECT_EQ(SceneControl(server_->address()).scene().value().revision(), document().revision())
+      << "both see the same";
   for (int i = 0; i < 2 * kSteps; ++i) ASSERT_TRUE(author_->undo_edit(false));
   EXPECT_TRUE(MessageDifferencer::Equals(document().scene(), before)) << "whoever made the steps";
   for (int i = 0; i < 2 * kSteps; ++i) ASSERT_TRUE(author_->undo_edit(true));

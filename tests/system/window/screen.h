@@ -53,7 +53,7 @@ class Screen {
     // then reset and refuse clients meanwhile.
     program = std::make_unique<Program>(std::vector<std::string>{"/usr/bin/Xvfb", name, "-noreset",
                                                                  "-displayfd", "1", "-screen", "0",
-                                                                 "1300x1020x24", "-nolisten", "tcp"});
+                                                                 "1960x1020x24", "-nolisten", "tcp"});
     if (!program->first_line().empty()) display = name;
   }
   void release() {

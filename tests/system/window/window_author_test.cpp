@@ -5,7 +5,7 @@
 
 #include <future>
 
-#include "stream/session/scene_control.h"
+#include "system/support/author_server.h"
 #include "system/window/window_session.h"
 #include "viewer/author/gizmo.h"
 
@@ -17,35 +17,20 @@ class WindowAuthor : public WindowHands {
   void SetUp() override {
     WindowHands::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    Program sample({LIVEGS_TOOL, "sample", folder_ / "sample"});
-    ASSERT_EQ(sample.wait(), 0) << sample.err();
-    std::filesystem::create_directories(folder_ / "made");
-    serve(true);
-  }
-  void TearDown() override {
-    if (server_) server_->send(SIGTERM);
-  }
-  void serve(bool fresh) {
-    std::vector<std::string> words = {LIVEGS_SERVER,  folder_ / "made/room.scene.json",
-                                      "--listen",     "127.0.0.1:0",
-                                      "--print-port", "--offline"};
-    if (fresh) words.push_back("--new");
-    server_ = std::make_unique<Program>(words);
-    const std::string port = server_->first_line();
-    ASSERT_NE(port, "") << server_->err();
-    address_ = "127.0.0.1:" + port;
-    control_ = std::make_unique<SceneControl>(address_);
+    server_ = std::make_unique<AuthorServer>(folder_.path());
+    server_->start(true);
   }
   void run_steps() {
     WindowRunOptions options;
-    options.address = address_;
+    options.address = server_->address();
     options.cache = folder_ / "window_cache";
     options.renderer = RendererChoice::Cpu;
     options.size = PictureSize{kWidth, kWindowHeight};
     options.camera_file = camera_file();
     std::atomic<bool> interrupted{false};
-    options.on_picture = [&](const Image& shown, const RunPanel&) {
-      see(shown, "LiveGS " + address_, interrupted);
+    options.on_picture = [&](const Image& shown, const RunPanel& run) {
+      notice_ = run.notice;
+      see(shown, "LiveGS " + server_->address(), interrupted);
     };
     const auto done = run_window(options, interrupted);
     EXPECT_TRUE(done) << done.error().message;
@@ -58,12 +43,8 @@ class WindowAuthor : public WindowHands {
   Camera camera() { return *read_camera_file(camera_file(), PictureSize{kWidth, kWindowHeight}); }
 
   // State of the server, asked for in each picture.
-  v1::Scene scene() {
-    const auto document = control_->scene();
-    return document ? document->scene() : v1::Scene();
-  }
   const v1::Object* object(const std::string& name) {
-    seen_ = scene();
+    seen_ = server_->scene();
     for (const v1::Object& one : seen_.objects()) {
       if (one.name() == name) return &one;
     }
@@ -75,7 +56,7 @@ class WindowAuthor : public WindowHands {
   }
   void drop(const std::string& file, double x) {
     auto dropped = std::make_shared<std::future<bool>>();
-    const Eigen::Vector2d at = pixel_of(camera(), {x, 0, 0.3}).value();
+    const Eigen::Vector2d at = pixel_of(camera(), {x, 0, kDropped_m}).value();
     act({[this, at] { hands_->move(at.x(), at.y()); }, [] {},
          [this, dropped, at, file] {
            *dropped = std::async(std::launch::async, [this, file, at] {
@@ -96,9 +77,13 @@ class WindowAuthor : public WindowHands {
       return Eigen::Vector2d(x, rows[rows.size() - 1 - from_below]);
     });
   }
-  void chord(const std::string& key) {
-    act({[this] { hands_->key("Control_L", true); }, [] {}, [this, key] { hands_->key(key, true); }, [] {},
-         [this, key] { hands_->key(key, false); }, [this] { hands_->key("Control_L", false); }, [] {}});
+  // `other`: in the second window.
+  void chord(const std::string& key, bool other = false) {
+    const auto press = [this, other](const std::string& name, bool down) {
+      return [this, other, name, down] { (other ? other_ : hands_)->key(name, down); };
+    };
+    act({press("Control_L", true), [] {}, press(key, true), [] {}, press(key, false),
+         press("Control_L", false), [] {}});
   }
   void type(const std::vector<std::string>& keys) {
     chord("a");
@@ -106,13 +91,22 @@ class WindowAuthor : public WindowHands {
     press_key("Return");
   }
 
+  // Stops the server and opens the saved scene again.
+  void expect_the_same_again() {
+    const v1::Scene saved = server_->scene();
+    server_->stop();
+    server_->start(false);
+    EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(server_->scene(), saved)) << "to the bit";
+  }
+
+  static constexpr double kDropped_m = 0.3;  // z of dropped files
   static constexpr int kWindowHeight = 1000;
   static constexpr size_t kTextRows = 6;                     // with the search above the list
   static constexpr int kFields = 10 + 84, kFieldsEnd = 283;  // ends of the Scene panel's fields
-  std::unique_ptr<Program> server_;
-  std::unique_ptr<SceneControl> control_;
-  std::string address_;
+  std::unique_ptr<AuthorServer> server_;
   v1::Scene seen_;
+  std::string notice_;             // of the Run panel
+  std::unique_ptr<XHands> other_;  // of the second window
 };
 
 TEST_F(WindowAuthor, BuildsAScene) {
@@ -181,6 +175,33 @@ TEST_F(WindowAuthor, BuildsAScene) {
   });
   keep("author_5_scaled");
 
+  // A value is edited in the Objects panel, and goes back to its estimate.
+  const auto undo_title = [this](const std::string& title) {
+    return [this, title](const Image&) {
+      const auto document = server_->control().scene();
+      return document && document->undo() == title;
+    };
+  };
+  const auto friction_row = [](const Image& shown) -> std::optional<int> {
+    const auto rows = widgets(shown, kWidth - 10 - 12 - 3, 46, 51, 61);
+    return rows.empty() ? std::nullopt : std::optional(rows.back());
+  };
+  click("the friction", [friction_row](const Image& shown) -> std::optional<Eigen::Vector2d> {
+    const auto row = friction_row(shown);
+    return row ? std::optional(Eigen::Vector2d(kWidth - 60, *row)) : std::nullopt;
+  });
+  type({"0", "period", "9"});
+  step("the edited value", undo_title("edit values of fez"));
+  pictures(6);
+  keep("author_5_edited_value");
+  click("the estimate", [friction_row](const Image& shown) -> std::optional<Eigen::Vector2d> {
+    const auto row = friction_row(shown);
+    return row ? std::optional(Eigen::Vector2d(kWidth - 60, *row + 23)) : std::nullopt;
+  });
+  step("the estimate again", undo_title("return to the estimate of fez"));
+  chord("z");
+  step("undone", undo_title("edit values of fez"));
+
   // Deleted and brought back.
   act({[this] { hands_->move(600, 900); }, [] {}});
   press_key("Delete");
@@ -196,20 +217,121 @@ TEST_F(WindowAuthor, BuildsAScene) {
   step("the file",
        [this](const Image&) { return std::filesystem::exists(folder_ / "made/room.scene.json"); });
   step("no unsaved change", [this](const Image&) {
-    const auto document = control_->scene();
+    const auto document = server_->control().scene();
     return document && !document->unsaved();
   });
   pictures(2);
   keep("author_7_saved");
   close();
   run_steps();
+  EXPECT_EQ(server_->scene().objects_size(), 4);
+  expect_the_same_again();
+}
 
-  const v1::Scene saved = scene();
-  server_->send(SIGTERM);
-  EXPECT_EQ(server_->wait(), 0);
-  serve(false);
-  EXPECT_EQ(saved.objects_size(), 4);
-  EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(scene(), saved)) << "the same to the bit";
+// A second window, of another process, and a server that is killed between the steps of both.
+TEST_F(WindowAuthor, TwoWindowsEditOneScene) {
+  constexpr int kOtherWidth = 640, kOtherHeight = 480;
+  Program other({LIVEGS_CLIENT, "localhost:" + server_->port(), "--display", "window", "--renderer", "cpu",
+                 "--size", "640x480", "--camera", camera_file(), "--cache", folder_ / "other_cache"});
+  step("the second window", [&](const Image&) {
+    if (!other_) other_ = XHands::at_window(display_, "LiveGS localhost:" + server_->port());
+    if (other_) other_->place(kWidth + 10, 0);
+    return other_ != nullptr;
+  });
+  act({[this] { other_->move(600, 460); }, [this] { other_->key("h", true); }, [] {},
+       [this] { other_->key("h", false); }, [] {}});  // its panels are hidden
+  // Parts of both windows around a point above the floor, in front of which nothing else is drawn.
+  const auto around = [](const Image& from, const Camera& camera, double x) {
+    constexpr int kHalf_px = 20;
+    const Eigen::Vector2i at = pixel_of(camera, {x, 0.05, kDropped_m}).value().cast<int>();
+    return cropped(from, at.x() - kHalf_px, at.y() - kHalf_px, at.x() + kHalf_px, at.y() + kHalf_px);
+  };
+  const Camera other_camera = *read_camera_file(camera_file(), PictureSize{kOtherWidth, kOtherHeight});
+  const auto there = [&](double x) {
+    const Image shown = other_->picture();
+    return shown.width == kOtherWidth ? around(shown, other_camera, x) : Image();
+  };
+  const auto differs = [](const Image& a, const Image& b) {
+    return a.pixels.size() == b.pixels.size() && psnr_db(a, b) < 20;
+  };
+  const auto equals = [](const Image& a, const Image& b) {
+    return a.pixels.size() == b.pixels.size() && psnr_db(a, b) > 35;
+  };
+  // After a step: the server is killed and started again. The scene is the same, and both windows show it.
+  const auto kill = [&](const std::string& after) {
+    step("a killed server after " + after, [this](const Image&) {
+      const v1::Scene before = server_->scene();
+      server_->kill();
+      server_->start(true);  // there is no scene file until a save
+      EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(server_->scene(), before));
+      return true;
+    });
+    step("the notice of the lost server after " + after, [this](const Image&) { return !notice_.empty(); });
+    step("the server again after " + after, [this](const Image&) { return notice_.empty(); });
+  };
+  const auto objects = [&](int count) {
+    return [this, count](const Image&) { return server_->scene().objects_size() == count; };
+  };
+
+  constexpr double kCup = 0.0;
+  Image empty_here, empty_there;
+  step("two empty windows", [&](const Image& shown) {
+    empty_here = around(shown, camera(), kCup);
+    const Image before = std::exchange(empty_there, there(kCup));
+    return !before.pixels.empty() && before.pixels == empty_there.pixels;
+  });
+  drop("cup.ply", kCup);
+  step("the cup", objects(1));
+  step("the cup in the second window", [&](const Image&) { return differs(there(kCup), empty_there); });
+  kill("the drop");
+  step("the cup still there", [&](const Image& shown) {
+    return differs(around(shown, camera(), kCup), empty_here) && differs(there(kCup), empty_there);
+  });
+
+  // The second window duplicates it, the first deletes the original.
+  act({[&] {
+         const Eigen::Vector2d at = pixel_of(other_camera, {kCup, 0.05, kDropped_m}).value();
+         other_->move(at.x(), at.y());
+       },
+       [] {}, [] {}, [this] { other_->press(); }, [] {}, [this] { other_->release(); }, [] {}});
+  pictures(10);
+  chord("d", true);
+  step("the duplicate", objects(2));
+  double copy = 0;
+  step("the duplicate in the first window", [&](const Image& shown) {
+    const v1::Scene scene = server_->scene();
+    copy = scene.objects(1).pose().position_m(0);
+    return differs(around(shown, camera(), copy), empty_here);
+  });
+  act({[this] { other_->move(600, 460); }});
+  kill("the duplicate");
+  step("both still there",
+       [&](const Image&) { return differs(there(kCup), empty_there) && differs(there(copy), empty_there); });
+  keep("two_windows_first");
+  step("the second window's picture", [&](const Image&) {
+    return write_png(pictures_ / "two_windows_second.png", other_->picture()).has_value();
+  });
+  act({[this] { hands_->move(600, 60); }, [] {}});
+  press_key("Delete");
+  step("the original deleted", objects(1));
+  step("and in the second window", [&](const Image&) { return equals(there(kCup), empty_there); });
+  chord("z", true);
+  step("undone by the second window", objects(2));
+  step("and in the first window",
+       [&](const Image& shown) { return differs(around(shown, camera(), kCup), empty_here); });
+  kill("undo");
+
+  chord("s");
+  step("saved", [this](const Image&) {
+    const auto document = server_->control().scene();
+    return document && !document->unsaved();
+  });
+  act({[this] { other_->close(); }});
+  close();
+  run_steps();
+  EXPECT_EQ(other.wait(), 0) << other.err();
+  EXPECT_EQ(server_->scene().objects_size(), 2);
+  expect_the_same_again();
 }
 
 }  // namespace

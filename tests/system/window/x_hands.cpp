@@ -85,6 +85,11 @@ void XHands::key(const std::string& name, bool down) {
   XSync(window_->display, False);
 }
 
+void XHands::place(int x_px, int y_px) {
+  XMoveWindow(window_->display, window_->window, x_px, y_px);
+  XSync(window_->display, False);
+}
+
 void XHands::close() {
   XEvent event{};
   event.type = ClientMessage;

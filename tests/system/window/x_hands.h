@@ -21,6 +21,7 @@ class XHands {
   void press(int button = 1);           // 1 left, 2 middle, 3 right; at the pointer position
   void release(int button = 1);
   void key(const std::string& name, bool down);  // X key name: "space"
+  void place(int x_px, int y_px);                // the window's top left on the screen
   void close();                                  // as a window manager requests it
   // Drops files at a place, as a file manager does (XDND). Blocks until the window has taken them, so it is
   // called on a thread of its own; false if the window does not take them within ten seconds.
