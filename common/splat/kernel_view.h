@@ -29,9 +29,9 @@ struct KernelView {
   Image image;
 };
 
-// Depth along the view axis of the greatest response of a kernel on a ray. `mean_m` and `covariance_m2` are in
-// the image frame of the camera (x right, y down, z forward); `ray` has z = 1. `floor_m` is added to each axis
-// as a convolution, so that a flat kernel has an inverse:
+// Depth along the view axis of the greatest response of a kernel on a ray. `mean_m` and `covariance_m2` are
+// in the image frame of the camera (x right, y down, z forward); `ray` has z = 1. `floor_m` is added to each
+// axis as a convolution, so that a flat kernel has an inverse:
 //   t = rayᵀ Σ⁻¹ mean / rayᵀ Σ⁻¹ ray.
 double greatest_response_depth_m(const Eigen::Vector3d& mean_m, const Eigen::Matrix3d& covariance_m2,
                                  const Eigen::Vector3d& ray, double floor_m);

@@ -35,8 +35,9 @@ struct UpAxis {
   const char* name;
   Eigen::Vector3d axis;
 };
-const UpAxis kUpAxes[] = {{"-y", -Eigen::Vector3d::UnitY()}, {"y", Eigen::Vector3d::UnitY()}, {"z", Eigen::Vector3d::UnitZ()},
-                          {"-z", -Eigen::Vector3d::UnitZ()}, {"x", Eigen::Vector3d::UnitX()}, {"-x", -Eigen::Vector3d::UnitX()}};
+const UpAxis kUpAxes[] = {{"-y", -Eigen::Vector3d::UnitY()}, {"y", Eigen::Vector3d::UnitY()},
+                          {"z", Eigen::Vector3d::UnitZ()},   {"-z", -Eigen::Vector3d::UnitZ()},
+                          {"x", Eigen::Vector3d::UnitX()},   {"-x", -Eigen::Vector3d::UnitX()}};
 
 // The option, else the axis that the cameras have above them, else that of 3DGS tools.
 Result<UpAxis> choose_up(const SegmentCommand& command, const std::vector<Camera>& cameras) {
@@ -47,18 +48,21 @@ Result<UpAxis> choose_up(const SegmentCommand& command, const std::vector<Camera
   }
   if (cameras.empty()) return kUpAxes[0];
   const Eigen::Vector3d mean = mean_up(cameras);
-  const UpAxis* best = std::max_element(std::begin(kUpAxes), std::end(kUpAxes), [&](const UpAxis& a, const UpAxis& b) {
-    return a.axis.dot(mean) < b.axis.dot(mean);
-  });
+  const UpAxis* best =
+      std::max_element(std::begin(kUpAxes), std::end(kUpAxes),
+                       [&](const UpAxis& a, const UpAxis& b) { return a.axis.dot(mean) < b.axis.dot(mean); });
   if (best->axis.dot(mean) < std::cos(kMaxCameraTilt_deg * M_PI / 180))
-    return invalid_argument("cameras: their mean up axis is no axis of the splat; turn the splat or give --up");
+    return invalid_argument(
+        "cameras: their mean up axis is no axis of the splat; turn the splat or give --up");
   return *best;
 }
 
 // The label pictures of a folder that have the name of a camera.
-Result<std::vector<LabelPicture>> read_label_pictures(const fs::path& folder, const std::vector<NamedCamera>& cameras) {
+Result<std::vector<LabelPicture>> read_label_pictures(const fs::path& folder,
+                                                      const std::vector<NamedCamera>& cameras) {
   std::error_code error;
-  if (!fs::is_directory(folder, error)) return not_found(folder.string() + ": is not a folder; give the folder of the label pictures");
+  if (!fs::is_directory(folder, error))
+    return not_found(folder.string() + ": is not a folder; give the folder of the label pictures");
   std::vector<LabelPicture> pictures;
   for (const NamedCamera& camera : cameras) {
     const fs::path path = folder / (camera.name + ".png");
@@ -66,16 +70,19 @@ Result<std::vector<LabelPicture>> read_label_pictures(const fs::path& folder, co
     auto image = read_png(path);
     if (!image) return image.error();
     if (image->width != camera.camera.width || image->height != camera.camera.height)
-      return invalid_data(path.filename().string() + ": has " + std::to_string(image->width) + " x " + std::to_string(image->height) +
-                          " pixels, its camera " + std::to_string(camera.camera.width) + " x " +
-                          std::to_string(camera.camera.height) + "; give masks of the size of the photos");
-    LabelPicture picture{camera.camera, std::vector<uint16_t>(static_cast<size_t>(image->width) * image->height)};
+      return invalid_data(path.filename().string() + ": has " + std::to_string(image->width) + " x " +
+                          std::to_string(image->height) + " pixels, its camera " +
+                          std::to_string(camera.camera.width) + " x " + std::to_string(camera.camera.height) +
+                          "; give masks of the size of the photos");
+    LabelPicture picture{camera.camera,
+                         std::vector<uint16_t>(static_cast<size_t>(image->width) * image->height)};
     for (size_t i = 0; i < picture.labels.size(); ++i)
       picture.labels[i] = static_cast<uint16_t>(std::lround(255.0f * image->pixels[4 * i]));
     pictures.push_back(std::move(picture));
   }
   if (pictures.empty())
-    return not_found(folder.string() + ": has no picture NAME.png with the name of a photo in the cameras file");
+    return not_found(folder.string() +
+                     ": has no picture NAME.png with the name of a photo in the cameras file");
   return pictures;
 }
 
@@ -89,7 +96,8 @@ int segment(const SegmentCommand& command) {
     return report(invalid_argument("--masks: needs --cameras, the transforms.json of the photos"));
   auto file = read_asset(command.input);
   if (!file) return report(file.error());
-  for (const std::string& note : file->notes) log_warn("%s: %s", command.input.filename().c_str(), note.c_str());
+  for (const std::string& note : file->notes)
+    log_warn("%s: %s", command.input.filename().c_str(), note.c_str());
   std::vector<NamedCamera> cameras;
   if (!command.cameras.empty()) {
     auto read = read_transforms(command.cameras);
@@ -117,10 +125,12 @@ int segment(const SegmentCommand& command) {
   } else {
     found = find_parts(room.original, options);
   }
-  if (!found) return report({found.error().code, command.input.filename().string() + ": " + found.error().message});
+  if (!found)
+    return report({found.error().code, command.input.filename().string() + ": " + found.error().message});
   if (found->parts.empty())
-    return report(invalid_data(command.input.filename().string() +
-                               ": has nothing that stands on a floor, a table or a wall; nothing was written"));
+    return report(
+        invalid_data(command.input.filename().string() +
+                     ": has nothing that stands on a floor, a table or a wall; nothing was written"));
   log_info("segment: borders");
   const SplitRoom split = split_straddling(room.original, *found);
   room.room = kernels_with(split.asset, split.label, kRoomLabel);
@@ -129,7 +139,8 @@ int segment(const SegmentCommand& command) {
   for (size_t p = 0; p < found->parts.size(); ++p) {
     char name[32];
     std::snprintf(name, sizeof name, "part_%02zu", p + 1);
-    SegmentedThing thing{name, kernels_with(split.asset, split.label, found->parts[p].label), found->parts[p], false};
+    SegmentedThing thing{name, kernels_with(split.asset, split.label, found->parts[p].label), found->parts[p],
+                         false};
     BehindThing behind = fill_behind(split, *found, p);
     thing.unfilled = behind.unfilled;
     for (size_t k = 0; k < behind.underside.size(); ++k) append_kernel(thing.asset, behind.underside, k);
@@ -147,11 +158,12 @@ int segment(const SegmentCommand& command) {
   const size_t things = room.things.size();
   for (const SegmentedThing& thing : room.things) {
     const Eigen::Vector3d size = command.scale * thing.part.bounds_m.sizes();
-    std::printf("%s: %zu kernels, %.3g x %.3g x %.3g m%s\n", thing.name.c_str(), thing.asset.size(), size.x(), size.y(), size.z(),
-                thing.unfilled ? ", left open behind it" : "");
+    std::printf("%s: %zu kernels, %.3g x %.3g x %.3g m%s\n", thing.name.c_str(), thing.asset.size(), size.x(),
+                size.y(), size.z(), thing.unfilled ? ", left open behind it" : "");
   }
   if (auto written = write_segmented_room(output, std::move(room)); !written) return report(written.error());
-  std::printf("%s: %zu things; run livegs-server %s\n", command.output.c_str(), things, (command.output / "room.scene.json").c_str());
+  std::printf("%s: %zu things; run livegs-server %s\n", command.output.c_str(), things,
+              (command.output / "room.scene.json").c_str());
   return 0;
 }
 
@@ -159,17 +171,24 @@ int segment(const SegmentCommand& command) {
 
 void add_segment(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<SegmentCommand>();
-  CLI::App* command = app.add_subcommand("segment", "Find the things in the splat of a room and write each as an asset");
+  CLI::App* command =
+      app.add_subcommand("segment", "Find the things in the splat of a room and write each as an asset");
   command->add_option("ROOM", options->input, "Splat of a room")->required();
-  command->add_option("--output,-o", options->output, "Output folder, new or empty: things, room, scene and page")
+  command
+      ->add_option("--output,-o", options->output,
+                   "Output folder, new or empty: things, room, scene and page")
       ->type_name("DIR")
       ->required();
-  command->add_option("--cameras", options->cameras, "transforms.json of the photos (default: views are chosen)")->type_name("FILE");
+  command
+      ->add_option("--cameras", options->cameras, "transforms.json of the photos (default: views are chosen)")
+      ->type_name("FILE");
   command
       ->add_option("--masks", options->masks,
                    "Folder of 8-bit label pictures NAME.png of some photos; 0 is the room. Needs --cameras")
       ->type_name("DIR");
-  command->add_option("--up", options->up, "Up axis of the splat, one of x, -x, y, -y, z, -z (default: of the cameras, else -y)")
+  command
+      ->add_option("--up", options->up,
+                   "Up axis of the splat, one of x, -x, y, -y, z, -z (default: of the cameras, else -y)")
       ->type_name("AXIS");
   command->add_option("--scale", options->scale, "Metres per unit of the splat")
       ->check(CLI::Range(1e-6, 1e6))

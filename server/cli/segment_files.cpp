@@ -27,7 +27,7 @@ constexpr double kLevelTilt_deg = 0.2;        // a floor within this of level is
 constexpr double kTableThickness_voxels = 4;  // of the box under a support that is not the floor
 constexpr double kFloorGap_voxels = 6;        // a support this far above the lowest surface is a table
 constexpr int kPictureWidth_px = 640;
-constexpr float kDimmed = 0.35f;              // of the room around the outlined thing
+constexpr float kDimmed = 0.35f;  // of the room around the outlined thing
 
 ordered_json numbers(const Eigen::Vector3d& v) {
   const auto rounded = [](double x) { return std::round(x * 1e6) / 1e6 + 0.0; };
@@ -38,7 +38,9 @@ ordered_json numbers(const Eigen::Vector3d& v) {
 ordered_json colliders(const SegmentedRoom& room, const Eigen::Quaterniond& world_from_asset) {
   ordered_json all = ordered_json::array();
   const auto add_plane = [&](const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
-    all.push_back({{"plane", {{"point_m", numbers(room.scale * (world_from_asset * point))}, {"normal", numbers(world_from_asset * normal)}}},
+    all.push_back({{"plane",
+                    {{"point_m", numbers(room.scale * (world_from_asset * point))},
+                     {"normal", numbers(world_from_asset * normal)}}},
                    {"friction", 0.5},
                    {"restitution", 0.2}});
   };
@@ -51,16 +53,20 @@ ordered_json colliders(const SegmentedRoom& room, const Eigen::Quaterniond& worl
       continue;
     }
     const PlaneRegion& region = plane.region;
-    const Eigen::Vector2d size = region.high_m() - region.low_m(), middle = 0.5 * (region.high_m() + region.low_m());
+    const Eigen::Vector2d size = region.high_m() - region.low_m(),
+                          middle = 0.5 * (region.high_m() + region.low_m());
     const double thick_m = kTableThickness_voxels * room.parts.voxel_m;
-    const Eigen::Vector3d centre = middle.x() * region.u() + middle.y() * region.v() + (plane.offset_m - 0.5 * thick_m) * plane.normal;
+    const Eigen::Vector3d centre =
+        middle.x() * region.u() + middle.y() * region.v() + (plane.offset_m - 0.5 * thick_m) * plane.normal;
     Eigen::Matrix3d axes;
     axes.col(0) = region.u();
     axes.col(1) = plane.normal;
     axes.col(2) = region.u().cross(plane.normal);
     const Eigen::Quaterniond q = (world_from_asset * Eigen::Quaterniond(axes)).normalized();
     all.push_back({{"box", {{"size_m", numbers(room.scale * Eigen::Vector3d(size.x(), thick_m, size.y()))}}},
-                   {"pose", {{"position_m", numbers(room.scale * (world_from_asset * centre))}, {"orientation", {q.w(), q.x(), q.y(), q.z()}}}},
+                   {"pose",
+                    {{"position_m", numbers(room.scale * (world_from_asset * centre))},
+                     {"orientation", {q.w(), q.x(), q.y(), q.z()}}}},
                    {"friction", 0.5},
                    {"restitution", 0.2}});
   }
@@ -71,18 +77,25 @@ ordered_json colliders(const SegmentedRoom& room, const Eigen::Quaterniond& worl
 
 std::string scene_text(const SegmentedRoom& room, const Eigen::Quaterniond& world_from_asset) {
   ordered_json scene;
-  scene["environment"] = {{"asset", "room.ply"}, {"scale", room.scale}, {"up", room.up_axis}, {"colliders", colliders(room, world_from_asset)}};
+  scene["environment"] = {{"asset", "room.ply"},
+                          {"scale", room.scale},
+                          {"up", room.up_axis},
+                          {"colliders", colliders(room, world_from_asset)}};
   scene["objects"] = ordered_json::array();
   for (const SegmentedThing& thing : room.things) {
-    ordered_json object = {{"name", thing.name}, {"asset", thing.name + ".ply"}, {"scale", room.scale}, {"up", room.up_axis}};
-    if (thing.part.support) object["standing"] = true;
-    else if (thing.part.wall) object["physics"] = {{"behavior", "STATIC"}};
+    ordered_json object = {
+        {"name", thing.name}, {"asset", thing.name + ".ply"}, {"scale", room.scale}, {"up", room.up_axis}};
+    if (thing.part.support)
+      object["standing"] = true;
+    else if (thing.part.wall)
+      object["physics"] = {{"behavior", "STATIC"}};
     scene["objects"].push_back(std::move(object));
   }
   return scene.dump(2) + "\n";
 }
 
-Image draw_assets(std::span<const GaussianAsset* const> assets, const Camera& camera, std::vector<uint32_t>* ids = nullptr) {
+Image draw_assets(std::span<const GaussianAsset* const> assets, const Camera& camera,
+                  std::vector<uint32_t>* ids = nullptr) {
   std::vector<PosedKernels> posed;
   std::vector<DrawnObject> objects;
   posed.reserve(assets.size());
@@ -101,7 +114,8 @@ Image draw_assets(std::span<const GaussianAsset* const> assets, const Camera& ca
 const Camera& best_view(const RoomParts& parts, uint16_t label) {
   size_t best = 0, most = 0;
   for (size_t v = 0; v < parts.pictures.size(); ++v) {
-    const auto count = static_cast<size_t>(std::count(parts.pictures[v].begin(), parts.pictures[v].end(), label));
+    const auto count =
+        static_cast<size_t>(std::count(parts.pictures[v].begin(), parts.pictures[v].end(), label));
     if (count > most) most = count, best = v;
   }
   return parts.cameras[best];
@@ -147,18 +161,23 @@ std::string page_text(const SegmentedRoom& room) {
   char line[400];
   std::string page = "# Parts of a room\n\n";
   std::snprintf(line, sizeof line,
-                "%zu things were found. `livegs-server room.scene.json` runs the scene; the room is its background.\n\n", room.things.size());
+                "%zu things were found. `livegs-server room.scene.json` runs the scene; the room is its "
+                "background.\n\n",
+                room.things.size());
   page += line;
   page += "Left: the thing where it stands. Right: the room without it.\n\n";
   for (const SegmentedThing& thing : room.things) {
     const Eigen::Vector3d size = room.scale * thing.part.bounds_m.sizes();
-    std::snprintf(line, sizeof line, "## %s\n\n%zu kernels, %.3g x %.3g x %.3g m%s%s%s\n\n![%s](%s.png)\n\n", thing.name.c_str(),
-                  thing.asset.size(), size.x(), size.y(), size.z(), thing.part.support ? ", stands on a support" : "",
-                  thing.part.wall ? ", touches a wall" : "", thing.unfilled ? "; the room behind it was left open" : "",
-                  thing.name.c_str(), thing.name.c_str());
+    std::snprintf(
+        line, sizeof line, "## %s\n\n%zu kernels, %.3g x %.3g x %.3g m%s%s%s\n\n![%s](%s.png)\n\n",
+        thing.name.c_str(), thing.asset.size(), size.x(), size.y(), size.z(),
+        thing.part.support ? ", stands on a support" : "", thing.part.wall ? ", touches a wall" : "",
+        thing.unfilled ? "; the room behind it was left open" : "", thing.name.c_str(), thing.name.c_str());
     page += line;
   }
-  page += "`labels.u16` has one little-endian number of 16 bits per kernel of the input: 0 for the room, N for the Nth thing.\n";
+  page +=
+      "`labels.u16` has one little-endian number of 16 bits per kernel of the input: 0 for the room, N for "
+      "the Nth thing.\n";
   return page;
 }
 
@@ -167,7 +186,9 @@ std::string page_text(const SegmentedRoom& room) {
 Result<void> write_segmented_room(const fs::path& folder, SegmentedRoom room) {
   // Level: the largest support becomes perpendicular to the up axis.
   const auto& supports = room.parts.planes.supports;
-  const auto largest = std::max_element(supports.begin(), supports.end(), [](const RoomPlane& a, const RoomPlane& b) { return a.share < b.share; });
+  const auto largest =
+      std::max_element(supports.begin(), supports.end(),
+                       [](const RoomPlane& a, const RoomPlane& b) { return a.share < b.share; });
   Eigen::Quaterniond level = Eigen::Quaterniond::Identity();
   if (largest != supports.end()) level = Eigen::Quaterniond::FromTwoVectors(largest->normal, room.up);
   if (Eigen::AngleAxisd(level).angle() * 180 / M_PI > kLevelTilt_deg) {
@@ -186,14 +207,18 @@ Result<void> write_segmented_room(const fs::path& folder, SegmentedRoom room) {
   const fs::path scratch = folder.parent_path() / ("." + folder.filename().string() + ".part");
   fs::remove_all(scratch, error);
   fs::create_directories(scratch, error);
-  if (error) return Error{ErrorCode::PermissionDenied, scratch.string() + ": cannot be created: " + error.message()};
+  if (error)
+    return Error{ErrorCode::PermissionDenied, scratch.string() + ": cannot be created: " + error.message()};
   const auto write_all = [&]() -> Result<void> {
     for (const SegmentedThing& thing : room.things) {
       if (auto written = write_asset(scratch / (thing.name + ".ply"), thing.asset); !written) return written;
-      if (auto written = write_png(scratch / (thing.name + ".png"), thing_picture(room, thing)); !written) return written;
+      if (auto written = write_png(scratch / (thing.name + ".png"), thing_picture(room, thing)); !written)
+        return written;
     }
     if (auto written = write_asset(scratch / "room.ply", room.room); !written) return written;
-    if (auto written = write_file_atomically(scratch / "room.scene.json", scene_text(room, *world_from_asset * level)); !written)
+    if (auto written =
+            write_file_atomically(scratch / "room.scene.json", scene_text(room, *world_from_asset * level));
+        !written)
       return written;
     std::vector<std::byte> labels;
     for (uint16_t label : room.parts.label) {
@@ -207,7 +232,9 @@ Result<void> write_segmented_room(const fs::path& folder, SegmentedRoom room) {
   if (written) {
     fs::remove(folder, error);  // an empty folder
     fs::rename(scratch, folder, error);
-    if (error) written = Error{ErrorCode::PermissionDenied, folder.string() + ": cannot be written: " + error.message()};
+    if (error)
+      written =
+          Error{ErrorCode::PermissionDenied, folder.string() + ": cannot be written: " + error.message()};
   }
   if (!written) {
     fs::remove_all(scratch, error);

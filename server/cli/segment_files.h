@@ -19,17 +19,18 @@ struct SegmentedThing {
   bool unfilled = false;  // nothing continues the room behind it
 };
 struct SegmentedRoom {
-  GaussianAsset room;       // without the things, with what was behind them
+  GaussianAsset room;  // without the things, with what was behind them
   GaussianAsset original;
   std::vector<SegmentedThing> things;
   RoomParts parts;
   Eigen::Vector3d up;
-  std::string up_axis;      // as in a scene file: "-y"
-  double scale = 1.0;       // metres per unit of the asset
+  std::string up_axis;  // as in a scene file: "-y"
+  double scale = 1.0;   // metres per unit of the asset
 };
 
-// Writes NAME.ply for each thing, room.ply, room.scene.json, labels.u16 and README.md with pictures. All files
-// appear together: they are written to a folder next to `folder` first. `folder` must not exist or be empty.
+// Writes NAME.ply for each thing, room.ply, room.scene.json, labels.u16 and README.md with pictures. All
+// files appear together: they are written to a folder next to `folder` first. `folder` must not exist or be
+// empty.
 Result<void> write_segmented_room(const std::filesystem::path& folder, SegmentedRoom room);
 
 }  // namespace livegs

@@ -29,36 +29,36 @@ struct PartsOptions {
   Eigen::Vector3d up{0, -1, 0};  // unit, within 20 degrees of the vertical
   // Cameras of the photos. Empty: views are chosen by what they see.
   std::vector<Camera> cameras;
-  size_t max_views = 48;   // of the cameras, evenly taken, or of chosen views
-  int view_width = 320;    // px; larger cameras are scaled down to it. The unit of all sizes is a pixel
+  size_t max_views = 48;  // of the cameras, evenly taken, or of chosen views
+  int view_width = 320;   // px; larger cameras are scaled down to it. The unit of all sizes is a pixel
   std::stop_token stop;
   std::function<void(const char* step, double fraction)> progress;
 };
 
 struct RoomPart {
-  uint16_t label = 0;                // i + 1 for part i
-  Eigen::AlignedBox3d bounds_m;      // of its voxels
+  uint16_t label = 0;            // i + 1 for part i
+  Eigen::AlignedBox3d bounds_m;  // of its voxels
   size_t kernel_count = 0;
   size_t voxel_count = 0;
-  std::optional<size_t> support;     // index of the plane it rests on, alone or in a stack
-  std::optional<size_t> wall;        // index of a wall that it touches
+  std::optional<size_t> support;  // index of the plane it rests on, alone or in a stack
+  std::optional<size_t> wall;     // index of a wall that it touches
   Eigen::Vector3f mean_rgb{0, 0, 0};
 };
 
 struct RoomParts {
-  std::vector<uint16_t> label;       // per kernel; kRoomLabel: the room
-  std::vector<float> share;          // per kernel: share of its label in its visible weight; 0: never seen
+  std::vector<uint16_t> label;  // per kernel; kRoomLabel: the room
+  std::vector<float> share;     // per kernel: share of its label in its visible weight; 0: never seen
   std::vector<RoomPart> parts;
   RoomPlanes planes;
-  std::vector<Camera> cameras;       // views that were used
+  std::vector<Camera> cameras;                  // views that were used
   std::vector<std::vector<uint16_t>> pictures;  // their label pictures
-  double footprint_m = 0;            // median edge of a pixel on the surfaces
+  double footprint_m = 0;                       // median edge of a pixel on the surfaces
   double voxel_m = 0;
-  double lowest_m = 0;               // height along `up` below which almost nothing is seen
+  double lowest_m = 0;  // height along `up` below which almost nothing is seen
 };
 
-// Fails with InvalidArgument or InvalidData if nothing can be found: a splat of a few kernels, or one in which
-// no surface is seen. A room with nothing in it has no parts.
+// Fails with InvalidArgument or InvalidData if nothing can be found: a splat of a few kernels, or one in
+// which no surface is seen. A room with nothing in it has no parts.
 Result<RoomParts> find_parts(const GaussianAsset& asset, const PartsOptions& options);
 
 // Lifts label pictures of some views: the label with the largest sum of alpha times transmittance. Kernels

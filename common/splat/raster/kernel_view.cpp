@@ -161,9 +161,9 @@ void KernelRasteriser::draw(const DrawnObject& object, const Camera& camera, Ker
         Eigen::Matrix3d covariance;
         covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
         covariance = projection.image_from_world * covariance * projection.image_from_world.transpose();
-        const Eigen::Vector3d ray((static_cast<double>(x) + 0.5 - projection.centre_x_px) / projection.focal_x_px,
-                                  (static_cast<double>(y) + 0.5 - projection.centre_y_px) / projection.focal_y_px,
-                                  1.0);
+        const Eigen::Vector3d ray(
+            (static_cast<double>(x) + 0.5 - projection.centre_x_px) / projection.focal_x_px,
+            (static_cast<double>(y) + 0.5 - projection.centre_y_px) / projection.focal_y_px, 1.0);
         const double depth_m = greatest_response_depth_m(
             mean, covariance, ray, kDepthFloor_px * mean.z() / std::max(projection.focal_x_px, 1.0));
         // The projection is linear about the centre, so the response of a wide kernel near the camera may lie
@@ -205,7 +205,8 @@ void KernelRasteriser::weigh(const DrawnObject& object, const Camera& camera,
             std::vector<LabelWeight>& out = b.of_tile[t];
             Lanes total = lanes(0.0f);
             blend_bin(kernels, bins.of_tile(t), static_cast<float>(left), static_cast<float>(top), b.tiles[t],
-                      b.live[t], [&](const ProjectedKernel& kernel, int run, const RunWeights& blended, bool last) {
+                      b.live[t],
+                      [&](const ProjectedKernel& kernel, int run, const RunWeights& blended, bool last) {
                         if (names.size() == 1) {
                           total += blended.weight;
                         } else {

@@ -53,8 +53,8 @@ void SortedKernels::project(std::span<const DrawnObject> objects, std::span<cons
     size_t object = range.object_of(begin);
     for (size_t i = begin; i < end; ++i) {
       while (object + 1 < objects.size() && i >= range.first[object + 1]) ++object;
-      next += project_kernel(projection, objects[object], i - range.first[object],
-                             slot_of_object[object], options, projected_[next], order_depths_m_[next]);
+      next += project_kernel(projection, objects[object], i - range.first[object], slot_of_object[object],
+                             options, projected_[next], order_depths_m_[next]);
     }
     block_counts_[begin / kProjectBlock] = static_cast<uint32_t>(next - begin);
   });

@@ -5,6 +5,7 @@
 #include "core/parallel_for.h"
 #include "core/percentile.h"
 #include "parts/find/pixel_labels.h"
+#include "parts/find/split_things.h"
 #include "parts/find/thing_voxels.h"
 #include "parts/graph/kernel_tree.h"
 #include "parts/label/label_weights.h"
@@ -18,13 +19,14 @@ constexpr size_t kMinRoomKernels = 100;  // fewer form no surface
 constexpr int kPointStride = 2;          // pixels between points
 constexpr double kMinSeen = 0.1;         // share of pixels that show a surface
 constexpr double kLowest = 0.01;         // percentile of the heights of points that counts as the lowest
-constexpr double kFootShare = 0.02;      // percentile of the heights of a thing's kernels that counts as its foot
-constexpr double kRest_voxels = 3.0;     // between the foot of a thing and its support
+constexpr double kFootShare = 0.02;  // percentile of the heights of a thing's kernels that counts as its foot
+constexpr double kRest_voxels = 3.0;  // between the foot of a thing and its support
 
 Error stopped() { return {ErrorCode::Unavailable, "parts: cancelled"}; }
 
 Error too_few(size_t kernels) {
-  return invalid_data("room: has " + std::to_string(kernels) + " kernels, too few to form a surface; give the splat of a room");
+  return invalid_data("room: has " + std::to_string(kernels) +
+                      " kernels, too few to form a surface; give the splat of a room");
 }
 
 // Kernels that no view saw get the label of the nearest one that was seen.
@@ -95,17 +97,19 @@ Result<SeenRoom> see_room(const GaussianAsset& asset, const PartsOptions& option
   SeenRoom room;
   if (asset.size() < kMinRoomKernels) return too_few(asset.size());
   room.posed = pose_in_place(asset);
-  const std::vector<Camera> cameras = options.cameras.empty()
-                                          ? choose_cameras(asset, options.up, options.max_views, options.view_width)
-                                          : thin_cameras(options.cameras, options.max_views, options.view_width);
+  const std::vector<Camera> cameras =
+      options.cameras.empty() ? choose_cameras(asset, options.up, options.max_views, options.view_width)
+                              : thin_cameras(options.cameras, options.max_views, options.view_width);
   if (cameras.empty())
-    return invalid_data("room: has no free space with a view of its surfaces; give the cameras of its photos");
+    return invalid_data(
+        "room: has no free space with a view of its surfaces; give the cameras of its photos");
   const DrawnObject drawn{&asset, &room.posed, 0};
   KernelRasteriser rasteriser;
   size_t seen = 0, pixels = 0;
   for (size_t v = 0; v < cameras.size(); ++v) {
     if (options.stop.stop_requested()) return stopped();
-    if (options.progress) options.progress("views", static_cast<double>(v) / static_cast<double>(cameras.size()));
+    if (options.progress)
+      options.progress("views", static_cast<double>(v) / static_cast<double>(cameras.size()));
     RoomView view{cameras[v], {}};
     rasteriser.draw(drawn, cameras[v], view.kernels);
     for (float depth : view.kernels.depth_m) seen += std::isfinite(depth);
@@ -113,7 +117,8 @@ Result<SeenRoom> see_room(const GaussianAsset& asset, const PartsOptions& option
     room.views.push_back(std::move(view));
   }
   if (static_cast<double>(seen) < kMinSeen * static_cast<double>(pixels))
-    return invalid_data("room: the views show almost no surface; give the cameras of its photos, in the frame of the splat");
+    return invalid_data(
+        "room: the views show almost no surface; give the cameras of its photos, in the frame of the splat");
   room.points = view_points(room.views, kPointStride);
   room.scale = part_scale(room.points, kPointStride);
   return room;
@@ -126,7 +131,8 @@ RoomParts planes_of(const SeenRoom& room, const PartsOptions& options) {
   found.voxel_m = room.scale.voxel_m;
   found.planes = find_planes(room.points, options.up, room.scale.footprint_m);
   std::vector<double> heights;
-  for (const ViewPoint& point : room.points) heights.push_back(options.up.dot(point.position_m.cast<double>()));
+  for (const ViewPoint& point : room.points)
+    heights.push_back(options.up.dot(point.position_m.cast<double>()));
   found.lowest_m = percentile(std::move(heights), kLowest);
   return found;
 }
@@ -144,7 +150,8 @@ void find_supports(const GaussianAsset& asset, RoomParts& found) {
         over += plane.region.contains(asset.positions[k].cast<double>());
       }
       if (heights.empty() || 2 * over < heights.size()) continue;
-      if (std::abs(percentile(std::move(heights), kFootShare)) < kRest_voxels * found.voxel_m) part.support = s;
+      if (std::abs(percentile(std::move(heights), kFootShare)) < kRest_voxels * found.voxel_m)
+        part.support = s;
     }
   }
 }
@@ -158,7 +165,8 @@ Result<RoomParts> find_parts(const GaussianAsset& asset, const PartsOptions& opt
   if (found.planes.supports.empty())
     return invalid_data("room: no floor or table was found; give the up axis of the splat with --up");
   if (options.progress) options.progress("parts", 0);
-  const ThingVoxels things = thing_voxels(room->points, room->views, found.planes, room->scale);
+  ThingVoxels things = thing_voxels(room->points, room->views, found.planes, room->scale);
+  split_things(things);
   for (size_t t = 0; t < things.things.size() && t < kMaxParts; ++t) {
     RoomPart part;
     part.label = static_cast<uint16_t>(t + 1);

@@ -10,12 +10,12 @@
 namespace livegs {
 namespace {
 
-constexpr double kBelow_voxels = 0.7;      // depth of the foot band below the plane: noise of the depth
-constexpr double kFootReach_voxels = 3.3;  // of the foot band around a thing
-constexpr double kFootHeight_voxels = 6.0; // height of a thing that gives the colours of its foot
+constexpr double kBelow_voxels = 0.7;       // depth of the foot band below the plane: noise of the depth
+constexpr double kFootReach_voxels = 3.3;   // of the foot band around a thing
+constexpr double kFootHeight_voxels = 6.0;  // height of a thing that gives the colours of its foot
 // Light of the support at a thing, relative to that around it: things shade it.
 constexpr float kSupportLights[] = {1.0f, 1.0f, 0.85f, 0.7f, 0.55f};
-constexpr double kRing_voxels = 12.0;      // of the support around a thing that gives its colours
+constexpr double kRing_voxels = 12.0;  // of the support around a thing that gives its colours
 
 // Labels of things on the ground of a support, in square cells of a voxel's edge, grown by a number of cells.
 class GroundMap {
@@ -37,7 +37,8 @@ class GroundMap {
           const Eigen::Vector2i c = mark.cell - low_ + Eigen::Vector2i(x, y);
           Nearest& at = nearest_[static_cast<size_t>(c.y()) * size_.x() + c.x()];
           const Nearest mine{x * x + y * y, mark.label};
-          if (mine.distance2 < at.distance2 || (mine.distance2 == at.distance2 && mine.label < at.label)) at = mine;
+          if (mine.distance2 < at.distance2 || (mine.distance2 == at.distance2 && mine.label < at.label))
+            at = mine;
         }
   }
   // Label of the nearest thing and its squared distance in cells; 0 if none is within reach.
@@ -95,7 +96,8 @@ std::vector<std::vector<uint16_t>> pixel_labels(std::span<const RoomView> views,
   // The label of the voxel of a point, or of the nearest of its 26 neighbours.
   const auto voxel_label = [&](const Eigen::Vector3d& p) -> uint16_t {
     const Eigen::Vector3i cell = voxels.cell_of(p);
-    if (const uint32_t own = voxels.at(cell); own != kNoVoxel && label_of_voxel[own]) return label_of_voxel[own];
+    if (const uint32_t own = voxels.at(cell); own != kNoVoxel && label_of_voxel[own])
+      return label_of_voxel[own];
     uint16_t label = 0;
     float nearest = static_cast<float>(2.25 * voxels.edge_m() * voxels.edge_m());
     for (int x = -1; x <= 1; ++x)
@@ -112,8 +114,8 @@ std::vector<std::vector<uint16_t>> pixel_labels(std::span<const RoomView> views,
   const auto ground_of = [&](const Eigen::Vector3d& p) -> int {
     for (size_t g = 0; g < grounds.size(); ++g) {
       const double height_m = grounds[g]->height_m(p);
-      if (height_m > -kBelow_voxels * scale.voxel_m - 3 * grounds[g]->deviation_m && height_m < scale.foot_m(*grounds[g]) &&
-          grounds[g]->region.contains(p))
+      if (height_m > -kBelow_voxels * scale.voxel_m - 3 * grounds[g]->deviation_m &&
+          height_m < scale.foot_m(*grounds[g]) && grounds[g]->region.contains(p))
         return static_cast<int>(g);
     }
     return -1;
@@ -127,7 +129,8 @@ std::vector<std::vector<uint16_t>> pixel_labels(std::span<const RoomView> views,
   };
   std::vector<std::vector<uint16_t>> pictures(views.size());
   std::vector<std::vector<FootPixel>> feet(views.size());
-  std::vector<std::vector<std::pair<uint16_t, Eigen::Vector3f>>> body(views.size());  // label and colour near the ground
+  std::vector<std::vector<std::pair<uint16_t, Eigen::Vector3f>>> body(
+      views.size());  // label and colour near the ground
   const double close2 = kFootReach_voxels * kFootReach_voxels;
   parallel_for(views.size(), 1, [&](size_t v, size_t) {
     const KernelView& view = views[v].kernels;

@@ -10,19 +10,20 @@
 namespace livegs {
 namespace {
 
-constexpr double kVoxel_points = 1.25;      // edge in distances of points; below 1 surfaces fall apart
-constexpr uint32_t kMinVoxelPoints = 3;     // fewer are noise of single views
-constexpr double kFoot_voxels = 1.33;       // least height above a support
-constexpr double kFootDeviations = 3.0;     // the same in standard deviations of the plane
-constexpr double kWallGap_voxels = 1.0;     // least distance from a wall
-constexpr double kTouch_voxels = 3.0;       // of a support or a wall by a thing
-constexpr double kThrough_voxels = 2.0;     // depth difference beyond which a view sees through a voxel
-constexpr size_t kMinThingVoxels = 40;      // smaller things have less than 8 voxels across and no reliable shape
+constexpr double kVoxel_points = 1.25;   // edge in distances of points; below 1 surfaces fall apart
+constexpr uint32_t kMinVoxelPoints = 3;  // fewer are noise of single views
+constexpr double kFoot_voxels = 1.33;    // least height above a support
+constexpr double kFootDeviations = 3.0;  // the same in standard deviations of the plane
+constexpr double kWallGap_voxels = 1.0;  // least distance from a wall
+constexpr double kTouch_voxels = 3.0;    // of a support or a wall by a thing
+constexpr double kThrough_voxels = 2.0;  // depth difference beyond which a view sees through a voxel
+constexpr size_t kMinThingVoxels = 40;  // smaller things have less than 8 voxels across and no reliable shape
 
 // A leg or a body of furniture: it is below a support, and no view sees through the space between its highest
 // voxel and the support.
 bool carries_support(const Thing& thing, const ThingVoxels& found, const RoomPlanes& planes,
-                     std::span<const RoomView> views, std::span<const ViewRays> rays, const PartScale& scale) {
+                     std::span<const RoomView> views, std::span<const ViewRays> rays,
+                     const PartScale& scale) {
   const VoxelSet& voxels = found.voxels;
   for (const RoomPlane& plane : planes.supports) {
     double top_m = -std::numeric_limits<double>::infinity();
@@ -38,7 +39,8 @@ bool carries_support(const Thing& thing, const ThingVoxels& found, const RoomPla
       for (size_t v = 0; v < views.size(); ++v) {
         ViewRays::Hit hit;
         if (!rays[v].project(top + rise_m * plane.normal, hit)) continue;
-        const float depth_m = views[v].kernels.depth_m[static_cast<size_t>(hit.y) * views[v].camera.width + hit.x];
+        const float depth_m =
+            views[v].kernels.depth_m[static_cast<size_t>(hit.y) * views[v].camera.width + hit.x];
         if (depth_m - hit.depth_m > kThrough_voxels * scale.voxel_m) {
           ++free;
           break;
@@ -69,7 +71,8 @@ PartScale part_scale(std::span<const ViewPoint> points, int stride) {
 
 uint32_t support_below(const RoomPlanes& planes, const Eigen::Vector3d& point_m, double margin_m) {
   for (uint32_t s = 0; s < planes.supports.size(); ++s)  // highest first
-    if (planes.supports[s].height_m(point_m) > -margin_m && planes.supports[s].region.contains(point_m)) return s;
+    if (planes.supports[s].height_m(point_m) > -margin_m && planes.supports[s].region.contains(point_m))
+      return s;
   return kNoVoxel;
 }
 
@@ -83,7 +86,8 @@ ThingVoxels thing_voxels(std::span<const ViewPoint> points, std::span<const Room
       const uint32_t s = support_below(planes, p, scale.foot_m(planes.supports.front()));
       if (s == kNoVoxel || planes.supports[s].height_m(p) < scale.foot_m(planes.supports[s])) continue;
       over[i] = std::none_of(planes.walls.begin(), planes.walls.end(), [&](const RoomPlane& wall) {
-        return wall.height_m(p) < std::max(kWallGap_voxels * scale.voxel_m, kFootDeviations * wall.deviation_m);
+        return wall.height_m(p) <
+               std::max(kWallGap_voxels * scale.voxel_m, kFootDeviations * wall.deviation_m);
       });
     }
   });
@@ -104,7 +108,8 @@ ThingVoxels thing_voxels(std::span<const ViewPoint> points, std::span<const Room
         ViewRays::Hit hit;
         if (!rays[v].project(voxels[i].position_m.cast<double>(), hit)) continue;
         const double behind_m =
-            views[v].kernels.depth_m[static_cast<size_t>(hit.y) * views[v].camera.width + hit.x] - hit.depth_m;
+            views[v].kernels.depth_m[static_cast<size_t>(hit.y) * views[v].camera.width + hit.x] -
+            hit.depth_m;
         met += std::abs(behind_m) <= kThrough_voxels * scale.voxel_m;
         through += behind_m > kThrough_voxels * scale.voxel_m;
       }
@@ -126,7 +131,8 @@ ThingVoxels thing_voxels(std::span<const ViewPoint> points, std::span<const Room
     for (uint32_t i : thing.voxels) {
       const Eigen::Vector3d p = voxels[i].position_m.cast<double>();
       if (found.support[i] != kNoVoxel &&
-          planes.supports[found.support[i]].height_m(p) < kTouch_voxels * scale.voxel_m + scale.foot_m(planes.supports[found.support[i]]))
+          planes.supports[found.support[i]].height_m(p) <
+              kTouch_voxels * scale.voxel_m + scale.foot_m(planes.supports[found.support[i]]))
         thing.support = found.support[i];
       for (size_t w = 0; w < planes.walls.size(); ++w)
         if (planes.walls[w].height_m(p) < (kTouch_voxels + kWallGap_voxels) * scale.voxel_m) thing.wall = w;

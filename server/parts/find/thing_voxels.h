@@ -15,7 +15,7 @@ namespace livegs {
 // Sizes that follow from the footprint of a pixel on the surfaces.
 struct PartScale {
   double footprint_m = 0;  // median edge of a pixel
-  double voxel_m = 0;      // edge of a voxel: a little more than the distance of points, so that surfaces connect
+  double voxel_m = 0;  // edge of a voxel: a little more than the distance of points, so that surfaces connect
   double foot_m(const RoomPlane& plane) const;  // least height of a thing above its support
 };
 // `stride`: between the pixels that gave points.

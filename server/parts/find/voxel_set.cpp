@@ -11,7 +11,9 @@ namespace {
 
 // 21 bits per axis, biased, so that keys sort by x, y, z.
 uint64_t key_of(const Eigen::Vector3i& cell) {
-  const auto part = [](int value) { return static_cast<uint64_t>(std::clamp(value + (1 << 20), 0, (1 << 21) - 1)); };
+  const auto part = [](int value) {
+    return static_cast<uint64_t>(std::clamp(value + (1 << 20), 0, (1 << 21) - 1));
+  };
   return part(cell.x()) << 42 | part(cell.y()) << 21 | part(cell.z());
 }
 
@@ -34,8 +36,12 @@ VoxelSet::VoxelSet(std::span<const ViewPoint> points, std::span<const uint32_t> 
     end = begin;
     while (end < order.size() && order[end].first == order[begin].first) ++end;
     if (end - begin < min_points) continue;
-    Voxel voxel{cell_of(points[order[begin].second].position_m.cast<double>()), Eigen::Vector3f::Zero(),
-                Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), static_cast<uint32_t>(end - begin)};
+    Voxel voxel{cell_of(points[order[begin].second].position_m.cast<double>()),
+                Eigen::Vector3f::Zero(),
+                Eigen::Vector3f::Zero(),
+                Eigen::Vector3f::Zero(),
+                0.0f,
+                static_cast<uint32_t>(end - begin)};
     for (size_t i = begin; i < end; ++i) {
       const ViewPoint& point = points[order[i].second];
       voxel.position_m += point.position_m;
@@ -44,7 +50,8 @@ VoxelSet::VoxelSet(std::span<const ViewPoint> points, std::span<const uint32_t> 
     }
     voxel.position_m /= static_cast<float>(voxel.points);
     voxel.rgb /= static_cast<float>(voxel.points);
-    if (voxel.normal.norm() > 0) voxel.normal.normalize();
+    voxel.normal_length = voxel.normal.norm() / static_cast<float>(voxel.points);
+    if (voxel.normal_length > 0) voxel.normal.normalize();
     voxels_.push_back(voxel);
   }
   index();

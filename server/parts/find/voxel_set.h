@@ -19,11 +19,13 @@ class VoxelSet {
   struct Voxel {
     Eigen::Vector3i cell;
     Eigen::Vector3f position_m, normal, rgb;  // means of its points; the normal is unit or zero
+    float normal_length = 0;  // of the mean normal before it is made unit: 1 on a flat surface
     uint32_t points = 0;
   };
 
   // Voxels with at least `min_points` of the chosen points. In the order of their cells.
-  VoxelSet(std::span<const ViewPoint> points, std::span<const uint32_t> chosen, double edge_m, uint32_t min_points);
+  VoxelSet(std::span<const ViewPoint> points, std::span<const uint32_t> chosen, double edge_m,
+           uint32_t min_points);
 
   size_t size() const { return voxels_.size(); }
   const Voxel& operator[](size_t i) const { return voxels_[i]; }

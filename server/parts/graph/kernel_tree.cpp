@@ -10,7 +10,8 @@
 namespace livegs {
 namespace {
 
-constexpr int kParallelDepth = 4;  // levels that are split one after the other; below, subtrees run in parallel
+constexpr int kParallelDepth =
+    4;  // levels that are split one after the other; below, subtrees run in parallel
 
 }  // namespace
 
@@ -38,7 +39,8 @@ KernelTree::KernelTree(std::span<const Eigen::Vector3f> points) : order_(points.
       if (part.end - part.begin > 0) next.push_back(part);
     open.swap(next);
   }
-  parallel_for(open.size(), 1, [&](size_t i, size_t) { build(open[i].node, open[i].begin, open[i].end, points, 64); });
+  parallel_for(open.size(), 1,
+               [&](size_t i, size_t) { build(open[i].node, open[i].begin, open[i].end, points, 64); });
   points_.resize(points.size());
   for (size_t i = 0; i < points.size(); ++i) points_[i] = points[order_[i]];
 }
@@ -54,9 +56,10 @@ void KernelTree::build(uint32_t node, uint32_t begin, uint32_t end, std::span<co
   Eigen::Index axis = 0;
   (high - low).maxCoeff(&axis);
   const uint32_t middle = begin + (end - begin) / 2;
-  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](uint32_t a, uint32_t b) {
-    return points[a][axis] < points[b][axis] || (points[a][axis] == points[b][axis] && a < b);
-  });
+  std::nth_element(
+      order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](uint32_t a, uint32_t b) {
+        return points[a][axis] < points[b][axis] || (points[a][axis] == points[b][axis] && a < b);
+      });
   nodes_[node] = {points[order_[middle]][axis], static_cast<uint32_t>(axis)};
   build(2 * node + 1, begin, middle, points, depth - 1);
   build(2 * node + 2, middle, end, points, depth - 1);
@@ -72,7 +75,9 @@ void KernelTree::nearest(const Eigen::Vector3f& point, size_t count, std::vector
   Open stack[64];
   int top = 0;
   stack[top++] = {0, 0, static_cast<uint32_t>(order_.size()), 0.0f};
-  const auto worst = [&] { return found.size() < count ? std::numeric_limits<float>::infinity() : found.front().distance2; };
+  const auto worst = [&] {
+    return found.size() < count ? std::numeric_limits<float>::infinity() : found.front().distance2;
+  };
   while (top > 0) {
     Open at = stack[--top];
     if (at.distance2 > worst()) continue;

@@ -35,7 +35,8 @@ class KernelTree {
   };
   void build(uint32_t node, uint32_t begin, uint32_t end, std::span<const Eigen::Vector3f> points, int depth);
 
-  // Node n covers a range whose halves are nodes 2n + 1 and 2n + 2; the ranges follow from the number of points.
+  // Node n covers a range whose halves are nodes 2n + 1 and 2n + 2; the ranges follow from the number of
+  // points.
   std::vector<Node> nodes_;
   std::vector<uint32_t> order_;
   std::vector<Eigen::Vector3f> points_;  // in the order of order_

@@ -9,17 +9,20 @@
 namespace livegs {
 namespace {
 
-constexpr double kNormalShare = 0.05;     // of the normal distribution in the density
+constexpr double kNormalShare = 0.05;        // of the normal distribution in the density
 constexpr double kCellDeviation = 1.0 / 16;  // added to each axis of the normal distribution: half a cell
 
-int cell_index(float value, int side) { return std::clamp(static_cast<int>(value * static_cast<float>(side)), 0, side - 1); }
+int cell_index(float value, int side) {
+  return std::clamp(static_cast<int>(value * static_cast<float>(side)), 0, side - 1);
+}
 
 }  // namespace
 
 ColourModel::ColourModel() : cells_(static_cast<size_t>(kSide) * kSide * kSide, 0.0) {}
 
 void ColourModel::add(const Eigen::Vector3f& rgb) {
-  cells_[static_cast<size_t>((cell_index(rgb.x(), kSide) * kSide + cell_index(rgb.y(), kSide)) * kSide + cell_index(rgb.z(), kSide))] += 1;
+  cells_[static_cast<size_t>((cell_index(rgb.x(), kSide) * kSide + cell_index(rgb.y(), kSide)) * kSide +
+                             cell_index(rgb.z(), kSide))] += 1;
   count_ += 1;
   mean_ += rgb.cast<double>();
   moment_ += rgb.cast<double>() * rgb.cast<double>().transpose();
@@ -50,7 +53,8 @@ double ColourModel::density(const Eigen::Vector3f& rgb) const {
   if (count_ == 0) return 0;
   const Eigen::Vector3d d = rgb.cast<double>() - mean_;
   const double normal = peak_ * std::exp(-0.5 * d.dot(inverse_ * d));
-  const size_t cell = static_cast<size_t>((cell_index(rgb.x(), kSide) * kSide + cell_index(rgb.y(), kSide)) * kSide + cell_index(rgb.z(), kSide));
+  const size_t cell = static_cast<size_t>(
+      (cell_index(rgb.x(), kSide) * kSide + cell_index(rgb.y(), kSide)) * kSide + cell_index(rgb.z(), kSide));
   return (1 - kNormalShare) * cells_[cell] + kNormalShare * normal;
 }
 

@@ -17,15 +17,15 @@ using Eigen::Vector3d;
 // miss a small table.
 constexpr double kMinSupportShare = 0.07, kMinWallShare = 0.03;
 constexpr size_t kMaxSupports = 6, kMaxWalls = 8;
-constexpr int kTries = 3000;             // RANSAC hypotheses; a plane with a share of 7 % among its candidates is
-                                         // missed with a probability of e^-1 at three points each
-constexpr size_t kScored = 4000;         // points that score a hypothesis
+constexpr int kTries = 3000;      // RANSAC hypotheses; a plane with a share of 7 % among its candidates is
+                                  // missed with a probability of e^-1 at three points each
+constexpr size_t kScored = 4000;  // points that score a hypothesis
 constexpr double kTolerance_footprints = 2.0;  // of a point on a plane, while searching
 constexpr double kMinDeviation_footprints = 0.2;
 constexpr double kInlierDeviations = 3.0;
-constexpr double kMaxTilt = 0.94;        // cosine of 20 degrees, of a plane against level or upright
-constexpr double kMaxPointTilt = 0.87;   // cosine of 30 degrees, of the normal of a point against its plane
-constexpr double kMaxBehind = 0.01;      // share of points behind a wall
+constexpr double kMaxTilt = 0.94;       // cosine of 20 degrees, of a plane against level or upright
+constexpr double kMaxPointTilt = 0.87;  // cosine of 30 degrees, of the normal of a point against its plane
+constexpr double kMaxBehind = 0.01;     // share of points behind a wall
 constexpr double kRegionCell_footprints = 6.0;
 
 Vector3d any_perpendicular(const Vector3d& n) {
@@ -166,7 +166,8 @@ bool PlaneRegion::seen(const Vector3d& point_m) const {
 }
 
 double PlaneRegion::area_m2() const {
-  return cell_m_ * cell_m_ * static_cast<double>(std::count_if(cells_.begin(), cells_.end(), [](uint8_t c) { return c != 0; }));
+  return cell_m_ * cell_m_ *
+         static_cast<double>(std::count_if(cells_.begin(), cells_.end(), [](uint8_t c) { return c != 0; }));
 }
 
 RoomPlanes find_planes(std::span<const ViewPoint> points, const Vector3d& up, double footprint_m) {
@@ -211,9 +212,10 @@ RoomPlanes find_planes(std::span<const ViewPoint> points, const Vector3d& up, do
       kMaxWalls, kMinWallShare, [&](const Vector3d& n) { return std::abs(n.dot(up)) < upright; },
       [&](const Vector3d& n) { return n.norm() > 0.5 && std::abs(n.dot(up)) < 0.5; },
       [&](const RoomPlane& plane) {
-        const double behind = static_cast<double>(std::count_if(points.begin(), points.end(), [&](const ViewPoint& p) {
-          return plane.height_m(p.position_m.cast<double>()) < -3 * kTolerance_footprints * footprint_m;
-        }));
+        const double behind =
+            static_cast<double>(std::count_if(points.begin(), points.end(), [&](const ViewPoint& p) {
+              return plane.height_m(p.position_m.cast<double>()) < -3 * kTolerance_footprints * footprint_m;
+            }));
         return behind < kMaxBehind * static_cast<double>(points.size());
       },
       planes.walls);

@@ -17,12 +17,13 @@ namespace {
 using Eigen::Vector2i;
 using Eigen::Vector3d;
 
-constexpr double kFoot_voxels = 5.0;        // height of a thing that counts as its foot
-constexpr double kOffPlane_voxels = 1.5;    // of a surface that is not the plane
-constexpr int kRing_px = 4;                 // width of the rim that is compared
-constexpr double kAround_radii = 3.0;       // half width of the picture, in radii of the foot
+constexpr double kFoot_voxels = 2.5;      // height of a thing that counts as its foot
+constexpr double kFootCell_voxels = 1.2;  // cells of the area of a foot; below one it falls apart
+constexpr double kOffPlane_voxels = 1.5;  // of a surface that is not the plane
+constexpr int kRing_px = 4;               // width of the rim that is compared
+constexpr double kAround_radii = 3.0;     // half width of the picture, in radii of the foot
 constexpr double kMinAround_px = 40, kMaxAround_px = 480;
-constexpr double kCameraHeight = 6.0;       // in half widths of the picture: nearly parallel rays
+constexpr double kCameraHeight = 6.0;  // in half widths of the picture: nearly parallel rays
 constexpr int kSearchStep_px = 2;
 constexpr int kKernelStep_px = 2;
 constexpr double kFillAcross = 0.62, kFillThick = 0.06;  // deviations in kernel distances
@@ -59,7 +60,8 @@ void add_flat_kernel(GaussianAsset& asset, const Vector3d& point_m, const Vector
 }
 
 // Where a thing meets a plane: its kernels within a few voxels of it.
-std::vector<Eigen::Vector3f> foot_points(const SplitRoom& room, const RoomPlane& plane, uint16_t label, double reach_m) {
+std::vector<Eigen::Vector3f> foot_points(const SplitRoom& room, const RoomPlane& plane, uint16_t label,
+                                         double reach_m) {
   std::vector<Eigen::Vector3f> foot;
   for (size_t k = 0; k < room.asset.size(); ++k)
     if (room.label[k] == label && plane.height_m(room.asset.positions[k].cast<double>()) < reach_m)
@@ -67,10 +69,20 @@ std::vector<Eigen::Vector3f> foot_points(const SplitRoom& room, const RoomPlane&
   return foot;
 }
 
+// A point whose surroundings are all below the foot.
+bool inside_foot(const PlaneRegion& foot, const RoomPlane& plane, const Vector3d& point_m) {
+  const Vector3d u = foot.cell_m() * foot.u(), v = foot.cell_m() * foot.v();
+  const Vector3d at = point_m - plane.height_m(point_m) * plane.normal;
+  return foot.contains(at) && foot.contains(at + u) && foot.contains(at - u) && foot.contains(at + v) &&
+         foot.contains(at - v);
+}
+
 PlanePicture look_at_plane(const SplitRoom& room, const RoomParts& parts, const RoomPlane& plane,
-                           const PlaneRegion& foot, const Vector3d& middle_m, double half_m, std::vector<uint32_t>& hidden) {
+                           const PlaneRegion& foot, const Vector3d& middle_m, double half_m,
+                           std::vector<uint32_t>& hidden) {
   const double pixel_m = parts.footprint_m;
-  const int edge = 2 * static_cast<int>(std::ceil(std::clamp(half_m / pixel_m, kMinAround_px, kMaxAround_px)));
+  const int edge =
+      2 * static_cast<int>(std::ceil(std::clamp(half_m / pixel_m, kMinAround_px, kMaxAround_px)));
   const double height_m = kCameraHeight * half_m;
   Camera camera = look_at(middle_m + height_m * plane.normal, middle_m, plane.region.u(), 0.5, edge, edge);
   camera.focal_x_px = camera.focal_y_px = 0.5 * edge * height_m / half_m;
@@ -109,12 +121,17 @@ PlanePicture look_at_plane(const SplitRoom& room, const RoomParts& parts, const 
       const uint32_t kernel = view.kernel[i];
       const bool seen = kernel != kNoKernel && parts.share[room.source[source[kernel]]] > 0 &&
                         std::abs(plane.height_m(rays.point_m(x, y, view.depth_m[i]))) < reach_m;
-      picture.kind[i] = seen ? kPlane : foot.contains(picture.point_m[i]) ? kHole : kOutside;
+      // Below the inside of the foot no view can look; kernels there show only after the thing is gone.
+      picture.kind[i] = inside_foot(foot, plane, picture.point_m[i]) ? kHole
+                        : seen                                       ? kPlane
+                        : foot.contains(picture.point_m[i])          ? kHole
+                                                                     : kOutside;
     }
-  // Kernels near the plane below the foot that no view saw.
+  // Kernels near the plane that only the thing hid.
   for (size_t n = 0; n < near.size(); ++n) {
     const Vector3d p = near.positions[n].cast<double>();
-    if (parts.share[room.source[source[n]]] == 0 && std::abs(plane.height_m(p)) < 2 * reach_m && foot.contains(p))
+    if (std::abs(plane.height_m(p)) < 2 * reach_m &&
+        (inside_foot(foot, plane, p) || (parts.share[room.source[source[n]]] == 0 && foot.contains(p))))
       hidden.push_back(source[n]);
   }
   return picture;
@@ -128,7 +145,8 @@ std::vector<Vector2i> rim_of(const PlanePicture& picture, const std::vector<Vect
     for (int y = -width_px; y <= width_px; ++y)
       for (int x = -width_px; x <= width_px; ++x) {
         const Vector2i q = p + Vector2i(x, y);
-        if (x * x + y * y > width_px * width_px || !picture.inside(q) || marked[picture.at(q)] || picture.kind[picture.at(q)] != kPlane)
+        if (x * x + y * y > width_px * width_px || !picture.inside(q) || marked[picture.at(q)] ||
+            picture.kind[picture.at(q)] != kPlane)
           continue;
         marked[picture.at(q)] = 1;
         rim.push_back(q);
@@ -146,12 +164,16 @@ bool texture_hole(PlanePicture& picture, const std::vector<Vector2i>& hole) {
   std::vector<Vector2i> offsets;
   for (int dy = -picture.height; dy < picture.height; dy += kSearchStep_px)
     for (int dx = -picture.width; dx < picture.width; dx += kSearchStep_px)
-      if (picture.inside(low + Vector2i(dx, dy)) && picture.inside(high + Vector2i(dx, dy))) offsets.emplace_back(dx, dy);
+      if (picture.inside(low + Vector2i(dx, dy)) && picture.inside(high + Vector2i(dx, dy)))
+        offsets.emplace_back(dx, dy);
   std::vector<double> error(offsets.size(), std::numeric_limits<double>::infinity());
-  const auto usable = [&](const Vector2i& p) { return picture.inside(p) && picture.kind[picture.at(p)] == kPlane; };
+  const auto usable = [&](const Vector2i& p) {
+    return picture.inside(p) && picture.kind[picture.at(p)] == kPlane;
+  };
   parallel_for(offsets.size(), 16, [&](size_t begin, size_t end) {
     for (size_t o = begin; o < end; ++o) {
-      if (!std::all_of(hole.begin(), hole.end(), [&](const Vector2i& p) { return usable(p + offsets[o]); })) continue;
+      if (!std::all_of(hole.begin(), hole.end(), [&](const Vector2i& p) { return usable(p + offsets[o]); }))
+        continue;
       double sum = 0;
       size_t count = 0;
       for (const Vector2i& p : rim) {
@@ -162,7 +184,8 @@ bool texture_hole(PlanePicture& picture, const std::vector<Vector2i>& hole) {
       if (2 * count >= rim.size()) error[o] = sum / static_cast<double>(count);
     }
   });
-  const size_t best = offsets.empty() ? 0 : static_cast<size_t>(std::min_element(error.begin(), error.end()) - error.begin());
+  const size_t best =
+      offsets.empty() ? 0 : static_cast<size_t>(std::min_element(error.begin(), error.end()) - error.begin());
   const bool textured = !offsets.empty() && std::isfinite(error[best]);
   const std::vector<Vector2i> edge = rim_of(picture, hole, 1);
   // The difference between the picture and the exemplar, known at the rim and harmonic in the hole.
@@ -197,7 +220,8 @@ bool texture_hole(PlanePicture& picture, const std::vector<Vector2i>& hole) {
     }
   std::vector<Eigen::Vector3f> filled;
   for (const Vector2i& p : hole) filled.push_back(exemplar(p) + difference[picture.at(p)]);
-  for (size_t i = 0; i < hole.size(); ++i) picture.rgb[picture.at(hole[i])] = filled[i].cwiseMax(0.0f).cwiseMin(1.0f);
+  for (size_t i = 0; i < hole.size(); ++i)
+    picture.rgb[picture.at(hole[i])] = filled[i].cwiseMax(0.0f).cwiseMin(1.0f);
   return textured;
 }
 
@@ -209,9 +233,10 @@ BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t pa
   out.fill.antialiased = out.underside.antialiased = room.asset.antialiased;
   const RoomPart& thing = parts.parts[part];
   const auto cover = [&](const RoomPlane& plane, bool wall, size_t index) {
-    const std::vector<Eigen::Vector3f> points = foot_points(room, plane, thing.label, kFoot_voxels * parts.voxel_m);
+    const std::vector<Eigen::Vector3f> points =
+        foot_points(room, plane, thing.label, kFoot_voxels * parts.voxel_m);
     if (points.size() < kMinFootKernels) return;
-    const PlaneRegion foot(plane.normal, 2 * parts.voxel_m, points);
+    const PlaneRegion foot(plane.normal, kFootCell_voxels * parts.voxel_m, points);
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3f& p : points) box.extend(p.cast<double>());
     Vector3d middle_m = box.center();
@@ -228,22 +253,26 @@ BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t pa
     // The colours of the foot for the underside.
     std::vector<Eigen::Vector3f> places, colours;
     for (size_t k = 0; k < room.asset.size(); ++k)
-      if (room.label[k] == thing.label && plane.height_m(room.asset.positions[k].cast<double>()) < kFoot_voxels * parts.voxel_m) {
+      if (room.label[k] == thing.label &&
+          plane.height_m(room.asset.positions[k].cast<double>()) < kFoot_voxels * parts.voxel_m) {
         places.push_back(room.asset.positions[k]);
         colours.push_back(Eigen::Vector3f::Constant(0.5f) + kShBand0 * room.asset.sh_dc[k]);
       }
     const KernelTree tree(places);
-    const double pixel_m = picture.width > 1 ? (picture.point_m[1] - picture.point_m[0]).norm() : parts.footprint_m;
+    const double pixel_m =
+        picture.width > 1 ? (picture.point_m[1] - picture.point_m[0]).norm() : parts.footprint_m;
     std::vector<KernelTree::Neighbour> nearest;
     for (const Vector2i& p : hole) {
       if (p.x() % kKernelStep_px || p.y() % kKernelStep_px) continue;
       const Vector3d& at = picture.point_m[picture.at(p)];
-      add_flat_kernel(out.fill, at, plane.region.u(), plane.normal, kKernelStep_px * pixel_m, picture.rgb[picture.at(p)]);
+      add_flat_kernel(out.fill, at, plane.region.u(), plane.normal, kKernelStep_px * pixel_m,
+                      picture.rgb[picture.at(p)]);
+      if (!inside_foot(foot, plane, at)) continue;
       tree.nearest(at.cast<float>(), 8, nearest);
       Eigen::Vector3f rgb = Eigen::Vector3f::Zero();
       for (const auto& n : nearest) rgb += colours[n.index];
-      add_flat_kernel(out.underside, at + 0.25 * pixel_m * plane.normal, plane.region.u(), -plane.normal, kKernelStep_px * pixel_m,
-                      rgb / static_cast<float>(nearest.size()));
+      add_flat_kernel(out.underside, at + 0.25 * pixel_m * plane.normal, plane.region.u(), -plane.normal,
+                      kKernelStep_px * pixel_m, rgb / static_cast<float>(nearest.size()));
     }
     out.planes.push_back(filled);
   };

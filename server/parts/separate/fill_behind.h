@@ -11,17 +11,17 @@ namespace livegs {
 
 struct FilledPlane {
   bool wall = false;
-  size_t plane = 0;            // index in supports or walls
-  size_t hole_pixels = 0;      // of the picture from above; one pixel is RoomParts::footprint_m wide
-  bool textured = false;       // false: no free disc of the plane was found, the mean of the ring was used
+  size_t plane = 0;        // index in supports or walls
+  size_t hole_pixels = 0;  // of the picture from above; one pixel is RoomParts::footprint_m wide
+  bool textured = false;   // false: no free disc of the plane was found, the mean of the ring was used
 };
 
 struct BehindThing {
-  GaussianAsset fill;              // flat kernels for the room
-  std::vector<uint32_t> hidden;    // kernels of the room that no view saw and that the fill replaces
-  GaussianAsset underside;         // flat kernels for the thing
-  std::vector<FilledPlane> planes; // those that were continued
-  bool unfilled = false;           // the thing touches no plane: nothing was filled
+  GaussianAsset fill;               // flat kernels for the room
+  std::vector<uint32_t> hidden;     // kernels of the room that no view saw and that the fill replaces
+  GaussianAsset underside;          // flat kernels for the thing
+  std::vector<FilledPlane> planes;  // those that were continued
+  bool unfilled = false;            // the thing touches no plane: nothing was filled
 };
 
 // 1. A picture of the room without the thing, looking straight at the plane. A pixel is a hole if the surface

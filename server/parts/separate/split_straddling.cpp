@@ -17,14 +17,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr float kMixedShare = 0.8f;      // below it a kernel shows in pixels of several labels
-constexpr size_t kNeighbours = 24;       // that decide the plane between two labels
+constexpr float kMixedShare = 0.8f;  // below it a kernel shows in pixels of several labels
+constexpr size_t kNeighbours = 24;   // that decide the plane between two labels
 constexpr size_t kMinOtherNeighbours = 4;
 constexpr double kMinWidth_footprints = 0.5;  // deviation across the border; narrower kernels stay whole
 constexpr double kOverhang_footprints = 1.0;  // allowed across a border, at three deviations
 constexpr double kMinKeptOpacity = 1.0 / 255.0;
 constexpr double kMaxKeptOpacity = 0.998;
-constexpr double kFlattest = 1e-3;       // smallest to largest deviation of a part
+constexpr double kFlattest = 1e-3;  // smallest to largest deviation of a part
 
 struct Border {
   bool found = false;
@@ -64,7 +64,8 @@ void set_kernel(GaussianAsset& asset, size_t k, const GaussianPart& part, double
 }
 
 // The support of the kernel's thing, if the kernel reaches below it.
-Border border_at_support(const RoomParts& parts, uint16_t label, const Vector3d& mean_m, const Matrix3d& covariance_m2) {
+Border border_at_support(const RoomParts& parts, uint16_t label, const Vector3d& mean_m,
+                         const Matrix3d& covariance_m2) {
   Border border;
   if (label == kRoomLabel || !parts.parts[label - 1].support) return border;
   const RoomPlane& plane = parts.planes.supports[*parts.parts[label - 1].support];
@@ -82,14 +83,19 @@ Border border_between_neighbours(const GaussianAsset& asset, const RoomParts& pa
   std::vector<std::pair<uint16_t, size_t>> counts;
   for (const auto& n : neighbours) {
     const uint16_t label = parts.label[n.index];
-    const auto at = std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.first == label; });
-    if (at == counts.end()) counts.emplace_back(label, 1);
-    else ++at->second;
+    const auto at =
+        std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.first == label; });
+    if (at == counts.end())
+      counts.emplace_back(label, 1);
+    else
+      ++at->second;
   }
   size_t own_count = 0, most = 0;
   for (const auto& [label, count] : counts) {
-    if (label == own) own_count = count;
-    else if (count > most) most = count, border.other = label;
+    if (label == own)
+      own_count = count;
+    else if (count > most)
+      most = count, border.other = label;
   }
   if (own_count < kMinOtherNeighbours || most < kMinOtherNeighbours) return border;
   Vector3d mine = Vector3d::Zero(), others = Vector3d::Zero();
@@ -156,8 +162,10 @@ SplitRoom split_straddling(const GaussianAsset& asset, const RoomParts& parts) {
       }
       if (deviation_m < kMinWidth_footprints * parts.footprint_m) continue;
       const double opacity = opacity_of_logit(asset.opacity_logits[k]);
-      const SplitLimits limits{kOverhang_footprints * parts.footprint_m, kMinKeptOpacity / std::max(opacity, 1e-6)};
-      auto split = split_gaussian(mean_m, covariance_m2, two_sides(border, deviation_m + std::abs(ahead_m)), limits);
+      const SplitLimits limits{kOverhang_footprints * parts.footprint_m,
+                               kMinKeptOpacity / std::max(opacity, 1e-6)};
+      auto split =
+          split_gaussian(mean_m, covariance_m2, two_sides(border, deviation_m + std::abs(ahead_m)), limits);
       of_block[begin / kSplitBlock].push_back({k, std::move(split), border.other});
     }
   });

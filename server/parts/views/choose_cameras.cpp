@@ -16,14 +16,14 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr int kGridCells = 96;            // along the longest side of the room
+constexpr int kGridCells = 96;              // along the longest side of the room
 constexpr float kMinCountedOpacity = 0.1f;  // of a kernel that fills a cell
 constexpr int kTargets = 5, kAzimuths = 12;
 constexpr double kElevations_deg[] = {8, 25, 45, 68};
 constexpr double kRadii[] = {0.2, 0.4, 0.8};  // in half diagonals of the room
 constexpr int kRaysAcross = 24, kRaysDown = 18;
-constexpr double kViewFov_rad = 0.85;       // vertical
-constexpr int kClearCells = 2;              // around a camera
+constexpr double kViewFov_rad = 0.85;  // vertical
+constexpr int kClearCells = 2;         // around a camera
 
 class Occupancy {
  public:
@@ -130,12 +130,15 @@ std::vector<Camera> choose_cameras(const GaussianAsset& asset, const Vector3d& u
     for (const double radius : kRadii)
       for (const double elevation_deg : kElevations_deg)
         for (int a = 0; a < kAzimuths; ++a) {
-          const double azimuth = 2 * std::numbers::pi * a / kAzimuths, elevation = elevation_deg * std::numbers::pi / 180;
-          const Vector3d direction = std::cos(elevation) * (std::cos(azimuth) * u + std::sin(azimuth) * v) + std::sin(elevation) * up;
+          const double azimuth = 2 * std::numbers::pi * a / kAzimuths,
+                       elevation = elevation_deg * std::numbers::pi / 180;
+          const Vector3d direction = std::cos(elevation) * (std::cos(azimuth) * u + std::sin(azimuth) * v) +
+                                     std::sin(elevation) * up;
           const Vector3d position = target + radius * half_m * direction;
           if (!cells.clear(position)) continue;
           const int hit = cells.first_hit(position, -direction);
-          if (hit < 0 || (cells.centre(hit) - target).norm() > 0.3 * radius * half_m + 3 * cells.cell_m()) continue;
+          if (hit < 0 || (cells.centre(hit) - target).norm() > 0.3 * radius * half_m + 3 * cells.cell_m())
+            continue;
           Camera camera = look_at(position, target, up, kViewFov_rad, width, width * 3 / 4);
           camera.near_m = 0.25 * cells.cell_m();
           candidates.push_back({camera, {}});
@@ -145,8 +148,9 @@ std::vector<Camera> choose_cameras(const GaussianAsset& asset, const Vector3d& u
       const Camera& camera = candidates[i].camera;
       for (int y = 0; y < kRaysDown; ++y)
         for (int x = 0; x < kRaysAcross; ++x) {
-          const Vector3d ray(((x + 0.5) / kRaysAcross * camera.width - camera.centre_x_px) / camera.focal_x_px,
-                             -((y + 0.5) / kRaysDown * camera.height - camera.centre_y_px) / camera.focal_y_px, -1.0);
+          const Vector3d ray(
+              ((x + 0.5) / kRaysAcross * camera.width - camera.centre_x_px) / camera.focal_x_px,
+              -((y + 0.5) / kRaysDown * camera.height - camera.centre_y_px) / camera.focal_y_px, -1.0);
           const int hit = cells.first_hit(camera.world_from_camera.position_m,
                                           (camera.world_from_camera.orientation * ray).normalized());
           if (hit >= 0) candidates[i].cells.push_back(hit);

@@ -25,8 +25,9 @@ PosedKernels pose_in_place(const GaussianAsset& asset) {
       const Eigen::Matrix3d axes = asset.rotations[i].cast<double>().toRotationMatrix() *
                                    asset.log_scales[i].cast<double>().array().exp().matrix().asDiagonal();
       const Eigen::Matrix3d s = axes * axes.transpose();
-      posed.covariances_m2[i] = {static_cast<float>(s(0, 0)), static_cast<float>(s(0, 1)), static_cast<float>(s(0, 2)),
-                                 static_cast<float>(s(1, 1)), static_cast<float>(s(1, 2)), static_cast<float>(s(2, 2))};
+      posed.covariances_m2[i] = {static_cast<float>(s(0, 0)), static_cast<float>(s(0, 1)),
+                                 static_cast<float>(s(0, 2)), static_cast<float>(s(1, 1)),
+                                 static_cast<float>(s(1, 2)), static_cast<float>(s(2, 2))};
     }
   });
   return posed;
@@ -34,7 +35,8 @@ PosedKernels pose_in_place(const GaussianAsset& asset) {
 
 Eigen::Vector3d ViewRays::point_m(int x, int y, double depth_m) const {
   const Eigen::Vector3d in_image((x + 0.5 - projection_.centre_x_px) / projection_.focal_x_px * depth_m,
-                                 (y + 0.5 - projection_.centre_y_px) / projection_.focal_y_px * depth_m, depth_m);
+                                 (y + 0.5 - projection_.centre_y_px) / projection_.focal_y_px * depth_m,
+                                 depth_m);
   return world_from_image_ * in_image + projection_.position_m;
 }
 
@@ -57,7 +59,8 @@ Eigen::Vector3f pixel_normal(const ViewRays& rays, const KernelView& view, int x
   const auto slope = [&](int dx, int dy) -> Eigen::Vector3d {
     const auto usable = [&](int sign) {
       const int px = x + sign * dx, py = y + sign * dy;
-      return px >= 0 && py >= 0 && px < view.width && py < view.height && std::abs(depth(px, py) - here) < jump_m;
+      return px >= 0 && py >= 0 && px < view.width && py < view.height &&
+             std::abs(depth(px, py) - here) < jump_m;
     };
     const int after = usable(1) ? 1 : 0, before = usable(-1) ? -1 : 0;
     if (after == before) return Eigen::Vector3d::Zero();

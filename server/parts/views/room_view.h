@@ -36,7 +36,8 @@ struct ViewPoint {
 // Projects and back-projects points of one view.
 class ViewRays {
  public:
-  explicit ViewRays(const Camera& camera) : projection_(camera), world_from_image_(projection_.image_from_world.transpose()) {}
+  explicit ViewRays(const Camera& camera)
+      : projection_(camera), world_from_image_(projection_.image_from_world.transpose()) {}
 
   Eigen::Vector3d point_m(int x, int y, double depth_m) const;
   const Eigen::Vector3d& position_m() const { return projection_.position_m; }

@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 
 constexpr double kDeskHeight_m = 0.72, kDeskWidth_m = 1.3, kDeskDepth_m = 0.75, kDeskThickness_m = 0.03;
 constexpr double kHalfRoom_m = 1.6, kRoomHeight_m = 2.3;
-constexpr double kWallGap_m = 0.0005;   // between a thing and the wall or the thing that it touches
-constexpr double kRoomSpacings = 3.0;   // spacing of the kernels of the room, in those of things
+constexpr double kWallGap_m = 0.0005;  // between a thing and the wall or the thing that it touches
+constexpr double kRoomSpacings = 3.0;  // spacing of the kernels of the room, in those of things
 
 struct Plan {
   std::vector<Solid> things;
@@ -62,7 +62,8 @@ Plan crowded(uint64_t seed) {
     });
     if (!free) continue;
     discs.push_back(disc);
-    const Vector3d rgb(0.5 + 0.38 * std::cos(hue), 0.5 + 0.38 * std::cos(hue - 2.1), 0.5 + 0.38 * std::cos(hue + 2.1));
+    const Vector3d rgb(0.5 + 0.38 * std::cos(hue), 0.5 + 0.38 * std::cos(hue - 2.1),
+                       0.5 + 0.38 * std::cos(hue + 2.1));
     plan.things.push_back(thing(("thing" + std::to_string(i + 1)).c_str(), shape, size, at, rgb, yaw, i % 3));
   }
   return plan;
@@ -90,26 +91,33 @@ Plan plan_of(RoomKind kind, uint64_t seed) {
           thing("mug", Mug, {0.085, 0.1, 0.085}, {0.4175 + kWallGap_m, h, 0.1}, {0.25, 0.6, 0.45}, 90, 0)};
       break;
     case RoomKind::Stacked:
-      plan.things = {thing("book", Box, {0.22, 0.035, 0.16}, {-0.25, h, 0}, {0.55, 0.16, 0.2}, 12, 0),
-                     thing("tin", Cylinder, {0.08, 0.1, 0.08}, {-0.25, h + 0.0355, 0}, {0.75, 0.75, 0.7}, 0, 2),
-                     thing("crate", Box, {0.2, 0.12, 0.15}, {0.22, h, 0.02}, {0.7, 0.52, 0.25}, -8, 1),
-                     thing("parcel", Box, {0.13, 0.08, 0.1}, {0.21, h + 0.1205, 0.02}, {0.25, 0.42, 0.62}, 20, 1),
-                     thing("ball", Ball, {0.07, 0.07, 0.07}, {0.21, h + 0.201, 0.02}, {0.8, 0.75, 0.3}, 0, 0)};
+      plan.things = {
+          thing("book", Box, {0.22, 0.035, 0.16}, {-0.25, h, 0}, {0.55, 0.16, 0.2}, 12, 0),
+          thing("tin", Cylinder, {0.08, 0.1, 0.08}, {-0.25, h + 0.0355, 0}, {0.75, 0.75, 0.7}, 0, 2),
+          thing("crate", Box, {0.2, 0.12, 0.15}, {0.22, h, 0.02}, {0.7, 0.52, 0.25}, -8, 1),
+          thing("parcel", Box, {0.13, 0.08, 0.1}, {0.21, h + 0.1205, 0.02}, {0.25, 0.42, 0.62}, 20, 1),
+          thing("ball", Ball, {0.07, 0.07, 0.07}, {0.21, h + 0.201, 0.02}, {0.8, 0.75, 0.3}, 0, 0)};
       break;
     case RoomKind::Wall:
       plan.desk_z_m = -kHalfRoom_m + 0.5 * kDeskDepth_m;
       plan.things = {
-          thing("carton", Box, {0.16, 0.2, 0.1}, {-0.35, h, -kHalfRoom_m + 0.05 + kWallGap_m}, {0.3, 0.5, 0.65}, 0, 1),
-          thing("tin", Cylinder, {0.1, 0.14, 0.1}, {0.0, h, -kHalfRoom_m + 0.05 + kWallGap_m}, {0.75, 0.4, 0.2}, 0, 2),
+          thing("carton", Box, {0.16, 0.2, 0.1}, {-0.35, h, -kHalfRoom_m + 0.05 + kWallGap_m},
+                {0.3, 0.5, 0.65}, 0, 1),
+          thing("tin", Cylinder, {0.1, 0.14, 0.1}, {0.0, h, -kHalfRoom_m + 0.05 + kWallGap_m},
+                {0.75, 0.4, 0.2}, 0, 2),
           thing("ball", Ball, {0.1, 0.1, 0.1}, {0.25, h, -kHalfRoom_m + 0.05 + kWallGap_m}, {0.4, 0.65, 0.3}),
-          thing("clock", Box, {0.22, 0.22, 0.05}, {0.3, h + 0.4, -kHalfRoom_m + 0.025 + kWallGap_m}, {0.2, 0.2, 0.25}, 0, 2)};
+          thing("clock", Box, {0.22, 0.22, 0.05}, {0.3, h + 0.4, -kHalfRoom_m + 0.025 + kWallGap_m},
+                {0.2, 0.2, 0.25}, 0, 2)};
       break;
     case RoomKind::Corner:
       plan.desk = false;
-      plan.things = {thing("crate", Box, {0.4, 0.35, 0.3}, {-kHalfRoom_m + 0.2 + kWallGap_m, 0, -kHalfRoom_m + 0.15 + kWallGap_m},
+      plan.things = {thing("crate", Box, {0.4, 0.35, 0.3},
+                           {-kHalfRoom_m + 0.2 + kWallGap_m, 0, -kHalfRoom_m + 0.15 + kWallGap_m},
                            {0.65, 0.5, 0.28}, 0, 1),
-                     thing("bin", Cylinder, {0.26, 0.32, 0.26}, {-kHalfRoom_m + 0.62, 0, -kHalfRoom_m + 0.2}, {0.35, 0.4, 0.6}, 0, 2),
-                     thing("ball", Ball, {0.22, 0.22, 0.22}, {-kHalfRoom_m + 0.25, 0, -kHalfRoom_m + 0.65}, {0.8, 0.35, 0.25})};
+                     thing("bin", Cylinder, {0.26, 0.32, 0.26}, {-kHalfRoom_m + 0.62, 0, -kHalfRoom_m + 0.2},
+                           {0.35, 0.4, 0.6}, 0, 2),
+                     thing("ball", Ball, {0.22, 0.22, 0.22}, {-kHalfRoom_m + 0.25, 0, -kHalfRoom_m + 0.65},
+                           {0.8, 0.35, 0.25})};
       break;
     case RoomKind::Crowded:
       return crowded(seed);
@@ -120,7 +128,8 @@ Plan plan_of(RoomKind kind, uint64_t seed) {
 }
 
 // Light that reaches a point of the room near the things: a soft dark rim where they stand.
-double contact_shade(const Vector3d& point_m, const std::vector<Solid>& things, const std::optional<size_t>& without) {
+double contact_shade(const Vector3d& point_m, const std::vector<Solid>& things,
+                     const std::optional<size_t>& without) {
   double light = 1.0;
   for (size_t i = 0; i < things.size(); ++i) {
     if (i == without) continue;
@@ -135,13 +144,20 @@ double contact_shade(const Vector3d& point_m, const std::vector<Solid>& things, 
 
 const char* room_kind_name(RoomKind kind) {
   switch (kind) {
-    case RoomKind::Apart: return "apart";
-    case RoomKind::Touching: return "touching";
-    case RoomKind::Stacked: return "stacked";
-    case RoomKind::Wall: return "wall";
-    case RoomKind::Corner: return "corner";
-    case RoomKind::Crowded: return "crowded";
-    case RoomKind::Empty: return "empty";
+    case RoomKind::Apart:
+      return "apart";
+    case RoomKind::Touching:
+      return "touching";
+    case RoomKind::Stacked:
+      return "stacked";
+    case RoomKind::Wall:
+      return "wall";
+    case RoomKind::Corner:
+      return "corner";
+    case RoomKind::Crowded:
+      return "crowded";
+    case RoomKind::Empty:
+      return "empty";
   }
   return "";
 }
@@ -155,7 +171,8 @@ MadeRoom make_room(RoomKind kind, const MadeRoomOptions& options) {
   // The kernels of a thing, without those that another thing covers.
   const auto covered = [&](const Vector3d& point_m, size_t owner, double margin_m) {
     for (size_t i = 0; i < plan.things.size(); ++i)
-      if (i + 1 != owner && i != options.without && plan.things[i].distance_m(point_m) < margin_m) return true;
+      if (i + 1 != owner && i != options.without && plan.things[i].distance_m(point_m) < margin_m)
+        return true;
     return false;
   };
   const auto add = [&](const std::vector<SurfacePoint>& points, size_t owner, auto&& colour_of) {
@@ -172,14 +189,20 @@ MadeRoom make_room(RoomKind kind, const MadeRoomOptions& options) {
 
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   const double half = kHalfRoom_m;
-  const auto floor_colour = [&](const SurfacePoint& p) { return wood(p, {0.72, 0.66, 0.56}, options.seed + 11); };
+  const auto floor_colour = [&](const SurfacePoint& p) {
+    return wood(p, {0.72, 0.66, 0.56}, options.seed + 11);
+  };
   const auto wall_colour = [&](const SurfacePoint& p) {
     const double noise = fractal_noise(p.position_m / 0.25, 3, options.seed + 12);
-    return Vector3d(Vector3d(0.82, 0.8, 0.75) * (1 + 0.05 * noise) * contact_shade(p.position_m, plan.things, options.without));
+    return Vector3d(Vector3d(0.82, 0.8, 0.75) * (1 + 0.05 * noise) *
+                    contact_shade(p.position_m, plan.things, options.without));
   };
-  add(rectangle_points(-half * x - half * z, 2 * half * z, 2 * half * x, 2 * wide_m, options.seed + 1), 0, floor_colour);
-  add(rectangle_points(-half * x - half * z, 2 * half * x, kRoomHeight_m * y, 2 * wide_m, options.seed + 2), 0, wall_colour);
-  add(rectangle_points(-half * x + half * z, -2 * half * z, kRoomHeight_m * y, 2 * wide_m, options.seed + 3), 0, wall_colour);
+  add(rectangle_points(-half * x - half * z, 2 * half * z, 2 * half * x, 2 * wide_m, options.seed + 1), 0,
+      floor_colour);
+  add(rectangle_points(-half * x - half * z, 2 * half * x, kRoomHeight_m * y, 2 * wide_m, options.seed + 2),
+      0, wall_colour);
+  add(rectangle_points(-half * x + half * z, -2 * half * z, kRoomHeight_m * y, 2 * wide_m, options.seed + 3),
+      0, wall_colour);
   if (plan.desk) {
     Solid top = thing("desk", SolidShape::Box, {kDeskWidth_m, kDeskThickness_m, kDeskDepth_m},
                       {0, kDeskHeight_m - kDeskThickness_m, plan.desk_z_m}, {0.62, 0.45, 0.3});
@@ -188,8 +211,10 @@ MadeRoom make_room(RoomKind kind, const MadeRoomOptions& options) {
     for (int leg = 0; leg < 4; ++leg) {
       const Vector3d at((leg % 2 ? 1 : -1) * (0.5 * kDeskWidth_m - 0.05), 0,
                         plan.desk_z_m + (leg / 2 ? 1 : -1) * (0.5 * kDeskDepth_m - 0.05));
-      add(solid_points(thing("leg", SolidShape::Box, {0.05, kDeskHeight_m - kDeskThickness_m, 0.05}, at, top.rgb), wide_m,
-                       options.seed + 5 + static_cast<uint64_t>(leg)), 0, desk_colour);
+      add(solid_points(
+              thing("leg", SolidShape::Box, {0.05, kDeskHeight_m - kDeskThickness_m, 0.05}, at, top.rgb),
+              wide_m, options.seed + 5 + static_cast<uint64_t>(leg)),
+          0, desk_colour);
     }
   }
   Eigen::AlignedBox3d all;

@@ -30,7 +30,8 @@ void add_patch(const std::function<Vector3d(double, double)>& position, double s
     double sum = 0;
     for (int i = 0; i < kSteps; ++i) {
       const double a = static_cast<double>(i) / kSteps, b = static_cast<double>(i + 1) / kSteps;
-      sum += along_u ? (position(b, other) - position(a, other)).norm() : (position(other, b) - position(other, a)).norm();
+      sum += along_u ? (position(b, other) - position(a, other)).norm()
+                     : (position(other, b) - position(other, a)).norm();
     }
     return sum;
   };
@@ -40,9 +41,11 @@ void add_patch(const std::function<Vector3d(double, double)>& position, double s
     const double middle = (row + 0.5) / rows;
     const int columns = std::max(1, static_cast<int>(std::lround(length(true, middle) / spacing_m)));
     for (int column = 0; column < columns; ++column) {
-      const double u = std::clamp((column + 0.5 + (row % 2 ? 0.25 : -0.25) + 0.2 * random.uniform(-1, 1)) / columns, 0.0, 1.0);
+      const double u = std::clamp(
+          (column + 0.5 + (row % 2 ? 0.25 : -0.25) + 0.2 * random.uniform(-1, 1)) / columns, 0.0, 1.0);
       const double v = std::clamp((row + 0.5 + 0.2 * random.uniform(-1, 1)) / rows, 0.0, 1.0);
-      const double u0 = std::max(0.0, u - d), u1 = std::min(1.0, u + d), v0 = std::max(0.0, v - d), v1 = std::min(1.0, v + d);
+      const double u0 = std::max(0.0, u - d), u1 = std::min(1.0, u + d), v0 = std::max(0.0, v - d),
+                   v1 = std::min(1.0, v + d);
       const Vector3d du = (position(u1, v) - position(u0, v)), dv = (position(u, v1) - position(u, v0));
       Vector3d normal = outward_by_u_cross_v ? du.cross(dv) : dv.cross(du);
       if (!(normal.norm() > 1e-14) || !(du.norm() > 1e-14)) continue;
@@ -68,7 +71,8 @@ Eigen::Vector2d polyline(const std::vector<Eigen::Vector2d>& corners, double t) 
   double at = t * total;
   for (size_t i = 1; i < corners.size(); ++i) {
     const double length = (corners[i] - corners[i - 1]).norm();
-    if (at <= length || i + 1 == corners.size()) return corners[i - 1] + (corners[i] - corners[i - 1]) * std::min(1.0, at / length);
+    if (at <= length || i + 1 == corners.size())
+      return corners[i - 1] + (corners[i] - corners[i - 1]) * std::min(1.0, at / length);
     at -= length;
   }
   return corners.back();
@@ -128,12 +132,12 @@ Vector3d Solid::colour_at(const SurfacePoint& point, uint64_t seed) const {
   return colour;
 }
 
-std::vector<SurfacePoint> rectangle_points(const Vector3d& corner_m, const Vector3d& along_m, const Vector3d& across_m,
-                                           double spacing_m, uint64_t seed) {
+std::vector<SurfacePoint> rectangle_points(const Vector3d& corner_m, const Vector3d& along_m,
+                                           const Vector3d& across_m, double spacing_m, uint64_t seed) {
   Random random(seed);
   std::vector<SurfacePoint> points;
-  add_patch([&](double u, double v) { return Vector3d(corner_m + u * along_m + v * across_m); }, spacing_m, random,
-            true, points);
+  add_patch([&](double u, double v) { return Vector3d(corner_m + u * along_m + v * across_m); }, spacing_m,
+            random, true, points);
   return points;
 }
 
@@ -144,14 +148,19 @@ std::vector<SurfacePoint> solid_points(const Solid& solid, double spacing_m, uin
   const double r = 0.5 * size.x(), h = size.y();
   const auto lathe = [&](const std::vector<Eigen::Vector2d>& corners) {
     for (size_t i = 1; i < corners.size(); ++i)
-      add_lathe([&](double t) { return polyline({corners[i - 1], corners[i]}, t); }, spacing_m, random, points);
+      add_lathe(
+          [&](double t) {
+            return polyline({corners[i - 1], corners[i]}, t);
+          },
+          spacing_m, random, points);
   };
   switch (solid.shape) {
     case SolidShape::Box: {
       const Vector3d low(-0.5 * size.x(), 0, -0.5 * size.z());
       const Vector3d x(size.x(), 0, 0), y(0, size.y(), 0), z(0, 0, size.z());
       const auto face = [&](const Vector3d& corner, const Vector3d& along, const Vector3d& across) {
-        add_patch([&](double u, double v) { return Vector3d(corner + u * along + v * across); }, spacing_m, random, true, points);
+        add_patch([&](double u, double v) { return Vector3d(corner + u * along + v * across); }, spacing_m,
+                  random, true, points);
       };
       face(low + y, z, x);
       face(low + z, x, y);
@@ -161,10 +170,12 @@ std::vector<SurfacePoint> solid_points(const Solid& solid, double spacing_m, uin
       break;
     }
     case SolidShape::Ball:
-      add_lathe([&](double t) {
-        const double angle = kPi * (t - 0.5);
-        return Eigen::Vector2d(r * std::cos(angle), r + r * std::sin(angle));
-      }, spacing_m, random, points);
+      add_lathe(
+          [&](double t) {
+            const double angle = kPi * (t - 0.5);
+            return Eigen::Vector2d(r * std::cos(angle), r + r * std::sin(angle));
+          },
+          spacing_m, random, points);
       break;
     case SolidShape::Cylinder:
       lathe({{r, 0}, {r, h}, {0.001, h}});
@@ -176,16 +187,21 @@ std::vector<SurfacePoint> solid_points(const Solid& solid, double spacing_m, uin
       const double inner = r - kMugWall * size.x();
       lathe({{r, 0}, {r, h}, {inner, h}, {inner, 0.08 * h}, {0.001, 0.08 * h}});
       const double thick = 0.06 * size.x();
-      add_patch([&](double u, double v) {
-        const double angle = kPi * (u - 0.5), around = 2 * kPi * v;
-        const double ring = 0.3 * h + thick * std::cos(around);
-        return Vector3d(r + 0.85 * ring * std::cos(angle), 0.5 * h + ring * std::sin(angle), thick * std::sin(around));
-      }, 0.8 * spacing_m, random, false, points);
+      add_patch(
+          [&](double u, double v) {
+            const double angle = kPi * (u - 0.5), around = 2 * kPi * v;
+            const double ring = 0.3 * h + thick * std::cos(around);
+            return Vector3d(r + 0.85 * ring * std::cos(angle), 0.5 * h + ring * std::sin(angle),
+                            thick * std::sin(around));
+          },
+          0.8 * spacing_m, random, false, points);
       break;
     }
   }
   const double c = std::cos(solid.yaw_rad), s = std::sin(solid.yaw_rad);
-  const auto turn = [&](const Vector3d& p) { return Vector3d(c * p.x() + s * p.z(), p.y(), -s * p.x() + c * p.z()); };
+  const auto turn = [&](const Vector3d& p) {
+    return Vector3d(c * p.x() + s * p.z(), p.y(), -s * p.x() + c * p.z());
+  };
   for (SurfacePoint& point : points) {
     point.position_m = turn(point.position_m) + solid.base_m;
     point.normal = turn(point.normal);

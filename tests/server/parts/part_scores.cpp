@@ -12,7 +12,8 @@
 
 namespace livegs {
 
-std::vector<uint16_t> label_picture(const GaussianAsset& asset, std::span<const uint16_t> label, const Camera& camera) {
+std::vector<uint16_t> label_picture(const GaussianAsset& asset, std::span<const uint16_t> label,
+                                    const Camera& camera) {
   const std::set<uint16_t> labels(label.begin(), label.end());
   std::vector<GaussianAsset> assets;
   std::vector<PosedKernels> posed;
@@ -55,8 +56,9 @@ std::vector<uint8_t> boundary(const std::vector<uint8_t>& mask, int width, int r
 
 }  // namespace
 
-PartScores score_parts(std::span<const std::vector<uint16_t>> truth, std::span<const std::vector<uint16_t>> found,
-                       int width, std::span<const uint16_t> ignored) {
+PartScores score_parts(std::span<const std::vector<uint16_t>> truth,
+                       std::span<const std::vector<uint16_t>> found, int width,
+                       std::span<const uint16_t> ignored) {
   std::map<std::pair<uint16_t, uint16_t>, size_t> overlap;
   std::map<uint16_t, size_t> truth_area, found_area;
   for (size_t v = 0; v < truth.size(); ++v)
@@ -74,7 +76,8 @@ PartScores score_parts(std::span<const std::vector<uint16_t>> truth, std::span<c
     for (const auto& [label, label_area] : found_area) {
       const auto at = overlap.find({thing, label});
       if (label == 0 || at == overlap.end()) continue;
-      const double iou = static_cast<double>(at->second) / static_cast<double>(area + label_area - at->second);
+      const double iou =
+          static_cast<double>(at->second) / static_cast<double>(area + label_area - at->second);
       if (iou > score.iou) score.iou = iou, score.label = label;
     }
     if (score.label) {
@@ -114,19 +117,21 @@ Image paint_labels(const Image& picture, std::span<const uint16_t> labels) {
     const float hue = 2.399963f * static_cast<float>(labels[i]);  // golden angle
     for (int c = 0; c < 3; ++c) {
       const float colour = 0.5f + 0.5f * std::cos(hue + 2.0944f * static_cast<float>(c));
-      painted.pixels[4 * i + static_cast<size_t>(c)] = 0.35f * painted.pixels[4 * i + static_cast<size_t>(c)] + 0.65f * colour;
+      painted.pixels[4 * i + static_cast<size_t>(c)] =
+          0.35f * painted.pixels[4 * i + static_cast<size_t>(c)] + 0.65f * colour;
     }
   }
   return painted;
 }
 
-std::vector<Camera> orbit(const Eigen::Vector3d& middle_m, const Eigen::Vector3d& up, double radius_m, size_t count,
-                          int width, double first_azimuth_rad, double sweep_rad) {
+std::vector<Camera> orbit(const Eigen::Vector3d& middle_m, const Eigen::Vector3d& up, double radius_m,
+                          size_t count, int width, double first_azimuth_rad, double sweep_rad) {
   const Eigen::Vector3d side = std::abs(up.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d u = (side - up * up.dot(side)).normalized(), v = up.cross(u);
   std::vector<Camera> cameras;
   for (size_t i = 0; i < count; ++i) {
-    const double azimuth = first_azimuth_rad + sweep_rad * static_cast<double>(i) / static_cast<double>(count);
+    const double azimuth =
+        first_azimuth_rad + sweep_rad * static_cast<double>(i) / static_cast<double>(count);
     const double elevation = i % 2 ? 0.35 : 0.75;
     const Eigen::Vector3d direction =
         std::cos(elevation) * (std::cos(azimuth) * u + std::sin(azimuth) * v) + std::sin(elevation) * up;
