@@ -12,7 +12,8 @@
 namespace livegs {
 namespace {
 
-constexpr int kMeasureTool = 4;     // of ScenePanel::kTools
+constexpr int kMeasureTool = 4;  // of ScenePanel::kTools
+constexpr int kTakeTool = ScenePanel::kTakeTool;
 constexpr int kGridHalf = 10;       // squares of a metre to each side
 constexpr double kFarFloor_m = 50;  // an object is not put farther away
 
@@ -94,6 +95,10 @@ void AuthorRun::perform(std::vector<EditorCall> calls) {
       calls_.carry_object(std::move(*carry));
     else if (auto* upload = std::get_if<UploadCall>(&call))
       calls_.upload_asset(std::move(upload->file), std::move(upload->edit));
+    else if (auto* take = std::get_if<v1::TakePartRequest>(&call))
+      calls_.take_part(std::move(*take));
+    else if (auto* back = std::get_if<v1::PutBackRequest>(&call))
+      calls_.put_back(back->object());
     else if (std::holds_alternative<ListAssetsCall>(call))
       calls_.list_assets();
     else
@@ -133,6 +138,7 @@ void AuthorRun::act(const WindowInput& input, const SceneActions& actions, const
     perform(editor_.drop_files(input.dropped, floor_at(window, input.mouse_px, view).value_or(floor_m)));
   drag(input, window);
   measure(input, window, view);
+  take_things(input, window);
   was_left_ = input.left;
 }
 
@@ -153,6 +159,28 @@ void AuthorRun::measure(const WindowInput& input, const Camera& window, const Sc
   if (!at) return;
   if (measured_m_.size() == 2) measured_m_.clear();
   measured_m_.push_back(*at);
+}
+
+void AuthorRun::take_things(const WindowInput& input, const Camera& window) {
+  if (editor_.tool() != kTakeTool || !editor_.has_room() || input.over_panel) {
+    hovered_m_.setEmpty();
+    asked_.reset();
+    return;
+  }
+  const Pose ray = ray_through(window, input.mouse_px);
+  if (input.left && !was_left_) {
+    perform({editor_.take_thing(ray, false)});
+    hovered_m_.setEmpty();
+    asked_.reset();
+    return;
+  }
+  const bool same = asked_ && asked_->first == input.mouse_px &&
+                    asked_->second.position_m == window.world_from_camera.position_m &&
+                    asked_->second.orientation.coeffs() == window.world_from_camera.orientation.coeffs();
+  if (same || asking_ || input.left) return;
+  asked_ = {input.mouse_px, window.world_from_camera};
+  asking_ = true;
+  perform({editor_.take_thing(ray, true)});
 }
 
 void AuthorRun::frame(const SceneView& view, OrbitCamera& camera) const {
@@ -176,7 +204,14 @@ std::optional<Eigen::Vector3d> AuthorRun::floor_at(const Camera& window, const E
 
 void AuthorRun::take(const ControlCalls::Answer& answer) {
   using Kind = ControlCalls::Answer::Kind;
-  if (answer.refused) {
+  if (answer.kind == Kind::Preview) {
+    asking_ = false;
+    hovered_m_.setEmpty();
+    if (!answer.preview || !asked_) return;
+    for (const auto* corner : {&answer.preview->min_m(), &answer.preview->max_m()}) {
+      if (corner->size() == 3) hovered_m_.extend(Eigen::Vector3d((*corner)[0], (*corner)[1], (*corner)[2]));
+    }
+  } else if (answer.refused) {
     // A client that may not edit, or a server without editing, shows no panel and needs no message.
     if (answer.kind != Kind::Scene) editor_.take_refusal(answer.refused->message);
   } else if (answer.edited) {
@@ -205,6 +240,7 @@ void AuthorRun::draw(const Camera& window, const SceneView& view, WindowOverlay&
   for (const std::string& name : editor_.selected()) {
     if (const auto id = ids_.find(name); id != ids_.end()) add_box(window, view.bounds(id->second), lines);
   }
+  add_box(window, hovered_m_, lines);
   if (const auto at = editor_.pivot_m(objects_)) {
     const auto under =
         editor_.dragging() ? std::nullopt : Gizmo::handle_at(editor_.gizmo_tool(), window, *at, mouse_px_);

@@ -45,6 +45,7 @@ class AuthorRun {
   void perform(std::vector<EditorCall> calls);
   void drag(const WindowInput& input, const Camera& window);
   void measure(const WindowInput& input, const Camera& window, const SceneView& view);
+  void take_things(const WindowInput& input, const Camera& window);
   void frame(const SceneView& view, OrbitCamera& camera) const;
   // Where the ray through a pixel meets what is drawn, else the floor.
   std::optional<Eigen::Vector3d> floor_at(const Camera& window, const Eigen::Vector2d& pixel,
@@ -57,6 +58,10 @@ class AuthorRun {
   bool was_left_ = false;
   Eigen::Vector2d mouse_px_{0, 0};
   std::vector<Eigen::Vector3d> measured_m_;  // up to two points
+  // With the Take tool: the thing under the mouse, and the mouse and camera that were asked for it.
+  Eigen::AlignedBox3d hovered_m_;
+  std::optional<std::pair<Eigen::Vector2d, Pose>> asked_;
+  bool asking_ = false;
 };
 
 }  // namespace livegs

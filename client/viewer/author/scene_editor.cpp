@@ -62,6 +62,7 @@ ScenePanel SceneEditor::shown(const Objects& objects) const {
   panel.progress = progress_;
   panel.suggested_file = document_.file().empty() ? "room.scene.json" : document_.file();
   panel.tool = tool_;
+  panel.room = has_room();
   panel.snap = snap_;
   panel.grid = grid_;
   for (const v1::Object& object : document_.scene().objects()) {
@@ -90,6 +91,7 @@ ScenePanel SceneEditor::shown(const Objects& objects) const {
           ? "unknown: say what it is"
           : format_text("%s? (%.0f %%)", running.estimated_label.c_str(), 100 * running.confidence);
   fields.group = object->group();
+  fields.taken = object->part() > 0;
   fields.material = object->material();
   const auto behavior = std::find(kBehaviors.begin(), kBehaviors.end(), object->physics().behavior());
   fields.behavior = static_cast<int>(behavior - kBehaviors.begin()) % 4;
@@ -219,6 +221,12 @@ std::vector<EditorCall> SceneEditor::act(const SceneActions& actions, const Obje
       gone.set_remove(true);
     }
     edit(std::move(request), "deleting");
+  }
+  if (actions.put_back && selected_.size() == 1) {
+    begin_edit("putting back");
+    v1::PutBackRequest request;
+    request.set_object(*selected_.begin());
+    calls.emplace_back(std::move(request));
   }
   if (actions.drop) {
     v1::EditSceneRequest request;
@@ -431,6 +439,19 @@ void SceneEditor::take(const v1::EditSceneReply& reply) {
   // What was added, renamed or edited is what the user goes on with.
   std::set<std::string> edited(reply.objects().begin(), reply.objects().end());
   selected_ = std::move(edited);
+}
+
+EditorCall SceneEditor::take_thing(const Pose& ray, bool preview) {
+  v1::TakePartRequest request;
+  v1::PickRay& pick = *request.add_rays();
+  const Eigen::Vector3d towards = ray.orientation * -Eigen::Vector3d::UnitZ();
+  for (int axis = 0; axis < 3; ++axis) {
+    pick.add_from_m(ray.position_m[axis]);
+    pick.add_towards(towards[axis]);
+  }
+  request.set_preview(preview);
+  if (!preview) begin_edit("taking a thing");
+  return request;
 }
 
 void SceneEditor::take_saved(const std::string& file) {

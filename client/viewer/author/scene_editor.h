@@ -25,8 +25,9 @@ struct UploadCall {
   std::filesystem::path file;
   v1::ObjectEdit edit;  // that adds its object
 };
-using EditorCall = std::variant<v1::EditSceneRequest, UndoEditCall, v1::SaveSceneRequest,
-                                v1::CarryObjectRequest, ListAssetsCall, GetSceneCall, UploadCall>;
+using EditorCall =
+    std::variant<v1::EditSceneRequest, UndoEditCall, v1::SaveSceneRequest, v1::CarryObjectRequest,
+                 ListAssetsCall, GetSceneCall, UploadCall, v1::TakePartRequest, v1::PutBackRequest>;
 
 // An object of the running scene, as the editor needs it.
 struct EditedObject {
@@ -64,6 +65,10 @@ class SceneEditor {
   std::vector<EditorCall> drag(const Camera& camera, const Eigen::Vector2d& mouse_px, bool ctrl);
   std::vector<EditorCall> release(const Camera& camera, const Eigen::Vector2d& mouse_px, bool ctrl);
   const Gizmo& gizmo() const { return gizmo_; }
+
+  // The thing of the captured room under a ray: what it is for a preview, else it is taken.
+  EditorCall take_thing(const Pose& ray, bool preview);
+  bool has_room() const { return !document_.scene().environment().asset().empty(); }
 
   // Selects an object and those of its group; none for an empty name.
   void select(const std::string& name, bool extends);

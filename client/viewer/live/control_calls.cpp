@@ -160,6 +160,33 @@ void ControlCalls::carry_object(v1::CarryObjectRequest request) {
   });
 }
 
+void ControlCalls::take_part(v1::TakePartRequest request) {
+  edits_.post([this, request = std::move(request)] {
+    Answer result = answer_of(request.preview() ? Answer::Kind::Preview : Answer::Kind::Edit);
+    auto reply = control_.take_part(request);
+    if (!reply) {
+      result.refused = reply.error();
+    } else if (request.preview()) {
+      result.preview = *std::move(reply);
+    } else {
+      result.edited.emplace();
+      result.edited->add_objects(reply->object());
+      *result.edited->mutable_warnings() = reply->warnings();
+      result.edited->set_revision(reply->revision());
+    }
+    answer(std::move(result));
+  });
+}
+
+void ControlCalls::put_back(std::string object) {
+  edits_.post([this, object = std::move(object)] {
+    Answer result = answer_of(Answer::Kind::Edit);
+    auto reply = control_.put_back(object);
+    reply ? void(result.edited = *std::move(reply)) : void(result.refused = reply.error());
+    answer(std::move(result));
+  });
+}
+
 void ControlCalls::get_scene() {
   quick_.post([this] {
     Answer result = answer_of(Answer::Kind::Scene);

@@ -35,6 +35,8 @@ class ControlCalls {
   void edit_scene(v1::EditSceneRequest request);
   void undo_edit(bool redo);
   void carry_object(v1::CarryObjectRequest request);  // dropped while an earlier one waits
+  void take_part(v1::TakePartRequest request);
+  void put_back(std::string object);
   void get_scene();
   void save_scene(v1::SaveSceneRequest request);
   void list_assets();
@@ -43,12 +45,13 @@ class ControlCalls {
 
   // At most one of the optional values is set; none for an accepted call without a result.
   struct Answer {
-    enum class Kind { Physics, Analysis, Run, Force, Edit, Scene, Save, Assets };
+    enum class Kind { Physics, Analysis, Run, Force, Edit, Scene, Save, Assets, Preview };
     Kind kind = Kind::Physics;
     std::string object;  // for Physics and Force
     std::optional<v1::PhysicsReply> physics;
     std::optional<v1::AnalysisProgress> progress;
     std::optional<v1::EditSceneReply> edited;
+    std::optional<v1::TakePartReply> preview;
     std::optional<v1::SceneDocument> scene;
     std::optional<v1::ListAssetsReply> assets;
     std::string saved;  // name of the scene file

@@ -395,6 +395,7 @@ Result<void> WindowRun::take_answers() {
       case ControlCalls::Answer::Kind::Scene:
       case ControlCalls::Answer::Kind::Save:
       case ControlCalls::Answer::Kind::Assets:
+      case ControlCalls::Answer::Kind::Preview:
         author_.take(answer);
         break;
       case ControlCalls::Answer::Kind::Force:

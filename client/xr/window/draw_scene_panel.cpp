@@ -154,7 +154,7 @@ void ScenePanelDrawer::draw_objects(const ScenePanel& panel, SceneActions& actio
   ImGui::SameLine();
   actions.frame = button("Frame");
   tip("Show the selection, or everything (F)");
-  for (size_t i = 0; i < panel.kTools.size(); ++i) {
+  for (size_t i = 0; i < panel.kTakeTool; ++i) {
     if (i % 3 != 0) ImGui::SameLine();  // rows of fixed length: a scroll bar must not change the layout
     if (ImGui::RadioButton(panel.kTools[i], panel.tool == static_cast<int>(i)))
       actions.tool = static_cast<int>(i);
@@ -167,6 +167,10 @@ void ScenePanelDrawer::draw_objects(const ScenePanel& panel, SceneActions& actio
   ImGui::SameLine();
   if (ImGui::Checkbox("Grid", &grid)) actions.grid = grid;
   tip("A metre a square, on the floor");
+  if (!panel.room) return;
+  constexpr int kTake = static_cast<int>(ScenePanel::kTakeTool);
+  if (ImGui::RadioButton(panel.kTools[kTake], panel.tool == kTake)) actions.tool = kTake;
+  tip("Point at a thing in the captured room; a click takes it out (key 6)");
 }
 
 void ScenePanelDrawer::draw_fields(const ScenePanel& panel, SceneActions& actions) {
@@ -206,6 +210,9 @@ void ScenePanelDrawer::draw_fields(const ScenePanel& panel, SceneActions& action
   field_name("Group");
   actions.group = text_field("##group", fields.group);
   tip("Objects of one group are selected together");
+  if (!fields.taken) return;
+  actions.put_back = button("Put back");
+  tip("Back into the captured room, as it was");
 }
 
 void ScenePanelDrawer::draw_view(const ScenePanel& panel, SceneActions& actions) {

@@ -265,7 +265,7 @@ void GlfwWindowDisplay::take_input() {
     } else {
       taken.remove = events_.presses(GLFW_KEY_DELETE);
       taken.frame = events_.presses(GLFW_KEY_F) > 0;
-      for (int tool = 0; tool < 5; ++tool) {
+      for (int tool = 0; tool < 6; ++tool) {
         if (events_.presses(GLFW_KEY_1 + tool) > 0) taken.tool = tool;
       }
     }

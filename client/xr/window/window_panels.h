@@ -81,7 +81,8 @@ struct ScenePanel {
     bool selected = false, hidden = false, locked = false;
   };
   std::vector<Entry> entries;
-  int tool = 0;  // of kTools
+  int tool = 0;       // of kTools
+  bool room = false;  // there is a captured room to take things from
   bool snap = false, grid = false;
   // Of the selected object, if it is only one.
   struct Fields {
@@ -89,13 +90,16 @@ struct ScenePanel {
     int behavior = 0;                                  // of kBehaviors
     double longest_side_m = 0;                         // 0: cannot be edited
     std::array<double, 3> position_m{}, angles_deg{};  // angles: yaw, pitch, roll
+    bool taken = false;                                // from the captured room
   };
   std::optional<Fields> fields;
   size_t selected = 0;  // number of objects
   std::vector<std::string> labels, materials, assets, bookmarks;
   std::optional<std::array<float, 3>> background;
 
-  static constexpr std::array<const char*, 5> kTools{"Pull", "Move", "Turn", "Scale", "Measure"};
+  static constexpr std::array<const char*, 6> kTools{"Pull",  "Move",    "Turn",
+                                                     "Scale", "Measure", "Take a thing"};
+  static constexpr size_t kTakeTool = 5;
   static constexpr std::array<const char*, 4> kBehaviors{"as estimated", "static", "rigid", "elastic"};
 };
 
@@ -123,7 +127,7 @@ struct SceneActions {
   std::optional<std::string> save_as;
   bool replace = false;  // of save_as
   std::optional<size_t> add;
-  bool duplicate = false, remove = false, drop = false, frame = false;
+  bool duplicate = false, remove = false, drop = false, frame = false, put_back = false;
   std::optional<int> tool, behavior;
   std::optional<bool> snap, grid;
   std::optional<std::string> name, label, group, material;

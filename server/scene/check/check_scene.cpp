@@ -12,7 +12,7 @@
 namespace livegs {
 namespace {
 
-constexpr uint32_t kMaxLabel = 0x7fff;  // of a thing of the room (environment/labelled_room.h)
+constexpr uint32_t kMaxLabel = 0x3fff;  // of a thing of the room (environment/labelled_room.h)
 
 Error missing_field(const std::string& field, const std::string& remedy) {
   return invalid_argument(field + ": " + remedy);
@@ -159,7 +159,7 @@ Result<void> check_scene(const v1::Scene& scene) {
   for (const uint32_t label : environment.taken()) {
     if (label < 1 || label > kMaxLabel)
       return invalid_argument("environment.taken: " + std::to_string(label) +
-                              " is no label; give 1 to 32767");
+                              " is no label; give 1 to 16383");
   }
   for (int i = 0; i < environment.colliders_size(); ++i) {
     LIVEGS_CHECK(

@@ -16,38 +16,49 @@ namespace fs = std::filesystem;
 constexpr char kMagic[] = "LGSLAB1\n";
 constexpr size_t kHeaderBytes = 16;
 
+GaussianAsset selected(const GaussianAsset& from, std::span<const uint32_t> kernels) {
+  GaussianAsset part;
+  part.sh_degree = from.sh_degree;
+  part.antialiased = from.antialiased;
+  part.resize(kernels.size());
+  const auto stride = static_cast<std::ptrdiff_t>(from.sh_rest_count());
+  for (size_t k = 0; k < kernels.size(); ++k) {
+    const uint32_t i = kernels[k];
+    part.positions[k] = from.positions[i];
+    part.rotations[k] = from.rotations[i];
+    part.log_scales[k] = from.log_scales[i];
+    part.opacity_logits[k] = from.opacity_logits[i];
+    part.sh_dc[k] = from.sh_dc[i];
+    std::copy_n(from.sh_rest.begin() + static_cast<std::ptrdiff_t>(i) * stride, stride,
+                part.sh_rest.begin() + static_cast<std::ptrdiff_t>(k) * stride);
+  }
+  return part;
+}
+
 fs::path kernels_of(fs::path labels) { return labels.replace_extension(".ply"); }
 
 }  // namespace
 
 GaussianAsset room_without(const LabelledRoom& room, std::span<const uint32_t> taken,
                            std::vector<uint32_t>* kept) {
-  const auto is_taken = [&](uint16_t label) { return std::find(taken.begin(), taken.end(), label) != taken.end(); };
   std::vector<uint32_t> stays;
   for (uint32_t i = 0; i < room.label.size(); ++i) {
-    const auto thing = static_cast<uint16_t>(room.label[i] & ~kFillBit);
-    const bool fill = (room.label[i] & kFillBit) != 0;
-    if (thing == 0 || is_taken(thing) == fill) stays.push_back(i);
+    const auto thing = static_cast<uint16_t>(room.label[i] & kThingMask);
+    const KernelKind kind = kind_of(room.label[i]);
+    const bool gone = thing != 0 && std::find(taken.begin(), taken.end(), thing) != taken.end();
+    if (kind == KernelKind::Fill ? gone : kind != KernelKind::Underside && !gone) stays.push_back(i);
   }
-  const GaussianAsset& from = room.asset;
-  GaussianAsset rest;
-  rest.sh_degree = from.sh_degree;
-  rest.antialiased = from.antialiased;
-  rest.resize(stays.size());
-  const size_t stride = from.sh_rest_count();
-  rest.sh_rest.resize(stays.size() * stride);
-  for (size_t k = 0; k < stays.size(); ++k) {
-    const uint32_t i = stays[k];
-    rest.positions[k] = from.positions[i];
-    rest.rotations[k] = from.rotations[i];
-    rest.log_scales[k] = from.log_scales[i];
-    rest.opacity_logits[k] = from.opacity_logits[i];
-    rest.sh_dc[k] = from.sh_dc[i];
-    std::copy_n(from.sh_rest.begin() + static_cast<std::ptrdiff_t>(i * stride), stride,
-                rest.sh_rest.begin() + static_cast<std::ptrdiff_t>(k * stride));
-  }
+  GaussianAsset rest = selected(room.asset, stays);
   if (kept) *kept = std::move(stays);
   return rest;
+}
+
+GaussianAsset thing_alone(const LabelledRoom& room, uint16_t thing) {
+  std::vector<uint32_t> own;
+  for (uint32_t i = 0; i < room.label.size(); ++i) {
+    if (room.label[i] == thing || room.label[i] == label_of(KernelKind::Underside, thing)) own.push_back(i);
+  }
+  return selected(room.asset, own);
 }
 
 Result<void> write_labelled_room(const fs::path& labels, const LabelledRoom& room) {
@@ -68,7 +79,8 @@ Result<LabelledRoom> read_labelled_room(const fs::path& labels) {
   if (bytes->size() >= kHeaderBytes) std::memcpy(&count, bytes->data() + 8, 8);
   if (bytes->size() < kHeaderBytes || std::memcmp(bytes->data(), kMagic, 8) != 0 ||
       count != (bytes->size() - kHeaderBytes) / 2 || bytes->size() % 2 != 0)
-    return invalid_data(name + ": is no file of labels, or is cut off; restore it, or remove \"labels\" and \"taken\"");
+    return invalid_data(
+        name + ": is no file of labels, or is cut off; restore it, or remove \"labels\" and \"taken\"");
   auto kernels = read_asset(kernels_of(labels));
   if (!kernels) return kernels.error();
   if (kernels->asset.size() != count)

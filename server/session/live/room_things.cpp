@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/live/room_things.h"
 
+#include <google/protobuf/util/message_differencer.h>
 #include <pthread.h>
 
 #include <algorithm>
@@ -9,9 +10,11 @@
 
 #include "core/content_hash.h"
 #include "core/log.h"
+#include "core/parallel_for.h"
 #include "gaussian/asset_file.h"
 #include "parts/label/choose_kernels.h"
 #include "parts/room_parts.h"
+#include "parts/separate/fill_behind.h"
 #include "parts/separate/split_straddling.h"
 #include "parts/views/room_view.h"
 #include "scene/values/scene_values.h"
@@ -70,6 +73,45 @@ void set_numbers(Numbers& numbers, const Vector3d& value) {
   for (const double number : value) numbers.Add(number);
 }
 
+void set_pose(v1::PlacedAt& pose, const Vector3d& position_m, const Eigen::Quaterniond& orientation) {
+  set_numbers(*pose.mutable_position_m(), position_m);
+  const Eigen::Quaterniond q = orientation.normalized();
+  pose.clear_orientation();
+  for (const double number : {q.w(), q.x(), q.y(), q.z()}) pose.add_orientation(number);
+}
+
+void remove_collider(const v1::Collider& collider, v1::Environment& environment) {
+  auto& all = *environment.mutable_colliders();
+  for (int i = 0; i < all.size(); ++i) {
+    if (!google::protobuf::util::MessageDifferencer::Equals(all[i], collider)) continue;
+    all.DeleteSubrange(i, 1);
+    return;
+  }
+}
+
+// The labels of a search, with what is drawn in place of each thing and below it.
+LabelledRoom labelled(SplitRoom split, const RoomParts& parts, const std::stop_token& stop) {
+  std::vector<BehindThing> behind(parts.parts.size());
+  parallel_for(behind.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end && !stop.stop_requested(); ++i) behind[i] = fill_behind(split, parts, i);
+  });
+  LabelledRoom room{std::move(split.asset), std::move(split.label)};
+  for (size_t i = 0; i < behind.size(); ++i) {
+    const uint16_t thing = parts.parts[i].label;
+    for (const uint32_t kernel : behind[i].hidden) {
+      if (room.label[kernel] == 0) room.label[kernel] = label_of(KernelKind::Covered, thing);
+    }
+    for (const auto& [kernels, kind] :
+         {std::pair(&behind[i].fill, KernelKind::Fill), {&behind[i].underside, KernelKind::Underside}}) {
+      for (size_t k = 0; k < kernels->size(); ++k) {
+        append_kernel(room.asset, *kernels, k);
+        room.label.push_back(label_of(kind, thing));
+      }
+    }
+  }
+  return room;
+}
+
 }  // namespace
 
 RoomThings::~RoomThings() {
@@ -81,7 +123,7 @@ RoomThings::Room RoomThings::room_of(LabelledRoom labelled, std::string labels_f
   Room room;
   for (size_t i = 0; i < labelled.label.size(); ++i) {
     const uint16_t label = labelled.label[i];
-    if (label == 0 || (label & kFillBit) != 0) continue;
+    if (label == 0 || kind_of(label) != KernelKind::Own) continue;
     Known& thing = room.things[label];
     thing.bounds.extend(labelled.asset.positions[i].cast<double>());
     ++thing.kernels;
@@ -119,8 +161,10 @@ void RoomThings::search(std::stop_token stop, const v1::Environment& environment
   auto found = find_parts(file->asset, options);
   if (stop.stop_requested()) return;
   if (!found) return end(v1::RoomParts::FAILED, found.error().message);
-  SplitRoom split = split_straddling(file->asset, *found);
-  auto room = std::make_shared<Room>(room_of({std::move(split.asset), std::move(split.label)}, ""));
+  auto room =
+      std::make_shared<Room>(room_of(labelled(split_straddling(file->asset, *found), *found, stop), ""));
+  if (stop.stop_requested()) return;
+  room->solids = room_solids(*found, options.up);
   log_info("room: %zu things found that can be taken", room->things.size());
   if (room->things.empty())
     return end(v1::RoomParts::FAILED, "no thing was found that stands apart; nothing can be taken");
@@ -135,9 +179,9 @@ v1::RoomParts RoomThings::describe(const v1::Environment& environment) {
   }
   std::unique_lock lock(mutex_);
   // Labels that this object wrote are those that it has.
-  const bool known = asset_ == environment.asset() &&
-                     (labels_ == environment.labels() || environment.labels().empty() ||
-                      (room_ && room_->labels_file == environment.labels()));
+  const bool known =
+      asset_ == environment.asset() && (labels_ == environment.labels() || environment.labels().empty() ||
+                                        (room_ && room_->labels_file == environment.labels()));
   if (!known && state_ != v1::RoomParts::PREPARING) {
     asset_ = environment.asset();
     labels_ = environment.labels();
@@ -203,13 +247,14 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
     if (!towards) return towards.error();
     if (!(towards->norm() > 0.0)) return invalid_argument("rays.towards: is zero; give a direction");
     const Vector3d start = at.asset(*from), direction = at.asset_direction(*towards).normalized();
-    const Camera camera = look_at(start, start + direction, direction.unitOrthogonal(), kPickFov_rad,
-                                  kPickWidth, kPickWidth);
+    const Camera camera =
+        look_at(start, start + direction, direction.unitOrthogonal(), kPickFov_rad, kPickWidth, kPickWidth);
     rasteriser.draw({&seen.asset, &seen.posed, 0}, camera, view);
     const uint32_t kernel = view.kernel[kPickWidth * kPickWidth / 2];
     const uint16_t label = kernel == kNoKernel ? 0 : room->labelled.label[seen.kept[kernel]];
-    if (label == 0 || (label & kFillBit) != 0) {
-      if (!ray.away() && labels.empty()) return not_found("rays: meet no thing that can be taken; aim at one");
+    if (label == 0 || kind_of(label) != KernelKind::Own) {
+      if (!ray.away() && labels.empty())
+        return not_found("rays: meet no thing that can be taken; aim at one");
       continue;
     }
     if (ray.away())
@@ -236,9 +281,9 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
   if (thing.labels.size() > 1 || room->labels_file.empty()) {
     LabelledRoom joined = room->labelled;
     for (uint16_t& one : joined.label) {
-      const auto own = static_cast<uint16_t>(one & ~kFillBit);
+      const auto own = static_cast<uint16_t>(one & kThingMask);
       if (std::find(thing.labels.begin(), thing.labels.end(), own) != thing.labels.end())
-        one = static_cast<uint16_t>(label | (one & kFillBit));
+        one = label_of(kind_of(one), label);
     }
     // Equal labels are one file; other files that name it stay valid.
     const std::string hash = content_hash(std::as_bytes(std::span(joined.label))).substr(0, 8);
@@ -247,11 +292,13 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
     if (auto written = write_labelled_room(folder_ / name, joined); !written) return written.error();
     auto read = read_labelled_room(folder_ / name);  // with the bits that later runs see
     if (!read) return read.error();
-    room = std::make_shared<Room>(room_of(std::move(*read), name));
+    auto written_room = std::make_shared<Room>(room_of(std::move(*read), name));
+    written_room->solids = room->solids;
+    room = std::move(written_room);
     std::lock_guard lock(mutex_);
     room_ = room;
   }
-  GaussianAsset asset = kernels_with(room->labelled.asset, room->labelled.label, label);
+  GaussianAsset asset = thing_alone(room->labelled, label);
   if (asset.size() == 0) return not_found("room: the thing has no kernels; take another");
   const Placed at = placed(environment);
   // The object's frame is at the middle of the thing's bottom.
@@ -270,7 +317,9 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
 
   Taken taken{environment, {}};
   taken.environment.set_labels(room->labels_file);
+  collide(*room, taken.environment);
   taken.environment.add_taken(label);
+  remove_collider(box_around(room->things.at(label), environment), taken.environment);
   v1::Object& object = taken.object;
   object.set_asset(file);
   object.set_scale(at.scale);
@@ -282,9 +331,48 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
   return taken;
 }
 
-v1::Environment RoomThings::put_back(uint32_t label, v1::Environment environment) {
+v1::Collider RoomThings::box_around(const Known& thing, const v1::Environment& environment) {
+  const Placed at = placed(environment);
+  v1::Collider collider;
+  set_numbers(*collider.mutable_box()->mutable_size_m(), at.scale * thing.bounds.sizes());
+  set_pose(*collider.mutable_pose(), at.world(thing.bounds.center()),
+           at.world_from_object.orientation * at.rotation);
+  return collider;
+}
+
+void RoomThings::collide(const Room& room, v1::Environment& environment) {
+  const bool own = environment.colliders_size() > 0 && !environment.collide();
+  if (own || room.solids.empty()) return;
+  environment.clear_collide();
+  const Placed at = placed(environment);
+  const Eigen::Quaterniond world_from_asset = at.world_from_object.orientation * at.rotation;
+  for (const RoomSolid& solid : room.solids) {
+    v1::Collider& collider = *environment.add_colliders();
+    if (solid.size_m) {
+      set_numbers(*collider.mutable_box()->mutable_size_m(), at.scale * *solid.size_m);
+      set_pose(*collider.mutable_pose(), at.world(solid.point_m),
+               world_from_asset * Eigen::Quaterniond(solid.axes));
+    } else {
+      set_numbers(*collider.mutable_plane()->mutable_point_m(), at.world(solid.point_m));
+      set_numbers(*collider.mutable_plane()->mutable_normal(), world_from_asset * solid.normal);
+    }
+  }
+  for (const auto& [label, thing] : room.things) {
+    if (std::count(environment.taken().begin(), environment.taken().end(), label) == 0)
+      *environment.add_colliders() = box_around(thing, environment);
+  }
+}
+
+Result<v1::Environment> RoomThings::put_back(uint32_t label, v1::Environment environment) {
+  (void)describe(environment);
+  const auto room = room_for(environment);
+  if (!room) return Error{ErrorCode::Unavailable, "room: its things are not found yet; try again later"};
   auto& taken = *environment.mutable_taken();
   taken.erase(std::remove(taken.begin(), taken.end(), label), taken.end());
+  const auto thing = room->things.find(static_cast<uint16_t>(label));
+  if (thing == room->things.end())
+    return not_found("room: the thing is not in its labels; undo the step instead");
+  *environment.add_colliders() = box_around(thing->second, environment);
   return environment;
 }
 

@@ -15,6 +15,7 @@
 #include "gaussian/posed_kernels.h"
 #include "livegs/v1/author.pb.h"
 #include "livegs/v1/scene.pb.h"
+#include "parts/room_solids.h"
 #include "scene/environment/labelled_room.h"
 
 namespace livegs {
@@ -43,8 +44,8 @@ class RoomThings {
   };
   // Writes the labels and the thing's asset into the scene's folder. The thread of edits only.
   Result<Taken> take(const Thing& thing, const v1::Environment& environment);
-  // The environment with the thing back in it.
-  static v1::Environment put_back(uint32_t label, v1::Environment environment);
+  // The environment with the thing back in it. Unavailable while the room is prepared.
+  Result<v1::Environment> put_back(uint32_t label, v1::Environment environment);
 
   static constexpr int kMaxRays = 32;
 
@@ -56,7 +57,8 @@ class RoomThings {
   struct Room {
     LabelledRoom labelled;
     std::map<uint16_t, Known> things;
-    std::string labels_file;  // in the folder; empty: not written yet
+    std::vector<RoomSolid> solids;  // empty if the labels were read
+    std::string labels_file;        // in the folder; empty: not written yet
   };
   void search(std::stop_token stop, const v1::Environment& environment);
   std::shared_ptr<const Room> room_for(const v1::Environment& environment) const;
@@ -68,16 +70,20 @@ class RoomThings {
     GaussianAsset asset;
     PosedKernels posed;
   };
+  // Colliders of a room from which things are taken: its planes, and a box around each thing that is in it.
+  // The field of the whole room, Environment.collide, is too coarse to stand on and has the things in it.
+  static void collide(const Room& room, v1::Environment& environment);
+  static v1::Collider box_around(const Known& thing, const v1::Environment& environment);
   const Shown& shown(std::shared_ptr<const Room> room, const v1::Environment& environment);
 
   const std::filesystem::path folder_;
-  mutable std::mutex mutex_;  // guards the rest but the thread
+  mutable std::mutex mutex_;    // guards the rest but the thread
   std::string asset_, labels_;  // of the search
   v1::RoomParts::State state_ = v1::RoomParts::NONE;
   double progress_ = 0;
   std::string reason_;
   std::shared_ptr<const Room> room_;
-  Shown shown_;  // not guarded: the thread of edits
+  Shown shown_;          // not guarded: the thread of edits
   std::jthread thread_;  // last: uses all members above
 };
 

@@ -406,7 +406,9 @@ Result<v1::EditSceneReply> SceneAuthor::returned(const std::string& object) {
   auto step = document_.prepare(
       gone, [this](const v1::Object& one) { return measure(one); }, names);
   if (!step) return step.error();
-  *step->after.mutable_environment() = RoomThings::put_back(part, step->after.environment());
+  auto environment = things_.put_back(part, step->after.environment());
+  if (!environment) return environment.error();
+  *step->after.mutable_environment() = *std::move(environment);
   step->title = "put back " + shown_text(object, 60);
   auto warnings = done(std::move(*step));
   if (!warnings) return warnings.error();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Things of a captured room that are taken out of it, put back, and kept over a crash, through the server's calls.
+// Things of a captured room that are taken out of it, put back, and kept over a crash, through the server's
+// calls.
 #include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -118,8 +119,8 @@ TEST_F(RoomTaking, AThingIsTakenPutBackAndKept) {
 
   // It stands where it was: awake, in the room without it, it moves less than 5 mm and comes to rest.
   ASSERT_TRUE(author_->save_scene({}));
-  Program simulated({LIVEGS_TOOL, "simulate", folder_ / "desk.scene.json", "--seconds", "2", "--no-sleep", "-o",
-                     folder_ / "out"});
+  Program simulated({LIVEGS_TOOL, "simulate", folder_ / "desk.scene.json", "--seconds", "2", "--no-sleep",
+                     "-o", folder_ / "out"});
   ASSERT_EQ(simulated.wait(), 0) << simulated.err();
   const std::vector<Eigen::Vector3d> path = positions(folder_ / "out/bodies.csv");
   ASSERT_GT(path.size(), 100u);

@@ -149,5 +149,25 @@ TEST_F(Edits, TheCacheGivesTheSameBits) {
   }
 }
 
+// A box falls onto the floor that replaces the first one.
+TEST_F(Edits, AnotherEnvironmentIsTakenWhileTheSceneRuns) {
+  Scene scene = this->scene();
+  run(scene, 1);
+  const double before = place(scene, "box").y();
+  v1::Environment lower = scene.file().environment();
+  ASSERT_EQ(lower.colliders_size(), 1);
+  for (const double coordinate : {0.0, -0.5, 0.0})
+    lower.mutable_colliders(0)->mutable_plane()->add_point_m(coordinate);
+  ASSERT_TRUE(scene.replace_environment(lower));
+  run(scene, 2);
+  EXPECT_NEAR(place(scene, "box").y(), before - 0.5, 5e-3);
+  const Scene::Changes changes = scene.take_changes();
+  EXPECT_EQ(changes.removed.size(), 1u) << "the drawn floor";
+  v1::Environment bad = lower;
+  bad.set_asset("none.ply");
+  EXPECT_FALSE(scene.replace_environment(bad));
+  EXPECT_EQ(scene.file().environment().asset(), "");
+}
+
 }  // namespace
 }  // namespace livegs
