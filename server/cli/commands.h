@@ -14,6 +14,7 @@ namespace livegs {
 void add_info(CLI::App& app, int& exit_code);
 void add_convert(CLI::App& app, int& exit_code);
 void add_sample(CLI::App& app, int& exit_code);
+void add_train(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_segment(CLI::App& app, int& exit_code);
 void add_mesh(CLI::App& app, int& exit_code);
