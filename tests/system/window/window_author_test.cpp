@@ -4,7 +4,12 @@
 #include <google/protobuf/util/message_differencer.h>
 
 #include <future>
+#include <thread>
 
+#include "core/clock.h"
+#include "gaussian/asset_file.h"
+#include "patience.h"
+#include "sample/made_room.h"
 #include "system/support/author_server.h"
 #include "system/window/window_session.h"
 #include "viewer/author/gizmo.h"
@@ -332,6 +337,50 @@ TEST_F(WindowAuthor, TwoWindowsEditOneScene) {
   EXPECT_EQ(other.wait(), 0) << other.err();
   EXPECT_EQ(server_->scene().objects_size(), 2);
   expect_the_same_again();
+}
+
+// A thing of a captured room is outlined under the mouse, taken by a click, and put back by undo.
+TEST_F(WindowAuthor, TakesAThingOutOfARoom) {
+  const MadeRoom room = make_room(RoomKind::Apart);
+  server_->stop();
+  ASSERT_TRUE(write_asset(server_->file().parent_path() / "desk.ply", room.asset));
+  folder_.write("made/room.scene.json", R"({ "environment": { "asset": "desk.ply", "collide": true } })");
+  server_->start(false);
+  const int64_t give_up_ns = now_ns() + std::chrono::nanoseconds(kPatience).count();
+  while (server_->control().room_parts().value().state() != v1::RoomParts::READY && now_ns() < give_up_ns)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  constexpr size_t kMug = 2;
+  const Eigen::Vector3d mug = room.bounds_m[kMug].center();
+  const Eigen::Vector2d at = pixel_of(camera(), {mug.x(), -mug.y(), -mug.z()}).value();
+  ASSERT_GT(at.x(), kLeft);
+  ASSERT_LT(at.x(), kRight);
+  act({[this, at] { hands_->move(at.x() + 60, at.y() + 90); }});  // beside it
+  pictures(4);
+  press_key("6");
+  pictures(2);
+  // Yellow; the mug is blue, the desk brown.
+  const auto is_outline = [](const float* rgb) { return rgb[0] > 0.75f && rgb[1] > 0.55f && rgb[2] < 0.5f; };
+  const auto outlined = [at, is_outline](const Image& shown) {
+    int count = 0;
+    for (int y = static_cast<int>(at.y()) - 60; y < static_cast<int>(at.y()) + 60; ++y) {
+      for (int x = static_cast<int>(at.x()) - 60; x < static_cast<int>(at.x()) + 60; ++x)
+        count += is_outline(shown.at(x, y));
+    }
+    return count > 60;
+  };
+  act({[this, at] { hands_->move(at.x(), at.y()); }});
+  step("the outline", outlined);
+  keep("take_1_outlined");
+  act({[this] { hands_->press(); }, [] {}, [this] { hands_->release(); }});
+  step("the thing", [this](const Image&) { return object("thing 1") != nullptr; });
+  pictures(6);
+  keep("take_2_taken");
+  chord("z");
+  step("the room of before", [this](const Image&) { return object("thing 1") == nullptr; });
+  pictures(4);
+  keep("take_3_undone");
+  close();
+  run_steps();
 }
 
 }  // namespace
