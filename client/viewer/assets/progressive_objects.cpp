@@ -33,9 +33,11 @@ RestBody rest_of_part(const RestBody& rest, std::span<const uint32_t> indices) {
 }
 
 std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind_more(const StreamedObject& object,
-                                                                               size_t than_step) {
-  return std::async(std::launch::async, [&assets = assets_, object, than_step]() -> Result<Binding> {
-    const auto arrived = assets.wait_for_more(object.asset_hash, than_step);
+                                                                               size_t than_step, bool whole) {
+  return std::async(std::launch::async, [&assets = assets_, object, than_step, whole]() -> Result<Binding> {
+    auto arrived = assets.wait_for_more(object.asset_hash, than_step);
+    while (whole && arrived && arrived->part)
+      arrived = assets.wait_for_more(object.asset_hash, arrived->step);
     if (!arrived) return arrived.error();
     RestBody rest = arrived->part ? rest_of_part(object.rest, arrived->part->indices) : object.rest;
     auto bound = bind_object(object.id, arrived->asset, std::move(rest), object.environment);
@@ -44,8 +46,9 @@ std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind_more(c
   });
 }
 
-std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind(const StreamedObject& object) {
-  return bind_more(object, 0);
+std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind(const StreamedObject& object,
+                                                                          bool whole) {
+  return bind_more(object, 0, whole);
 }
 
 void ProgressiveObjects::remove_coarse(uint32_t object_id) {

@@ -33,7 +33,8 @@ class ProgressiveObjects {
   };
   // Binds the first kernels of an asset that was requested. Errors: those of the fetch, of the decoder and of
   // bind_object(); the binding then has no kernels to show.
-  std::future<Result<Binding>> bind(const StreamedObject& object);
+  // `whole`: binds all of them, once the asset is complete.
+  std::future<Result<Binding>> bind(const StreamedObject& object, bool whole = false);
   // Shows a binding without blocking. `added` true: calls SceneView::add(); false: SceneView::change().
   void show(Binding binding, SceneView& view, bool added);
   // bind() and show(); blocks until the first kernels are bound. Errors: those of bind().
@@ -58,7 +59,7 @@ class ProgressiveObjects {
     size_t shown = 0, step = 0;
     std::future<Result<Binding>> finer;  // valid while more of its kernels are being bound
   };
-  std::future<Result<Binding>> bind_more(const StreamedObject& object, size_t than_step);
+  std::future<Result<Binding>> bind_more(const StreamedObject& object, size_t than_step, bool whole = false);
   void remove_coarse(uint32_t object_id);
 
   AssetLibrary& assets_;

@@ -82,7 +82,8 @@ void FrameQueue::take_event(Event event, const SceneView& view) {
     // A description is also sent after a parameter change, such as the mass.
     const bool is_there =
         view.has(object.id, object.rest.revision) || std::any_of(pending_.begin(), pending_.end(), binds_it);
-    if (pending.event.added || !is_there) pending.bound = objects_.bind(object);
+    // A room that replaces another is shown when it is whole; the other one is removed after it.
+    if (pending.event.added || !is_there) pending.bound = objects_.bind(object, object.environment);
   }
   pending_.push_back(std::move(pending));
 }
@@ -131,7 +132,16 @@ Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
     return std::any_of(later.begin(), later.end(),
                        [&](const Pending& before) { return before.event.id == one.event.id; });
   };
+  const auto room_comes = [&] {
+    return std::any_of(later.begin(), later.end(), [](const Pending& before) {
+      return before.event.object && before.event.added && before.event.object->environment;
+    });
+  };
   for (Pending& one : std::exchange(pending_, {})) {
+    if (!one.event.object && room_comes()) {
+      later.push_back(std::move(one));
+      continue;
+    }
     if (!one.event.object) {
       for (Pending& before : later) {
         if (before.event.id == one.event.id && before.bound.valid())

@@ -62,7 +62,7 @@ TEST_F(Encodings, RawDriversAreBitExact) {
   const auto raw = client(v1::JoinRequest::DRIVERS_RAW);
   for (uint64_t number = 1; number <= 3; ++number) {
     scene_.step();
-    publish(number);
+    server_->ticks().publish(tick(number));
     const v1::ServerMessage message = raw->read();
     ASSERT_EQ(message.tick(), number);
     const auto frame = decode_frame(std::as_bytes(std::span(message.frame())));

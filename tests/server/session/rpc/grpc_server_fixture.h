@@ -71,7 +71,15 @@ class GrpcServerTest : public ::testing::Test {
   }
   // Clients receive it with its own tick: the asset of balls is encoded before clients may join.
   const SceneObject& shoot() { return scene_.shoot_ball({0, 1, 1}, {0, 0, -6}); }
-  void publish(uint64_t number) { server_->ticks().publish(tick(number)); }
+  // The box moves in each tick: a scene at rest has no frame in most of them (kRestInterval_ns).
+  void publish(uint64_t number) {
+    TickResult moved = tick(number);
+    for (ObjectDrivers& object : moved.drivers.objects) {
+      if (object.kind == DriverKind::Rigid && !object.poses.empty())
+        object.poses.front().position_m.x() += 1e-3 * static_cast<double>(number % 100);
+    }
+    server_->ticks().publish(std::move(moved));
+  }
 
   Scene scene_;
   InputLog inputs_;  // must outlive the server
