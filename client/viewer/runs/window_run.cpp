@@ -184,7 +184,7 @@ void WindowRun::point(const WindowInput& input, const Camera& window) {
 void WindowRun::send_hands(const WindowInput& input) {
   if (!hands_.scripted())
     return hands_.send_mouse(input, window_camera(), input.left && !author_.uses_left_button(),
-                             picture_.rests() && !holds());
+                             picture_.rests() && !holds() && !study_.records());
   const auto locate = [&](const std::string& name) -> std::optional<ObjectExtent> {
     for (const auto& [id, object] : objects_) {
       const Eigen::AlignedBox3d box = view_.bounds(id);
@@ -322,7 +322,7 @@ bool WindowRun::holds() const {
 // Time for which the window may wait for events and messages.
 double WindowRun::wait_s() const {
   double wait_s = picture_.wait_s(now_ns());
-  if (holds() || !playout_.settled() || stream_.binds())
+  if (holds() || !playout_.settled() || stream_.binds() || study_.records())
     wait_s = std::min(wait_s, StillPicture::kAlertWait_s);
   if (options_.on_picture || !options_.screenshots.empty()) wait_s = std::min(wait_s, kWatchedWait_s);
   return wait_s;
