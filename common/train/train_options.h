@@ -16,6 +16,9 @@ struct TrainOptions {
   int longest_px = 640;         // longest edge of the photos in training; larger photos are reduced
   uint64_t seed = 1;
   ShapeOptions shape;
+  // Weight of the mean spread of depths along a ray, as a share of the extent. It draws what a ray sees to
+  // one depth: without it, half-transparent surfaces with others far behind them fit the photos as well.
+  double spread_weight = 0.05;
   bool ignore_masked = false;                      // pixels whose mask is 0 do not count
   uint64_t max_picture_bytes = uint64_t{1} << 30;  // of photos in memory
 

@@ -107,7 +107,7 @@ uint32_t runs_of_tile(int columns, int rows) {
 }
 
 uint32_t blend_forward(const ProjectedKernel& kernel, const TileFrame& frame, const RenderCuts& cuts,
-                       uint32_t live, TilePixels& tile, uint32_t* halfway, uint32_t rank) {
+                       uint32_t live, TilePixels& tile, bool with_spread, uint32_t* halfway, uint32_t rank) {
   const PlacedKernel placed(kernel, frame.x, frame.y);
   const KernelRows rows(kernel, placed, cuts);
   uint32_t finished = 0;
@@ -122,6 +122,14 @@ uint32_t blend_forward(const ProjectedKernel& kernel, const TileFrame& frame, co
     lanes_at(tile.red + pixel) = fused(added, lanes(kernel.red), lanes_at(tile.red + pixel));
     lanes_at(tile.green + pixel) = fused(added, lanes(kernel.green), lanes_at(tile.green + pixel));
     lanes_at(tile.blue + pixel) = fused(added, lanes(kernel.blue), lanes_at(tile.blue + pixel));
+    if (with_spread) {
+      // Kernels come in the order of their depths, so |z_i - z_k| needs no absolute value.
+      Lanes& depth = lanes_at(tile.depth + pixel);
+      const Lanes front = lanes(1.0f) - before;
+      const Lanes distances = fused(lanes(kernel.depth_m), front, -depth);
+      lanes_at(tile.spread + pixel) = fused(added + added, distances, lanes_at(tile.spread + pixel));
+      depth = fused(added, lanes(kernel.depth_m), depth);
+    }
     if (halfway != nullptr) {
       const uint32_t bits = mask_bits(s.adds & (before >= kHalf) & (s.after < kHalf));
       for (uint32_t left = bits; left != 0; left &= left - 1) halfway[pixel + std::countr_zero(left)] = rank;
@@ -133,14 +141,16 @@ uint32_t blend_forward(const ProjectedKernel& kernel, const TileFrame& frame, co
 }
 
 uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, const RenderCuts& cuts,
-                        uint32_t live, TilePixels& tile, TileGradient& gradient, EllipseGradient& sums) {
+                        uint32_t live, TilePixels& tile, TileGradient& gradient, float by_spread,
+                        EllipseGradient& sums) {
   const PlacedKernel placed(kernel, frame.x, frame.y);
   const KernelRows rows(kernel, placed, cuts);
   const uint32_t touched = touched_runs(kernel, placed, rim_of(kernel, cuts)) & live;
   const Lanes zero = lanes(0.0f), one = lanes(1.0f);
   // Sums of G, G dx and so on; `moment` is of the powers of dy for each column, because dx is fixed there.
   Lanes sum = zero, x = zero, y = zero, xx = zero, xy = zero, yy = zero;
-  Lanes red = zero, green = zero, blue = zero;
+  Lanes red = zero, green = zero, blue = zero, by_depth = zero;
+  const Lanes z = lanes(kernel.depth_m), two_by_spread = lanes(2 * by_spread);
   uint32_t finished = 0;
   for (int half = 0; half < 2; ++half) {
     Lanes moment0 = zero, moment1 = zero, moment2 = zero;
@@ -161,10 +171,20 @@ uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, c
       red = fused(weight, by_red, red);
       green = fused(weight, by_green, green);
       blue = fused(weight, by_blue, blue);
-      const Lanes by_colour =
-          fused(by_red, lanes(kernel.red),
-                fused(by_green, lanes(kernel.green),
-                      fused(by_blue, lanes(kernel.blue), lanes_at(gradient.alpha + pixel))));
+      Lanes by_colour = fused(by_red, lanes(kernel.red),
+                              fused(by_green, lanes(kernel.green),
+                                    fused(by_blue, lanes(kernel.blue), lanes_at(gradient.alpha + pixel))));
+      if (by_spread != 0) {
+        // With A and D the sums of w and w z in front of this kernel and of all:
+        //   dL/dw = 2 (z (2 A_front - A) - (2 D_front - D)),   dL/dz = 2 w (2 A_front + w - A)
+        Lanes& depth = lanes_at(tile.depth + pixel);
+        const Lanes front = one - before;
+        const Lanes balance = front + front - lanes_at(gradient.final_alpha + pixel);
+        const Lanes depth_balance = depth + depth - lanes_at(gradient.final_depth + pixel);
+        by_colour = fused(two_by_spread, fused(z, balance, -depth_balance), by_colour);
+        by_depth = fused(weight + weight, balance + weight, by_depth);
+        depth = fused(weight, z, depth);
+      }
       Lanes& left = lanes_at(gradient.left + pixel);
       const Lanes behind = fused(-weight, by_colour, left);
       left = behind;
@@ -186,8 +206,8 @@ uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, c
     xy = fused(moment1, dx, xy);
     yy += moment2;
   }
-  sums = {sum_of(sum), sum_of(x),   sum_of(y),     sum_of(xx),  sum_of(xy),
-          sum_of(yy),  sum_of(red), sum_of(green), sum_of(blue)};
+  sums = {sum_of(sum), sum_of(x),   sum_of(y),     sum_of(xx),   sum_of(xy),
+          sum_of(yy),  sum_of(red), sum_of(green), sum_of(blue), by_spread * sum_of(by_depth)};
   return finished;
 }
 

@@ -13,13 +13,18 @@ namespace livegs {
 struct alignas(32) TilePixels {
   float transmittance[kTilePixels];  // negative once the pixel has stopped
   float red[kTilePixels], green[kTilePixels], blue[kTilePixels];
+  // Sums over the kernels i of a pixel with weights w and depths z of the centres, scene units: w z, and the
+  // spread, w_i w_k |z_i - z_k| over all pairs (Barron et al. 2022, equation 15). Filled on request.
+  float depth[kTilePixels], spread[kTilePixels];
 };
 // Derivatives of the loss by the pixels of a tile, and what is left of them behind the current kernel.
 struct alignas(32) TileGradient {
   float red[kTilePixels], green[kTilePixels], blue[kTilePixels];
   float alpha[kTilePixels];
-  float
-      left[kTilePixels];  // sum of weight * (gradient . colour) of all that lies behind, with the background
+  // Sum of weight * (gradient . colour) of all that lies behind, with the background.
+  float left[kTilePixels];
+  // Of the finished picture, for the spread.
+  float final_alpha[kTilePixels], final_depth[kTilePixels];
 };
 
 struct TileFrame {
@@ -29,11 +34,13 @@ struct TileFrame {
 // Blends one kernel into `tile` in front-to-back order; returns the runs (touched_runs.h) that became opaque.
 // `halfway` (may be null) receives `rank` where transmittance falls under a half.
 uint32_t blend_forward(const ProjectedKernel& kernel, const TileFrame& frame, const RenderCuts& cuts,
-                       uint32_t live, TilePixels& tile, uint32_t* halfway, uint32_t rank);
+                       uint32_t live, TilePixels& tile, bool with_spread, uint32_t* halfway, uint32_t rank);
 
-// The same step with derivatives: `sums` receives those of the kernel in this tile.
+// The same step with derivatives: `sums` receives those of the kernel in this tile. `by_spread`: dL by the
+// spread of each pixel; 0: none.
 uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, const RenderCuts& cuts,
-                        uint32_t live, TilePixels& tile, TileGradient& gradient, EllipseGradient& sums);
+                        uint32_t live, TilePixels& tile, TileGradient& gradient, float by_spread,
+                        EllipseGradient& sums);
 
 // Runs that contain a pixel of the picture, for a tile with this number of columns and rows inside.
 uint32_t runs_of_tile(int columns, int rows);

@@ -216,6 +216,7 @@ void project_backward(const Projection& projection, const KernelParameters& para
     t.y() += by_held_y / z;
     t.z() -= by_held_y * s.held_y / z;
   }
+  t.z() += double{g.depth};
   if (s.fade < 1) t.z() += g.sum / (z - projection.near_m);
   Eigen::Vector3d position = axes.transpose() * t;
 

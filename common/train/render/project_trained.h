@@ -21,6 +21,7 @@ struct EllipseGradient {
   float x = 0, y = 0;                  // of G d
   float xx = 0, xy = 0, yy = 0;        // of G d dᵀ
   float red = 0, green = 0, blue = 0;  // dL by the colour
+  float depth = 0;                     // dL by the depth of the centre, scene units
 };
 
 // Derivatives by the trained numbers of the kernel; they are written, not added. Precondition:

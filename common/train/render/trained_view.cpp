@@ -58,6 +58,8 @@ void start_tile(const TilePlace& place, TilePixels& tile) {
   std::fill_n(tile.red, kTilePixels, 0.0f);
   std::fill_n(tile.green, kTilePixels, 0.0f);
   std::fill_n(tile.blue, kTilePixels, 0.0f);
+  std::fill_n(tile.depth, kTilePixels, 0.0f);
+  std::fill_n(tile.spread, kTilePixels, 0.0f);
   for (int row = 0; row < place.rows; ++row)
     std::fill_n(tile.transmittance + row * kTileSize, place.columns, 1.0f);
 }
@@ -129,6 +131,8 @@ void TrainedView::blend() {
   const TileGrid grid = grid_of(camera_);
   picture_.resize(grid.width, grid.height);
   if (options_.depth) halfway_.assign(picture_.pixels(), ~0u);
+  depth_sums_.resize(options_.spread ? picture_.pixels() : 0);
+  spreads_.resize(depth_sums_.size());
   parallel_for(grid.size(), kTileBlock, [&](size_t begin, size_t end) {
     TilePixels tile;
     uint32_t halfway[kTilePixels];
@@ -139,7 +143,7 @@ void TrainedView::blend() {
       uint32_t live = runs_of_tile(place.columns, place.rows);
       for (uint32_t i = tile_first_[t]; i < tile_first_[t + 1] && live != 0; ++i) {
         const uint32_t rank = pair_kernels_[tile_pairs_[i]];
-        live &= ~blend_forward(kernels_[rank], place.frame(), options_.cuts, live, tile,
+        live &= ~blend_forward(kernels_[rank], place.frame(), options_.cuts, live, tile, options_.spread,
                                options_.depth ? halfway : nullptr, rank);
       }
       place.for_each_pixel([&](int i, size_t pixel) {
@@ -149,6 +153,10 @@ void TrainedView::blend() {
         picture_.blue[pixel] = tile.blue[i] + through * options_.background.z();
         picture_.alpha[pixel] = 1.0f - through;
         if (options_.depth) halfway_[pixel] = halfway[i];
+        if (options_.spread) {
+          depth_sums_[pixel] = tile.depth[i];
+          spreads_[pixel] = tile.spread[i];
+        }
       });
     }
   });
@@ -185,6 +193,12 @@ void TrainedView::find_depths(const KernelParameters& parameters) {
   });
 }
 
+double TrainedView::mean_spread() const {
+  double sum = 0;
+  for (float one : spreads_) sum += double{one};
+  return spreads_.empty() ? 0 : sum / static_cast<double>(spreads_.size());
+}
+
 void TrainedView::draw(const KernelParameters& parameters, const Camera& camera, const ViewOptions& options) {
   camera_ = camera;
   options_ = options;
@@ -195,7 +209,7 @@ void TrainedView::draw(const KernelParameters& parameters, const Camera& camera,
 }
 
 void TrainedView::backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
-                           KernelParameters& gradient) {
+                           KernelParameters& gradient, float by_spread) {
   const TileGrid grid = grid_of(camera_);
   pair_gradients_.resize(pair_kernels_.size());
   parallel_for(grid.size(), kTileBlock, [&](size_t begin, size_t end) {
@@ -212,13 +226,18 @@ void TrainedView::backward(const KernelParameters& parameters, const PicturePlan
         by.alpha[i] = by_picture.alpha[pixel];
         by.left[i] = by.red[i] * picture_.red[pixel] + by.green[i] * picture_.green[pixel] +
                      by.blue[i] * picture_.blue[pixel] + by.alpha[i] * picture_.alpha[pixel];
+        if (by_spread != 0) {
+          by.final_alpha[i] = picture_.alpha[pixel];
+          by.final_depth[i] = depth_sums_[pixel];
+          by.left[i] += 2 * by_spread * spreads_[pixel];  // the spread is quadratic in the weights
+        }
       });
       uint32_t live = runs_of_tile(place.columns, place.rows);
       uint32_t i = tile_first_[t];
       for (; i < tile_first_[t + 1] && live != 0; ++i) {
         const uint32_t pair = tile_pairs_[i];
         live &= ~blend_backward(kernels_[pair_kernels_[pair]], place.frame(), options_.cuts, live, tile, by,
-                                pair_gradients_[pair]);
+                                by_spread, pair_gradients_[pair]);
       }
       for (; i < tile_first_[t + 1]; ++i) pair_gradients_[tile_pairs_[i]] = {};
     }
@@ -240,6 +259,7 @@ void TrainedView::backward(const KernelParameters& parameters, const PicturePlan
         total.red += part.red;
         total.green += part.green;
         total.blue += part.blue;
+        total.depth += part.depth;
       }
       project_backward(projection, parameters, order_[rank], options_.sh_degree, total, gradient);
     }

@@ -32,7 +32,8 @@ struct ViewOptions {
   Eigen::Vector3f background{0, 0, 0};
   int sh_degree = 3;
   RenderCuts cuts;
-  bool depth = false;  // fills depths()
+  bool depth = false;   // fills depths()
+  bool spread = false;  // fills mean_spread() and what backward needs for it
 };
 
 // Draws trained kernels and takes the derivative of a loss back to their numbers. Both passes run front to
@@ -49,6 +50,9 @@ class TrainedView {
   // at which transmittance falls under 0.5; infinity if it never does. Scene units.
   const std::vector<float>& depths() const { return depths_; }
 
+  // Mean over the pixels of the spread of what is seen along the ray (blend_tile.h), scene units.
+  double mean_spread() const;
+
   // Kernels of the last draw, by depth.
   size_t visible_count() const { return order_.size(); }
   // For each kernel of the last draw: 1 if it was visible.
@@ -56,9 +60,10 @@ class TrainedView {
   size_t pair_count() const { return pair_kernels_.size(); }
 
   // `by_picture`: dL by the colour (over the background) and alpha of each pixel. Writes the derivative by
-  // every trained number; 0 for kernels that were not visible. Call after draw, with the same parameters.
+  // every trained number; 0 for kernels that were not visible. `by_spread`: dL by the spread of each pixel;
+  // needs ViewOptions::spread. Call after draw, with the same parameters.
   void backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
-                KernelParameters& gradient);
+                KernelParameters& gradient, float by_spread = 0);
 
  private:
   void project(const KernelParameters& parameters);
@@ -70,16 +75,17 @@ class TrainedView {
   ViewOptions options_;
   PicturePlanes picture_;
   std::vector<float> depths_;
-  std::vector<uint32_t> halfway_;           // rank of the kernel at which a pixel becomes half opaque
-  std::vector<ProjectedKernel> projected_;  // by kernel
-  std::vector<uint8_t> visible_;            // by kernel
-  std::vector<ProjectedKernel> kernels_;    // visible ones, nearest first
-  std::vector<uint32_t> order_;             // kernel index of each
-  std::vector<uint32_t> pair_first_;        // by rank: its first pair; one more at the end
-  std::vector<uint32_t> pair_tiles_;        // by pair
-  std::vector<uint32_t> pair_kernels_;      // by pair: rank
-  std::vector<uint32_t> tile_first_;        // by tile: its first entry in tile_pairs_; one more at the end
-  std::vector<uint32_t> tile_pairs_;        // pairs of each tile, nearest first
+  std::vector<float> depth_sums_, spreads_;  // by pixel
+  std::vector<uint32_t> halfway_;            // rank of the kernel at which a pixel becomes half opaque
+  std::vector<ProjectedKernel> projected_;   // by kernel
+  std::vector<uint8_t> visible_;             // by kernel
+  std::vector<ProjectedKernel> kernels_;     // visible ones, nearest first
+  std::vector<uint32_t> order_;              // kernel index of each
+  std::vector<uint32_t> pair_first_;         // by rank: its first pair; one more at the end
+  std::vector<uint32_t> pair_tiles_;         // by pair
+  std::vector<uint32_t> pair_kernels_;       // by pair: rank
+  std::vector<uint32_t> tile_first_;         // by tile: its first entry in tile_pairs_; one more at the end
+  std::vector<uint32_t> tile_pairs_;         // pairs of each tile, nearest first
   std::vector<EllipseGradient> pair_gradients_;
   std::vector<uint64_t> keys_;
 };

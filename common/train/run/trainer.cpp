@@ -151,6 +151,7 @@ Result<void> Trainer::step() {
   if (!photo) return photo.error();
   ViewOptions view_options;
   view_options.sh_degree = s.sh_degree();
+  view_options.spread = options.spread_weight > 0;
   float alpha_weight = 0;
   if (!(*photo)->opaque) {
     // A fixed background would be trained into transparent parts.
@@ -163,7 +164,10 @@ Result<void> Trainer::step() {
   planes_of(**photo, view_options.background, s.target);
   s.view.draw(s.kernels, s.camera_of(index), view_options);
   double loss = s.loss.evaluate(s.view.picture(), s.target, (*photo)->counts, alpha_weight, s.by_picture);
-  s.view.backward(s.kernels, s.by_picture, s.gradient);
+  const auto by_spread =
+      static_cast<float>(options.spread_weight / (s.extent * static_cast<double>(s.target.pixels())));
+  loss += options.spread_weight / s.extent * s.view.mean_spread();
+  s.view.backward(s.kernels, s.by_picture, s.gradient, by_spread);
   loss += add_shape_loss(s.kernels, options.shape, s.extent, s.gradient);
 
   const double progress = static_cast<double>(s.step) / static_cast<double>(options.steps);

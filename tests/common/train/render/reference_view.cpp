@@ -104,7 +104,8 @@ ReferencePicture reference_view(const ReferenceKernels& kernels, const Camera& c
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       Eigen::Vector3d colour(0, 0, 0);
-      double through = 1;
+      double through = 1, spread = 0;
+      std::vector<std::pair<double, double>> seen;  // weight, depth
       for (size_t k : order) {
         const ReferenceEllipse& e = ellipses[k];
         if (!e.visible) continue;
@@ -112,6 +113,8 @@ ReferencePicture reference_view(const ReferenceKernels& kernels, const Camera& c
         const double alpha = std::min(double{kMaxAlpha}, e.opacity * std::exp(-0.5 * d.dot(e.inverse * d)));
         if (alpha < options.cuts.min_alpha) continue;
         if (through * (1 - alpha) < options.cuts.min_transmittance) break;
+        for (const auto& [weight, z] : seen) spread += 2 * weight * through * alpha * std::abs(e.z - z);
+        seen.push_back({through * alpha, e.z});
         colour += through * alpha * e.colour;
         through *= 1 - alpha;
       }
@@ -120,6 +123,7 @@ ReferencePicture reference_view(const ReferenceKernels& kernels, const Camera& c
       picture.green.push_back(colour.y());
       picture.blue.push_back(colour.z());
       picture.alpha.push_back(1 - through);
+      picture.spread.push_back(spread);
     }
   }
   return picture;

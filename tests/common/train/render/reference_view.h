@@ -13,6 +13,7 @@ struct ReferenceKernels {
 };
 struct ReferencePicture {
   std::vector<double> red, green, blue, alpha;
+  std::vector<double> spread;  // sum of w w |z - z| over all pairs of kernels
 };
 ReferencePicture reference_view(const ReferenceKernels& kernels, const Camera& camera,
                                 const ViewOptions& options);

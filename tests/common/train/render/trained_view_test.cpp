@@ -61,8 +61,9 @@ PicturePlanes random_weights(int width, int height) {
   return weights;
 }
 
-double weighted_sum(const ReferencePicture& picture, const PicturePlanes& weights) {
+double weighted_sum(const ReferencePicture& picture, const PicturePlanes& weights, double by_spread) {
   double sum = 0;
+  for (double one : picture.spread) sum += by_spread * one;
   for (size_t i = 0; i < weights.pixels(); ++i) {
     sum += double{weights.red[i]} * picture.red[i] + double{weights.green[i]} * picture.green[i] +
            double{weights.blue[i]} * picture.blue[i] + double{weights.alpha[i]} * picture.alpha[i];
@@ -81,12 +82,14 @@ ViewOptions smooth_options() {
 // Compares the gradient of a weighted sum of pixels with central differences of the reference in double
 // precision, number by number: within 0.1 %, or 1e-5 of the largest of the family, which is the rounding of
 // sums of floats over the pixels. Central differences with this step are exact to about 1e-7.
-void expect_gradient(const KernelParameters& kernels, const Camera& camera, const ViewOptions& options) {
+void expect_gradient(const KernelParameters& kernels, const Camera& camera, ViewOptions options,
+                     float by_spread = 0) {
+  options.spread = by_spread != 0;
   const PicturePlanes weights = random_weights(camera.width, camera.height);
   TrainedView view;
   view.draw(kernels, camera, options);
   KernelParameters gradient;
-  view.backward(kernels, weights, gradient);
+  view.backward(kernels, weights, gradient, by_spread);
   ReferenceKernels moved(kernels);
   constexpr double kStep = 1e-4;
   for (size_t f = 0; f < kFamilies; ++f) {
@@ -95,9 +98,9 @@ void expect_gradient(const KernelParameters& kernels, const Camera& camera, cons
     for (double& number : moved.families[f]) {
       const double kept = number;
       number = kept + kStep;
-      const double above = weighted_sum(reference_view(moved, camera, options), weights);
+      const double above = weighted_sum(reference_view(moved, camera, options), weights, by_spread);
       number = kept - kStep;
-      const double below = weighted_sum(reference_view(moved, camera, options), weights);
+      const double below = weighted_sum(reference_view(moved, camera, options), weights, by_spread);
       number = kept;
       differences.push_back((above - below) / (2 * kStep));
       largest = std::max(largest, std::abs(differences.back()));
@@ -120,6 +123,23 @@ void expect_gradient(const KernelParameters& kernels, const Camera& camera, cons
 
 TEST(TrainedView, GradientAgreesWithCentralDifferences) {
   expect_gradient(test_kernels(10, 0.9), test_camera(40, 36), smooth_options());
+}
+
+TEST(TrainedView, GradientOfTheSpreadOfDepthsAgrees) {
+  expect_gradient(test_kernels(10, 0.9), test_camera(40, 36), smooth_options(), 0.7f);
+}
+
+TEST(TrainedView, SpreadIsThatOfAllPairs) {
+  const KernelParameters kernels = test_kernels(30, 0.9);
+  const Camera camera = test_camera(40, 36);
+  ViewOptions options = smooth_options();
+  options.spread = true;
+  TrainedView view;
+  view.draw(kernels, camera, options);
+  const ReferencePicture expected = reference_view(ReferenceKernels(kernels), camera, options);
+  double sum = 0;
+  for (double one : expected.spread) sum += one;
+  EXPECT_NEAR(view.mean_spread(), sum / static_cast<double>(expected.spread.size()), 1e-5);
 }
 
 TEST(TrainedView, GradientOfKernelsFarBesideThePictureAgrees) {
