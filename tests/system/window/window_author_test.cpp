@@ -42,8 +42,7 @@ class WindowAuthor : public WindowHands {
     expect_all_done();
   }
   std::filesystem::path camera_file() {
-    return folder_.write("camera.json", R"({ "position_m": [0.4, 0.9, 3.0], "look_at_m": [0.4, 0.2, 0],
-                                             "vertical_fov_deg": 40 })");
+    return folder_.write("camera.json", camera_text_);
   }
   Camera camera() { return *read_camera_file(camera_file(), PictureSize{kWidth, kWindowHeight}); }
 
@@ -108,6 +107,8 @@ class WindowAuthor : public WindowHands {
   static constexpr int kWindowHeight = 1000;
   static constexpr size_t kTextRows = 6;                     // with the search above the list
   static constexpr int kFields = 10 + 84, kFieldsEnd = 283;  // ends of the Scene panel's fields
+  std::string camera_text_ =
+      R"({ "position_m": [0.4, 0.9, 3.0], "look_at_m": [0.4, 0.2, 0], "vertical_fov_deg": 40 })";
   std::unique_ptr<AuthorServer> server_;
   v1::Scene seen_;
   std::string notice_;             // of the Run panel
@@ -341,6 +342,8 @@ TEST_F(WindowAuthor, TwoWindowsEditOneScene) {
 
 // A thing of a captured room is outlined under the mouse, taken by a click, and put back by undo.
 TEST_F(WindowAuthor, TakesAThingOutOfARoom) {
+  camera_text_ =
+      R"({ "position_m": [0.25, 1.3, 0.75], "look_at_m": [0.15, 0.72, -0.05], "vertical_fov_deg": 40 })";
   const MadeRoom room = make_room(RoomKind::Apart);
   server_->stop();
   ASSERT_TRUE(write_asset(server_->file().parent_path() / "desk.ply", room.asset));
@@ -354,7 +357,7 @@ TEST_F(WindowAuthor, TakesAThingOutOfARoom) {
   const Eigen::Vector2d at = pixel_of(camera(), {mug.x(), -mug.y(), -mug.z()}).value();
   ASSERT_GT(at.x(), kLeft);
   ASSERT_LT(at.x(), kRight);
-  act({[this, at] { hands_->move(at.x() + 60, at.y() + 90); }});  // beside it
+  act({[this, at] { hands_->move(at.x() + 120, at.y() + 200); }});  // beside it
   pictures(4);
   press_key("6");
   pictures(2);
@@ -362,8 +365,8 @@ TEST_F(WindowAuthor, TakesAThingOutOfARoom) {
   const auto is_outline = [](const float* rgb) { return rgb[0] > 0.75f && rgb[1] > 0.55f && rgb[2] < 0.5f; };
   const auto outlined = [at, is_outline](const Image& shown) {
     int count = 0;
-    for (int y = static_cast<int>(at.y()) - 60; y < static_cast<int>(at.y()) + 60; ++y) {
-      for (int x = static_cast<int>(at.x()) - 60; x < static_cast<int>(at.x()) + 60; ++x)
+    for (int y = static_cast<int>(at.y()) - 110; y < static_cast<int>(at.y()) + 110; ++y) {
+      for (int x = static_cast<int>(at.x()) - 110; x < static_cast<int>(at.x()) + 110; ++x)
         count += is_outline(shown.at(x, y));
     }
     return count > 60;
@@ -373,8 +376,19 @@ TEST_F(WindowAuthor, TakesAThingOutOfARoom) {
   keep("take_1_outlined");
   act({[this] { hands_->press(); }, [] {}, [this] { hands_->release(); }});
   step("the thing", [this](const Image&) { return object("thing 1") != nullptr; });
-  pictures(6);
-  keep("take_2_taken");
+  act({[this] {
+    v1::EditSceneRequest moved;
+    v1::ObjectEdit& edit = *moved.add_objects();
+    edit.set_object("thing 1");
+    *edit.mutable_value()->mutable_pose() = object("thing 1")->pose();
+    edit.mutable_value()->mutable_pose()->set_position_m(0, along("thing 1", 0) - 0.12);
+    edit.mutable_value()->mutable_pose()->set_position_m(2, along("thing 1", 2) + 0.1);
+    edit.add_fields("pose");
+    EXPECT_TRUE(server_->control().edit_scene(moved));
+  }});
+  pictures(20);
+  keep("take_2_moved");
+  chord("z");
   chord("z");
   step("the room of before", [this](const Image&) { return object("thing 1") == nullptr; });
   pictures(4);
