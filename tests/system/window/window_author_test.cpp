@@ -41,9 +41,7 @@ class WindowAuthor : public WindowHands {
     EXPECT_TRUE(done) << done.error().message;
     expect_all_done();
   }
-  std::filesystem::path camera_file() {
-    return folder_.write("camera.json", camera_text_);
-  }
+  std::filesystem::path camera_file() { return folder_.write("camera.json", camera_text_); }
   Camera camera() { return *read_camera_file(camera_file(), PictureSize{kWidth, kWindowHeight}); }
 
   // State of the server, asked for in each picture.
