@@ -53,8 +53,7 @@ ordered_json colliders(const SegmentedRoom& room, const Eigen::Quaterniond& worl
       continue;
     }
     const PlaneRegion& region = plane.region;
-    const Eigen::Vector2d size = region.high_m() - region.low_m(),
-                          middle = 0.5 * (region.high_m() + region.low_m());
+    const Eigen::Vector2d size = region.bounds_m().sizes(), middle = region.bounds_m().center();
     const double thick_m = kTableThickness_voxels * room.parts.voxel_m;
     const Eigen::Vector3d centre =
         middle.x() * region.u() + middle.y() * region.v() + (plane.offset_m - 0.5 * thick_m) * plane.normal;

@@ -20,7 +20,8 @@ constexpr int kPointStride = 2;          // pixels between points
 constexpr double kMinSeen = 0.1;         // share of pixels that show a surface
 constexpr double kLowest = 0.01;         // percentile of the heights of points that counts as the lowest
 constexpr double kFootShare = 0.02;  // percentile of the heights of a thing's kernels that counts as its foot
-constexpr double kRest_voxels = 3.0;  // between the foot of a thing and its support
+constexpr double kSpread_voxels = 3.0;  // from an unseen kernel to a seen one that gives its label
+constexpr double kRest_voxels = 3.0;    // between the foot of a thing and its support
 
 Error stopped() { return {ErrorCode::Unavailable, "parts: cancelled"}; }
 
@@ -29,7 +30,7 @@ Error too_few(size_t kernels) {
                       " kernels, too few to form a surface; give the splat of a room");
 }
 
-// Kernels that no view saw get the label of the nearest one that was seen.
+// Kernels that no view saw get the label of the nearest one that was seen, if it is near.
 void spread_labels(const GaussianAsset& asset, RoomParts& found) {
   std::vector<Eigen::Vector3f> seen;
   std::vector<uint32_t> index;
@@ -37,12 +38,13 @@ void spread_labels(const GaussianAsset& asset, RoomParts& found) {
     if (found.share[k] > 0) seen.push_back(asset.positions[k]), index.push_back(k);
   if (seen.empty() || seen.size() == asset.size()) return;
   const KernelTree tree(seen);
+  const auto reach_m = static_cast<float>(kSpread_voxels * found.voxel_m);
   parallel_for(asset.size(), 1024, [&](size_t begin, size_t end) {
     std::vector<KernelTree::Neighbour> nearest;
     for (size_t k = begin; k < end; ++k) {
       if (found.share[k] > 0) continue;
       tree.nearest(asset.positions[k], 1, nearest);
-      found.label[k] = found.label[index[nearest[0].index]];
+      if (nearest[0].distance2 < reach_m * reach_m) found.label[k] = found.label[index[nearest[0].index]];
     }
   });
 }

@@ -15,6 +15,8 @@ constexpr double kFootReach_voxels = 3.3;   // of the foot band around a thing
 constexpr double kFootHeight_voxels = 6.0;  // height of a thing that gives the colours of its foot
 // Light of the support at a thing, relative to that around it: things shade it.
 constexpr float kSupportLights[] = {1.0f, 1.0f, 0.85f, 0.7f, 0.55f};
+constexpr double kFootOdds =
+    3.0;  // of a thing against its support, for a pixel below the voxels of the thing
 constexpr double kRing_voxels = 12.0;  // of the support around a thing that gives its colours
 
 // Labels of things on the ground of a support, in square cells of a voxel's edge, grown by a number of cells.
@@ -170,7 +172,8 @@ std::vector<std::vector<uint16_t>> pixel_labels(std::span<const RoomView> views,
   for (size_t t = 1; t < of_thing.size(); ++t) of_thing[t].finish(), of_ring[t].finish();
   for (size_t v = 0; v < views.size(); ++v)
     for (const FootPixel& foot : feet[v])
-      if (foot.close && of_thing[foot.label].density(foot.rgb) > of_ring[foot.label].density(foot.rgb))
+      if (foot.close &&
+          of_thing[foot.label].density(foot.rgb) > kFootOdds * of_ring[foot.label].density(foot.rgb))
         pictures[v][foot.pixel] = foot.label;
   return pictures;
 }

@@ -27,6 +27,8 @@ constexpr double kMaxTilt = 0.94;       // cosine of 20 degrees, of a plane agai
 constexpr double kMaxPointTilt = 0.87;  // cosine of 30 degrees, of the normal of a point against its plane
 constexpr double kMaxBehind = 0.01;     // share of points behind a wall
 constexpr double kRegionCell_footprints = 6.0;
+constexpr int kAreaGap_cells = 2;       // between cells of one area of a plane
+constexpr double kMinAreaShare = 0.05;  // of an area, relative to the largest one of its plane
 
 Vector3d any_perpendicular(const Vector3d& n) {
   const Vector3d axis = std::abs(n.x()) < 0.7 ? Vector3d::UnitX() : Vector3d::UnitZ();
@@ -128,25 +130,86 @@ PlaneRegion::PlaneRegion(const Vector3d& normal, double cell_m, std::span<const 
   for (const Eigen::Vector3f& p : points_m) {
     if (const int cell = cell_of(p.cast<double>()); cell >= 0) cells_[cell] = 2;
   }
-  // Cells that the outside does not reach are holes of the region.
-  std::vector<uint8_t> outside(cells_.size(), 0);
-  std::vector<int> open{0};
-  outside[0] = 1;
-  while (!open.empty()) {
-    const int cell = open.back();
-    open.pop_back();
-    const int x = cell % columns_, y = cell / columns_;
-    const auto visit = [&](int nx, int ny) {
-      if (nx < 0 || ny < 0 || nx >= columns_ || ny >= rows_) return;
-      const int next = ny * columns_ + nx;
-      if (outside[next] || cells_[next] == 2) return;
-      outside[next] = 1;
-      open.push_back(next);
-    };
-    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
+  drop_specks();
+  fill_hulls();
+}
+
+std::vector<std::vector<int>> PlaneRegion::areas() const {
+  std::vector<std::vector<int>> found;
+  std::vector<uint8_t> visited(cells_.size(), 0);
+  for (size_t start = 0; start < cells_.size(); ++start) {
+    if (cells_[start] != 2 || visited[start]) continue;
+    found.emplace_back(1, static_cast<int>(start));
+    visited[start] = 1;
+    for (size_t i = 0; i < found.back().size(); ++i) {
+      const int x = found.back()[i] % columns_, y = found.back()[i] / columns_;
+      for (int dy = -kAreaGap_cells; dy <= kAreaGap_cells; ++dy)
+        for (int dx = -kAreaGap_cells; dx <= kAreaGap_cells; ++dx) {
+          if (x + dx < 0 || y + dy < 0 || x + dx >= columns_ || y + dy >= rows_) continue;
+          const int next = (y + dy) * columns_ + x + dx;
+          if (cells_[next] != 2 || visited[next]) continue;
+          visited[next] = 1;
+          found.back().push_back(next);
+        }
+    }
   }
-  for (size_t i = 0; i < cells_.size(); ++i)
-    if (!outside[i] && cells_[i] == 0) cells_[i] = 1;
+  return found;
+}
+
+void PlaneRegion::drop_specks() {
+  const auto found = areas();
+  size_t most = 0;
+  for (const auto& area : found) most = std::max(most, area.size());
+  for (const auto& area : found)
+    if (static_cast<double>(area.size()) < kMinAreaShare * static_cast<double>(most))
+      for (int cell : area) cells_[cell] = 0;
+}
+
+void PlaneRegion::fill_hulls() {
+  for (const auto& area : areas()) {
+    // The convex hull by rows: the first and the last cell of each, then Andrew's monotone chain.
+    std::vector<Eigen::Vector2i> corners;
+    for (int cell : area) corners.emplace_back(cell % columns_, cell / columns_);
+    std::sort(corners.begin(), corners.end(), [](const auto& a, const auto& b) {
+      return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+    });
+    const auto turn = [](const Eigen::Vector2i& a, const Eigen::Vector2i& b, const Eigen::Vector2i& c) {
+      return static_cast<int64_t>(b.x() - a.x()) * (c.y() - a.y()) -
+             static_cast<int64_t>(b.y() - a.y()) * (c.x() - a.x());
+    };
+    std::vector<Eigen::Vector2i> hull;
+    for (int side = 0; side < 2; ++side) {
+      const size_t start = hull.size();
+      for (const auto& corner : corners) {
+        while (hull.size() >= start + 2 && turn(hull[hull.size() - 2], hull.back(), corner) <= 0)
+          hull.pop_back();
+        hull.push_back(corner);
+      }
+      hull.pop_back();
+      std::reverse(corners.begin(), corners.end());
+    }
+    if (hull.size() < 3) continue;
+    for (int y = 0; y < rows_; ++y)
+      for (int x = 0; x < columns_; ++x) {
+        uint8_t& cell = cells_[static_cast<size_t>(y) * columns_ + x];
+        if (cell != 0) continue;
+        bool inside = true;
+        for (size_t i = 0; inside && i < hull.size(); ++i)
+          inside = turn(hull[i], hull[(i + 1) % hull.size()], {x, y}) >= 0;
+        if (inside) cell = 1;
+      }
+  }
+}
+
+Eigen::AlignedBox2d PlaneRegion::bounds_m() const {
+  Eigen::AlignedBox2d box;
+  for (int y = 0; y < rows_; ++y)
+    for (int x = 0; x < columns_; ++x) {
+      if (cells_[static_cast<size_t>(y) * columns_ + x] == 0) continue;
+      box.extend(low_ + cell_m_ * Eigen::Vector2d(x, y));
+      box.extend(low_ + cell_m_ * Eigen::Vector2d(x + 1, y + 1));
+    }
+  return box;
 }
 
 int PlaneRegion::cell_of(const Vector3d& point_m) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <span>
 #include <vector>
 
@@ -11,7 +12,8 @@
 
 namespace livegs {
 
-// The cells of a plane in which its surface was seen, with holes filled: a thing that stands there hides it.
+// The cells of a plane in which its surface was seen, and the convex hull of each connected area of them:
+// things hide a plane below and behind them, also at its edge. Small areas beside a large one are noise.
 class PlaneRegion {
  public:
   PlaneRegion() = default;
@@ -23,12 +25,14 @@ class PlaneRegion {
   const Eigen::Vector3d& u() const { return u_; }
   const Eigen::Vector3d& v() const { return v_; }
   double cell_m() const { return cell_m_; }
-  // The bounding rectangle of the region along u() and v(), metres.
-  Eigen::Vector2d low_m() const { return low_ + Eigen::Vector2d::Constant(2 * cell_m_); }
-  Eigen::Vector2d high_m() const { return low_ + cell_m_ * Eigen::Vector2d(columns_ - 2, rows_ - 2); }
+  // The bounding rectangle of the region along u() and v(), metres; empty without cells.
+  Eigen::AlignedBox2d bounds_m() const;
 
  private:
   int cell_of(const Eigen::Vector3d& point_m) const;  // -1: outside
+  std::vector<std::vector<int>> areas() const;        // connected seen cells
+  void drop_specks();
+  void fill_hulls();
 
   Eigen::Vector3d u_{1, 0, 0}, v_{0, 0, 1};
   Eigen::Vector2d low_{0, 0};
