@@ -3,6 +3,8 @@
 // used. Prints CSV.
 //   parts_bench made > tests/bench/results/parts_made.csv
 //   parts_bench table SPLAT.ply... > tests/bench/results/parts_table.csv
+//   parts_bench clicks > tests/bench/results/parts_clicks.csv
+//   parts_bench million > tests/bench/results/parts_million.csv
 // LIVEGS_TEST_PICTURES=DIR writes pictures.
 #include <algorithm>
 #include <cmath>
@@ -13,7 +15,9 @@
 #include <string>
 
 #include "core/clock.h"
+#include "core/percentile.h"
 #include "gaussian/asset_file.h"
+#include "parts/click/click_cut.h"
 #include "parts/room_parts.h"
 #include "parts/separate/split_straddling.h"
 #include "parts/views/choose_cameras.h"
@@ -220,6 +224,143 @@ int bench_table(std::span<char*> files) {
   return 0;
 }
 
+// The pixel of a mask that is farthest from its rim, by erosion.
+std::optional<Eigen::Vector2i> inmost(std::vector<uint8_t> mask, int width) {
+  const int height = static_cast<int>(mask.size()) / width;
+  std::optional<Eigen::Vector2i> last;
+  for (bool any = true; any;) {
+    any = false;
+    std::vector<uint8_t> next(mask.size(), 0);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const size_t i = static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+        if (!mask[i]) continue;
+        if (!any) last = Eigen::Vector2i(x, y);
+        any = true;
+        next[i] = x > 0 && y > 0 && x + 1 < width && y + 1 < height && mask[i - 1] && mask[i + 1] &&
+                  mask[i - static_cast<size_t>(width)] && mask[i + static_cast<size_t>(width)];
+      }
+    mask = std::move(next);
+  }
+  return last;
+}
+
+Click click_at(const Camera& camera, const Eigen::Vector2i& pixel, bool take) {
+  const Eigen::Vector3d ray((pixel.x() + 0.5 - camera.centre_x_px) / camera.focal_x_px,
+                            -(pixel.y() + 0.5 - camera.centre_y_px) / camera.focal_y_px, -1);
+  return {camera.world_from_camera.position_m, (camera.world_from_camera.orientation * ray).normalized(),
+          take};
+}
+
+// A user who clicks on a thing, then on the largest error in the next view.
+int bench_clicks() {
+  std::printf("room,thing,iou_1,iou_3,click_ms\n");
+  double sum[2] = {};
+  size_t count = 0;
+  for (const RoomKind kind :
+       {RoomKind::Touching, RoomKind::Stacked, RoomKind::Wall, RoomKind::Corner, RoomKind::Crowded}) {
+    const MadeRoom room = make_room(kind);
+    const bool wall = kind == RoomKind::Wall || kind == RoomKind::Corner;
+    const double radius_m = kind == RoomKind::Corner ? 1.6 : kOrbit_m;
+    const double first = wall ? -M_PI / 2 - 0.2 : 0.0, sweep = wall ? 2.0 : 2 * M_PI;
+    PartsOptions options;
+    options.cameras = orbit(room.middle_m, options.up, radius_m, 24, kWidth, first, sweep);
+    const auto found = find_parts(room.asset, options);
+    if (!found) continue;
+    const ClickCut cutter(room.asset, *found);
+    const auto views = orbit(room.middle_m, options.up, radius_m, 5, kWidth, first + 0.13, sweep);
+    std::vector<std::vector<uint16_t>> truth;
+    for (const Camera& camera : views) truth.push_back(label_picture(room.asset, room.owner, camera));
+    for (uint16_t thing = 1; thing <= room.names.size(); ++thing) {
+      std::vector<Click> clicks;
+      double iou[2] = {}, click_ms = 0;
+      std::vector<std::vector<uint16_t>> pictures(views.size(), std::vector<uint16_t>(truth[0].size(), 0));
+      for (int c = 0; c < 3; ++c) {
+        // The largest error among all views, by its inmost pixel.
+        size_t best_view = 0, most = 0;
+        bool take = true;
+        for (size_t v = 0; v < views.size(); ++v) {
+          size_t missed = 0, extra = 0;
+          for (size_t i = 0; i < truth[v].size(); ++i) {
+            missed += truth[v][i] == thing && pictures[v][i] != 1;
+            extra += truth[v][i] != thing && pictures[v][i] == 1;
+          }
+          if (std::max(missed, extra) > most)
+            most = std::max(missed, extra), best_view = v, take = missed >= extra;
+        }
+        if (most == 0) {
+          if (c <= 2) iou[1] = iou[0];
+          break;
+        }
+        std::vector<uint8_t> mask(truth[best_view].size());
+        for (size_t i = 0; i < mask.size(); ++i) {
+          const bool in = truth[best_view][i] == thing, got = pictures[best_view][i] == 1;
+          mask[i] = take ? in && !got : !in && got;
+        }
+        clicks.push_back(click_at(views[best_view], *inmost(mask, kWidth), take));
+        const int64_t start_ns = now_ns();
+        const CutThing cut = cutter.cut(clicks);
+        click_ms = milliseconds_from_ns(now_ns() - start_ns);
+        std::vector<uint16_t> label(room.asset.size(), 0);
+        for (uint32_t k : cut.kernels) label[k] = 1;
+        size_t both = 0, either = 0;
+        for (size_t v = 0; v < views.size(); ++v) {
+          pictures[v] = label_picture(room.asset, label, views[v]);
+          for (size_t i = 0; i < truth[v].size(); ++i) {
+            const bool in = truth[v][i] == thing, got = pictures[v][i] == 1;
+            both += in && got;
+            either += in || got;
+          }
+        }
+        (c == 0 ? iou[0] : iou[1]) =
+            static_cast<double>(both) / static_cast<double>(std::max<size_t>(either, 1));
+        if (c == 0) iou[1] = iou[0];
+      }
+      std::printf("%s,%s,%.4f,%.4f,%.1f\n", room_kind_name(kind), room.names[thing - 1].c_str(), iou[0],
+                  iou[1], click_ms);
+      std::fflush(stdout);
+      sum[0] += iou[0], sum[1] += iou[1], ++count;
+    }
+  }
+  std::printf("all,mean,%.4f,%.4f,\n", sum[0] / static_cast<double>(count),
+              sum[1] / static_cast<double>(count));
+  return 0;
+}
+
+int bench_million() {
+  MadeRoomOptions made;
+  made.spacing_m = 0.00126;
+  const MadeRoom room = make_room(RoomKind::Crowded, made);
+  PartsOptions options;
+  options.max_views = 12;
+  options.cameras = orbit(room.middle_m, options.up, kOrbit_m, 12, kWidth, 0, 2 * M_PI);
+  int64_t start_ns = now_ns();
+  const auto found = find_parts(room.asset, options);
+  const double parts_s = seconds_since(start_ns);
+  if (!found) return std::fprintf(stderr, "%s\n", found.error().message.c_str()), 1;
+  start_ns = now_ns();
+  const ClickCut cutter(room.asset, *found);
+  const double graph_s = seconds_since(start_ns);
+  std::vector<double> hover_ms, click_ms;
+  const auto views = orbit(room.middle_m, options.up, kOrbit_m, 5, kWidth, 0.13, 2 * M_PI);
+  for (int i = 0; i < 60; ++i) {
+    const Click click =
+        click_at(views[static_cast<size_t>(i) % 5], {40 + 37 * i % 240, 40 + 53 * i % 160}, true);
+    start_ns = now_ns();
+    (void)cutter.kernel_at(click.origin_m, click.direction);
+    hover_ms.push_back(milliseconds_from_ns(now_ns() - start_ns));
+    start_ns = now_ns();
+    (void)cutter.cut(std::span(&click, 1));
+    click_ms.push_back(milliseconds_from_ns(now_ns() - start_ns));
+  }
+  std::printf(
+      "kernels,parts,parts_s,graph_s,hover_p50_ms,hover_p95_ms,click_p50_ms,click_p95_ms\n%zu,%zu,%.2f,%.2f,%"
+      ".1f,%.1f,%.1f,%.1f\n",
+      room.asset.size(), found->parts.size(), parts_s, graph_s, percentile(hover_ms, 0.5),
+      percentile(hover_ms, 0.95), percentile(click_ms, 0.5), percentile(click_ms, 0.95));
+  return 0;
+}
+
 }  // namespace
 }  // namespace livegs
 
@@ -227,6 +368,8 @@ int main(int argc, char** argv) {
   if (argc >= 2 && std::strcmp(argv[1], "made") == 0) return livegs::bench_made(argc > 2 ? argv[2] : "");
   if (argc >= 3 && std::strcmp(argv[1], "table") == 0)
     return livegs::bench_table(std::span(argv + 2, static_cast<size_t>(argc - 2)));
-  std::fprintf(stderr, "usage: parts_bench made [ROOM] | parts_bench table SPLAT.ply...\n");
+  if (argc == 2 && std::strcmp(argv[1], "clicks") == 0) return livegs::bench_clicks();
+  if (argc == 2 && std::strcmp(argv[1], "million") == 0) return livegs::bench_million();
+  std::fprintf(stderr, "usage: parts_bench made [ROOM] | table SPLAT.ply... | clicks | million\n");
   return 2;
 }
