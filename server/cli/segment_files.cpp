@@ -10,6 +10,7 @@
 #include "core/file.h"
 #include "core/written_files.h"
 #include "gaussian/asset_file.h"
+#include "parts/room_solids.h"
 #include "parts/views/room_view.h"
 #include "scene/values/scene_values.h"
 #include "splat/frame_bounds.h"
@@ -23,9 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr double kLevelTilt_deg = 0.2;        // a floor within this of level is not turned
-constexpr double kTableThickness_voxels = 4;  // of the box under a support that is not the floor
-constexpr double kFloorGap_voxels = 6;        // a support this far above the lowest surface is a table
+constexpr double kLevelTilt_deg = 0.2;  // a floor within this of level is not turned
 constexpr int kPictureWidth_px = 640;
 constexpr float kDimmed = 0.35f;  // of the room around the outlined thing
 
@@ -37,40 +36,20 @@ ordered_json numbers(const Eigen::Vector3d& v) {
 // Planes and boxes of a room in the world of the scene.
 ordered_json colliders(const SegmentedRoom& room, const Eigen::Quaterniond& world_from_asset) {
   ordered_json all = ordered_json::array();
-  const auto add_plane = [&](const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
-    all.push_back({{"plane",
-                    {{"point_m", numbers(room.scale * (world_from_asset * point))},
-                     {"normal", numbers(world_from_asset * normal)}}},
-                   {"friction", 0.5},
-                   {"restitution", 0.2}});
-  };
-  double lowest_m = room.parts.lowest_m;
-  bool floor = false;
-  for (const RoomPlane& plane : room.parts.planes.supports) {
-    if (plane.offset_m - lowest_m < kFloorGap_voxels * room.parts.voxel_m) {
-      add_plane(plane.offset_m * plane.normal, plane.normal);
-      floor = true;
-      continue;
+  for (const RoomSolid& solid : room_solids(room.parts, room.up)) {
+    const ordered_json at = numbers(room.scale * (world_from_asset * solid.point_m));
+    ordered_json collider;
+    if (solid.size_m) {
+      const Eigen::Quaterniond q = (world_from_asset * Eigen::Quaterniond(solid.axes)).normalized();
+      collider["box"] = {{"size_m", numbers(room.scale * *solid.size_m)}};
+      collider["pose"] = {{"position_m", at}, {"orientation", {q.w(), q.x(), q.y(), q.z()}}};
+    } else {
+      collider["plane"] = {{"point_m", at}, {"normal", numbers(world_from_asset * solid.normal)}};
     }
-    const PlaneRegion& region = plane.region;
-    const Eigen::Vector2d size = region.bounds_m().sizes(), middle = region.bounds_m().center();
-    const double thick_m = kTableThickness_voxels * room.parts.voxel_m;
-    const Eigen::Vector3d centre =
-        middle.x() * region.u() + middle.y() * region.v() + (plane.offset_m - 0.5 * thick_m) * plane.normal;
-    Eigen::Matrix3d axes;
-    axes.col(0) = region.u();
-    axes.col(1) = plane.normal;
-    axes.col(2) = region.u().cross(plane.normal);
-    const Eigen::Quaterniond q = (world_from_asset * Eigen::Quaterniond(axes)).normalized();
-    all.push_back({{"box", {{"size_m", numbers(room.scale * Eigen::Vector3d(size.x(), thick_m, size.y()))}}},
-                   {"pose",
-                    {{"position_m", numbers(room.scale * (world_from_asset * centre))},
-                     {"orientation", {q.w(), q.x(), q.y(), q.z()}}}},
-                   {"friction", 0.5},
-                   {"restitution", 0.2}});
+    collider["friction"] = 0.5;
+    collider["restitution"] = 0.2;
+    all.push_back(std::move(collider));
   }
-  if (!floor) add_plane(lowest_m * room.up, room.up);
-  for (const RoomPlane& wall : room.parts.planes.walls) add_plane(wall.offset_m * wall.normal, wall.normal);
   return all;
 }
 

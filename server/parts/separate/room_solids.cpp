@@ -23,8 +23,7 @@ std::vector<RoomSolid> room_solids(const RoomParts& parts, const Eigen::Vector3d
       continue;
     }
     const PlaneRegion& region = plane.region;
-    const Eigen::Vector2d size = region.high_m() - region.low_m(),
-                          middle = 0.5 * (region.high_m() + region.low_m());
+    const Eigen::Vector2d size = region.bounds_m().sizes(), middle = region.bounds_m().center();
     const double thick_m = kTableThickness_voxels * parts.voxel_m;
     RoomSolid slab;
     slab.point_m =
