@@ -138,6 +138,14 @@ std::shared_ptr<const void> ObjectCache::value(const std::string& key) {
 }
 
 void ObjectCache::keep_value(const std::string& key, std::shared_ptr<const void> value, size_t kernels) {
+  {
+    std::lock_guard lock(mutex_);
+    if (const auto known = entries_.find(key); known != entries_.end()) {
+      kernels_ -= known->second.kernels;
+      by_age_.erase(known->second.age);
+      entries_.erase(known);
+    }
+  }
   keep(key, {nullptr, nullptr, std::move(value), {}, kernels, {}});
 }
 

@@ -34,6 +34,7 @@ class ObjectCache {
 
   // Anything else that takes time to build, such as an environment; null if there is none.
   std::shared_ptr<const void> value(const std::string& key);
+  // Replaces an earlier value.
   void keep_value(const std::string& key, std::shared_ptr<const void> value, size_t kernels);
   // Size and time of a file, or of every file of a folder: part of a key.
   static std::string stamp_of(const std::filesystem::path& path);

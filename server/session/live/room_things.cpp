@@ -134,22 +134,27 @@ RoomThings::Room RoomThings::room_of(LabelledRoom labelled, std::string labels_f
 }
 
 void RoomThings::search(std::stop_token stop, const v1::Environment& environment) {
-  const auto end = [&](v1::RoomParts::State state, const std::string& reason,
-                       std::shared_ptr<const Room> room = nullptr) {
-    if (!reason.empty()) log_info("room: %s", reason.c_str());
+  const std::string& labels = environment.labels();
+  const auto fail = [&](const std::string& reason) {
+    log_info("room: %s", reason.c_str());
     std::lock_guard lock(mutex_);
-    state_ = state;
-    reason_ = redact_paths(reason);
-    room_ = std::move(room);
+    searching_.reset();
+    failed_ = {labels, redact_paths(reason)};
   };
-  if (!environment.labels().empty()) {
-    auto kept = read_labelled_room(folder_ / environment.labels());
-    if (!kept) return end(v1::RoomParts::FAILED, kept.error().message);
-    auto room = std::make_shared<Room>(room_of(std::move(*kept), environment.labels()));
-    return end(v1::RoomParts::READY, "", room);
+  const auto end = [&](LabelledRoom found) {
+    auto room = std::make_shared<Room>(room_of(std::move(found), labels));
+    log_info("room: %zu things can be taken", room->things.size());
+    if (room->things.empty()) return fail("no thing was found that stands apart; nothing can be taken");
+    std::lock_guard lock(mutex_);
+    searching_.reset();
+    rooms_[labels] = std::move(room);
+  };
+  if (!labels.empty()) {
+    auto kept = read_labelled_room(folder_ / labels);
+    return kept ? end(std::move(*kept)) : fail(kept.error().message);
   }
   auto file = read_asset(folder_ / environment.asset());
-  if (!file) return end(v1::RoomParts::FAILED, file.error().message);
+  if (!file) return fail(file.error().message);
   const Placed at = placed(environment);
   PartsOptions options;
   options.up = at.asset_direction(Vector3d::UnitY());
@@ -160,15 +165,14 @@ void RoomThings::search(std::stop_token stop, const v1::Environment& environment
   };
   auto found = find_parts(file->asset, options);
   if (stop.stop_requested()) return;
-  if (!found) return end(v1::RoomParts::FAILED, found.error().message);
-  auto room =
-      std::make_shared<Room>(room_of(labelled(split_straddling(file->asset, *found), *found, stop), ""));
+  if (!found) return fail(found.error().message);
+  LabelledRoom room = labelled(split_straddling(file->asset, *found), *found, stop);
   if (stop.stop_requested()) return;
-  room->solids = room_solids(*found, options.up);
-  log_info("room: %zu things found that can be taken", room->things.size());
-  if (room->things.empty())
-    return end(v1::RoomParts::FAILED, "no thing was found that stands apart; nothing can be taken");
-  end(v1::RoomParts::READY, "", room);
+  {
+    std::lock_guard lock(mutex_);
+    solids_ = room_solids(*found, options.up);
+  }
+  end(std::move(room));
 }
 
 v1::RoomParts RoomThings::describe(const v1::Environment& environment) {
@@ -177,31 +181,38 @@ v1::RoomParts RoomThings::describe(const v1::Environment& environment) {
     message.set_reason("environment: has no captured room; name its splat as environment.asset");
     return message;
   }
+  const std::lock_guard starting(starting_);
   std::unique_lock lock(mutex_);
-  // Labels that this object wrote are those that it has.
-  const bool known =
-      asset_ == environment.asset() && (labels_ == environment.labels() || environment.labels().empty() ||
-                                        (room_ && room_->labels_file == environment.labels()));
-  if (!known && state_ != v1::RoomParts::PREPARING) {
+  if (asset_ != environment.asset() && !searching_) {
     asset_ = environment.asset();
-    labels_ = environment.labels();
-    state_ = v1::RoomParts::PREPARING;
+    rooms_.clear();
+    solids_.clear();
+    failed_.reset();
+  }
+  const bool own = asset_ == environment.asset();
+  const auto known = own ? rooms_.find(environment.labels()) : rooms_.end();
+  const bool failed = own && failed_ && failed_->first == environment.labels();
+  if (known == rooms_.end() && !searching_ && !failed) {
+    searching_ = environment.labels();
     progress_ = 0;
-    reason_.clear();
-    room_.reset();
     lock.unlock();
     thread_ = std::jthread([this, environment](const std::stop_token& stop) {
       pthread_setname_np(pthread_self(), "room");
       search(stop, environment);
     });
-    lock.lock();
+    message.set_state(v1::RoomParts::PREPARING);
+    return message;
   }
-  message.set_state(state_);
-  message.set_progress(state_ == v1::RoomParts::READY ? 1.0 : progress_);
-  message.set_reason(reason_);
-  if (!room_) return message;
+  if (known == rooms_.end()) {
+    message.set_state(failed ? v1::RoomParts::FAILED : v1::RoomParts::PREPARING);
+    message.set_progress(failed ? 0.0 : progress_);
+    if (failed) message.set_reason(failed_->second);
+    return message;
+  }
+  message.set_state(v1::RoomParts::READY);
+  message.set_progress(1.0);
   const Placed at = placed(environment);
-  for (const auto& [label, thing] : room_->things) {
+  for (const auto& [label, thing] : known->second->things) {
     v1::RoomParts::Part& part = *message.add_parts();
     const Eigen::AlignedBox3d box = world_box(at, thing.bounds);
     part.set_label(label);
@@ -215,7 +226,8 @@ v1::RoomParts RoomThings::describe(const v1::Environment& environment) {
 
 std::shared_ptr<const RoomThings::Room> RoomThings::room_for(const v1::Environment& environment) const {
   std::lock_guard lock(mutex_);
-  return asset_ == environment.asset() ? room_ : nullptr;
+  const auto known = rooms_.find(environment.labels());
+  return asset_ == environment.asset() && known != rooms_.end() ? known->second : nullptr;
 }
 
 const RoomThings::Shown& RoomThings::shown(std::shared_ptr<const Room> room,
@@ -277,6 +289,7 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
 Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environment& environment) {
   auto room = room_for(environment);
   if (!room) return Error{ErrorCode::Unavailable, "room: its things are not found yet; try again later"};
+  const auto before = room;
   const uint16_t label = thing.labels.front();
   if (thing.labels.size() > 1 || room->labels_file.empty()) {
     LabelledRoom joined = room->labelled;
@@ -292,11 +305,9 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
     if (auto written = write_labelled_room(folder_ / name, joined); !written) return written.error();
     auto read = read_labelled_room(folder_ / name);  // with the bits that later runs see
     if (!read) return read.error();
-    auto written_room = std::make_shared<Room>(room_of(std::move(*read), name));
-    written_room->solids = room->solids;
-    room = std::move(written_room);
+    room = std::make_shared<Room>(room_of(std::move(*read), name));
     std::lock_guard lock(mutex_);
-    room_ = room;
+    rooms_[name] = room;
   }
   GaussianAsset asset = thing_alone(room->labelled, label);
   if (asset.size() == 0) return not_found("room: the thing has no kernels; take another");
@@ -317,9 +328,10 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
 
   Taken taken{environment, {}};
   taken.environment.set_labels(room->labels_file);
-  collide(*room, taken.environment);
+  collide(*before, taken.environment);
   taken.environment.add_taken(label);
-  remove_collider(box_around(room->things.at(label), environment), taken.environment);
+  for (const uint16_t one : thing.labels)
+    remove_collider(box_around(before->things.at(one), environment), taken.environment);
   v1::Object& object = taken.object;
   object.set_asset(file);
   object.set_scale(at.scale);
@@ -340,13 +352,17 @@ v1::Collider RoomThings::box_around(const Known& thing, const v1::Environment& e
   return collider;
 }
 
-void RoomThings::collide(const Room& room, v1::Environment& environment) {
+void RoomThings::collide(const Room& room, v1::Environment& environment) const {
+  const std::vector<RoomSolid> solids = [&] {
+    std::lock_guard lock(mutex_);
+    return solids_;
+  }();
   const bool own = environment.colliders_size() > 0 && !environment.collide();
-  if (own || room.solids.empty()) return;
+  if (own || solids.empty()) return;
   environment.clear_collide();
   const Placed at = placed(environment);
   const Eigen::Quaterniond world_from_asset = at.world_from_object.orientation * at.rotation;
-  for (const RoomSolid& solid : room.solids) {
+  for (const RoomSolid& solid : solids) {
     v1::Collider& collider = *environment.add_colliders();
     if (solid.size_m) {
       set_numbers(*collider.mutable_box()->mutable_size_m(), at.scale * *solid.size_m);
@@ -368,11 +384,24 @@ Result<v1::Environment> RoomThings::put_back(uint32_t label, v1::Environment env
   const auto room = room_for(environment);
   if (!room) return Error{ErrorCode::Unavailable, "room: its things are not found yet; try again later"};
   auto& taken = *environment.mutable_taken();
-  taken.erase(std::remove(taken.begin(), taken.end(), label), taken.end());
-  const auto thing = room->things.find(static_cast<uint16_t>(label));
-  if (thing == room->things.end())
+  const auto place = std::find(taken.begin(), taken.end(), label);
+  const auto thing =
+      label <= kThingMask ? room->things.find(static_cast<uint16_t>(label)) : room->things.end();
+  if (place == taken.end() || thing == room->things.end())
     return not_found("room: the thing is not in its labels; undo the step instead");
-  *environment.add_colliders() = box_around(thing->second, environment);
+  taken.erase(place);
+  // A room with other colliders than collide() makes has no boxes around its things.
+  const auto has_box = [&](const Known& other) {
+    const v1::Collider box = box_around(other, environment);
+    return std::any_of(environment.colliders().begin(), environment.colliders().end(), [&](const auto& one) {
+      return google::protobuf::util::MessageDifferencer::Equals(one, box);
+    });
+  };
+  const bool boxes = std::all_of(room->things.begin(), room->things.end(), [&](const auto& other) {
+    return other.first == label || std::find(taken.begin(), taken.end(), other.first) != taken.end() ||
+           has_box(other.second);
+  });
+  if (boxes && !environment.collide()) *environment.add_colliders() = box_around(thing->second, environment);
   return environment;
 }
 

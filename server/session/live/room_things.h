@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/result.h"
@@ -57,8 +58,7 @@ class RoomThings {
   struct Room {
     LabelledRoom labelled;
     std::map<uint16_t, Known> things;
-    std::vector<RoomSolid> solids;  // empty if the labels were read
-    std::string labels_file;        // in the folder; empty: not written yet
+    std::string labels_file;  // in the folder; empty: not written yet
   };
   void search(std::stop_token stop, const v1::Environment& environment);
   std::shared_ptr<const Room> room_for(const v1::Environment& environment) const;
@@ -72,19 +72,22 @@ class RoomThings {
   };
   // Colliders of a room from which things are taken: its planes, and a box around each thing that is in it.
   // The field of the whole room, Environment.collide, is too coarse to stand on and has the things in it.
-  static void collide(const Room& room, v1::Environment& environment);
+  void collide(const Room& room, v1::Environment& environment) const;
   static v1::Collider box_around(const Known& thing, const v1::Environment& environment);
   const Shown& shown(std::shared_ptr<const Room> room, const v1::Environment& environment);
 
   const std::filesystem::path folder_;
-  mutable std::mutex mutex_;    // guards the rest but the thread
-  std::string asset_, labels_;  // of the search
-  v1::RoomParts::State state_ = v1::RoomParts::NONE;
+  std::mutex starting_;       // guards thread_; taken before mutex_
+  mutable std::mutex mutex_;  // guards what follows, up to failed_
+  std::string asset_;         // of the rooms
+  // By file of labels; "" has what a search found.
+  std::map<std::string, std::shared_ptr<const Room>> rooms_;
+  std::vector<RoomSolid> solids_;         // of the search; empty before it
+  std::optional<std::string> searching_;  // file of labels of the search or reading under way
   double progress_ = 0;
-  std::string reason_;
-  std::shared_ptr<const Room> room_;
-  Shown shown_;          // not guarded: the thread of edits
-  std::jthread thread_;  // last: uses all members above
+  std::optional<std::pair<std::string, std::string>> failed_;  // file of labels, reason
+  Shown shown_;                                                // not guarded: the thread of edits
+  std::jthread thread_;                                        // last: uses all members above
 };
 
 }  // namespace livegs

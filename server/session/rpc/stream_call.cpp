@@ -213,7 +213,9 @@ bool StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
     // Two frames without a change are written, so that the client can see that the scene rests.
     const bool unchanged =
         frame.unchanged && outgoing.events.empty() && contents_of(header) == contents_of(header_);
-    if (unchanged && rests_ && tick.tick() / rest_ticks_ == header_.tick() / rest_ticks_) {
+    // Ticks of a slow simulation are farther apart.
+    const bool soon = now_ns() - written_ns_ < kRestInterval_ns;
+    if (unchanged && rests_ && soon && tick.tick() / rest_ticks_ == header_.tick() / rest_ticks_) {
       session_->withdraw(stream_, tick.tick());
       return false;
     }

@@ -363,7 +363,9 @@ void CellsBody::wake() {
   become_elastic();
   rest_.sleep_timer.wake();
   rest_.stationary_s = 0.0;
-  colliders_.margin_m = 0.0;  // the colliders may have changed
+  // The colliders may have changed.
+  colliders_.margin_m = 0.0;
+  colliders_.sides.clear();
 }
 
 // Hysteretic damping dissipates 2 pi eta of a vibration's energy per cycle. Damping at the rate eta omega is
