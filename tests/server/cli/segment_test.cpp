@@ -142,7 +142,11 @@ TEST_F(Segment, WritesNothingForBadInput) {
 
   GaussianAsset one;
   one.resize(1);
+  one.positions[0].setZero();
+  one.log_scales[0].setConstant(-3);
   one.rotations[0].setIdentity();
+  one.opacity_logits[0] = 2;
+  one.sh_dc[0].setZero();
   ASSERT_TRUE(write_asset(folder / "captured.ply", one));
   expect_line(segment(), "has 1 kernels, too few");
 

@@ -146,6 +146,35 @@ TEST_F(RoomTaking, AThingIsTakenPutBackAndKept) {
   EXPECT_TRUE(author_->take_part(towards(0))) << "it can be taken again";
 }
 
+TEST_F(RoomTaking, TwoThingsAreTakenAsOneAndStayTwoAfterUndo) {
+  const auto alone = [&](size_t thing) {
+    v1::TakePartRequest request = towards(thing);
+    request.set_preview(true);
+    const auto preview = author_->take_part(request);
+    EXPECT_TRUE(preview) << preview.error().message;
+    return preview ? preview->kernels() : 0;
+  };
+  const uint32_t first = alone(0), second = alone(1);
+  v1::TakePartRequest both = towards(0);
+  *both.add_rays() = towards(1).rays(0);
+  const auto taken = author_->take_part(both);
+  ASSERT_TRUE(taken) << taken.error().message;
+  EXPECT_EQ(taken->kernels(), first + second);
+  // The planes of the desk's room and a box around each of the three things that are left.
+  int boxes = 0;
+  const v1::Scene now = scene();
+  for (const v1::Collider& collider : now.environment().colliders()) boxes += collider.has_box();
+  EXPECT_GE(boxes, 3);
+  ASSERT_TRUE(author_->undo_edit(false));
+  EXPECT_EQ(alone(0), first);
+  EXPECT_EQ(alone(1), second);
+  v1::TakePartRequest one = both;  // the second ray takes away
+  one.mutable_rays(1)->set_away(true);
+  const auto only = author_->take_part(one);
+  ASSERT_TRUE(only) << only.error().message;
+  EXPECT_EQ(only->kernels(), first);
+}
+
 TEST_F(RoomTaking, BadRaysTakeNothing) {
   const auto refusal = [&](const v1::TakePartRequest& request) {
     const auto taken = author_->take_part(request);
