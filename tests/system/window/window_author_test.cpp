@@ -9,6 +9,7 @@
 #include "core/clock.h"
 #include "gaussian/asset_file.h"
 #include "patience.h"
+#include "rates.h"
 #include "sample/made_room.h"
 #include "system/support/author_server.h"
 #include "system/window/window_session.h"
@@ -233,7 +234,9 @@ TEST_F(WindowAuthor, BuildsAScene) {
 }
 
 // A second window, of another process, and a server that is killed between the steps of both.
+// Nightly: two windows and four starts of a server are slow beside other tests.
 TEST_F(WindowAuthor, TwoWindowsEditOneScene) {
+  if (!full_sets()) GTEST_SKIP() << "nightly, with LIVEGS_TEST_SEEDS";
   constexpr int kOtherWidth = 640, kOtherHeight = 480;
   Program other({LIVEGS_CLIENT, "localhost:" + server_->port(), "--display", "window", "--renderer", "cpu",
                  "--size", "640x480", "--camera", camera_file(), "--cache", folder_ / "other_cache"});
