@@ -5,16 +5,14 @@
 #include <filesystem>
 #include <memory>
 
+#include "capture/read/pose_files.h"
 #include "cli/commands.h"
 #include "cli/output_path.h"
 #include "cli/segment_files.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
-#include "parts/label/choose_kernels.h"
-#include "parts/separate/fill_behind.h"
-#include "parts/separate/split_straddling.h"
+#include "parts/labelled_room.h"
 #include "parts/views/choose_cameras.h"
-#include "parts/views/transforms_file.h"
 #include "scene/values/scene_values.h"
 #include "splat/image.h"
 
@@ -59,23 +57,23 @@ Result<UpAxis> choose_up(const SegmentCommand& command, const std::vector<Camera
 
 // The label pictures of a folder that have the name of a camera.
 Result<std::vector<LabelPicture>> read_label_pictures(const fs::path& folder,
-                                                      const std::vector<NamedCamera>& cameras) {
+                                                      const std::vector<CapturedView>& cameras) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
     return not_found(folder.string() + ": is not a folder; give the folder of the label pictures");
   std::vector<LabelPicture> pictures;
-  for (const NamedCamera& camera : cameras) {
-    const fs::path path = folder / (camera.name + ".png");
-    if (camera.name.empty() || !fs::exists(path, error)) continue;
+  for (const CapturedView& view : cameras) {
+    const fs::path path = folder / (fs::path(view.name).stem().string() + ".png");
+    if (view.name.empty() || !fs::exists(path, error)) continue;
+    const Camera& camera = view.camera;
     auto image = read_png(path);
     if (!image) return image.error();
-    if (image->width != camera.camera.width || image->height != camera.camera.height)
+    if (image->width != camera.width || image->height != camera.height)
       return invalid_data(path.filename().string() + ": has " + std::to_string(image->width) + " x " +
                           std::to_string(image->height) + " pixels, its camera " +
-                          std::to_string(camera.camera.width) + " x " + std::to_string(camera.camera.height) +
+                          std::to_string(camera.width) + " x " + std::to_string(camera.height) +
                           "; give masks of the size of the photos");
-    LabelPicture picture{camera.camera,
-                         std::vector<uint16_t>(static_cast<size_t>(image->width) * image->height)};
+    LabelPicture picture{camera, std::vector<uint16_t>(static_cast<size_t>(image->width) * image->height)};
     for (size_t i = 0; i < picture.labels.size(); ++i)
       picture.labels[i] = static_cast<uint16_t>(std::lround(255.0f * image->pixels[4 * i]));
     pictures.push_back(std::move(picture));
@@ -98,15 +96,15 @@ int segment(const SegmentCommand& command) {
   if (!file) return report(file.error());
   for (const std::string& note : file->notes)
     log_warn("%s: %s", command.input.filename().c_str(), note.c_str());
-  std::vector<NamedCamera> cameras;
+  std::vector<CapturedView> cameras;
   if (!command.cameras.empty()) {
-    auto read = read_transforms(command.cameras);
+    auto read = read_transforms_file(command.cameras);
     if (!read) return report(read.error());
-    cameras = std::move(*read);
+    cameras = std::move(read->views);
   }
   SegmentedRoom room;
   PartsOptions options;
-  for (const NamedCamera& camera : cameras) options.cameras.push_back(camera.camera);
+  for (const CapturedView& view : cameras) options.cameras.push_back(view.camera);
   auto up = choose_up(command, options.cameras);
   if (!up) return report(up.error());
   options.up = room.up = up->axis;
@@ -132,28 +130,17 @@ int segment(const SegmentCommand& command) {
         invalid_data(command.input.filename().string() +
                      ": has nothing that stands on a floor, a table or a wall; nothing was written"));
   log_info("segment: borders");
-  const SplitRoom split = split_straddling(room.original, *found);
-  room.room = kernels_with(split.asset, split.label, kRoomLabel);
-  std::vector<uint8_t> hidden(split.asset.size(), 0);
-  std::vector<GaussianAsset> fills;
-  for (size_t p = 0; p < found->parts.size(); ++p) {
+  const LabelledRoom labelled = label_room(room.original, *found);
+  std::vector<uint32_t> taken;
+  for (const RoomPart& part : found->parts) {
+    taken.push_back(part.label);
+    const bool filled = std::find(labelled.label.begin(), labelled.label.end(),
+                                  label_of(KernelKind::Fill, part.label)) != labelled.label.end();
     char name[32];
-    std::snprintf(name, sizeof name, "part_%02zu", p + 1);
-    SegmentedThing thing{name, kernels_with(split.asset, split.label, found->parts[p].label), found->parts[p],
-                         false};
-    BehindThing behind = fill_behind(split, *found, p);
-    thing.unfilled = behind.unfilled;
-    for (size_t k = 0; k < behind.underside.size(); ++k) append_kernel(thing.asset, behind.underside, k);
-    for (uint32_t k : behind.hidden) hidden[k] = 1;
-    fills.push_back(std::move(behind.fill));
-    room.things.push_back(std::move(thing));
+    std::snprintf(name, sizeof name, "part_%02zu", taken.size());
+    room.things.push_back({name, thing_alone(labelled, part.label), part, !filled});
   }
-  std::vector<uint16_t> kept(split.label);
-  for (size_t k = 0; k < kept.size(); ++k)
-    if (hidden[k]) kept[k] = 1;
-  room.room = kernels_with(split.asset, kept, kRoomLabel);
-  for (const GaussianAsset& fill : fills)
-    for (size_t k = 0; k < fill.size(); ++k) append_kernel(room.room, fill, k);
+  room.room = room_without(labelled, taken);
   room.parts = std::move(*found);
   const size_t things = room.things.size();
   for (const SegmentedThing& thing : room.things) {

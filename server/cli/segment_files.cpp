@@ -11,6 +11,7 @@
 #include "core/written_files.h"
 #include "gaussian/asset_file.h"
 #include "parts/room_solids.h"
+#include "parts/views/choose_cameras.h"
 #include "parts/views/room_view.h"
 #include "scene/values/scene_values.h"
 #include "splat/frame_bounds.h"
@@ -99,20 +100,9 @@ const Camera& best_view(const RoomParts& parts, uint16_t label) {
   return parts.cameras[best];
 }
 
-Camera enlarged(Camera camera) {
-  const double scale = static_cast<double>(kPictureWidth_px) / camera.width;
-  camera.width = kPictureWidth_px;
-  camera.height = std::max(1, static_cast<int>(std::lround(scale * camera.height)));
-  camera.focal_x_px *= scale;
-  camera.focal_y_px *= scale;
-  camera.centre_x_px *= scale;
-  camera.centre_y_px *= scale;
-  return camera;
-}
-
 // The thing where it stands, the room around it dimmed; next to it the room without it.
 Image thing_picture(const SegmentedRoom& room, const SegmentedThing& thing) {
-  const Camera camera = enlarged(best_view(room.parts, thing.part.label));
+  const Camera camera = with_width(best_view(room.parts, thing.part.label), kPictureWidth_px);
   std::vector<const GaussianAsset*> assets{&thing.asset};
   std::vector<uint32_t> ids;
   for (const SegmentedThing& other : room.things)

@@ -14,15 +14,16 @@
 #include <filesystem>
 #include <string>
 
+#include "capture/read/pose_files.h"
 #include "core/clock.h"
 #include "core/percentile.h"
 #include "gaussian/asset_file.h"
 #include "parts/click/click_cut.h"
+#include "parts/click/kernel_on_ray.h"
 #include "parts/room_parts.h"
 #include "parts/separate/split_straddling.h"
 #include "parts/views/choose_cameras.h"
 #include "parts/views/room_view.h"
-#include "parts/views/transforms_file.h"
 #include "sample/made_room.h"
 #include "server/parts/part_scores.h"
 #include "splat/image.h"
@@ -150,16 +151,17 @@ std::vector<uint16_t> read_half_mask(const std::filesystem::path& path) {
 
 int bench_table(std::span<char*> files) {
   const std::filesystem::path data = std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "multiview/ycb_tabletop";
-  auto train = read_transforms(data / "transforms_train.json"),
-       test = read_transforms(data / "transforms_test.json");
+  auto train = read_transforms_file(data / "transforms_train.json"),
+       test = read_transforms_file(data / "transforms_test.json");
   if (!train || !test) return std::fprintf(stderr, "%s: missing\n", data.c_str()), 77;
   ViewsUsed views;
-  for (const NamedCamera& camera : *train) views.known.push_back(camera.camera);
-  for (const NamedCamera& camera : *test) views.held_out.push_back(camera.camera);
+  for (const CapturedView& camera : train->views) views.known.push_back(camera.camera);
+  for (const CapturedView& camera : test->views) views.held_out.push_back(camera.camera);
   views.held_out = thin_cameras(views.held_out, views.held_out.size(), kWidth);
   std::vector<std::vector<uint16_t>> truth;
-  for (const NamedCamera& camera : *test)
-    truth.push_back(read_half_mask(data / "masks" / (camera.name + ".png")));
+  for (const CapturedView& camera : test->views)
+    truth.push_back(
+        read_half_mask(data / "masks" / (std::filesystem::path(camera.name).stem().string() + ".png")));
   const uint16_t table[] = {1};
   print_header();
   for (char* file : files) {
@@ -177,10 +179,11 @@ int bench_table(std::span<char*> files) {
       } else {
         std::vector<LabelPicture> pictures;
         for (int m = 0; m < masks; ++m) {
-          const NamedCamera& camera =
-              (*train)[static_cast<size_t>(m) * train->size() / static_cast<size_t>(masks)];
+          const CapturedView& camera =
+              train->views[static_cast<size_t>(m) * train->views.size() / static_cast<size_t>(masks)];
           pictures.push_back({thin_cameras({camera.camera}, 1, kWidth)[0],
-                              read_half_mask(data / "masks" / (camera.name + ".png"))});
+                              read_half_mask(data / "masks" /
+                                             (std::filesystem::path(camera.name).stem().string() + ".png"))});
           for (uint16_t& label : pictures.back().labels) label = label < 2 ? 0 : label - 1;
         }
         found = lift_labels(asset->asset, std::move(pictures), options);
@@ -347,7 +350,7 @@ int bench_million() {
     const Click click =
         click_at(views[static_cast<size_t>(i) % 5], {40 + 37 * i % 240, 40 + 53 * i % 160}, true);
     start_ns = now_ns();
-    (void)cutter.kernel_at(click.origin_m, click.direction);
+    (void)kernel_on_ray(room.asset, click.origin_m, click.direction);
     hover_ms.push_back(milliseconds_from_ns(now_ns() - start_ns));
     start_ns = now_ns();
     (void)cutter.cut(std::span(&click, 1));

@@ -24,8 +24,8 @@ namespace {
 
 // Shortest time between two frames that waited for events, seconds: a mouse may send a thousand a second.
 constexpr double kMinWaitedFrame_s = 1.0 / 120;
-// Dear ImGui lays a panel out over a few frames, so waits are short for so many frames after a change of the
-// contents. Fewer leave a panel at a wrong size until the next event.
+// Number of frames with short waits after a change of the contents: Dear ImGui gives a panel its size over a
+// few frames. Fewer leave a panel at a wrong size until the next event.
 constexpr int kSettlingFrames = 3;
 constexpr double kSettlingWait_s = 0.01;
 

@@ -33,7 +33,7 @@ constexpr float kBorder = 0.75f, kFadeShare = 0.4f;
 constexpr float kMaxTexels = 48;       // along the longer side; more costs time in proportion to the square
 constexpr float kMinTexel_m = 0.004f;  // about the size of the kernels of a detailed floor
 constexpr double kTrimmed = 0.01;      // share of kernels at each end that may be floaters
-constexpr float kMostCells = 32;       // of the header's grid along its longer side
+constexpr float kMaxCells = 32;        // of the header's grid along its longer side
 
 struct Map {
   int nx = 0, nz = 0;
@@ -261,7 +261,7 @@ std::vector<uint32_t> packed(std::span<const Placed> bodies) {
     low = low.cwiseMin(placed.low());
     high = high.cwiseMax(placed.high());
   }
-  const float scale = kMostCells / std::max((high - low).maxCoeff(), 1e-3f);
+  const float scale = kMaxCells / std::max((high - low).maxCoeff(), 1e-3f);
   const auto cells = [&](float extent_m) { return static_cast<uint32_t>(std::floor(scale * extent_m)) + 1; };
   const uint32_t cells_x = cells(high.x() - low.x()), cells_z = cells(high.y() - low.y());
   std::vector<uint32_t> words = {bits(low.x()), bits(low.y()), bits(scale),

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "core/parallel_for.h"
-#include "gaussian/opacity.h"
+#include "parts/click/kernel_on_ray.h"
 #include "parts/graph/kernel_tree.h"
 
 namespace livegs {
@@ -19,7 +19,6 @@ using Eigen::Vector3f;
 
 constexpr size_t kEdges = 10;               // nearest neighbours of a kernel
 constexpr float kTouch = 2.0f;              // deviations of both ellipsoids along their line that touch
-constexpr float kRayDeviations = 3.0f;      // of a kernel that a ray meets
 constexpr float kColourDeviation = 0.1f;    // of the colours of neighbours on one thing
 constexpr float kConcaveWeight = 0.1f;      // factor on an edge across a concave corner
 constexpr float kConcaveEdge = 0.35f;       // (n1 - n2) · d of a concave corner
@@ -38,7 +37,6 @@ struct ClickCut::Graph {
   std::vector<uint32_t> neighbours;  // kEdges per kernel; own index: none
   std::vector<float> weights;
   std::vector<Vector3f> normals;  // along the shortest axis, towards the side from which it is seen
-  std::vector<float> reach_m;     // kRayDeviations of the longest axis
 };
 
 ClickCut::ClickCut(const GaussianAsset& asset, const RoomParts& parts)
@@ -48,7 +46,6 @@ ClickCut::ClickCut(const GaussianAsset& asset, const RoomParts& parts)
   g.neighbours.resize(kEdges * count);
   g.weights.assign(kEdges * count, 0.0f);
   g.normals.resize(count);
-  g.reach_m.resize(count);
   Vector3d eye = Vector3d::Zero();
   for (const Camera& camera : parts.cameras) eye += camera.world_from_camera.position_m;
   if (!parts.cameras.empty()) eye /= static_cast<double>(parts.cameras.size());
@@ -59,7 +56,6 @@ ClickCut::ClickCut(const GaussianAsset& asset, const RoomParts& parts)
       Vector3f normal = asset.rotations[k] * Vector3f::Unit(shortest);
       if (normal.dot(eye.cast<float>() - asset.positions[k]) < 0) normal = -normal;
       g.normals[k] = normal;
-      g.reach_m[k] = kRayDeviations * std::exp(asset.log_scales[k].maxCoeff());
     }
   });
   parallel_for(count, 1024, [&](size_t begin, size_t end) {
@@ -96,43 +92,6 @@ ClickCut::ClickCut(const GaussianAsset& asset, const RoomParts& parts)
 
 ClickCut::~ClickCut() = default;
 
-std::optional<uint32_t> ClickCut::kernel_at(const Vector3d& origin_m, const Vector3d& direction) const {
-  struct Met {
-    float t, alpha;
-    uint32_t kernel;
-  };
-  constexpr size_t kRayBlock = 65536;
-  const Vector3f origin = origin_m.cast<float>(), ray = direction.cast<float>();
-  std::vector<std::vector<Met>> of_block((asset_.size() + kRayBlock - 1) / kRayBlock);
-  parallel_for(asset_.size(), kRayBlock, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) {
-      const Vector3f d = asset_.positions[k] - origin;
-      const float along = d.dot(ray), reach_m = graph_->reach_m[k];
-      if (along < -reach_m || d.squaredNorm() - along * along > reach_m * reach_m) continue;
-      // In the frame of the kernel, in deviations.
-      const Eigen::Quaternionf turn = asset_.rotations[k].conjugate();
-      const Eigen::Array3f inverse = (-asset_.log_scales[k].array().max(-16.0f)).exp();
-      const Vector3f from = (inverse * (turn * d).array()).matrix(),
-                     step = (inverse * (turn * ray).array()).matrix();
-      const float t = step.dot(from) / step.squaredNorm();
-      if (!(t > 0)) continue;
-      const float alpha = std::min(0.99f, opacity_of_logit(asset_.opacity_logits[k]) *
-                                              std::exp(-0.5f * (from - t * step).squaredNorm()));
-      if (alpha >= 1.0f / 255.0f) of_block[begin / kRayBlock].push_back({t, alpha, static_cast<uint32_t>(k)});
-    }
-  });
-  std::vector<Met> met;
-  for (const auto& some : of_block) met.insert(met.end(), some.begin(), some.end());
-  std::sort(met.begin(), met.end(),
-            [](const Met& a, const Met& b) { return a.t < b.t || (a.t == b.t && a.kernel < b.kernel); });
-  float transmittance = 1;
-  for (const Met& one : met) {
-    transmittance *= 1 - one.alpha;
-    if (transmittance < 0.5f) return one.kernel;
-  }
-  return {};
-}
-
 CutThing ClickCut::cut(std::span<const Click> clicks) const {
   CutThing result;
   const auto brush_m = static_cast<float>(kBrush_voxels * parts_.voxel_m);
@@ -140,7 +99,7 @@ CutThing ClickCut::cut(std::span<const Click> clicks) const {
   std::vector<uint32_t> seeds, against, near;
   std::optional<uint32_t> first;
   for (const Click& click : clicks) {
-    const auto hit = kernel_at(click.origin_m, click.direction);
+    const auto hit = kernel_on_ray(asset_, click.origin_m, click.direction);
     if (!hit) continue;
     if (click.take && !first) first = hit;
     graph_->tree.within(asset_.positions[*hit], brush_m, near);

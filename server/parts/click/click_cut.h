@@ -11,7 +11,7 @@
 #include "gaussian/gaussian_asset.h"
 #include "parts/room_parts.h"
 
-// Points at things of a room: the part under a ray, and the kernels that one or several rays take. Prepared
+// The kernels that one or several rays take out of a room. Prepared
 // once per room, in the background; afterwards any thread may call it.
 
 namespace livegs {
@@ -33,10 +33,6 @@ class ClickCut {
   // where their ellipsoids touch.
   ClickCut(const GaussianAsset& asset, const RoomParts& parts);
   ~ClickCut();
-
-  // The kernel in which transmittance along the ray falls under a half, by the greatest response of each
-  // kernel. One pass over all kernels.
-  std::optional<uint32_t> kernel_at(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const;
 
   // A minimum cut (Boykov and Kolmogorov 2004) around the hit points. The labels of the parts are evidence,
   // the rays are constraints; edges are weak between kernels that are far apart for their surroundings, of

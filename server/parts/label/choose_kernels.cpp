@@ -14,13 +14,19 @@ void append_kernel(GaussianAsset& to, const GaussianAsset& from, size_t k) {
                     from.sh_rest.begin() + static_cast<std::ptrdiff_t>((k + 1) * rest));
 }
 
-GaussianAsset kernels_with(const GaussianAsset& asset, std::span<const uint16_t> label, uint16_t wanted) {
+GaussianAsset select_kernels(const GaussianAsset& asset, std::span<const uint32_t> kernels) {
   GaussianAsset out;
   out.sh_degree = asset.sh_degree;
   out.antialiased = asset.antialiased;
-  for (size_t k = 0; k < asset.size(); ++k)
-    if (label[k] == wanted) append_kernel(out, asset, k);
+  for (const uint32_t k : kernels) append_kernel(out, asset, k);
   return out;
+}
+
+GaussianAsset kernels_with(const GaussianAsset& asset, std::span<const uint16_t> label, uint16_t wanted) {
+  std::vector<uint32_t> kernels;
+  for (uint32_t k = 0; k < asset.size(); ++k)
+    if (label[k] == wanted) kernels.push_back(k);
+  return select_kernels(asset, kernels);
 }
 
 }  // namespace livegs

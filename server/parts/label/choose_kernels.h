@@ -11,6 +11,8 @@ namespace livegs {
 // Appends kernel k of `from`; both have the same degree of spherical harmonics.
 void append_kernel(GaussianAsset& to, const GaussianAsset& from, size_t k);
 
+// Some kernels, in the order of their indices in `kernels`.
+GaussianAsset select_kernels(const GaussianAsset& asset, std::span<const uint32_t> kernels);
 // The kernels with one label, in their order.
 GaussianAsset kernels_with(const GaussianAsset& asset, std::span<const uint16_t> label, uint16_t wanted);
 

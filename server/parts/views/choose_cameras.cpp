@@ -177,20 +177,29 @@ std::vector<Camera> choose_cameras(const GaussianAsset& asset, const Vector3d& u
   return cameras;
 }
 
+Camera with_width(Camera camera, int width) {
+  const double scale = static_cast<double>(width) / camera.width;
+  camera.width = width;
+  camera.height = std::max(1, static_cast<int>(std::lround(scale * camera.height)));
+  camera.focal_x_px *= scale;
+  camera.focal_y_px *= scale;
+  camera.centre_x_px *= scale;
+  camera.centre_y_px *= scale;
+  return camera;
+}
+
+Eigen::Vector3d mean_up(const std::vector<Camera>& cameras) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Camera& camera : cameras) sum += camera.world_from_camera.orientation * Eigen::Vector3d::UnitY();
+  return sum.norm() > 1e-9 ? Eigen::Vector3d(sum.normalized()) : Eigen::Vector3d::UnitY();
+}
+
 std::vector<Camera> thin_cameras(const std::vector<Camera>& cameras, size_t count, int width) {
   std::vector<Camera> kept;
   const size_t most = std::min(count, cameras.size());
   for (size_t i = 0; i < most; ++i) {
     Camera camera = cameras[i * cameras.size() / most];
-    if (camera.width > width) {
-      const double scale = static_cast<double>(width) / camera.width;
-      camera.width = width;
-      camera.height = std::max(1, static_cast<int>(std::lround(scale * camera.height)));
-      camera.focal_x_px *= scale;
-      camera.focal_y_px *= scale;
-      camera.centre_x_px *= scale;
-      camera.centre_y_px *= scale;
-    }
+    if (camera.width > width) camera = with_width(camera, width);
     kept.push_back(camera);
   }
   return kept;

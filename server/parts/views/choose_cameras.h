@@ -14,6 +14,11 @@ namespace livegs {
 std::vector<Camera> choose_cameras(const GaussianAsset& asset, const Eigen::Vector3d& up, size_t count,
                                    int width);
 
+// The camera with a picture of another width, px, and the same field of view.
+Camera with_width(Camera camera, int width);
+// The mean up axis of some cameras, unit: photos are mostly taken level.
+Eigen::Vector3d mean_up(const std::vector<Camera>& cameras);
+
 // At most `count` of the cameras, evenly taken, scaled to at most `width` pixels.
 std::vector<Camera> thin_cameras(const std::vector<Camera>& cameras, size_t count, int width);
 

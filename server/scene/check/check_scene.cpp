@@ -4,6 +4,7 @@
 #include <map>
 
 #include "analysis/estimate.h"
+#include "parts/labelled_room.h"
 #include "physics/world.h"
 #include "scene/check/check_object.h"
 #include "scene/check/joint_parts.h"
@@ -11,8 +12,6 @@
 
 namespace livegs {
 namespace {
-
-constexpr uint32_t kMaxLabel = 0x3fff;  // of a thing of the room (environment/labelled_room.h)
 
 Error missing_field(const std::string& field, const std::string& remedy) {
   return invalid_argument(field + ": " + remedy);
@@ -157,7 +156,7 @@ Result<void> check_scene(const v1::Scene& scene) {
   if (environment.taken_size() > 0 && environment.labels().empty())
     return missing_field("environment.labels", "is missing, but environment.taken names things of the room");
   for (const uint32_t label : environment.taken()) {
-    if (label < 1 || label > kMaxLabel)
+    if (label < 1 || label > kThingMask)
       return invalid_argument("environment.taken: " + std::to_string(label) +
                               " is no label; give 1 to 16383");
   }

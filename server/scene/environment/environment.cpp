@@ -12,11 +12,11 @@
 #include "geometry/mesh/weld_vertices.h"
 #include "geometry/reconstruct_surface.h"
 #include "geometry/surface/shape_mesh.h"
+#include "parts/labelled_room.h"
 #include "physics/mesh_collider.h"
 #include "scene/build/object_cache.h"
 #include "scene/build/shape_asset.h"
 #include "scene/environment/interior_collider.h"
-#include "scene/environment/labelled_room.h"
 #include "scene/values/scene_values.h"
 
 namespace livegs {

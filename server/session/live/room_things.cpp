@@ -10,26 +10,17 @@
 
 #include "core/content_hash.h"
 #include "core/log.h"
-#include "core/parallel_for.h"
 #include "gaussian/asset_file.h"
-#include "parts/label/choose_kernels.h"
+#include "parts/click/kernel_on_ray.h"
 #include "parts/room_parts.h"
-#include "parts/separate/fill_behind.h"
-#include "parts/separate/split_straddling.h"
-#include "parts/views/room_view.h"
 #include "scene/values/scene_values.h"
 #include "session/support/redact_paths.h"
-#include "splat/kernel_view.h"
 
 namespace livegs {
 namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
-
-// Rays are drawn as pictures of this many pixels across, of which the middle one counts.
-constexpr int kPickWidth = 3;
-constexpr double kPickFov_rad = 2e-3;
 
 struct Placed {
   Pose world_from_object;
@@ -89,29 +80,6 @@ void remove_collider(const v1::Collider& collider, v1::Environment& environment)
   }
 }
 
-// The labels of a search, with what is drawn in place of each thing and below it.
-LabelledRoom labelled(SplitRoom split, const RoomParts& parts, const std::stop_token& stop) {
-  std::vector<BehindThing> behind(parts.parts.size());
-  parallel_for(behind.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end && !stop.stop_requested(); ++i) behind[i] = fill_behind(split, parts, i);
-  });
-  LabelledRoom room{std::move(split.asset), std::move(split.label)};
-  for (size_t i = 0; i < behind.size(); ++i) {
-    const uint16_t thing = parts.parts[i].label;
-    for (const uint32_t kernel : behind[i].hidden) {
-      if (room.label[kernel] == 0) room.label[kernel] = label_of(KernelKind::Covered, thing);
-    }
-    for (const auto& [kernels, kind] :
-         {std::pair(&behind[i].fill, KernelKind::Fill), {&behind[i].underside, KernelKind::Underside}}) {
-      for (size_t k = 0; k < kernels->size(); ++k) {
-        append_kernel(room.asset, *kernels, k);
-        room.label.push_back(label_of(kind, thing));
-      }
-    }
-  }
-  return room;
-}
-
 }  // namespace
 
 RoomThings::~RoomThings() {
@@ -166,7 +134,7 @@ void RoomThings::search(std::stop_token stop, const v1::Environment& environment
   auto found = find_parts(file->asset, options);
   if (stop.stop_requested()) return;
   if (!found) return fail(found.error().message);
-  LabelledRoom room = labelled(split_straddling(file->asset, *found), *found, stop);
+  LabelledRoom room = label_room(file->asset, *found, stop);
   if (stop.stop_requested()) return;
   {
     std::lock_guard lock(mutex_);
@@ -235,7 +203,6 @@ const RoomThings::Shown& RoomThings::shown(std::shared_ptr<const Room> room,
   const std::vector<uint32_t> taken(environment.taken().begin(), environment.taken().end());
   if (shown_.room == room && shown_.taken == taken) return shown_;
   shown_.asset = room_without(room->labelled, taken, &shown_.kept);
-  shown_.posed = pose_in_place(shown_.asset);
   shown_.taken = taken;
   shown_.room = std::move(room);
   return shown_;
@@ -249,8 +216,6 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
     return invalid_argument("rays: give 1 to 32");
   const Shown& seen = shown(room, environment);
   const Placed at = placed(environment);
-  KernelRasteriser rasteriser;
-  KernelView view;
   std::set<uint16_t> labels;
   for (const v1::PickRay& ray : request.rays()) {
     auto from = ray_value(ray.from_m(), "from_m");
@@ -259,11 +224,8 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
     if (!towards) return towards.error();
     if (!(towards->norm() > 0.0)) return invalid_argument("rays.towards: is zero; give a direction");
     const Vector3d start = at.asset(*from), direction = at.asset_direction(*towards).normalized();
-    const Camera camera =
-        look_at(start, start + direction, direction.unitOrthogonal(), kPickFov_rad, kPickWidth, kPickWidth);
-    rasteriser.draw({&seen.asset, &seen.posed, 0}, camera, view);
-    const uint32_t kernel = view.kernel[kPickWidth * kPickWidth / 2];
-    const uint16_t label = kernel == kNoKernel ? 0 : room->labelled.label[seen.kept[kernel]];
+    const auto kernel = kernel_on_ray(seen.asset, start, direction);
+    const uint16_t label = kernel ? room->labelled.label[seen.kept[*kernel]] : uint16_t{0};
     if (label == 0 || kind_of(label) != KernelKind::Own) {
       if (!ray.away() && labels.empty())
         return not_found("rays: meet no thing that can be taken; aim at one");

@@ -13,11 +13,10 @@
 #include <vector>
 
 #include "core/result.h"
-#include "gaussian/posed_kernels.h"
 #include "livegs/v1/author.pb.h"
 #include "livegs/v1/scene.pb.h"
+#include "parts/labelled_room.h"
 #include "parts/room_solids.h"
-#include "scene/environment/labelled_room.h"
 
 namespace livegs {
 
@@ -68,7 +67,6 @@ class RoomThings {
     std::shared_ptr<const Room> room;
     std::vector<uint32_t> taken, kept;
     GaussianAsset asset;
-    PosedKernels posed;
   };
   // Colliders of a room from which things are taken: its planes, and a box around each thing that is in it.
   // The field of the whole room, Environment.collide, is too coarse to stand on and has the things in it.

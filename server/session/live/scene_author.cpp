@@ -361,7 +361,7 @@ void SceneAuthor::put_back(const std::string& object, Answer<v1::EditSceneReply>
 
 Result<v1::TakePartReply> SceneAuthor::taken(const v1::TakePartRequest& request) {
   const v1::Environment& environment = document_.scene().environment();
-  (void)things_.describe(environment);  // begins the search if nobody asked before
+  (void)things_.describe(environment);  // begins the search at the first call
   auto thing = things_.under(request, environment);
   if (!thing) return thing.error();
   v1::TakePartReply reply;

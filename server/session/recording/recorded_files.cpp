@@ -80,7 +80,7 @@ std::vector<std::string> files_of(const v1::SceneSource& source) {
       found = files_in((folder / name).parent_path(), fs::path(name).parent_path().string());
     files.insert(files.end(), found.begin(), found.end());
   });
-  // Labels stand next to the kernels that they label (scene/environment/labelled_room.h).
+  // Labels stand next to the kernels that they label (parts/labelled_room.h).
   if (const std::string& labels = source.file().environment().labels(); !labels.empty())
     files.push_back(fs::path(labels).replace_extension(".ply").string());
   return files;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/environment/labelled_room.h"
+#include "parts/labelled_room.h"
 
 #include <gtest/gtest.h>
 

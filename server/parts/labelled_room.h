@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
+#include "parts/room_parts.h"
 
 namespace livegs {
 
@@ -29,6 +31,10 @@ inline KernelKind kind_of(uint16_t label) { return static_cast<KernelKind>(label
 inline uint16_t label_of(KernelKind kind, uint16_t thing) {
   return static_cast<uint16_t>(static_cast<uint16_t>(kind) | thing);
 }
+
+// Splits the kernels across the borders of the parts, and adds what is drawn in place of each thing and below
+// it (separate/fill_behind.h). After a stop request the result is incomplete.
+LabelledRoom label_room(const GaussianAsset& asset, const RoomParts& parts, const std::stop_token& stop = {});
 
 // The room without some of its things, and with their fills; kernels keep their order. `kept`, if given, gets
 // the index of each kernel in the labelled room.

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/environment/labelled_room.h"
+#include "parts/labelled_room.h"
 
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "core/file.h"
+#include "core/parallel_for.h"
 #include "gaussian/asset_file.h"
+#include "parts/label/choose_kernels.h"
+#include "parts/separate/fill_behind.h"
+#include "parts/separate/split_straddling.h"
 
 namespace livegs {
 namespace {
@@ -16,28 +21,32 @@ namespace fs = std::filesystem;
 constexpr char kMagic[] = "LGSLAB1\n";
 constexpr size_t kHeaderBytes = 16;
 
-GaussianAsset selected(const GaussianAsset& from, std::span<const uint32_t> kernels) {
-  GaussianAsset part;
-  part.sh_degree = from.sh_degree;
-  part.antialiased = from.antialiased;
-  part.resize(kernels.size());
-  const auto stride = static_cast<std::ptrdiff_t>(from.sh_rest_count());
-  for (size_t k = 0; k < kernels.size(); ++k) {
-    const uint32_t i = kernels[k];
-    part.positions[k] = from.positions[i];
-    part.rotations[k] = from.rotations[i];
-    part.log_scales[k] = from.log_scales[i];
-    part.opacity_logits[k] = from.opacity_logits[i];
-    part.sh_dc[k] = from.sh_dc[i];
-    std::copy_n(from.sh_rest.begin() + static_cast<std::ptrdiff_t>(i) * stride, stride,
-                part.sh_rest.begin() + static_cast<std::ptrdiff_t>(k) * stride);
-  }
-  return part;
-}
-
 fs::path kernels_of(fs::path labels) { return labels.replace_extension(".ply"); }
 
 }  // namespace
+
+LabelledRoom label_room(const GaussianAsset& asset, const RoomParts& parts, const std::stop_token& stop) {
+  SplitRoom split = split_straddling(asset, parts);
+  std::vector<BehindThing> behind(parts.parts.size());
+  parallel_for(behind.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end && !stop.stop_requested(); ++i) behind[i] = fill_behind(split, parts, i);
+  });
+  LabelledRoom room{std::move(split.asset), std::move(split.label)};
+  for (size_t i = 0; i < behind.size(); ++i) {
+    const uint16_t thing = parts.parts[i].label;
+    for (const uint32_t kernel : behind[i].hidden) {
+      if (room.label[kernel] == 0) room.label[kernel] = label_of(KernelKind::Covered, thing);
+    }
+    for (const auto& [kernels, kind] :
+         {std::pair(&behind[i].fill, KernelKind::Fill), {&behind[i].underside, KernelKind::Underside}}) {
+      for (size_t k = 0; k < kernels->size(); ++k) {
+        append_kernel(room.asset, *kernels, k);
+        room.label.push_back(label_of(kind, thing));
+      }
+    }
+  }
+  return room;
+}
 
 GaussianAsset room_without(const LabelledRoom& room, std::span<const uint32_t> taken,
                            std::vector<uint32_t>* kept) {
@@ -48,7 +57,7 @@ GaussianAsset room_without(const LabelledRoom& room, std::span<const uint32_t> t
     const bool gone = thing != 0 && std::find(taken.begin(), taken.end(), thing) != taken.end();
     if (kind == KernelKind::Fill ? gone : kind != KernelKind::Underside && !gone) stays.push_back(i);
   }
-  GaussianAsset rest = selected(room.asset, stays);
+  GaussianAsset rest = select_kernels(room.asset, stays);
   if (kept) *kept = std::move(stays);
   return rest;
 }
@@ -58,7 +67,7 @@ GaussianAsset thing_alone(const LabelledRoom& room, uint16_t thing) {
   for (uint32_t i = 0; i < room.label.size(); ++i) {
     if (room.label[i] == thing || room.label[i] == label_of(KernelKind::Underside, thing)) own.push_back(i);
   }
-  return selected(room.asset, own);
+  return select_kernels(room.asset, own);
 }
 
 Result<void> write_labelled_room(const fs::path& labels, const LabelledRoom& room) {
