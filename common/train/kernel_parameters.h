@@ -38,9 +38,8 @@ struct KernelParameters {
   }
 };
 
-// The kernels as an asset in the frame of the capture, rotations normalised, and back. Bands above
-// `sh_degree` are left out; 0 <= sh_degree <= 3.
+// The kernels as an asset in the frame of the capture, rotations normalised. Bands above `sh_degree` are left
+// out; 0 <= sh_degree <= 3.
 GaussianAsset asset_of(const KernelParameters& parameters, int sh_degree);
-KernelParameters parameters_of(const GaussianAsset& asset);
 
 }  // namespace livegs

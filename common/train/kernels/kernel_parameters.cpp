@@ -26,25 +26,4 @@ GaussianAsset asset_of(const KernelParameters& parameters, int sh_degree) {
   return asset;
 }
 
-KernelParameters parameters_of(const GaussianAsset& asset) {
-  KernelParameters parameters;
-  parameters.resize(asset.size());
-  const size_t rest = asset.sh_rest_count();
-  for (size_t k = 0; k < asset.size(); ++k) {
-    for (int i = 0; i < 3; ++i) {
-      parameters.row(Family::Position, k)[i] = asset.positions[k][i];
-      parameters.row(Family::LogScale, k)[i] = asset.log_scales[k][i];
-      parameters.row(Family::Colour, k)[i] = asset.sh_dc[k][i];
-      for (size_t band = 0; band < rest; ++band)
-        parameters.row(Family::Harmonics, k)[3 * band + static_cast<size_t>(i)] =
-            asset.sh_rest[k * rest + band][i];
-    }
-    const Eigen::Quaternionf& q = asset.rotations[k];
-    const float wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
-    std::copy_n(wxyz, 4, parameters.row(Family::Rotation, k));
-    *parameters.row(Family::Opacity, k) = asset.opacity_logits[k];
-  }
-  return parameters;
-}
-
 }  // namespace livegs

@@ -57,7 +57,6 @@ class TrainedView {
   size_t visible_count() const { return order_.size(); }
   // For each kernel of the last draw: 1 if it was visible.
   std::span<const uint8_t> visible() const { return visible_; }
-  size_t pair_count() const { return pair_kernels_.size(); }
 
   // `by_picture`: dL by the colour (over the background) and alpha of each pixel. Writes the derivative by
   // every trained number; 0 for kernels that were not visible. `by_spread`: dL by the spread of each pixel;

@@ -22,11 +22,4 @@ GaussianAsset select_kernels(const GaussianAsset& asset, std::span<const uint32_
   return out;
 }
 
-GaussianAsset kernels_with(const GaussianAsset& asset, std::span<const uint16_t> label, uint16_t wanted) {
-  std::vector<uint32_t> kernels;
-  for (uint32_t k = 0; k < asset.size(); ++k)
-    if (label[k] == wanted) kernels.push_back(k);
-  return select_kernels(asset, kernels);
-}
-
 }  // namespace livegs

@@ -13,7 +13,5 @@ void append_kernel(GaussianAsset& to, const GaussianAsset& from, size_t k);
 
 // Some kernels, in the order of their indices in `kernels`.
 GaussianAsset select_kernels(const GaussianAsset& asset, std::span<const uint32_t> kernels);
-// The kernels with one label, in their order.
-GaussianAsset kernels_with(const GaussianAsset& asset, std::span<const uint16_t> label, uint16_t wanted);
 
 }  // namespace livegs

@@ -21,7 +21,10 @@ std::vector<uint16_t> label_picture(const GaussianAsset& asset, std::span<const 
   assets.reserve(labels.size());
   posed.reserve(labels.size());
   for (const uint16_t one : labels) {
-    assets.push_back(kernels_with(asset, label, one));
+    std::vector<uint32_t> own;
+    for (uint32_t k = 0; k < asset.size(); ++k)
+      if (label[k] == one) own.push_back(k);
+    assets.push_back(select_kernels(asset, own));
     posed.push_back(pose_in_place(assets.back()));
     objects.push_back({&assets.back(), &posed.back(), one});
   }
