@@ -38,6 +38,16 @@ constexpr int kJacobiSweeps = 6;
 // smaller stretch of a 10 mm cell is rounding error.
 constexpr float kMinKnownStretch = 1e-4f;
 
+// Squared cosine of columns that are orthogonal to rounding.
+constexpr float kOrthogonalCosine_squared = 1e-14f;
+
+// Lengths that differ by less than 5e-5 count as equal, and equal columns count as orthogonal within 1e-5
+// rad. Both exceed the rounding of divisions and roots, which devices may choose (Vulkan: 2.5 ULP), and of
+// node positions. Otherwise rounding would choose the axis of a mirrored cell, whose stretches are equal, and
+// each device would choose another one. The error of the gradient is at most 1e-5 of its norm.
+constexpr float kEqualRatio_squared = 1.0001f;
+constexpr float kEqualCosine_squared = 1e-10f;
+
 struct Vector {
   float x, y, z;
 };
@@ -54,7 +64,8 @@ Vector unit(const Vector& v) { return (1.0f / std::sqrt(dot(v, v))) * v; }
 // One-sided Jacobi step: rotates two columns of F V, and those of V with them, until they are orthogonal.
 void part_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {
   const float alpha = dot(b[p], b[p]), beta = dot(b[q], b[q]), gamma = dot(b[p], b[q]);
-  if (gamma * gamma <= 1e-14f * alpha * beta) return;
+  const bool equal = alpha <= kEqualRatio_squared * beta && beta <= kEqualRatio_squared * alpha;
+  if (gamma * gamma <= (equal ? kEqualCosine_squared : kOrthogonalCosine_squared) * alpha * beta) return;
   const float zeta = (beta - alpha) / (2.0f * gamma);
   const float magnitude = 1.0f / (std::abs(zeta) + std::sqrt(1.0f + zeta * zeta));
   const float t = zeta < 0.0f ? -magnitude : magnitude;
@@ -67,7 +78,7 @@ void part_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {
 }
 
 void order_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {  // the longer first
-  if (dot(b[p], b[p]) >= dot(b[q], b[q])) return;
+  if (dot(b[q], b[q]) <= kEqualRatio_squared * dot(b[p], b[p])) return;
   std::swap(b[p], b[q]);
   std::swap(v[p], v[q]);
 }

@@ -5,6 +5,9 @@
 const int kNewtonSteps = 6;
 const int kJacobiSweeps = 6;
 const float kMinKnownStretch = 1e-4;
+const float kOrthogonalCosine_squared = 1e-14;
+const float kEqualRatio_squared = 1.0001;
+const float kEqualCosine_squared = 1e-10;
 const float kMaxStretch = float(kKernelStretchLimit);
 const float kMinStretch = 1.0 / kMaxStretch;
 
@@ -61,7 +64,10 @@ void part_columns(inout vec3 b_p, inout vec3 b_q, inout vec3 v_p, inout vec3 v_q
   const float alpha = exact_dot(b_p, b_p);
   const float beta = exact_dot(b_q, b_q);
   const float gamma = exact_dot(b_p, b_q);
-  precise float little = 1e-14 * alpha * beta;
+  precise float alpha_limit = kEqualRatio_squared * beta;
+  precise float beta_limit = kEqualRatio_squared * alpha;
+  const bool equal = alpha <= alpha_limit && beta <= beta_limit;
+  precise float little = (equal ? kEqualCosine_squared : kOrthogonalCosine_squared) * alpha * beta;
   precise float square = gamma * gamma;
   if (square <= little) return;
   precise float zeta = (beta - alpha) / (2.0 * gamma);
@@ -78,7 +84,8 @@ void part_columns(inout vec3 b_p, inout vec3 b_q, inout vec3 v_p, inout vec3 v_q
 }
 
 void order_columns(inout vec3 b_p, inout vec3 b_q, inout vec3 v_p, inout vec3 v_q) {
-  if (exact_dot(b_p, b_p) >= exact_dot(b_q, b_q)) return;
+  precise float limit = kEqualRatio_squared * exact_dot(b_p, b_p);
+  if (exact_dot(b_q, b_q) <= limit) return;
   const vec3 b = b_p;
   const vec3 v = v_p;
   b_p = b_q;

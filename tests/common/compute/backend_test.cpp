@@ -2,7 +2,10 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <map>
+#include <optional>
 #include <random>
+#include <string>
 
 #include "common/compute/backends.h"
 #include "common/compute/shift_words.h"
@@ -173,11 +176,17 @@ TEST_P(BackendTest, UploadsAndDispatchesAreOneSubmission) {
 
 // Valid with and without a loader: an existing loader gets an invalid driver path.
 TEST(VulkanDevice, ReportsAMissingDevice) {
-  const char* drivers = std::getenv("VK_ICD_FILENAMES");
-  const std::string before = drivers ? drivers : "";
-  setenv("VK_ICD_FILENAMES", "/nonexistent/driver.json", 1);
+  std::map<const char*, std::optional<std::string>> before;  // both variables of the loader, old and new
+  for (const char* variable : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"}) {
+    if (const char* drivers = std::getenv(variable))
+      before[variable] = drivers;
+    else
+      before[variable] = std::nullopt;
+    setenv(variable, "/nonexistent/driver.json", 1);
+  }
   const auto device = VulkanDevice::create();
-  drivers ? setenv("VK_ICD_FILENAMES", before.c_str(), 1) : unsetenv("VK_ICD_FILENAMES");
+  for (const auto& [variable, drivers] : before)
+    drivers ? setenv(variable, drivers->c_str(), 1) : unsetenv(variable);
   ASSERT_FALSE(device);
   EXPECT_EQ(device.error().code, ErrorCode::Unavailable);
   EXPECT_EQ(device.error().message.find("vulkan: no "), 0u) << device.error().message;
