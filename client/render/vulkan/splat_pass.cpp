@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "compute/vulkan_commands.h"
 #include "core/assert.h"
@@ -15,6 +16,7 @@
 #include "render/vulkan/eye_images.h"
 #include "resolve_eyes_frag.spv.h"
 #include "resolve_eyes_vert.spv.h"
+#include "splat/passes/device_kernels.h"
 
 namespace livegs {
 namespace {
@@ -40,7 +42,6 @@ class VulkanSplatPainter final : public SplatPass {
   void begin_rendering(VkCommandBuffer commands, VkImageView view, int eyes, VkAttachmentLoadOp load);
   void bind(VkCommandBuffer commands, const DrawPipeline& pipeline, int eyes);
   Result<void> make_images(int width, int height, int eyes);
-  Result<void> clear();
   Result<void> try_multiview();
 
   Backend& backend_;
@@ -147,36 +148,43 @@ Result<void> VulkanSplatPainter::make_images(int width, int height, int eyes) {
   return {};
 }
 
-Result<void> VulkanSplatPainter::clear() {
-  auto commands = commands_.record();
-  if (!commands) return commands.error();
-  transition(*commands, images_->blended(), VK_IMAGE_LAYOUT_UNDEFINED,
-             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-  for (int e = 0; e < images_->eyes(); ++e) {
-    begin_rendering(*commands, images_->blended_target(e, 1), 1, VK_ATTACHMENT_LOAD_OP_CLEAR);
-    handles_.vk.CmdEndRendering(*commands);
-  }
-  return {};
-}
-
-// Draws a plain background to both eyes at once and verifies the result. Mesa's lavapipe 22.3.6 draws every
-// fully covered 4x4 block to the first eye, whatever the view index; on such a device the eyes are drawn one
-// after the other.
+// Draws one kernel over a background, once for both eyes together and once for each eye, and compares. Mesa's
+// lavapipe 22.3.6 draws every fully covered 4x4 block to the first eye, whatever the view index. NVIDIA's
+// driver 580 gives the second eye the first eye's kernel. On such devices the eyes are drawn one after the
+// other.
 Result<void> VulkanSplatPainter::try_multiview() {
-  constexpr int kSide = 80;  // more than one of lavapipe's tiles
-  if (auto made = make_images(kSide, kSide, 2); !made) return made;
-  if (auto done = clear(); !done) return done;
-  if (auto done = resolve({1.0f, 0.5f, 0.25f}); !done) return done;
-  std::vector<Image> images;
-  if (auto done = read(images); !done) return done;
-  multiview_works_ = true;
-  for (const Image& image : images) {
-    for (size_t i = 0; i < image.pixels.size(); i += 4) {
-      *multiview_works_ = *multiview_works_ && std::abs(image.pixels[i] - 1.0f) < 0.01f &&
-                          std::abs(image.pixels[i + 1] - 0.5f) < 0.01f &&
-                          std::abs(image.pixels[i + 2] - 0.25f) < 0.01f;
-    }
+  constexpr int kSide = 80;  // px, more than one of lavapipe's tiles
+  constexpr float kRadius_m = 0.05f, kEyeDistance_m = 0.1;
+  constexpr float kVariance_m2 = kRadius_m * kRadius_m;
+  GaussianAsset asset;
+  asset.positions = {Eigen::Vector3f::Zero()};
+  asset.log_scales = {Eigen::Vector3f::Constant(std::log(kRadius_m))};
+  asset.rotations = {Eigen::Quaternionf::Identity()};
+  asset.sh_dc = {{1.0f, 0.0f, -1.0f}};
+  asset.opacity_logits = {2.0f};
+  const PosedKernels posed{
+      asset.positions, {{kVariance_m2, 0, 0, kVariance_m2, 0, kVariance_m2}}, asset.rotations};
+  auto kernels = DeviceKernels::create(backend_, asset);
+  if (!kernels) return kernels.error();
+  if (auto done = kernels->pose(posed); !done) return done;
+  std::array<Camera, 2> eyes;
+  for (int e = 0; e < 2; ++e) {
+    eyes[e] = look_at({0, 0, 1}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.5, kSide, kSide);
+    eyes[e].world_from_camera.position_m.x() = (e - 0.5) * kEyeDistance_m;
   }
+  const FrameSplats::Object object{&*kernels, {}, 0};
+  FrameSplats frame(backend_);
+  if (auto done = frame.project({&object, 1}, eyes, {}); !done) return done;
+  if (auto done = frame.sort(); !done) return done;
+  std::array<std::vector<Image>, 2> pictures;  // of the eyes apart, and of both together
+  for (const bool together : {false, true}) {
+    multiview_works_ = together;
+    if (auto done = paint(frame, kSide, kSide, 2); !done) return done;
+    if (auto done = resolve({1.0f, 0.5f, 0.25f}); !done) return done;
+    if (auto done = read(pictures[together]); !done) return done;
+  }
+  for (int e = 0; e < 2; ++e)
+    *multiview_works_ = *multiview_works_ && pictures[1][e].pixels == pictures[0][e].pixels;
   if (!*multiview_works_)
     log_info("%s: multiview gives wrong pictures; the eyes are drawn separately", handles_.name.c_str());
   return {};
