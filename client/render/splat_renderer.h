@@ -47,7 +47,7 @@ struct RenderOptions {
   std::vector<uint32_t> environments = {};  // object ids, see kEnvironmentOrderBias
 };
 
-// Device time of the passes.
+// Device time of the passes. With tiles, draw is binning and resolve is blending.
 struct DeviceTimes {
   double skin_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0, resolve_ms = 0;
   double total_ms() const { return skin_ms + project_ms + sort_ms + draw_ms + resolve_ms; }
@@ -91,13 +91,18 @@ std::unique_ptr<SplatRenderer> create_cpu_renderer();
 // The same as a replacement of a renderer that failed, with a notice.
 std::unique_ptr<SplatRenderer> create_cpu_renderer_instead_of(const std::string& device, const Error& why);
 
+// Quads: the kernels as instanced quads through the device's rasteriser. Tiles: compute passes alone, with
+// an end at opaque pixels, in 32-bit floats. Auto: the faster for a test picture.
+enum class DrawMethod : uint8_t { Auto, Quads, Tiles };
+
 struct VulkanRendererOptions {
-  BlendPrecision precision = BlendPrecision::Auto;
+  DrawMethod method = DrawMethod::Auto;
+  BlendPrecision precision = BlendPrecision::Auto;  // of quads
   bool separate_times = false;  // waits between the steps, so that last_times has separate values
   bool read_blended = false;    // images before the conversion to 8 bits, for measurements
   uint32_t max_part_rows = 0;   // as in FrameSplats; 0: the device's limit
 };
-// Unavailable if the device cannot draw.
+// Unavailable for quads if the device cannot draw; a device with compute alone draws by tiles.
 Result<std::unique_ptr<SplatRenderer>> create_vulkan_renderer(std::shared_ptr<VulkanDevice> device,
                                                               const VulkanRendererOptions& options = {});
 

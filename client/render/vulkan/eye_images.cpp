@@ -9,10 +9,35 @@
 
 namespace livegs {
 
+void change_layout(const VulkanFunctions& vk, VkCommandBuffer commands, VkImage image, int layers,
+                   VkImageLayout from, VkImageLayout to) {
+  auto barrier = vulkan_info<VkImageMemoryBarrier2>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2);
+  barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, static_cast<uint32_t>(layers)};
+  auto dependency = vulkan_info<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
+  dependency.imageMemoryBarrierCount = 1;
+  dependency.pImageMemoryBarriers = &barrier;
+  vk.CmdPipelineBarrier2(commands, &dependency);
+}
+
 Result<std::unique_ptr<EyeImages>> EyeImages::create(const VulkanHandles& handles, VkFormat blended_format,
                                                      int width, int height, int eyes) {
   std::unique_ptr<EyeImages> images(new EyeImages(handles, blended_format, width, height, eyes));
   constexpr VkImageUsageFlags kBoth = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  if (blended_format == VK_FORMAT_UNDEFINED) {
+    if (auto made =
+            images->make_layers(kResolvedFormat, kBoth | VK_IMAGE_USAGE_TRANSFER_DST_BIT, images->resolved_);
+        !made)
+      return made.error();
+    return Result<std::unique_ptr<EyeImages>>(std::move(images));
+  }
   if (auto made = images->make_layers(blended_format, kBoth | VK_IMAGE_USAGE_SAMPLED_BIT, images->blended_);
       !made)
     return made.error();
@@ -78,6 +103,19 @@ void EyeImages::copy(VkCommandBuffer commands, VkImage image) {
   region.imageExtent = {static_cast<uint32_t>(width_), static_cast<uint32_t>(height_), 1};
   handles_.vk.CmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback_.buffer(),
                                    1, &region);
+}
+
+void EyeImages::blit_resolved(VkCommandBuffer commands, const DeviceImage& image) const {
+  change_layout(handles_.vk, commands, image.image, eyes_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  VkImageBlit region{};
+  region.srcSubresource =
+      region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint32_t>(eyes_)};
+  region.srcOffsets[1] = region.dstOffsets[1] = {width_, height_, 1};
+  handles_.vk.CmdBlitImage(commands, resolved_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.image,
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, VK_FILTER_NEAREST);
+  change_layout(handles_.vk, commands, image.image, eyes_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
 }
 
 void EyeImages::copy_resolved(VkCommandBuffer commands) { copy(commands, resolved_.image); }

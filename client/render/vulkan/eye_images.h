@@ -4,16 +4,23 @@
 #include <memory>
 #include <vector>
 
+#include "compute/device_image.h"
 #include "compute/vulkan_handles.h"
 #include "compute/vulkan_memory.h"
 #include "splat/image.h"
 
 namespace livegs {
 
-// Two images with one layer per eye, the blend target and the resolve target, and a readback buffer.
+// Records a full barrier that changes the layout of all layers; images change it only a few times per frame.
+void change_layout(const VulkanFunctions& vk, VkCommandBuffer commands, VkImage image, int layers,
+                   VkImageLayout from, VkImageLayout to);
+
+// Two images with one layer per eye, the blend target and the resolve target, and a readback buffer. Or the
+// resolve target alone, for copies.
 class EyeImages {
  public:
-  // blended_format: RGBA with 16- or 32-bit floats. width, height in px; eyes: 1 or 2.
+  // blended_format: RGBA with 16- or 32-bit floats; undefined: the resolve target alone. width, height in px;
+  // eyes: 1 or 2.
   static Result<std::unique_ptr<EyeImages>> create(const VulkanHandles& handles, VkFormat blended_format,
                                                    int width, int height, int eyes);
   ~EyeImages();
@@ -39,6 +46,9 @@ class EyeImages {
   // Records a copy of one of the images, which must be in TRANSFER_SRC_OPTIMAL.
   void copy_resolved(VkCommandBuffer commands);
   void copy_blended(VkCommandBuffer commands);
+  // Records a blit of the resolved image, which must be in TRANSFER_SRC_OPTIMAL, to the top left of `image`;
+  // the channel order may differ.
+  void blit_resolved(VkCommandBuffer commands, const DeviceImage& image) const;
   // Reads the copy after the commands have finished. Blended image: premultiplied colour, coverage.
   void read_resolved(std::vector<Image>& images) const;
   void read_blended(std::vector<Image>& images) const;

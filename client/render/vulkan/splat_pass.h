@@ -15,20 +15,22 @@ namespace livegs {
 
 struct VulkanHandles;
 
-// Draws a sorted frame for one or two eyes: one indirect draw of instanced quads, nearest first, blended in
-// the colour space of training. Both eyes use multiview, after a check, since some drivers get it wrong. One
-// resolve pass adds the background, decodes and writes sRGB.
+// Draws a sorted frame for one or two eyes, blended nearest first in the colour space of training.
 class SplatPass {
  public:
-  struct Options {
-    BlendPrecision precision = BlendPrecision::Auto;
-  };
-  // `backend`: a Vulkan backend whose device can draw; must outlive the painter.
-  static Result<std::unique_ptr<SplatPass>> create(Backend& backend, const VulkanHandles& handles,
-                                                   const Options& options);
+  // `backend`: a Vulkan backend; must outlive the pass.
+  //
+  // One indirect draw of instanced quads. Both eyes use multiview, after a check, since some drivers get it
+  // wrong. One resolve pass adds the background, decodes and writes sRGB. Unavailable if the device cannot
+  // draw.
+  static Result<std::unique_ptr<SplatPass>> create_quads(Backend& backend, const VulkanHandles& handles,
+                                                         BlendPrecision precision);
+  // Compute passes (splat/tiles). `blended`: for read_blended() instead of read() and copy_into().
+  static std::unique_ptr<SplatPass> create_tiles(Backend& backend, const VulkanHandles& handles,
+                                                 bool blended);
   virtual ~SplatPass() = default;
 
-  // Records the draw. All eyes have this size.
+  // Records the draw. All eyes have this size. `frame` is used until the picture has been read or copied.
   virtual Result<void> paint(const FrameSplats& frame, int width, int height, int eyes) = 0;
   virtual int eyes_a_draw() const = 0;  // of the last paint: all eyes, or 1 if multiview is unusable
   // Records the resolve of the painted eyes.

@@ -11,6 +11,7 @@
 #include "render/renderer/most_visible_kernels.h"
 #include "render/splat_renderer.h"
 #include "render/vulkan/device_timer.h"
+#include "render/vulkan/faster_method.h"
 #include "render/vulkan/splat_pass.h"
 #include "skin/device_skin.h"
 #include "splat/raster/frame_splats.h"
@@ -24,11 +25,11 @@ constexpr double kMinKernelShare = 1.0 / 64;  // below this the CPU renders bett
 class VulkanSplatRenderer final : public SplatRenderer {
  public:
   VulkanSplatRenderer(std::shared_ptr<VulkanDevice> device, std::unique_ptr<Backend> backend,
-                      std::unique_ptr<SplatPass> painter, const VulkanRendererOptions& options)
+                      std::unique_ptr<SplatPass> pass, const VulkanRendererOptions& options)
       : device_(std::move(device)),
         backend_(std::move(backend)),
         timer_(*vulkan_commands(*backend_), device_->handles()),
-        painter_(std::move(painter)),
+        pass_(std::move(pass)),
         frame_(*backend_, options.max_part_rows),
         options_(options),
         name_("vulkan: " + device_->name()) {}
@@ -62,8 +63,8 @@ class VulkanSplatRenderer final : public SplatRenderer {
   std::shared_ptr<VulkanDevice> device_;
   std::unique_ptr<Backend> backend_;
   DeviceTimer timer_;
-  std::unique_ptr<SplatPass> painter_;  // submits recorded commands before the timer is destroyed
-  std::map<uint32_t, Held> held_;       // by object id
+  std::unique_ptr<SplatPass> pass_;  // submits recorded commands before the timer is destroyed
+  std::map<uint32_t, Held> held_;    // by object id
   // Share of each object's kernels that is drawn because the device's memory, or the buffers it can bind,
   // hold no more; and the number of kernels when this was found.
   double share_ = 1;
@@ -151,15 +152,14 @@ Result<double> VulkanSplatRenderer::step_ms() {
 
 Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                                        const RenderOptions& options, std::vector<Image>& images) {
-  return draw(objects, eyes, options, [&] {
-    return options_.read_blended ? painter_->read_blended(images) : painter_->read(images);
-  });
+  return draw(objects, eyes, options,
+              [&] { return options_.read_blended ? pass_->read_blended(images) : pass_->read(images); });
 }
 
 Result<void> VulkanSplatRenderer::draw_into(std::span<const RenderedObject> objects,
                                             std::span<const Camera> eyes, const RenderOptions& options,
                                             const DeviceImage& image) {
-  return draw(objects, eyes, options, [&] { return painter_->copy_into(image); });
+  return draw(objects, eyes, options, [&] { return pass_->copy_into(image); });
 }
 
 std::string VulkanSplatRenderer::notice() const {
@@ -250,10 +250,10 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
     return done;
   const auto paint = [&]() -> Result<void> {
     const auto draws = [&] {
-      return painter_->paint(frame_, eyes[0].width, eyes[0].height, static_cast<int>(eyes.size()));
+      return pass_->paint(frame_, eyes[0].width, eyes[0].height, static_cast<int>(eyes.size()));
     };
     if (auto done = between_moments(DevicePass::Draw, draws); !done) return done;
-    const auto resolves = [&] { return painter_->resolve(options.background); };
+    const auto resolves = [&] { return pass_->resolve(options.background); };
     if (auto done = between_moments(DevicePass::Resolve, resolves); !done) return done;
     return take_out();
   };
@@ -261,7 +261,7 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
   const VulkanCommands::Traffic& now = vulkan_commands(*backend_)->traffic();
   times_.uploaded_bytes = now.uploaded_bytes - before.uploaded_bytes;
   times_.submissions = now.submissions - before.submissions;
-  times_.eyes_a_draw = painter_->eyes_a_draw();
+  times_.eyes_a_draw = pass_->eyes_a_draw();
   times_.device.reset();
   if (std::array<double, 6> ms{}; timer_.read(ms)) {
     const auto of = [&](DevicePass pass) { return ms[static_cast<size_t>(pass)]; };
@@ -277,10 +277,22 @@ Result<std::unique_ptr<SplatRenderer>> create_vulkan_renderer(std::shared_ptr<Vu
                                                               const VulkanRendererOptions& options) {
   auto backend = create_vulkan_backend(device);
   if (!backend) return backend.error();
-  auto painter = SplatPass::create(**backend, device->handles(), {.precision = options.precision});
-  if (!painter) return painter.error();
+  DrawMethod method = options.method;
+  if (method == DrawMethod::Auto) {
+    auto faster = faster_method(device);
+    if (!faster) return faster.error();
+    method = *faster;
+  }
+  std::unique_ptr<SplatPass> pass;
+  if (method == DrawMethod::Tiles) {
+    pass = SplatPass::create_tiles(**backend, device->handles(), options.read_blended);
+  } else {
+    auto quads = SplatPass::create_quads(**backend, device->handles(), options.precision);
+    if (!quads) return quads.error();
+    pass = *std::move(quads);
+  }
   return Result<std::unique_ptr<SplatRenderer>>(std::make_unique<VulkanSplatRenderer>(
-      std::move(device), *std::move(backend), *std::move(painter), options));
+      std::move(device), *std::move(backend), std::move(pass), options));
 }
 
 }  // namespace livegs

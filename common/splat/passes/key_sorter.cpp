@@ -52,16 +52,15 @@ void sort_count(const PassArguments& arguments, size_t begin, size_t end) {
   }
 }
 
-// CPU twin of sort_scan.comp.glsl, which is a single group: the first range does all the work.
-void sort_scan(const PassArguments& arguments, size_t begin, size_t) {
-  if (begin != 0) return;
+// CPU twin of sort_scan.comp.glsl. Ranges start at whole groups, which are digits.
+void sort_scan(const PassArguments& arguments, size_t begin, size_t end) {
   const auto constants = row_at<SortKeysConstants>(arguments.constants, 0);
-  uint32_t next = 0;
-  for (uint32_t& entry : words_of(arguments.buffers[0]).first(kSortDigits * constants.tile_capacity)) {
-    next += std::exchange(entry, next);
-  }
-  if ((constants.flags & kSortFirstPass) != 0) {
-    set_row(arguments.buffers[1], 0, SortedCount{4, next, 0, 0});
+  const std::span<uint32_t> table = words_of(arguments.buffers[0]);
+  for (size_t digit = begin / kSortGroup; digit * kSortGroup < end; ++digit) {
+    uint32_t next = 0;
+    for (uint32_t& entry : table.subspan(digit * constants.tile_capacity, constants.tile_capacity))
+      next += std::exchange(entry, next);
+    table[kSortDigits * constants.tile_capacity + digit] = next;
   }
 }
 
@@ -75,10 +74,15 @@ void sort_scatter(const PassArguments& arguments, size_t begin, size_t end) {
   const std::span<uint32_t> sorted_values = words_of(arguments.buffers[5]);
   const size_t count = keys_here(constants, arguments.buffers[3]);
   LIVEGS_ASSERT(begin % kSortGroup == 0 && count <= keys.size());
+  uint32_t digit_begins[kSortDigits + 1] = {};
+  for (uint32_t digit = 0; digit < kSortDigits; ++digit)
+    digit_begins[digit + 1] = digit_begins[digit] + table[kSortDigits * constants.tile_capacity + digit];
+  if ((constants.flags & kSortFirstPass) != 0 && begin == 0)
+    set_row(arguments.buffers[3], 0, SortedCount{4, digit_begins[kSortDigits], 0, 0});
   for (size_t tile = begin / kSortGroup; tile * kSortGroup < end; ++tile) {
     uint32_t next[kSortDigits];
     for (uint32_t digit = 0; digit < kSortDigits; ++digit)
-      next[digit] = table[digit * constants.tile_capacity + tile];
+      next[digit] = digit_begins[digit] + table[digit * constants.tile_capacity + tile];
     const size_t last = std::min(count, (tile + 1) * kSortTile);
     for (size_t i = tile * kSortTile; i < last; ++i) {
       if (is_dropped(keys[i], constants)) continue;
@@ -109,7 +113,7 @@ const Pass& sort_count_pass() {
 }
 
 const Pass& sort_scan_pass() {
-  static const Pass pass = sort_pass("sort_scan", 2, sort_scan_spirv, sort_scan);
+  static const Pass pass = sort_pass("sort_scan", 1, sort_scan_spirv, sort_scan);
   return pass;
 }
 
@@ -127,7 +131,7 @@ Result<KeySorter> KeySorter::create(Backend& backend, uint32_t capacity) {
   sorter.capacity_ = capacity;
   const size_t key_bytes = size_t{4} * capacity;
   const size_t sizes[6] = {
-      key_bytes,          key_bytes, key_bytes, key_bytes, size_t{4} * kSortDigits * tiles_of(capacity),
+      key_bytes,          key_bytes, key_bytes, key_bytes, size_t{4} * kSortDigits * (tiles_of(capacity) + 1),
       sizeof(SortedCount)};
   for (size_t i = 0; i < std::size(sizes); ++i) {
     auto made = Buffer::create(backend, sizes[i]);
@@ -150,12 +154,13 @@ Result<void> KeySorter::run_pass(uint32_t count, uint32_t shift, uint32_t flags)
   const SortKeysConstants constants{count, tiles, shift, flags};
   const auto bytes = std::as_bytes(std::span(&constants, 1));
   const std::array count_buffers{keys.id(), counted.id(), table.id()};
-  const std::array scan_buffers{table.id(), counted.id()};
+  const std::array scan_buffers{table.id()};
   const std::array scatter_buffers{keys.id(),    values.id(),     table.id(),
                                    counted.id(), spare_keys.id(), spare_values.id()};
   if (auto done = backend_->dispatch(sort_count_pass(), count_buffers, bytes, tiles * kSortGroup); !done)
     return done;
-  if (auto done = backend_->dispatch(sort_scan_pass(), scan_buffers, bytes, kSortGroup); !done) return done;
+  if (auto done = backend_->dispatch(sort_scan_pass(), scan_buffers, bytes, kSortDigits * kSortGroup); !done)
+    return done;
   if (auto done = backend_->dispatch(sort_scatter_pass(), scatter_buffers, bytes, tiles * kSortGroup); !done)
     return done;
   std::swap(keys, spare_keys);
@@ -181,6 +186,13 @@ Result<void> KeySorter::sort(uint32_t count, const Options& options) {
     if (auto done = run_pass(count, shift, flags); !done) return done;
   }
   return {};  // the number of passes is even: keys() and values() are the same buffers as before
+}
+
+Result<void> KeySorter::sort_counted(uint32_t key_bits) {
+  for (uint32_t shift = 0; shift < key_bits; shift += kPassDigitBits) {
+    if (auto done = run_pass(capacity_, shift, 0); !done) return done;
+  }
+  return {};
 }
 
 }  // namespace livegs

@@ -34,13 +34,17 @@ class KeySorter {
   // the number of remaining keys.
   Result<void> sort(uint32_t count, const Options& options);
 
+  // Sorts the first counted().instance_count entries, a number that a pass has written, at most the capacity.
+  // Keys are below 2^key_bits. Afterwards keys() and values() may be other buffers than before.
+  Result<void> sort_counted(uint32_t key_bits);
+
   BufferId keys() const { return buffers_[0].id(); }
   BufferId values() const { return buffers_[1].id(); }
   BufferId counted() const { return buffers_[5].id(); }  // one SortedCount
   uint32_t capacity() const { return capacity_; }
   size_t device_bytes() const;
 
-  static constexpr uint32_t kMaxKeys = uint32_t{1} << 25;  // 128 MiB of keys, the binding limit of lavapipe
+  static constexpr uint32_t kMaxKeys = uint32_t{1} << 27;  // 2 GiB on the device; a device may bind fewer
 
  private:
   explicit KeySorter(Backend& backend) : backend_(&backend) {}

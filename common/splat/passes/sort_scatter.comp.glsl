@@ -7,7 +7,7 @@ layout(local_size_x_id = 0) in;
 layout(std430, set = 0, binding = 0) readonly restrict buffer Keys { uint keys[]; };
 layout(std430, set = 0, binding = 1) readonly restrict buffer Values { uint values[]; };
 layout(std430, set = 0, binding = 2) readonly restrict buffer Table { uint table[]; };
-layout(std430, set = 0, binding = 3) readonly restrict buffer Counted { SortedCount counted; };
+layout(std430, set = 0, binding = 3) restrict buffer Counted { SortedCount counted; };
 layout(std430, set = 0, binding = 4) writeonly restrict buffer SortedKeys { uint sorted_keys[]; };
 layout(std430, set = 0, binding = 5) writeonly restrict buffer SortedValues { uint sorted_values[]; };
 layout(push_constant) uniform Constants { SortKeysConstants constants; };
@@ -20,6 +20,7 @@ const uint kStretch = kSortGroup / kLanes;  // counters per thread
 // keys, so a half word cannot overflow.
 shared uint ranks[kRows * kSortGroup];
 shared uint sums[kSortGroup];
+shared uint digit_begins[kSortDigits];
 
 // Each thread counts its eight consecutive keys by digit; the counters are scanned over the threads; each
 // thread visits its keys again. Equal digits keep their order, and no atomics are needed.
@@ -27,12 +28,20 @@ void main() {
   const uint thread = gl_LocalInvocationID.x;
   const uint tile = gl_WorkGroupID.x;
   const bool first_pass = (constants.flags & kSortFirstPass) != 0;
-  // The scan of the first pass has written the number of remaining keys, but all keys are still stored.
+  // The first pass writes the number of remaining keys, but all keys are still stored.
   const uint count = first_pass ? constants.key_count : counted.instance_count;
   const bool drops = (constants.flags & kSortDropsKeys) != 0;
   const uint begin = min(tile * kSortTile + thread * kSortKeysPerThread, count);
   const uint end = min(begin + kSortKeysPerThread, count);
 
+  if (thread < kSortDigits) {
+    uint before = 0;
+    for (uint digit = 0; digit < thread; ++digit) before += table[kSortDigits * constants.tile_capacity + digit];
+    digit_begins[thread] = before;
+    if (first_pass && tile == 0 && thread == kSortDigits - 1) {
+      counted = SortedCount(4, before + table[kSortDigits * constants.tile_capacity + thread], 0, 0);
+    }
+  }
   for (uint row = 0; row < kRows; ++row) ranks[row * kSortGroup + thread] = 0;
   for (uint i = begin; i < end; ++i) {
     const uint key = keys[i];
@@ -68,7 +77,7 @@ void main() {
     const uint digit = (key >> constants.shift) % kSortDigits;
     const uint half_word = 16 * (digit % 2);
     const uint counter = digit / 2 * kSortGroup + thread;
-    const uint place = table[digit * constants.tile_capacity + tile] + ((ranks[counter] >> half_word) & 0xffffu);
+    const uint place = digit_begins[digit] + table[digit * constants.tile_capacity + tile] + ((ranks[counter] >> half_word) & 0xffffu);
     ranks[counter] += 1u << half_word;
     sorted_keys[place] = key;
     sorted_values[place] = (constants.flags & kSortIndexValues) != 0 ? i : values[i];

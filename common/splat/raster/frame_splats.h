@@ -14,8 +14,8 @@
 namespace livegs {
 
 // The splats of all objects of one frame in one set, for one eye or two, and the draw order shared by both
-// eyes. Buffers are kept and sized by the scene: 52 bytes per kernel for one eye, 88 for two, and 6.5 for
-// kernels posed by passes, which are posed and projected an eighth of the frame at a time, besides the
+// eyes. Buffers are kept and sized by the scene: 52 bytes per kernel for one eye, 88 for two, and 13 for
+// kernels posed by passes, which are posed and projected a quarter of the frame at a time, besides the
 // shadows. The rows of an eye are in up to kRowParts buffers, each within the binding limit of the device
 // (lavapipe: 128 MiB, or 3.7 million kernels).
 class FrameSplats {
@@ -67,7 +67,8 @@ class FrameSplats {
   // three per eye and the order are seven buffers; a device binds at least eight (pass.h)
   static constexpr int kRowParts = 3;
   uint64_t max_kernels() const {
-    return std::min<uint64_t>(KeySorter::kMaxKeys, uint64_t{kRowParts} * part_rows_);
+    return std::min<uint64_t>(std::min<uint64_t>(KeySorter::kMaxKeys, backend_->max_buffer_bytes() / 4),
+                              uint64_t{kRowParts} * part_rows_);
   }
 
   uint32_t kernel_count() const { return kernel_count_; }

@@ -38,7 +38,8 @@ TEST_P(CapturedPictures, MatchReferenceFromAllViewsAndDeformed) {
   const PosedKernels still = pose_asset(file->asset), twisted = pose_asset(file->asset, kTwist_rad_m);
   // With the default options of the device, and blended in 16-bit floats, as on GPUs.
   for (const VulkanRendererOptions& options :
-       {VulkanRendererOptions{}, VulkanRendererOptions{.precision = BlendPrecision::Half}}) {
+       {VulkanRendererOptions{},
+        VulkanRendererOptions{.method = DrawMethod::Quads, .precision = BlendPrecision::Half}}) {
     make_renderer(options);
     for (const View view : {View::Front, View::Close, View::Inside})
       expect_parity(file->asset, still, view, name_of(view));

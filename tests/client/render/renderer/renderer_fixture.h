@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <string>
 #include <tuple>
 
 #include "common/compute/shared_vulkan.h"
@@ -43,8 +44,8 @@ class BorrowedRenderer final : public SplatRenderer {
 class SharedRenderers final : public ::testing::Environment {
  public:
   Result<std::unique_ptr<SplatRenderer>> borrow(const VulkanRendererOptions& options) {
-    auto& renderer =
-        renderers_[{options.precision, options.separate_times, options.read_blended, options.max_part_rows}];
+    auto& renderer = renderers_[{options.method, options.precision, options.separate_times,
+                                 options.read_blended, options.max_part_rows}];
     if (!renderer) {
       auto made = create_vulkan_renderer(*shared_vulkan.device(), options);
       if (!made) return made.error();
@@ -55,7 +56,8 @@ class SharedRenderers final : public ::testing::Environment {
   void TearDown() override { renderers_.clear(); }
 
  private:
-  std::map<std::tuple<BlendPrecision, bool, bool, uint32_t>, std::unique_ptr<SplatRenderer>> renderers_;
+  std::map<std::tuple<DrawMethod, BlendPrecision, bool, bool, uint32_t>, std::unique_ptr<SplatRenderer>>
+      renderers_;
 };
 
 // GoogleTest owns it, and tears it down before shared_vulkan, which was registered first.
@@ -72,7 +74,8 @@ class VulkanPictures : public ::testing::Test {
     const auto& device = shared_vulkan.device();
     ASSERT_TRUE(device) << device.error().message;
     device_ = *device;
-    make_renderer({.precision = BlendPrecision::Half});  // the default of hardware devices
+    make_renderer(
+        {.method = DrawMethod::Quads, .precision = BlendPrecision::Half});  // as on most hardware devices
   }
 
   void TearDown() override {
@@ -122,6 +125,23 @@ class VulkanPictures : public ::testing::Test {
   std::unique_ptr<SplatRenderer> renderer_;
   uint64_t version_ = 1;
 };
+
+// The same by each method of drawing.
+class PicturesByMethod : public VulkanPictures, public ::testing::WithParamInterface<DrawMethod> {
+ protected:
+  void SetUp() override {
+    VulkanPictures::SetUp();
+    if (device_) make_method({.precision = BlendPrecision::Half});
+  }
+  void make_method(VulkanRendererOptions options) {
+    options.method = GetParam();
+    make_renderer(options);
+  }
+};
+inline const auto kBothMethods = ::testing::Values(DrawMethod::Quads, DrawMethod::Tiles);
+inline std::string method_name(const ::testing::TestParamInfo<DrawMethod>& of) {
+  return of.param == DrawMethod::Tiles ? "tiles" : "quads";
+}
 
 // Eight bits a channel leave 20 log10(255 sqrt 12) = 58.9 dB. What blending in halves costs on top grows with
 // the number of splats a pixel sums: each sum is rounded to 2^-12 of itself, always downwards on lavapipe.

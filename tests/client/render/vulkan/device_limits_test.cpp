@@ -24,7 +24,7 @@ TEST(MostVisibleKernels, AreLargeAndOpaque) {
   EXPECT_EQ(most_visible_kernels(object.asset, 9), (std::vector<uint32_t>{0, 1, 2, 3}));
 }
 
-class DeviceLimits : public VulkanPictures {
+class DeviceLimits : public PicturesByMethod {
  protected:
   // Creates a renderer on a separate device with this much memory.
   void limit_memory(size_t bytes) {
@@ -32,15 +32,17 @@ class DeviceLimits : public VulkanPictures {
     auto device = create_validated_device(shared_vulkan.messages(), bytes);
     ASSERT_TRUE(device) << device.error().message;
     device_ = *std::move(device);
-    auto renderer = create_vulkan_renderer(device_);
+    auto renderer = create_vulkan_renderer(device_, {.method = GetParam()});
     ASSERT_TRUE(renderer) << renderer.error().message;
     renderer_ = *std::move(renderer);
   }
 };
 
+INSTANTIATE_TEST_SUITE_P(Method, DeviceLimits, kBothMethods, method_name);
+
 // 40 000 kernels need 212 bytes each and three pictures: 9 MB. With half of that only the largest are drawn,
 // with a notice; with fewer kernels all are drawn again.
-TEST_F(DeviceLimits, ReducesKernelsWhenMemoryIsExhausted) {
+TEST_P(DeviceLimits, ReducesKernelsWhenMemoryIsExhausted) {
   const Object many = synthetic::shell(40'000, 3, 0.006, 3);
   Object few = synthetic::shell(2'000, 1, 0.02, 4);
   few.id = 2;
@@ -65,7 +67,7 @@ TEST_F(DeviceLimits, ReducesKernelsWhenMemoryIsExhausted) {
 }
 
 // If too few kernels fit, the CPU draws all of them, with a notice.
-TEST_F(DeviceLimits, FallsBackToCpuWithoutMemory) {
+TEST_P(DeviceLimits, FallsBackToCpuWithoutMemory) {
   limit_memory(100'000);
   const std::string device = renderer_->name();
   const Object many = synthetic::shell(4'000, 3, 0.02, 3);
@@ -90,7 +92,7 @@ TEST_F(DeviceLimits, FallsBackToCpuWithoutMemory) {
   EXPECT_EQ(roomy.notice(), "");
 }
 
-TEST_F(DeviceLimits, NoMemoryIsAnErrorForTheRenderer) {
+TEST_P(DeviceLimits, NoMemoryIsAnErrorForTheRenderer) {
   limit_memory(100'000);
   const Object many = synthetic::shell(4'000, 3, 0.02, 3);
   const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
@@ -103,7 +105,7 @@ TEST_F(DeviceLimits, NoMemoryIsAnErrorForTheRenderer) {
 
 // Projected rows may be split over several buffers: the result is bit-identical for all objects and both
 // eyes. Beyond the limit fewer are drawn, with a notice that does not mention memory.
-TEST_F(DeviceLimits, SplitBuffersGiveSamePicture) {
+TEST_P(DeviceLimits, SplitBuffersGiveSamePicture) {
   const Object shell = synthetic::shell(2'500, 3, 0.02, 3);
   Object other = synthetic::shell(400, 1, 0.02, 4);
   other.id = 2;
@@ -113,7 +115,7 @@ TEST_F(DeviceLimits, SplitBuffersGiveSamePicture) {
   const Camera eyes[] = {eye, right};
   const RenderedObject both[] = {rendered(shell.drawn()), rendered(other.drawn())};
   const auto whole = draw(both, eyes);
-  make_renderer({.precision = BlendPrecision::Half, .max_part_rows = 1000});
+  make_method({.precision = BlendPrecision::Half, .max_part_rows = 1000});
   const auto parted = draw(both, eyes);
   ASSERT_EQ(parted.size(), 2u);
   for (int e = 0; e < 2; ++e) EXPECT_EQ(parted[e].pixels, whole[e].pixels) << e;
@@ -131,8 +133,8 @@ TEST_F(DeviceLimits, SplitBuffersGiveSamePicture) {
 }
 
 // Device time of each pass is at most the host's wait; lavapipe has a timer.
-TEST_F(DeviceLimits, TimerReportsEachPass) {
-  make_renderer({.separate_times = true});
+TEST_P(DeviceLimits, TimerReportsEachPass) {
+  make_method({.separate_times = true});
   const Object object = synthetic::shell(20'000, 3, 0.01, 5);
   const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
   for (int picture = 0; picture < 3; ++picture) {

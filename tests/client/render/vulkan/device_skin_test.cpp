@@ -171,8 +171,9 @@ TEST_F(DeviceSkinning, SplitBuffersGiveSamePicture) {
   std::vector<Image> expected, made;
   ASSERT_TRUE(whole.draw(frame, {&eye_, 1}, expected));
   for (uint32_t id = 1; id <= 3; ++id) kernels += whole.drawn_object(id)->asset->size();
-  make_renderer(
-      {.precision = BlendPrecision::Half, .max_part_rows = static_cast<uint32_t>(kernels / 2 - 300)});
+  make_renderer({.method = DrawMethod::Quads,
+                 .precision = BlendPrecision::Half,
+                 .max_part_rows = static_cast<uint32_t>(kernels / 2 - 300)});
   SceneView parted(std::move(renderer_));
   things_.add_to(parted);
   ASSERT_TRUE(parted.draw(frame, {&eye_, 1}, made));

@@ -21,15 +21,15 @@
 namespace livegs {
 namespace {
 
-class VulkanSplatPainter final : public SplatPass {
+class QuadSplatPass final : public SplatPass {
  public:
-  VulkanSplatPainter(Backend& backend, VulkanCommands& commands, const VulkanHandles& handles)
+  QuadSplatPass(Backend& backend, VulkanCommands& commands, const VulkanHandles& handles)
       : backend_(backend), commands_(commands), handles_(handles), draw_(handles), resolve_(handles) {}
-  ~VulkanSplatPainter() override {
+  ~QuadSplatPass() override {
     (void)backend_.submit();
   }  // recorded commands must not outlive the objects they name
 
-  Result<void> create(const Options& options);
+  Result<void> create(BlendPrecision precision);
   Result<void> paint(const FrameSplats& frame, int width, int height, int eyes) override;
   int eyes_a_draw() const override { return multiview_works_.value_or(true) ? images_->eyes() : 1; }
   Result<void> resolve(const Eigen::Vector3f& background) override;
@@ -38,7 +38,9 @@ class VulkanSplatPainter final : public SplatPass {
   Result<void> read_blended(std::vector<Image>& images) override;
 
  private:
-  void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to);
+  void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+    change_layout(handles_.vk, commands, image, images_->eyes(), from, to);
+  }
   void begin_rendering(VkCommandBuffer commands, VkImageView view, int eyes, VkAttachmentLoadOp load);
   void bind(VkCommandBuffer commands, const DrawPipeline& pipeline, int eyes);
   Result<void> make_images(int width, int height, int eyes);
@@ -61,10 +63,9 @@ bool can_blend(const VulkanHandles& handles, VkFormat format) {
   return (properties.optimalTilingFeatures & kWanted) == kWanted;
 }
 
-Result<void> VulkanSplatPainter::create(const Options& options) {
+Result<void> QuadSplatPass::create(BlendPrecision precision) {
   const bool software = handles_.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  const bool full =
-      options.precision == BlendPrecision::Full || (options.precision == BlendPrecision::Auto && software);
+  const bool full = precision == BlendPrecision::Full || (precision == BlendPrecision::Auto && software);
   if (full && can_blend(handles_, VK_FORMAT_R32G32B32A32_SFLOAT))
     blended_format_ = VK_FORMAT_R32G32B32A32_SFLOAT;
   DrawPipeline::Description draw;
@@ -91,27 +92,8 @@ Result<void> VulkanSplatPainter::create(const Options& options) {
   return {};
 }
 
-// A full barrier; images change layout only a few times per frame.
-void VulkanSplatPainter::transition(VkCommandBuffer commands, VkImage image, VkImageLayout from,
-                                    VkImageLayout to) {
-  auto barrier = vulkan_info<VkImageMemoryBarrier2>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2);
-  barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier.oldLayout = from;
-  barrier.newLayout = to;
-  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.image = image;
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, static_cast<uint32_t>(images_->eyes())};
-  auto dependency = vulkan_info<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
-  dependency.imageMemoryBarrierCount = 1;
-  dependency.pImageMemoryBarriers = &barrier;
-  handles_.vk.CmdPipelineBarrier2(commands, &dependency);
-}
-
-void VulkanSplatPainter::begin_rendering(VkCommandBuffer commands, VkImageView view, int eyes,
-                                         VkAttachmentLoadOp load) {
+void QuadSplatPass::begin_rendering(VkCommandBuffer commands, VkImageView view, int eyes,
+                                    VkAttachmentLoadOp load) {
   const VkExtent2D extent{static_cast<uint32_t>(images_->width()), static_cast<uint32_t>(images_->height())};
   auto attachment = vulkan_info<VkRenderingAttachmentInfo>(VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO);
   attachment.imageView = view;
@@ -131,14 +113,14 @@ void VulkanSplatPainter::begin_rendering(VkCommandBuffer commands, VkImageView v
   handles_.vk.CmdSetScissor(commands, 0, 1, &scissor);
 }
 
-void VulkanSplatPainter::bind(VkCommandBuffer commands, const DrawPipeline& pipeline, int eyes) {
+void QuadSplatPass::bind(VkCommandBuffer commands, const DrawPipeline& pipeline, int eyes) {
   const VkDescriptorSet set = pipeline.set();
   handles_.vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.pipeline(eyes));
   handles_.vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.layout(), 0, 1, &set,
                                     0, nullptr);
 }
 
-Result<void> VulkanSplatPainter::make_images(int width, int height, int eyes) {
+Result<void> QuadSplatPass::make_images(int width, int height, int eyes) {
   if (images_ && images_->is_of(width, height, eyes)) return {};
   if (auto done = backend_.submit(); !done) return done;
   images_.reset();
@@ -152,7 +134,7 @@ Result<void> VulkanSplatPainter::make_images(int width, int height, int eyes) {
 // lavapipe 22.3.6 draws every fully covered 4x4 block to the first eye, whatever the view index. NVIDIA's
 // driver 580 gives the second eye the first eye's kernel. On such devices the eyes are drawn one after the
 // other.
-Result<void> VulkanSplatPainter::try_multiview() {
+Result<void> QuadSplatPass::try_multiview() {
   constexpr int kSide = 80;  // px, more than one of lavapipe's tiles
   constexpr float kRadius_m = 0.05f, kEyeDistance_m = 0.1;
   constexpr float kVariance_m2 = kRadius_m * kRadius_m;
@@ -190,7 +172,7 @@ Result<void> VulkanSplatPainter::try_multiview() {
   return {};
 }
 
-Result<void> VulkanSplatPainter::paint(const FrameSplats& frame, int width, int height, int eyes) {
+Result<void> QuadSplatPass::paint(const FrameSplats& frame, int width, int height, int eyes) {
   LIVEGS_ASSERT(width > 0 && height > 0 && (eyes == 1 || eyes == 2));
   const auto most = static_cast<int>(handles_.properties.limits.maxImageDimension2D);
   if (width > most || height > most) {
@@ -237,7 +219,7 @@ Result<void> VulkanSplatPainter::paint(const FrameSplats& frame, int width, int 
   return {};
 }
 
-Result<void> VulkanSplatPainter::resolve(const Eigen::Vector3f& background) {
+Result<void> QuadSplatPass::resolve(const Eigen::Vector3f& background) {
   LIVEGS_ASSERT(images_ != nullptr);
   const VulkanFunctions& vk = handles_.vk;
   const VkDescriptorImageInfo image{VK_NULL_HANDLE, images_->blended_view(),
@@ -270,7 +252,7 @@ Result<void> VulkanSplatPainter::resolve(const Eigen::Vector3f& background) {
   return {};
 }
 
-Result<void> VulkanSplatPainter::read(std::vector<Image>& images) {
+Result<void> QuadSplatPass::read(std::vector<Image>& images) {
   LIVEGS_ASSERT(images_ != nullptr);
   auto commands = commands_.record();
   if (!commands) return commands.error();
@@ -286,29 +268,20 @@ Result<void> VulkanSplatPainter::read(std::vector<Image>& images) {
   return {};
 }
 
-Result<void> VulkanSplatPainter::copy_into(const DeviceImage& image) {
+Result<void> QuadSplatPass::copy_into(const DeviceImage& image) {
   LIVEGS_ASSERT(images_ && image.layers == images_->eyes() && image.width >= images_->width() &&
                 image.height >= images_->height());
   auto commands = commands_.record();
   if (!commands) return commands.error();
   transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
              VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-  transition(*commands, image.image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  VkImageBlit region{};  // a blit, since the channel order may differ
-  region.srcSubresource =
-      region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint32_t>(images_->eyes())};
-  region.srcOffsets[1] = region.dstOffsets[1] = {images_->width(), images_->height(), 1};
-  handles_.vk.CmdBlitImage(*commands, images_->resolved(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.image,
-                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, VK_FILTER_NEAREST);
-  transition(*commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  images_->blit_resolved(*commands, image);
   transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
              VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
   return backend_.submit();
 }
 
-Result<void> VulkanSplatPainter::read_blended(std::vector<Image>& images) {
+Result<void> QuadSplatPass::read_blended(std::vector<Image>& images) {
   LIVEGS_ASSERT(images_ != nullptr);
   auto commands = commands_.record();
   if (!commands) return commands.error();
@@ -325,17 +298,17 @@ Result<void> VulkanSplatPainter::read_blended(std::vector<Image>& images) {
 
 }  // namespace
 
-Result<std::unique_ptr<SplatPass>> SplatPass::create(Backend& backend, const VulkanHandles& handles,
-                                                     const Options& options) {
+Result<std::unique_ptr<SplatPass>> SplatPass::create_quads(Backend& backend, const VulkanHandles& handles,
+                                                           BlendPrecision precision) {
   VulkanCommands* commands = vulkan_commands(backend);
   LIVEGS_ASSERT(commands != nullptr);
   if (!handles.draws) {
     return Error{ErrorCode::Unavailable,
-                 "vulkan: " + handles.name + " supports compute but not graphics; use --renderer cpu"};
+                 "vulkan: " + handles.name + " supports compute but not graphics; draw by tiles"};
   }
-  auto painter = std::make_unique<VulkanSplatPainter>(backend, *commands, handles);
-  if (auto made = painter->create(options); !made) return made.error();
-  return Result<std::unique_ptr<SplatPass>>(std::move(painter));
+  auto pass = std::make_unique<QuadSplatPass>(backend, *commands, handles);
+  if (auto made = pass->create(precision); !made) return made.error();
+  return Result<std::unique_ptr<SplatPass>>(std::move(pass));
 }
 
 }  // namespace livegs

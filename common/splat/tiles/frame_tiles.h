@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "compute/buffer.h"
+#include "splat/image.h"
+#include "splat/passes/key_sorter.h"
+#include "splat/raster/frame_splats.h"
+
+namespace livegs {
+
+// Pictures of a sorted frame by compute passes alone: the kernels of each tile of 16 x 16 pixels, nearest
+// first, blended with an end at opaque pixels (Kerbl et al. 2023, section 6). For devices whose draw is
+// slower or that cannot draw. Sorting pairs of tile and kernel by tile keeps the draw order of the frame.
+//
+// Takes 16 bytes per pair (a kernel of 10 pixels' radius touches about five tiles) and 4 per pixel, or 16 for
+// pictures of floats. One thread.
+class FrameTiles {
+ public:
+  struct Options {
+    bool floats = false;     // premultiplied colour and coverage, without background and rounding
+    uint32_t max_pairs = 0;  // 0: the limit of the device
+  };
+  FrameTiles(Backend& backend, const Options& options);
+
+  // Records the pairs of tiles and kernels of a frame, which must be sorted, in the order of the tiles. All
+  // eyes of the frame have this size, in px.
+  Result<void> bin(const FrameSplats& frame, int width, int height, int eyes);
+  // Records the blending of the binned frame. `background`: display-encoded.
+  Result<void> blend(const FrameSplats& frame, const Eigen::Vector3f& background);
+
+  // Runs all recorded passes. False if the frame has more pairs than the buffers hold: they have grown, bin
+  // and blend again. TooLarge if the device holds no buffers for them.
+  Result<bool> finish();
+  // The same, and reads one image per eye.
+  Result<bool> finish(std::vector<Image>& images);
+
+  // Pixels of the eyes, row by row, after kTileHeaderWords: RGBA with 8 bits each, or four floats.
+  BufferId picture() const { return picture_.id(); }
+
+ private:
+  Result<void> make_room(uint32_t kernels);
+  Result<bool> fits(uint32_t pairs);
+  size_t picture_words() const;
+
+  Backend* backend_;
+  Options options_;
+  int width_ = 0, height_ = 0, eyes_ = 0;
+  std::optional<KeySorter> sorter_;  // keys are tiles, values are places in the frame
+  Buffer sums_, firsts_, picture_, no_rows_[2];
+};
+
+}  // namespace livegs
