@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "capture/capture.h"
+#include "compute/backend.h"
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
 #include "splat/image.h"
@@ -35,6 +36,10 @@ class Trainer {
   ~Trainer();
   Trainer(Trainer&&) noexcept;
   Trainer& operator=(Trainer&&) noexcept;
+
+  // Pictures and gradients are blended on this device from now on. The same device gives the same bits again;
+  // they differ from those of the CPU by rounding. If it fails, a warning is logged and the CPU goes on.
+  void use_device(std::unique_ptr<Backend> backend);
 
   size_t steps_done() const;
   bool done() const;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "capture/capture.h"
+#include "cli/choose_device.h"
 #include "cli/commands.h"
 #include "cli/output_path.h"
 #include "core/file.h"
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 struct TrainCommand {
   fs::path photos, output;
   TrainOptions train;
-  std::string shape = "needle";
+  std::string shape = "needle", device = "auto";
   size_t every = 500;
   bool resume = false;
 };
@@ -86,6 +87,9 @@ int run(TrainCommand options) {
   for (const std::string& note : capture->notes) log_warn("%s: %s", options.photos.c_str(), note.c_str());
   auto trainer = Trainer::start(*capture, options.train);
   if (!trainer) return report(trainer.error());
+  auto device = choose_device(options.device);
+  if (!device) return report(device.error());
+  if (*device) trainer->use_device(*std::move(device));
   const fs::path checkpoint = with_ending(options.output, ".checkpoint");
   if (options.resume) {
     const auto bytes = read_file(checkpoint);
@@ -170,6 +174,7 @@ void add_train(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(size_t{1}, kMaxTrainSteps))
       ->capture_default_str();
   command->add_option("--seed", train.seed, "Seed of all random choices")->capture_default_str();
+  add_device_option(*command, options->device);
   command->add_flag("--ignore-masked", train.ignore_masked, "Pixels whose mask is 0 do not count");
   command->add_flag("--resume", options->resume, "Continue from the checkpoint of an interrupted run");
   command->callback([options, &exit_code] { exit_code = run(*options); });

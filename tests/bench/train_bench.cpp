@@ -14,6 +14,7 @@
 #include <string>
 
 #include "capture/capture.h"
+#include "compute/vulkan_backend.h"
 #include "core/percentile.h"
 #include "gaussian/asset_file.h"
 #include "train/render/trained_view.h"
@@ -97,7 +98,7 @@ void axis_ratios(const KernelParameters& kernels, std::vector<double>& needle, s
 
 int run(int argc, char** argv) {
   CLI::App app("Trains a capture and prints its scores as CSV");
-  std::string folder = LIVEGS_SHARED_DATA_DIR "/multiview/ycb_tabletop", shape = "needle", ply;
+  std::string folder = LIVEGS_SHARED_DATA_DIR "/multiview/ycb_tabletop", shape = "needle", device = "cpu", ply;
   TrainOptions options;
   options.steps = 2000;
   options.max_kernels = 20000;
@@ -124,6 +125,7 @@ int run(int argc, char** argv) {
   app.add_option("--grow-until", options.grow_until, "Share of the steps with densification");
   app.add_option("--harmonics-interval", options.harmonics_interval, "Share of the steps of a degree");
   app.add_option("--min-axis", options.min_axis_px, "Smallest axis, px");
+  app.add_option("--device", device, "Where pictures are blended")->check(CLI::IsMember({"cpu", "vulkan"}));
   app.add_option("--every", every, "Steps between rows");
   app.add_option("--ply", ply, "Writes the kernels");
   CLI11_PARSE(app, argc, argv);
@@ -135,8 +137,17 @@ int run(int argc, char** argv) {
   if (!capture) return std::fprintf(stderr, "%s\n", capture.error().message.c_str()), 2;
   auto trainer = Trainer::start(*capture, options);
   if (!trainer) return std::fprintf(stderr, "%s\n", trainer.error().message.c_str()), 2;
+  if (device == "vulkan") {
+    auto found = VulkanDevice::create();
+    if (!found) return std::fprintf(stderr, "%s\n", found.error().message.c_str()), 2;
+    device = (*found)->name();
+    std::replace(device.begin(), device.end(), ',', ';');
+    auto backend = create_vulkan_backend(*std::move(found));
+    if (!backend) return std::fprintf(stderr, "%s\n", backend.error().message.c_str()), 2;
+    trainer->use_device(*std::move(backend));
+  }
   std::printf(
-      "shape,steps,limit_kernels,size_px,step,kernels,psnr_db,ssim,depth_median_mm,depth_p90_mm,"
+      "device,shape,steps,limit_kernels,size_px,step,kernels,psnr_db,ssim,depth_median_mm,depth_p90_mm,"
       "longest_to_middle_p95,longest_to_middle_p99,longest_to_shortest_p50,longest_to_shortest_p99,"
       "cpu_s,wall_s\n");
   double cpu = 0, wall = 0;
@@ -154,7 +165,7 @@ int run(int argc, char** argv) {
     const std::vector<double> depth = depth_errors_mm(*capture, trainer->kernels(), 0.02 * trainer->extent());
     std::vector<double> needle, flat;
     axis_ratios(trainer->kernels(), needle, flat);
-    std::printf("%s,%zu,%zu,%d,%zu,%zu,%.2f,%.4f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n", shape.c_str(),
+    std::printf("%s,%s,%zu,%zu,%d,%zu,%zu,%.2f,%.4f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n", device.c_str(), shape.c_str(),
                 options.steps, options.max_kernels, options.longest_px, trainer->steps_done(),
                 trainer->kernels().size(), score->psnr_db, score->ssim, percentile(depth, 0.5),
                 percentile(depth, 0.9), percentile(needle, 0.95), percentile(needle, 0.99),

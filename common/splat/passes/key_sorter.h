@@ -36,7 +36,8 @@ class KeySorter {
 
   // Sorts the first counted().instance_count entries, a number that a pass has written, at most the capacity.
   // Keys are below 2^key_bits. Afterwards keys() and values() may be other buffers than before.
-  Result<void> sort_counted(uint32_t key_bits);
+  // `index_values`: as in Options.
+  Result<void> sort_counted(uint32_t key_bits, bool index_values);
 
   BufferId keys() const { return buffers_[0].id(); }
   BufferId values() const { return buffers_[1].id(); }

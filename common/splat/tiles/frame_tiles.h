@@ -2,13 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "compute/buffer.h"
 #include "splat/image.h"
-#include "splat/passes/key_sorter.h"
 #include "splat/raster/frame_splats.h"
+#include "splat/tiles/tile_pairs.h"
 
 namespace livegs {
 
@@ -16,8 +15,7 @@ namespace livegs {
 // first, blended with an end at opaque pixels (Kerbl et al. 2023, section 6). For devices whose draw is
 // slower or that cannot draw. Sorting pairs of tile and kernel by tile keeps the draw order of the frame.
 //
-// Takes 16 bytes per pair (a kernel of 10 pixels' radius touches about five tiles) and 4 per pixel, or 16 for
-// pictures of floats. One thread.
+// Takes the buffers of the pairs and 4 bytes per pixel, or 16 for pictures of floats. One thread.
 class FrameTiles {
  public:
   struct Options {
@@ -42,15 +40,13 @@ class FrameTiles {
   BufferId picture() const { return picture_.id(); }
 
  private:
-  Result<void> make_room(uint32_t kernels);
-  Result<bool> fits(uint32_t pairs);
   size_t picture_words() const;
 
   Backend* backend_;
   Options options_;
   int width_ = 0, height_ = 0, eyes_ = 0;
-  std::optional<KeySorter> sorter_;  // keys are tiles, values are places in the frame
-  Buffer sums_, firsts_, picture_, no_rows_[2];
+  TilePairs pairs_;
+  Buffer picture_;
 };
 
 }  // namespace livegs

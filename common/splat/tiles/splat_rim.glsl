@@ -13,8 +13,8 @@ struct SplatRim {
   float v_rightmost;
 };
 
-SplatRim rim_of(SplatRow row) {
-  const float rim = row.log2_opacity + kSplatLog2Of255;
+// `rim`: u u + v v there, positive.
+SplatRim rim_of(SplatRow row, float rim) {
   const float reach = sqrt(rim);
   const float slope = row.across_y / row.down_y;
   return SplatRim(row.centre_x_px, row.centre_y_px, row.down_y, slope, 1.0 / row.across_x, rim, reach,

@@ -35,7 +35,7 @@ vec3 sum = vec3(0.0);
 bool finished = false;
 
 uint touched_blocks(SplatRow row, vec2 corner) {
-  const SplatRim rim = rim_of(row);
+  const SplatRim rim = rim_of(row, row.log2_opacity + kSplatLog2Of255);
   uint blocks = 0;
   for (int r = 0; r < kBlockRows; ++r) {
     const float top = corner.y + float(r * kBlockHeight_px);

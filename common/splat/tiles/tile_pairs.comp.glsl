@@ -39,8 +39,9 @@ void main() {
   if (i < drawn.instance_count) {
     place = order[i];
     const SplatRow row = row_of(place);
-    if (row.log2_opacity + kSplatLog2Of255 > 0.0) {  // visible to this eye
-      rim = rim_of(row);
+    const float rim_value = row.log2_opacity - constants.log2_of_least_alpha;
+    if (rim_value > 0.0) {  // visible to this eye
+      rim = rim_of(row, rim_value);
       rows = rows_of(rim, height);
     }
   }

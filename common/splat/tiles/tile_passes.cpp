@@ -26,7 +26,7 @@ SplatRow row_of(const PassArguments& arguments, uint32_t part_rows, uint32_t pla
   return row_at<SplatRow>(arguments.buffers[place / part_rows], place % part_rows);
 }
 
-EllipseRim rim_of(const SplatRow& row) {
+EllipseRim rim_of(const SplatRow& row, float rim) {
   ProjectedKernel kernel{};
   kernel.centre_x_px = row.centre_x_px;
   kernel.centre_y_px = row.centre_y_px;
@@ -34,13 +34,13 @@ EllipseRim rim_of(const SplatRow& row) {
   kernel.across_y = row.across_y;
   kernel.down_y = row.down_y;
   kernel.log2_opacity = row.log2_opacity;
-  return {kernel, kernel.rim()};
+  return {kernel, rim};
 }
 
 template <class Touch>
-void for_each_tile(const SplatRow& row, const TileGrid& grid, const Touch& touch) {
-  if (!(row.log2_opacity + kSplatLog2Of255 > 0.0f)) return;
-  const EllipseRim rim = rim_of(row);
+void for_each_tile(const SplatRow& row, float rim_value, const TileGrid& grid, const Touch& touch) {
+  if (!(rim_value > 0.0f)) return;
+  const EllipseRim rim = rim_of(row, rim_value);
   const TileSpan rows = rim.rows(grid);
   if (rows.first > rows.last) return;
   for (int r = rows.first / kTileSize; r <= rows.last / kTileSize; ++r) {
@@ -65,7 +65,8 @@ void tile_pairs(const PassArguments& arguments, size_t begin, size_t end) {
     uint32_t& sum = sums[constants.eye * constants.block_capacity + group];
     uint64_t next = constants.pair_capacity == 0 ? 0 : sum;
     for (size_t i = group * kTileGroup; i < last; ++i) {
-      for_each_tile(row_of(arguments, constants.part_rows, order[i]), grid, [&](uint32_t tile) {
+      const SplatRow row = row_of(arguments, constants.part_rows, order[i]);
+      for_each_tile(row, row.log2_opacity - constants.log2_of_least_alpha, grid, [&](uint32_t tile) {
         if (next < constants.pair_capacity) {
           tiles[next] = first_tile + tile;
           places[next] = order[i];

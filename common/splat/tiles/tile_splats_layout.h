@@ -22,6 +22,7 @@ struct TilePairsConstants {
   uint width_px;
   uint height_px;
   uint no_tile;  // written where rounding finds fewer tiles than were counted; above all tiles
+  float log2_of_least_alpha;  // a kernel ends where its alpha falls below it
 };
 
 struct TileScanConstants {
@@ -45,7 +46,7 @@ struct TileBlendConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TilePairsConstants) == 28 && sizeof(TileScanConstants) == 8);
+static_assert(sizeof(TilePairsConstants) == 32 && sizeof(TileScanConstants) == 8);
 static_assert(sizeof(TileRangesConstants) == 4 && sizeof(TileBlendConstants) == 32);
 }  // namespace livegs
 #endif

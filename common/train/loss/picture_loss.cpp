@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "core/parallel_for.h"
+#include "splat/raster/lanes.h"
 
 namespace livegs {
 namespace {
@@ -30,23 +32,34 @@ std::array<float, kSsimWindow> window() {
 }
 const std::array<float, kSsimWindow> kWindow = window();
 
-// One row blurred. `padded` has kReach zeros at both ends.
-void blur_row(const float* padded, int width, float* out) {
-  for (int x = 0; x < width; ++x) {
+// out[x] = sum over i of weights[i] * in[x + i * stride], for `width` sums of `count` terms, eight at a time.
+void weighted_sums(const float* in, ptrdiff_t stride, const float* weights, int count, int width, float* out) {
+  int x = 0;
+  for (; x + 8 <= width; x += 8) {
+    Lanes sum{}, value;
+    for (int i = 0; i < count; ++i) {
+      std::memcpy(&value, in + x + i * stride, sizeof value);
+      sum += weights[i] * value;
+    }
+    std::memcpy(out + x, &sum, sizeof sum);
+  }
+  for (; x < width; ++x) {
     float sum = 0;
-    for (int i = 0; i < kSsimWindow; ++i) sum += kWindow[static_cast<size_t>(i)] * padded[x + i];
+    for (int i = 0; i < count; ++i) sum += weights[i] * in[x + i * stride];
     out[x] = sum;
   }
 }
 
+// One row blurred. `padded` has kReach zeros at both ends.
+void blur_row(const float* padded, int width, float* out) {
+  weighted_sums(padded, 1, kWindow.data(), kSsimWindow, width, out);
+}
+
 // Blur down the columns at row y of a plane whose rows are blurred.
 void blur_column(const float* plane, int width, int height, int y, float* out) {
-  std::fill_n(out, width, 0.0f);
-  for (int i = std::max(0, kReach - y); i < std::min(kSsimWindow, height - y + kReach); ++i) {
-    const float weight = kWindow[static_cast<size_t>(i)];
-    const float* row = plane + static_cast<ptrdiff_t>(y + i - kReach) * width;
-    for (int x = 0; x < width; ++x) out[x] += weight * row[x];
-  }
+  const int first = std::max(0, kReach - y), last = std::min(kSsimWindow, height - y + kReach);
+  weighted_sums(plane + static_cast<ptrdiff_t>(y + first - kReach) * width, width, kWindow.data() + first,
+                last - first, width, out);
 }
 
 template <class Planes>

@@ -6,15 +6,18 @@
 #include <cmath>
 #include <limits>
 
+#include "core/log.h"
 #include "core/parallel_for.h"
 #include "splat/raster/ellipse_rim.h"
 #include "train/render/blend_tile.h"
+#include "train/render/device_blender.h"
 
 namespace livegs {
 namespace {
 
 constexpr size_t kProjectBlock = 512;  // kernels
 constexpr size_t kTileBlock = 2;       // tiles
+constexpr size_t kPixelBlock = 8192;   // pixels
 
 TileGrid grid_of(const Camera& camera) { return {camera.width, camera.height}; }
 
@@ -199,17 +202,75 @@ double TrainedView::mean_spread() const {
   return spreads_.empty() ? 0 : sum / static_cast<double>(spreads_.size());
 }
 
+TrainedView::TrainedView() = default;
+TrainedView::~TrainedView() = default;
+TrainedView::TrainedView(TrainedView&&) noexcept = default;
+TrainedView& TrainedView::operator=(TrainedView&&) noexcept = default;
+
+void TrainedView::use_device(std::unique_ptr<Backend> backend) {
+  device_ = std::make_unique<DeviceBlender>(std::move(backend));
+}
+
 void TrainedView::draw(const KernelParameters& parameters, const Camera& camera, const ViewOptions& options) {
   camera_ = camera;
   options_ = options;
   project(parameters);
-  bin();
-  blend();
+  if (!blend_on_device()) {
+    bin();
+    blend();
+  }
   if (options.depth) find_depths(parameters);
 }
 
-void TrainedView::backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
-                           KernelParameters& gradient, float by_spread) {
+// False if there is no device, or it failed and is no longer used.
+bool TrainedView::blend_on_device() {
+  if (!device_) return false;
+  if (auto done = device_->forward(kernels_, camera_.width, camera_.height, options_.cuts); !done) {
+    log_warn("training: the device failed (%s); the CPU goes on", done.error().message.c_str());
+    device_.reset();
+    return false;
+  }
+  picture_.resize(camera_.width, camera_.height);
+  halfway_.resize(options_.depth ? picture_.pixels() : 0);
+  depth_sums_.resize(options_.spread ? picture_.pixels() : 0);
+  spreads_.resize(depth_sums_.size());
+  const std::span<const TrainPixel> pixels = device_->pixels();
+  parallel_for(pixels.size(), kPixelBlock, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const TrainPixel& pixel = pixels[i];
+      picture_.red[i] = pixel.red + pixel.through * options_.background.x();
+      picture_.green[i] = pixel.green + pixel.through * options_.background.y();
+      picture_.blue[i] = pixel.blue + pixel.through * options_.background.z();
+      picture_.alpha[i] = 1.0f - pixel.through;
+      if (options_.depth) halfway_[i] = pixel.halfway;
+      if (options_.spread) {
+        depth_sums_[i] = pixel.depth_sum;
+        spreads_[i] = pixel.spread;
+      }
+    }
+  });
+  return true;
+}
+
+bool TrainedView::backward_on_device(const PicturePlanes& by_picture, float by_spread) {
+  if (!device_) return false;
+  device_by_picture_.resize(by_picture.pixels());
+  parallel_for(by_picture.pixels(), kPixelBlock, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      device_by_picture_[i] = {by_picture.red[i], by_picture.green[i], by_picture.blue[i], by_picture.alpha[i]};
+  });
+  if (auto done = device_->backward(device_by_picture_, options_.background, by_spread, kernel_gradients_); !done) {
+    log_warn("training: the device failed (%s); the CPU goes on", done.error().message.c_str());
+    device_.reset();
+    bin();
+    blend();
+    return false;
+  }
+  return true;
+}
+
+// The gradients by the kernels, in kernel_gradients_.
+void TrainedView::blend_back(const PicturePlanes& by_picture, float by_spread) {
   const TileGrid grid = grid_of(camera_);
   pair_gradients_.resize(pair_kernels_.size());
   parallel_for(grid.size(), kTileBlock, [&](size_t begin, size_t end) {
@@ -242,12 +303,10 @@ void TrainedView::backward(const KernelParameters& parameters, const PicturePlan
       for (; i < tile_first_[t + 1]; ++i) pair_gradients_[tile_pairs_[i]] = {};
     }
   });
-  gradient.resize(parameters.size());
-  gradient.clear_to_zero();
-  const Projection projection(camera_);
-  parallel_for(kernels_.size(), kProjectBlock / 2, [&](size_t begin, size_t end) {
+  kernel_gradients_.resize(kernels_.size());
+  parallel_for(kernels_.size(), kProjectBlock, [&](size_t begin, size_t end) {
     for (size_t rank = begin; rank < end; ++rank) {
-      EllipseGradient total;
+      EllipseGradient& total = kernel_gradients_[rank] = {};
       for (uint32_t pair = pair_first_[rank]; pair < pair_first_[rank + 1]; ++pair) {
         const EllipseGradient& part = pair_gradients_[pair];
         total.sum += part.sum;
@@ -261,8 +320,19 @@ void TrainedView::backward(const KernelParameters& parameters, const PicturePlan
         total.blue += part.blue;
         total.depth += part.depth;
       }
-      project_backward(projection, parameters, order_[rank], options_.sh_degree, total, gradient);
     }
+  });
+}
+
+void TrainedView::backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
+                           KernelParameters& gradient, float by_spread) {
+  if (!backward_on_device(by_picture, by_spread)) blend_back(by_picture, by_spread);
+  gradient.resize(parameters.size());
+  gradient.clear_to_zero();
+  const Projection projection(camera_);
+  parallel_for(kernels_.size(), kProjectBlock / 2, [&](size_t begin, size_t end) {
+    for (size_t rank = begin; rank < end; ++rank)
+      project_backward(projection, parameters, order_[rank], options_.sh_degree, kernel_gradients_[rank], gradient);
   });
 }
 

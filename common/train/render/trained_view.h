@@ -3,15 +3,20 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "compute/backend.h"
 #include "splat/camera.h"
 #include "train/kernel_parameters.h"
 #include "train/render/project_trained.h"
 #include "train/render/render_cuts.h"
+#include "train/render/train_blend_layout.h"
 
 namespace livegs {
+
+class DeviceBlender;
 
 // A picture as planes of width * height floats, rows from the top.
 struct PicturePlanes {
@@ -42,6 +47,15 @@ struct ViewOptions {
 // order. Buffers are kept between calls. Not shared between threads.
 class TrainedView {
  public:
+  TrainedView();
+  ~TrainedView();
+  TrainedView(TrainedView&&) noexcept;
+  TrainedView& operator=(TrainedView&&) noexcept;
+
+  // Binning and blending, forward and back, run as passes on this device from now on (device_blender.h). If it
+  // fails, a warning is logged and the CPU goes on.
+  void use_device(std::unique_ptr<Backend> backend);
+
   // Colours over the background, without an upper limit; alpha is coverage.
   void draw(const KernelParameters& parameters, const Camera& camera, const ViewOptions& options);
   const PicturePlanes& picture() const { return picture_; }
@@ -65,6 +79,9 @@ class TrainedView {
                 KernelParameters& gradient, float by_spread = 0);
 
  private:
+  bool blend_on_device();
+  bool backward_on_device(const PicturePlanes& by_picture, float by_spread);
+  void blend_back(const PicturePlanes& by_picture, float by_spread);
   void project(const KernelParameters& parameters);
   void bin();
   void blend();
@@ -87,6 +104,9 @@ class TrainedView {
   std::vector<uint32_t> tile_pairs_;         // pairs of each tile, nearest first
   std::vector<EllipseGradient> pair_gradients_;
   std::vector<uint64_t> keys_;
+  std::unique_ptr<DeviceBlender> device_;
+  std::vector<TrainPixelGradient> device_by_picture_;
+  std::vector<EllipseGradient> kernel_gradients_;  // by rank
 };
 
 }  // namespace livegs

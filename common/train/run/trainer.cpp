@@ -132,6 +132,7 @@ Result<Trainer> Trainer::start(const Capture& capture, const TrainOptions& optio
   return Trainer(std::move(state));
 }
 
+void Trainer::use_device(std::unique_ptr<Backend> backend) { state_->view.use_device(std::move(backend)); }
 size_t Trainer::steps_done() const { return state_->step; }
 bool Trainer::done() const { return state_->step >= state_->options.steps; }
 const KernelParameters& Trainer::kernels() const { return state_->kernels; }
