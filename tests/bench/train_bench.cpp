@@ -117,6 +117,7 @@ int run(int argc, char** argv) {
   app.add_option("--last-position-rate", options.last_position_rate, "Last rate of positions");
   app.add_option("--last-rate-share", options.last_rate_share, "Last share of the other rates");
   app.add_option("--spread-weight", options.spread_weight, "Weight of the spread of depths");
+  app.add_option("--spread-edge", options.spread_edge, "Change of colour with half of that weight");
   app.add_option("--scale-rate", options.scale_rate, "Rate of axes");
   app.add_option("--rotation-rate", options.rotation_rate, "Rate of rotations");
   app.add_option("--opacity-rate", options.opacity_rate, "Rate of opacities");

@@ -141,7 +141,7 @@ uint32_t blend_forward(const ProjectedKernel& kernel, const TileFrame& frame, co
 }
 
 uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, const RenderCuts& cuts,
-                        uint32_t live, TilePixels& tile, TileGradient& gradient, float by_spread,
+                        uint32_t live, TilePixels& tile, TileGradient& gradient, bool with_spread,
                         EllipseGradient& sums) {
   const PlacedKernel placed(kernel, frame.x, frame.y);
   const KernelRows rows(kernel, placed, cuts);
@@ -150,7 +150,7 @@ uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, c
   // Sums of G, G dx and so on; `moment` is of the powers of dy for each column, because dx is fixed there.
   Lanes sum = zero, x = zero, y = zero, xx = zero, xy = zero, yy = zero;
   Lanes red = zero, green = zero, blue = zero, by_depth = zero;
-  const Lanes z = lanes(kernel.depth_m), two_by_spread = lanes(2 * by_spread);
+  const Lanes z = lanes(kernel.depth_m);
   uint32_t finished = 0;
   for (int half = 0; half < 2; ++half) {
     Lanes moment0 = zero, moment1 = zero, moment2 = zero;
@@ -174,15 +174,16 @@ uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, c
       Lanes by_colour = fused(by_red, lanes(kernel.red),
                               fused(by_green, lanes(kernel.green),
                                     fused(by_blue, lanes(kernel.blue), lanes_at(gradient.alpha + pixel))));
-      if (by_spread != 0) {
+      if (with_spread) {
         // With A and D the sums of w and w z in front of this kernel and of all:
         //   dL/dw = 2 (z (2 A_front - A) - (2 D_front - D)),   dL/dz = 2 w (2 A_front + w - A)
         Lanes& depth = lanes_at(tile.depth + pixel);
         const Lanes front = one - before;
         const Lanes balance = front + front - lanes_at(gradient.final_alpha + pixel);
         const Lanes depth_balance = depth + depth - lanes_at(gradient.final_depth + pixel);
-        by_colour = fused(two_by_spread, fused(z, balance, -depth_balance), by_colour);
-        by_depth = fused(weight + weight, balance + weight, by_depth);
+        const Lanes twice = lanes_at(gradient.spread + pixel) + lanes_at(gradient.spread + pixel);
+        by_colour = fused(twice, fused(z, balance, -depth_balance), by_colour);
+        by_depth = fused(twice * weight, balance + weight, by_depth);
         depth = fused(weight, z, depth);
       }
       Lanes& left = lanes_at(gradient.left + pixel);
@@ -207,7 +208,7 @@ uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, c
     yy += moment2;
   }
   sums = {sum_of(sum), sum_of(x),   sum_of(y),     sum_of(xx),   sum_of(xy),
-          sum_of(yy),  sum_of(red), sum_of(green), sum_of(blue), by_spread * sum_of(by_depth)};
+          sum_of(yy),  sum_of(red), sum_of(green), sum_of(blue), sum_of(by_depth)};
   return finished;
 }
 

@@ -23,8 +23,8 @@ struct alignas(32) TileGradient {
   float alpha[kTilePixels];
   // Sum of weight * (gradient . colour) of all that lies behind, with the background.
   float left[kTilePixels];
-  // Of the finished picture, for the spread.
-  float final_alpha[kTilePixels], final_depth[kTilePixels];
+  // dL by the spread, and the finished picture for it.
+  float spread[kTilePixels], final_alpha[kTilePixels], final_depth[kTilePixels];
 };
 
 struct TileFrame {
@@ -36,10 +36,10 @@ struct TileFrame {
 uint32_t blend_forward(const ProjectedKernel& kernel, const TileFrame& frame, const RenderCuts& cuts,
                        uint32_t live, TilePixels& tile, bool with_spread, uint32_t* halfway, uint32_t rank);
 
-// The same step with derivatives: `sums` receives those of the kernel in this tile. `by_spread`: dL by the
-// spread of each pixel; 0: none.
+// The same step with derivatives: `sums` receives those of the kernel in this tile.
+// `with_spread`: gradient.spread and what follows it are set.
 uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, const RenderCuts& cuts,
-                        uint32_t live, TilePixels& tile, TileGradient& gradient, float by_spread,
+                        uint32_t live, TilePixels& tile, TileGradient& gradient, bool with_spread,
                         EllipseGradient& sums);
 
 // Runs that contain a pixel of the picture, for a tile with this number of columns and rows inside.

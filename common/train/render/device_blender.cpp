@@ -98,8 +98,7 @@ Result<void> DeviceBlender::forward(std::span<const ProjectedKernel> kernels, in
                                       .log2_of_least_alpha = drawn.log2_of_least_alpha,
                                       .red = 0,
                                       .green = 0,
-                                      .blue = 0,
-                                      .by_spread = 0};
+                                      .blue = 0};
   const auto tiles = static_cast<uint32_t>(TileGrid{width, height}.size());
   picture_.resize(1 + static_cast<size_t>(width) * height);
   for (;;) {
@@ -121,7 +120,7 @@ Result<void> DeviceBlender::forward(std::span<const ProjectedKernel> kernels, in
 }
 
 Result<void> DeviceBlender::backward(std::span<const TrainPixelGradient> by_picture,
-                                     const Eigen::Vector3f& background, float by_spread,
+                                     const Eigen::Vector3f& background,
                                      std::vector<EllipseGradient>& by_kernel) {
   LIVEGS_ASSERT(by_picture.size() + 1 == picture_.size());
   by_kernel.resize(count_);
@@ -140,8 +139,7 @@ Result<void> DeviceBlender::backward(std::span<const TrainPixelGradient> by_pict
                                       .log2_of_least_alpha = std::log2(cuts_.min_alpha),
                                       .red = background.x(),
                                       .green = background.y(),
-                                      .blue = background.z(),
-                                      .by_spread = by_spread};
+                                      .blue = background.z()};
   const auto tiles = static_cast<uint32_t>(TileGrid{width_, height_}.size());
   const std::array buffers{rows_.id(),       depths_.id(),         pairs_.places(),  pairs_.values(),
                            pairs_.firsts(),  picture_buffer_.id(), by_picture_.id(), pair_gradients_.id()};

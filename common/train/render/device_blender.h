@@ -27,10 +27,9 @@ class DeviceBlender {
   Result<void> forward(std::span<const ProjectedKernel> kernels, int width, int height, const RenderCuts& cuts);
   std::span<const TrainPixel> pixels() const { return std::span(picture_).subspan(1); }
 
-  // The gradient by the colours over `background` and the alphas of the last forward(), and by the spread of
-  // each pixel; by_kernel receives a row for each kernel.
+  // The gradient by the colours over `background`, the alphas and the spreads of the last forward(); by_kernel receives a row for each kernel.
   Result<void> backward(std::span<const TrainPixelGradient> by_picture, const Eigen::Vector3f& background,
-                        float by_spread, std::vector<EllipseGradient>& by_kernel);
+                        std::vector<EllipseGradient>& by_kernel);
 
  private:
   Result<void> make_room();

@@ -43,6 +43,7 @@ void main() {
 
   vec4 by = vec4(0.0);  // dL by red, green, blue, alpha
   float left = 0.0;     // of the loss behind the current kernel
+  float by_spread = 0.0;
   float final_alpha = 0.0;
   float final_depth = 0.0;
   if (inside) {
@@ -50,11 +51,12 @@ void main() {
     const TrainPixelGradient g = by_picture[place];
     const TrainPixel p = picture[1 + place];
     by = vec4(g.red, g.green, g.blue, g.alpha);
+    by_spread = g.spread;
     final_alpha = 1.0 - p.through;
     final_depth = p.depth_sum;
     const vec3 shown =
         vec3(p.red, p.green, p.blue) + p.through * vec3(constants.red, constants.green, constants.blue);
-    left = dot(by.rgb, shown) + by.a * final_alpha + 2.0 * constants.by_spread * p.spread;
+    left = dot(by.rgb, shown) + by.a * final_alpha + 2.0 * by_spread * p.spread;
   }
   float through = 1.0;
   float depth_sum = 0.0;
@@ -86,10 +88,10 @@ void main() {
             const vec3 colour = colours[k];
             const float depth = exponents[k].z;
             float by_weight = dot(by.rgb, colour) + by.a;
-            if (constants.by_spread != 0.0) {
+            if (by_spread != 0.0) {
               const float balance = 2.0 * (1.0 - through) - final_alpha;
-              by_weight += 2.0 * constants.by_spread * (depth * balance - (2.0 * depth_sum - final_depth));
-              term[9] = constants.by_spread * 2.0 * weight * (balance + weight);
+              by_weight += 2.0 * by_spread * (depth * balance - (2.0 * depth_sum - final_depth));
+              term[9] = by_spread * 2.0 * weight * (balance + weight);
               depth_sum += weight * depth;
             }
             left -= weight * by_weight;

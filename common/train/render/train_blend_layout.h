@@ -30,6 +30,7 @@ struct TrainPixelGradient {
   float green;
   float blue;
   float alpha;
+  float spread;
 };
 
 // EllipseGradient of a pair or of a kernel.
@@ -55,7 +56,6 @@ struct TrainBlendConstants {
   float red;  // background; of train_backward alone
   float green;
   float blue;
-  float by_spread;  // dL by the spread of each pixel; of train_backward alone
 };
 
 struct TrainGatherConstants {
@@ -63,7 +63,7 @@ struct TrainGatherConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TrainPixel) == 4 * kTrainHeaderWords && sizeof(TrainPixelGradient) == 16);
-static_assert(sizeof(TrainEllipseGradient) == 40 && sizeof(TrainBlendConstants) == 36);
+static_assert(sizeof(TrainPixel) == 4 * kTrainHeaderWords && sizeof(TrainPixelGradient) == 20);
+static_assert(sizeof(TrainEllipseGradient) == 40 && sizeof(TrainBlendConstants) == 32);
 }  // namespace livegs
 #endif

@@ -107,10 +107,10 @@ void add_terms(const SplatRow& row, float depth, int x, int y, const TrainBlendC
     return;
   }
   float by_weight = p.by.red * row.red + p.by.green * row.green + p.by.blue * row.blue + p.by.alpha;
-  if (constants.by_spread != 0) {
+  if (p.by.spread != 0) {
     const float balance = 2 * (1 - p.through) - p.final_alpha;
-    by_weight += 2 * constants.by_spread * (depth * balance - (2 * p.depth_sum - p.final_depth));
-    sums.depth += constants.by_spread * 2 * weight * (balance + weight);
+    by_weight += 2 * p.by.spread * (depth * balance - (2 * p.depth_sum - p.final_depth));
+    sums.depth += p.by.spread * 2 * weight * (balance + weight);
     p.depth_sum += weight * depth;
   }
   p.left -= weight * by_weight;
@@ -148,7 +148,7 @@ void train_backward(const PassArguments& arguments, size_t begin, size_t end) {
       p.left = p.by.red * (seen.red + seen.through * constants.red) +
                p.by.green * (seen.green + seen.through * constants.green) +
                p.by.blue * (seen.blue + seen.through * constants.blue) + p.by.alpha * p.final_alpha +
-               2 * constants.by_spread * seen.spread;
+               2 * p.by.spread * seen.spread;
     });
     for (uint32_t i = firsts[tile]; i < firsts[tile + 1]; ++i) {
       const uint32_t rank = ranks[pairs[i]];

@@ -196,12 +196,6 @@ void TrainedView::find_depths(const KernelParameters& parameters) {
   });
 }
 
-double TrainedView::mean_spread() const {
-  double sum = 0;
-  for (float one : spreads_) sum += double{one};
-  return spreads_.empty() ? 0 : sum / static_cast<double>(spreads_.size());
-}
-
 TrainedView::TrainedView() = default;
 TrainedView::~TrainedView() = default;
 TrainedView::TrainedView(TrainedView&&) noexcept = default;
@@ -252,14 +246,15 @@ bool TrainedView::blend_on_device() {
   return true;
 }
 
-bool TrainedView::backward_on_device(const PicturePlanes& by_picture, float by_spread) {
+bool TrainedView::backward_on_device(const PicturePlanes& by_picture, std::span<const float> by_spread) {
   if (!device_) return false;
   device_by_picture_.resize(by_picture.pixels());
   parallel_for(by_picture.pixels(), kPixelBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      device_by_picture_[i] = {by_picture.red[i], by_picture.green[i], by_picture.blue[i], by_picture.alpha[i]};
+      device_by_picture_[i] = {by_picture.red[i], by_picture.green[i], by_picture.blue[i], by_picture.alpha[i],
+                               by_spread.empty() ? 0.0f : by_spread[i]};
   });
-  if (auto done = device_->backward(device_by_picture_, options_.background, by_spread, kernel_gradients_); !done) {
+  if (auto done = device_->backward(device_by_picture_, options_.background, kernel_gradients_); !done) {
     log_warn("training: the device failed (%s); the CPU goes on", done.error().message.c_str());
     device_.reset();
     bin();
@@ -270,7 +265,7 @@ bool TrainedView::backward_on_device(const PicturePlanes& by_picture, float by_s
 }
 
 // The gradients by the kernels, in kernel_gradients_.
-void TrainedView::blend_back(const PicturePlanes& by_picture, float by_spread) {
+void TrainedView::blend_back(const PicturePlanes& by_picture, std::span<const float> by_spread) {
   const TileGrid grid = grid_of(camera_);
   pair_gradients_.resize(pair_kernels_.size());
   parallel_for(grid.size(), kTileBlock, [&](size_t begin, size_t end) {
@@ -287,10 +282,11 @@ void TrainedView::blend_back(const PicturePlanes& by_picture, float by_spread) {
         by.alpha[i] = by_picture.alpha[pixel];
         by.left[i] = by.red[i] * picture_.red[pixel] + by.green[i] * picture_.green[pixel] +
                      by.blue[i] * picture_.blue[pixel] + by.alpha[i] * picture_.alpha[pixel];
-        if (by_spread != 0) {
+        if (!by_spread.empty()) {
+          by.spread[i] = by_spread[pixel];
           by.final_alpha[i] = picture_.alpha[pixel];
           by.final_depth[i] = depth_sums_[pixel];
-          by.left[i] += 2 * by_spread * spreads_[pixel];  // the spread is quadratic in the weights
+          by.left[i] += 2 * by_spread[pixel] * spreads_[pixel];  // the spread is quadratic in the weights
         }
       });
       uint32_t live = runs_of_tile(place.columns, place.rows);
@@ -298,7 +294,7 @@ void TrainedView::blend_back(const PicturePlanes& by_picture, float by_spread) {
       for (; i < tile_first_[t + 1] && live != 0; ++i) {
         const uint32_t pair = tile_pairs_[i];
         live &= ~blend_backward(kernels_[pair_kernels_[pair]], place.frame(), options_.cuts, live, tile, by,
-                                by_spread, pair_gradients_[pair]);
+                                !by_spread.empty(), pair_gradients_[pair]);
       }
       for (; i < tile_first_[t + 1]; ++i) pair_gradients_[tile_pairs_[i]] = {};
     }
@@ -325,7 +321,7 @@ void TrainedView::blend_back(const PicturePlanes& by_picture, float by_spread) {
 }
 
 void TrainedView::backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
-                           KernelParameters& gradient, float by_spread) {
+                           KernelParameters& gradient, std::span<const float> by_spread) {
   if (!backward_on_device(by_picture, by_spread)) blend_back(by_picture, by_spread);
   gradient.resize(parameters.size());
   gradient.clear_to_zero();

@@ -38,7 +38,7 @@ struct ViewOptions {
   int sh_degree = 3;
   RenderCuts cuts;
   bool depth = false;   // fills depths()
-  bool spread = false;  // fills mean_spread() and what backward needs for it
+  bool spread = false;  // fills spreads() and what backward needs for them
 };
 
 // Draws trained kernels and takes the derivative of a loss back to their numbers. Both passes run front to
@@ -64,8 +64,8 @@ class TrainedView {
   // at which transmittance falls under 0.5; infinity if it never does. Scene units.
   const std::vector<float>& depths() const { return depths_; }
 
-  // Mean over the pixels of the spread of what is seen along the ray (blend_tile.h), scene units.
-  double mean_spread() const;
+  // By pixel: the spread of what is seen along the ray (blend_tile.h), scene units.
+  std::span<const float> spreads() const { return spreads_; }
 
   // Kernels of the last draw, by depth.
   size_t visible_count() const { return order_.size(); }
@@ -73,15 +73,15 @@ class TrainedView {
   std::span<const uint8_t> visible() const { return visible_; }
 
   // `by_picture`: dL by the colour (over the background) and alpha of each pixel. Writes the derivative by
-  // every trained number; 0 for kernels that were not visible. `by_spread`: dL by the spread of each pixel;
-  // needs ViewOptions::spread. Call after draw, with the same parameters.
+  // every trained number; 0 for kernels that were not visible. `by_spread`: dL by the spread of each pixel,
+  // or empty; needs ViewOptions::spread. Call after draw, with the same parameters.
   void backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
-                KernelParameters& gradient, float by_spread = 0);
+                KernelParameters& gradient, std::span<const float> by_spread = {});
 
  private:
   bool blend_on_device();
-  bool backward_on_device(const PicturePlanes& by_picture, float by_spread);
-  void blend_back(const PicturePlanes& by_picture, float by_spread);
+  bool backward_on_device(const PicturePlanes& by_picture, std::span<const float> by_spread);
+  void blend_back(const PicturePlanes& by_picture, std::span<const float> by_spread);
   void project(const KernelParameters& parameters);
   void bin();
   void blend();

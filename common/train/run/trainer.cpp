@@ -27,7 +27,7 @@ constexpr float kAlphaWeight = 0.1f;
 constexpr uint64_t kMinScaleInterval = 100;
 constexpr double kRecentShare = 0.01;  // weight of a step in the recent loss
 constexpr uint64_t kOrderStream = 2000, kBackgroundStream = 2001;
-constexpr size_t kKernelBlock = 1024;
+constexpr size_t kKernelBlock = 1024, kRowBlock = 16;
 
 uint64_t densify_interval(size_t steps) { return std::max<uint64_t>(10, steps / 100); }
 
@@ -67,6 +67,34 @@ Camera Trainer::State::camera_of(size_t index) const {
   Camera camera = pictures.camera(index);
   camera.near_m = kNearShare * extent;
   return camera;
+}
+
+// The loss of the spread of depths in the last view, and its derivative by each pixel in by_spread.
+double Trainer::State::spread_loss(std::span<const uint8_t> counts) {
+  const auto factor =
+      static_cast<float>(options.spread_weight / (extent * static_cast<double>(target.pixels())));
+  const auto over_edge = static_cast<float>(1 / (options.spread_edge * options.spread_edge));
+  const int width = target.width, height = target.height;
+  by_spread.resize(target.pixels());
+  parallel_for(static_cast<size_t>(height), kRowBlock, [&](size_t begin, size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      const int up = std::max(y - 1, 0), down = std::min(y + 1, height - 1);
+      for (int x = 0; x < width; ++x) {
+        const int left = std::max(x - 1, 0), right = std::min(x + 1, width - 1);
+        float change = 0;
+        for (const auto* plane : {&target.red, &target.green, &target.blue}) {
+          const auto at = [&](int px, int py) { return (*plane)[static_cast<size_t>(py) * width + px]; };
+          const float across = 0.5f * (at(right, y) - at(left, y)), along = 0.5f * (at(x, down) - at(x, up));
+          change += across * across + along * along;
+        }
+        const size_t i = static_cast<size_t>(y) * width + x;
+        by_spread[i] = counts.empty() || counts[i] != 0 ? factor / (1 + change * over_edge) : 0.0f;
+      }
+    }
+  });
+  double sum = 0;
+  for (size_t i = 0; i < by_spread.size(); ++i) sum += double{by_spread[i]} * view.spreads()[i];
+  return sum;
 }
 
 // Every view once in each epoch, in an order that depends on the seed and the epoch only.
@@ -165,10 +193,8 @@ Result<void> Trainer::step() {
   planes_of(**photo, view_options.background, s.target);
   s.view.draw(s.kernels, s.camera_of(index), view_options);
   double loss = s.loss.evaluate(s.view.picture(), s.target, (*photo)->counts, alpha_weight, s.by_picture);
-  const auto by_spread =
-      static_cast<float>(options.spread_weight / (s.extent * static_cast<double>(s.target.pixels())));
-  loss += options.spread_weight / s.extent * s.view.mean_spread();
-  s.view.backward(s.kernels, s.by_picture, s.gradient, by_spread);
+  if (view_options.spread) loss += s.spread_loss((*photo)->counts);
+  s.view.backward(s.kernels, s.by_picture, s.gradient, s.by_spread);
   loss += add_shape_loss(s.kernels, options.shape, s.extent, s.gradient);
 
   const double progress = static_cast<double>(s.step) / static_cast<double>(options.steps);

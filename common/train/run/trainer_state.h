@@ -30,6 +30,7 @@ struct Trainer::State {
   TrainedView view;
   PictureLoss loss;
   PicturePlanes target, by_picture;
+  std::vector<float> by_spread;  // by pixel; empty without the loss
   KernelParameters gradient;
   std::vector<size_t> order;  // views of the current epoch
   uint64_t order_epoch = ~uint64_t{0};
@@ -38,6 +39,7 @@ struct Trainer::State {
   Camera camera_of(size_t index) const;
   size_t view_of_step();
   void update_min_scales();
+  double spread_loss(std::span<const uint8_t> counts);
   Result<HeldOutScore> score();
 };
 

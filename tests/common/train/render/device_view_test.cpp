@@ -40,8 +40,11 @@ class DeviceView : public ::testing::TestWithParam<const char*> {
     view.draw(kernels, camera, options);
     result.picture = view.picture();
     result.depths = view.depths();
-    result.spread = view.mean_spread();
-    view.backward(kernels, random_weights(camera.width, camera.height), result.gradient, by_spread);
+    for (const float one : view.spreads()) result.spread += one;
+    std::vector<float> spread_weights;  // they differ between pixels
+    for (size_t i = 0; options.spread && i < view.spreads().size(); ++i)
+      spread_weights.push_back(by_spread * static_cast<float>(1 + i % 3));
+    view.backward(kernels, random_weights(camera.width, camera.height), result.gradient, spread_weights);
     return result;
   }
   static Result on_cpu(const KernelParameters& kernels, const Camera& camera, const ViewOptions& options,
