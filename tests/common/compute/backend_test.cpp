@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <map>
 #include <random>
 
 #include "common/compute/backends.h"
@@ -169,15 +170,22 @@ TEST_P(BackendTest, UploadsAndDispatchesAreOneSubmission) {
   ASSERT_TRUE(backend_->submit());
   EXPECT_EQ(commands->traffic().submissions - before.submissions, 1u);
   EXPECT_EQ(commands->traffic().uploaded_bytes - before.uploaded_bytes, 20u * 4000u);
+  EXPECT_EQ(commands->traffic().dispatches - before.dispatches, 20u);
+  EXPECT_EQ(commands->traffic().barriers - before.barriers, 20u + 20u);  // before each upload and dispatch
 }
 
 // Valid with and without a loader: an existing loader gets an invalid driver path.
 TEST(VulkanDevice, ReportsAMissingDevice) {
-  const char* drivers = std::getenv("VK_ICD_FILENAMES");
-  const std::string before = drivers ? drivers : "";
-  setenv("VK_ICD_FILENAMES", "/nonexistent/driver.json", 1);
+  // The name of the variable that loaders since 1.3.207 read first, and the one of older loaders.
+  const char* const names[] = {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"};
+  std::map<std::string, std::string> before;
+  for (const char* name : names) {
+    if (const char* drivers = std::getenv(name)) before[name] = drivers;
+    setenv(name, "/nonexistent/driver.json", 1);
+  }
   const auto device = VulkanDevice::create();
-  drivers ? setenv("VK_ICD_FILENAMES", before.c_str(), 1) : unsetenv("VK_ICD_FILENAMES");
+  for (const char* name : names)
+    before.contains(name) ? setenv(name, before[name].c_str(), 1) : unsetenv(name);
   ASSERT_FALSE(device);
   EXPECT_EQ(device.error().code, ErrorCode::Unavailable);
   EXPECT_EQ(device.error().message.find("vulkan: no "), 0u) << device.error().message;
