@@ -18,6 +18,7 @@ namespace {
 // Pixels per eye: of a current headset, and of a picture that a software device draws within a second.
 constexpr int kHeadsetWidth = 2064, kHeadsetHeight = 2208, kSoftwareWidth = 640, kSoftwareHeight = 480;
 constexpr int kMaxSide_px = 16384;
+constexpr size_t kMinKernels = 1000;  // fewer do not fill a shell of lattice cells
 
 struct Options {
   std::string output, size, filter;
@@ -70,7 +71,7 @@ Options read_options(int argc, char** argv) {
          "--kernels", options.kernels,
          "Numbers of kernels to measure (default: 50000,200000,1000000,6000000; on a software device 50000)")
       ->delimiter(',')
-      ->check(CLI::Range(size_t{1}, size_t{KeySorter::kMaxKeys}))
+      ->check(CLI::Range(kMinKernels, size_t{KeySorter::kMaxKeys}))
       ->type_name("N,...");
   app.add_option("--size", options.size, "Pixels per eye (default: 2064x2208; on a software device 640x480)")
       ->check(CLI::Validator(

@@ -59,7 +59,8 @@ std::string times_text(const Report& report) {
   std::string text =
       "Medians by the device's clock, ms. In parentheses: the share of the copy bandwidth, from the bytes "
       "that the "
-      "pass has to read and write. Draw counts each pixel once, so overlapping splats lower its share. "
+      "pass has to read and write. Draw counts each pixel once, so overlapping splats lower its share. A "
+      "share above 100 % means that the data fit into the caches. "
       "Frame: a whole "
       "picture by the host's clock, with the read-back of its pixels.\n\n";
   text +=

@@ -64,11 +64,6 @@ class Listener final : public ::testing::EmptyTestEventListener {
 
 }  // namespace
 
-int Parity::count(const std::string& verdict) const {
-  return static_cast<int>(
-      std::count_if(rows.begin(), rows.end(), [&](const ParityRow& row) { return row.verdict == verdict; }));
-}
-
 Parity run_parity(const std::string& filter, bool validation) {
   Parity parity;
   parity.validated = validation;

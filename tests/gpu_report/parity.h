@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,10 @@ struct ParityRow {
 struct Parity {
   std::vector<ParityRow> rows;
   bool validated = false;  // ran with the validation layer
-  int count(const std::string& verdict) const;
+  int count(const std::string& verdict) const {
+    return static_cast<int>(std::count_if(rows.begin(), rows.end(),
+                                          [&](const ParityRow& row) { return row.verdict == verdict; }));
+  }
   bool passed() const { return count("failed") == 0 && count("passed") > 0; }
 };
 

@@ -16,10 +16,13 @@
 namespace livegs::gpu_report {
 namespace {
 
-// Frames that are drawn before the timed ones: pipelines are compiled, and the clocks of a GPU rise.
-constexpr int kWarmUpFrames = 10, kSoftwareWarmUpFrames = 2;
-constexpr int kMaxFrames = 60, kSoftwareMaxFrames = 7, kMinFrames = 3;
-constexpr double kMaxTime_s = 60;  // for the frames of a row, unless the minimum takes longer
+// Frames of a row, if they do not take longer than the time limit. Warm-up frames come first: pipelines are
+// compiled, and the clocks of a GPU rise. Most of a frame on a GPU is the read-back of its pixels.
+struct FrameCounts {
+  int warm_up, separate, whole, min;  // separate: a submission for each step
+  double max_time_s;
+};
+constexpr FrameCounts kOnGpu{5, 7, 25, 7, 15}, kInSoftware{2, 7, 7, 3, 60};
 constexpr uint32_t kBodies = 1000;
 constexpr double kHalfEyeDistance_m = 0.032, kOrbit_m = 1.5, kView_rad = 0.8;
 
@@ -89,8 +92,7 @@ class Bench {
   Bench(std::shared_ptr<VulkanDevice> device, const TimesOptions& options)
       : device_(std::move(device)),
         options_(options),
-        warm_up_(device_->is_software() ? kSoftwareWarmUpFrames : kWarmUpFrames),
-        max_frames_(device_->is_software() ? kSoftwareMaxFrames : kMaxFrames) {}
+        counts_(device_->is_software() ? kInSoftware : kOnGpu) {}
 
   Result<void> make_object(size_t kernels) {
     // Kernels shrink with their number, so that the opacity of the shell stays the same.
@@ -131,8 +133,9 @@ class Bench {
     if (!renderer) return renderer.error();
     Samples upload, project, sort, draw, whole, device[5];
     std::vector<Image> images;
-    int frames = max_frames_;
-    for (int frame = -warm_up_; frame < frames; ++frame) {
+    const int max_frames = separate ? counts_.separate : counts_.whole;
+    int frames = max_frames;
+    for (int frame = -counts_.warm_up; frame < frames; ++frame) {
       const int64_t begun_ns = now_ns();
       // A new pose in each frame, as for a moving object; the asset is uploaded once.
       const RenderedObject rendered{
@@ -146,9 +149,10 @@ class Bench {
       if (const std::string notice = (*renderer)->notice(); !notice.empty())
         return Error{ErrorCode::TooLarge, notice};
       const double took_s = seconds_from_ns(now_ns() - begun_ns);
-      if (frame == -warm_up_) {
-        frames = static_cast<int>(std::clamp(kMaxTime_s / took_s, 1.0 * kMinFrames, 1.0 * max_frames_));
-        if (frames < max_frames_) frame = -1;  // repeat the first frame as a warm-up
+      if (frame == -counts_.warm_up) {
+        frames =
+            static_cast<int>(std::clamp(counts_.max_time_s / took_s, 1.0 * counts_.min, 1.0 * max_frames));
+        if (frames < max_frames) frame = -1;  // repeat the first frame as a warm-up
       }
       if (frame < 0) continue;
       const RenderTimes& times = (*renderer)->last_times();
@@ -162,7 +166,6 @@ class Bench {
                                    by_device.draw_ms, by_device.resolve_ms};
       for (int pass = 0; pass < 5; ++pass) device[pass].ms.push_back(passes_ms[pass]);
     }
-    row.frames = frames;
     if (separate) {
       row.upload = upload.span();
       row.project = project.span();
@@ -170,6 +173,7 @@ class Bench {
       row.draw = draw.span();
       return {};
     }
+    row.frames = frames;
     row.frame = whole.span();
     row.device = {device[0].median(), device[1].median(), device[2].median(), device[3].median(),
                   device[4].median()};
@@ -189,7 +193,7 @@ class Bench {
     if (auto done = skin->move(ridden.rest, ridden.bindings, ridden.drivers); !done) return done.error();
     if (auto done = (*backend)->submit(); !done) return done.error();
     Samples samples;
-    for (int frame = -warm_up_; frame < max_frames_; ++frame) {
+    for (int frame = -counts_.warm_up; frame < counts_.separate; ++frame) {
       const int64_t begun_ns = now_ns();
       for (uint32_t first = 0, count = 0; first < skin->size(); first += count) {
         count = std::min({at_once, skin->size() - first,
@@ -233,7 +237,7 @@ class Bench {
 
   std::shared_ptr<VulkanDevice> device_;
   TimesOptions options_;
-  int warm_up_, max_frames_;
+  FrameCounts counts_;
   GaussianAsset asset_;
   Ridden lattice_, bodies_;
   uint64_t version_ = 0;

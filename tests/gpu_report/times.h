@@ -19,7 +19,7 @@ struct Span {
 struct TimesRow {
   size_t kernels = 0;
   int eyes = 1, width = 0, height = 0;  // pixels per eye
-  int blend_bits = 16, frames = 0;
+  int blend_bits = 16, frames = 0;      // whole pictures
   // By the host's clock, with an empty queue between the steps. skin: the pass alone; skin_rigid: the same
   // for the kernels of 1000 rigid bodies. upload: the drivers. project includes skinning; draw includes
   // resolve and the read-back.

@@ -8,6 +8,7 @@
 
 #include "core/assert.h"
 #include "core/parallel_for.h"
+#include "splat/raster/blend_tiles.h"
 #include "splat/raster/sorted_kernels.h"
 #include "splat/raster/tile_runs.h"
 
