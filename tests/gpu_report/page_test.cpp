@@ -42,8 +42,8 @@ std::string verdict(const Report& report, const std::string& goal) {
   return "no such goal";
 }
 
-constexpr const char *kPasses = "skin, project and sort", *kDraw = "draw of the same",
-                     *kSkin = "skin: ", *kSort = "sort: ", *kMemory = "device memory";
+constexpr const char *kPassesGoal = "skin, project and sort", *kDrawGoal = "draw of the same",
+                     *kSkinGoal = "skin: ", *kSortGoal = "sort: ", *kMemoryGoal = "device memory";
 
 TEST(GpuReportPage, StatesDeviceParityAndShares) {
   const std::string text = page(gpu_report());
@@ -56,7 +56,7 @@ TEST(GpuReportPage, StatesDeviceParityAndShares) {
 }
 
 TEST(GpuReportPage, GoalsAreMet) {
-  for (const char* goal : {kPasses, kDraw, kSkin, kSort, kMemory})
+  for (const char* goal : {kPassesGoal, kDrawGoal, kSkinGoal, kSortGoal, kMemoryGoal})
     EXPECT_EQ(verdict(gpu_report(), goal), "met") << goal;
 }
 
@@ -64,30 +64,30 @@ TEST(GpuReportPage, EachGoalCanBeMissed) {
   Report report = gpu_report();
   TimesRow& row = report.times[0];
   row.device.project_ms = 1.8;
-  EXPECT_EQ(verdict(report, kPasses), "**missed**");
-  EXPECT_EQ(verdict(report, kDraw), "met");
+  EXPECT_EQ(verdict(report, kPassesGoal), "**missed**");
+  EXPECT_EQ(verdict(report, kDrawGoal), "met");
   row.device.draw_ms = 3.01;
-  EXPECT_EQ(verdict(report, kDraw), "**missed**");
+  EXPECT_EQ(verdict(report, kDrawGoal), "**missed**");
   row.device.skin_ms = 0.14;  // 57 %
-  EXPECT_EQ(verdict(report, kSkin), "**missed**");
-  EXPECT_EQ(verdict(report, kSort), "met");
+  EXPECT_EQ(verdict(report, kSkinGoal), "**missed**");
+  EXPECT_EQ(verdict(report, kSortGoal), "met");
   row.device.sort_ms = 0.28;
-  EXPECT_EQ(verdict(report, kSort), "**missed**");
+  EXPECT_EQ(verdict(report, kSortGoal), "**missed**");
   row.memory_bytes_a_kernel = 256.5;
-  EXPECT_EQ(verdict(report, kMemory), "**missed**");
+  EXPECT_EQ(verdict(report, kMemoryGoal), "**missed**");
 }
 
 TEST(GpuReportPage, GoalsWithoutAFigureAreNotMeasured) {
   Report report = gpu_report();
   report.times[0].width = 640;
-  EXPECT_EQ(verdict(report, kDraw), "not measured");
-  EXPECT_EQ(verdict(report, kPasses), "met");
+  EXPECT_EQ(verdict(report, kDrawGoal), "not measured");
+  EXPECT_EQ(verdict(report, kPassesGoal), "met");
   report.copy.reset();
-  EXPECT_EQ(verdict(report, kSkin), "not measured");
+  EXPECT_EQ(verdict(report, kSkinGoal), "not measured");
   report.times[0].device = {};  // a device without a clock
-  EXPECT_EQ(verdict(report, kPasses), "not measured");
+  EXPECT_EQ(verdict(report, kPassesGoal), "not measured");
   report.times[0].eyes = 1;
-  EXPECT_EQ(verdict(report, kMemory), "not measured");
+  EXPECT_EQ(verdict(report, kMemoryGoal), "not measured");
 }
 
 TEST(GpuReportPage, SoftwareDeviceHasCountsOnly) {
