@@ -149,10 +149,10 @@ class Bench {
       if (const std::string notice = (*renderer)->notice(); !notice.empty())
         return Error{ErrorCode::TooLarge, notice};
       const double took_s = seconds_from_ns(now_ns() - begun_ns);
-      if (frame == -counts_.warm_up) {
+      if (frame == 1 - counts_.warm_up) {  // the first one also uploads the object and compiles pipelines
         frames =
             static_cast<int>(std::clamp(counts_.max_time_s / took_s, 1.0 * counts_.min, 1.0 * max_frames));
-        if (frames < max_frames) frame = -1;  // repeat the first frame as a warm-up
+        if (frames < max_frames) frame = -1;  // no more warm-up
       }
       if (frame < 0) continue;
       const RenderTimes& times = (*renderer)->last_times();
