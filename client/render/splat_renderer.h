@@ -59,6 +59,7 @@ struct RenderTimes {
   double upload_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0;
   std::optional<DeviceTimes> device;             // if the device has a timer
   uint64_t uploaded_bytes = 0, submissions = 0;  // to the device, for this picture
+  uint64_t dispatches = 0, barriers = 0;         // barriers of memory, without layout changes of images
   int eyes_a_draw = 1;                           // 2: one draw covers both eyes
   double total_ms() const { return upload_ms + project_ms + sort_ms + draw_ms; }
 };

@@ -186,6 +186,7 @@ void VulkanBackend::barrier() {
   dependency.memoryBarrierCount = 1;
   dependency.pMemoryBarriers = &memory;
   vk_.CmdPipelineBarrier2(commands_, &dependency);
+  ++traffic_.barriers;
 }
 
 Result<void> VulkanBackend::finish() {
@@ -323,6 +324,7 @@ Result<void> VulkanBackend::dispatch(const Pass& pass, std::span<const BufferId>
   vk_.CmdDispatch(commands_, groups, 1, 1);
   if (vk_.CmdEndDebugUtilsLabelEXT) vk_.CmdEndDebugUtilsLabelEXT(commands_);
   ++recorded_dispatches_;
+  ++traffic_.dispatches;
   return {};
 }
 

@@ -18,7 +18,8 @@ class VulkanCommands {
 
   // Totals since the backend was created.
   struct Traffic {
-    uint64_t uploaded_bytes = 0, submissions = 0;
+    uint64_t uploaded_bytes = 0, submissions = 0, dispatches = 0;
+    uint64_t barriers = 0;  // of memory; layout changes of images are not counted
   };
   virtual const Traffic& traffic() const = 0;
 

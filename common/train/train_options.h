@@ -18,7 +18,7 @@ struct TrainOptions {
   ShapeOptions shape;
   // Weight of the mean spread of depths along a ray, as a share of the extent. It draws what a ray sees to
   // one depth: without it, half-transparent surfaces with others far behind them fit the photos as well.
-  double spread_weight = 0.15;
+  double spread_weight = 0.2;
   // Change of colour per pixel (root of the sum of squares) at which a pixel of the photo has half of that
   // weight. Texture places a surface by itself, and at the edge of an object two depths are right.
   double spread_edge = 0.02;

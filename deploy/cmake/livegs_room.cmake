@@ -58,6 +58,15 @@ function(livegs_add_room name)
   livegs_unite(livegs_${name})
 endfunction()
 
+# livegs_add_test_support(NAME SOURCES ... LINK ...): a static library of sources that several test programs share.
+function(livegs_add_test_support name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINK" ${ARGN})
+  add_library(${name} STATIC EXCLUDE_FROM_ALL ${TEST_SOURCES})
+  target_link_libraries(${name} PUBLIC ${TEST_LINK} PRIVATE livegs::options)
+  target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR}/tests)
+  target_compile_options(${name} PRIVATE ${LIVEGS_TEST_FLAGS})
+endfunction()
+
 # livegs_add_test_program(NAME SOURCES ... LINK ...): a GoogleTest program without a ctest entry.
 function(livegs_add_test_program name)
   cmake_parse_arguments(TEST "" "" "SOURCES;LINK" ${ARGN})

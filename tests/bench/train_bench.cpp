@@ -98,7 +98,8 @@ void axis_ratios(const KernelParameters& kernels, std::vector<double>& needle, s
 
 int run(int argc, char** argv) {
   CLI::App app("Trains a capture and prints its scores as CSV");
-  std::string folder = LIVEGS_SHARED_DATA_DIR "/multiview/ycb_tabletop", shape = "needle", device = "cpu", ply;
+  std::string folder = LIVEGS_SHARED_DATA_DIR "/multiview/ycb_tabletop", shape = "needle", device = "cpu",
+              ply;
   TrainOptions options;
   options.steps = 2000;
   options.max_kernels = 20000;
@@ -166,11 +167,11 @@ int run(int argc, char** argv) {
     const std::vector<double> depth = depth_errors_mm(*capture, trainer->kernels(), 0.02 * trainer->extent());
     std::vector<double> needle, flat;
     axis_ratios(trainer->kernels(), needle, flat);
-    std::printf("%s,%s,%zu,%zu,%d,%zu,%zu,%.2f,%.4f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n", device.c_str(), shape.c_str(),
-                options.steps, options.max_kernels, options.longest_px, trainer->steps_done(),
-                trainer->kernels().size(), score->psnr_db, score->ssim, percentile(depth, 0.5),
-                percentile(depth, 0.9), percentile(needle, 0.95), percentile(needle, 0.99),
-                percentile(flat, 0.5), percentile(flat, 0.99), cpu, wall);
+    std::printf("%s,%s,%zu,%zu,%d,%zu,%zu,%.2f,%.4f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n",
+                device.c_str(), shape.c_str(), options.steps, options.max_kernels, options.longest_px,
+                trainer->steps_done(), trainer->kernels().size(), score->psnr_db, score->ssim,
+                percentile(depth, 0.5), percentile(depth, 0.9), percentile(needle, 0.95),
+                percentile(needle, 0.99), percentile(flat, 0.5), percentile(flat, 0.99), cpu, wall);
     std::fflush(stdout);
   }
   if (!ply.empty()) {

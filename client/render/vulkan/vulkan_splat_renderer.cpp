@@ -261,6 +261,8 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
   const VulkanCommands::Traffic& now = vulkan_commands(*backend_)->traffic();
   times_.uploaded_bytes = now.uploaded_bytes - before.uploaded_bytes;
   times_.submissions = now.submissions - before.submissions;
+  times_.dispatches = now.dispatches - before.dispatches;
+  times_.barriers = now.barriers - before.barriers;
   times_.eyes_a_draw = pass_->eyes_a_draw();
   times_.device.reset();
   if (std::array<double, 6> ms{}; timer_.read(ms)) {

@@ -190,7 +190,8 @@ Result<void> KeySorter::sort(uint32_t count, const Options& options) {
 
 Result<void> KeySorter::sort_counted(uint32_t key_bits, bool index_values) {
   for (uint32_t shift = 0; shift < key_bits; shift += kPassDigitBits) {
-    if (auto done = run_pass(capacity_, shift, shift == 0 && index_values ? kSortIndexValues : 0); !done) return done;
+    if (auto done = run_pass(capacity_, shift, shift == 0 && index_values ? kSortIndexValues : 0); !done)
+      return done;
   }
   return {};
 }

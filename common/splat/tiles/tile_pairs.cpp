@@ -75,7 +75,8 @@ Result<void> TilePairs::make_room(uint32_t kernels, size_t tiles, int eyes) {
   for (Buffer& none : no_rows_) {
     if (auto made = make(none, sizeof(SplatRow)); !made) return made;
   }
-  return sorter_ ? Result<void>{} : make_sorter(uint64_t{kFirstPairsPerKernel} * eyes * std::max(kernels, kTileGroup));
+  return sorter_ ? Result<void>{}
+                 : make_sorter(uint64_t{kFirstPairsPerKernel} * eyes * std::max(kernels, kTileGroup));
 }
 
 Result<void> TilePairs::bin(const Kernels& kernels, int width, int height, int eyes, BufferId total) {
@@ -96,10 +97,10 @@ Result<void> TilePairs::bin(const Kernels& kernels, int width, int height, int e
     for (int eye = 0; eye < eyes; ++eye) {
       pairs.eye = static_cast<uint32_t>(eye);
       const auto rows = rows_of(kernels, eye);
-      const std::array buffers{rows[0],       rows[1],    rows[2],         kernels.order,
-                               kernels.drawn, sums_.id(), sorter_->keys(), options_.keeps_unsorted
-                                                                               ? places_.id()
-                                                                               : sorter_->values()};
+      const std::array buffers{rows[0],         rows[1],
+                               rows[2],         kernels.order,
+                               kernels.drawn,   sums_.id(),
+                               sorter_->keys(), options_.keeps_unsorted ? places_.id() : sorter_->values()};
       if (auto done = backend_->dispatch(tile_pairs_pass(), buffers, std::as_bytes(std::span(&pairs, 1)),
                                          pairs.block_capacity * kTileGroup);
           !done)
@@ -115,7 +116,8 @@ Result<void> TilePairs::bin(const Kernels& kernels, int width, int height, int e
       !done)
     return done;
   if (auto done = all_eyes(sorter_->capacity()); !done) return done;
-  if (auto done = sorter_->sort_counted(static_cast<uint32_t>(std::bit_width(tiles)), options_.keeps_unsorted);
+  if (auto done =
+          sorter_->sort_counted(static_cast<uint32_t>(std::bit_width(tiles)), options_.keeps_unsorted);
       !done)
     return done;
   const TileRangesConstants ranges{tiles};

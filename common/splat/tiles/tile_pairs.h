@@ -11,15 +11,16 @@
 
 namespace livegs {
 
-// The kernels that touch each tile of 16 x 16 pixels, nearest first: pairs of tile and kernel, sorted by tile.
-// Takes 16 bytes per pair; a kernel of 10 pixels' radius touches about five tiles. One thread.
+// The kernels that touch each tile of 16 x 16 pixels, nearest first: pairs of tile and kernel, sorted by
+// tile. Takes 16 bytes per pair; a kernel of 10 pixels' radius touches about five tiles. One thread.
 class TilePairs {
  public:
   // Kernels in draw order, on the backend of the pairs.
   struct Kernels {
-    std::array<std::array<BufferId, FrameSplats::kRowParts>, 2> rows;  // by eye; missing parts repeat the first
-    BufferId order, drawn;                                             // row of each kernel; SortedCount
-    uint32_t count = 0;                                                // at least that of `drawn`
+    std::array<std::array<BufferId, FrameSplats::kRowParts>, 2>
+        rows;               // by eye; missing parts repeat the first
+    BufferId order, drawn;  // row of each kernel; SortedCount
+    uint32_t count = 0;     // at least that of `drawn`
     uint32_t part_rows = 0;
     float log2_of_least_alpha = -kLog2Of255;  // kernels end where their alpha falls below it
 
@@ -39,9 +40,11 @@ class TilePairs {
   // again. TooLarge if the device holds no buffers for them.
   Result<bool> fits(uint32_t pairs);
 
-  BufferId values() const { return sorter_->values(); }    // by pair, in the order of the tiles: row of the kernel
-  BufferId firsts() const { return firsts_.id(); }         // by tile: its first pair; one more at the end
-  BufferId places() const { return places_.id(); }         // by pair, in the order of the kernels: row
+  BufferId values() const {
+    return sorter_->values();
+  }                                                 // by pair, in the order of the tiles: row of the kernel
+  BufferId firsts() const { return firsts_.id(); }  // by tile: its first pair; one more at the end
+  BufferId places() const { return places_.id(); }  // by pair, in the order of the kernels: row
   BufferId counted() const { return sorter_->counted(); }  // SortedCount of the pairs
   uint32_t capacity() const { return sorter_->capacity(); }
   // Rows of one eye as three different buffers, as passes need them.

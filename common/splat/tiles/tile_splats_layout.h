@@ -21,7 +21,7 @@ struct TilePairsConstants {
   uint pair_capacity;   // 0: only the sum of each block is written
   uint width_px;
   uint height_px;
-  uint no_tile;  // written where rounding finds fewer tiles than were counted; above all tiles
+  uint no_tile;               // written where rounding finds fewer tiles than were counted; above all tiles
   float log2_of_least_alpha;  // a kernel ends where its alpha falls below it
 };
 

@@ -33,7 +33,8 @@ std::array<float, kSsimWindow> window() {
 const std::array<float, kSsimWindow> kWindow = window();
 
 // out[x] = sum over i of weights[i] * in[x + i * stride], for `width` sums of `count` terms, eight at a time.
-void weighted_sums(const float* in, ptrdiff_t stride, const float* weights, int count, int width, float* out) {
+void weighted_sums(const float* in, ptrdiff_t stride, const float* weights, int count, int width,
+                   float* out) {
   int x = 0;
   for (; x + 8 <= width; x += 8) {
     Lanes sum{}, value;

@@ -59,12 +59,13 @@ Result<void> DeviceBlender::upload_kernels(std::span<const ProjectedKernel> kern
   parallel_for(kernels.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
       const ProjectedKernel& from = kernels[k];
-      row_memory_[k] = {from.centre_x_px, from.centre_y_px,  from.across_x, from.across_y, from.down_y,
-                        from.log2_opacity, from.red,          from.green,    from.blue};
+      row_memory_[k] = {from.centre_x_px,  from.centre_y_px, from.across_x, from.across_y, from.down_y,
+                        from.log2_opacity, from.red,         from.green,    from.blue};
       depth_memory_[k] = from.depth_m;
     }
   });
-  if (const auto capacity = static_cast<uint32_t>(order_.bytes() / sizeof(uint32_t)); order_count_ != capacity) {
+  if (const auto capacity = static_cast<uint32_t>(order_.bytes() / sizeof(uint32_t));
+      order_count_ != capacity) {
     std::vector<uint32_t> order(capacity);
     std::iota(order.begin(), order.end(), 0u);
     if (auto done = backend_->upload(order_.id(), bytes_of(order)); !done) return done;
@@ -103,8 +104,8 @@ Result<void> DeviceBlender::forward(std::span<const ProjectedKernel> kernels, in
   picture_.resize(1 + static_cast<size_t>(width) * height);
   for (;;) {
     if (auto done = pairs_.bin(drawn, width, height, 1, picture_buffer_.id()); !done) return done;
-    const std::array buffers{rows_.id(),       depths_.id(),    pairs_.places(),
-                             pairs_.values(),  pairs_.firsts(), picture_buffer_.id()};
+    const std::array buffers{rows_.id(),      depths_.id(),    pairs_.places(),
+                             pairs_.values(), pairs_.firsts(), picture_buffer_.id()};
     if (auto done = backend_->dispatch(train_blend_pass(), buffers, std::as_bytes(std::span(&constants, 1)),
                                        tiles * kTrainGroup);
         !done)
@@ -125,7 +126,8 @@ Result<void> DeviceBlender::backward(std::span<const TrainPixelGradient> by_pict
   LIVEGS_ASSERT(by_picture.size() + 1 == picture_.size());
   by_kernel.resize(count_);
   if (count_ == 0) return {};
-  if (const size_t bytes = sizeof(TrainEllipseGradient) * pairs_.capacity(); pair_gradients_.bytes() < bytes) {
+  if (const size_t bytes = sizeof(TrainEllipseGradient) * pairs_.capacity();
+      pair_gradients_.bytes() < bytes) {
     pair_gradients_.reset();
     auto made = Buffer::create(*backend_, bytes);
     if (!made) return Error{made.error().code, "training: " + made.error().message};
@@ -141,15 +143,16 @@ Result<void> DeviceBlender::backward(std::span<const TrainPixelGradient> by_pict
                                       .green = background.y(),
                                       .blue = background.z()};
   const auto tiles = static_cast<uint32_t>(TileGrid{width_, height_}.size());
-  const std::array buffers{rows_.id(),       depths_.id(),         pairs_.places(),  pairs_.values(),
-                           pairs_.firsts(),  picture_buffer_.id(), by_picture_.id(), pair_gradients_.id()};
+  const std::array buffers{rows_.id(),      depths_.id(),         pairs_.places(),  pairs_.values(),
+                           pairs_.firsts(), picture_buffer_.id(), by_picture_.id(), pair_gradients_.id()};
   if (auto done = backend_->dispatch(train_backward_pass(), buffers, std::as_bytes(std::span(&constants, 1)),
                                      tiles * kTrainGroup);
       !done)
     return done;
   const TileRangesConstants ranges{count_};
   const std::array ranged{pairs_.places(), pairs_.counted(), kernel_firsts_.id()};
-  if (auto done = backend_->dispatch(tile_ranges_pass(), ranged, std::as_bytes(std::span(&ranges, 1)), count_ + 1);
+  if (auto done =
+          backend_->dispatch(tile_ranges_pass(), ranged, std::as_bytes(std::span(&ranges, 1)), count_ + 1);
       !done)
     return done;
   const TrainGatherConstants gather{count_};

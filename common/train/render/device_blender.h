@@ -10,9 +10,9 @@
 #include "splat/passes/project_splats_layout.h"
 #include "splat/project/projected_kernel.h"
 #include "splat/tiles/tile_pairs.h"
-#include "train/render/train_blend_layout.h"
 #include "train/render/project_trained.h"
 #include "train/render/render_cuts.h"
+#include "train/render/train_blend_layout.h"
 
 namespace livegs {
 
@@ -24,10 +24,12 @@ class DeviceBlender {
   explicit DeviceBlender(std::unique_ptr<Backend> backend);
 
   // `kernels`: nearest first. pixels() then holds the picture, row by row.
-  Result<void> forward(std::span<const ProjectedKernel> kernels, int width, int height, const RenderCuts& cuts);
+  Result<void> forward(std::span<const ProjectedKernel> kernels, int width, int height,
+                       const RenderCuts& cuts);
   std::span<const TrainPixel> pixels() const { return std::span(picture_).subspan(1); }
 
-  // The gradient by the colours over `background`, the alphas and the spreads of the last forward(); by_kernel receives a row for each kernel.
+  // The gradient by the colours over `background`, the alphas and the spreads of the last forward();
+  // by_kernel receives a row for each kernel.
   Result<void> backward(std::span<const TrainPixelGradient> by_picture, const Eigen::Vector3f& background,
                         std::vector<EllipseGradient>& by_kernel);
 

@@ -9,8 +9,8 @@ namespace livegs {
 using uint = uint32_t;
 #endif
 
-const uint kTrainGroup = 256;       // invocations per group: the pixels of a tile
-const uint kTrainHeaderWords = 8;   // before the pixels of a picture: the number of pairs, then zeros
+const uint kTrainGroup = 256;      // invocations per group: the pixels of a tile
+const uint kTrainHeaderWords = 8;  // before the pixels of a picture: the number of pairs, then zeros
 const uint kTrainNone = 0xffffffffu;
 
 // A pixel after all kernels.

@@ -155,7 +155,8 @@ void train_backward(const PassArguments& arguments, size_t begin, size_t end) {
       const auto row = row_at<SplatRow>(arguments.buffers[0], rank);
       const auto depth = row_at<float>(arguments.buffers[1], rank);
       TrainEllipseGradient sums{};
-      area.for_each_pixel([&](int at, int x, int y) { add_terms(row, depth, x, y, constants, pixels[at], sums); });
+      area.for_each_pixel(
+          [&](int at, int x, int y) { add_terms(row, depth, x, y, constants, pixels[at], sums); });
       set_row(arguments.buffers[7], pairs[i], sums);
     }
   }

@@ -251,8 +251,8 @@ bool TrainedView::backward_on_device(const PicturePlanes& by_picture, std::span<
   device_by_picture_.resize(by_picture.pixels());
   parallel_for(by_picture.pixels(), kPixelBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      device_by_picture_[i] = {by_picture.red[i], by_picture.green[i], by_picture.blue[i], by_picture.alpha[i],
-                               by_spread.empty() ? 0.0f : by_spread[i]};
+      device_by_picture_[i] = {by_picture.red[i], by_picture.green[i], by_picture.blue[i],
+                               by_picture.alpha[i], by_spread.empty() ? 0.0f : by_spread[i]};
   });
   if (auto done = device_->backward(device_by_picture_, options_.background, kernel_gradients_); !done) {
     log_warn("training: the device failed (%s); the CPU goes on", done.error().message.c_str());
@@ -328,7 +328,8 @@ void TrainedView::backward(const KernelParameters& parameters, const PicturePlan
   const Projection projection(camera_);
   parallel_for(kernels_.size(), kProjectBlock / 2, [&](size_t begin, size_t end) {
     for (size_t rank = begin; rank < end; ++rank)
-      project_backward(projection, parameters, order_[rank], options_.sh_degree, kernel_gradients_[rank], gradient);
+      project_backward(projection, parameters, order_[rank], options_.sh_degree, kernel_gradients_[rank],
+                       gradient);
   });
 }
 

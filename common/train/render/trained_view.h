@@ -52,8 +52,8 @@ class TrainedView {
   TrainedView(TrainedView&&) noexcept;
   TrainedView& operator=(TrainedView&&) noexcept;
 
-  // Binning and blending, forward and back, run as passes on this device from now on (device_blender.h). If it
-  // fails, a warning is logged and the CPU goes on.
+  // Binning and blending, forward and back, run as passes on this device from now on (device_blender.h). If
+  // it fails, a warning is logged and the CPU goes on.
   void use_device(std::unique_ptr<Backend> backend);
 
   // Colours over the background, without an upper limit; alpha is coverage.

@@ -172,6 +172,8 @@ TEST_P(BackendTest, UploadsAndDispatchesAreOneSubmission) {
   ASSERT_TRUE(backend_->submit());
   EXPECT_EQ(commands->traffic().submissions - before.submissions, 1u);
   EXPECT_EQ(commands->traffic().uploaded_bytes - before.uploaded_bytes, 20u * 4000u);
+  EXPECT_EQ(commands->traffic().dispatches - before.dispatches, 20u);
+  EXPECT_EQ(commands->traffic().barriers - before.barriers, 20u + 20u);  // before each upload and dispatch
 }
 
 // Valid with and without a loader: an existing loader gets an invalid driver path.

@@ -37,17 +37,29 @@ class ValidationMessages {
 
 // In the build tree, next to the folder of the programs.
 inline std::filesystem::path test_pipeline_cache_folder() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path() / "pipeline_cache";
+  std::error_code none;
+  return std::filesystem::read_symlink("/proc/self/exe", none).parent_path().parent_path() / "pipeline_cache";
 }
 
-// Creates a device with the validation layer. `messages` receives its messages and must outlive it.
+// How a test program creates its devices. Change it before the first test only.
+struct TestDevices {
+  bool validation = true;  // a missing validation layer then fails the tests
+  std::filesystem::path pipeline_cache_folder = test_pipeline_cache_folder();
+};
+inline TestDevices& test_devices() {
+  static TestDevices devices;
+  return devices;
+}
+
+// Creates a device with the validation layer, unless test_devices() excludes it. `messages` receives its
+// messages and must outlive it.
 inline Result<std::shared_ptr<VulkanDevice>> create_validated_device(ValidationMessages& messages,
                                                                      size_t memory_limit_bytes = 0) {
   VulkanDeviceOptions options;
-  options.validation = true;
+  options.validation = test_devices().validation;
   options.on_validation_message = [&messages](const std::string& message) { messages.add(message); };
   options.memory_limit_bytes = memory_limit_bytes;
-  options.pipeline_cache_folder = test_pipeline_cache_folder();
+  options.pipeline_cache_folder = test_devices().pipeline_cache_folder;
   return VulkanDevice::create(options);
 }
 

@@ -3,10 +3,8 @@
 #include <random>
 
 #include "client/render/renderer/renderer_fixture.h"
-#include "common/gaussian/shared_data.h"
 #include "common/skin/kernels/rest_bodies.h"
 #include "compute/cpu_backend.h"
-#include "gaussian/asset_file.h"
 #include "render/scene_view.h"
 #include "skin/device_skin.h"
 #include "splat/passes/project_splats_layout.h"
@@ -106,59 +104,6 @@ TEST_F(DeviceSkinning, MovedObjectsMatchReference) {
     const double db = psnr_db(made[0], expected[0]);
     RecordProperty("moment_" + std::to_string(i), std::to_string(db));
     EXPECT_GE(db, kBar_db) << i;
-  }
-}
-
-// A captured asset as an elastic body: upright, 0.5 m across, in a twisted and stretched lattice, as in
-// captured_pictures_test on the CPU.
-TEST_F(DeviceSkinning, DeformedCaptureMatchesReference) {
-  LIVEGS_NEEDS_SHARED_DATA();
-  const auto file = read_asset(shared_data() / "splats" / "camera_leica/leica-sofort-top8192.ply");
-  ASSERT_TRUE(file) << file.error().message;
-  const auto asset = std::make_shared<const GaussianAsset>(file->asset);
-  Eigen::AlignedBox3d bounds;
-  for (const Eigen::Vector3f& position : asset->positions) bounds.extend(position.cast<double>());
-  constexpr int kCells = 11;  // along each axis: 0.55 m
-  RestBody rest = lattice_body(kCells, kCells, kCells, kCellWidth_m);
-  rest.object_from_lattice.position_m.setConstant(-0.5 * kCells * kCellWidth_m);
-  rest.object_from_asset.scale = 0.5 / bounds.sizes().maxCoeff();
-  rest.object_from_asset.rotation =
-      Eigen::Quaterniond(0, 1, 0, 0);  // half a turn about x: -Y is up in the file
-  rest.object_from_asset.translation_m =
-      -(rest.object_from_asset.rotation * (rest.object_from_asset.scale * bounds.center()));
-  SceneView device(std::move(renderer_)), host;
-  for (SceneView* view : {&device, &host}) {
-    const auto added = view->add(1, asset, rest, false);
-    ASSERT_TRUE(added) << added.error().message;
-  }
-  const Camera eye = look_at({0.25, 0.2, 0.8}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 200, 150);
-  std::vector<Image> undeformed;
-  for (const double moment : {0.0, 0.5, 1.0}) {
-    DriverFrame frame;
-    frame.objects.push_back(moved_drivers(rest, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
-      return Eigen::AngleAxisd(3 * moment * x.y(), Eigen::Vector3d::UnitY()) *
-             Eigen::Vector3d(x.x(), (1 + 0.2 * moment) * x.y(), x.z());
-    }));
-    frame.objects[0].object_id = 1;
-    std::vector<Image> made, expected;
-    ASSERT_TRUE(device.draw(frame, {&eye, 1}, made));
-    EXPECT_EQ(device.last_times().objects_moved, 1u);
-    EXPECT_EQ(device.last_times().objects_skinned, 0u);  // none on the host
-    ASSERT_TRUE(host.draw(frame, {&eye, 1}, expected));
-    EXPECT_EQ(host.last_times().objects_skinned, 1u);
-    for (float& value : expected[0].pixels) value = std::min(value, 1.0f);
-    const double db = psnr_db(made[0], expected[0]);
-    std::printf("deformed by %.1f: %.1f dB\n", moment, db);
-    EXPECT_GE(db, kBar_db) << moment;
-    // The picture is not empty and differs from the one at rest.
-    double covered = 0;
-    for (size_t i = 3; i < expected[0].pixels.size(); i += 4) covered += expected[0].pixels[i];
-    EXPECT_GT(covered, 0.05 * eye.width * eye.height) << moment;
-    if (moment == 0) {
-      undeformed = expected;
-    } else {
-      EXPECT_LT(psnr_db(made[0], undeformed[0]), 30) << moment;
-    }
   }
 }
 

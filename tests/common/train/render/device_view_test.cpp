@@ -32,8 +32,8 @@ class DeviceView : public ::testing::TestWithParam<const char*> {
     double spread = 0;
     KernelParameters gradient;
   };
-  static Result of(TrainedView& view, const KernelParameters& kernels, const Camera& camera, ViewOptions options,
-                   float by_spread) {
+  static Result of(TrainedView& view, const KernelParameters& kernels, const Camera& camera,
+                   ViewOptions options, float by_spread) {
     options.spread = by_spread != 0;
     options.depth = true;
     Result result;
@@ -106,7 +106,8 @@ TEST_P(DeviceView, CutOffsAreThoseOfTheCpu) {
   const Camera camera = test_camera(100, 76);
   ViewOptions options;
   options.background = {0.2f, 0.5f, 0.8f};
-  expect_same(on_device(kernels, camera, options, kBySpread), on_cpu(kernels, camera, options, kBySpread), 1e-3);
+  expect_same(on_device(kernels, camera, options, kBySpread), on_cpu(kernels, camera, options, kBySpread),
+              1e-3);
 }
 
 TEST_P(DeviceView, RepeatedStepsAreBitIdentical) {
@@ -123,7 +124,8 @@ TEST_P(DeviceView, RepeatedStepsAreBitIdentical) {
 
 TEST_P(DeviceView, NoKernelGivesTheBackground) {
   KernelParameters behind = test_kernels(5, 0.9);
-  for (size_t k = 0; k < behind.size(); ++k) behind.row(Family::Position, k)[2] += 100.0f;  // behind the camera
+  for (size_t k = 0; k < behind.size(); ++k)
+    behind.row(Family::Position, k)[2] += 100.0f;  // behind the camera
   ViewOptions options;
   options.background = {0.2f, 0.5f, 0.8f};
   TrainedView view;
