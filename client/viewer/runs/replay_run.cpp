@@ -113,7 +113,7 @@ Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic
         (*display)->set_camera(chosen);
         return write_camera_file(options.output / "camera.json", chosen);
       },
-      [&](const Image& picture) { return write_first_picture(picture, options.output); });
+      [&](const Image& image) { return write_first_picture(image, options.output); });
   const auto played = player.play();
   if (auto finished = (*display)->finish(); !finished) log_warn("%s", finished.error().message.c_str());
   if (!played) return played.error();

@@ -135,7 +135,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
         (*display)->set_camera(chosen);
         return write_camera_file(options.output / "camera.json", chosen);
       },
-      [&](const Image& picture) { return write_first_picture(picture, options.output); });
+      [&](const Image& image) { return write_first_picture(image, options.output); });
   Result<void> played;
   std::atomic<bool> play_ended{false};
   std::thread drawer([&] {
