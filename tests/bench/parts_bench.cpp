@@ -3,6 +3,7 @@
 // used. Prints CSV.
 //   parts_bench made > tests/bench/results/parts_made.csv
 //   parts_bench table SPLAT.ply... > tests/bench/results/parts_table.csv
+//   parts_bench fill > tests/bench/results/parts_fill.csv
 //   parts_bench clicks > tests/bench/results/parts_clicks.csv
 //   parts_bench million > tests/bench/results/parts_million.csv
 // LIVEGS_TEST_PICTURES=DIR writes pictures.
@@ -20,11 +21,13 @@
 #include "gaussian/asset_file.h"
 #include "parts/click/click_cut.h"
 #include "parts/click/kernel_on_ray.h"
+#include "parts/labelled_room.h"
 #include "parts/room_parts.h"
 #include "parts/separate/split_straddling.h"
 #include "parts/views/choose_cameras.h"
 #include "parts/views/room_view.h"
 #include "sample/made_room.h"
+#include "server/parts/fill_scores.h"
 #include "server/parts/part_scores.h"
 #include "splat/image.h"
 #include "splat/rasterise.h"
@@ -48,7 +51,7 @@ Image draw_alone(const GaussianAsset& asset, const Camera& camera) {
 
 void write_picture(const std::string& name, const Image& image) {
   const char* folder = std::getenv("LIVEGS_TEST_PICTURES");
-  if (folder && !write_png(std::filesystem::path(folder) / (name + ".png"), image))
+  if (folder && image.width > 0 && !write_png(std::filesystem::path(folder) / (name + ".png"), image))
     std::fprintf(stderr, "%s: not written\n", name.c_str());
 }
 
@@ -217,6 +220,10 @@ int bench_table(std::span<char*> files) {
       for (const RoomPart& part : found->parts)
         std::fprintf(stderr, "  part %u voxels %zu kernels %zu\n", part.label, part.voxel_count,
                      part.kernel_count);
+      const LabelledRoom labelled = label_room(asset->asset, *found);
+      for (uint32_t t = 1; t <= found->parts.size() && masks == 0; ++t)
+        write_picture(name + "_without" + std::to_string(t),
+                      draw_alone(room_without(labelled, std::span(&t, 1)), views.held_out[t % 7]));
       for (size_t v : {size_t{0}, size_t{3}}) {
         const Image picture = draw_alone(asset->asset, views.held_out[v]);
         write_picture(name + std::to_string(masks) + "_" + std::to_string(v),
@@ -330,6 +337,76 @@ int bench_clicks() {
   return 0;
 }
 
+struct RoomViews {
+  std::vector<Camera> known, held_out;
+};
+
+// The made rooms have walls behind and on the left; cameras stay before and to the right of them.
+RoomViews views_of(const MadeRoom& room, RoomKind kind, size_t known, size_t held_out) {
+  const Eigen::Vector3d up(0, -1, 0);
+  const bool wall = kind == RoomKind::Wall || kind == RoomKind::Corner;
+  const double radius_m = kind == RoomKind::Corner ? 1.6 : kOrbit_m;
+  const double first = wall ? -M_PI / 2 - 0.2 : 0.0, sweep = wall ? 2.0 : 2 * M_PI;
+  return {orbit(room.middle_m, up, radius_m, known, kWidth, first, sweep),
+          orbit(room.middle_m, up, radius_m, held_out, kWidth, first + 0.13, sweep)};
+}
+
+// Takes each thing out of each room and compares the rest with the room made without it.
+int bench_fill(const std::string& only) {
+  std::printf("room,thing,iou,hole_pixels,psnr_db,rim_psnr_db,depth_p95_mm,open_share,label_s\n");
+  // Places on planes only, and those at which things touch others too.
+  FillScores sum[2];
+  double count[2] = {};
+  for (const RoomKind kind : kRoomKinds) {
+    const size_t group =
+        kind == RoomKind::Apart || kind == RoomKind::Wall || kind == RoomKind::Corner ? 0 : 1;
+    if (kind == RoomKind::Empty || (!only.empty() && only != room_kind_name(kind))) continue;
+    const MadeRoom room = make_room(kind);
+    const RoomViews views = views_of(room, kind, 32, 7);
+    PartsOptions options;
+    options.cameras = views.known;
+    const auto found = find_parts(room.asset, options);
+    if (!found) continue;
+    const int64_t start_ns = now_ns();
+    const LabelledRoom labelled = label_room(room.asset, *found);
+    const double label_s = seconds_since(start_ns);
+    std::vector<std::vector<uint16_t>> truth, pictures;
+    for (const Camera& camera : views.held_out) {
+      truth.push_back(label_picture(room.asset, room.owner, camera));
+      pictures.push_back(label_picture(room.asset, found->label, camera));
+    }
+    for (const ThingScore& thing : score_parts(truth, pictures, kWidth).things) {
+      if (thing.label == 0) continue;
+      MadeRoomOptions without;
+      without.without = thing.truth - 1;
+      const MadeRoom twin = make_room(kind, without);
+      const uint32_t taken[] = {thing.label};
+      const GaussianAsset after = room_without(labelled, taken);
+      const FillScores scores = score_fill(room.asset, twin.asset, after, views.held_out);
+      const std::string& name = room.names[thing.truth - 1];
+      std::printf("%s,%s,%.4f,%zu,%.2f,%.2f,%.2f,%.4f,%.2f\n", room_kind_name(kind), name.c_str(), thing.iou,
+                  scores.hole_pixels, scores.psnr_db, scores.rim_psnr_db, scores.depth_p95_mm,
+                  scores.open_share, label_s);
+      std::fflush(stdout);
+      for (size_t v : {size_t{0}, size_t{3}})
+        write_picture(std::string("fill_") + room_kind_name(kind) + "_" + name + std::to_string(v),
+                      fill_picture(room.asset, twin.asset, after, with_width(views.held_out[v], 2 * kWidth)));
+      if (scores.hole_pixels == 0) continue;
+      sum[group].psnr_db += scores.psnr_db, sum[group].rim_psnr_db += scores.rim_psnr_db;
+      sum[group].depth_p95_mm = std::max(sum[group].depth_p95_mm, scores.depth_p95_mm);
+      sum[group].open_share += scores.open_share;
+      ++count[group];
+    }
+  }
+  for (size_t group = 0; group < 2; ++group)
+    if (count[group] > 0)
+      std::printf("%s,mean of %.0f (largest depth),,,%.2f,%.2f,%.2f,%.4f,\n",
+                  group == 0 ? "planes" : "crowds", count[group], sum[group].psnr_db / count[group],
+                  sum[group].rim_psnr_db / count[group], sum[group].depth_p95_mm,
+                  sum[group].open_share / count[group]);
+  return 0;
+}
+
 int bench_million() {
   MadeRoomOptions made;
   made.spacing_m = 0.00126;
@@ -372,7 +449,9 @@ int main(int argc, char** argv) {
   if (argc >= 3 && std::strcmp(argv[1], "table") == 0)
     return livegs::bench_table(std::span(argv + 2, static_cast<size_t>(argc - 2)));
   if (argc == 2 && std::strcmp(argv[1], "clicks") == 0) return livegs::bench_clicks();
+  if (argc >= 2 && std::strcmp(argv[1], "fill") == 0) return livegs::bench_fill(argc > 2 ? argv[2] : "");
   if (argc == 2 && std::strcmp(argv[1], "million") == 0) return livegs::bench_million();
-  std::fprintf(stderr, "usage: parts_bench made [ROOM] | table SPLAT.ply... | clicks | million\n");
+  std::fprintf(stderr,
+               "usage: parts_bench made [ROOM] | table SPLAT.ply... | clicks | fill [ROOM] | million\n");
   return 2;
 }
