@@ -37,6 +37,7 @@ namespace {
 
 constexpr int kWidth = 320;
 constexpr double kOrbit_m = 1.1;
+constexpr double kSmallError = 0.01;  // of the pixels of a thing in a view, with which a user is content
 
 double seconds_since(int64_t start_ns) { return 1e-3 * milliseconds_from_ns(now_ns() - start_ns); }
 
@@ -255,14 +256,18 @@ std::optional<Eigen::Vector2i> inmost(std::vector<uint8_t> mask, int width) {
   return last;
 }
 
-Click click_at(const Camera& camera, const Eigen::Vector2i& pixel, bool take) {
+// Nothing if the ray of the pixel meets nothing.
+std::optional<Click> click_at(const GaussianAsset& asset, const Camera& camera, const Eigen::Vector2i& pixel,
+                              bool take) {
   const Eigen::Vector3d ray((pixel.x() + 0.5 - camera.centre_x_px) / camera.focal_x_px,
                             -(pixel.y() + 0.5 - camera.centre_y_px) / camera.focal_y_px, -1);
-  return {camera.world_from_camera.position_m, (camera.world_from_camera.orientation * ray).normalized(),
-          take};
+  const auto kernel = kernel_on_ray(asset, camera.world_from_camera.position_m,
+                                    (camera.world_from_camera.orientation * ray).normalized());
+  if (!kernel) return {};
+  return Click{*kernel, take};
 }
 
-// A user who clicks on a thing, then on the largest error in the next view.
+// A user who clicks on a thing, then up to twice on the largest error in any view.
 int bench_clicks() {
   std::printf("room,thing,iou_1,iou_3,click_ms\n");
   double sum[2] = {};
@@ -277,7 +282,7 @@ int bench_clicks() {
     options.cameras = orbit(room.middle_m, options.up, radius_m, 24, kWidth, first, sweep);
     const auto found = find_parts(room.asset, options);
     if (!found) continue;
-    const ClickCut cutter(room.asset, *found);
+    const KernelGraph graph(room.asset, found->label, options.up);
     const auto views = orbit(room.middle_m, options.up, radius_m, 5, kWidth, first + 0.13, sweep);
     std::vector<std::vector<uint16_t>> truth;
     for (const Camera& camera : views) truth.push_back(label_picture(room.asset, room.owner, camera));
@@ -298,18 +303,17 @@ int bench_clicks() {
           if (std::max(missed, extra) > most)
             most = std::max(missed, extra), best_view = v, take = missed >= extra;
         }
-        if (most == 0) {
-          if (c <= 2) iou[1] = iou[0];
-          break;
-        }
+        const auto shown = std::count(truth[best_view].begin(), truth[best_view].end(), thing);
+        if (static_cast<double>(most) < kSmallError * static_cast<double>(shown)) break;
         std::vector<uint8_t> mask(truth[best_view].size());
         for (size_t i = 0; i < mask.size(); ++i) {
           const bool in = truth[best_view][i] == thing, got = pictures[best_view][i] == 1;
           mask[i] = take ? in && !got : !in && got;
         }
-        clicks.push_back(click_at(views[best_view], *inmost(mask, kWidth), take));
         const int64_t start_ns = now_ns();
-        const CutThing cut = cutter.cut(clicks);
+        if (const auto click = click_at(room.asset, views[best_view], *inmost(mask, kWidth), take))
+          clicks.push_back(*click);
+        const CutThing cut = cut_thing(graph, found->label, clicks);
         click_ms = milliseconds_from_ns(now_ns() - start_ns);
         std::vector<uint16_t> label(room.asset.size(), 0);
         for (uint32_t k : cut.kernels) label[k] = 1;
@@ -419,25 +423,36 @@ int bench_million() {
   const double parts_s = seconds_since(start_ns);
   if (!found) return std::fprintf(stderr, "%s\n", found.error().message.c_str()), 1;
   start_ns = now_ns();
-  const ClickCut cutter(room.asset, *found);
+  const KernelGraph graph(room.asset, found->label, options.up);
   const double graph_s = seconds_since(start_ns);
-  std::vector<double> hover_ms, click_ms;
+  // A click takes the thing of a kernel; two clicks divide it between the kernel and another one.
+  std::vector<double> hover_ms, click_ms, divide_ms;
   const auto views = orbit(room.middle_m, options.up, kOrbit_m, 5, kWidth, 0.13, 2 * M_PI);
-  for (int i = 0; i < 60; ++i) {
-    const Click click =
-        click_at(views[static_cast<size_t>(i) % 5], {40 + 37 * i % 240, 40 + 53 * i % 160}, true);
-    start_ns = now_ns();
-    (void)kernel_on_ray(room.asset, click.origin_m, click.direction);
-    hover_ms.push_back(milliseconds_from_ns(now_ns() - start_ns));
-    start_ns = now_ns();
-    (void)cutter.cut(std::span(&click, 1));
-    click_ms.push_back(milliseconds_from_ns(now_ns() - start_ns));
-  }
+  std::optional<Click> last;
+  for (const Camera& camera : views)
+    for (int y = 8; y < camera.height; y += 8)
+      for (int x = 8; x < camera.width; x += 8) {
+        if (click_ms.size() >= 200) break;
+        start_ns = now_ns();
+        const auto click = click_at(room.asset, camera, {x, y}, true);
+        hover_ms.push_back(milliseconds_from_ns(now_ns() - start_ns));
+        if (!click || found->label[click->kernel] == 0) continue;
+        (void)cut_thing(graph, found->label, std::span(&*click, 1));
+        click_ms.push_back(milliseconds_from_ns(now_ns() - start_ns));
+        if (last && found->label[last->kernel] == found->label[click->kernel]) {
+          const Click two[] = {*last, {click->kernel, false}};
+          start_ns = now_ns();
+          (void)cut_thing(graph, found->label, two);
+          divide_ms.push_back(milliseconds_from_ns(now_ns() - start_ns));
+        }
+        last = click;
+      }
   std::printf(
-      "kernels,parts,parts_s,graph_s,hover_p50_ms,hover_p95_ms,click_p50_ms,click_p95_ms\n%zu,%zu,%.2f,%.2f,%"
-      ".1f,%.1f,%.1f,%.1f\n",
+      "kernels,parts,parts_s,graph_s,hover_p50_ms,hover_p95_ms,click_p50_ms,click_p95_ms,divide_p50_ms,"
+      "divide_p95_ms\n%zu,%zu,%.2f,%.2f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n",
       room.asset.size(), found->parts.size(), parts_s, graph_s, percentile(hover_ms, 0.5),
-      percentile(hover_ms, 0.95), percentile(click_ms, 0.5), percentile(click_ms, 0.95));
+      percentile(hover_ms, 0.95), percentile(click_ms, 0.5), percentile(click_ms, 0.95),
+      percentile(divide_ms, 0.5), percentile(divide_ms, 0.95));
   return 0;
 }
 
