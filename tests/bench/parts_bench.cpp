@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "capture/read/pose_files.h"
@@ -21,6 +22,7 @@
 #include "gaussian/asset_file.h"
 #include "parts/click/click_cut.h"
 #include "parts/click/kernel_on_ray.h"
+#include "parts/label/choose_kernels.h"
 #include "parts/labelled_room.h"
 #include "parts/room_parts.h"
 #include "parts/separate/split_straddling.h"
@@ -60,15 +62,60 @@ struct ViewsUsed {
   std::vector<Camera> known, held_out;
 };
 
+// Borders of things after kernels across them are split.
+struct BorderScores {
+  double mixed_before = 0, mixed_after = 0;  // mixed_kernels()
+  AloneScore alone;                          // mean of the things that were found
+};
+
+// `alone` draws the mask of a whole thing in a view. Without it the pictures of truth are used, in which
+// other things hide parts of it.
+BorderScores score_borders(const GaussianAsset& asset, const RoomParts& found, const PartScores& scores,
+                           std::span<const Camera> cameras, std::span<const std::vector<uint16_t>> truth,
+                           const std::function<std::vector<uint8_t>(uint16_t thing, size_t view)>& alone) {
+  BorderScores borders;
+  const LabelledRoom labelled = label_room(asset, found);
+  const SplitRoom split = split_straddling(asset, found);
+  borders.mixed_before = mixed_kernels(asset, found.cameras, found.pictures);
+  borders.mixed_after = mixed_kernels(split.asset, found.cameras, found.pictures);
+  double count = 0;
+  for (const ThingScore& thing : scores.things) {
+    if (thing.iou < 0.5) continue;
+    std::vector<std::vector<uint8_t>> masks, hidden;
+    for (size_t v = 0; v < cameras.size(); ++v) {
+      std::vector<uint8_t> mask, behind(truth[v].size(), 0);
+      if (alone) {
+        mask = alone(thing.truth, v);
+      } else {
+        for (size_t i = 0; i < truth[v].size(); ++i) {
+          mask.push_back(truth[v][i] == thing.truth);
+          behind[i] = truth[v][i] > 1 && truth[v][i] != thing.truth;
+        }
+      }
+      masks.push_back(std::move(mask));
+      hidden.push_back(std::move(behind));
+    }
+    const AloneScore one = score_alone(thing_alone(labelled, thing.label), cameras, masks, hidden);
+    borders.alone.iou += one.iou, borders.alone.boundary_iou += one.boundary_iou;
+    ++count;
+  }
+  if (count > 0) borders.alone.iou /= count, borders.alone.boundary_iou /= count;
+  return borders;
+}
+
 void print_header() {
-  std::printf("room,views,kernels,things,found,extra,iou,boundary_iou,found_iou,footprint_mm,seconds\n");
+  std::printf(
+      "room,views,kernels,things,found,extra,iou,boundary_iou,found_iou,footprint_mm,seconds,mixed_before,"
+      "mixed_after,"
+      "alone_iou,alone_boundary_iou\n");
 }
 
 void print_row(const std::string& room, const char* views, size_t kernels, const PartScores& scores,
-               double footprint_m, double seconds) {
-  std::printf("%s,%s,%zu,%zu,%zu,%zu,%.4f,%.4f,%.4f,%.2f,%.2f\n", room.c_str(), views, kernels,
-              scores.things.size(), scores.found, scores.extra, scores.mean_iou, scores.mean_boundary_iou,
-              scores.mean_found_iou, 1e3 * footprint_m, seconds);
+               double footprint_m, double seconds, const BorderScores& borders) {
+  std::printf("%s,%s,%zu,%zu,%zu,%zu,%.4f,%.4f,%.4f,%.2f,%.2f,%.4f,%.4f,%.4f,%.4f\n", room.c_str(), views,
+              kernels, scores.things.size(), scores.found, scores.extra, scores.mean_iou,
+              scores.mean_boundary_iou, scores.mean_found_iou, 1e3 * footprint_m, seconds,
+              borders.mixed_before, borders.mixed_after, borders.alone.iou, borders.alone.boundary_iou);
   std::fflush(stdout);
 }
 
@@ -104,8 +151,18 @@ int bench_made(const std::string& only) {
       for (const Camera& camera : views.held_out)
         pictures.push_back(label_picture(room.asset, found->label, camera));
       const PartScores scores = score_parts(truth, pictures, kWidth);
-      print_row(room_kind_name(kind), known ? "known" : "chosen", room.asset.size(), scores,
-                found->footprint_m, seconds);
+      print_row(
+          room_kind_name(kind), known ? "known" : "chosen", room.asset.size(), scores, found->footprint_m,
+          seconds,
+          score_borders(room.asset, *found, scores, views.held_out, truth, [&](uint16_t thing, size_t v) {
+            std::vector<uint32_t> own;
+            for (uint32_t k = 0; k < room.owner.size(); ++k)
+              if (room.owner[k] == thing) own.push_back(k);
+            const Image image = draw_alone(select_kernels(room.asset, own), views.held_out[v]);
+            std::vector<uint8_t> mask;
+            for (size_t i = 3; i < image.pixels.size(); i += 4) mask.push_back(image.pixels[i] >= 0.5f);
+            return mask;
+          }));
       for (const ThingScore& thing : scores.things)
         std::fprintf(stderr, "  %-8s iou %.3f boundary %.3f label %u\n", room.names[thing.truth - 1].c_str(),
                      thing.iou, thing.boundary_iou, thing.label);
@@ -198,7 +255,7 @@ int bench_table(std::span<char*> files) {
       for (const Camera& camera : views.held_out)
         pictures.push_back(label_picture(asset->asset, found->label, camera));
       print_row(name, masks ? "3 masks whole" : "no mask whole", asset->asset.size(),
-                score_parts(truth, pictures, kWidth, table), found->footprint_m, seconds);
+                score_parts(truth, pictures, kWidth, table), found->footprint_m, seconds, {});
       const SplitRoom split = split_straddling(asset->asset, *found);
       pictures.clear();
       double joined_db = 1e9;
@@ -210,8 +267,8 @@ int bench_table(std::span<char*> files) {
       std::fprintf(stderr, "  split %zu of %zu, parts together %.2f dB\n", split.split_count,
                    asset->asset.size(), joined_db);
       const PartScores scores = score_parts(truth, pictures, kWidth, table);
-      print_row(name, masks ? "3 masks" : "no mask", asset->asset.size(), scores, found->footprint_m,
-                seconds);
+      print_row(name, masks ? "3 masks" : "no mask", asset->asset.size(), scores, found->footprint_m, seconds,
+                score_borders(asset->asset, *found, scores, views.held_out, truth, nullptr));
       for (const ThingScore& thing : scores.things)
         std::fprintf(stderr, "  %u iou %.3f boundary %.3f label %u\n", thing.truth, thing.iou,
                      thing.boundary_iou, thing.label);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "core/parallel_for.h"
 #include "parts/graph/kernel_tree.h"
@@ -88,6 +89,42 @@ std::vector<Eigen::Vector3f> foot_points(const SplitRoom& room, const RoomPlane&
   }
   return foot;
 }
+
+// The area in which a thing covers a plane: the hull of its foot, as far as the thing is over it. The hull
+// closes the side on which no view saw the thing; a bent thing does not fill its hull.
+class Footprint {
+ public:
+  Footprint(const SplitRoom& room, const RoomPlane& plane, double cell_m,
+            std::span<const Eigen::Vector3f> foot)
+      : foot_(plane.normal, cell_m, foot), over_(plane.normal, cell_m, kernels_over(room, foot_)) {}
+
+  bool contains(const Vector3d& point_m) const { return foot_.contains(point_m) && is_over(point_m); }
+  // All its surroundings are below the thing: cells of the rim reach beyond it.
+  bool inside(const Vector3d& point_m) const {
+    for (int x = -1; x <= 1; ++x)
+      for (int y = -1; y <= 1; ++y) {
+        const Vector3d at = point_m + foot_.cell_m() * (x * foot_.u() + y * foot_.v());
+        if (!foot_.contains(at) || !over_.seen(at)) return false;
+      }
+    return true;
+  }
+
+ private:
+  static std::vector<Eigen::Vector3f> kernels_over(const SplitRoom& room, const PlaneRegion& foot) {
+    std::vector<Eigen::Vector3f> points;
+    for (size_t k = 0; k < room.asset.size(); ++k)
+      if (room.label[k] != kRoomLabel && foot.contains(room.asset.positions[k].cast<double>()))
+        points.push_back(room.asset.positions[k]);
+    return points;
+  }
+  bool is_over(const Vector3d& point_m) const {
+    for (int x = -1; x <= 1; ++x)
+      for (int y = -1; y <= 1; ++y)
+        if (over_.seen(point_m + foot_.cell_m() * (x * foot_.u() + y * foot_.v()))) return true;
+    return false;
+  }
+  PlaneRegion foot_, over_;
+};
 
 // Squared distance of each cell of a line from the nearest parabola's foot (Felzenszwalb and Huttenlocher
 // 2012, Distance transforms of sampled functions).
@@ -172,7 +209,7 @@ Shade shade_of(const PlanePicture& picture, double margin_m, double clear_m, dou
 }
 
 PlanePicture look_at_plane(const SplitRoom& room, const RoomParts& parts, const RoomPlane& plane,
-                           const PlaneRegion& foot, uint16_t thing, const Vector3d& middle_m, double half_m,
+                           const Footprint& foot, uint16_t thing, const Vector3d& middle_m, double half_m,
                            BehindThing& out) {
   const double pixel_m = parts.footprint_m;
   const int edge =
@@ -379,7 +416,7 @@ BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t pa
     const std::vector<Eigen::Vector3f> points =
         foot_points(room, plane, thing.label, kFoot_voxels * parts.voxel_m);
     if (points.size() < kMinFootKernels) return;
-    const PlaneRegion foot(plane.normal, kFootCell_voxels * parts.voxel_m, points);
+    const Footprint foot(room, plane, kFootCell_voxels * parts.voxel_m, points);
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3f& p : points) box.extend(p.cast<double>());
     Vector3d middle_m = box.center();
@@ -414,7 +451,7 @@ BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t pa
       const Vector3d& at = picture.point_m[picture.at(p)];
       add_flat_kernel(out.fill, at, plane.region.u(), plane.normal, kKernelStep_px * pixel_m,
                       picture.rgb[picture.at(p)]);
-      if (!foot.contains(at)) continue;
+      if (!foot.inside(at)) continue;
       tree.nearest(at.cast<float>(), 8, nearest);
       Eigen::Vector3f rgb = Eigen::Vector3f::Zero();
       for (const auto& n : nearest) rgb += colours[n.index];

@@ -110,6 +110,31 @@ TEST_F(SeparatedRoom, DeskUnderAThingIsClosed) {
   }
 }
 
+TEST_F(SeparatedRoom, ThingsAloneHaveTheirOutlines) {
+  const LabelledRoom labelled = label_room(room->asset, *found);
+  const auto cameras = orbit(room->middle_m, {0, -1, 0}, 1.1, 3, kPictureWidth, 0.4, 2 * M_PI);
+  std::vector<std::vector<uint16_t>> truth, pictures;
+  for (const Camera& camera : cameras) {
+    truth.push_back(label_picture(room->asset, room->owner, camera));
+    pictures.push_back(label_picture(room->asset, found->label, camera));
+  }
+  const std::vector<std::vector<uint8_t>> hidden(cameras.size(), std::vector<uint8_t>(truth[0].size(), 0));
+  for (const ThingScore& thing : score_parts(truth, pictures, kPictureWidth).things) {
+    std::vector<uint32_t> own;
+    for (uint32_t k = 0; k < room->owner.size(); ++k)
+      if (room->owner[k] == thing.truth) own.push_back(k);
+    std::vector<std::vector<uint8_t>> masks;
+    for (const Camera& camera : cameras) {
+      const Image image = draw_one(select_kernels(room->asset, own), camera);
+      std::vector<uint8_t>& mask = masks.emplace_back();
+      for (size_t i = 3; i < image.pixels.size(); i += 4) mask.push_back(image.pixels[i] >= 0.5f);
+    }
+    const AloneScore alone = score_alone(thing_alone(labelled, thing.label), cameras, masks, hidden);
+    EXPECT_GE(alone.iou, 0.93) << room->names[thing.truth - 1];
+    EXPECT_GE(alone.boundary_iou, 0.9) << room->names[thing.truth - 1];
+  }
+}
+
 // The room made without a thing is what a camera would see behind it.
 TEST_F(SeparatedRoom, WithoutAThingItLooksLikeTheRoomMadeWithoutIt) {
   const LabelledRoom labelled = label_room(room->asset, *found);

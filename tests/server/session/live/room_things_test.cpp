@@ -32,7 +32,8 @@ TEST_F(TakenRoom, ARayThatTakesAwayDividesAThing) {
   bool rest = false;
   const v1::RoomParts parts = things_->describe(environment_);
   for (const v1::RoomParts::Part& one : parts.parts()) {
-    if (one.label() == whole.labels[0]) rest = !one.taken() && one.kernels() > 20 && one.kernels() < whole.kernels;
+    if (one.label() == whole.labels[0])
+      rest = !one.taken() && one.kernels() > 20 && one.kernels() < whole.kernels;
     if (one.label() == taken->object.part()) EXPECT_TRUE(one.taken());
   }
   EXPECT_TRUE(rest);
