@@ -333,10 +333,10 @@ std::vector<Vector2i> rim_of(const PlanePicture& picture, const std::vector<Vect
   return rim;
 }
 
-// Fills the colours of the hole; true if a disc of the plane gave its texture.
-bool texture_hole(PlanePicture& picture, const std::vector<Vector2i>& hole, double clear_m) {
+// Fills the colours of the hole: with the texture of a disc of the plane, or smoothly if none is free.
+void texture_hole(PlanePicture& picture, const std::vector<Vector2i>& hole, double clear_m) {
   const std::vector<Vector2i> rim = rim_of(picture, hole, kRing_px);
-  if (rim.empty()) return false;
+  if (rim.empty()) return;
   Vector2i low = hole[0], high = hole[0];
   for (const Vector2i& p : hole) low = low.cwiseMin(p), high = high.cwiseMax(p);
   // Offsets for which the hole and its rim lie on the plane.
@@ -402,7 +402,6 @@ bool texture_hole(PlanePicture& picture, const std::vector<Vector2i>& hole, doub
   for (const Vector2i& p : hole) filled.push_back(exemplar(p) + difference[picture.at(p)]);
   for (size_t i = 0; i < hole.size(); ++i)
     picture.rgb[picture.at(hole[i])] = filled[i].cwiseMax(0.0f).cwiseMin(1.0f);
-  return textured;
 }
 
 }  // namespace
@@ -412,7 +411,7 @@ BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t pa
   out.fill.sh_degree = out.underside.sh_degree = room.asset.sh_degree;
   out.fill.antialiased = out.underside.antialiased = room.asset.antialiased;
   const RoomPart& thing = parts.parts[part];
-  const auto cover = [&](const RoomPlane& plane, bool wall, size_t index) {
+  const auto cover = [&](const RoomPlane& plane) {
     const std::vector<Eigen::Vector3f> points =
         foot_points(room, plane, thing.label, kFoot_voxels * parts.voxel_m);
     if (points.size() < kMinFootKernels) return;
@@ -427,9 +426,8 @@ BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t pa
     for (int y = 0; y < picture.height; ++y)
       for (int x = 0; x < picture.width; ++x)
         if (picture.kind[picture.at({x, y})] == kHole) hole.emplace_back(x, y);
-    FilledPlane filled{wall, index, hole.size(), false};
     if (hole.empty()) return;
-    filled.textured = texture_hole(picture, hole, kClear_voxels * parts.voxel_m);
+    texture_hole(picture, hole, kClear_voxels * parts.voxel_m);
     // The colours of the foot for the underside.
     std::vector<Eigen::Vector3f> places, colours;
     for (size_t k = 0; k < room.asset.size(); ++k)
@@ -458,10 +456,9 @@ BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t pa
       add_flat_kernel(out.underside, at + 0.25 * pixel_m * plane.normal, plane.region.u(), -plane.normal,
                       kKernelStep_px * pixel_m, rgb / static_cast<float>(nearest.size()));
     }
-    out.planes.push_back(filled);
   };
-  if (thing.support) cover(parts.planes.supports[*thing.support], false, *thing.support);
-  for (size_t w = 0; w < parts.planes.walls.size(); ++w) cover(parts.planes.walls[w], true, w);
+  if (thing.support) cover(parts.planes.supports[*thing.support]);
+  for (const RoomPlane& wall : parts.planes.walls) cover(wall);
   return out;
 }
 

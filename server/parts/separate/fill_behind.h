@@ -9,13 +9,6 @@
 
 namespace livegs {
 
-struct FilledPlane {
-  bool wall = false;
-  size_t plane = 0;        // index in supports or walls
-  size_t hole_pixels = 0;  // of the picture from above; one pixel is RoomParts::footprint_m wide
-  bool textured = false;   // false: no free disc of the plane was found, the mean of the ring was used
-};
-
 struct BehindThing {
   GaussianAsset fill;            // flat kernels for the room
   std::vector<uint32_t> hidden;  // kernels of the room that the fill replaces
@@ -23,17 +16,14 @@ struct BehindThing {
     uint32_t kernel;  // of the room
     float light;      // that the thing lets through to it, under 1
   };
-  std::vector<Relit> relit;         // kernels of the room in the shade of the thing
-  GaussianAsset underside;          // flat kernels for the thing
-  std::vector<FilledPlane> planes;  // those that were continued
+  std::vector<Relit> relit;  // kernels of the room in the shade of the thing
+  GaussianAsset underside;   // flat kernels for the thing
 };
 
 // 1. A picture of the room without the thing, looking straight at the plane. The hole is the foot of the
-// thing
-//    and a margin, in which kernels of the room carry colours of the thing.
+//    thing and a margin, in which kernels of the room carry colours of the thing.
 // 2. The light of the plane around the thing is fitted by 1 - shade exp(-distance / reach), and the picture
-// is
-//    made without this shade.
+//    is made without this shade.
 // 3. The disc of the plane whose rim fits the rim of the hole best gives its texture (exemplar), and the
 //    difference at the rim is continued into the hole by Laplace's equation (Pérez et al. 2003, Poisson image
 //    editing, for a seamless rim).
