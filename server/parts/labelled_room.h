@@ -23,7 +23,7 @@ struct LabelledRoom {
 inline constexpr uint16_t kThingMask = 0x3fff;  // the number
 enum class KernelKind : uint16_t {
   Own = 0,             // of the room or the thing
-  Covered = 0x4000,    // of the room, where no view has seen it: drawn until the thing is taken
+  Covered = 0x4000,    // of the room, below or in the shade of the thing: drawn until it is taken
   Fill = 0x8000,       // drawn in the room once the thing is taken
   Underside = 0xc000,  // of the thing, where it stood; never drawn in the room
 };

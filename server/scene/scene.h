@@ -32,6 +32,7 @@ namespace v1 {
 class SceneSource;  // livegs/v1/recording.proto
 class SceneChange_Edit;
 class SceneChange_Carry;
+class SceneChange;
 }  // namespace v1
 struct BuiltEnvironment;
 struct BuiltObject;
@@ -91,8 +92,11 @@ class Scene {
   // changed.
   Result<void> edit(const v1::SceneChange_Edit& edit);
   // Takes another environment: its asset, colliders and labels. What rests on it wakes. Built from the cache
-  // (keep_environment), or on this thread. After an error nothing has changed.
-  Result<void> replace_environment(const v1::Environment& environment);
+  // (keep_environment), or on this thread. It is built around the objects as they are after the edits among
+  // `later`, the changes that follow in the same tick, so that a repeated run builds what the author's thread
+  // built. After an error nothing has changed.
+  Result<void> replace_environment(const v1::Environment& environment,
+                                   std::span<const v1::SceneChange> later = {});
   // Moves an object towards a pose, at most kMaxCarrySpeed_m_s fast, until it is released or half a second
   // has passed. It pushes what it meets. Without pose: releases it.
   void carry(const v1::SceneChange_Carry& carry);

@@ -3,169 +3,188 @@
 
 #include <maxflow.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-
-#include "core/parallel_for.h"
-#include "parts/click/kernel_on_ray.h"
-#include "parts/graph/kernel_tree.h"
 
 namespace livegs {
 namespace {
 
-using Eigen::Vector3d;
-using Eigen::Vector3f;
+constexpr float kHard = 1e4f;       // of a constraint
+constexpr float kOwnPart = 0.6f;    // evidence of a label for the thing, in edges
+constexpr float kOtherPart = 1.5f;  // evidence of another label against it
+constexpr int kBrushSteps = 3;      // edges from a clicked kernel to those that it fixes
+constexpr int kBorderSteps = 4;     // edges from a border of labels to the last nodes
+// Evidence of a divided part for the thing, in the weight of the edges around the clicks that take away. At 1
+// they separate nothing but their surroundings; at 0 a click at the rim divides the part anywhere.
+constexpr float kDividedEvidence = 0.8f;
 
-constexpr size_t kEdges = 10;               // nearest neighbours of a kernel
-constexpr float kTouch = 2.0f;              // deviations of both ellipsoids along their line that touch
-constexpr float kColourDeviation = 0.1f;    // of the colours of neighbours on one thing
-constexpr float kConcaveWeight = 0.1f;      // factor on an edge across a concave corner
-constexpr float kConcaveEdge = 0.35f;       // (n1 - n2) · d of a concave corner
-constexpr float kHard = 1e4f;               // of a constraint
-constexpr float kOwnPart = 0.6f;            // evidence of a label for the thing, in edges
-constexpr float kOtherPart = 1.5f;          // evidence of another label against it
-constexpr double kBrush_voxels = 1.5;       // radius of the kernels that a ray fixes
-constexpr double kMargin_voxels = 4.0;      // of the region of a cut around the part
-constexpr double kRoomReach_voxels = 30.0;  // of the region if the ray hits the room
+// Kernels of a divided part of more than this number are joined to nodes of up to eleven along strong edges.
+constexpr size_t kMaxSingleNodes = 4000;
+constexpr float kJoinedEdge = 0.3f;
+
+// A kernel of a divided part speaks against the thing if it is nearer than this to a click that takes away,
+// in the distance to one that takes.
+constexpr float kAwayReach = 0.5f;
+constexpr uint32_t kFar = 1u << 24;
+
+enum Role : uint8_t { kNone, kWanted, kDivided };
+
+// The kernel and those within some edges of it, nearest first; only of its label if `same`.
+std::vector<uint32_t> around(const KernelGraph& graph, std::span<const uint16_t> label, uint32_t kernel,
+                             int steps, bool same) {
+  std::vector<uint32_t> found{kernel};
+  size_t begin = 0;
+  for (int step = 0; step < steps; ++step) {
+    const size_t end = found.size();
+    for (; begin < end; ++begin) {
+      const auto neighbours = graph.neighbours(found[begin]);
+      const auto weights = graph.weights(found[begin]);
+      for (size_t e = 0; e < KernelGraph::kEdges; ++e)
+        if (weights[e] > 0 && (!same || label[neighbours[e]] == label[kernel]) &&
+            std::find(found.begin(), found.end(), neighbours[e]) == found.end())
+          found.push_back(neighbours[e]);
+    }
+  }
+  return found;
+}
+
+float weight_around(const KernelGraph& graph, const std::vector<uint32_t>& brush) {
+  float sum = 0;
+  for (const uint32_t k : brush) {
+    const auto neighbours = graph.neighbours(k);
+    for (size_t e = 0; e < KernelGraph::kEdges; ++e)
+      if (std::find(brush.begin(), brush.end(), neighbours[e]) == brush.end()) sum += graph.weights(k)[e];
+  }
+  return sum;
+}
+
+// Number of edges to the nearest click of a kind, within the divided part of the click. Edges of no weight
+// count: a patch of another colour is no other thing.
+std::vector<uint32_t> steps_from(const KernelGraph& graph, std::span<const uint16_t> label,
+                                 std::span<const Role> role, std::span<const Click> clicks, bool take) {
+  std::vector<uint32_t> steps(label.size(), kFar);
+  std::vector<uint32_t> reached;
+  for (const Click& click : clicks)
+    if (click.take == take && role[label[click.kernel]] == kDivided) {
+      steps[click.kernel] = 0;
+      reached.push_back(click.kernel);
+    }
+  for (size_t i = 0; i < reached.size(); ++i)
+    for (const uint32_t other : graph.neighbours(reached[i]))
+      if (steps[other] == kFar && label[other] == label[reached[i]]) {
+        steps[other] = steps[reached[i]] + 1;
+        reached.push_back(other);
+      }
+  return steps;
+}
 
 }  // namespace
 
-struct ClickCut::Graph {
-  explicit Graph(std::span<const Vector3f> points) : tree(points) {}
-  KernelTree tree;
-  std::vector<uint32_t> neighbours;  // kEdges per kernel; own index: none
-  std::vector<float> weights;
-  std::vector<Vector3f> normals;  // along the shortest axis, towards the side from which it is seen
-};
-
-ClickCut::ClickCut(const GaussianAsset& asset, const RoomParts& parts)
-    : asset_(asset), parts_(parts), graph_(std::make_unique<Graph>(asset.positions)) {
-  Graph& g = *graph_;
-  const size_t count = asset.size();
-  g.neighbours.resize(kEdges * count);
-  g.weights.assign(kEdges * count, 0.0f);
-  g.normals.resize(count);
-  Vector3d eye = Vector3d::Zero();
-  for (const Camera& camera : parts.cameras) eye += camera.world_from_camera.position_m;
-  if (!parts.cameras.empty()) eye /= static_cast<double>(parts.cameras.size());
-  parallel_for(count, 4096, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) {
-      Eigen::Index shortest = 0;
-      asset.log_scales[k].minCoeff(&shortest);
-      Vector3f normal = asset.rotations[k] * Vector3f::Unit(shortest);
-      if (normal.dot(eye.cast<float>() - asset.positions[k]) < 0) normal = -normal;
-      g.normals[k] = normal;
-    }
-  });
-  parallel_for(count, 1024, [&](size_t begin, size_t end) {
-    std::vector<KernelTree::Neighbour> nearest;
-    for (size_t k = begin; k < end; ++k) {
-      g.tree.nearest(asset.positions[k], kEdges + 1, nearest);
-      const float usual2 = nearest.empty() ? 0.0f : nearest[nearest.size() / 2].distance2;
-      const auto deviation = [&](size_t i, const Vector3f& d) {
-        return (asset.log_scales[i].array().exp() * (asset.rotations[i].conjugate() * d).array())
-            .matrix()
-            .norm();
-      };
-      size_t used = 0;
-      for (const auto& n : nearest) {
-        if (n.index == k || used == kEdges) continue;
-        const size_t at = kEdges * k + used++;
-        g.neighbours[at] = n.index;
-        const float distance = std::sqrt(n.distance2);
-        Vector3f d = asset.positions[k] - asset.positions[n.index];
-        if (distance > 0) d /= distance;
-        if (distance >
-            kTouch * (deviation(k, d) + deviation(n.index, d)) + static_cast<float>(parts.footprint_m))
-          continue;
-        const float rgb = kShBand0 * (asset.sh_dc[k] - asset.sh_dc[n.index]).norm();
-        float weight = std::exp(-0.5f * n.distance2 / std::max(usual2, 1e-12f) -
-                                0.5f * rgb * rgb / (kColourDeviation * kColourDeviation));
-        if ((g.normals[k] - g.normals[n.index]).dot(d) < -kConcaveEdge) weight *= kConcaveWeight;
-        g.weights[at] = weight;
-      }
-      for (; used < kEdges; ++used) g.neighbours[kEdges * k + used] = static_cast<uint32_t>(k);
-    }
-  });
-}
-
-ClickCut::~ClickCut() = default;
-
-CutThing ClickCut::cut(std::span<const Click> clicks) const {
+CutThing cut_thing(const KernelGraph& graph, std::span<const uint16_t> label, std::span<const Click> clicks) {
   CutThing result;
-  const auto brush_m = static_cast<float>(kBrush_voxels * parts_.voxel_m);
-  // The rays: seeds for and against the thing.
-  std::vector<uint32_t> seeds, against, near;
-  std::optional<uint32_t> first;
+  uint16_t most = 0;
+  for (const uint16_t one : label) most = std::max(most, one);
+  std::vector<Role> role(most + size_t{1}, kNone);
+  std::vector<uint32_t> corrected;  // kernels whose label is no evidence
   for (const Click& click : clicks) {
-    const auto hit = kernel_on_ray(asset_, click.origin_m, click.direction);
-    if (!hit) continue;
-    if (click.take && !first) first = hit;
-    graph_->tree.within(asset_.positions[*hit], brush_m, near);
-    auto& seeded = click.take ? seeds : against;
-    seeded.push_back(*hit);
-    for (uint32_t k : near)
-      if (parts_.label[k] == parts_.label[*hit]) seeded.push_back(k);
+    const uint16_t own_label = label[click.kernel];
+    if (!click.take || (own_label != 0 && role[own_label] == kWanted)) continue;
+    const std::vector<uint32_t> near = around(graph, label, click.kernel, kBorderSteps, false);
+    if (std::any_of(near.begin(), near.end(), [&](uint32_t k) { return role[label[k]] == kWanted; }))
+      corrected.insert(corrected.end(), near.begin(), near.end());
+    else if (own_label != 0)
+      role[own_label] = kWanted;
   }
-  if (!first) return result;
-  std::vector<uint8_t> wanted(parts_.parts.size() + 1, 0), unwanted(wanted);
-  for (uint32_t k : seeds) wanted[parts_.label[k]] = 1;
-  for (uint32_t k : against) unwanted[parts_.label[k]] = 1;
-  if (parts_.label[*first] != kRoomLabel) result.part = parts_.label[*first];
-  wanted[kRoomLabel] = wanted[kRoomLabel] && !result.part;
+  for (const Click& click : clicks)
+    if (!click.take && role[label[click.kernel]] == kWanted) role[label[click.kernel]] = kDivided;
+  const auto role_of = [&](uint32_t k) { return role[label[k]]; };
 
-  // The region: the parts that rays take and their surroundings, or a ball in the room.
-  Eigen::AlignedBox3f box;
-  for (uint32_t k : seeds) box.extend(asset_.positions[k]);
-  if (!result.part)
-    box = Eigen::AlignedBox3f(
-        box.min() - Vector3f::Constant(static_cast<float>(kRoomReach_voxels * parts_.voxel_m)),
-        box.max() + Vector3f::Constant(static_cast<float>(kRoomReach_voxels * parts_.voxel_m)));
-  for (const RoomPart& part : parts_.parts)
-    if (wanted[part.label]) box.extend(part.bounds_m.cast<float>());
-  const Vector3f margin = Vector3f::Constant(static_cast<float>(kMargin_voxels * parts_.voxel_m));
-  const Eigen::AlignedBox3f region(box.min() - margin, box.max() + margin);
-  graph_->tree.within(region.center(), 0.5f * region.diagonal().norm(), near);
-  std::vector<uint32_t> members;
-  for (uint32_t k : near)
-    if (region.contains(asset_.positions[k])) members.push_back(k);
-  std::sort(members.begin(), members.end());
-  result.region_kernels = members.size();
-  const auto place = [&](uint32_t k) -> int {
-    const auto at = std::lower_bound(members.begin(), members.end(), k);
-    return at != members.end() && *at == k ? static_cast<int>(at - members.begin()) : -1;
+  std::vector<uint32_t> own;  // kernels of wanted and divided parts
+  std::vector<size_t> kernel_count(role.size(), 0);
+  for (uint32_t k = 0; k < label.size(); ++k) {
+    if (role_of(k) == kNone) continue;
+    own.push_back(k);
+    ++kernel_count[label[k]];
+  }
+  if (own.empty()) return result;
+  std::vector<uint8_t> open(label.size(), 0);
+  for (const uint32_t k : corrected) open[k] = role_of(k) == kNone;
+  std::vector<uint32_t> members;  // kernels with a node
+  std::vector<int32_t> node(label.size(), -1);
+  int32_t node_count = 0;
+  const auto add_node = [&](uint32_t k) {
+    if (node[k] >= 0) return;
+    node[k] = node_count++;
+    members.push_back(k);
   };
-
-  maxflow::Graph_FFF graph(static_cast<int>(members.size()), static_cast<int>(kEdges * members.size()));
-  graph.add_node(static_cast<int>(members.size()));
-  for (size_t m = 0; m < members.size(); ++m) {
-    const uint32_t k = members[m];
-    const uint16_t label = parts_.label[k];
-    // A part with rays for and against it gives no evidence: the rays and the edges decide.
-    const float share = std::max(parts_.share[k], 0.3f);
-    const bool both = wanted[label] && unwanted[label];
-    if (both)
-      graph.add_tweights(static_cast<int>(m), 1e-3f, 0);
-    else if (wanted[label])
-      graph.add_tweights(static_cast<int>(m), kOwnPart * share, 0);
-    else
-      graph.add_tweights(static_cast<int>(m), 0, kOtherPart * share);
-    for (size_t e = 0; e < kEdges; ++e) {
-      const float weight = graph_->weights[kEdges * k + e];
-      if (weight <= 0) continue;
-      if (const int other = place(graph_->neighbours[kEdges * k + e]); other >= 0)
-        graph.add_edge(static_cast<int>(m), other, weight, weight);
+  for (const uint32_t k : own) {
+    if (role_of(k) == kDivided && node[k] < 0) {
+      add_node(k);
+      if (kernel_count[label[k]] > kMaxSingleNodes)
+        for (size_t e = 0; e < KernelGraph::kEdges; ++e) {
+          const uint32_t other = graph.neighbours(k)[e];
+          if (node[other] >= 0 || label[other] != label[k] || graph.weights(k)[e] < kJoinedEdge) continue;
+          node[other] = node[k];
+          members.push_back(other);
+        }
     }
+    for (const uint32_t other : graph.neighbours(k))
+      if (role_of(other) != role_of(k)) add_node(k), add_node(other);
   }
-  for (uint32_t k : seeds)
-    if (const int m = place(k); m >= 0) graph.add_tweights(m, kHard, 0);
-  for (uint32_t k : against)
-    if (const int m = place(k); m >= 0) graph.add_tweights(m, 0, kHard);
-  graph.maxflow();
-  for (size_t m = 0; m < members.size(); ++m)
-    if (graph.what_segment(static_cast<int>(m), maxflow::Graph_FFF::SINK) == maxflow::Graph_FFF::SOURCE)
-      result.kernels.push_back(members[m]);
+  for (const uint32_t k : corrected) add_node(k);
+  for (size_t step = 0, begin = 0; step < kBorderSteps; ++step) {
+    const size_t end = members.size();
+    for (; begin < end; ++begin)
+      for (const uint32_t other : graph.neighbours(members[begin])) add_node(other);
+  }
+  const std::vector<uint32_t> to_take = steps_from(graph, label, role, clicks, true),
+                              to_away = steps_from(graph, label, role, clicks, false);
+  std::vector<float> evidence(role.size(), 0.0f);  // of a divided part, for each of its kernels
+  std::vector<int> fixed(static_cast<size_t>(node_count), 0);
+  for (const Click& click : clicks) {
+    // Kernels of the room may be wide, and a correction is next to kernels of another label.
+    const bool correction = click.take && role_of(click.kernel) == kNone;
+    const std::vector<uint32_t> brush =
+        around(graph, label, click.kernel, correction ? 0 : kBrushSteps, true);
+    if (!click.take)
+      evidence[label[click.kernel]] +=
+          kDividedEvidence * weight_around(graph, brush) /
+          static_cast<float>(std::max<size_t>(kernel_count[label[click.kernel]], 1));
+    for (const uint32_t k : brush)
+      if (node[k] >= 0) fixed[static_cast<size_t>(node[k])] += click.take ? 1 : -1;
+  }
+
+  result.nodes = static_cast<size_t>(node_count);
+  maxflow::Graph_FFF flow(node_count, static_cast<int>(members.size() * KernelGraph::kEdges));
+  flow.add_node(node_count);
+  for (const uint32_t k : members) {
+    const Role own_role = role_of(k);
+    float source = own_role == kWanted ? kOwnPart : 0.0f;
+    float sink = own_role == kNone && !open[k] ? kOtherPart : 0.0f;
+    if (own_role == kDivided)
+      (static_cast<float>(to_away[k]) < kAwayReach * static_cast<float>(to_take[k]) ? sink : source) +=
+          evidence[label[k]];
+    const auto neighbours = graph.neighbours(k);
+    const auto weights = graph.weights(k);
+    for (size_t e = 0; e < KernelGraph::kEdges; ++e) {
+      const int32_t other = node[neighbours[e]];
+      if (weights[e] <= 0 || other == node[k]) continue;
+      if (other >= 0)
+        flow.add_edge(node[k], other, weights[e], weights[e]);
+      else
+        (role_of(neighbours[e]) == kWanted ? source : sink) += weights[e];
+    }
+    flow.add_tweights(node[k], source, sink);
+  }
+  for (int n = 0; n < node_count; ++n)
+    if (const int votes = fixed[static_cast<size_t>(n)])
+      flow.add_tweights(n, votes > 0 ? kHard : 0, votes < 0 ? kHard : 0);
+  flow.maxflow();
+  for (const uint32_t k : own)
+    if (node[k] < 0) result.kernels.push_back(k);
+  for (const uint32_t k : members)
+    if (flow.what_segment(node[k], maxflow::Graph_FFF::SINK) == maxflow::Graph_FFF::SOURCE)
+      result.kernels.push_back(k);
+  std::sort(result.kernels.begin(), result.kernels.end());
   return result;
 }
 

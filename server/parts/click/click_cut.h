@@ -1,49 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "gaussian/gaussian_asset.h"
-#include "parts/room_parts.h"
-
-// The kernels that one or several rays take out of a room. Prepared
-// once per room, in the background; afterwards any thread may call it.
+#include "parts/click/kernel_graph.h"
 
 namespace livegs {
 
 struct Click {
-  Eigen::Vector3d origin_m, direction;  // a ray in the frame of the asset; the direction is unit
-  bool take = true;                     // false: what it hits does not belong to the thing
+  uint32_t kernel = 0;  // that the ray of a user meets (kernel_on_ray.h)
+  bool take = true;     // false: it does not belong to the thing
 };
 
 struct CutThing {
-  std::vector<uint32_t> kernels;  // ascending; empty if no ray that takes hits anything
-  std::optional<uint16_t> part;   // the part that the first ray hits; none: the room
-  size_t region_kernels = 0;      // in whose neighbourhood the cut was made
+  std::vector<uint32_t> kernels;  // ascending; empty if no click takes from a part
+  size_t nodes = 0;               // of the graph that was cut
 };
 
-class ClickCut {
- public:
-  // Keeps references to both. Builds a k-d tree and a graph that joins each kernel to its nearest neighbours
-  // where their ellipsoids touch.
-  ClickCut(const GaussianAsset& asset, const RoomParts& parts);
-  ~ClickCut();
-
-  // A minimum cut (Boykov and Kolmogorov 2004) around the hit points. The labels of the parts are evidence,
-  // the rays are constraints; edges are weak between kernels that are far apart for their surroundings, of
-  // other colours, or meet in a concave edge. Deterministic.
-  CutThing cut(std::span<const Click> clicks) const;
-
- private:
-  struct Graph;
-  const GaussianAsset& asset_;
-  const RoomParts& parts_;
-  std::unique_ptr<Graph> graph_;
-};
+// The kernels that some clicks take out of a room, by a minimum cut (Boykov and Kolmogorov 2004). `label` has
+// the part of each kernel, 0 for the room. Clicks fix the kernels around them. The labels are evidence: parts
+// on which clicks take are wanted, and only kernels near their borders are nodes of the graph. A click that
+// takes next to a wanted part corrects its border: around it labels are no evidence. A part on which clicks
+// take and take away is divided: all its kernels are nodes, and its label is evidence of at most what the
+// edges around the clicks that take away are worth, so that these separate the part at a line of weaker edges
+// if there is one, and only their surroundings if there is none. Any thread; deterministic.
+CutThing cut_thing(const KernelGraph& graph, std::span<const uint16_t> label, std::span<const Click> clicks);
 
 }  // namespace livegs

@@ -4,6 +4,7 @@
 
 #include "core/parallel_for.h"
 #include "core/percentile.h"
+#include "parts/find/claim_rim.h"
 #include "parts/find/pixel_labels.h"
 #include "parts/find/split_things.h"
 #include "parts/find/thing_voxels.h"
@@ -192,6 +193,7 @@ Result<RoomParts> find_parts(const GaussianAsset& asset, const PartsOptions& opt
     weights.add(of_view);
   }
   decide_labels(asset, weights, found);
+  claim_rim(asset, found);
   describe_parts(asset, found);
   return found;
 }

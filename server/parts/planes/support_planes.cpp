@@ -27,8 +27,10 @@ constexpr double kMaxTilt = 0.94;       // cosine of 20 degrees, of a plane agai
 constexpr double kMaxPointTilt = 0.87;  // cosine of 30 degrees, of the normal of a point against its plane
 constexpr double kMaxBehind = 0.01;     // share of points behind a wall
 constexpr double kRegionCell_footprints = 6.0;
-constexpr int kAreaGap_cells = 2;       // between cells of one area of a plane
-constexpr double kMinAreaShare = 0.05;  // of an area, relative to the largest one of its plane
+constexpr int kAreaGap_cells = 2;         // between cells of one area of a plane
+constexpr double kCornerGap_cells = 2.0;  // between a support and a wall that meet
+constexpr double kMinCorner = 0.5;        // determinant of the normals of three planes that form a corner
+constexpr double kMinAreaShare = 0.05;    // of an area, relative to the largest one of its plane
 
 Vector3d any_perpendicular(const Vector3d& n) {
   const Vector3d axis = std::abs(n.x()) < 0.7 ? Vector3d::UnitX() : Vector3d::UnitZ();
@@ -115,12 +117,14 @@ Candidate best_plane(std::span<const ViewPoint> points, std::span<const uint32_t
 
 }  // namespace
 
-PlaneRegion::PlaneRegion(const Vector3d& normal, double cell_m, std::span<const Eigen::Vector3f> points_m)
+PlaneRegion::PlaneRegion(const Vector3d& normal, double cell_m, std::span<const Eigen::Vector3f> points_m,
+                         std::span<const Eigen::Vector3f> corners_m)
     : u_(any_perpendicular(normal)), v_(normal.cross(u_)), cell_m_(cell_m) {
   if (points_m.empty()) return;
   Eigen::AlignedBox2d box;
-  for (const Eigen::Vector3f& p : points_m)
-    box.extend(Eigen::Vector2d(u_.dot(p.cast<double>()), v_.dot(p.cast<double>())));
+  for (const auto& some : {points_m, corners_m})
+    for (const Eigen::Vector3f& p : some)
+      box.extend(Eigen::Vector2d(u_.dot(p.cast<double>()), v_.dot(p.cast<double>())));
   constexpr double kMaxCells = 2048;
   cell_m_ = std::max(cell_m_, box.sizes().maxCoeff() / kMaxCells);
   low_ = box.min() - Eigen::Vector2d::Constant(2 * cell_m_);
@@ -131,7 +135,7 @@ PlaneRegion::PlaneRegion(const Vector3d& normal, double cell_m, std::span<const 
     if (const int cell = cell_of(p.cast<double>()); cell >= 0) cells_[cell] = 2;
   }
   drop_specks();
-  fill_hulls();
+  fill_hulls(corners_m);
 }
 
 std::vector<std::vector<int>> PlaneRegion::areas() const {
@@ -165,11 +169,18 @@ void PlaneRegion::drop_specks() {
       for (int cell : area) cells_[cell] = 0;
 }
 
-void PlaneRegion::fill_hulls() {
-  for (const auto& area : areas()) {
-    // The convex hull by rows: the first and the last cell of each, then Andrew's monotone chain.
+void PlaneRegion::fill_hulls(std::span<const Eigen::Vector3f> corners_m) {
+  const auto all = areas();
+  const auto largest = std::max_element(all.begin(), all.end(),
+                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  for (const auto& area : all) {
+    // The convex hull by Andrew's monotone chain.
     std::vector<Eigen::Vector2i> corners;
     for (int cell : area) corners.emplace_back(cell % columns_, cell / columns_);
+    if (&area == &*largest)
+      for (const Eigen::Vector3f& p : corners_m)
+        if (const int cell = cell_of(p.cast<double>()); cell >= 0)
+          corners.emplace_back(cell % columns_, cell / columns_);
     std::sort(corners.begin(), corners.end(), [](const auto& a, const auto& b) {
       return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
     });
@@ -233,6 +244,45 @@ double PlaneRegion::area_m2() const {
          static_cast<double>(std::count_if(cells_.begin(), cells_.end(), [](uint8_t c) { return c != 0; }));
 }
 
+namespace {
+
+// A thing in a corner of the room hides it. Where a support is seen up to two walls, the regions of the three
+// planes reach to the point in which they meet.
+void reach_corners(RoomPlanes& planes, double footprint_m,
+                   std::span<const std::vector<Eigen::Vector3f>> of_supports,
+                   std::span<const std::vector<Eigen::Vector3f>> of_walls) {
+  const double cell_m = kRegionCell_footprints * footprint_m;
+  std::vector<std::vector<Eigen::Vector3f>> wall_corners(planes.walls.size());
+  for (size_t s = 0; s < planes.supports.size(); ++s) {
+    RoomPlane& support = planes.supports[s];
+    std::vector<size_t> met;
+    for (size_t w = 0; w < planes.walls.size(); ++w)
+      if (std::any_of(of_supports[s].begin(), of_supports[s].end(), [&](const Eigen::Vector3f& p) {
+            return std::abs(planes.walls[w].height_m(p.cast<double>())) < kCornerGap_cells * cell_m;
+          }))
+        met.push_back(w);
+    std::vector<Eigen::Vector3f> corners;
+    for (size_t a = 0; a < met.size(); ++a)
+      for (size_t b = a + 1; b < met.size(); ++b) {
+        Eigen::Matrix3d normals;
+        normals << support.normal.transpose(), planes.walls[met[a]].normal.transpose(),
+            planes.walls[met[b]].normal.transpose();
+        if (std::abs(normals.determinant()) < kMinCorner) continue;
+        const Vector3d corner = normals.inverse() * Vector3d(support.offset_m, planes.walls[met[a]].offset_m,
+                                                             planes.walls[met[b]].offset_m);
+        corners.push_back(corner.cast<float>());
+        wall_corners[met[a]].push_back(corners.back());
+        wall_corners[met[b]].push_back(corners.back());
+      }
+    if (!corners.empty()) support.region = PlaneRegion(support.normal, cell_m, of_supports[s], corners);
+  }
+  for (size_t w = 0; w < planes.walls.size(); ++w)
+    if (!wall_corners[w].empty())
+      planes.walls[w].region = PlaneRegion(planes.walls[w].normal, cell_m, of_walls[w], wall_corners[w]);
+}
+
+}  // namespace
+
 RoomPlanes find_planes(std::span<const ViewPoint> points, const Vector3d& up, double footprint_m) {
   RoomPlanes planes;
   std::mt19937_64 random(20240607);
@@ -243,8 +293,9 @@ RoomPlanes find_planes(std::span<const ViewPoint> points, const Vector3d& up, do
       if (!taken[i] && wanted(points[i].normal.cast<double>())) open.push_back(i);
     return open;
   };
+  std::vector<std::vector<Eigen::Vector3f>> of_supports, of_walls;  // points of each plane
   const auto find = [&](size_t most, double min_share, auto&& fits, auto&& wanted, auto&& accept,
-                        std::vector<RoomPlane>& found) {
+                        std::vector<RoomPlane>& found, std::vector<std::vector<Eigen::Vector3f>>& of_found) {
     for (size_t attempt = 0; attempt < 2 * most && found.size() < most; ++attempt) {
       const std::vector<uint32_t> open = open_points(wanted);
       if (static_cast<double>(open.size()) < min_share * static_cast<double>(points.size())) return;
@@ -264,12 +315,13 @@ RoomPlanes find_planes(std::span<const ViewPoint> points, const Vector3d& up, do
       if (!accept(plane)) continue;
       plane.region = PlaneRegion(plane.normal, kRegionCell_footprints * footprint_m, inliers);
       found.push_back(std::move(plane));
+      of_found.push_back(std::move(inliers));
     }
   };
   find(
       kMaxSupports, kMinSupportShare, [&](const Vector3d& n) { return n.dot(up) > kMaxTilt; },
       [&](const Vector3d& n) { return n.dot(up) > kMaxPointTilt; }, [](const RoomPlane&) { return true; },
-      planes.supports);
+      planes.supports, of_supports);
   const double upright = std::sqrt(1 - kMaxTilt * kMaxTilt);
   find(
       kMaxWalls, kMinWallShare, [&](const Vector3d& n) { return std::abs(n.dot(up)) < upright; },
@@ -281,7 +333,8 @@ RoomPlanes find_planes(std::span<const ViewPoint> points, const Vector3d& up, do
             }));
         return behind < kMaxBehind * static_cast<double>(points.size());
       },
-      planes.walls);
+      planes.walls, of_walls);
+  reach_corners(planes, footprint_m, of_supports, of_walls);
   std::sort(planes.supports.begin(), planes.supports.end(),
             [&](const RoomPlane& a, const RoomPlane& b) { return a.offset_m > b.offset_m; });
   return planes;

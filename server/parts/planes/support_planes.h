@@ -17,7 +17,9 @@ namespace livegs {
 class PlaneRegion {
  public:
   PlaneRegion() = default;
-  PlaneRegion(const Eigen::Vector3d& normal, double cell_m, std::span<const Eigen::Vector3f> points_m);
+  // `corners_m`: hidden corners of its largest area.
+  PlaneRegion(const Eigen::Vector3d& normal, double cell_m, std::span<const Eigen::Vector3f> points_m,
+              std::span<const Eigen::Vector3f> corners_m = {});
 
   bool contains(const Eigen::Vector3d& point_m) const;  // of its foot on the plane
   bool seen(const Eigen::Vector3d& point_m) const;      // without the filled holes
@@ -32,7 +34,7 @@ class PlaneRegion {
   int cell_of(const Eigen::Vector3d& point_m) const;  // -1: outside
   std::vector<std::vector<int>> areas() const;        // connected seen cells
   void drop_specks();
-  void fill_hulls();
+  void fill_hulls(std::span<const Eigen::Vector3f> corners_m);
 
   Eigen::Vector3d u_{1, 0, 0}, v_{0, 0, 1};
   Eigen::Vector2d low_{0, 0};

@@ -9,27 +9,25 @@
 
 namespace livegs {
 
-struct FilledPlane {
-  bool wall = false;
-  size_t plane = 0;        // index in supports or walls
-  size_t hole_pixels = 0;  // of the picture from above; one pixel is RoomParts::footprint_m wide
-  bool textured = false;   // false: no free disc of the plane was found, the mean of the ring was used
-};
-
 struct BehindThing {
-  GaussianAsset fill;               // flat kernels for the room
-  std::vector<uint32_t> hidden;     // kernels of the room that no view saw and that the fill replaces
-  GaussianAsset underside;          // flat kernels for the thing
-  std::vector<FilledPlane> planes;  // those that were continued
-  bool unfilled = false;            // the thing touches no plane: nothing was filled
+  GaussianAsset fill;            // flat kernels for the room
+  std::vector<uint32_t> hidden;  // kernels of the room that the fill replaces
+  struct Relit {
+    uint32_t kernel;  // of the room
+    float light;      // that the thing lets through to it, under 1
+  };
+  std::vector<Relit> relit;  // kernels of the room in the shade of the thing
+  GaussianAsset underside;   // flat kernels for the thing
 };
 
-// 1. A picture of the room without the thing, looking straight at the plane. A pixel is a hole if the surface
-//    there is not the plane, or is of kernels that no view saw.
-// 2. The disc of the plane whose rim fits the rim of the hole best gives its texture (exemplar), and the
+// 1. A picture of the room without the thing, looking straight at the plane. The hole is the foot of the
+//    thing and a margin, in which kernels of the room carry colours of the thing.
+// 2. The light of the plane around the thing is fitted by 1 - shade exp(-distance / reach), and the picture
+//    is made without this shade.
+// 3. The disc of the plane whose rim fits the rim of the hole best gives its texture (exemplar), and the
 //    difference at the rim is continued into the hole by Laplace's equation (Pérez et al. 2003, Poisson image
 //    editing, for a seamless rim).
-// 3. One flat kernel per two pixels in both directions, in the plane.
+// 4. One flat kernel per two pixels in both directions, in the plane.
 // `part` is an index of parts.parts. Deterministic.
 BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t part);
 

@@ -23,6 +23,14 @@ constexpr size_t kHeaderBytes = 16;
 
 fs::path kernels_of(fs::path labels) { return labels.replace_extension(".ply"); }
 
+// Divides the colour of the last kernel by the light that reached it.
+void light_again(GaussianAsset& asset, float light) {
+  const Eigen::Vector3f rgb = Eigen::Vector3f::Constant(0.5f) + kShBand0 * asset.sh_dc.back();
+  asset.sh_dc.back() = ((rgb / light).array() - 0.5f).matrix() / kShBand0;
+  const size_t rest = asset.sh_rest_count();
+  for (size_t i = asset.sh_rest.size() - rest; i < asset.sh_rest.size(); ++i) asset.sh_rest[i] /= light;
+}
+
 }  // namespace
 
 LabelledRoom label_room(const GaussianAsset& asset, const RoomParts& parts, const std::stop_token& stop) {
@@ -32,10 +40,23 @@ LabelledRoom label_room(const GaussianAsset& asset, const RoomParts& parts, cons
     for (size_t i = begin; i < end && !stop.stop_requested(); ++i) behind[i] = fill_behind(split, parts, i);
   });
   LabelledRoom room{std::move(split.asset), std::move(split.label)};
+  const size_t own = room.asset.size();
+  for (size_t i = 0; i < behind.size(); ++i) {
+    for (const uint32_t kernel : behind[i].hidden) {
+      if (room.label[kernel] == 0) room.label[kernel] = label_of(KernelKind::Covered, parts.parts[i].label);
+    }
+  }
+  // A kernel has one label, so that it is lit again when the thing that shades it most is taken.
+  std::vector<float> light(own, 1.0f);
+  for (const BehindThing& one : behind)
+    for (const auto& relit : one.relit) light[relit.kernel] = std::min(light[relit.kernel], relit.light);
   for (size_t i = 0; i < behind.size(); ++i) {
     const uint16_t thing = parts.parts[i].label;
-    for (const uint32_t kernel : behind[i].hidden) {
-      if (room.label[kernel] == 0) room.label[kernel] = label_of(KernelKind::Covered, thing);
+    for (const auto& relit : behind[i].relit) {
+      if (room.label[relit.kernel] != 0 || relit.light > light[relit.kernel]) continue;
+      room.label[relit.kernel] = label_of(KernelKind::Covered, thing);
+      append_kernel(behind[i].fill, room.asset, relit.kernel);
+      light_again(behind[i].fill, relit.light);
     }
     for (const auto& [kernels, kind] :
          {std::pair(&behind[i].fill, KernelKind::Fill), {&behind[i].underside, KernelKind::Underside}}) {

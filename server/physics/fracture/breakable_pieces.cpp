@@ -7,6 +7,7 @@
 
 #include "core/parallel_for.h"
 #include "geometry/fracture/fracture_seeds.h"
+#include "geometry/mesh/mesh_topology.h"
 #include "geometry/surface/hollow_mesh.h"
 
 namespace livegs {
@@ -20,6 +21,8 @@ constexpr ShapeDetail kPieceDetail{.field_cells = 16.0,
                                    .thin = DistanceField::Thin::ByTheGrid};
 constexpr size_t kOutsidePoints = 32;  // per piece
 constexpr size_t kFacePoints = 12;     // per cut face
+constexpr double kSliverPoints =
+    4.0;  // of a pattern along the longest side of a face, times the points above
 // Minimum outer area of a shell's piece, relative to its volume^(2/3). Below it the body is treated as a
 // solid.
 constexpr double kMinOutsideShare = 0.05;
@@ -74,7 +77,9 @@ std::vector<BreakablePiece::SurfacePoints> surface_points(const VoronoiPiece& pi
       area += 0.5 * (face.vertices_m[b] - corner).cross(face.vertices_m[c] - corner).norm();
     }
     const size_t most = bond == kNoBond ? kOutsidePoints : kFacePoints;
-    const double spacing = std::sqrt(area / static_cast<double>(most)) + 1e-9;
+    // A sliver has almost no area; its length bounds the number of points.
+    const double least = mesh_bounds_m(face).diagonal().norm() / (kSliverPoints * static_cast<double>(most));
+    const double spacing = std::max(std::sqrt(area / static_cast<double>(most)), least) + 1e-9;
     surface.push_back({bond, spread(contact_points(face, spacing), piece.mass.centre_of_mass_m, most)});
   }
   return surface;

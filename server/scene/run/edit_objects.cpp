@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -43,6 +44,13 @@ bool same_body(v1::Object a, v1::Object b) {
     one->clear_part();
   }
   return google::protobuf::util::MessageDifferencer::Equals(a, b);
+}
+
+// The number of objects if no object has the name.
+int object_index(const v1::Scene& file, const std::string& name) {
+  int index = 0;
+  while (index < file.objects_size() && object_name(file.objects(index), index) != name) ++index;
+  return name.empty() ? file.objects_size() : index;
 }
 
 bool is_jointed(const v1::Scene& file, const std::string& name) {
@@ -87,8 +95,7 @@ Pose Scene::pose_of(uint32_t object_id) const {
 }
 
 Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
-  int index = 0;
-  while (index < file_.objects_size() && object_name(file_.objects(index), index) != edit.object()) ++index;
+  const int index = object_index(file_, edit.object());
   const bool exists = !edit.object().empty() && index < file_.objects_size();
   if (!edit.object().empty() && !exists)
     return not_found("object \"" + edit.object() + "\": is not in the scene");
@@ -187,21 +194,42 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
   return {};
 }
 
-Result<void> Scene::replace_environment(const v1::Environment& environment) {
+Result<void> Scene::replace_environment(const v1::Environment& environment,
+                                        std::span<const v1::SceneChange> later) {
   v1::Scene next = file_;
   *next.mutable_environment() = environment;
   if (auto checked = check_scene(next); !checked) return checked;  // a recording may say anything
   auto made = kept_environment(options_.cache.get(), environment, folder_);
   if (!made) {
-    const std::vector<std::filesystem::path> kept_in = sidecar_paths(file_, folder_, name_);
+    v1::Scene around = next;
+    std::map<std::string, const v1::PhysicsFile*> sidecars;  // by name of the object
+    for (const SceneObject& object : objects_)
+      if (object.sidecar) sidecars[object.name] = object.sidecar.get();
+    for (const v1::SceneChange& change : later) {
+      if (!change.has_edit()) continue;
+      const v1::SceneChange::Edit& edit = change.edit();
+      if (edit.has_after()) {
+        if (auto checked = check_object(edit.after(), "edit"); !checked) return checked;
+        sidecars[edit.after().name()] = &edit.sidecar();
+      }
+      auto& all = *around.mutable_objects();
+      const int index = object_index(around, edit.object());
+      if (!edit.has_after() && index < all.size())
+        all.DeleteSubrange(index, 1);
+      else if (edit.has_after())
+        *(index < all.size() ? &all[index] : all.Add()) = edit.after();
+    }
+    const std::vector<std::filesystem::path> kept_in = sidecar_paths(around, folder_, name_);
     std::vector<std::optional<Result<BuiltObject>>> built;
-    for (int i = 0; i < file_.objects_size(); ++i) {
+    for (int i = 0; i < around.objects_size(); ++i) {
       const std::string field = "objects[" + std::to_string(i) + "]";
-      const ObjectSidecar sidecar{kept_in[static_cast<size_t>(i)], nullptr};
+      const auto known = sidecars.find(object_name(around.objects(i), i));
+      const ObjectSidecar sidecar{kept_in[static_cast<size_t>(i)],
+                                  known == sidecars.end() ? nullptr : known->second};
       built.emplace_back(
           options_.cache
-              ? options_.cache->build(file_.objects(i), folder_, i, field, world_->settings(), sidecar)
-              : build_object(file_.objects(i), folder_, i, field, world_->settings(), sidecar));
+              ? options_.cache->build(around.objects(i), folder_, i, field, world_->settings(), sidecar)
+              : build_object(around.objects(i), folder_, i, field, world_->settings(), sidecar));
       if (!*built.back()) return built.back()->error();
     }
     auto fresh = build_environment(options_.cache.get(), environment, folder_, built);

@@ -11,7 +11,9 @@
 #include "core/content_hash.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
+#include "parts/click/click_cut.h"
 #include "parts/click/kernel_on_ray.h"
+#include "parts/graph/kernel_tree.h"
 #include "parts/room_parts.h"
 #include "scene/values/scene_values.h"
 #include "session/support/redact_paths.h"
@@ -21,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
+
+constexpr uint16_t kMaxDivisions = 1000;  // of things by rays; each adds a label
 
 struct Placed {
   Pose world_from_object;
@@ -71,13 +75,24 @@ void set_pose(v1::PlacedAt& pose, const Vector3d& position_m, const Eigen::Quate
   for (const double number : {q.w(), q.x(), q.y(), q.z()}) pose.add_orientation(number);
 }
 
-void remove_collider(const v1::Collider& collider, v1::Environment& environment) {
+bool remove_collider(const v1::Collider& collider, v1::Environment& environment) {
   auto& all = *environment.mutable_colliders();
   for (int i = 0; i < all.size(); ++i) {
     if (!google::protobuf::util::MessageDifferencer::Equals(all[i], collider)) continue;
     all.DeleteSubrange(i, 1);
-    return;
+    return true;
   }
+  return false;
+}
+
+// Labels for the graph of a room: fills and undersides are no surfaces that rays of users divide.
+std::vector<uint16_t> joined_labels(const LabelledRoom& room) {
+  std::vector<uint16_t> label = room.label;
+  for (uint16_t& one : label) {
+    const KernelKind kind = kind_of(one);
+    if (kind != KernelKind::Own) one = kind == KernelKind::Covered ? uint16_t{0} : KernelGraph::kNotJoined;
+  }
+  return label;
 }
 
 }  // namespace
@@ -87,7 +102,8 @@ RoomThings::~RoomThings() {
   if (thread_.joinable()) thread_.join();
 }
 
-RoomThings::Room RoomThings::room_of(LabelledRoom labelled, std::string labels_file) {
+RoomThings::Room RoomThings::room_of(LabelledRoom labelled, std::string labels_file,
+                                     std::shared_ptr<const KernelGraph> graph) {
   Room room;
   for (size_t i = 0; i < labelled.label.size(); ++i) {
     const uint16_t label = labelled.label[i];
@@ -98,6 +114,7 @@ RoomThings::Room RoomThings::room_of(LabelledRoom labelled, std::string labels_f
   }
   room.labelled = std::move(labelled);
   room.labels_file = std::move(labels_file);
+  room.graph = std::move(graph);
   return room;
 }
 
@@ -110,7 +127,9 @@ void RoomThings::search(std::stop_token stop, const v1::Environment& environment
     failed_ = {labels, redact_paths(reason)};
   };
   const auto end = [&](LabelledRoom found) {
-    auto room = std::make_shared<Room>(room_of(std::move(found), labels));
+    auto graph = std::make_shared<KernelGraph>(found.asset, joined_labels(found),
+                                               placed(environment).asset_direction(Vector3d::UnitY()));
+    auto room = std::make_shared<Room>(room_of(std::move(found), labels, std::move(graph)));
     log_info("room: %zu things can be taken", room->things.size());
     if (room->things.empty()) return fail("no thing was found that stands apart; nothing can be taken");
     std::lock_guard lock(mutex_);
@@ -216,7 +235,13 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
     return invalid_argument("rays: give 1 to 32");
   const Shown& seen = shown(room, environment);
   const Placed at = placed(environment);
-  std::set<uint16_t> labels;
+  const auto own_label = [&](uint32_t kernel) {
+    const uint16_t label = room->labelled.label[kernel];
+    return kind_of(label) == KernelKind::Own ? label : uint16_t{0};
+  };
+  std::vector<Click> clicks;
+  std::set<uint16_t> labels, divided;
+  bool corrected = false;  // by a ray at a kernel of the room
   for (const v1::PickRay& ray : request.rays()) {
     auto from = ray_value(ray.from_m(), "from_m");
     if (!from) return from.error();
@@ -224,23 +249,37 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
     if (!towards) return towards.error();
     if (!(towards->norm() > 0.0)) return invalid_argument("rays.towards: is zero; give a direction");
     const Vector3d start = at.asset(*from), direction = at.asset_direction(*towards).normalized();
-    const auto kernel = kernel_on_ray(seen.asset, start, direction);
-    const uint16_t label = kernel ? room->labelled.label[seen.kept[*kernel]] : uint16_t{0};
-    if (label == 0 || kind_of(label) != KernelKind::Own) {
-      if (!ray.away() && labels.empty())
-        return not_found("rays: meet no thing that can be taken; aim at one");
-      continue;
-    }
-    if (ray.away())
-      labels.erase(label);
-    else
+    const auto hit = kernel_on_ray(seen.asset, start, direction);
+    const uint32_t kernel = hit ? seen.kept[*hit] : 0;
+    const uint16_t label = hit ? own_label(kernel) : uint16_t{0};
+    if (label == 0 && !ray.away() && labels.empty())
+      return not_found("rays: meet no thing that can be taken; aim at one");
+    if (!hit) continue;
+    clicks.push_back({kernel, !ray.away()});
+    if (label == 0)
+      corrected = corrected || !ray.away();
+    else if (!ray.away())
       labels.insert(label);
+    else if (labels.contains(label))
+      divided.insert(label);
   }
   if (labels.empty()) return not_found("rays: nothing is left to take; aim at a thing");
   Thing thing;
   Eigen::AlignedBox3d box;
+  if (corrected || !divided.empty()) {
+    std::vector<uint16_t> label(room->labelled.label.size());
+    for (uint32_t k = 0; k < label.size(); ++k) label[k] = own_label(k);
+    thing.cut = cut_thing(*room->graph, label, clicks).kernels;
+    for (const uint32_t kernel : thing.cut) {
+      box.extend(room->labelled.asset.positions[kernel].cast<double>());
+      if (label[kernel] != 0) labels.insert(label[kernel]);
+    }
+    if (thing.cut.empty()) return not_found("rays: nothing is left to take; aim at a thing");
+    thing.kernels = static_cast<uint32_t>(thing.cut.size());
+  }
   for (const uint16_t label : labels) {
     thing.labels.push_back(label);
+    if (!thing.cut.empty()) continue;
     thing.kernels += room->things.at(label).kernels;
     box.extend(room->things.at(label).bounds);
   }
@@ -248,17 +287,50 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
   return thing;
 }
 
+uint16_t RoomThings::divide(LabelledRoom& labelled, const Thing& thing) {
+  uint16_t taken = 0;
+  for (const uint16_t label : labelled.label)
+    taken = std::max(taken, static_cast<uint16_t>(label & kThingMask));
+  ++taken;
+  for (const uint32_t kernel : thing.cut) labelled.label[kernel] = taken;
+  std::vector<Eigen::Vector3f> points;
+  std::vector<uint16_t> owner;
+  const auto concerned = [&](uint16_t label) {
+    return label == taken || std::find(thing.labels.begin(), thing.labels.end(), label) != thing.labels.end();
+  };
+  for (uint32_t k = 0; k < labelled.label.size(); ++k) {
+    if (kind_of(labelled.label[k]) != KernelKind::Own || !concerned(labelled.label[k])) continue;
+    points.push_back(labelled.asset.positions[k]);
+    owner.push_back(labelled.label[k]);
+  }
+  const KernelTree tree(points);
+  std::vector<KernelTree::Neighbour> nearest;
+  for (uint32_t k = 0; k < labelled.label.size(); ++k) {
+    const KernelKind kind = kind_of(labelled.label[k]);
+    if (kind == KernelKind::Own || !concerned(labelled.label[k] & kThingMask)) continue;
+    tree.nearest(labelled.asset.positions[k], 1, nearest);
+    labelled.label[k] = label_of(kind, owner[nearest[0].index]);
+  }
+  return taken;
+}
+
 Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environment& environment) {
   auto room = room_for(environment);
   if (!room) return Error{ErrorCode::Unavailable, "room: its things are not found yet; try again later"};
   const auto before = room;
-  const uint16_t label = thing.labels.front();
-  if (thing.labels.size() > 1 || room->labels_file.empty()) {
+  uint16_t label = thing.labels.front();
+  if (thing.labels.size() > 1 || !thing.cut.empty() || room->labels_file.empty()) {
     LabelledRoom joined = room->labelled;
-    for (uint16_t& one : joined.label) {
-      const auto own = static_cast<uint16_t>(one & kThingMask);
-      if (std::find(thing.labels.begin(), thing.labels.end(), own) != thing.labels.end())
-        one = label_of(kind_of(one), label);
+    if (!thing.cut.empty()) {
+      if (room->things.rbegin()->first >= kMaxParts + kMaxDivisions)
+        return invalid_argument("room: was divided too often; undo takes");
+      label = divide(joined, thing);
+    } else {
+      for (uint16_t& one : joined.label) {
+        const auto own = static_cast<uint16_t>(one & kThingMask);
+        if (std::find(thing.labels.begin(), thing.labels.end(), own) != thing.labels.end())
+          one = label_of(kind_of(one), label);
+      }
     }
     // Equal labels are one file; other files that name it stay valid.
     const std::string hash = content_hash(std::as_bytes(std::span(joined.label))).substr(0, 8);
@@ -267,7 +339,7 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
     if (auto written = write_labelled_room(folder_ / name, joined); !written) return written.error();
     auto read = read_labelled_room(folder_ / name);  // with the bits that later runs see
     if (!read) return read.error();
-    room = std::make_shared<Room>(room_of(std::move(*read), name));
+    room = std::make_shared<Room>(room_of(std::move(*read), name, before->graph));
     std::lock_guard lock(mutex_);
     rooms_[name] = room;
   }
@@ -292,8 +364,12 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
   taken.environment.set_labels(room->labels_file);
   collide(*before, taken.environment);
   taken.environment.add_taken(label);
-  for (const uint16_t one : thing.labels)
-    remove_collider(box_around(before->things.at(one), environment), taken.environment);
+  for (const uint16_t one : thing.labels) {
+    if (!remove_collider(box_around(before->things.at(one), environment), taken.environment)) continue;
+    const auto rest = one == label ? room->things.end() : room->things.find(one);
+    if (rest != room->things.end())
+      *taken.environment.add_colliders() = box_around(rest->second, environment);
+  }
   v1::Object& object = taken.object;
   object.set_asset(file);
   object.set_scale(at.scale);

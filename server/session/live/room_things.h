@@ -15,6 +15,7 @@
 #include "core/result.h"
 #include "livegs/v1/author.pb.h"
 #include "livegs/v1/scene.pb.h"
+#include "parts/click/kernel_graph.h"
 #include "parts/labelled_room.h"
 #include "parts/room_solids.h"
 
@@ -32,7 +33,10 @@ class RoomThings {
 
   struct Thing {
     std::vector<uint16_t> labels;  // more than one: they become one thing
-    uint32_t kernels = 0;
+    uint32_t kernels = 0;          // their number
+    // Those of the thing, if rays cut it out of its labels or across their borders; else empty. Indices in
+    // the labelled room.
+    std::vector<uint32_t> cut;
     Eigen::AlignedBox3d bounds_m;  // world frame
   };
   // The thing that the rays hit. Unavailable while the room is prepared. The thread of edits only.
@@ -58,10 +62,14 @@ class RoomThings {
     LabelledRoom labelled;
     std::map<uint16_t, Known> things;
     std::string labels_file;  // in the folder; empty: not written yet
+    std::shared_ptr<const KernelGraph> graph;
   };
   void search(std::stop_token stop, const v1::Environment& environment);
   std::shared_ptr<const Room> room_for(const v1::Environment& environment) const;
-  static Room room_of(LabelledRoom labelled, std::string labels_file);
+  static Room room_of(LabelledRoom labelled, std::string labels_file,
+                      std::shared_ptr<const KernelGraph> graph);
+  // The thing's kernels get a label of their own, those of its fill and underside by their nearest kernels.
+  static uint16_t divide(LabelledRoom& labelled, const Thing& thing);
   // The room that rays meet; kept for the next rays.
   struct Shown {
     std::shared_ptr<const Room> room;

@@ -18,25 +18,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Visits every field of a scene that names a file.
-void for_each_path(v1::Scene& scene, const std::function<void(std::string& path)>& visit) {
-  const auto visit_given = [&](std::string* path) {
-    if (!path->empty()) visit(*path);
-  };
-  if (scene.has_environment()) {
-    visit_given(scene.mutable_environment()->mutable_asset());
-    visit_given(scene.mutable_environment()->mutable_labels());
-    for (v1::Collider& collider : *scene.mutable_environment()->mutable_colliders()) {
-      if (collider.shape_case() == v1::Collider::kMesh) visit_given(collider.mutable_mesh());
-    }
+using Visit = std::function<void(std::string& path)>;
+
+void visit_given(std::string& path, const Visit& visit) {
+  if (!path.empty()) visit(path);
+}
+
+// Visit every field that names a file.
+void for_each_path(v1::Environment& environment, const Visit& visit) {
+  visit_given(*environment.mutable_asset(), visit);
+  visit_given(*environment.mutable_labels(), visit);
+  for (v1::Collider& collider : *environment.mutable_colliders()) {
+    if (collider.shape_case() == v1::Collider::kMesh) visit_given(*collider.mutable_mesh(), visit);
   }
-  for (v1::Object& object : *scene.mutable_objects()) {
-    if (object.form_case() == v1::Object::kAsset) visit_given(object.mutable_asset());
-    if (object.form_case() == v1::Object::kPoints) visit_given(object.mutable_points());
-  }
+}
+
+void for_each_path(v1::Object& object, const Visit& visit) {
+  if (object.form_case() == v1::Object::kAsset) visit_given(*object.mutable_asset(), visit);
+  if (object.form_case() == v1::Object::kPoints) visit_given(*object.mutable_points(), visit);
+}
+
+void for_each_path(v1::Scene& scene, const Visit& visit) {
+  if (scene.has_environment()) for_each_path(*scene.mutable_environment(), visit);
+  for (v1::Object& object : *scene.mutable_objects()) for_each_path(object, visit);
   for (v1::Event& event : *scene.mutable_events()) {
-    if (event.has_grab()) visit_given(event.mutable_grab()->mutable_path());
-    if (event.has_pull()) visit_given(event.mutable_pull()->mutable_path());
+    if (event.has_grab()) visit_given(*event.mutable_grab()->mutable_path(), visit);
+    if (event.has_pull()) visit_given(*event.mutable_pull()->mutable_path(), visit);
   }
 }
 
@@ -84,6 +91,15 @@ std::vector<std::string> files_of(const v1::SceneSource& source) {
   if (const std::string& labels = source.file().environment().labels(); !labels.empty())
     files.push_back(fs::path(labels).replace_extension(".ply").string());
   return files;
+}
+
+v1::SceneSource source_of(const v1::SceneChange& change, const std::string& folder) {
+  v1::SceneSource source;
+  source.set_folder(folder);
+  if (change.has_environment()) *source.mutable_file()->mutable_environment() = change.environment();
+  if (change.has_edit() && change.edit().has_after())
+    *source.mutable_file()->add_objects() = change.edit().after();
+  return source;
 }
 
 Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& held,
@@ -171,6 +187,14 @@ std::string UnpackedFiles::path_of(const std::string& given) const {
 v1::SceneSource UnpackedFiles::placed(v1::SceneSource source) const {
   for_each_path(*source.mutable_file(), [&](std::string& path) { path = path_of(path); });
   return source;
+}
+
+v1::SceneChange UnpackedFiles::placed(v1::SceneChange change) const {
+  const auto place = [&](std::string& path) { path = path_of(path); };
+  if (change.has_environment()) for_each_path(*change.mutable_environment(), place);
+  if (change.has_edit() && change.edit().has_after())
+    for_each_path(*change.mutable_edit()->mutable_after(), place);
+  return change;
 }
 
 }  // namespace livegs

@@ -18,6 +18,9 @@ namespace livegs {
 // of an asset that is a folder are FOLDER/FILE.
 std::vector<std::string> files_of(const v1::SceneSource& source);
 
+// What an edit of a running scene names, as a scene of its own in the same folder.
+v1::SceneSource source_of(const v1::SceneChange& change, const std::string& folder);
+
 // Embeds the files that are not in `held`, with their current content. An unreadable file is logged and
 // omitted. Fails only if the recording cannot be written.
 Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& held,
@@ -37,6 +40,7 @@ class UnpackedFiles {
   const std::filesystem::path& folder() const { return folder_; }
   // The scene with paths into folder(); paths of files that are not embedded are unchanged.
   v1::SceneSource placed(v1::SceneSource source) const;
+  v1::SceneChange placed(v1::SceneChange change) const;
 
  private:
   UnpackedFiles() = default;

@@ -87,9 +87,7 @@ class SessionRecorder::Session {
       *event.mutable_object_changed() = describe_object(object, assets_);
       if (auto done = add(tick, object, event); !done) return done;
     }
-    if (job.scene && options_.assets) {
-      if (auto held = embed_files(*job.scene, files_, *writer_); !held) return held;
-    }
+    if (auto held = embed(job.scene, job.actions.changes); !held) return held;
     RecordingWriter::Tick written;
     written.tick = tick;
     written.actions = std::move(job.actions);
@@ -110,13 +108,28 @@ class SessionRecorder::Session {
     auto writer = RecordingWriter::create(path_, start);
     if (!writer) return writer.error();
     writer_.emplace(std::move(*writer));
-    if (options_.assets) {
-      if (auto held = embed_files(source, files_, *writer_); !held) return held;
-    }
+    if (auto held = embed(source, {}); !held) return held;
+    SamplesBefore samples;
     for (const auto& block : job.past) {
       for (const std::vector<std::byte>& tick : *block) {
+        const auto past = decode_tick(tick, samples);
+        if (!past) return past.error();
+        if (auto held = embed(past->scene, past->actions.changes); !held) return held;
         if (auto added = writer_->add_past(tick); !added) return added;
       }
+    }
+    return {};
+  }
+  // The files of a scene that begins, if any, and of edits.
+  Result<void> embed(const std::optional<v1::SceneSource>& scene,
+                     const std::vector<v1::SceneChange>& changes) {
+    if (!options_.assets) return {};
+    if (scene) {
+      scene_folder_ = scene->folder();
+      if (auto held = embed_files(*scene, files_, *writer_); !held) return held;
+    }
+    for (const v1::SceneChange& change : changes) {
+      if (auto held = embed_files(source_of(change, scene_folder_), files_, *writer_); !held) return held;
     }
     return {};
   }
@@ -136,6 +149,7 @@ class SessionRecorder::Session {
   std::optional<RecordingWriter> writer_;
   std::optional<Error> thrown_;
   std::set<std::string> held_, files_;  // embedded assets by hash, embedded files by name
+  std::string scene_folder_;            // of the current scene
 };
 
 SessionRecorder::SessionRecorder(AssetStore& assets, size_t max_history_bytes)

@@ -28,8 +28,8 @@ inline constexpr size_t kMaxHistoryBytes = 64u << 20;
 
 struct RecordingOptions {
   bool inputs_only = false;  // no frames: can be verified, not played
-  // Also embeds the assets, for playing anywhere, and the files of the scene as they are at the start, for
-  // verifying anywhere.
+  // Also embeds the assets, for playing anywhere, and the files of the scene as they are at the start and of
+  // edits as they are in their tick, for verifying anywhere.
   bool assets = false;
 };
 

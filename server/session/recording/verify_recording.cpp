@@ -108,7 +108,10 @@ class Verifier {
       if (!scene) return scene.error();
       run_->replace(std::move(*scene));
     }
-    const TickResult tick = run_->advance(record.actions);
+    TickActions actions = record.actions;
+    if (files_)
+      for (v1::SceneChange& change : actions.changes) change = files_->placed(std::move(change));
+    const TickResult tick = run_->advance(actions);
     ++seen_.ticks;
     if (tick.drivers.tick != record.tick)
       return invalid_data(recording_.path().string() + ": ticks are not increasing; the file is damaged");

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/simulation/scene_run.h"
 
+#include <span>
+
 #include "core/clock.h"
 #include "core/log.h"
 
 namespace livegs {
 namespace {
 
-void apply(Scene& scene, const v1::SceneChange& change) {
+// `later`: the changes of the same tick after this one.
+void apply(Scene& scene, const v1::SceneChange& change, std::span<const v1::SceneChange> later) {
   if (change.has_edit()) {
     if (auto edited = scene.edit(change.edit()); !edited)
       log_warn("edit: %s", edited.error().message.c_str());
   } else if (change.has_environment()) {
-    if (auto replaced = scene.replace_environment(change.environment()); !replaced)
+    if (auto replaced = scene.replace_environment(change.environment(), later); !replaced)
       log_warn("environment: %s", replaced.error().message.c_str());
   } else if (change.has_carry()) {
     scene.carry(change.carry());
@@ -47,7 +50,8 @@ void SceneRun::replace(Scene next) {
 
 void SceneRun::apply(const TickActions& actions) {
   const double now_s = static_cast<double>(tick_) / scene_.world().settings().rate_hz;
-  for (const v1::SceneChange& change : actions.changes) livegs::apply(scene_, change);
+  const std::span changes(actions.changes);
+  for (size_t i = 0; i < changes.size(); ++i) livegs::apply(scene_, changes[i], changes.subspan(i + 1));
   for (const SessionNumber session : actions.over) {
     controls_.on_session_closed(scene_, session);
     applied_.erase(session);

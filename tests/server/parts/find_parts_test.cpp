@@ -40,6 +40,26 @@ TEST(FindParts, FindsThingsThatStandApart) {
   EXPECT_NEAR(found->planes.supports[0].height_m({0, -0.72, 0}), 0, 0.002);
 }
 
+// A crate hides the corner of the room in which it stands, and a cream stripe of a bin has the colour of the
+// floor: both are whole.
+TEST(FindParts, ThingsInACornerAreWhole) {
+  MadeRoomOptions made;
+  made.spacing_m = 0.008;
+  const MadeRoom room = make_room(RoomKind::Corner, made);
+  PartsOptions options;
+  options.view_width = kWidth;
+  options.cameras = orbit(room.middle_m, options.up, 1.6, 12, kWidth, -M_PI / 2 - 0.2, 2.0);
+  const auto found = find_parts(room.asset, options);
+  ASSERT_TRUE(found) << found.error().message;
+  std::vector<std::vector<uint16_t>> truth, pictures;
+  for (const Camera& camera : orbit(room.middle_m, options.up, 1.6, 3, kWidth, -M_PI / 2 + 0.1, 1.5)) {
+    truth.push_back(label_picture(room.asset, room.owner, camera));
+    pictures.push_back(label_picture(room.asset, found->label, camera));
+  }
+  const PartScores scores = score_parts(truth, pictures, kWidth);
+  for (const ThingScore& thing : scores.things) EXPECT_GE(thing.iou, 0.96) << room.names[thing.truth - 1];
+}
+
 TEST(FindParts, SameLabelsForAnyThreadCount) {
   MadeRoomOptions made;
   made.spacing_m = 0.01;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "parts/label/choose_kernels.h"
+#include "parts/label/label_weights.h"
 #include "parts/views/room_view.h"
 #include "splat/rasterise.h"
 
@@ -57,7 +58,51 @@ std::vector<uint8_t> boundary(const std::vector<uint8_t>& mask, int width, int r
   return rim;
 }
 
+int boundary_reach(int width, int height) {
+  return std::max(1, static_cast<int>(std::lround(0.02 * std::hypot(width, height))));
+}
+
 }  // namespace
+
+AloneScore score_alone(const GaussianAsset& thing, std::span<const Camera> cameras,
+                       std::span<const std::vector<uint8_t>> truth,
+                       std::span<const std::vector<uint8_t>> hidden) {
+  const PosedKernels posed = pose_in_place(thing);
+  const DrawnObject object{&thing, &posed, 0};
+  Rasteriser rasteriser;
+  RasterisedView view;
+  size_t both = 0, either = 0, rim_both = 0, rim_either = 0;
+  for (size_t v = 0; v < cameras.size(); ++v) {
+    rasteriser.draw(std::span(&object, 1), cameras[v], {}, view);
+    std::vector<uint8_t> a = truth[v], b(a.size());
+    for (size_t i = 0; i < a.size(); ++i) {
+      b[i] = !hidden[v][i] && view.image.pixels[4 * i + 3] >= 0.5f;
+      a[i] = a[i] && !hidden[v][i];
+      both += a[i] && b[i], either += a[i] || b[i];
+    }
+    const int reach = boundary_reach(cameras[v].width, cameras[v].height);
+    const auto rim_a = boundary(a, cameras[v].width, reach), rim_b = boundary(b, cameras[v].width, reach);
+    for (size_t i = 0; i < a.size(); ++i)
+      rim_both += rim_a[i] && rim_b[i], rim_either += rim_a[i] || rim_b[i];
+  }
+  const auto ratio = [](size_t some, size_t all) {
+    return all ? static_cast<double>(some) / static_cast<double>(all) : 1.0;
+  };
+  return {ratio(both, either), ratio(rim_both, rim_either)};
+}
+
+double mixed_kernels(const GaussianAsset& asset, std::span<const Camera> cameras,
+                     std::span<const std::vector<uint16_t>> pictures) {
+  const PosedKernels posed = pose_in_place(asset);
+  const LabelWeights weights = weigh_labels({&asset, &posed, 0}, cameras, pictures);
+  size_t seen = 0, mixed = 0;
+  for (size_t k = 0; k < asset.size(); ++k) {
+    const LabelWeights::Share share = weights.largest(k);
+    seen += share.weight >= 1;
+    mixed += share.weight >= 1 && share.share < 0.8f;
+  }
+  return static_cast<double>(mixed) / static_cast<double>(std::max<size_t>(seen, 1));
+}
 
 PartScores score_parts(std::span<const std::vector<uint16_t>> truth,
                        std::span<const std::vector<uint16_t>> found, int width,
@@ -86,7 +131,7 @@ PartScores score_parts(std::span<const std::vector<uint16_t>> truth,
     if (score.label) {
       size_t both = 0, either = 0;
       const int height = static_cast<int>(truth[0].size()) / width;
-      const int reach = std::max(1, static_cast<int>(std::lround(0.02 * std::hypot(width, height))));
+      const int reach = boundary_reach(width, height);
       for (size_t v = 0; v < truth.size(); ++v) {
         std::vector<uint8_t> a(truth[v].size()), b(truth[v].size());
         for (size_t i = 0; i < a.size(); ++i) a[i] = truth[v][i] == thing, b[i] = found[v][i] == score.label;

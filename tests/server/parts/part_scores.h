@@ -35,6 +35,20 @@ PartScores score_parts(std::span<const std::vector<uint16_t>> truth,
                        std::span<const std::vector<uint16_t>> found, int width,
                        std::span<const uint16_t> ignored = {});
 
+// A thing drawn alone where its kernels cover at least a half of a pixel, compared with its true masks, one
+// per view. Pixels where `hidden` is nonzero, behind other things, do not count.
+struct AloneScore {
+  double iou = 0, boundary_iou = 0;
+};
+AloneScore score_alone(const GaussianAsset& thing, std::span<const Camera> cameras,
+                       std::span<const std::vector<uint8_t>> truth,
+                       std::span<const std::vector<uint8_t>> hidden);
+
+// Of the kernels whose weights in all views add up to a pixel or more: the share of those of which less than
+// 80 % shows in the pixels of one label.
+double mixed_kernels(const GaussianAsset& asset, std::span<const Camera> cameras,
+                     std::span<const std::vector<uint16_t>> pictures);
+
 // A picture with a colour for each label over the grey picture.
 Image paint_labels(const Image& picture, std::span<const uint16_t> labels);
 

@@ -5,10 +5,12 @@
 
 #include "gaussian/opacity.h"
 #include "parts/label/choose_kernels.h"
+#include "parts/labelled_room.h"
 #include "parts/separate/fill_behind.h"
 #include "parts/separate/split_straddling.h"
 #include "parts/views/room_view.h"
 #include "sample/made_room.h"
+#include "server/parts/fill_scores.h"
 #include "server/parts/part_scores.h"
 #include "splat/rasterise.h"
 
@@ -102,10 +104,60 @@ TEST_F(SeparatedRoom, ThingsEndAtTheirSupport) {
 TEST_F(SeparatedRoom, DeskUnderAThingIsClosed) {
   for (size_t p = 0; p < found->parts.size(); ++p) {
     const BehindThing behind = fill_behind(*split, *found, p);
-    EXPECT_FALSE(behind.unfilled);
     ASSERT_GT(behind.fill.size(), 4u);
     EXPECT_GT(behind.underside.size(), 2u);
     for (const Eigen::Vector3f& at : behind.fill.positions) EXPECT_NEAR(at.y(), -0.72, 0.002);
+  }
+}
+
+TEST_F(SeparatedRoom, ThingsAloneHaveTheirOutlines) {
+  const LabelledRoom labelled = label_room(room->asset, *found);
+  const auto cameras = orbit(room->middle_m, {0, -1, 0}, 1.1, 3, kPictureWidth, 0.4, 2 * M_PI);
+  std::vector<std::vector<uint16_t>> truth, pictures;
+  for (const Camera& camera : cameras) {
+    truth.push_back(label_picture(room->asset, room->owner, camera));
+    pictures.push_back(label_picture(room->asset, found->label, camera));
+  }
+  const std::vector<std::vector<uint8_t>> hidden(cameras.size(), std::vector<uint8_t>(truth[0].size(), 0));
+  for (const ThingScore& thing : score_parts(truth, pictures, kPictureWidth).things) {
+    std::vector<uint32_t> own;
+    for (uint32_t k = 0; k < room->owner.size(); ++k)
+      if (room->owner[k] == thing.truth) own.push_back(k);
+    std::vector<std::vector<uint8_t>> masks;
+    for (const Camera& camera : cameras) {
+      const Image image = draw_one(select_kernels(room->asset, own), camera);
+      std::vector<uint8_t>& mask = masks.emplace_back();
+      for (size_t i = 3; i < image.pixels.size(); i += 4) mask.push_back(image.pixels[i] >= 0.5f);
+    }
+    const AloneScore alone = score_alone(thing_alone(labelled, thing.label), cameras, masks, hidden);
+    EXPECT_GE(alone.iou, 0.93) << room->names[thing.truth - 1];
+    EXPECT_GE(alone.boundary_iou, 0.9) << room->names[thing.truth - 1];
+  }
+}
+
+// The room made without a thing is what a camera would see behind it.
+TEST_F(SeparatedRoom, WithoutAThingItLooksLikeTheRoomMadeWithoutIt) {
+  const LabelledRoom labelled = label_room(room->asset, *found);
+  const auto cameras = orbit(room->middle_m, {0, -1, 0}, 1.1, 3, kPictureWidth, 0.4, 2 * M_PI);
+  std::vector<std::vector<uint16_t>> truth, pictures;
+  for (const Camera& camera : cameras) {
+    truth.push_back(label_picture(room->asset, room->owner, camera));
+    pictures.push_back(label_picture(room->asset, found->label, camera));
+  }
+  const PartScores scores = score_parts(truth, pictures, kPictureWidth);
+  for (const size_t thing : {0, 2}) {  // a carton and a mug
+    ASSERT_GT(scores.things[thing].iou, 0.8);
+    MadeRoomOptions without;
+    without.spacing_m = 0.006;
+    without.without = thing;
+    const uint32_t taken[] = {scores.things[thing].label};
+    const FillScores fill = score_fill(room->asset, make_room(RoomKind::Apart, without).asset,
+                                       room_without(labelled, taken), cameras);
+    ASSERT_GT(fill.hole_pixels, 100u);
+    EXPECT_GE(fill.psnr_db, 28.0) << room->names[thing];
+    EXPECT_GE(fill.rim_psnr_db, 28.0) << room->names[thing];
+    EXPECT_LE(fill.depth_p95_mm, 2.0) << room->names[thing];
+    EXPECT_EQ(fill.open_share, 0.0) << room->names[thing];
   }
 }
 

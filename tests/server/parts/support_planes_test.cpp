@@ -59,6 +59,17 @@ TEST(SupportPlanes, RegionFillsTheHoleUnderAThing) {
   EXPECT_FALSE(region.contains({0.3, 0, 0}));
 }
 
+TEST(SupportPlanes, RegionReachesToAHiddenCorner) {
+  std::vector<Eigen::Vector3f> floor;  // without a triangle at the corner (0, 0)
+  for (int x = 0; x <= 40; ++x)
+    for (int z = 0; z <= 40; ++z)
+      if (x + z > 20) floor.emplace_back(0.01f * static_cast<float>(x), 0.0f, 0.01f * static_cast<float>(z));
+  const Eigen::Vector3f corner = Eigen::Vector3f::Zero();
+  const Eigen::Vector3d hidden(0.03, 0.2, 0.03);
+  EXPECT_FALSE(PlaneRegion(Eigen::Vector3d::UnitY(), 0.01, floor).contains(hidden));
+  EXPECT_TRUE(PlaneRegion(Eigen::Vector3d::UnitY(), 0.01, floor, {&corner, 1}).contains(hidden));
+}
+
 TEST(SupportPlanes, NothingIsFoundInNoise) {
   EXPECT_TRUE(find_planes({}, Eigen::Vector3d::UnitY(), 0.003).supports.empty());
 }

@@ -2,6 +2,7 @@
 // Edits of a running scene.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "livegs/v1/recording.pb.h"
@@ -167,6 +168,28 @@ TEST_F(Edits, AnotherEnvironmentIsTakenWhileTheSceneRuns) {
   bad.set_asset("none.ply");
   EXPECT_FALSE(scene.replace_environment(bad));
   EXPECT_EQ(scene.file().environment().asset(), "");
+}
+
+// The drawn floor reaches under the objects as they are after the edits of the same tick.
+TEST_F(Edits, AnEnvironmentIsBuiltAroundTheObjectsAfterTheEditsOfItsTick) {
+  const auto floor_end_m = [](Scene& scene) {
+    float most = 0;
+    for (const uint32_t id : scene.take_changes().added)
+      for (const Eigen::Vector3f& at : scene.find(id)->asset->positions) most = std::max(most, at.x());
+    return most;
+  };
+  Scene scene = this->scene();
+  v1::Environment lower = scene.file().environment();
+  for (const double coordinate : {0.0, -0.5, 0.0})
+    lower.mutable_colliders(0)->mutable_plane()->add_point_m(coordinate);
+  (void)scene.take_changes();
+  ASSERT_TRUE(scene.replace_environment(lower));
+  const float alone = floor_end_m(scene);
+  v1::SceneChange changes[2];
+  *changes[0].mutable_edit() = moved(scene, 0, {3, 0.1, 0});
+  changes[1].mutable_edit()->set_object("soft");  // is removed
+  ASSERT_TRUE(scene.replace_environment(lower, changes));
+  EXPECT_NEAR(floor_end_m(scene), alone + 2, 0.2) << "the soft box ended at 1.1 m, the box ends at 3.1 m";
 }
 
 }  // namespace
