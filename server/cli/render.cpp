@@ -3,14 +3,16 @@
 #include <memory>
 #include <numbers>
 
+#include "cli/choose_device.h"
 #include "cli/commands.h"
 #include "cli/output_path.h"
+#include "core/clock.h"
 #include "core/file.h"
 #include "scene/build/place_asset.h"
 #include "scene/views/scene_drawing.h"
 #include "splat/camera_file.h"
 #include "splat/frame_bounds.h"
-#include "splat/rasterise.h"
+#include "splat/tiles/image_rasteriser.h"
 #include "wire/frame_codec.h"
 
 namespace livegs {
@@ -24,6 +26,7 @@ struct RenderCommand {
   int turns = 1;
   std::vector<double> background;  // empty: that of the scene, else kPictureBackground
   bool no_shadows = false;
+  std::string device = "auto";
 };
 
 Camera camera_at(const RenderCommand& options, std::span<const Eigen::AlignedBox3d> boxes, int turn) {
@@ -43,8 +46,10 @@ int draw(const RenderCommand& options, std::span<const DrawnObject> objects,
          std::span<const Eigen::AlignedBox3d> boxes, RasteriseOptions rasterise = {}) {
   const auto& rgb = options.background;
   if (rgb.size() == 3) rasterise.background = Eigen::Vector3d(rgb[0], rgb[1], rgb[2]).cast<float>();
-  Rasteriser rasteriser;
-  RasterisedView view;
+  auto device = choose_device(options.device);
+  if (!device) return report(device.error());
+  ImageRasteriser rasteriser(*std::move(device));
+  Image image;
   for (int turn = 0; turn < options.turns; ++turn) {
     Camera camera = camera_at(options, boxes, turn);
     if (!options.camera.empty()) {
@@ -52,12 +57,12 @@ int draw(const RenderCommand& options, std::span<const DrawnObject> objects,
       if (!read) return report(read.error());
       camera = *read;
     }
-    rasteriser.draw(objects, camera, rasterise, view);
+    const int64_t begun_ns = now_ns();
+    rasteriser.draw(objects, camera, rasterise, image);
+    const double drawn_ms = milliseconds_from_ns(now_ns() - begun_ns);
     const auto path = numbered(options.output, turn, options.turns);
-    if (auto written = write_png(path, view.image); !written) return report(written.error());
-    const Rasteriser::Times& times = rasteriser.last_times();
-    std::printf("%s: %zu kernels in view, %.1f ms\n", path.c_str(), times.visible_kernels,
-                times.project_ms + times.sort_ms + times.blend_ms);
+    if (auto written = write_png(path, image); !written) return report(written.error());
+    std::printf("%s: %zu kernels in view, %.1f ms\n", path.c_str(), rasteriser.visible_kernels(), drawn_ms);
   }
   return 0;
 }
@@ -136,6 +141,7 @@ void add_render(CLI::App& app, int& exit_code) {
   command->add_option("--height", options->height, "Height of the picture in pixels")
       ->check(CLI::Range(1, 16384))
       ->capture_default_str();
+  add_device_option(*command, options->device);
   command->add_option("--azimuth", options->azimuth_deg, "Azimuth of the camera in degrees, to the right")
       ->type_name("DEGREES")
       ->capture_default_str();

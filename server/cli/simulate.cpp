@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/choose_device.h"
 #include "cli/commands.h"
 #include "cli/output_path.h"
 #include "cli/simulation_record.h"
@@ -21,7 +22,7 @@
 #include "scene/build/elastic_report.h"
 #include "splat/camera_file.h"
 #include "splat/frame_bounds.h"
-#include "splat/rasterise.h"
+#include "splat/tiles/image_rasteriser.h"
 
 namespace livegs {
 namespace {
@@ -31,7 +32,7 @@ struct SimulateCommand {
   double seconds = 2.0;
   double rate_hz = 0;
   int substeps = 0;
-  std::string solver = "cells", skinning = "lattice";
+  std::string solver = "cells", skinning = "lattice", device = "auto";
   bool particles = false, kernels = false, no_sleep = false, drop = false, draw = false, no_shadows = false;
   bool offline = false;  // accepted as by the other commands; there is nothing to leave out
   int every = 1;
@@ -200,8 +201,10 @@ int run(const SimulateCommand& options) {
   SceneDrawing drawing(options.skinning == "lattice" ? Skinning::Lattice : Skinning::LivegsV1);
   drawing.keep_deformation_gradients(options.kernels);
   drawing.set_shadows(camera.has_value() && !options.no_shadows);
-  Rasteriser rasteriser;
-  RasterisedView view;
+  auto device = camera ? choose_device(options.device) : std::unique_ptr<Backend>();
+  if (!device) return report(device.error());
+  ImageRasteriser rasteriser(*std::move(device));
+  Image image;
   const double rate_hz = scene->world().settings().rate_hz;
   const auto frames = static_cast<uint64_t>(std::llround(options.seconds * rate_hz));
   int64_t logged_ns = mark_ns;
@@ -220,10 +223,10 @@ int run(const SimulateCommand& options) {
       if (!drawn) return report(drawn.error());
       times.pose_ms += lap();
       if (drawn_now) {
-        rasteriser.draw(*drawn, *camera, drawing.options(), view);
+        rasteriser.draw(*drawn, *camera, drawing.options(), image);
         char name[32];
         std::snprintf(name, sizeof name, "frame_%04lu.png", frame);
-        if (auto written = write_png(options.output / name, view.image, false, 3); !written)
+        if (auto written = write_png(options.output / name, image, false, 3); !written)
           return report(written.error());
         note_written(options.output / name);
         times.draw_ms += lap();
@@ -281,6 +284,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_flag("--particles", options->particles, "Write particles.csv");
   command->add_flag("--kernels", options->kernels, "Write kernels.csv");
   command->add_option("--render", options->camera, "Render PNGs with this camera file");
+  add_device_option(*command, options->device);
   command->add_flag("--no-shadows", options->no_shadows,
                     "Draw no contact and soft shadows under the objects in the pictures");
   command->add_flag("--pictures", options->draw, "Render PNGs of the whole scene from the front");
