@@ -23,8 +23,14 @@ Result<std::unique_ptr<Backend>> choose_device(const std::string& choice) {
   auto device = VulkanDevice::create(options);
   if (!device && choice == "vulkan") return device.error();
   if (!device || (choice == "auto" && (*device)->is_software())) return std::unique_ptr<Backend>();
-  log_info("device: %s", (*device)->name().c_str());
-  return create_vulkan_backend(*std::move(device));
+  const std::string name = (*device)->name();
+  auto backend = create_vulkan_backend(*std::move(device));
+  if (!backend && choice == "auto") {
+    log_warn("device: %s: %s; the CPU is used", name.c_str(), backend.error().message.c_str());
+    return std::unique_ptr<Backend>();
+  }
+  if (backend) log_info("device: %s", name.c_str());
+  return backend;
 }
 
 }  // namespace livegs

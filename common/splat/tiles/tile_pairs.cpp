@@ -16,6 +16,9 @@ namespace {
 constexpr uint32_t kFirstPairsPerKernel = 4;
 constexpr double kSparePairs = 1.25;
 
+// Groups of a dispatch that every Vulkan device runs.
+constexpr uint32_t kMaxGroups = 65'535;
+
 uint32_t blocks_of(uint32_t kernels) { return (kernels + kTileGroup - 1) / kTileGroup; }
 
 }  // namespace
@@ -33,9 +36,9 @@ TilePairs::Kernels TilePairs::Kernels::of(const FrameSplats& frame) {
 }
 
 TilePairs::TilePairs(Backend& backend, const Options& options) : backend_(&backend), options_(options) {
-  const auto most = static_cast<uint32_t>(
-      std::min<size_t>(backend.max_buffer_bytes() / sizeof(uint32_t), KeySorter::kMaxKeys));
-  options_.max_pairs = options.max_pairs > 0 ? std::min(options.max_pairs, most) : most;
+  const auto max_pairs = static_cast<uint32_t>(std::min<size_t>(
+      {backend.max_buffer_bytes() / sizeof(uint32_t), KeySorter::kMaxKeys, size_t{kMaxGroups} * kSortTile}));
+  options_.max_pairs = options.max_pairs > 0 ? std::min(options.max_pairs, max_pairs) : max_pairs;
 }
 
 std::array<BufferId, FrameSplats::kRowParts> TilePairs::rows_of(const Kernels& kernels, int eye) const {
@@ -82,6 +85,10 @@ Result<void> TilePairs::make_room(uint32_t kernels, size_t tiles, int eyes) {
 Result<void> TilePairs::bin(const Kernels& kernels, int width, int height, int eyes, BufferId total) {
   LIVEGS_ASSERT(width > 0 && height > 0 && (eyes == 1 || eyes == 2));
   const uint32_t count = std::max(1u, kernels.count);
+  if (TileGrid{width, height}.size() > kMaxGroups) {
+    return invalid_argument("tiles: " + std::to_string(width) + "x" + std::to_string(height) +
+                            " px; at most 65535 tiles of 16x16 px; draw a smaller picture");
+  }
   const auto tiles = static_cast<uint32_t>(eyes * TileGrid{width, height}.size());
   if (auto made = make_room(count, tiles, eyes); !made) return made;
   TilePairsConstants pairs{.eye = 0,

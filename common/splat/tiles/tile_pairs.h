@@ -34,6 +34,7 @@ class TilePairs {
 
   // Records the passes. `total`: its first word receives the number of pairs, which may exceed the capacity.
   // Eyes of equal size in px, at most 2; tiles of the second eye follow those of the first.
+  // InvalidArgument for pictures of more than 65 535 tiles.
   Result<void> bin(const Kernels& kernels, int width, int height, int eyes, BufferId total);
 
   // After the passes have run: false if the frame had more pairs than the buffers hold. They have grown, bin

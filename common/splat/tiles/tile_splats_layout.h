@@ -11,7 +11,7 @@ using uint = uint32_t;
 
 const uint kTileGroup = 256;      // invocations per group: the kernels of a block, or the pixels of a tile
 const uint kTileEdge_px = 16;     // of a square tile
-const uint kTileHeaderWords = 4;  // before the pixels of a picture: the number of pairs, then zeros
+const uint kTileHeaderWords = 4;  // before the pixels of a picture: the number of pairs; the rest is unused
 
 // A block is kTileGroup kernels in draw order. A pair is a tile and a kernel that touches it.
 struct TilePairsConstants {

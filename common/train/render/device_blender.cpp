@@ -146,7 +146,7 @@ Result<void> DeviceBlender::backward(std::span<const TrainPixelGradient> by_pict
   const std::array buffers{rows_.id(),      depths_.id(),         pairs_.places(),  pairs_.values(),
                            pairs_.firsts(), picture_buffer_.id(), by_picture_.id(), pair_gradients_.id()};
   if (auto done = backend_->dispatch(train_backward_pass(), buffers, std::as_bytes(std::span(&constants, 1)),
-                                     tiles * kTrainGroup);
+                                     (tiles + 1) * kTrainGroup);
       !done)
     return done;
   const TileRangesConstants ranges{count_};

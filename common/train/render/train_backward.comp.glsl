@@ -24,6 +24,10 @@ const uint kParts = 16;    // partial sums of a number
 shared float terms[kNumbers * kTrainGroup];
 shared float partial_sums[kNumbers * kParts];
 
+void clear_gradient(uint i) {
+  for (uint n = 0; n < kNumbers; ++n) gradients[kNumbers * pairs[i] + n] = 0.0;
+}
+
 // One group per tile, one thread per pixel, nearest kernel first: blend_backward of blend_tile.cpp. The
 // terms of all pixels of a pair are added in a fixed order, sixteen at a time, so that the sum has the same
 // bits in every run.
@@ -39,6 +43,12 @@ void main() {
   const bool inside = pixel.x < int(constants.width_px) && pixel.y < int(constants.height_px);
   const vec2 centre = vec2(pixel) + 0.5;
   const uint block_bit = 1u << block;
+  const int tile_count = columns * ((int(constants.height_px) + 15) / 16);
+  if (tile == tile_count) {  // pairs of no tile (tile_pairs)
+    const uint pair_count = picture[0].halfway;  // the header
+    for (uint i = firsts[tile] + thread; i < pair_count; i += kTrainGroup) clear_gradient(i);
+    return;
+  }
   const uint end = firsts[tile + 1];
 
   vec4 by = vec4(0.0);  // dL by red, green, blue, alpha
@@ -68,11 +78,14 @@ void main() {
     const uint i = first + thread;
     if (i < end) load_kernel(thread, ranks[pairs[i]], vec2(corner));
     barrier();
-    const bool any_live = live != 0;
+    if (live == 0) {  // nothing behind is seen
+      for (uint j = first + thread; j < end; j += kTrainGroup) clear_gradient(j);
+      break;
+    }
     const uint count = min(kTrainGroup, end - first);
     for (uint k = 0; k < count; ++k) {
       const uint gradient = kNumbers * pairs[first + k];
-      if (!any_live || blocks_at(k) == 0) {
+      if (blocks_at(k) == 0) {
         if (thread < kNumbers) gradients[gradient + thread] = 0.0;
         continue;
       }

@@ -33,7 +33,7 @@ void main() {
   const vec2 centre = vec2(pixel) + 0.5;
   const uint block_bit = 1u << block;
   const uint end = firsts[tile + 1];
-  TrainPixel p = TrainPixel(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, kTrainNone, 0u);
+  TrainPixel p = TrainPixel(kTrainNone, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0u);
   bool finished = !inside;
   for (uint first = firsts[tile]; first < end; first += kTrainGroup) {
     if (thread == 0) live = 0;

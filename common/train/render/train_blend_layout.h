@@ -10,18 +10,18 @@ using uint = uint32_t;
 #endif
 
 const uint kTrainGroup = 256;      // invocations per group: the pixels of a tile
-const uint kTrainHeaderWords = 8;  // before the pixels of a picture: the number of pairs, then zeros
+const uint kTrainHeaderWords = 8;  // before the pixels of a picture: the number of pairs; the rest is unused
 const uint kTrainNone = 0xffffffffu;
 
 // A pixel after all kernels.
 struct TrainPixel {
-  float red;  // without background
+  uint halfway;  // rank of the kernel at which transmittance falls under a half; kTrainNone: none
+  float red;     // without background
   float green;
   float blue;
   float through;    // transmittance
   float depth_sum;  // of weight times depth, scene units
   float spread;     // as in TilePixels, scene units
-  uint halfway;     // rank of the kernel at which transmittance falls under a half; kTrainNone: none
   uint unused;
 };
 

@@ -60,7 +60,7 @@ void train_blend(const PassArguments& arguments, size_t begin, size_t end) {
     const TileArea area(grid, tile);
     std::array<TrainPixel, kTrainGroup> pixels;
     std::array<bool, kTrainGroup> finished{};
-    pixels.fill({0, 0, 0, 1, 0, 0, kTrainNone, 0});
+    pixels.fill({kTrainNone, 0, 0, 0, 1, 0, 0, 0});
     for (uint32_t i = firsts[tile]; i < firsts[tile + 1]; ++i) {
       const uint32_t rank = ranks[pairs[i]];
       const auto row = row_at<SplatRow>(arguments.buffers[0], rank);
@@ -136,6 +136,7 @@ void train_backward(const PassArguments& arguments, size_t begin, size_t end) {
   const TileGrid grid{static_cast<int>(constants.width_px), static_cast<int>(constants.height_px)};
   LIVEGS_ASSERT(begin % kTrainGroup == 0);
   for (size_t tile = begin / kTrainGroup; tile * kTrainGroup < end; ++tile) {
+    if (tile == grid.size()) break;  // pairs of no tile; the twin of tile_pairs writes none
     const TileArea area(grid, tile);
     std::array<Remainder, kTrainGroup> pixels;
     area.for_each_pixel([&](int at, int x, int y) {

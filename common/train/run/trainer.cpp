@@ -38,6 +38,8 @@ Result<void> check_options(const TrainOptions& options) {
     return invalid_argument("training: the limit of kernels must be from 100 to 10000000");
   if (options.longest_px != 0 && (options.longest_px < 32 || options.longest_px > 16384))
     return invalid_argument("training: the longest edge must be from 32 to 16384 px");
+  if (!(options.spread_weight >= 0) || !(options.spread_edge > 0))
+    return invalid_argument("training: the weight of the spread must be 0 or more, its edge more than 0");
   return {};
 }
 
@@ -88,7 +90,8 @@ double Trainer::State::spread_loss(std::span<const uint8_t> counts) {
           change += across * across + along * along;
         }
         const size_t i = static_cast<size_t>(y) * width + x;
-        by_spread[i] = counts.empty() || counts[i] != 0 ? factor / (1 + change * over_edge) : 0.0f;
+        const float seen = counts.empty() || counts[i] != 0 ? target.alpha[i] : 0.0f;
+        by_spread[i] = seen * factor / (1 + change * over_edge);
       }
     }
   });

@@ -269,7 +269,10 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
   if (corrected || !divided.empty()) {
     std::vector<uint16_t> label(room->labelled.label.size());
     for (uint32_t k = 0; k < label.size(); ++k) label[k] = own_label(k);
+    std::vector<uint8_t> still_here(label.size(), 0);  // not those of things that were taken before
+    for (const uint32_t k : seen.kept) still_here[k] = 1;
     thing.cut = cut_thing(*room->graph, label, clicks).kernels;
+    std::erase_if(thing.cut, [&](uint32_t k) { return still_here[k] == 0; });
     for (const uint32_t kernel : thing.cut) {
       box.extend(room->labelled.asset.positions[kernel].cast<double>());
       if (label[kernel] != 0) labels.insert(label[kernel]);

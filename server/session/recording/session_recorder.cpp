@@ -112,9 +112,11 @@ class SessionRecorder::Session {
     SamplesBefore samples;
     for (const auto& block : job.past) {
       for (const std::vector<std::byte>& tick : *block) {
-        const auto past = decode_tick(tick, samples);
-        if (!past) return past.error();
-        if (auto held = embed(past->scene, past->actions.changes); !held) return held;
+        if (options_.assets) {
+          const auto past = decode_tick(tick, samples);
+          if (!past) return past.error();
+          if (auto held = embed(past->scene, past->actions.changes); !held) return held;
+        }
         if (auto added = writer_->add_past(tick); !added) return added;
       }
     }
