@@ -95,6 +95,9 @@ std::unique_ptr<SplatRenderer> create_cpu_renderer_instead_of(const std::string&
 // Quads: the kernels as instanced quads through the device's rasteriser. Tiles: compute passes alone, with
 // an end at opaque pixels, in 32-bit floats. Auto: the faster for a test picture.
 enum class DrawMethod : uint8_t { Auto, Quads, Tiles };
+inline const char* name_of(DrawMethod method) {
+  return method == DrawMethod::Auto ? "auto" : method == DrawMethod::Tiles ? "tiles" : "quads";
+}
 
 struct VulkanRendererOptions {
   DrawMethod method = DrawMethod::Auto;

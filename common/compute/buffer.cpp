@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "compute/buffer.h"
 
+#include <string>
 #include <utility>
 
 namespace livegs {
@@ -13,6 +14,15 @@ Result<Buffer> Buffer::create(Backend& backend, size_t bytes) {
   buffer.id_ = *made;
   buffer.bytes_ = bytes;
   return Result<Buffer>(std::move(buffer));
+}
+
+Result<void> Buffer::reserve(Backend& backend, size_t bytes, const char* what) {
+  if (bytes_ >= bytes) return {};
+  reset();  // the old and the new one might not fit together
+  auto made = create(backend, bytes);
+  if (!made) return Error{made.error().code, std::string(what) + ": " + made.error().message};
+  *this = *std::move(made);
+  return {};
 }
 
 Buffer::Buffer(Buffer&& other) noexcept

@@ -14,6 +14,10 @@ class Buffer {
   Buffer(Buffer&& other) noexcept;
   Buffer& operator=(Buffer&& other) noexcept;
 
+  // Makes the buffer at least this large, a multiple of 4. A buffer that grows loses its content, also if it
+  // fails. Errors: as Backend::create_buffer, with `what` in front.
+  Result<void> reserve(Backend& backend, size_t bytes, const char* what);
+
   void reset();                        // destroys the buffer, if any
   BufferId id() const { return id_; }  // BufferId{} if empty
   size_t bytes() const { return bytes_; }

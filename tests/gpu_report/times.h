@@ -34,8 +34,6 @@ struct TimesRow {
   double memory_bytes_a_kernel = 0;  // with its share of cells and nodes, without pictures
 };
 
-inline const char* name_of(DrawMethod method) { return method == DrawMethod::Tiles ? "tiles" : "quads"; }
-
 struct TimesOptions {
   std::vector<size_t> kernels;
   int width = 0, height = 0;

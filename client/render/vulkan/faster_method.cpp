@@ -71,17 +71,17 @@ Result<DrawMethod> faster_method(const std::shared_ptr<VulkanDevice>& device) {
     if (tiles_ms.error().code == ErrorCode::TooLarge) return DrawMethod::Quads;
     return tiles_ms.error();
   }
-  for (const auto* failed : {&quads_ms, &tiles_ms}) {
-    if (*failed) continue;
-    const bool tiles = failed == &quads_ms;
-    log_warn("%s: no test picture by %s (%s); drawing by %s", device->name().c_str(),
-             tiles ? "quads" : "tiles", failed->error().message.c_str(), tiles ? "tiles" : "quads");
-    return tiles ? DrawMethod::Tiles : DrawMethod::Quads;
+  if (!quads_ms || !tiles_ms) {
+    const DrawMethod failed = quads_ms ? DrawMethod::Tiles : DrawMethod::Quads;
+    const DrawMethod other = quads_ms ? DrawMethod::Quads : DrawMethod::Tiles;
+    log_warn("%s: no test picture by %s (%s); drawing by %s", device->name().c_str(), name_of(failed),
+             (quads_ms ? tiles_ms : quads_ms).error().message.c_str(), name_of(other));
+    return other;
   }
   if (!std::isfinite(*tiles_ms)) return DrawMethod::Quads;  // no clock
   const DrawMethod faster = *tiles_ms < *quads_ms ? DrawMethod::Tiles : DrawMethod::Quads;
   log_info("%s: a test picture takes %.2f ms by quads, %.2f ms by tiles; drawing by %s",
-           device->name().c_str(), *quads_ms, *tiles_ms, faster == DrawMethod::Tiles ? "tiles" : "quads");
+           device->name().c_str(), *quads_ms, *tiles_ms, name_of(faster));
   return faster;
 }
 

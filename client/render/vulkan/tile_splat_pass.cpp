@@ -19,52 +19,28 @@ class TileSplatPass final : public SplatPass {
   ~TileSplatPass() override { (void)backend_.submit(); }  // recorded commands must not outlive the images
 
   Result<void> paint(const FrameSplats& frame, int width, int height, int eyes) override {
-    frame_ = &frame;
     width_ = width;
     height_ = height;
     eyes_ = eyes;
     return tiles_.bin(frame, width, height, eyes);
   }
   int eyes_a_draw() const override { return eyes_; }
-  Result<void> resolve(const Eigen::Vector3f& background) override {
-    background_ = background;
-    return tiles_.blend(*frame_, background);
-  }
-  Result<void> read(std::vector<Image>& images) override {
-    return finish([&] { return tiles_.finish(images); });
-  }
+  Result<void> resolve(const Eigen::Vector3f& background) override { return tiles_.blend(background); }
+  Result<void> read(std::vector<Image>& images) override { return tiles_.finish(images); }
   Result<void> read_blended(std::vector<Image>& images) override { return read(images); }
   Result<void> copy_into(const DeviceImage& image) override;
 
  private:
-  template <class Finish>
-  Result<void> finish(const Finish& finish_tiles);
-
   Backend& backend_;
   VulkanCommands& commands_;
   const VulkanHandles& handles_;
   FrameTiles tiles_;
   std::unique_ptr<EyeImages> images_;  // a blit from an image, since the channel order may differ
-  const FrameSplats* frame_ = nullptr;
   int width_ = 0, height_ = 0, eyes_ = 0;
-  Eigen::Vector3f background_{0, 0, 0};
 };
 
-// Bins and blends again with larger buffers while the pairs do not fit.
-template <class Finish>
-Result<void> TileSplatPass::finish(const Finish& finish_tiles) {
-  LIVEGS_ASSERT(frame_ != nullptr);
-  for (;;) {
-    auto fits = finish_tiles();
-    if (!fits) return fits.error();
-    if (*fits) return {};
-    if (auto done = tiles_.bin(*frame_, width_, height_, eyes_); !done) return done;
-    if (auto done = tiles_.blend(*frame_, background_); !done) return done;
-  }
-}
-
 Result<void> TileSplatPass::copy_into(const DeviceImage& image) {
-  if (auto done = finish([&] { return tiles_.finish(); }); !done) return done;
+  if (auto done = tiles_.finish(); !done) return done;
   LIVEGS_ASSERT(image.layers == eyes_ && image.width >= width_ && image.height >= height_);
   if (!images_ || !images_->is_of(width_, height_, eyes_)) {
     images_.reset();

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "splat/tiles/frame_tiles.h"
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
-#include <string>
 
 #include "core/assert.h"
 #include "core/parallel_for.h"
-#include "splat/project/projected_kernel.h"
 #include "splat/raster/bin_tiles.h"
 #include "splat/tiles/tile_passes.h"
 
@@ -24,30 +20,30 @@ size_t FrameTiles::picture_words() const {
 }
 
 Result<void> FrameTiles::bin(const FrameSplats& frame, int width, int height, int eyes) {
+  frame_ = &frame;
   width_ = width;
   height_ = height;
   eyes_ = eyes;
-  if (picture_.bytes() < sizeof(uint32_t) * picture_words()) {
-    picture_.reset();
-    auto made = Buffer::create(*backend_, sizeof(uint32_t) * picture_words());
-    if (!made) return Error{made.error().code, "tiles: " + made.error().message};
-    picture_ = *std::move(made);
-  }
+  if (auto made = picture_.reserve(*backend_, sizeof(uint32_t) * picture_words(), "tiles"); !made)
+    return made;
   return pairs_.bin(TilePairs::Kernels::of(frame), width, height, eyes, picture_.id());
 }
 
-Result<void> FrameTiles::blend(const FrameSplats& frame, const Eigen::Vector3f& background) {
+Result<void> FrameTiles::blend(const Eigen::Vector3f& background) {
+  LIVEGS_ASSERT(frame_ != nullptr);
+  background_ = background;
+  const TilePairs::Kernels kernels = TilePairs::Kernels::of(*frame_);
   const TileGrid grid{width_, height_};
   for (int eye = 0; eye < eyes_; ++eye) {
     const TileBlendConstants constants{.eye = static_cast<uint32_t>(eye),
-                                       .part_rows = frame.part_rows(),
+                                       .part_rows = kernels.part_rows,
                                        .width_px = static_cast<uint32_t>(width_),
                                        .height_px = static_cast<uint32_t>(height_),
                                        .red = background.x(),
                                        .green = background.y(),
                                        .blue = background.z(),
                                        .floats = options_.floats ? 1u : 0u};
-    const auto rows = pairs_.rows_of(TilePairs::Kernels::of(frame), eye);
+    const auto rows = pairs_.rows_of(kernels, eye);
     const std::array buffers{rows[0], rows[1], rows[2], pairs_.values(), pairs_.firsts(), picture_.id()};
     if (auto done = backend_->dispatch(tile_blend_pass(), buffers, std::as_bytes(std::span(&constants, 1)),
                                        static_cast<uint32_t>(grid.size()) * kTileGroup);
@@ -57,18 +53,25 @@ Result<void> FrameTiles::blend(const FrameSplats& frame, const Eigen::Vector3f& 
   return {};
 }
 
-Result<bool> FrameTiles::finish() {
-  uint32_t pairs = 0;
-  if (auto done = backend_->read(picture_.id(), std::as_writable_bytes(std::span(&pairs, 1))); !done)
-    return done.error();
-  return pairs_.fits(pairs);
+Result<void> FrameTiles::read_complete(std::span<uint32_t> words) {
+  for (;;) {
+    if (auto done = backend_->read(picture_.id(), std::as_writable_bytes(words)); !done) return done;
+    auto fits = pairs_.fits(words[0]);
+    if (!fits) return fits.error();
+    if (*fits) return {};
+    if (auto done = bin(*frame_, width_, height_, eyes_); !done) return done;
+    if (auto done = blend(background_); !done) return done;
+  }
 }
 
-Result<bool> FrameTiles::finish(std::vector<Image>& images) {
+Result<void> FrameTiles::finish() {
+  uint32_t header = 0;
+  return read_complete({&header, 1});
+}
+
+Result<void> FrameTiles::finish(std::vector<Image>& images) {
   std::vector<uint32_t> words(picture_words());
-  if (auto done = backend_->read(picture_.id(), std::as_writable_bytes(std::span(words))); !done)
-    return done.error();
-  if (auto done = pairs_.fits(words[0]); !done || !*done) return done;
+  if (auto done = read_complete(words); !done) return done;
   images.resize(static_cast<size_t>(eyes_));
   const size_t values = size_t{4} * width_ * height_;
   for (size_t e = 0; e < images.size(); ++e) {
@@ -88,7 +91,7 @@ Result<bool> FrameTiles::finish(std::vector<Image>& images) {
       }
     });
   }
-  return true;
+  return {};
 }
 
 }  // namespace livegs

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "compute/buffer.h"
@@ -25,25 +26,29 @@ class FrameTiles {
   FrameTiles(Backend& backend, const Options& options);
 
   // Records the pairs of tiles and kernels of a frame, which must be sorted, in the order of the tiles. All
-  // eyes of the frame have this size, in px.
+  // eyes of the frame have this size, in px. `frame` is used until finish().
   Result<void> bin(const FrameSplats& frame, int width, int height, int eyes);
   // Records the blending of the binned frame. `background`: display-encoded.
-  Result<void> blend(const FrameSplats& frame, const Eigen::Vector3f& background);
+  Result<void> blend(const Eigen::Vector3f& background);
 
-  // Runs all recorded passes. False if the frame has more pairs than the buffers hold: they have grown, bin
-  // and blend again. TooLarge if the device holds no buffers for them.
-  Result<bool> finish();
+  // Runs all recorded passes. If the frame has more pairs than the buffers hold, they grow, and it is binned
+  // and blended again. TooLarge if the device holds no buffers for them.
+  Result<void> finish();
   // The same, and reads one image per eye.
-  Result<bool> finish(std::vector<Image>& images);
+  Result<void> finish(std::vector<Image>& images);
 
   // Pixels of the eyes, row by row, after kTileHeaderWords: RGBA with 8 bits each, or four floats.
   BufferId picture() const { return picture_.id(); }
 
  private:
   size_t picture_words() const;
+  // Reads the start of a picture that has all its pairs.
+  Result<void> read_complete(std::span<uint32_t> words);
 
   Backend* backend_;
   Options options_;
+  const FrameSplats* frame_ = nullptr;
+  Eigen::Vector3f background_{0, 0, 0};
   int width_ = 0, height_ = 0, eyes_ = 0;
   TilePairs pairs_;
   Buffer picture_;

@@ -14,30 +14,29 @@ namespace {
 
 constexpr size_t kPixelBlock = size_t{1} << 14;
 
-// Identifies the content of an asset by its place in memory and a sample of its kernels. Assets do not change
-// while they are drawn; another asset at the same place differs in the sample.
-struct AssetMark {
-  explicit AssetMark(const GaussianAsset& asset) : memory(asset.positions.data()), kernels(asset.size()) {
-    const size_t step = kernels / kSamples + 1;
-    for (size_t k = 0, i = 0; k < kernels; k += step, ++i) {
-      sample[i] = {asset.positions[k].x(), asset.positions[k].y(), asset.positions[k].z(), asset.sh_dc[k].x(),
-                   asset.opacity_logits[k]};
-    }
-  }
-  bool operator==(const AssetMark&) const = default;
-
-  static constexpr size_t kSamples = 64;
-  const void* memory;
-  size_t kernels;
-  std::array<std::array<float, 5>, kSamples> sample{};
-};
-
 }  // namespace
 
 struct ImageRasteriser::Device {
   explicit Device(std::unique_ptr<Backend> one)
       : backend(std::move(one)), frame(*backend), tiles(*backend, {.floats = true}) {}
 
+  // Identifies the content of an asset by its place in memory and a sample of its kernels. Assets do not
+  // change while they are drawn; another asset at the same place differs in the sample.
+  struct AssetMark {
+    explicit AssetMark(const GaussianAsset& asset) : memory(asset.positions.data()), kernels(asset.size()) {
+      const size_t step = kernels / kSamples + 1;
+      for (size_t k = 0, i = 0; k < kernels; k += step, ++i) {
+        sample[i] = {asset.positions[k].x(), asset.positions[k].y(), asset.positions[k].z(),
+                     asset.sh_dc[k].x(), asset.opacity_logits[k]};
+      }
+    }
+    bool operator==(const AssetMark&) const = default;
+
+    static constexpr size_t kSamples = 64;
+    const void* memory;
+    size_t kernels;
+    std::array<std::array<float, 5>, kSamples> sample{};
+  };
   struct Held {
     AssetMark mark;
     DeviceKernels kernels;
@@ -76,7 +75,7 @@ Result<void> ImageRasteriser::draw_on_device(std::span<const DrawnObject> object
   Device& d = *device_;
   std::map<uint32_t, Device::Held> drawn;
   for (const DrawnObject& object : objects) {
-    const AssetMark mark(*object.asset);
+    const Device::AssetMark mark(*object.asset);
     if (const auto found = d.held.find(object.object_id);
         found != d.held.end() && found->second.mark == mark) {
       drawn.insert(d.held.extract(found));
@@ -101,13 +100,9 @@ Result<void> ImageRasteriser::draw_on_device(std::span<const DrawnObject> object
                                     .environments = options.environments};
   if (auto done = d.frame.project(in_frame, {&camera, 1}, splats); !done) return done;
   if (auto done = d.frame.sort(); !done) return done;
-  for (bool fits = false; !fits;) {
-    if (auto done = d.tiles.bin(d.frame, camera.width, camera.height, 1); !done) return done;
-    if (auto done = d.tiles.blend(d.frame, options.background); !done) return done;
-    auto finished = d.tiles.finish(d.images);
-    if (!finished) return finished.error();
-    fits = *finished;
-  }
+  if (auto done = d.tiles.bin(d.frame, camera.width, camera.height, 1); !done) return done;
+  if (auto done = d.tiles.blend(options.background); !done) return done;
+  if (auto done = d.tiles.finish(d.images); !done) return done;
   SortedCount counted;
   if (auto done = d.backend->read(d.frame.counted(), std::as_writable_bytes(std::span(&counted, 1))); !done)
     return done;

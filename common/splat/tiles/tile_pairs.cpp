@@ -54,9 +54,7 @@ Result<void> TilePairs::make_sorter(uint64_t capacity) {
   places_.reset();
   const auto pairs = static_cast<uint32_t>(std::min<uint64_t>(capacity, options_.max_pairs));
   if (options_.keeps_unsorted) {
-    auto made = Buffer::create(*backend_, sizeof(uint32_t) * pairs);
-    if (!made) return Error{made.error().code, "tiles: " + made.error().message};
-    places_ = *std::move(made);
+    if (auto made = places_.reserve(*backend_, sizeof(uint32_t) * pairs, "tiles"); !made) return made;
   }
   auto sorter = KeySorter::create(*backend_, pairs);
   if (!sorter) return Error{sorter.error().code, "tiles: " + sorter.error().message};
@@ -65,18 +63,11 @@ Result<void> TilePairs::make_sorter(uint64_t capacity) {
 }
 
 Result<void> TilePairs::make_room(uint32_t kernels, size_t tiles, int eyes) {
-  const auto make = [&](Buffer& buffer, size_t bytes) -> Result<void> {
-    if (buffer.bytes() >= bytes) return {};
-    buffer.reset();
-    auto made = Buffer::create(*backend_, bytes);
-    if (!made) return Error{made.error().code, "tiles: " + made.error().message};
-    buffer = *std::move(made);
-    return {};
-  };
-  if (auto made = make(sums_, sizeof(uint32_t) * eyes * blocks_of(kernels)); !made) return made;
-  if (auto made = make(firsts_, sizeof(uint32_t) * (tiles + 1)); !made) return made;
+  if (auto made = sums_.reserve(*backend_, sizeof(uint32_t) * eyes * blocks_of(kernels), "tiles"); !made)
+    return made;
+  if (auto made = firsts_.reserve(*backend_, sizeof(uint32_t) * (tiles + 1), "tiles"); !made) return made;
   for (Buffer& none : no_rows_) {
-    if (auto made = make(none, sizeof(SplatRow)); !made) return made;
+    if (auto made = none.reserve(*backend_, sizeof(SplatRow), "tiles"); !made) return made;
   }
   return sorter_ ? Result<void>{}
                  : make_sorter(uint64_t{kFirstPairsPerKernel} * eyes * std::max(kernels, kTileGroup));

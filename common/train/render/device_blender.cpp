@@ -30,14 +30,6 @@ DeviceBlender::DeviceBlender(std::unique_ptr<Backend> backend)
     : backend_(std::move(backend)), pairs_(*backend_, {.keeps_unsorted = true}) {}
 
 Result<void> DeviceBlender::make_room() {
-  const auto make = [&](Buffer& buffer, size_t bytes) -> Result<void> {
-    if (buffer.bytes() >= bytes) return {};
-    buffer.reset();
-    auto made = Buffer::create(*backend_, (bytes + bytes / kSpareShare + 3) / 4 * 4);
-    if (!made) return Error{made.error().code, "training: " + made.error().message};
-    buffer = *std::move(made);
-    return {};
-  };
   const size_t kernels = std::max(1u, count_), pixels = static_cast<size_t>(width_) * height_;
   const std::pair<Buffer*, size_t> wanted[] = {{&rows_, kernels * sizeof(SplatRow)},
                                                {&depths_, kernels * sizeof(float)},
@@ -48,7 +40,8 @@ Result<void> DeviceBlender::make_room() {
                                                {&kernel_firsts_, (kernels + 1) * sizeof(uint32_t)},
                                                {&kernel_gradients_, kernels * sizeof(TrainEllipseGradient)}};
   for (const auto& [buffer, bytes] : wanted) {
-    if (auto made = make(*buffer, bytes); !made) return made;
+    const size_t roomy = buffer->bytes() >= bytes ? bytes : (bytes + bytes / kSpareShare + 3) / 4 * 4;
+    if (auto made = buffer->reserve(*backend_, roomy, "training"); !made) return made;
   }
   return {};
 }
@@ -126,13 +119,10 @@ Result<void> DeviceBlender::backward(std::span<const TrainPixelGradient> by_pict
   LIVEGS_ASSERT(by_picture.size() + 1 == picture_.size());
   by_kernel.resize(count_);
   if (count_ == 0) return {};
-  if (const size_t bytes = sizeof(TrainEllipseGradient) * pairs_.capacity();
-      pair_gradients_.bytes() < bytes) {
-    pair_gradients_.reset();
-    auto made = Buffer::create(*backend_, bytes);
-    if (!made) return Error{made.error().code, "training: " + made.error().message};
-    pair_gradients_ = *std::move(made);
-  }
+  if (auto made =
+          pair_gradients_.reserve(*backend_, sizeof(TrainEllipseGradient) * pairs_.capacity(), "training");
+      !made)
+    return made;
   if (auto done = backend_->upload(by_picture_.id(), std::as_bytes(by_picture)); !done) return done;
   const TrainBlendConstants constants{.width_px = static_cast<uint32_t>(width_),
                                       .height_px = static_cast<uint32_t>(height_),

@@ -15,7 +15,6 @@ layout(std430, set = 0, binding = 6) readonly restrict buffer ByPicture { TrainP
 layout(std430, set = 0, binding = 7) writeonly restrict buffer Gradients { float gradients[]; };
 layout(push_constant) uniform Constants { TrainBlendConstants constants; };
 
-#include "splat/tiles/splat_rim.glsl"
 #include "train/render/train_tile.glsl"
 
 const uint kNumbers = 10;  // of a TrainEllipseGradient
@@ -33,18 +32,11 @@ void clear_gradient(uint i) {
 // bits in every run.
 void main() {
   const uint thread = gl_LocalInvocationID.x;
-  const int block = int(thread) / (kBlockWidth_px * kBlockHeight_px);
-  const int columns = (int(constants.width_px) + 15) / 16;
   const int tile = int(gl_WorkGroupID.x);
-  const ivec2 corner = 16 * ivec2(tile % columns, tile / columns);
-  const ivec2 pixel = corner + ivec2(block % kBlockColumns * kBlockWidth_px + int(thread) % kBlockWidth_px,
-                                     block / kBlockColumns * kBlockHeight_px +
-                                         int(thread) / kBlockWidth_px % kBlockHeight_px);
-  const bool inside = pixel.x < int(constants.width_px) && pixel.y < int(constants.height_px);
-  const vec2 centre = vec2(pixel) + 0.5;
-  const uint block_bit = 1u << block;
-  const int tile_count = columns * ((int(constants.height_px) + 15) / 16);
-  if (tile == tile_count) {  // pairs of no tile (tile_pairs)
+  const TilePixel pixel = tile_pixel(tile, int(thread), constants.width_px, constants.height_px);
+  const vec2 centre = vec2(pixel.at) + 0.5;
+  const ivec2 tiles = tiles_of(constants.width_px, constants.height_px);
+  if (tile == tiles.x * tiles.y) {  // pairs of no tile (tile_pairs)
     const uint pair_count = picture[0].halfway;  // the header
     for (uint i = firsts[tile] + thread; i < pair_count; i += kTrainGroup) clear_gradient(i);
     return;
@@ -56,8 +48,8 @@ void main() {
   float by_spread = 0.0;
   float final_alpha = 0.0;
   float final_depth = 0.0;
-  if (inside) {
-    const uint place = uint(pixel.y) * constants.width_px + uint(pixel.x);
+  if (pixel.inside) {
+    const uint place = uint(pixel.at.y) * constants.width_px + uint(pixel.at.x);
     const TrainPixelGradient g = by_picture[place];
     const TrainPixel p = picture[1 + place];
     by = vec4(g.red, g.green, g.blue, g.alpha);
@@ -70,13 +62,13 @@ void main() {
   }
   float through = 1.0;
   float depth_sum = 0.0;
-  bool finished = !inside;
+  bool finished = !pixel.inside;
   for (uint first = firsts[tile]; first < end; first += kTrainGroup) {
     if (thread == 0) live = 0;
     barrier();
     if (!finished) live = 1;
     const uint i = first + thread;
-    if (i < end) load_kernel(thread, ranks[pairs[i]], vec2(corner));
+    if (i < end) load_kernel(thread, ranks[pairs[i]], pixel.corner);
     barrier();
     if (live == 0) {  // nothing behind is seen
       for (uint j = first + thread; j < end; j += kTrainGroup) clear_gradient(j);
@@ -90,7 +82,7 @@ void main() {
         continue;
       }
       float term[kNumbers] = float[](0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-      if (!finished && (blocks_at(k) & block_bit) != 0) {
+      if (!finished && (blocks_at(k) & pixel.block) != 0) {
         const Step s = step_of(k, centre);
         const float weight = s.alpha * through;
         const float after = through - weight;

@@ -13,7 +13,6 @@ layout(std430, set = 0, binding = 4) readonly restrict buffer Firsts { uint firs
 layout(std430, set = 0, binding = 5) writeonly restrict buffer Picture { TrainPixel picture[]; };
 layout(push_constant) uniform Constants { TrainBlendConstants constants; };
 
-#include "splat/tiles/splat_rim.glsl"
 #include "train/render/train_tile.glsl"
 
 const float kHalf = 0.5;
@@ -22,30 +21,23 @@ const float kHalf = 0.5;
 // header is the first row of the picture.
 void main() {
   const int thread = int(gl_LocalInvocationID.x);
-  const int block = thread / (kBlockWidth_px * kBlockHeight_px);
-  const int columns = (int(constants.width_px) + 15) / 16;
   const int tile = int(gl_WorkGroupID.x);
-  const ivec2 corner = 16 * ivec2(tile % columns, tile / columns);
-  const ivec2 pixel = corner + ivec2(block % kBlockColumns * kBlockWidth_px + thread % kBlockWidth_px,
-                                     block / kBlockColumns * kBlockHeight_px +
-                                         thread / kBlockWidth_px % kBlockHeight_px);
-  const bool inside = pixel.x < int(constants.width_px) && pixel.y < int(constants.height_px);
-  const vec2 centre = vec2(pixel) + 0.5;
-  const uint block_bit = 1u << block;
+  const TilePixel pixel = tile_pixel(tile, thread, constants.width_px, constants.height_px);
+  const vec2 centre = vec2(pixel.at) + 0.5;
   const uint end = firsts[tile + 1];
   TrainPixel p = TrainPixel(kTrainNone, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0u);
-  bool finished = !inside;
+  bool finished = !pixel.inside;
   for (uint first = firsts[tile]; first < end; first += kTrainGroup) {
     if (thread == 0) live = 0;
     barrier();
     if (!finished) live = 1;
     const uint i = first + uint(thread);
-    if (i < end) load_kernel(uint(thread), ranks[pairs[i]], vec2(corner));
+    if (i < end) load_kernel(uint(thread), ranks[pairs[i]], pixel.corner);
     barrier();
     if (live == 0) break;
     const uint count = min(kTrainGroup, end - first);
     for (uint k = 0; k < count && !finished; ++k) {
-      if ((blocks_at(k) & block_bit) == 0) continue;
+      if ((blocks_at(k) & pixel.block) == 0) continue;
       const Step s = step_of(k, centre);
       if (s.alpha < constants.min_alpha) continue;
       const float weight = s.alpha * p.through;
@@ -66,5 +58,5 @@ void main() {
     }
     barrier();  // the next kernels replace these
   }
-  if (inside) picture[1 + uint(pixel.y) * constants.width_px + uint(pixel.x)] = p;
+  if (pixel.inside) picture[1 + uint(pixel.at.y) * constants.width_px + uint(pixel.at.x)] = p;
 }

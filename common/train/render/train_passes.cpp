@@ -48,21 +48,32 @@ struct TileArea {
   int left, top, right, bottom;
 };
 
+// What both ways of blending read. Ranges start at whole groups.
+struct TileLists {
+  TileLists(const PassArguments& arguments, size_t begin)
+      : constants(row_at<TrainBlendConstants>(arguments.constants, 0)),
+        ranks(words_of(arguments.buffers[2])),
+        pairs(words_of(arguments.buffers[3])),
+        firsts(words_of(arguments.buffers[4])),
+        grid{static_cast<int>(constants.width_px), static_cast<int>(constants.height_px)} {
+    LIVEGS_ASSERT(begin % kTrainGroup == 0);
+  }
+  TrainBlendConstants constants;
+  std::span<const uint32_t> ranks, pairs, firsts;
+  TileGrid grid;
+};
+
 // Twin of train_blend.comp.glsl. Ranges are whole groups.
 void train_blend(const PassArguments& arguments, size_t begin, size_t end) {
-  const auto constants = row_at<TrainBlendConstants>(arguments.constants, 0);
-  const std::span<const uint32_t> ranks = words_of(arguments.buffers[2]);
-  const std::span<const uint32_t> pairs = words_of(arguments.buffers[3]);
-  const std::span<const uint32_t> firsts = words_of(arguments.buffers[4]);
-  const TileGrid grid{static_cast<int>(constants.width_px), static_cast<int>(constants.height_px)};
-  LIVEGS_ASSERT(begin % kTrainGroup == 0);
+  const TileLists lists(arguments, begin);
+  const TrainBlendConstants& constants = lists.constants;
   for (size_t tile = begin / kTrainGroup; tile * kTrainGroup < end; ++tile) {
-    const TileArea area(grid, tile);
+    const TileArea area(lists.grid, tile);
     std::array<TrainPixel, kTrainGroup> pixels;
     std::array<bool, kTrainGroup> finished{};
     pixels.fill({kTrainNone, 0, 0, 0, 1, 0, 0, 0});
-    for (uint32_t i = firsts[tile]; i < firsts[tile + 1]; ++i) {
-      const uint32_t rank = ranks[pairs[i]];
+    for (uint32_t i = lists.firsts[tile]; i < lists.firsts[tile + 1]; ++i) {
+      const uint32_t rank = lists.ranks[lists.pairs[i]];
       const auto row = row_at<SplatRow>(arguments.buffers[0], rank);
       const auto depth = row_at<float>(arguments.buffers[1], rank);
       area.for_each_pixel([&](int at, int x, int y) {
@@ -129,15 +140,11 @@ void add_terms(const SplatRow& row, float depth, int x, int y, const TrainBlendC
 
 // Twin of train_backward.comp.glsl. Ranges are whole groups.
 void train_backward(const PassArguments& arguments, size_t begin, size_t end) {
-  const auto constants = row_at<TrainBlendConstants>(arguments.constants, 0);
-  const std::span<const uint32_t> ranks = words_of(arguments.buffers[2]);
-  const std::span<const uint32_t> pairs = words_of(arguments.buffers[3]);
-  const std::span<const uint32_t> firsts = words_of(arguments.buffers[4]);
-  const TileGrid grid{static_cast<int>(constants.width_px), static_cast<int>(constants.height_px)};
-  LIVEGS_ASSERT(begin % kTrainGroup == 0);
+  const TileLists lists(arguments, begin);
+  const TrainBlendConstants& constants = lists.constants;
   for (size_t tile = begin / kTrainGroup; tile * kTrainGroup < end; ++tile) {
-    if (tile == grid.size()) break;  // pairs of no tile; the twin of tile_pairs writes none
-    const TileArea area(grid, tile);
+    if (tile == lists.grid.size()) break;  // pairs of no tile; the twin of tile_pairs writes none
+    const TileArea area(lists.grid, tile);
     std::array<Remainder, kTrainGroup> pixels;
     area.for_each_pixel([&](int at, int x, int y) {
       const size_t place = static_cast<size_t>(y) * constants.width_px + x;
@@ -151,14 +158,14 @@ void train_backward(const PassArguments& arguments, size_t begin, size_t end) {
                p.by.blue * (seen.blue + seen.through * constants.blue) + p.by.alpha * p.final_alpha +
                2 * p.by.spread * seen.spread;
     });
-    for (uint32_t i = firsts[tile]; i < firsts[tile + 1]; ++i) {
-      const uint32_t rank = ranks[pairs[i]];
+    for (uint32_t i = lists.firsts[tile]; i < lists.firsts[tile + 1]; ++i) {
+      const uint32_t rank = lists.ranks[lists.pairs[i]];
       const auto row = row_at<SplatRow>(arguments.buffers[0], rank);
       const auto depth = row_at<float>(arguments.buffers[1], rank);
       TrainEllipseGradient sums{};
       area.for_each_pixel(
           [&](int at, int x, int y) { add_terms(row, depth, x, y, constants, pixels[at], sums); });
-      set_row(arguments.buffers[7], pairs[i], sums);
+      set_row(arguments.buffers[7], lists.pairs[i], sums);
     }
   }
 }

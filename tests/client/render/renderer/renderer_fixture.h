@@ -139,9 +139,7 @@ class PicturesByMethod : public VulkanPictures, public ::testing::WithParamInter
   }
 };
 inline const auto kBothMethods = ::testing::Values(DrawMethod::Quads, DrawMethod::Tiles);
-inline std::string method_name(const ::testing::TestParamInfo<DrawMethod>& of) {
-  return of.param == DrawMethod::Tiles ? "tiles" : "quads";
-}
+inline std::string method_name(const ::testing::TestParamInfo<DrawMethod>& of) { return name_of(of.param); }
 
 // Eight bits a channel leave 20 log10(255 sqrt 12) = 58.9 dB. What blending in halves costs on top grows with
 // the number of splats a pixel sums: each sum is rounded to 2^-12 of itself, always downwards on lavapipe.
