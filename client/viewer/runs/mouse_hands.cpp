@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/runs/mouse_hands.h"
 
+#include <algorithm>
 #include <span>
 
 #include "core/clock.h"
@@ -11,6 +12,7 @@ namespace livegs {
 namespace {
 
 constexpr size_t kRightHand = 1;
+constexpr double kMaxScriptStep_s = 0.1;  // a tenth of the shortest pull of a script
 
 bool same(const HandSample& a, const HandSample& b) {
   return a.active == b.active && a.trigger == b.trigger && a.aim.position_m == b.aim.position_m &&
@@ -47,7 +49,10 @@ void MouseHands::send_mouse(const WindowInput& input, const Camera& window, bool
 }
 
 void MouseHands::send_script(double seconds, const ScriptedHands::Locate& locate) {
-  const InputSample sample = script_->at(seconds, locate);
+  // Time goes back when the run waits for its start.
+  script_s_ = seconds < asked_s_ ? seconds : script_s_ + std::min(seconds - asked_s_, kMaxScriptStep_s);
+  asked_s_ = seconds;
+  const InputSample sample = script_->at(script_s_, locate);
   meter_.sampled(sample.sequence, now_ns());
   client_.send(sample);
 }

@@ -27,7 +27,8 @@ class MouseHands {
   // `window`: the camera of the whole window. `pulls`: the left button pulls. `rests`: nothing changes, so
   // that a repeated sample is not sent: it would only wake the server, and its reply this window.
   void send_mouse(const WindowInput& input, const Camera& window, bool pulls, bool rests);
-  // `seconds`: since the beginning of the script.
+  // `seconds`: since the beginning of the script. Between two pictures the script advances by
+  // kMaxScriptStep_s at most, so that a slow window shows all of it.
   void send_script(double seconds, const ScriptedHands::Locate& locate);
 
  private:
@@ -36,6 +37,7 @@ class MouseHands {
   std::optional<ScriptedHands> script_;
   InputSample sample_;
   HandSample sent_;  // of the right hand, in the last sample
+  double asked_s_ = 0, script_s_ = 0;
 };
 
 }  // namespace livegs
