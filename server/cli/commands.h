@@ -12,6 +12,7 @@
 namespace livegs {
 
 void add_info(CLI::App& app, int& exit_code);
+void add_capture(CLI::App& app, int& exit_code);
 void add_convert(CLI::App& app, int& exit_code);
 void add_sample(CLI::App& app, int& exit_code);
 void add_train(CLI::App& app, int& exit_code);

@@ -69,6 +69,7 @@ int main(int argc, char** argv) {
   livegs::add_info(app, exit_code);
   livegs::add_convert(app, exit_code);
   livegs::add_sample(app, exit_code);
+  livegs::add_capture(app, exit_code);
   livegs::add_train(app, exit_code);
   livegs::add_render(app, exit_code);
   livegs::add_segment(app, exit_code);

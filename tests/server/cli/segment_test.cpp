@@ -6,9 +6,10 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "capture/capture.h"
+#include "capture/level.h"
 #include "core/file.h"
 #include "gaussian/asset_file.h"
 #include "sample/made_room.h"
@@ -33,23 +34,16 @@ Answer run_segment(std::vector<std::string> words) {
   return {code, program.out(), program.err()};
 }
 
-std::string transforms_text(const std::vector<Camera>& cameras) {
-  nlohmann::json file;
+// Photos that only have poses.
+std::string poses_text(const std::vector<Camera>& cameras) {
+  Capture capture;
   for (size_t i = 0; i < cameras.size(); ++i) {
-    const Camera& c = cameras[i];
-    const Eigen::Matrix3d r = c.world_from_camera.orientation.toRotationMatrix();
-    nlohmann::json rows = nlohmann::json::array();
-    for (int row = 0; row < 3; ++row)
-      rows.push_back({r(row, 0), r(row, 1), r(row, 2), c.world_from_camera.position_m[row]});
-    rows.push_back({0, 0, 0, 1});
-    file["frames"].push_back({{"file_path", "images/v" + std::to_string(i) + ".png"},
-                              {"transform_matrix", rows},
-                              {"w", c.width},
-                              {"h", c.height},
-                              {"fl_x", c.focal_x_px},
-                              {"fl_y", c.focal_y_px}});
+    CapturedView view;
+    view.picture = "images/v" + std::to_string(i) + ".png";
+    view.camera = cameras[i];
+    capture.views.push_back(view);
   }
-  return file.dump();
+  return transforms_text(capture);
 }
 
 class Segment : public testing::Test {
@@ -60,7 +54,7 @@ class Segment : public testing::Test {
     room = make_room(kind, options);
     cameras = orbit(room.middle_m, {0, -1, 0}, 1.1, 10, 240, 0.0, 2 * M_PI);
     ASSERT_TRUE(write_asset(folder / "captured.ply", room.asset));
-    ASSERT_TRUE(write_file_atomically(folder / "transforms.json", transforms_text(cameras)));
+    ASSERT_TRUE(write_file_atomically(folder / "transforms.json", poses_text(cameras)));
   }
   Answer segment(std::vector<std::string> more = {}) {
     std::vector<std::string> words{
@@ -101,6 +95,29 @@ TEST_F(Segment, WritesASceneInWhichNothingJumps) {
     if (!fresh) EXPECT_LE((at - start->second).norm(), 0.005) << row[2];  // the bar for a thing that is taken
   }
   EXPECT_EQ(first.size(), 5u);
+}
+
+TEST_F(Segment, AKnownLengthSetsTheScale) {
+  make(RoomKind::Apart);
+  const auto longest = [](const std::string& out, const std::string& name) {
+    double x = 0, y = 0, z = 0;
+    const size_t at = out.find(name + ": ");
+    if (at == std::string::npos) return 0.0;
+    std::sscanf(out.c_str() + out.find("kernels, ", at), "kernels, %lf x %lf x %lf", &x, &y, &z);
+    return std::max({x, y, z});
+  };
+  const Answer answer = segment({"--known", "part_02=0.5"});
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  EXPECT_NEAR(longest(answer.out, "part_02"), 0.5, 0.002);  // printed with three digits
+  fs::remove_all(folder / "parts");
+  for (const auto& [words, why] :
+       {std::pair("part_09=0.5", "is not among the 5 things"), std::pair("part_02=-1", "write part_03=0.21"),
+        std::pair("cup=0.1", "write part_03=0.21")}) {
+    const Answer wrong = segment({"--known", words});
+    EXPECT_EQ(wrong.code, 2);
+    EXPECT_NE(wrong.err.find(why), std::string::npos) << wrong.err;
+    EXPECT_FALSE(fs::exists(folder / "parts"));
+  }
 }
 
 TEST_F(Segment, LiftsMasks) {

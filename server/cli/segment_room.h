@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/capture.h"
+#include "core/result.h"
+#include "gaussian/gaussian_asset.h"
+
+namespace livegs {
+
+// A thing whose longest side is known: the number of the thing, from 1, and metres.
+struct KnownLength {
+  size_t thing = 1;
+  double longest_side_m = 0;
+};
+// Reads "part_03=0.21".
+Result<KnownLength> read_known_length(const std::string& text);
+
+struct SegmentRequest {
+  std::string name;                   // of the room, for messages
+  std::vector<CapturedView> cameras;  // of the photos; empty: views are chosen
+  std::filesystem::path masks;        // folder of label pictures; empty: none
+  std::string up;                     // axis of the asset, as in a scene file; empty: of the cameras, else -y
+  double scale = 1.0;                 // metres per unit of the asset
+  std::optional<KnownLength> known;   // instead of `scale`
+  std::filesystem::path output;       // new or empty folder
+};
+struct SegmentOutcome {
+  size_t things = 0;
+  double scale = 1.0;
+};
+
+// Whether `output` can become the folder of the parts: new, or empty.
+Result<void> check_segment_folder(const std::filesystem::path& output);
+
+// Finds the things of a room and writes the folder (segment_files.h). Nothing is written after an error; a
+// room with nothing in it is one. Prints a line for each thing.
+Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& request);
+
+}  // namespace livegs

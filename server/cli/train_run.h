@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "capture/capture.h"
+#include "core/result.h"
+#include "train/train_options.h"
+#include "train/trainer.h"
+
+namespace livegs {
+
+// A training run that can be watched and interrupted.
+struct TrainRun {
+  std::filesystem::path
+      output;  // .ply or .spz; NAME.png shows a photo and the splat, NAME.checkpoint keeps the state
+  TrainOptions train;
+  std::string device = "auto";  // see choose_device.h
+  size_t every = 500;           // steps between a score, a picture and a checkpoint
+  bool resume = false;          // continue from the checkpoint
+};
+struct TrainOutcome {
+  HeldOutScore score;
+  size_t steps = 0, kernels = 0;
+  bool interrupted = false;  // by Ctrl-C; the output is then the best splat so far
+};
+
+// Exit code of a run that Ctrl-C interrupted, as a shell reports it.
+extern const int kInterruptedExit;
+
+// Trains and writes the files. Ctrl-C ends the run after the current step, a second one the program.
+Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run);
+
+}  // namespace livegs
