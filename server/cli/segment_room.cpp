@@ -146,10 +146,15 @@ Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& r
   const LabelledRoom labelled = label_room(room.original, *found);
   std::vector<uint32_t> taken;
   for (const RoomPart& part : found->parts) {
+    GaussianAsset thing = thing_alone(labelled, part.label);
+    if (thing.size() == 0) {  // all of its kernels were cut off at the borders
+      log_warn("segment: part %zu has no kernel of its own and stays in the room", size_t{part.label});
+      continue;
+    }
     taken.push_back(part.label);
     const bool filled = std::find(labelled.label.begin(), labelled.label.end(),
                                   label_of(KernelKind::Fill, part.label)) != labelled.label.end();
-    room.things.push_back({thing_name(taken.size()), thing_alone(labelled, part.label), part, !filled});
+    room.things.push_back({thing_name(part.label), std::move(thing), part, !filled});
   }
   room.room = room_without(labelled, taken);
   room.parts = std::move(*found);

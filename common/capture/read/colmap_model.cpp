@@ -261,6 +261,10 @@ Result<std::vector<CapturedView>> parse_images(std::string_view text, const Colm
   return views;
 }
 
+// Two photos always agree about a point, so that only a third one shows a wrong match. Models without tracks
+// do not state the photos.
+bool is_confirmed(uint64_t photos) { return photos == 0 || photos >= 3; }
+
 Result<void> parse_points(std::string_view text, std::string_view name, ColmapModel& model) {
   TextLines lines(text);
   for (std::string_view line; lines.next(line);) {
@@ -270,7 +274,12 @@ Result<void> parse_points(std::string_view text, std::string_view name, ColmapMo
       if (!next_number(line, number))
         return invalid_data(std::string(name) + ": a point is not ID X Y Z R G B …");
     }
-    add_point({numbers[1], numbers[2], numbers[3]}, numbers[4], numbers[5], numbers[6], model);
+    double number = 0;
+    uint64_t pairs = 0;  // of a photo and a feature, after the reprojection error
+    if (next_number(line, number))
+      while (next_number(line, number) && next_number(line, number)) ++pairs;
+    if (is_confirmed(pairs))
+      add_point({numbers[1], numbers[2], numbers[3]}, numbers[4], numbers[5], numbers[6], model);
   }
   return {};
 }
@@ -380,9 +389,10 @@ Result<void> decode_colmap_points(std::span<const std::byte> bytes, std::string_
     const double x = reader.next<double>(), y = reader.next<double>(), z = reader.next<double>();
     const auto red = reader.next<uint8_t>(), green = reader.next<uint8_t>(), blue = reader.next<uint8_t>();
     reader.next<double>();  // reprojection error
-    reader.skip(reader.next<uint64_t>(), 4 + 4);
+    const auto photos = reader.next<uint64_t>();
+    reader.skip(photos, 4 + 4);
     if (!reader.good()) break;
-    add_point({x, y, z}, red, green, blue, model);
+    if (is_confirmed(photos)) add_point({x, y, z}, red, green, blue, model);
   }
   if (!reader.good() || !reader.at_end()) return damaged(name);
   return {};

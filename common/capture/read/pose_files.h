@@ -28,8 +28,8 @@ Result<TransformsFile> read_transforms_file(const std::filesystem::path& file);
 // A COLMAP model: cameras, images and points3D, all binary or all text. Other files are ignored.
 // Poses are world-to-camera, x right, y down, z forward.
 struct ColmapModel {
-  std::vector<CapturedView> views;  // `picture` is empty
-  std::vector<Eigen::Vector3f> points, point_colours;
+  std::vector<CapturedView> views;                     // `picture` is empty
+  std::vector<Eigen::Vector3f> points, point_colours;  // without those that two photos alone have seen
 };
 bool has_colmap_model(const std::filesystem::path& folder);
 Result<ColmapModel> read_colmap_model(const std::filesystem::path& folder);

@@ -41,7 +41,7 @@ void append_value(std::string& bytes, T value) {
   append_bytes(bytes, &value, sizeof value);
 }
 
-// A model of one OPENCV and one PINHOLE camera, three photos, two of them in a sub-folder, and two points.
+// A model of one OPENCV and one PINHOLE camera, three photos, two of them in a sub-folder, and three points.
 struct BinaryModel {
   std::string cameras, images, points;
 };
@@ -73,14 +73,15 @@ BinaryModel binary_model() {
       append_value<int64_t>(model.images, -1);
     }
   }
-  append_value<uint64_t>(model.points, 2);
-  for (uint64_t i = 0; i < 2; ++i) {
+  const uint64_t photos[] = {0, 3, 2};  // the last point has too few
+  append_value<uint64_t>(model.points, 3);
+  for (uint64_t i = 0; i < 3; ++i) {
     append_value(model.points, i);
     for (double number : {1.0 + static_cast<double>(i), 2.0, 3.0}) append_value(model.points, number);
     for (uint8_t number : {uint8_t{255}, uint8_t{0}, uint8_t{51}}) append_value(model.points, number);
     append_value(model.points, 0.5);
-    append_value(model.points, i);
-    for (uint64_t k = 0; k < i; ++k) append_value<uint64_t>(model.points, 1);
+    append_value(model.points, photos[i]);
+    for (uint64_t k = 0; k < photos[i]; ++k) append_value<uint64_t>(model.points, 1);
   }
   return model;
 }
@@ -233,7 +234,9 @@ TEST(ReadCapture, BinaryAndTextModelsOfColmapAgree) {
              "# images\n1 0.70710678118654757 0 0.70710678118654757 0 0.1 0.2 0.3 2 0.png\n\n"
              "2 0.70710678118654757 0 0.70710678118654757 0 0.1 0.2 1.3 7 left/1.png\n1.5 2.5 -1 3.5 4.5 12\n"
              "3 0.70710678118654757 0 0.70710678118654757 0 0.1 0.2 2.3 7 left/2.png\n");
-  text.write("sparse/points3D.txt", "# points\n0 1 2 3 255 0 51 0.5\n1 2 2 3 255 0 51 0.5 1 1\n");
+  text.write("sparse/points3D.txt",
+             "# points\n0 1 2 3 255 0 51 0.5\n1 2 2 3 255 0 51 0.5 1 1 2 1 3 1\n"
+             "2 3 2 3 255 0 51 0.5 1 1 2 1\n");
   const auto from_text = read_capture(text.path());
   ASSERT_TRUE(from_text) << from_text.error().message;
   expect_colmap_model(*from_text);
