@@ -51,5 +51,7 @@ inline constexpr size_t kHeldOutInterval = 8;
 // transforms.json without ply_file_path takes the points of a COLMAP model in the same folder if both agree
 // about the poses. Errors are one line: nothing found, a damaged file, missing photos, too few photos.
 Result<Capture> read_capture(const std::filesystem::path& path);
+// Whether there is a file that read_capture would take the poses from.
+bool has_poses(const std::filesystem::path& path);
 
 }  // namespace livegs

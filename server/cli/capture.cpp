@@ -5,11 +5,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "capture/capture.h"
 #include "capture/level.h"
-#include "cli/choose_device.h"
+#include "capture/read/pose_files.h"
 #include "cli/commands.h"
 #include "cli/place_photos.h"
 #include "cli/segment_room.h"
@@ -33,12 +34,14 @@ struct CaptureCommand {
   fs::path photos;
   TrainRun train;
   SegmentRequest segment;
-  std::string known;
-  double scale = 0;  // metres per unit of the poses; 0: 1, or a guess if the poses are found
+  std::optional<double> scale;  // metres per unit of the poses
 };
 
-bool has_vertical_axis(const Eigen::Vector3d& up) {
-  return up.cwiseAbs().maxCoeff() >= std::cos(kMaxFrameTilt_deg * M_PI / 180);
+// The axis that is nearest to `up`, as in a scene file.
+std::string axis_name(const Eigen::Vector3d& up) {
+  int axis = 0;
+  up.cwiseAbs().maxCoeff(&axis);
+  return std::string(up[axis] < 0 ? "-" : "") + "xyz"[axis];
 }
 
 Result<void> take_file(const fs::path& from, const fs::path& to) {
@@ -50,28 +53,32 @@ Result<void> take_file(const fs::path& from, const fs::path& to) {
   return {};
 }
 
-// Poses of the files, or found in `work`. `guessed` is set if the unit of length is arbitrary.
-Result<Capture> capture_of(const CaptureCommand& command, const fs::path& work, bool& guessed) {
-  auto capture = read_capture(command.photos);
-  std::error_code error;
-  guessed = !capture && capture.error().code == ErrorCode::NotFound &&
-            fs::is_directory(command.photos, error) && photo_folder(command.photos);
-  if (guessed) capture = place_photos(command.photos, work);
-  if (!capture) return capture;
-  for (const std::string& note : capture->notes) log_warn("%s: %s", command.photos.c_str(), note.c_str());
-  if (const Eigen::Vector3d up = photo_up(*capture); guessed || !has_vertical_axis(up))
-    level_capture(*capture, up);
-  return capture;
+// The photos with poses in a frame with a vertical axis.
+struct LevelCapture {
+  Capture capture;
+  std::string up;       // axis of the frame
+  bool placed = false;  // colmap found the poses in `work`, in an arbitrary unit
+};
+Result<LevelCapture> level_photos(const fs::path& photos, const fs::path& work) {
+  LevelCapture level;
+  std::error_code ignored;
+  level.placed = fs::exists(photos, ignored) && !has_poses(photos);
+  auto capture = level.placed ? place_photos(photos, work) : read_capture(photos);
+  if (!capture) return capture.error();
+  level.capture = std::move(*capture);
+  for (const std::string& note : level.capture.notes) log_warn("%s: %s", photos.c_str(), note.c_str());
+  Eigen::Vector3d up = photo_up(level.capture);
+  if (up.cwiseAbs().maxCoeff() < std::cos(kMaxFrameTilt_deg * M_PI / 180) || level.placed) {
+    level_capture(level.capture, up);
+    up = Eigen::Vector3d::UnitY();
+  }
+  level.up = axis_name(up);
+  return level;
 }
 
 int run(CaptureCommand command) {
   SegmentRequest& request = command.segment;
   if (auto checked = check_segment_folder(request.output); !checked) return report(checked.error());
-  if (!command.known.empty()) {
-    auto known = read_known_length(command.known);
-    if (!known) return report(known.error());
-    request.known = *known;
-  }
   const fs::path output = fs::absolute(request.output / ".").lexically_normal().parent_path();
   const fs::path work = output.string() + ".work";
   std::error_code error;
@@ -83,22 +90,25 @@ int run(CaptureCommand command) {
   fs::create_directories(work, error);
   if (error)
     return report({ErrorCode::PermissionDenied, work.string() + ": cannot be created: " + error.message()});
-  // Bad photos leave nothing behind.
-  const auto refuse = [&](const Error& why) {
-    if (!existed && why.code != ErrorCode::Unavailable) fs::remove_all(work, error);
-    return report(why);
-  };
-  bool guessed = false;
-  const auto capture = capture_of(command, work, guessed);
-  if (!capture) return refuse(capture.error());
+  auto level = level_photos(command.photos, work);
+  if (!level) {
+    // Bad photos leave nothing behind, but the log of a program that failed is kept.
+    if (!existed && level.error().code != ErrorCode::Unavailable) fs::remove_all(work, error);
+    return report(level.error());
+  }
+  const Capture& capture = level->capture;
 
   const fs::path splat = work / "captured.ply", picture = work / "captured.png";
   command.train.output = splat;
   const bool checkpoint = fs::exists(work / "captured.checkpoint", error);
   if (!fs::exists(splat, error) || checkpoint) {
     command.train.resume = checkpoint;
-    const auto outcome = run_training(*capture, command.train);
-    if (!outcome) return refuse(outcome.error());
+    const auto outcome = run_training(capture, command.train);
+    if (!outcome) {
+      if (!existed && !level->placed && !fs::exists(work / "captured.checkpoint", error))
+        fs::remove_all(work, error);
+      return report(outcome.error());
+    }
     if (outcome->interrupted) {
       std::printf("%s: stopped at step %zu of %zu; the same command with --resume continues\n", work.c_str(),
                   outcome->steps, command.train.train.steps);
@@ -110,12 +120,12 @@ int run(CaptureCommand command) {
   auto asset = read_asset(splat);
   if (!asset) return report(asset.error());
   request.name = splat.string();
-  request.cameras = capture->views;
-  request.scale = command.scale > 0 ? command.scale : 1.0;
-  const bool unknown = guessed && command.scale == 0 && !request.known;
-  if (unknown)
-    if (const double distance = median_distance(*capture); distance > 0)
-      request.scale = kAssumedDistance_m / distance;
+  request.cameras = capture.views;
+  request.up = level->up;
+  const bool unknown = level->placed && !command.scale;
+  request.scale = command.scale.value_or(1.0);
+  if (const double distance = median_distance(capture); unknown && distance > 0)
+    request.scale = kAssumedDistance_m / distance;
   const auto segmented = segment_room(std::move(asset->asset), request);
   if (!segmented) {
     log_warn("%s: kept; look at it with livegs render, or put it into a scene as its environment",
@@ -124,14 +134,13 @@ int run(CaptureCommand command) {
   }
   if (auto taken = take_file(splat, output / "captured.ply"); !taken) return report(taken.error());
   if (auto taken = take_file(picture, output / "captured.png"); !taken) return report(taken.error());
-  if (auto written = write_file_atomically(output / "transforms.json", transforms_text(*capture)); !written)
+  if (auto written = write_file_atomically(output / "transforms.json", transforms_text(capture)); !written)
     return report(written.error());
   fs::remove_all(work, error);
   if (unknown) {
     log_warn(
         "scale: unknown; %.3g m per unit assumes that the photos were taken %.3g m away. With the longest "
-        "side of "
-        "one thing: livegs segment %s --cameras %s --known part_01=METRES -o DIR",
+        "side of one thing: livegs segment %s --cameras %s --known part_01=METRES -o DIR",
         segmented->scale, kAssumedDistance_m, (output / "captured.ply").c_str(),
         (output / "transforms.json").c_str());
   }
@@ -163,25 +172,11 @@ void add_capture(CLI::App& app, int& exit_code) {
           "what is unfinished")
       ->required()
       ->type_name("DIR");
-  command->add_option("--steps", train.steps, "Number of training steps, one photo each")
-      ->check(CLI::Range(size_t{1}, kMaxTrainSteps))
-      ->capture_default_str();
-  command->add_option("--kernels", train.max_kernels, "Limit of the number of kernels")
-      ->check(CLI::Range(size_t{100}, kMaxTrainedKernels))
-      ->capture_default_str();
-  command->add_option("--size", train.longest_px, "Longest edge of the photos in training, pixels")
-      ->check(CLI::Range(32, 16384))
-      ->capture_default_str();
-  CLI::Option* scale =
-      command->add_option("--scale", options->scale, "Metres per unit of the poses (default: 1)")
-          ->check(CLI::Range(1e-6, 1e6));
+  add_train_options(*command, options->train);
   command
-      ->add_option(
-          "--known", options->known,
-          "A thing of an earlier run and its longest side in metres, such as part_03=0.21; sets the scale")
-      ->type_name("NAME=M")
-      ->excludes(scale);
-  add_device_option(*command, options->train.device);
+      ->add_option("--scale", options->scale,
+                   "Metres per unit of the poses (default: 1; if colmap finds them, a guess)")
+      ->check(CLI::Range(1e-6, 1e6));
   command->add_flag("--resume", options->train.resume, "Continue an interrupted run from DIR.work");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -58,8 +58,8 @@ Result<void> run_colmap(std::vector<std::string> words, const fs::path& log) {
       posix_spawnp(&process, "colmap", &actions, nullptr, arguments.data(), environment.data());
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0)
-    return Error{ErrorCode::Unavailable,
-                 "colmap: cannot be started; install it (Debian package colmap), or give photos with poses"};
+    return not_found(
+        "colmap: cannot be started; install it (Debian package colmap), or give photos with poses");
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
@@ -102,8 +102,8 @@ Result<Capture> place_photos(const fs::path& photos, const fs::path& work) {
     fs::create_directories(models, error);
     if (error)
       return Error{ErrorCode::PermissionDenied, models.string() + ": cannot be created: " + error.message()};
-    const auto step = [&](const char* does, std::vector<std::string> words) {
-      log_info("poses of %zu photos: %s", count, does);
+    const auto step = [&](const std::string& does, std::vector<std::string> words) {
+      log_info("poses of %zu photos: %s", count, does.c_str());
       return run_colmap(std::move(words), log);
     };
     if (auto ran = step("finding features (1 of 3)",
@@ -112,8 +112,9 @@ Result<Capture> place_photos(const fs::path& photos, const fs::path& work) {
                          "OPENCV", "--SiftExtraction.use_gpu", "0"});
         !ran)
       return ran.error();
-    if (auto ran = step("matching pairs (2 of 3)", {"exhaustive_matcher", "--database_path",
-                                                    database.string(), "--SiftMatching.use_gpu", "0"});
+    if (auto ran =
+            step(format_text("matching %zu pairs (2 of 3)", count * (count - 1) / 2),
+                 {"exhaustive_matcher", "--database_path", database.string(), "--SiftMatching.use_gpu", "0"});
         !ran)
       return ran.error();
     if (auto ran =

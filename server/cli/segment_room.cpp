@@ -131,9 +131,9 @@ Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& r
     found = find_parts(room.original, options);
   }
   if (!found) return Error{found.error().code, request.name + ": " + found.error().message};
-  if (found->parts.empty())
-    return invalid_data(request.name +
-                        ": has nothing that stands on a floor, a table or a wall; nothing was written");
+  const Error nothing = invalid_data(
+      request.name + ": has nothing that stands on a floor, a table or a wall; nothing was written");
+  if (found->parts.empty()) return nothing;
   room.scale = request.scale;
   if (request.known) {
     const size_t count = found->parts.size(), thing = request.known->thing;
@@ -156,6 +156,7 @@ Result<SegmentOutcome> segment_room(GaussianAsset asset, const SegmentRequest& r
                                   label_of(KernelKind::Fill, part.label)) != labelled.label.end();
     room.things.push_back({thing_name(part.label), std::move(thing), part, !filled});
   }
+  if (room.things.empty()) return nothing;
   room.room = room_without(labelled, taken);
   room.parts = std::move(*found);
   const SegmentOutcome outcome{room.things.size(), room.scale};

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "capture/capture.h"
-#include "cli/choose_device.h"
 #include "cli/commands.h"
 #include "cli/output_path.h"
 #include "cli/train_run.h"
@@ -59,15 +58,7 @@ void add_train(CLI::App& app, int& exit_code) {
                    "splat, with .checkpoint it keeps the state")
       ->required()
       ->type_name("FILE");
-  command->add_option("--steps", settings.steps, "Number of steps, one photo each")
-      ->check(CLI::Range(size_t{1}, kMaxTrainSteps))
-      ->capture_default_str();
-  command->add_option("--kernels", settings.max_kernels, "Limit of the number of kernels")
-      ->check(CLI::Range(size_t{100}, kMaxTrainedKernels))
-      ->capture_default_str();
-  command->add_option("--size", settings.longest_px, "Longest edge of the photos in training, pixels")
-      ->check(CLI::Range(32, 16384))
-      ->capture_default_str();
+  add_train_options(*command, run);
   command
       ->add_option("--shape", options->shape,
                    "Shape loss: needle (no long kernels), anisotropy (no flat ones either) or none")
@@ -82,7 +73,6 @@ void add_train(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(size_t{1}, kMaxTrainSteps))
       ->capture_default_str();
   command->add_option("--seed", settings.seed, "Seed of all random choices")->capture_default_str();
-  add_device_option(*command, run.device);
   command->add_flag("--ignore-masked", settings.ignore_masked, "Pixels whose mask is 0 do not count");
   command->add_flag("--resume", run.resume, "Continue from the checkpoint of an interrupted run");
   command->callback([options, &exit_code] { exit_code = train(*options); });

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <optional>
 
 #include "cli/choose_device.h"
@@ -12,8 +11,6 @@
 #include "gaussian/asset_file.h"
 
 namespace livegs {
-
-const int kInterruptedExit = 128 + SIGINT;
 
 namespace {
 
@@ -66,6 +63,19 @@ struct Progress {
 };
 
 }  // namespace
+
+void add_train_options(CLI::App& command, TrainRun& run) {
+  command.add_option("--steps", run.train.steps, "Number of training steps, one photo each")
+      ->check(CLI::Range(size_t{1}, kMaxTrainSteps))
+      ->capture_default_str();
+  command.add_option("--kernels", run.train.max_kernels, "Limit of the number of kernels")
+      ->check(CLI::Range(size_t{100}, kMaxTrainedKernels))
+      ->capture_default_str();
+  command.add_option("--size", run.train.longest_px, "Longest edge of the photos in training, pixels")
+      ->check(CLI::Range(32, 16384))
+      ->capture_default_str();
+  add_device_option(command, run.device);
+}
 
 Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run) {
   auto trainer = Trainer::start(capture, run.train);

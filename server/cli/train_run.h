@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <csignal>
 #include <filesystem>
 #include <string>
 
@@ -13,8 +15,8 @@ namespace livegs {
 
 // A training run that can be watched and interrupted.
 struct TrainRun {
-  std::filesystem::path
-      output;  // .ply or .spz; NAME.png shows a photo and the splat, NAME.checkpoint keeps the state
+  // NAME.ply or NAME.spz. NAME.png shows a photo and the splat, NAME.checkpoint keeps the state.
+  std::filesystem::path output;
   TrainOptions train;
   std::string device = "auto";  // see choose_device.h
   size_t every = 500;           // steps between a score, a picture and a checkpoint
@@ -27,7 +29,10 @@ struct TrainOutcome {
 };
 
 // Exit code of a run that Ctrl-C interrupted, as a shell reports it.
-extern const int kInterruptedExit;
+inline constexpr int kInterruptedExit = 128 + SIGINT;
+
+// Adds --steps, --kernels, --size and --device; the values of `run` are the defaults.
+void add_train_options(CLI::App& command, TrainRun& run);
 
 // Trains and writes the files. Ctrl-C ends the run after the current step, a second one the program.
 Result<TrainOutcome> run_training(const Capture& capture, const TrainRun& run);

@@ -12,7 +12,7 @@ namespace livegs {
 namespace {
 
 constexpr size_t kRightHand = 1;
-constexpr double kMaxScriptStep_s = 0.1;  // a tenth of the shortest pull of a script
+constexpr double kMaxScriptStep_s = 0.1;  // a tenth of the pull of --poke
 
 bool same(const HandSample& a, const HandSample& b) {
   return a.active == b.active && a.trigger == b.trigger && a.aim.position_m == b.aim.position_m &&

@@ -172,13 +172,13 @@ Result<StoredPicture> read_picture(const std::filesystem::path& path) {
   return picture;
 }
 
-Result<PictureSize> read_picture_size(const std::filesystem::path& path) {
+Result<PictureHeader> read_picture_header(const std::filesystem::path& path) {
   const auto bytes = read_file(path, kMaxPhotoBytes);
   if (!bytes) return bytes.error();
   if (is_jpeg(*bytes)) {
     const auto header = checked_header(*bytes);
     if (!header) return Error{header.error().code, path.string() + ": " + header.error().message};
-    return PictureSize{header->width, header->height};
+    return PictureHeader{header->width, header->height, header->orientation};
   }
   constexpr size_t kPngSizeOffset = 16;  // signature, length and name of IHDR
   if (!is_png(*bytes) || bytes->size() < kPngSizeOffset + 8)
@@ -191,7 +191,7 @@ Result<PictureSize> read_picture_size(const std::filesystem::path& path) {
   const uint32_t width = big_endian(kPngSizeOffset), height = big_endian(kPngSizeOffset + 4);
   if (width == 0 || height == 0 || width > (1u << 24) || height > (1u << 24))
     return invalid_data(path.string() + ": PNG: has no valid size");
-  return PictureSize{static_cast<int>(width), static_cast<int>(height)};
+  return PictureHeader{static_cast<int>(width), static_cast<int>(height)};
 }
 
 }  // namespace livegs

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "core/result.h"
-#include "splat/camera_file.h"
 #include "splat/image.h"
 
 // Photos as files: PNG and JPEG, by content. Any thread.
@@ -22,8 +21,12 @@ Result<StoredPicture> read_picture(const std::filesystem::path& path);
 Result<StoredPicture> decode_picture(std::span<const std::byte> bytes);
 Result<Image> decode_jpeg(std::span<const std::byte> bytes, int* orientation = nullptr);
 
-// Size as stored, from the header.
-Result<PictureSize> read_picture_size(const std::filesystem::path& path);
+// Size and orientation as stored, from the header.
+struct PictureHeader {
+  int width = 0, height = 0;
+  int orientation = 1;
+};
+Result<PictureHeader> read_picture_header(const std::filesystem::path& path);
 
 // The orientation of an EXIF block that starts with "Exif\0\0"; 1 if it is damaged or has none.
 int exif_orientation(std::span<const std::byte> exif);

@@ -4,17 +4,46 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <vector>
+
+#include "capture/picture/picture_file.h"
+#include "core/percentile.h"
 
 namespace livegs {
 namespace {
 
 // The right axes span a plane if the second eigenvalue of their mean outer product is at least this; it is
-// 0.5 for photos all around a place, 0.03 for photos within 40 degrees.
+// 0.5 for photos all around a place, 0.03 for photos within 35 degrees.
 constexpr double kMinSpan = 0.03;
 // Of cameras and of points in median_distance.
 constexpr size_t kMaxDistanceSamples = 200;
+
+// Right and up of the picture as it was taken, in the world; the sign of right is left open.
+struct PictureAxes {
+  Eigen::Vector3d right, up;
+};
+PictureAxes picture_axes(const CapturedView& view) {
+  const Camera& camera = view.camera;
+  const Eigen::Matrix3d axes = camera.world_from_camera.orientation.toRotationMatrix();
+  const auto stored = read_picture_header(view.picture);
+  int orientation = stored ? stored->orientation : 1;
+  // A pose file with the turned size has the pose of the turned picture.
+  if (stored && orientation >= 5 && (stored->width > stored->height) != (camera.width > camera.height))
+    orientation = 1;
+  switch (orientation) {
+    case 3:
+    case 4:
+      return {axes.col(0), -axes.col(1)};
+    case 5:
+    case 6:
+      return {axes.col(1), -axes.col(0)};
+    case 7:
+    case 8:
+      return {axes.col(1), axes.col(0)};
+    default:
+      return {axes.col(0), axes.col(1)};
+  }
+}
 
 }  // namespace
 
@@ -22,9 +51,9 @@ Eigen::Vector3d photo_up(const Capture& capture) {
   Eigen::Matrix3d outer = Eigen::Matrix3d::Zero();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const CapturedView& view : capture.views) {
-    const Eigen::Matrix3d axes = view.camera.world_from_camera.orientation.toRotationMatrix();
-    outer += axes.col(0) * axes.col(0).transpose();
-    mean += axes.col(1);
+    const PictureAxes axes = picture_axes(view);
+    outer += axes.right * axes.right.transpose();
+    mean += axes.up;
   }
   outer /= static_cast<double>(capture.views.size());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(outer);
@@ -52,40 +81,7 @@ double median_distance(const Capture& capture) {
       distances.push_back((capture.points[k].cast<double>() - eye).norm());
     }
   }
-  if (distances.empty()) return 0;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
-}
-
-std::string transforms_text(const Capture& capture) {
-  nlohmann::ordered_json file = {{"frames", nlohmann::ordered_json::array()}};
-  for (const CapturedView& view : capture.views) {
-    const Camera& camera = view.camera;
-    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-    matrix.topLeftCorner<3, 3>() = camera.world_from_camera.orientation.toRotationMatrix();
-    matrix.topRightCorner<3, 1>() = camera.world_from_camera.position_m;
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    for (int row = 0; row < 4; ++row)
-      rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
-    nlohmann::ordered_json frame = {{"file_path", std::filesystem::absolute(view.picture).string()},
-                                    {"transform_matrix", rows},
-                                    {"w", camera.width},
-                                    {"h", camera.height},
-                                    {"fl_x", camera.focal_x_px},
-                                    {"fl_y", camera.focal_y_px},
-                                    {"cx", camera.centre_x_px},
-                                    {"cy", camera.centre_y_px}};
-    if (!view.distortion.none()) {
-      frame["k1"] = view.distortion.k1;
-      frame["k2"] = view.distortion.k2;
-      frame["p1"] = view.distortion.p1;
-      frame["p2"] = view.distortion.p2;
-    }
-    if (!view.mask.empty()) frame["mask_path"] = std::filesystem::absolute(view.mask).string();
-    file["frames"].push_back(std::move(frame));
-  }
-  return file.dump(1) + "\n";
+  return distances.empty() ? 0 : median(std::move(distances));
 }
 
 }  // namespace livegs

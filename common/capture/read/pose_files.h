@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "capture/capture.h"
@@ -24,6 +25,8 @@ struct TransformsFile {
   Eigen::Matrix4d applied_transform = Eigen::Matrix4d::Identity();  // transforms world from COLMAP world
 };
 Result<TransformsFile> read_transforms_file(const std::filesystem::path& file);
+// The text of such a file for a capture, with absolute paths of photos and masks. Points are left out.
+std::string transforms_text(const Capture& capture);
 
 // A COLMAP model: cameras, images and points3D, all binary or all text. Other files are ignored.
 // Poses are world-to-camera, x right, y down, z forward.

@@ -178,6 +178,11 @@ Result<Capture> check_views(Capture capture, const fs::path& path) {
 
 }  // namespace
 
+bool has_poses(const fs::path& path) {
+  return is_file(path) || is_file(path / "transforms.json") || is_file(path / "transforms_train.json") ||
+         !colmap_folder(path).empty();
+}
+
 Result<Capture> read_capture(const fs::path& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return not_found(path.string() + ": no such file or folder");

@@ -104,7 +104,7 @@ Pose pose_of_matrix(const Eigen::Matrix4d& matrix, TransformsReader& reader) {
 void read_intrinsics(const Json& frame, const Json& file, TransformsReader& reader, CapturedView& view) {
   auto width = reader.number(frame, file, "w"), height = reader.number(frame, file, "h");
   if (!width || !height) {
-    const auto size = read_picture_size(view.picture);
+    const auto size = read_picture_header(view.picture);
     if (!size) return reader.fail("w and h are missing, and " + size.error().message);
     width = size->width;
     height = size->height;
@@ -167,6 +167,36 @@ Result<TransformsFile> read_transforms_file(const std::filesystem::path& file) {
   }
   if (reader.error()) return *reader.error();
   return result;
+}
+
+std::string transforms_text(const Capture& capture) {
+  nlohmann::ordered_json file = {{"frames", nlohmann::ordered_json::array()}};
+  for (const CapturedView& view : capture.views) {
+    const Camera& camera = view.camera;
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    matrix.topLeftCorner<3, 3>() = camera.world_from_camera.orientation.toRotationMatrix();
+    matrix.topRightCorner<3, 1>() = camera.world_from_camera.position_m;
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (int row = 0; row < 4; ++row)
+      rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
+    nlohmann::ordered_json frame = {{"file_path", std::filesystem::absolute(view.picture).string()},
+                                    {"transform_matrix", rows},
+                                    {"w", camera.width},
+                                    {"h", camera.height},
+                                    {"fl_x", camera.focal_x_px},
+                                    {"fl_y", camera.focal_y_px},
+                                    {"cx", camera.centre_x_px},
+                                    {"cy", camera.centre_y_px}};
+    if (!view.distortion.none()) {
+      frame["k1"] = view.distortion.k1;
+      frame["k2"] = view.distortion.k2;
+      frame["p1"] = view.distortion.p1;
+      frame["p2"] = view.distortion.p2;
+    }
+    if (!view.mask.empty()) frame["mask_path"] = std::filesystem::absolute(view.mask).string();
+    file["frames"].push_back(std::move(frame));
+  }
+  return file.dump(1) + "\n";
 }
 
 }  // namespace livegs

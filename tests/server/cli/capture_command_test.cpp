@@ -77,15 +77,13 @@ void write_text_model(const fs::path& folder, const Capture& capture) {
 
 class CaptureCommand : public testing::Test {
  protected:
-  Program capture(std::vector<std::string> more = {}) {
-    std::vector<std::string> words{"PATH=" + (folder / "bin").string() + ":/usr/bin:/bin",
-                                   LIVEGS_TOOL,
-                                   "capture",
-                                   (folder / "photos").string(),
-                                   "-o",
-                                   (folder / "desk").string(),
-                                   "--device",
-                                   "cpu"};
+  // `path` has the program colmap.
+  Program capture(std::vector<std::string> more = {}, std::string path = "") {
+    if (path.empty()) path = (folder / "bin").string() + ":/usr/bin:/bin";
+    std::vector<std::string> words{"PATH=" + path, LIVEGS_TOOL,
+                                   "capture",      (folder / "photos").string(),
+                                   "-o",           (folder / "desk").string(),
+                                   "--device",     "cpu"};
     words.insert(words.end(), more.begin(), more.end());
     words.insert(words.begin(), "/usr/bin/env");
     return Program(words);
@@ -161,7 +159,7 @@ TEST_F(CaptureCommand, PlacesAndLevelsPhotosWithoutPoses) {
 TEST_F(CaptureCommand, RefusesPhotosThatCannotBeUsed) {
   fs::create_directories(folder / "photos");
   write_colmap("exit 1");
-  expect_refused(capture(), "has no poses");
+  expect_refused(capture(), "has no photos");
   const auto photo = [&](int i) {
     EXPECT_TRUE(
         write_png(folder / "photos" / (std::to_string(i) + ".png"), Image{8, 8, std::vector<float>(256)}));
@@ -181,7 +179,12 @@ TEST_F(CaptureCommand, RefusesPhotosThatCannotBeUsed) {
   write_text_model(folder / "model", few);
   write_colmap("for a; do l=\"$a\"; done; cp -r " + (folder / "model").string() + " \"$l/0\"");
   expect_refused(capture({"--quiet"}), "only 3 of 8 photos could be placed together");
-  expect_refused(capture({"--known", "part_0=1"}), "--known");
+  // Poses of photos that are gone are no reason to look for others.
+  write_text_model(folder / "photos" / "sparse" / "0", few);
+  for (int i = 0; i < 3; ++i) fs::remove(folder / "photos" / (std::to_string(i) + ".png"));
+  expect_refused(capture({"--quiet"}), "none of the 3 photos exists");
+  fs::remove_all(folder / "photos" / "sparse");
+  expect_refused(capture({"--quiet"}, "/nowhere"), "colmap: cannot be started; install it");
 }
 
 TEST_F(CaptureCommand, AnInterruptedRunContinues) {
@@ -194,7 +197,6 @@ TEST_F(CaptureCommand, AnInterruptedRunContinues) {
   Program again = capture();
   EXPECT_EQ(again.wait(), 2);
   EXPECT_NE(again.err().find("--resume"), std::string::npos) << again.err();
-  // Kernels in the air have nothing that stands, but the splat is kept.
   Program resumed = capture({"--steps", "100000", "--resume"});
   ASSERT_TRUE(resumed.says_often("step ", 1)) << resumed.err();
   resumed.send(SIGINT);

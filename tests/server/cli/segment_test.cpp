@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "capture/capture.h"
-#include "capture/level.h"
+#include "capture/read/pose_files.h"
 #include "core/file.h"
 #include "gaussian/asset_file.h"
 #include "sample/made_room.h"
