@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/nearest_word.h"
+#include "core/shown_text.h"
 
 namespace livegs {
 namespace {
@@ -26,14 +27,10 @@ using google::protobuf::EnumDescriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::OneofDescriptor;
 
-// Longest part of a user's text in a message.
+// Longest part of a user's text in a message, in characters.
 constexpr size_t kMaxShown = 40;
 
-std::string quoted(std::string_view text) {
-  std::string shown = "\"";
-  for (const char c : text.substr(0, kMaxShown)) shown += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  return shown + (text.size() > kMaxShown ? "…\"" : "\"");
-}
+std::string quoted_input(std::string_view text) { return quoted_name(text, kMaxShown); }
 
 // "a, b or c".
 std::string choice_of(const std::vector<std::string>& words) {
@@ -45,7 +42,7 @@ std::string choice_of(const std::vector<std::string>& words) {
 
 std::string suggestion(std::string_view word, const std::vector<std::string>& words) {
   const std::string_view near = nearest_word(word, words);
-  return near.empty() ? "" : "; did you mean " + quoted(near) + "?";
+  return near.empty() ? "" : "; did you mean " + quoted_input(near) + "?";
 }
 
 class Reader {
@@ -83,14 +80,15 @@ class Reader {
       if (!read_string(key)) return false;
       const FieldDescriptor* field = field_of(type, key);
       if (!field) return fail_unknown(key_at, type, key);
-      if (!given.insert(field).second) return fail_at(key_at, quoted(key) + " is given twice; remove one");
+      if (!given.insert(field).second)
+        return fail_at(key_at, quoted_input(key) + " is given twice; remove one");
       if (const OneofDescriptor* oneof = field->real_containing_oneof()) {
         if (const auto [other, first] = chosen.emplace(oneof, key); !first)
-          return fail_at(key_at,
-                         quoted(other->second) + " and " + quoted(key) + " exclude each other; remove one");
+          return fail_at(key_at, quoted_input(other->second) + " and " + quoted_input(key) +
+                                     " exclude each other; remove one");
       }
       if (!skip()) return false;
-      if (!take(':')) return fail_missing("a colon after " + quoted(key), begin);
+      if (!take(':')) return fail_missing("a colon after " + quoted_input(key), begin);
       path_.push_back((path_.empty() ? "" : ".") + key);
       if (!skip() || !read_field(*field, begin)) return false;
       path_.pop_back();
@@ -146,10 +144,11 @@ class Reader {
       if (at_ == text_.size()) return fail_end(begin);
       if (text_[at_] != '"') return fail("is not JSON: an entry begins with its name in quotes");
       if (!read_string(key)) return false;
-      if (!given.insert(key).second) return fail_at(key_at, quoted(key) + " is given twice; remove one");
+      if (!given.insert(key).second)
+        return fail_at(key_at, quoted_input(key) + " is given twice; remove one");
       if (!skip()) return false;
-      if (!take(':')) return fail_missing("a colon after " + quoted(key), begin);
-      path_.push_back("[" + quoted(key) + "]");
+      if (!take(':')) return fail_missing("a colon after " + quoted_input(key), begin);
+      path_.push_back("[" + quoted_input(key) + "]");
       if (!skip() || !read_value(value, begin)) return false;
       path_.pop_back();
       if (!read_separator('}', begin, more)) return false;
@@ -299,7 +298,7 @@ class Reader {
       for (size_t i = 0; i < names.size(); ++i)
         remedy += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
     }
-    return fail_at(at, "unknown field " + quoted(key) + remedy);
+    return fail_at(at, "unknown field " + quoted_input(key) + remedy);
   }
 
   // The token at a position: letters, digits and the signs of numbers.
@@ -317,7 +316,7 @@ class Reader {
     const char c = text_[at_];
     if (c == '{') return ", not an object";
     if (c == '[') return ", not a list";
-    if (c == '"') return ", not " + quoted(text_.substr(at_ + 1, text_.find('"', at_ + 1) - at_ - 1));
+    if (c == '"') return ", not " + quoted_input(text_.substr(at_ + 1, text_.find('"', at_ + 1) - at_ - 1));
     const std::string_view token = token_at(at_);
     return token.empty() ? std::string(", not ") + c : ", not " + std::string(token.substr(0, kMaxShown));
   }
@@ -368,7 +367,7 @@ class Reader {
     std::string path, name;
     for (const std::string& part : path_) path += part;
     for (const std::string& one : names_) name = one.empty() ? name : one;
-    if (!path.empty()) path += (name.empty() ? "" : " of " + quoted(name)) + ": ";
+    if (!path.empty()) path += (name.empty() ? "" : " of " + quoted_input(name)) + ": ";
     error_ = position(at) + ": " + path + what;
     return false;
   }

@@ -2,8 +2,9 @@
 # Headers that most files include and that rarely change are precompiled once for the rooms and once for the tests.
 # Targets with CGAL are excluded: its rounding flags differ.
 option(LIVEGS_PRECOMPILE "Precompile the headers of Eigen, GoogleTest and the standard library" ON)
-set(LIVEGS_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory>
-                          <optional> <span> <string> <variant> <vector>)
+set(LIVEGS_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <algorithm> <array> <atomic> <chrono> <cmath>
+                          <condition_variable> <cstdint> <deque> <filesystem> <fstream> <functional> <map> <memory> <mutex>
+                          <optional> <random> <set> <span> <sstream> <string> <thread> <unordered_map> <variant> <vector>)
 
 # livegs_precompile(TARGET common|tests LIBRARIES...): uses the precompiled headers unless a library is CGAL's.
 function(livegs_precompile target set)
@@ -21,17 +22,18 @@ function(livegs_precompile target set)
       find_package(GTest REQUIRED)
       target_compile_options(livegs_headers_${set} PRIVATE ${LIVEGS_TEST_FLAGS})
       target_link_libraries(livegs_headers_${set} PRIVATE GTest::gtest)
-      list(APPEND headers <Eigen/LU> <fstream> <gtest/gtest.h> <random> <sstream>)
+      list(APPEND headers <gtest/gtest.h>)
     endif()
     target_precompile_headers(livegs_headers_${set} PRIVATE ${headers})
   endif()
   target_precompile_headers(${target} REUSE_FROM livegs_headers_${set})
 endfunction()
 
-# Compiles several sources of a target as one unit, so that headers and templates are parsed once. OFF shortens the rebuild
-# after an edit of one file.
+# Compiles several sources of a target as one unit, so that headers are parsed and templates instantiated once. OFF shortens
+# the rebuild after an edit of one file.
 option(LIVEGS_UNITY "Compile the sources of a target in batches" ON)
-set(LIVEGS_UNITY_BATCH 8)
+set(LIVEGS_UNITY_BATCH 24 CACHE STRING
+    "Sources in a batch; more take less processor time, and up to 2 GB of memory for each process of the compiler")
 
 # Test sources are compiled for a short build; the code under test is optimised in its own room.
 set(LIVEGS_TEST_FLAGS "-O1;-g0" CACHE STRING "Compile options of test sources")
@@ -65,6 +67,8 @@ function(livegs_add_test_support name)
   target_link_libraries(${name} PUBLIC ${TEST_LINK} PRIVATE livegs::options)
   target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR}/tests)
   target_compile_options(${name} PRIVATE ${LIVEGS_TEST_FLAGS})
+  livegs_precompile(${name} tests ${TEST_LINK})
+  livegs_unite(${name})
 endfunction()
 
 # livegs_add_test_program(NAME SOURCES ... LINK ...): a GoogleTest program without a ctest entry.

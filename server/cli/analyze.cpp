@@ -25,6 +25,7 @@
 #include "core/file.h"
 #include "core/help_format.h"
 #include "core/log.h"
+#include "core/shown_text.h"
 #include "scene/views/scene_analysis.h"
 
 namespace livegs {
@@ -61,15 +62,14 @@ Result<SceneText> scene_of(const AnalyzeCommand& options) {
 }
 
 // Names may contain control characters that move a terminal's cursor or change its title.
-std::string shown(const std::string& name) { return shown_text(name, 80); }
 std::string shown_message(const std::string& message) { return shown_text(message, 1000); }
 
 // Printed while the rest of the scene is loaded and the model is queried.
 void print_first(const SceneObject& object) {
   const v1::EstimatedValue& mass = object.physics.mass_kg();
-  std::fprintf(stderr, "%s: first estimate %.4g g (%.4g to %.4g) of %s, %s\n", shown(object.name).c_str(),
-               1e3 * mass.best(), 1e3 * mass.low(), 1e3 * mass.high(),
-               shown(object.physics.material()).c_str(),
+  std::fprintf(stderr, "%s: first estimate %.4g g (%.4g to %.4g) of %s, %s\n",
+               shown_line(object.name).c_str(), 1e3 * mass.best(), 1e3 * mass.low(), 1e3 * mass.high(),
+               shown_line(object.physics.material()).c_str(),
                v1::Physics::Behavior_Name(object.physics.behavior()).c_str());
 }
 
@@ -100,7 +100,7 @@ const char* verdict_text(const AnalysisUpdate& update) {
 }
 
 void print_progress(const std::string& object, const AnalysisUpdate& update) {
-  const std::string name = shown(object);
+  const std::string name = shown_line(object);
   switch (update.stage) {
     case AnalysisStage::Offline:
       break;  // printed by print_first
@@ -136,14 +136,14 @@ Result<v1::PhysicalParameters> outcome(const SceneAnalysis::Object& object, cons
   if (update.judgement.verdict == Verdict::Accepted) *file.mutable_physics() = update.parameters;
   std::string note;
   auto layered = layered_physics(file, object.written, *object.target.facts, note);
-  if (!note.empty()) log_warn("%s: %s", shown(object.name).c_str(), note.c_str());
+  if (!note.empty()) log_warn("%s: %s", shown_line(object.name).c_str(), note.c_str());
   if (layered) *layered->mutable_longest_side_m() = object.target.offline.longest_side_m();
   return layered;
 }
 
 // Stores an answer in the sidecar. An offline estimate never overwrites the answer of a model.
 Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& update, bool asked) {
-  const std::string name = shown(object.name);
+  const std::string name = shown_line(object.name);
   if (object.physics_file.empty()) {
     std::fprintf(stderr, "%s: the object has no sidecar file; write the values into the scene file\n",
                  name.c_str());
@@ -194,7 +194,7 @@ Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object
   std::error_code made;
   fs::create_directories(folder, made);
   if (!views)
-    log_warn("%s: views could not be drawn: %s", shown(object.name).c_str(),
+    log_warn("%s: views could not be drawn: %s", shown_line(object.name).c_str(),
              shown_message(views.error().message).c_str());
   const fs::path page = folder / (object_file_name(object.name) + ".html");
   auto written = write_file_atomically(
@@ -223,7 +223,7 @@ int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
     std::printf("%s\n", nlohmann::ordered_json{{"objects", std::move(objects)}}.dump(1).c_str());
   } else if (scene) {
     print_table_head();
-    for (const Analysed& one : all) print_table_row(shown(one.object->name), one.parameters);
+    for (const Analysed& one : all) print_table_row(shown_line(one.object->name), one.parameters);
   } else {
     for (const Analysed& one : all) print_parameters(one.parameters);
   }
@@ -283,7 +283,7 @@ int run(const AnalyzeCommand& options) {
   // With an endpoint, views are drawn while requests for other objects are pending.
   for (size_t i = 0; explained && !*endpoint && i < targets->size(); ++i) {
     std::fprintf(stderr, "%s: drawing views, %zu of %zu\n",
-                 shown(object_of((*targets)[i].object_id)->name).c_str(), i + 1, targets->size());
+                 shown_line(object_of((*targets)[i].object_id)->name).c_str(), i + 1, targets->size());
     (void)views.of((*targets)[i].object_id, options.views);
   }
   std::vector<Analysed> all(targets->size());

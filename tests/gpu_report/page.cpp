@@ -16,7 +16,7 @@ constexpr double kGoalDraw_ms = 3;
 constexpr double kGoalShare = 0.6;         // of the bandwidth of a copy, in skin and in sort
 constexpr double kGoalBytesAKernel = 256;  // of device memory, with three bands and two eyes
 
-std::string quoted(const std::string& text) {
+std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -167,14 +167,14 @@ std::string counts_text(const Report& report) {
 
 std::string device_csv(const DeviceFacts& device) {
   std::string text = "property,value\n";
-  for (const auto& [property, value] : device.all) text += property + "," + quoted(value) + "\n";
+  for (const auto& [property, value] : device.all) text += property + "," + csv_field(value) + "\n";
   return text;
 }
 
 std::string parity_csv(const Parity& parity) {
   std::string text = "suite,test,verdict,milliseconds\n";
   for (const ParityRow& row : parity.rows)
-    text += format_text("%s,%s,%s,%.0f\n", quoted(row.suite).c_str(), quoted(row.test).c_str(),
+    text += format_text("%s,%s,%s,%.0f\n", csv_field(row.suite).c_str(), csv_field(row.test).c_str(),
                         row.verdict.c_str(), row.ms);
   return text;
 }

@@ -55,8 +55,4 @@ struct Answer {
 Result<Answer> read_answer(std::string_view text,
                            const MessageTemplates& words = MessageTemplates::built_in());
 
-// Sanitises a model's text for display: removes control characters and invalid UTF-8, truncates at
-// `characters`.
-std::string shown_text(std::string_view text, size_t characters);
-
 }  // namespace livegs

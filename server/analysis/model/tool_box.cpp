@@ -18,7 +18,7 @@ constexpr std::size_t kMaxArgumentLength = 16 << 10, kMaxResultLength = 4 << 10;
 constexpr std::size_t kMaxParts = 32, kMaxHits = 8, kMaxSceneObjects = 12;
 constexpr double kMaxLength_m = 100, kMaxPartDensity_kg_m3 = 23000;
 
-using Answer = OrderedJson;
+using ToolAnswer = OrderedJson;
 
 // Rounds to four digits: the precision of a table range, and short.
 double rounded(double value) {
@@ -27,11 +27,13 @@ double rounded(double value) {
   return std::strtod(text, nullptr);
 }
 
-Answer range(double low, double best, double high, double factor = 1.0) {
+ToolAnswer range(double low, double best, double high, double factor = 1.0) {
   return {{"low", rounded(low * factor)}, {"best", rounded(best * factor)}, {"high", rounded(high * factor)}};
 }
-Answer range(const Span3& span, double factor = 1.0) { return range(span.low, span.best, span.high, factor); }
-Answer range(const v1::EstimatedValue& value, double factor = 1.0) {
+ToolAnswer range(const Span3& span, double factor = 1.0) {
+  return range(span.low, span.best, span.high, factor);
+}
+ToolAnswer range(const v1::EstimatedValue& value, double factor = 1.0) {
   return range(value.low(), value.best(), value.high(), factor);
 }
 
@@ -50,7 +52,7 @@ std::string fill_name(v1::Physics::Fill fill) {
   }
 }
 
-Answer describe(const KnowledgeHit& hit) {
+ToolAnswer describe(const KnowledgeHit& hit) {
   if (hit.material) {
     const MaterialRow& row = *hit.material;
     return {{"id", hit.id},
@@ -125,17 +127,17 @@ class Arguments {
   std::string error_;
 };
 
-Answer material_search(const ToolBox&, Arguments& in) {
+ToolAnswer material_search(const ToolBox&, Arguments& in) {
   const std::string query = in.text("query");
   const double count = in.optional_number("k", 1, kMaxHits).value_or(3);
-  Answer hits = Answer::array();
+  ToolAnswer hits = ToolAnswer::array();
   for (const KnowledgeHit& hit : search_knowledge(query, static_cast<std::size_t>(count))) {
     hits.push_back(describe(hit));
   }
   return {{"hits", hits}};
 }
 
-Answer kb_get(const ToolBox&, Arguments& in) {
+ToolAnswer kb_get(const ToolBox&, Arguments& in) {
   const KnowledgeHit hit = find_knowledge(in.text("id"));
   if (!hit.material && !hit.object) {
     in.wrong("no_row");
@@ -144,7 +146,7 @@ Answer kb_get(const ToolBox&, Arguments& in) {
   return describe(hit);
 }
 
-Answer category_prior(const ToolBox& box, Arguments& in) {
+ToolAnswer category_prior(const ToolBox& box, Arguments& in) {
   ObjectFacts facts = box.object();
   facts.name = in.text("name");
   const std::optional<double> sizes[3] = {in.optional_number("length_m", 1e-4, kMaxLength_m),
@@ -178,27 +180,27 @@ Answer category_prior(const ToolBox& box, Arguments& in) {
     return {};
   }
   const v1::PhysicalParameters estimate = estimate_offline(facts);
-  Answer answer = {{"taken_for", estimate.label()},
-                   {"material_id", estimate.material()},
-                   {"fill", fill_name(estimate.fill())},
-                   {"mass_g", range(estimate.mass_kg(), 1e3)},
-                   {"young_mpa", range(estimate.youngs_modulus_pa(), 1e-6)},
-                   {"structure_s", range(estimate.structure_coefficient())},
-                   {"fragile", estimate.fragile()},
-                   {"confidence", rounded(estimate.confidence())}};
+  ToolAnswer answer = {{"taken_for", estimate.label()},
+                       {"material_id", estimate.material()},
+                       {"fill", fill_name(estimate.fill())},
+                       {"mass_g", range(estimate.mass_kg(), 1e3)},
+                       {"young_mpa", range(estimate.youngs_modulus_pa(), 1e-6)},
+                       {"structure_s", range(estimate.structure_coefficient())},
+                       {"fragile", estimate.fragile()},
+                       {"confidence", rounded(estimate.confidence())}};
   if (estimate.wall_thickness_m().best() > 0) answer["wall_mm"] = range(estimate.wall_thickness_m(), 1e3);
   if (usual.best_m > 0) answer["usual_longest_side_m"] = range(usual.low_m, usual.best_m, usual.high_m);
   return answer;
 }
 
-Answer mass_from_parts(const ToolBox& box, Arguments& in) {
+ToolAnswer mass_from_parts(const ToolBox& box, Arguments& in) {
   const Json* parts = in.array("parts");
   if (!parts) return {};
   if (parts->empty() || parts->size() > kMaxParts) {
     in.wrong("part_count", {{"most", std::to_string(kMaxParts)}});
     return {};
   }
-  Answer list = Answer::array();
+  ToolAnswer list = ToolAnswer::array();
   Span3 total;
   for (std::size_t i = 0; i < parts->size(); ++i) {
     Arguments part((*parts)[i], box.words());
@@ -221,14 +223,14 @@ Answer mass_from_parts(const ToolBox& box, Arguments& in) {
   return {{"mass_g", range(total, 1e3)}, {"parts", list}};
 }
 
-Answer shell_mass(const ToolBox&, Arguments& in) {
+ToolAnswer shell_mass(const ToolBox&, Arguments& in) {
   const double area_m2 = in.number("area_m2", 0, 1e4);
   const double thickness_mm = in.number("thickness_mm", 0, 1e4);
   const double density_kg_m3 = in.number("density_kg_m3", 1, kMaxPartDensity_kg_m3);
   return {{"mass_g", rounded(area_m2 * thickness_mm * 1e-3 * density_kg_m3 * 1e3)}};
 }
 
-Answer convert_units(const ToolBox& box, Arguments& in) {
+ToolAnswer convert_units(const ToolBox& box, Arguments& in) {
   const double value = in.number("value", -1e15, 1e15);
   const std::string from = in.text("from"), to = in.text("to");
   if (!in.error().empty()) return {};
@@ -240,7 +242,7 @@ Answer convert_units(const ToolBox& box, Arguments& in) {
   return {{"value", *converted}, {"unit", to}};
 }
 
-Answer resistance(const ToolBox&, Arguments& in) {
+ToolAnswer resistance(const ToolBox&, Arguments& in) {
   const double young_mpa = in.number("young_mpa", 0, 3e5);
   const double s = in.optional_number("structure_s", 0, 1).value_or(1.0);
   const double effective_pa = young_mpa * 1e6 * s;
@@ -249,7 +251,7 @@ Answer resistance(const ToolBox&, Arguments& in) {
           {"rigid", effective_pa > 200e6}};
 }
 
-Answer mesh_facts_of(const ToolBox& box, Arguments& in) {
+ToolAnswer mesh_facts_of(const ToolBox& box, Arguments& in) {
   const MeshFacts& mesh = box.object().mesh;
   if (!(mesh.volume_m3 > 0)) {
     in.wrong("not_measured");
@@ -268,13 +270,13 @@ Answer mesh_facts_of(const ToolBox& box, Arguments& in) {
           {"rod", rounded(mesh.rod)}};
 }
 
-Answer list_scene_objects(const ToolBox& box, Arguments&) {
-  Answer list = Answer::array();
+ToolAnswer list_scene_objects(const ToolBox& box, Arguments&) {
+  ToolAnswer list = ToolAnswer::array();
   const auto& scene = box.scene();
   // The newest are last.
   for (std::size_t i = scene.size() - std::min(scene.size(), kMaxSceneObjects); i < scene.size(); ++i) {
     const SceneObjectFacts& object = scene[i];
-    Answer line = {{"name", quoted_text(object.name)}};
+    ToolAnswer line = {{"name", quoted_text(object.name)}};
     if (!object.material.empty()) line["material"] = plain_text(object.material, 60);
     if (!object.behavior.empty()) line["behaviour"] = plain_text(object.behavior, 20);
     if (object.mass_kg > 0 && std::isfinite(object.mass_kg)) line["mass_g"] = rounded(object.mass_kg * 1e3);
@@ -291,34 +293,38 @@ Answer list_scene_objects(const ToolBox& box, Arguments&) {
 // --- the one place where a tool is declared
 // ---------------------------------------------------------------------
 
-enum class Kind { Number, OptionalNumber, Text, Parts };
+enum class ValueKind { Number, OptionalNumber, Text, Parts };
 struct Parameter {
   const char* name;
-  Kind kind;
+  ValueKind kind;
 };
 struct Tool {
   const char* name;
   std::vector<Parameter> parameters;
-  Answer (*function)(const ToolBox&, Arguments&);
+  ToolAnswer (*function)(const ToolBox&, Arguments&);
 };
 
 const std::vector<Tool>& tools() {
   static const std::vector<Tool> all = {
-      {"material_search", {{"query", Kind::Text}, {"k", Kind::OptionalNumber}}, material_search},
-      {"kb_get", {{"id", Kind::Text}}, kb_get},
+      {"material_search", {{"query", ValueKind::Text}, {"k", ValueKind::OptionalNumber}}, material_search},
+      {"kb_get", {{"id", ValueKind::Text}}, kb_get},
       {"category_prior",
-       {{"name", Kind::Text},
-        {"length_m", Kind::OptionalNumber},
-        {"width_m", Kind::OptionalNumber},
-        {"height_m", Kind::OptionalNumber}},
+       {{"name", ValueKind::Text},
+        {"length_m", ValueKind::OptionalNumber},
+        {"width_m", ValueKind::OptionalNumber},
+        {"height_m", ValueKind::OptionalNumber}},
        category_prior},
-      {"mass_from_parts", {{"parts", Kind::Parts}}, mass_from_parts},
+      {"mass_from_parts", {{"parts", ValueKind::Parts}}, mass_from_parts},
       {"shell_mass",
-       {{"area_m2", Kind::Number}, {"thickness_mm", Kind::Number}, {"density_kg_m3", Kind::Number}},
+       {{"area_m2", ValueKind::Number},
+        {"thickness_mm", ValueKind::Number},
+        {"density_kg_m3", ValueKind::Number}},
        shell_mass},
-      {"convert_units", {{"value", Kind::Number}, {"from", Kind::Text}, {"to", Kind::Text}}, convert_units},
+      {"convert_units",
+       {{"value", ValueKind::Number}, {"from", ValueKind::Text}, {"to", ValueKind::Text}},
+       convert_units},
       {"deformation_resistance",
-       {{"young_mpa", Kind::Number}, {"structure_s", Kind::OptionalNumber}},
+       {{"young_mpa", ValueKind::Number}, {"structure_s", ValueKind::OptionalNumber}},
        resistance},
       {"mesh_facts", {}, mesh_facts_of},
       {"list_scene_objects", {}, list_scene_objects}};
@@ -330,21 +336,21 @@ OrderedJson schema_of(const std::vector<Parameter>& parameters) {
   for (const Parameter& parameter : parameters) {
     required.push_back(parameter.name);
     switch (parameter.kind) {
-      case Kind::Number:
+      case ValueKind::Number:
         properties[parameter.name] = {{"type", "number"}};
         break;
-      case Kind::OptionalNumber:
+      case ValueKind::OptionalNumber:
         properties[parameter.name] = {{"type", {"number", "null"}}};
         break;
-      case Kind::Text:
+      case ValueKind::Text:
         properties[parameter.name] = {{"type", "string"}};
         break;
-      case Kind::Parts:
+      case ValueKind::Parts:
         properties[parameter.name] = {{"type", "array"},
-                                      {"items", schema_of({{"material_id", Kind::Text},
-                                                           {"volume_cm3", Kind::OptionalNumber},
-                                                           {"area_cm2", Kind::OptionalNumber},
-                                                           {"thickness_mm", Kind::OptionalNumber}})}};
+                                      {"items", schema_of({{"material_id", ValueKind::Text},
+                                                           {"volume_cm3", ValueKind::OptionalNumber},
+                                                           {"area_cm2", ValueKind::OptionalNumber},
+                                                           {"thickness_mm", ValueKind::OptionalNumber}})}};
         break;
     }
   }
@@ -385,7 +391,7 @@ std::string ToolBox::call(std::string_view name, std::string_view arguments) con
   if (parsed && parsed->is_string()) parsed = parse_json(parsed->get<std::string>());
   if (!parsed || !parsed->is_object()) return error_text(words_->say("arguments_no_object"));
   Arguments in(*parsed, *words_);
-  const Answer answer = tool->function(*this, in);
+  const ToolAnswer answer = tool->function(*this, in);
   if (!in.error().empty()) return error_text(in.error());
   std::string result = dump_json(answer);
   if (result.size() > kMaxResultLength) return error_text(words_->say("result_too_long"));

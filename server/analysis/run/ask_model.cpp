@@ -5,6 +5,7 @@
 
 #include "analysis/model/fact_slots.h"
 #include "core/content_hash.h"
+#include "core/shown_text.h"
 
 namespace livegs {
 namespace {

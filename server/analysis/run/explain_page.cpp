@@ -6,6 +6,7 @@
 
 #include "analysis/estimate/physics_values.h"
 #include "core/format_text.h"
+#include "core/shown_text.h"
 
 namespace livegs {
 namespace {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/mesh/mesh_topology.h"
+#include "geometry/mesh/planar_hull.h"
 
 namespace livegs {
 namespace {
@@ -49,29 +50,6 @@ std::vector<Eigen::Vector3d> directions_of(const TriangleMesh& hull) {
   return directions;
 }
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
-  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-}
-
-// Returns the convex hull of points in the plane, counter-clockwise (Andrew 1979).
-std::vector<Eigen::Vector2d> hull_of(std::vector<Eigen::Vector2d> points) {
-  std::sort(points.begin(), points.end(),
-            [](const auto& a, const auto& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
-  std::vector<Eigen::Vector2d> hull(2 * points.size());
-  size_t count = 0;
-  for (int side = 0; side < 2; ++side) {
-    const size_t start = count;
-    for (const Eigen::Vector2d& point : points) {
-      while (count >= start + 2 && cross(hull[count - 2], hull[count - 1], point) <= 0) --count;
-      hull[count++] = point;
-    }
-    --count;
-    std::reverse(points.begin(), points.end());
-  }
-  hull.resize(count);
-  return hull;
-}
-
 Eigen::Vector2d smallest_rectangle(const std::vector<Eigen::Vector2d>& polygon) {
   Eigen::Vector2d best = Eigen::Vector2d::Constant(INFINITY);
   for (size_t i = 0; i < polygon.size(); ++i) {
@@ -102,7 +80,7 @@ Eigen::Vector3d smallest_box_m(const TriangleMesh& hull) {
       low = std::min(low, direction.dot(vertex));
       high = std::max(high, direction.dot(vertex));
     }
-    const Eigen::Vector2d rectangle = smallest_rectangle(hull_of(std::move(shadow)));
+    const Eigen::Vector2d rectangle = smallest_rectangle(planar_hull(std::move(shadow)));
     if (!rectangle.allFinite()) continue;
     const Eigen::Vector3d box(rectangle.x(), rectangle.y(), high - low);
     if (box.prod() < best.prod()) best = box;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/mesh/planar_hull.h"
+
 namespace livegs {
 namespace {
 
@@ -18,27 +20,6 @@ constexpr double kPlaneStep = 0.005, kHighestPlane = 0.1, kBaseHeight = 0.02;
 constexpr double kMaxWidening = 20.0;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-// Convex hull, counter-clockwise (Andrew 1979, monotone chain).
-std::vector<Vector2d> hull_of(std::vector<Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const Vector2d& a, const Vector2d& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() < 3) return {};
-  std::vector<Vector2d> hull;
-  const auto chain = [&](const Vector2d& point, size_t kept) {
-    while (hull.size() >= kept + 2 && cross(hull.back() - hull[hull.size() - 2], point - hull.back()) <= 0.0)
-      hull.pop_back();
-    hull.push_back(point);
-  };
-  for (const Vector2d& point : points) chain(point, 0);
-  const size_t lower = hull.size() - 1;
-  for (size_t i = points.size() - 1; i-- > 0;) chain(points[i], lower);
-  hull.pop_back();
-  if (hull.size() < 3) return {};  // collinear
-  return hull;
-}
 
 // Least signed distance from the edges of a hull; negative outside.
 double inside_m(const std::vector<Vector2d>& hull, const Vector2d& point) {
@@ -72,7 +53,7 @@ std::optional<StandingBase> standing_base(std::span<const Vector3d> points_m,
     for (const Vector3d& point : points_m) {
       if (point.y() <= plane + kBaseHeight * height) base.push_back(on_floor(point));
     }
-    std::vector<Vector2d> hull = hull_of(std::move(base));
+    std::vector<Vector2d> hull = planar_hull(std::move(base));
     if (hull.empty() || centre_of_mass_m.y() <= plane) continue;
     const double margin = inside_m(hull, centre) / (centre_of_mass_m.y() - plane);
     if (best && margin <= best->margin) continue;

@@ -19,8 +19,8 @@ namespace {
 using Eigen::Vector2i;
 using Eigen::Vector3d;
 
-constexpr double kFoot_voxels = 2.5;      // height of a thing that counts as its foot
-constexpr double kFootCell_voxels = 1.2;  // cells of the area of a foot; below one it falls apart
+constexpr double kThingFoot_voxels = 2.5;  // height of a thing that counts as its foot
+constexpr double kFootCell_voxels = 1.2;   // cells of the area of a foot; below one it falls apart
 // Width around the foot in which kernels of the room carry colours of the thing; less leaves a ring of them,
 // more replaces what was seen.
 constexpr double kMargin_voxels = 1.2;
@@ -238,7 +238,7 @@ PlanePicture look_at_plane(const SplitRoom& room, const RoomParts& parts, const 
     if (room.label[k] == kRoomLabel) {
       append_kernel(near, room.asset, k);
       source.push_back(static_cast<uint32_t>(k));
-    } else if (room.label[k] != thing && plane.height_m(p) < kFoot_voxels * parts.voxel_m) {
+    } else if (room.label[k] != thing && plane.height_m(p) < kThingFoot_voxels * parts.voxel_m) {
       if (const auto pixel = pixel_of(p)) others[*pixel] = 1;
     }
   }
@@ -413,7 +413,7 @@ BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t pa
   const RoomPart& thing = parts.parts[part];
   const auto cover = [&](const RoomPlane& plane) {
     const std::vector<Eigen::Vector3f> points =
-        foot_points(room, plane, thing.label, kFoot_voxels * parts.voxel_m);
+        foot_points(room, plane, thing.label, kThingFoot_voxels * parts.voxel_m);
     if (points.size() < kMinFootKernels) return;
     const Footprint foot(room, plane, kFootCell_voxels * parts.voxel_m, points);
     Eigen::AlignedBox3d box;
@@ -432,7 +432,7 @@ BehindThing fill_behind(const SplitRoom& room, const RoomParts& parts, size_t pa
     std::vector<Eigen::Vector3f> places, colours;
     for (size_t k = 0; k < room.asset.size(); ++k)
       if (room.label[k] == thing.label &&
-          plane.height_m(room.asset.positions[k].cast<double>()) < kFoot_voxels * parts.voxel_m) {
+          plane.height_m(room.asset.positions[k].cast<double>()) < kThingFoot_voxels * parts.voxel_m) {
         places.push_back(room.asset.positions[k]);
         colours.push_back(Eigen::Vector3f::Constant(0.5f) + kShBand0 * room.asset.sh_dc[k]);
       }

@@ -26,7 +26,7 @@ constexpr double kMinKeptOpacity = 1.0 / 255.0;
 constexpr double kMaxKeptOpacity = 0.998;
 constexpr double kFlattest = 1e-3;  // smallest to largest deviation of a part
 
-struct Border {
+struct BorderPlane {
   bool found = false;
   Vector3d point_m, normal;  // towards the other label
   uint16_t other = kRoomLabel;
@@ -39,7 +39,7 @@ Matrix3d covariance_of(const GaussianAsset& asset, size_t k) {
 }
 
 // The plane as the face between two cells, for split_gaussian().
-VoronoiPieces two_sides(const Border& border, double reach_m) {
+VoronoiPieces two_sides(const BorderPlane& border, double reach_m) {
   VoronoiPieces sides;
   sides.seeds_m = {border.point_m - reach_m * border.normal, border.point_m + reach_m * border.normal};
   sides.cell_parts.resize(2);
@@ -64,9 +64,9 @@ void set_kernel(GaussianAsset& asset, size_t k, const GaussianPart& part, double
 }
 
 // The support of the kernel's thing, if the kernel reaches below it.
-Border border_at_support(const RoomParts& parts, uint16_t label, const Vector3d& mean_m,
-                         const Matrix3d& covariance_m2) {
-  Border border;
+BorderPlane border_at_support(const RoomParts& parts, uint16_t label, const Vector3d& mean_m,
+                              const Matrix3d& covariance_m2) {
+  BorderPlane border;
   if (label == kRoomLabel || !parts.parts[label - 1].support) return border;
   const RoomPlane& plane = parts.planes.supports[*parts.parts[label - 1].support];
   const double deviation_m = std::sqrt(std::max(0.0, plane.normal.dot(covariance_m2 * plane.normal)));
@@ -77,9 +77,9 @@ Border border_at_support(const RoomParts& parts, uint16_t label, const Vector3d&
 }
 
 // The plane half-way between the nearest neighbours of two labels, along the line between their centroids.
-Border border_between_neighbours(const GaussianAsset& asset, const RoomParts& parts, uint16_t own,
-                                 std::span<const KernelTree::Neighbour> neighbours) {
-  Border border;
+BorderPlane border_between_neighbours(const GaussianAsset& asset, const RoomParts& parts, uint16_t own,
+                                      std::span<const KernelTree::Neighbour> neighbours) {
+  BorderPlane border;
   std::vector<std::pair<uint16_t, size_t>> counts;
   for (const auto& n : neighbours) {
     const uint16_t label = parts.label[n.index];
@@ -147,7 +147,7 @@ SplitRoom split_straddling(const GaussianAsset& asset, const RoomParts& parts) {
       if (own == kRoomLabel && !mixed) continue;
       const Vector3d mean_m = asset.positions[k].cast<double>();
       const Matrix3d covariance_m2 = covariance_of(asset, k);
-      Border border = border_at_support(parts, own, mean_m, covariance_m2);
+      BorderPlane border = border_at_support(parts, own, mean_m, covariance_m2);
       if (!border.found && mixed) {
         tree.nearest(asset.positions[k], kNeighbours, neighbours);
         border = border_between_neighbours(asset, parts, own, neighbours);

@@ -7,6 +7,7 @@
 
 #include "analysis/estimate.h"
 #include "analysis/knowledge/tables.h"
+#include "core/shown_text.h"
 #include "scene/values/region_value.h"
 #include "scene/values/scene_values.h"
 
@@ -19,16 +20,6 @@ Error missing(const std::string& field, const std::string& remedy) {
 
 // Limits the work that a malicious file can cause: a body is cut at each region.
 constexpr int kMaxRegions = 256;
-
-// Names are user input; line breaks and long names are removed so that an error stays on one line.
-std::string quoted(std::string name) {
-  constexpr size_t kMaxNameLength = 64;
-  if (name.size() > kMaxNameLength) name = name.substr(0, kMaxNameLength - 3) + "...";
-  for (char& letter : name) {
-    if (static_cast<unsigned char>(letter) < 32 || letter == 127) letter = '?';
-  }
-  return "\"" + name + "\"";
-}
 
 #define LIVEGS_CHECK(expression) \
   if (auto checked = (expression); !checked) return checked.error()
@@ -78,7 +69,7 @@ Result<void> check_material(const std::string& name, const std::string& field) {
       known += (known.empty() ? "" : ", ") + row.name;
   }
   return missing(
-      field, quoted(name) + " is not in the material table" +
+      field, quoted_name(name) + " is not in the material table" +
                  (known.empty() ? "; see server/analysis/knowledge/materials.csv" : "; similar: " + known));
 }
 
@@ -121,7 +112,7 @@ Result<void> check_regions(const v1::Object& object, const std::string& field) {
     const auto fail = [&](const Error& error) {
       return Error{error.code, region.name().empty()
                                    ? error.message
-                                   : "region " + quoted(region.name()) + ": " + error.message};
+                                   : "region " + quoted_name(region.name()) + ": " + error.message};
     };
     if (auto checked = region_value(region, name); !checked) return fail(checked.error());
     if (!region.name().empty() && !names.insert(region.name()).second) {
@@ -189,7 +180,7 @@ std::string object_name(const v1::Object& object, int index) {
 }
 
 Error of_object(const Error& error, const std::string& name) {
-  return {error.code, "object " + quoted(name) + ": " + error.message};
+  return {error.code, "object " + quoted_name(name) + ": " + error.message};
 }
 
 #undef LIVEGS_CHECK

@@ -10,6 +10,7 @@
 #include "analysis/gate/answer.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "core/shown_text.h"
 #include "scene/check/check_object.h"
 #include "scene/check/check_scene.h"
 

@@ -10,6 +10,7 @@
 #include "analysis/sidecar/manual_edits.h"
 #include "core/format_text.h"
 #include "core/log.h"
+#include "core/shown_text.h"
 #include "session/support/redact_paths.h"
 
 namespace livegs {

@@ -13,6 +13,7 @@
 #include "analysis/knowledge/tables.h"
 #include "analysis/physics_file.h"
 #include "core/log.h"
+#include "core/shown_text.h"
 #include "gaussian/asset_file.h"
 #include "scene/build/object_cache.h"
 #include "scene/check/check_object.h"

@@ -46,7 +46,7 @@ Style style_of(const std::string& label) {
 }
 
 // Doubles quotes, as gnuplot requires inside single quotes.
-std::string quoted(const std::string& text) {
+std::string gnuplot_text(const std::string& text) {
   std::string twice;
   for (const char c : text) twice += c == '\'' ? "''" : std::string(1, c);
   return twice;
@@ -198,11 +198,11 @@ Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg)
                "set tmargin at screen 0.825\nset bmargin at screen 0.285\nset tics font ',10'\n"
                "set format x '10^{%%T}'\nset xlabel 'ms of CPU per simulated second' offset 0,0.4\n");
   std::fprintf(out, "set label 1 '%s' at screen 0.02,0.965 font ',14' noenhanced\n",
-               quoted(figure.title).c_str());
+               gnuplot_text(figure.title).c_str());
   std::fprintf(out, "set label 2 '%s' at screen 0.02,0.925 font ',10' tc rgb '#555555'\n",
-               quoted(figure.settings).c_str());
+               gnuplot_text(figure.settings).c_str());
   std::fprintf(out, "set label 3 '%s' at screen 0.02,0.893 font ',10' tc rgb '#555555'\n",
-               quoted(figure.note).c_str());
+               gnuplot_text(figure.note).c_str());
   for (size_t i = 0; i < panels.size(); ++i) {
     plot_panel(out, figure, i, costs);
     std::fprintf(out, "unset label 1\nunset label 2\nunset label 3\n");

@@ -11,8 +11,6 @@
 namespace livegs {
 namespace {
 
-using Kind = ServerAnswer::Kind;
-
 constexpr int kMaxToolRounds = 4;
 constexpr std::size_t kMaxToolCalls = 8;
 constexpr int kReasoningTokenFactor = 4;  // max_completion_tokens includes the hidden reasoning of a model
@@ -134,7 +132,7 @@ ServerAnswer ChatConversation::send(Phase phase, std::stop_token stop) {
   };
   ServerAnswer answer = endpoint_.server().chat(chat_request_body(request, turns_, quirks_), features.stream,
                                                 deadline_ns_, stop, drop_request_part, transcript_);
-  if (answer.kind != Kind::Answered) return answer;
+  if (answer.kind != ServerAnswer::Kind::Answered) return answer;
   const ChatReply& reply = answer.reply;
   const EndpointSettings& settings = endpoint_.settings();
   answer_.prompt_tokens += reply.prompt_tokens;
@@ -181,9 +179,11 @@ void ChatConversation::warn(const std::string& warning) {
 void ChatConversation::search(std::map<std::string, std::string>& slots, std::stop_token stop) {
   turns_ = {{"user", endpoint_.prompts().search(slots), {}, {}, ""}};
   const ServerAnswer found = send(Phase::Search, stop);
-  if (found.kind == Kind::Answered) slots["search"] = quoted_text(found.reply.content, kMaxSearchLength);
-  if (found.kind == Kind::Refused) endpoint_.keep(quirks_);
-  if (found.kind == Kind::Failed) warn("--web-search: " + transcript_.redact(found.error.message));
+  if (found.kind == ServerAnswer::Kind::Answered)
+    slots["search"] = quoted_text(found.reply.content, kMaxSearchLength);
+  if (found.kind == ServerAnswer::Kind::Refused) endpoint_.keep(quirks_);
+  if (found.kind == ServerAnswer::Kind::Failed)
+    warn("--web-search: " + transcript_.redact(found.error.message));
 }
 
 Result<Json> ChatConversation::run_tools(std::stop_token stop) {
@@ -191,12 +191,12 @@ Result<Json> ChatConversation::run_tools(std::stop_token stop) {
   turns_.back().text = opening_ + "\n" + endpoint_.prompts().tools_turn();
   for (int round = 0; round < kMaxToolRounds && calls_left > 0;) {
     ServerAnswer said = send(Phase::Tools, stop);
-    if (said.kind == Kind::Refused) {
+    if (said.kind == ServerAnswer::Kind::Refused) {
       if (quirks_.tools) continue;
       begin_turns();
       return Json();
     }
-    if (said.kind != Kind::Answered) return said.error;
+    if (said.kind != ServerAnswer::Kind::Answered) return said.error;
     ++round;
     ChatReply& reply = said.reply;
     if (reply.tool_calls.empty()) {
@@ -227,8 +227,8 @@ Result<Json> ChatConversation::run_answer(std::stop_token stop) {
   for (bool lengthened = false;;) {
     put_last_turn();
     const ServerAnswer said = send(Phase::Answer, stop);
-    if (said.kind == Kind::Refused) continue;
-    if (said.kind != Kind::Answered) return said.error;
+    if (said.kind == ServerAnswer::Kind::Refused) continue;
+    if (said.kind != ServerAnswer::Kind::Answered) return said.error;
     const ChatReply& reply = said.reply;
     if (!reply.refusal.empty()) {
       return unsupported("the model declined: " + transcript_.redact(brief(reply.refusal)));

@@ -14,8 +14,6 @@
 namespace livegs {
 namespace {
 
-using Kind = ServerAnswer::Kind;
-
 // Maximum interval between polls of a server that is loading its model.
 constexpr double kMaxLoadingPollInterval_s = 2.0;
 constexpr int kProbeBytes = 256 << 10;
@@ -166,7 +164,7 @@ struct ModelServer::Verdict {
   double retry_after_s = 0;
 
   Verdict& fail(Error error) {
-    answer.kind = Kind::Failed;
+    answer.kind = ServerAnswer::Kind::Failed;
     answer.error = std::move(error);
     return *this;
   }
@@ -176,7 +174,7 @@ ModelServer::Verdict ModelServer::judge(const HttpReply& http) const {
   Verdict verdict;
   verdict.retry_after_s = http.retry_after_s.value_or(0);
   if (http.end == HttpReply::End::Cancelled) {
-    verdict.fail({ErrorCode::Unavailable, "cancelled"}).answer.kind = Kind::Cancelled;
+    verdict.fail({ErrorCode::Unavailable, "cancelled"}).answer.kind = ServerAnswer::Kind::Cancelled;
     return verdict;
   }
   if (http.end != HttpReply::End::Complete) {
@@ -206,7 +204,7 @@ ModelServer::Verdict ModelServer::judge(const HttpReply& http) const {
       return verdict.fail(invalid_data("the server sent an empty answer"));
     }
     verdict.repeat = false;
-    verdict.answer.kind = Kind::Answered;
+    verdict.answer.kind = ServerAnswer::Kind::Answered;
     verdict.answer.reply = std::move(*decoded);
     return verdict;
   }
@@ -261,7 +259,7 @@ HttpReply ModelServer::send_chat(const std::string& body, bool event_stream, std
 
 void ModelServer::update_breaker(const Verdict& verdict) {
   std::lock_guard lock(mutex_);
-  if (verdict.answer.kind == Kind::Cancelled) {
+  if (verdict.answer.kind == ServerAnswer::Kind::Cancelled) {
     breaker_.give_up_probe();
   } else if (verdict.server == Verdict::Server::Up) {
     breaker_.succeed();
@@ -279,7 +277,7 @@ ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::
     std::lock_guard lock(mutex_);
     breaker_.give_up_probe();
     ServerAnswer answer;
-    answer.kind = Kind::Cancelled;
+    answer.kind = ServerAnswer::Kind::Cancelled;
     answer.error = {ErrorCode::Unavailable, "cancelled"};
     return answer;
   };
@@ -302,7 +300,7 @@ ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::
     transcript.reply(http.status, http.end == HttpReply::End::Complete ? http.body : http.message);
     if (verdict.refused && drop_request_part(verdict.refusal, verdict.named_only)) {
       verdict.server = Verdict::Server::Up;
-      verdict.answer.kind = Kind::Refused;
+      verdict.answer.kind = ServerAnswer::Kind::Refused;
       verdict.repeat = false;
     }
     update_breaker(verdict);
