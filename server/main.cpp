@@ -37,6 +37,7 @@
 #include "session/support/scene_memory.h"
 #include "trust/fingerprint.h"
 #include "trust/state_folder.h"
+#include "web/qr_text.h"
 
 namespace {
 
@@ -44,7 +45,7 @@ struct Options {
   std::string scene;
   std::string listen = "127.0.0.1:9780";
   std::string tls = "auto";
-  std::string state_dir;
+  std::string state_dir, certificate, key;
   std::optional<int> metrics_port;
   std::optional<double> client_mbit_s;
   size_t clients = livegs::kDefaultSessions;
@@ -79,7 +80,9 @@ livegs::Result<std::unique_ptr<livegs::ServerSecurity>> open_security(const Opti
   if (!on) return std::unique_ptr<ServerSecurity>();
   auto folder = state_folder(options.state_dir);
   if (!folder) return folder.error();
-  return ServerSecurity::open(*folder);
+  std::optional<CertificateFiles> own;
+  if (!options.certificate.empty()) own = CertificateFiles{options.certificate, options.key};
+  return ServerSecurity::open(*folder, system_wall_clock(), own);
 }
 
 // Address at which clients reach the server.
@@ -92,14 +95,15 @@ std::string client_address(const Options& options, int port) {
 }
 
 // Logs that clients may join, and prints the commands for it, each on a line of its own, to be copied.
-void announce(const Options& options, int port, const livegs::ServerSecurity* security) {
+void announce(const Options& options, livegs::GrpcServer& server, const livegs::ServerSecurity* security) {
+  const int port = server.port();
   const std::string address = client_address(options, port);
+  const std::string ctl = "livegs ctl --server 127.0.0.1:" + std::to_string(port) +
+                          (options.state_dir.empty() ? "" : " --state-dir '" + options.state_dir + "'");
   std::string client = "livegs-client " + address, token;
   if (security) {
     client += " --pair " + livegs::pairing_code(security->fingerprint()) + " --token-file client.token";
-    token = "livegs ctl --server 127.0.0.1:" + std::to_string(port) +
-            (options.state_dir.empty() ? "" : " --state-dir '" + options.state_dir + "'") +
-            " tokens add client > client.token";
+    token = ctl + " tokens add client > client.token";
   }
   if (options.log_format == "json") {
     livegs::log_info("ready on %s: %s", address.c_str(), client.c_str());
@@ -108,6 +112,18 @@ void announce(const Options& options, int port, const livegs::ServerSecurity* se
   livegs::log_info("ready on %s", address.c_str());
   if (security) std::fprintf(stderr, "Create a token for a client, here:\n  %s\n", token.c_str());
   std::fprintf(stderr, "Connect a client:\n  %s\n", client.c_str());
+  // The code in the link is a secret for ten minutes, so it goes to terminals only, not to a log.
+  if (security && ::isatty(STDERR_FILENO) == 0) {
+    std::fprintf(stderr, "Open a browser, with the link of:\n  %s link\n", ctl.c_str());
+    return;
+  }
+  const livegs::v1::BrowserLink link = server.new_browser_link();
+  std::fprintf(stderr, "Or open in a browser%s:\n", security ? ", once, within ten minutes" : "");
+  for (const std::string& url : link.urls()) std::fprintf(stderr, "  %s\n", url.c_str());
+  if (!security || link.urls().empty()) return;
+  std::fputs(livegs::qr_text(link.urls(0)).c_str(), stderr);
+  std::fprintf(stderr, "  It warns of the certificate, whose SHA-256 fingerprint is\n  %s\n",
+               link.fingerprint().c_str());
 }
 
 // Blocks the signals that end the server, for all threads that are started later.
@@ -231,7 +247,7 @@ int run(const Options& options) {
     std::lock_guard lock(drain_mutex);
     return drained;
   };
-  announce(options, (*server)->port(), security->get());
+  announce(options, **server, security->get());
   if (options.print_port) {
     std::printf("%d\n", (*server)->port());
     std::fflush(stdout);
@@ -285,6 +301,14 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--state-dir", options.state_dir,
                  "Folder of the certificate and the tokens (default: $XDG_STATE_HOME/livegs)");
+  auto* certificate = app.add_option("--certificate", options.certificate,
+                                     "PEM file of a certificate that browsers trust, with those of its "
+                                     "issuers (default: a self-signed one, "
+                                     "of which browsers warn)")
+                          ->check(CLI::ExistingFile);
+  certificate->needs(app.add_option("--key", options.key, "PEM file of its key")
+                         ->check(CLI::ExistingFile)
+                         ->needs(certificate));
   app.add_option("--rate", options.rate_hz, "Ticks per second (default: set by the scene)")
       ->check(CLI::Range(1.0, 2000.0));
   app.add_flag("--drop", options.drop,
@@ -369,6 +393,8 @@ int main(int argc, char** argv) {
                 {{"--listen", "HOST:PORT"},
                  {"--tls", ""},
                  {"--state-dir", "FOLDER"},
+                 {"--certificate", "FILE"},
+                 {"--key", "FILE"},
                  {"--clients", ""},
                  {"--client-mbit-s", "NUMBER"},
                  {"--publish", "tcp://127.0.0.1:PORT"}});

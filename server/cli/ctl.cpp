@@ -5,6 +5,8 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -22,6 +24,7 @@
 #include "trust/server_access.h"
 #include "trust/server_probe.h"
 #include "trust/state_folder.h"
+#include "web/qr_text.h"
 
 namespace livegs {
 namespace {
@@ -201,6 +204,16 @@ void print_status(const v1::ServerStatus& status) {
               static_cast<unsigned long long>(status.sessions()));
 }
 
+void print_link(const v1::BrowserLink& link) {
+  for (const std::string& url : link.urls()) std::printf("%s\n", url.c_str());
+  if (::isatty(STDOUT_FILENO) != 0 && link.urls_size() > 0) std::fputs(qr_text(link.urls(0)).c_str(), stdout);
+  if (!link.code().empty())
+    std::printf(
+        "The link is valid once, for %.0f minutes. The browser warns of the certificate; its fingerprint "
+        "is\n%s\n",
+        link.valid_s() / 60, link.fingerprint().c_str());
+}
+
 // Sends a request and prints the reply, as JSON or by `table`.
 template <class Request, class Reply, class Table>
 int ask_and_print(const Options& options,
@@ -351,6 +364,10 @@ void add_ctl(CLI::App& app, int& exit_code) {
                    "Folder of the scene's files, if they are neither in the recording nor at their old path")
       ->check(CLI::ExistingDirectory)
       ->type_name("FOLDER");
+
+  add(ctl, "link", "Print a link, and a QR code, that opens the page in a browser", [](const Options& given) {
+    return ask_and_print(given, &v1::Admin::Stub::AddBrowserLink, v1::AddBrowserLinkRequest(), print_link);
+  });
 
   auto* tokens = ctl->add_subcommand("tokens", "Manage access tokens");
   tokens->require_subcommand(1);

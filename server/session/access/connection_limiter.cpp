@@ -13,8 +13,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+
+#include "core/clock.h"
+#include "web/first_bytes.h"
 
 namespace livegs {
 namespace {
@@ -136,8 +140,10 @@ void ConnectionLimiter::close() {
   listeners_.clear();
 }
 
-void ConnectionLimiter::open(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to) {
+void ConnectionLimiter::open(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to,
+                             ToWeb to_web) {
   to_ = std::move(to);
+  to_web_ = std::move(to_web);
   thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "door");
     run();
@@ -145,15 +151,63 @@ void ConnectionLimiter::open(std::unique_ptr<grpc::experimental::ExternalConnect
 }
 
 void ConnectionLimiter::run() {
-  std::vector<pollfd> waiting = {{stop_, POLLIN, 0}};
-  for (const int listener : listeners_) waiting.push_back({listener, POLLIN, 0});
+  std::vector<pollfd> waiting;
   for (;;) {
-    if (::poll(waiting.data(), waiting.size(), -1) < 0 && errno != EINTR) return;
-    if (waiting[0].revents != 0) return;
-    for (size_t i = 1; i < waiting.size(); ++i) {
+    waiting = {{stop_, POLLIN, 0}};
+    for (const int listener : listeners_) waiting.push_back({listener, POLLIN, 0});
+    for (const Silent& one : silent_) waiting.push_back({one.descriptor, POLLIN, 0});
+    const int64_t now = now_ns();
+    int64_t wait_ns = -1;
+    for (const Silent& one : silent_) {
+      const int64_t left_ns = std::max<int64_t>(0, one.since_ns + kFirstBytesTimeout_ns - now);
+      wait_ns = wait_ns < 0 ? left_ns : std::min(wait_ns, left_ns);
+    }
+    const int wait_ms = wait_ns < 0 ? -1 : static_cast<int>(wait_ns / 1'000'000 + 1);
+    if (::poll(waiting.data(), waiting.size(), wait_ms) < 0 && errno != EINTR) break;
+    if (waiting[0].revents != 0) break;
+    const size_t first_silent = 1 + listeners_.size();
+    std::vector<Silent> still;
+    for (size_t i = 0; i < silent_.size(); ++i) {
+      const bool heard = waiting[first_silent + i].revents != 0;
+      if (heard && pass_on(silent_[i])) continue;
+      if (!heard && now_ns() - silent_[i].since_ns > kFirstBytesTimeout_ns) {
+        ::close(silent_[i].descriptor);
+        continue;
+      }
+      still.push_back(silent_[i]);
+    }
+    silent_ = std::move(still);
+    for (size_t i = 1; i < first_silent; ++i) {
       if (waiting[i].revents != 0) take(waiting[i].fd);
     }
   }
+  for (const Silent& one : silent_) ::close(one.descriptor);
+}
+
+bool ConnectionLimiter::pass_on(const Silent& one) {
+  std::array<std::byte, kMaxFirstBytes> first;
+  const ssize_t got = ::recv(one.descriptor, first.data(), first.size(), MSG_PEEK | MSG_DONTWAIT);
+  if (got < 0 && (errno == EAGAIN || errno == EINTR)) return false;
+  if (got <= 0 || now_ns() - one.since_ns > kFirstBytesTimeout_ns) {
+    ::close(one.descriptor);
+    return true;
+  }
+  const FirstProtocol protocol = first_protocol({first.data(), static_cast<size_t>(got)});
+  if (protocol == FirstProtocol::Undecided) {
+    set(one.descriptor, SOL_SOCKET, SO_RCVLOWAT,
+        static_cast<int>(got) + 1);  // poll waits for more than what is here
+    return false;
+  }
+  set(one.descriptor, SOL_SOCKET, SO_RCVLOWAT, 1);
+  if (protocol != FirstProtocol::Grpc) {
+    to_web_(one.descriptor, protocol == FirstProtocol::WebTls);
+    return true;
+  }
+  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+  connection.listener_fd = one.listener;
+  connection.fd = one.descriptor;
+  to_->HandleNewConnection(&connection);
+  return true;
 }
 
 void ConnectionLimiter::take(int listener) {
@@ -175,10 +229,7 @@ void ConnectionLimiter::take(int listener) {
   set(socket, IPPROTO_TCP, TCP_NODELAY, 1);
   set(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kTcpUserTimeout_ms);
   admitted_.push_back({socket, inode_of(socket), address});
-  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
-  connection.listener_fd = listener;
-  connection.fd = socket;
-  to_->HandleNewConnection(&connection);
+  silent_.push_back({socket, listener, now_ns()});
 }
 
 // Checks which connections are still open only when a limit seems to be reached.

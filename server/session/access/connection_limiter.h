@@ -3,6 +3,7 @@
 
 #include <grpcpp/server_builder.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -17,8 +18,12 @@ inline constexpr size_t kMaxConnections = 1024;
 // Connections from one remote address, so that a single host cannot use up the total.
 inline constexpr size_t kMaxConnectionsPerAddress = 256;
 
-// Accepts connections on its own thread and passes them to gRPC up to the limits above; gRPC itself has no
-// such limit. Excess connections are closed at once.
+// Time for the first bytes of a connection, from which its protocol follows.
+inline constexpr int64_t kFirstBytesTimeout_ns = 3'000'000'000;
+
+// Accepts connections on its own thread and passes them on, up to the limits above: to gRPC, or to the web
+// server if the first bytes are those of a browser (web/first_bytes.h). gRPC itself has no such limit. Excess
+// connections are closed at once, silent ones after kFirstBytesTimeout_ns.
 class ConnectionLimiter {
  public:
   // Listens on every address of `host`, on one port; port 0 lets the system choose. Unavailable if the port
@@ -29,14 +34,17 @@ class ConnectionLimiter {
   ConnectionLimiter& operator=(const ConnectionLimiter&) = delete;
 
   int port() const { return port_; }
+  // Called on the thread of the door with a connected socket, which the callee owns. `tls`: it begins with a
+  // TLS handshake.
+  using ToWeb = std::function<void(int socket, bool tls)>;
   // Starts accepting. Earlier connections wait in the backlog of the system.
-  void open(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to);
+  void open(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to, ToWeb to_web);
   // Stops accepting; open connections stay open. May be called more than once.
   void close();
 
  private:
-  // A connection owned by gRPC, which closes it without notice. It is still open as long as its descriptor
-  // refers to the same socket.
+  // A connection that was passed on; its owner closes it without notice. It is still open as long as its
+  // descriptor refers to the same socket.
   struct Admitted {
     int descriptor = -1;
     unsigned long inode = 0;
@@ -46,13 +54,21 @@ class ConnectionLimiter {
   ConnectionLimiter() = default;
   void run();
   void take(int listener);
+  // A connection whose first bytes have not arrived.
+  struct Silent {
+    int descriptor = -1, listener = -1;
+    int64_t since_ns = 0;
+  };
+  bool pass_on(const Silent& one);  // false: more bytes are needed
   bool has_room(const std::string& address, bool loopback);
 
   std::vector<int> listeners_;
   int port_ = 0;
   int stop_ = -1;  // readable when the thread must end
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to_;
-  std::vector<Admitted> admitted_;  // accessed by the thread only
+  ToWeb to_web_;
+  std::vector<Admitted> admitted_;  // accessed by the thread only, like silent_
+  std::vector<Silent> silent_;
   std::thread thread_;
 };
 

@@ -11,12 +11,16 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 
 #include "core/file.h"
 #include "core/log.h"
+#include "session/access/browser_link.h"
 #include "trust/fingerprint.h"
 #include "trust/state_folder.h"
 
@@ -28,6 +32,12 @@ constexpr const char* kCertificateFile = "server.crt";
 constexpr const char* kAdminFile = "admin.token";
 constexpr const char* kRunningFile = "running";
 constexpr long kCertificateDays = 3650;  // clients check the fingerprint, not the dates
+
+bool is_host_name(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '.';
+  });
+}
 
 struct Identity {
   std::string certificate_pem, key_pem;
@@ -42,6 +52,16 @@ std::string pem_of(Write write) {
   return {bytes, static_cast<size_t>(size)};
 }
 
+// The names by which browsers on the LAN reach this machine now (RFC 5280, section 4.2.1.6).
+std::string alternative_names() {
+  std::string names = "DNS:livegs,DNS:localhost,IP:::1";
+  std::array<char, 256> host{};
+  if (::gethostname(host.data(), host.size() - 1) == 0 && is_host_name(host.data()))
+    names += std::string(",DNS:") + host.data();
+  for (const std::string& address : machine_addresses()) names += ",IP:" + address;
+  return names;
+}
+
 Result<Identity> make_identity() {
   const Error failed{ErrorCode::Internal, "certificate: libssl could not create one"};
   const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"), &EVP_PKEY_free);
@@ -54,7 +74,8 @@ Result<Identity> make_identity() {
   X509V3_set_ctx_nodb(&context);
   X509V3_set_ctx(&context, one, one, nullptr, nullptr, 0);
   const std::unique_ptr<X509_EXTENSION, decltype(&X509_EXTENSION_free)> names(
-      X509V3_EXT_conf_nid(nullptr, &context, NID_subject_alt_name, "DNS:livegs"), &X509_EXTENSION_free);
+      X509V3_EXT_conf_nid(nullptr, &context, NID_subject_alt_name, alternative_names().c_str()),
+      &X509_EXTENSION_free);
   const bool made =
       names && RAND_bytes(reinterpret_cast<unsigned char*>(&serial), sizeof serial) == 1 &&
       X509_set_version(one, X509_VERSION_3) == 1 &&
@@ -89,6 +110,18 @@ bool belong_together(const Identity& identity) {
   return certificate && key && X509_check_private_key(certificate.get(), key.get()) == 1;
 }
 
+Result<Identity> read_identity(const CertificateFiles& files) {
+  auto certificate = read_text_file(files.certificate, 1 << 20);
+  if (!certificate) return certificate.error();
+  auto key = read_secret_file(files.key);
+  if (!key) return key.error();
+  Identity identity{std::move(*certificate), std::move(*key)};
+  if (!belong_together(identity))
+    return invalid_data(files.key.string() + ": is not the key of " + files.certificate.string() +
+                        "; give the two files of one certificate, in PEM");
+  return identity;
+}
+
 // Reads the identity from the folder, or creates one. A key without a certificate was never used and is
 // replaced.
 Result<Identity> identity_in(const std::filesystem::path& folder) {
@@ -118,7 +151,8 @@ Result<Identity> identity_in(const std::filesystem::path& folder) {
 }  // namespace
 
 Result<std::unique_ptr<ServerSecurity>> ServerSecurity::open(const std::filesystem::path& folder,
-                                                             WallClock clock) {
+                                                             WallClock clock,
+                                                             const std::optional<CertificateFiles>& own) {
   if (auto made = make_state_folder(folder); !made) return made.error();
   std::unique_ptr<ServerSecurity> security(new ServerSecurity);
   security->folder_ = folder;
@@ -136,7 +170,7 @@ Result<std::unique_ptr<ServerSecurity>> ServerSecurity::open(const std::filesyst
         folder.string() +
             ": is in use by another server; stop that server, or choose another folder with --state-dir DIR"};
   }
-  auto identity = identity_in(folder);
+  auto identity = own ? read_identity(*own) : identity_in(folder);
   if (!identity) return identity.error();
   auto fingerprint = certificate_fingerprint(identity->certificate_pem);
   if (!fingerprint) return fingerprint.error();

@@ -3,12 +3,19 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/result.h"
 #include "session/access/token_store.h"
 
 namespace livegs {
+
+// A certificate of the user's own, PEM: with the certificates of its issuers, and its key, which other users
+// may not read.
+struct CertificateFiles {
+  std::filesystem::path certificate, key;
+};
 
 // The identity of a server and its tokens: all files of its state folder. One server at a time uses a folder.
 //   server.key, server.crt   self-signed certificate of an EC key on P-256, created at the first run; key
@@ -19,8 +26,10 @@ class ServerSecurity {
  public:
   // PermissionDenied if other users may read the files or the folder is not writable. Unavailable if another
   // server uses the folder.
+  // `own`: the certificate to use instead of the one of the folder. InvalidData if its key is another's.
   static Result<std::unique_ptr<ServerSecurity>> open(const std::filesystem::path& folder,
-                                                      WallClock clock = system_wall_clock());
+                                                      WallClock clock = system_wall_clock(),
+                                                      const std::optional<CertificateFiles>& own = {});
   ~ServerSecurity();
   ServerSecurity(const ServerSecurity&) = delete;
   ServerSecurity& operator=(const ServerSecurity&) = delete;

@@ -54,6 +54,19 @@ void AdminService::set_drain(Drainer drain) {
   drain_ = std::move(drain);
 }
 
+void AdminService::set_linker(Linker linker) {
+  std::lock_guard lock(mutex_);
+  linker_ = std::move(linker);
+}
+
+grpc::ServerUnaryReactor* AdminService::AddBrowserLink(grpc::CallbackServerContext* context,
+                                                       const v1::AddBrowserLinkRequest*,
+                                                       v1::BrowserLink* reply) {
+  std::lock_guard lock(mutex_);
+  if (linker_) *reply = linker_();
+  return finish(context, grpc::Status::OK);
+}
+
 grpc::ServerUnaryReactor* AdminService::GetStatus(grpc::CallbackServerContext* context,
                                                   const v1::GetStatusRequest*, v1::ServerStatus* reply) {
   const SessionTable::Status status = table_.status();

@@ -14,6 +14,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "scene/build/fragile_object.h"
+#include "session/access/browser_link.h"
 #include "session/access/call_authoriser.h"
 #include "session/access/connection_limiter.h"
 #include "session/access/server_security.h"
@@ -22,7 +23,9 @@
 #include "session/rpc/admin_service.h"
 #include "session/rpc/grpc_service.h"
 #include "session/rpc/spectator_service.h"
+#include "session/rpc/web_calls.h"
 #include "trust/host_port.h"
+#include "web/web_server.h"
 
 namespace livegs {
 namespace {
@@ -91,7 +94,9 @@ Result<void> check_listen_address(const std::string& address, bool secure) {
 
 struct GrpcServer::Parts {
   explicit Parts(ServerSecurity* security)
-      : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
+      : security(security),
+        service(table, assets, security ? &security->tokens() : nullptr),
+        admin(table, security, recorder) {
     proposals->table = &table;
     if (security)
       table.check_authorizations_with([security](const Authorization& authorization) {
@@ -99,6 +104,8 @@ struct GrpcServer::Parts {
       });
     publisher = std::make_unique<FramePublisher>(table, assets);  // starts a thread that uses the table
   }
+  ServerSecurity* const security;
+  std::string host;  // of the address
   SessionTable table;
   AssetStore assets;
   SessionRecorder recorder{assets};
@@ -106,6 +113,8 @@ struct GrpcServer::Parts {
   SpectatorService spectators{table};
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<WebCalls> web_calls;
+  std::unique_ptr<WebServer> web;
   std::unique_ptr<ConnectionLimiter> door;
   std::unique_ptr<ZmqPublisher> zmq_publisher;
   std::unique_ptr<FramePublisher> publisher;
@@ -139,14 +148,34 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::listen(const std::string& addres
   parts->server->GetHealthCheckService()->SetServingStatus(false);
   parts->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
   parts->door = std::move(*door);
-  parts->door->open(std::move(acceptor));
+  parts->host = where->host;
+  parts->web_calls =
+      std::make_unique<WebCalls>(*parts->server, parts->table, parts->assets, parts->service, security);
+  auto web = WebServer::start(*parts->web_calls, security ? security->certificate_pem() : "",
+                              security ? security->key_pem() : "");
+  if (!web) return web.error();
+  parts->web = std::move(*web);
+  parts->door->open(std::move(acceptor),
+                    [web = parts->web.get()](int socket, bool tls) { web->take(socket, tls); });
   if (security) security->set_port(parts->door->port());
-  return std::unique_ptr<GrpcServer>(new GrpcServer(std::move(parts)));
+  std::unique_ptr<GrpcServer> server(new GrpcServer(std::move(parts)));
+  server->parts_->admin.set_linker([made = server.get()] { return made->new_browser_link(); });
+  return server;
 }
 
 GrpcServer::~GrpcServer() { shut_down("the server is closing"); }
 
 int GrpcServer::port() const { return parts_->door->port(); }
+
+v1::BrowserLink GrpcServer::new_browser_link() {
+  v1::BrowserLink link;
+  link.set_code(parts_->web_calls->new_one_time_code());
+  if (!link.code().empty()) link.set_valid_s(seconds_from_ns(kOneTimeCodeLifetime_ns));
+  if (parts_->security) link.set_fingerprint(parts_->security->fingerprint());
+  for (std::string& url : browser_links(parts_->host, port(), parts_->security != nullptr, link.code()))
+    link.add_urls(std::move(url));
+  return link;
+}
 
 TickSink& GrpcServer::ticks() { return *parts_->publisher; }
 
@@ -226,6 +255,7 @@ void GrpcServer::shut_down(const std::string& reason) {
   parts_->table.close(reason);
   parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownTimeout);
   parts_->server->Wait();
+  parts_->web->close();
   std::lock_guard lock(parts_->proposals->mutex);
   parts_->proposals->table = nullptr;
 }

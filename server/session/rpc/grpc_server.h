@@ -23,8 +23,8 @@ class SessionRecorder;
 // tokens.
 Result<void> check_listen_address(const std::string& address, bool secure);
 
-// The gRPC server with its sessions, publisher, health checks and reflection. Its only inputs from a scene
-// are object descriptions and ticks.
+// The gRPC server with its sessions, publisher, health checks and reflection, and on the same port the web
+// server. Its only inputs from a scene are object descriptions and ticks.
 //
 //   auto server = GrpcServer::listen("127.0.0.1:9780");        health NOT_SERVING, Join returns UNAVAILABLE
 //   SimulationLoop loop(std::move(scene), server->ticks());
@@ -39,6 +39,9 @@ class GrpcServer {
   ~GrpcServer();
 
   int port() const;
+  // Links to the page, with a new one-time code that becomes a token of scope INTERACT; an earlier code is no
+  // longer valid. Without TLS, browsers need no token. Any thread.
+  v1::BrowserLink new_browser_link();
   TickSink& ticks();
   // For SimulationLoop::record_with(); controlled by livegs ctl.
   SessionRecorder& recorder();

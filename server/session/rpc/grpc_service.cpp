@@ -169,7 +169,7 @@ std::shared_ptr<ClientSession> GrpcService::session_of(const grpc::CallbackServe
 grpc::ServerWriteReactor<v1::AssetChunk>* GrpcService::FetchAsset(grpc::CallbackServerContext* context,
                                                                   const v1::FetchAssetRequest* request) {
   auto session = session_of(*context);
-  auto budget = session ? session->budget : peer_budgets_.of(context->peer(), cap_bytes_s_);
+  auto budget = session ? session->budget : peer_budget(context->peer());
   return AssetCall::start(assets_.find(request->asset_hash()), request->offset(), std::move(budget),
                           std::move(session));
 }

@@ -62,6 +62,10 @@ class GrpcService final
   // Upper limit of a client's stream and fetches together, bytes a second; the client may request less. Also
   // the limit of all fetches without a session from one machine. Call before the first Join.
   void set_cap(double bytes_s) { cap_bytes_s_ = bytes_s; }
+  // The bandwidth limit of fetches of this caller without a session. Any thread.
+  std::shared_ptr<SendBudget> peer_budget(std::string_view peer) {
+    return peer_budgets_.of(peer, cap_bytes_s_);
+  }
   // Enables pause, step and reset; null disables them. Must outlive the calls.
   void set_run(RunControl* run) { run_ = run; }
   // Whether a client has joined that starts a waiting run (JoinRequest.starts_run) and may.

@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <cstring>
 #include <mutex>
+#include <string>
 
 #include "patience.h"
 
@@ -56,6 +57,13 @@ int connect_to(int port) {
   return socket;
 }
 
+// A client of gRPC: the door passes it on after its first bytes.
+int grpc_client(int port) {
+  const int socket = connect_to(port);
+  EXPECT_EQ(::send(socket, "PRI * HTTP/2.0\r\n", 16, 0), 16);
+  return socket;
+}
+
 // Blocks until the other end closes the connection.
 bool is_closed(int socket) {
   char byte = 0;
@@ -66,18 +74,18 @@ TEST(ConnectionLimiter, ClosesExcessConnections) {
   Kept::Log log;
   auto door = ConnectionLimiter::listen("127.0.0.1", 0);
   ASSERT_TRUE(door) << door.error().message;
-  (*door)->open(std::make_unique<Kept>(log));
+  (*door)->open(std::make_unique<Kept>(log), [](int socket, bool) { ::close(socket); });
   std::vector<int> clients;
-  for (size_t i = 0; i < kMaxConnections; ++i) clients.push_back(connect_to((*door)->port()));
+  for (size_t i = 0; i < kMaxConnections; ++i) clients.push_back(grpc_client((*door)->port()));
   EXPECT_EQ(log.wait(kMaxConnections), kMaxConnections);
   for (int i = 0; i < 3; ++i) {
-    const int late = connect_to((*door)->port());
+    const int late = grpc_client((*door)->port());
     EXPECT_TRUE(is_closed(late));
     ::close(late);
   }
   EXPECT_EQ(log.wait(kMaxConnections), kMaxConnections);
   log.close_all();
-  clients.push_back(connect_to((*door)->port()));
+  clients.push_back(grpc_client((*door)->port()));
   EXPECT_EQ(log.wait(1), 1u);
   log.close_all();
   for (const int client : clients) ::close(client);
@@ -94,6 +102,39 @@ TEST(ConnectionLimiter, NamesTheProblemOfAnAddress) {
   EXPECT_NE(far.error().message.find("another address"), std::string::npos) << far.error().message;
   EXPECT_FALSE(ConnectionLimiter::listen("no.such.host.invalid", 0));
   for (const char* host : {"localhost", "0.0.0.0"}) EXPECT_TRUE(ConnectionLimiter::listen(host, 0)) << host;
+}
+
+TEST(ConnectionLimiter, TellsBrowsersFromGrpcByTheirFirstBytes) {
+  Kept::Log log;
+  auto door = ConnectionLimiter::listen("127.0.0.1", 0);
+  ASSERT_TRUE(door) << door.error().message;
+  std::mutex mutex;
+  std::condition_variable changed;
+  int browsers = 0;
+  (*door)->open(std::make_unique<Kept>(log), [&](int socket, bool tls) {
+    EXPECT_FALSE(tls);
+    std::lock_guard lock(mutex);
+    ++browsers;
+    ::close(socket);
+    changed.notify_all();
+  });
+  // Byte by byte, so that the door must wait for more.
+  const int browser = connect_to((*door)->port());
+  for (const char byte : std::string("GET / HTTP/1.1\r\n")) {
+    if (::send(browser, &byte, 1, MSG_NOSIGNAL) != 1) break;
+    ::usleep(2000);
+  }
+  {
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(changed.wait_for(lock, kPatience, [&] { return browsers == 1; }));
+  }
+  const int client = grpc_client((*door)->port());
+  EXPECT_EQ(log.wait(1), 1u);
+  // A silent connection is closed by the door.
+  const int silent = connect_to((*door)->port());
+  EXPECT_TRUE(is_closed(silent));
+  for (const int socket : {browser, client, silent}) ::close(socket);
+  log.close_all();
 }
 
 }  // namespace

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/rpc/web_calls.h"
+
+#include <grpcpp/support/channel_arguments.h>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "session/assets/asset_store.h"
+#include "session/frames/send_budget.h"
+#include "session/sessions/client_session.h"
+
+namespace livegs {
+namespace {
+
+constexpr std::string_view kBearer = "Bearer ";
+// Name of the tokens of paired browsers, in `livegs ctl tokens`.
+constexpr const char* kBrowserToken = "browser";
+
+std::string_view secret_of(std::string_view authorization) {
+  return authorization.starts_with(kBearer) ? authorization.substr(kBearer.size()) : std::string_view();
+}
+
+class PacedFetch final : public WebFetch {
+ public:
+  PacedFetch(std::shared_ptr<const AssetBytes> asset, std::shared_ptr<SendBudget> budget,
+             std::shared_ptr<ClientSession> session)
+      : asset_(std::move(asset)), budget_(std::move(budget)), session_(std::move(session)) {}
+  ~PacedFetch() override { budget_->leave(this); }
+
+  std::span<const std::byte> bytes() const override { return asset_->bytes; }
+  Turn take_turn(size_t max_bytes) override {
+    const int64_t now = now_ns();
+    if (session_) session_->fetches(now);
+    const SendBudget::Turn turn = budget_->take_turn(this, max_bytes, now);
+    return {turn.bytes, turn.wait_ns};
+  }
+
+ private:
+  const std::shared_ptr<const AssetBytes> asset_;
+  const std::shared_ptr<SendBudget> budget_;
+  const std::shared_ptr<ClientSession> session_;
+};
+
+}  // namespace
+
+WebCalls::WebCalls(grpc::Server& server, SessionTable& table, const AssetStore& assets, GrpcService& service,
+                   ServerSecurity* security)
+    : server_(server), table_(table), assets_(assets), service_(service), security_(security), codes_(now_ns) {
+  if (security_) authoriser_ = std::make_unique<CallAuthoriser>(security_->tokens());
+}
+
+std::shared_ptr<grpc::Channel> WebCalls::channel() {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);
+  return server_.InProcessChannel(arguments);
+}
+
+grpc::Status WebCalls::authorise(const std::string& path, const std::string& authorization) {
+  if (!authoriser_) return grpc::Status::OK;
+  CallAuthoriser::InputMetadata metadata;
+  metadata.emplace(":path", path);
+  if (!authorization.empty()) metadata.emplace("authorization", authorization);
+  return authoriser_->Process(metadata, nullptr, nullptr, nullptr);
+}
+
+std::unique_ptr<WebFetch> WebCalls::fetch(const std::string& hash, const std::string& session,
+                                          const std::string& authorization) {
+  auto asset = assets_.find(hash);
+  if (!asset) return nullptr;
+  std::shared_ptr<ClientSession> own;
+  if (!session.empty()) {
+    const auto who = security_ ? security_->tokens().check(secret_of(authorization)) : Result<Authorization>(Authorization{});
+    own = table_.find(session);
+    if (!who || !own || own->who.authorization.token_id != who->token_id) own = nullptr;
+  }
+  auto budget = own ? own->budget : service_.peer_budget("web:");
+  return std::make_unique<PacedFetch>(std::move(asset), std::move(budget), std::move(own));
+}
+
+Result<std::string> WebCalls::pair(std::string_view code) {
+  if (!security_) return invalid_argument("code: is not needed here; this server asks for no token");
+  if (auto used = codes_.use(code); !used) return used.error();
+  auto made = security_->tokens().add(kBrowserToken, v1::INTERACT, kTokenDays);
+  if (!made) return made.error();
+  log_info("a browser was paired; its token is %.8s", made->token.id().c_str());
+  return made->secret;
+}
+
+std::string WebCalls::new_one_time_code() {
+  if (!security_) return "";
+  auto code = codes_.create();
+  if (!code) log_warn("%s", code.error().message.c_str());
+  return code ? *code : "";
+}
+
+}  // namespace livegs

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace livegs {
+
+// A file of the page, compressed when the server was built.
+struct PageFile {
+  std::string_view path;  // "/page.js"
+  std::string_view content_type;
+  std::string_view etag;  // quoted, by the content
+  std::string_view bytes, gzip, brotli;
+};
+
+// All files of client/web/page, and /livegs.wasm. Generated at build time (embed_page.cmake).
+std::span<const PageFile> page_files();
+
+// The file of a request path; "/" is index.html. Null: none.
+const PageFile* find_page_file(std::string_view path);
+
+}  // namespace livegs
