@@ -39,11 +39,13 @@ export class OrbitCamera {
   zoom(notches) {
     this.distance_m = Math.max(kMinDistance_m, this.distance_m * 0.9 ** notches);
   }
-  fly(direction, passed_s) {
-    this.target = add(this.target, rotate(this.orientation, scaled(direction, Math.min(passed_s, 0.1) * this.distance_m)));
+  // `seconds`: by axis.
+  fly(seconds) {
+    this.target = add(this.target, rotate(this.orientation, scaled(seconds, this.distance_m)));
   }
-  // Sees all boxes [min, max] from slightly above, with the environment behind them.
-  frame(boxes, environment, size) {
+  // Sees all boxes [min, max] from slightly above, with the environment behind them. `freeWidth_px`: of the columns
+  // at the left that no panel covers.
+  frame(boxes, environment, size, freeWidth_px = size[0]) {
     if (!boxes.length) boxes = [[-0.5, -0.5, -0.5, 0.5, 0.5, 0.5]];
     const all = [0, 1, 2, 3, 4, 5].map((i) => (i < 3 ? Math.min : Math.max)(...boxes.map((box) => box[i])));
     const middle = middleOf(all), largest = Math.max(...[0, 1, 2].map((i) => all[i + 3] - all[i]));
@@ -53,7 +55,9 @@ export class OrbitCamera {
       const away = subtract(middle, middleOf(environment));
       if (Math.hypot(away[0], away[2]) > kMaxCentreOffset * largest) this.azimuth = Math.atan2(away[0], away[2]);
     }
-    const tangent = [(kFillShare * Math.tan(0.5 * kVerticalFov_rad) * size[0]) / size[1], kFillShare * Math.tan(0.5 * kVerticalFov_rad)];
+    const focal = (0.5 * size[1]) / Math.tan(0.5 * kVerticalFov_rad);
+    const half = [0.5 * kFillShare * freeWidth_px, 0.5 * kFillShare * size[1]], offset = [0.5 * (freeWidth_px - size[0]), 0];
+    const lowEdge = [0, 1].map((i) => (half[i] - offset[i]) / focal), highEdge = [0, 1].map((i) => (half[i] + offset[i]) / focal);
     const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => rotate(this.orientation, axis));
     const high = [-Infinity, -Infinity], low = [Infinity, Infinity];
     for (const box of boxes) {
@@ -61,13 +65,14 @@ export class OrbitCamera {
         const at = [0, 1, 2].map((i) => box[i + ((corner >> i) & 1 ? 3 : 0)]);
         const seen = axes.map((axis) => dot(axis, at));
         for (const i of [0, 1]) {
-          high[i] = Math.max(high[i], seen[i] + tangent[i] * seen[2]);
-          low[i] = Math.min(low[i], seen[i] - tangent[i] * seen[2]);
+          high[i] = Math.max(high[i], seen[i] + highEdge[i] * seen[2]);
+          low[i] = Math.min(low[i], seen[i] - lowEdge[i] * seen[2]);
         }
       }
     }
-    const back = Math.max(...[0, 1].map((i) => (high[i] - low[i]) / (2 * tangent[i])));
-    const position = add(add(scaled(axes[0], 0.5 * (high[0] + low[0])), scaled(axes[1], 0.5 * (high[1] + low[1]))), scaled(axes[2], back));
+    const back = Math.max(...[0, 1].map((i) => (high[i] - low[i]) / (lowEdge[i] + highEdge[i])));
+    const across = [0, 1].map((i) => 0.5 * (high[i] + low[i] + (lowEdge[i] - highEdge[i]) * back));
+    const position = add(add(scaled(axes[0], across[0]), scaled(axes[1], across[1])), scaled(axes[2], back));
     this.distance_m = Math.max(kMinDistance_m, Math.hypot(...subtract(middle, position)));
     this.target = subtract(position, scaled(axes[2], this.distance_m));
   }
@@ -125,6 +130,7 @@ export class WindowControls {
     Object.assign(this, { canvas, camera, host });
     this.pointers = new Map(); // by id: { at, began, button }
     this.keys = new Set();
+    this.taps = new Set(); // keys pressed since the last picture, which may be up again
     this.mode = null; // 'pull' | 'orbit' | 'pan' | 'touch2'
     this.pullsByTouch = false;
     this.cursor = null; // px
@@ -160,6 +166,7 @@ export class WindowControls {
   }
 
   down(event) {
+    this.used = true; // the camera is the user's from now on
     this.canvas.focus();
     this.canvas.setPointerCapture?.(event.pointerId);
     const at = this.place(event);
@@ -233,15 +240,19 @@ export class WindowControls {
     if (key === ' ') event.preventDefault();
     if (key === ' ' && fresh) ++this.shots;
     this.keys.add(key);
+    this.taps.add(key);
+    this.used = true;
     this.host.changed();
   }
 
-  // Moves the camera by the keys that are down; whether it moved.
+  // Moves the camera by the keys that are down; a press between two pictures counts for a sixtieth of a second.
+  // Returns whether it moved.
   fly(passed_s) {
-    const axis = (plus, minus) => (this.keys.has(plus) ? 1 : 0) - (this.keys.has(minus) ? 1 : 0);
-    const direction = [axis('d', 'a'), axis('e', 'q'), axis('s', 'w')];
+    const share = (key) => (this.keys.has(key) ? passed_s : this.taps.has(key) ? Math.min(passed_s, 1 / 60) : 0);
+    const direction = [share('d') - share('a'), share('e') - share('q'), share('s') - share('w')];
+    this.taps.clear();
     if (!direction.some((x) => x !== 0)) return false;
-    this.camera.fly(direction, passed_s);
+    this.camera.fly(direction);
     return true;
   }
 

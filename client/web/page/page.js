@@ -125,13 +125,14 @@ class Page {
       },
     };
     takers[m.type]?.();
-    this.changed();
+    if (m.type === 'object' || m.type === 'removed') this.changed();
   }
 
   takeFrame(m) {
     for (const driver of m.drivers ?? []) this.waitingRows.set(driver.id, driver);
     for (const id of m.removed ?? []) this.take({ type: 'removed', id });
-    if (m.hands) {
+    if (m.hands && (m.hands.length || this.held.length)) {
+      this.changed();
       this.held = m.hands.map((one) => ({ ...one, force_n: one.force_n?.length === 3 ? one.force_n : [0, 0, 0], point_m: one.point_m ?? [0, 0, 0] }));
       this.headset.onHands(this.held);
       this.panels.force(this.held.map((one) => ({ name: this.objectOf(one.object_id).name, force_n: length(one.force_n) })));
@@ -159,14 +160,16 @@ class Page {
         this.mark(id);
       }
       this.waitingKernels.clear();
-      this.renderer.setOrder(m.order, m.count);
+      this.changed();
+      this.renderer.setOrder(m.order, m.count, Boolean(this.headset.session));
       this.post({ type: 'order_done', order: m.order }, [m.order.buffer]);
-      if (fresh && (!this.framed || this.state !== 'live') && !this.userMoved) this.frameAll();
+      if (fresh && (!this.framed || this.state !== 'live') && !this.controls.used) this.frameAll();
     }
     for (const [id, driver] of this.waitingRows) {
       if (!this.renderer.objects.has(id)) continue;
       this.renderer.setDrivers(id, driver.rows, driver.body_gradient);
       this.waitingRows.delete(id);
+      this.changed();
     }
   }
 
@@ -198,7 +201,8 @@ class Page {
     const boxes = [...this.objects.values()].filter((o) => o.bounds_m && !o.environment && !o.hidden).map((o) => o.bounds_m);
     const environment = [...this.objects.values()].find((o) => o.environment && o.bounds_m)?.bounds_m;
     if (!boxes.length && environment) boxes.push(environment);
-    this.camera.frame(boxes, environment, [canvas.clientWidth, canvas.clientHeight]);
+    const panel = document.getElementById('panel').getBoundingClientRect(), size = [canvas.clientWidth, canvas.clientHeight];
+    this.camera.frame(boxes, environment, size, panel.left > 0.3 * size[0] ? panel.left : size[0]);
     this.framed = boxes.length > 0;
     this.changed();
   }
@@ -250,8 +254,7 @@ class Page {
     if (this.headset.session || !this.renderer || gl.isContextLost()) return;
     const passed_s = 1e-3 * (now_ms - (this.last_ms ?? now_ms));
     this.last_ms = now_ms;
-    if (this.controls.fly(passed_s)) this.changed(); // again while a key is down
-    if (this.controls.mode || this.controls.keys.size) this.userMoved = true;
+    if (this.controls.fly(Math.min(passed_s, 0.1))) this.changed(); // again while a key is down
     const ratio = Math.min(devicePixelRatio, kMaxPixelRatio), limit = gl.getParameter(gl.MAX_TEXTURE_SIZE);
     const size = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.min(limit, Math.round(side * ratio))));
     for (const one of [canvas, overlay]) {

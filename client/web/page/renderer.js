@@ -181,11 +181,14 @@ export class Renderer {
     object.dirty = true;
   }
 
-  setOrder(order, count) {
-    const gl = this.gl;
+  // `order`: nearest first. A headset's layer has 8 bits, where blending over from the farthest is more exact, so its
+  // order is reversed here, in place.
+  setOrder(order, count, farthestFirst) {
+    const gl = this.gl, drawn = order.subarray(0, count);
+    if (farthestFirst) drawn.reverse();
     gl.bindBuffer(gl.ARRAY_BUFFER, this.orderBuffer);
-    gl.bufferData(gl.ARRAY_BUFFER, order.subarray(0, count), gl.STREAM_DRAW);
-    this.count = count;
+    gl.bufferData(gl.ARRAY_BUFFER, drawn, gl.STREAM_DRAW);
+    Object.assign(this, { count, farthestFirst });
   }
 
   // Draws a texel for each kernel of an object: the rows of the target that it covers.
@@ -264,12 +267,13 @@ export class Renderer {
     this.gl.disable(this.gl.SCISSOR_TEST);
   }
 
-  // Blends the splats of an eye into the bound framebuffer, which is transparent there. Nearest first: what is
-  // drawn later is under it.
+  // Blends the splats of an eye into the bound framebuffer. Nearest first: under what is there, at first nothing.
+  // Farthest first: over what is there.
   blendSplats(index, viewport, picks) {
     const gl = this.gl;
     gl.enable(gl.BLEND);
-    gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
+    if (this.farthestFirst) gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    else gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
     const splats = this.splats[index];
     if (this.count === 0 || !splats) return;
     const [splat0, splat1, splat2] = splats.textures;
@@ -302,16 +306,20 @@ export class Renderer {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  // Draws one eye of a headset straight into its layer, which the caller has bound and cleared to zero: splats,
+  // Draws one eye of a headset straight into its layer, which the caller has bound and cleared to zero: splats with
   // the background under them, then the marks over both.
   drawEye(index, eye, viewport, clipFromWorld, marks) {
     const gl = this.gl;
+    const cover = () => {
+      gl.bindVertexArray(this.plainArray);
+      gl.uniform4f(this.programs.cover.use({}).at('colour'), ...this.background, 1);
+      gl.drawArrays(gl.TRIANGLES, 0, 3);
+    };
     gl.viewport(...viewport);
+    gl.disable(gl.BLEND);
+    if (this.farthestFirst) cover();
     this.blendSplats(index, viewport, false);
-    gl.bindVertexArray(this.plainArray);
-    const cover = this.programs.cover.use({});
-    gl.uniform4f(cover.at('colour'), ...this.background, 1);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    if (!this.farthestFirst) cover();
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     const program = this.programs.mark.use({});
     gl.uniformMatrix4fv(program.at('clipFromWorld'), false, clipFromWorld);

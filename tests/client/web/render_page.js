@@ -51,7 +51,7 @@ async function render() {
   const layer = renderer.target(gl.RGBA8, width, height, 1);
   for (const [index, view] of scene.views.entries()) {
     const eye = makeEye({ ...view, right: rotate(view.orientation, [1, 0, 0]), down: rotate(view.orientation, [0, -1, 0]), forward: rotate(view.orientation, [0, 0, -1]) });
-    renderer.setOrder(view.order, view.order.length);
+    renderer.setOrder(view.order, view.order.length, false);
     const pixels = new Uint8Array(4 * width * height);
     const keep = (target) => {
       gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
@@ -60,11 +60,13 @@ async function render() {
     };
     renderer.drawWindow(eye);
     keep('window');
+    renderer.setOrder(view.order.slice(), view.order.length, true);
     renderer.prepare([eye]);
     gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
     gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
     renderer.drawEye(0, eye, [0, 0, width, height], new Float32Array(16), []);
     keep('layer');
+    renderer.setOrder(view.order, view.order.length, false);
     if (index === 0) {
       // The broken box is left of the middle, the lattice right of it; the floor cannot be touched.
       const at = (m) => {
