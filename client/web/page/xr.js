@@ -3,7 +3,7 @@
 // resolution by what the device holds. The page draws nothing meanwhile.
 import { makeEye } from './renderer.js';
 import { metresANewton } from './controls.js';
-import { add, length, rotate, scaled, subtract } from './vector.js';
+import { add, length, multiply, rotate, scaled, subtract } from './vector.js';
 
 const kFrameTimeout_ms = 4000; // without a frame of a visible session; then it is ended, so that a user is never stuck
 const kWindow_ms = 2000; // in which late frames are counted
@@ -11,9 +11,6 @@ const kLateShare = 0.1; // of frames; above, the rate or the resolution falls
 const kScales = [1, 0.85, 0.7, 0.6, 0.5]; // of the viewport's sides
 const kRay_m = 1.2, kRayHalfWidth_m = 0.0015;
 const kRayColour = [0.85, 0.9, 1, 0.7], kForceColour = [1, 0.59, 0.12, 1]; // client/viewer/hands/hand_markers.cpp
-
-const arrayOf = (p) => [p.x, p.y, p.z];
-const quaternionOf = (q) => [q.w, q.x, q.y, q.z];
 
 // Pulses of one hand from the server's reports. Twin of client/viewer/hands/haptics.cpp without its predictions.
 class Feel {
@@ -39,8 +36,14 @@ function multiplied(a, b) { // 4 by 4, by columns
   return c;
 }
 
-function eyeOf(view, viewport) {
-  const m = view.transform.matrix, p = view.projectionMatrix, size = [viewport.width, viewport.height];
+// Rotation about +y by an angle, then a translation; by columns.
+const turnedAndMoved = (angle, t) => {
+  const c = Math.cos(angle), s = Math.sin(angle);
+  return new Float32Array([c, 0, -s, 0, 0, 1, 0, 0, s, 0, c, 0, t[0], t[1], t[2], 1]);
+};
+
+function eyeOf(sceneFromEye, p, viewport) {
+  const m = sceneFromEye, size = [viewport.width, viewport.height];
   const column = (i, sign) => [sign * m[4 * i], sign * m[4 * i + 1], sign * m[4 * i + 2]];
   return makeEye({ position: column(3, 1), right: column(0, 1), down: column(1, -1), forward: column(2, -1), size,
     focal: [0.5 * size[0] * p[0], 0.5 * size[1] * p[5]], centre: [0.5 * size[0] * (1 - p[8]), 0.5 * size[1] * (1 + p[9])] });
@@ -74,12 +77,12 @@ export class Headset {
     this.feel = [new Feel(), new Feel()];
     this.pressed = new Map(); // [select, squeeze] by input source, from events: hands may have no buttons
     this.hands = [null, null];
-    this.space = null;
+    this.sceneFromLocal = null;
     this.scale = 0;
     this.frameTimes = [];
     this.lastFrame_ms = performance.now();
     this.base.addEventListener('reset', () => {
-      this.space = null; // placed again by the next frame
+      this.sceneFromLocal = null; // placed again by the next frame
       ++this.counts.recentred;
     });
     const press = (event, which, down) => {
@@ -145,26 +148,32 @@ export class Headset {
     }
   }
 
-  // Puts the user where the window's camera is, upright; the origin of the space is then that of the scene.
+  // Puts the user where the window's camera is, upright: sceneFromLocal and its inverse, and the turn as a quaternion.
   place(pose) {
-    const m = pose.transform.matrix, camera = this.host.camera;
-    const turn = Math.atan2(m[8], m[10]) - camera.azimuth; // local from scene, about +y
-    const q = [Math.cos(0.5 * turn), 0, Math.sin(0.5 * turn), 0];
-    const at = subtract([m[12], m[13], m[14]], rotate(q, camera.position));
-    this.space = this.base.getOffsetReferenceSpace(new XRRigidTransform({ x: at[0], y: at[1], z: at[2] }, { x: 0, y: q[2], z: 0, w: q[0] }));
+    const m = pose.transform.matrix, camera = this.host.camera, head = [m[12], m[13], m[14]];
+    const angle = camera.azimuth - Math.atan2(m[8], m[10]), turn = (sign) => [Math.cos(0.5 * angle), 0, sign * Math.sin(0.5 * angle), 0];
+    this.turn = turn(1);
+    this.moved_m = subtract(camera.position, rotate(this.turn, head));
+    this.sceneFromLocal = turnedAndMoved(angle, this.moved_m);
+    this.localFromScene = turnedAndMoved(-angle, scaled(rotate(turn(-1), this.moved_m), -1));
+  }
+
+  placed(transform) {
+    const { position: p, orientation: q } = transform;
+    return [add(rotate(this.turn, [p.x, p.y, p.z]), this.moved_m), multiply(this.turn, [q.w, q.x, q.y, q.z])];
   }
 
   sampleHands(frame) {
     const hands = [null, null];
     for (const source of this.session.inputSources) {
       if (source.targetRayMode !== 'tracked-pointer' && source.targetRayMode !== 'transient-pointer') continue;
-      const aim = frame.getPose(source.targetRaySpace, this.space);
+      const aim = frame.getPose(source.targetRaySpace, this.base);
       if (!aim) continue;
-      const grip = (source.gripSpace && frame.getPose(source.gripSpace, this.space)) || aim;
+      const grip = (source.gripSpace && frame.getPose(source.gripSpace, this.base)) || aim;
+      const [aim_position, aim_orientation] = this.placed(aim.transform), [grip_position, grip_orientation] = this.placed(grip.transform);
       const [select, squeeze] = this.pressed.get(source) ?? [false, false], buttons = source.gamepad?.buttons ?? [];
       hands[source.handedness === 'left' ? 0 : 1] = {
-        aim_position: arrayOf(aim.transform.position), aim_orientation: quaternionOf(aim.transform.orientation),
-        grip_position: arrayOf(grip.transform.position), grip_orientation: quaternionOf(grip.transform.orientation),
+        aim_position, aim_orientation, grip_position, grip_orientation,
         trigger: Math.max(select ? 1 : 0, source.hand ? 0 : (buttons[0]?.value ?? 0)), squeeze: Math.max(squeeze ? 1 : 0, buttons[1]?.value ?? 0),
         shoot: !source.hand && Boolean(buttons[4]?.pressed) };
     }
@@ -225,18 +234,14 @@ export class Headset {
     const now = performance.now(), gl = this.gl, renderer = this.host.renderer();
     this.adapt(now - this.lastFrame_ms);
     this.lastFrame_ms = now;
-    if (!this.space) {
-      const local = frame.getViewerPose(this.base);
-      if (!local) return;
-      this.place(local);
-    }
-    const pose = frame.getViewerPose(this.space);
+    const pose = frame.getViewerPose(this.base);
     if (!pose) return void this.letGo();
+    if (!this.sceneFromLocal) this.place(pose);
     if (session.visibilityState === 'visible') this.sampleHands(frame);
     const views = pose.views.filter((view) => view.eye !== 'none' || pose.views.length === 1).slice(0, 2);
     for (const view of views) view.requestViewportScale?.(kScales[this.scale]);
     const viewports = views.map((view) => this.layer.getViewport(view));
-    const eyes = views.map((view, i) => eyeOf(view, viewports[i]));
+    const eyes = views.map((view, i) => eyeOf(multiplied(this.sceneFromLocal, view.transform.matrix), view.projectionMatrix, viewports[i]));
     if (!eyes.length || !(viewports[0].width > 1)) return;
     const middle = scaled(eyes.reduce((sum, eye) => add(sum, eye.position), [0, 0, 0]), 1 / eyes.length);
     this.host.sendView({ position: middle, axis: eyes[0].forward, by_distance: true, half_angle_rad: 1.3 });
@@ -248,7 +253,7 @@ export class Headset {
       const { x, y, width, height } = viewports[i];
       gl.enable(gl.SCISSOR_TEST);
       gl.scissor(x, y, width, height);
-      renderer.drawEye(i, eyes[i], [x, y, width, height], multiplied(view.projectionMatrix, view.transform.inverse.matrix), marks);
+      renderer.drawEye(i, eyes[i], [x, y, width, height], multiplied(view.projectionMatrix, multiplied(view.transform.inverse.matrix, this.localFromScene)), marks);
     });
     gl.disable(gl.SCISSOR_TEST);
     ++this.counts.frames;

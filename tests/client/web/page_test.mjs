@@ -88,6 +88,12 @@ const pixelOf = (page, id) => page.evaluate((object) => {
   check('calls', ['GetScene', 'ControlRun', 'UndoEdit', 'AnalyzeObject'].every((name) => log.calls.includes(name)) && !log.paused, log.calls);
   check('values and reasons', (await page.$eval('#objects', (e) => e.textContent)).includes('asked the model'), 'reason shown');
   check('orders come back', log.done >= log.orders - 3, [log.orders, log.done]);
+  await pause(1500);
+  const inked = await page.evaluate(() => {
+    const { width, height } = document.getElementById('overlay');
+    return [document.getElementById('overlay').getContext('2d').getImageData(0, 0, width, height).data.some((x) => x > 0), window.livegs.held.length];
+  });
+  check('no arrow after the release', !inked[0], inked);
   await keep(page, 'page_values.png');
   const lost = await page.evaluate(async () => {
     const extension = document.getElementById('picture').getContext('webgl2').getExtension('WEBGL_lose_context');
