@@ -40,9 +40,6 @@ class DeviceSkin {
  private:
   explicit DeviceSkin(Backend& backend) : backend_(&backend) {}
   Result<void> make_rest_rows(const KernelBindings& bindings, std::span<const uint32_t> kept);
-  Result<void> move_bodies(const RestBody& rest, const ObjectDrivers& drivers);
-  Result<void> move_lattice(const RestBody& rest, const KernelBindings& bindings,
-                            const ObjectDrivers& drivers);
 
   // Pass constants besides the kernel range.
   struct Lattice {

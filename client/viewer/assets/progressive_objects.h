@@ -10,6 +10,7 @@
 #include "render/scene_view.h"
 #include "stream/received/received.h"
 #include "viewer/assets/asset_library.h"
+#include "viewer/assets/rest_of_part.h"
 
 namespace livegs {
 
@@ -66,8 +67,5 @@ class ProgressiveObjects {
   std::map<uint32_t, Coarse> coarse_;                   // by object id
   std::vector<std::future<Result<Binding>>> unwanted_;  // of objects that were removed or fractured meanwhile
 };
-
-// The part of a rest body that belongs to these kernels of the asset.
-RestBody rest_of_part(const RestBody& rest, std::span<const uint32_t> indices);
 
 }  // namespace livegs

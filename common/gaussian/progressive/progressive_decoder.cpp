@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <zstd.h>
-
 #include <algorithm>
 #include <bit>
 #include <numeric>
 
 #include "gaussian/asset/establish_invariants.h"
 #include "gaussian/progressive/progressive_layout.h"
+#include "gaussian/progressive/zstd_frame.h"
 #include "gaussian/progressive_asset.h"
 
 namespace livegs {
@@ -124,16 +123,16 @@ Result<void> ProgressiveDecoder::take_head(Bytes head) {
 
 Result<void> ProgressiveDecoder::take_block(Bytes payload, uint32_t count) {
   const bool brings_kernels = indices_.size() < count_;
-  const size_t frame = ZSTD_findFrameCompressedSize(payload.data(), payload.size());
-  if (ZSTD_isError(frame)) return bad("a block is not a zstd frame");
-  const Bytes padding = payload.subspan(frame);
+  const auto frame = zstd_frame_size(payload);
+  if (!frame) return bad("a block is not a zstd frame");
+  const Bytes padding = payload.subspan(*frame);
   if (std::any_of(padding.begin(), padding.end(), [](std::byte byte) { return byte != std::byte{0}; }))
     return bad("bytes follow the zstd frame of a block");
   std::vector<std::byte> raw(
       max_raw_bytes(brings_kernels ? kKernelColumns : harmonic_columns(degree_), count));
-  const size_t size = ZSTD_decompress(raw.data(), raw.size(), payload.data(), frame);
-  if (ZSTD_isError(size)) return bad("a block is damaged");
-  const Bytes columns = Bytes(raw).first(size);
+  const auto size = zstd_frame_content(payload.first(*frame), raw);
+  if (!size) return bad("a block is damaged");
+  const Bytes columns = Bytes(raw).first(*size);
   if (brings_kernels ? !take_kernels(columns, count) : !take_harmonics(columns, count))
     return bad("the columns of a block are damaged");
   ++blocks_;

@@ -6,9 +6,7 @@
 #include <utility>
 
 #include "core/assert.h"
-#include "core/parallel_for.h"
-#include "skin/kernels/driver_skinning.h"
-#include "skin/kernels/lattice_skinning.h"
+#include "skin/driver_rows.h"
 #include "skin/passes/skin_lattice_pass.h"
 #include "skin/passes/skin_rigid_pass.h"
 
@@ -48,29 +46,7 @@ Result<void> DeviceSkin::make_rest_rows(const KernelBindings& bindings, std::spa
   for (uint32_t first = 0; first < size_; first += kMaxPartKernels) {
     const uint32_t count = std::min(kMaxPartKernels, size_ - first);
     rows.resize(count);
-    parallel_for(count, kSkinBlock, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        const size_t k = kept.empty() ? first + i : kept[first + i];
-        const KernelBinding& binding = bindings.kernels[k];
-        const Symmetric3f& s = bindings.rest_covariances_m2[k];
-        rows[i] = {binding.drivers[0],
-                   binding.weights[0],
-                   binding.weights[1],
-                   binding.weights[2],
-                   s[0],
-                   s[1],
-                   s[2],
-                   s[3],
-                   s[4],
-                   s[5]};
-        if (kind_ == DriverKind::Rigid) {
-          const Eigen::Vector3f& x = bindings.rest_positions_m[k];
-          rows[i].at_x = x.x();
-          rows[i].at_y = x.y();
-          rows[i].at_z = x.z();
-        }
-      }
-    });
+    pack_rest_rows(bindings, kept, first, rows);
     auto made = Buffer::create(*backend_, count * sizeof(RestKernelRow));
     if (!made) return made.error();
     rest_.push_back(*std::move(made));
@@ -82,32 +58,14 @@ Result<void> DeviceSkin::make_rest_rows(const KernelBindings& bindings, std::spa
 Result<void> DeviceSkin::move(const RestBody& rest, const KernelBindings& bindings,
                               const ObjectDrivers& drivers) {
   LIVEGS_ASSERT(rest.kind == kind_ && drivers.kind == kind_);
-  return kind_ == DriverKind::Rigid ? move_bodies(rest, drivers) : move_lattice(rest, bindings, drivers);
-}
-
-Result<void> DeviceSkin::move_bodies(const RestBody& rest, const ObjectDrivers& drivers) {
-  const std::vector<TurnedBody> bodies = turned_bodies(rest, drivers);
-  body_count_ = static_cast<uint32_t>(bodies.size());
-  std::vector<RigidPoseRow> rows;
-  rows.reserve(bodies.size());
-  for (const TurnedBody& body : bodies) {
-    const Eigen::Matrix3f& r = body.world_from_body;
-    const Eigen::Vector3f& x = body.position_m;
-    const Eigen::Quaternionf& q = body.world_from_asset;
-    rows.push_back({r(0, 0), r(0, 1), r(0, 2), x.x(), r(1, 0), r(1, 1), r(1, 2), x.y(), r(2, 0), r(2, 1),
-                    r(2, 2), x.z(), q.x(), q.y(), q.z(), q.w()});
+  const DriverRows rows = pack_driver_rows(rest, bindings, drivers);
+  if (kind_ == DriverKind::Rigid) {
+    body_count_ = static_cast<uint32_t>(rows.bodies.size());
+    return backend_->upload(drivers_.id(), std::as_bytes(std::span(rows.bodies)));
   }
-  return backend_->upload(drivers_.id(), std::as_bytes(std::span(rows)));
-}
-
-Result<void> DeviceSkin::move_lattice(const RestBody& rest, const KernelBindings& bindings,
-                                      const ObjectDrivers& drivers) {
-  LIVEGS_ASSERT(drivers.positions_m.size() == rest.node_coordinates.size());
-  const std::vector<NodeState> states = node_states(bindings, drivers.positions_m);
-  const LatticeBody body = lattice_body_of(rest, states);
-  lattice_ = {static_cast<uint32_t>(rest.cells.size()), static_cast<uint32_t>(states.size()),
-              body.cell_width_m, body.lattice_from_asset, body.gradient};
-  return backend_->upload(drivers_.id(), std::as_bytes(std::span(states)));
+  lattice_ = {static_cast<uint32_t>(rest.cells.size()), static_cast<uint32_t>(rows.nodes.size()),
+              rows.lattice.cell_width_m, rows.lattice.lattice_from_asset, rows.lattice.gradient};
+  return backend_->upload(drivers_.id(), std::as_bytes(std::span(rows.nodes)));
 }
 
 Result<void> DeviceSkin::pose(uint32_t first, uint32_t count, BufferId posed) const {

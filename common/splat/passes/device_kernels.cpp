@@ -2,24 +2,17 @@
 #include "splat/passes/device_kernels.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 
 #include "core/assert.h"
 #include "core/parallel_for.h"
-#include "splat/half_float.h"
-#include "splat/passes/project_splats_layout.h"
+#include "splat/passes/kernel_looks.h"
 
 namespace livegs {
 namespace {
 
 constexpr size_t kUploadBlock = 4096;  // kernels
-
-// log2 of the sigmoid, in doubles: for a faint kernel, the logarithm of a rounded opacity would be wrong.
-float log2_opacity(float logit) {
-  return static_cast<float>(-std::log1p(std::exp(-static_cast<double>(logit))) * M_LOG2E);
-}
 
 }  // namespace
 
@@ -34,7 +27,7 @@ Result<DeviceKernels> DeviceKernels::create(Backend& backend, const GaussianAsse
   kernels.size_ = static_cast<uint32_t>(kept.empty() ? asset.size() : kept.size());
   kernels.kept_ = std::move(kept);
   kernels.sh_degree_ = asset.sh_degree;
-  kernels.sh_row_words_ = static_cast<uint32_t>((3 * asset.sh_rest_count() + 1) / 2);
+  kernels.sh_row_words_ = livegs::sh_row_words(asset);
   kernels.antialiased_ = asset.antialiased;
   for (uint32_t first = 0; first < kernels.size_; first += kMaxPartKernels) {
     const uint32_t count = std::min(kMaxPartKernels, kernels.size_ - first);
@@ -63,16 +56,11 @@ Result<void> DeviceKernels::make_part(const GaussianAsset& asset, uint32_t first
 
   std::vector<KernelLookRow> look_rows(count);
   std::vector<uint32_t> words(band_words, 0);
-  const size_t coefficients = asset.sh_rest_count();
   parallel_for(count, kUploadBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const size_t kernel = kernel_of(first + i);
-      const Eigen::Vector3f& dc = asset.sh_dc[kernel];
-      look_rows[i] = {log2_opacity(asset.opacity_logits[kernel]), dc.x(), dc.y(), dc.z()};
-      for (size_t c = 0; c < 3 * coefficients; ++c) {
-        const float value = asset.sh_rest[kernel * coefficients + c / 3][static_cast<int>(c % 3)];
-        words[i * sh_row_words_ + c / 2] |= static_cast<uint32_t>(half_of_float(value)) << (16 * (c % 2));
-      }
+      look_rows[i] = look_row(asset, kernel);
+      pack_bands(asset, kernel, std::span(words).subspan(i * sh_row_words_, sh_row_words_));
     }
   });
   if (auto done = backend_->upload(part.looks.id(), std::as_bytes(std::span(look_rows))); !done) return done;

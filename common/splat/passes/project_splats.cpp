@@ -10,6 +10,7 @@
 #include "core/assert.h"
 #include "project_splats.spv.h"
 #include "splat/half_float.h"
+#include "splat/passes/order_depth.h"
 #include "splat/passes/radix_sort.h"
 #include "splat/passes/sort_keys_layout.h"
 #include "splat/project/precise.h"
@@ -22,11 +23,6 @@ namespace {
 
 constexpr float kHalfLog2E_f32 = 0.72134752f;
 
-struct Row3 {
-  float x, y, z;
-};
-
-float dot(const Row3& a, const Row3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Row3 cross(const Row3& a, const Row3& b) {
   return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
 }
@@ -37,11 +33,6 @@ Row3 turned_back(const PosedKernelRow& k, const Row3& v) {
   const Row3 twice{2.0f * once.x, 2.0f * once.y, 2.0f * once.z};
   const Row3 last = cross(axis, twice);
   return {v.x + k.qw * twice.x + last.x, v.y + k.qw * twice.y + last.y, v.z + k.qw * twice.z + last.z};
-}
-
-Row3 spread(const PosedKernelRow& k, const Row3& r) {
-  return {k.sxx_m2 * r.x + k.sxy_m2 * r.y + k.sxz_m2 * r.z, k.sxy_m2 * r.x + k.syy_m2 * r.y + k.syz_m2 * r.z,
-          k.sxz_m2 * r.x + k.syz_m2 * r.y + k.szz_m2 * r.z};
 }
 
 struct Cofactors {
@@ -170,6 +161,9 @@ void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
   LIVEGS_ASSERT((constants.first_kernel + end) * sizeof(KernelLookRow) <= buffers[2].size());
   LIVEGS_ASSERT((constants.first_row + end) * sizeof(SplatRow) <= buffers[4].size());
   const auto views = row_at<FrameViews>(buffers[0], 0);
+  const OrderView order{{views.origin_x_m, views.origin_y_m, views.origin_z_m},
+                        {views.axis_x, views.axis_y, views.axis_z},
+                        views.by_distance != 0};
   const std::span<const uint32_t> bands = words_of(buffers[3]);
   const std::span<uint32_t> keys = words_of(buffers[6]);
   for (size_t i = begin; i < end; ++i) {
@@ -189,16 +183,7 @@ void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
       }
       set_row(buffers[e == 0 ? 4 : 5], constants.first_row + i, row);
     }
-    const Row3 from_origin = offset_from(k, views.origin_x_m, views.origin_y_m, views.origin_z_m);
-    Row3 towards{views.axis_x, views.axis_y, views.axis_z};
-    float depth = dot(towards, from_origin);
-    if (views.by_distance != 0) {
-      depth = std::sqrt(dot(from_origin, from_origin));
-      const float length = std::max(depth, 1e-9f);
-      towards = {from_origin.x / length, from_origin.y / length, from_origin.z / length};
-    }
-    if (constants.order_bias > 0.0f)
-      depth += constants.order_bias * std::sqrt(std::max(0.0f, dot(spread(k, towards), towards)));
+    const float depth = order_depth(order, k, constants.order_bias);
     keys[constants.first_key + i] = seen ? ordered_key(depth) : kSortDroppedKey;
   }
 }
