@@ -168,7 +168,7 @@ class Page {
     }
     for (const [id, driver] of this.waitingRows) {
       if (!this.renderer.objects.has(id)) continue;
-      this.renderer.setDrivers(id, driver.rows, driver.body_gradient);
+      this.renderer.setDrivers(id, driver.rows, driver.body_gradient ?? driver.lattice?.body_gradient);
       this.waitingRows.delete(id);
       this.changed();
     }
@@ -230,6 +230,7 @@ class Page {
 
   // Sent at once: a hidden page draws no pictures.
   released() {
+    if (this.headset.session) return; // has hands of its own
     this.post({ type: 'hands', left: null, right: null });
     this.sentHand = '';
     this.changed();
