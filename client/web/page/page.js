@@ -21,7 +21,7 @@ class Page {
     this.controls = new WindowControls(canvas, this.camera, this);
     this.headset = new Headset(gl, { camera: this.camera, renderer: () => this.renderer, held: () => this.held, objectOf: (id) => this.objectOf(id),
       sendHands: (left, right) => this.post({ type: 'hands', left, right }), sendView: (view) => this.post({ type: 'view', ...view }),
-      notice: (text) => this.panels.notice(text), ended: () => { this.offerHeadset(); this.changed(); } });
+      notice: (text) => this.panels.notice(text), problem: () => (this.state === 'live' ? '' : `${this.state}: ${this.message || 'please wait'}`), ended: () => { this.offerHeadset(); this.changed(); } });
     this.calls = new Map();
     this.nextCall = 1;
     this.pictures = 0;
@@ -30,6 +30,7 @@ class Page {
     document.addEventListener('visibilitychange', () => this.changed());
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
+      this.headset.leave();
       this.worker?.terminate();
       this.panels.status('lost', 'the graphics device was lost; waiting for it');
     });
@@ -95,7 +96,7 @@ class Page {
   take(m) {
     const takers = {
       status: () => {
-        this.state = m.state;
+        Object.assign(this, { state: m.state, message: m.message });
         this.panels.status(m.state, m.message);
       },
       joined: () => {
@@ -167,7 +168,7 @@ class Page {
     }
     for (const [id, driver] of this.waitingRows) {
       if (!this.renderer.objects.has(id)) continue;
-      this.renderer.setDrivers(id, driver.rows, driver.body_gradient);
+      this.renderer.setDrivers(id, driver.rows, driver.body_gradient ?? driver.lattice?.body_gradient);
       this.waitingRows.delete(id);
       this.changed();
     }
@@ -227,6 +228,14 @@ class Page {
     }
   }
 
+  // Sent at once: a hidden page draws no pictures.
+  released() {
+    if (this.headset.session) return; // has hands of its own
+    this.post({ type: 'hands', left: null, right: null });
+    this.sentHand = '';
+    this.changed();
+  }
+
   togglePull() { return (this.controls.pullsByTouch = !this.controls.pullsByTouch); }
 
   pick(x_px, y_px) {
@@ -283,6 +292,8 @@ class Page {
 
   // Forces as arrows with their newtons. Twin of client/xr/window/draw_arrow.cpp.
   drawOverlay(ratio) {
+    overlay.hidden = this.held.length === 0;
+    if (overlay.hidden) return;
     const pen = overlay.getContext('2d');
     pen.setTransform(1, 0, 0, 1, 0, 0);
     pen.clearRect(0, 0, overlay.width, overlay.height);

@@ -9,6 +9,7 @@ import * as shaders from './shaders.js';
 const { kPoseWidth, kWordWidth } = shaders;
 export const kBackground = [0.08, 0.08, 0.1]; // client/render/scene_view.h
 const kCulled_log2 = -1000;
+const kPlate_px = [512, 56];
 
 // Projection of one eye for the shaders; image axes are x right, y down, z forward (twin of Projection).
 export function makeEye({ position, right, down, forward, focal, centre, size, near_m = 0.05, maxRadius_px = 2 * Math.max(...size) }) {
@@ -67,6 +68,7 @@ export class Renderer {
       resolve: new Program(gl, shaders.coverVertex, shaders.resolveFragment),
       cover: new Program(gl, shaders.coverVertex, shaders.plainFragment),
       mark: new Program(gl, shaders.markVertex, shaders.plainFragment),
+      plate: new Program(gl, shaders.plateVertex, shaders.plateFragment),
     };
     this.plainArray = gl.createVertexArray();
     this.orderArray = gl.createVertexArray();
@@ -80,6 +82,7 @@ export class Renderer {
     this.splats = []; // per eye
     this.blend = null;
     this.pickTarget = null;
+    this.plates = []; // textures of texts, and their texts
   }
 
   texture(format, width, height) {
@@ -332,6 +335,46 @@ export class Renderer {
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
     gl.disable(gl.BLEND);
+  }
+
+  // Draws texts: [{ text, at, halfRight_m, halfUp_m }]. The sides of a plate are as kPlate_px.
+  drawPlates(plates, clipFromWorld) {
+    const gl = this.gl;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.bindVertexArray(this.plainArray);
+    plates.forEach((plate, i) => {
+      const held = (this.plates[i] ??= { texture: this.texture(gl.RGBA8, ...kPlate_px), text: '' });
+      if (held.text !== plate.text) this.write(held, plate.text);
+      const program = this.programs.plate.use({ words: held.texture });
+      gl.uniformMatrix4fv(program.at('clipFromWorld'), false, clipFromWorld);
+      gl.uniform3fv(program.at('at_m'), plate.at);
+      gl.uniform3fv(program.at('halfRight_m'), plate.halfRight_m);
+      gl.uniform3fv(program.at('halfUp_m'), plate.halfUp_m);
+      gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    });
+    gl.disable(gl.BLEND);
+  }
+
+  write(plate, text) {
+    const gl = this.gl, [width, height] = kPlate_px;
+    this.paper ??= Object.assign(document.createElement('canvas'), { width, height });
+    const pen = this.paper.getContext('2d');
+    pen.clearRect(0, 0, width, height);
+    pen.fillStyle = 'rgb(16 18 22 / 85%)';
+    pen.fillRect(0, 0, width, height);
+    pen.fillStyle = '#ffbe5a';
+    pen.font = '600 34px system-ui, sans-serif';
+    pen.textAlign = 'center';
+    pen.textBaseline = 'middle';
+    pen.fillText(text, width / 2, height / 2, width - 24);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, plate.texture);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.LINEAR);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, this.paper);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    plate.text = text;
   }
 
   // The object that has most of a pixel's light, if more than half of it is of objects that can be touched; else

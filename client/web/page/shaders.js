@@ -498,3 +498,20 @@ void main() {
   at += ((gl_VertexID & 2) == 0 ? -width : width) * side / max(length(side), 1e-9);
   gl_Position = clipFromWorld * vec4(at, 1.0);
 }`;
+
+// A text on a plate in the scene, for a headset.
+export const plateVertex = `${head}
+uniform mat4 clipFromWorld;
+uniform vec3 at_m, halfRight_m, halfUp_m;
+out vec2 place;
+void main() {
+  vec2 corner = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1));
+  place = vec2(corner.x, 1.0 - corner.y);
+  corner = 2.0 * corner - 1.0;
+  gl_Position = clipFromWorld * vec4(at_m + corner.x * halfRight_m + corner.y * halfUp_m, 1.0);
+}`;
+export const plateFragment = `${head}
+uniform sampler2D words;
+in vec2 place;
+layout(location = 0) out vec4 premultiplied;
+void main() { premultiplied = texture(words, place); }`;

@@ -3,6 +3,7 @@
 // resolution by what the device holds. The page draws nothing meanwhile.
 import { makeEye } from './renderer.js';
 import { metresANewton } from './controls.js';
+import { number } from './panels.js';
 import { add, length, multiply, rotate, scaled, subtract } from './vector.js';
 
 const kFrameTimeout_ms = 4000; // without a frame of a visible session; then it is ended, so that a user is never stuck
@@ -50,7 +51,7 @@ function eyeOf(sceneFromEye, p, viewport) {
 }
 
 export class Headset {
-  // `host`: renderer(), camera, sendHands(left, right), sendView(view), held(), objectOf(id), ended(), notice(text).
+  // `host`: renderer(), camera, sendHands(left, right), sendView(view), held(), objectOf(id), ended(), notice(text), problem(): a text for the user, or empty.
   constructor(gl, host) {
     Object.assign(this, { gl, host, session: null, counts: { sessions: 0, frames: 0, pulses: 0, recentred: 0 } });
   }
@@ -227,6 +228,18 @@ export class Headset {
     return marks;
   }
 
+  // The force at each held point in newtons, and a notice in front of the eyes while the connection is lost.
+  texts(eye) {
+    const plate = (text, at, half_m) => ({ text, at, halfRight_m: scaled(eye.right, half_m), halfUp_m: scaled(eye.down, (-56 / 512) * half_m) });
+    const plates = this.host.held().map((one) => {
+      const away = Math.max(0.3, length(subtract(one.point_m, eye.position)));
+      return plate(`${number(length(one.force_n))} N  ${this.host.objectOf(one.object_id).name}`, add(one.point_m, scaled(eye.down, -0.06 * away)), 0.1 * away);
+    });
+    const notice = this.host.problem();
+    if (notice) plates.push(plate(notice, add(eye.position, add(scaled(eye.forward, 1.2), scaled(eye.down, 0.25))), 0.4));
+    return plates;
+  }
+
   frame(time, frame) {
     const session = frame.session;
     if (session !== this.session) return;
@@ -248,12 +261,14 @@ export class Headset {
     renderer.prepare(eyes);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.layer.framebuffer);
     gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
-    const marks = this.marks();
+    const marks = this.marks(), texts = this.texts(eyes[0]);
     views.forEach((view, i) => {
       const { x, y, width, height } = viewports[i];
       gl.enable(gl.SCISSOR_TEST);
       gl.scissor(x, y, width, height);
-      renderer.drawEye(i, eyes[i], [x, y, width, height], multiplied(view.projectionMatrix, multiplied(view.transform.inverse.matrix, this.localFromScene)), marks);
+      const clipFromWorld = multiplied(view.projectionMatrix, multiplied(view.transform.inverse.matrix, this.localFromScene));
+      renderer.drawEye(i, eyes[i], [x, y, width, height], clipFromWorld, marks);
+      renderer.drawPlates(texts, clipFromWorld);
     });
     gl.disable(gl.SCISSOR_TEST);
     ++this.counts.frames;

@@ -114,7 +114,7 @@ Result<void> ProgressiveDecoder::take_head(Bytes head) {
   const unsigned flags = byte_at(head, 13);
   if (count_ == 0 || degree_ > 3 || flags > kAntialiased || load<uint16_t>(head, 14) != 0)
     return bad("no kernels, or unknown harmonics or flags");
-  if (count_ * sizeof(float) * (kFloatColumns + harmonic_columns(degree_)) > kMaxDecodedBytes)
+  if (uint64_t{count_} * sizeof(float) * (kFloatColumns + harmonic_columns(degree_)) > kMaxDecodedBytes)
     return bad("larger than 4 GiB");
   asset_.antialiased = flags != 0;
   has_head_ = true;

@@ -7,6 +7,7 @@
 #include "core/assert.h"
 #include "core/parallel_for.h"
 #include "skin/kernels/driver_skinning.h"
+#include "skin/kernels/skin_rigid_row.h"
 
 namespace livegs {
 namespace {
@@ -106,11 +107,10 @@ void skin_positions(const RestBody& rest, const KernelBindings& bindings, const 
   parallel_for(positions_m.size(), kSkinBlock, [&](size_t begin, size_t end) {
     if (rest.kind == DriverKind::Rigid) {
       for (size_t k = begin; k < end; ++k) {
-        const RigidPoseRow& p = rows.bodies[bindings.kernels[k].drivers[0]];
         const Eigen::Vector3f& x = bindings.rest_positions_m[k];
-        positions_m[k] = {p.r00 * x[0] + p.r01 * x[1] + p.r02 * x[2] + p.x_m,
-                          p.r10 * x[0] + p.r11 * x[1] + p.r12 * x[2] + p.y_m,
-                          p.r20 * x[0] + p.r21 * x[1] + p.r22 * x[2] + p.z_m};
+        const PosedKernelRow posed = skin_rigid_row({0, x.x(), x.y(), x.z(), 0, 0, 0, 0, 0, 0},
+                                                    rows.bodies[bindings.kernels[k].drivers[0]]);
+        positions_m[k] = {posed.x_m, posed.y_m, posed.z_m};
       }
       return;
     }

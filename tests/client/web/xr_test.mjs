@@ -48,16 +48,20 @@ check('view sorts by distance', (await until((now) => now.view?.by_distance)).vi
 await pause(1500);
 await frames(3);
 // The layer under IWER is the page's canvas, one half an eye. Frames come from the page, so the picture is read in one.
-const picture = await page.evaluate(() => new Promise((done) => {
+const readEyes = () => page.evaluate(() => new Promise((done) => {
   const canvas = document.getElementById('picture'), gl = canvas.getContext('webgl2'), headset = window.livegs.headset, renderer = window.livegs.renderer;
-  const draw = renderer.drawEye;
+  const draw = renderer.drawEye, plates = renderer.drawPlates;
   let eyes = [];
   renderer.drawEye = function (index, eye, viewport, ...more) {
     draw.call(this, index, eye, viewport, ...more);
     const clip = [...more[0]];
     eyes.push({ position: eye.position, right: eye.right, down: eye.down, forward: eye.forward, focal: eye.focal, centre: eye.centre, viewport, clip });
-    if (index !== 1) return;
-    renderer.drawEye = draw;
+  };
+  renderer.drawPlates = function (...all) {
+    plates.apply(this, all);
+    if (eyes.length < 2) return;
+    Object.assign(renderer, { drawEye: draw, drawPlates: plates });
+    gl.disable(gl.SCISSOR_TEST);
     const pixels = new Uint8Array(4 * canvas.width * canvas.height);
     gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     const rows = new Uint8ClampedArray(pixels.length);
@@ -74,7 +78,12 @@ const picture = await page.evaluate(() => new Promise((done) => {
     done({ eyes, lit, opaque, total: canvas.width * canvas.height, png: copy.toDataURL('image/png'), farthestFirst: renderer.farthestFirst, frames: headset.counts.frames });
   };
 }));
-fs.writeFileSync(path.join(out, 'xr_eyes.png'), Buffer.from(picture.png.split(',')[1], 'base64'));
+const keepEyes = async (name) => {
+  const picture = await readEyes();
+  fs.writeFileSync(path.join(out, name), Buffer.from(picture.png.split(',')[1], 'base64'));
+  return picture;
+};
+const picture = await keepEyes('xr_eyes.png');
 const [left, right] = picture.eyes;
 const apart = Math.hypot(...left.position.map((x, i) => x - right.position[i]));
 check('two eyes', picture.eyes.length === 2 && Math.abs(apart - 0.063) < 0.002 && left.viewport[0] !== right.viewport[0], [apart, left.viewport, right.viewport]);
@@ -111,6 +120,7 @@ await page.evaluate(() => {
 const pulled = await until((now) => now.right?.trigger > 0.5 && now.lifted > 0.05);
 check('trigger pulls by ray', pulled.right?.trigger > 0.5 && pulled.lifted > 0.05 && pulled.left !== null, [pulled.right?.trigger, pulled.lifted]);
 await frames(2);
+await keepEyes('xr_pull.png');
 check('haptic pulse of the take', (await page.evaluate(() => window.pulses)) >= 1, await page.evaluate(() => window.pulses));
 await page.evaluate(() => {
   window.headset.controllers.right.updateButtonValue('trigger', 0);
