@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// parallel_for for targets without threads (WebAssembly), instead of parallel_for.cpp: the same blocks, in order.
+// parallel_for for targets without threads (WebAssembly), instead of parallel_for.cpp: the same blocks, in
+// order.
 #include <algorithm>
 
 #include "core/parallel_for.h"

@@ -13,9 +13,9 @@
 #include "skin/kernels/skin_rigid_layout.h"
 #include "skin/rest_body.h"
 
-// The input of the skinning passes, packed on the host: for DeviceSkin and for the browser client, which skins with
-// shaders of its own. Preconditions of all: the bindings came from the rest body; the drivers fit it (check_drivers);
-// its kind is Rigid or Lattice.
+// The input of the skinning passes, packed on the host: for DeviceSkin and for the browser client, which
+// skins with shaders of its own. Preconditions of all: the bindings came from the rest body; the drivers fit
+// it (check_drivers); its kind is Rigid or Lattice.
 
 namespace livegs {
 
@@ -29,10 +29,11 @@ struct DriverRows {
   LatticeBody lattice;               // Lattice: constants of the pass
   std::vector<RigidPoseRow> bodies;  // Rigid
 };
-DriverRows pack_driver_rows(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers);
+DriverRows pack_driver_rows(const RestBody& rest, const KernelBindings& bindings,
+                            const ObjectDrivers& drivers);
 
-// Positions of all kernels, m, with the bits that the passes compute, without their covariances: for depth keys. About
-// an eighth of the work of skin_kernels for kernels inside their cells.
+// Positions of all kernels, m, with the bits that the passes compute, without their covariances: for depth
+// keys. About an eighth of the work of skin_kernels for kernels inside their cells.
 void skin_positions(const RestBody& rest, const KernelBindings& bindings, const DriverRows& rows,
                     std::vector<Eigen::Vector3f>& positions_m);
 

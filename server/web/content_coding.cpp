@@ -74,7 +74,8 @@ Result<std::vector<std::byte>> encode_content(std::span<const std::byte> bytes, 
       const Error failed{ErrorCode::Internal, "gzip: could not compress"};
       if (bytes.size() > std::numeric_limits<uInt>::max()) return failed;
       z_stream stream{};
-      if (deflateInit2(&stream, kGzipLevel, Z_DEFLATED, kGzipWindowBits, 8, Z_DEFAULT_STRATEGY) != Z_OK) return failed;
+      if (deflateInit2(&stream, kGzipLevel, Z_DEFLATED, kGzipWindowBits, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+        return failed;
       out.resize(deflateBound(&stream, bytes.size()));
       stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));
       stream.avail_in = static_cast<uInt>(bytes.size());

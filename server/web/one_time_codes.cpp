@@ -54,9 +54,11 @@ Result<void> OneTimeCodes::use(std::string_view code) {
   if (++tries_ >= kMaxCodeTries) {
     code_.clear();
     return Error{ErrorCode::PermissionDenied,
-                 "code: was wrong five times and is no longer valid; get another from the server with livegs ctl link"};
+                 "code: was wrong five times and is no longer valid; get another from the server with livegs "
+                 "ctl link"};
   }
-  return Error{ErrorCode::PermissionDenied, "code: is wrong; compare it with the one that the server printed"};
+  return Error{ErrorCode::PermissionDenied,
+               "code: is wrong; compare it with the one that the server printed"};
 }
 
 }  // namespace livegs

@@ -52,17 +52,20 @@ constexpr seconds kCloseTimeout{1};
 constexpr size_t kPartBytes = 64u << 10;
 // Memory for compressed assets, bytes. An asset that does not fit is compressed for each fetch.
 constexpr size_t kMaxKeptAssets = 256u << 20;
-// Codes of a closing WebSocket: this plus the status code of gRPC (RFC 6455, section 7.4.2: 4000 to 4999 are private).
+// Codes of a closing WebSocket: this plus the status code of gRPC (RFC 6455, section 7.4.2: 4000 to 4999 are
+// private).
 constexpr int kFirstCloseCode = 4000;
 constexpr size_t kMaxCloseReason = 120;  // RFC 6455, section 5.5: 123 bytes
 
 constexpr std::string_view kServicePath = "/livegs.v1.LiveGs/", kStreamPath = "/livegs.v1.LiveGs/Stream",
                            kFetchPath = "/livegs.v1.LiveGs/FetchAsset";
 // Streaming RPCs have no answer to a single request.
-const std::set<std::string, std::less<>> kStreamingRpcs = {"Stream", "FetchAsset", "AnalyzeScene", "UploadAsset"};
+const std::set<std::string, std::less<>> kStreamingRpcs = {"Stream", "FetchAsset", "AnalyzeScene",
+                                                           "UploadAsset"};
 
 constexpr const char* kContentSecurityPolicy =
-    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data:; style-src 'self'; "
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data:; "
+    "style-src 'self'; "
     "worker-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 
 std::string_view view_of(boost::beast::string_view text) { return {text.data(), text.size()}; }
@@ -99,10 +102,12 @@ std::string_view host_of(std::string_view authority) {
   return authority.substr(0, authority.find(':'));
 }
 
-bool is_loopback(std::string_view host) { return host == "localhost" || host == "::1" || host.starts_with("127."); }
+bool is_loopback(std::string_view host) {
+  return host == "localhost" || host == "::1" || host.starts_with("127.");
+}
 
-// Whether the request comes from a page of this server, or from no page. Without tokens, the host must also be this machine
-// by name, so that a page of another site whose name leads here (DNS rebinding) is refused.
+// Whether the request comes from a page of this server, or from no page. Without tokens, the host must also
+// be this machine by name, so that a page of another site whose name leads here (DNS rebinding) is refused.
 bool from_own_origin(const Request& request, bool secure) {
   const std::string_view host = view_of(request[http::field::host]);
   if (!secure && !is_loopback(host_of(host))) return false;
@@ -120,7 +125,8 @@ std::string text_of(const grpc::ByteBuffer& buffer) {
   std::vector<grpc::Slice> slices;
   std::string text;
   if (!buffer.Dump(&slices).ok()) return text;
-  for (const grpc::Slice& slice : slices) text.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  for (const grpc::Slice& slice : slices)
+    text.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
   return text;
 }
 
@@ -130,8 +136,7 @@ std::map<std::string, std::string> parameters_of(std::string_view query) {
     const size_t end = query.find('&');
     const std::string_view one = query.substr(0, end);
     const size_t equals = one.find('=');
-    if (equals != std::string_view::npos)
-      parameters.emplace(one.substr(0, equals), one.substr(equals + 1));
+    if (equals != std::string_view::npos) parameters.emplace(one.substr(0, equals), one.substr(equals + 1));
     query = end == std::string_view::npos ? "" : query.substr(end + 1);
   }
   return parameters;
@@ -146,7 +151,8 @@ class CodedAssets {
     Bytes bytes;
     uint64_t total = 0;  // bytes of the whole stored form
   };
-  Result<Coded> get(const std::string& hash, std::span<const std::byte> progressive, uint64_t from, ContentCoding coding) {
+  Result<Coded> get(const std::string& hash, std::span<const std::byte> progressive, uint64_t from,
+                    ContentCoding coding) {
     const std::string key = hash + ' ' + std::string(name_of(coding));
     if (from == 0) {
       for (auto one = kept_.begin(); one != kept_.end(); ++one) {
@@ -158,7 +164,8 @@ class CodedAssets {
     auto stored = store_blocks(progressive);
     if (!stored) return stored.error();
     if (from > stored->size())
-      return invalid_argument("from: is past the end of the asset, " + std::to_string(stored->size()) + " bytes");
+      return invalid_argument("from: is past the end of the asset, " + std::to_string(stored->size()) +
+                              " bytes");
     auto coded = encode_content(std::span(*stored).subspan(from), coding);
     if (!coded) return coded.error();
     Coded made{std::make_shared<const std::vector<std::byte>>(*std::move(coded)), stored->size()};
@@ -207,8 +214,8 @@ struct Shared {
   std::vector<std::weak_ptr<Open>> open;
 };
 
-// A TCP connection, with TLS or without. Its handlers have one type, so that Beast's algorithms are compiled once. At most one
-// read and one write are in progress.
+// A TCP connection, with TLS or without. Its handlers have one type, so that Beast's algorithms are compiled
+// once. At most one read and one write are in progress.
 class ByteStream {
  public:
   using executor_type = asio::io_context::executor_type;
@@ -241,17 +248,20 @@ class ByteStream {
   template <class Buffers, class Token>
   auto async_read_some(const Buffers& buffers, Token&& token) {
     return asio::async_initiate<Token, void(error_code, size_t)>(
-        [this](auto handler, asio::mutable_buffer to) { read(to, erased(std::move(handler))); }, token, first_of(buffers));
+        [this](auto handler, asio::mutable_buffer to) { read(to, erased(std::move(handler))); }, token,
+        first_of(buffers));
   }
   template <class Buffers, class Token>
   auto async_write_some(const Buffers& buffers, Token&& token) {
     return asio::async_initiate<Token, void(error_code, size_t)>(
-        [this](auto handler, asio::const_buffer from) { write(from, erased(std::move(handler))); }, token, joined(buffers));
+        [this](auto handler, asio::const_buffer from) { write(from, erased(std::move(handler))); }, token,
+        joined(buffers));
   }
 
  private:
   struct Parts {
-    Parts(asio::io_context& given, tcp::socket socket, asio::ssl::context* context) : io(given), tcp(std::move(socket)) {
+    Parts(asio::io_context& given, tcp::socket socket, asio::ssl::context* context)
+        : io(given), tcp(std::move(socket)) {
       if (context) tls.emplace(tcp, *context);
     }
     asio::io_context& io;
@@ -311,13 +321,13 @@ class ByteStream {
 void beast_close_socket(ByteStream& stream) { stream.close(); }
 template <class Handler>
 void async_teardown(beast::role_type, ByteStream& stream, Handler&& handler) {
-  stream.shut_down([shared = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler))](error_code failed) {
-    std::move (*shared)(failed);
-  });
+  stream.shut_down([shared = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler))](
+                       error_code failed) { std::move (*shared)(failed); });
 }
 
-// A WebSocket that is a Stream RPC: one message of a browser is one message of the RPC, and the other way round. One message
-// each way is on its way at a time, so that a slow browser stops the server's writing as a slow gRPC client does.
+// A WebSocket that is a Stream RPC: one message of a browser is one message of the RPC, and the other way
+// round. One message each way is on its way at a time, so that a slow browser stops the server's writing as a
+// slow gRPC client does.
 class SocketBridge final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                            public std::enable_shared_from_this<SocketBridge>,
                            public Shared::Open {
@@ -423,7 +433,7 @@ class SocketBridge final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc
   beast::flat_buffer buffer_;
   std::string message_;
   std::shared_ptr<SocketBridge> call_;  // gRPC's reference, released after OnDone
-  bool writing_ = false;  // a message is on its way to the call
+  bool writing_ = false;                // a message is on its way to the call
   bool writing_ended_ = false, reading_ended_ = false, ended_ = false;
 };
 
@@ -465,7 +475,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
     const std::string target(view_of(request.target()));
     const size_t question = target.find('?');
     const std::string path = target.substr(0, question);
-    const auto parameters = parameters_of(question == std::string::npos ? "" : std::string_view(target).substr(question + 1));
+    const auto parameters =
+        parameters_of(question == std::string::npos ? "" : std::string_view(target).substr(question + 1));
     if (shared_.secure && !stream_.tls()) return redirect(request, target);
     if (!from_own_origin(request, shared_.secure))
       return send_text(http::status::forbidden, "origin: pages of other sites may not use this server\n");
@@ -481,7 +492,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
   // A browser that was given http:// for a port with TLS.
   void redirect(const Request& request, const std::string& target) {
     http::response<http::empty_body> response{http::status::permanent_redirect, version_};
-    response.set(http::field::location, "https://" + std::string(view_of(request[http::field::host])) + target);
+    response.set(http::field::location,
+                 "https://" + std::string(view_of(request[http::field::host])) + target);
     keep_alive_ = false;
     send(std::move(response));
   }
@@ -523,7 +535,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
     const std::string authorization(view_of(request[http::field::authorization]));
     if (kStreamingRpcs.contains(path.substr(kServicePath.size())))
       return send_text(http::status::not_found, "path: is a streaming RPC\n");
-    if (const grpc::Status status = shared_.backend.authorise(path, authorization); !status.ok()) return send_status(status);
+    if (const grpc::Status status = shared_.backend.authorise(path, authorization); !status.ok())
+      return send_status(status);
     struct Call {
       grpc::ClientContext context;
       grpc::ByteBuffer request, reply;
@@ -547,13 +560,16 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
   }
 
   // An asset, at the pace of the client's bandwidth limit.
-  void send_asset(const Request& request, const std::string& hash, const std::map<std::string, std::string>& parameters) {
+  void send_asset(const Request& request, const std::string& hash,
+                  const std::map<std::string, std::string>& parameters) {
     const std::string authorization(view_of(request[http::field::authorization]));
-    if (const grpc::Status status = shared_.backend.authorise(std::string(kFetchPath), authorization); !status.ok())
+    if (const grpc::Status status = shared_.backend.authorise(std::string(kFetchPath), authorization);
+        !status.ok())
       return send_status(status);
     uint64_t from = 0;
     if (const auto given = parameters.find("from"); given != parameters.end()) {
-      const auto [end, failed] = std::from_chars(given->second.data(), given->second.data() + given->second.size(), from);
+      const auto [end, failed] =
+          std::from_chars(given->second.data(), given->second.data() + given->second.size(), from);
       if (failed != std::errc() || end != given->second.data() + given->second.size())
         return send_text(http::status::bad_request, "from: must be a number of bytes\n");
     }
@@ -578,7 +594,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
     asset_response_->set(http::field::content_type, "application/octet-stream");
     asset_response_->set(http::field::cache_control, "private, max-age=31536000, immutable");
     asset_response_->set(http::field::vary, "Accept-Encoding");
-    if (coding != ContentCoding::Identity) asset_response_->set(http::field::content_encoding, std::string(name_of(coding)));
+    if (coding != ContentCoding::Identity)
+      asset_response_->set(http::field::content_encoding, std::string(name_of(coding)));
     asset_response_->set("livegs-total-bytes", std::to_string(coded.total));
     asset_response_->content_length(asset_->size());
     asset_response_->keep_alive(keep_alive_);
@@ -586,11 +603,12 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
     asset_response_->body().more = true;
     asset_serializer_.emplace(*asset_response_);
     stream_.expires_after(kAnswerTimeout);
-    http::async_write_header(stream_, *asset_serializer_, [self = shared_from_this()](error_code failed, size_t) {
-      if (failed) return;
-      if (self->head_) return self->asset_done();
-      self->send_part();
-    });
+    http::async_write_header(stream_, *asset_serializer_,
+                             [self = shared_from_this()](error_code failed, size_t) {
+                               if (failed) return;
+                               if (self->head_) return self->asset_done();
+                               self->send_part();
+                             });
   }
 
   void send_part() {
@@ -634,7 +652,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
       if (name.starts_with("token.")) authorization = "Bearer " + std::string(name.substr(6));
     }
     if (!known) return send_text(http::status::bad_request, "subprotocol: must include livegs.v1\n");
-    if (const grpc::Status status = shared_.backend.authorise(std::string(kStreamPath), authorization); !status.ok())
+    if (const grpc::Status status = shared_.backend.authorise(std::string(kStreamPath), authorization);
+        !status.ok())
       return send_status(status);
     std::make_shared<SocketBridge>(shared_, std::move(stream_), std::move(authorization))->accept(request);
   }
@@ -724,18 +743,20 @@ Result<std::unique_ptr<WebServer>> WebServer::start(WebBackend& backend, const s
   if (!certificate_pem.empty()) {
     asio::ssl::context& tls = parts->shared.tls;
     error_code failed;
-    tls.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_tlsv1 | asio::ssl::context::no_tlsv1_1,
+    tls.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_tlsv1 |
+                        asio::ssl::context::no_tlsv1_1,
                     failed);
     if (!failed) tls.use_certificate_chain(asio::buffer(certificate_pem), failed);
     if (!failed) tls.use_private_key(asio::buffer(key_pem), asio::ssl::context::pem, failed);
     if (failed) return invalid_data("certificate: cannot be used for TLS: " + failed.message());
     SSL_CTX_set_alpn_select_cb(
         tls.native_handle(),
-        [](SSL*, const unsigned char** chosen, unsigned char* length, const unsigned char* offered, unsigned offered_length,
-           void*) {
+        [](SSL*, const unsigned char** chosen, unsigned char* length, const unsigned char* offered,
+           unsigned offered_length, void*) {
           static constexpr unsigned char kHttp1[] = {8, 'h', 't', 't', 'p', '/', '1', '.', '1'};
           unsigned char* found = nullptr;
-          if (SSL_select_next_proto(&found, length, kHttp1, sizeof kHttp1, offered, offered_length) != OPENSSL_NPN_NEGOTIATED)
+          if (SSL_select_next_proto(&found, length, kHttp1, sizeof kHttp1, offered, offered_length) !=
+              OPENSSL_NPN_NEGOTIATED)
             return SSL_TLSEXT_ERR_NOACK;
           *chosen = found;
           return SSL_TLSEXT_ERR_OK;
@@ -764,7 +785,9 @@ void WebServer::take(int socket, bool tls) {
       return;
     }
     if (tls && !shared.secure) return;  // closes it
-    std::make_shared<HttpConnection>(shared, ByteStream(shared.io, std::move(adopted), tls ? &shared.tls : nullptr))->start();
+    std::make_shared<HttpConnection>(shared,
+                                     ByteStream(shared.io, std::move(adopted), tls ? &shared.tls : nullptr))
+        ->start();
   });
 }
 

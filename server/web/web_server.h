@@ -35,7 +35,8 @@ class WebFetch {
 class WebBackend {
  public:
   virtual ~WebBackend() = default;
-  virtual std::shared_ptr<grpc::Channel> channel() = 0;  // to the gRPC server of this process, without credentials
+  virtual std::shared_ptr<grpc::Channel>
+  channel() = 0;  // to the gRPC server of this process, without credentials
   // Whether the caller may call the RPC `path`. `authorization`: "Bearer TOKEN"; empty: no token.
   virtual grpc::Status authorise(const std::string& path, const std::string& authorization) = 0;
   // `session`: id of the session whose bandwidth limit counts; empty: none. Null: no such asset.
@@ -45,12 +46,13 @@ class WebBackend {
   virtual Result<std::string> pair(std::string_view code) = 0;
 };
 
-// HTTP/1.1 and WebSocket for browsers: the page, assets, RPCs as POST requests, and the Stream RPC as a WebSocket whose
-// messages have the bytes of gRPC. See server/web/README.md. Sockets come from the door, which shares the port with gRPC.
-// All work is done on one thread of its own.
+// HTTP/1.1 and WebSocket for browsers: the page, assets, RPCs as POST requests, and the Stream RPC as a
+// WebSocket whose messages have the bytes of gRPC. See server/web/README.md. Sockets come from the door,
+// which shares the port with gRPC. All work is done on one thread of its own.
 class WebServer {
  public:
-  // With TLS if the PEM texts are not empty. `backend` must outlive close(). InvalidData for an unusable certificate.
+  // With TLS if the PEM texts are not empty. `backend` must outlive close(). InvalidData for an unusable
+  // certificate.
   static Result<std::unique_ptr<WebServer>> start(WebBackend& backend, const std::string& certificate_pem,
                                                   const std::string& key_pem);
   ~WebServer();
@@ -59,7 +61,8 @@ class WebServer {
 
   // Takes over a connected socket. `tls`: its first bytes are a TLS handshake. Any thread.
   void take(int socket, bool tls);
-  // Waits up to a second for streams to send their last message, then closes all connections. May be called more than once.
+  // Waits up to a second for streams to send their last message, then closes all connections. May be called
+  // more than once.
   void close();
 
  private:

@@ -11,8 +11,9 @@
 
 namespace livegs {
 
-// Frames of a live stream, interpolated for display slightly behind the newest, at an even rate. One thread. A Frame has
-// `drivers`, a pointer to its DriverFrame that is not null, and `received_ns` on the client's clock.
+// Frames of a live stream, interpolated for display slightly behind the newest, at an even rate. One thread.
+// A Frame has `drivers`, a pointer to its DriverFrame that is not null, and `received_ns` on the client's
+// clock.
 template <class Frame>
 class FramePlayout {
  public:

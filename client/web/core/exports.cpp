@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions that worker.js calls, by plain numbers and addresses in the module's memory. Times are nanoseconds of the
-// worker's clock, or of the server's where it says so, as doubles: exact for 104 days. A function that can fail returns
-// 0 for success; error_text() then has the reason of the last failure.
+// Functions that worker.js calls, by plain numbers and addresses in the module's memory. Times are
+// nanoseconds of the worker's clock, or of the server's where it says so, as doubles: exact for 104 days. A
+// function that can fail returns 0 for success; error_text() then has the reason of the last failure.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -44,7 +44,8 @@ int64_t ns(double value) { return static_cast<int64_t>(value); }
 
 // What describe_kernels() and describe_drivers() return the address of.
 struct KernelsView {
-  uint32_t base = 0, count = 0, sh_degree = 0, antialiased = 0, is_lattice = 0, cell_count = 0, node_count = 0;
+  uint32_t base = 0, count = 0, sh_degree = 0, antialiased = 0, is_lattice = 0, cell_count = 0,
+           node_count = 0;
   const void* rest = nullptr;
   const void* cells = nullptr;
   const void* looks = nullptr;
@@ -83,8 +84,8 @@ int EXPORT(take_asset)(uint32_t asset, const void* data, size_t size) {
 int EXPORT(asset_complete)(uint32_t asset) { return state().scene.asset_complete(asset); }
 void EXPORT(drop_asset)(uint32_t asset) { state().scene.drop_asset(asset); }
 
-int EXPORT(describe_object)(uint32_t id, int added, int environment, int hidden, uint32_t asset, const void* rest,
-                            size_t size) {
+int EXPORT(describe_object)(uint32_t id, int added, int environment, int hidden, uint32_t asset,
+                            const void* rest, size_t size) {
   return done(
       state().scene.describe(id, added != 0, environment != 0, hidden != 0, asset, bytes_at(rest, size)));
 }
@@ -109,7 +110,8 @@ int EXPORT(take_frame)(const void* data, size_t size, double received_ns, double
   return done(state().scene.take_frame(bytes_at(data, size), ns(received_ns)));
 }
 // A message and its echo (ClockSample).
-void EXPORT(take_clock)(double sent_ns, double server_received_ns, double server_sent_ns, double received_ns) {
+void EXPORT(take_clock)(double sent_ns, double server_received_ns, double server_sent_ns,
+                        double received_ns) {
   state().clock.add({ns(sent_ns), ns(server_received_ns), ns(server_sent_ns), ns(received_ns)});
   if (state().aim) state().aim->arrived(ns(sent_ns), ns(server_received_ns));
 }
@@ -133,8 +135,10 @@ const void* EXPORT(describe_drivers)(uint32_t id) {
   const LiveScene::Object* object = state().scene.find(id);
   if (!object || !object->posed_by) return &drivers_view;
   const bool lattice = object->rest.kind == DriverKind::Lattice;
-  drivers_view.rows = lattice ? static_cast<const void*>(object->rows.nodes.data()) : object->rows.bodies.data();
-  drivers_view.row_count = static_cast<uint32_t>(lattice ? object->rows.nodes.size() : object->rows.bodies.size());
+  drivers_view.rows =
+      lattice ? static_cast<const void*>(object->rows.nodes.data()) : object->rows.bodies.data();
+  drivers_view.row_count =
+      static_cast<uint32_t>(lattice ? object->rows.nodes.size() : object->rows.bodies.size());
   drivers_view.is_lattice = lattice;
   drivers_view.moved = object->moved;
   drivers_view.unpacked = object->unpacked != nullptr;
@@ -172,7 +176,8 @@ const void* EXPORT(describe_kernels)(uint32_t id) {
 }
 void EXPORT(release_kernels)() { state().packed = {}; }
 
-void EXPORT(set_view)(float x_m, float y_m, float z_m, float axis_x, float axis_y, float axis_z, int by_distance) {
+void EXPORT(set_view)(float x_m, float y_m, float z_m, float axis_x, float axis_y, float axis_z,
+                      int by_distance) {
   state().scene.set_view({{x_m, y_m, z_m}, {axis_x, axis_y, axis_z}, by_distance != 0});
 }
 void EXPORT(update_keys)() { state().scene.update_keys(); }

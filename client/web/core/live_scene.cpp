@@ -55,7 +55,8 @@ Result<void> LiveScene::describe(uint32_t id, bool added, bool environment, bool
   hidden_[id] = hidden;
   const ObjectRevision key{id, rest->revision};
   const auto known = objects_.find(id);
-  const bool is_there = (known != objects_.end() && known->second.contains(rest->revision)) || waiting_.contains(key);
+  const bool is_there =
+      (known != objects_.end() && known->second.contains(rest->revision)) || waiting_.contains(key);
   if (is_there && !added) return {};
   waiting_[key] = {added, environment, asset, std::make_shared<const RestBody>(*std::move(rest))};
   return {};
@@ -74,7 +75,8 @@ void LiveScene::remove(uint32_t id) {
 uint32_t LiveScene::reserve(uint32_t kernels) const {
   std::vector<std::pair<uint32_t, uint32_t>> used;
   for (const auto& [id, revisions] : objects_) {
-    for (const auto& [revision, object] : revisions) used.push_back({object.base, object.base + object.reserved});
+    for (const auto& [revision, object] : revisions)
+      used.push_back({object.base, object.base + object.reserved});
   }
   std::sort(used.begin(), used.end());
   uint32_t base = 0;
@@ -126,7 +128,8 @@ Result<bool> LiveScene::bind_arrived() {
       const auto asset = assets_.find(description.asset);
       const size_t arrived = asset == assets_.end() ? 0 : asset->second.arrived();
       // Parts double in size, since each part costs as much as it holds.
-      if (arrived == 0 || (arrived != SIZE_MAX && arrived / 2 < description.bound) || arrived == description.bound) {
+      if (arrived == 0 || (arrived != SIZE_MAX && arrived / 2 < description.bound) ||
+          arrived == description.bound) {
         ++at;
         continue;
       }
@@ -178,7 +181,8 @@ bool LiveScene::play(int64_t now_ns) {
     if (found == objects_.end() || found->second.empty() || hidden_[drivers.object_id]) continue;
     Revisions& revisions = found->second;
     // Shown times ascend, so revisions older than this frame are no longer needed.
-    if (const auto newer = revisions.find(drivers.revision); newer != revisions.end() && newer != revisions.begin()) {
+    if (const auto newer = revisions.find(drivers.revision);
+        newer != revisions.end() && newer != revisions.begin()) {
       for (auto old = revisions.begin(); old != newer; ++old) coarse_.erase({drivers.object_id, old->first});
       revisions.erase(revisions.begin(), newer);
       changed = true;

@@ -22,14 +22,14 @@
 
 namespace livegs {
 
-// The scene of a browser client: received objects, bound to the part of their assets that has arrived; their drivers at
-// the moment of playout; and the order of all kernels. The rules are those of the native client (SceneView,
-// ProgressiveObjects, FrameQueue); drawing is left to the page, which gets packed rows. One thread. Times are
-// nanoseconds of the caller's clock.
+// The scene of a browser client: received objects, bound to the part of their assets that has arrived; their
+// drivers at the moment of playout; and the order of all kernels. The rules are those of the native client
+// (SceneView, ProgressiveObjects, FrameQueue); drawing is left to the page, which gets packed rows. One
+// thread. Times are nanoseconds of the caller's clock.
 class LiveScene {
  public:
-  // Data of an object for the page. Kernels of an object have global indices [base, base + kernel_count); a range is
-  // reserved for all kernels of the asset, so that more kernels do not move other objects.
+  // Data of an object for the page. Kernels of an object have global indices [base, base + kernel_count); a
+  // range is reserved for all kernels of the asset, so that more kernels do not move other objects.
   struct Object {
     uint32_t base = 0, reserved = 0;
     bool environment = false;
@@ -61,13 +61,14 @@ class LiveScene {
   size_t asset_arrived(uint32_t asset) const;  // grows with what can be drawn
   void drop_asset(uint32_t asset) { assets_.erase(asset); }
 
-  // A new or changed description. `added`: replaces an object with the same id, once its kernels are bound. Otherwise a
-  // new revision of the rest body is shown with the first frame that moves it, and without one only `hidden` changes.
+  // A new or changed description. `added`: replaces an object with the same id, once its kernels are bound.
+  // Otherwise a new revision of the rest body is shown with the first frame that moves it, and without one
+  // only `hidden` changes.
   Result<void> describe(uint32_t id, bool added, bool environment, bool hidden, uint32_t asset,
                         std::span<const std::byte> rest_body);
   void remove(uint32_t id);
-  // Binds what has arrived for objects that wait for it; a bound part grows when its asset has doubled or is complete.
-  // Returns whether anything was bound. An object that cannot be bound is left out, with an error.
+  // Binds what has arrived for objects that wait for it; a bound part grows when its asset has doubled or is
+  // complete. Returns whether anything was bound. An object that cannot be bound is left out, with an error.
   Result<bool> bind_arrived();
   size_t waiting() const { return waiting_.size(); }  // descriptions without kernels yet
 
@@ -78,7 +79,8 @@ class LiveScene {
   // Forgets the frames of a server that was restarted.
   void restart() { playout_.reset(); }
 
-  // Moves all objects to the playout moment. Returns whether the drivers, kernels or the set of drawn objects changed.
+  // Moves all objects to the playout moment. Returns whether the drivers, kernels or the set of drawn objects
+  // changed.
   bool play(int64_t now_ns);
   uint64_t shown_tick() const { return playout_.shown() ? playout_.shown()->drivers->tick : 0; }
   std::span<const uint32_t> drawn() const { return drawn_; }  // ids, as in the last frame, ascending
@@ -86,8 +88,8 @@ class LiveScene {
   Packed packed(uint32_t id);  // once after each binding
 
   void set_view(const OrderView& view);
-  // Depth keys of all drawn kernels; then their global indices, nearest first. Equal depths keep the order of objects
-  // and kernels, as the native sort does. Kernels that no eye sees are included: the page culls them.
+  // Depth keys of all drawn kernels; then their global indices, nearest first. Equal depths keep the order of
+  // objects and kernels, as the native sort does. Kernels that no eye sees are included: the page culls them.
   void update_keys();
   std::span<const uint32_t> sort();
   std::span<const uint32_t> order() const { return order_; }  // of the last sort()
@@ -97,9 +99,7 @@ class LiveScene {
     ProgressiveDecoder decoder;
     uint32_t kernel_count = 0;               // of the whole asset; 0 before its head
     std::shared_ptr<const AssetPart> whole;  // once it is complete; the decoder is then empty
-    size_t arrived() const {
-      return whole ? SIZE_MAX : decoder.arrived() + decoder.arrived_harmonics();
-    }
+    size_t arrived() const { return whole ? SIZE_MAX : decoder.arrived() + decoder.arrived_harmonics(); }
   };
   struct Description {
     bool added = false, environment = false;

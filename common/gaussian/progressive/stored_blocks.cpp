@@ -13,7 +13,8 @@ namespace {
 
 using namespace progressive_layout;
 
-// A zstd frame (RFC 8878, section 3.1.1): a single segment with its content size in eight bytes, no checksum, raw blocks.
+// A zstd frame (RFC 8878, section 3.1.1): a single segment with its content size in eight bytes, no checksum,
+// raw blocks.
 constexpr uint32_t kZstdMagic = 0xfd2fb528;
 constexpr uint8_t kFrameDescriptor = 0b1110'0000;
 constexpr size_t kMaxRawBlock = 128u << 10;

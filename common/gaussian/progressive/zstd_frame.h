@@ -13,7 +13,8 @@ namespace livegs {
 // zstd_frame_stored.cpp, for targets without libzstd, only frames whose blocks are stored (stored_blocks.h).
 // Both accept any bytes.
 
-// Size of the frame in bytes, at most that of the payload; nothing if the payload does not begin with a frame.
+// Size of the frame in bytes, at most that of the payload; nothing if the payload does not begin with a
+// frame.
 std::optional<size_t> zstd_frame_size(Bytes payload);
 
 // Writes the content of a frame, as found by zstd_frame_size(), to the front of `out`, and returns its size;

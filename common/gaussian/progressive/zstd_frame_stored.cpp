@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// RFC 8878, section 3.1.1: zstd frames without compression, instead of zstd_frame.cpp. A frame is a magic number, a
-// header, blocks of type raw or RLE, and an optional checksum, which is not verified: assets come over a transport
-// that verifies its bytes.
+// RFC 8878, section 3.1.1: zstd frames without compression, instead of zstd_frame.cpp. A frame is a magic
+// number, a header, blocks of type raw or RLE, and an optional checksum, which is not verified: assets come
+// over a transport that verifies its bytes.
 #include <algorithm>
 #include <cstring>
 
@@ -14,8 +14,8 @@ constexpr uint32_t kMagic = 0xFD2FB528;
 constexpr size_t kBlockHeadBytes = 3, kMaxBlockBytes = size_t{128} << 10;
 enum BlockType : uint32_t { kRaw = 0, kRle = 1 };
 
-// Visits the blocks of a frame: take(type, data, size of the content). Returns the size of the frame; nothing if it is
-// cut short, has a compressed block, or `take` returns false.
+// Visits the blocks of a frame: take(type, data, size of the content). Returns the size of the frame; nothing
+// if it is cut short, has a compressed block, or `take` returns false.
 template <class Take>
 std::optional<size_t> each_block(Bytes bytes, const Take& take) {
   if (bytes.size() < 5 || load<uint32_t>(bytes, 0) != kMagic) return std::nullopt;

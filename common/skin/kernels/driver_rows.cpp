@@ -12,8 +12,8 @@
 namespace livegs {
 namespace {
 
-// Kernels outside of their cells follow the deformation there, which is limited lane by lane: they are gathered into
-// full groups. A kernel inside of its cell needs only the positions of its nodes.
+// Kernels outside of their cells follow the deformation there, which is limited lane by lane: they are
+// gathered into full groups. A kernel inside of its cell needs only the positions of its nodes.
 class OutsideKernels {
  public:
   OutsideKernels(const RestBody& rest, const DriverRows& rows, std::vector<Eigen::Vector3f>& positions_m)
@@ -68,8 +68,16 @@ void pack_rest_rows(const KernelBindings& bindings, std::span<const uint32_t> ke
       const size_t k = kept.empty() ? first + i : kept[first + i];
       const KernelBinding& binding = bindings.kernels[k];
       const Symmetric3f& s = bindings.rest_covariances_m2[k];
-      rows[i] = {binding.drivers[0], binding.weights[0], binding.weights[1], binding.weights[2], s[0], s[1], s[2],
-                 s[3],               s[4],               s[5]};
+      rows[i] = {binding.drivers[0],
+                 binding.weights[0],
+                 binding.weights[1],
+                 binding.weights[2],
+                 s[0],
+                 s[1],
+                 s[2],
+                 s[3],
+                 s[4],
+                 s[5]};
       if (bindings.kind == DriverKind::Rigid) {
         const Eigen::Vector3f& x = bindings.rest_positions_m[k];
         rows[i].at_x = x.x();
@@ -80,7 +88,8 @@ void pack_rest_rows(const KernelBindings& bindings, std::span<const uint32_t> ke
   });
 }
 
-DriverRows pack_driver_rows(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers) {
+DriverRows pack_driver_rows(const RestBody& rest, const KernelBindings& bindings,
+                            const ObjectDrivers& drivers) {
   LIVEGS_ASSERT(rest.kind == drivers.kind && rest.kind != DriverKind::Particles);
   DriverRows rows;
   if (rest.kind == DriverKind::Lattice) {
@@ -95,8 +104,8 @@ DriverRows pack_driver_rows(const RestBody& rest, const KernelBindings& bindings
     const Eigen::Matrix3f& r = body.world_from_body;
     const Eigen::Vector3f& x = body.position_m;
     const Eigen::Quaternionf& q = body.world_from_asset;
-    rows.bodies.push_back({r(0, 0), r(0, 1), r(0, 2), x.x(), r(1, 0), r(1, 1), r(1, 2), x.y(), r(2, 0), r(2, 1),
-                           r(2, 2), x.z(), q.x(), q.y(), q.z(), q.w()});
+    rows.bodies.push_back({r(0, 0), r(0, 1), r(0, 2), x.x(), r(1, 0), r(1, 1), r(1, 2), x.y(), r(2, 0),
+                           r(2, 1), r(2, 2), x.z(), q.x(), q.y(), q.z(), q.w()});
   }
   return rows;
 }

@@ -21,7 +21,8 @@ void skin_rigid_rows(const PassArguments& arguments, size_t begin, size_t end) {
   for (size_t i = begin; i < end; ++i) {
     const auto kernel = row_at<RestKernelRow>(arguments.buffers[0], constants.first_kernel + i);
     const uint32_t body = std::min(kernel.driver, constants.body_count - 1);
-    set_row(arguments.buffers[2], i, skin_rigid_row(kernel, row_at<RigidPoseRow>(arguments.buffers[1], body)));
+    set_row(arguments.buffers[2], i,
+            skin_rigid_row(kernel, row_at<RigidPoseRow>(arguments.buffers[1], body)));
   }
 }
 

@@ -7,8 +7,8 @@
 #include "gaussian/gaussian_asset.h"
 #include "splat/passes/project_splats_layout.h"
 
-// The constant appearance of kernels, packed as the pass project_splats reads it: for DeviceKernels and for the browser
-// client.
+// The constant appearance of kernels, packed as the pass project_splats reads it: for DeviceKernels and for
+// the browser client.
 
 namespace livegs {
 

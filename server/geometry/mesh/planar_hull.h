@@ -6,8 +6,8 @@
 
 namespace livegs {
 
-// Corners of the convex hull of points in a plane, counter-clockwise from the point with the least x; empty if all points lie
-// on a line. Monotone chain (Andrew 1979). Pure function.
+// Corners of the convex hull of points in a plane, counter-clockwise from the point with the least x; empty
+// if all points lie on a line. Monotone chain (Andrew 1979). Pure function.
 std::vector<Eigen::Vector2d> planar_hull(std::vector<Eigen::Vector2d> points);
 
 }  // namespace livegs

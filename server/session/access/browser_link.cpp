@@ -27,7 +27,8 @@ std::vector<std::string> machine_addresses() {
   return addresses;
 }
 
-std::vector<std::string> browser_links(const std::string& host, int port, bool secure, const std::string& code) {
+std::vector<std::string> browser_links(const std::string& host, int port, bool secure,
+                                       const std::string& code) {
   const bool any = host == "0.0.0.0" || host == "[::]" || host == "::";
   std::vector<std::string> links;
   for (const std::string& address : any ? machine_addresses() : std::vector<std::string>{host}) {

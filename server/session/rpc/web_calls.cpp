@@ -45,7 +45,12 @@ class PacedFetch final : public WebFetch {
 
 WebCalls::WebCalls(grpc::Server& server, SessionTable& table, const AssetStore& assets, GrpcService& service,
                    ServerSecurity* security)
-    : server_(server), table_(table), assets_(assets), service_(service), security_(security), codes_(now_ns) {
+    : server_(server),
+      table_(table),
+      assets_(assets),
+      service_(service),
+      security_(security),
+      codes_(now_ns) {
   if (security_) authoriser_ = std::make_unique<CallAuthoriser>(security_->tokens());
 }
 
@@ -69,7 +74,8 @@ std::unique_ptr<WebFetch> WebCalls::fetch(const std::string& hash, const std::st
   if (!asset) return nullptr;
   std::shared_ptr<ClientSession> own;
   if (!session.empty()) {
-    const auto who = security_ ? security_->tokens().check(secret_of(authorization)) : Result<Authorization>(Authorization{});
+    const auto who = security_ ? security_->tokens().check(secret_of(authorization))
+                               : Result<Authorization>(Authorization{});
     own = table_.find(session);
     if (!who || !own || own->who.authorization.token_id != who->token_id) own = nullptr;
   }

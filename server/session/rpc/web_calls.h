@@ -14,8 +14,9 @@
 
 namespace livegs {
 
-// Calls of browsers, with the rights, limits and answers of gRPC clients: RPCs go through a channel within the process. That
-// channel has no credentials, so authorise() checks each call first, as gRPC does for its own connections.
+// Calls of browsers, with the rights, limits and answers of gRPC clients: RPCs go through a channel within
+// the process. That channel has no credentials, so authorise() checks each call first, as gRPC does for its
+// own connections.
 class WebCalls final : public WebBackend {
  public:
   // `security`: null without TLS. The rest outlives this.

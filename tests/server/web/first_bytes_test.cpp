@@ -27,8 +27,8 @@ void put_block(Bytes& bytes, const Bytes& content, size_t width) {
   bytes.insert(bytes.end(), content.begin(), content.end());
 }
 
-// A ClientHello in one record, written by hand from RFC 8446 and RFC 7301. `padding`: bytes of an extension before ALPN, as
-// a post-quantum key share.
+// A ClientHello in one record, written by hand from RFC 8446 and RFC 7301. `padding`: bytes of an extension
+// before ALPN, as a post-quantum key share.
 Bytes client_hello(const std::vector<std::string>& protocols, size_t padding = 0) {
   Bytes extensions;
   if (padding > 0) {
@@ -75,7 +75,8 @@ TEST(FirstBytes, AreDividedInTheClear) {
   EXPECT_EQ(first_protocol(bytes_of("nonsense")), FirstProtocol::Grpc);
 }
 
-// Every beginning is undecided or has the answer of the whole, so that the pieces in which bytes arrive do not matter.
+// Every beginning is undecided or has the answer of the whole, so that the pieces in which bytes arrive do
+// not matter.
 TEST(FirstBytes, WaitForWhatIsMissing) {
   for (const Bytes& whole : {client_hello({"h2", "http/1.1"}, 700), client_hello({"grpc-exp", "h2"}),
                              bytes_of("GET / HTTP/1.1\r\n"), bytes_of("PRI * HTTP/2.0\r\n")}) {

@@ -73,7 +73,8 @@ class Wire {
     answer.status = std::stoi(head.substr(9, 3));
     for (size_t at = head.find("\r\n") + 2; at + 2 < head.size();) {
       const size_t end = head.find("\r\n", at), colon = head.find(": ", at);
-      if (colon < end) answer.headers[lower(head.substr(at, colon - at))] = head.substr(colon + 2, end - colon - 2);
+      if (colon < end)
+        answer.headers[lower(head.substr(at, colon - at))] = head.substr(colon + 2, end - colon - 2);
       at = end + 2;
     }
     if (with_body && answer.headers.contains("content-length"))
@@ -102,10 +103,11 @@ std::string request(const std::string& method, const std::string& target, const 
 class BrowserSocket {
  public:
   explicit BrowserSocket(int port, const std::string& headers = "") : wire_(port) {
-    wire_.send(request("GET", "/stream", "",
-                       "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-                       "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: livegs.v1\r\n" +
-                           headers));
+    wire_.send(
+        request("GET", "/stream", "",
+                "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: livegs.v1\r\n" +
+                    headers));
     upgrade = wire_.answer();
   }
   Answer upgrade;
@@ -214,8 +216,9 @@ TEST_F(WebServerTest, ServesAssetsThatStoreTheirBlocks) {
   EXPECT_EQ(asset->size(), joined.objects(0).kernel_count());
   const Answer rest = ask(request("GET", "/assets/" + hash + "?from=100"));
   EXPECT_EQ(rest.body, whole.body.substr(100));
-  EXPECT_EQ(ask(request("GET", "/assets/" + hash, "", "Accept-Encoding: zstd\r\n")).headers.at("content-encoding"),
-            "zstd");
+  EXPECT_EQ(
+      ask(request("GET", "/assets/" + hash, "", "Accept-Encoding: zstd\r\n")).headers.at("content-encoding"),
+      "zstd");
   EXPECT_EQ(ask(request("GET", "/assets/" + hash + "?from=9999999999")).status, 400);
   EXPECT_EQ(ask(request("GET", "/assets/" + hash + "?from=x")).status, 400);
   EXPECT_EQ(ask(request("GET", "/assets/0")).status, 404);
@@ -287,14 +290,18 @@ TEST_F(WebServerTest, RefusesPagesOfOtherSites) {
   EXPECT_EQ(BrowserSocket(server_->port(), evil).upgrade.status, 403);
   // Another name that leads to this address.
   EXPECT_EQ(ask(request("GET", "/", "", "", "evil.example")).status, 403);
-  EXPECT_EQ(ask(request("POST", "/livegs.v1.LiveGs/GetServerInfo", "", "Origin: http://127.0.0.1\r\n")).status, 200);
+  EXPECT_EQ(
+      ask(request("POST", "/livegs.v1.LiveGs/GetServerInfo", "", "Origin: http://127.0.0.1\r\n")).status,
+      200);
   EXPECT_EQ(ask(request("GET", "/", "", "", "localhost:9780")).status, 200);
 }
 
 TEST_F(WebServerTest, RefusesLargeAndSlowRequests) {
   open();
   EXPECT_NE(ask(request("GET", "/" + std::string(2 * kMaxWebHeaderBytes, 'x'))).status, 200);
-  EXPECT_EQ(ask(request("POST", "/livegs.v1.LiveGs/GetServerInfo", std::string(kMaxWebBodyBytes + 1, 'x'))).status, 413);
+  EXPECT_EQ(
+      ask(request("POST", "/livegs.v1.LiveGs/GetServerInfo", std::string(kMaxWebBodyBytes + 1, 'x'))).status,
+      413);
   Wire slow(server_->port());
   slow.send("GET / HTTP/1.1\r\nHost: 127.0");
   EXPECT_EQ(slow.read(1), "");
@@ -309,8 +316,8 @@ class SecureWebTest : public ::testing::Test {
     server_ = std::move(*GrpcServer::listen("127.0.0.1:0", security_.get()));
     server_->open(scene_, inputs_);
   }
-  Answer ask(const std::string& path, const std::string& post = "", const std::vector<std::string>& headers = {},
-             const std::string& scheme = "https") {
+  Answer ask(const std::string& path, const std::string& post = "",
+             const std::vector<std::string>& headers = {}, const std::string& scheme = "https") {
     CURL* const curl = curl_easy_init();
     const std::string url = scheme + "://127.0.0.1:" + std::to_string(server_->port()) + path;
     curl_easy_setopt(curl, CURLOPT_URL, url.c_str());
@@ -327,10 +334,11 @@ class SecureWebTest : public ::testing::Test {
     curl_easy_setopt(curl, CURLOPT_HTTPHEADER, list);
     Answer answer;
     curl_easy_setopt(curl, CURLOPT_WRITEDATA, &answer.body);
-    curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, +[](char* bytes, size_t size, size_t count, std::string* body) {
-      body->append(bytes, size * count);
-      return size * count;
-    });
+    curl_easy_setopt(
+        curl, CURLOPT_WRITEFUNCTION, +[](char* bytes, size_t size, size_t count, std::string* body) {
+          body->append(bytes, size * count);
+          return size * count;
+        });
     if (curl_easy_perform(curl) == CURLE_OK) {
       long status = 0;
       curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &status);
@@ -343,7 +351,8 @@ class SecureWebTest : public ::testing::Test {
   Answer call(const std::string& method, const std::string& token) {
     // A request of one unknown field, so that the body is not empty.
     return ask("/livegs.v1.LiveGs/" + method, std::string("\xf8\x01\x01", 3),
-               token.empty() ? std::vector<std::string>() : std::vector<std::string>{"Authorization: Bearer " + token});
+               token.empty() ? std::vector<std::string>()
+                             : std::vector<std::string>{"Authorization: Bearer " + token});
   }
 
   ScratchFolder folder_;
