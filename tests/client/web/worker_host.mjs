@@ -7,6 +7,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
+const plainFetch = globalThis.fetch, PlainSocket = globalThis.WebSocket;
 export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 export class Server {
@@ -37,11 +38,17 @@ export class Page {
     const folder = mkdtempSync(join(tmpdir(), 'livegs_worker_')), page = new Page();
     cpSync(fileURLToPath(new URL('../../../client/web/page', import.meta.url)), folder, { recursive: true });
     cpSync(fields, join(folder, 'fields.js'));
-    const plainFetch = globalThis.fetch, cached = new Map();
+    const cached = new Map();
     Object.assign(globalThis, {
       location: { href: `http://127.0.0.1:${port}/` },
       postMessage: (message) => page.take(message),
       onmessage: null,
+      WebSocket: class extends PlainSocket {
+        constructor(...args) {
+          super(...args);
+          page.sockets.push(this);
+        }
+      },
       caches: { open: async () => ({
         match: async (path) => cached.get(path)?.clone(),
         put: async (path, reply) => void cached.set(path, reply),
@@ -58,7 +65,7 @@ export class Page {
   }
 
   constructor() {
-    Object.assign(this, { fetches: [], states: [], objects: new Map(), kernels: new Map(), rows: new Map(), frames: 0, orders: 0, stats: [], hands: [], waits: [], calls: new Map(), faults: [] });
+    Object.assign(this, { fetches: [], sockets: [], states: [], objects: new Map(), kernels: new Map(), rows: new Map(), frames: 0, orders: 0, stats: [], hands: [], waits: [], calls: new Map(), faults: [] });
   }
   post(message) { globalThis.onmessage({ data: message }); }
   call(method, request) {
@@ -99,11 +106,15 @@ export class Page {
     setTimeout(() => this.post({ type: 'order_done', order }), 2);
   }
 
+  summary() {
+    const objects = [...this.objects.values()].map((one) => `${one.id} ${one.name}: ${this.kernels.get(one.id)?.count} of ${one.description.kernel_count} kernels, ${(this.rows.get(one.id)?.length ?? 0) / 16} drivers, fragility ${JSON.stringify(one.description.fragility)}`);
+    return `${this.frames} frames, ${this.orders} orders; fetched ${this.fetches.length}; ${objects.join('; ')}; states ${JSON.stringify(this.states)}`;
+  }
   get state() { return this.states.at(-1)?.state; }
   until(what, condition, timeout_ms = 20000) {
     if (condition()) return Promise.resolve();
     return new Promise((resolve, reject) => {
-      const timer = setTimeout(() => reject(new Error(`${what}: not within ${timeout_ms} ms; states ${JSON.stringify(this.states)}`)), timeout_ms);
+      const timer = setTimeout(() => reject(new Error(`${what}: not within ${timeout_ms} ms; ${this.summary()}`)), timeout_ms);
       this.waits.push({ until: condition, resolve: () => { clearTimeout(timer); resolve(); } });
     });
   }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // node --experimental-websocket worker_test.mjs SERVER WASM FIELDS: the worker against a server: first picture, a cup that
-// breaks, calls, a pull by hand, a server that is killed and started again, and one that shuts down.
+// breaks, calls, a pull by hand, a server that is killed and started again, a cut
+// connection, a server that shuts down, and a refused token.
 import assert from 'node:assert/strict';
 import { copyFileSync, mkdtempSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:http';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -40,11 +42,10 @@ try {
     assert.ok(one.bounds_m.every(Number.isFinite) && one.bounds_m[0] < one.bounds_m[3]);
   }
   await page.until('an order of all kernels', () => page.count === wanted().reduce((sum, one) => sum + one.description.kernel_count, 0));
-  const whole = [...page.kernels.values()].find((one) => page.objects.get(one.id).name === 'cup');
-  await page.until('broken', () => page.objects.get(whole.id).description.fragility?.bodies > 1);
+  const named = (name) => [...page.objects.values()].find((one) => one.name === name), cup = () => named('cup').id;
   const complete = () => wanted().every((one) => page.kernels.get(one.id)?.count === one.description.kernel_count);
-  await page.until('the pieces', () => complete() && page.rows.get(whole.id).length > 16 && page.kernels.get(whole.id).count !== whole.count);
-  report.pieces = page.rows.get(whole.id).length / 16;
+  await page.until('the pieces', () => named('cup').description.fragility?.bodies > 1 && complete() && page.rows.get(cup())?.length > 16);
+  report.pieces = page.rows.get(cup()).length / 16;
   await page.until('an order with the pieces', () => page.count === wanted().reduce((sum, one) => sum + one.description.kernel_count, 0));
   Object.assign(report, { objects: page.objects.size, kernels: page.count, assets: page.fetches.filter((path) => path.startsWith('/assets')).length });
 
@@ -57,7 +58,7 @@ try {
   await page.until('running', () => page.run?.paused === false);
 
   // A ray from in front through the middle of an object, then upwards.
-  const target = wanted().find((one) => one.name === 'soft block'), box = page.kernels.get(target.id).bounds_m;
+  const target = named('soft block'), box = page.kernels.get(target.id).bounds_m;
   const middle = [0, 1, 2].map((axis) => (box[axis] + box[axis + 3]) / 2), moved_ms = page.moved_ms;
   const hand = (rise, trigger) => ({ aim_position: [middle[0], middle[1] + rise, box[5] + 1], aim_orientation: [1, 0, 0, 0], grip_position: [9, 9, 9], grip_orientation: [1, 0, 0, 0], trigger, squeeze: 0, shoot: false });
   page.post({ type: 'hands', left: null, right: hand(0, 0) });
@@ -70,6 +71,13 @@ try {
   await page.until('moved', () => page.moved_ms > (moved_ms ?? 0));
   page.post({ type: 'hands', left: null, right: null });
   await page.until('released', () => page.hands.length === 0, 5000);
+
+  const { session_id } = page.join, cut_ms = performance.now();
+  page.sockets.at(-1).close();
+  await page.until('cut', () => page.state === 'lost');
+  await page.until('resumed', () => page.state === 'live', 5000);
+  assert.equal(page.join.session_id, session_id);
+  report.resumed_ms = Math.round(performance.now() - cut_ms);
 
   const fetched = () => page.fetches.filter((path) => path.startsWith('/assets')).length;
   const before = fetched();
@@ -90,6 +98,16 @@ try {
   page.post({ type: 'stop' });
   assert.equal(page.state, 'ended');
   assert.deepEqual(page.faults, []);
+
+  const refusing = createServer((request, reply) => {
+    reply.writeHead(401, { 'grpc-status': '16' });
+    reply.end('the token is not valid; ask for a new link');
+  });
+  await new Promise((resolve) => refusing.listen(0, '127.0.0.1', resolve));
+  const refused = await Page.open({ port: refusing.address().port, wasm, fields, token: 'wrong' });
+  await refused.until('refused', () => refused.state === 'refused');
+  assert.equal(refused.states.at(-1).message, 'the token is not valid; ask for a new link');
+  assert.equal(refused.objects.size, 0);
   console.log(JSON.stringify(report));
   process.exit(0);
 } catch (error) {
