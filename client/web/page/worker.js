@@ -198,7 +198,7 @@ class Session {
     const { name, environment, hidden } = description;
     this.post({ type: 'object', object: { id, name, environment, hidden, description: plain, kind: rest[6] === 2 ? 'lattice' : 'rigid' } });
     const asset = this.request(description.asset_hash, description.asset_bytes);
-    if (description.broken_asset_hash) this.request(description.broken_asset_hash, description.broken_asset_bytes);
+    if (description.broken_asset_hash) this.request(description.broken_asset_hash, description.broken_asset_bytes, true);
     this.attempt(name, () => this.core.take('describe_object', [id, added, environment, hidden, asset.number], rest));
     this.bind();
     this.viewChanged = true; // it may be hidden or shown
@@ -226,20 +226,22 @@ class Session {
   }
 
   // ---- assets: each is fetched once, in the order of requests, and kept by its hash in the Cache API.
-  request(hash, bytes) {
+  // `early`: of an object that may break; fetched when nothing else is.
+  request(hash, bytes, early = false) {
     let asset = this.assets.get(hash);
     if (!asset) {
-      asset = { hash, number: this.assets.size, bytes, arrived: 0, total: bytes, state: 'waits' };
+      asset = { hash, number: this.assets.size, early, arrived: 0, total: bytes, state: 'waits' };
       this.assets.set(hash, asset);
-      this.fetchNext();
     }
+    asset.early = asset.early && early;
+    queueMicrotask(() => this.fetchNext()); // after all objects of a message
     return asset;
   }
 
   fetchNext() {
-    for (const asset of this.assets.values()) {
-      if (this.fetching >= kFetches) return;
-      if (asset.state !== 'waits') continue;
+    const waiting = [...this.assets.values()].filter((asset) => asset.state === 'waits');
+    for (const asset of waiting.sort((a, b) => a.early - b.early)) {
+      if (this.stopped || this.fetching >= (asset.early ? 1 : kFetches)) return;
       asset.state = 'loads';
       ++this.fetching;
       const core = this.core;
@@ -321,7 +323,7 @@ class Session {
     if (this.state !== 'loading' || this.loadTimer) return;
     this.loadTimer = setTimeout(() => {
       this.loadTimer = 0;
-      const all = [...this.assets.values()], sum = (of) => all.reduce((total, asset) => total + of(asset), 0);
+      const all = [...this.assets.values()].filter((asset) => !asset.early), sum = (of) => all.reduce((total, asset) => total + of(asset), 0);
       if (this.state === 'loading') this.tell('loading', `${Math.floor((100 * sum((a) => Math.min(a.arrived, a.total))) / Math.max(1, sum((a) => a.total)))} %`);
     }, 100);
   }
@@ -429,7 +431,9 @@ class Session {
     const begun_ms = performance.now(), period_ms = 1000 / this.rate_hz;
     this.played_ms = begun_ms;
     try { if (this.core && this.known.size > 0) this.show(); } catch (error) { this.fail ? this.fail(error) : this.crashed(error); }
-    this.playTimer = setTimeout(() => this.play(), Math.max(0, period_ms - (performance.now() - begun_ms)));
+    // Leaves time for messages and, while assets arrive, as much again for them.
+    const spent_ms = performance.now() - begun_ms;
+    this.playTimer = setTimeout(() => this.play(), Math.max(period_ms - spent_ms, (this.fetching > 0 ? 1 : 0.25) * spent_ms));
   }
 
   show() {
@@ -459,9 +463,9 @@ class Session {
       this.post({ type: 'order', ...order }, [order.order.buffer]);
     }
     if (this.state !== 'live' && this.socket && this.current.frames > 0 && (order || this.state === 'lost')) this.tell('live');
-    if (this.startsRun && this.state === 'live') {
+    if (this.startsRun && this.state === 'live' && shown?.run) {
       this.startsRun = false;
-      if (shown?.run?.waiting) this.call('ControlRun', { pause: false }).catch((error) => console.warn(error.message));
+      if (shown.run.waiting) this.call('ControlRun', { pause: false }).catch(() => { this.startsRun = true; });
     }
   }
 
