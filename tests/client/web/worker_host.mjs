@@ -67,7 +67,7 @@ export class Page {
   constructor() {
     Object.assign(this, { fetches: [], sockets: [], states: [], objects: new Map(), kernels: new Map(), rows: new Map(), frames: 0, orders: 0, stats: [], hands: [], waits: [], calls: new Map(), faults: [] });
   }
-  post(message) { globalThis.onmessage({ data: message }); }
+  post(message) { globalThis.onmessage?.({ data: message }); }
   call(method, request) {
     const id = this.calls.size + 1;
     this.post({ type: 'call', id, method, request });
