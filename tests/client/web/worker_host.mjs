@@ -26,6 +26,7 @@ export class Server {
     });
   }
   kill(signal) {
+    if (this.child.exitCode !== null || this.child.signalCode) return Promise.resolve();
     const ended = new Promise((resolve) => this.child.once('exit', resolve));
     this.child.kill(signal);
     return ended;
