@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// core_trace OUTPUT [LATTICE_KERNELS [FRAMES]]: runs the client core natively on a made scene, checks it against
-// skin_kernels and the depth keys of the native renderer, and writes its input and results for core_test.mjs, which
-// compares the WebAssembly module with them to the bit. Prints the least times in ms as JSON.
+// core_trace OUTPUT [LATTICE_KERNELS [FRAMES]]: runs the client core natively on a made scene, checks it
+// against skin_kernels and the depth keys of the native renderer, and writes its input and results for
+// core_test.mjs, which compares the WebAssembly module with them to the bit. Prints the least times in ms as
+// JSON.
 //
 // The scene: a static environment, an elastic block with haze, and a rigid box that breaks in three halfway.
 #include <algorithm>
@@ -43,9 +44,11 @@ GaussianAsset made_asset(size_t kernels, int degree, const Eigen::Vector3f& size
   asset.sh_degree = degree;
   asset.resize(kernels);
   for (size_t k = 0; k < kernels; ++k) {
-    asset.positions[k] = (0.52f * vector().array() * size.array()).matrix();  // 4 % of the size outside, on both sides
+    asset.positions[k] =
+        (0.52f * vector().array() * size.array()).matrix();  // 4 % of the size outside, on both sides
     asset.log_scales[k] = Eigen::Vector3f::Constant(-5) + vector();
-    asset.rotations[k] = Eigen::Quaternionf(unit(random), unit(random), unit(random), unit(random)).normalized();
+    asset.rotations[k] =
+        Eigen::Quaternionf(unit(random), unit(random), unit(random), unit(random)).normalized();
     asset.opacity_logits[k] = 4 * unit(random);
     asset.sh_dc[k] = vector();
   }
@@ -57,10 +60,13 @@ GaussianAsset made_asset(size_t kernels, int degree, const Eigen::Vector3f& size
 RestBody made_lattice(int n, double width_m) {
   RestBody rest;
   rest.kind = DriverKind::Lattice;
-  rest.object_from_asset.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()));
+  rest.object_from_asset.rotation =
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()));
   rest.cell_width_m = width_m;
   rest.object_from_lattice.position_m = Eigen::Vector3d::Constant(-0.5 * n * width_m);
-  const auto node = [n](int x, int y, int z) { return static_cast<uint32_t>((z * (n + 1) + y) * (n + 1) + x); };
+  const auto node = [n](int x, int y, int z) {
+    return static_cast<uint32_t>((z * (n + 1) + y) * (n + 1) + x);
+  };
   for (int z = 0; z <= n; ++z)
     for (int y = 0; y <= n; ++y)
       for (int x = 0; x <= n; ++x) rest.node_coordinates.push_back({x, y, z});
@@ -68,7 +74,8 @@ RestBody made_lattice(int n, double width_m) {
     for (int y = 0; y < n; ++y)
       for (int x = 0; x < n; ++x) {
         auto& cell = rest.cells.emplace_back();
-        for (int c = 0; c < 8; ++c) cell[static_cast<size_t>(c)] = node(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
+        for (int c = 0; c < 8; ++c)
+          cell[static_cast<size_t>(c)] = node(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
       }
   return rest;
 }
@@ -119,14 +126,16 @@ template <class Step>
 auto timed(double& least_ms, const Step& step) {
   const auto begun = std::chrono::steady_clock::now();
   auto result = step();
-  const double passed_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count();
+  const double passed_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count();
   least_ms = std::min(least_ms, passed_ms);
   return result;
 }
 
-// The kernels of a drawn object against skin_kernels, and its keys against those of its posed rows. Rigid positions are
-// those of the pass skin_rigid, which sums in another order than skin_kernels.
-void check(const LiveScene::Object& object, const GaussianAsset& asset, const RestBody& rest, const OrderView& view) {
+// The kernels of a drawn object against skin_kernels, and its keys against those of its posed rows. Rigid
+// positions are those of the pass skin_rigid, which sums in another order than skin_kernels.
+void check(const LiveScene::Object& object, const GaussianAsset& asset, const RestBody& rest,
+           const OrderView& view) {
   const auto bindings = bind_kernels(asset, rest);
   require(bindings.has_value(), "the whole asset cannot be bound");
   PosedKernels posed;
@@ -135,7 +144,9 @@ void check(const LiveScene::Object& object, const GaussianAsset& asset, const Re
   for (size_t k = 0; k < asset.size(); ++k) {
     const Eigen::Vector3f& x = posed.positions_m[k];
     const Symmetric3f& s = posed.covariances_m2[k];
-    const bool same = rest.kind == DriverKind::Rigid ? (x - object.positions_m[k]).norm() <= 1e-6f * (1 + x.norm()) : x == object.positions_m[k];
+    const bool same = rest.kind == DriverKind::Rigid
+                          ? (x - object.positions_m[k]).norm() <= 1e-6f * (1 + x.norm())
+                          : x == object.positions_m[k];
     require(same, "a position differs from skin_kernels");
     if (rest.kind == DriverKind::Rigid) continue;
     const PosedKernelRow row{x[0], x[1], x[2], s[0], s[1], s[2], s[3], s[4], s[5], 0, 0, 0, 1};
@@ -147,8 +158,10 @@ int run(const char* path, size_t lattice_kernels, int frames) {
   set_serial_here(true);
   Trace trace(path);
   LiveScene scene;
-  const GaussianAsset assets[4] = {made_asset(lattice_kernels / 4 + 7, 1, {6, 3, 6}, 1), made_asset(lattice_kernels, 3, {0.8f, 0.8f, 0.8f}, 2),
-                                   made_asset(lattice_kernels / 8 + 9, 0, {0.3f, 0.3f, 0.3f}, 3), made_asset(lattice_kernels / 8 + 11, 2, {0.3f, 0.3f, 0.3f}, 4)};
+  const GaussianAsset assets[4] = {made_asset(lattice_kernels / 4 + 7, 1, {6, 3, 6}, 1),
+                                   made_asset(lattice_kernels, 3, {0.8f, 0.8f, 0.8f}, 2),
+                                   made_asset(lattice_kernels / 8 + 9, 0, {0.3f, 0.3f, 0.3f}, 3),
+                                   made_asset(lattice_kernels / 8 + 11, 2, {0.3f, 0.3f, 0.3f}, 4)};
   RestBody rests[4];
   rests[0].bodies.resize(1);
   rests[1] = made_lattice(14, 0.8 / 14);
@@ -162,13 +175,15 @@ int run(const char* path, size_t lattice_kernels, int frames) {
     const auto stored = store_blocks(encode_progressive(assets[number]));
     require(stored.has_value(), "an asset cannot be stored");
     trace.write(kAsset, number, *stored);
-    require(scene.take_asset(number, *stored).has_value() && scene.asset_complete(number), "an asset cannot be read");
+    require(scene.take_asset(number, *stored).has_value() && scene.asset_complete(number),
+            "an asset cannot be read");
     require(scene.bind_arrived().has_value(), "an asset cannot be bound");
   };
   const auto describe = [&](uint32_t id, uint32_t asset, bool added, bool environment) {
     const auto rest = encode_rest_body(rests[asset]);
     trace.write(kDescribe, id, uint32_t{added}, uint32_t{environment}, uint32_t{0}, asset, rest);
-    require(scene.describe(id, added, environment, false, asset, rest).has_value(), "an object cannot be described");
+    require(scene.describe(id, added, environment, false, asset, rest).has_value(),
+            "an object cannot be described");
     require(scene.bind_arrived().has_value(), "an object cannot be bound");
   };
   for (uint32_t i = 0; i < 3; ++i) {
@@ -198,8 +213,12 @@ int run(const char* path, size_t lattice_kernels, int frames) {
         drivers.kind = DriverKind::Lattice;
         drivers.neighbours = neighbours;
         for (const Eigen::Vector3i& at : rests[1].node_coordinates) {
-          const Eigen::Vector3d x = rests[1].object_from_lattice * (rests[1].cell_width_m * at.cast<double>());
-          drivers.positions_m.push_back((x + 0.1 * std::sin(5 * t) * Eigen::Vector3d(std::sin(4 * x.y()), std::cos(6 * x.x()), x.z() * x.y())).cast<float>());
+          const Eigen::Vector3d x =
+              rests[1].object_from_lattice * (rests[1].cell_width_m * at.cast<double>());
+          drivers.positions_m.push_back(
+              (x + 0.1 * std::sin(5 * t) *
+                       Eigen::Vector3d(std::sin(4 * x.y()), std::cos(6 * x.x()), x.z() * x.y()))
+                  .cast<float>());
         }
       }
       if (id == 3) {
@@ -212,10 +231,16 @@ int run(const char* path, size_t lattice_kernels, int frames) {
     baseline = encoded.next;
     const double received_ns = 5e9 + static_cast<double>((f + 1) * period_ns), now_ns = received_ns + 1e6;
     trace.write(kFrame, received_ns, static_cast<double>(f + 1), encoded.bytes);
-    require(timed(times.decode_ms, [&] { return scene.take_frame(encoded.bytes, static_cast<int64_t>(received_ns)).has_value(); }), "a frame cannot be read");
+    require(
+        timed(times.decode_ms,
+              [&] { return scene.take_frame(encoded.bytes, static_cast<int64_t>(received_ns)).has_value(); }),
+        "a frame cannot be read");
 
-    view = {{static_cast<float>(2 * std::sin(t)), 0.4f, static_cast<float>(2 * std::cos(t))}, {static_cast<float>(-std::sin(t)), 0, static_cast<float>(-std::cos(t))}, f % 2 == 1};
-    trace.write(kView, view.origin_m.x, view.origin_m.y, view.origin_m.z, view.axis.x, view.axis.y, view.axis.z, uint32_t{view.by_distance});
+    view = {{static_cast<float>(2 * std::sin(t)), 0.4f, static_cast<float>(2 * std::cos(t))},
+            {static_cast<float>(-std::sin(t)), 0, static_cast<float>(-std::cos(t))},
+            f % 2 == 1};
+    trace.write(kView, view.origin_m.x, view.origin_m.y, view.origin_m.z, view.axis.x, view.axis.y,
+                view.axis.z, uint32_t{view.by_distance});
     scene.set_view(view);
     const bool changed = timed(times.play_ms, [&] { return scene.play(static_cast<int64_t>(now_ns)); });
     trace.write(kPlay, now_ns, uint32_t{changed}, scene.drawn());
@@ -223,12 +248,15 @@ int run(const char* path, size_t lattice_kernels, int frames) {
       const LiveScene::Object& object = *scene.find(id);
       if (!object.moved && !object.unpacked) continue;
       const bool lattice = object.rest.kind == DriverKind::Lattice;
-      trace.write(kDrivers, id, lattice ? std::as_bytes(std::span(object.rows.nodes)) : std::as_bytes(std::span(object.rows.bodies)));
+      trace.write(kDrivers, id,
+                  lattice ? std::as_bytes(std::span(object.rows.nodes))
+                          : std::as_bytes(std::span(object.rows.bodies)));
       if (!object.unpacked) continue;
       const LiveScene::Packed packed = scene.packed(id);
       const auto size = static_cast<uint32_t>(packed.rest.size());
-      trace.write(kKernels, id, object.base, size, static_cast<uint32_t>(object.rest.cells.size()), static_cast<uint32_t>(packed.bands.size()),
-                  packed.rest, object.rest.cells, packed.looks, packed.bands);
+      trace.write(kKernels, id, object.base, size, static_cast<uint32_t>(object.rest.cells.size()),
+                  static_cast<uint32_t>(packed.bands.size()), packed.rest, object.rest.cells, packed.looks,
+                  packed.bands);
     }
     timed(times.keys_ms, [&] { return scene.update_keys(), 0; });
     const auto order = timed(times.sort_ms, [&] { return scene.sort(); });
@@ -244,13 +272,16 @@ int run(const char* path, size_t lattice_kernels, int frames) {
     std::vector<uint64_t> keyed;
     for (const uint32_t id : scene.drawn()) {
       const LiveScene::Object& object = *scene.find(id);
-      for (uint32_t k = 0; k < object.size(); ++k) keyed.push_back(uint64_t{object.keys[k]} << 32 | (object.base + k));
+      for (uint32_t k = 0; k < object.size(); ++k)
+        keyed.push_back(uint64_t{object.keys[k]} << 32 | (object.base + k));
     }
     std::stable_sort(keyed.begin(), keyed.end(), [](uint64_t a, uint64_t b) { return a >> 32 < b >> 32; });
-    for (size_t i = 0; i < keyed.size(); ++i) require(static_cast<uint32_t>(keyed[i]) == order[i], "the order differs");
+    for (size_t i = 0; i < keyed.size(); ++i)
+      require(static_cast<uint32_t>(keyed[i]) == order[i], "the order differs");
   }
-  std::printf("{\"kernels\": %.0f, \"decode_ms\": %.4f, \"play_ms\": %.4f, \"keys_ms\": %.4f, \"sort_ms\": %.4f}\n",
-              static_cast<double>(orders) / frames, times.decode_ms, times.play_ms, times.keys_ms, times.sort_ms);
+  std::printf(
+      "{\"kernels\": %.0f, \"decode_ms\": %.4f, \"play_ms\": %.4f, \"keys_ms\": %.4f, \"sort_ms\": %.4f}\n",
+      static_cast<double>(orders) / frames, times.decode_ms, times.play_ms, times.keys_ms, times.sort_ms);
   return 0;
 }
 

@@ -26,6 +26,7 @@ export class Server {
     });
   }
   kill(signal) {
+    if (this.child.exitCode !== null || this.child.signalCode) return Promise.resolve();
     const ended = new Promise((resolve) => this.child.once('exit', resolve));
     this.child.kill(signal);
     return ended;
@@ -67,7 +68,7 @@ export class Page {
   constructor() {
     Object.assign(this, { fetches: [], sockets: [], states: [], objects: new Map(), kernels: new Map(), rows: new Map(), frames: 0, orders: 0, stats: [], hands: [], waits: [], calls: new Map(), faults: [] });
   }
-  post(message) { globalThis.onmessage({ data: message }); }
+  post(message) { globalThis.onmessage?.({ data: message }); }
   call(method, request) {
     const id = this.calls.size + 1;
     this.post({ type: 'call', id, method, request });

@@ -300,7 +300,7 @@ TEST(Ctl, ReportsUnknownCommands) {
   };
   EXPECT_EQ(says({"ctl", "--server", "127.0.0.1:1", "frob"}),
             "livegs ctl: unknown command \"frob\"; available: status, clients, kick, health, drain, record, "
-            "replay, tokens\n");
+            "replay, link, tokens\n");
   EXPECT_EQ(says({"ctl", "record", "pause"}),
             "livegs ctl record: unknown command \"pause\"; available: start, stop\n");
   EXPECT_EQ(says({"frob"}).find("livegs: unknown command \"frob\"; available: info, "), 0u);
