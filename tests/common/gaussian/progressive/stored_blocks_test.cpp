@@ -50,7 +50,9 @@ TEST(StoredBlocks, EachTruncationIsAnErrorOrAnAssetThatIsIncomplete) {
   const std::vector<std::byte> bytes = encode_progressive(synthetic_asset(40, 1, 3));
   for (size_t size = 0; size < bytes.size(); ++size) {
     const auto cut = store_blocks(std::span(bytes).first(size));
-    if (cut) EXPECT_FALSE(decode_progressive(*cut)) << size << " bytes";
+    if (cut) {
+      EXPECT_FALSE(decode_progressive(*cut)) << size << " bytes";
+    }
   }
 }
 
