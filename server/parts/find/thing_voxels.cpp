@@ -10,13 +10,13 @@
 namespace livegs {
 namespace {
 
-constexpr double kVoxel_points = 1.25;        // edge in distances of points; below 1 surfaces fall apart
-constexpr uint32_t kMinVoxelPoints = 3;       // fewer are noise of single views
-constexpr double kLeastHeight_voxels = 1.33;  // least height above a support
-constexpr double kFootDeviations = 3.0;       // the same in standard deviations of the plane
-constexpr double kWallGap_voxels = 1.0;       // least distance from a wall
-constexpr double kTouch_voxels = 3.0;         // of a support or a wall by a thing
-constexpr double kThrough_voxels = 2.0;       // depth difference beyond which a view sees through a voxel
+constexpr double kVoxel_points = 1.25;      // edge in distances of points; below 1 surfaces fall apart
+constexpr uint32_t kMinVoxelPoints = 3;     // fewer are noise of single views
+constexpr double kMinHeight_voxels = 1.33;  // least height above a support
+constexpr double kFootDeviations = 3.0;     // the same in standard deviations of the plane
+constexpr double kWallGap_voxels = 1.0;     // least distance from a wall
+constexpr double kTouch_voxels = 3.0;       // of a support or a wall by a thing
+constexpr double kThrough_voxels = 2.0;     // depth difference beyond which a view sees through a voxel
 constexpr size_t kMinThingVoxels = 40;  // smaller things have less than 8 voxels across and no reliable shape
 
 // A leg or a body of furniture: it is below a support, and no view sees through the space between its highest
@@ -54,7 +54,7 @@ bool carries_support(const Thing& thing, const ThingVoxels& found, const RoomPla
 }  // namespace
 
 double PartScale::foot_m(const RoomPlane& plane) const {
-  return std::max(kLeastHeight_voxels * voxel_m, kFootDeviations * plane.deviation_m);
+  return std::max(kMinHeight_voxels * voxel_m, kFootDeviations * plane.deviation_m);
 }
 
 PartScale part_scale(std::span<const ViewPoint> points, int stride) {

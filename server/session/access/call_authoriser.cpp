@@ -12,11 +12,14 @@ constexpr std::string_view kBearer = "Bearer ";
 std::string_view token_in(const grpc::AuthMetadataProcessor::InputMetadata& metadata) {
   const auto found = metadata.find("authorization");
   if (found == metadata.end() || metadata.count("authorization") != 1) return {};
-  const std::string_view value(found->second.data(), found->second.size());
-  return value.starts_with(kBearer) ? value.substr(kBearer.size()) : std::string_view();
+  return bearer_token({found->second.data(), found->second.size()});
 }
 
 }  // namespace
+
+std::string_view bearer_token(std::string_view authorization) {
+  return authorization.starts_with(kBearer) ? authorization.substr(kBearer.size()) : std::string_view();
+}
 
 v1::Scope required_scope(std::string_view path) {
   static const std::map<std::string_view, v1::Scope> kRequiredScopes = {

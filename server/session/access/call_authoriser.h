@@ -42,6 +42,9 @@ class CallAuthoriser final : public grpc::AuthMetadataProcessor {
   std::map<std::string, TokenBucket> calls_;  // by token id
 };
 
+// The token of an authorization header, "Bearer TOKEN"; empty for another form.
+std::string_view bearer_token(std::string_view authorization);
+
 // The authorization of a call, for its handler. `tokens` is null without TLS.
 Result<Authorization> authorization_of(const grpc::CallbackServerContext& context, const TokenStore* tokens);
 

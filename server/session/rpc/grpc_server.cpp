@@ -93,15 +93,14 @@ Result<void> check_listen_address(const std::string& address, bool secure) {
 }
 
 struct GrpcServer::Parts {
-  explicit Parts(ServerSecurity* security)
-      : security(security),
+  explicit Parts(ServerSecurity* given)
+      : security(given),
         service(table, assets, security ? &security->tokens() : nullptr),
         admin(table, security, recorder) {
     proposals->table = &table;
     if (security)
-      table.check_authorizations_with([security](const Authorization& authorization) {
-        return security->tokens().check_still(authorization);
-      });
+      table.check_authorizations_with(
+          [given](const Authorization& authorization) { return given->tokens().check_still(authorization); });
     publisher = std::make_unique<FramePublisher>(table, assets);  // starts a thread that uses the table
   }
   ServerSecurity* const security;

@@ -12,13 +12,8 @@
 namespace livegs {
 namespace {
 
-constexpr std::string_view kBearer = "Bearer ";
 // Name of the tokens of paired browsers, in `livegs ctl tokens`.
 constexpr const char* kBrowserToken = "browser";
-
-std::string_view secret_of(std::string_view authorization) {
-  return authorization.starts_with(kBearer) ? authorization.substr(kBearer.size()) : std::string_view();
-}
 
 class PacedFetch final : public WebFetch {
  public:
@@ -74,7 +69,7 @@ std::unique_ptr<WebFetch> WebCalls::fetch(const std::string& hash, const std::st
   if (!asset) return nullptr;
   std::shared_ptr<ClientSession> own;
   if (!session.empty()) {
-    const auto who = security_ ? security_->tokens().check(secret_of(authorization))
+    const auto who = security_ ? security_->tokens().check(bearer_token(authorization))
                                : Result<Authorization>(Authorization{});
     own = table_.find(session);
     if (!who || !own || own->who.authorization.token_id != who->token_id) own = nullptr;

@@ -9,6 +9,8 @@ import puppeteer from 'puppeteer-core';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const pageFolder = path.join(here, '../../../client/web/page');
+// Generated files of the page, of a build.
+const generatedFolder = process.env.LIVEGS_WEB_FILES ?? path.join(here, '../../../build/release/client/web');
 const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.json': 'application/json',
   '.bin': 'application/octet-stream', '.png': 'image/png' };
 export const kPolicy = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data:; style-src 'self'; worker-src 'self'";
@@ -30,7 +32,7 @@ export async function serve(folders = {}, replaced = {}, post = null) {
       return;
     }
     const mount = mounted.find(([prefix]) => address.startsWith(`${prefix}/`));
-    const file = replaced[address] ?? (mount ? path.join(mount[1], address.slice(mount[0].length)) : path.join(pageFolder, address === '/' ? 'index.html' : address));
+    const file = replaced[address] ?? (mount ? path.join(mount[1], address.slice(mount[0].length)) : pageFile(address));
     if (!fs.existsSync(file) || !fs.statSync(file).isFile()) {
       response.writeHead(404);
       response.end();
@@ -43,6 +45,11 @@ export async function serve(folders = {}, replaced = {}, post = null) {
   });
   await new Promise((done) => server.listen(0, '127.0.0.1', done));
   return { origin: `http://127.0.0.1:${server.address().port}`, close: () => server.close() };
+}
+
+function pageFile(address) {
+  const file = path.join(pageFolder, address === '/' ? 'index.html' : address);
+  return fs.existsSync(file) ? file : path.join(generatedFolder, address);
 }
 
 export async function openPage(address, { width = 960, height = 720, touch = false, before = null } = {}) {
