@@ -155,7 +155,7 @@ void ConnectionLimiter::run() {
   for (;;) {
     waiting = {{stop_, POLLIN, 0}};
     for (const int listener : listeners_) waiting.push_back({listener, POLLIN, 0});
-    for (const Silent& one : silent_) waiting.push_back({one.descriptor, POLLIN, 0});
+    for (const Silent& one : silent_) waiting.push_back({one.descriptor, POLLIN | POLLRDHUP, 0});
     const int64_t now = now_ns();
     int64_t wait_ns = -1;
     for (const Silent& one : silent_) {
@@ -168,8 +168,9 @@ void ConnectionLimiter::run() {
     const size_t first_silent = 1 + listeners_.size();
     std::vector<Silent> still;
     for (size_t i = 0; i < silent_.size(); ++i) {
-      const bool heard = waiting[first_silent + i].revents != 0;
-      if (heard && pass_on(silent_[i])) continue;
+      const short events = waiting[first_silent + i].revents;
+      const bool heard = events != 0, ended = (events & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
+      if (heard && pass_on(silent_[i], ended)) continue;
       if (!heard && now_ns() - silent_[i].since_ns > kFirstBytesTimeout_ns) {
         ::close(silent_[i].descriptor);
         continue;
@@ -184,7 +185,7 @@ void ConnectionLimiter::run() {
   for (const Silent& one : silent_) ::close(one.descriptor);
 }
 
-bool ConnectionLimiter::pass_on(const Silent& one) {
+bool ConnectionLimiter::pass_on(const Silent& one, bool ended) {
   std::array<std::byte, kMaxFirstBytes> first;
   const ssize_t got = ::recv(one.descriptor, first.data(), first.size(), MSG_PEEK | MSG_DONTWAIT);
   if (got < 0 && (errno == EAGAIN || errno == EINTR)) return false;
@@ -193,6 +194,10 @@ bool ConnectionLimiter::pass_on(const Silent& one) {
     return true;
   }
   const FirstProtocol protocol = first_protocol({first.data(), static_cast<size_t>(got)});
+  if (protocol == FirstProtocol::Undecided && ended) {
+    ::close(one.descriptor);
+    return true;
+  }
   if (protocol == FirstProtocol::Undecided) {
     set(one.descriptor, SOL_SOCKET, SO_RCVLOWAT,
         static_cast<int>(got) + 1);  // poll waits for more than what is here

@@ -59,7 +59,8 @@ class ConnectionLimiter {
     int descriptor = -1, listener = -1;
     int64_t since_ns = 0;
   };
-  bool pass_on(const Silent& one);  // false: more bytes are needed
+  // `ended`: the client sends no more. False if more bytes are needed.
+  bool pass_on(const Silent& one, bool ended);
   bool has_room(const std::string& address, bool loopback);
 
   std::vector<int> listeners_;

@@ -130,10 +130,16 @@ TEST(ConnectionLimiter, TellsBrowsersFromGrpcByTheirFirstBytes) {
   }
   const int client = grpc_client((*door)->port());
   EXPECT_EQ(log.wait(1), 1u);
-  // A silent connection is closed by the door.
+  // A client that ends within its first bytes is closed at once, a silent one after a while.
   const int silent = connect_to((*door)->port());
+  const int cut = connect_to((*door)->port());
+  EXPECT_EQ(::send(cut, "GE", 2, 0), 2);
+  ::shutdown(cut, SHUT_WR);
+  EXPECT_TRUE(is_closed(cut));
+  char byte = 0;
+  EXPECT_EQ(::recv(silent, &byte, 1, MSG_DONTWAIT), -1) << "the silent one is still open";
   EXPECT_TRUE(is_closed(silent));
-  for (const int socket : {browser, client, silent}) ::close(socket);
+  for (const int socket : {browser, client, silent, cut}) ::close(socket);
   log.close_all();
 }
 
