@@ -110,7 +110,7 @@ Result<LabelledRoom> read_labelled_room(const fs::path& labels) {
   if (bytes->size() < kHeaderBytes || std::memcmp(bytes->data(), kMagic, 8) != 0 ||
       count != (bytes->size() - kHeaderBytes) / 2 || bytes->size() % 2 != 0)
     return invalid_data(
-        name + ": is no file of labels, or is cut off; restore it, or remove \"labels\" and \"taken\"");
+        name + ": is not a label file, or is truncated; restore it, or remove \"labels\" and \"taken\"");
   auto kernels = read_asset(kernels_of(labels));
   if (!kernels) return kernels.error();
   if (kernels->asset.size() != count)
