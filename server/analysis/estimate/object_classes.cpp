@@ -32,7 +32,12 @@ const ObjectRow* replica_row(const ObjectRow& row, const std::string& rest) {
        {" toy ", " fake ", " artificial ", " replica ", " miniature ", " imitation ", " pretend "}) {
     if (words.find(word) == std::string::npos) continue;
     const bool food = row.category == "fruit" || row.category == "food";
-    return find_object_row(food ? "plastic fruit" : "toy");
+    const ObjectRow* replica = find_object_row(food ? "plastic fruit" : "toy");
+    // A toy of plastic is the thing itself: a toy stacking cup is a stacking cup.
+    const auto material_class = [](const ObjectRow& one) {
+      return material_row(one.material).material_class;
+    };
+    return material_class(row) == material_class(*replica) ? nullptr : replica;
   }
   return nullptr;
 }

@@ -20,12 +20,20 @@ inline constexpr size_t kMaxAnswerBytes = 256 << 10;
 inline constexpr int kMaxAnswerDepth = 16;
 inline constexpr size_t kMaxAnswerParts = 32;
 inline constexpr size_t kMaxAnswerSources = 8;
+inline constexpr size_t kMaxAlternatives = 6;
 
 struct AnswerPart {
   std::string name;
   const MaterialRow* material = nullptr;  // row of the table
   double share = 0;                       // fraction of the mass; the parts' shares sum to 1
   std::optional<double> thickness_m;
+};
+
+// One of several things that the object may be, such as a toy or the real thing.
+struct MassAlternative {
+  std::string name;
+  double probability = 0;  // those of an answer sum to 1
+  Span3 mass_kg;
 };
 
 struct Answer {
@@ -35,8 +43,9 @@ struct Answer {
   std::vector<std::string> kb_ids;                     // existing table rows that the answer cites
   v1::Physics::Fill fill = v1::Physics::FILL_UNKNOWN;  // FILL_UNKNOWN for an assembly
   v1::Physics::Behavior behavior = v1::Physics::RIGID;
-  std::vector<AnswerPart> parts;  // largest share first; at least one
-  Span3 mass_kg;
+  std::vector<AnswerPart> parts;              // largest share first; at least one
+  Span3 mass_kg;                              // of the most probable alternative
+  std::vector<MassAlternative> alternatives;  // empty if the answer is sure; else two or more
   std::optional<Span3> youngs_modulus_pa;
   std::optional<Span3> structure_coefficient;
   std::optional<double> plasticity;

@@ -18,7 +18,7 @@
 //   4 check_physics    validate_answer.cpp  mass against volume                       refuse
 //   5 make_consistent  validate_answer.cpp  modulus, behaviour, fragility             refuse or correct
 //   6 vote             vote.cpp             answers of several views                  combine
-//   7 fused            gate.cpp             fusion with the estimate; friction,       clamp
+//   7 fuse_answer      fuse_answer.cpp      fusion with the tables; friction,         clamp
 //                                           restitution, plasticity; hard ranges
 //   8 check_prior      prior_check.cpp      distance to the estimate, mass bounds     hold for review
 //

@@ -26,7 +26,7 @@ constexpr const char* kKnownFields[] = {"schema",          "description",      "
                                         "behaviour",       "size_m",           "mass_g",     "young_mpa",
                                         "structure_s",     "plasticity_level", "plasticity", "fragile",
                                         "friction",        "restitution",      "confidence", "kb_ids",
-                                        "behavior"};
+                                        "behavior",        "alternatives"};
 
 std::string number_text(double value) {
   char text[32];
@@ -213,6 +213,39 @@ class Reader {
     if (!answer.plasticity && !failed())
       answer.changes.push_back("plasticity_level: not a level of the scale, ignored");
   }
+  // A list of {name, probability, mass_g}. Probabilities are scaled to 1. The mass of the answer becomes that
+  // of the most probable one.
+  void alternatives() {
+    const json* value = find("alternatives");
+    if (!value || failed()) return;
+    if (!value->is_array() || value->size() > kMaxAlternatives)
+      return fail("alternatives_form", {{"most", std::to_string(kMaxAlternatives)}});
+    double sum = 0;
+    for (size_t i = 0; i < value->size() && !failed(); ++i) {
+      const json& one = (*value)[i];
+      const std::string field = "alternatives[" + std::to_string(i) + "]";
+      if (!one.is_object() || !one.contains("probability") || !one.contains("mass_g"))
+        return fail("alternatives_form", {{"most", std::to_string(kMaxAlternatives)}});
+      MassAlternative read;
+      const auto name = one.find("name");
+      if (name != one.end() && name->is_string())
+        read.name = shown_text(name->get_ref<const std::string&>(), 80);
+      read.probability = number(one["probability"], field + ".probability", kUnitRange).value_or(0);
+      if (!failed())
+        read.mass_kg = span(one["mass_g"], field + ".mass_g", kMassRange_kg, 1e-3).value_or(Span3{});
+      sum += read.probability;
+      if (read.probability > 0) answer.alternatives.push_back(std::move(read));
+    }
+    if (failed()) return;
+    for (MassAlternative& one : answer.alternatives) one.probability /= sum;
+    std::stable_sort(
+        answer.alternatives.begin(), answer.alternatives.end(),
+        [](const MassAlternative& a, const MassAlternative& b) { return a.probability > b.probability; });
+    if (answer.alternatives.empty()) return;
+    answer.mass_kg = answer.alternatives.front().mass_kg;
+    if (!answer.alternatives.front().name.empty()) answer.name = answer.alternatives.front().name;
+    if (answer.alternatives.size() == 1) answer.alternatives.clear();
+  }
   // The next four fields affect no value: invalid ones are ignored and the answer stays valid.
   void size() {
     const json* value = find("size_m");
@@ -295,7 +328,7 @@ class Reader {
   }
   // Unit of a field's numbers.
   std::string unit_of(const std::string& field) const {
-    if (field.starts_with("mass_g")) return words_.say("unit_mass");
+    if (field.find("mass_g") != std::string::npos) return words_.say("unit_mass");
     return field.starts_with("young_mpa") ? words_.say("unit_young") : "";
   }
 
@@ -320,6 +353,7 @@ Result<Answer> read_answer(std::string_view text, const MessageTemplates& words)
   if (const json* mass = read.require("mass_g", "form_mass"); mass && !read.failed()) {
     answer.mass_kg = read.span(*mass, "mass_g", kMassRange_kg, 1e-3).value_or(Span3{});
   }
+  read.alternatives();
   if (const json* young = read.find("young_mpa"); young && !read.failed()) {
     answer.youngs_modulus_pa = read.span(*young, "young_mpa", kYoungsRange_pa, 1e6);
   }

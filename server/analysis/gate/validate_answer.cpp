@@ -84,6 +84,7 @@ void mend_units(Answer& answer, const ObjectFacts& facts, const v1::PhysicalPara
                     "materials and size",
                     answer.mass_kg.best * 1e3, answer.mass_kg.best * mass * 1e3));
     answer.mass_kg = times(answer.mass_kg, mass);
+    for (MassAlternative& one : answer.alternatives) one.mass_kg = times(one.mass_kg, mass);
   }
   if (!answer.youngs_modulus_pa) return;
   // The table is a better prior of a modulus than the estimate.

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "analysis/gate/gate.h"
+#include "analysis/knowledge/name_match.h"
 #include "core/assert.h"
 #include "core/format_text.h"
 #include "core/percentile.h"
@@ -53,6 +54,33 @@ size_t majority(std::span<const Answer> answers, Of of) {
   return first;
 }
 
+// The alternatives of several answers: those of one name are one, with the mean of their probabilities. An
+// answer without alternatives counts as one that is certain.
+std::vector<MassAlternative> pooled(std::span<const Answer> answers) {
+  std::vector<std::pair<MassAlternative, std::vector<Span3>>> groups;
+  for (const Answer& answer : answers) {
+    std::vector<MassAlternative> own = answer.alternatives;
+    if (own.empty()) own.push_back({answer.name, 1, answer.mass_kg});
+    for (const MassAlternative& one : own) {
+      auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& known) {
+        return normalised_name(known.first.name) == normalised_name(one.name);
+      });
+      if (group == groups.end()) group = groups.insert(groups.end(), {{one.name, 0, {}}, {}});
+      group->first.probability += one.probability / static_cast<double>(answers.size());
+      group->second.push_back(one.mass_kg);
+    }
+  }
+  std::vector<MassAlternative> result;
+  for (auto& [one, masses] : groups) {
+    one.mass_kg = span_median(masses);
+    result.push_back(std::move(one));
+  }
+  std::stable_sort(result.begin(), result.end(), [](const MassAlternative& a, const MassAlternative& b) {
+    return a.probability > b.probability;
+  });
+  return result;
+}
+
 }  // namespace
 
 Answer vote(std::span<const Answer> answers) {
@@ -67,6 +95,11 @@ Answer vote(std::span<const Answer> answers) {
   std::vector<Span3> masses;
   for (const Answer& answer : answers) masses.push_back(answer.mass_kg);
   result.mass_kg = span_median(masses);
+  if (std::any_of(answers.begin(), answers.end(),
+                  [](const Answer& one) { return !one.alternatives.empty(); })) {
+    result.alternatives = pooled(answers);
+    result.mass_kg = result.alternatives.front().mass_kg;
+  }
   // A median of the moduli of different materials is meaningless; only answers with the chosen material
   // count.
   std::vector<Span3> young, structure;

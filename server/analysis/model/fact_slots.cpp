@@ -6,22 +6,26 @@
 
 #include "analysis/estimate/object_classes.h"
 #include "analysis/estimate/physics_values.h"
-#include "analysis/knowledge/table_search.h"
+#include "analysis/knowledge/name_match.h"
 #include "analysis/text/prompt_text.h"
 #include "core/format_text.h"
 
 namespace livegs {
 namespace {
 
-constexpr size_t kSimilarMaterialCount = 3;
-constexpr size_t kMaxMaterialLength = 60, kMaxReasonLength = 600;
+constexpr size_t kMaxMaterialLength = 60;
+// From this share of openness on, and below this solidity, the surface has both sides of a wall
+// (class_mass.cpp).
+constexpr double kMinOpenness = 0.15, kMaxOpenSolidity = 0.6;
 
 using Words = const MessageTemplates&;
 
-std::string size_text(const Eigen::Vector3d& size_m, Words words) {
-  return words.say("size", {{"length", format_text("%.3g", size_m.x())},
-                            {"height", format_text("%.3g", size_m.y())},
-                            {"depth", format_text("%.3g", size_m.z())}});
+std::string size_text(const MeshFacts& mesh, Words words) {
+  const Eigen::Vector3d box_cm = 100 * sorted_box_m(mesh);
+  return words.say("size", {{"long", format_text("%.3g", box_cm[0])},
+                            {"middle", format_text("%.3g", box_cm[1])},
+                            {"short", format_text("%.3g", box_cm[2])},
+                            {"height", format_text("%.3g", 100 * mesh.size_m.y())}});
 }
 
 // Values given by a user or the scene's author, by field.
@@ -37,18 +41,20 @@ std::string given_text(const v1::PhysicalParameters& known, Words words) {
 }
 
 std::string mesh_text(const MeshFacts& mesh, Words words) {
-  const Eigen::Vector3d box_cm = 100 * sorted_box_m(mesh);
+  const double area_cm2 = 1e4 * mesh.area_m2;
+  const bool both_sides = mesh.openness > kMinOpenness || mesh.solidity < kMaxOpenSolidity;
+  const std::string area = both_sides
+                               ? words.say("mesh_both_sides", {{"area", format_text("%.4g", area_cm2)},
+                                                               {"half", format_text("%.4g", 0.5 * area_cm2)}})
+                               : words.say("mesh_outer", {{"area", format_text("%.4g", area_cm2)}});
   std::string more;
-  if (mesh.openness > 0.15)
+  if (mesh.openness > kMinOpenness)
     more += words.say("mesh_open", {{"share", format_text("%.0f", 100 * mesh.openness)}});
   if (mesh.thin_sheet > 0.3) more += words.say("mesh_sheet");
   if (mesh.rod > 0.3) more += words.say("mesh_rod");
   if (mesh.piece_count > 1) more += words.say("mesh_pieces", {{"count", std::to_string(mesh.piece_count)}});
-  return words.say("mesh", {{"long", format_text("%.3g", box_cm[0])},
-                            {"middle", format_text("%.3g", box_cm[1])},
-                            {"short", format_text("%.3g", box_cm[2])},
-                            {"volume", format_text("%.4g", 1e6 * mesh.volume_m3)},
-                            {"area", format_text("%.4g", 1e4 * mesh.area_m2)},
+  return words.say("mesh", {{"volume", format_text("%.4g", 1e6 * mesh.volume_m3)},
+                            {"area", area},
                             {"wall", format_text("%.3g", 1e3 * mesh.mean_wall_m)},
                             {"solidity", format_text("%.0f", 100 * mesh.solidity)},
                             {"more", more}});
@@ -59,81 +65,70 @@ std::string looks_text(const AppearanceFacts& look, Words words) {
   return words.say("looks", {{"rgb", format_text("%02x%02x%02x", byte(look.mean_rgb.x()),
                                                  byte(look.mean_rgb.y()), byte(look.mean_rgb.z()))},
                              {"saturation", format_text("%.2f", look.saturation)},
-                             {"hue_spread", format_text("%.2f", look.hue_spread)},
-                             {"opacity", format_text("%.2f", look.mean_opacity)},
-                             {"gloss", format_text("%.2f", look.gloss)}});
+                             {"hue_spread", format_text("%.2f", look.hue_spread)}});
 }
 
+// The nearest objects whose values are known, not estimated offline. Of equally near ones, the newest first.
 std::string neighbours_text(std::span<const SceneObjectFacts> neighbours, Words words) {
+  std::vector<const SceneObjectFacts*> known;
+  for (size_t i = neighbours.size(); i-- > 0;) {
+    if (neighbours[i].analysed) known.push_back(&neighbours[i]);
+  }
+  std::stable_sort(known.begin(), known.end(),
+                   [](const auto* a, const auto* b) { return a->distance_m < b->distance_m; });
+  if (known.size() > kMaxNeighbourSlots) known.resize(kMaxNeighbourSlots);
   std::string lines;
-  const size_t count = std::min(neighbours.size(), kMaxNeighbourSlots);
-  for (size_t i = 0; i < count; ++i) {
-    const SceneObjectFacts& other = neighbours[neighbours.size() - 1 - i];  // newest first
-    std::string known;
-    if (other.mass_kg > 0)
-      known += words.say("neighbour_mass", {{"mass", format_text("%.4g", 1e3 * other.mass_kg)}});
+  for (const SceneObjectFacts* other : known) {
+    std::string values;
+    if (other->mass_kg > 0)
+      values += words.say("neighbour_mass", {{"mass", format_text("%.4g", 1e3 * other->mass_kg)}});
     // A sidecar may contain any text.
-    for (const std::string& word : {other.material, other.behavior}) {
+    for (const std::string& word : {other->material, other->behavior}) {
       if (!word.empty())
-        known += words.say("neighbour_word", {{"word", line_text(word, kMaxMaterialLength)}});
+        values += words.say("neighbour_word", {{"word", line_text(word, kMaxMaterialLength)}});
     }
+    const Eigen::Vector3d& size_m = other->size_m;
     lines += (lines.empty() ? "" : "\n") +
-             words.say("neighbour", {{"name", quoted_text(other.name)},
-                                     {"known", known},
-                                     {"size", size_text(other.size_m, words)},
-                                     {"distance", format_text("%.3g", other.distance_m)},
-                                     {"estimated", other.analysed ? "" : words.say("neighbour_estimated")}});
+             words.say("neighbour",
+                       {{"name", quoted_text(other->name)},
+                        {"known", values},
+                        {"size", words.say("neighbour_size", {{"length", format_text("%.3g", size_m.x())},
+                                                              {"height", format_text("%.3g", size_m.y())},
+                                                              {"depth", format_text("%.3g", size_m.z())}})},
+                        {"distance", format_text("%.3g", other->distance_m)}});
   }
   return lines;
 }
 
-std::string material_line(const MaterialRow& row, Words words) {
-  const Span3 &density = row.density_kg_m3, &young = row.youngs_modulus_pa;
-  return words.say("material", {{"name", row.name},
-                                {"class", row.material_class},
-                                {"density_low", format_text("%.4g", density.low)},
-                                {"density_high", format_text("%.4g", density.high)},
-                                {"young", format_text("%.3g", 1e-6 * young.best)},
-                                {"young_low", format_text("%.3g", 1e-6 * young.low)},
-                                {"young_high", format_text("%.3g", 1e-6 * young.high)},
-                                {"plasticity", format_text("%.2g", row.plasticity)},
-                                {"fragile", row.fragile ? words.say("material_fragile") : ""}});
+const char* fill_word(v1::Physics::Fill fill) {
+  switch (fill) {
+    case v1::Physics::SHELL:
+      return "shell";
+    case v1::Physics::OPEN_SHELL:
+      return "open_shell";
+    case v1::Physics::FILLED:
+      return "filled";
+    default:
+      return "solid";
+  }
 }
 
-// Materials of the likely classes, likeliest first, then of their parts, then those most similar to the
-// first.
-std::string materials_text(const ObjectClasses& kinds, Words words) {
-  std::vector<const MaterialRow*> nearest;
-  const auto add = [&](const MaterialRow* material) {
-    if (nearest.size() < kSimilarMaterialCount &&
-        std::find(nearest.begin(), nearest.end(), material) == nearest.end())
-      nearest.push_back(material);
-  };
-  for (const ObjectClass& kind : kinds.kinds)
-    add(kind.material ? kind.material : &material_row(kind.row->material));
-  for (const ObjectClass& kind : kinds.kinds) {
-    for (const ObjectPart& part : kind.row->parts) add(find_material_row(part.material));
-  }
-  for (const MaterialRow* material : similar_materials(*nearest.front(), kSimilarMaterialCount))
-    add(material);
-  std::string lines;
-  for (const MaterialRow* row : nearest) {
-    if (!lines.empty()) lines += '\n';
-    lines += material_line(*row, words);
-  }
-  return lines;
-}
-
-std::string offline_text(const v1::PhysicalParameters& offline, Words words) {
-  const v1::EstimatedValue& mass = offline.mass_kg();
-  return words.say("offline", {{"label", line_text(offline.label(), kMaxMaterialLength)},
-                               {"material", line_text(offline.material(), kMaxMaterialLength)},
-                               {"mass", format_text("%.4g", 1e3 * mass.best())},
-                               {"mass_low", format_text("%.4g", 1e3 * mass.low())},
-                               {"mass_high", format_text("%.4g", 1e3 * mass.high())},
-                               {"behaviour", v1::Physics::Behavior_Name(offline.behavior())},
-                               {"confidence", format_text("%.2f", offline.confidence())},
-                               {"reason", line_text(mass.reason(), kMaxReasonLength)}});
+// The usual form of things of the object's name, without masses: step 7 of the gate fuses those, and the
+// prior counts once. Empty if the tables do not have the name.
+std::string category_text(const ObjectFacts& facts, Words words) {
+  if (match_name(facts.name).tail != NameMatch::Tail::Nothing || !match_name(facts.name).row) return "";
+  const v1::PhysicalParameters usual = estimate_offline(facts);
+  const v1::EstimatedValue& wall_m = usual.wall_thickness_m();
+  const std::string wall =
+      wall_m.best() > 0
+          ? words.say("category_wall", {{"wall_low", format_text("%.2g", 1e3 * wall_m.low())},
+                                        {"wall_high", format_text("%.2g", 1e3 * wall_m.high())}})
+          : "";
+  return words.say("category", {{"label", line_text(usual.label(), kMaxMaterialLength)},
+                                {"material", usual.material()},
+                                {"fill", fill_word(usual.fill())},
+                                {"wall", wall},
+                                {"behaviour", usual.behavior() == v1::Physics::RIGID ? "rigid" : "elastic"}});
 }
 
 }  // namespace
@@ -143,7 +138,7 @@ std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1
                                               const MessageTemplates& words) {
   std::map<std::string, std::string> slots;
   if (!facts.name.empty()) slots["name"] = facts.name;
-  slots["size"] = size_text(facts.mesh.size_m, words);
+  slots["size"] = size_text(facts.mesh, words);
   if (facts.scale_known) {
     slots["scale"] = words.say("scale_known");
   } else {
@@ -152,9 +147,9 @@ std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1
   }
   slots["mesh"] = mesh_text(facts.mesh, words);
   if (facts.appearance.mean_opacity > 0) slots["looks"] = looks_text(facts.appearance, words);
-  if (!neighbours.empty()) slots["neighbours"] = neighbours_text(neighbours, words);
-  slots["materials"] = materials_text(object_classes(facts), words);
-  slots["offline"] = offline_text(offline, words);
+  if (std::string near = neighbours_text(neighbours, words); !near.empty())
+    slots["neighbours"] = std::move(near);
+  if (std::string usual = category_text(facts, words); !usual.empty()) slots["category"] = std::move(usual);
   if (std::string given = given_text(offline, words); !given.empty()) slots["told"] = std::move(given);
   return slots;
 }

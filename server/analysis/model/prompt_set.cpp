@@ -120,6 +120,24 @@ void put_materials(OrderedJson& schema) {
   }
 }
 
+std::string material_list() {
+  std::string list;
+  for (const MaterialRow& row : material_table()) list += (list.empty() ? "" : ", ") + row.name;
+  return list;
+}
+
+// Whether a property of the schema may be null.
+bool is_nullable(const OrderedJson& property) {
+  if (property == "null") return true;
+  for (const char* key : {"type", "anyOf"}) {
+    const auto found = property.is_object() ? property.find(key) : property.end();
+    if (!property.is_object() || found == property.end()) continue;
+    if (*found == "null") return true;
+    if (found->is_array() && std::any_of(found->begin(), found->end(), is_nullable)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
@@ -152,7 +170,12 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
     return wrong("answer.schema.json", "has no required properties");
   }
   for (const OrderedJson& field : *required) {
-    if (field.is_string()) set.fields_.push_back(field.get<std::string>());
+    if (!field.is_string()) continue;
+    set.fields_.push_back(field.get<std::string>());
+    const auto properties = set.schema_.find("properties");
+    if (properties == set.schema_.end() || !properties->is_object() ||
+        !is_nullable(properties->value(set.fields_.back(), OrderedJson())))
+      set.needed_.push_back(set.fields_.back());
   }
   auto examples = parse_prompt_file(set.text("examples.json"));
   if (!examples) return wrong("examples.json", examples.error().message);
@@ -193,7 +216,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
 }
 
 std::string PromptSet::system(int example_count) const {
-  std::string system = text("system.md");
+  std::string system = fill_slots(text("system.md"), {{"material_ids", material_list()}});
   for (int i = 0; i < std::min(example_count, this->example_count()); ++i) {
     const OrderedJson& example = examples_[static_cast<std::size_t>(i)];
     system += "\n" + example["facts"].get<std::string>() + "\n" + dump_json(example["answer"]) + "\n";
@@ -214,11 +237,7 @@ std::string PromptSet::user(std::map<std::string, std::string> slots) const {
   return fill_slots(form, slots);
 }
 
-std::string PromptSet::tools_turn() const {
-  std::string fields;
-  for (const std::string& field : fields_) fields += (fields.empty() ? "" : ", ") + field;
-  return fill_slots(text("tools_turn.md"), {{"fields", fields}});
-}
+std::string PromptSet::tools_turn() const { return text("tools_turn.md"); }
 
 std::string PromptSet::answer_turn(bool schema_in_words) const {
   if (!schema_in_words) return text("answer_turn.md");

@@ -34,6 +34,8 @@ class PromptSet {
   const MessageTemplates& words() const { return words_; }
   const OrderedJson& answer_schema() const { return schema_; }
   const std::vector<std::string>& answer_fields() const { return fields_; }
+  // Those that the schema does not allow to be null.
+  const std::vector<std::string>& needed_fields() const { return needed_; }
   const OrderedJson& tools() const { return tools_; }  // in the form of a request
   int example_count() const { return static_cast<int>(examples_.size()); }
 
@@ -45,7 +47,7 @@ class PromptSet {
   MessageTemplates words_ = MessageTemplates::built_in();
   OrderedJson schema_, tools_, examples_;
   Json captions_;
-  std::vector<std::string> fields_;
+  std::vector<std::string> fields_, needed_;
 };
 
 }  // namespace livegs

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/model/model_endpoint.h"
 #include "analysis/model/prompt_set.h"
-#include "analysis/model/question_slots.h"
 #include "analysis/model/raw_answer_json.h"
 #include "analysis/text/json_text.h"
 #include "analysis/text/prompt_text.h"
@@ -70,7 +69,7 @@ class RecordedExchange final : public Conversation {
       : endpoint_(endpoint), tools_(std::move(tools)) {}
 
   Result<RawAnswer> ask(const AnalysisQuestion& question, std::stop_token stop) override {
-    question_ = {complete_slots(question, tools_), question.images};
+    question_ = {question.slots, question.images};
     live_.reset();
     OrderedJson asked = {{"prompt_version", endpoint_.prompts().version()},
                          {"model", endpoint_.model()},

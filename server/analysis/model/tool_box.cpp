@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/knowledge/name_match.h"
 #include "analysis/knowledge/table_search.h"
-#include "analysis/knowledge/unit_conversion.h"
 #include "analysis/text/json_text.h"
 #include "analysis/text/prompt_text.h"
 #include "core/format_text.h"
@@ -15,8 +13,8 @@ namespace livegs {
 namespace {
 
 constexpr std::size_t kMaxArgumentLength = 16 << 10, kMaxResultLength = 4 << 10;
-constexpr std::size_t kMaxParts = 32, kMaxHits = 8, kMaxSceneObjects = 12;
-constexpr double kMaxLength_m = 100, kMaxPartDensity_kg_m3 = 23000;
+constexpr std::size_t kMaxParts = 32, kMaxHits = 8;
+constexpr double kMaxPartDensity_kg_m3 = 23000;
 
 using ToolAnswer = OrderedJson;
 
@@ -32,9 +30,6 @@ ToolAnswer range(double low, double best, double high, double factor = 1.0) {
 }
 ToolAnswer range(const Span3& span, double factor = 1.0) {
   return range(span.low, span.best, span.high, factor);
-}
-ToolAnswer range(const v1::EstimatedValue& value, double factor = 1.0) {
-  return range(value.low(), value.best(), value.high(), factor);
 }
 
 std::string fill_name(v1::Physics::Fill fill) {
@@ -116,9 +111,6 @@ class Arguments {
              std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
     if (error_.empty()) error_ = words_.say(line, slots);
   }
-  void wrong_as(std::string text) {
-    if (error_.empty()) error_ = std::move(text);
-  }
   const std::string& error() const { return error_; }
 
  private:
@@ -144,53 +136,6 @@ ToolAnswer kb_get(const ToolBox&, Arguments& in) {
     return {};
   }
   return describe(hit);
-}
-
-ToolAnswer category_prior(const ToolBox& box, Arguments& in) {
-  ObjectFacts facts = box.object();
-  facts.name = in.text("name");
-  const std::optional<double> sizes[3] = {in.optional_number("length_m", 1e-4, kMaxLength_m),
-                                          in.optional_number("width_m", 1e-4, kMaxLength_m),
-                                          in.optional_number("height_m", 1e-4, kMaxLength_m)};
-  const SizePrior usual = size_prior(facts.name);
-  const bool measured = facts.mesh.volume_m3 > 0 && facts.mesh.area_m2 > 0;
-  if (sizes[0] && sizes[1] && sizes[2]) {
-    // Measurements scaled to the requested size; without a mesh, the box.
-    const double asked = *sizes[0] * *sizes[1] * *sizes[2];
-    const double box_volume = facts.mesh.size_m.prod();
-    if (measured && box_volume > 0) {
-      const double scale = std::cbrt(asked / box_volume);
-      facts.mesh.size_m *= scale;
-      facts.mesh.principal_size_m *= scale;
-      facts.mesh.area_m2 *= scale * scale;
-      facts.mesh.volume_m3 *= scale * scale * scale;
-      facts.mesh.hull_volume_m3 *= scale * scale * scale;
-      facts.mesh.mean_wall_m *= scale;
-    } else {
-      const double l = *sizes[0], w = *sizes[1], h = *sizes[2];
-      facts.mesh.size_m = facts.mesh.principal_size_m = {l, w, h};
-      facts.mesh.volume_m3 = facts.mesh.hull_volume_m3 = asked;
-      facts.mesh.area_m2 = 2 * (l * w + w * h + h * l);
-      facts.mesh.mean_wall_m = 2 * asked / facts.mesh.area_m2;
-      facts.mesh.solidity = 1;
-    }
-    facts.scale_known = true;
-  } else if (!measured) {
-    in.wrong("no_size");
-    return {};
-  }
-  const v1::PhysicalParameters estimate = estimate_offline(facts);
-  ToolAnswer answer = {{"taken_for", estimate.label()},
-                       {"material_id", estimate.material()},
-                       {"fill", fill_name(estimate.fill())},
-                       {"mass_g", range(estimate.mass_kg(), 1e3)},
-                       {"young_mpa", range(estimate.youngs_modulus_pa(), 1e-6)},
-                       {"structure_s", range(estimate.structure_coefficient())},
-                       {"fragile", estimate.fragile()},
-                       {"confidence", rounded(estimate.confidence())}};
-  if (estimate.wall_thickness_m().best() > 0) answer["wall_mm"] = range(estimate.wall_thickness_m(), 1e3);
-  if (usual.best_m > 0) answer["usual_longest_side_m"] = range(usual.low_m, usual.best_m, usual.high_m);
-  return answer;
 }
 
 ToolAnswer mass_from_parts(const ToolBox& box, Arguments& in) {
@@ -230,66 +175,6 @@ ToolAnswer shell_mass(const ToolBox&, Arguments& in) {
   return {{"mass_g", rounded(area_m2 * thickness_mm * 1e-3 * density_kg_m3 * 1e3)}};
 }
 
-ToolAnswer convert_units(const ToolBox& box, Arguments& in) {
-  const double value = in.number("value", -1e15, 1e15);
-  const std::string from = in.text("from"), to = in.text("to");
-  if (!in.error().empty()) return {};
-  const Result<double> converted = convert_unit(value, from, to, box.words());
-  if (!converted) {
-    in.wrong_as(converted.error().message);
-    return {};
-  }
-  return {{"value", *converted}, {"unit", to}};
-}
-
-ToolAnswer resistance(const ToolBox&, Arguments& in) {
-  const double young_mpa = in.number("young_mpa", 0, 3e5);
-  const double s = in.optional_number("structure_s", 0, 1).value_or(1.0);
-  const double effective_pa = young_mpa * 1e6 * s;
-  return {{"deformation_resistance", rounded(deformation_resistance(effective_pa))},
-          {"effective_young_mpa", rounded(effective_pa * 1e-6)},
-          {"rigid", effective_pa > 200e6}};
-}
-
-ToolAnswer mesh_facts_of(const ToolBox& box, Arguments& in) {
-  const MeshFacts& mesh = box.object().mesh;
-  if (!(mesh.volume_m3 > 0)) {
-    in.wrong("not_measured");
-    return {};
-  }
-  return {{"size_m", {rounded(mesh.size_m.x()), rounded(mesh.size_m.y()), rounded(mesh.size_m.z())}},
-          {"scale",
-           box.words().say(box.object().scale_known ? "measured_scale_known" : "measured_scale_guessed")},
-          {"enclosed_volume_cm3", rounded(mesh.volume_m3 * 1e6)},
-          {"hull_volume_cm3", rounded(mesh.hull_volume_m3 * 1e6)},
-          {"area_cm2", rounded(mesh.area_m2 * 1e4)},
-          {"mean_wall_mm", rounded(mesh.mean_wall_m * 1e3)},
-          {"solidity", rounded(mesh.solidity)},
-          {"openness", rounded(mesh.openness)},
-          {"thin_sheet", rounded(mesh.thin_sheet)},
-          {"rod", rounded(mesh.rod)}};
-}
-
-ToolAnswer list_scene_objects(const ToolBox& box, Arguments&) {
-  ToolAnswer list = ToolAnswer::array();
-  const auto& scene = box.scene();
-  // The newest are last.
-  for (std::size_t i = scene.size() - std::min(scene.size(), kMaxSceneObjects); i < scene.size(); ++i) {
-    const SceneObjectFacts& object = scene[i];
-    ToolAnswer line = {{"name", quoted_text(object.name)}};
-    if (!object.material.empty()) line["material"] = plain_text(object.material, 60);
-    if (!object.behavior.empty()) line["behaviour"] = plain_text(object.behavior, 20);
-    if (object.mass_kg > 0 && std::isfinite(object.mass_kg)) line["mass_g"] = rounded(object.mass_kg * 1e3);
-    if (object.size_m.allFinite() && object.size_m.maxCoeff() > 0) {
-      line["size_m"] = {rounded(object.size_m.x()), rounded(object.size_m.y()), rounded(object.size_m.z())};
-    }
-    if (std::isfinite(object.distance_m)) line["distance_m"] = rounded(object.distance_m);
-    line["source"] = box.words().say(object.analysed ? "object_analysed" : "object_estimated");
-    list.push_back(std::move(line));
-  }
-  return {{"objects", list}, {"count", scene.size()}};
-}
-
 // --- the one place where a tool is declared
 // ---------------------------------------------------------------------
 
@@ -308,26 +193,12 @@ const std::vector<Tool>& tools() {
   static const std::vector<Tool> all = {
       {"material_search", {{"query", ValueKind::Text}, {"k", ValueKind::OptionalNumber}}, material_search},
       {"kb_get", {{"id", ValueKind::Text}}, kb_get},
-      {"category_prior",
-       {{"name", ValueKind::Text},
-        {"length_m", ValueKind::OptionalNumber},
-        {"width_m", ValueKind::OptionalNumber},
-        {"height_m", ValueKind::OptionalNumber}},
-       category_prior},
       {"mass_from_parts", {{"parts", ValueKind::Parts}}, mass_from_parts},
       {"shell_mass",
        {{"area_m2", ValueKind::Number},
         {"thickness_mm", ValueKind::Number},
         {"density_kg_m3", ValueKind::Number}},
-       shell_mass},
-      {"convert_units",
-       {{"value", ValueKind::Number}, {"from", ValueKind::Text}, {"to", ValueKind::Text}},
-       convert_units},
-      {"deformation_resistance",
-       {{"young_mpa", ValueKind::Number}, {"structure_s", ValueKind::OptionalNumber}},
-       resistance},
-      {"mesh_facts", {}, mesh_facts_of},
-      {"list_scene_objects", {}, list_scene_objects}};
+       shell_mass}};
   return all;
 }
 

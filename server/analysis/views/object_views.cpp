@@ -272,14 +272,8 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
 }
 
 std::map<std::string, std::string> camera_slots(const ObjectView& view) {
-  const auto place = [](const Eigen::Vector3d& at_m) {
-    return format_text("%.3g, %.3g, %.3g", at_m.x(), at_m.y(), at_m.z());
-  };
   const auto degrees = [](double rad) { return format_text("%.0f", rad * 180 / std::numbers::pi); };
-  return {{"camera_position", place(view.camera.world_from_camera.position_m)},
-          {"target_position", place(view.target_m)},
-          {"camera_distance", format_text("%.3g", view.distance_m)},
-          {"camera_azimuth", degrees(view.azimuth_rad)},
+  return {{"camera_azimuth", degrees(view.azimuth_rad)},
           {"camera_elevation", degrees(view.elevation_rad)},
           {"camera_seen", format_text("%.0f", 100 * view.visible_share)}};
 }

@@ -19,29 +19,25 @@ namespace {
 
 using nlohmann::json;
 
-// Extracts the estimate from its sentence (worded as in facts.json) in a request.
-std::string agree(const std::string& request) {
-  static const std::regex line(
-      R"(which may be wrong: (.{1,60}?) of ([^,]{1,60}), mass ([0-9.e+-]+) g \(([0-9.e+-]+) to ([0-9.e+-]+)\), (RIGID|ELASTIC), )");
-  std::smatch estimate;
-  const size_t at = request.find("which may be wrong: ");
-  const std::string around = at == std::string::npos ? "" : request.substr(at, 400);
-  if (!std::regex_search(around, estimate, line)) return "";
-  const double best = std::strtod(estimate[3].str().c_str(), nullptr),
-               low = std::strtod(estimate[4].str().c_str(), nullptr),
-               high = std::strtod(estimate[5].str().c_str(), nullptr);
+// An answer of half a gram per cubic centimetre of the volume in a request (worded as in facts.json).
+std::string answer_to(const std::string& request) {
+  static const std::regex line(R"(Surface: volume ([0-9.e+-]+) cm3)");
+  std::smatch volume;
+  if (!std::regex_search(request, volume, line)) return "";
+  const double best = 0.5 * std::strtod(volume[1].str().c_str(), nullptr);
   return json{
-      {"description", "as estimated"},
-      {"evidence", "as estimated"},
-      {"name", estimate[1].str()},
+      {"description", "made up"},
+      {"evidence", "made up"},
+      {"name", "object"},
       {"name_confidence", 0.9},
       {"is_replica", false},
       {"fill", "assembly"},
       {"parts",
-       {{{"name", "all"}, {"material_id", estimate[2].str()}, {"share", 1}, {"thickness_mm", nullptr}}}},
-      {"behaviour", estimate[6] == "RIGID" ? "rigid" : "elastic"},
+       {{{"name", "all"}, {"material_id", "polypropylene"}, {"share", 1}, {"thickness_mm", nullptr}}}},
+      {"behaviour", "rigid"},
       {"size_m", nullptr},
-      {"mass_g", {{"low", std::max(low, best / 4)}, {"high", std::min(high, best * 4)}, {"best", best}}},
+      {"mass_g", {{"low", best / 4}, {"high", best * 4}, {"best", best}}},
+      {"alternatives", nullptr},
       {"young_mpa", nullptr},
       {"structure_s", nullptr},
       {"plasticity_level", nullptr},
@@ -61,12 +57,12 @@ int serve_made_up_answers(std::chrono::milliseconds delay) {
   models.body = json{{"object", "list"}, {"data", {{{"id", "made-up-1"}, {"object", "model"}}}}}.dump();
   TestModelServer server(
       [delay](const SeenRequest& request, int) {
-        const std::string answer = agree(request.body);
+        const std::string answer = answer_to(request.body);
         Reply reply;
         reply.delay_ms = static_cast<int>(delay.count());
         reply.status = answer.empty() ? 400 : 200;
         reply.body = answer.empty()
-                         ? R"({"error": {"message": "the sentence of the estimate has an unexpected form"}})"
+                         ? R"({"error": {"message": "the sentence of the volume has an unexpected form"}})"
                          : json{{"id", "1"},
                                 {"model", "made-up-1"},
                                 {"choices",

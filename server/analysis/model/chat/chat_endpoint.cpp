@@ -70,6 +70,11 @@ std::optional<EndpointSettings> endpoint_settings_from_environment() {
 Result<std::unique_ptr<ModelEndpoint>> open_model_endpoint(EndpointSettings settings) {
   if (auto checked = check_url(settings.base_url); !checked) return checked.error();
   while (settings.base_url.ends_with('/')) settings.base_url.pop_back();
+  // All servers of this interface have it under /v1; an address without a path has lost it.
+  if (settings.base_url.find('/', settings.base_url.find("://") + 3) == std::string::npos) {
+    settings.base_url += "/v1";
+    log_info("model server: the address has no path; %s is used", settings.base_url.c_str());
+  }
   if (has_control(settings.api_key.reveal()) || settings.api_key.reveal().size() > kMaxKeyLength) {
     return invalid_argument("OPENAI_API_KEY: contains a space or a control character");
   }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "analysis/model/question_slots.h"
 #include "analysis/text/prompt_text.h"
 #include "core/clock.h"
 #include "core/log.h"
@@ -31,7 +30,7 @@ Result<RawAnswer> ChatConversation::ask(const AnalysisQuestion& question, std::s
   if (auto known = endpoint_.identify_server(stop); !known) {
     return stop.stop_requested() ? cancelled() : known.error();
   }
-  slots_ = complete_slots(question, tools_);
+  slots_ = question.slots;
   images_ = question.images;
   for (AnalysisImage& image : images_) image.caption = endpoint_.prompts().caption(image.caption);
   return converse(stop, endpoint_.settings().tools);
@@ -200,11 +199,11 @@ Result<Json> ChatConversation::run_tools(std::stop_token stop) {
     ++round;
     ChatReply& reply = said.reply;
     if (reply.tool_calls.empty()) {
-      // A reply with all fields is an answer; the gate judges it as one of the second phase.
-      const std::vector<std::string>& fields = endpoint_.prompts().answer_fields();
-      const auto early = find_json_object(reply.content, fields);
+      // A reply with all needed fields is an answer; the gate judges it as one of the second phase.
+      const std::vector<std::string>& needed = endpoint_.prompts().needed_fields();
+      const auto early = find_json_object(reply.content, endpoint_.prompts().answer_fields());
       if (early && reply.finish_reason != "length" &&
-          std::all_of(fields.begin(), fields.end(),
+          std::all_of(needed.begin(), needed.end(),
                       [&](const std::string& one) { return early->contains(one); })) {
         return *early;
       }

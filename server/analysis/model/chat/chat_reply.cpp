@@ -68,6 +68,21 @@ std::string read_content(const Json& message) {
   return joined;
 }
 
+// The thoughts of a reasoning model: `reasoning` (OpenRouter, vLLM, Ollama) or `reasoning_content` (DeepSeek,
+// llama.cpp).
+std::string read_reasoning(const Json& message) {
+  std::string text = text_member(message, "reasoning_content");
+  return text.empty() ? text_member(message, "reasoning") : text;
+}
+
+// Some servers put the whole reply of a reasoning model into its thoughts and leave the content empty. A
+// reply without any JSON there stays empty.
+void answer_from_reasoning(ChatReply& reply, std::string reasoning) {
+  const bool empty = reply.content.find_first_not_of(" \t\r\n") == std::string::npos;
+  if (empty && reply.tool_calls.empty() && reply.refusal.empty() && reasoning.find('{') != std::string::npos)
+    reply.content = std::move(reasoning);
+}
+
 std::string read_arguments(const Json& function) {
   const Json* arguments = member(function, "arguments");
   if (!arguments || arguments->is_null()) return "";
@@ -123,6 +138,7 @@ void ChatStream::add(std::string_view data) {
   if (!delta) delta = member(*choice, "message");
   if (!delta) return;
   reply_.content += read_content(*delta);
+  reasoning_ += read_reasoning(*delta);
   reply_.refusal += text_member(*delta, "refusal");
   const Json* list = member(*delta, "tool_calls");
   if (!list || !list->is_array()) return;
@@ -150,6 +166,7 @@ ChatReply ChatStream::take() {
     reply_.tool_calls.push_back(std::move(call));
   }
   calls_.clear();
+  answer_from_reasoning(reply_, std::move(reasoning_));
   return std::move(reply_);
 }
 
@@ -187,6 +204,7 @@ Result<ChatReply> decode_chat_reply(std::string_view body, bool event_stream) {
       reply.content = read_content(*message);
       reply.refusal = text_member(*message, "refusal");
       read_tool_calls(*message, reply.tool_calls);
+      answer_from_reasoning(reply, read_reasoning(*message));
     } else {
       reply.content = text_member(*choice, "text");
     }

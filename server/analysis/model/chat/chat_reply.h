@@ -25,6 +25,7 @@ struct ServerError {
 };
 
 struct ChatReply {
+  // `content` is the text of the thoughts if the server puts the whole reply there.
   std::string content, refusal, finish_reason, model;
   std::vector<ToolCall> tool_calls;  // at most 32
   bool has_choice = false;
@@ -45,6 +46,7 @@ class ChatStream {
 
  private:
   ChatReply reply_;
+  std::string reasoning_;
   std::vector<std::pair<int, ToolCall>> calls_;  // by the server's index
   bool ended_ = false;
 };

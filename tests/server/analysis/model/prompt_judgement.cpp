@@ -17,9 +17,9 @@ using nlohmann::ordered_json;
 
 constexpr const char* kFormat = "livegs.judgement/1";
 constexpr std::uint64_t kMaxBytes = 1 << 20;
-// Hash of the prompts of version 3, written before a model was available. Only this version may lack
+// Hash of the prompts of version 4, written before a model was available. Only this version may lack
 // measurements.
-constexpr const char* kUnjudged = "4094762d3ce0026060adcb1abb0ddbf776e74da82a28b8dcb648eb6ad8738408";
+constexpr const char* kUnjudged = "7113689b200b208e3499b0be2a06514d7714bc11179b4e6206a28fe3960c1e9a";
 constexpr const char* kHow =
     "judge it: mass_harness --judge OLD_PROMPTS prompts --record ANSWERS --keep prompts/judged.json, with a "
     "model's "

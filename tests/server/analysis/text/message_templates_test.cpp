@@ -10,6 +10,7 @@
 
 #include "analysis/gate/answer.h"
 #include "analysis/gate/gate.h"
+#include "analysis/knowledge/name_match.h"
 #include "analysis/knowledge/table_search.h"
 #include "analysis/model/fact_slots.h"
 #include "analysis/model/model_endpoint.h"
@@ -91,7 +92,7 @@ TEST(MessageTemplates, MassReasonsAreUnchanged) {
   EXPECT_EQ(mass_reason(v1::EstimatedValue::PERSON), "edited by a person");
 }
 
-// Byte-identical to the facts before the texts were moved into files (version 2).
+// The facts of version 4 of the prompts.
 TEST(MessageTemplates, FactsAreUnchanged) {
   ObjectFacts facts = mug_facts();
   facts.mesh.rod = 0.5;
@@ -110,42 +111,27 @@ TEST(MessageTemplates, FactsAreUnchanged) {
       {"cup", "", "", 0, {0.1, 0.2, 0.3}, 1.5, true},
       {"a \"pot\"\n", "terracotta", "rigid", 0.7, {0.1, 0.1, 0.1}, 0.5, false}};
   const auto slots = fact_slots(facts, offline, neighbours);
-  EXPECT_EQ(slots.at("size"), "0.08 x 0.095 x 0.08 m");
+  EXPECT_EQ(slots.at("size"), "smallest box 9.5 x 8 x 8 cm, 9.5 cm high as it stands");
   EXPECT_EQ(slots.at("scale"), "metric");
-  EXPECT_EQ(slots.at("mesh"),
-            "smallest box 9.5 x 8 x 8 cm, encloses 120 cm3, surface 550 cm2, mean wall 2V/A 4.4 mm, 25 % of "
-            "its convex hull, "
-            "60 % open, rod, 2 pieces");
-  EXPECT_EQ(slots.at("looks"),
-            "mean colour #3380e6, saturation 0.30, spread of hue 0.70 rad, opacity 0.70, gloss 0.33");
-  EXPECT_EQ(slots.at("neighbours"),
-            "- \"a 'pot' \": 700 g, terracotta, rigid, 0.1 x 0.1 x 0.1 m, 0.5 m away (estimated offline)\n"
-            "- \"cup\": 0.1 x 0.2 x 0.3 m, 1.5 m away");
-  EXPECT_TRUE(slots.at("materials")
-                  .starts_with("- stoneware (ceramic): 2000 to 2400 kg/m3, Young's modulus 4e+04 MPa (3e+04 "
-                               "to 6e+04), plasticity 0, fragile"))
-      << slots.at("materials");
-  EXPECT_EQ(slots.at("offline"),
-            "mug of stoneware, mass 300 g (250 to 400), RIGID, confidence 0.50; as it says");
+  EXPECT_EQ(
+      slots.at("mesh"),
+      "volume 120 cm3, area of both sides of the wall together 550 cm2, so 275 cm2 of wall, mean thickness "
+      "2V/A 4.4 mm, 25 % of its convex hull, 60 % open, rod, 2 pieces");
+  EXPECT_EQ(slots.at("looks"), "mean #3380e6, saturation 0.30, spread of hue 0.70 rad");
+  EXPECT_EQ(slots.at("neighbours"), "- \"cup\": 0.1 x 0.2 x 0.3 m, 1.5 m away");
+  EXPECT_EQ(slots.at("category"), "mug of stoneware, open_shell, wall 3 to 6.5 mm, rigid");
   EXPECT_EQ(slots.at("told"), "mass_kg 0.3, friction 0.4");
 }
 
-// For a sponge, which has one material under any name, for a mug, and for an unnamed object.
-TEST(MessageTemplates, FactsListThreeMaterialsWithRanges) {
+// The prior of mass is fused after the answer, so no mass of the tables is sent; a name that the tables do
+// not have gets no usual form.
+TEST(MessageTemplates, FactsHoldNoMassOfTheTables) {
   for (ObjectFacts facts : {sponge_facts(), mug_facts(), tennis_ball_facts(), pillow_facts()}) {
-    for (const char* name : {facts.name.c_str(), "brick", "steel ball", "hammer", ""}) {
+    for (const char* name : {facts.name.c_str(), "brick", "hammer", "thing01", ""}) {
       facts.name = name;
-      const std::string materials = fact_slots(facts, estimate_offline(facts), {}).at("materials");
-      const std::regex line(
-          R"(- ([^(]+) \([a-z]+\): [0-9.e+]+ to [0-9.e+]+ kg/m3, Young's modulus [^ ]+ MPa \([^ ]+ to [^ ]+\), .*)");
-      std::istringstream lines(materials);
-      std::set<std::string> names;
-      for (std::string one; std::getline(lines, one);) {
-        std::smatch found;
-        ASSERT_TRUE(std::regex_match(one, found, line)) << one;
-        EXPECT_TRUE(names.insert(found[1]).second) << materials;
-      }
-      EXPECT_EQ(names.size(), 3u) << name << "\n" << materials;
+      const auto slots = fact_slots(facts, estimate_offline(facts), {});
+      EXPECT_EQ(slots.contains("category"), match_name(facts.name).row != nullptr) << name;
+      for (const auto& [slot, text] : slots) EXPECT_EQ(text.find(" g"), std::string::npos) << text;
     }
   }
 }
@@ -205,7 +191,7 @@ std::string with_line(const char* file, const char* line, const char* text) {
 
 TEST(MessageTemplates, FolderTextsAreSentAndChangeTheVersion) {
   const ScratchFolder scratch;
-  scratch.write("prompts/facts.json", with_line("facts.json", "size", "LONG {{length}}"));
+  scratch.write("prompts/facts.json", with_line("facts.json", "size", "LONG {{long}}"));
   scratch.write("prompts/complaints.json",
                 with_line("complaints.json", "out_of_order", "SORT {{field}}{{in_unit}}"));
   scratch.write("prompts/tool_words.json", with_line("tool_words.json", "no_row", "NO ROW"));
@@ -229,7 +215,7 @@ TEST(MessageTemplates, FolderTextsAreSentAndChangeTheVersion) {
   ASSERT_EQ(update.judgement.verdict, Verdict::Accepted) << update.judgement.message;
   const auto posts = server.posts();
   ASSERT_EQ(posts.size(), 3u);
-  EXPECT_NE(posts[0].body.find("LONG 0.08\\n"), std::string::npos) << posts[0].body;
+  EXPECT_NE(posts[0].body.find("LONG 9.5\\n"), std::string::npos) << posts[0].body;
   EXPECT_NE(posts[1].body.find("NO ROW"), std::string::npos);
   EXPECT_NE(posts[2].body.find("SORT mass_g, in grams"), std::string::npos);
   EXPECT_NE(PromptSet::load(scratch / "prompts")->version(), PromptSet::load({})->version());
@@ -290,9 +276,9 @@ TEST(PromptFolder, UnknownSlotIsAnErrorWithARemedy) {
             "has no {{name}}: write it where the text belongs, or delete the file to use the built-in one");
   EXPECT_EQ(refusal_of("repair.md", "{{problem}} {{name}}\n"),
             "line 1: {{name}} is not a known slot; remove it or write one of {{problem}}");
-  EXPECT_EQ(refusal_of("system.md", "About {{name}}.\n"),
+  EXPECT_EQ(refusal_of("answer_turn.md", "About {{name}}.\n"),
             "line 1: {{name}} is not a known slot; no slot of this text is filled; remove it");
-  EXPECT_EQ(refusal_of("system.md", "Write {\"a\": {\"b\": 1}}, never {{...}}.\n"), "");
+  EXPECT_EQ(refusal_of("answer_turn.md", "Write {\"a\": {\"b\": 1}}, never {{...}}.\n"), "");
   EXPECT_EQ(refusal_of("search.md", "{{name}} {{size}} {{scale}}\n"),
             "");  // filled from the slots of the question
   EXPECT_EQ(refusal_of("search.md", "{{name}} {{others}}\n").substr(0, 41),
@@ -301,7 +287,7 @@ TEST(PromptFolder, UnknownSlotIsAnErrorWithARemedy) {
             "too_deep, line 1: {{field}} is not a known slot; no slot of this text is filled; remove it");
   EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_wide", "no {{feild}}")),
             "too_wide, line 1: {{feild}} is not a known slot; write {{field}} or remove it");
-  EXPECT_EQ(refusal_of("facts.json", with_line("facts.json", "size", "{{length}} m\u2028{{hight}}\x1b")),
+  EXPECT_EQ(refusal_of("facts.json", with_line("facts.json", "size", "{{long}} m\u2028{{hight}}\x1b")),
             "size, line 1: {{hight}} is not a known slot; write {{height}} or remove it");
 }
 

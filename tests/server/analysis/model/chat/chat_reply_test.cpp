@@ -59,7 +59,8 @@ TEST(ChatReply, TruncatedStreamIsAnErrorOrTheAnswer) {
 TEST(ChatReply, MutatedBytesGiveAValueOrAnError) {
   const std::vector<std::string> sound = {
       says(sound_answer()).body,
-      calls({{"shell_mass", R"({"area_m2":1,"thickness_mm":1,"density_kg_m3":500})"}, {"mesh_facts", "{}"}})
+      calls({{"shell_mass", R"({"area_m2":1,"thickness_mm":1,"density_kg_m3":500})"},
+             {"kb_get", R"({"id":"copper"})"}})
           .body,
       fails(429, {{"message", "m"}, {"code", "insufficient_quota"}, {"param", "temperature"}}).body,
       streams(streamed_answer(sound_answer())).body,

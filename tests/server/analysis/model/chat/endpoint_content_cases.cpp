@@ -15,7 +15,26 @@ std::vector<EndpointCase> content_cases() {
   const auto declines = plain(
       200,
       R"({"choices":[{"message":{"content":null,"refusal":"I can't help with that."},"finish_reason":"stop"}]})");
+  // A reasoning model whose server puts the whole reply into its thoughts.
+  const auto thinks = [&](const char* field, const Json& content, const std::string& thoughts) {
+    return plain(200,
+                 Json{{"choices",
+                       {{{"message", {{"content", content}, {field, thoughts}}}, {"finish_reason", "stop"}}}}}
+                     .dump());
+  };
   return {
+      {"answer_in_reasoning", in_turn({thinks("reasoning", "", "It is a cup. " + answer)}), "", 1, no_tools},
+      {"answer_in_reasoning_content", in_turn({thinks("reasoning_content", nullptr, answer)}), "", 1,
+       no_tools},
+      {"thoughts_beside_the_answer", in_turn({thinks("reasoning", answer, "{\"mass_g\":1}")}), "", 1,
+       no_tools},
+      {"thoughts_without_an_answer", in_turn({thinks("reasoning", "", "It may be a cup.")}), "empty answer",
+       -1, no_tools},
+      {"address_without_a_path", in_turn({says(answer)}), "", 1,
+       [](Settings& settings) {
+         no_tools(settings);
+         settings.base_url.resize(settings.base_url.rfind("/v1"));
+       }},
       {"truncated_then_longer", in_turn({says(answer.substr(0, 200), "length"), says(answer)}), "", 2,
        no_tools,
        [](const Posts& posts, const RawAnswer&) {
@@ -109,12 +128,18 @@ std::vector<EndpointCase> stream_cases() {
   failing.push_back(R"({"error":{"message":"model runner has crashed"}})");
   const std::vector<std::string> tool_parts = {
       R"({"choices":[{"delta":{"tool_calls":[{"index":0,"id":"a","function":{"name":"shell_mass","arguments":""}}]}}]})",
-      R"({"choices":[{"delta":{"tool_calls":[{"index":1,"id":"b","function":{"name":"mesh_facts","arguments":"{"}}]}}]})",
+      R"({"choices":[{"delta":{"tool_calls":[{"index":1,"id":"b","function":{"name":"kb_get","arguments":"{\"id\":\"copper\""}}]}}]})",
       R"({"choices":[{"delta":{"tool_calls":[{"index":0,"function":{"arguments":"{\"area_m2\":2,\"thickness"}}]}}]})",
       R"({"choices":[{"delta":{"tool_calls":[{"index":1,"function":{"arguments":"}"}}]}}]})",
       R"({"choices":[{"delta":{"tool_calls":[{"index":0,"function":{"arguments":"_mm\":1,\"density_kg_m3\":1000}"}}]}}]})",
       R"({"choices":[{"delta":{},"finish_reason":"tool_calls"}]})"};
+  std::vector<std::string> thoughts = parts;
+  for (std::string& event : thoughts) {
+    if (const size_t at = event.find("\"content\""); at != std::string::npos)
+      event.replace(at, 9, "\"reasoning\"");
+  }
   return {
+      {"stream_of_reasoning", in_turn({streams(thoughts)}), "", 1, streaming},
       {"stream", in_turn({whole}), "", 1, streaming,
        [](const Posts& posts, const RawAnswer& raw) {
          EXPECT_EQ(body_of(posts[0])["stream_options"]["include_usage"], true);

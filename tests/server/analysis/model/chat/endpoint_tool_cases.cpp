@@ -64,8 +64,8 @@ std::vector<EndpointCase> dialect_cases() {
 }
 
 std::vector<EndpointCase> tool_cases() {
-  std::vector<Reply> endless(20, calls({{"mesh_facts", "{}"}}));
-  std::vector<std::pair<std::string, std::string>> many(12, {"mesh_facts", "{}"});
+  std::vector<Reply> endless(20, calls({{"kb_get", R"({"id":"copper"})"}}));
+  std::vector<std::pair<std::string, std::string>> many(12, {"kb_get", R"({"id":"copper"})"});
   return {
       {"a_tool_then_the_answer",
        one_call("shell_mass", R"({"area_m2":1,"thickness_mm":1,"density_kg_m3":1000})"),
@@ -74,7 +74,9 @@ std::vector<EndpointCase> tool_cases() {
        {},
        [](const Posts& posts, const RawAnswer&) { EXPECT_EQ(tool_result(posts), R"({"mass_g":1000.0})"); }},
       {"parallel_tools_are_all_answered",
-       in_turn({calls({{"mesh_facts", "{}"}, {"list_scene_objects", "{}"}, {"kb_get", R"({"id":"brass"})"}}),
+       in_turn({calls({{"kb_get", R"({"id":"copper"})"},
+                       {"material_search", R"({"query":"brass","k":1})"},
+                       {"kb_get", R"({"id":"brass"})"}}),
                 says(sound_answer())}),
        "",
        2,
@@ -153,11 +155,11 @@ std::vector<EndpointCase> tool_cases() {
        }},
       {"a_history_of_tools_is_refused",
        [](const SeenRequest& request, int index) {
-         if (index == 0) return calls({{"mesh_facts", "{}"}});
+         if (index == 0) return calls({{"kb_get", R"({"id":"copper"})"}});
          return request.body.find("\"role\":\"tool\"") != std::string::npos &&
                         !body_of(request).contains("tools")
                     ? fails(400, {{"message", "messages with role tool need tools"}})
-                : index == 1 ? calls({{"mesh_facts", "{}"}})
+                : index == 1 ? calls({{"kb_get", R"({"id":"copper"})"}})
                              : says(sound_answer());
        },
        "", -1},

@@ -96,7 +96,7 @@ bool sends_images(const Json& body) { return body.dump().find("\"image_url\"") !
 // With tools, two calls at first; then the answer.
 Reply answer_or_call(const Json& body) {
   if (body.contains("tools") && body["messages"].back()["role"] == "user") {
-    return calls({{"material_search", R"({"query":"terracotta","k":2})"}, {"mesh_facts", "{}"}});
+    return calls({{"material_search", R"({"query":"terracotta","k":2})"}, {"kb_get", R"({"id":"copper"})"}});
   }
   return says(body.contains("response_format") || body.contains("tools") ? sound_answer()
                                                                          : "Here it is:\n" + sound_answer());

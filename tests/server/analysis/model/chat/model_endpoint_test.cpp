@@ -21,9 +21,7 @@ namespace livegs {
 namespace {
 
 AnalysisQuestion pot_question() {
-  return {{{"name", "flower_pot.ply"},
-           {"size", "0.16 x 0.14 x 0.16 m"},
-           {"offline", "mass 400 to 1200 g, best 700 g"}},
+  return {{{"name", "flower_pot.ply"}, {"size", "0.16 x 0.14 x 0.16 m"}, {"mesh", "volume 800 cm3"}},
           {{"the scene", "image/png", std::string("\x89PNG\r\n\x1a\n\0scene", 14)},
            {"cut out", "image/png", std::string("\x89PNG\r\n\x1a\n\0cut", 12)}}};
 }
@@ -284,7 +282,7 @@ TEST(ModelEndpoint, NamesCannotInjectInstructions) {
   EXPECT_EQ(text.find("<|"), std::string::npos);
   EXPECT_EQ(text.find("\xe2\x80\xae"), std::string::npos);
   // The template is filled in one pass: braces in a name are not a slot.
-  EXPECT_EQ(text.find("mass 400 to 1200 g"), text.rfind("mass 400 to 1200 g"));
+  EXPECT_EQ(text.find("volume 800 cm3"), text.rfind("volume 800 cm3"));
 }
 
 TEST(ModelEndpoint, CancelEndsEveryPhaseAtOnce) {
@@ -301,10 +299,11 @@ TEST(ModelEndpoint, CancelEndsEveryPhaseAtOnce) {
   drip.piece_delay_ms = 50;
   Reply wait = fails(429, {{"message", "later"}});
   wait.headers.push_back("Retry-After: 15");
-  const Phase phases[] = {{"waiting for the tools' turn", in_turn({hang}), 1},
-                          {"inside a body", in_turn({drip}), 1},
-                          {"between two tries", in_turn({wait}), 1},
-                          {"waiting for the answer", in_turn({calls({{"mesh_facts", "{}"}}), hang}), 2}};
+  const Phase phases[] = {
+      {"waiting for the tools' turn", in_turn({hang}), 1},
+      {"inside a body", in_turn({drip}), 1},
+      {"between two tries", in_turn({wait}), 1},
+      {"waiting for the answer", in_turn({calls({{"kb_get", R"({"id":"copper"})"}}), hang}), 2}};
   for (const Phase& phase : phases) {
     TestModelServer server(phase.server);
     auto endpoint = open_model_endpoint(test_settings(server.base_url()));

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/estimate.h"
+#include "analysis/gate/answer.h"
+
+namespace livegs {
+
+// Step 7 of the gate (gate.h): the values of an object after a validated answer.
+//
+// Applies the answer to all values that are not locked (source SCENE or PERSON), clamped to their hard
+// ranges. Mass is fused, by inverse variance in logarithms, with what the tables know of the thing that the
+// answer names, at the measured size; with nothing if the tables do not have it. E is fused with the table's
+// if both name the same class of material. `changes` gets a line for each value that differs from the answer.
+// Pure.
+v1::PhysicalParameters fuse_answer(const Answer& answer, const ObjectFacts& facts,
+                                   const v1::PhysicalParameters& offline, std::vector<std::string>& changes);
+
+}  // namespace livegs

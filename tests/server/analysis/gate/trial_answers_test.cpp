@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+// Answers of a vision-language model about scanned objects without names, through the gate. The facts (names,
+// masses, materials, measured surfaces) are from a trial of November 2026 with six objects of the YCB set;
+// the true masses are those of its table.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "server/analysis/estimate/known_objects.h"
+#include "server/analysis/gate/judge_answer.h"
+
+namespace livegs {
+namespace {
+
+using nlohmann::json;
+
+struct TrialAnswer {
+  const char *id, *name, *fill, *behaviour;
+  bool replica;
+  Span3 mass_g;
+  std::vector<std::pair<const char*, double>> parts;  // material, share
+  Eigen::Vector3d size_m, box_cm;
+  double volume_cm3, area_cm2, solidity, openness, truth_g;
+};
+
+const std::vector<TrialAnswer>& trial_answers() {
+  static const std::vector<TrialAnswer> all = {{"thing11",
+                                                "artificial lemon",
+                                                "shell",
+                                                "rigid",
+                                                true,
+                                                {15, 31, 102},
+                                                {{"LDPE", 1}},
+                                                {0.0605, 0.053, 0.0592},
+                                                {5.97, 5.85, 5.27},
+                                                96.71,
+                                                103.5,
+                                                0.99,
+                                                0,
+                                                29},
+                                               {"thing01",
+                                                "baseball",
+                                                "solid",
+                                                "rigid",
+                                                false,
+                                                {134, 145, 152},
+                                                {{"stitched ball", 1}},
+                                                {0.073, 0.0725, 0.0735},
+                                                {7.25, 7.24, 7.2},
+                                                202.6,
+                                                167.8,
+                                                1,
+                                                0,
+                                                148},
+                                               {"thing05",
+                                                "toy stacking cup",
+                                                "open_shell",
+                                                "rigid",
+                                                false,
+                                                {8.5, 13.7, 24},
+                                                {{"polypropylene", 1}},
+                                                {0.0576, 0.0622, 0.0579},
+                                                {6.22, 5.76, 5.74},
+                                                27.66,
+                                                208.7,
+                                                0.22,
+                                                0.67,
+                                                14},
+                                               {"thing09",
+                                                "fork",
+                                                "assembly",
+                                                "rigid",
+                                                false,
+                                                {24, 35.5, 56},
+                                                {{"stainless steel", 0.71}, {"polypropylene", 0.29}},
+                                                {0.197, 0.0153, 0.0268},
+                                                {19.7, 2.51, 1.53},
+                                                20.2,
+                                                87.1,
+                                                0.49,
+                                                0,
+                                                34},
+                                               {"thing16",
+                                                "screwdriver",
+                                                "assembly",
+                                                "rigid",
+                                                false,
+                                                {70, 98, 145},
+                                                {{"carbon steel", 0.31}, {"polypropylene", 0.69}},
+                                                {0.194, 0.0354, 0.106},
+                                                {21.6, 3.39, 3.38},
+                                                77.57,
+                                                129.9,
+                                                0.7,
+                                                0,
+                                                97},
+                                               {"thing10",
+                                                "toy airplane",
+                                                "assembly",
+                                                "rigid",
+                                                false,
+                                                {260, 505, 780},
+                                                {{"ABS", 0.85}, {"polypropylene", 0.15}},
+                                                {0.255, 0.182, 0.262},
+                                                {26.5, 25.4, 17.6},
+                                                1748,
+                                                1826,
+                                                0.28,
+                                                0.21,
+                                                570}};
+  return all;
+}
+
+ObjectFacts trial_facts(const TrialAnswer& one) {
+  const double volume_m3 = 1e-6 * one.volume_cm3, area_m2 = 1e-4 * one.area_cm2;
+  return facts_of(one.id, {.size_m = one.size_m,
+                           .box_m = 1e-2 * one.box_cm,
+                           .principal_size_m = 1e-2 * one.box_cm,
+                           .volume_m3 = volume_m3,
+                           .area_m2 = area_m2,
+                           .mean_wall_m = 2 * volume_m3 / area_m2,
+                           .hull_volume_m3 = volume_m3 / one.solidity,
+                           .solidity = one.solidity,
+                           .openness = one.openness});
+}
+
+json mass_json(const Span3& mass_g) {
+  return {{"low", mass_g.low}, {"high", mass_g.high}, {"best", mass_g.best}};
+}
+
+json json_of(const TrialAnswer& one) {
+  json parts = json::array();
+  for (const auto& [material, share] : one.parts) {
+    parts.push_back(
+        {{"name", "part"}, {"material_id", material}, {"share", share}, {"thickness_mm", nullptr}});
+  }
+  return {{"description", "seen"},  {"evidence", "seen"},         {"name", one.name},
+          {"name_confidence", 0.8}, {"is_replica", one.replica},  {"fill", one.fill},
+          {"parts", parts},         {"behaviour", one.behaviour}, {"mass_g", mass_json(one.mass_g)},
+          {"young_mpa", nullptr},   {"structure_s", nullptr},     {"plasticity", nullptr},
+          {"fragile", false},       {"friction", 0.45},           {"restitution", 0.4},
+          {"confidence", 0.6},      {"kb_ids", json::array()}};
+}
+
+double error_of(double mass_kg, double truth_kg) { return std::abs(mass_kg - truth_kg) / truth_kg; }
+
+// The paper reports 15 % for objects that its authors chose; the trial 12 % for sixteen of which these are
+// six.
+TEST(TrialAnswers, MassesStayNearTheAnswers) {
+  double installed = 0, answered = 0;
+  for (const TrialAnswer& one : trial_answers()) {
+    const Judgement judgement = judge(json_of(one), trial_facts(one));
+    ASSERT_EQ(judgement.verdict, Verdict::Accepted) << one.name << ": " << judgement.message;
+    const auto& mass = judgement.parameters.mass_kg();
+    std::printf("%-18s answered %6.1f g, installed %6.1f g (%.1f to %.1f), true %5.0f g\n", one.name,
+                one.mass_g.best, 1e3 * mass.best(), 1e3 * mass.low(), 1e3 * mass.high(), one.truth_g);
+    EXPECT_LE(mass.low(), 1e-3 * one.truth_g) << one.name;
+    EXPECT_GE(mass.high(), 1e-3 * one.truth_g) << one.name;
+    installed += error_of(mass.best(), 1e-3 * one.truth_g) / trial_answers().size();
+    answered += error_of(one.mass_g.best, one.truth_g) / trial_answers().size();
+  }
+  std::printf("mean error: answered %.1f %%, installed %.1f %%\n", 100 * answered, 100 * installed);
+  EXPECT_LE(installed, 0.12);
+}
+
+// Two alternatives are one mixture: the mass is that of the likelier, and the range holds both.
+TEST(TrialAnswers, AlternativesAreFusedAsOne) {
+  const TrialAnswer& lemon = trial_answers().front();
+  json answer = json_of(lemon);
+  const json toy = {{"name", "artificial lemon"}, {"mass_g", mass_json({18, 30, 45})}},
+             real = {{"name", "lemon"}, {"mass_g", mass_json({80, 95, 120})}};
+  for (const double toy_share : {0.2, 0.7, 1.0}) {
+    json first = toy, second = real;
+    first["probability"] = toy_share;
+    second["probability"] = 1 - toy_share;
+    answer["alternatives"] = {second, first};
+    const Judgement judgement = judge(answer, trial_facts(lemon));
+    ASSERT_NE(judgement.verdict, Verdict::Refused) << judgement.message;
+    const auto& mass = judgement.proposal.mass_kg();
+    if (toy_share > 0.5) {
+      EXPECT_LT(mass.best(), 0.05) << toy_share;
+    } else {
+      EXPECT_GT(mass.best(), 0.07) << toy_share;
+    }
+    if (toy_share < 1) {
+      EXPECT_LT(mass.low(), 0.04) << toy_share;
+      EXPECT_GT(mass.high(), 0.08) << toy_share;
+    } else {
+      EXPECT_LT(mass.high(), 0.07);
+    }
+  }
+  // One alternative is the answer itself, in any order of the list.
+  json sure = toy;
+  sure["probability"] = 0.9;
+  answer["alternatives"] = {sure};
+  json plain = answer;
+  plain["alternatives"] = nullptr;
+  plain["mass_g"] = toy["mass_g"];
+  EXPECT_EQ(judge(answer, trial_facts(lemon)).proposal.mass_kg().best(),
+            judge(plain, trial_facts(lemon)).proposal.mass_kg().best());
+}
+
+TEST(TrialAnswers, BadAlternativesAreRefusedInOneLine) {
+  const TrialAnswer& lemon = trial_answers().front();
+  const json sound = {{"name", "a"}, {"probability", 0.5}, {"mass_g", mass_json({10, 20, 30})}};
+  const auto with = [&](const char* field, const json& value) {
+    json one = sound;
+    one[field] = value;
+    return json::array({one, sound});
+  };
+  std::vector<json> bad = {"toy",
+                           json{{"name", "a"}},
+                           json::array({1, 2}),
+                           with("probability", 1.5),
+                           with("probability", "often"),
+                           with("mass_g", mass_json({30, 20, 10})),
+                           with("mass_g", nullptr),
+                           with("mass_g", mass_json({-1, 2, 3}))};
+  bad.push_back(json::array());
+  for (int i = 0; i < 7; ++i) bad.back().push_back(sound);
+  for (const json& one : bad) {
+    json answer = json_of(lemon);
+    answer["alternatives"] = one;
+    const Judgement judgement = judge(answer, trial_facts(lemon));
+    EXPECT_EQ(judgement.verdict, Verdict::Refused) << one.dump();
+    EXPECT_NE(judgement.message.find("alternatives"), std::string::npos) << judgement.message;
+    EXPECT_EQ(judgement.message.find('\n'), std::string::npos);
+  }
+  // An empty list and probabilities of zero say nothing.
+  json none = json_of(lemon);
+  none["alternatives"] = json::array();
+  EXPECT_NE(judge(none, trial_facts(lemon)).verdict, Verdict::Refused);
+}
+
+// Answers in the style of the trial about all 26 objects: the right noun, masses that err by 12 % in the mean
+// with a standard deviation of 15 %, ranges of 90 %. The tables may not make them worse.
+TEST(TrialAnswers, TablesDoNotWorsenGoodAnswers) {
+  const std::vector<KnownObject>& objects = known_objects(KnownForm::Mesh);
+  if (objects.empty()) GTEST_SKIP() << "no shared data";
+  constexpr double kAnswerSd = 0.15, kQuantile95 = 1.645;
+  std::mt19937_64 random(34);
+  std::normal_distribution<double> normal;
+  double answered = 0, installed = 0;
+  size_t count = 0, held = 0;
+  for (int seed = 0; seed < 8; ++seed) {
+    for (const KnownObject& object : objects) {
+      ObjectFacts facts = object.facts;
+      facts.name = "thing";
+      const double best_g = 1e3 * object.mass_kg * std::exp(kAnswerSd * normal(random)),
+                   spread = std::exp(kQuantile95 * kAnswerSd);
+      const v1::PhysicalParameters known = [&] {
+        ObjectFacts named = object.facts;
+        named.name = object.noun;
+        return estimate_offline(named);
+      }();
+      json answer = json_of(trial_answers().front());
+      answer["name"] = object.noun;
+      answer["is_replica"] = false;
+      answer["fill"] = "assembly";
+      answer["behaviour"] = known.behavior() == v1::Physics::RIGID ? "rigid" : "elastic";
+      answer["parts"] = {
+          {{"name", "all"}, {"material_id", known.material()}, {"share", 1}, {"thickness_mm", nullptr}}};
+      answer["mass_g"] = mass_json({best_g / spread, best_g, best_g * spread});
+      const Judgement judgement = judge(answer, facts);
+      if (judgement.verdict == Verdict::Refused) continue;
+      const auto& mass = judgement.proposal.mass_kg();
+      answered += error_of(1e-3 * best_g, object.mass_kg);
+      installed += error_of(mass.best(), object.mass_kg);
+      held += object.mass_kg >= mass.low() && object.mass_kg <= mass.high();
+      ++count;
+    }
+  }
+  answered /= count, installed /= count;
+  std::printf("%zu answers: answered %.1f %%, installed %.1f %%, truth in the range %.1f %%\n", count,
+              100 * answered, 100 * installed, 100.0 * held / count);
+  EXPECT_GT(count, 8 * objects.size() * 9 / 10);
+  EXPECT_LE(installed, 0.12);
+  EXPECT_GE(1.0 * held / count, 0.85);
+}
+
+}  // namespace
+}  // namespace livegs
