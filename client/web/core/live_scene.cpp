@@ -7,8 +7,7 @@
 #include "skin/kernels/skin_rigid_row.h"
 #include "skin/skin_kernels.h"
 #include "splat/frame_bounds.h"
-#include "splat/passes/radix_sort.h"
-#include "splat/project/raster_options.h"
+#include "web/core/depth_keys.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs {
@@ -23,33 +22,6 @@ bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
   };
   return a.kind == b.kind && a.positions_m == b.positions_m &&
          std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same_pose);
-}
-
-// Keys of kernels by a depth of their index. Plain arrays and no branch in the loop, for SIMD.
-template <class Depth>
-void fill_keys(std::span<uint32_t> keys, const Depth& depth) {
-  for (size_t k = 0; k < keys.size(); ++k) keys[k] = ordered_key(depth(k));
-}
-
-template <bool by_distance>
-void fill_keys(const LiveScene::Object& object, OrderView view, std::span<uint32_t> keys) {
-  view.by_distance = by_distance;
-  const float *x = object.positions.x_m.data(), *y = object.positions.y_m.data(),
-              *z = object.positions.z_m.data();
-  if (!object.environment) {
-    const Row3 o = view.origin_m;
-    return fill_keys(keys, [=](size_t k) {
-      return order_depth(view, Row3{x[k] - o.x, y[k] - o.y, z[k] - o.z});
-    });
-  }
-  const float* s[6];
-  for (size_t i = 0; i < 6; ++i) s[i] = object.covariances_m2[i].data();
-  fill_keys(keys, [=](size_t k) {
-    return order_depth(
-        view,
-        PosedKernelRow{x[k], y[k], z[k], s[0][k], s[1][k], s[2][k], s[3][k], s[4][k], s[5][k], 0, 0, 0, 1},
-        kEnvironmentOrderBias);
-  });
 }
 
 }  // namespace
@@ -248,10 +220,8 @@ void LiveScene::update_keys() {
     Object& object = *shown(id);
     if (!std::exchange(object.keys_stale, false) && object.keys.size() == object.size()) continue;
     object.keys.resize(object.size());
-    if (view_.by_distance)
-      fill_keys<true>(object, view_, object.keys);
-    else
-      fill_keys<false>(object, view_, object.keys);
+    fill_depth_keys(view_, object.positions, object.environment ? &object.covariances_m2 : nullptr,
+                    object.keys);
   }
 }
 

@@ -2,7 +2,7 @@
 // Fetches assets and binds objects to what has arrived of them, for worker.js, whose stream must not wait for it. Each asset
 // is fetched once, in the order of requests, and kept by its hash in the Cache API. Messages of the session:
 //
-//   start     module, token
+//   start     module, token, assets: address of their folder
 //   describe  description (its number), rest: the rest body, or null if its kernels are bound already; session: its id;
 //             asset_hash, asset_bytes; broken_asset_hash, broken_asset_bytes: of an object that may break
 //   forget    description: it was removed or replaced
@@ -14,8 +14,8 @@ const kFetches = 4, kRetryPause_ms = 150, kLoading_ms = 100, kCacheName = 'liveg
 const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 class Binder {
-  constructor(core, token) {
-    Object.assign(this, { core, token, session: '', assets: new Map(), fetching: 0 });
+  constructor(core, token, folder) {
+    Object.assign(this, { core, token, folder, session: '', assets: new Map(), fetching: 0 });
   }
 
   describe({ description, rest, session, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes }) {
@@ -81,7 +81,7 @@ class Binder {
   }
 
   async load(asset) {
-    const { core } = this, path = `/assets/${asset.hash}`, complete = () => core.call.asset_complete(asset.number);
+    const { core } = this, path = this.folder + asset.hash, complete = () => core.call.asset_complete(asset.number);
     const cache = await globalThis.caches?.open(kCacheName).catch(() => null); // secure contexts only
     const restart = () => {
       core.call.drop_asset(asset.number);
@@ -148,7 +148,7 @@ function crashed(error) { postMessage({ type: 'crashed', message: error.message 
 let binder = null, ready = null;
 onmessage = async ({ data }) => {
   if (data.type === 'start') {
-    ready = Core.load(data.module).then((core) => { binder = new Binder(core, data.token); });
+    ready = Core.load(data.module).then((core) => { binder = new Binder(core, data.token, data.assets); });
     return;
   }
   try {

@@ -48,8 +48,9 @@ class CallError extends Error {
 }
 
 class Session {
-  constructor({ token, rate_hz, wasm }) {
-    Object.assign(this, { token, rate_hz: rate_hz || 60, wasm, stopped: false, id: '', instance: '', socket: null, silentStreams: 0 });
+  constructor({ token, rate_hz, wasm, film }) {
+    Object.assign(this, { token, rate_hz: rate_hz || 60, wasm, film, stopped: false, id: '', instance: '', socket: null, silentStreams: 0 });
+    this.assetsFolder = new URL('/assets/', location.href).href;
     this.view = null; // the last of the page
     this.hands = { left: null, right: null };
     this.samples = [];
@@ -187,16 +188,21 @@ class Session {
       this.holds = true;
       this.gotFrame = false;
     }
+    this.takeObjects(objects, restarted);
+    // A simulation that waits for its first client starts when the first picture is there.
+    this.startsRun = true;
+    if (this.state === 'connecting') this.tell('loading', '0 %');
+  }
+
+  // All objects that exist now. `replaced`: a different description is that of another object.
+  takeObjects(objects, replaced) {
     const ids = new Set(objects.map((object) => object.object_id));
     for (const id of [...this.known.keys()]) if (!ids.has(id)) this.remove(id);
     for (const object of objects) {
       const known = this.known.get(object.object_id);
       if (!known) this.describe(object, true);
-      else if (known.text !== JSON.stringify(withoutBody(object)) || !sameBytes(known.rest, object.rest_body)) this.describe(object, restarted);
+      else if (known.text !== JSON.stringify(withoutBody(object)) || !sameBytes(known.rest, object.rest_body)) this.describe(object, replaced);
     }
-    // A simulation that waits for its first client starts when the first picture is there.
-    this.startsRun = true;
-    if (this.state === 'connecting') this.tell('loading', '0 %');
   }
 
   describe(description, added) {
@@ -246,7 +252,7 @@ class Session {
     };
     binder.onerror = (event) => this.crashed(new Error(event.message ?? 'the binder could not be loaded'));
     this.taking = Promise.resolve();
-    binder.postMessage({ type: 'start', module: this.core.module, token: this.token });
+    binder.postMessage({ type: 'start', module: this.core.module, token: this.token, assets: this.assetsFolder });
   }
 
   async takeBound(binder, bound) {
@@ -321,8 +327,8 @@ class Session {
     socket.send(encode('ClientMessage', message));
   }
 
-  takeMessage(bytes, end) {
-    const received_ns = now_ns(), message = decode('ServerMessage', bytes), core = this.core;
+  takeMessage(bytes, end, received_ns = now_ns()) {
+    const message = decode('ServerMessage', bytes), core = this.core;
     if (message.echoed_ns > this.echoed_ns && message.received_ns !== 0) {
       this.echoed_ns = message.echoed_ns;
       core.call.take_clock(message.echoed_ns, message.received_ns, message.sent_ns, received_ns);
@@ -464,10 +470,10 @@ class Session {
 function withoutBody({ rest_body, ...description }) { return description; }
 
 let session = null;
-onmessage = ({ data }) => {
+onmessage = async ({ data }) => {
   if (data.type === 'start') {
     session?.stop();
-    session = new Session(data);
+    session = data.film ? new ((await import('./player.js')).playerOf(Session))(data) : new Session(data);
     session.run();
   }
   if (data.type === 'stop' && session) {
@@ -478,4 +484,5 @@ onmessage = ({ data }) => {
   if (data.type === 'hands') session?.setHands(data);
   if (data.type === 'order_done') session?.giveBack(data.order);
   if (data.type === 'call') session?.answer(data);
+  if (data.type === 'film') session?.control?.(data);
 };

@@ -11,7 +11,7 @@ Object.assign(globalThis, {
     put: async (path, reply) => void cached.set(path, reply),
     delete: async (path) => cached.delete(path) }) },
   fetch: (path, options) => {
-    parentPort.postMessage({ type: 'fetched', path });
+    parentPort.postMessage({ type: 'fetched', path: new URL(path, workerData.href).pathname });
     return plainFetch(new URL(path, workerData.href), options);
   },
 });
