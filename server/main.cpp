@@ -46,6 +46,7 @@ struct Options {
   std::string listen = "127.0.0.1:9780";
   std::string tls = "auto";
   std::string state_dir, certificate, key;
+  std::vector<std::string> allowed_origins;
   std::optional<int> metrics_port;
   std::optional<double> client_mbit_s;
   size_t clients = livegs::kDefaultSessions;
@@ -83,6 +84,16 @@ livegs::Result<std::unique_ptr<livegs::ServerSecurity>> open_security(const Opti
   std::optional<CertificateFiles> own;
   if (!options.certificate.empty()) own = CertificateFiles{options.certificate, options.key};
   return ServerSecurity::open(*folder, system_wall_clock(), own);
+}
+
+// Empty if `text` is the origin of a site (RFC 6454), else the reason.
+std::string check_origin(const std::string& text) {
+  const size_t host = text.starts_with("https://") ? 8 : text.starts_with("http://") ? 7 : 0;
+  const std::string_view name = std::string_view(text).substr(host);
+  const bool good =
+      host > 0 && !name.empty() &&
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789.-:[]") == std::string_view::npos;
+  return good ? "" : text + ": is not an origin; give scheme and host only, as https://example.org";
 }
 
 // Address at which clients reach the server.
@@ -170,6 +181,7 @@ int run(const Options& options) {
   auto server = GrpcServer::listen(options.listen, security->get());
   if (!server) return report(server.error());
   (*server)->admit(options.clients);
+  (*server)->allow_origins(options.allowed_origins);
   if (options.client_mbit_s) (*server)->cap_clients(*options.client_mbit_s);
   if (!options.publish.empty()) {
     const auto published = (*server)->publish(options.publish);
@@ -309,6 +321,11 @@ int main(int argc, char** argv) {
   certificate->needs(app.add_option("--key", options.key, "PEM file of its key")
                          ->check(CLI::ExistingFile)
                          ->needs(certificate));
+  app.add_option(
+         "--allow-origin", options.allowed_origins,
+         "Site, as https://example.org, whose pages may show the scene by <livegs-view>; may be repeated "
+         "(default: none)")
+      ->check(check_origin);
   app.add_option("--rate", options.rate_hz, "Ticks per second (default: set by the scene)")
       ->check(CLI::Range(1.0, 2000.0));
   app.add_flag("--drop", options.drop,
@@ -395,6 +412,7 @@ int main(int argc, char** argv) {
                  {"--state-dir", "FOLDER"},
                  {"--certificate", "FILE"},
                  {"--key", "FILE"},
+                 {"--allow-origin", "ORIGIN"},
                  {"--clients", ""},
                  {"--client-mbit-s", "NUMBER"},
                  {"--publish", "tcp://127.0.0.1:PORT"}});

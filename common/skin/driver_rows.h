@@ -32,9 +32,4 @@ struct DriverRows {
 DriverRows pack_driver_rows(const RestBody& rest, const KernelBindings& bindings,
                             const ObjectDrivers& drivers);
 
-// Positions of all kernels, m, with the bits that the passes compute, without their covariances: for depth
-// keys. About an eighth of the work of skin_kernels for kernels inside their cells.
-void skin_positions(const RestBody& rest, const KernelBindings& bindings, const DriverRows& rows,
-                    std::vector<Eigen::Vector3f>& positions_m);
-
 }  // namespace livegs

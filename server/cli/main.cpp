@@ -78,6 +78,7 @@ int main(int argc, char** argv) {
   livegs::add_simulate(app, exit_code);
   livegs::add_analyze(app, exit_code);
   livegs::add_chart(app, exit_code);
+  livegs::add_export(app, exit_code);
   livegs::add_ctl(app, exit_code);
   try {
     app.parse(argc, argv);

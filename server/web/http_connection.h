@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/http.hpp>
 #include <charconv>
@@ -26,8 +27,9 @@ inline const std::set<std::string, std::less<>> kStreamingRpcs = {"Stream", "Fet
 
 inline constexpr const char* kContentSecurityPolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data:; "
-    "style-src 'self'; "
-    "worker-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+    "style-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors";
+// The module of <livegs-view>, which pages of allowed sites load.
+inline constexpr std::string_view kViewModule = "/livegs-view.js";
 
 inline std::string_view view_of(boost::beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -69,11 +71,12 @@ inline bool is_loopback(std::string_view host) {
 
 // Whether the request comes from a page of this server, or from no page. Without tokens, the host must also
 // be this machine by name, so that a page of another site whose name leads here (DNS rebinding) is refused.
-inline bool from_own_origin(const Request& request, bool secure) {
+// `any_origin`: the request may come from a page of another site.
+inline bool from_own_origin(const Request& request, bool secure, bool any_origin) {
   const std::string_view host = view_of(request[http::field::host]);
   if (!secure && !is_loopback(host_of(host))) return false;
   const auto origin = request.find(http::field::origin);
-  if (origin == request.end()) return true;
+  if (origin == request.end() || any_origin) return true;
   return view_of(origin->value()) == std::string(secure ? "https://" : "http://") + std::string(host);
 }
 
@@ -130,7 +133,10 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
     const auto parameters =
         parameters_of(question == std::string::npos ? "" : std::string_view(target).substr(question + 1));
     if (shared_.secure && !stream_.tls()) return redirect(request, target);
-    if (!from_own_origin(request, shared_.secure))
+    const std::string_view origin = view_of(request[http::field::origin]);
+    const bool may_embed =
+        std::find(shared_.origins.begin(), shared_.origins.end(), origin) != shared_.origins.end();
+    if (!from_own_origin(request, shared_.secure, may_embed && path == kViewModule))
       return send_text(http::status::forbidden, "origin: pages of other sites may not use this server\n");
     if (path == "/stream" && websocket::is_upgrade(request)) return open_stream(std::move(request));
     const bool get = request.method() == http::verb::get || head_;
@@ -169,10 +175,19 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
     response.body() = {body.data(), body.size()};
     response.set(http::field::content_type, std::string(file->content_type));
     response.set(http::field::etag, std::string(file->etag));
-    response.set(http::field::cache_control, "no-cache");
-    response.set(http::field::vary, "Accept-Encoding");
+    response.set(http::field::cache_control,
+                 file->named_by_content() ? "public, max-age=31536000, immutable" : "no-store");
+    response.set(http::field::vary, "Accept-Encoding, Origin");
     if (!coding.empty()) response.set(http::field::content_encoding, std::string(coding));
-    response.set("Content-Security-Policy", kContentSecurityPolicy);
+    std::string policy = kContentSecurityPolicy;
+    if (shared_.origins.empty()) policy += " 'none'";
+    for (const std::string& origin : shared_.origins) policy += " " + origin;
+    response.set("Content-Security-Policy", policy);
+    const auto origin = request.find(http::field::origin);
+    if (file->path == kViewModule && origin != request.end()) {  // allowed, or it would have been refused
+      response.set(http::field::access_control_allow_origin, origin->value());
+      response.set("Cross-Origin-Resource-Policy", "cross-origin");
+    }
     send(std::move(response));
   }
 
@@ -334,7 +349,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
     response.set("Referrer-Policy", "no-referrer");
     response.set("Cross-Origin-Opener-Policy", "same-origin");
     response.set("Cross-Origin-Embedder-Policy", "require-corp");
-    response.set("Cross-Origin-Resource-Policy", "same-origin");
+    if (response.find("Cross-Origin-Resource-Policy") == response.end())
+      response.set("Cross-Origin-Resource-Policy", "same-origin");
   }
 
   template <class Body>

@@ -8,16 +8,19 @@ namespace livegs {
 
 // A file of the page, compressed when the server was built.
 struct PageFile {
-  std::string_view path;  // "/page.js"
+  std::string_view
+      path;  // "/page.0123456789abcdef.js": with a hash of the content, or an entry: "/index.html"
+  std::string_view name;  // "/page.js"
   std::string_view content_type;
   std::string_view etag;  // quoted, by the content
   std::string_view bytes, gzip, brotli;
+  bool named_by_content() const { return path != name; }
 };
 
-// All files of client/web/page, and /livegs.wasm. Generated at build time (embed_page.cmake).
+// All files of client/web/page, and livegs.wasm. Generated at build time (embed_page.cmake).
 std::span<const PageFile> page_files();
 
-// The file of a request path; "/" is index.html. Null: none.
+// The file of a request path; "/" is /index.html. Null: none.
 const PageFile* find_page_file(std::string_view path);
 
 }  // namespace livegs

@@ -66,6 +66,10 @@ Result<std::unique_ptr<WebServer>> WebServer::start(WebBackend& backend, const s
   return std::unique_ptr<WebServer>(new WebServer(std::move(parts)));
 }
 
+void WebServer::allow_origins(std::vector<std::string> origins) {
+  parts_->shared.origins = std::move(origins);
+}
+
 void WebServer::take(int socket, bool tls) {
   asio::post(parts_->shared.io, [this, socket, tls] {
     Shared& shared = parts_->shared;

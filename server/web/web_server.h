@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/result.h"
 
@@ -58,6 +59,10 @@ class WebServer {
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
+
+  // Sites ("https://example.org") whose pages may show the scene in a frame (page/livegs-view.js). They get
+  // no access to calls, assets or the stream. Before the first take().
+  void allow_origins(std::vector<std::string> origins);
 
   // Takes over a connected socket. `tls`: its first bytes are a TLS handshake. Any thread.
   void take(int socket, bool tls);

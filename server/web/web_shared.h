@@ -47,7 +47,8 @@ struct Shared {
   grpc::GenericStub stub;
   asio::thread_pool pool{1};
   CodedAssets assets;
-  bool closing = false;  // on the io thread
+  std::vector<std::string> origins;  // allow_origins()
+  bool closing = false;              // on the io thread
   // A connection, which is ended at shutdown. Its last owner may be a thread of gRPC.
   struct Open {
     virtual void end() = 0;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Functions that worker.js calls, by plain numbers and addresses in the module's memory. Times are
 // nanoseconds of the worker's clock, or of the server's where it says so, as doubles: exact for 104 days. A
-// function that can fail returns 0 for success; error_text() then has the reason of the last failure.
+// function that can fail returns 0 for success, or one with two answers 0 or 1; error_text() has the reason
+// of the last failure. A worker uses either the binder (binder.js) or the scene (worker.js).
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -10,6 +11,7 @@
 
 #include "stream/time/clock_offset.h"
 #include "stream/time/tick_aim.h"
+#include "web/core/asset_binder.h"
 #include "web/core/live_scene.h"
 #include "wire/frame_codec.h"
 
@@ -17,10 +19,10 @@ namespace livegs {
 namespace {
 
 struct State {
+  AssetBinder binder;
   LiveScene scene;
   ClockOffset clock;
   std::optional<TickAim> aim;
-  LiveScene::Packed packed;
   std::string error;
 };
 
@@ -36,33 +38,43 @@ int done(const Result<Value>& result) {
   return 1;
 }
 
+int answer(const Result<bool>& result) {
+  if (result) return *result ? 1 : 0;
+  state().error = result.error().message;
+  return 2;
+}
+
 std::span<const std::byte> bytes_at(const void* data, size_t size) {
   return {static_cast<const std::byte*>(data), size};
 }
 
 int64_t ns(double value) { return static_cast<int64_t>(value); }
 
-// What describe_kernels() and describe_drivers() return the address of.
-struct KernelsView {
-  uint32_t base = 0, count = 0, sh_degree = 0, antialiased = 0, is_lattice = 0, cell_count = 0,
-           node_count = 0;
+// What bound_kernels() and describe_object() return the address of.
+struct BoundView {
+  uint32_t description = 0, reserved = 0, count = 0, sh_degree = 0, antialiased = 0;
   const void* rest = nullptr;
-  const void* cells = nullptr;
   const void* looks = nullptr;
   const void* bands = nullptr;
   uint32_t band_words = 0;
-  float bounds_m[6] = {};
+  const void* node_terms = nullptr;
+  uint32_t node_term_count = 0;
+  const void* node_terms_begin = nullptr;
+  uint32_t node_terms_begin_count = 0;
 };
-struct DriversView {
+struct ObjectView {
+  uint32_t description = 0, base = 0, count = 0, fresh = 0, moved = 0;
   const void* rows = nullptr;
   uint32_t row_count = 0;  // of 64 bytes
-  uint32_t is_lattice = 0, moved = 0, unpacked = 0;
+  uint32_t is_lattice = 0, cell_count = 0, node_count = 0;
+  const void* cells = nullptr;
   float cell_width_m = 0;
   float lattice_from_asset[4] = {};  // x y z w
   float body_gradient[9] = {};       // by rows
 };
-KernelsView kernels_view;
-DriversView drivers_view;
+BoundView bound_view;
+ObjectView object_view;
+float bounds_view_m[6];
 
 }  // namespace
 }  // namespace livegs
@@ -78,20 +90,59 @@ void EXPORT(release)(void* data) { std::free(data); }
 const char* EXPORT(error_text)() { return state().error.c_str(); }
 uint32_t EXPORT(protocol_version)() { return kProtocolVersion; }
 
+// The binder.
 int EXPORT(take_asset)(uint32_t asset, const void* data, size_t size) {
-  return done(state().scene.take_asset(asset, bytes_at(data, size)));
+  return done(state().binder.take_asset(asset, bytes_at(data, size)));
 }
-int EXPORT(asset_complete)(uint32_t asset) { return state().scene.asset_complete(asset); }
-void EXPORT(drop_asset)(uint32_t asset) { state().scene.drop_asset(asset); }
+int EXPORT(asset_complete)(uint32_t asset) { return state().binder.asset_complete(asset); }
+void EXPORT(drop_asset)(uint32_t asset) { state().binder.drop_asset(asset); }
+int EXPORT(bind_object)(uint32_t description, uint32_t asset, const void* rest, size_t size) {
+  return done(state().binder.describe(description, asset, bytes_at(rest, size)));
+}
+void EXPORT(forget_object)(uint32_t description) { state().binder.forget(description); }
+// 0: nothing is due; 1: bound_kernels() has an object; 2: it could not be bound.
+int EXPORT(bind_next)() { return answer(state().binder.bind_next()); }
+const void* EXPORT(bound_kernels)() {
+  const AssetBinder::Bound& bound = state().binder.bound();
+  bound_view = {bound.description,
+                bound.reserved,
+                static_cast<uint32_t>(bound.rest.size()),
+                static_cast<uint32_t>(bound.sh_degree),
+                bound.antialiased,
+                bound.rest.data(),
+                bound.looks.data(),
+                bound.bands.data(),
+                static_cast<uint32_t>(bound.bands.size()),
+                bound.node_terms.data(),
+                static_cast<uint32_t>(bound.node_terms.size()),
+                bound.node_terms_begin.data(),
+                static_cast<uint32_t>(bound.node_terms_begin.size())};
+  return &bound_view;
+}
+void EXPORT(release_bound)() { state().binder.release(); }
 
-int EXPORT(describe_object)(uint32_t id, int added, int environment, int hidden, uint32_t asset,
+// The scene. 1: the kernels of the description must be bound.
+int EXPORT(describe_object)(uint32_t description, uint32_t id, int added, int environment, int hidden,
                             const void* rest, size_t size) {
-  return done(
-      state().scene.describe(id, added != 0, environment != 0, hidden != 0, asset, bytes_at(rest, size)));
+  return answer(state().scene.describe(description, id, added != 0, environment != 0, hidden != 0,
+                                       bytes_at(rest, size)));
 }
 void EXPORT(remove_object)(uint32_t id) { state().scene.remove(id); }
-int EXPORT(bind_arrived)() { return done(state().scene.bind_arrived()); }
 uint32_t EXPORT(waiting_objects)() { return static_cast<uint32_t>(state().scene.waiting()); }
+void EXPORT(begin_bound)(uint32_t description, uint32_t reserved) {
+  state().scene.begin_bound(description, reserved);
+}
+void EXPORT(take_rows)(const RestKernelRow* rows, size_t size) {
+  state().scene.take_rows({rows, size / sizeof *rows});
+}
+// `data`: the terms of the nodes, then their begins. 1: the kernels are used.
+int EXPORT(end_bound)(uint32_t term_count, const NodeGradientTerm* data, size_t size) {
+  if (size / sizeof *data < term_count) return 2;
+  const auto* begins = reinterpret_cast<const uint32_t*>(data + term_count);
+  const size_t begin_count = (size - term_count * sizeof *data) / sizeof *begins;
+  return answer(state().scene.end_bound({data, term_count}, {begins, begin_count}));
+}
+void EXPORT(bind_failed)(uint32_t description) { state().scene.bind_failed(description); }
 
 // Once for each stream of a session.
 void EXPORT(begin_stream)(double rate_hz) {
@@ -129,52 +180,42 @@ double EXPORT(shown_tick)() { return static_cast<double>(state().scene.shown_tic
 uint32_t EXPORT(drawn_count)() { return static_cast<uint32_t>(state().scene.drawn().size()); }
 const uint32_t* EXPORT(drawn_ids)() { return state().scene.drawn().data(); }
 
-// Drivers of a drawn object.
-const void* EXPORT(describe_drivers)(uint32_t id) {
-  drivers_view = {};
+// A drawn object.
+const void* EXPORT(object)(uint32_t id) {
+  object_view = {};
   const LiveScene::Object* object = state().scene.find(id);
-  if (!object || !object->posed_by) return &drivers_view;
+  if (!object || !object->posed_by) return &object_view;
   const bool lattice = object->rest.kind == DriverKind::Lattice;
-  drivers_view.rows =
+  object_view.description = object->description;
+  object_view.base = object->base;
+  object_view.count = static_cast<uint32_t>(object->size());
+  object_view.fresh = object->fresh;
+  object_view.moved = object->moved;
+  object_view.rows =
       lattice ? static_cast<const void*>(object->rows.nodes.data()) : object->rows.bodies.data();
-  drivers_view.row_count =
+  object_view.row_count =
       static_cast<uint32_t>(lattice ? object->rows.nodes.size() : object->rows.bodies.size());
-  drivers_view.is_lattice = lattice;
-  drivers_view.moved = object->moved;
-  drivers_view.unpacked = object->unpacked != nullptr;
+  object_view.is_lattice = lattice;
   const LatticeBody& body = object->rows.lattice;
-  if (!lattice) return &drivers_view;
-  drivers_view.cell_width_m = body.cell_width_m;
-  std::copy_n(body.lattice_from_asset.coeffs().data(), 4, drivers_view.lattice_from_asset);
-  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(drivers_view.body_gradient) = body.gradient;
-  return &drivers_view;
+  if (!lattice) return &object_view;
+  object_view.cell_count = static_cast<uint32_t>(object->rest.cells.size());
+  object_view.node_count = static_cast<uint32_t>(object->rest.node_coordinates.size());
+  object_view.cells = object->rest.cells.data();
+  object_view.cell_width_m = body.cell_width_m;
+  std::copy_n(body.lattice_from_asset.coeffs().data(), 4, object_view.lattice_from_asset);
+  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(object_view.body_gradient) = body.gradient;
+  return &object_view;
 }
-
-// Packs the kernels of a drawn object that was bound; valid until the next call.
-const void* EXPORT(describe_kernels)(uint32_t id) {
-  kernels_view = {};
-  const LiveScene::Object* object = state().scene.find(id);
-  if (!object) return &kernels_view;
-  LiveScene::Packed& packed = state().packed = state().scene.packed(id);
-  kernels_view.base = object->base;
-  kernels_view.count = static_cast<uint32_t>(packed.rest.size());
-  kernels_view.sh_degree = static_cast<uint32_t>(object->sh_degree);
-  kernels_view.antialiased = object->antialiased;
-  kernels_view.is_lattice = object->rest.kind == DriverKind::Lattice;
-  kernels_view.cell_count = static_cast<uint32_t>(object->rest.cells.size());
-  kernels_view.node_count = static_cast<uint32_t>(object->rest.node_coordinates.size());
-  kernels_view.rest = packed.rest.data();
-  kernels_view.cells = object->rest.cells.data();
-  kernels_view.looks = packed.looks.data();
-  kernels_view.bands = packed.bands.data();
-  kernels_view.band_words = static_cast<uint32_t>(packed.bands.size());
+// The page gets the kernels of a fresh object: clears `fresh`; its bounds, least and greatest x y z.
+const float* EXPORT(sent_kernels)(uint32_t id) {
+  const Eigen::AlignedBox3f bounds_m = state().scene.bounds_m(id);
+  state().scene.kernels_sent(id);
   for (int axis = 0; axis < 3; ++axis) {
-    kernels_view.bounds_m[axis] = packed.bounds_m.min()[axis];
-    kernels_view.bounds_m[3 + axis] = packed.bounds_m.max()[axis];
+    bounds_view_m[axis] = bounds_m.min()[axis];
+    bounds_view_m[3 + axis] = bounds_m.max()[axis];
   }
-  return &kernels_view;
+  return bounds_view_m;
 }
-void EXPORT(release_kernels)() { state().packed = {}; }
 
 void EXPORT(set_view)(float x_m, float y_m, float z_m, float axis_x, float axis_y, float axis_z,
                       int by_distance) {

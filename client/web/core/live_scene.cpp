@@ -7,13 +7,14 @@
 #include "skin/kernels/skin_rigid_row.h"
 #include "skin/skin_kernels.h"
 #include "splat/frame_bounds.h"
-#include "splat/passes/kernel_looks.h"
-#include "splat/project/raster_options.h"
-#include "viewer/assets/rest_of_part.h"
+#include "web/core/depth_keys.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs {
 namespace {
+
+// Kernels whose positions give the bounds of an object.
+constexpr size_t kBoundsSample = 4096;
 
 bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
   const auto same_pose = [](const Pose& p, const Pose& q) {
@@ -25,50 +26,34 @@ bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
 
 }  // namespace
 
-Result<void> LiveScene::take_asset(uint32_t asset, std::span<const std::byte> bytes) {
-  Asset& one = assets_[asset];
-  if (one.whole) return {};
-  if (auto taken = one.decoder.take(bytes); !taken) return taken;
-  one.kernel_count = static_cast<uint32_t>(one.decoder.kernel_count());
-  if (one.decoder.complete()) {
-    one.whole = std::make_shared<const AssetPart>(one.decoder.part());
-    one.decoder = {};
-  }
-  return {};
-}
-
-bool LiveScene::asset_complete(uint32_t asset) const {
-  const auto found = assets_.find(asset);
-  return found != assets_.end() && found->second.whole;
-}
-
-size_t LiveScene::asset_arrived(uint32_t asset) const {
-  const auto found = assets_.find(asset);
-  return found == assets_.end() ? 0 : found->second.arrived();
-}
-
-Result<void> LiveScene::describe(uint32_t id, bool added, bool environment, bool hidden, uint32_t asset,
+Result<bool> LiveScene::describe(uint32_t description, uint32_t id, bool added, bool environment, bool hidden,
                                  std::span<const std::byte> rest_body) {
   auto rest = decode_rest_body(rest_body);
   if (!rest) return rest.error();
   if (rest->kind == DriverKind::Particles) return unsupported("the browser client does not draw particles");
   hidden_[id] = hidden;
-  const ObjectRevision key{id, rest->revision};
-  const auto known = objects_.find(id);
-  const bool is_there =
-      (known != objects_.end() && known->second.contains(rest->revision)) || waiting_.contains(key);
-  if (is_there && !added) return {};
-  waiting_[key] = {added, environment, asset, std::make_shared<const RestBody>(*std::move(rest))};
-  return {};
+  const auto same = [&](const auto& one) {
+    return one.second.id == id && one.second.rest.revision == rest->revision;
+  };
+  const auto known = std::find_if(descriptions_.begin(), descriptions_.end(), same);
+  if (!added && known != descriptions_.end()) return false;
+  if (added) std::erase_if(descriptions_, [id](const auto& one) { return one.second.id == id; });
+  // An environment is rigid; an elastic one is ordered as any object is.
+  const bool biased = environment && rest->kind == DriverKind::Rigid;
+  descriptions_[description] = {id, added, biased, false, *std::move(rest)};
+  return true;
 }
 
 void LiveScene::remove(uint32_t id) {
-  const auto is_its = [id](const auto& one) { return one.first.first == id; };
-  std::erase_if(waiting_, is_its);
-  std::erase_if(coarse_, is_its);
+  std::erase_if(descriptions_, [id](const auto& one) { return one.second.id == id; });
   objects_.erase(id);
   hidden_.erase(id);
   drawn_changed_ = std::erase(drawn_, id) > 0 || drawn_changed_;
+}
+
+size_t LiveScene::waiting() const {
+  return static_cast<size_t>(std::count_if(descriptions_.begin(), descriptions_.end(),
+                                           [](const auto& one) { return !one.second.bound; }));
 }
 
 // The lowest free range of indices.
@@ -87,67 +72,62 @@ uint32_t LiveScene::reserve(uint32_t kernels) const {
   return base;
 }
 
-Result<void> LiveScene::bind(uint32_t id, const Description& description) {
-  const Asset& asset = assets_.at(description.asset);
-  const auto part = asset.whole ? asset.whole : std::make_shared<const AssetPart>(asset.decoder.part());
-  Object bound;
-  bound.environment = description.environment;
-  bound.sh_degree = part->asset.sh_degree;
-  bound.antialiased = part->asset.antialiased;
-  bound.rest = rest_of_part(*description.rest, part->indices);
-  auto bindings = bind_kernels(part->asset, bound.rest);
-  if (!bindings) return bindings.error();
-  bound.bindings = *std::move(bindings);
-  bound.unpacked = part;
-  const uint32_t revision = description.rest->revision;
-  if (description.added) {
-    objects_.erase(id);
-    std::erase_if(coarse_, [id](const auto& one) { return one.first.first == id; });
-  }
-  Revisions& revisions = objects_[id];
-  if (const auto coarser = revisions.find(revision); coarser != revisions.end()) {
-    bound.base = coarser->second.base;
-    bound.reserved = coarser->second.reserved;
-    if (coarser->second.posed_by) pose(bound, *coarser->second.posed_by);
-  } else {
-    bound.reserved = std::max(asset.kernel_count, static_cast<uint32_t>(part->asset.size()));
-    bound.base = reserve(bound.reserved);
-  }
-  revisions.insert_or_assign(revision, std::move(bound));
-  drawn_changed_ = true;
-  return {};
+void LiveScene::begin_bound(uint32_t description, uint32_t reserved) {
+  bound_ = {};
+  bound_.description = description;
+  bound_.reserved = reserved;
+  const auto found = descriptions_.find(description);
+  bound_.environment = found != descriptions_.end() && found->second.environment;
 }
 
-Result<bool> LiveScene::bind_arrived() {
-  bool any = false;
-  Result<bool> failed = false;
-  const auto bind_more = [&](std::map<ObjectRevision, Description>& descriptions) {
-    for (auto at = descriptions.begin(); at != descriptions.end();) {
-      Description description = at->second;
-      const ObjectRevision key = at->first;
-      const auto asset = assets_.find(description.asset);
-      const size_t arrived = asset == assets_.end() ? 0 : asset->second.arrived();
-      // Parts double in size, since each part costs as much as it holds.
-      if (arrived == 0 || (arrived != SIZE_MAX && arrived / 2 < description.bound) ||
-          arrived == description.bound) {
-        ++at;
-        continue;
-      }
-      at = descriptions.erase(at);
-      if (auto bound = bind(key.first, description); !bound) {
-        failed = bound.error();
-        continue;
-      }
-      any = true;
-      description.added = false;
-      description.bound = arrived;
-      if (arrived != SIZE_MAX) coarse_.insert_or_assign(key, std::move(description));
-      if (&descriptions == &coarse_) at = coarse_.upper_bound(key);
-    }
-  };
-  bind_more(coarse_);
-  bind_more(waiting_);
-  return failed ? Result<bool>(any) : failed;
+void LiveScene::take_rows(std::span<const RestKernelRow> rows) {
+  for (const RestKernelRow& row : rows) bound_.kernels.push_back({row.driver, row.at_x, row.at_y, row.at_z});
+  if (bound_.environment) bound_.rows_at_rest.insert(bound_.rows_at_rest.end(), rows.begin(), rows.end());
+}
+
+void LiveScene::bind_failed(uint32_t description) { descriptions_.erase(description); }
+
+Result<bool> LiveScene::end_bound(std::span<const NodeGradientTerm> node_terms,
+                                  std::span<const uint32_t> node_terms_begin) {
+  Object bound = std::exchange(bound_, {});
+  const auto found = descriptions_.find(bound.description);
+  if (found == descriptions_.end()) return false;
+  Description& description = found->second;
+  const RestBody& rest = description.rest;
+  const bool lattice = rest.kind == DriverKind::Lattice;
+  const size_t drivers = lattice ? rest.cells.size() : rest.bodies.size(),
+               nodes = rest.node_coordinates.size();
+  const auto names_driver = [&](const PlacedKernel& kernel) { return kernel.driver < drivers; };
+  if (!std::all_of(bound.kernels.begin(), bound.kernels.end(), names_driver))
+    return invalid_data("bound kernels: a kernel has no driver");
+  if (lattice && (node_terms_begin.size() != nodes + 1 || node_terms_begin.front() != 0 ||
+                  node_terms_begin.back() != node_terms.size() ||
+                  !std::is_sorted(node_terms_begin.begin(), node_terms_begin.end()) ||
+                  !std::all_of(node_terms.begin(), node_terms.end(), [&](const NodeGradientTerm& term) {
+                    return term.neighbour < nodes && term.axis < 3;
+                  })))
+    return invalid_data("bound kernels: the terms of the nodes do not fit the lattice");
+  bound.rest = rest;
+  bound.bindings.kind = rest.kind;
+  bound.bindings.node_terms.assign(node_terms.begin(), node_terms.end());
+  bound.bindings.node_terms_begin.assign(node_terms_begin.begin(), node_terms_begin.end());
+  if (lattice) bound.outside = kernels_outside(bound.kernels);
+  const uint32_t id = description.id;
+  if (std::exchange(description.added, false)) objects_.erase(id);
+  description.bound = true;
+  Revisions& revisions = objects_[id];
+  bound.reserved = std::max(bound.reserved, static_cast<uint32_t>(bound.size()));
+  const auto coarser = revisions.find(rest.revision);
+  if (coarser != revisions.end() && coarser->second.reserved >= bound.reserved) {
+    bound.base = coarser->second.base;
+    bound.reserved = coarser->second.reserved;
+  } else {
+    bound.base = reserve(bound.reserved);
+  }
+  if (coarser != revisions.end() && coarser->second.posed_by) pose(bound, *coarser->second.posed_by);
+  revisions.insert_or_assign(rest.revision, std::move(bound));
+  drawn_changed_ = true;
+  return true;
 }
 
 Result<void> LiveScene::take_frame(std::span<const std::byte> bytes, int64_t received_ns) {
@@ -160,13 +140,15 @@ Result<void> LiveScene::take_frame(std::span<const std::byte> bytes, int64_t rec
 void LiveScene::pose(Object& object, const ObjectDrivers& drivers) {
   object.posed_by = drivers;
   object.rows = pack_driver_rows(object.rest, object.bindings, drivers);
-  skin_positions(object.rest, object.bindings, object.rows, object.positions_m);
-  if (object.environment && object.rest.kind == DriverKind::Rigid) {
-    std::vector<RestKernelRow> rest(object.size());
-    pack_rest_rows(object.bindings, {}, 0, rest);
-    object.posed.resize(rest.size());
-    for (size_t k = 0; k < rest.size(); ++k)
-      object.posed[k] = skin_rigid_row(rest[k], object.rows.bodies[rest[k].driver]);
+  skin_positions(object.rest, object.kernels, object.outside, object.rows, object.positions);
+  if (object.environment) {
+    for (std::vector<float>& column : object.covariances_m2) column.resize(object.size());
+    for (size_t k = 0; k < object.size(); ++k) {
+      const RestKernelRow& rest = object.rows_at_rest[k];
+      const PosedKernelRow posed = skin_rigid_row(rest, object.rows.bodies[rest.driver]);
+      const float s[6] = {posed.sxx_m2, posed.sxy_m2, posed.sxz_m2, posed.syy_m2, posed.syz_m2, posed.szz_m2};
+      for (size_t i = 0; i < 6; ++i) object.covariances_m2[i][k] = s[i];
+    }
   }
   object.moved = object.keys_stale = true;
 }
@@ -183,12 +165,12 @@ bool LiveScene::play(int64_t now_ns) {
     // Shown times ascend, so revisions older than this frame are no longer needed.
     if (const auto newer = revisions.find(drivers.revision);
         newer != revisions.end() && newer != revisions.begin()) {
-      for (auto old = revisions.begin(); old != newer; ++old) coarse_.erase({drivers.object_id, old->first});
+      for (auto old = revisions.begin(); old != newer; ++old) descriptions_.erase(old->second.description);
       revisions.erase(revisions.begin(), newer);
       changed = true;
     }
     Object& object = revisions.begin()->second;
-    object.moved = object.unpacked != nullptr;
+    object.moved = object.fresh;
     const bool yet_to_come = drivers.revision > revisions.rbegin()->first;
     if (yet_to_come && !object.posed_by) continue;
     if (!yet_to_come && (!object.posed_by || !same_drivers(*object.posed_by, drivers))) {
@@ -204,32 +186,26 @@ bool LiveScene::play(int64_t now_ns) {
   return changed || drawn_ != drawn_before;
 }
 
-const LiveScene::Object* LiveScene::find(uint32_t id) const {
+LiveScene::Object* LiveScene::shown(uint32_t id) {
   const auto found = objects_.find(id);
   return found == objects_.end() || found->second.empty() ? nullptr : &found->second.begin()->second;
 }
+const LiveScene::Object* LiveScene::find(uint32_t id) const {
+  return const_cast<LiveScene*>(this)->shown(id);
+}
 
-LiveScene::Packed LiveScene::packed(uint32_t id) {
-  Packed packed;
-  const auto found = objects_.find(id);
-  if (found == objects_.end() || found->second.empty()) return packed;
-  Object& object = found->second.begin()->second;
-  const auto part = std::exchange(object.unpacked, nullptr);
-  if (!part) return packed;
-  const GaussianAsset& asset = part->asset;
-  packed.rest.resize(asset.size());
-  pack_rest_rows(object.bindings, {}, 0, packed.rest);
-  const size_t words = sh_row_words(asset);
-  packed.bands.resize(asset.size() * words);
-  packed.looks.reserve(asset.size());
-  for (size_t k = 0; k < asset.size(); ++k) {
-    packed.looks.push_back(look_row(asset, k));
-    pack_bands(asset, k, std::span(packed.bands).subspan(k * words, words));
+Eigen::AlignedBox3f LiveScene::bounds_m(uint32_t id) const {
+  std::vector<Eigen::Vector3f> sample;
+  if (const Object* object = find(id)) {
+    const KernelPositions& at = object->positions;
+    for (size_t k = 0; k < at.size(); k += 1 + at.size() / kBoundsSample)
+      sample.push_back({at.x_m[k], at.y_m[k], at.z_m[k]});
   }
-  packed.bounds_m = robust_bounds(object.positions_m).cast<float>();
-  // From here on, only positions are computed, except for an environment.
-  if (!object.environment) object.bindings.rest_covariances_m2 = {};
-  return packed;
+  return robust_bounds(sample).cast<float>();
+}
+
+void LiveScene::kernels_sent(uint32_t id) {
+  if (Object* object = shown(id)) object->fresh = false;
 }
 
 void LiveScene::set_view(const OrderView& view) {
@@ -241,35 +217,18 @@ void LiveScene::set_view(const OrderView& view) {
 
 void LiveScene::update_keys() {
   for (const uint32_t id : drawn_) {
-    Object& object = objects_.at(id).begin()->second;
+    Object& object = *shown(id);
     if (!std::exchange(object.keys_stale, false) && object.keys.size() == object.size()) continue;
     object.keys.resize(object.size());
-    if (!object.posed.empty()) {
-      for (size_t k = 0; k < object.posed.size(); ++k)
-        object.keys[k] = ordered_key(order_depth(view_, object.posed[k], kEnvironmentOrderBias));
-      continue;
-    }
-    const Row3 o = view_.origin_m;
-    for (size_t k = 0; k < object.positions_m.size(); ++k) {
-      const Eigen::Vector3f& x = object.positions_m[k];
-      object.keys[k] = ordered_key(order_depth(view_, Row3{x[0] - o.x, x[1] - o.y, x[2] - o.z}));
-    }
+    fill_depth_keys(view_, object.positions, object.environment ? &object.covariances_m2 : nullptr,
+                    object.keys);
   }
 }
 
 std::span<const uint32_t> LiveScene::sort() {
-  size_t count = 0;
-  for (const uint32_t id : drawn_) count += objects_.at(id).begin()->second.keys.size();
-  items_.resize(count);
-  KeyedIndex* item = items_.data();
-  for (const uint32_t id : drawn_) {
-    const Object& object = objects_.at(id).begin()->second;
-    for (uint32_t k = 0; k < object.keys.size(); ++k) *item++ = {object.keys[k], object.base + k};
-  }
-  radix_sort(items_, scratch_);
-  order_.resize(count);
-  for (size_t i = 0; i < count; ++i) order_[i] = items_[i].index;
-  return order_;
+  std::vector<KeyRun> runs;
+  for (const uint32_t id : drawn_) runs.push_back({shown(id)->keys, shown(id)->base});
+  return order_.sort(runs);
 }
 
 }  // namespace livegs

@@ -9,10 +9,15 @@ import { Headset } from './xr.js';
 
 const kTokenKey = 'livegs-token';
 const kRate_hz = 60;
+const kViewActions = ['frame', 'hide', 'enter']; // those of a client that may only watch
 const kMaxPixelRatio = 2; // of a window; a phone's 3 costs twice the pixels and shows no more of a splat
 
 const canvas = document.getElementById('picture'), overlay = document.getElementById('overlay');
 const gl = canvas.getContext('webgl2', { alpha: false, antialias: false, depth: false, stencil: false, powerPreference: 'high-performance' });
+
+// In the fragment, which is never sent: a one-time code `pair`; or `token` and `view`, of <livegs-view>. `film`: of a
+// recording that was exported.
+const given = new URLSearchParams(location.hash.slice(1)), film = document.body.dataset.film && new URL(document.body.dataset.film, location.href).href;
 
 class Page {
   constructor() {
@@ -20,7 +25,7 @@ class Page {
     this.camera = new OrbitCamera();
     this.controls = new WindowControls(canvas, this.camera, this);
     this.headset = new Headset(gl, { camera: this.camera, renderer: () => this.renderer, held: () => this.held, objectOf: (id) => this.objectOf(id),
-      sendHands: (left, right) => this.post({ type: 'hands', left, right }), sendView: (view) => this.post({ type: 'view', ...view }),
+      sendHands: (left, right) => this.viewOnly || this.post({ type: 'hands', left, right }), sendView: (view) => this.post({ type: 'view', ...view }),
       notice: (text) => this.panels.notice(text), problem: () => (this.state === 'live' ? '' : `${this.state}: ${this.message || 'please wait'}`), ended: () => { this.offerHeadset(); this.changed(); } });
     this.calls = new Map();
     this.nextCall = 1;
@@ -51,7 +56,8 @@ class Page {
     this.held = [];
     this.run = {};
     this.framed = false;
-    this.viewOnly = false;
+    this.unseen = new Set(); // objects of the start without kernels yet
+    this.viewOnly = given.has('view');
     this.editRevision = 0;
     for (const id of [...this.panels.items.keys()]) this.panels.remove(id);
     for (const { reject } of this.calls.values()) reject(new Error('the connection was restarted'));
@@ -62,11 +68,11 @@ class Page {
     this.worker?.terminate();
     this.reset();
     this.renderer = new Renderer(gl);
-    this.worker = new Worker('/worker.js', { type: 'module' });
+    this.worker = new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
     this.worker.onmessage = ({ data }) => this.take(data);
     this.worker.onerror = (event) => this.panels.status('ended', `the worker failed: ${event.message ?? 'it could not be loaded'}`);
     this.panels.status('connecting', '');
-    this.post({ type: 'start', token: load(kTokenKey), rate_hz: kRate_hz, wasm: '/livegs.wasm' });
+    this.post({ type: 'start', token: given.get('token') ?? load(kTokenKey), rate_hz: kRate_hz, wasm: new URL('./livegs.wasm', import.meta.url).href, film });
     this.changed();
   }
 
@@ -100,7 +106,9 @@ class Page {
         this.panels.status(m.state, m.message);
       },
       joined: () => {
-        this.viewOnly = Boolean(m.join.view_only);
+        this.viewOnly = Boolean(m.join.view_only) || given.has('view');
+        document.body.toggleAttribute('data-view-only', this.viewOnly);
+        this.unseen = new Set((m.join.objects ?? []).map((one) => one.object_id));
         this.askForScene();
       },
       object: () => {
@@ -115,6 +123,7 @@ class Page {
         this.panels.remove(m.id);
       },
       kernels: () => this.waitingKernels.set(m.id, m),
+      film: () => this.panels.film(m),
       frame: () => this.takeFrame(m),
       order: () => this.takeOrder(m),
       stats: () => this.panels.stats({ ...m, fps: this.fps }),
@@ -153,18 +162,19 @@ class Page {
   // Kernels wait for the first order that has their places, so that a picture never mixes two layouts.
   takeOrder(m) {
     if (m.order) {
-      const fresh = this.waitingKernels.size > 0;
+      let frames = this.waitingKernels.size > 0 && (!this.framed || this.state !== 'live');
       for (const [id, kernels] of this.waitingKernels) {
         this.renderer.setKernels(kernels);
         const object = this.objects.get(id) ?? { id, name: `object ${id}` };
         this.objects.set(id, { ...object, bounds_m: kernels.bounds_m });
         this.mark(id);
+        frames = this.unseen.delete(id) || frames; // of those at the start, each comes into view
       }
       this.waitingKernels.clear();
       this.changed();
       this.renderer.setOrder(m.order, m.count, Boolean(this.headset.session));
       this.post({ type: 'order_done', order: m.order }, [m.order.buffer]);
-      if (fresh && (!this.framed || this.state !== 'live') && !this.controls.used) this.frameAll();
+      if (frames && !this.controls.used) this.frameAll();
     }
     for (const [id, driver] of this.waitingRows) {
       if (!this.renderer.objects.has(id)) continue;
@@ -209,6 +219,7 @@ class Page {
   }
 
   async act(name) {
+    if (this.viewOnly && !kViewActions.includes(name)) return;
     const control = (request) => this.send('ControlRun', request);
     const actions = {
       pause: () => control({ pause: !(this.run.paused || this.run.waiting) }),
@@ -230,7 +241,7 @@ class Page {
 
   // Sent at once: a hidden page draws no pictures.
   released() {
-    if (this.headset.session) return; // has hands of its own
+    if (this.headset.session || this.viewOnly) return; // the headset has hands of its own
     this.post({ type: 'hands', left: null, right: null });
     this.sentHand = '';
     this.changed();
@@ -239,7 +250,7 @@ class Page {
   togglePull() { return (this.controls.pullsByTouch = !this.controls.pullsByTouch); }
 
   pick(x_px, y_px) {
-    if (!this.eye || !this.renderer.count) return null;
+    if (!this.eye || !this.renderer.count || this.viewOnly) return null;
     const id = this.renderer.pick(this.eye, x_px, y_px);
     if (id !== null) this.panels.choose(id);
     this.changed();
@@ -282,6 +293,7 @@ class Page {
     const text = JSON.stringify(view);
     if (text !== this.sentView) this.post(view);
     this.sentView = text;
+    if (this.viewOnly) return;
     for (const right of this.controls.hands(this.eye)) {
       const hand = JSON.stringify(right);
       if (hand === this.sentHand) continue;
@@ -351,9 +363,8 @@ if (!gl) {
 } else {
   const page = new Page();
   window.livegs = page; // for checks and for the console
-  const code = new URLSearchParams(location.hash.slice(1)).get('pair');
-  if (code) {
-    history.replaceState(null, '', location.pathname + location.search);
-    page.pair(code);
-  } else page.start();
+  const code = given.get('pair');
+  if (code || given.has('token')) history.replaceState(null, '', location.pathname + location.search); // secrets leave the address
+  if (code) page.pair(code);
+  else page.start();
 }

@@ -32,6 +32,9 @@ export class Panels {
     this.items = new Map(); // list items by object id
     for (const name of ['pause', 'step', 'reset', 'undo', 'redo', 'frame', 'shoot', 'enter']) at(name).addEventListener('click', () => host.act(name));
     at('pull').addEventListener('click', () => at('pull').setAttribute('aria-pressed', String(host.togglePull())));
+    at('play').addEventListener('click', () => host.post({ type: 'film', pause: at('play').textContent === 'Pause' }));
+    at('moment').addEventListener('input', () => host.post({ type: 'film', seek_s: Number(at('moment').value) }));
+    at('loop').addEventListener('change', () => host.post({ type: 'film', loop: at('loop').checked }));
     at('fold').addEventListener('click', () => this.fold());
     if (matchMedia('(max-width: 700px)').matches) this.fold();
     at('pair').addEventListener('submit', (event) => {
@@ -60,6 +63,14 @@ export class Panels {
       at('code').value = '';
       at('code').focus();
     }
+  }
+
+  // The moment of a recording.
+  film({ at_s, length_s, paused }) {
+    at('film').hidden = false;
+    at('play').textContent = paused ? 'Play' : 'Pause';
+    at('moment').max = length_s;
+    if (document.activeElement !== at('moment')) at('moment').value = at_s;
   }
 
   notice(text) { at('run').textContent = text; }

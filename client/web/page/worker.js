@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The session of a browser client: joins, fetches assets, keeps the stream open, decodes frames, and gives the page rows and
+// The session of a browser client: joins, keeps the stream open, decodes frames, and gives the page rows and
 // an order to draw. It answers the page by these messages; typed arrays are transferred.
 //
 //   kernels  rest    10 words a kernel, RestKernelRow: driver; x y z (m in its body, or 0..1 in its cell); covariance xx xy xz
@@ -26,13 +26,18 @@ import { methods } from './fields.js';
 const kKeepalive = 50, kServerTimeout = 1000, kMaxSilence = 30000, kKeyframeRetry = 250;
 const kRetryPause = 150, kLongRetryPause = 400, kLongRetryAfter = 60000, kMaxRetryPause = 2000;
 const kJoinTimeout = 10000, kRejoinTimeout = 2000;
-const kSamplesPerMessage = 3, kMaxQueued_bytes = 65536, kMaxOrdersOut = 3, kFetches = 4;
+const kSamplesPerMessage = 3, kMaxQueued_bytes = 65536, kMaxOrdersOut = 3;
 const kCloseCode = 4000, kHandPose = ['aim_position', 'aim_orientation', 'grip_position', 'grip_orientation'];
-const kCacheName = 'livegs-assets-1';
 const status = { deadline: 4, permissionDenied: 7, resourceExhausted: 8, precondition: 9, internal: 13, unavailable: 14, unauthenticated: 16 };
 const isFinal = (code) => [3, 7, 9, 11, 12, 15, 16].includes(code); // another attempt would not help
 const now_ns = () => Math.round(performance.now() * 1e6);
 const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+// After messages that wait.
+const nextTask = () => new Promise((resolve) => {
+  const { port1, port2 } = new MessageChannel();
+  port1.onmessage = () => { port1.close(); resolve(); };
+  port2.postMessage(0);
+});
 const sameBytes = (a, b) => a.length === b.length && a.every((byte, i) => byte === b[i]);
 
 class CallError extends Error {
@@ -43,22 +48,24 @@ class CallError extends Error {
 }
 
 class Session {
-  constructor({ token, rate_hz, wasm }) {
-    Object.assign(this, { token, rate_hz: rate_hz || 60, wasm, stopped: false, id: '', instance: '', socket: null, silentStreams: 0 });
+  constructor({ token, rate_hz, wasm, film }) {
+    Object.assign(this, { token, rate_hz: rate_hz || 60, wasm, film, stopped: false, id: '', instance: '', socket: null, silentStreams: 0 });
+    this.assetsFolder = new URL('/assets/', location.href).href;
     this.view = null; // the last of the page
     this.hands = { left: null, right: null };
     this.samples = [];
     this.sequence = 0;
     this.orders = []; // buffers for reuse
-    this.drawing = { count: 0, used_ms: 0 };
     this.counters = { frames: 0, decode_ms: 0, plays: 0, keys_ms: 0, sort_ms: 0, bytes: 0 };
     this.forget();
   }
 
   forget() {
     this.known = new Map(); // by id: description and rest body, as the server last sent them
-    this.assets = new Map(); // by hash
-    this.fetching = 0;
+    this.bound = new Map(); // by number of the description: kernels that the page does not have yet
+    this.described = 0;
+    this.binder?.terminate();
+    this.binder = null;
     this.ordersOut = 0;
     this.meta = new Map(); // by tick: hands and state of the run
     this.removedLater = new Set(); // while the objects of a restarted server are bound
@@ -107,6 +114,7 @@ class Session {
             continue;
           }
           this.core = await Core.load(bytes);
+          this.startBinder();
         }
         this.takeJoin(await this.join(lost_ms));
         const end = await this.stream();
@@ -136,6 +144,7 @@ class Session {
     this.stopped = true;
     clearInterval(this.statsTimer);
     clearTimeout(this.playTimer);
+    this.binder?.terminate();
     this.socket?.close(1000);
   }
 
@@ -179,16 +188,21 @@ class Session {
       this.holds = true;
       this.gotFrame = false;
     }
+    this.takeObjects(objects, restarted);
+    // A simulation that waits for its first client starts when the first picture is there.
+    this.startsRun = true;
+    if (this.state === 'connecting') this.tell('loading', '0 %');
+  }
+
+  // All objects that exist now. `replaced`: a different description is that of another object.
+  takeObjects(objects, replaced) {
     const ids = new Set(objects.map((object) => object.object_id));
     for (const id of [...this.known.keys()]) if (!ids.has(id)) this.remove(id);
     for (const object of objects) {
       const known = this.known.get(object.object_id);
       if (!known) this.describe(object, true);
-      else if (known.text !== JSON.stringify(withoutBody(object)) || !sameBytes(known.rest, object.rest_body)) this.describe(object, restarted);
+      else if (known.text !== JSON.stringify(withoutBody(object)) || !sameBytes(known.rest, object.rest_body)) this.describe(object, replaced);
     }
-    // A simulation that waits for its first client starts when the first picture is there.
-    this.startsRun = true;
-    if (this.state === 'connecting') this.tell('loading', '0 %');
   }
 
   describe(description, added) {
@@ -197,10 +211,11 @@ class Session {
     this.removedLater.delete(id);
     const { name, environment, hidden } = description;
     this.post({ type: 'object', object: { id, name, environment, hidden, description: plain, kind: rest[6] === 2 ? 'lattice' : 'rigid' } });
-    const asset = this.request(description.asset_hash, description.asset_bytes);
-    if (description.broken_asset_hash) this.request(description.broken_asset_hash, description.broken_asset_bytes, true);
-    this.attempt(name, () => this.core.take('describe_object', [id, added, environment, hidden, asset.number], rest));
-    this.bind();
+    this.attempt(name, () => {
+      const { asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes } = description, number = ++this.described;
+      const binds = this.core.take('describe_object', [number, id, added, environment, hidden], rest) === 1;
+      this.binder.postMessage({ type: 'describe', description: number, rest: binds ? rest : null, session: this.id, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes });
+    });
     this.viewChanged = true; // it may be hidden or shown
   }
 
@@ -221,111 +236,37 @@ class Session {
     }
   }
 
-  bind() {
-    if (this.core.call.bind_arrived()) console.warn(this.core.error());
-  }
-
-  // ---- assets: each is fetched once, in the order of requests, and kept by its hash in the Cache API.
-  // `early`: of an object that may break; fetched when nothing else is.
-  request(hash, bytes, early = false) {
-    let asset = this.assets.get(hash);
-    if (!asset) {
-      asset = { hash, number: this.assets.size, early, arrived: 0, total: bytes, state: 'waits' };
-      this.assets.set(hash, asset);
-    }
-    asset.early = asset.early && early;
-    queueMicrotask(() => this.fetchNext()); // after all objects of a message
-    return asset;
-  }
-
-  fetchNext() {
-    const waiting = [...this.assets.values()].filter((asset) => asset.state === 'waits');
-    for (const asset of waiting.sort((a, b) => a.early - b.early)) {
-      if (this.stopped || this.fetching >= (asset.early ? 1 : kFetches)) return;
-      asset.state = 'loads';
-      ++this.fetching;
-      const core = this.core;
-      this.load(asset).catch((error) => {
-        if (this.stopped || core !== this.core) return;
-        if (error instanceof WebAssembly.RuntimeError) return this.fail(error);
-        console.warn(`asset ${asset.hash.slice(0, 12)}: ${error.message}`);
-      }).finally(() => {
-        if (core !== this.core) return;
-        asset.state = 'done';
-        --this.fetching;
-        this.fetchNext();
-      });
-    }
-  }
-
-  async load(asset) {
-    const core = this.core, path = `/assets/${asset.hash}`;
-    const cache = await globalThis.caches?.open(kCacheName).catch(() => null); // secure contexts only
-    const take = (chunk) => {
-      if (this.core !== core || this.stopped) throw new Error('the session ended');
-      core.take('take_asset', [asset.number], chunk);
-      asset.arrived += chunk.length;
-      this.bind();
-      this.tellLoading();
-    };
-    const restart = () => {
-      core.call.drop_asset(asset.number);
-      asset.arrived = 0;
-    };
-    const kept = await cache?.match(path).catch(() => null);
-    if (kept) {
-      try {
-        asset.total = Number(kept.headers.get('content-length')) || asset.total;
-        await eachChunk(kept.body, take);
-        if (core.call.asset_complete(asset.number)) return;
-      } catch (error) {
-        if (error instanceof WebAssembly.RuntimeError || this.stopped) throw error;
-        console.warn(`asset ${asset.hash.slice(0, 12)}: the kept copy is damaged; fetching it again`);
+  // ---- kernels: another worker fetches assets and binds them to objects, which may take seconds.
+  startBinder() {
+    const binder = this.binder = new Worker(new URL('./binder.js', import.meta.url), { type: 'module' });
+    binder.onmessage = ({ data }) => {
+      if (this.binder !== binder) return;
+      if (data.type === 'bound') this.taking = this.taking.then(() => this.takeBound(binder, data));
+      if (data.type === 'failed') {
+        console.warn(data.message);
+        if (data.description) this.core.call.bind_failed(data.description);
       }
-      await cache.delete(path);
-      restart();
-    }
-    const chunks = [];
-    for (let damaged = false; !this.stopped && this.core === core;) {
-      let reply = null;
-      try {
-        reply = await fetch(`${path}?from=${asset.arrived}`, { headers: this.headers(this.id ? { 'livegs-session': this.id } : {}) });
-      } catch { /* tried again */ }
-      if (reply && !reply.ok && reply.status < 500) throw new Error(`status ${reply.status}: ${await reply.text()}`);
-      if (reply?.ok) {
-        asset.total = Number(reply.headers.get('livegs-total-bytes')) || asset.total;
-        let broken = null; // the error of the core, which a network does not explain
-        try {
-          await eachChunk(reply.body, (chunk) => {
-            this.counters.bytes += chunk.length;
-            try { take(chunk); } catch (error) { broken = error; throw error; }
-            if (cache) chunks.push(chunk);
-          });
-        } catch (error) {
-          if (broken instanceof WebAssembly.RuntimeError || this.core !== core || this.stopped) throw error;
-        }
-        if (core.call.asset_complete(asset.number)) {
-          await cache?.put(path, new Response(new Blob(chunks), { headers: { 'content-length': String(asset.arrived) } })).catch(() => {});
-          return;
-        }
-        if (broken || asset.arrived >= asset.total) {
-          if (damaged) throw broken ?? new Error('the data are incomplete');
-          damaged = true;
-          chunks.length = 0;
-          restart();
-        }
-      }
-      await sleep(kRetryPause);
-    }
+      if (data.type === 'loading' && this.state === 'loading') this.tell('loading', data.message);
+      if (data.type === 'received') this.counters.bytes += data.bytes;
+      if (data.type === 'crashed') this.fail ? this.fail(new Error(data.message)) : this.crashed(new Error(data.message));
+    };
+    binder.onerror = (event) => this.crashed(new Error(event.message ?? 'the binder could not be loaded'));
+    this.taking = Promise.resolve();
+    binder.postMessage({ type: 'start', module: this.core.module, token: this.token, assets: this.assetsFolder });
   }
 
-  tellLoading() {
-    if (this.state !== 'loading' || this.loadTimer) return;
-    this.loadTimer = setTimeout(() => {
-      this.loadTimer = 0;
-      const all = [...this.assets.values()].filter((asset) => !asset.early), sum = (of) => all.reduce((total, asset) => total + of(asset), 0);
-      if (this.state === 'loading') this.tell('loading', `${Math.floor((100 * sum((a) => Math.min(a.arrived, a.total))) / Math.max(1, sum((a) => a.total)))} %`);
-    }, 100);
+  async takeBound(binder, bound) {
+    const core = this.core;
+    try {
+      const used = await core.takeBound(bound, nextTask);
+      if (this.binder !== binder) return;
+      if (used) this.bound.set(bound.description, bound.kernels);
+      else binder.postMessage({ type: 'forget', description: bound.description });
+    } catch (error) {
+      if (this.binder !== binder) return;
+      if (error instanceof WebAssembly.RuntimeError) this.fail ? this.fail(error) : this.crashed(error);
+      else console.warn(error.message);
+    }
   }
 
   // ---- the stream. Resolves when it is over.
@@ -386,8 +327,8 @@ class Session {
     socket.send(encode('ClientMessage', message));
   }
 
-  takeMessage(bytes, end) {
-    const received_ns = now_ns(), message = decode('ServerMessage', bytes), core = this.core;
+  takeMessage(bytes, end, received_ns = now_ns()) {
+    const message = decode('ServerMessage', bytes), core = this.core;
     if (message.echoed_ns > this.echoed_ns && message.received_ns !== 0) {
       this.echoed_ns = message.echoed_ns;
       core.call.take_clock(message.echoed_ns, message.received_ns, message.sent_ns, received_ns);
@@ -431,9 +372,8 @@ class Session {
     const begun_ms = performance.now(), period_ms = 1000 / this.rate_hz;
     this.played_ms = begun_ms;
     try { if (this.core && this.known.size > 0) this.show(); } catch (error) { this.fail ? this.fail(error) : this.crashed(error); }
-    // Leaves time for messages and, while assets arrive, as much again for them.
-    const spent_ms = performance.now() - begun_ms;
-    this.playTimer = setTimeout(() => this.play(), Math.max(period_ms - spent_ms, (this.fetching > 0 ? 1 : 0.25) * spent_ms));
+    const spent_ms = performance.now() - begun_ms; // leaves time for messages
+    this.playTimer = setTimeout(() => this.play(), Math.max(period_ms - spent_ms, 0.25 * spent_ms));
   }
 
   show() {
@@ -447,12 +387,12 @@ class Session {
     if (this.ordersOut >= kMaxOrdersOut) return; // the page is behind
     const moved = core.call.play(now_ns()) !== 0, drivers = [], transfer = [];
     for (const id of moved ? core.drawn() : []) {
-      const object = core.drivers(id);
-      if (!object.moved && !object.unpacked) continue;
+      const object = core.object(id);
+      if (!object.moved && !object.fresh) continue;
       const rows = object.rows.slice();
       transfer.push(rows.buffer);
       drivers.push({ id, rows, body_gradient: object.lattice?.body_gradient });
-      if (object.unpacked) this.sendKernels(id, object.lattice);
+      if (object.fresh) this.sendKernels(id, object);
     }
     const shown = this.takeMeta(core.call.shown_tick()), run = JSON.stringify(shown && [shown.hands, { ...shown.run, simulated_s: 0 }]);
     const order = moved || this.viewChanged ? this.sort() : null;
@@ -474,10 +414,11 @@ class Session {
     return this.meta.get(tick);
   }
 
-  sendKernels(id, lattice) {
-    const { cell_count, node_count, ...kernels } = this.core.kernels(id);
-    this.post({ type: 'kernels', id, ...kernels, lattice: lattice && { ...lattice, cell_count, node_count } },
-      [kernels.rest, kernels.looks, kernels.bands, ...(kernels.cells ? [kernels.cells] : [])].map((array) => array.buffer));
+  sendKernels(id, { description, base, cells, lattice }) {
+    const kernels = this.bound.get(description), copy = cells?.slice() ?? null, bounds_m = [...this.core.floats(this.core.call.sent_kernels(id), 6)];
+    this.bound.delete(description);
+    this.post({ type: 'kernels', id, base, ...kernels, cells: copy, lattice, bounds_m },
+      [kernels.rest, kernels.looks, kernels.bands, ...(copy ? [copy] : [])].map((array) => array.buffer));
   }
 
   sort() {
@@ -528,19 +469,11 @@ class Session {
 
 function withoutBody({ rest_body, ...description }) { return description; }
 
-async function eachChunk(body, take) {
-  for (const reader = body.getReader();;) {
-    const { done, value } = await reader.read();
-    if (done) return;
-    take(value);
-  }
-}
-
 let session = null;
-onmessage = ({ data }) => {
+onmessage = async ({ data }) => {
   if (data.type === 'start') {
     session?.stop();
-    session = new Session(data);
+    session = data.film ? new ((await import('./player.js')).playerOf(Session))(data) : new Session(data);
     session.run();
   }
   if (data.type === 'stop' && session) {
@@ -551,4 +484,5 @@ onmessage = ({ data }) => {
   if (data.type === 'hands') session?.setHands(data);
   if (data.type === 'order_done') session?.giveBack(data.order);
   if (data.type === 'call') session?.answer(data);
+  if (data.type === 'film') session?.control?.(data);
 };

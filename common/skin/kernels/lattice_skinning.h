@@ -48,6 +48,11 @@ struct LatticeLanes {
   std::array<Eigen::Quaternionf, kDeformationLanes> world_from_asset;
   LimitedDeformations deformations;  // world from lattice
 };
+// Moves a kernel outside of its cell from the nearest point of the cell to its place. `beyond`: from that
+// point, in cells; `gradient`: limited, there.
+void move_beyond_cell(const Eigen::Array3f& beyond, const Eigen::Matrix3f& gradient, const LatticeBody& body,
+                      Eigen::Vector3f& position_m);
+
 // Skins the first `count` lanes.
 void skin_lanes(std::span<const NodeState> states, std::span<const std::array<uint32_t, 8>> cells,
                 const LatticeBody& body, LatticeLanes& lanes, size_t count);

@@ -136,7 +136,31 @@ void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rot
   rotation = Eigen::Quaternionf(turn).normalized();
 }
 
+// Whether all stretches are certainly in range, of a squared norm |F|² and a determinant. |F|² bounds the
+// largest singular value from above; since s1 s2 <= (s1² + s2²) / 2, s3 >= 2 det F / |F|². NaN and infinity
+// fail the comparisons.
+template <class Answer, class Real>
+Answer is_within(const Real& norm_squared, const Real& determinant) {
+  return norm_squared <= kMaxKernelStretch * kMaxKernelStretch &&
+         2.0f * determinant >= kMinKernelStretch * norm_squared && determinant > 0.0f;
+}
+
 }  // namespace
+
+void limit_gradient(Eigen::Matrix3f& gradient) {
+  Vector column[3];
+  for (int c = 0; c < 3; ++c) column[c] = {gradient(0, c), gradient(1, c), gradient(2, c)};
+  const float determinant = dot(column[0], cross(column[1], column[2]));
+  const float norm_squared =
+      dot(column[0], column[0]) + dot(column[1], column[1]) + dot(column[2], column[2]);
+  if (is_within<bool>(norm_squared, determinant)) return;
+  if (!std::isfinite(norm_squared)) {
+    gradient.setIdentity();
+    return;
+  }
+  Eigen::Quaternionf rotation;
+  limit_by_singular_values(gradient, rotation);
+}
 
 void limit_deformations(LimitedDeformations& deformations) {
   // Columns of the gradients, one gradient per lane.
@@ -153,13 +177,9 @@ void limit_deformations(LimitedDeformations& deformations) {
                             cross(column[0], column[1])};
   Lanes determinant = dot(column[0], cofactor[0]);
 
-  // |F|² bounds the largest singular value from above; since s1 s2 <= (s1² + s2²) / 2, s3 >= 2 det F / |F|².
-  // NaN and infinity fail the comparisons.
   const Lanes norm_squared =
       dot(column[0], column[0]) + dot(column[1], column[1]) + dot(column[2], column[2]);
-  const Eigen::Array<bool, kDeformationLanes, 1> within =
-      norm_squared <= kMaxKernelStretch * kMaxKernelStretch &&
-      2.0f * determinant >= kMinKernelStretch * norm_squared && determinant > 0.0f;
+  const auto within = is_within<Eigen::Array<bool, kDeformationLanes, 1>>(norm_squared, determinant);
 
   for (int step = 0; step < kNewtonSteps; ++step) {
     const Lanes inverse = 0.5f / determinant;

@@ -22,5 +22,7 @@ struct LimitedDeformations {
 // determinant (Irving et al. 2004, Invertible finite elements), so an inverted cell gives the same result as
 // a flat one. A gradient that is not finite gives the identity. Lanes are independent.
 void limit_deformations(LimitedDeformations& deformations);
+// The gradient only, with the same bits: without the work for its rotation, unless a stretch is out of range.
+void limit_gradient(Eigen::Matrix3f& gradient);
 
 }  // namespace livegs

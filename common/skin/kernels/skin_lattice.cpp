@@ -211,6 +211,13 @@ LatticeBody lattice_body_of(const RestBody& rest, std::span<const NodeState> sta
           static_cast<float>(rest.cell_width_m)};
 }
 
+void move_beyond_cell(const Eigen::Array3f& beyond, const Eigen::Matrix3f& gradient, const LatticeBody& body,
+                      Eigen::Vector3f& position_m) {
+  const Eigen::Vector3f offset = (beyond * body.cell_width_m).matrix();
+  const float near_share = std::min(1.0f, body.cell_width_m / offset.norm());
+  position_m += gradient * (near_share * offset) + body.gradient * ((1.0f - near_share) * offset);
+}
+
 void skin_lanes(std::span<const NodeState> states, std::span<const std::array<uint32_t, 8>> cells,
                 const LatticeBody& body, LatticeLanes& lanes, size_t count) {
   lanes.deformations.gradients.fill(Eigen::Matrix3f::Identity());
@@ -226,12 +233,7 @@ void skin_lanes(std::span<const NodeState> states, std::span<const std::array<ui
     const Eigen::Matrix3f& gradient = lanes.deformations.gradients[lane];
     const Eigen::Array3f local = lanes.local[lane];
     const Eigen::Array3f beyond = local - local.max(0.0f).min(1.0f);
-    if ((beyond != 0.0f).any()) {
-      const Eigen::Vector3f offset = (beyond * body.cell_width_m).matrix();
-      const float near_share = std::min(1.0f, body.cell_width_m / offset.norm());
-      lanes.positions_m[lane] +=
-          gradient * (near_share * offset) + body.gradient * ((1.0f - near_share) * offset);
-    }
+    if ((beyond != 0.0f).any()) move_beyond_cell(beyond, gradient, body, lanes.positions_m[lane]);
     lanes.covariances_m2[lane] = transformed(gradient, lanes.rest_covariances_m2[lane]);
     lanes.world_from_asset[lane] = lanes.deformations.rotations[lane] * body.lattice_from_asset;
   }

@@ -164,6 +164,10 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::listen(const std::string& addres
 
 GrpcServer::~GrpcServer() { shut_down("the server is closing"); }
 
+void GrpcServer::allow_origins(std::vector<std::string> origins) {
+  parts_->web->allow_origins(std::move(origins));
+}
+
 int GrpcServer::port() const { return parts_->door->port(); }
 
 v1::BrowserLink GrpcServer::new_browser_link() {

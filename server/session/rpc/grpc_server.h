@@ -38,6 +38,8 @@ class GrpcServer {
                                                     ServerSecurity* security = nullptr);
   ~GrpcServer();
 
+  // WebServer::allow_origins(); before open().
+  void allow_origins(std::vector<std::string> origins);
   int port() const;
   // Links to the page, with a new one-time code that becomes a token of scope INTERACT; an earlier code is no
   // longer valid. Without TLS, browsers need no token. Any thread.

@@ -29,15 +29,29 @@ function timed(name, step) {
   return result;
 }
 
-function feed(core, { kind, bytes, view }) {
+// Binds all that is due, as binder.js and worker.js do; kernels by the number of their description.
+async function bindArrived(core, kernels) {
+  for (let answer = core.call.bind_next(); answer !== 0; answer = core.call.bind_next()) {
+    if (answer === 2) {
+      core.call.bind_failed(core.bound().description);
+      throw new Error(core.error());
+    }
+    const bound = core.bound();
+    if (await core.takeBound(bound)) kernels.set(bound.description, bound.kernels);
+  }
+}
+
+async function feed(core, { kind, bytes, view }, kernels) {
   if (kind === kinds.asset) {
     const number = view.getUint32(0, true), size = 65536;
-    for (let at = 4; at < bytes.length; at += size) core.take('take_asset', [number], bytes.subarray(at, at + size));
-    if (core.call.bind_arrived()) throw new Error(core.error());
+    for (let at = 4; at < bytes.length; at += size) {
+      core.take('take_asset', [number], bytes.subarray(at, at + size));
+      await bindArrived(core, kernels);
+    }
   } else if (kind === kinds.describe) {
-    const [id, added, environment, hidden, asset] = [0, 4, 8, 12, 16].map((at) => view.getUint32(at, true));
-    core.take('describe_object', [id, added, environment, hidden, asset], bytes.subarray(20));
-    if (core.call.bind_arrived()) throw new Error(core.error());
+    const [description, id, added, environment, hidden, asset] = [0, 4, 8, 12, 16, 20].map((at) => view.getUint32(at, true));
+    if (core.take('describe_object', [description, id, added, environment, hidden], bytes.subarray(24))) core.take('bind_object', [description, asset], bytes.subarray(24));
+    await bindArrived(core, kernels);
   } else if (kind === kinds.frame) {
     timed('decode_ms', () => core.take('take_frame', [], bytes.subarray(16), [view.getFloat64(0, true), view.getFloat64(8, true), 0]));
   } else if (kind === kinds.view) {
@@ -46,27 +60,28 @@ function feed(core, { kind, bytes, view }) {
 }
 
 async function compare(wasm, trace) {
-  const core = await Core.load(wasm), counts = { frames: 0, words: 0, kernels: 0 };
+  const core = await Core.load(wasm), kernels = new Map(), counts = { frames: 0, words: 0, kernels: 0 };
   core.call.begin_stream(60);
   for (const record of recordsOf(trace)) {
     const { kind, words, view } = record;
-    feed(core, record);
+    await feed(core, record, kernels);
     if (kind === kinds.play) {
       const changed = timed('play_ms', () => core.call.play(view.getFloat64(0, true)));
       same('change and drawn objects', [changed, ...core.drawn()], words.slice(2));
       ++counts.frames;
     } else if (kind === kinds.drivers) {
-      const rows = core.drivers(words[0]).rows;
+      const { rows } = core.object(words[0]);
       same(`driver rows of object ${words[0]}`, new Uint32Array(rows.buffer, rows.byteOffset, rows.length), words.slice(1));
     } else if (kind === kinds.kernels) {
-      const found = core.kernels(words[0]);
-      same(`kernels of object ${words[0]}`, [found.base, found.count, found.cell_count, found.bands.length], words.slice(1, 5));
+      const object = core.object(words[0]), cells = object.cells?.slice() ?? [], found = kernels.get(object.description);
+      same(`kernels of object ${words[0]}`, [object.base, object.count, cells.length / 8, found.bands.length], words.slice(1, 5));
       const rows = new Uint32Array(words.length - 5);
       let at = 0;
-      for (const part of [found.rest, found.cells ?? [], found.looks, found.bands]) {
+      for (const part of [found.rest, cells, found.looks, found.bands]) {
         rows.set(part, at);
         at += part.length;
       }
+      core.call.sent_kernels(words[0]);
       same(`kernel rows of object ${words[0]}`, rows, words.slice(5));
     } else if (kind === kinds.order) {
       timed('keys_ms', () => core.call.update_keys());
@@ -94,13 +109,13 @@ function randomOf(seed) {
 
 async function mutate(wasm, trace, count) {
   const records = [...recordsOf(trace)].filter(({ kind }) => kind <= kinds.frame), random = randomOf(count);
-  const head = { [kinds.asset]: 4, [kinds.describe]: 20, [kinds.frame]: 16 };
+  const head = { [kinds.asset]: 4, [kinds.describe]: 24, [kinds.frame]: 16 };
   let accepted = 0, core = null;
   for (let i = 0; i < count; ++i) {
     if (i % 2000 === 0) {
       core = await Core.load(wasm);
       core.call.begin_stream(60);
-      for (const record of records.slice(0, 12)) feed(core, record);
+      for (const record of records.slice(0, 12)) await feed(core, record, new Map());
     }
     const { kind, bytes } = records[i % 3 === 0 ? random(records.length) : random(Math.min(16, records.length))], from = head[kind];
     const changed = bytes.slice(0, random(4) === 0 ? from + random(bytes.length - from + 1) : bytes.length);
@@ -114,16 +129,20 @@ async function mutate(wasm, trace, count) {
       record.view.setUint32(0, 100 + random(3), true);
       if (random(2)) core.call.drop_asset(record.view.getUint32(0, true));
     }
-    if (kind === kinds.describe && random(2)) record.view.setUint32(16, 100 + random(3), true);
+    if (kind === kinds.describe) {
+      record.view.setUint32(0, 1000 + i, true);
+      record.view.setUint32(8, random(2), true);
+      if (random(2)) record.view.setUint32(20, 100 + random(3), true);
+    }
     try {
-      feed(core, record);
+      await feed(core, record, new Map());
       ++accepted;
     } catch (error) {
       if (error instanceof WebAssembly.RuntimeError) throw new Error(`mutation ${i} of kind ${kind} traps: ${error.stack}`);
     }
     if (i % 8 === 0) {
       core.call.play(6e9 + 1e7 * i);
-      for (const id of core.drawn()) if (core.drivers(id).unpacked) core.kernels(id);
+      for (const id of core.drawn()) if (core.object(id).fresh) core.call.sent_kernels(id);
       core.call.update_keys();
       core.call.sort_kernels();
     }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <numeric>
 #include <random>
 #include <string>
@@ -20,7 +21,9 @@
 #include "gaussian/stored_blocks.h"
 #include "skin/drivers/node_neighbours.h"
 #include "skin/skin_kernels.h"
+#include "splat/passes/radix_sort.h"
 #include "splat/project/raster_options.h"
+#include "web/core/asset_binder.h"
 #include "web/core/live_scene.h"
 #include "wire/frame_stream.h"
 #include "wire/rest_body_codec.h"
@@ -143,10 +146,10 @@ void check(const LiveScene::Object& object, const GaussianAsset& asset, const Re
   require(object.size() == asset.size(), "kernels are missing");
   for (size_t k = 0; k < asset.size(); ++k) {
     const Eigen::Vector3f& x = posed.positions_m[k];
+    const Eigen::Vector3f found(object.positions.x_m[k], object.positions.y_m[k], object.positions.z_m[k]);
     const Symmetric3f& s = posed.covariances_m2[k];
-    const bool same = rest.kind == DriverKind::Rigid
-                          ? (x - object.positions_m[k]).norm() <= 1e-6f * (1 + x.norm())
-                          : x == object.positions_m[k];
+    const bool same =
+        rest.kind == DriverKind::Rigid ? (x - found).norm() <= 1e-6f * (1 + x.norm()) : x == found;
     require(same, "a position differs from skin_kernels");
     if (rest.kind == DriverKind::Rigid) continue;
     const PosedKernelRow row{x[0], x[1], x[2], s[0], s[1], s[2], s[3], s[4], s[5], 0, 0, 0, 1};
@@ -157,7 +160,9 @@ void check(const LiveScene::Object& object, const GaussianAsset& asset, const Re
 int run(const char* path, size_t lattice_kernels, int frames) {
   set_serial_here(true);
   Trace trace(path);
+  AssetBinder binder;
   LiveScene scene;
+  std::map<uint32_t, AssetBinder::Bound> packed;  // by description
   const GaussianAsset assets[4] = {made_asset(lattice_kernels / 4 + 7, 1, {6, 3, 6}, 1),
                                    made_asset(lattice_kernels, 3, {0.8f, 0.8f, 0.8f}, 2),
                                    made_asset(lattice_kernels / 8 + 9, 0, {0.3f, 0.3f, 0.3f}, 3),
@@ -171,20 +176,34 @@ int run(const char* path, size_t lattice_kernels, int frames) {
   for (int b = 0; b < 3; ++b) rests[3].bodies.emplace_back().position_m.x() = 0.1 * b - 0.1;
   rests[3].kernel_runs = {{0, count / 2}, {2, 17}, {1, count - count / 2 - 17}};
 
+  const auto bind_arrived = [&] {
+    for (Result<bool> any = binder.bind_next();; any = binder.bind_next()) {
+      require(any.has_value(), "an object cannot be bound");
+      if (!*any) return;
+      const AssetBinder::Bound& bound = packed[binder.bound().description] = binder.bound();
+      scene.begin_bound(bound.description, bound.reserved);
+      scene.take_rows(bound.rest);
+      const auto used = scene.end_bound(bound.node_terms, bound.node_terms_begin);
+      require(used.has_value() && *used, "bound kernels are not used");
+    }
+  };
   const auto give_asset = [&](uint32_t number) {
     const auto stored = store_blocks(encode_progressive(assets[number]));
     require(stored.has_value(), "an asset cannot be stored");
     trace.write(kAsset, number, *stored);
-    require(scene.take_asset(number, *stored).has_value() && scene.asset_complete(number),
+    require(binder.take_asset(number, *stored).has_value() && binder.asset_complete(number),
             "an asset cannot be read");
-    require(scene.bind_arrived().has_value(), "an asset cannot be bound");
+    bind_arrived();
   };
+  uint32_t description = 0;
   const auto describe = [&](uint32_t id, uint32_t asset, bool added, bool environment) {
     const auto rest = encode_rest_body(rests[asset]);
-    trace.write(kDescribe, id, uint32_t{added}, uint32_t{environment}, uint32_t{0}, asset, rest);
-    require(scene.describe(id, added, environment, false, asset, rest).has_value(),
+    trace.write(kDescribe, ++description, id, uint32_t{added}, uint32_t{environment}, uint32_t{0}, asset,
+                rest);
+    const auto described = scene.describe(description, id, added, environment, false, rest);
+    require(described.has_value() && *described && binder.describe(description, asset, rest).has_value(),
             "an object cannot be described");
-    require(scene.bind_arrived().has_value(), "an object cannot be bound");
+    bind_arrived();
   };
   for (uint32_t i = 0; i < 3; ++i) {
     describe(i + 1, i, true, i == 0);
@@ -246,17 +265,18 @@ int run(const char* path, size_t lattice_kernels, int frames) {
     trace.write(kPlay, now_ns, uint32_t{changed}, scene.drawn());
     for (const uint32_t id : scene.drawn()) {
       const LiveScene::Object& object = *scene.find(id);
-      if (!object.moved && !object.unpacked) continue;
+      if (!object.moved && !object.fresh) continue;
       const bool lattice = object.rest.kind == DriverKind::Lattice;
       trace.write(kDrivers, id,
                   lattice ? std::as_bytes(std::span(object.rows.nodes))
                           : std::as_bytes(std::span(object.rows.bodies)));
-      if (!object.unpacked) continue;
-      const LiveScene::Packed packed = scene.packed(id);
-      const auto size = static_cast<uint32_t>(packed.rest.size());
+      if (!object.fresh) continue;
+      const AssetBinder::Bound& bound = packed.at(object.description);
+      const auto size = static_cast<uint32_t>(bound.rest.size());
       trace.write(kKernels, id, object.base, size, static_cast<uint32_t>(object.rest.cells.size()),
-                  static_cast<uint32_t>(packed.bands.size()), packed.rest, object.rest.cells, packed.looks,
-                  packed.bands);
+                  static_cast<uint32_t>(bound.bands.size()), bound.rest, object.rest.cells, bound.looks,
+                  bound.bands);
+      scene.kernels_sent(id);
     }
     timed(times.keys_ms, [&] { return scene.update_keys(), 0; });
     const auto order = timed(times.sort_ms, [&] { return scene.sort(); });

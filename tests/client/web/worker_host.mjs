@@ -6,6 +6,7 @@ import { cpSync, mkdtempSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
+import { Worker as Thread } from 'node:worker_threads';
 
 const plainFetch = globalThis.fetch, PlainSocket = globalThis.WebSocket;
 export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
@@ -39,7 +40,6 @@ export class Page {
     const folder = mkdtempSync(join(tmpdir(), 'livegs_worker_')), page = new Page();
     cpSync(fileURLToPath(new URL('../../../client/web/page', import.meta.url)), folder, { recursive: true });
     cpSync(fields, join(folder, 'fields.js'));
-    const cached = new Map();
     Object.assign(globalThis, {
       location: { href: `http://127.0.0.1:${port}/` },
       postMessage: (message) => page.take(message),
@@ -50,10 +50,18 @@ export class Page {
           page.sockets.push(this);
         }
       },
-      caches: { open: async () => ({
-        match: async (path) => cached.get(path)?.clone(),
-        put: async (path, reply) => void cached.set(path, reply),
-        delete: async (path) => cached.delete(path) }) },
+      Worker: class { // binder.js, as a thread
+        constructor(url) {
+          this.thread = new Thread(new URL('./worker_thread.mjs', import.meta.url), { workerData: { url: String(url), href: globalThis.location.href } });
+          this.thread.on('message', (data) => {
+            if (data.type === 'fetched') page.fetches.push(data.path);
+            else this.onmessage?.({ data });
+          });
+          this.thread.on('error', (error) => this.onerror?.(error));
+        }
+        postMessage(data, transfer) { this.thread.postMessage(data, transfer); }
+        terminate() { this.thread.terminate(); }
+      },
       fetch: (path, options) => {
         if (path === '/livegs.wasm') return Promise.resolve(new Response(readFileSync(wasm)));
         page.fetches.push(path);

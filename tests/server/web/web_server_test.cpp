@@ -2,12 +2,7 @@
 // Browsers at the port of gRPC: the page, assets, calls, the stream as a WebSocket, and what is refused.
 #include "web/web_server.h"
 
-#include <arpa/inet.h>
 #include <curl/curl.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <map>
 #include <thread>
 
@@ -15,141 +10,12 @@
 #include "patience.h"
 #include "scratch_folder.h"
 #include "server/session/rpc/grpc_server_fixture.h"
+#include "server/web/browser_socket.h"
 #include "session/access/server_security.h"
 #include "web/page_files.h"
 
 namespace livegs {
 namespace {
-
-struct Answer {
-  int status = 0;  // 0: no answer
-  std::map<std::string, std::string> headers;
-  std::string body;
-};
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-// A connection whose bytes the test controls.
-class Wire {
- public:
-  explicit Wire(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(static_cast<uint16_t>(port));
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const timeval patience{std::chrono::duration_cast<std::chrono::seconds>(kPatience).count(), 0};
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
-  }
-  ~Wire() { ::close(socket_); }
-  Wire(const Wire&) = delete;
-  Wire& operator=(const Wire&) = delete;
-
-  bool send(const std::string& bytes) const {
-    return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
-  }
-  // Exactly `count` bytes; fewer if the connection ends.
-  std::string read(size_t count) {
-    while (waiting_.size() < count && fill()) {
-    }
-    std::string taken = waiting_.substr(0, count);
-    waiting_.erase(0, taken.size());
-    return taken;
-  }
-  std::string read_until(const std::string& end) {
-    size_t at = std::string::npos;
-    while ((at = waiting_.find(end)) == std::string::npos && fill()) {
-    }
-    return at == std::string::npos ? read(waiting_.size()) : read(at + end.size());
-  }
-
-  Answer answer(bool with_body = true) {
-    Answer answer;
-    const std::string head = read_until("\r\n\r\n");
-    if (head.size() < 12 || !head.starts_with("HTTP/1.1 ")) return answer;
-    answer.status = std::stoi(head.substr(9, 3));
-    for (size_t at = head.find("\r\n") + 2; at + 2 < head.size();) {
-      const size_t end = head.find("\r\n", at), colon = head.find(": ", at);
-      if (colon < end)
-        answer.headers[lower(head.substr(at, colon - at))] = head.substr(colon + 2, end - colon - 2);
-      at = end + 2;
-    }
-    if (with_body && answer.headers.contains("content-length"))
-      answer.body = read(std::stoul(answer.headers["content-length"]));
-    return answer;
-  }
-
- private:
-  bool fill() {
-    char bytes[4096];
-    const ssize_t got = ::recv(socket_, bytes, sizeof bytes, 0);
-    if (got > 0) waiting_.append(bytes, static_cast<size_t>(got));
-    return got > 0;
-  }
-  int socket_;
-  std::string waiting_;
-};
-
-std::string request(const std::string& method, const std::string& target, const std::string& body = "",
-                    const std::string& headers = "", const std::string& host = "127.0.0.1") {
-  return method + " " + target + " HTTP/1.1\r\nHost: " + host + "\r\n" + headers +
-         (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body;
-}
-
-// The WebSocket of RFC 6455, from the side of the browser.
-class BrowserSocket {
- public:
-  explicit BrowserSocket(int port, const std::string& headers = "") : wire_(port) {
-    wire_.send(
-        request("GET", "/stream", "",
-                "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-                "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: livegs.v1\r\n" +
-                    headers));
-    upgrade = wire_.answer();
-  }
-  Answer upgrade;
-
-  bool send(const std::string& message, uint8_t opcode = 2) {
-    std::string frame(1, static_cast<char>(0x80 | opcode));
-    if (message.size() < 126) {
-      frame += static_cast<char>(0x80 | message.size());
-    } else {
-      frame += static_cast<char>(0x80 | 126);
-      frame += static_cast<char>(message.size() >> 8);
-      frame += static_cast<char>(message.size());
-    }
-    const std::string mask = "\x11\x22\x33\x44";
-    frame += mask;
-    for (size_t i = 0; i < message.size(); ++i) frame += static_cast<char>(message[i] ^ mask[i % 4]);
-    return wire_.send(frame);
-  }
-  struct Message {
-    int opcode = -1;  // -1: the connection has ended
-    std::string bytes;
-  };
-  Message read() {
-    Message message;
-    do {
-      const std::string head = wire_.read(2);
-      if (head.size() < 2) return {};
-      message.opcode = head[0] & 15;
-      size_t length = static_cast<uint8_t>(head[1]) & 127;
-      if (length >= 126) {
-        const std::string wide = wire_.read(length == 126 ? 2 : 8);
-        length = 0;
-        for (const char c : wide) length = length << 8 | static_cast<uint8_t>(c);
-      }
-      message.bytes = wire_.read(length);
-    } while (message.opcode == 9);  // a ping
-    return message;
-  }
-
- private:
-  Wire wire_;
-};
 
 class WebServerTest : public GrpcServerTest {
  protected:
@@ -177,6 +43,13 @@ TEST_F(WebServerTest, ServesThePage) {
   EXPECT_EQ(page.body, find_page_file("/")->bytes);
   EXPECT_NE(page.headers.at("content-security-policy").find("default-src 'self'"), std::string::npos);
   EXPECT_EQ(page.headers.at("cross-origin-embedder-policy"), "require-corp");
+  EXPECT_EQ(page.headers.at("cache-control"), "no-store");
+  for (const PageFile& file : page_files()) {
+    if (!file.named_by_content()) continue;
+    EXPECT_EQ(ask(request("GET", std::string(file.path))).headers["cache-control"],
+              "public, max-age=31536000, immutable")
+        << file.path;
+  }
   const Answer known = ask(request("GET", "/", "", "If-None-Match: " + page.headers.at("etag") + "\r\n"));
   EXPECT_EQ(known.status, 304);
   const Answer coded = ask(request("GET", "/", "", "Accept-Encoding: br, gzip\r\n"));
@@ -288,12 +161,34 @@ TEST_F(WebServerTest, RefusesPagesOfOtherSites) {
   const std::string evil = "Origin: http://evil.example\r\n";
   EXPECT_EQ(ask(request("POST", "/livegs.v1.LiveGs/GetServerInfo", "", evil)).status, 403);
   EXPECT_EQ(BrowserSocket(server_->port(), evil).upgrade.status, 403);
+  EXPECT_EQ(ask(request("GET", "/livegs-view.js", "", evil)).status, 403);
+  EXPECT_NE(ask(request("GET", "/")).headers["content-security-policy"].find("frame-ancestors 'none'"),
+            std::string::npos);
   // Another name that leads to this address.
   EXPECT_EQ(ask(request("GET", "/", "", "", "evil.example")).status, 403);
   EXPECT_EQ(
       ask(request("POST", "/livegs.v1.LiveGs/GetServerInfo", "", "Origin: http://127.0.0.1\r\n")).status,
       200);
   EXPECT_EQ(ask(request("GET", "/", "", "", "localhost:9780")).status, 200);
+}
+
+// <livegs-view>: a listed site may load its module and show the page in a frame, and nothing else.
+TEST_F(WebServerTest, LetsListedSitesShowTheScene) {
+  const std::string listed = "Origin: https://example.org\r\n", evil = "Origin: https://evil.example\r\n";
+  server_->allow_origins({"https://example.org"});
+  open();
+  Answer module = ask(request("GET", "/livegs-view.js", "", listed));
+  EXPECT_EQ(module.status, 200);
+  EXPECT_EQ(module.headers["access-control-allow-origin"], "https://example.org");
+  EXPECT_EQ(module.headers["cross-origin-resource-policy"], "cross-origin");
+  EXPECT_NE(
+      ask(request("GET", "/")).headers["content-security-policy"].find("frame-ancestors https://example.org"),
+      std::string::npos);
+  EXPECT_EQ(ask(request("GET", "/livegs-view.js", "", evil)).status, 403);
+  EXPECT_EQ(ask(request("POST", "/livegs.v1.LiveGs/GetServerInfo", "", listed)).status, 403);
+  EXPECT_EQ(ask(request("GET", "/assets/0", "", listed)).status, 403);
+  EXPECT_EQ(ask(request("GET", "/", "", listed)).status, 403);
+  EXPECT_EQ(BrowserSocket(server_->port(), listed).upgrade.status, 403);
 }
 
 TEST_F(WebServerTest, RefusesLargeAndSlowRequests) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/splat/synthetic_kernels.h"
+#include "splat/passes/key_order.h"
 
 namespace livegs {
 namespace {
@@ -43,6 +44,27 @@ TEST(RadixSort, SortsWordsStably) {
     expect_stable_order(random_items(count, 0x1p32, count + 1));
     expect_stable_order(random_items(count, 10.0, count + 2));
     expect_stable_order(random_items(count, 1.0, count + 3));
+  }
+}
+
+// Runs of one, two and three passes, in the order that radix_sort gives.
+TEST(RadixSort, KeyOrderIsTheSameOrder) {
+  KeyOrder order;
+  for (const double distinct : {1.0, 5000.0, 0x1p20, 0x1p32}) {
+    for (const size_t count : {0u, 1u, 1000u, 70'001u}) {
+      const std::vector<KeyedIndex> items = random_items(count, distinct, count + 7);
+      std::vector<uint32_t> keys;
+      for (const KeyedIndex& item : items) keys.push_back(item.key);
+      const size_t half = count / 3;
+      const KeyRun runs[] = {{std::span(keys).first(half), 0}, {}, {std::span(keys).subspan(half), 500'000}};
+      const std::span<const uint32_t> found = order.sort(runs);
+      const std::vector<KeyedIndex> expected = sorted_by_us(items);
+      ASSERT_EQ(found.size(), count);
+      for (size_t i = 0; i < count; ++i) {
+        const uint32_t index = expected[i].index;
+        ASSERT_EQ(found[i], index < half ? index : 500'000 + index - half) << i;
+      }
+    }
   }
 }
 

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fetches assets and binds objects to what has arrived of them, for worker.js, whose stream must not wait for it. Each asset
+// is fetched once, in the order of requests, and kept by its hash in the Cache API. Messages of the session:
+//
+//   start     module, token, assets: address of their folder
+//   describe  description (its number), rest: the rest body, or null if its kernels are bound already; session: its id;
+//             asset_hash, asset_bytes; broken_asset_hash, broken_asset_bytes: of an object that may break
+//   forget    description: it was removed or replaced
+//
+// Answers: bound (Core.bound()), failed { description, message }, loading { message }, received { bytes }, crashed { message }.
+import { Core } from './core.js';
+
+const kFetches = 4, kRetryPause_ms = 150, kLoading_ms = 100, kCacheName = 'livegs-assets-1';
+const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+class Binder {
+  constructor(core, token, folder) {
+    Object.assign(this, { core, token, folder, session: '', assets: new Map(), fetching: 0 });
+  }
+
+  describe({ description, rest, session, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes }) {
+    this.session = session;
+    const asset = this.request(asset_hash, asset_bytes, false);
+    if (broken_asset_hash) this.request(broken_asset_hash, broken_asset_bytes, true);
+    if (rest) this.core.take('bind_object', [description, asset.number], rest);
+    this.bind();
+    queueMicrotask(() => this.fetchNext());
+  }
+
+  // Binds all that is due.
+  bind() {
+    const { core } = this;
+    for (let answer = core.call.bind_next(); answer !== 0; answer = core.call.bind_next()) {
+      const message = answer === 2 ? core.error() : '', bound = core.bound();
+      if (answer === 2) {
+        postMessage({ type: 'failed', description: bound.description, message });
+      } else {
+        const { kernels: { rest, looks, bands }, node_terms } = bound;
+        postMessage({ type: 'bound', ...bound }, [rest.buffer, looks.buffer, bands.buffer, node_terms.buffer]);
+      }
+    }
+  }
+
+  // `early`: of an object that may break; fetched when nothing else is.
+  request(hash, bytes, early) {
+    let asset = this.assets.get(hash);
+    if (!asset) {
+      asset = { hash, number: this.assets.size, early, arrived: 0, total: bytes, state: 'waits' };
+      this.assets.set(hash, asset);
+    }
+    asset.early = asset.early && early;
+    return asset;
+  }
+
+  fetchNext() {
+    const waiting = [...this.assets.values()].filter((asset) => asset.state === 'waits');
+    for (const asset of waiting.sort((a, b) => a.early - b.early)) {
+      if (this.fetching >= (asset.early ? 1 : kFetches)) return;
+      asset.state = 'loads';
+      ++this.fetching;
+      this.load(asset).catch((error) => {
+        if (error instanceof WebAssembly.RuntimeError) crashed(error);
+        else postMessage({ type: 'failed', description: 0, message: `asset ${asset.hash.slice(0, 12)}: ${error.message}` });
+      }).finally(() => {
+        asset.state = 'done';
+        --this.fetching;
+        this.fetchNext();
+      });
+    }
+  }
+
+  take(asset, chunk) {
+    this.core.take('take_asset', [asset.number], chunk);
+    asset.arrived += chunk.length;
+    this.bind();
+    this.loadTimer ??= setTimeout(() => {
+      this.loadTimer = null;
+      const all = [...this.assets.values()].filter((one) => !one.early), sum = (of) => all.reduce((total, one) => total + of(one), 0);
+      postMessage({ type: 'loading', message: `${Math.floor((100 * sum((a) => Math.min(a.arrived, a.total))) / Math.max(1, sum((a) => a.total)))} %` });
+    }, kLoading_ms);
+  }
+
+  async load(asset) {
+    const { core } = this, path = this.folder + asset.hash, complete = () => core.call.asset_complete(asset.number);
+    const cache = await globalThis.caches?.open(kCacheName).catch(() => null); // secure contexts only
+    const restart = () => {
+      core.call.drop_asset(asset.number);
+      asset.arrived = 0;
+    };
+    const kept = await cache?.match(path).catch(() => null);
+    if (kept) {
+      try {
+        asset.total = Number(kept.headers.get('content-length')) || asset.total;
+        await eachChunk(kept.body, (chunk) => this.take(asset, chunk));
+        if (complete()) return;
+      } catch (error) {
+        if (error instanceof WebAssembly.RuntimeError) throw error;
+        console.warn(`asset ${asset.hash.slice(0, 12)}: the kept copy is damaged; fetching it again`);
+      }
+      await cache.delete(path);
+      restart();
+    }
+    const chunks = [], headers = { ...(this.token ? { authorization: `Bearer ${this.token}` } : {}) };
+    for (let damaged = false; ;) {
+      let reply = null;
+      try {
+        reply = await fetch(`${path}?from=${asset.arrived}`, { headers: { ...headers, ...(this.session ? { 'livegs-session': this.session } : {}) } });
+      } catch { /* tried again */ }
+      if (reply && !reply.ok && reply.status < 500) throw new Error(`status ${reply.status}: ${await reply.text()}`);
+      if (reply?.ok) {
+        asset.total = Number(reply.headers.get('livegs-total-bytes')) || asset.total;
+        let broken = null; // the error of the core, which a network does not explain
+        try {
+          await eachChunk(reply.body, (chunk) => {
+            postMessage({ type: 'received', bytes: chunk.length });
+            try { this.take(asset, chunk); } catch (error) { broken = error; throw error; }
+            if (cache) chunks.push(chunk);
+          });
+        } catch (error) {
+          if (broken instanceof WebAssembly.RuntimeError) throw error;
+        }
+        if (complete()) {
+          await cache?.put(path, new Response(new Blob(chunks), { headers: { 'content-length': String(asset.arrived) } })).catch(() => {});
+          return;
+        }
+        if (broken || asset.arrived >= asset.total) {
+          if (damaged) throw broken ?? new Error('the data are incomplete');
+          damaged = true;
+          chunks.length = 0;
+          restart();
+        }
+      }
+      await sleep(kRetryPause_ms);
+    }
+  }
+}
+
+async function eachChunk(body, take) {
+  for (const reader = body.getReader();;) {
+    const { done, value } = await reader.read();
+    if (done) return;
+    take(value);
+  }
+}
+
+function crashed(error) { postMessage({ type: 'crashed', message: error.message }); }
+
+let binder = null, ready = null;
+onmessage = async ({ data }) => {
+  if (data.type === 'start') {
+    ready = Core.load(data.module).then((core) => { binder = new Binder(core, data.token, data.assets); });
+    return;
+  }
+  try {
+    await ready;
+    if (data.type === 'describe') binder.describe(data);
+    if (data.type === 'forget') binder.core.call.forget_object(data.description);
+  } catch (error) {
+    if (error instanceof WebAssembly.RuntimeError) return crashed(error);
+    postMessage({ type: 'failed', description: data.description, message: error.message });
+  }
+};

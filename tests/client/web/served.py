@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scene made in code, a server of it, and a plain file server, for the tests of the page in browsers."""
+import functools
+import http.server
+import json
+import math
+import os
+import random
+import struct
+import subprocess
+import threading
+
+
+def different(a, b, step=8):
+    """Pixels of two pictures that differ by more than `step` in a channel."""
+    return sum(1 for i in range(0, len(a), 3) if any(abs(a[i + k] - b[i + k]) > step for k in range(3)))
+
+
+def lit(picture):
+    """Pixels that are not dark."""
+    return sum(1 for i in range(0, len(picture), 3) if max(picture[i:i + 3]) > 40)
+
+
+def write_box(file, colour, count=1500, half=0.5):
+    """A box of flat kernels on its faces, as a .ply of 3DGS tools (y down); few, because a software renderer draws them."""
+    random.seed(7)
+    names = ['x', 'y', 'z', 'f_dc_0', 'f_dc_1', 'f_dc_2', 'opacity', 'scale_0', 'scale_1', 'scale_2', 'rot_0', 'rot_1', 'rot_2', 'rot_3']
+    with open(file, 'wb') as out:
+        out.write(('ply\nformat binary_little_endian 1.0\nelement vertex %d\n' % count +
+                   ''.join(f'property float {name}\n' for name in names) + 'end_header\n').encode())
+        for i in range(count):
+            axis, side = i % 3, half if i // 3 % 2 else -half
+            at = [random.uniform(-half, half) for _ in range(3)]
+            at[axis] = side
+            flat = [math.log(0.05)] * 3
+            flat[axis] = math.log(0.005)
+            shade = [(c * (0.7 + 0.15 * axis) - 0.5) / 0.28209479 for c in colour]
+            out.write(struct.pack('<14f', *at, *shade, 4.0, *flat, 1, 0, 0, 0))
+
+
+def write_scene(folder):
+    """An elastic box that falls onto a floor next to a rigid one."""
+    write_box(os.path.join(folder, 'soft.ply'), (0.9, 0.3, 0.2))
+    write_box(os.path.join(folder, 'hard.ply'), (0.2, 0.4, 0.9))
+    scene = {
+        'rate_hz': 90, 'environment': {'colliders': [{'plane': {'point_m': [0, 0, 0], 'normal': [0, 1, 0]}}]},
+        'objects': [
+            {'name': 'soft', 'asset': 'soft.ply', 'scale': 0.3, 'label': 'foam block', 'pose': {'position_m': [-0.25, 0.4, 0]}},
+            {'name': 'hard', 'asset': 'hard.ply', 'scale': 0.3, 'label': 'wooden block', 'pose': {'position_m': [0.25, 0.16, 0]}}]}
+    file = os.path.join(folder, 'boxes.scene.json')
+    with open(file, 'w') as out:
+        json.dump(scene, out)
+    return file
+
+
+class Server:
+    """livegs-server on a port of its own."""
+
+    def __init__(self, program, scene, *arguments, port=0):
+        self.process = subprocess.Popen([program, scene, '--listen', f'127.0.0.1:{port}', '--offline', '--print-port', *arguments],
+                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        line = self.process.stdout.readline().strip()
+        if not line:
+            raise SystemExit('served: livegs-server ended before it was ready')
+        self.port = int(line)
+
+    def stop(self, kill=False):
+        if kill:
+            self.process.kill()
+        else:
+            self.process.terminate()
+        self.process.wait(60)
+        self.process.stdout.close()
+
+
+class Site:
+    """A folder behind a plain file server, a site of its own."""
+
+    def __init__(self, folder):
+        handler = functools.partial(QuietHandler, directory=folder)
+        self.server = http.server.ThreadingHTTPServer(('127.0.0.1', 0), handler)
+        self.origin = f'http://127.0.0.1:{self.server.server_address[1]}'
+        threading.Thread(target=self.server.serve_forever, daemon=True).start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.server.shutdown()
+        self.server.server_close()
+
+
+class QuietHandler(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
