@@ -20,6 +20,7 @@
 #include "analysis/run/explain_page.h"
 #include "cli/commands.h"
 #include "cli/decide_physics.h"
+#include "cli/input_kind.h"
 #include "cli/output_path.h"
 #include "cli/parameters_table.h"
 #include "core/file.h"
@@ -43,15 +44,9 @@ struct AnalyzeCommand {
   PhysicsDecision decision;
 };
 
-bool is_scene(const fs::path& path) {
-  std::error_code ignored;
-  return path.string().ends_with(".scene.json") ||
-         (fs::is_directory(path, ignored) && !fs::exists(path / "meta.json", ignored));
-}
-
 // An asset is treated as a scene with one object.
 Result<SceneText> scene_of(const AnalyzeCommand& options) {
-  if (is_scene(options.path)) return read_scene(options.path);
+  if (is_scene_input(options.path)) return read_scene(options.path);
   SceneText alone{{}, "", options.path.filename().string()};
   v1::Object& object = *alone.file.add_objects();
   object.set_asset(fs::absolute(options.path).string());
@@ -77,7 +72,7 @@ Result<Scene> load(const AnalyzeCommand& options, bool print_estimates) {
   SceneOptions still;
   still.cut_fragile = false;
   if (print_estimates) still.built = print_first;
-  if (is_scene(options.path)) return Scene::load(options.path, still);
+  if (is_scene_input(options.path)) return Scene::load(options.path, still);
   const auto alone = scene_of(options);
   return Scene::build(alone->file, alone->folder, alone->name, still);
 }
@@ -204,7 +199,7 @@ Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object
 }
 
 int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
-  const bool scene = is_scene(options.path);
+  const bool scene = is_scene_input(options.path);
   if (options.json) {
     nlohmann::ordered_json objects = nlohmann::ordered_json::array();
     for (const Analysed& one : all) {
@@ -232,7 +227,7 @@ int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
 
 // Refuses options for single assets if the input is a scene file, which sets them per object.
 Result<void> check_options(const AnalyzeCommand& options) {
-  if (!is_scene(options.path)) return {};
+  if (!is_scene_input(options.path)) return {};
   for (const auto& [option, field, given] : {std::tuple("--name", "name", !options.name.empty()),
                                              {"--scale", "scale", options.scale > 0},
                                              {"--up", "up", !options.up.empty()}}) {
@@ -262,8 +257,8 @@ int run(const AnalyzeCommand& options) {
   auto analysis = SceneAnalysis::of(*scene, *endpoint != nullptr || explained);
   if (!analysis) return report(analysis.error());
   const auto targets =
-      analysis->targets(is_scene(options.path) ? std::vector<std::string>{}
-                                               : std::vector<std::string>{analysis->objects()[0].name});
+      analysis->targets(is_scene_input(options.path) ? std::vector<std::string>{}
+                                                     : std::vector<std::string>{analysis->objects()[0].name});
   if (!targets) return report(targets.error());
   const auto object_of = [&](uint32_t id) {
     return &*std::find_if(analysis->objects().begin(), analysis->objects().end(),

@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/output_path.h"
+#include "gaussian/asset_name.h"
 #include "geometry/fracture/fracture_seeds.h"
 #include "geometry/fracture/piece_kernels.h"
 #include "geometry/fracture/voronoi_pieces.h"
@@ -77,7 +78,7 @@ Result<void> draw(const GaussianAsset& asset, const PosedKernels& kernels, const
 int run(const FractureCommand& options) {
   if (auto checked = check_output_folder(options.output); !checked) return report(checked.error());
   auto placed =
-      place_asset(options.asset, options.asset.stem().string(),
+      place_asset(options.asset, asset_stem(options.asset).filename().string(),
                   options.scale > 0 ? std::optional(options.scale) : std::nullopt, options.up, "fracture");
   if (!placed) return report(placed.error());
   auto surface = reconstruct_surface(placed->body_points_m,

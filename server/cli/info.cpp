@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/input_kind.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/asset_summary.h"
@@ -57,13 +58,36 @@ int print_scene(const std::filesystem::path& path) {
   return 0;
 }
 
-int print_asset(const std::filesystem::path& path) {
-  auto file = read_asset(path);
+// The axes, unit and place that the file states.
+void print_frame(const AssetFile& file) {
+  const AssetFrame& frame = file.frame;
+  if (file.y_up_in_file) {
+    std::printf("axes         y up in the file, converted to -y up\n");
+  } else if (frame.up_axis.empty()) {
+    std::printf("axes         -y up, assumed; the file names none\n");
+  } else {
+    std::printf("axes         %s up, named by the file\n", frame.up_axis.c_str());
+  }
+  if (frame.metres_per_unit == 0) {
+    std::printf("unit         unknown; a scene gives or guesses it\n");
+  } else if (frame.unit_of_format) {
+    std::printf("unit         metre, by convention of the format\n");
+  } else {
+    std::printf("unit         %g m, named by the file\n", frame.metres_per_unit);
+  }
+  if (!frame.origin.isZero(0))
+    std::printf("origin       %.10g %.10g %.10g, subtracted from all positions\n", frame.origin.x(),
+                frame.origin.y(), frame.origin.z());
+}
+
+int print_asset(const std::filesystem::path& path, const ReadOptions& options) {
+  auto file = read_asset(path, options);
   if (!file) return report(file.error());
   const AssetSummary summary = summarise(file->asset);
   std::printf("format       %s", format_name(file->format));
   if (file->format_version > 0) std::printf(" v%d", file->format_version);
-  std::printf("\naxes         %s\n", file->y_up_in_file ? "y up in the file, converted to -y up" : "-y up");
+  std::printf("\n");
+  print_frame(*file);
   std::printf("kernels      %zu\n", summary.count);
   std::printf("SH degree    %d%s\n", summary.sh_degree,
               file->asset.antialiased ? ", trained antialiased" : "");
@@ -85,16 +109,18 @@ int print_asset(const std::filesystem::path& path) {
 
 void add_info(CLI::App& app, int& exit_code) {
   auto path = std::make_shared<std::filesystem::path>();
+  auto activated = std::make_shared<bool>(false);
   CLI::App* command =
       app.add_subcommand("info", "Show the contents of a splat asset or a scene file, and check it");
-  command->add_option("PATH", *path, "Splat file, unpacked .sog folder, *.scene.json, or folder of assets")
+  command
+      ->add_option("PATH", *path,
+                   "Splat file, unpacked or streamed .sog folder, *.scene.json, or folder of assets")
       ->required();
-  command->callback([path, &exit_code] {
-    std::error_code ignored;
-    const bool scene = std::filesystem::is_directory(*path, ignored)
-                           ? !std::filesystem::exists(*path / "meta.json", ignored)
-                           : path->extension() == ".json" && path->filename() != "meta.json";
-    exit_code = scene ? print_scene(*path) : print_asset(*path);
+  add_activated_flag(*command, *activated);
+  command->callback([path, activated, &exit_code] {
+    const bool scene =
+        is_scene_input(*path) || (has_ending(path->string(), ".json") && !is_asset_index(*path));
+    exit_code = scene ? print_scene(*path) : print_asset(*path, read_options(*activated));
   });
 }
 

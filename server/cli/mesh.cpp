@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/input_kind.h"
 #include "cli/output_path.h"
 #include "core/file.h"
 #include "geometry/mesh/mass_properties.h"
@@ -16,7 +17,7 @@ struct MeshCommand {
   std::filesystem::path asset, output;
   double scale = 0;
   std::string up;
-  bool rigid = false;
+  bool rigid = false, activated = false;
 };
 
 std::string obj_text(const TriangleMesh& mesh) {
@@ -37,9 +38,9 @@ int run(const MeshCommand& options) {
   if (!options.output.empty()) {
     if (auto checked = check_output_file(options.output, {".obj"}); !checked) return report(checked.error());
   }
-  auto placed =
-      place_asset(options.asset, options.asset.stem().string(),
-                  options.scale > 0 ? std::optional(options.scale) : std::nullopt, options.up, "mesh");
+  auto placed = place_asset(options.asset, asset_stem(options.asset).filename().string(),
+                            options.scale > 0 ? std::optional(options.scale) : std::nullopt, options.up,
+                            "mesh", std::nullopt, read_options(options.activated));
   if (!placed) return report(placed.error());
   auto surface = reconstruct_surface(placed->body_points_m,
                                      options.rigid ? rigid_surface_options() : elastic_surface_options());
@@ -73,7 +74,8 @@ void add_mesh(CLI::App& app, int& exit_code) {
       ->type_name("METRES");
   command->add_option("--up", options->up, "Up axis of the asset, one of x, -x, y, -y, z, -z")
       ->type_name("AXIS")
-      ->default_str("-y");
+      ->default_str("that of the file, else -y");
+  add_activated_flag(*command, options->activated);
   command->add_flag("--rigid", options->rigid, "Reconstruct the coarse surface of a rigid body");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

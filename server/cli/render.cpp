@@ -5,6 +5,7 @@
 
 #include "cli/choose_device.h"
 #include "cli/commands.h"
+#include "cli/input_kind.h"
 #include "cli/output_path.h"
 #include "core/clock.h"
 #include "core/file.h"
@@ -25,7 +26,7 @@ struct RenderCommand {
   double azimuth_deg = 0, elevation_deg = kDefaultElevation_rad * 180 / std::numbers::pi;
   int turns = 1;
   std::vector<double> background;  // empty: that of the scene, else kPictureBackground
-  bool no_shadows = false;
+  bool no_shadows = false, activated = false;
   std::string device = "auto";
 };
 
@@ -69,7 +70,8 @@ int draw(const RenderCommand& options, std::span<const DrawnObject> objects,
 
 // Draws an asset by itself, as a scene with one static object.
 int render_asset(const RenderCommand& options) {
-  auto placed = place_asset(options.input, "", 1.0, options.up, "render");
+  auto placed = place_asset(options.input, "", 1.0, options.up, "render", std::nullopt,
+                            read_options(options.activated));
   if (!placed) return report(placed.error());
   RestBody rest;
   rest.object_from_asset = placed->object_from_asset;
@@ -110,10 +112,7 @@ int render_scene(const RenderCommand& options) {
 
 int run(const RenderCommand& options) {
   if (auto checked = check_output_file(options.output, {".png"}); !checked) return report(checked.error());
-  std::error_code ignored;
-  const bool unpacked_sog = std::filesystem::exists(options.input / "meta.json", ignored);
-  const bool scene = options.input.string().ends_with(".scene.json") ||
-                     (std::filesystem::is_directory(options.input, ignored) && !unpacked_sog);
+  const bool scene = is_scene_input(options.input);
   if (!scene && !options.frame.empty())
     return report(invalid_argument("--frame: does not apply to a single asset; give a scene file or folder"));
   return scene ? render_scene(options) : render_asset(options);
@@ -134,7 +133,8 @@ void add_render(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   command->add_option("--up", options->up, "Up axis of the asset, one of x, -x, y, -y, z, -z")
       ->type_name("AXIS")
-      ->default_str("-y");
+      ->default_str("that of the file, else -y");
+  add_activated_flag(*command, options->activated);
   command->add_option("--width", options->width, "Width of the picture in pixels")
       ->check(CLI::Range(1, 16384))
       ->capture_default_str();

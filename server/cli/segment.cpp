@@ -32,6 +32,7 @@ int segment(SegmentCommand command) {
   if (!file) return report(file.error());
   request.name = command.input.filename().string();
   for (const std::string& note : file->notes) log_warn("%s: %s", request.name.c_str(), note.c_str());
+  if (request.up.empty() && command.cameras.empty()) request.up = file->frame.up_axis;
   if (!command.cameras.empty()) {
     auto read = read_transforms_file(command.cameras);
     if (!read) return report(read.error());

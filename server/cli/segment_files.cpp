@@ -10,6 +10,7 @@
 #include "core/file.h"
 #include "core/written_files.h"
 #include "gaussian/asset_file.h"
+#include "gaussian/transform_asset.h"
 #include "parts/room_solids.h"
 #include "parts/views/choose_cameras.h"
 #include "parts/views/room_view.h"
@@ -17,7 +18,6 @@
 #include "splat/frame_bounds.h"
 #include "splat/image.h"
 #include "splat/rasterise.h"
-#include "splat/transform_asset.h"
 
 namespace livegs {
 namespace {

@@ -77,12 +77,15 @@ Result<std::vector<std::byte>> GunzipStream::take(size_t size) {
   return bytes;
 }
 
-Result<size_t> GunzipStream::drain() {
+Result<size_t> GunzipStream::drain(std::vector<std::byte>* kept, size_t kept_bytes) {
   std::array<std::byte, 65536> piece;
   size_t left = 0;
   while (!state_->ended) {
     const Result<size_t> got = inflate_into(piece.data(), piece.size());
     if (!got) return got.error();
+    if (kept && left < kept_bytes)
+      kept->insert(kept->end(), piece.begin(),
+                   piece.begin() + static_cast<ptrdiff_t>(std::min(*got, kept_bytes - left)));
     left += *got;
   }
   const size_t behind = state_->stream.avail_in + state_->input.size();

@@ -24,9 +24,10 @@ class GunzipStream {
   // Returns the next `size` bytes. An error if the stream ends before them or is damaged.
   Result<std::vector<std::byte>> take(size_t size);
 
-  // Reads and discards the rest of the stream; returns its length in bytes. Verifies the checksum and the
-  // length. An error if bytes follow the stream in the input.
-  Result<size_t> drain();
+  // Reads the rest of the stream and discards it, except for its first `kept_bytes`, which are appended to
+  // `kept`. Returns the length of the rest in bytes. Verifies the checksum and the length. An error if bytes
+  // follow the stream in the input.
+  Result<size_t> drain(std::vector<std::byte>* kept = nullptr, size_t kept_bytes = 0);
 
  private:
   struct State;

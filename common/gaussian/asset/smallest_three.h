@@ -24,4 +24,21 @@ inline Eigen::Vector4f from_smallest_three(unsigned largest, const std::array<fl
   return q;
 }
 
+// The reverse: number of the largest component and the others in ascending order, with the sign that makes
+// the largest positive. `q` is unit, in the order of the format.
+struct SmallestThree {
+  unsigned largest = 0;
+  std::array<float, 3> others = {};
+};
+
+inline SmallestThree to_smallest_three(const Eigen::Vector4f& q) {
+  SmallestThree packed;
+  q.cwiseAbs().maxCoeff(&packed.largest);
+  const float sign = q[packed.largest] < 0 ? -1.0f : 1.0f;
+  for (unsigned i = 0, next = 0; i < 4; ++i) {
+    if (i != packed.largest) packed.others[next++] = sign * q[i];
+  }
+  return packed;
+}
+
 }  // namespace livegs

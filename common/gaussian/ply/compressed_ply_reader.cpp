@@ -7,6 +7,7 @@
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset/smallest_three.h"
 #include "gaussian/opacity.h"
+#include "gaussian/ply/ply_comments.h"
 #include "gaussian/ply/ply_header.h"
 #include "gaussian/ply/ply_rows.h"
 
@@ -120,6 +121,7 @@ Result<AssetFile> read_compressed_ply(const PlyHeader& header, Bytes bytes, std:
 
   AssetFile file;
   file.format = AssetFormat::CompressedPly;
+  read_ply_comments(header, file);
   file.asset.sh_degree = *degree;
   file.asset.resize(vertex.count);
   std::vector<ChunkBounds> chunks(chunk.count, {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1}});

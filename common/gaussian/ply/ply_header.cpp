@@ -5,6 +5,8 @@
 #include <array>
 #include <charconv>
 
+#include "gaussian/asset/words.h"
+
 namespace livegs {
 namespace {
 
@@ -36,18 +38,6 @@ std::optional<PlyScalar> scalar_named(std::string_view word) {
     if (name.word == word) return name.type;
   }
   return std::nullopt;
-}
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (size_t at = 0; at < line.size();) {
-    const size_t begin = line.find_first_not_of(" \t", at);
-    if (begin == std::string_view::npos) break;
-    const size_t end = std::min(line.find_first_of(" \t", begin), line.size());
-    words.push_back(line.substr(begin, end - begin));
-    at = end;
-  }
-  return words;
 }
 
 // Lines end in a line feed, or in a carriage return and a line feed. nullopt: no line is left within the

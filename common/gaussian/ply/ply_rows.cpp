@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "gaussian/asset/float_of.h"
+
 namespace livegs {
 namespace {
 
@@ -42,16 +44,9 @@ double load_scalar(const std::byte* at, PlyScalar type, bool swapped) {
   return 0;
 }
 
-// Converts to float; out of range becomes infinite (a plain cast would be undefined).
-float narrow(double value) {
-  constexpr double kMax = std::numeric_limits<float>::max();
-  if (value > kMax) return std::numeric_limits<float>::infinity();
-  if (value < -kMax) return -std::numeric_limits<float>::infinity();
-  return static_cast<float>(value);
-}
-
 void store(const PlyColumn& column, size_t row, double value) {
-  if (column.floats) column.floats[row * column.stride] = narrow(value);
+  if (column.floats) column.floats[row * column.stride] = float_of(value);
+  if (column.doubles) column.doubles[row * column.stride] = value;
   if (column.words)
     column.words[row * column.stride] = value >= 0 && value < 4294967296.0 ? static_cast<uint32_t>(value) : 0;
 }

@@ -9,13 +9,14 @@
 
 namespace livegs {
 
-// Destination of the values of one property: row r is written to first[r * stride], as a float or as a 32-bit
-// integer.
+// Destination of the values of one property: row r is written to first[r * stride], as a float, as a 32-bit
+// integer or as a double.
 struct PlyColumn {
   size_t property = 0;  // index in the element; not a list
   float* floats = nullptr;
   uint32_t* words = nullptr;
   size_t stride = 1;
+  double* doubles = nullptr;
 };
 
 // The body of a PLY file, read element by element in the order of the header.

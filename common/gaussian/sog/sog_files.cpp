@@ -56,15 +56,16 @@ class Bundle : public SogFiles {
 
 class Folder : public SogFiles {
  public:
-  Folder(const std::filesystem::path& folder, std::string_view name) : SogFiles(name), folder_(folder) {}
+  Folder(const std::filesystem::path& index, std::string_view name)
+      : SogFiles(name), folder_(index.parent_path()), index_(index.filename()) {}
 
  protected:
   Result<std::vector<std::byte>> read_plain_name(const std::string& file) const override {
-    return read_file(folder_ / file);
+    return read_file(folder_ / (file == "meta.json" ? index_ : std::filesystem::path(file)));
   }
 
  private:
-  std::filesystem::path folder_;
+  std::filesystem::path folder_, index_;
 };
 
 }  // namespace
@@ -93,8 +94,53 @@ Result<std::unique_ptr<SogFiles>> open_sog_bundle(Bytes zip, std::string_view na
   return std::unique_ptr<SogFiles>(std::make_unique<Bundle>(std::move(archive), zip.size(), name));
 }
 
-std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& folder, std::string_view name) {
-  return std::make_unique<Folder>(folder, name);
+std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& index, std::string_view name) {
+  return std::make_unique<Folder>(index, name);
+}
+
+Result<std::vector<std::byte>> write_sog_bundle(const std::vector<NamedBytes>& files) {
+  const auto fail = [](const char* reason) {
+    return invalid_argument(std::string("sog: the archive cannot be written (") + reason + ")");
+  };
+  zip_error_t error;
+  zip_error_init(&error);
+  zip_source_t* const source = zip_source_buffer_create(nullptr, 0, 0, &error);
+  zip_t* const opened = source ? zip_open_from_source(source, ZIP_CREATE | ZIP_TRUNCATE, &error) : nullptr;
+  if (!opened) {
+    if (source) zip_source_free(source);
+    const Error failed = fail(zip_error_strerror(&error));
+    zip_error_fini(&error);
+    return failed;
+  }
+  zip_error_fini(&error);
+  zip_source_keep(source);  // read below, after the archive is closed
+  const std::unique_ptr<zip_source_t, decltype(&zip_source_free)> kept(source, &zip_source_free);
+  std::unique_ptr<zip_t, CloseZip> archive(opened);
+  constexpr zip_uint16_t kDosDate = 1 << 5 | 1;  // 1 January 1980
+  for (const NamedBytes& file : files) {
+    zip_source_t* const content = zip_source_buffer(archive.get(), file.bytes.data(), file.bytes.size(), 0);
+    const zip_int64_t index =
+        content ? zip_file_add(archive.get(), file.name.c_str(), content, ZIP_FL_ENC_UTF_8) : -1;
+    if (index < 0) {
+      if (content) zip_source_free(content);
+      return fail(zip_strerror(archive.get()));
+    }
+    const auto entry = static_cast<zip_uint64_t>(index);
+    if (zip_set_file_compression(archive.get(), entry, ZIP_CM_STORE, 0) != 0 ||
+        zip_file_set_dostime(archive.get(), entry, 0, kDosDate, 0) != 0)
+      return fail(zip_strerror(archive.get()));
+  }
+  if (zip_close(archive.get()) != 0) return fail(zip_strerror(archive.get()));
+  archive.release();
+  zip_stat_t stat;
+  zip_stat_init(&stat);
+  if (zip_source_stat(source, &stat) != 0 || !(stat.valid & ZIP_STAT_SIZE) || zip_source_open(source) != 0)
+    return fail("the written bytes cannot be read");
+  std::vector<std::byte> bytes(stat.size);
+  const zip_int64_t got = zip_source_read(source, bytes.data(), bytes.size());
+  zip_source_close(source);
+  if (got != static_cast<zip_int64_t>(bytes.size())) return fail("the written bytes cannot be read");
+  return bytes;
 }
 
 }  // namespace livegs

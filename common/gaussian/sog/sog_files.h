@@ -29,6 +29,14 @@ class SogFiles {
 
 // `zip` must outlive the result.
 Result<std::unique_ptr<SogFiles>> open_sog_bundle(Bytes zip, std::string_view name);
-std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& folder, std::string_view name);
+// `index`: the meta.json, whose name may be in any letter case.
+std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& index, std::string_view name);
+
+// A zip archive with these files, stored without compression (WebP has its own), the same bytes each time.
+struct NamedBytes {
+  std::string name;
+  std::vector<std::byte> bytes;
+};
+Result<std::vector<std::byte>> write_sog_bundle(const std::vector<NamedBytes>& files);
 
 }  // namespace livegs

@@ -132,6 +132,18 @@ void read_version_2(MetaReader& read, const Json& json, SogMeta& meta) {
   meta.antialiased = antialias != json.end() && antialias->is_boolean() && antialias->get<bool>();
 }
 
+constexpr size_t kMaxFrameLines = 16;
+
+void read_frame(const Json& json, SogMeta& meta) {
+  const auto lines = json.find("livegs");
+  if (lines == json.end() || !lines->is_array() || lines->size() > kMaxFrameLines) return;
+  for (const Json& line : *lines) {
+    if (!line.is_string()) continue;
+    std::string note = read_frame_line(line.get_ref<const std::string&>(), meta.frame);
+    if (!note.empty()) meta.notes.push_back(std::move(note));
+  }
+}
+
 }  // namespace
 
 Result<SogMeta> parse_sog_meta(Bytes bytes, std::string_view name) {
@@ -161,6 +173,7 @@ Result<SogMeta> parse_sog_meta(Bytes bytes, std::string_view name) {
   meta.scales.file = read.file(read.member(json, "scales"), 0, 1);
   meta.sh0.file = read.file(read.member(json, "sh0"), 0, 1);
   if (read.error()) return *read.error();
+  read_frame(json, meta);
   return meta;
 }
 

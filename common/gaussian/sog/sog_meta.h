@@ -9,6 +9,7 @@
 
 #include "core/result.h"
 #include "gaussian/asset/bytes.h"
+#include "gaussian/asset_frame.h"
 
 namespace livegs {
 
@@ -36,6 +37,8 @@ struct SogMeta {
   std::string means_low_file, means_high_file, quats_file;
   SogScale scales, sh0;
   std::optional<SogPalette> palette;
+  AssetFrame frame;                // from the member "livegs": a list of the lines of asset_frame.h
+  std::vector<std::string> notes;  // lines that are not understood
 };
 
 Result<SogMeta> parse_sog_meta(Bytes json, std::string_view name);

@@ -182,6 +182,8 @@ Result<AssetFile> read_sog(const SogFiles& files, uint64_t total_bytes, std::str
   file.asset = std::move(*asset);
   file.format = AssetFormat::Sog;
   file.format_version = meta->version;
+  file.frame = meta->frame;
+  file.notes = meta->notes;
   return file;
 }
 
@@ -191,7 +193,8 @@ Result<AssetFile> read_sog_bundle(Bytes bytes, std::string_view name) {
   return read_sog(**files, bytes.size(), name);
 }
 
-Result<AssetFile> read_sog_folder(const std::filesystem::path& folder, std::string_view name) {
+Result<AssetFile> read_sog_folder(const std::filesystem::path& index, std::string_view name) {
+  const std::filesystem::path folder = index.has_parent_path() ? index.parent_path() : ".";
   uint64_t bytes = 0;
   std::error_code error;
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
@@ -200,7 +203,7 @@ Result<AssetFile> read_sog_folder(const std::filesystem::path& folder, std::stri
     const uint64_t size = entry->is_regular_file(no_size) ? entry->file_size(no_size) : 0;
     if (!no_size) bytes += size;
   }
-  return read_sog(*open_sog_folder(folder, name), bytes, name);
+  return read_sog(*open_sog_folder(index, name), bytes, name);
 }
 
 }  // namespace livegs

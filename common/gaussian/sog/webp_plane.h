@@ -24,4 +24,7 @@ struct WebpPlane {
 Result<WebpPlane> decode_webp_plane(Bytes bytes, size_t max_pixels, std::string_view name,
                                     std::string_view plane);
 
+// The reverse, without loss and for any alpha. `name` is the format in errors.
+Result<std::vector<std::byte>> encode_webp_plane(const WebpPlane& plane, std::string_view name);
+
 }  // namespace livegs

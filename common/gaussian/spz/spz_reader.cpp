@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // .spz (Niantic). Versions 1 to 3: header and planes in one gzip member. Version 4: an uncompressed header, a
 // table of sizes, then one zstd frame per plane.
+#include <algorithm>
+
 #include "gaussian/asset/decompress.h"
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset/y_up.h"
+#include "gaussian/spz/spz_extensions.h"
 #include "gaussian/spz/spz_planes.h"
 
 namespace livegs {
@@ -33,13 +36,18 @@ Result<void> check_header(const SpzHeader& header, size_t file_bytes, std::strin
   return {};
 }
 
-AssetFile unpacked(const SpzHeader& header, const std::array<Bytes, kSpzPlaneCount>& planes) {
+AssetFile unpacked(const SpzHeader& header, const std::array<Bytes, kSpzPlaneCount>& planes,
+                   Bytes extensions) {
   AssetFile file;
   file.asset = unpack_spz(header, planes);
   turn_half_about_x(file.asset);
   file.format = AssetFormat::Spz;
   file.format_version = static_cast<int>(header.version);
   file.y_up_in_file = true;
+  file.frame.metres_per_unit = 1;
+  file.frame.unit_of_format = true;
+  if (header.flags & kSpzHasExtensions) read_spz_frame(extensions, file.frame, file.notes);
+  file.frame.up_axis = "-y";  // after the turn; the format has one frame
   if (header.sh_degree > 3)
     file.notes.push_back("cut spherical harmonics of degree " + std::to_string(header.sh_degree) + " to 3");
   return file;
@@ -68,12 +76,13 @@ Result<AssetFile> read_gzipped(Bytes bytes, std::string_view name) {
     storage[p] = std::move(*plane);
     planes[p] = storage[p];
   }
-  const Result<size_t> left = stream.drain();
+  std::vector<std::byte> extensions;
+  const Result<size_t> left = stream.drain(&extensions, kMaxSpzExtensionBytes);
   if (!left) return left.error();
   if (*left != 0 && !(header.flags & kSpzHasExtensions)) {
     return invalid_data(prefix + std::to_string(*left) + " bytes follow the kernels");
   }
-  return unpacked(header, planes);
+  return unpacked(header, planes, extensions);
 }
 
 Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
@@ -124,7 +133,8 @@ Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
   }
   if (at != bytes.size())
     return invalid_data(prefix + std::to_string(bytes.size() - at) + " bytes follow the last stream");
-  return unpacked(header, planes);
+  const size_t extension_bytes = std::min(table - kHeader4Bytes, kMaxSpzExtensionBytes);
+  return unpacked(header, planes, bytes.subspan(kHeader4Bytes, extension_bytes));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "gaussian/asset/y_up.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/opacity.h"
+#include "gaussian/spz/spz_extensions.h"
 #include "gaussian/spz/spz_planes.h"
 
 namespace livegs {
@@ -95,14 +96,15 @@ Planes pack(const GaussianAsset& asset, const SpzHeader& header, const SpzOption
   return planes;
 }
 
-std::vector<std::byte> gzipped(const SpzHeader& header, const Planes& planes) {
+std::vector<std::byte> gzipped(const SpzHeader& header, const Planes& planes, Bytes extensions) {
   std::vector<std::byte> all;
   append(all, header);
   for (const std::vector<std::byte>& plane : planes) all.insert(all.end(), plane.begin(), plane.end());
+  all.insert(all.end(), extensions.begin(), extensions.end());
   return gzip(all);
 }
 
-std::vector<std::byte> in_streams(SpzHeader header, const Planes& planes) {
+std::vector<std::byte> in_streams(SpzHeader header, const Planes& planes, Bytes extensions) {
   std::vector<std::byte> table;
   std::vector<std::byte> streams;
   header.reserved = 0;
@@ -116,8 +118,9 @@ std::vector<std::byte> in_streams(SpzHeader header, const Planes& planes) {
   }
   std::vector<std::byte> file;
   append(file, header);
-  append(file, uint32_t{32});               // offset of the table: directly after this header
-  append(file, std::array<uint8_t, 12>{});  // reserved
+  append(file, static_cast<uint32_t>(32 + extensions.size()));  // offset of the table
+  append(file, std::array<uint8_t, 12>{});                      // reserved
+  file.insert(file.end(), extensions.begin(), extensions.end());
   file.insert(file.end(), table.begin(), table.end());
   file.insert(file.end(), streams.begin(), streams.end());
   return file;
@@ -125,7 +128,8 @@ std::vector<std::byte> in_streams(SpzHeader header, const Planes& planes) {
 
 }  // namespace
 
-Result<std::vector<std::byte>> encode_spz(const GaussianAsset& asset, const SpzOptions& options) {
+Result<std::vector<std::byte>> encode_spz(const GaussianAsset& asset, const SpzOptions& options,
+                                          const AssetFrame& frame) {
   if (options.version < 2 || options.version > 4) {
     return invalid_argument("spz version " + std::to_string(options.version) +
                             " cannot be written; choose 2, 3 or 4");
@@ -148,12 +152,14 @@ Result<std::vector<std::byte>> encode_spz(const GaussianAsset& asset, const SpzO
   header.count = static_cast<uint32_t>(asset.size());
   header.sh_degree = static_cast<uint8_t>(asset.sh_degree);
   header.fractional_bits = static_cast<uint8_t>(fractional_bits);
+  const std::vector<std::byte> extensions = spz_frame_record(frame);
   header.flags = asset.antialiased ? kSpzAntialiased : 0;
+  if (!extensions.empty()) header.flags |= kSpzHasExtensions;
 
   GaussianAsset y_up = asset;
   turn_half_about_x(y_up);
   const Planes planes = pack(y_up, header, options);
-  return options.version == 4 ? in_streams(header, planes) : gzipped(header, planes);
+  return options.version == 4 ? in_streams(header, planes, extensions) : gzipped(header, planes, extensions);
 }
 
 }  // namespace livegs

@@ -8,6 +8,7 @@
 
 #include "compute/pass_rows.h"
 #include "core/assert.h"
+#include "gaussian/spherical_harmonics.h"
 #include "project_splats.spv.h"
 #include "splat/half_float.h"
 #include "splat/passes/order_depth.h"
@@ -15,7 +16,6 @@
 #include "splat/passes/sort_keys_layout.h"
 #include "splat/project/precise.h"
 #include "splat/project/project_kernels.h"
-#include "splat/project/spherical_harmonics.h"
 #include "splat/shadow_table.h"
 
 namespace livegs {

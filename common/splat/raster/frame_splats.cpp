@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/assert.h"
+#include "gaussian/spherical_harmonics.h"
 #include "splat/passes/project_splats.h"
-#include "splat/project/spherical_harmonics.h"
 #include "splat/shadow/shadow_layout.h"
 
 namespace livegs {

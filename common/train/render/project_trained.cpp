@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/project/spherical_harmonics.h"
+#include "gaussian/spherical_harmonics.h"
 
 namespace livegs {
 namespace {

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "core/parallel_for.h"
-#include "splat/project/spherical_harmonics.h"
+#include "gaussian/spherical_harmonics.h"
 #include "train/optimise/random_number.h"
 
 namespace livegs {

@@ -16,6 +16,7 @@
 #include "analysis/text/json_text.h"
 #include "core/content_hash.h"
 #include "core/format_text.h"
+#include "gaussian/asset_name.h"
 #include "json/json_message.h"
 
 namespace livegs {
@@ -150,14 +151,10 @@ Result<SidecarState> read_sidecar_state(const fs::path& path) {
 
 fs::path physics_file_path(const fs::path& asset) {
   fs::path path = asset;
-  if (path.filename() == "meta.json" || path.filename().empty()) path = path.parent_path();
+  if (path.filename().empty()) path = path.parent_path();
+  path = asset_stem(path);
   std::string name = path.filename().string();
-  for (const std::string_view ending : {".compressed.ply", ".ply", ".spz", ".sog", ".splat", ".csv"}) {
-    if (name.size() > ending.size() && name.ends_with(ending)) {
-      name.erase(name.size() - ending.size());
-      break;
-    }
-  }
+  if (name.size() > 4 && name.ends_with(".csv")) name.erase(name.size() - 4);  // points
   return path.parent_path() / (name + ".physics.json");
 }
 

@@ -268,6 +268,31 @@ size_t AlphaComplex::thicken_sheets(double radius, double thickness) {
   return thickened;
 }
 
+double AlphaComplex::near_surface(double distance) const {
+  const Impl& impl = *impl_;
+  constexpr int kRounds = 4;  // edges on the way to the surface: a skin has a few layers of points
+  std::vector<double> depth(impl.vertices.size(), std::numeric_limits<double>::infinity());
+  for (Cell cell : impl.delaunay.finite_cell_handles()) {
+    if (cell->info().reached) continue;
+    for (int i = 0; i < 4; ++i) {
+      if (!cell->neighbor(i)->info().reached) continue;
+      for (const Vertex& vertex : impl.face_vertices(cell, i)) depth[vertex->info()] = 0.0;
+    }
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<double> before = depth;  // so that the order of the edges does not matter
+    for (const auto& edge : impl.delaunay.finite_edges()) {
+      const Vertex a = edge.first->vertex(edge.second), b = edge.first->vertex(edge.third);
+      const double length = (position(a) - position(b)).norm();
+      depth[a->info()] = std::min(depth[a->info()], before[b->info()] + length);
+      depth[b->info()] = std::min(depth[b->info()], before[a->info()] + length);
+    }
+  }
+  const auto near = std::count_if(depth.begin(), depth.begin() + static_cast<std::ptrdiff_t>(impl.cloud_size),
+                                  [&](double one) { return one <= distance; });
+  return impl.cloud_size > 0 ? static_cast<double>(near) / static_cast<double>(impl.cloud_size) : 0.0;
+}
+
 AlphaComplex::Body AlphaComplex::body(double radius) {
   Impl& impl = *impl_;
   impl.flood(radius);

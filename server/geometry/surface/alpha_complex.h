@@ -50,6 +50,10 @@ class AlphaComplex {
   // only on the points.
   Body body(double radius);
 
+  // Fraction of the cloud within `distance` of a corner of the body that was last computed, along edges of
+  // the triangulation. Near 1 for points on a closed skin, small for points throughout a body.
+  double near_surface(double distance) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

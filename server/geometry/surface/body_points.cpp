@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "gaussian/opacity.h"
@@ -26,6 +27,12 @@ constexpr int kMaxRounds = 12;
 // At most kMaxSpreadPoints per side and axis, then with a wider spacing.
 constexpr double kSpread = 0.01;
 constexpr int kMaxSpreadPoints = 4;
+// At most this many additional points, plus kSpreadPerKernel for each kernel; then the spacing is wider for
+// all. Captures need a tenth. The limit keeps the memory in proportion to the file if kernels are as wide as
+// the whole object.
+constexpr size_t kMaxSpreadTotal = 2000000;
+constexpr size_t kSpreadPerKernel = 8;
+constexpr double kSpreadGrowth = 1.25;
 
 Eigen::AlignedBox3d bounds_of(const std::vector<Eigen::Vector3d>& points) {
   Eigen::AlignedBox3d bounds;
@@ -113,6 +120,35 @@ void drop_far(std::vector<uint32_t>& kernels, std::vector<Eigen::Vector3d>& poin
   }
 }
 
+// The additional points of a kernel at this spacing: every `step` of the kernel's axes, to `steps` on each
+// side.
+struct SpreadGrid {
+  Eigen::Array3d step;
+  Eigen::Array3i steps;
+};
+
+std::optional<SpreadGrid> spread_grid(const Eigen::Vector3d& deviations, double spread) {
+  if (deviations.maxCoeff() < spread) return std::nullopt;
+  SpreadGrid grid;
+  grid.step = (deviations.array() / kMaxSpreadPoints).max(spread);
+  grid.steps = (deviations.array() / grid.step + 1e-9).floor().cast<int>();
+  return grid;
+}
+
+// The spacing, or a wider one with which all kernels together stay within the limit.
+double limited_spread(const GaussianAsset& asset, const std::vector<uint32_t>& kernels, double spread) {
+  const size_t limit = kMaxSpreadTotal + kSpreadPerKernel * kernels.size();
+  for (; spread > 0.0; spread *= kSpreadGrowth) {
+    size_t count = 0;
+    for (const uint32_t kernel : kernels) {
+      const auto grid = spread_grid(asset.log_scales[kernel].cast<double>().array().exp(), spread);
+      if (grid) count += static_cast<size_t>((2 * grid->steps + 1).prod());
+    }
+    if (count <= limit) break;
+  }
+  return spread;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> body_points(const GaussianAsset& asset, const Similarity& object_from_asset) {
@@ -125,14 +161,14 @@ std::vector<Eigen::Vector3d> body_points(const GaussianAsset& asset, const Simil
   }
   drop_far(kernels, points);
 
-  const double spread = kSpread * bounds_of(points).diagonal().norm();
+  const double spread = limited_spread(asset, kernels, kSpread * bounds_of(points).diagonal().norm());
   const size_t centre_count = points.size();
   for (size_t i = 0; i < centre_count && spread > 0.0; ++i) {
     const Eigen::Vector3d deviations = asset.log_scales[kernels[i]].cast<double>().array().exp();
-    if (deviations.maxCoeff() < spread) continue;
+    const auto grid = spread_grid(deviations, spread);
+    if (!grid) continue;
+    const auto& [step, steps] = *grid;
     const Eigen::Matrix3d axes = asset.rotations[kernels[i]].cast<double>().toRotationMatrix();
-    const Eigen::Array3d step = (deviations.array() / kMaxSpreadPoints).max(spread);
-    const Eigen::Array3i steps = (deviations.array() / step + 1e-9).floor().cast<int>();
     for (int a = -steps.x(); a <= steps.x(); ++a) {
       for (int b = -steps.y(); b <= steps.y(); ++b) {
         for (int c = -steps.z(); c <= steps.z(); ++c) {

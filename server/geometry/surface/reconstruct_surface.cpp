@@ -35,6 +35,14 @@ constexpr int kRadiusTries = 7;
 constexpr double kMinCoveredShare = 0.8;
 // Maximum growth of the volume for a larger radius that joins all pieces.
 constexpr double kMaxSwelling = 1.25;
+// A skin with holes wider than the ball: the ball gets inside, and the body is a thin shell. It is closed by
+// a larger radius, if that is what happens there: the volume grows at once by kLeakGrowth, all points are
+// still near the surface (those of a plant, filled by a large ball, are not), the body is thicker than the
+// ball, and the next radius changes the volume by at most kClosedChange.
+constexpr int kLeakTries = 4;
+constexpr double kLeakGrowth = 3.0;
+constexpr double kNearSurface = 0.95;
+constexpr double kClosedChange = 1.15;
 // Minimum number of kernels in a voxel of the coarse surface, relative to the median. A rigid body stands on
 // its lowest points, so stray kernels under a captured base would make it rock and fall.
 constexpr double kMinVoxelShare = 0.15;
@@ -67,9 +75,21 @@ TriangleMesh principal_box(std::span<const Eigen::Vector3d> points) {
 struct Candidate {
   TriangleMesh mesh;
   double radius = 0.0, volume = 0.0;
+  double area = 0.0;
   int pieces = 0;
   SmallComponents dropped;
+  double leak_radius = 0.0;      // of the ball that got inside; 0: no leak
+  double unclosed_growth = 0.0;  // of the volume at larger radii that may, but need not, close a leak
 };
+
+double area_of(const TriangleMesh& mesh) {
+  double twice = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Eigen::Vector3d& p = mesh.vertices_m[a];
+    twice += (mesh.vertices_m[b] - p).cross(mesh.vertices_m[c] - p).norm();
+  }
+  return 0.5 * twice;
+}
 
 // Returns the alpha shape at this radius, or nothing if it is empty or omits too much of the cloud.
 std::optional<Candidate> try_radius(AlphaComplex& complex, double radius) {
@@ -82,6 +102,7 @@ std::optional<Candidate> try_radius(AlphaComplex& complex, double radius) {
   candidate.radius = radius;
   candidate.volume = signed_volume_m3(candidate.mesh);
   if (candidate.volume < kMinVolume) return std::nullopt;
+  candidate.area = area_of(candidate.mesh);
   candidate.pieces = mesh_topology(candidate.mesh).piece_count;
   return candidate;
 }
@@ -98,6 +119,30 @@ std::optional<Candidate> alpha_body(AlphaComplex& complex, double first_radius) 
     if (best->pieces == 1) break;
   }
   return best;
+}
+
+// Replaces a shell that is thinner than the ball by the body behind it, if a larger ball stays outside.
+void close_leak(AlphaComplex& complex, Candidate& shell) {
+  if (2.0 * shell.volume >= shell.radius * shell.area) return;
+  double radius = shell.radius, growth = 0.0;
+  std::optional<Candidate> closed;
+  for (int attempt = 0; attempt < kLeakTries; ++attempt) {
+    radius *= kRadiusGrowth;
+    std::optional<Candidate> next = try_radius(complex, radius);
+    if (!next) continue;
+    if (closed) {
+      if (next->volume > kClosedChange * closed->volume) break;
+      closed->leak_radius = shell.radius;
+      shell = std::move(*closed);
+      return;
+    }
+    if (next->volume < kLeakGrowth * shell.volume || 2.0 * next->volume < radius * next->area ||
+        complex.near_surface(shell.radius) < kNearSurface)
+      continue;
+    growth = next->volume / shell.volume;
+    closed = std::move(next);
+  }
+  shell.unclosed_growth = growth;
 }
 
 }  // namespace
@@ -157,15 +202,29 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
       radius = least_radius;
     }
     body = alpha_body(complex, radius);
+    if (body) close_leak(complex, *body);
   }
   if (body) {
     surface.mesh = std::move(body->mesh);
     surface.alpha_radius_m = body->radius * diagonal_m;
     surface.source =
         body->radius > options.alpha_radius ? SurfaceSource::LargerAlphaShape : SurfaceSource::AlphaShape;
-    if (surface.source == SurfaceSource::LargerAlphaShape) {
+    if (body->leak_radius > 0.0) {
+      add_note(
+          surface.note,
+          format_text("the skin has holes wider than %.3g m, through which its inside leaks: closed with an "
+                      "alpha radius of %.3g m",
+                      2.0 * body->leak_radius * diagonal_m, surface.alpha_radius_m));
+    } else if (surface.source == SurfaceSource::LargerAlphaShape) {
       add_note(surface.note, format_text("alpha radius raised to %.3g m from %.3g m to connect the points",
                                          surface.alpha_radius_m, options.alpha_radius * diagonal_m));
+    }
+    if (body->unclosed_growth > 0.0) {
+      add_note(surface.note,
+               format_text(
+                   "a thin shell: if it is a closed skin, it leaks through holes wider than %.3g m, and its "
+                   "volume is %.2g times as large; give it more kernels",
+                   2.0 * surface.alpha_radius_m, body->unclosed_growth));
     }
     if (body->pieces > 1) add_note(surface.note, format_text("in %d pieces", body->pieces));
     if (body->dropped.count > 0) {

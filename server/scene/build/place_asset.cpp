@@ -16,6 +16,8 @@ namespace {
 // Range of the longest side of an asset that may be a metric capture of a household object.
 constexpr double kMinObjectSize_m = 0.02;
 constexpr double kMaxObjectSize_m = 3.0;
+// Factor by which a size may leave the usual range of its name before the metre of a format is doubted.
+constexpr double kMaxUnusualSize = 3.0;
 
 double longest_side(const std::vector<Eigen::Vector3d>& points) {
   Eigen::AlignedBox3d bounds;
@@ -51,21 +53,34 @@ Guess guess_scale(double longest_units, std::string_view name) {
   return {kDefaultSize_m / longest_units, reason};
 }
 
+// Whether a size in metres is impossible for the name.
+bool contradicts_name(double longest_m, std::string_view name) {
+  const SizePrior prior = size_prior(name);
+  return prior.best_m > 0 &&
+         (longest_m < prior.low_m / kMaxUnusualSize || longest_m > prior.high_m * kMaxUnusualSize);
+}
+
 }  // namespace
 
 Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_view name,
                                 std::optional<double> scale, std::string_view up, std::string_view field,
-                                std::optional<double> assumed_scale) {
+                                std::optional<double> assumed_scale, const ReadOptions& read) {
   auto rotation = up_value(up, std::string(field) + ".up");
   if (!rotation) return rotation.error();
-  auto file = read_asset(path);
+  auto file = read_asset(path, read);
   if (!file) return Error{file.error().code, std::string(field) + ".asset: " + file.error().message};
   for (const std::string& note : file->notes) log_warn("%s: %s", path.filename().c_str(), note.c_str());
+
+  if (up.empty()) rotation = up_value(file->frame.up_axis, std::string(field) + ".up");
+
+  if (!file->frame.origin.isZero(0))
+    log_info("%s: origin %.10g %.10g %.10g of its positions", path.filename().c_str(), file->frame.origin.x(),
+             file->frame.origin.y(), file->frame.origin.z());
 
   PlacedAsset placed;
   auto asset = std::make_shared<GaussianAsset>(std::move(file->asset));
   placed.object_from_asset.rotation = *rotation;
-  placed.up_known = !up.empty() || file->y_up_in_file;
+  placed.up_known = !up.empty() || !file->frame.up_axis.empty();
   placed.body_points_m = body_points(*asset, placed.object_from_asset);
   const double longest = longest_side(placed.body_points_m);
   if (!(longest > 0))
@@ -75,9 +90,11 @@ Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_v
     placed.object_from_asset.scale = *scale;
     placed.scale_known = true;
     placed.scale_reason = "given in the scene file";
-  } else if (file->y_up_in_file) {
+  } else if (file->frame.metres_per_unit > 0 &&
+             !(file->frame.unit_of_format && contradicts_name(longest, name))) {
+    placed.object_from_asset.scale = file->frame.metres_per_unit;
     placed.scale_known = true;
-    placed.scale_reason = "the format is metric";
+    placed.scale_reason = file->frame.unit_of_format ? "the format is metric" : "the file names its unit";
   } else {
     Guess guess = guess_scale(longest, name);
     placed.scale_by_name = guess.by_name;

@@ -11,6 +11,7 @@
 #include "core/pose.h"
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
+#include "gaussian/read_options.h"
 
 namespace livegs {
 
@@ -25,9 +26,11 @@ struct PlacedAsset {
   std::vector<Eigen::Vector3d> body_points_m;  // positions of the kernels that form the body, object frame
 };
 
-// Reads `path`, rotates `up` ("-y" if empty) to +Y and scales to metres. Without `scale`, the scale is chosen
-// by the first rule that applies:
-// - An .spz file is metric.
+// Reads `path`, rotates `up` (if empty: the axis that the file names, else "-y") to +Y and scales to metres.
+// Without `scale`, the scale is chosen by the first rule that applies:
+// - The unit that the file states.
+// - The metre of the format (.spz, glTF), unless the file says that it is a guess, or the size is impossible
+//   for the name: converters write these formats without knowing a unit.
 // - An asset whose size fits its name is metric.
 // - An asset with a known name gets the usual size of that object.
 // - `assumed_scale`, if given.
@@ -35,6 +38,7 @@ struct PlacedAsset {
 inline constexpr double kDefaultSize_m = 0.4;
 Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_view name,
                                 std::optional<double> scale, std::string_view up, std::string_view field,
-                                std::optional<double> assumed_scale = std::nullopt);
+                                std::optional<double> assumed_scale = std::nullopt,
+                                const ReadOptions& read = {});
 
 }  // namespace livegs

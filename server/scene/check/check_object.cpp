@@ -8,6 +8,7 @@
 #include "analysis/estimate.h"
 #include "analysis/knowledge/tables.h"
 #include "core/shown_text.h"
+#include "gaussian/asset_name.h"
 #include "scene/values/region_value.h"
 #include "scene/values/scene_values.h"
 
@@ -173,9 +174,8 @@ std::string object_name(const v1::Object& object, int index) {
   std::filesystem::path file;
   if (object.form_case() == v1::Object::kAsset) file = object.asset();
   if (object.form_case() == v1::Object::kPoints) file = object.points();
-  if (file.filename() == "meta.json") file = file.parent_path();
-  std::string stem = file.stem().string();
-  if (stem.ends_with(".compressed")) stem.resize(stem.size() - std::string(".compressed").size());
+  std::string stem = asset_stem(file).filename().string();
+  if (!is_asset_index(file) && !asset_ending(file.string())) stem = file.stem().string();
   return stem.empty() ? "object " + std::to_string(index) : stem;
 }
 

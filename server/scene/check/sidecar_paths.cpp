@@ -4,6 +4,7 @@
 #include <map>
 
 #include "analysis/physics_file.h"
+#include "core/path_ending.h"
 #include "scene/check/check_object.h"
 
 namespace livegs {
@@ -19,7 +20,7 @@ fs::path described_file(const v1::Object& object, const fs::path& folder, const 
     case v1::Object::kPoints:
       return (folder / object.points()).lexically_normal();
     default:
-      return scene_name.ends_with(".scene.json") ? folder / fs::path(scene_name).stem() : fs::path();
+      return has_ending(scene_name, ".scene.json") ? folder / fs::path(scene_name).stem() : fs::path();
   }
 }
 

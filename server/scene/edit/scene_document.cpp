@@ -10,6 +10,7 @@
 #include "analysis/gate/answer.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "core/path_ending.h"
 #include "core/shown_text.h"
 #include "scene/check/check_object.h"
 #include "scene/check/check_scene.h"
@@ -25,7 +26,7 @@ constexpr std::string_view kEnding = ".scene.json";
 
 // A name that stays in the scene's folder.
 Result<std::string> scene_file_name(std::string name) {
-  if (!name.ends_with(kEnding)) name += kEnding;
+  if (!has_ending(name, kEnding)) name += kEnding;
   const bool plain = name.size() > kEnding.size() && name.size() <= kMaxFileName && name.front() != '.' &&
                      std::all_of(name.begin(), name.end(), [](unsigned char letter) {
                        return letter >= 32 && letter != 127 && letter != '/' && letter != '\\';

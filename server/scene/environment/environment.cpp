@@ -16,6 +16,7 @@
 #include "physics/mesh_collider.h"
 #include "scene/build/object_cache.h"
 #include "scene/build/shape_asset.h"
+#include "scene/environment/environment_up.h"
 #include "scene/environment/interior_collider.h"
 #include "scene/values/scene_values.h"
 
@@ -256,7 +257,7 @@ Result<BuiltEnvironment> make_environment(const v1::Environment& environment,
   if (!room) return room.error();
   auto pose = pose_value(environment.pose(), "environment.pose");
   if (!pose) return pose.error();
-  auto rotation = up_value(environment.up(), "environment.up");
+  auto rotation = up_value(environment_up(environment, folder), "environment.up");
   if (!rotation) return rotation.error();
   result.world_from_object = *pose;
   result.object_from_asset.rotation = *rotation;

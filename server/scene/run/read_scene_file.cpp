@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/file.h"
+#include "core/path_ending.h"
+#include "gaussian/asset_name.h"
 #include "json/json_message.h"
 #include "scene/check/check_scene.h"
+#include "scene/run/scene_of_asset.h"
 #include "scene/scene.h"
 
 namespace livegs {
@@ -13,7 +16,7 @@ std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path
   std::error_code error;
   for (auto at = std::filesystem::directory_iterator(folder, error);
        !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
-    if (!at->path().string().ends_with(".scene.json")) continue;
+    if (!has_ending(at->path().string(), ".scene.json")) continue;
     if (found) return std::nullopt;
     found = at->path();
   }
@@ -38,6 +41,12 @@ Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
 Result<SceneText> read_scene(const std::filesystem::path& path, bool drop) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(path, ignored)) {
+    if (is_asset_index(path) || asset_ending(path.string())) {
+      auto scene = scene_of_asset(path, drop);
+      if (!scene) return scene.error();
+      return SceneText{std::move(*scene), path.parent_path(),
+                       asset_stem(std::filesystem::absolute(path).lexically_normal()).filename().string()};
+    }
     auto file = read_scene_file(path);
     if (!file) return file.error();
     return SceneText{std::move(*file), path.parent_path(), path.filename().string(), true};

@@ -7,8 +7,11 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
+#include "core/path_ending.h"
+#include "gaussian/asset_name.h"
 #include "scene/build/place_asset.h"
 #include "scene/check/check_scene.h"
+#include "scene/run/scene_of_asset.h"
 #include "scene/scene.h"
 
 namespace livegs {
@@ -28,17 +31,17 @@ double drop_height_m(const Eigen::Vector3d& size_m) {
 }
 
 // Preference among files with the same stem: exact formats before quantised ones.
-constexpr const char* kEndings[] = {".ply", ".spz", ".sog", ".compressed.ply", ".splat"};
+constexpr std::string_view kPreferred[] = {".ply",  ".glb", ".gltf", ".spz", ".sog", ".compressed.ply",
+                                           ".splat"};
+constexpr int kRankOfIndex = 4;  // of the files of an unpacked .sog
 
-// Returns the preference rank of a file's extension and its path without it; nothing if it is not an asset.
-std::optional<std::pair<int, std::string>> asset_stem(const fs::path& path) {
-  const std::string text = path.string();
-  if (path.filename() == "meta.json") return {{2, path.parent_path().string()}};
-  for (int rank : {3, 0, 1, 2, 4}) {  // .compressed.ply is tested before .ply
-    const std::string_view ending = kEndings[rank];
-    if (text.ends_with(ending)) return {{rank, text.substr(0, text.size() - ending.size())}};
-  }
-  return std::nullopt;
+// Returns the preference rank of an asset; nothing if the file is not one.
+std::optional<int> asset_rank(const fs::path& path) {
+  if (is_asset_index(path)) return kRankOfIndex;
+  const auto ending = asset_ending(path.string());
+  if (!ending) return std::nullopt;
+  return static_cast<int>(std::find(std::begin(kPreferred), std::end(kPreferred), *ending) -
+                          std::begin(kPreferred));
 }
 
 bool names_environment(const std::string& stem) {
@@ -49,16 +52,23 @@ bool names_environment(const std::string& stem) {
 // Finds the assets under `folder`, one per stem, sorted by path.
 std::map<std::string, fs::path> find_assets(const fs::path& folder) {
   std::map<std::string, std::pair<int, fs::path>> best;
+  std::vector<std::string> streamed;  // folders of streamed assets: their chunks are no assets
   std::error_code error;
   auto walk = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && walk != fs::recursive_directory_iterator(); walk.increment(error)) {
     if (walk.depth() >= kMaxFolderDepth) walk.disable_recursion_pending();
     if (!walk->is_regular_file(error)) continue;
-    const auto stem = asset_stem(walk->path());
-    if (!stem) continue;
-    const auto [at, fresh] = best.try_emplace(stem->second, stem->first, walk->path());
-    if (!fresh && stem->first < at->second.first) at->second = {stem->first, walk->path()};
+    const auto rank = asset_rank(walk->path());
+    if (!rank) continue;
+    const std::string stem = asset_stem(walk->path()).string();
+    if (lower_case(walk->path().filename().string()) == "lod-meta.json") streamed.push_back(stem + "/");
+    const auto [at, fresh] = best.try_emplace(stem, *rank, walk->path());
+    if (!fresh && *rank < at->second.first) at->second = {*rank, walk->path()};
   }
+  std::erase_if(best, [&](const auto& one) {
+    return std::any_of(streamed.begin(), streamed.end(),
+                       [&](const std::string& above) { return one.first.starts_with(above); });
+  });
   std::map<std::string, fs::path> assets;
   for (const auto& [stem, ranked] : best) assets[stem] = ranked.second;
   return assets;
@@ -108,7 +118,7 @@ Result<SceneText> new_scene(const fs::path& path) {
     return SceneText{floor_scene(), path, fs::absolute(path).lexically_normal().filename().string()};
   }
   const std::string name = path.filename().string();
-  if (!name.ends_with(".scene.json"))
+  if (!has_ending(name, ".scene.json"))
     return invalid_argument(path.string() +
                             ": is no folder; give one, or the name of a new file that ends in .scene.json");
   if (fs::exists(path, error)) return invalid_argument(path.string() + ": exists; open it without --new");
@@ -118,14 +128,18 @@ Result<SceneText> new_scene(const fs::path& path) {
   return SceneText{floor_scene(), folder, name, true};
 }
 
-Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
-  const auto assets = find_assets(folder);
+namespace {
+
+// Places assets, by stem, on a floor. Paths in the scene are relative to `folder`. `with_room`: the first
+// asset that is named like a room is the environment.
+Result<v1::Scene> scene_of_assets(const std::map<std::string, fs::path>& assets, const fs::path& folder,
+                                  bool drop, bool with_room) {
   v1::Scene scene = floor_scene();
 
   std::vector<PlacedObject> standing;
   std::set<std::string> names;
   for (const auto& [stem, path] : assets) {
-    if (names_environment(stem) && scene.environment().asset().empty()) {
+    if (with_room && names_environment(stem) && scene.environment().asset().empty()) {
       scene.mutable_environment()->set_asset(fs::relative(path, folder).string());
       continue;
     }
@@ -138,8 +152,8 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
     standing.push_back(std::move(one));
   }
   if (standing.empty()) {
-    return not_found(folder.string() +
-                     ": contains no splat assets (.ply, .spz, .sog, .splat) and no *.scene.json");
+    return not_found(folder.string() + ": contains no splat assets (" + kAssetEndings +
+                     ") and no *.scene.json");
   }
   std::vector<std::string> failures(standing.size());
   parallel_for(standing.size(), 1, [&](size_t begin, size_t end) {
@@ -193,6 +207,20 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
     z += depth + kGap_m;
   }
   return scene;
+}
+
+}  // namespace
+
+Result<v1::Scene> scene_of_folder(const fs::path& folder, bool drop) {
+  return scene_of_assets(find_assets(folder), folder, drop, true);
+}
+
+Result<v1::Scene> scene_of_asset(const fs::path& path, bool drop) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return not_found(path.string() + ": no such file");
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const std::string stem = asset_stem(fs::absolute(path).lexically_normal()).string();
+  return scene_of_assets({{stem, path}}, folder, drop, false);
 }
 
 }  // namespace livegs

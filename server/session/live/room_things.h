@@ -79,7 +79,7 @@ class RoomThings {
   // Colliders of a room from which things are taken: its planes, and a box around each thing that is in it.
   // The field of the whole room, Environment.collide, is too coarse to stand on and has the things in it.
   void collide(const Room& room, v1::Environment& environment) const;
-  static v1::Collider box_around(const Known& thing, const v1::Environment& environment);
+  v1::Collider box_around(const Known& thing, const v1::Environment& environment) const;
   const Shown& shown(std::shared_ptr<const Room> room, const v1::Environment& environment);
 
   const std::filesystem::path folder_;

@@ -13,8 +13,10 @@
 #include "analysis/knowledge/tables.h"
 #include "analysis/physics_file.h"
 #include "core/log.h"
+#include "core/path_ending.h"
 #include "core/shown_text.h"
 #include "gaussian/asset_file.h"
+#include "gaussian/asset_name.h"
 #include "scene/build/object_cache.h"
 #include "scene/check/check_object.h"
 #include "scene/check/check_scene.h"
@@ -33,13 +35,7 @@ constexpr double kMaxDrop_m = 100.0;  // an object farther above the floor is no
 constexpr int kMaxAssetDepth = 3;     // subfolder levels that are listed
 constexpr size_t kMaxListedAssets = 2000;
 
-bool is_splat_file(const fs::path& path) {
-  const std::string name = path.filename().string();
-  for (const char* ending : {".ply", ".spz", ".sog", ".splat"}) {
-    if (name.ends_with(ending) && name.size() > std::string_view(ending).size()) return true;
-  }
-  return name == "meta.json";
-}
+bool is_splat_file(const fs::path& path) { return is_asset_index(path) || asset_ending(path.string()); }
 
 // Points of the body's surface, object frame.
 std::vector<Eigen::Vector3d> surface_points(const BuiltObject& built) {
@@ -502,6 +498,7 @@ v1::ListAssetsReply SceneAuthor::assets() {
   v1::ListAssetsReply reply;
   const fs::path& folder = document_.folder();  // constant
   std::vector<std::pair<std::string, uint64_t>> found;
+  std::vector<std::string> streams;
   std::error_code error;
   auto walk = fs::recursive_directory_iterator(folder.empty() ? fs::path(".") : folder,
                                                fs::directory_options::skip_permission_denied, error);
@@ -511,9 +508,16 @@ v1::ListAssetsReply SceneAuthor::assets() {
     std::error_code ignored;
     if (!walk->is_regular_file(ignored) || !is_splat_file(walk->path())) continue;
     fs::path path = fs::relative(walk->path(), folder.empty() ? fs::path(".") : folder, ignored);
-    if (path.filename() == "meta.json") path = path.parent_path();
+    const bool streamed = lower_case(path.filename().string()) == "lod-meta.json";
+    if (is_asset_index(path)) path = path.parent_path();
+    if (streamed) streams.push_back(path.string() + "/");
+    if (path.empty()) continue;  // the scene's own folder
     found.emplace_back(path.string(), walk->file_size(ignored));
   }
+  std::erase_if(found, [&](const auto& one) {  // the chunks of a streamed asset
+    return std::any_of(streams.begin(), streams.end(),
+                       [&](const std::string& above) { return one.first.starts_with(above); });
+  });
   std::sort(found.begin(), found.end());
   for (const auto& [path, bytes] : found) {
     v1::ListAssetsReply::Asset& asset = *reply.add_assets();
@@ -530,9 +534,9 @@ Result<std::unique_ptr<AuthorControl::Upload>> SceneAuthor::upload(const std::st
                      std::all_of(name.begin(), name.end(), [](unsigned char letter) {
                        return letter >= 32 && letter != 127 && letter != '/' && letter != '\\';
                      });
-  if (!plain || name == "meta.json" || !is_splat_file(name))
+  if (!plain || is_asset_index(name) || !is_splat_file(name))
     return invalid_argument("name: \"" + shown_text(name, 80) +
-                            "\" is no splat file; give a plain name ending in .ply, .spz, .sog or .splat");
+                            "\" is no splat file; give a plain name ending in " + kAssetEndings);
   return std::unique_ptr<Upload>(std::make_unique<FileUpload>(document_.folder(), name));
 }
 

@@ -12,6 +12,8 @@
 
 #include "core/file.h"
 #include "core/log.h"
+#include "core/path_ending.h"
+#include "gaussian/asset_name.h"
 
 namespace livegs {
 namespace {
@@ -47,14 +49,18 @@ void for_each_path(v1::Scene& scene, const Visit& visit) {
   }
 }
 
-// The files of an asset that is a folder, or of the folder of its meta.json.
+// The files of an asset that is a folder, or of the folder of its index; of a streamed one with its chunks.
 std::vector<std::string> files_in(const fs::path& folder, const std::string& name) {
+  constexpr int kMaxDepth = 2;
   std::vector<std::string> files;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string extension = entry.path().extension().string();
-    if (entry.is_regular_file(error) && (extension == ".webp" || extension == ".json"))
-      files.push_back((fs::path(name) / entry.path().filename()).string());
+  for (auto at = fs::recursive_directory_iterator(folder, error);
+       !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+    if (at.depth() >= kMaxDepth) at.disable_recursion_pending();
+    const std::string file = at->path().filename().string();
+    std::error_code ignored;
+    if (at->is_regular_file(ignored) && (has_ending(file, ".webp") || has_ending(file, ".json")))
+      files.push_back((fs::path(name) / at->path().lexically_relative(folder)).string());
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -83,7 +89,7 @@ std::vector<std::string> files_of(const v1::SceneSource& source) {
     std::vector<std::string> found{name};
     if (fs::is_directory(folder / name, error))
       found = files_in(folder / name, name);
-    else if (fs::path(name).filename() == "meta.json")
+    else if (is_asset_index(name))
       found = files_in((folder / name).parent_path(), fs::path(name).parent_path().string());
     files.insert(files.end(), found.begin(), found.end());
   });

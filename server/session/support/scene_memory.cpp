@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "core/format_text.h"
+#include "gaussian/asset_name.h"
 #include "scene/scene.h"
 
 namespace livegs {
@@ -65,20 +66,24 @@ uint64_t file_bytes(const fs::path& path) {
 uint64_t folder_bytes(const fs::path& folder) {
   std::error_code error;
   uint64_t bytes = 0;
-  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator();
-       at.increment(error))
+  for (auto at = fs::recursive_directory_iterator(folder, error);
+       !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+    if (at.depth() >= 2) at.disable_recursion_pending();  // the chunks of a streamed asset
     bytes += file_bytes(at->path());
+  }
   return bytes;
 }
 
 uint64_t kernels_of(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return folder_bytes(path) / kSogBytes;
-  if (path.filename() == "meta.json") return folder_bytes(path.parent_path()) / kSogBytes;
-  const std::string extension = path.extension().string();
-  if (extension == ".ply")
+  if (is_asset_index(path)) return folder_bytes(path.parent_path()) / kSogBytes;
+  const std::string_view ending = asset_ending(path.string()).value_or("");
+  if (ending.ends_with(".ply"))
     return number_after(read_text(path, kMaxHeaderBytes), "element vertex").value_or(0);
-  const uint64_t each = extension == ".splat" ? kSplatBytes : extension == ".spz" ? kSpzBytes : kSogBytes;
+  const uint64_t each = ending == ".splat" || ending == ".glb" ? kSplatBytes
+                        : ending == ".spz"                     ? kSpzBytes
+                                                               : kSogBytes;
   return file_bytes(path) / each;
 }
 

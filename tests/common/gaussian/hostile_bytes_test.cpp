@@ -11,6 +11,7 @@
 #include <string>
 
 #include "common/gaussian/asset/expect_invariants.h"
+#include "common/gaussian/gltf/gltf_sample.h"
 #include "common/gaussian/shared_data.h"
 #include "common/gaussian/synthetic_asset.h"
 #include "core/file.h"
@@ -31,8 +32,11 @@ Buffer bytes_of(const std::string& text) {
   return {bytes.begin(), bytes.end()};
 }
 
-Buffer spz_file(int version, int degree) {
-  return *encode_spz(synthetic_asset(20, degree, 5), {.version = version});
+// `metric`: without the record that says that the unit is a guess.
+Buffer spz_file(int version, int degree, bool metric = true) {
+  AssetFrame frame;
+  frame.metres_per_unit = metric ? 1 : 0;
+  return *encode_spz(synthetic_asset(20, degree, 5), {.version = version}, frame);
 }
 
 Buffer ascii_ply() {
@@ -93,8 +97,18 @@ std::vector<Sample> samples() {
                              {"text.ply", ascii_ply()},
                              {"small.compressed.ply", compressed_ply()},
                              {"small.splat", splat_file()}};
-  for (const int version : {2, 3, 4})
+  for (const int version : {2, 3, 4}) {
     all.push_back({"v" + std::to_string(version) + ".spz", spz_file(version, 1)});
+    all.push_back({"guess" + std::to_string(version) + ".spz", spz_file(version, 1, false)});
+  }
+  all.push_back({"written.compressed.ply", *encode_compressed_ply(synthetic_asset(5, 1, 6))});
+  all.push_back({"written.sog", *encode_sog(synthetic_asset(6, 1, 6))});
+  all.push_back({"small.glb", gltf_sample(synthetic_asset(4, 1, 6)).glb()});
+  const GltfSample text = gltf_sample(synthetic_asset(2, 0, 6));
+  all.push_back({"small.gltf", text.gltf(text.data_uri())});
+  AssetFrame far;
+  far.origin = {5e5, 5.4e6, 30};
+  all.push_back({"doubles.ply", encode_ply(synthetic_asset(4, 0, 5), far, true)});
   const Result<Buffer> sog = read_file(shared_data() / "fixtures/sog/kit-multi-degree3-deflated.sog");
   if (sog) all.push_back({"small.sog", *sog});
   return all;

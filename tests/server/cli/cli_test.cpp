@@ -131,6 +131,76 @@ TEST(Cli, ConvertTurnsAndScales) {
   }
 }
 
+// Kernels on a closed cylinder about y, of this radius and height.
+GaussianAsset cylinder(float radius, float height) {
+  GaussianAsset asset;
+  const auto add = [&](float share, float turn, float y) {
+    asset.positions.emplace_back(share * radius * std::cos(turn), y, share * radius * std::sin(turn));
+    asset.log_scales.emplace_back(Eigen::Vector3f::Constant(std::log(0.03f * height)));
+    asset.rotations.emplace_back(Eigen::Quaternionf::Identity());
+    asset.opacity_logits.push_back(3);
+    asset.sh_dc.emplace_back(Eigen::Vector3f::Zero());
+  };
+  for (int step = 0; step < 60; ++step) {
+    const float turn = static_cast<float>(step) * 6.2831853f / 60;
+    for (int row = 0; row <= 40; ++row) add(1, turn, height * (static_cast<float>(row) / 40 - 0.5f));
+    for (int ring = 0; ring < 15; ++ring) {
+      for (const float end : {-0.5f, 0.5f}) add(static_cast<float>(ring) / 15, turn, height * end);
+    }
+  }
+  return asset;
+}
+
+// A unit that is a guess stays one: an object has the same size before and after a conversion.
+TEST(Cli, ConversionsKeepSizeAndUnit) {
+  ScratchFolder folder;
+  const GaussianAsset mug = cylinder(1.6f, 4.2f);
+  ASSERT_TRUE(write_asset(folder / "mug.ply", mug));
+  const auto volume = [&](const std::string& file) {
+    const Said said = run({"mesh", file});
+    EXPECT_EQ(said.code, 0) << said.err;
+    const size_t at = said.out.find("volume");
+    return at == said.out.npos ? 0.0 : std::stod(said.out.substr(at + 6));
+  };
+  const double before = volume(folder / "mug.ply");
+  EXPECT_GT(before, 1e-5);
+  EXPECT_LT(before, 1e-2);  // guessed from the name
+  std::string from = "mug.ply";
+  for (const std::string to :
+       {"a/mug.SPZ", "b/mug.compressed.ply", "c/mug.sog", "d/mug.splat", "e/mug.ply", "f/mug.spz"}) {
+    fs::create_directories((folder.path() / to).parent_path());
+    const Said said = run({"convert", folder / from, folder / to});
+    ASSERT_EQ(said.code, 0) << said.err;
+    EXPECT_NEAR(volume(folder / to) / before, 1, 0.05) << to;
+    EXPECT_NE(run({"info", folder / to}).out.find("unit         unknown"), std::string::npos) << to;
+    from = to;
+  }
+  ASSERT_EQ(run({"convert", folder / "mug.ply", folder / "m.spz", "--scale", "0.025", "--metric"}).code, 0);
+  const Said info = run({"info", folder / "m.spz"});
+  EXPECT_NE(info.out.find("metre"), std::string::npos) << info.out;
+  const Said lost = run({"convert", folder / "m.spz", folder / "m.splat"});
+  EXPECT_NE(lost.err.find("unit"), std::string::npos) << lost.err;
+}
+
+// The axis that a file names is used, said, and overridden by --up.
+TEST(Cli, ConvertUsesTheAxisOfTheFile) {
+  ScratchFolder folder;
+  const GaussianAsset asset = synthetic_asset(50, 0, 4);
+  AssetFrame frame;
+  frame.up_axis = "z";
+  frame.origin = {100, 200, 300};
+  ASSERT_TRUE(write_asset(folder / "z.ply", asset, frame));
+  EXPECT_NE(run({"info", folder / "z.ply"}).out.find("z up, named by the file"), std::string::npos);
+  ASSERT_EQ(run({"convert", folder / "z.ply", folder / "named.ply"}).code, 0);
+  ASSERT_EQ(run({"convert", folder / "z.ply", folder / "given.ply", "--up", "-y"}).code, 0);
+  const auto named = read_asset(folder / "named.ply"), given = read_asset(folder / "given.ply");
+  ASSERT_TRUE(named && given);
+  EXPECT_NEAR(named->asset.positions[7].y(), -asset.positions[7].z(), 1e-6);
+  EXPECT_EQ(named->frame.up_axis, "-y");
+  EXPECT_NEAR(named->frame.origin.y(), -300, 1e-9);
+  EXPECT_EQ(given->asset.positions[7], asset.positions[7]);
+}
+
 TEST(Cli, InfoDescribesFolders) {
   ScratchFolder folder;
   fs::create_directory(folder / "things");
@@ -400,8 +470,8 @@ TEST(Cli, ErrorsOfBadInputAreOneLine) {
        "x: cannot be written without an ending; use .png"},
       {{"mesh", folder / "broken.ply", "--output", folder / "x.ply"},
        "x.ply: cannot be written as .ply; use .obj"},
-      {{"convert", folder / "broken.ply", folder / "x.sog"},
-       "x.sog: cannot be written as .sog; use .ply or .spz"},
+      {{"convert", folder / "broken.ply", folder / "x.glb"},
+       "x.glb: cannot be written as .glb; use .ply or .spz or .sog or .splat"},
       {{"convert", folder / "broken.ply", folder / "x.ply", "--up", "w"}, "--up: is \"w\""},
       {{"convert", folder / "broken.ply", folder / "x.ply", "--scale", "0"},
        "--scale: must be a number above 0"},

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <map>
 #include <random>
+#include <set>
 
 #include "analysis/estimate.h"
 #include "analysis/knowledge/name_match.h"
@@ -16,9 +19,9 @@
 namespace livegs {
 namespace {
 
-void write_ball(const std::filesystem::path& path, double radius) {
+void write_ball(const std::filesystem::path& path, double radius, const AssetFrame& frame = {}) {
   std::filesystem::create_directories(path.parent_path());
-  const auto written = write_asset(path, mesh_asset(sphere_mesh(radius, 3), {0.5f, 0.5f, 0.5f}, 3000));
+  const auto written = write_asset(path, mesh_asset(sphere_mesh(radius, 3), {0.5f, 0.5f, 0.5f}, 3000), frame);
   ASSERT_TRUE(written) << written.error().message;
 }
 
@@ -131,10 +134,63 @@ TEST(SceneFolder, ErrorOfAnEmptyFolderListsFormats) {
   EXPECT_NE(scene.error().message.find(".ply"), std::string::npos);
 }
 
+TEST(SceneFolder, EndingsAreInAnyLetterCase) {
+  ScratchFolder folder;
+  for (const char* name : {"SCAN.PLY", "Vase.Spz", "cup.SPLAT", "x/Bowl.SOG", "y/Jar.Compressed.ply"})
+    write_ball(folder / name, 0.1);
+  auto scene = Scene::load(folder.path(), {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  std::set<std::string> names;
+  for (const SceneObject& object : scene->objects()) {
+    if (!object.environment) names.insert(object.name);
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"SCAN", "Vase", "cup", "Bowl", "Jar"}));
+}
+
+TEST(SceneFolder, OneFileIsASceneOfOneObject) {
+  ScratchFolder folder;
+  write_ball(folder / "room of mugs.PLY", 0.1);
+  write_ball(folder / "other.ply", 0.1);
+  auto scene = Scene::load(folder / "room of mugs.PLY", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  size_t things = 0;
+  for (const SceneObject& object : scene->objects()) things += !object.environment;
+  EXPECT_EQ(things, 1u);
+  EXPECT_FALSE(Scene::load(folder / "absent.ply", {}));
+}
+
+// A box whose long side is along `axis`: the axis that a file names stands upright.
+TEST(PlaceAsset, AxisOfTheFileIsUp) {
+  ScratchFolder folder;
+  const std::map<std::string, Eigen::Vector3d> sizes = {
+      {"z", {0.1, 0.1, 0.4}}, {"-z", {0.1, 0.1, 0.4}}, {"x", {0.4, 0.1, 0.1}}, {"y", {0.1, 0.4, 0.1}}};
+  for (const auto& [axis, size_m] : sizes) {
+    AssetFrame frame;
+    frame.up_axis = axis;
+    const auto asset = mesh_asset(box_mesh(size_m), {0.5f, 0.5f, 0.5f}, 3000);
+    ASSERT_TRUE(write_asset(folder / "box.ply", asset, frame));
+    for (const std::string given : {"", "x"}) {
+      auto placed = place_asset(folder / "box.ply", "box", 1.0, given, "test");
+      ASSERT_TRUE(placed) << placed.error().message;
+      EXPECT_TRUE(placed->up_known);
+      Eigen::AlignedBox3d bounds;
+      for (const Eigen::Vector3d& point : placed->body_points_m) bounds.extend(point);
+      const double expected_m = given.empty() || axis == "x" ? 0.4 : 0.1;  // the option overrides the file
+      EXPECT_NEAR(bounds.sizes().y(), expected_m, 0.03) << axis << given;
+    }
+  }
+}
+
 TEST(PlaceAsset, ScaleIsGivenKnownOrGuessed) {
   ScratchFolder folder;
   write_ball(folder / "thing.ply", 0.1);
-  write_ball(folder / "thing.spz", 0.1);
+  AssetFrame metric, inches;
+  metric.metres_per_unit = 1;
+  inches.metres_per_unit = 0.0254;
+  write_ball(folder / "thing.spz", 0.1, metric);
+  write_ball(folder / "guess.spz", 0.1);
+  write_ball(folder / "inches.ply", 4, inches);
+  write_ball(folder / "tower.spz", 50.0, metric);
   write_ball(folder / "big.ply", 50.0);
   const auto place = [&](const char* file, const char* name, std::optional<double> scale) {
     auto placed = place_asset(folder / file, name, scale, "", "test");
@@ -145,6 +201,10 @@ TEST(PlaceAsset, ScaleIsGivenKnownOrGuessed) {
   EXPECT_EQ(place("thing.spz", "thing", std::nullopt), std::pair(1.0, true));  // .spz is metric
   EXPECT_EQ(place("thing.ply", "thing", std::nullopt),
             std::pair(1.0, false));  // 0.2 m fits a household object
+  EXPECT_EQ(place("guess.spz", "thing", std::nullopt), std::pair(1.0, false));  // converted without a unit
+  EXPECT_EQ(place("inches.ply", "thing", std::nullopt), std::pair(0.0254, true));
+  EXPECT_FALSE(place("tower.spz", "mug", std::nullopt).second);  // no mug is 100 m wide
+  EXPECT_TRUE(place("tower.spz", "thing", std::nullopt).second);
   EXPECT_EQ(place("thing.ply", "bowl", std::nullopt), std::pair(1.0, false));  // 0.2 m fits a bowl
   const auto [scale, known] = place("big.ply", "mug", std::nullopt);
   EXPECT_FALSE(known);

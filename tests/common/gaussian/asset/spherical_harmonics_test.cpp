@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "splat/project/spherical_harmonics.h"
+#include "gaussian/spherical_harmonics.h"
 
 #include <gtest/gtest.h>
 

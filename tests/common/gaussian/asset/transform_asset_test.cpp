@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "splat/transform_asset.h"
+#include "gaussian/transform_asset.h"
 
 #include <gtest/gtest.h>
 
 #include "common/gaussian/synthetic_asset.h"
-#include "splat/project/spherical_harmonics.h"
+#include "gaussian/spherical_harmonics.h"
 
 namespace livegs {
 namespace {

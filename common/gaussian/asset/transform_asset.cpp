@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "splat/transform_asset.h"
+#include "gaussian/transform_asset.h"
 
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 
-#include "splat/project/spherical_harmonics.h"
+#include "gaussian/spherical_harmonics.h"
 
 namespace livegs {
 namespace {

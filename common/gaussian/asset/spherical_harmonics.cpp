@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sloan 2008, Stupid Spherical Harmonics Tricks, appendix A2; the signs are those of 3DGS files.
-#include "splat/project/spherical_harmonics.h"
+#include "gaussian/spherical_harmonics.h"
 
 #include <algorithm>
 

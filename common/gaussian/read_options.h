@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace livegs {
+
+// How a file is read.
+struct ReadOptions {
+  // A .ply stores logarithms of standard deviations and logits of opacities. Some exports store the
+  // standard deviations and opacities themselves ("activated"), and nothing in the file says so.
+  enum class Activated {
+    Auto,  // read as activated if only that makes sense; a note says so, or that it is likely
+    Yes,   // each property whose values allow it is activated
+    No
+  };
+  Activated activated = Activated::Auto;
+};
+
+}  // namespace livegs
