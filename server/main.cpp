@@ -21,6 +21,7 @@
 #include "core/log_format.h"
 #include "core/parallel_for.h"
 #include "core/require_processor.h"
+#include "device/choose_physics.h"
 #include "scene/build/object_cache.h"
 #include "scene/scene.h"
 #include "service_notice.h"
@@ -55,6 +56,7 @@ struct Options {
   std::optional<int> substeps;
   bool drop = false;
   int threads = 0;
+  std::string physics = "auto";
   double seconds = 0;
   std::string publish;
   std::string record;
@@ -170,6 +172,9 @@ int run(const Options& options) {
   set_log_level(options.verbose ? LogLevel::Debug : LogLevel::Info);
   if (options.log_format == "json") log_as_json();
   set_thread_count(options.threads);
+  auto physics = choose_physics(options.physics);
+  if (!physics) return report(physics.error());
+  set_elastic_device(*physics);
 
   auto endpoint = choose_endpoint(options.endpoint);
   if (!endpoint) return report(endpoint.error());
@@ -334,6 +339,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1024));
   app.add_option("--threads", options.threads, "Simulation threads; 0: one per core")
       ->check(CLI::Range(0, 1024));
+  app.add_option("--physics", options.physics, livegs::kPhysicsHelp)
+      ->check(CLI::IsMember(livegs::kPhysicsChoices))
+      ->capture_default_str();
   app.add_option("--seconds", options.seconds, "Stop after this time; 0: run until stopped (default: 0)")
       ->check(CLI::NonNegativeNumber);
   app.add_option(
@@ -404,6 +412,7 @@ int main(int argc, char** argv) {
                  {"--substeps", ""},
                  {"--drop", ""},
                  {"--threads", ""},
+                 {"--physics", ""},
                  {"--seconds", "SECONDS"},
                  {"--wait-for-client", ""}});
   group_options(app, "Clients",

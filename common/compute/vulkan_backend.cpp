@@ -18,7 +18,7 @@ namespace livegs {
 namespace {
 
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize{8} << 20;
-constexpr uint32_t kMaxRecordedDispatches = 256;  // then the recorded ones run first
+constexpr uint32_t kMaxRecordedDispatches = 1024;  // then the recorded ones run first
 
 class VulkanBackend final : public Backend, public VulkanCommands {
  public:

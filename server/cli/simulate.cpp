@@ -19,6 +19,7 @@
 #include "core/parallel_for.h"
 #include "core/percentile.h"
 #include "core/written_files.h"
+#include "device/choose_physics.h"
 #include "scene/build/elastic_report.h"
 #include "splat/camera_file.h"
 #include "splat/frame_bounds.h"
@@ -32,7 +33,7 @@ struct SimulateCommand {
   double seconds = 2.0;
   double rate_hz = 0;
   int substeps = 0;
-  std::string solver = "cells", skinning = "lattice", device = "auto";
+  std::string solver = "cells", skinning = "lattice", device = "auto", physics = "auto";
   bool particles = false, kernels = false, no_sleep = false, drop = false, draw = false, no_shadows = false;
   bool offline = false;  // accepted as by the other commands; there is nothing to leave out
   int every = 1;
@@ -179,6 +180,9 @@ int run(const SimulateCommand& options) {
     mark_ns = now_ns();
     return milliseconds_from_ns(mark_ns - before);
   };
+  auto physics = choose_physics(options.physics);
+  if (!physics) return report(physics.error());
+  set_elastic_device(*physics);
   auto scene = Scene::load(options.scene, scene_options);
   if (!scene) return report(scene.error());
   std::error_code error;
@@ -278,6 +282,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
           "does not depend on the substep")
       ->check(CLI::IsMember(kSolvers))
       ->capture_default_str();
+  command->add_option("--physics", options->physics, kPhysicsHelp)
+      ->check(CLI::IsMember(kPhysicsChoices))
+      ->capture_default_str();
   command->add_option("--skinning", options->skinning, "lattice; or livegs-v1, the paper's baseline")
       ->check(CLI::IsMember({"lattice", "livegs-v1"}))
       ->capture_default_str();
@@ -303,6 +310,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
                  {"--rate", "HZ"},
                  {"--substeps", ""},
                  {"--elastic-solver", ""},
+                 {"--physics", ""},
                  {"--skinning", ""},
                  {"--seed", ""},
                  {"--no-sleep", ""},

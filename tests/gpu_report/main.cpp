@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // livegs-gpu-report: tests the Vulkan passes against their references on this machine's device, then measures
-// them, and writes device.csv, parity.csv, times.csv and report.md.
+// them, and writes device.csv, parity.csv, physics.csv, times.csv and report.md.
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
@@ -22,7 +22,7 @@ constexpr size_t kMinKernels = 1000;  // fewer do not fill a shell of lattice ce
 
 struct Options {
   std::string output, size, filter;
-  std::vector<size_t> kernels;
+  std::vector<size_t> kernels, nodes;
   bool parity_only = false, no_parity = false, no_validation = false;
 };
 
@@ -61,7 +61,8 @@ Options read_options(int argc, char** argv) {
   CLI::App app(
       "Tests the passes of the Vulkan renderer against their references on the device of this machine, then "
       "measures "
-      "them. Writes device.csv, parity.csv, times.csv and the page report.md. The exit code is 1 if a test "
+      "them. Writes device.csv, parity.csv, physics.csv, times.csv and the page report.md. The exit code is "
+      "1 if a test "
       "fails.",
       "livegs-gpu-report");
   app.formatter(std::make_shared<HelpFormatter>());
@@ -72,6 +73,12 @@ Options read_options(int argc, char** argv) {
          "Numbers of kernels to measure (default: 50000,200000,1000000,6000000; on a software device 50000)")
       ->delimiter(',')
       ->check(CLI::Range(kMinKernels, size_t{KeySorter::kMaxKeys}))
+      ->type_name("N,...");
+  app.add_option("--nodes", options.nodes,
+                 "Numbers of nodes of elastic bodies to measure (default: 1000,8000,64000,1000000; on a "
+                 "software device 1000,8000)")
+      ->delimiter(',')
+      ->check(CLI::Range(size_t{8}, size_t{4'000'000}))
       ->type_name("N,...");
   app.add_option("--size", options.size, "Pixels per eye (default: 2064x2208; on a software device 640x480)")
       ->check(CLI::Validator(
@@ -126,6 +133,19 @@ Result<void> run(const Options& options, bool& passed) {
     if (auto done = write(folder, "report.md", page(report)); !done) return done;
   }
   if (!options.parity_only) {
+    std::vector<size_t> nodes = options.nodes;
+    if (nodes.empty())
+      nodes = report.device.software ? std::vector<size_t>{1000, 8000}
+                                     : std::vector<size_t>{1000, 8000, 64'000, 1'000'000};
+    Result<void> physics_written;
+    auto physics = measure_physics(*device, nodes, [&](const PhysicsRow& row) {
+      report.physics.push_back(row);
+      if (physics_written)
+        physics_written = write(folder, "physics.csv", physics_csv(report.device.name, report.physics));
+      if (physics_written) physics_written = write(folder, "report.md", page(report));
+    });
+    if (!physics) return physics;
+    if (!physics_written) return physics_written;
     TimesOptions times{options.kernels, report.device.software ? kSoftwareWidth : kHeadsetWidth,
                        report.device.software ? kSoftwareHeight : kHeadsetHeight};
     if (times.kernels.empty())

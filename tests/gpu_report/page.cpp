@@ -222,6 +222,7 @@ std::string page(const Report& report) {
     text += format_text(", %.0f GB/s in a copy of %.0f MB (reads and writes together)",
                         1e-9 * report.copy->bytes_s, 1e-6 * report.copy->buffer_bytes);
   text += ". All properties are in `device.csv`.\n\n## Parity\n\n" + parity_text(report.parity);
+  if (!report.physics.empty()) text += "\n## Physics\n\n" + physics_text(report.physics, device.software);
   if (report.times.empty()) return text + "\n## Times\n\nNot run.\n";
   if (device.software) {
     text +=

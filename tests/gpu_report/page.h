@@ -7,6 +7,7 @@
 
 #include "gpu_report/device_facts.h"
 #include "gpu_report/parity.h"
+#include "gpu_report/physics_times.h"
 #include "gpu_report/times.h"
 
 namespace livegs::gpu_report {
@@ -17,6 +18,7 @@ struct Report {
   std::optional<Parity> parity;
   std::optional<CopyBandwidth> copy;
   std::vector<TimesRow> times;
+  std::vector<PhysicsRow> physics;
 };
 
 std::string device_csv(const DeviceFacts& device);

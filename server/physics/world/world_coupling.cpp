@@ -92,7 +92,7 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     const bool asleep = body.asleep();
     const double own_reach = (1.0 + kReachMargin) * body.reach_m() + body.element_reach_m() +
                              duration_s * (body.velocity_m_s().norm() + gain_m_s);
-    if (!(body.reach_m() > 0.0)) continue;
+    if (elastic.stepped || !(body.reach_m() > 0.0)) continue;
     for (size_t k = 0; k < rigid_bodies.size(); ++k) {
       RigidProxy& other = rigid_proxies[k];
       if (asleep && other.asleep) continue;
@@ -110,7 +110,7 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     for (size_t k = i + 1; k < count; ++k) {
       ElasticObject& other = *elastic_objects[k];
       const bool other_asleep = other.body->asleep();
-      if ((asleep && other_asleep) || !(other.body->reach_m() > 0.0)) continue;
+      if (other.stepped || (asleep && other_asleep) || !(other.body->reach_m() > 0.0)) continue;
       const double reach = own_reach + (1.0 + kReachMargin) * other.body->reach_m() +
                            other.body->element_reach_m() +
                            duration_s * (other.body->velocity_m_s().norm() + gain_m_s);
@@ -127,7 +127,9 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     }
   }
   std::vector<CoupledBodies> stepped(count);
-  for (uint32_t i = 0; i < count; ++i) stepped[together.find(i)].push_back(elastic_objects[i]);
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!elastic_objects[i]->stepped) stepped[together.find(i)].push_back(elastic_objects[i]);
+  }
   std::vector<std::vector<CoupledBodies>> groups(count);
   for (uint32_t i = 0; i < count; ++i) {
     if (!stepped[i].empty()) groups[sets.find(i)].push_back(std::move(stepped[i]));

@@ -65,6 +65,7 @@ struct ElasticObject {
   std::unique_ptr<ElasticBody> body;
   std::vector<Eigen::Vector3d> rest_particles_m;  // object frame
   uint32_t object_id = 0;
+  bool stepped = false;  // in this tick, by the device
   // Per-substep data, separate for each body because bodies run on different threads.
   std::vector<RigidProxy*> near_bodies;
   std::vector<ElasticNeighbour> near_elastic;
@@ -182,6 +183,9 @@ struct World::State {
   void gather_springs(double duration_s);  // of set_spring() and grabs
   // At the first fracture of an object, assigns to each grab of it the nearest piece.
   void assign_grabs_to_pieces(uint32_t object_id, const RigidObject& object);
+  // world_device.cpp. Steps elastic bodies that nothing else touches in this tick on the device, if there is
+  // one.
+  void step_on_device(double start_s, double tick_s);
   void step_elastic(double start_s, double duration_s);
   void step_rigid(double duration_s);
   // world_coupling.cpp. Elastic bodies that may touch each other step together. The result groups those that

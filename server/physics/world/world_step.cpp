@@ -154,6 +154,9 @@ void World::step() {
   ++state.tick;
   state.wake_islands();
   for (RigidBody* body : state.rigid_bodies) body->tick_energy_j = state.energy_j(*body);
+  const int64_t device_ns = now_ns();
+  state.step_on_device(now_s, tick_s);
+  state.times.elastic_ms += milliseconds_from_ns(now_ns() - device_ns);
   for (int substep = 0; substep < state.settings.substeps; ++substep) {
     const double start_s = now_s + substep * duration_s;
     state.gather_loads(start_s, duration_s);

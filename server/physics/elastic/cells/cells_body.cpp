@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -184,6 +185,8 @@ void CellsBody::rebuild_cells() {
                                options_.thin);
   gains_.own = gains_.impact = gains_.imposed = {};
   gains_.last_step_s = 0.0;
+  static std::atomic<uint64_t> revisions{0};  // of all bodies, so that a new body at an old address differs
+  flat_revision_ = ++revisions;
   if (!plastic_.parts.empty()) set_all_plastic();
 }
 

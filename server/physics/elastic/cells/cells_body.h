@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "physics/elastic/cells/cells_state.h"
+#include "physics/elastic/flat_body.h"
 #include "physics/elastic_body.h"
 
 // The `cells` solver: an embedded lattice of eight-node cells, one sweep per substep, BDF2. Its accuracy:
@@ -26,7 +27,7 @@
 //   advance   velocity = predicted + corrections / h_e, never a difference of positions; momentum ledger
 // Once per frame: energy limiter (cells_energy_limiter.cpp), detection of stuck contacts
 // (cells_stuck_contacts.cpp), plastic flow (cells_plasticity.cpp), shape recovery (cells_shape_recovery.cpp)
-// and sleep (cells_sleep.cpp).
+// and sleep (cells_sleep.cpp). A tick can also be stepped elsewhere (cells_flat.cpp).
 
 namespace livegs {
 
@@ -34,7 +35,7 @@ namespace livegs {
 // flow.
 inline constexpr double kOverstrainSquared = 1.0;
 
-class CellsBody final : public ElasticBody {
+class CellsBody final : public ElasticBody, public FlatBody {
   using Vector3d = Eigen::Vector3d;
   using Matrix3d = Eigen::Matrix3d;
   using Quaterniond = Eigen::Quaterniond;
@@ -96,6 +97,14 @@ class CellsBody final : public ElasticBody {
   std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m,
                                  const Eigen::Vector3d& direction) const override;
 
+  uint64_t flat_revision() const override { return flat_revision_; }
+  size_t flat_node_count() const override { return nodes_.count(); }
+  int flat_steps() const override { return accuracy_.resolution.substeps; }
+  const char* flat_obstacle() const override;
+  void write_flat(FlatLattice& lattice) override;
+  const char* begin_flat_tick(const FlatTick& tick, FlatState& state) override;
+  void end_flat_tick(const FlatTick& tick, const FlatState& state) override;
+
  private:
   using Load = cells::Load;
   using ConstrainedRegion = cells::ConstrainedRegion;
@@ -150,6 +159,7 @@ class CellsBody final : public ElasticBody {
   void move_regions(double time_s, double h);
   void hold_particles(double time_s);
 
+  double slow_speed_m_s(const Vector3d& gravity_m_s2) const;                         // kMaxSlowSpeedRatio
   double step_of(double h) const { return step_.second_order ? 2.0 * h / 3.0 : h; }  // h_e
   void predict(double h, const SubstepContext& context);
   void advance(double h);
@@ -277,6 +287,7 @@ class CellsBody final : public ElasticBody {
   Quaterniond orientation_;               // of the whole body, world from object
   Pose whole_;                            // of the whole body, after the last frame with finite motion
   int recovery_count_ = 0;                // number of resets
+  uint64_t flat_revision_ = 0;            // unique for each rebuild of the cells
 
   cells::Materials materials_;
   cells::Accuracy accuracy_;

@@ -151,15 +151,18 @@ double CellsBody::grip_factor(const NodeSample& sample) const {
   return std::clamp((kGripFadeEnd - std::sqrt(squared)) / (kGripFadeEnd - kGripFadeStart), 0.0, 1.0);
 }
 
+double CellsBody::slow_speed_m_s(const Vector3d& gravity_m_s2) const {
+  const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
+  return kMaxSlowSpeedRatio * std::sqrt(gravity_m_s2.norm() * smallest_m);
+}
+
 void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& context) {
   const double h = part.duration_s, time_s = context.start_s + part.began_s + h;
   // Neighbours can impose another step length. The previous step is then not a valid basis for BDF2.
   const bool even = std::abs(h - gains_.last_step_s) <= 1e-9 * h;
   gains_.last_step_s = h;
-  const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
-  step_.is_slow =
-      !without(Mechanism::FirstOrderWhenSlow) && step_.touching &&
-      step_.deviation_m_s < kMaxSlowSpeedRatio * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
+  step_.is_slow = !without(Mechanism::FirstOrderWhenSlow) && step_.touching &&
+                  step_.deviation_m_s < slow_speed_m_s(context.gravity_m_s2);
   step_.second_order = options_.second_order && even && !step_.first &&
                        (!step_.strained || without(Mechanism::FirstOrderWhenStrained)) && !step_.is_slow;
   // The result of a sweep from zero multipliers depends slightly on its order. A landing body alternates the
