@@ -22,6 +22,9 @@ struct SurfaceOptions {
   // keeps the shape.
   double alpha_radius = 0.03;
   double downsample = 0.0;
+  // A skin of points with holes that let the ball in is closed by a larger ball. Off for rooms: their doors
+  // are openings.
+  bool close_leaks = true;
 };
 SurfaceOptions elastic_surface_options();
 SurfaceOptions rigid_surface_options();

@@ -202,7 +202,7 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
       radius = least_radius;
     }
     body = alpha_body(complex, radius);
-    if (body) close_leak(complex, *body);
+    if (body && options.close_leaks) close_leak(complex, *body);
   }
   if (body) {
     surface.mesh = std::move(body->mesh);

@@ -48,6 +48,7 @@ Result<TriangleMesh> cut_surface(std::span<const Vector3d> points_m, const Vecto
     }
     if (part.empty()) continue;
     SurfaceOptions options = elastic_surface_options();
+    options.close_leaks = false;
     options.alpha_radius =
         radius_m / std::max(diagonal_m(part), radius_m);  // the same ball radius for each part
     auto surface = reconstruct_surface(part, options);
@@ -86,7 +87,9 @@ double cut_height(std::span<const Vector3d> points_m, const Vector3d& up, double
 
 Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const Vector3d& up,
                                      const EmbeddedObjects& stuck) {
-  auto surface = reconstruct_surface(points_m, elastic_surface_options());
+  SurfaceOptions options = elastic_surface_options();
+  options.close_leaks = false;
+  auto surface = reconstruct_surface(points_m, options);
   if (!surface) return surface.error();
   FieldShape shape = mesh_collider(surface->mesh);
   const double radius_m = surface->alpha_radius_m;

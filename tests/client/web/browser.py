@@ -128,7 +128,15 @@ class Browser:
 
     def picture(self, file=None):
         """The page as (width, height, bytes of RGB); also written to `file`, a PNG."""
-        png = base64.b64decode(self.ask('Page.captureScreenshot', format='png')['data'])
+        until = time.monotonic() + 10
+        while True:
+            try:
+                png = base64.b64decode(self.ask('Page.captureScreenshot', format='png')['data'])
+                break
+            except RuntimeError as error:  # the page is being replaced by the next one
+                if 'Not attached to an active page' not in str(error) or time.monotonic() > until:
+                    raise
+                time.sleep(0.1)
         if file:
             os.makedirs(os.path.dirname(os.path.abspath(file)), exist_ok=True)
             with open(file, 'wb') as out:
