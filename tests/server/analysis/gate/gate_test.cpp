@@ -275,7 +275,7 @@ TEST(Gate, PlasticityLevelsMatchTheTable) {
 
   // "rubber 0.05 to 0.2 (rubber, foam)"
   std::string system = *read_text_file(prompts / "system.md");
-  system = system.substr(system.find("Plasticity by comparison"));
+  system = system.substr(system.find("Plasticity is the share"));
   const std::regex step(R"(([a-z]+) ([0-9.]*[0-9])(?: to ([0-9.]*[0-9]))?(?: \(([a-z, ]+)\))?[;.])");
   std::set<std::string> listed;
   system = system.substr(0, system.find("For rigid things"));

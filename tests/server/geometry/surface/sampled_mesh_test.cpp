@@ -75,7 +75,7 @@ void expect_solid_or_leak(const Sampling& sampling) {
 TEST(SampledMesh, CubesAreSolid) {
   for (const int per_edge : {8, 9, 10, 11, 12, 16, 17, 18, 19, 20, 21, 22, 23, 24})
     expect_solid_or_leak({per_edge, 0.5, true});
-  for (const int per_edge : {8, 13, 16, 19}) expect_solid_or_leak({per_edge, 0.5, false});
+  for (const int per_edge : {8, 16, 19}) expect_solid_or_leak({per_edge, 0.5, false});
 }
 
 TEST(SampledMesh, BallsAreSolid) {
