@@ -56,7 +56,7 @@ struct Options {
   std::optional<int> substeps;
   bool drop = false;
   int threads = 0;
-  std::string physics = "auto";
+  std::string physics = "cpu";
   double seconds = 0;
   std::string publish;
   std::string record;

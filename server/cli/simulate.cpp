@@ -33,7 +33,7 @@ struct SimulateCommand {
   double seconds = 2.0;
   double rate_hz = 0;
   int substeps = 0;
-  std::string solver = "cells", skinning = "lattice", device = "auto", physics = "auto";
+  std::string solver = "cells", skinning = "lattice", device = "auto", physics = "cpu";
   bool particles = false, kernels = false, no_sleep = false, drop = false, draw = false, no_shadows = false;
   bool offline = false;  // accepted as by the other commands; there is nothing to leave out
   int every = 1;

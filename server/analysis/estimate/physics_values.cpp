@@ -55,4 +55,19 @@ const char* source_name(v1::EstimatedValue::Source source) {
   }
 }
 
+const char* fill_name(v1::Physics::Fill fill) {
+  switch (fill) {
+    case v1::Physics::SOLID:
+      return "solid";
+    case v1::Physics::SHELL:
+      return "shell";
+    case v1::Physics::OPEN_SHELL:
+      return "open_shell";
+    case v1::Physics::FILLED:
+      return "filled";
+    default:
+      return "unknown";
+  }
+}
+
 }  // namespace livegs

@@ -32,4 +32,7 @@ void add_material_part(v1::PhysicalParameters& parameters, const std::string& na
 // "default", "unknown".
 const char* source_name(v1::EstimatedValue::Source source);
 
+// The word of the answer schema: "solid", "shell", "open_shell", "filled", else "unknown".
+const char* fill_name(v1::Physics::Fill fill);
+
 }  // namespace livegs

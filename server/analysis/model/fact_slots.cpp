@@ -14,9 +14,8 @@ namespace livegs {
 namespace {
 
 constexpr size_t kMaxMaterialLength = 60;
-// From this share of openness on, and below this solidity, the surface has both sides of a wall
-// (class_mass.cpp).
-constexpr double kMinOpenness = 0.15, kMaxOpenSolidity = 0.6;
+// From this share on, an opening is named, and the area may be that of both sides of a wall.
+constexpr double kMinOpenness = 0.15;
 
 using Words = const MessageTemplates&;
 
@@ -42,8 +41,7 @@ std::string given_text(const v1::PhysicalParameters& known, Words words) {
 
 std::string mesh_text(const MeshFacts& mesh, Words words) {
   const double area_cm2 = 1e4 * mesh.area_m2;
-  const bool both_sides = mesh.openness > kMinOpenness || mesh.solidity < kMaxOpenSolidity;
-  const std::string area = both_sides
+  const std::string area = mesh.openness > kMinOpenness
                                ? words.say("mesh_both_sides", {{"area", format_text("%.4g", area_cm2)},
                                                                {"half", format_text("%.4g", 0.5 * area_cm2)}})
                                : words.say("mesh_outer", {{"area", format_text("%.4g", area_cm2)}});
@@ -100,23 +98,11 @@ std::string neighbours_text(std::span<const SceneObjectFacts> neighbours, Words 
   return lines;
 }
 
-const char* fill_word(v1::Physics::Fill fill) {
-  switch (fill) {
-    case v1::Physics::SHELL:
-      return "shell";
-    case v1::Physics::OPEN_SHELL:
-      return "open_shell";
-    case v1::Physics::FILLED:
-      return "filled";
-    default:
-      return "solid";
-  }
-}
-
 // The usual form of things of the object's name, without masses: step 7 of the gate fuses those, and the
 // prior counts once. Empty if the tables do not have the name.
 std::string category_text(const ObjectFacts& facts, Words words) {
-  if (match_name(facts.name).tail != NameMatch::Tail::Nothing || !match_name(facts.name).row) return "";
+  const NameMatch match = match_name(facts.name);
+  if (!match.row || match.tail != NameMatch::Tail::Nothing) return "";
   const v1::PhysicalParameters usual = estimate_offline(facts);
   const v1::EstimatedValue& wall_m = usual.wall_thickness_m();
   const std::string wall =
@@ -126,7 +112,7 @@ std::string category_text(const ObjectFacts& facts, Words words) {
           : "";
   return words.say("category", {{"label", line_text(usual.label(), kMaxMaterialLength)},
                                 {"material", usual.material()},
-                                {"fill", fill_word(usual.fill())},
+                                {"fill", fill_name(usual.fill())},
                                 {"wall", wall},
                                 {"behaviour", usual.behavior() == v1::Physics::RIGID ? "rigid" : "elastic"}});
 }

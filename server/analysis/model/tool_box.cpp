@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/estimate/physics_values.h"
 #include "analysis/knowledge/table_search.h"
 #include "analysis/text/json_text.h"
 #include "analysis/text/prompt_text.h"
@@ -30,21 +31,6 @@ ToolAnswer range(double low, double best, double high, double factor = 1.0) {
 }
 ToolAnswer range(const Span3& span, double factor = 1.0) {
   return range(span.low, span.best, span.high, factor);
-}
-
-std::string fill_name(v1::Physics::Fill fill) {
-  switch (fill) {
-    case v1::Physics::SOLID:
-      return "solid";
-    case v1::Physics::SHELL:
-      return "shell";
-    case v1::Physics::OPEN_SHELL:
-      return "open_shell";
-    case v1::Physics::FILLED:
-      return "filled";
-    default:
-      return "unknown";
-  }
 }
 
 ToolAnswer describe(const KnowledgeHit& hit) {

@@ -19,7 +19,7 @@ constexpr const char* kFormat = "livegs.judgement/1";
 constexpr std::uint64_t kMaxBytes = 1 << 20;
 // Hash of the prompts of version 4, written before a model was available. Only this version may lack
 // measurements.
-constexpr const char* kUnjudged = "2853818b06e3b06ed562960e2762ea1affd2ebf705f6a59467be66decd4b0a2a";
+constexpr const char* kUnjudged = "1a774edd1bc61c1cefd860241f8a8b6547583232ea9c23b7d851725a4da49962";
 constexpr const char* kHow =
     "judge it: mass_harness --judge OLD_PROMPTS prompts --record ANSWERS --keep prompts/judged.json, with a "
     "model's "

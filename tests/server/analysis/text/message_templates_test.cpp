@@ -113,10 +113,10 @@ TEST(MessageTemplates, FactsAreUnchanged) {
   const auto slots = fact_slots(facts, offline, neighbours);
   EXPECT_EQ(slots.at("size"), "smallest box 9.5 x 8 x 8 cm, 9.5 cm high as it stands");
   EXPECT_EQ(slots.at("scale"), "metric");
-  EXPECT_EQ(
-      slots.at("mesh"),
-      "volume 120 cm3, area of both sides of the wall together 550 cm2, so 275 cm2 of wall, mean thickness "
-      "2V/A 4.4 mm, 25 % of its convex hull, 60 % open, rod, 2 pieces");
+  EXPECT_EQ(slots.at("mesh"),
+            "volume 120 cm3, area 550 cm2, in an open wall both sides (275 cm2 of wall), mean thickness 2V/A "
+            "4.4 mm, "
+            "25 % of its convex hull, 60 % open, rod, 2 pieces");
   EXPECT_EQ(slots.at("looks"), "mean #3380e6, saturation 0.30, spread of hue 0.70 rad");
   EXPECT_EQ(slots.at("neighbours"), "- \"cup\": 0.1 x 0.2 x 0.3 m, 1.5 m away");
   EXPECT_EQ(slots.at("category"), "mug of stoneware, open_shell, wall 3 to 6.5 mm, rigid");
