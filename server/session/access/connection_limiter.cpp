@@ -227,27 +227,35 @@ void ConnectionLimiter::take(int listener) {
   }
   bool loopback = false;
   const std::string address = address_of(from, size, loopback);
-  if (!has_room(address, loopback)) {
+  if (!make_room(address, loopback)) {
     ::close(socket);
     return;
   }
   set(socket, IPPROTO_TCP, TCP_NODELAY, 1);
   set(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kTcpUserTimeout_ms);
   admitted_.push_back({socket, inode_of(socket), address});
-  silent_.push_back({socket, listener, now_ns()});
+  silent_.push_back({socket, listener, now_ns(), address});
 }
 
 // Checks which connections are still open only when a limit seems to be reached.
-bool ConnectionLimiter::has_room(const std::string& address, bool loopback) {
-  const auto too_many = [&] {
-    const auto same = std::count_if(admitted_.begin(), admitted_.end(),
-                                    [&](const Admitted& one) { return one.address == address; });
-    return admitted_.size() >= kMaxConnections ||
-           (!loopback && static_cast<size_t>(same) >= kMaxConnectionsPerAddress);
-  };
-  if (!too_many()) return true;
-  std::erase_if(admitted_, [](const Admitted& one) { return !one.here(); });
-  return !too_many();
+bool ConnectionLimiter::make_room(const std::string& address, bool loopback) {
+  for (const bool total : {false, true}) {
+    if (!total && loopback) continue;
+    const size_t limit = total ? kMaxConnections : kMaxConnectionsPerAddress;
+    const auto counts = [&](const auto& one) { return total || one.address == address; };
+    const auto full = [&] {
+      return static_cast<size_t>(std::count_if(admitted_.begin(), admitted_.end(), counts)) >= limit;
+    };
+    if (!full()) continue;
+    std::erase_if(admitted_, [](const Admitted& one) { return !one.here(); });
+    if (!full()) continue;
+    const auto longest = std::find_if(silent_.begin(), silent_.end(), counts);
+    if (longest == silent_.end()) return false;
+    ::close(longest->descriptor);
+    std::erase_if(admitted_, [&](const Admitted& one) { return one.descriptor == longest->descriptor; });
+    silent_.erase(longest);
+  }
+  return true;
 }
 
 }  // namespace livegs

@@ -22,8 +22,9 @@ inline constexpr size_t kMaxConnectionsPerAddress = 256;
 inline constexpr int64_t kFirstBytesTimeout_ns = 3'000'000'000;
 
 // Accepts connections on its own thread and passes them on, up to the limits above: to gRPC, or to the web
-// server if the first bytes are those of a browser (web/first_bytes.h). gRPC itself has no such limit. Excess
-// connections are closed at once, silent ones after kFirstBytesTimeout_ns.
+// server if the first bytes are those of a browser (web/first_bytes.h). gRPC itself has no such limit. Silent
+// connections are closed after kFirstBytesTimeout_ns. At a limit, a new connection takes the place of the
+// longest silent one; without one it is closed at once.
 class ConnectionLimiter {
  public:
   // Listens on every address of `host`, on one port; port 0 lets the system choose. Unavailable if the port
@@ -58,10 +59,11 @@ class ConnectionLimiter {
   struct Silent {
     int descriptor = -1, listener = -1;
     int64_t since_ns = 0;
+    std::string address;
   };
   // `ended`: the client sends no more. False if more bytes are needed.
   bool pass_on(const Silent& one, bool ended);
-  bool has_room(const std::string& address, bool loopback);
+  bool make_room(const std::string& address, bool loopback);
 
   std::vector<int> listeners_;
   int port_ = 0;
@@ -69,7 +71,7 @@ class ConnectionLimiter {
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to_;
   ToWeb to_web_;
   std::vector<Admitted> admitted_;  // accessed by the thread only, like silent_
-  std::vector<Silent> silent_;
+  std::vector<Silent> silent_;      // longest silent first
   std::thread thread_;
 };
 

@@ -91,6 +91,26 @@ TEST(ConnectionLimiter, ClosesExcessConnections) {
   for (const int client : clients) ::close(client);
 }
 
+TEST(ConnectionLimiter, SilentConnectionsGiveWayToNewOnes) {
+  Kept::Log log;
+  auto door = ConnectionLimiter::listen("127.0.0.1", 0);
+  ASSERT_TRUE(door) << door.error().message;
+  (*door)->open(std::make_unique<Kept>(log), [](int socket, bool) { ::close(socket); });
+  std::vector<int> silent;
+  for (size_t i = 0; i < kMaxConnections; ++i) silent.push_back(connect_to((*door)->port()));
+  std::vector<int> clients;
+  for (size_t i = 1; i <= 3; ++i) {
+    clients.push_back(grpc_client((*door)->port()));
+    EXPECT_EQ(log.wait(i), i);
+    EXPECT_TRUE(is_closed(silent[i - 1])) << "the longest silent one";
+  }
+  char byte = 0;
+  EXPECT_EQ(::recv(silent.back(), &byte, 1, MSG_DONTWAIT), -1) << "the latest one is still open";
+  for (const int socket : silent) ::close(socket);
+  for (const int socket : clients) ::close(socket);
+  log.close_all();
+}
+
 TEST(ConnectionLimiter, NamesTheProblemOfAnAddress) {
   const auto door = ConnectionLimiter::listen("127.0.0.1", 0);
   ASSERT_TRUE(door);
