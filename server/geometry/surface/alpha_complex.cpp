@@ -115,6 +115,18 @@ struct AlphaComplex::Impl {
     vertices.push_back(vertex);
   }
 
+  // Calls with both ends of each finite edge, several times for most edges: once for each cell around it.
+  // CGAL's edge iterator circulates around each of these edges to find the one cell that reports it, which
+  // costs more than the triangulation.
+  template <class Function>
+  void visit_edges(const Function& function) const {
+    for (Cell cell : delaunay.finite_cell_handles()) {
+      for (int i = 0; i < 4; ++i) {
+        for (int k = i + 1; k < 4; ++k) function(cell->vertex(i), cell->vertex(k));
+      }
+    }
+  }
+
   std::array<Vertex, 3> face_vertices(const Cell& cell, int i) const {
     return {cell->vertex(kFace[i][0]), cell->vertex(kFace[i][1]), cell->vertex(kFace[i][2])};
   }
@@ -179,11 +191,10 @@ int AlphaComplex::dimension() const { return impl_->delaunay.dimension(); }
 double AlphaComplex::median_gap() const {
   // The nearest neighbour of a point is one of its Delaunay neighbours.
   std::vector<double> gap2(impl_->vertices.size(), std::numeric_limits<double>::infinity());
-  for (const auto& edge : impl_->delaunay.finite_edges()) {
-    const Vertex a = edge.first->vertex(edge.second), b = edge.first->vertex(edge.third);
+  impl_->visit_edges([&](const Vertex& a, const Vertex& b) {
     const double length2 = (position(a) - position(b)).squaredNorm();
     for (const Vertex& end : {a, b}) gap2[end->info()] = std::min(gap2[end->info()], length2);
-  }
+  });
   return std::sqrt(percentile(std::move(gap2), 0.5));
 }
 
@@ -241,11 +252,11 @@ size_t AlphaComplex::thicken_sheets(double radius, double thickness) {
     for (uint32_t corner : sheet.corners) held[corner] = true;
   }
   std::vector<bool> thread(impl.vertices.size(), false);
-  for (const auto& edge : impl.delaunay.finite_edges()) {
-    const Vertex a = edge.first->vertex(edge.second), b = edge.first->vertex(edge.third);
-    if ((position(a) - position(b)).squaredNorm() > radius2) continue;
+  impl.visit_edges([&](const Vertex& a, const Vertex& b) {
+    if (held[a->info()] && held[b->info()]) return;
+    if ((position(a) - position(b)).squaredNorm() > radius2) return;
     for (const Vertex& end : {a, b}) thread[end->info()] = thread[end->info()] || !held[end->info()];
-  }
+  });
 
   size_t thickened = 0;
   const size_t count = impl.vertices.size();
@@ -281,12 +292,11 @@ double AlphaComplex::near_surface(double distance) const {
   }
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<double> before = depth;  // so that the order of the edges does not matter
-    for (const auto& edge : impl.delaunay.finite_edges()) {
-      const Vertex a = edge.first->vertex(edge.second), b = edge.first->vertex(edge.third);
+    impl.visit_edges([&](const Vertex& a, const Vertex& b) {
       const double length = (position(a) - position(b)).norm();
       depth[a->info()] = std::min(depth[a->info()], before[b->info()] + length);
       depth[b->info()] = std::min(depth[b->info()], before[a->info()] + length);
-    }
+    });
   }
   const auto near = std::count_if(depth.begin(), depth.begin() + static_cast<std::ptrdiff_t>(impl.cloud_size),
                                   [&](double one) { return one <= distance; });
