@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A headless Chromium that a test drives over the DevTools protocol (Debian packages chromium, python3-websocket)."""
+"""A headless Chromium that a test drives over the DevTools protocol (Debian packages chromium, python3-pil,
+python3-websocket)."""
 import base64
+import io
 import json
 import os
 import shutil
-import struct
 import subprocess
 import tempfile
 import time
-import zlib
 
+from PIL import Image
 import websocket
 
 
@@ -127,7 +128,7 @@ class Browser:
                      text=key if kind == 'keyDown' and len(key) == 1 else '')
 
     def picture(self, file=None):
-        """The page as (width, height, bytes of RGB); also written to `file`, a PNG."""
+        """The page as a PIL image; also written to `file`, a PNG."""
         until = time.monotonic() + 10
         while True:
             try:
@@ -141,38 +142,4 @@ class Browser:
             os.makedirs(os.path.dirname(os.path.abspath(file)), exist_ok=True)
             with open(file, 'wb') as out:
                 out.write(png)
-        return decode_png(png)
-
-
-def decode_png(png):
-    """8-bit RGB or RGBA without interlace, as Chromium writes them."""
-    at, data = 8, b''
-    while at < len(png):
-        length, kind = struct.unpack('>I4s', png[at:at + 8])
-        body = png[at + 8:at + 8 + length]
-        if kind == b'IHDR':
-            width, height, _, colour = struct.unpack('>IIBB', body[:10])
-        elif kind == b'IDAT':
-            data += body
-        at += length + 12
-    channels = {2: 3, 6: 4}[colour]
-    raw, stride = zlib.decompress(data), width * channels
-    rows, above = [], bytearray(stride)
-    for y in range(height):
-        filter_type, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        for x in range(stride):
-            left = line[x - channels] if x >= channels else 0
-            up, corner = above[x], above[x - channels] if x >= channels else 0
-            if filter_type == 1:
-                line[x] = (line[x] + left) & 255
-            elif filter_type == 2:
-                line[x] = (line[x] + up) & 255
-            elif filter_type == 3:
-                line[x] = (line[x] + (left + up) // 2) & 255
-            elif filter_type == 4:
-                guess = left + up - corner
-                nearest = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))
-                line[x] = (line[x] + nearest[2]) & 255
-        rows.append(bytes(line) if channels == 3 else bytes(b for i, b in enumerate(line) if i % 4 != 3))
-        above = line
-    return width, height, b''.join(rows)
+        return Image.open(io.BytesIO(png)).convert('RGB')

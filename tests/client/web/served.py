@@ -10,15 +10,33 @@ import struct
 import subprocess
 import threading
 
+from PIL import ImageChops
+
+
+def _brightest(picture):
+    """The largest of the three channels of each pixel, as a grey picture."""
+    red, green, blue = picture.split()
+    return ImageChops.lighter(red, ImageChops.lighter(green, blue))
+
 
 def different(a, b, step=8):
     """Pixels of two pictures that differ by more than `step` in a channel."""
-    return sum(1 for i in range(0, len(a), 3) if any(abs(a[i + k] - b[i + k]) > step for k in range(3)))
+    return sum(_brightest(ImageChops.difference(a, b)).histogram()[step + 1:])
 
 
 def lit(picture):
     """Pixels that are not dark."""
-    return sum(1 for i in range(0, len(picture), 3) if max(picture[i:i + 3]) > 40)
+    return sum(_brightest(picture).histogram()[41:])
+
+
+def soft_box(picture):
+    """The count and the centre (x, y) in pixels of the soft box of write_scene: what is red."""
+    red, _, blue = picture.split()
+    mask = ImageChops.multiply(red.point(lambda v: 255 * (v > 90)),
+                               ImageChops.subtract(red, ImageChops.add(blue, blue)).point(lambda v: 255 * (v > 0)))
+    found = [i for i, value in enumerate(mask.getdata()) if value]
+    width = picture.width
+    return len(found), tuple(sum(part) / max(1, len(found)) for part in ([i % width for i in found], [i // width for i in found]))
 
 
 def write_box(file, colour, count=1500, half=0.5):
@@ -39,11 +57,13 @@ def write_box(file, colour, count=1500, half=0.5):
 
 
 def write_scene(folder):
-    """An elastic box that falls onto a floor next to a rigid one."""
+    """An elastic box that falls onto a floor next to a rigid one. The floor is a mesh, which is not drawn."""
+    with open(os.path.join(folder, 'floor.obj'), 'w') as out:
+        out.write('v -9 0 -9\nv -9 0 9\nv 9 0 9\nv 9 0 -9\nf 1 2 3\nf 1 3 4\n')
     write_box(os.path.join(folder, 'soft.ply'), (0.9, 0.3, 0.2))
     write_box(os.path.join(folder, 'hard.ply'), (0.2, 0.4, 0.9))
     scene = {
-        'rate_hz': 90, 'environment': {'colliders': [{'plane': {'point_m': [0, 0, 0], 'normal': [0, 1, 0]}}]},
+        'rate_hz': 90, 'environment': {'colliders': [{'mesh': 'floor.obj'}]},
         'objects': [
             {'name': 'soft', 'asset': 'soft.ply', 'scale': 0.3, 'label': 'foam block', 'pose': {'position_m': [-0.25, 0.4, 0]}},
             {'name': 'hard', 'asset': 'hard.ply', 'scale': 0.3, 'label': 'wooden block', 'pose': {'position_m': [0.25, 0.16, 0]}}]}
