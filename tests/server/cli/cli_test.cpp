@@ -15,7 +15,7 @@
 #include "gaussian/asset_file.h"
 #include "scratch_folder.h"
 #include "splat/image.h"
-#include "system/support/program.h"
+#include "system/support/sample_files.h"
 
 namespace livegs {
 namespace {
@@ -204,9 +204,8 @@ TEST(Cli, ConvertUsesTheAxisOfTheFile) {
 TEST(Cli, InfoDescribesFolders) {
   ScratchFolder folder;
   fs::create_directory(folder / "things");
-  ASSERT_EQ(run({"sample", folder / "scene", "--quiet"}).code, 0);
-  fs::copy(folder / "scene/cup.ply", folder / "things/cup.ply");
-  fs::copy(folder / "scene/duck.ply", folder / "things/duck.ply");
+  for (const char* name : {"cup.ply", "duck.ply"})
+    fs::copy(sample_files(LIVEGS_TOOL) / name, folder / "things" / name);
   const Said said = run({"info", folder / "things"});
   EXPECT_EQ(said.code, 0) << said.err;
   for (const char* name :

@@ -11,6 +11,7 @@
 
 #include "stream/session/scene_control.h"
 #include "system/support/program.h"
+#include "system/support/sample_files.h"
 
 namespace livegs {
 
@@ -18,10 +19,9 @@ namespace livegs {
 // in FOLDER/sample.
 class AuthorServer {
  public:
-  // Writes the sample assets and makes the scene's folder.
+  // Makes the folders.
   explicit AuthorServer(std::filesystem::path folder) : folder_(std::move(folder)) {
-    Program sample({LIVEGS_TOOL, "sample", folder_ / "sample"});
-    EXPECT_EQ(sample.wait(), 0) << sample.err();
+    std::filesystem::create_directory_symlink(sample_files(LIVEGS_TOOL), folder_ / "sample");
     std::filesystem::create_directories(folder_ / "made");
   }
   ~AuthorServer() {

@@ -10,11 +10,10 @@
 
 #include "scene/scene.h"
 #include "scene/views/scene_drawing.h"
-#include "scratch_folder.h"
 #include "splat/frame_bounds.h"
 #include "splat/image.h"
 #include "splat/rasterise.h"
-#include "system/support/program.h"
+#include "system/support/sample_files.h"
 
 namespace livegs {
 namespace {
@@ -25,10 +24,7 @@ constexpr double kFall_s = 5;  // after this time nothing falls any more
 class FallenSample : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder = new ScratchFolder();
-    Program sample({LIVEGS_TOOL, "sample", *folder / "sample"});
-    ASSERT_EQ(sample.wait(), 0) << sample.err();
-    auto text = read_scene(*folder / "sample/sample.scene.json");
+    auto text = read_scene(sample_files(LIVEGS_TOOL) / "sample.scene.json");
     ASSERT_TRUE(text) << text.error().message;
     SceneOptions options;
     options.wait_for_pieces = true;
@@ -39,10 +35,7 @@ class FallenSample : public ::testing::Test {
     for (int tick = 0; tick < ticks; ++tick) scene->step();
     ASSERT_GE(scene->find("cup")->rest.revision, 1u) << "the cup has broken";
   }
-  static void TearDownTestSuite() {
-    delete scene;
-    delete folder;
-  }
+  static void TearDownTestSuite() { delete scene; }
   void SetUp() override {
     drawing_.set_shadows(true);
     auto posed = drawing_.pose(*scene);
@@ -65,7 +58,6 @@ class FallenSample : public ::testing::Test {
     return view;
   }
 
-  static inline ScratchFolder* folder = nullptr;
   static inline Scene* scene = nullptr;
   SceneDrawing drawing_;
   std::vector<DrawnObject> all_, things_;  // with and without the room
