@@ -6,16 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/lower_case.h"
+
 namespace livegs {
-namespace {
-
-std::string lower(std::string_view text) {
-  std::string small(text);
-  for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return small;
-}
-
-}  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
@@ -38,7 +31,7 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
   std::string_view nearest;
   std::size_t steps = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& one : words) {
-    const std::size_t distance = edit_distance(lower(word), lower(one));
+    const std::size_t distance = edit_distance(lower_case(word), lower_case(one));
     if (distance >= steps) continue;
     steps = distance;
     nearest = one;

@@ -3,7 +3,6 @@
 // is described in client/web/page/player.js.
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -13,6 +12,7 @@
 #include "cli/commands.h"
 #include "cli/output_path.h"
 #include "core/clock.h"
+#include "core/file.h"
 #include "gaussian/stored_blocks.h"
 #include "recording/recording_reader.h"
 #include "web/page_files.h"
@@ -20,20 +20,6 @@
 
 namespace livegs {
 namespace {
-
-// As the policy of the server's pages (server/web/http_connection.h); a page cannot say who may frame it.
-constexpr const char* kPagePolicy =
-    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'self'; script-src 'self' "
-    "'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data:; style-src 'self'; worker-src 'self'; "
-    "base-uri 'none'; form-action 'none'\">\n";
-
-Result<void> write_whole(const std::filesystem::path& path, std::string_view bytes) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) return Error{ErrorCode::Internal, path.string() + ": cannot be written; check the disk"};
-  return {};
-}
 
 void replace_once(std::string& text, std::string_view from, const std::string& to) {
   if (const size_t at = text.find(from); at != std::string::npos) text.replace(at, from.size(), to);
@@ -123,13 +109,15 @@ Result<void> write_page(const std::filesystem::path& folder) {
   for (const PageFile& file : page_files()) {
     std::string text(file.bytes);
     if (file.name == "/index.html") {
-      replace_once(text, "<meta charset=\"utf-8\">\n",
-                   "<meta charset=\"utf-8\">\n" + std::string(kPagePolicy));
+      const std::string head = "<meta charset=\"utf-8\">\n";
+      replace_once(text, head,
+                   head + "<meta http-equiv=\"Content-Security-Policy\" content=\"" +
+                       std::string(kPagePolicy) + "\">\n");
       replace_once(text, "<body>", "<body data-film=\"./film.json\">");
     } else if (!file.named_by_content()) {
       continue;  // is for live scenes
     }
-    if (auto written = write_whole(folder / file.path.substr(1), text); !written) return written;
+    if (auto written = write_file_atomically(folder / file.path.substr(1), text); !written) return written;
   }
   return {};
 }
@@ -163,12 +151,12 @@ Result<void> export_web(const std::filesystem::path& recording, const std::files
   std::filesystem::create_directories(folder / "assets", failed);
   if (failed) return invalid_argument(folder.string() + ": cannot be created: " + failed.message());
   if (auto written = write_page(folder); !written) return written;
-  if (auto written = write_whole(folder / "film.bin", film.bytes()); !written) return written;
-  if (auto written = write_whole(folder / "film.json", film.index(reader->start().rate_hz())); !written)
+  if (auto written = write_file_atomically(folder / "film.bin", film.bytes()); !written) return written;
+  if (auto written = write_file_atomically(folder / "film.json", film.index(reader->start().rate_hz()));
+      !written)
     return written;
   for (const auto& [hash, bytes] : assets) {
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (auto written = write_whole(folder / "assets" / hash, text); !written) return written;
+    if (auto written = write_file_atomically(folder / "assets" / hash, bytes); !written) return written;
   }
   return {};
 }

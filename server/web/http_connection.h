@@ -25,9 +25,6 @@ inline constexpr std::string_view kServicePath = "/livegs.v1.LiveGs/",
 inline const std::set<std::string, std::less<>> kStreamingRpcs = {"Stream", "FetchAsset", "AnalyzeScene",
                                                                   "UploadAsset"};
 
-inline constexpr const char* kContentSecurityPolicy =
-    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data:; "
-    "style-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors";
 // The module of <livegs-view>, which pages of allowed sites load.
 inline constexpr std::string_view kViewModule = "/livegs-view.js";
 
@@ -179,7 +176,7 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
                  file->named_by_content() ? "public, max-age=31536000, immutable" : "no-store");
     response.set(http::field::vary, "Accept-Encoding, Origin");
     if (!coding.empty()) response.set(http::field::content_encoding, std::string(coding));
-    std::string policy = kContentSecurityPolicy;
+    std::string policy = std::string(kPagePolicy) + "; frame-ancestors";
     if (shared_.origins.empty()) policy += " 'none'";
     for (const std::string& origin : shared_.origins) policy += " " + origin;
     response.set("Content-Security-Policy", policy);

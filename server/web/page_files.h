@@ -17,6 +17,11 @@ struct PageFile {
   bool named_by_content() const { return path != name; }
 };
 
+// What the page may load and run. A server adds who may frame it.
+inline constexpr std::string_view kPagePolicy =
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data:; "
+    "style-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'";
+
 // All files of client/web/page, and livegs.wasm. Generated at build time (embed_page.cmake).
 std::span<const PageFile> page_files();
 

@@ -2,10 +2,10 @@
 #include "xr/window/draw_scene_panel.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 
+#include "core/lower_case.h"
 #include "xr/window/widgets.h"
 
 namespace livegs {
@@ -14,13 +14,8 @@ namespace {
 constexpr float kLabel_px = 84;  // names of the fields, at scale 1
 constexpr size_t kMaxText = 128, kMaxSuggestions = 12;
 
-std::string lower(std::string text) {
-  for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return text;
-}
-
 bool contains(const std::string& text, const std::string& part) {
-  return lower(text).find(lower(part)) != std::string::npos;
+  return lower_case(text).find(lower_case(part)) != std::string::npos;
 }
 
 bool input_text(const char* id, std::string& text, ImGuiInputTextFlags flags = 0) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxShownLength = 40;
 
-bool lower_case(std::string_view slot) {
+bool is_lower_case(std::string_view slot) {
   return !slot.empty() &&
          std::all_of(slot.begin(), slot.end(), [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
 }
@@ -54,7 +54,7 @@ Result<void> check_slots(std::string_view text, const SlotNames& known) {
       const std::size_t close = rest.find("}}");
       const std::string_view slot = rest.substr(0, std::min(close, rest.find('}')));
       open += 2;
-      if (known.empty() && !(lower_case(slot) && close == slot.size())) continue;
+      if (known.empty() && !(is_lower_case(slot) && close == slot.size())) continue;
       const std::string shown = line_text(slot, kMaxShownLength);
       if (close != slot.size())
         return invalid_data(at + "{{" + shown + " has no end; write it as {{slot}}, on one line");

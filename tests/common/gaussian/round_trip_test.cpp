@@ -10,6 +10,7 @@
 #include "common/gaussian/synthetic_asset.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/sog/codebook.h"
+#include "scratch_folder.h"
 
 namespace livegs {
 namespace {
@@ -160,8 +161,7 @@ TEST(RoundTrip, SplatStaysWithinItsSteps) {
 TEST(RoundTrip, FramesSurviveEveryFormat) {
   GaussianAsset asset = synthetic_asset(100, 0, 60);
   asset.antialiased = true;
-  std::string pattern = (std::filesystem::temp_directory_path() / "livegs_round_trip_XXXXXX").string();
-  const std::filesystem::path folder = ::mkdtemp(pattern.data());
+  const ScratchFolder folder;
   for (const double metres : {0.0, 1.0, 0.0254}) {
     for (const Eigen::Vector3d& origin : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(5e5, -5.4e6, 312)}) {
       AssetFrame frame;
@@ -198,7 +198,6 @@ TEST(RoundTrip, FramesSurviveEveryFormat) {
     EXPECT_EQ(metres->frame.metres_per_unit, 1);
     EXPECT_TRUE(metres->frame.unit_of_format);
   }
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

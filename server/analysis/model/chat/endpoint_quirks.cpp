@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <ctime>
 
 #include "core/file.h"
 #include "core/log.h"
+#include "core/lower_case.h"
 
 namespace livegs {
 namespace {
@@ -43,12 +43,6 @@ constexpr std::pair<const char*, bool EndpointQuirks::*> kSwitches[] = {
     {"stream", &EndpointQuirks::stream},
     {"stream_options", &EndpointQuirks::stream_options},
     {"web_search", &EndpointQuirks::web_search}};
-
-std::string lower(std::string_view text) {
-  std::string small(text);
-  for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return small;
-}
 
 bool mentions(const std::string& text, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(),
@@ -163,7 +157,7 @@ Dialect dialect_of_models(std::string_view body, std::string& first_model) {
   const Json* data = list ? member(*list, "data") : nullptr;
   if (!data || !data->is_array() || data->empty()) return Dialect::Unknown;
   first_model = text_member(data->front(), "id");
-  const std::string owner = lower(text_member(data->front(), "owned_by"));
+  const std::string owner = lower_case(text_member(data->front(), "owned_by"));
   if (owner == "vllm") return Dialect::Vllm;
   if (owner == "llamacpp") return Dialect::LlamaCpp;
   if (owner == "library") return Dialect::Ollama;
@@ -171,7 +165,7 @@ Dialect dialect_of_models(std::string_view body, std::string& first_model) {
 }
 
 bool is_context_overflow(const ServerError& error) {
-  return mentions(lower(error.code + " " + error.type + " " + error.message),
+  return mentions(lower_case(error.code + " " + error.type + " " + error.message),
                   {"context_length_exceeded", "context length", "exceed_context_size", "context size",
                    "context window", "prompt is too long"});
 }
@@ -180,10 +174,10 @@ std::string learn_from_refusal(EndpointQuirks& quirks, const ServerError& error,
                                bool named_only) {
   if (is_context_overflow(error)) return "";
   if (!error.param.empty()) {
-    std::string taken = take_named(quirks, lower(error.param), sent);
+    std::string taken = take_named(quirks, lower_case(error.param), sent);
     if (!taken.empty()) return taken;
   }
-  std::string taken = take_named(quirks, lower(error.code + " " + error.message), sent);
+  std::string taken = take_named(quirks, lower_case(error.code + " " + error.message), sent);
   if (!taken.empty() || named_only) return taken;
   // A refusal without details: the least supported features are disabled first.
   if (sent.tools) return take(quirks.tools, "tools");

@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/spherical_harmonics.h"
+#include "scratch_folder.h"
 
 namespace livegs {
 namespace {
@@ -38,8 +39,7 @@ void expect_equal_kernels(const GaussianAsset& a, const GaussianAsset& b) {
 }
 
 TEST(Gltf, ReadsEveryDegreeFromEveryContainer) {
-  std::string pattern = (std::filesystem::temp_directory_path() / "livegs_gltf_XXXXXX").string();
-  const std::filesystem::path folder = ::mkdtemp(pattern.data());
+  const ScratchFolder folder;
   for (int degree = 0; degree <= 3; ++degree) {
     const GaussianAsset asset = synthetic_asset(120, degree, 70 + static_cast<uint64_t>(degree));
     const GltfSample sample = gltf_sample(asset);
@@ -65,7 +65,6 @@ TEST(Gltf, ReadsEveryDegreeFromEveryContainer) {
     ASSERT_FALSE(refused) << uri;
     EXPECT_NE(refused.error().message.find("below"), std::string::npos) << refused.error().message;
   }
-  std::filesystem::remove_all(folder);
 }
 
 Eigen::Matrix3d covariance_of(const GaussianAsset& asset, size_t i) {

@@ -11,6 +11,7 @@
 #include "common/gaussian/synthetic_asset.h"
 #include "core/file.h"
 #include "gaussian/asset_file.h"
+#include "scratch_folder.h"
 
 namespace livegs {
 namespace {
@@ -145,8 +146,7 @@ TEST(Ply, RejectsOverflowingTextNumbers) {
 
 TEST(Ply, ExtensionSelectsTheWriter) {
   const GaussianAsset asset = synthetic_asset(5, 1, 3);
-  std::string pattern = (std::filesystem::temp_directory_path() / "livegs_ply_test_XXXXXX").string();
-  const std::filesystem::path folder = ::mkdtemp(pattern.data());
+  const ScratchFolder folder;
   ASSERT_TRUE(write_asset(folder / "a.ply", asset));
   ASSERT_TRUE(write_asset(folder / "a.spz", asset));
   EXPECT_EQ(read_asset(folder / "a.ply")->format, AssetFormat::Ply);
@@ -165,7 +165,6 @@ TEST(Ply, ExtensionSelectsTheWriter) {
   EXPECT_EQ(write_asset(folder / "a", asset).error().code, ErrorCode::Unsupported);
   EXPECT_EQ(write_asset(folder / "c.ply", GaussianAsset{}).error().code, ErrorCode::InvalidArgument);
   EXPECT_NE(read_asset(folder / "absent.ply").error().message.find("absent.ply"), std::string::npos);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

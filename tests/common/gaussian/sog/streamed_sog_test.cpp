@@ -10,6 +10,7 @@
 #include "core/file.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/sog/sog_files.h"
+#include "scratch_folder.h"
 
 namespace livegs {
 namespace {
@@ -22,12 +23,6 @@ constexpr const char* kSogFiles[] = {"meta.json",   "means_l.webp", "means_u.web
 
 class StreamedSog : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "livegs_streamed_XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   // Writes a chunk as an unbundled .sog.
   void write_chunk(const std::string& name, const GaussianAsset& asset) {
     const auto bundle = encode_sog(asset);
@@ -67,13 +62,13 @@ class StreamedSog : public testing::Test {
          {{"children", {leaf({{0, 0, 0, 120}, {1, 2, 0, 20}}), leaf({{1, 2, 20, 20}, {0, 1, 0, 150}})}}}}};
   }
 
-  fs::path folder_;
+  const ScratchFolder folder_;
   GaussianAsset first_, second_;
 };
 
 TEST_F(StreamedSog, FinestLevelIsOneObject) {
   write_index(usual());
-  for (const fs::path& path : {folder_, folder_ / "lod-meta.json"}) {
+  for (const fs::path& path : {folder_.path(), folder_ / "lod-meta.json"}) {
     const auto file = read_asset(path);
     ASSERT_TRUE(file) << file.error().message;
     ASSERT_EQ(file->asset.size(), 270u);
@@ -106,7 +101,7 @@ TEST_F(StreamedSog, LeavesUseTheirOwnFinestLevel) {
                                leaf({{0, 1, 120, 30}})};
   index["environment"] = "env/meta.json";
   write_index(index);
-  const auto file = read_asset(folder_);
+  const auto file = read_asset(folder_.path());
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(file->asset.size(), 70u);  // 20 and 50; a kernel that two leaves name is there once
   EXPECT_EQ(file->notes.size(), 2u);
@@ -128,7 +123,7 @@ TEST_F(StreamedSog, DamagedIndexesAreRefusedInOneLine) {
     Json json = good;
     change(json);
     write_index(json);
-    const auto file = read_asset(folder_);
+    const auto file = read_asset(folder_.path());
     ASSERT_FALSE(file) << reason;
     EXPECT_NE(file.error().message.find(reason), std::string::npos) << file.error().message;
     EXPECT_EQ(file.error().message.find('\n'), std::string::npos);
@@ -149,7 +144,7 @@ TEST_F(StreamedSog, DamagedIndexesAreRefusedInOneLine) {
   std::string nest;
   while (nest.size() < 1000000) nest += "{\"children\":[";
   ASSERT_TRUE(write_file_atomically(folder_ / "lod-meta.json", nest));
-  EXPECT_FALSE(read_asset(folder_));
+  EXPECT_FALSE(read_asset(folder_.path()));
   // Mutations of the text: an asset or one line.
   const std::string text = good.dump();
   uint32_t state = 1;
@@ -160,7 +155,7 @@ TEST_F(StreamedSog, DamagedIndexesAreRefusedInOneLine) {
       changed[(state >> 8) % changed.size()] = static_cast<char>(32 + state % 95);
     }
     ASSERT_TRUE(write_file_atomically(folder_ / "lod-meta.json", changed));
-    const auto file = read_asset(folder_);
+    const auto file = read_asset(folder_.path());
     if (file) {
       expect_invariants(file->asset, changed);
     } else {
