@@ -84,14 +84,16 @@ function(livegs_add_test_program name)
   livegs_unite(${name})
 endfunction()
 
-# livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds] [SHARDS count] [SERIAL] [EACH])
+# livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds] [SHARDS count] [SERIAL] [EACH] [WAITS])
 #   One GoogleTest program with one ctest entry per shard (SHARDS, 2 by default), so that data, tables and devices are loaded
 #   once. The times of its TESTs go to test_times/ in the build tree.
 #   EACH: one ctest entry per TEST, for tests of whole programs.
 #   SERIAL: no other test runs at the same time.
+#   WAITS: mostly waits for timers and sockets. Such a test takes one of the slots of `ctest --parallel`, another one two;
+#   deploy/test has two slots for each core.
 #   LABELS nightly: neither built nor run by default. TIMEOUT: 900 s by default, 300 s with EACH.
 function(livegs_add_test name)
-  cmake_parse_arguments(TEST "SERIAL;EACH" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "SERIAL;EACH;WAITS" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT TEST_LABELS)
     set(TEST_LABELS unit)
   endif()
@@ -99,6 +101,10 @@ function(livegs_add_test name)
   if("nightly" IN_LIST TEST_LABELS)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     add_dependencies(nightly_tests ${name})
+  endif()
+  set(slots 2)
+  if(TEST_WAITS)
+    set(slots 1)
   endif()
   set(environment)
   if(LIVEGS_SANITIZE MATCHES address AND TEST_LABELS MATCHES vulkan)
@@ -116,7 +122,7 @@ function(livegs_add_test name)
       set(environment ENVIRONMENT ${environment})
     endif()
     gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-                         PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} ${environment})
+                         PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} PROCESSORS ${slots} ${environment})
     return()
   endif()
   if(NOT TEST_TIMEOUT)
@@ -133,7 +139,7 @@ function(livegs_add_test name)
     endif()
     add_test(NAME ${entry} COMMAND ${name})
     set_tests_properties(${entry} PROPERTIES
-      LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL}
+      LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} PROCESSORS ${slots}
       ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${index};GTEST_OUTPUT=xml:${CMAKE_BINARY_DIR}/test_times/${entry}.xml;${environment}")
   endforeach()
 endfunction()

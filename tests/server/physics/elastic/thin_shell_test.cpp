@@ -77,7 +77,7 @@ double stiffness_ratio(double cells_t, double poisson_ratio, bool thin) {
 }
 
 TEST(ThinShell, QuarterCylinderOpensLikeABeam) {
-  for (const double cells_t : {3.0, 5.0, 7.0, 10.0}) {
+  for (const double cells_t : gate_or_full<double>({5.0, 10.0}, {3.0, 5.0, 7.0, 10.0})) {
     const double thin = stiffness_ratio(cells_t, 0.3, true), plain = stiffness_ratio(cells_t, 0.3, false);
     std::printf("cells of %g t: stiffness %.2f of a beam's, plain cells %.2f\n", cells_t, thin, plain);
     EXPECT_GT(thin, 0.9) << cells_t;
@@ -119,7 +119,7 @@ TEST(ThinShell, ReleasedArcSwingsAtItsBeamFrequency) {
   const double beam =
       arc_frequency(kQuarter.length_m, kQuarter.radius_m) * std::sqrt(kModulus_pa * kT * kT / 12.0 / kRho);
   const Ends ends;
-  for (const double cells_t : {3.0, 5.0, 10.0}) {
+  for (const double cells_t : gate_or_full<double>({5.0, 10.0}, {3.0, 5.0, 10.0})) {
     double ratios[2];
     for (const bool thin : {false, true}) {
       Stage stage;

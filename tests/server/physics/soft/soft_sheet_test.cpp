@@ -47,7 +47,7 @@ Laid lay(double rate_hz, double thickness_m, double youngs_modulus_pa, double he
 // Box corners must not pass the sheet, and deep overlaps must not be pushed apart at any depth: both would
 // add energy.
 TEST(SoftSheet, SheetOverAFreeBoxGainsNothing) {
-  for (const double stiffness : {1e4, 1e5, 1e6}) {
+  for (const double stiffness : gate_or_full<double>({1e5, 1e6}, {1e4, 1e5, 1e6})) {
     for (const double heavier : gate_or_full<double>({2.0, 10.0}, {2.0, 3.0, 10.0})) {
       for (const double rate : kRates_hz)
         for (const double turned : {0.0, 0.5}) {
