@@ -281,7 +281,6 @@ size_t AlphaComplex::thicken_sheets(double radius, double thickness) {
 
 double AlphaComplex::near_surface(double distance) const {
   const Impl& impl = *impl_;
-  constexpr int kRounds = 4;  // edges on the way to the surface: a skin has a few layers of points
   std::vector<double> depth(impl.vertices.size(), std::numeric_limits<double>::infinity());
   for (Cell cell : impl.delaunay.finite_cell_handles()) {
     if (cell->info().reached) continue;
@@ -290,12 +289,19 @@ double AlphaComplex::near_surface(double distance) const {
       for (const Vertex& vertex : impl.face_vertices(cell, i)) depth[vertex->info()] = 0.0;
     }
   }
-  for (int round = 0; round < kRounds; ++round) {
+  for (bool changed = true; changed;) {
+    changed = false;
     const std::vector<double> before = depth;  // so that the order of the edges does not matter
+    const auto reach = [&](const Vertex& from, const Vertex& to, double length) {
+      const double through = before[from->info()] + length;
+      if (through > distance || through >= depth[to->info()]) return;
+      depth[to->info()] = through;
+      changed = true;
+    };
     impl.visit_edges([&](const Vertex& a, const Vertex& b) {
       const double length = (position(a) - position(b)).norm();
-      depth[a->info()] = std::min(depth[a->info()], before[b->info()] + length);
-      depth[b->info()] = std::min(depth[b->info()], before[a->info()] + length);
+      reach(a, b, length);
+      reach(b, a, length);
     });
   }
   const auto near = std::count_if(depth.begin(), depth.begin() + static_cast<std::ptrdiff_t>(impl.cloud_size),

@@ -18,8 +18,10 @@ constexpr float kMinOpacity = 0.1f;
 // Removal of isolated groups. Kernels are sorted into cells of kLinkCell of the bounding-box diagonal. A
 // group of adjacent cells with less than kMinShare of all kernels is dropped. This is repeated with the
 // smaller box until nothing changes. A leaf is a chain of cells connected to its plant, however thin and
-// long.
+// long. The cells are doubled while more than kMaxAlone of the kernels are alone in theirs: then the cloud is
+// sparse, not isolated. On average 1.4 kernels in a cell of a surface leave a quarter of them alone.
 constexpr double kLinkCell = 0.02;
+constexpr double kMaxAlone = 0.25;
 constexpr double kMinShare = 1e-3;
 constexpr int kMaxRounds = 12;
 // Kernels larger than this fraction of the diagonal get additional points with this spacing, up to one
@@ -49,13 +51,25 @@ struct Groups {
 
 Groups linked_groups(const std::vector<Eigen::Vector3d>& points, const Eigen::AlignedBox3d& bounds) {
   RegularGrid grid;
-  grid.cell_m = kLinkCell * bounds.diagonal().norm();
   grid.origin_m = bounds.min();
-  grid.counts = (bounds.sizes() / grid.cell_m).array().floor().cast<int>() + 1;
   const auto cell_of = [&](const Eigen::Vector3d& p) {
     return Eigen::Vector3i(
         ((p - grid.origin_m) / grid.cell_m).array().floor().cast<int>().min(grid.counts.array() - 1));
   };
+  const auto alone = [&] {
+    std::vector<uint8_t> held(grid.size(), 0);  // 2: two or more
+    for (const auto& point : points) {
+      const Eigen::Vector3i c = cell_of(point);
+      uint8_t& cell = held[grid.index(c.x(), c.y(), c.z())];
+      cell = std::min<uint8_t>(cell + 1, 2);
+    }
+    return static_cast<double>(std::count(held.begin(), held.end(), 1));
+  };
+  grid.cell_m = kLinkCell * bounds.diagonal().norm();
+  for (;; grid.cell_m *= 2.0) {
+    grid.counts = (bounds.sizes() / grid.cell_m).array().floor().cast<int>() + 1;
+    if (grid.size() == 1 || alone() <= kMaxAlone * static_cast<double>(points.size())) break;
+  }
   constexpr int32_t kEmpty = -2, kUnseen = -1;
   std::vector<int32_t> group_of_cell(grid.size(), kEmpty);
   for (const auto& point : points) {

@@ -35,13 +35,16 @@ constexpr int kRadiusTries = 7;
 constexpr double kMinCoveredShare = 0.8;
 // Maximum growth of the volume for a larger radius that joins all pieces.
 constexpr double kMaxSwelling = 1.25;
-// A skin with holes wider than the ball: the ball gets inside, and the body is a thin shell. It is closed by
-// a larger radius, if that is what happens there: the volume grows at once by kLeakGrowth, all points are
-// still near the surface (those of a plant, filled by a large ball, are not), the body is thicker than the
-// ball, and the next radius changes the volume by at most kClosedChange.
+// A skin with holes wider than the ball: the ball gets inside, and the body is a shell, at most kMaxSkin
+// radii thick. It is closed by a larger radius, if that is what happens there: the volume grows at once by
+// kLeakGrowth, nearly all points are near the surface (those of a plant, filled by a large ball, are not),
+// the body is thicker than the ball, and the next radius changes the volume by at most kClosedChange. Near is
+// kSkinDepth of 3 V / A, which is the radius of a ball: the points of round kernels fill a layer.
 constexpr int kLeakTries = 4;
-constexpr double kLeakGrowth = 3.0;
+constexpr double kMaxSkin = 2.0;
+constexpr double kLeakGrowth = 2.0;
 constexpr double kNearSurface = 0.95;
+constexpr double kSkinDepth = 0.25;
 constexpr double kClosedChange = 1.15;
 // Minimum number of kernels in a voxel of the coarse surface, relative to the median. A rigid body stands on
 // its lowest points, so stray kernels under a captured base would make it rock and fall.
@@ -121,9 +124,9 @@ std::optional<Candidate> alpha_body(AlphaComplex& complex, double first_radius) 
   return best;
 }
 
-// Replaces a shell that is thinner than the ball by the body behind it, if a larger ball stays outside.
+// Replaces a thin shell by the body behind it, if a larger ball stays outside.
 void close_leak(AlphaComplex& complex, Candidate& shell) {
-  if (2.0 * shell.volume >= shell.radius * shell.area) return;
+  if (2.0 * shell.volume >= kMaxSkin * shell.radius * shell.area) return;
   double radius = shell.radius, growth = 0.0;
   std::optional<Candidate> closed;
   for (int attempt = 0; attempt < kLeakTries; ++attempt) {
@@ -137,7 +140,8 @@ void close_leak(AlphaComplex& complex, Candidate& shell) {
       return;
     }
     if (next->volume < kLeakGrowth * shell.volume || 2.0 * next->volume < radius * next->area ||
-        complex.near_surface(shell.radius) < kNearSurface)
+        complex.near_surface(std::max(shell.radius, kSkinDepth * 3.0 * next->volume / next->area)) <
+            kNearSurface)
       continue;
     growth = next->volume / shell.volume;
     closed = std::move(next);

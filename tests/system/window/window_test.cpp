@@ -554,9 +554,11 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   Program again(words);
   EXPECT_TRUE(window.says("a restarted server")) << window.err();
   EXPECT_TRUE(again.says("streaming to")) << again.err();
-  const auto back = shot(newest, [](const Image& image) { return notice_pixels(image) == 0; });
-  ASSERT_TRUE(back) << window.err();
-  EXPECT_LT(changed_squares(*before, *back), 10u);
+  // The first pictures may be at a lower resolution.
+  const auto back = shot(newest, [&](const Image& image) {
+    return notice_pixels(image) == 0 && changed_squares(*before, image) < 10;
+  });
+  EXPECT_TRUE(back) << window.err();
   window.send(SIGINT);
   EXPECT_EQ(window.wait(), 0) << window.err();
 }
