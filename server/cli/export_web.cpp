@@ -13,6 +13,7 @@
 #include "cli/output_path.h"
 #include "core/clock.h"
 #include "core/file.h"
+#include "core/shown_text.h"
 #include "gaussian/stored_blocks.h"
 #include "recording/recording_reader.h"
 #include "web/page_files.h"
@@ -142,7 +143,7 @@ Result<void> export_web(const std::filesystem::path& recording, const std::files
   for (const std::string& hash : film.assets()) {
     const auto asset = reader->asset(hash);
     if (!asset)
-      return invalid_data(recording.string() + ": asset " + hash.substr(0, 12) +
+      return invalid_data(recording.string() + ": asset " + shown_line(hash.substr(0, 12)) +
                           " is not in it; record with assets (--record-assets)");
     auto stored = store_blocks(*asset);
     if (!stored) return invalid_data(recording.string() + ": " + stored.error().message);

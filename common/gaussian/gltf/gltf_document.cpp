@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/file.h"
 #include "core/shown_text.h"
+#include "gaussian/asset/file_below.h"
+#include "gaussian/gltf_files.h"
 
 namespace livegs {
 namespace {
@@ -93,6 +96,24 @@ std::string percent_decoded(const std::string& uri) {
 
 }  // namespace
 
+std::vector<std::string> gltf_buffer_files(const fs::path& gltf) {
+  std::vector<std::string> files;
+  const auto text = read_text_file(gltf);
+  const Json json = text ? Json::parse(*text, nullptr, false) : Json();
+  const auto list = json.is_object() ? json.find("buffers") : json.end();
+  if (!json.is_object() || list == json.end() || !list->is_array()) return files;
+  for (const Json& buffer : *list) {
+    const auto uri = buffer.is_object() ? buffer.find("uri") : buffer.end();
+    if (!buffer.is_object() || uri == buffer.end() || !uri->is_string()) continue;
+    const std::string file = percent_decoded(uri->get_ref<const std::string&>());
+    if (!file.starts_with("data:") && is_file_below(file))
+      files.push_back(fs::path(file).lexically_normal().string());
+  }
+  std::sort(files.begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  return files;
+}
+
 double GltfNumbers::at(size_t element, size_t component) const {
   const size_t offset = element * stride + component * component_bytes(component_type);
   const auto fraction = [&](double value, double full) {
@@ -150,6 +171,7 @@ Result<void> GltfDocument::load_buffers(const fs::path& folder) {
   const auto list = json_.find("buffers");
   if (list == json_.end()) return {};
   if (!list->is_array()) return problem("buffers is not a list");
+  std::map<std::string, Bytes> loaded;
   for (size_t i = 0; i < list->size(); ++i) {
     const Json& buffer = (*list)[i];
     const std::string what = "buffers[" + std::to_string(i) + "]";
@@ -159,11 +181,19 @@ Result<void> GltfDocument::load_buffers(const fs::path& folder) {
     const auto uri = buffer.find("uri");
     if (uri != buffer.end()) {
       if (!uri->is_string()) return problem(what + ".uri is not a text");
-      auto loaded = load_uri(uri->get_ref<const std::string&>(), folder);
-      if (!loaded) return loaded.error();
-      total_bytes_ += loaded->size();
-      owned_.push_back(std::move(*loaded));
-      bytes = owned_.back();
+      const std::string& address = uri->get_ref<const std::string&>();
+      const std::string key = address.starts_with("data:")
+                                  ? what
+                                  : fs::path(percent_decoded(address)).lexically_normal().string();
+      auto known = loaded.find(key);
+      if (known == loaded.end()) {  // each file once, however many buffers name it
+        auto read = load_uri(address, folder);
+        if (!read) return read.error();
+        total_bytes_ += read->size();
+        owned_.push_back(std::move(*read));
+        known = loaded.emplace(key, owned_.back()).first;
+      }
+      bytes = known->second;
     } else if (i > 0) {
       bytes = {};
     }
@@ -184,15 +214,12 @@ Result<std::vector<std::byte>> GltfDocument::load_uri(const std::string& uri, co
     return std::move(*bytes);
   }
   const std::string file = percent_decoded(uri);
-  const fs::path path(file);
-  const bool below = !file.empty() && !path.is_absolute() &&
-                     file.find_first_of(std::string_view("\\:\0", 3)) == file.npos &&
-                     std::find(path.begin(), path.end(), "..") == path.end();
-  if (!below) return problem("the buffer " + quoted_name(file) + " is not a file below the folder");
+  if (!is_file_below(file))
+    return problem("the buffer " + quoted_name(file) + " is not a file below the folder");
   if (folder.empty())
     return problem("needs the file " + quoted_name(file) +
                    " next to it; use a .glb, which has all in one file");
-  return read_file(folder / path);
+  return read_file(folder / file);
 }
 
 Result<const Json*> GltfDocument::entry(const char* list, const Json& index) const {

@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/path_ending.h"
 #include "core/shown_text.h"
@@ -124,6 +125,7 @@ void place(Kernels& kernels, const Affine3d& scene_from_node) {
     const Eigen::Vector3d deviations = scales[i].cast<double>().array().exp();
     const Matrix3d axes =
         linear * rotations[i].cast<double>().normalized().toRotationMatrix() * deviations.asDiagonal();
+    if (!axes.allFinite()) continue;
     const Eigen::JacobiSVD<Matrix3d> shape(axes, Eigen::ComputeFullU);
     Matrix3d u = shape.matrixU();
     if (u.determinant() < 0) u.col(2) = -u.col(2);
@@ -270,6 +272,9 @@ class GltfSplats {
   }
 
   Result<Kernels> read_spz_view(const Json& index) {
+    const auto view = document_.entry("bufferViews", index);
+    if (!view) return view.error();
+    if (const auto known = decoded_.find(*view); known != decoded_.end()) return Kernels(known->second);
     const auto bytes = document_.buffer_view(index);
     if (!bytes) return bytes.error();
     auto file = read_spz(*bytes, "the .spz in the file");
@@ -279,6 +284,7 @@ class GltfSplats {
     turn_half_about_x(kernels.asset);  // back to y up
     for (const Eigen::Vector3f& position : kernels.asset.positions)
       kernels.exact.push_back(position.cast<double>());
+    decoded_[*view] = kernels;
     return kernels;
   }
 
@@ -386,6 +392,8 @@ class GltfSplats {
   }
 
   const GltfDocument& document_;
+  std::map<const Json*, Kernels>
+      decoded_;  // .spz views, by their entry: decoded once, however many nodes use them
   Kernels all_;
   std::vector<std::string> notes_;
 };

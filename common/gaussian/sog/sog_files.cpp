@@ -6,7 +6,9 @@
 #include <algorithm>
 
 #include "core/file.h"
+#include "core/shown_text.h"
 #include "gaussian/asset/decoded_asset.h"
+#include "gaussian/asset/file_below.h"
 
 namespace livegs {
 namespace {
@@ -71,11 +73,10 @@ class Folder : public SogFiles {
 }  // namespace
 
 Result<std::vector<std::byte>> SogFiles::read(std::string_view file) const {
-  const bool plain = !file.empty() && file != "." && file != ".." &&
-                     file.find_first_of(std::string_view("/\\:\0", 4)) == file.npos;
-  if (!plain)
-    return invalid_data(name_ + ": meta.json: '" + std::string(file) + "' is not a plain file name");
-  return read_plain_name(std::string(file));
+  const std::string name(file);
+  if (name == "." || name.find('/') != name.npos || !is_file_below(name))
+    return invalid_data(name_ + ": meta.json: " + quoted_name(name) + " is not a plain file name");
+  return read_plain_name(name);
 }
 
 Result<std::unique_ptr<SogFiles>> open_sog_bundle(Bytes zip, std::string_view name) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layout is described in sog_reader.cpp.
+// The layout is described in sog_reader.cpp; asset_file.cpp writes the bytes.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>

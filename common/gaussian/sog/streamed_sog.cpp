@@ -11,6 +11,7 @@
 #include "core/path_ending.h"
 #include "core/shown_text.h"
 #include "gaussian/asset/append_asset.h"
+#include "gaussian/asset/file_below.h"
 #include "gaussian/asset/readers.h"
 
 namespace livegs {
@@ -31,14 +32,6 @@ std::optional<size_t> whole_number(const Json& object, const char* key) {
   return found->get<size_t>();
 }
 
-// A path below the folder of the index.
-bool stays_below(const std::string& path) {
-  if (path.empty() || path.front() == '/' || path.find_first_of(std::string_view("\\:\0", 3)) != path.npos)
-    return false;
-  const fs::path parts(path);
-  return std::find(parts.begin(), parts.end(), "..") == parts.end();
-}
-
 class StreamedIndex {
  public:
   StreamedIndex(const Json& json, std::string_view name)
@@ -50,9 +43,9 @@ class StreamedIndex {
       return invalid_data(prefix_ + "filenames must be a list of files");
     std::vector<std::string> files;
     for (const Json& entry : *list) {
-      if (!entry.is_string() || !stays_below(entry.get_ref<const std::string&>()))
+      if (!entry.is_string() || !is_file_below(entry.get_ref<const std::string&>()))
         return invalid_data(prefix_ + "a name in filenames is not a file below the folder");
-      files.push_back(entry.get<std::string>());
+      files.push_back(fs::path(entry.get<std::string>()).lexically_normal().generic_string());
     }
     std::set<std::string> distinct(files.begin(), files.end());
     if (distinct.size() != files.size()) return invalid_data(prefix_ + "filenames repeats a file");

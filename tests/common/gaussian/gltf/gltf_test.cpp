@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <cstring>
 #include <functional>
 
 #include "common/gaussian/asset/expect_invariants.h"
@@ -155,6 +156,34 @@ TEST(Gltf, ReadsSpzInABufferView) {
 }
 
 // The draft of 2025: _ROTATION, _SCALE, and COLOR_0 with opacity.
+TEST(Gltf, NodesShareAnSpz) {
+  GltfSample sample = gltf_sample(synthetic_asset(80, 1, 77));
+  const size_t view = sample.add_view(*encode_spz(synthetic_asset(80, 1, 77)));
+  Json& extensions = sample.json["meshes"][0]["primitives"][0]["extensions"];
+  extensions["KHR_spz_gaussian_splats_compression"] = {{"bufferView", view}};
+  Json second = sample.json["nodes"][0];
+  second["translation"] = {5, 0, 0};
+  sample.json["nodes"].push_back(second);
+  sample.json["scenes"][0]["nodes"] = {0, 1};
+  const AssetFile file = read_glb(sample);
+  ASSERT_EQ(file.asset.size(), 160u);
+  for (size_t i = 0; i < 80; ++i)
+    EXPECT_NEAR(file.asset.positions[80 + i].x() - file.asset.positions[i].x(), 5, 1e-5);
+}
+
+// A kernel of infinite size under a node that stretches is dropped, with the same bits in every run.
+TEST(Gltf, InfiniteKernelsAreDropped) {
+  GltfSample sample = gltf_sample(synthetic_asset(20, 0, 77));
+  sample.json["nodes"][0]["scale"] = {1, 2, 3};
+  const size_t accessor =
+      sample.json["meshes"][0]["primitives"][0]["attributes"]["KHR_gaussian_splatting:SCALE"];
+  const size_t view = sample.json["accessors"][accessor]["bufferView"];
+  const size_t offset = sample.json["bufferViews"][view].value("byteOffset", size_t{0});
+  const float infinite = INFINITY;
+  std::memcpy(sample.binary.data() + offset, &infinite, sizeof infinite);
+  EXPECT_EQ(read_glb(sample).asset.size(), 19u);
+}
+
 TEST(Gltf, ReadsTheDraft) {
   const GaussianAsset asset = synthetic_asset(30, 0, 78);
   GltfSample sample = gltf_sample(asset);

@@ -132,6 +132,8 @@ TEST_F(StreamedSog, DamagedIndexesAreRefusedInOneLine) {
   refused([](Json& j) { j["filenames"][0] = "../x/meta.json"; }, "below the folder");
   refused([](Json& j) { j["filenames"][0] = "/etc/meta.json"; }, "below the folder");
   refused([](Json& j) { j["filenames"][1] = j["filenames"][0]; }, "repeats");
+  refused([](Json& j) { j["filenames"][1] = "0_0/./meta.json"; }, "repeats");
+  refused([](Json& j) { j["filenames"][0] = "0_0/me\nta.json"; }, "below the folder");
   refused([](Json& j) { j["filenames"][0] = "gone/meta.json"; }, "gone");
   refused([](Json& j) { j.erase("tree"); }, "tree");
   refused([](Json& j) { j["tree"] = Json::object(); }, "no level");
