@@ -14,6 +14,7 @@
 #include "core/log.h"
 #include "core/path_ending.h"
 #include "gaussian/asset_name.h"
+#include "gaussian/gltf_files.h"
 
 namespace livegs {
 namespace {
@@ -59,7 +60,8 @@ std::vector<std::string> files_in(const fs::path& folder, const std::string& nam
     if (at.depth() >= kMaxDepth) at.disable_recursion_pending();
     const std::string file = at->path().filename().string();
     std::error_code ignored;
-    if (at->is_regular_file(ignored) && (has_ending(file, ".webp") || has_ending(file, ".json")))
+    const bool part = has_ending(file, ".webp") || has_ending(file, ".json") || has_ending(file, ".sog");
+    if (part && at->is_regular_file(ignored))
       files.push_back((fs::path(name) / at->path().lexically_relative(folder)).string());
   }
   std::sort(files.begin(), files.end());
@@ -77,6 +79,23 @@ std::string without_trailing_slash(std::string path) {
   return path;
 }
 
+// Where the files of a folder are unpacked. Folders keep their places relative to each other and their names,
+// since an asset may consist of several files and folders. The first component separates paths from the root
+// and from folders above.
+fs::path own_folder(const fs::path& folder) {
+  const fs::path normal = folder.lexically_normal();
+  size_t above = 0;
+  fs::path rest;
+  for (const fs::path& part : normal.relative_path()) {
+    if (part == "..")
+      ++above;
+    else if (part != "." && !part.empty())
+      rest /= part;
+  }
+  const std::string origin = normal.is_absolute() ? "root" : "above_" + std::to_string(above);
+  return rest.empty() ? fs::path(origin + "_itself") / "files" : fs::path(origin) / rest;
+}
+
 }  // namespace
 
 std::vector<std::string> files_of(const v1::SceneSource& source) {
@@ -91,6 +110,10 @@ std::vector<std::string> files_of(const v1::SceneSource& source) {
       found = files_in(folder / name, name);
     else if (is_asset_index(name))
       found = files_in((folder / name).parent_path(), fs::path(name).parent_path().string());
+    else if (has_ending(name, ".gltf")) {
+      for (const std::string& buffer : gltf_buffer_files(folder / name))
+        found.push_back((fs::path(name).parent_path() / buffer).string());
+    }
     files.insert(files.end(), found.begin(), found.end());
   });
   // Labels stand next to the kernels that they label (parts/labelled_room.h).
@@ -133,17 +156,11 @@ UnpackedFiles::~UnpackedFiles() {
   if (!folder_.empty()) fs::remove_all(folder_, error);
 }
 
-// Files of one folder are unpacked into one folder, since an asset may consist of several. The folder keeps
-// its name, which may be the name of the asset.
 Result<fs::path> UnpackedFiles::place(const std::string& name) {
   const std::string file = last_part(name), folder = fs::path(name).parent_path().string();
   if (file.empty()) return invalid_data("contains a file without a name");
   auto known = folders_.find(folder);
-  if (known == folders_.end()) {
-    const std::string called = last_part(folder);
-    const fs::path own = fs::path(std::to_string(folders_.size())) / (called.empty() ? "files" : called);
-    known = folders_.emplace(folder, own.string()).first;
-  }
+  if (known == folders_.end()) known = folders_.emplace(folder, own_folder(folder).string()).first;
   std::error_code error;
   fs::create_directories(folder_ / known->second, error);
   if (error)

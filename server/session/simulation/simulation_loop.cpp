@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The thread and the schedule of the simulation. scene_run.cpp advances the scene and numbers its ticks.
 #include "session/simulation/simulation_loop.h"
 
 #include <pthread.h>

@@ -13,6 +13,7 @@
 
 #include "core/format_text.h"
 #include "gaussian/asset_name.h"
+#include "gaussian/gltf_files.h"
 #include "scene/scene.h"
 
 namespace livegs {
@@ -81,10 +82,14 @@ uint64_t kernels_of(const fs::path& path) {
   const std::string_view ending = asset_ending(path.string()).value_or("");
   if (ending.ends_with(".ply"))
     return number_after(read_text(path, kMaxHeaderBytes), "element vertex").value_or(0);
-  const uint64_t each = ending == ".splat" || ending == ".glb" ? kSplatBytes
-                        : ending == ".spz"                     ? kSpzBytes
-                                                               : kSogBytes;
-  return file_bytes(path) / each;
+  uint64_t bytes = file_bytes(path);
+  if (ending == ".gltf") {
+    for (const std::string& file : gltf_buffer_files(path)) bytes += file_bytes(path.parent_path() / file);
+  }
+  const uint64_t each = ending == ".splat"                                          ? kSplatBytes
+                        : ending == ".spz" || ending == ".glb" || ending == ".gltf" ? kSpzBytes
+                                                                                    : kSogBytes;
+  return bytes / each;
 }
 
 constexpr size_t kMaxStateBytes = 64u << 10;

@@ -227,6 +227,41 @@ TEST(RecordedFiles, ContainEveryFileOfAFolder) {
   EXPECT_EQ(placed.file().objects(1).asset(), "gone.ply");
 }
 
+// A streamed asset has its chunks in folders of their own, a .gltf its buffers.
+TEST(RecordedFiles, KeepTheFoldersOfAnAsset) {
+  const ScratchFolder folder;
+  folder.write("town/lod-meta.json", "{}");
+  folder.write("town/0_0/meta.json", "0");
+  folder.write("town/0_1/means.webp", "1");
+  folder.write("town/1_0.sog", "2");
+  folder.write("box/box.gltf", R"({ "buffers": [ { "uri": "data/a%20b.bin" }, { "uri": "data:x" } ] })");
+  folder.write("box/data/a b.bin", "3");
+  folder.write("scene/empty.json", "{}");
+  v1::SceneSource source;
+  source.set_folder((folder.path() / "scene").string());
+  source.mutable_file()->add_objects()->set_asset("../town");
+  source.mutable_file()->add_objects()->set_asset((folder.path() / "box/box.gltf").string());
+  std::set<std::string> held;
+  v1::RecordingStart start;
+  start.set_rate_hz(90);
+  auto writer = RecordingWriter::create(folder / "a.lvgrec", start);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(embed_files(source, held, *writer));
+  ASSERT_TRUE(writer->finish());
+  EXPECT_EQ(held.size(), 6u);
+  auto reader = RecordingReader::open(folder / "a.lvgrec");
+  ASSERT_TRUE(reader) << reader.error().message;
+  const auto unpacked = UnpackedFiles::unpack(*reader);
+  ASSERT_TRUE(unpacked) << unpacked.error().message;
+  const v1::SceneSource placed = unpacked->placed(source);
+  const std::filesystem::path town = unpacked->folder() / placed.file().objects(0).asset(),
+                              box = unpacked->folder() / placed.file().objects(1).asset();
+  EXPECT_EQ(*read_text_file(town / "0_0/meta.json"), "0");
+  EXPECT_EQ(*read_text_file(town / "0_1/means.webp"), "1");
+  EXPECT_EQ(*read_text_file(town / "1_0.sog"), "2");
+  EXPECT_EQ(*read_text_file(box.parent_path() / "data/a b.bin"), "3");
+}
+
 TEST(SessionRecorder, FracturesAreIdentical) {
   const ScratchFolder folder;
   RecordedRun recorded(breaking_scene());
