@@ -97,8 +97,15 @@ Answer vote(std::span<const Answer> answers) {
   result.mass_kg = span_median(masses);
   if (std::any_of(answers.begin(), answers.end(),
                   [](const Answer& one) { return !one.alternatives.empty(); })) {
-    result.alternatives = pooled(answers);
-    result.mass_kg = result.alternatives.front().mass_kg;
+    std::vector<MassAlternative> alternatives = pooled(answers);
+    // The mass is that of the most likely thing, so name, parts, fill, behaviour and fragility are too.
+    const std::string likely = normalised_name(alternatives.front().name);
+    const auto same = [&](const Answer& one) { return normalised_name(one.name) == likely; };
+    const auto source = std::find_if(answers.begin(), answers.end(), same);
+    if (!same(result) && source != answers.end()) result = *source;
+    result.name = alternatives.front().name;
+    result.mass_kg = alternatives.front().mass_kg;
+    result.alternatives = std::move(alternatives);
   }
   // A median of the moduli of different materials is meaningless; only answers with the chosen material
   // count.

@@ -410,5 +410,29 @@ TEST(Vote, ThreeViewsGiveTheLogarithmicMedian) {
   EXPECT_NEAR(vote(answers).mass_kg.best, std::sqrt(0.9 * 0.33), 1e-12);
 }
 
+// Two views see wood, but the alternatives of all three make stoneware more likely.
+TEST(Vote, MassAndPartsAreOfOneThing) {
+  const auto read = [](const char* name, double mass_kg) {
+    auto answer = read_answer(mug_answer().dump());
+    EXPECT_TRUE(answer) << answer.error().message;
+    answer->name = name;
+    answer->mass_kg = {mass_kg / 1.2, mass_kg, mass_kg * 1.2};
+    return *std::move(answer);
+  };
+  std::vector<Answer> answers = {read("wooden bowl", 0.2), read("wooden bowl", 0.2),
+                                 read("ceramic bowl", 0.6)};
+  for (size_t i = 0; i < 2; ++i) {
+    answers[i].parts.front().material = find_material_row("hardwood");
+    answers[i].fragile = false;
+    answers[i].alternatives = {{"wooden bowl", 0.55, answers[0].mass_kg},
+                               {"ceramic bowl", 0.45, answers[2].mass_kg}};
+  }
+  const Answer voted = vote(answers);
+  EXPECT_EQ(voted.name, "ceramic bowl");
+  EXPECT_EQ(voted.parts.front().material->name, answers[2].parts.front().material->name);
+  EXPECT_EQ(voted.fragile, answers[2].fragile);
+  EXPECT_DOUBLE_EQ(voted.mass_kg.best, 0.6);
+}
+
 }  // namespace
 }  // namespace livegs
