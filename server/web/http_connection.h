@@ -14,7 +14,8 @@
 #include "web/page_files.h"
 #include "web/socket_bridge.h"
 
-// Internal to web_server.cpp.
+// Answers the requests of one HTTP connection. Decides which origins may call the server, load the view
+// module and show the page in a frame (Content-Security-Policy). Internal to web_server.cpp.
 
 namespace livegs::web {
 

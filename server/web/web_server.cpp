@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The thread, its TLS and its connections. http_connection.h answers the requests and writes the page's
+// policy.
 #include "web/web_server.h"
 
 #include <pthread.h>

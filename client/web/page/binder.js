@@ -22,7 +22,11 @@ class Binder {
     this.session = session;
     const asset = this.request(asset_hash, asset_bytes, false);
     if (broken_asset_hash) this.request(broken_asset_hash, broken_asset_bytes, true);
-    if (rest) this.core.take('bind_object', [description, asset.number], rest);
+    if (rest && asset.failed) throw new Error(asset.failed);
+    if (rest) {
+      this.core.take('bind_object', [description, asset.number], rest);
+      asset.waiting.add(description);
+    }
     this.bind();
     queueMicrotask(() => this.fetchNext());
   }
@@ -36,6 +40,7 @@ class Binder {
         postMessage({ type: 'failed', description: bound.description, message });
       } else {
         const { kernels: { rest, looks, bands }, node_terms } = bound;
+        for (const asset of this.assets.values()) asset.waiting.delete(bound.description);
         postMessage({ type: 'bound', ...bound }, [rest.buffer, looks.buffer, bands.buffer, node_terms.buffer]);
       }
     }
@@ -45,7 +50,7 @@ class Binder {
   request(hash, bytes, early) {
     let asset = this.assets.get(hash);
     if (!asset) {
-      asset = { hash, number: this.assets.size, early, arrived: 0, total: bytes, state: 'waits' };
+      asset = { hash, number: this.assets.size, early, arrived: 0, total: bytes, state: 'waits', waiting: new Set(), failed: '' };
       this.assets.set(hash, asset);
     }
     asset.early = asset.early && early;
@@ -60,13 +65,23 @@ class Binder {
       ++this.fetching;
       this.load(asset).catch((error) => {
         if (error instanceof WebAssembly.RuntimeError) crashed(error);
-        else postMessage({ type: 'failed', description: 0, message: `asset ${asset.hash.slice(0, 12)}: ${error.message}` });
+        else this.fail(asset, `asset ${asset.hash.slice(0, 12)}: ${error.message}`);
       }).finally(() => {
         asset.state = 'done';
         --this.fetching;
         this.fetchNext();
       });
     }
+  }
+
+  // Objects are not waited for that need this asset, now or later.
+  fail(asset, message) {
+    asset.failed = message;
+    for (const description of asset.waiting) {
+      this.core.call.forget_object(description);
+      postMessage({ type: 'failed', description, message });
+    }
+    if (asset.waiting.size === 0) postMessage({ type: 'failed', description: 0, message });
   }
 
   take(asset, chunk) {
@@ -109,6 +124,10 @@ class Binder {
       if (reply && !reply.ok && reply.status < 500) throw new Error(`status ${reply.status}: ${await reply.text()}`);
       if (reply?.ok) {
         asset.total = Number(reply.headers.get('livegs-total-bytes')) || asset.total;
+        if (asset.arrived > 0 && !reply.headers.has('livegs-total-bytes')) { // a plain file server sends the whole file
+          chunks.length = 0;
+          restart();
+        }
         let broken = null; // the error of the core, which a network does not explain
         try {
           await eachChunk(reply.body, (chunk) => {

@@ -6,16 +6,18 @@ customElements.define('livegs-view', class extends HTMLElement {
   static observedAttributes = ['src', 'token'];
   connectedCallback() {
     this.style.display ||= 'inline-block';
-    this.frame = document.createElement('iframe');
-    Object.assign(this.frame, { allow: 'xr-spatial-tracking; fullscreen', title: this.title || 'LiveGS scene' });
-    Object.assign(this.frame.style, { border: '0', width: '100%', height: '100%', display: 'block' });
     this.open();
-    this.replaceChildren(this.frame);
   }
-  attributeChangedCallback() { if (this.frame) this.open(); }
+  attributeChangedCallback() { if (this.isConnected) this.open(); }
+  // In a new frame, because a change of the fragment alone does not load the page again.
   open() {
-    const address = new URL(this.getAttribute('src') ?? '', document.baseURI), token = this.getAttribute('token');
+    const src = this.getAttribute('src'), token = this.getAttribute('token');
+    if (!src) return this.replaceChildren();
+    const address = new URL(src, document.baseURI), frame = document.createElement('iframe');
+    if (!/^https?:$/.test(address.protocol)) return this.replaceChildren();
     address.hash = new URLSearchParams({ view: '', ...(token ? { token } : {}) });
-    if (/^https?:$/.test(address.protocol)) this.frame.src = address.href;
+    Object.assign(frame, { src: address.href, allow: 'xr-spatial-tracking; fullscreen', title: this.title || 'LiveGS scene' });
+    Object.assign(frame.style, { border: '0', width: '100%', height: '100%', display: 'block' });
+    this.replaceChildren(frame);
   }
 });

@@ -17,6 +17,8 @@ const gl = canvas.getContext('webgl2', { alpha: false, antialias: false, depth: 
 
 // In the fragment, which is never sent: a one-time code `pair`; or `token` and `view`, of <livegs-view>. `film`: of a
 // recording that was exported.
+// In a frame of another site one can only watch, without the token that this browser keeps.
+const kFramed = window.top !== window;
 const given = new URLSearchParams(location.hash.slice(1)), film = document.body.dataset.film && new URL(document.body.dataset.film, location.href).href;
 
 class Page {
@@ -57,7 +59,7 @@ class Page {
     this.run = {};
     this.framed = false;
     this.unseen = new Set(); // objects of the start without kernels yet
-    this.viewOnly = given.has('view');
+    this.viewOnly = kFramed || given.has('view');
     this.editRevision = 0;
     for (const id of [...this.panels.items.keys()]) this.panels.remove(id);
     for (const { reject } of this.calls.values()) reject(new Error('the connection was restarted'));
@@ -72,7 +74,7 @@ class Page {
     this.worker.onmessage = ({ data }) => this.take(data);
     this.worker.onerror = (event) => this.panels.status('ended', `the worker failed: ${event.message ?? 'it could not be loaded'}`);
     this.panels.status('connecting', '');
-    this.post({ type: 'start', token: given.get('token') ?? load(kTokenKey), rate_hz: kRate_hz, wasm: new URL('./livegs.wasm', import.meta.url).href, film });
+    this.post({ type: 'start', token: given.get('token') ?? (kFramed ? '' : load(kTokenKey)), rate_hz: kRate_hz, wasm: new URL('./livegs.wasm', import.meta.url).href, film });
     this.changed();
   }
 
@@ -106,7 +108,7 @@ class Page {
         this.panels.status(m.state, m.message);
       },
       joined: () => {
-        this.viewOnly = Boolean(m.join.view_only) || given.has('view');
+        this.viewOnly = Boolean(m.join.view_only) || kFramed || given.has('view');
         document.body.toggleAttribute('data-view-only', this.viewOnly);
         this.unseen = new Set((m.join.objects ?? []).map((one) => one.object_id));
         this.askForScene();

@@ -70,7 +70,7 @@ export class Panels {
     at('film').hidden = false;
     at('play').textContent = paused ? 'Play' : 'Pause';
     at('moment').max = length_s;
-    if (document.activeElement !== at('moment')) at('moment').value = at_s;
+    if (!at('moment').matches(':active')) at('moment').value = at_s; // not while it is dragged
   }
 
   notice(text) { at('run').textContent = text; }

@@ -63,6 +63,7 @@ class Session {
   forget() {
     this.known = new Map(); // by id: description and rest body, as the server last sent them
     this.bound = new Map(); // by number of the description: kernels that the page does not have yet
+    this.numbers = new Map(); // by id of the object: its last description
     this.described = 0;
     this.binder?.terminate();
     this.binder = null;
@@ -213,6 +214,8 @@ class Session {
     this.post({ type: 'object', object: { id, name, environment, hidden, description: plain, kind: rest[6] === 2 ? 'lattice' : 'rigid' } });
     this.attempt(name, () => {
       const { asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes } = description, number = ++this.described;
+      if (added) this.bound.delete(this.numbers.get(id));
+      if (added || !this.numbers.has(id)) this.numbers.set(id, number);
       const binds = this.core.take('describe_object', [number, id, added, environment, hidden], rest) === 1;
       this.binder.postMessage({ type: 'describe', description: number, rest: binds ? rest : null, session: this.id, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes });
     });
@@ -221,6 +224,8 @@ class Session {
 
   remove(id) {
     this.known.delete(id);
+    this.bound.delete(this.numbers.get(id));
+    this.numbers.delete(id);
     this.core.call.remove_object(id);
     if (this.holds) this.removedLater.add(id);
     else this.post({ type: 'removed', id });
@@ -371,7 +376,7 @@ class Session {
     clearTimeout(this.playTimer);
     const begun_ms = performance.now(), period_ms = 1000 / this.rate_hz;
     this.played_ms = begun_ms;
-    try { if (this.core && this.known.size > 0) this.show(); } catch (error) { this.fail ? this.fail(error) : this.crashed(error); }
+    try { if (this.core && (this.film || this.known.size > 0)) this.show(); } catch (error) { this.fail ? this.fail(error) : this.crashed(error); }
     const spent_ms = performance.now() - begun_ms; // leaves time for messages
     this.playTimer = setTimeout(() => this.play(), Math.max(period_ms - spent_ms, 0.25 * spent_ms));
   }
