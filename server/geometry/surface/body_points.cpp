@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Drops haze and isolated floaters, then adds points to large kernels.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
