@@ -22,8 +22,8 @@ class Binder {
     this.session = session;
     const asset = this.request(asset_hash, asset_bytes, false);
     if (broken_asset_hash) this.request(broken_asset_hash, broken_asset_bytes, true);
-    if (rest && asset.failed) throw new Error(asset.failed);
     if (rest) {
+      if (asset.failed) throw new Error(asset.failed);
       this.core.take('bind_object', [description, asset.number], rest);
       asset.waiting.add(description);
     }

@@ -15,10 +15,10 @@ const kMaxPixelRatio = 2; // of a window; a phone's 3 costs twice the pixels and
 const canvas = document.getElementById('picture'), overlay = document.getElementById('overlay');
 const gl = canvas.getContext('webgl2', { alpha: false, antialias: false, depth: false, stencil: false, powerPreference: 'high-performance' });
 
+// In a frame one can only watch, without the token that this browser keeps.
+const kFramed = window.top !== window;
 // In the fragment, which is never sent: a one-time code `pair`; or `token` and `view`, of <livegs-view>. `film`: of a
 // recording that was exported.
-// In a frame of another site one can only watch, without the token that this browser keeps.
-const kFramed = window.top !== window;
 const given = new URLSearchParams(location.hash.slice(1)), film = document.body.dataset.film && new URL(document.body.dataset.film, location.href).href;
 
 class Page {

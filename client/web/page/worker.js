@@ -62,8 +62,8 @@ class Session {
 
   forget() {
     this.known = new Map(); // by id: description and rest body, as the server last sent them
-    this.bound = new Map(); // by number of the description: kernels that the page does not have yet
-    this.numbers = new Map(); // by id of the object: its last description
+    this.asked = new Map(); // by number of the description: { id, added } of objects that the core has; added: in place of one before
+    this.bound = new Map(); // by the same number: { id, kernels } that the page does not have yet
     this.described = 0;
     this.binder?.terminate();
     this.binder = null;
@@ -214,9 +214,9 @@ class Session {
     this.post({ type: 'object', object: { id, name, environment, hidden, description: plain, kind: rest[6] === 2 ? 'lattice' : 'rigid' } });
     this.attempt(name, () => {
       const { asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes } = description, number = ++this.described;
-      if (added) this.bound.delete(this.numbers.get(id));
-      if (added || !this.numbers.has(id)) this.numbers.set(id, number);
       const binds = this.core.take('describe_object', [number, id, added, environment, hidden], rest) === 1;
+      if (added) dropOf(this.asked, id);
+      if (binds) this.asked.set(number, { id, added });
       this.binder.postMessage({ type: 'describe', description: number, rest: binds ? rest : null, session: this.id, asset_hash, asset_bytes, broken_asset_hash, broken_asset_bytes });
     });
     this.viewChanged = true; // it may be hidden or shown
@@ -224,8 +224,8 @@ class Session {
 
   remove(id) {
     this.known.delete(id);
-    this.bound.delete(this.numbers.get(id));
-    this.numbers.delete(id);
+    dropOf(this.asked, id);
+    dropOf(this.bound, id);
     this.core.call.remove_object(id);
     if (this.holds) this.removedLater.add(id);
     else this.post({ type: 'removed', id });
@@ -249,7 +249,10 @@ class Session {
       if (data.type === 'bound') this.taking = this.taking.then(() => this.takeBound(binder, data));
       if (data.type === 'failed') {
         console.warn(data.message);
-        if (data.description) this.core.call.bind_failed(data.description);
+        if (data.description) {
+          this.asked.delete(data.description);
+          this.core.call.bind_failed(data.description);
+        }
       }
       if (data.type === 'loading' && this.state === 'loading') this.tell('loading', data.message);
       if (data.type === 'received') this.counters.bytes += data.bytes;
@@ -265,8 +268,11 @@ class Session {
     try {
       const used = await core.takeBound(bound, nextTask);
       if (this.binder !== binder) return;
-      if (used) this.bound.set(bound.description, bound.kernels);
-      else binder.postMessage({ type: 'forget', description: bound.description });
+      if (!used) return binder.postMessage({ type: 'forget', description: bound.description });
+      const one = this.asked.get(bound.description);
+      if (one.added) dropOf(this.bound, one.id);
+      one.added = false; // what follows are more kernels of the same object
+      this.bound.set(bound.description, { id: one.id, kernels: bound.kernels });
     } catch (error) {
       if (this.binder !== binder) return;
       if (error instanceof WebAssembly.RuntimeError) this.fail ? this.fail(error) : this.crashed(error);
@@ -420,7 +426,7 @@ class Session {
   }
 
   sendKernels(id, { description, base, cells, lattice }) {
-    const kernels = this.bound.get(description), copy = cells?.slice() ?? null, bounds_m = [...this.core.floats(this.core.call.sent_kernels(id), 6)];
+    const { kernels } = this.bound.get(description), copy = cells?.slice() ?? null, bounds_m = [...this.core.floats(this.core.call.sent_kernels(id), 6)];
     this.bound.delete(description);
     this.post({ type: 'kernels', id, base, ...kernels, cells: copy, lattice, bounds_m },
       [kernels.rest, kernels.looks, kernels.bands, ...(copy ? [copy] : [])].map((array) => array.buffer));
@@ -472,6 +478,7 @@ class Session {
   }
 }
 
+function dropOf(map, id) { for (const [number, one] of map) if (one.id === id) map.delete(number); }
 function withoutBody({ rest_body, ...description }) { return description; }
 
 let session = null;

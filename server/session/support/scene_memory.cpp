@@ -86,8 +86,8 @@ uint64_t kernels_of(const fs::path& path) {
   if (ending == ".gltf") {
     for (const std::string& file : gltf_buffer_files(path)) bytes += file_bytes(path.parent_path() / file);
   }
-  const uint64_t each = ending == ".splat"                                          ? kSplatBytes
-                        : ending == ".spz" || ending == ".glb" || ending == ".gltf" ? kSpzBytes
+  const uint64_t each = ending == ".splat" || ending == ".glb" || ending == ".gltf" ? kSplatBytes
+                        : ending == ".spz"                                          ? kSpzBytes
                                                                                     : kSogBytes;
   return bytes / each;
 }

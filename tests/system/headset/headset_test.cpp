@@ -12,7 +12,7 @@ namespace {
 
 const std::map<std::string, Eigen::Vector3d> kBoxes = {
     {"thrown", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}, {"target", {0.4, 0, 0}}};
-// For long sessions on the software device, which takes 0.2 s for a picture of three boxes.
+// For long sessions on the software device, which draws few pictures a second of three boxes.
 const std::map<std::string, Eigen::Vector3d> kOneBox = {{"thrown", {0, 0, 0}}};
 
 // Drawn by the CPU and uploaded. A software Vulkan device takes ten times as long, and hands are sampled once
