@@ -28,7 +28,7 @@ class FlatBlock final : public FlatBody {
     static uint64_t made = 0;
     revision_ = ++made;
     const auto [nx, ny, nz] = options.cells;
-    const auto node = [&, nx = nx, ny = ny](int x, int y, int z) {
+    const auto node = [&](int x, int y, int z) {
       return static_cast<uint32_t>(x + (nx + 1) * (y + (ny + 1) * z));
     };
     lattice_.node_count = static_cast<size_t>((nx + 1) * (ny + 1) * (nz + 1));

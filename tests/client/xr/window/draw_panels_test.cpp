@@ -80,7 +80,7 @@ class PanelTest : public ::testing::Test {
     scene.available = true;
     scene.entries = {{"hat", "", true}, {"cup", ""}};
     scene.selected = 1;
-    scene.fields.emplace();
+    scene.fields = ScenePanel::Fields{};
     scene.fields->longest_side_m = 0.3;
     for (int i = 0; i < 4; ++i) frame();
   }
