@@ -9,8 +9,9 @@ std::string shown_text(std::string_view text, size_t characters) {
   for (size_t i = 0; i < text.size() && count < characters;) {
     const auto c = static_cast<unsigned char>(text[i]);
     const size_t length = c < 0x80 ? 1 : c >= 0xf0 ? 4 : c >= 0xe0 ? 3 : c >= 0xc0 ? 2 : 0;
-    const bool control = c < 0x20 || c == 0x7f ||
-                         (c == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0);
+    const bool is_control =
+        c < 0x20 || c == 0x7f ||
+        (c == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0);
     bool whole = length > 0 && i + length <= text.size();
     for (size_t k = 1; whole && k < length; ++k)
       whole = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
@@ -23,7 +24,7 @@ std::string shown_text(std::string_view text, size_t characters) {
       ++i;
       continue;
     }
-    if (control || hides) {
+    if (is_control || hides) {
       if (!shown.empty() && shown.back() != ' ') shown += ' ', ++count;
     } else {
       shown.append(text.substr(i, length));

@@ -31,7 +31,7 @@ Error system_error(const std::filesystem::path& path, const char* what) {
 class PartFile {
  public:
   static Result<PartFile> open(const std::filesystem::path& path, const std::stop_token& stop) {
-    constexpr int64_t kPollInterval_ns = 20'000'000;
+    constexpr int64_t kFilePollInterval_ns = 20'000'000;
     for (;;) {
       PartFile file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
       if (file.descriptor_ < 0) return system_error(path, "cannot be written");
@@ -40,7 +40,7 @@ class PartFile {
         if (stop.stop_requested())
           return Error{ErrorCode::Unavailable,
                        path.string() + ": another client is fetching it; the wait was cancelled"};
-        sleep_until_ns(now_ns() + kPollInterval_ns);
+        sleep_until_ns(now_ns() + kFilePollInterval_ns);
       }
       struct stat held {
       }, named{};

@@ -64,12 +64,12 @@ double rim_distance(const Face& face, const Vector2d& p) {
 }
 
 std::vector<Face> faces_of(const VoronoiPiece& piece, uint32_t bond) {
-  struct Plane {
+  struct FacePlane {
     Vector3d normal;
     double offset;
     std::vector<size_t> triangles;
   };
-  std::vector<Plane> planes;
+  std::vector<FacePlane> planes;
   const auto& vertices = piece.mesh.vertices_m;
   for (size_t t = 0; t < piece.mesh.triangles.size(); ++t) {
     if (piece.triangle_bond[t] != bond) continue;
@@ -82,7 +82,7 @@ std::vector<Face> faces_of(const VoronoiPiece& piece, uint32_t bond) {
     const bool sliver = size < 1e-6 * longest2;
     const Vector3d normal = sliver ? Vector3d::Zero() : Vector3d(cross / size);
     const double near = 1e-6 * std::sqrt(longest2);
-    auto plane = std::find_if(planes.begin(), planes.end(), [&](const Plane& p) {
+    auto plane = std::find_if(planes.begin(), planes.end(), [&](const FacePlane& p) {
       return (sliver || normal.dot(p.normal) > 1 - 1e-9) &&
              std::abs(p.normal.dot(vertices[a]) - p.offset) < std::max(near, 1e-12);
     });
@@ -94,7 +94,7 @@ std::vector<Face> faces_of(const VoronoiPiece& piece, uint32_t bond) {
     plane->triangles.push_back(t);
   }
   std::vector<Face> faces;
-  for (const Plane& plane : planes) {
+  for (const FacePlane& plane : planes) {
     Face& face = faces.emplace_back();
     face.normal = plane.normal;
     face.right = plane.normal.unitOrthogonal();

@@ -24,7 +24,7 @@ constexpr float kJoinedEdge = 0.3f;
 // A kernel of a divided part speaks against the thing if it is nearer than this to a click that takes away,
 // in the distance to one that takes.
 constexpr float kAwayReach = 0.5f;
-constexpr uint32_t kFar = 1u << 24;
+constexpr uint32_t kUnreached = 1u << 24;  // steps to a kernel that no click reaches
 
 enum Role : uint8_t { kNone, kWanted, kDivided };
 
@@ -61,7 +61,7 @@ float weight_around(const KernelGraph& graph, const std::vector<uint32_t>& brush
 // count: a patch of another colour is no other thing.
 std::vector<uint32_t> steps_from(const KernelGraph& graph, std::span<const uint16_t> label,
                                  std::span<const Role> role, std::span<const Click> clicks, bool take) {
-  std::vector<uint32_t> steps(label.size(), kFar);
+  std::vector<uint32_t> steps(label.size(), kUnreached);
   std::vector<uint32_t> reached;
   for (const Click& click : clicks)
     if (click.take == take && role[label[click.kernel]] == kDivided) {
@@ -70,7 +70,7 @@ std::vector<uint32_t> steps_from(const KernelGraph& graph, std::span<const uint1
     }
   for (size_t i = 0; i < reached.size(); ++i)
     for (const uint32_t other : graph.neighbours(reached[i]))
-      if (steps[other] == kFar && label[other] == label[reached[i]]) {
+      if (steps[other] == kUnreached && label[other] == label[reached[i]]) {
         steps[other] = steps[reached[i]] + 1;
         reached.push_back(other);
       }

@@ -153,11 +153,11 @@ void distances_along(std::vector<double>& line, std::vector<double>& result, std
 
 // Distance of each pixel from the marked ones, px; far beyond the picture if there are none.
 std::vector<float> distance_from(const std::vector<uint8_t>& marks, int edge) {
-  constexpr double kFar = 1e12;
+  constexpr double kNoMark_px2 = 1e12;
   const size_t side = static_cast<size_t>(edge);
   std::vector<double> squared(marks.size()), line(side), result(side), until(side + 1);
   std::vector<int> from(side);
-  for (size_t i = 0; i < marks.size(); ++i) squared[i] = marks[i] ? 0.0 : kFar;
+  for (size_t i = 0; i < marks.size(); ++i) squared[i] = marks[i] ? 0.0 : kNoMark_px2;
   for (const bool columns : {true, false})
     for (size_t a = 0; a < side; ++a) {
       const auto at = [&](size_t b) { return columns ? b * side + a : a * side + b; };

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kDominoes = 20, kFirst = 5, kLast = 15;
-constexpr double kHeight_m = 0.2, kThick_m = 0.02, kWidth_m = 0.1, kGap_m = 0.05, kDegree = M_PI / 180;
+constexpr double kHeight_m = 0.2, kDominoThick_m = 0.02, kWidth_m = 0.1, kGap_m = 0.05, kDegree = M_PI / 180;
 constexpr int kReferenceSubsteps = 256;
 // The reference run ends before the fallen dominoes settle.
 constexpr double kRun_s = 4.0, kWave_s = 1.5;
@@ -29,14 +29,14 @@ Result<Wave> run_wave(const RigidSetup& setup, double seconds) {
   stage.solver().add_floor({}, 0.5);
   for (int i = 0; i < kDominoes; ++i) {
     RigidPart domino;
-    domino.size_m = {kThick_m, kHeight_m, kWidth_m};
+    domino.size_m = {kDominoThick_m, kHeight_m, kWidth_m};
     domino.mass_kg = 0.24;
     domino.friction = 0.5;
     // the lower edge towards the next one
-    const Vector3d foot((kGap_m + kThick_m) * i + 0.5 * kThick_m, 0, 0);
+    const Vector3d foot((kGap_m + kDominoThick_m) * i + 0.5 * kDominoThick_m, 0, 0);
     if (i == 0) domino.world_from_part.orientation = Eigen::AngleAxisd(-10 * kDegree, Vector3d::UnitZ());
     domino.world_from_part.position_m =
-        foot + domino.world_from_part.orientation * Vector3d(-0.5 * kThick_m, 0.5 * kHeight_m, 0);
+        foot + domino.world_from_part.orientation * Vector3d(-0.5 * kDominoThick_m, 0.5 * kHeight_m, 0);
     stage.add(domino);
   }
   const auto tilt_rad = [&](int i) {
@@ -59,7 +59,7 @@ Result<Wave> run_wave(const RigidSetup& setup, double seconds) {
       stage.mark(RunEnd::Fell);
   }
   return Wave{std::move(stage),
-              (kLast - kFirst) * (kGap_m + kThick_m) / (passed_s[kLast] - passed_s[kFirst])};
+              (kLast - kFirst) * (kGap_m + kDominoThick_m) / (passed_s[kLast] - passed_s[kFirst])};
 }
 
 }  // namespace

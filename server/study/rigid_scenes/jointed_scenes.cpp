@@ -10,8 +10,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kArm_m = 1.0, kRadius_m = 0.05;
-constexpr double kInertia_m2 = kArm_m * kArm_m + 0.4 * kRadius_m * kRadius_m;  // of 1 kg about the pivot
+constexpr double kArm_m = 1.0, kBobRadius_m = 0.05;
+constexpr double kInertia_m2 =
+    kArm_m * kArm_m + 0.4 * kBobRadius_m * kBobRadius_m;  // of 1 kg about the pivot
 
 }  // namespace
 
@@ -32,7 +33,7 @@ Result<RigidOutcome> ball_pendulum(const RigidSetup& setup) {
   RigidStage& stage = *made;
   const double amplitude_rad = setup.parameter * M_PI / 180;
   RigidPart ball;
-  ball.radius_m = kRadius_m;
+  ball.radius_m = kBobRadius_m;
   ball.world_from_part.position_m = kArm_m * Vector3d(std::sin(amplitude_rad), -std::cos(amplitude_rad), 0);
   stage.add(ball);
   if (auto joined = stage.solver().join(0, std::nullopt, Vector3d::Zero()); !joined) return joined.error();
@@ -55,7 +56,7 @@ Result<RigidOutcome> ball_pendulum(const RigidSetup& setup) {
   const double period_s =
       crossings > 0 ? 2 * (last_s - first_s) / crossings : std::numeric_limits<double>::infinity();
   const double left = (0.5 * end.velocity_m_s.squaredNorm() +
-                       0.2 * kRadius_m * kRadius_m * end.angular_velocity_rad_s.squaredNorm() +
+                       0.2 * kBobRadius_m * kBobRadius_m * end.angular_velocity_rad_s.squaredNorm() +
                        kGravity_m_s2 * (end.world_from_part.position_m.y() + kArm_m)) /
                       (kGravity_m_s2 * kArm_m * (1 - std::cos(amplitude_rad)));
   return stage.finish({relative("period", period_s, ball_pendulum_period_s(amplitude_rad), 1e-3),

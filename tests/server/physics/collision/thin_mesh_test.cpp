@@ -96,10 +96,10 @@ TEST(ThinMesh, StaticTopsHoldObjects) {
 
 // Boards of 18 mm that extend slightly into the sides, at any offset from the grid nodes.
 TEST(ThinMesh, EveryShelfBoardHoldsObjects) {
-  constexpr double kBoard_m = 0.018, kHeight_m = 2.0;
+  constexpr double kBoard_m = 0.018, kShelfHeight_m = 2.0;
   TriangleMesh shelf;
   for (const double x : {-0.4, 0.4})
-    add(shelf, box_mesh({kBoard_m, kHeight_m, 0.3}), {x, 0.5 * kHeight_m, 0});
+    add(shelf, box_mesh({kBoard_m, kShelfHeight_m, 0.3}), {x, 0.5 * kShelfHeight_m, 0});
   std::vector<double> tops;
   for (int i = 0; i < 6; ++i) {
     tops.push_back(0.1 + 0.337 * i);

@@ -129,8 +129,9 @@ TEST(SoftContact, HeavyBoxOnVerySoftPillowDoesNotWalk) {
       report_gap("soft.heavy_box_awake_s", 5.0 + ticks / rate);
       EXPECT_LT((body_state(world, 2).world_from_body.position_m - then).norm(), 0.05);
       // At 45 to 72 Hz the heaviest box trembles by 1 mm/s, and whether it sleeps depends on the rate.
-      if (rate > 75.0 || c.mass_kg < 10.0)
+      if (rate > 75.0 || c.mass_kg < 10.0) {
         EXPECT_TRUE(body_state(world, 2).asleep && world.elastic_body(1)->asleep());
+      }
     }
   }
 }

@@ -74,11 +74,11 @@ TEST(SendWindow, FutureAcknowledgementFreesOnlySentFrames) {
 
 // Round trips of 40 ms open the window; a new stream starts with two again.
 TEST(SendWindow, GrowsWithTheRoundTrip) {
-  constexpr int64_t kTick_ns = 11'111'111;
+  constexpr int64_t kTickInterval_ns = 11'111'111;
   SendWindow window;
   std::deque<std::pair<int64_t, uint64_t>> answers;  // time and tick
   for (uint64_t number = 1; number <= 300; ++number) {
-    const int64_t tick_ns = static_cast<int64_t>(number) * kTick_ns;
+    const int64_t tick_ns = static_cast<int64_t>(number) * kTickInterval_ns;
     for (; !answers.empty() && answers.front().first <= tick_ns; answers.pop_front()) {
       window.acknowledge(answers.front().second, answers.front().first);
       if (const auto outgoing = window.take(answers.front().first))

@@ -34,7 +34,9 @@ TEST_F(TakenRoom, ARayThatTakesAwayDividesAThing) {
   for (const v1::RoomParts::Part& one : parts.parts()) {
     if (one.label() == whole.labels[0])
       rest = !one.taken() && one.kernels() > 20 && one.kernels() < whole.kernels;
-    if (one.label() == taken->object.part()) EXPECT_TRUE(one.taken());
+    if (one.label() == taken->object.part()) {
+      EXPECT_TRUE(one.taken());
+    }
   }
   EXPECT_TRUE(rest);
   v1::TakePartRequest again;

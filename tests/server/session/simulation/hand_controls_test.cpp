@@ -212,7 +212,7 @@ TEST(HandControls, HoldsOneFragmentAfterFracture) {
     for (const bool ray : {false, true}) {
       SCOPED_TRACE(std::string(whole ? "taken whole" : "taken from the heap") +
                    (ray ? " by a ray" : " by a hand"));
-      Hands hands{breaking_scene()};  // fractures after 90 ticks
+      Hands hands{.scene = breaking_scene(), .controls = {}};  // fractures after 90 ticks
       Vector3d hand = hands.middle("box") + Vector3d(0.03, ray ? 0.6 : 0.1, 0.03);
       const auto run = [&](double up_m, int ticks, float closed) {
         for (int i = 0; i < ticks; ++i) {

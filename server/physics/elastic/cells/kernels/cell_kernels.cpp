@@ -109,9 +109,9 @@ constexpr float kBendingStrain = 256.0f;  // over (4 a)²
 template <class Mask>
 LIVEGS_INLINE void report(Mask used, Lanes strain, Lanes bending, Lanes volume, Worst& worst) {
   const Lanes bent = strain + bending;
-  worst.strain = used & (strain > worst.strain) ? strain : worst.strain;
-  worst.bent = used & (bent > worst.bent) ? bent : worst.bent;
-  worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
+  worst.strain = (used & (strain > worst.strain)) ? strain : worst.strain;
+  worst.bent = (used & (bent > worst.bent)) ? bent : worst.bent;
+  worst.volume = (used & (volume < worst.volume)) ? volume : worst.volume;
 }
 
 // Converts coefficients of the corner signs in the rotated frame to impulses on the corners in world axes.
