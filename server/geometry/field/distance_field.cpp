@@ -129,8 +129,9 @@ DistanceField::Sample DistanceField::sample(const Eigen::Vector3d& point_m) cons
   const Eigen::Array3d top = (counts_.array() - 1).cast<double>();
   const Eigen::Array3d place = ((point_m - origin_m_) / cell_m_).array();
   const Eigen::Array3d clamped = place.max(0.0).min(top);
-  // A NaN position must not produce an out-of-range index; the resulting distance is NaN.
-  const Eigen::Array3i node = clamped.cast<int>().max(0).min(counts_.array() - 2);
+  // A NaN position has a valid index, since NaN has no value as an int; the resulting distance is NaN.
+  const Eigen::Array3i node =
+      clamped.isNaN().select(0.0, clamped).cast<int>().max(0).min(counts_.array() - 2);
   const Eigen::Array3d f = clamped - node.cast<double>();
 
   const size_t dy = counts_.x(), dz = dy * counts_.y();
