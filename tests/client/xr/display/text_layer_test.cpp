@@ -87,11 +87,7 @@ TEST(TextPlate, AcceptsAnyBytes) {
   for (int i = 1; i < 256; ++i) bytes.push_back(static_cast<char>(i));
   for (size_t cut = 0; cut <= bytes.size(); ++cut)
     EXPECT_LE(plate.draw(bytes.substr(cut), kInk).height_px, TextPlate::kMaxHeight_px);
-  EXPECT_EQ(lines_of(plate.draw("fa\xc3\xa7"
-                                "ade",
-                                kInk))
-                .size(),
-            1u);
+  EXPECT_EQ(lines_of(plate.draw("fa\u00e7ade", kInk)).size(), 1u);
 }
 
 }  // namespace
