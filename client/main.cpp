@@ -10,10 +10,10 @@
 #include <map>
 #include <string>
 
-#include "core/help_format.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "core/require_processor.h"
+#include "core/text/help_format.h"
 #include "core/written_files.h"
 #include "viewer/runs/headset_run.h"
 #include "viewer/runs/offscreen_run.h"

@@ -16,11 +16,11 @@
 
 #include "analysis/model/endpoint_choice.h"
 #include "core/clock.h"
-#include "core/help_format.h"
 #include "core/log.h"
 #include "core/log_format.h"
 #include "core/parallel_for.h"
 #include "core/require_processor.h"
+#include "core/text/help_format.h"
 #include "device/choose_physics.h"
 #include "scene/build/object_cache.h"
 #include "scene/scene.h"

@@ -6,8 +6,8 @@
 
 #include "core/content_hash.h"
 #include "core/file.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "core/nearest_word.h"
-#include "core/shown_text.h"
+#include "core/text/nearest_word.h"
+#include "core/text/shown_text.h"
 
 namespace livegs {
 namespace {

@@ -16,7 +16,7 @@
 
 #include "cli/commands.h"
 #include "cli/replay.h"
-#include "core/help_format.h"
+#include "core/text/help_format.h"
 #include "livegs/v1/admin.grpc.pb.h"
 #include "session/access/authorization.h"
 #include "session/access/server_security.h"

@@ -13,7 +13,7 @@
 #include "cli/output_path.h"
 #include "core/clock.h"
 #include "core/file.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 #include "gaussian/stored_blocks.h"
 #include "recording/recording_reader.h"
 #include "web/page_files.h"

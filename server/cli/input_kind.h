@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "core/path_ending.h"
+#include "core/text/path_ending.h"
 #include "gaussian/asset_name.h"
 #include "gaussian/read_options.h"
 

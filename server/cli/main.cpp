@@ -4,10 +4,10 @@
 #include <string>
 
 #include "cli/commands.h"
-#include "core/help_format.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "core/require_processor.h"
+#include "core/text/help_format.h"
 
 namespace {
 

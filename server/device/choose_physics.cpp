@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "core/user_cache.h"
 #include "device/device_elastic.h"
+#include "device/measure_elastic_cost.h"
 
 namespace livegs {
 namespace {

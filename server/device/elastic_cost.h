@@ -2,12 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <filesystem>
-#include <string>
 
-#include "compute/backend.h"
 #include "core/parallel_for.h"
-#include "core/result.h"
 
 namespace livegs {
 
@@ -30,14 +26,5 @@ struct ElasticCost {
     return work.node_steps * cpu_node_step_ms / std::clamp(thread_count(), 1, std::max(1, work.bodies));
   }
 };
-
-// Fits the model by ticks of blocks of different size and steps on `backend` and on this thread; takes a few
-// seconds at most. Errors: of the backend.
-Result<ElasticCost> measure_elastic_cost(Backend& backend);
-
-// The model in FOLDER/elastic-cost.txt, if it is that of `device` (its name); otherwise measures it and
-// writes the file. A file that cannot be read is replaced; one that cannot be written is logged.
-Result<ElasticCost> known_elastic_cost(Backend& backend, const std::string& device,
-                                       const std::filesystem::path& folder);
 
 }  // namespace livegs

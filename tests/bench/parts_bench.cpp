@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Segmentation of rooms made in code and of trained splats of a captured table, scored on views that were not
 // used. Prints CSV.
-//   parts_bench made > tests/bench/results/parts_made.csv
-//   parts_bench table SPLAT.ply... > tests/bench/results/parts_table.csv
-//   parts_bench fill > tests/bench/results/parts_fill.csv
-//   parts_bench clicks > tests/bench/results/parts_clicks.csv
-//   parts_bench million > tests/bench/results/parts_million.csv
+//   parts_bench made > tests/bench/results/MACHINE/parts/made.csv
+//   parts_bench table SPLAT.ply... > tests/bench/results/MACHINE/parts/table.csv
+//   parts_bench fill > tests/bench/results/MACHINE/parts/fill.csv
+//   parts_bench clicks > tests/bench/results/MACHINE/parts/clicks.csv
+//   parts_bench million > tests/bench/results/MACHINE/parts/million.csv
 // LIVEGS_TEST_PICTURES=DIR writes pictures.
 #include <algorithm>
 #include <cmath>

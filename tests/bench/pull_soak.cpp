@@ -22,8 +22,8 @@
 
 #include "bench/support/arguments.h"
 #include "core/clock.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "gaussian/asset_file.h"
 #include "sample/sample_scene.h"
 #include "scene/run/scripted_grabs.h"

@@ -11,8 +11,8 @@
 #include "compute/vulkan_backend.h"
 #include "compute/vulkan_commands.h"
 #include "compute/vulkan_handles.h"
-#include "core/format_text.h"
 #include "core/percentile.h"
+#include "core/text/format_text.h"
 
 namespace livegs::gpu_report {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "bench/support/arguments.h"
 #include "core/file.h"
-#include "core/help_format.h"
 #include "core/require_processor.h"
+#include "core/text/help_format.h"
 #include "gpu_report/page.h"
 #include "splat/passes/key_sorter.h"
 

@@ -19,8 +19,8 @@
 
 #include "core/assert.h"
 #include "core/clock.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "livegs/v1/session.grpc.pb.h"
 #include "stream/channel/retry_schedule.h"
 #include "stream/channel/rpc_channel.h"

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "core/clock.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "stream/session/input_message.h"
 
 namespace livegs {

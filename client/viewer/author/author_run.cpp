@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "viewer/author/object_pose.h"
 
 namespace livegs {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "viewer/author/object_pose.h"
 
 namespace livegs {

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "stream/received/frame_reader.h"
 
 namespace livegs {

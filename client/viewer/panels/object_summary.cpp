@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/panels/object_summary.h"
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "core/clock.h"
-#include "core/format_text.h"
 #include "core/log.h"
 #include "core/percentile.h"
+#include "core/text/format_text.h"
 #include "splat/camera_file.h"
 #include "stream/session/session_client.h"
 #include "viewer/camera/client_view_cone.h"

@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "core/clock.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "render/choose_camera.h"
 #include "stream/session/scene_control.h"
 #include "stream/session/session_client.h"

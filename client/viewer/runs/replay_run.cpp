@@ -3,8 +3,8 @@
 
 #include <mutex>
 
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "render/choose_camera.h"
 #include "stream/replay/recording_playback.h"
 #include "viewer/live/connected_scene.h"

@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "core/clock.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "stream/received/frame_history.h"
 #include "stream/replay/recording_playback.h"
 #include "viewer/camera/initial_camera.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

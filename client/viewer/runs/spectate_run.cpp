@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "core/clock.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "render/choose_camera.h"
 #include "stream/replay/playback_queue.h"
 #include "trust/host_port.h"

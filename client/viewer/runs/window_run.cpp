@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/clock.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "core/written_files.h"
 #include "stream/session/scene_control.h"
 #include "stream/session/session_client.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/file.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "core/written_files.h"
 #include "splat/camera_file.h"
 

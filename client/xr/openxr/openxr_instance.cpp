@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/clock.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/lower_case.h"
+#include "core/text/lower_case.h"
 #include "xr/window/widgets.h"
 
 namespace livegs {

@@ -10,7 +10,7 @@
 
 #include "capture/picture/picture_file.h"
 #include "core/file.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "capture/picture/picture_file.h"
-#include "core/format_text.h"
 #include "core/parallel_for.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

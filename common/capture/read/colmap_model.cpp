@@ -8,7 +8,7 @@
 
 #include "capture/read/pose_files.h"
 #include "core/file.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "capture/capture.h"
 #include "capture/read/pose_files.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -5,7 +5,7 @@
 #include "capture/picture/picture_file.h"
 #include "capture/read/pose_files.h"
 #include "core/file.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "core/file.h"
-#include "core/path_ending.h"
+#include "core/text/path_ending.h"
 #include "gaussian/asset/establish_invariants.h"
 #include "gaussian/asset/readers.h"
 #include "gaussian/asset/subtract_origin.h"

@@ -4,9 +4,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "core/format_text.h"
-#include "core/path_ending.h"
-#include "core/shown_text.h"
+#include "core/text/format_text.h"
+#include "core/text/path_ending.h"
+#include "core/text/shown_text.h"
 #include "gaussian/asset/words.h"
 
 namespace livegs {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gaussian/asset_name.h"
 
-#include "core/path_ending.h"
+#include "core/text/path_ending.h"
 
 namespace livegs {
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 
 #include "core/file.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 #include "gaussian/asset/file_below.h"
 #include "gaussian/gltf_files.h"
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <map>
 
-#include "core/path_ending.h"
-#include "core/shown_text.h"
+#include "core/text/path_ending.h"
+#include "core/text/shown_text.h"
 #include "gaussian/asset/append_asset.h"
 #include "gaussian/asset/float_of.h"
 #include "gaussian/asset/readers.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gaussian/ply/ply_comments.h"
 
-#include "core/path_ending.h"
+#include "core/text/path_ending.h"
 #include "gaussian/asset/words.h"
 
 namespace livegs {

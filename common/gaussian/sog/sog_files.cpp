@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "core/file.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 #include "gaussian/asset/decoded_asset.h"
 #include "gaussian/asset/file_below.h"
 

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "core/file.h"
-#include "core/path_ending.h"
-#include "core/shown_text.h"
+#include "core/text/path_ending.h"
+#include "core/text/shown_text.h"
 #include "gaussian/asset/append_asset.h"
 #include "gaussian/asset/file_below.h"
 #include "gaussian/asset/readers.h"

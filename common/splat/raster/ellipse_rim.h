@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/raster/bin_tiles.h"
+#include "splat/project/projected_kernel.h"
+#include "splat/raster/tile_grid.h"
 
 namespace livegs {
 

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "core/content_hash.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "train/run/trainer_state.h"
 
 namespace livegs {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <numeric>
 
-#include "core/format_text.h"
 #include "core/parallel_for.h"
+#include "core/text/format_text.h"
 #include "train/optimise/densify.h"
 #include "train/optimise/random_number.h"
 #include "train/run/initial_kernels.h"

@@ -8,7 +8,7 @@
 #include "analysis/estimate/physics_values.h"
 #include "analysis/estimate/stiffness_classes.h"
 #include "analysis/knowledge/tables.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 // Precedence: label, then geometry, then colour. A name with table priors halves the error of geometry alone,
 // and hollowness matters more than density. object_classes and class_mass use this order. Every value has a

@@ -6,7 +6,7 @@
 
 #include "analysis/knowledge/value_ranges.h"
 #include "analysis/text/message_templates.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 

@@ -7,7 +7,7 @@
 
 #include "analysis/estimate/class_mass.h"
 #include "analysis/estimate/physics_values.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "physics/material.h"
 
 namespace livegs {

@@ -5,7 +5,7 @@
 
 #include "analysis/gate/fuse_answer.h"
 #include "analysis/gate/prior_check.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 // Steps 7 and 8 of the gate: fuse_answer() (fuse_answer.cpp), then check_prior() (prior_check.cpp), which
 // accepts the values or holds them for review.

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "analysis/estimate/object_classes.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -9,7 +9,7 @@
 #include "analysis/estimate/physics_values.h"
 #include "analysis/estimate/stiffness_classes.h"
 #include "analysis/gate/mass_bounds.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

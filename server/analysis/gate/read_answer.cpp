@@ -9,7 +9,7 @@
 #include "analysis/knowledge/table_search.h"
 #include "analysis/knowledge/tables.h"
 #include "analysis/text/prompt_text.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 
 // Step 2 of the gate (gate.h): types, words, order, hard ranges; step 1 is answer_object(). The first error
 // ends the reading and refuses the answer; unusual values are corrected and noted. run/ask_model.cpp then

@@ -7,7 +7,7 @@
 #include "analysis/estimate/stiffness_classes.h"
 #include "analysis/gate/gate.h"
 #include "analysis/gate/mass_bounds.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 // Consistency of an answer in itself: units, physics, consistency (steps 3 to 5 of the gate, gate.h).
 

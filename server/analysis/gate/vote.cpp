@@ -6,8 +6,8 @@
 #include "analysis/gate/gate.h"
 #include "analysis/knowledge/name_match.h"
 #include "core/assert.h"
-#include "core/format_text.h"
 #include "core/percentile.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -8,7 +8,7 @@
 #include "analysis/estimate/physics_values.h"
 #include "analysis/knowledge/name_match.h"
 #include "analysis/text/prompt_text.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

@@ -8,7 +8,7 @@
 #include "analysis/knowledge/table_search.h"
 #include "analysis/text/json_text.h"
 #include "analysis/text/prompt_text.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

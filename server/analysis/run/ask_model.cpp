@@ -5,7 +5,7 @@
 
 #include "analysis/model/fact_slots.h"
 #include "core/content_hash.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 
 namespace livegs {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "analysis/estimate/physics_values.h"
-#include "core/format_text.h"
-#include "core/shown_text.h"
+#include "core/text/format_text.h"
+#include "core/text/shown_text.h"
 
 namespace livegs {
 namespace {

@@ -10,7 +10,7 @@
 #include "analysis/estimate.h"
 #include "analysis/estimate/physics_values.h"
 #include "analysis/gate/answer.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 
 namespace livegs {
 namespace {

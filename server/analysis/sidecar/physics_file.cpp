@@ -15,7 +15,7 @@
 #include "analysis/sidecar/sidecar_state.h"
 #include "analysis/text/json_text.h"
 #include "core/content_hash.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "gaussian/asset_name.h"
 #include "json/json_message.h"
 

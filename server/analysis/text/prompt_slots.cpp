@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "analysis/text/prompt_text.h"
-#include "core/nearest_word.h"
+#include "core/text/nearest_word.h"
 
 namespace livegs {
 namespace {

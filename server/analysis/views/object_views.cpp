@@ -9,7 +9,7 @@
 
 #include "analysis/views/coverage_mask.h"
 #include "analysis/views/outline.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "splat/rasterise.h"
 
 namespace livegs {

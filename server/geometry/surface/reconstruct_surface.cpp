@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "geometry/mesh/convex_hull.h"
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/surface/alpha_complex.h"

@@ -75,12 +75,12 @@ void record_held_loads(const RigidIsland& island, std::span<JointGroup* const> j
   for (RigidBody* body : island.bodies) {
     if (!body->can_break) continue;
     for (const RigidSpring* spring : body->springs)
-      body->impacts.record_force(*body, step_s * spring->force_n, spring->arm_m);
+      body->impacts.record_force(body->world_from_body.orientation, step_s * spring->force_n, spring->arm_m);
   }
   const auto note = [&](RigidBody* body, const Eigen::Vector3d& force_n, const Eigen::Vector3d& anchor_m) {
     if (!body || !body->can_break || body->asleep) return;
-    body->impacts.record_joint(*body, step_s * force_n, anchor_m - body->world_from_body.position_m,
-                               ImpulseKind::Support, 0.0);
+    body->impacts.record_joint(body->world_from_body.orientation, step_s * force_n,
+                               anchor_m - body->world_from_body.position_m, ImpulseKind::Support, 0.0);
   };
   for (const JointGroup* group : joints) {
     for (const RigidJoint& joint : group->joints()) {

@@ -170,7 +170,7 @@ void World::State::apply_elastic_impulses(double duration_s) {
     body.update_turning();
     // Soft contact lasts long, so it counts as a sustained force.
     if (body.can_break)
-      body.impacts.record_force(body, copy.impulse_n_s,
+      body.impacts.record_force(body.world_from_body.orientation, copy.impulse_n_s,
                                 copy.contact_moment / size - body.world_from_body.position_m);
   }
 }

@@ -42,7 +42,8 @@ void World::State::gather_loads(double start_s, double duration_s) {
       load.impulse_n_s += duration_s * force;
       // A sleeping body's load is unchanged, and its record is not read.
       if (body.can_break && !body.asleep)
-        body.impacts.record_force(body, duration_s * force, body.arm_of(rest_point));
+        body.impacts.record_force(body.world_from_body.orientation, duration_s * force,
+                                  body.arm_of(rest_point));
       load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
     }
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/build/elastic_report.h"
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
 
 namespace livegs {

@@ -7,7 +7,7 @@
 
 #include "analysis/estimate.h"
 #include "analysis/knowledge/tables.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 #include "gaussian/asset_name.h"
 #include "scene/values/region_value.h"
 #include "scene/values/scene_values.h"

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "analysis/physics_file.h"
-#include "core/path_ending.h"
+#include "core/text/path_ending.h"
 #include "scene/check/check_object.h"
 
 namespace livegs {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "analysis/gate/answer.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 #include "scene/check/check_object.h"
 #include "scene/check/object_references.h"
 #include "scene/values/scene_values.h"

@@ -10,8 +10,8 @@
 #include "analysis/gate/answer.h"
 #include "core/file.h"
 #include "core/log.h"
-#include "core/path_ending.h"
-#include "core/shown_text.h"
+#include "core/text/path_ending.h"
+#include "core/text/shown_text.h"
 #include "scene/check/check_object.h"
 #include "scene/check/check_scene.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 #include "gaussian/asset_file.h"
 #include "geometry/mesh/mesh_io.h"
 #include "geometry/mesh/mesh_topology.h"

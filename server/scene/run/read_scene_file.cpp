@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/file.h"
-#include "core/path_ending.h"
+#include "core/text/path_ending.h"
 #include "gaussian/asset_name.h"
 #include "json/json_message.h"
 #include "scene/check/check_scene.h"

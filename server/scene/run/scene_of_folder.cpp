@@ -7,7 +7,7 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
-#include "core/path_ending.h"
+#include "core/text/path_ending.h"
 #include "gaussian/asset_name.h"
 #include "scene/build/place_asset.h"
 #include "scene/check/check_scene.h"

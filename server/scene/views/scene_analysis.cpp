@@ -5,7 +5,7 @@
 #include <map>
 
 #include "analysis/physics_file.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 #include "scene/check/check_object.h"
 #include "scene/values/scene_values.h"
 #include "scene/views/target_views.h"

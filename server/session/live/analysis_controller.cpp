@@ -8,9 +8,9 @@
 #include "analysis/gate/answer.h"
 #include "analysis/physics_file.h"
 #include "analysis/sidecar/manual_edits.h"
-#include "core/format_text.h"
 #include "core/log.h"
-#include "core/shown_text.h"
+#include "core/text/format_text.h"
+#include "core/text/shown_text.h"
 #include "session/support/redact_paths.h"
 
 namespace livegs {

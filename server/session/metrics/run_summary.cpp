@@ -2,7 +2,7 @@
 #include "session/metrics/run_summary.h"
 
 #include "analysis/estimate/physics_values.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "scene/build/elastic_report.h"
 
 namespace livegs {

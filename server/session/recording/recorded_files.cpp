@@ -12,7 +12,7 @@
 
 #include "core/file.h"
 #include "core/log.h"
-#include "core/path_ending.h"
+#include "core/text/path_ending.h"
 #include "gaussian/asset_name.h"
 #include "gaussian/gltf_files.h"
 

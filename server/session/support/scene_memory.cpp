@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "gaussian/asset_name.h"
 #include "gaussian/gltf_files.h"
 #include "scene/scene.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "study/chart/chart_words.h"
 #include "study/chart/rigid_chart.h"
 

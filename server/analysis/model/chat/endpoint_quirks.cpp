@@ -7,7 +7,7 @@
 
 #include "core/file.h"
 #include "core/log.h"
-#include "core/lower_case.h"
+#include "core/text/lower_case.h"
 
 namespace livegs {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "physics/elastic/cells/cells_body.h"
 #include "physics/elastic/livegs_v1/livegs_v1_body.h"
 

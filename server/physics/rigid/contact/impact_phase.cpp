@@ -87,8 +87,9 @@ void record_point(RigidBody& body, const ContactManifold& manifold, const RigidB
     body.external_contact_impulse_n_s += point.impulse_n_s;
     body.external_contact_moment += point.impulse_n_s * where;
   }
-  body.impacts.record_contact(body, manifold, point, normal, where - body.world_from_body.position_m, kind,
-                              remaining_s);
+  if (!body.can_break) return;
+  body.impacts.record_contact(body.world_from_body.orientation, manifold, point, normal,
+                              where - body.world_from_body.position_m, kind, remaining_s);
 }
 
 }  // namespace
@@ -104,8 +105,11 @@ void record_impulses(RigidBody& body, const ContactManifold& manifold, ImpulseKi
   }
   const Eigen::Vector3d &rubbed = manifold.friction_impulse_n_s,
                         twist = manifold.twist_impulse * manifold.normal;
-  body.impacts.record_friction(body, rubbed, twist, manifold.arm_a_m, kind);
-  if (other) other->impacts.record_friction(*other, -rubbed, -twist, manifold.arm_b_m, kind);
+  if (body.can_break)
+    body.impacts.record_friction(body.world_from_body.orientation, rubbed, twist, manifold.arm_a_m, kind);
+  if (other && other->can_break)
+    other->impacts.record_friction(other->world_from_body.orientation, -rubbed, -twist, manifold.arm_b_m,
+                                   kind);
 }
 
 void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s,

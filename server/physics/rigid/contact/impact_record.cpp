@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <utility>
 
-#include "physics/rigid/rigid_body.h"
+#include "physics/rigid/contact/contact_point.h"
 
 namespace livegs {
 namespace {
 
 // Adds an impulse given in world axes. Returns whether it is non-zero.
-bool add_load(ImpulseAccumulator& sum, const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
-              const Eigen::Vector3d& point_m) {
+bool add_load(ImpulseAccumulator& sum, const Eigen::Quaterniond& world_from_body,
+              const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
   const double size = impulse_n_s.norm();
   if (!(size > 0.0)) return false;
-  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  const Eigen::Quaterniond body_from_world = world_from_body.conjugate();
   sum.add(size, body_from_world * (impulse_n_s / size), body_from_world * point_m);
   sum.from_colliders = false;
   return true;
@@ -45,22 +45,22 @@ void ImpulseAccumulator::add(const ImpulseAccumulator& other, double share) {
   restitution = std::max(restitution, other.restitution);
 }
 
-void ImpactRecord::record_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
+void ImpactRecord::record_force(const Eigen::Quaterniond& world_from_body, const Eigen::Vector3d& impulse_n_s,
                                 const Eigen::Vector3d& point_m) {
-  if (add_load(forces_, body, impulse_n_s, point_m)) forces_.restitution = 1.0;
+  if (add_load(forces_, world_from_body, impulse_n_s, point_m)) forces_.restitution = 1.0;
 }
 
-void ImpactRecord::record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
+void ImpactRecord::record_joint(const Eigen::Quaterniond& world_from_body, const Eigen::Vector3d& impulse_n_s,
                                 const Eigen::Vector3d& point_m, ImpulseKind kind, double remaining_s) {
   const bool impact = kind == ImpulseKind::Impact;
-  if (add_load(impact ? impacts_ : contacts_, body, impulse_n_s, point_m) && impact)
+  if (add_load(impact ? impacts_ : contacts_, world_from_body, impulse_n_s, point_m) && impact)
     impact_age_s_ = std::max(impact_age_s_, remaining_s);
 }
 
-void ImpactRecord::record_contact(const RigidBody& body, const ContactManifold& manifold,
+void ImpactRecord::record_contact(const Eigen::Quaterniond& world_from_body, const ContactManifold& manifold,
                                   const ContactPoint& point, const Eigen::Vector3d& normal,
                                   const Eigen::Vector3d& point_m, ImpulseKind kind, double remaining_s) {
-  if (!body.can_break || point.impulse_n_s <= 0.0) return;
+  if (point.impulse_n_s <= 0.0) return;
   const bool impact = kind == ImpulseKind::Impact;
   double at_touch = 1.0;  // an impact is resolved up to a step before it would happen
   if (impact) {
@@ -69,18 +69,17 @@ void ImpactRecord::record_contact(const RigidBody& body, const ContactManifold& 
     impact_age_s_ = std::max(impact_age_s_, remaining_s);
   }
   ImpulseAccumulator& sum = impact ? impacts_ : contacts_;
-  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  const Eigen::Quaterniond body_from_world = world_from_body.conjugate();
   sum.add(at_touch * point.impulse_n_s, body_from_world * normal, body_from_world * point_m);
   sum.restitution = std::max(sum.restitution, manifold.restitution);
   if (manifold.other) sum.from_colliders = false;
 }
 
-void ImpactRecord::record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
-                                   const Eigen::Vector3d& twist, const Eigen::Vector3d& point_m,
-                                   ImpulseKind kind) {
-  if (!body.can_break) return;
+void ImpactRecord::record_friction(const Eigen::Quaterniond& world_from_body,
+                                   const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& twist,
+                                   const Eigen::Vector3d& point_m, ImpulseKind kind) {
   ImpulseAccumulator& sum = kind == ImpulseKind::Impact ? impacts_ : contacts_;
-  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  const Eigen::Quaterniond body_from_world = world_from_body.conjugate();
   sum.total_n_s += body_from_world * impulse_n_s;
   sum.total_moment += body_from_world * (point_m.cross(impulse_n_s) + twist);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <vector>
 
 // Loads that may break a rigid body: impacts, summed over a window, and sustained loads.
@@ -14,7 +14,6 @@
 
 namespace livegs {
 
-struct RigidBody;
 struct ContactManifold;
 struct ContactPoint;
 
@@ -53,18 +52,19 @@ Eigen::Vector3d direction_of(const ImpulseAccumulator& sum);
 class ImpactRecord {
  public:
   // The record_ functions are called during a substep. Impulses act on this body; they and `point_m` (from
-  // the centre of mass) are in world axes. Forces and hands count as sustained loads, however abrupt.
-  void record_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
+  // the centre of mass) are in world axes, and `world_from_body` is the orientation of this body. Forces and
+  // hands count as sustained loads, however abrupt.
+  void record_force(const Eigen::Quaterniond& world_from_body, const Eigen::Vector3d& impulse_n_s,
                     const Eigen::Vector3d& point_m);
   // A joint transmits impulses from other bodies, including impacts, like a contact.
-  void record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m,
-                    ImpulseKind kind, double remaining_s);
+  void record_joint(const Eigen::Quaterniond& world_from_body, const Eigen::Vector3d& impulse_n_s,
+                    const Eigen::Vector3d& point_m, ImpulseKind kind, double remaining_s);
   // `normal` points towards this body. `remaining_s`: from an impact to the end of the substep.
-  void record_contact(const RigidBody& body, const ContactManifold& manifold, const ContactPoint& point,
-                      const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m, ImpulseKind kind,
-                      double remaining_s);
+  void record_contact(const Eigen::Quaterniond& world_from_body, const ContactManifold& manifold,
+                      const ContactPoint& point, const Eigen::Vector3d& normal,
+                      const Eigen::Vector3d& point_m, ImpulseKind kind, double remaining_s);
   // Friction impulse and twist of a manifold on this body at `point_m`.
-  void record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s,
+  void record_friction(const Eigen::Quaterniond& world_from_body, const Eigen::Vector3d& impulse_n_s,
                        const Eigen::Vector3d& twist, const Eigen::Vector3d& point_m, ImpulseKind kind);
   void end_substep(double duration_s);
   // Load of the tick: the strongest kImpactWindow_s of impacts, plus kImpactDuration_s of sustained loads.

@@ -448,7 +448,7 @@ void JointGroup::end_impact(double factor, double remaining_s) {
   for (RigidJoint& joint : joints_) {
     const auto record = [&](RigidBody* body, double sign, const Eigen::Vector3d& anchor_m) {
       if (!body || !body->can_break || body->asleep) return;
-      body->impacts.record_joint(*body, sign * factor * joint.relax.point_n_s,
+      body->impacts.record_joint(body->world_from_body.orientation, sign * factor * joint.relax.point_n_s,
                                  anchor_m - body->world_from_body.position_m, ImpulseKind::Impact,
                                  remaining_s);
     };

@@ -6,7 +6,7 @@
 
 #include "capture/capture.h"
 #include "capture/read/pose_files.h"
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "scratch_folder.h"
 #include "splat/image.h"
 

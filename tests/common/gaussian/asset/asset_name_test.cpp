@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/path_ending.h"
+#include "core/text/path_ending.h"
 
 namespace livegs {
 namespace {

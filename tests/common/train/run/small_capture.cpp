@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 #include "splat/rasterise.h"
 #include "train/optimise/random_number.h"
 

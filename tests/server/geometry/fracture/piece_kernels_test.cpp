@@ -50,9 +50,10 @@ GaussianAsset kernels_about(const TriangleMesh& mesh, size_t count, double wides
       asset.sh_rest[3 * k + axis] = Vector3d(uniform(engine), 0.5, -1).cast<float>();
     }
     asset.positions[k] = place.cast<float>();
-    asset.rotations[k] = Eigen::Quaternionf(static_cast<float>(uniform(engine)), 0.3f,
-                                            static_cast<float>(uniform(engine)), -0.2f)
-                             .normalized();
+    // Two statements: compilers evaluate arguments in different orders.
+    const auto w = static_cast<float>(uniform(engine));
+    const auto y = static_cast<float>(uniform(engine));
+    asset.rotations[k] = Eigen::Quaternionf(w, 0.3f, y, -0.2f).normalized();
     asset.opacity_logits[k] = static_cast<float>(6.0 * uniform(engine) - 2.0);
   }
   return asset;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "device/elastic_cost.h"
+#include "device/measure_elastic_cost.h"
 
 #include <algorithm>
 #include <array>

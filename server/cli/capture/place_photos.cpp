@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/place_photos.h"
+#include "cli/capture/place_photos.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "capture/read/pose_files.h"
-#include "core/format_text.h"
 #include "core/log.h"
+#include "core/text/format_text.h"
 
 namespace livegs {
 namespace {

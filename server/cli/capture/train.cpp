@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "capture/capture.h"
+#include "cli/capture/train_run.h"
 #include "cli/commands.h"
 #include "cli/output_path.h"
-#include "cli/train_run.h"
 #include "core/log.h"
 
 namespace livegs {

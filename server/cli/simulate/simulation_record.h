@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "cli/csv_file.h"
+#include "cli/simulate/csv_file.h"
 #include "core/result.h"
 #include "scene/scene.h"
 #include "scene/views/scene_drawing.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/decide_physics.h"
+#include "cli/analyze/decide_physics.h"
 
 #include <cstdio>
 #include <vector>
@@ -7,7 +7,7 @@
 #include "analysis/gate/answer.h"
 #include "analysis/physics_file.h"
 #include "cli/commands.h"
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 #include "scene/check/check_object.h"
 #include "scene/check/sidecar_paths.h"
 

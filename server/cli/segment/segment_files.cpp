@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/segment_files.h"
+#include "cli/segment/segment_files.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/segment_room.h"
+#include "cli/segment/segment_room.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "cli/output_path.h"
-#include "cli/segment_files.h"
+#include "cli/segment/segment_files.h"
 #include "core/log.h"
 #include "parts/labelled_room.h"
 #include "parts/views/choose_cameras.h"

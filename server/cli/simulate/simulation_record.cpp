@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/simulation_record.h"
+#include "cli/simulate/simulation_record.h"
 
 #include "geometry/fracture/piece_kernels.h"
 #include "scene/build/fragile_object.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/train_run.h"
+#include "cli/capture/train_run.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/nearest_word.h"
+#include "core/text/nearest_word.h"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 #include <vector>
 
-#include "core/lower_case.h"
+#include "core/text/lower_case.h"
 
 namespace livegs {
 

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "core/lower_case.h"
+#include "core/text/lower_case.h"
 
 namespace livegs {
 

@@ -5,7 +5,7 @@
 
 #include "capture/read/pose_files.h"
 #include "cli/commands.h"
-#include "cli/segment_room.h"
+#include "cli/segment/segment_room.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/format_text.h"
+#include "core/text/format_text.h"
 
 #include <cstdarg>
 #include <cstdio>

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Draws error against bytes for every encoding of codec_bench, in the style of the other charts:
-#   gnuplot -e "csv='tests/bench/results/MACHINE/codec.csv'; svg='tests/bench/results/MACHINE/chart/codec.svg'" tests/bench/codec_chart.gnuplot
+#   gnuplot -e "csv='tests/bench/results/MACHINE/codec.csv'; svg='tests/bench/results/MACHINE/chart/codec.svg'" tests/bench/stream/codec_chart.gnuplot
 set terminal svg size 980,560 font 'Helvetica,12' background rgb 'white'
 set output svg
 set datafile separator ','

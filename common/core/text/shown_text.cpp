@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/shown_text.h"
+#include "core/text/shown_text.h"
 
 namespace livegs {
 

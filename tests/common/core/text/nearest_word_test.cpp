@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/nearest_word.h"
+#include "core/text/nearest_word.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/csv_file.h"
+#include "cli/simulate/csv_file.h"
 
 #include <cerrno>
 #include <charconv>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/parameters_table.h"
+#include "cli/analyze/parameters_table.h"
 
 #include <cstdio>
 
