@@ -8,6 +8,7 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "physics/motion/motion_validity.h"
+#include "physics/rigid/contact/contact_lanes.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/find_contacts.h"
 #include "physics/rigid/contact/impact_phase.h"
@@ -148,52 +149,82 @@ void solve_island(RigidIsland& island, double duration_s, int steps) {
   std::vector<Pose> poses;
   for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
+  const bool has_springs = std::any_of(island.bodies.begin(), island.bodies.end(),
+                                       [](const RigidBody* body) { return !body->springs.empty(); });
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
+  ContactLanes contacts(island, step_s);
+  // Joints and springs push the bodies themselves.
+  const auto with_bodies = [&](bool needed, const auto& act) {
+    if (!needed) return;
+    contacts.store_motion();
+    act();
+    contacts.load_motion();
+  };
   for (int step = 0; step < steps; ++step) {
-    each(prepare_manifold);
-    resolve_impacts(island, joints, step_s, (steps - step) * step_s);
+    contacts.load_poses();
+    contacts.load_motion();
+    contacts.prepare();
+    if (contacts.any_impact()) {
+      contacts.store_impulses();
+      contacts.store_friction();
+      contacts.store_separations();
+      resolve_impacts(island, joints, step_s, (steps - step) * step_s);
+    }
     for (RigidBody* body : island.bodies) {
       body->pushed_by_owner = body->has_body_contact = false;
       body->substep_velocity_m_s = body->velocity_m_s;
       body->velocity_m_s += step_s * body->substep_acceleration_m_s2;
     }
     for (JointGroup* group : joints) group->begin();
-    each(warm_start_manifold);
-    for (RigidBody* body : island.bodies) {
-      for (RigidSpring* spring : body->springs) prepare_spring(*body, *spring, step_s);
-    }
-    for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
-    for (int sweep = 0; sweep < kPushIterations; ++sweep) {
-      each([&](RigidBody& body, ContactManifold& manifold) {
-        solve_manifold(body, manifold, ContactPhase::Push, step_s);
-      });
+    contacts.load_motion();
+    contacts.warm_start();
+    with_bodies(has_springs || !joints.empty(), [&] {
       for (RigidBody* body : island.bodies) {
-        for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
+        for (RigidSpring* spring : body->springs) prepare_spring(*body, *spring, step_s);
       }
-      if (!joints.empty()) each(mark_contacts);
-      for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
+      for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
+    });
+    for (int sweep = 0; sweep < kPushIterations; ++sweep) {
+      contacts.sweep(ContactPhase::Push);
+      with_bodies(has_springs || !joints.empty(), [&] {
+        for (RigidBody* body : island.bodies) {
+          for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
+        }
+        if (joints.empty()) return;
+        contacts.store_impulses();
+        each(mark_contacts);
+        for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
+      });
     }
-    each([&](RigidBody& body, ContactManifold& manifold) { update_separations(body, manifold, step_s); });
+    contacts.update_separations();
+    contacts.store_motion();
+    contacts.store_impulses();
     each(mark_contacts);
     for (RigidBody* body : island.bodies) {
       if (!body->joints) body->move(step_s);
     }
     for (JointGroup* group : joints) group->move(step_s);
 
-    each(prepare_manifold);
     for (JointGroup* group : joints) group->prepare(ContactPhase::Relax);
+    contacts.load_poses();
+    contacts.load_motion();
+    contacts.prepare();
     for (int sweep = 0; sweep < kRelaxIterations; ++sweep) {
-      each([&](RigidBody& body, ContactManifold& manifold) {
-        solve_manifold(body, manifold, ContactPhase::Relax, step_s);
+      contacts.sweep(ContactPhase::Relax);
+      with_bodies(!joints.empty(), [&] {
+        for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
       });
-      for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }
+    contacts.store_motion();
+    contacts.store_impulses();
+    contacts.store_friction();
     for (JointGroup* group : joints) group->end(step_s);
     each([](RigidBody& body, ContactManifold& manifold) {
       record_impulses(body, manifold, ImpulseKind::Support, 0.0);
     });
     record_held_loads(island, joints, step_s);
   }
+  contacts.store_separations();
   if (steps != kSolverSteps) {
     each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, times); });
   }

@@ -17,14 +17,6 @@ inline constexpr int kMaxManifoldPoints = 4;
 
 inline constexpr double kNoImpact = -1e300;
 
-// Response of two bodies to an impulse along one direction at one point.
-struct ContactRow {
-  Eigen::Vector3d direction;
-  Eigen::Vector3d lever_a, lever_b;  // arm x direction
-  Eigen::Vector3d turn_a, turn_b;    // inverse inertia times lever: spin change per unit impulse
-  double mass_kg = 0;                // effective mass: impulse per change of speed
-};
-
 struct ContactPoint {
   uint64_t feature_id = 0;
   Eigen::Vector3d normal;
@@ -38,10 +30,6 @@ struct ContactPoint {
   // yet to arrive; kNoImpact: not one.
   double closing_m_s = 0, touch_m_s = 0, leaving_m_s = kNoImpact;
   double impulse_n_s = 0;  // of this step, >= 0; warm start of the next one
-
-  // Updated when the bodies have moved.
-  Eigen::Vector3d arm_b_m;
-  ContactRow row;
 
   Eigen::Vector3d anchor_b_m;  // position on the other body at detection, in its axes (reuse_manifold)
 };
@@ -67,11 +55,6 @@ struct ContactManifold {
   double twist_radius_m = 0;  // mean distance of the points from the centre of pressure
 
   Eigen::Vector3d arm_b_m;
-  ContactRow tangent, bitangent;
-  Eigen::Matrix2d tangent_mass;
-  Eigen::Vector3d twist_turn_a, twist_turn_b;
-  double twist_mass = 0;
-
   // State at detection, valid while the bodies do not move relative to each other (reuse_manifold).
   bool lasts = false;
   bool normal_is_others = false;  // normal fixed in the other body's axes, else in the first body's

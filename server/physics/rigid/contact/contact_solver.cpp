@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Catto 2024, Solver2D (soft step): substeps of warm start, one biased solve, move, one solve without bias.
 #include "physics/rigid/contact/contact_solver.h"
 
 #include <Eigen/LU>
@@ -62,9 +61,9 @@ inline void twist(RigidBody& body, double impulse, const Vector3d& axis, const V
   body.angular_velocity_rad_s += impulse * turn;
 }
 
-inline void apply_twist(RigidBody& a, ContactManifold& manifold, double impulse) {
-  twist(a, impulse, manifold.normal, manifold.twist_turn_a);
-  if (manifold.other) twist(*manifold.other, -impulse, manifold.normal, manifold.twist_turn_b);
+inline void apply_twist(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows, double impulse) {
+  twist(a, impulse, manifold.normal, rows.twist_turn_a);
+  if (manifold.other) twist(*manifold.other, -impulse, manifold.normal, rows.twist_turn_b);
 }
 
 // Deviation of a rotating point from its straight path in `step_s`, along the normal. Without it, the next
@@ -75,7 +74,8 @@ inline double way_off_line_m(const RigidBody& body, const ContactPoint& point, d
   return 0.5 * step_s * step_s * point.normal.dot(spin.cross(spin.cross(point.arm_a_m)));
 }
 
-// Acceleration towards the surface by gravity and forces, at the centres of mass.
+}  // namespace
+
 double closing_acceleration_m_s2(const RigidBody& a, const ContactManifold& manifold,
                                  const ContactPoint& point) {
   double acceleration = a.asleep ? 0.0 : -point.normal.dot(a.substep_acceleration_m_s2);
@@ -84,12 +84,9 @@ double closing_acceleration_m_s2(const RigidBody& a, const ContactManifold& mani
   return acceleration;
 }
 
-// Closing speed from which a contact is an impact: more than the acceleration adds meanwhile.
 double impact_speed_m_s(const ContactManifold& manifold, double acceleration_m_s2, double step_s) {
   return std::max(manifold.restitution_speed_m_s, kImpactSteps * step_s * acceleration_m_s2);
 }
-
-}  // namespace
 
 double contact_rate_rad_s(double step_s) { return 2.0 * std::numbers::pi * kContactCycles / step_s; }
 
@@ -100,8 +97,9 @@ ContactSoftness contact_softness(double step_s) {
   return {omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2)};
 }
 
-void prepare_manifold(RigidBody& a, ContactManifold& manifold) {
-  RigidBody* b = manifold.other;
+ManifoldRows prepare_rows(const RigidBody& a, ContactManifold& manifold) {
+  ManifoldRows rows;
+  const RigidBody* b = manifold.other;
   // Both bodies are pushed at the same point, which conserves angular momentum.
   const Vector3d between =
       b ? Vector3d(a.world_from_body.position_m - b->world_from_body.position_m) : Vector3d::Zero();
@@ -109,38 +107,27 @@ void prepare_manifold(RigidBody& a, ContactManifold& manifold) {
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
     if (point.turns) point.arm_a_m = rotation * point.arm_body_m;
-    point.arm_b_m = point.arm_a_m + between;
-    point.row = row_of(a, b, point.normal, point.arm_a_m, point.arm_b_m);
+    rows.points[i] = row_of(a, b, point.normal, point.arm_a_m, point.arm_a_m + between);
   }
   if (manifold.turns) manifold.arm_a_m = rotation * manifold.arm_body_m;
   manifold.arm_b_m = manifold.arm_a_m + between;
   const Vector3d tangent = manifold.normal.unitOrthogonal();
-  manifold.tangent = row_of(a, b, tangent, manifold.arm_a_m, manifold.arm_b_m);
-  manifold.bitangent = row_of(a, b, manifold.normal.cross(tangent), manifold.arm_a_m, manifold.arm_b_m);
+  rows.tangent = row_of(a, b, tangent, manifold.arm_a_m, manifold.arm_b_m);
+  rows.bitangent = row_of(a, b, manifold.normal.cross(tangent), manifold.arm_a_m, manifold.arm_b_m);
   Eigen::Matrix2d k;
-  k(0, 0) = manifold.tangent.mass_kg > 0.0 ? 1.0 / manifold.tangent.mass_kg : 0.0;
-  k(1, 1) = manifold.bitangent.mass_kg > 0.0 ? 1.0 / manifold.bitangent.mass_kg : 0.0;
-  k(0, 1) = k(1, 0) = manifold.tangent.lever_a.dot(manifold.bitangent.turn_a) +
-                      (b ? manifold.tangent.lever_b.dot(manifold.bitangent.turn_b) : 0.0);
-  manifold.tangent_mass = k.determinant() > 0.0 ? k.inverse().eval() : Eigen::Matrix2d::Zero().eval();
-  manifold.twist_turn_a = a.inverse_inertia * manifold.normal;
-  double response = manifold.normal.dot(manifold.twist_turn_a);
+  k(0, 0) = rows.tangent.mass_kg > 0.0 ? 1.0 / rows.tangent.mass_kg : 0.0;
+  k(1, 1) = rows.bitangent.mass_kg > 0.0 ? 1.0 / rows.bitangent.mass_kg : 0.0;
+  k(0, 1) = k(1, 0) = rows.tangent.lever_a.dot(rows.bitangent.turn_a) +
+                      (b ? rows.tangent.lever_b.dot(rows.bitangent.turn_b) : 0.0);
+  rows.tangent_mass = k.determinant() > 0.0 ? k.inverse().eval() : Eigen::Matrix2d::Zero().eval();
+  rows.twist_turn_a = a.inverse_inertia * manifold.normal;
+  double response = manifold.normal.dot(rows.twist_turn_a);
   if (b) {
-    manifold.twist_turn_b = b->inverse_inertia * manifold.normal;
-    response += manifold.normal.dot(manifold.twist_turn_b);
+    rows.twist_turn_b = b->inverse_inertia * manifold.normal;
+    response += manifold.normal.dot(rows.twist_turn_b);
   }
-  manifold.twist_mass = response > 0.0 ? 1.0 / response : 0.0;
-}
-
-void warm_start_manifold(RigidBody& a, ContactManifold& manifold) {
-  for (int i = 0; i < manifold.point_count; ++i)
-    apply(a, manifold.other, manifold.points[i].row, manifold.points[i].impulse_n_s);
-  const double along = manifold.tangent.direction.dot(manifold.friction_impulse_n_s);
-  const double across = manifold.bitangent.direction.dot(manifold.friction_impulse_n_s);
-  manifold.friction_impulse_n_s = along * manifold.tangent.direction + across * manifold.bitangent.direction;
-  apply(a, manifold.other, manifold.tangent, along);
-  apply(a, manifold.other, manifold.bitangent, across);
-  apply_twist(a, manifold, manifold.twist_impulse);
+  rows.twist_mass = response > 0.0 ? 1.0 / response : 0.0;
+  return rows;
 }
 
 double total_impulse(const ContactManifold& manifold) {
@@ -155,71 +142,36 @@ void scale_impulses(ContactManifold& manifold, double factor) {
   manifold.twist_impulse *= factor;
 }
 
-void solve_friction(RigidBody& a, ContactManifold& manifold) {
+void solve_friction(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows) {
   const double limit = manifold.friction * total_impulse(manifold);
 
   double spin = manifold.normal.dot(a.angular_velocity_rad_s);
   if (manifold.other) spin -= manifold.normal.dot(manifold.other->angular_velocity_rad_s);
   const double twist_limit = limit * manifold.twist_radius_m;
   const double wanted_twist =
-      std::clamp(manifold.twist_impulse - manifold.twist_mass * spin, -twist_limit, twist_limit);
-  apply_twist(a, manifold, wanted_twist - manifold.twist_impulse);
+      std::clamp(manifold.twist_impulse - rows.twist_mass * spin, -twist_limit, twist_limit);
+  apply_twist(a, manifold, rows, wanted_twist - manifold.twist_impulse);
   manifold.twist_impulse = wanted_twist;
 
-  const Eigen::Vector2d before(manifold.tangent.direction.dot(manifold.friction_impulse_n_s),
-                               manifold.bitangent.direction.dot(manifold.friction_impulse_n_s));
-  const Eigen::Vector2d slip(speed_along(a, manifold.other, manifold.tangent),
-                             speed_along(a, manifold.other, manifold.bitangent));
-  Eigen::Vector2d wanted = before - manifold.tangent_mass * slip;
+  const Eigen::Vector2d before(rows.tangent.direction.dot(manifold.friction_impulse_n_s),
+                               rows.bitangent.direction.dot(manifold.friction_impulse_n_s));
+  const Eigen::Vector2d slip(speed_along(a, manifold.other, rows.tangent),
+                             speed_along(a, manifold.other, rows.bitangent));
+  Eigen::Vector2d wanted = before - rows.tangent_mass * slip;
   const double length = wanted.norm();
   if (length > limit) wanted *= limit / length;
-  apply(a, manifold.other, manifold.tangent, wanted.x() - before.x());
-  apply(a, manifold.other, manifold.bitangent, wanted.y() - before.y());
-  manifold.friction_impulse_n_s =
-      wanted.x() * manifold.tangent.direction + wanted.y() * manifold.bitangent.direction;
+  apply(a, manifold.other, rows.tangent, wanted.x() - before.x());
+  apply(a, manifold.other, rows.bitangent, wanted.y() - before.y());
+  manifold.friction_impulse_n_s = wanted.x() * rows.tangent.direction + wanted.y() * rows.bitangent.direction;
 }
 
-void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase, double step_s) {
-  solve_friction(a, manifold);
-  const ContactSoftness soft = contact_softness(step_s);
-  for (int i = 0; i < manifold.point_count; ++i) {
-    ContactPoint& point = manifold.points[i];
-    const double opening = speed_along(a, manifold.other, point.row);
-    double bias = 0.0, mass_scale = 1.0, impulse_scale = 0.0;
-    const double separation = point.separation_m + way_off_line_m(a, point, step_s);
-    // Left to the impact at the start of the next step.
-    if (phase == ContactPhase::Relax && opening <= -manifold.restitution_speed_m_s &&
-        -opening >= impact_speed_m_s(manifold, closing_acceleration_m_s2(a, manifold, point), step_s))
-      continue;
-    if (separation > 0.0) {
-      bias = separation / step_s;  // may close the gap but not overlap
-    } else if (phase == ContactPhase::Push) {
-      bias = std::max(soft.bias_rate * separation, -manifold.push_speed_m_s);
-      mass_scale = soft.mass_scale;
-      impulse_scale = soft.impulse_scale;
-    }
-    const double change =
-        -point.row.mass_kg * mass_scale * (opening + bias) - impulse_scale * point.impulse_n_s;
-    const double impulse = std::max(0.0, point.impulse_n_s + change);
-    apply(a, manifold.other, point.row, impulse - point.impulse_n_s);
-    point.impulse_n_s = impulse;
-  }
-}
-
-void update_separations(RigidBody& a, ContactManifold& manifold, double step_s) {
-  for (int i = 0; i < manifold.point_count; ++i) {
-    ContactPoint& point = manifold.points[i];
-    point.separation_m +=
-        way_off_line_m(a, point, step_s) + step_s * speed_along(a, manifold.other, point.row);
-  }
-}
-
-double begin_impact(const RigidBody& a, ContactManifold& manifold, double step_s, double passed_on_m_s) {
+double begin_impact(const RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows, double step_s,
+                    double passed_on_m_s) {
   double fastest_m_s = 0.0;
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
     point.leaving_m_s = kNoImpact;
-    const double closing = -speed_along(a, manifold.other, point.row);
+    const double closing = -speed_along(a, manifold.other, rows.points[i]);
     if (!(closing > 0.0)) continue;
     const double faster = closing_acceleration_m_s2(a, manifold, point);
     const double limit_m_s = impact_speed_m_s(manifold, faster, step_s);
@@ -243,17 +195,18 @@ double begin_impact(const RigidBody& a, ContactManifold& manifold, double step_s
   return fastest_m_s;
 }
 
-double solve_impact(RigidBody& a, ContactManifold& manifold) {
+double solve_impact(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows) {
   double largest_m_s = 0.0;
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
     if (point.leaving_m_s == kNoImpact) continue;
-    const double short_m_s = point.leaving_m_s - speed_along(a, manifold.other, point.row);
-    const double impulse = std::max(0.0, point.impulse_n_s + point.row.mass_kg * short_m_s);
+    const double short_m_s = point.leaving_m_s - speed_along(a, manifold.other, rows.points[i]);
+    const double impulse = std::max(0.0, point.impulse_n_s + rows.points[i].mass_kg * short_m_s);
     const double change = impulse - point.impulse_n_s;
-    apply(a, manifold.other, point.row, change);
+    apply(a, manifold.other, rows.points[i], change);
     point.impulse_n_s = impulse;
-    if (point.row.mass_kg > 0.0) largest_m_s = std::max(largest_m_s, std::abs(change) / point.row.mass_kg);
+    if (rows.points[i].mass_kg > 0.0)
+      largest_m_s = std::max(largest_m_s, std::abs(change) / rows.points[i].mass_kg);
   }
   return largest_m_s;
 }

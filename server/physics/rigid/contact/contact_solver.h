@@ -3,7 +3,7 @@
 
 #include "physics/rigid/contact/contact_point.h"
 
-// Sequential impulse solver for contact manifolds.
+// Rows of contact manifolds, one contact at a time.
 
 namespace livegs {
 
@@ -21,27 +21,45 @@ struct ContactSoftness {
 ContactSoftness contact_softness(double step_s);
 double contact_rate_rad_s(double step_s);  // 2 pi f
 
-// Phases of one solver step, in order. `a` owns the manifold.
-
-// Computes effective masses and the arms of the other body for the current poses.
-void prepare_manifold(RigidBody& a, ContactManifold& manifold);
-void warm_start_manifold(RigidBody& a, ContactManifold& manifold);
+// Sweeps of a solver step (contact_lanes.h).
 enum class ContactPhase {
   Push,   // overlaps are corrected softly
   Relax,  // velocities only: removes the energy added by the push
 };
-void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase, double step_s);
-// Updates separations after the bodies moved.
-void update_separations(RigidBody& a, ContactManifold& manifold, double step_s);
+// Acceleration towards the surface by gravity and forces, at the centres of mass. `a` owns the manifold.
+double closing_acceleration_m_s2(const RigidBody& a, const ContactManifold& manifold,
+                                 const ContactPoint& point);
+// Closing speed from which a contact is an impact: more than the acceleration adds meanwhile.
+double impact_speed_m_s(const ContactManifold& manifold, double acceleration_m_s2, double step_s);
 
 // Impacts (impact_phase.h), before the acceleration of a step of `step_s`.
+
+// Response of two bodies to an impulse along one direction at one point.
+struct ContactRow {
+  Eigen::Vector3d direction;
+  Eigen::Vector3d lever_a, lever_b;  // arm x direction
+  Eigen::Vector3d turn_a, turn_b;    // inverse inertia times lever: spin change per unit impulse
+  double mass_kg = 0;                // effective mass: impulse per change of speed
+};
+
+// The rows of a manifold.
+struct ManifoldRows {
+  std::array<ContactRow, kMaxManifoldPoints> points;
+  ContactRow tangent, bitangent;
+  Eigen::Matrix2d tangent_mass;
+  Eigen::Vector3d twist_turn_a, twist_turn_b;
+  double twist_mass = 0;
+};
+// Rows for the current poses. Updates the arms of the manifold.
+ManifoldRows prepare_rows(const RigidBody& a, ContactManifold& manifold);
 // Marks the points that will touch in the step and close faster than the restitution speed, or than
 // `passed_on_m_s` if that is positive and less, and sets the speed at which each leaves. Returns their
 // fastest closing speed; 0: none.
-double begin_impact(const RigidBody& a, ContactManifold& manifold, double step_s, double passed_on_m_s);
+double begin_impact(const RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows, double step_s,
+                    double passed_on_m_s);
 // One sweep over the marked points. Returns the largest change of speed, m/s.
-double solve_impact(RigidBody& a, ContactManifold& manifold);
-void solve_friction(RigidBody& a, ContactManifold& manifold);  // friction only
+double solve_impact(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows);
+void solve_friction(RigidBody& a, ContactManifold& manifold, const ManifoldRows& rows);  // friction only
 double total_impulse(const ContactManifold& manifold);
 // Rescales the accumulated impulses, for a next step that is `factor` times as long.
 void scale_impulses(ContactManifold& manifold, double factor);

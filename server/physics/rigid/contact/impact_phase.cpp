@@ -114,12 +114,19 @@ void record_impulses(RigidBody& body, const ContactManifold& manifold, ImpulseKi
 
 void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s,
                      double remaining_s) {
+  std::vector<ManifoldRows> rows;
+  for (const RigidIsland::Contact& contact : island.contacts)
+    rows.push_back(prepare_rows(*contact.owner, *contact.manifold));
   std::vector<const RigidIsland::Contact*> closing;
+  const auto rows_of = [&](const RigidIsland::Contact* contact) -> const ManifoldRows& {
+    return rows[static_cast<size_t>(contact - island.contacts.data())];
+  };
   const auto find_closing = [&](double passed_on_m_s) {
     closing.clear();
     double fastest_m_s = 0.0;
     for (const RigidIsland::Contact& contact : island.contacts) {
-      const double speed_m_s = begin_impact(*contact.owner, *contact.manifold, step_s, passed_on_m_s);
+      const double speed_m_s =
+          begin_impact(*contact.owner, *contact.manifold, rows_of(&contact), step_s, passed_on_m_s);
       if (speed_m_s <= 0.0) continue;
       closing.push_back(&contact);
       fastest_m_s = std::max(fastest_m_s, speed_m_s);
@@ -141,8 +148,9 @@ void resolve_impacts(const RigidIsland& island, std::span<JointGroup* const> joi
     for (int sweep = 0; sweep < kMaxImpactSweeps; ++sweep) {
       double change_m_s = 0.0;
       for (const RigidIsland::Contact* contact : closing) {
-        change_m_s = std::max(change_m_s, solve_impact(*contact->owner, *contact->manifold));
-        solve_friction(*contact->owner, *contact->manifold);
+        change_m_s =
+            std::max(change_m_s, solve_impact(*contact->owner, *contact->manifold, rows_of(contact)));
+        solve_friction(*contact->owner, *contact->manifold, rows_of(contact));
       }
       for (JointGroup* group : joints) group->solve_impact();
       if (change_m_s <= kImpactTolerance * fastest_m_s) break;
