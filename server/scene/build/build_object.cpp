@@ -125,13 +125,16 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
 
 // The volume of a list of points is the sum over its particles; the volume of other forms is enclosed by the
 // surface.
-ObjectFacts facts_of(const Form& form, const std::string& name, bool captured) {
+ObjectFacts facts_of(const Form& form, const std::string& name, bool captured, const std::string& shape_key,
+                     FormMemo& forms) {
   ObjectFacts facts;
   facts.name = name;
   facts.scale_known = form.scale_known;
   facts.solid = !captured;
   facts.appearance = appearance_facts(*form.asset);
-  facts.mesh = mesh_facts(form.mesh);
+  facts.mesh = shape_key.empty()
+                   ? mesh_facts(form.mesh)
+                   : *forms.value<MeshFacts>("facts " + shape_key, [&] { return mesh_facts(form.mesh); });
   if (!form.particles.volumes_m3.empty()) {
     facts.mesh.volume_m3 = 0;
     for (double volume : form.particles.volumes_m3) facts.mesh.volume_m3 += volume;
@@ -282,8 +285,10 @@ std::string needs_elastic(const v1::Object& object, const Form& form) {
 
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field, const WorldSettings& settings,
-                                 const ObjectSidecar& sidecar) {
+                                 const ObjectSidecar& sidecar, FormMemo* forms) {
   const int64_t started_ns = now_ns();
+  FormMemo own_forms;
+  if (!forms) forms = &own_forms;
   const auto fail = [&](const Error& error) {
     return Error{error.code, error.message.starts_with(field) ? error.message : field + ": " + error.message};
   };
@@ -303,7 +308,9 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       if (base) point.y() = std::max(point.y(), base->plane_m);
     }
   }
-  ObjectFacts facts = facts_of(*form, identity, object.form_case() == v1::Object::kAsset);
+  // Shapes of equal measures have equal meshes, unless a base is cut off.
+  const std::string shape_key = shape && !base ? object.shape().SerializeAsString() : "";
+  ObjectFacts facts = facts_of(*form, identity, object.form_case() == v1::Object::kAsset, shape_key, *forms);
   const std::filesystem::path& kept_in = sidecar.path;
   v1::PhysicsFile kept;
   if (sidecar.replacement) {
@@ -416,7 +423,19 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
       if (shape && !material.fragile) body.round = round_shape(object.shape());
       body.material = material;
-      prepare_body(body);
+      if (shape_key.empty()) {
+        prepare_body(body);
+      } else {
+        // The contact shape lies about the centre of mass, which depends on the walls of a hollow shape.
+        const Eigen::Vector3d& centre = body.properties.centre_of_mass_m;
+        char around[100];
+        std::snprintf(around, sizeof around, "contact %a %a %a ", centre.x(), centre.y(), centre.z());
+        const std::string key = around + shape_key;
+        body.shape = *forms->value<std::shared_ptr<const RigidShape>>(key, [&] {
+          prepare_body(body);
+          return body.shape;
+        });
+      }
       built.body = std::move(body);
     }
   }

@@ -97,7 +97,8 @@ Result<BuiltObject> ObjectCache::build(const v1::Object& object, const fs::path&
   v1::PhysicsFile kept;
   if (!sidecar.replacement && !sidecar.path.empty()) {
     auto file = read_physics_file(sidecar.path);
-    if (!file) return build_object(object, folder, index, field, settings, sidecar);  // names the error
+    if (!file)
+      return build_object(object, folder, index, field, settings, sidecar, &forms_);  // names the error
     kept = std::move(*file);
     read.replacement = &kept;
   }
@@ -112,7 +113,7 @@ Result<BuiltObject> ObjectCache::build(const v1::Object& object, const fs::path&
       return again;
     }
   }
-  auto built = build_object(object, folder, index, field, settings, read);
+  auto built = build_object(object, folder, index, field, settings, read, &forms_);
   if (built)
     keep(key,
          {std::make_shared<const BuiltObject>(*built), nullptr, nullptr, {}, built->drawn.asset->size(), {}});

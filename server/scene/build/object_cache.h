@@ -55,6 +55,7 @@ class ObjectCache {
   void keep(const std::string& key, Entry entry);  // mutex_ must not be held
   const Entry* find(const std::string& key);       // mutex_ must be held
 
+  FormMemo forms_;
   std::mutex mutex_;  // guards the rest
   std::map<std::string, Entry> entries_;
   std::list<std::string> by_age_;  // keys, the last used first

@@ -72,12 +72,12 @@ const v1::PhysicsFile* sidecar_of(const SceneOptions& options, const v1::Object&
   return found == options.sidecars->end() ? &kNone : &found->second;
 }
 
-Result<BuiltObject> build_cached(ObjectCache* cache, const v1::Object& object,
+Result<BuiltObject> build_cached(ObjectCache* cache, FormMemo& forms, const v1::Object& object,
                                  const std::filesystem::path& folder, int index,
                                  const WorldSettings& settings, const ObjectSidecar& sidecar) {
   const std::string field = "objects[" + std::to_string(index) + "]";
   return cache ? cache->build(object, folder, index, field, settings, sidecar)
-               : build_object(object, folder, index, field, settings, sidecar);
+               : build_object(object, folder, index, field, settings, sidecar, &forms);
 }
 
 void log_built(const BuiltObject& built) {
@@ -141,11 +141,12 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   const auto count = static_cast<size_t>(file.objects_size());
   const std::vector<std::filesystem::path> kept_in = sidecar_paths(file, folder, scene.name_);
   std::vector<std::optional<Result<BuiltObject>>> built(count);
+  FormMemo forms;      // of this scene, without a cache
   std::mutex telling;  // serialises the calls of options.built
   parallel_for(count, 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const int index = static_cast<int>(i);
-      built[i] = build_cached(options.cache.get(), file.objects(index), folder, index, *settings,
+      built[i] = build_cached(options.cache.get(), forms, file.objects(index), folder, index, *settings,
                               {kept_in[i], sidecar_of(options, file.objects(index), index)});
       if (!*built[i]) continue;
       log_built(**built[i]);
