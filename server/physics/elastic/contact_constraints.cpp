@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 namespace livegs {
@@ -19,87 +20,173 @@ constexpr double kConvergence = 0.002;
 // in the meantime are found later.
 constexpr int kPushingSweeps = 4;
 
-Vector3d relative_displacement(const ContactConstraint& row) {
-  return row.a->displacement_m(row.anchor_a) - row.b->displacement_m(row.anchor_b);
+using Float4 = float __attribute__((vector_size(16)));    // x, y, z, unused
+using Double4 = double __attribute__((vector_size(32)));  // x, y, z, 0
+
+Double4 wide(const Vector3d& v) { return {v.x(), v.y(), v.z(), 0.0}; }
+Vector3d vector(const Double4& v) { return {v[0], v[1], v[2]}; }
+double dot(const Double4& a, const Double4& b) {
+  const Double4 product = a * b;
+  return product[0] + product[1] + product[2];
 }
 
-void prepare(ContactConstraint& row, double step_s) {
+// The nodes of one side. Without corrections the participant computes displacements and applies impulses.
+struct RowNodes {
+  Float4* corrections = nullptr;
+  uint32_t nodes[8];
+  float weights[8], pulls[8];
+
+  Float4 displacement_m() const {
+    Float4 low{}, high{};  // two sums, to break the dependency chain
+#pragma GCC unroll 4
+    for (int c = 0; c < 4; ++c) {
+      low += weights[c] * corrections[nodes[c]];
+      high += weights[c + 4] * corrections[nodes[c + 4]];
+    }
+    return low + high;
+  }
+  void apply(const Float4& impulse_n_s) const {
+#pragma GCC unroll 8
+    for (int c = 0; c < 8; ++c) corrections[nodes[c]] += pulls[c] * impulse_n_s;
+  }
+};
+
+// What the sweeps need of a row, in one place.
+struct SolvedRow {
+  Double4 normal, friction_n_s;
+  Double4 base_m;                                    // displacement of a relative to b without corrections
+  double gap_m;                                      // to least_gap_m, without displacement
+  double per_normal_response, per_tangent_response;  // N s/m; 0: the row gives no impulse
+  double friction, impulse_n_s;
+  RowNodes a, b;
+  ContactConstraint* row;
+
+  Double4 displacement_m() const {
+    Double4 sum = base_m;
+    if (a.corrections) {
+      sum += __builtin_convertvector(a.displacement_m(), Double4);
+    } else {
+      sum += wide(row->a->displacement_m(row->anchor_a));
+    }
+    if (b.corrections) {
+      sum -= __builtin_convertvector(b.displacement_m(), Double4);
+    } else {
+      sum -= wide(row->b->displacement_m(row->anchor_b));
+    }
+    return sum;
+  }
+  void apply(const Double4& by_n_s) const {
+    const Float4 narrow = __builtin_convertvector(by_n_s, Float4);
+    if (a.corrections) {
+      a.apply(narrow);
+    } else {
+      row->a->apply_impulse(row->anchor_a, row->point_m, vector(by_n_s));
+    }
+    if (b.corrections) {
+      b.apply(-narrow);
+    } else {
+      row->b->apply_impulse(row->anchor_b, row->point_m, vector(-by_n_s));
+    }
+  }
+};
+
+RowNodes row_nodes(const AnchorNodes& view, const NodeSample& sample) {
+  RowNodes nodes;
+  nodes.corrections = reinterpret_cast<Float4*>(view.corrections);
+  std::copy(std::begin(sample.nodes), std::end(sample.nodes), nodes.nodes);
+  std::copy(std::begin(sample.weights), std::end(sample.weights), nodes.weights);
+  std::copy(std::begin(view.pulls), std::end(view.pulls), nodes.pulls);
+  return nodes;
+}
+
+SolvedRow prepare(ContactConstraint& row, double step_s) {
+  SolvedRow solved;
+  solved.row = &row;
+  const AnchorNodes a = row.a->nodes_of(row.anchor_a), b = row.b->nodes_of(row.anchor_b);
+  solved.a = row_nodes(a, row.anchor_a.sample);
+  solved.b = row_nodes(b, row.anchor_b.sample);
+  solved.base_m = wide(a.base_m - b.base_m);
+
   const Matrix3d response = row.a->response(row.anchor_a) + row.b->response(row.anchor_b);
-  row.displacement_before_m = relative_displacement(row);
-  row.normal_response = row.normal.dot(response * row.normal);
+  const double normal_response = row.normal.dot(response * row.normal);
   // Upper bound of the response in any direction of the tangent plane.
   const Vector3d tangent = row.normal.unitOrthogonal(), bitangent = row.normal.cross(tangent);
   const double k1 = tangent.dot(response * tangent), k2 = bitangent.dot(response * bitangent);
-  row.tangent_response = std::max(k1, k2) + std::abs(tangent.dot(response * bitangent));
-  row.friction_impulse_n_s -= row.normal * row.normal.dot(row.friction_impulse_n_s);
-  if (!(row.normal_response > 0.0)) {
-    row.normal_impulse_n_s = 0.0;
-    row.friction_impulse_n_s.setZero();
-  }
-  const double gap_before = row.gap_m - row.normal.dot(row.displacement_before_m);
-  row.least_gap_m = std::min(0.0, gap_before + row.push_m_s * step_s);
-}
+  const double tangent_response = std::max(k1, k2) + std::abs(tangent.dot(response * bitangent));
+  const bool moves = normal_response > 0.0;
+  solved.per_normal_response = moves ? 1.0 / normal_response : 0.0;
+  solved.per_tangent_response = moves ? 1.0 / tangent_response : 0.0;
+  solved.normal = wide(row.normal);
+  solved.friction = row.friction;
+  solved.impulse_n_s = moves ? row.normal_impulse_n_s : 0.0;
+  const Vector3d friction = row.friction_impulse_n_s - row.normal * row.normal.dot(row.friction_impulse_n_s);
+  solved.friction_n_s = wide(moves ? friction : Vector3d::Zero());
 
-void apply(const ContactConstraint& row, const Vector3d& impulse_n_s) {
-  row.a->apply_impulse(row.anchor_a, row.point_m, impulse_n_s);
-  row.b->apply_impulse(row.anchor_b, row.point_m, -impulse_n_s);
+  const double before_m = dot(solved.normal, solved.displacement_m());
+  const double least_gap_m = std::min(0.0, row.gap_m - before_m + row.push_m_s * step_s);
+  solved.gap_m = row.gap_m - before_m - least_gap_m;
+  return solved;
 }
 
 // Returns the magnitude of the change of the row's impulse.
-double solve(ContactConstraint& row) {
-  if (!(row.normal_response > 0.0)) return 0.0;
-  const Vector3d displacement = relative_displacement(row);
-  const double gap = row.gap_m + row.normal.dot(displacement - row.displacement_before_m) - row.least_gap_m;
-  const double normal = std::max(0.0, row.normal_impulse_n_s - gap / row.normal_response);
-  if (normal == 0.0 && row.normal_impulse_n_s == 0.0) return 0.0;
-  const Vector3d slid = displacement - row.normal * row.normal.dot(displacement);
-  Vector3d friction = row.friction_impulse_n_s - slid / row.tangent_response;
-  const double size = friction.norm(), limit = row.friction * normal;
-  if (size > limit) friction *= limit / size;
-  const Vector3d change =
-      (normal - row.normal_impulse_n_s) * row.normal + friction - row.friction_impulse_n_s;
-  row.normal_impulse_n_s = normal;
-  row.friction_impulse_n_s = friction;
-  apply(row, change);
-  return change.norm();
+double solve(SolvedRow& row) {
+  const Double4 displacement = row.displacement_m();
+  const double along = dot(row.normal, displacement);
+  const double normal = std::max(0.0, row.impulse_n_s - (row.gap_m + along) * row.per_normal_response);
+  if (row.per_normal_response == 0.0 || (normal == 0.0 && row.impulse_n_s == 0.0)) return 0.0;
+  const Double4 slid = displacement - along * row.normal;
+  Double4 friction = row.friction_n_s - row.per_tangent_response * slid;
+  const double square = dot(friction, friction), limit = row.friction * normal;
+  if (square > limit * limit) friction *= limit / std::sqrt(square);
+  const Double4 change = (normal - row.impulse_n_s) * row.normal + friction - row.friction_n_s;
+  row.impulse_n_s = normal;
+  row.friction_n_s = friction;
+  row.apply(change);
+  return std::sqrt(dot(change, change));
 }
 
 }  // namespace
 
-void solve_contacts(std::span<ContactConstraint* const> rows, double step_s) {
-  for (ContactConstraint* row : rows) prepare(*row, step_s);
-  for (ContactConstraint* row : rows) {
-    if (row->normal_impulse_n_s == 0.0) continue;
-    apply(*row, row->normal_impulse_n_s * row->normal + row->friction_impulse_n_s);
+void solve_contacts(std::span<ContactConstraint* const> constraints, double step_s) {
+  std::vector<SolvedRow> all;
+  all.reserve(constraints.size());
+  for (ContactConstraint* row : constraints) all.push_back(prepare(*row, step_s));
+  for (const SolvedRow& row : all) {
+    if (row.impulse_n_s != 0.0) row.apply(row.impulse_n_s * row.normal + row.friction_n_s);
   }
   // Most rows do not push. Sweeps over those that do alternate with sweeps over all; only the latter can end.
-  std::vector<ContactConstraint*> pushing;
+  std::vector<SolvedRow*> rows, pushing;
+  for (SolvedRow& row : all) rows.push_back(&row);
   bool of_all = true;
   for (int sweep = 0, since_all = 0; sweep < kMaxIterations; ++sweep) {
-    const std::span<ContactConstraint* const> swept =
-        of_all ? rows : std::span<ContactConstraint* const>(pushing);
+    const std::vector<SolvedRow*>& swept = of_all ? rows : pushing;
     double changed = 0.0, total = 0.0;
     for (size_t n = 0; n < swept.size(); ++n) {
-      ContactConstraint& row = *swept[sweep % 2 ? swept.size() - 1 - n : n];
+      SolvedRow& row = *swept[sweep % 2 ? swept.size() - 1 - n : n];
       changed += solve(row);
-      total += row.normal_impulse_n_s;
+      total += row.impulse_n_s;
     }
     const bool converged = changed <= kConvergence * total;
     if (of_all && converged) break;
     if (of_all) {
       pushing.clear();
-      for (ContactConstraint* row : rows) {
-        if (row->normal_impulse_n_s > 0.0) pushing.push_back(row);
+      for (SolvedRow* row : rows) {
+        if (row->impulse_n_s > 0.0) pushing.push_back(row);
       }
       since_all = 0;
     }
     of_all = (!of_all && converged) || ++since_all > kPushingSweeps || sweep + 2 >= kMaxIterations;
   }
-  for (ContactConstraint* row : rows) {
-    if (row->normal_impulse_n_s <= 0.0) continue;
-    const Vector3d impulse = row->normal_impulse_n_s * row->normal + row->friction_impulse_n_s;
-    row->a->record_impulse(row->anchor_a, row->point_m, impulse);
-    row->b->record_impulse(row->anchor_b, row->point_m, -impulse);
+  for (const SolvedRow& of : all) {
+    ContactConstraint& row = *of.row;
+    row.normal_impulse_n_s = of.impulse_n_s;
+    row.friction_impulse_n_s = vector(of.friction_n_s);
+    if (of.impulse_n_s <= 0.0) continue;
+    const Vector3d impulse = row.normal_impulse_n_s * row.normal + row.friction_impulse_n_s;
+    if (of.a.corrections) row.a->count_impulse(row.point_m, impulse);
+    if (of.b.corrections) row.b->count_impulse(row.point_m, -impulse);
+    row.a->record_impulse(row.anchor_a, row.point_m, impulse);
+    row.b->record_impulse(row.anchor_b, row.point_m, -impulse);
   }
 }
 

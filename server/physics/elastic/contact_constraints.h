@@ -25,9 +25,24 @@ struct ContactAnchor {
   Eigen::Vector3d base_m = Eigen::Vector3d::Zero();
 };
 
+// The nodes of an anchor during a step. The displacement of the anchor is
+//   base_m + sum of weights (NodeSample) times corrections,
+// and an impulse adds `pulls` times the impulse to the corrections of the nodes.
+struct AnchorNodes {
+  float* corrections = nullptr;  // four floats a node: x, y, z, unused; aligned to 16 bytes
+  float pulls[8] = {};           // m/(N s)
+  Eigen::Vector3d base_m = Eigen::Vector3d::Zero();
+};
+
 class ContactParticipant {
  public:
   virtual ~ContactParticipant() = default;
+  // Null corrections: there is no such form, and the functions below are called for each change.
+  virtual AnchorNodes nodes_of(const ContactAnchor& anchor) const { return (void)anchor, AnchorNodes(); }
+  // Called once per row and step, with the impulse that was added to the corrections of nodes_of.
+  virtual void count_impulse(const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) {
+    (void)point_m, (void)impulse_n_s;
+  }
   // Displacement of the anchor within the step per unit impulse, m/(N s).
   virtual Eigen::Matrix3d response(const ContactAnchor& anchor) const = 0;
   // Displacement in the step, including the impulses applied so far.
@@ -61,10 +76,6 @@ struct ContactConstraint {
   // Before the solve: that of the last step, from which the solve starts. After it: of this step.
   double normal_impulse_n_s = 0.0;  // >= 0
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
-  // Set by solve_contacts.
-  Eigen::Vector3d displacement_before_m;  // of a relative to b
-  double normal_response = 0.0, tangent_response = 0.0;
-  double least_gap_m = 0.0;
 };
 
 // Brings every row's gap to zero or above at the end of the step of `step_s`. Friction opposes the relative

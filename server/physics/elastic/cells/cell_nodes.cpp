@@ -31,6 +31,15 @@ void CellNodes::set_motion(size_t node, const Eigen::Vector3d& position_m,
   set(predicted_velocity_[node], velocity_m_s);
 }
 
+AnchorNodes CellNodes::anchor_nodes(const NodeSample& sample, double step_s) {
+  AnchorNodes anchor;
+  anchor.corrections = reinterpret_cast<float*>(corrections_.data());
+  for (int c = 0; c < 8; ++c)
+    anchor.pulls[c] = static_cast<float>(step_s) * sample.weights[c] * predicted_[sample.nodes[c]].value[3];
+  anchor.base_m = mean(sample, [&](uint32_t node) { return predicted_[node].value - position_[node].value; });
+  return anchor;
+}
+
 void CellNodes::predict(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s) {
   set(predicted_[node], position_m);
   set(predicted_velocity_[node], velocity_m_s);

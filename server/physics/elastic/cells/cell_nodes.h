@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "physics/elastic/cells/kernels/node_kernels.h"
+#include "physics/elastic/contact_constraints.h"
 #include "physics/lattice/node_sample.h"
 
 // The nodes of a body's lattice in single precision, relative to an origin that follows the body, so that
@@ -66,6 +67,8 @@ class CellNodes {
       corrections_[node].value += sample.weights[c] * predicted_[node].value[3] * by;
     }
   }
+  // A material point whose displacement follows the corrections; impulses act during `step_s`.
+  AnchorNodes anchor_nodes(const NodeSample& sample, double step_s);
   void predict(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s);
   void push(size_t node, const Eigen::Vector3d& displacement_m, const Eigen::Vector3d& velocity_m_s);
   // After advance: an impulse at a material point, added to the velocity before the step.

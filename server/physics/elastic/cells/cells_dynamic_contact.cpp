@@ -72,11 +72,16 @@ class CellsBody::Participant final : public ContactParticipant {
     if (!body_.step_.in_step) return step_s * body_.velocity_of(anchor.sample);
     return body_.nodes_.displacement_m(anchor.sample);
   }
-  void apply_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
-    if (!body_.step_.in_step) return body_.push_anchor(anchor, point, impulse);
-    body_.nodes_.pull(anchor.sample, step_s * impulse);
+  AnchorNodes nodes_of(const ContactAnchor& anchor) const override {
+    return body_.step_.in_step ? body_.nodes_.anchor_nodes(anchor.sample, step_s) : AnchorNodes();
+  }
+  void count_impulse(const Vector3d& point, const Vector3d& impulse) override {
     body_.ledger_.contact_impulse += impulse;
     body_.ledger_.contact_moment += (point - body_.origin_m_).cross(impulse);
+  }
+  // During a step, impulses go to the nodes of nodes_of.
+  void apply_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
+    body_.push_anchor(anchor, point, impulse);
   }
   void record_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
     body_.record_contact_impulse(point, impulse.norm());
