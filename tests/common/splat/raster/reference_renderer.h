@@ -29,7 +29,8 @@ class ReferenceRenderer {
  private:
   struct Kernel {
     Eigen::Vector2d centre_px;
-    Eigen::Matrix2d conic;
+    // std::stable_sort of libstdc++ 12 does not align its buffer to more than 16 bytes.
+    Eigen::Matrix<double, 2, 2, Eigen::DontAlign> conic;
     double opacity, depth_m, order;
     Eigen::Vector3d rgb;
   };

@@ -193,7 +193,7 @@ TEST(TrialAnswers, AlternativesAreFusedAsOne) {
   // One alternative is the answer itself, in any order of the list.
   json sure = toy;
   sure["probability"] = 0.9;
-  answer["alternatives"] = {sure};
+  answer["alternatives"] = json::array({sure});
   json plain = answer;
   plain["alternatives"] = nullptr;
   plain["mass_g"] = toy["mass_g"];
