@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "cli/export_scene.h"
 #include "cli/output_path.h"
 #include "core/clock.h"
 #include "core/file.h"
@@ -165,8 +166,8 @@ Result<void> export_web(const std::filesystem::path& recording, const std::files
 }  // namespace
 
 void add_export(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("export", "Write a recording for other programs");
-  command->require_subcommand(1);
+  auto* command = app.add_subcommand("export", "Write a scene or a recording for other programs");
+  command->require_subcommand(0, 1);
   struct Options {
     std::filesystem::path recording, folder;
   };
@@ -181,6 +182,7 @@ void add_export(CLI::App& app, int& exit_code) {
     if (const auto done = export_web(options->recording, options->folder); !done)
       exit_code = report(done.error());
   });
+  add_export_scene(*command, exit_code);
 }
 
 }  // namespace livegs

@@ -5,6 +5,9 @@
 #include "cli/commands.h"
 #include "cli/input_kind.h"
 #include "core/log.h"
+#include "core/text/path_ending.h"
+#include "export/gltf_scene.h"
+#include "export/usda_scene.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/asset_summary.h"
 #include "scene/build/elastic_report.h"
@@ -80,7 +83,29 @@ void print_frame(const AssetFile& file) {
                 frame.origin.y(), frame.origin.z());
 }
 
+// The physics of a scene as glTF or USD; nothing if it has none.
+int print_physics(const std::filesystem::path& path) {
+  const bool usd = has_ending(path.string(), ".usda");
+  const auto scene = usd ? read_usda_scene(path) : read_gltf_scene(path);
+  if (!scene) return report(scene.error());
+  if (scene->bodies.empty() && scene->fixed.empty() && !usd) return 0;
+  std::printf("gravity      %.5g %.5g %.5g m/s2\n", scene->gravity_m_s2.x(), scene->gravity_m_s2.y(),
+              scene->gravity_m_s2.z());
+  for (const PortableBody& body : scene->bodies) std::printf("body         %s\n", body_line(body).c_str());
+  for (const PortableShape& shape : scene->fixed)
+    std::printf("collider     %s, friction %.3g, restitution %.3g\n", name_of(shape.kind), shape.friction,
+                shape.restitution);
+  for (const PortableJoint& joint : scene->joints)
+    std::printf("joint        %s\n", joint_text(*scene, joint).c_str());
+  if (scene->animation && !scene->animation->times_s.empty())
+    std::printf("animation    %.4g s, %zu keys, %zu bodies\n", scene->animation->times_s.back(),
+                scene->animation->times_s.size(), scene->animation->tracks.size());
+  for (const std::string& note : scene->notes) std::printf("note         %s\n", note.c_str());
+  return 0;
+}
+
 int print_asset(const std::filesystem::path& path, const ReadOptions& options) {
+  if (has_ending(path.string(), ".usda")) return print_physics(path);
   auto file = read_asset(path, options);
   if (!file) return report(file.error());
   const AssetSummary summary = summarise(file->asset);
@@ -102,7 +127,7 @@ int print_asset(const std::filesystem::path& path, const ReadOptions& options) {
   std::printf("scale        1 %% %.4g, 50 %% %.4g, 99 %% %.4g\n", summary.scale.p1, summary.scale.p50,
               summary.scale.p99);
   for (const std::string& note : file->notes) std::printf("note         %s\n", note.c_str());
-  return 0;
+  return file->format == AssetFormat::Gltf ? print_physics(path) : 0;
 }
 
 }  // namespace
@@ -113,8 +138,10 @@ void add_info(CLI::App& app, int& exit_code) {
   CLI::App* command =
       app.add_subcommand("info", "Show the contents of a splat asset or a scene file, and check it");
   command
-      ->add_option("PATH", *path,
-                   "Splat file, unpacked or streamed .sog folder, *.scene.json, or folder of assets")
+      ->add_option(
+          "PATH", *path,
+          "Splat file, unpacked or streamed .sog folder, *.scene.json, folder of assets, or a scene as "
+          ".glb, .gltf or .usda")
       ->required();
   add_activated_flag(*command, *activated);
   command->callback([path, activated, &exit_code] {

@@ -28,9 +28,10 @@ Result<void> check_output_file(const std::filesystem::path& path,
 }
 
 Result<void> check_output_folder(const std::filesystem::path& path) {
-  static constexpr const char* kFormats[] = {".bmp",   ".csv", ".gif", ".glb", ".html", ".jpeg", ".jpg",
-                                             ".json",  ".mp4", ".obj", ".ply", ".png",  ".ppm",  ".sog",
-                                             ".splat", ".spz", ".stl", ".tif", ".tiff", ".webp"};
+  static constexpr const char* kFormats[] = {".bmp",  ".csv",  ".gif",  ".glb",   ".gltf", ".html",
+                                             ".jpeg", ".jpg",  ".json", ".mp4",   ".obj",  ".ply",
+                                             ".png",  ".ppm",  ".sog",  ".splat", ".spz",  ".stl",
+                                             ".tif",  ".tiff", ".usd",  ".usda",  ".usdz", ".webp"};
   std::error_code ignored;
   const std::string ending = lower_case_ending(path);
   const bool file =

@@ -216,6 +216,7 @@ class GltfSplats {
       if (!own)
         return document_.problem("nodes[" + std::to_string(number) +
                                  "] has no valid matrix, translation, rotation or scale");
+      if (own->linear().isZero(0)) continue;  // of size zero: not drawn, with all nodes below it
       const Affine3d scene_from_node = parent * *own;
       if (!scene_from_node.matrix().allFinite() ||
           scene_from_node.matrix().cwiseAbs().maxCoeff() > kMaxPlacement)

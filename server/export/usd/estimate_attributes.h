@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/result.h"
+#include "export/usd/usda_document.h"
+#include "export/usd/usda_text.h"
+#include "livegs/v1/physics.pb.h"
+
+namespace livegs {
+
+// Writes each field that is set as an attribute livegs:estimate:FIELD, with the field names of physics.proto.
+// An EstimatedValue is (low, best, high), with :source and :reason; a list of messages is a list of their
+// JSON.
+void write_estimates(const v1::PhysicalParameters& estimates, UsdaText& out);
+// Reads them; unknown attributes are left out. The error names the attribute.
+Result<v1::PhysicalParameters> read_estimates(const UsdaPrim& prim);
+
+// The JSON form of a message with the field names of its .proto file, and back. False: not such a form.
+std::string json_text(const google::protobuf::Message& message);
+bool read_json_text(const std::string& text, google::protobuf::Message& message);
+
+}  // namespace livegs
