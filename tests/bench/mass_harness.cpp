@@ -2,7 +2,8 @@
 // Accuracy of mass estimates for objects of known mass: one row for each combination of known facts.
 //   mass_harness OUTPUT_FOLDER
 // writes mass.csv (figures with 95 % bootstrap intervals) and mass_objects.csv (each object, metric, from its
-// kernels), and prints a summary of both.
+// kernels), and prints a summary of both. The rows "answer" are of a model's answers, replayed
+// (replayed_answers.h), 16 about each object.
 //   mass_harness --list LIST.csv
 // prints the figures for a list of weighed objects with name, size and volume, columns
 // name,mass_kg,box_m3,filled_share, to check the ranges beyond the 26 objects. Names without information are
@@ -18,6 +19,7 @@
 #include "bench/support/judge_prompts.h"
 #include "bench/support/time_of.h"
 #include "server/analysis/estimate/known_objects.h"
+#include "server/analysis/gate/replayed_answers.h"
 
 using namespace livegs;
 
@@ -39,6 +41,23 @@ constexpr Row kRows[] = {{"mape_percent", &MassScores::mape, 100},
                          {"coverage_percent", &MassScores::coverage, 100},
                          {"median_high_over_low", &MassScores::width, 1},
                          {"high_over_low_needed_for_95_percent", &MassScores::width_needed, 1}};
+
+// One line of mass.csv, and of the summary.
+void write_scores(std::ofstream& out, const char* form, const char* name, const char* scale, size_t objects,
+                  const MassScores& scores) {
+  out << form << ',' << name << ',' << scale << ',' << objects;
+  std::printf("%-6s %-17s %-7s", form, name, scale);
+  for (const Row& row : kRows) {
+    const Figure& f = scores.*row.figure;
+    char cells[80];
+    std::snprintf(cells, sizeof cells, ",%.4g,%.4g,%.4g", row.factor * f.value, row.factor * f.low,
+                  row.factor * f.high);
+    out << cells;
+    std::printf(" %6.3g", row.factor * f.value);
+  }
+  out << '\n';
+  std::printf("\n");
+}
 
 void write_header(std::ofstream& out) {
   out << "form,name_given,scale,objects";
@@ -121,8 +140,8 @@ int main(int argc, char** argv) {
   std::ofstream figures(folder / "mass.csv"), each(folder / "mass_objects.csv");
   write_header(figures);
   each << "id,name_given,name,mass_kg,low_kg,best_kg,high_kg,label,material,reason\n";
-  std::printf("%-6s %-9s %-7s %6s %6s %6s %6s %6s %6s %6s %6s %6s %6s %6s\n", "form", "name", "scale", "MAPE",
-              "median", "max", "ADE", "ALDE", "MnRE", "<25%", "<2x", "cover", "width", "need");
+  std::printf("%-6s %-17s %-7s %6s %6s %6s %6s %6s %6s %6s %6s %6s %6s %6s\n", "form", "name", "scale",
+              "MAPE", "median", "max", "ADE", "ALDE", "MnRE", "<25%", "<2x", "cover", "width", "need");
   for (const KnownForm form : {KnownForm::Splats, KnownForm::Mesh}) {
     const auto& objects = known_objects(form);
     for (const bool metric : {true, false}) {
@@ -131,18 +150,7 @@ int main(int argc, char** argv) {
         const MassScores scores = mass_scores(answers);
         const char* form_name = form == KnownForm::Splats ? "splats" : "mesh";
         const char* scale_name = metric ? "metric" : "guessed";
-        figures << form_name << ',' << kNameGiven[name] << ',' << scale_name << ',' << scores.count;
-        std::printf("%-6s %-9s %-7s", form_name, kNameGiven[name], scale_name);
-        for (const Row& row : kRows) {
-          const Figure& f = scores.*row.figure;
-          char cells[80];
-          std::snprintf(cells, sizeof cells, ",%.4g,%.4g,%.4g", row.factor * f.value, row.factor * f.low,
-                        row.factor * f.high);
-          figures << cells;
-          std::printf(" %6.3g", row.factor * f.value);
-        }
-        figures << '\n';
-        std::printf("\n");
+        write_scores(figures, form_name, kNameGiven[name], scale_name, scores.count, scores);
         if (form != KnownForm::Splats || !metric) continue;
         for (size_t i = 0; i < answers.size(); ++i) {
           ObjectFacts facts = objects[i].facts;
@@ -158,6 +166,16 @@ int main(int argc, char** argv) {
                << p.label() << ',' << p.material() << ',' << reason << '\n';
         }
       }
+    }
+  }
+  // Answers of a model, replayed.
+  constexpr int kRepeats = 16;
+  for (const KnownForm form : {KnownForm::Splats, KnownForm::Mesh}) {
+    for (const NameGiven name : {NameGiven::Label, NameGiven::None}) {
+      const std::vector<MassAnswer> answers = replay_answers(known_objects(form), name, kRepeats);
+      write_scores(figures, form == KnownForm::Splats ? "splats" : "mesh",
+                   name == NameGiven::Label ? "label and answer" : "answer", "metric",
+                   known_objects(form).size(), mass_scores(answers));
     }
   }
   // Time of an estimate after the facts have been computed.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "analysis/estimate/log_normal.h"
 #include "analysis/estimate/object_classes.h"
 
 // The widths below are judgements, not fits. They cover the variation within a class and the error of a
@@ -13,8 +14,6 @@ namespace {
 
 constexpr double kProportionSd = 0.3;      // of the logarithms of the box's two ratios, within a class
 constexpr double kGuessedSizeLogSd = 0.7;  // of the logarithm of a guessed size: a factor of 2 either way
-constexpr double kBroadShare = 0.02;       // weight of the broad component, for atypical objects …
-constexpr double kBroadSd = 1.5;           // … and its width
 
 double normal(double value, double sd) { return std::exp(-0.5 * value * value / (sd * sd)) / sd; }
 

@@ -19,8 +19,6 @@ constexpr double kRange90Deviations = 3.29;
 constexpr double kVolumeSd = 0.15, kThinVolumeSd = 0.6, kAreaSd = 0.15;
 // Upper bound of ln(thickening) of unresolved features. A judgement.
 constexpr double kMaxThickening_ln = 0.25;
-// Both estimates share the size and the author of the tables.
-constexpr double kLooksCorrelation = 0.3;
 // Lower bound of the sd of ln(mass) for estimates from appearance.
 constexpr double kMinSd = 0.05;
 // Additional sd of ln(mass) for a material unusual in the class.
@@ -146,8 +144,7 @@ ClassMass kind_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   if (facts.solid) {
     result.mass = physics.mass;  // given as a volume: no hidden hollow
   } else {
-    const LogNormal looks[] = {usual, physics.mass};
-    result.mass = fuse(looks, kLooksCorrelation);
+    result.mass = fuse(usual, physics.mass, kErrorCorrelation);
   }
   const Size size = true_size(*kind.row, facts);
   const double exponent = mass_exponent(*kind.row);
@@ -155,6 +152,7 @@ ClassMass kind_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   result.mass.sd = std::max(kMinSd, std::hypot(result.mass.sd, exponent * size.sd));
   result.usual_kg = std::exp(usual.mean_ln);
   result.physics_kg = std::exp(physics.mass.mean_ln);
+  result.physics_sd = physics.mass.sd;
   result.density_kg_m3 = physics.density_kg_m3;
   result.wall_m = physics.wall_m;
   result.extent = physics.extent;

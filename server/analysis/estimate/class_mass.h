@@ -13,6 +13,7 @@ struct ClassMass {
   LogNormal mass;
   double usual_kg = 0;    // the first estimate alone
   double physics_kg = 0;  // the second estimate alone
+  double physics_sd = 0;  // standard deviation of its logarithm
   // Factors of the second estimate: density and wall area, or, if the wall is 0, volume.
   double density_kg_m3 = 0, wall_m = 0, extent = 0;
 };

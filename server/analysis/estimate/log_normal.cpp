@@ -6,27 +6,38 @@
 
 namespace livegs {
 
-LogNormal fuse(std::span<const LogNormal> looks, double correlation) {
-  double precision = 0, sum = 0;
-  for (const LogNormal& look : looks) {
-    const double weight = 1 / (look.sd * look.sd);
-    precision += weight;
-    sum += weight * look.mean_ln;
-  }
-  LogNormal result;
-  result.mean_ln = sum / precision;
-  const double others = static_cast<double>(looks.size()) - 1;
-  double variance = (1 + correlation * others) / precision;
-  if (others > 0) {
-    double misfit = 0;
-    for (const LogNormal& look : looks) {
-      const double z = (look.mean_ln - result.mean_ln) / look.sd;
-      misfit += z * z;
-    }
-    variance *= std::max(1.0, misfit / others);
-  }
-  result.sd = std::sqrt(variance);
-  return result;
+namespace {
+
+// Both right. The weight is the density of their distance.
+WeightedLogNormal least_squares(const LogNormal& first, const LogNormal& second, double correlation) {
+  const double own = first.sd * first.sd, other = second.sd * second.sd,
+               shared = correlation * first.sd * second.sd, spread = own + other - 2 * shared;
+  const double distance = second.mean_ln - first.mean_ln;
+  // Weight of the second: minimum variance, between 0 and 1.
+  const double weight = std::clamp((own - shared) / spread, 0.0, 1.0);
+  const double variance =
+      (1 - weight) * (1 - weight) * own + weight * weight * other + 2 * weight * (1 - weight) * shared;
+  return {std::exp(-0.5 * distance * distance / spread) / std::sqrt(spread),
+          {first.mean_ln + weight * distance, std::sqrt(variance)}};
+}
+
+LogNormal wrong(const LogNormal& look) { return {look.mean_ln, std::hypot(look.sd, kBroadSd)}; }
+
+}  // namespace
+
+std::array<WeightedLogNormal, 3> fused_mixture(const LogNormal& first, const LogNormal& second,
+                                               double correlation) {
+  std::array<WeightedLogNormal, 3> mixture = {least_squares(first, second, correlation),
+                                              least_squares(wrong(first), second, 0),
+                                              least_squares(first, wrong(second), 0)};
+  mixture[0].weight *= 1 - 2 * kBroadShare;
+  mixture[1].weight *= kBroadShare;
+  mixture[2].weight *= kBroadShare;
+  return mixture;
+}
+
+LogNormal fuse(const LogNormal& first, const LogNormal& second, double correlation) {
+  return mixture_moments(fused_mixture(first, second, correlation));
 }
 
 double mixture_mean_ln(std::span<const WeightedLogNormal> mixture) {
@@ -36,6 +47,18 @@ double mixture_mean_ln(std::span<const WeightedLogNormal> mixture) {
     sum += part.weight * part.value.mean_ln;
   }
   return sum / weight;
+}
+
+LogNormal mixture_moments(std::span<const WeightedLogNormal> mixture) {
+  LogNormal moments{mixture_mean_ln(mixture), 0};
+  double weight = 0, sum = 0;
+  for (const WeightedLogNormal& part : mixture) {
+    const double off = part.value.mean_ln - moments.mean_ln;
+    weight += part.weight;
+    sum += part.weight * (part.value.sd * part.value.sd + off * off);
+  }
+  moments.sd = std::sqrt(sum / weight);
+  return moments;
 }
 
 double mixture_quantile_ln(std::span<const WeightedLogNormal> mixture, double share) {

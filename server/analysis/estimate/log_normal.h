@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <span>
 
 namespace livegs {
@@ -12,21 +13,35 @@ struct LogNormal {
   double sd = 0;
 };
 
-// Fuses several estimates of the same number, weighted by precision. Their errors share causes (the same
-// size, the same assumed class), so n estimates count as fewer than n: `correlation` 0 … 1 between each pair.
-// Contradicting estimates widen the result (Birge 1932).
-// Precondition: not empty, every sd positive.
-LogNormal fuse(std::span<const LogNormal> looks, double correlation);
-
 // One component of a mixture.
 struct WeightedLogNormal {
   double weight = 0;
   LogNormal value;
 };
 
-// Mean of the logarithm of a mixture, and the quantile at `share`.
+// Probability that a measurement is of an unusual thing, or of another one, and the standard deviation of the
+// logarithm of its error then. A judgement. Larger: odd values count for less.
+inline constexpr double kBroadShare = 0.02, kBroadSd = 1.5;
+// Correlation of the errors of two estimates of one mass: both go by the same measured size and the same
+// notion of a usual object. A judgement. Larger: the less certain of the two counts for less, and ranges
+// widen.
+inline constexpr double kErrorCorrelation = 0.3;
+
+// Fuses two estimates of the same number whose errors have this correlation, 0 to below 1: generalised least
+// squares (Aitken 1936). If the less certain one adds nothing, its weight is 0; it is never negative. Each
+// estimate is wrong with a small probability, as of an unusual thing; it then says little. The three
+// components are: both right, the first wrong, the second wrong. Their weights are probability densities of
+// the distance between the estimates, so those of several pairs compare (Bayes). Precondition: every sd
+// positive.
+std::array<WeightedLogNormal, 3> fused_mixture(const LogNormal& first, const LogNormal& second,
+                                               double correlation);
+// The same as one estimate. Estimates that agree narrow it; contradicting ones widen it.
+LogNormal fuse(const LogNormal& first, const LogNormal& second, double correlation);
+
+// Mean of the logarithm of a mixture, its standard deviation, and the quantile at `share`.
 // Precondition: weights are not negative, their sum is positive.
 double mixture_mean_ln(std::span<const WeightedLogNormal> mixture);
+LogNormal mixture_moments(std::span<const WeightedLogNormal> mixture);
 double mixture_quantile_ln(std::span<const WeightedLogNormal> mixture, double share);
 
 }  // namespace livegs

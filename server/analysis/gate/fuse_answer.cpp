@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "analysis/estimate/class_mass.h"
 #include "analysis/estimate/physics_values.h"
@@ -39,35 +41,48 @@ double deviation(const Span3& span) {
   return std::max(kMinDeviation, std::log(span.high / span.low) / kRangeDeviations);
 }
 
-// The answer and the tables share the measured size, so their errors correlate.
-constexpr double kPriorCorrelation = 0.3;
-
-LogNormal log_normal_of(const Span3& span) { return {std::log(span.best), deviation(span)}; }
-
-// Two 90 % ranges of one value.
-LogNormal fused_with(const Span3& answered, const LogNormal& prior) {
-  const LogNormal looks[] = {log_normal_of(answered), prior};
-  return fuse(looks, kPriorCorrelation);
-}
-
 Span3 range_of(const LogNormal& value) {
   const double half = 0.5 * kRangeDeviations * value.sd;
   return {std::exp(value.mean_ln - half), std::exp(value.mean_ln), std::exp(value.mean_ln + half)};
 }
 
-// Mass of things of this name at the measured size; none if the tables do not have the name. The name is that
-// of the answer: a prior of the appearance alone was made without the pictures, and a prior of another thing
-// is wrong.
-std::optional<LogNormal> prior_of(const std::string& name, const ObjectFacts& facts) {
+// Mass of things of this name at the measured size, one component for each class that the name may mean; none
+// if the tables do not have the name. The name is that of the answer: a prior of the appearance alone was
+// made without the pictures, and a prior of another thing is wrong.
+std::vector<WeightedLogNormal> prior_of(const std::string& name, const ObjectFacts& facts) {
   ObjectFacts named = facts;
   named.name = name;
   const ObjectClasses classes = object_classes(named);
-  if (!classes.match.row || classes.match.tail == NameMatch::Tail::AnotherThing) return std::nullopt;
-  std::vector<WeightedLogNormal> mixture;
-  for (const ObjectClass& one : classes.kinds)
-    mixture.push_back({one.probability, kind_mass(one, named).mass});
-  const double low = mixture_quantile_ln(mixture, 0.05), high = mixture_quantile_ln(mixture, 0.95);
-  return LogNormal{mixture_mean_ln(mixture), std::max(kMinDeviation, (high - low) / kRangeDeviations)};
+  std::vector<WeightedLogNormal> prior;
+  if (!classes.match.row || classes.match.tail == NameMatch::Tail::AnotherThing) return prior;
+  for (const ObjectClass& one : classes.kinds) prior.push_back({one.probability, kind_mass(one, named).mass});
+  return prior;
+}
+
+// Adds the posterior after the answer: each class is weighted by how well it predicts the answer. The weights
+// sum to `probability`. Returns the mean of ln(mass) if the answer is not wrong: a mean of two values that
+// contradict each other is the value of neither.
+double add_posterior(const LogNormal& answered, std::span<const WeightedLogNormal> prior, double probability,
+                     std::vector<WeightedLogNormal>& mixture) {
+  if (prior.empty()) {
+    mixture.push_back({probability, answered});
+    return answered.mean_ln;
+  }
+  const size_t first = mixture.size();
+  double sum = 0;
+  std::vector<WeightedLogNormal> right;
+  for (const WeightedLogNormal& one : prior) {
+    auto components = fused_mixture(answered, one.value, kErrorCorrelation);
+    for (WeightedLogNormal& component : components) {
+      component.weight *= one.weight;
+      sum += component.weight;
+      mixture.push_back(component);
+    }
+    right.push_back(components[0]);
+    right.push_back(components[2]);
+  }
+  for (size_t i = first; i < mixture.size(); ++i) mixture[i].weight *= probability / sum;
+  return mixture_mean_ln(right);
 }
 
 struct FusedMass {
@@ -81,23 +96,21 @@ FusedMass fused_mass(const Answer& answer, const ObjectFacts& facts) {
   std::vector<MassAlternative> alternatives = answer.alternatives;
   if (alternatives.empty()) alternatives.push_back({answer.name, 1, answer.mass_kg});
   std::vector<WeightedLogNormal> mixture;
-  const WeightedLogNormal* likeliest = nullptr;
+  double highest = 0, best = answer.mass_kg.best;
   FusedMass fused;
-  mixture.reserve(alternatives.size());
   for (const MassAlternative& one : alternatives) {
-    const std::optional<LogNormal> prior = prior_of(one.name, facts);
-    mixture.push_back(
-        {one.probability, prior ? fused_with(one.mass_kg, *prior) : log_normal_of(one.mass_kg)});
-    if (likeliest && likeliest->weight >= one.probability) continue;
-    likeliest = &mixture.back();
+    const std::vector<WeightedLogNormal> prior = prior_of(one.name, facts);
+    const double mean_ln = add_posterior(log_normal_of(one.mass_kg), prior, one.probability, mixture);
+    if (one.probability <= highest) continue;
+    highest = one.probability;
+    best = std::exp(mean_ln);
     fused.reason = format_text("%.4g g by the model", one.mass_kg.best * 1e3);
-    if (prior)
-      fused.reason += format_text(", %.4g g usual for \"%s\" of this size", std::exp(prior->mean_ln) * 1e3,
-                                  one.name.c_str());
+    if (!prior.empty())
+      fused.reason += format_text(", %.4g g usual for \"%s\" of this size",
+                                  std::exp(mixture_mean_ln(prior)) * 1e3, one.name.c_str());
     if (alternatives.size() > 1) fused.reason += format_text(", with %.0f %%", 100 * one.probability);
     fused.reason += "; ";
   }
-  const double best = std::exp(likeliest->value.mean_ln);
   fused.mass_kg = {std::min(best, std::exp(mixture_quantile_ln(mixture, 0.05))), best,
                    std::max(best, std::exp(mixture_quantile_ln(mixture, 0.95)))};
   return fused;
@@ -146,6 +159,8 @@ double within_reach(double value, double low, double high, const char* field, co
 
 }  // namespace
 
+LogNormal log_normal_of(const Span3& span) { return {std::log(span.best), deviation(span)}; }
+
 v1::PhysicalParameters fuse_answer(const Answer& answer, const ObjectFacts& facts,
                                    const v1::PhysicalParameters& offline, std::vector<std::string>& changes) {
   v1::PhysicalParameters result = offline;
@@ -179,7 +194,9 @@ v1::PhysicalParameters fuse_answer(const Answer& answer, const ObjectFacts& fact
   if (!is_locked(young)) {
     if (answer.youngs_modulus_pa && same_class && kYoungsRange_pa.holds(young.best())) {
       const double prior = young.best();
-      set(young, range_of(fused_with(*answer.youngs_modulus_pa, log_normal_of(span_of(young)))),
+      set(young,
+          range_of(fuse(log_normal_of(*answer.youngs_modulus_pa), log_normal_of(span_of(young)),
+                        kErrorCorrelation)),
           kYoungsRange_pa,
           format_text("%.3g MPa by the model, weighted with the table's %.3g MPa; ",
                       answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6) +

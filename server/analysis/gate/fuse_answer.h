@@ -5,9 +5,14 @@
 #include <vector>
 
 #include "analysis/estimate.h"
+#include "analysis/estimate/log_normal.h"
 #include "analysis/gate/answer.h"
 
 namespace livegs {
+
+// The estimate that a range of 90 % states; a single number counts as uncertain by a third. Precondition:
+// best > 0.
+LogNormal log_normal_of(const Span3& range);
 
 // Step 7 of the gate (gate.h): the values of an object after a validated answer.
 //

@@ -6,10 +6,14 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <numeric>
+#include <optional>
+#include <tuple>
 
 #include "analysis/views/coverage_mask.h"
 #include "analysis/views/outline.h"
 #include "core/text/format_text.h"
+#include "splat/kernel_view.h"
 #include "splat/rasterise.h"
 
 namespace livegs {
@@ -25,6 +29,14 @@ constexpr double kSteepBonus = 0.85;  // most objects are seen and photographed 
 constexpr double kCloseRingDistance = 0.5;
 constexpr double kMinVisibleShare = 0.3;        // visible share below which the close ring is tried
 constexpr double kMinViewSeparation_rad = 0.9;  // between views of one object
+// Margin around the target in the outlined picture, as a fraction of the target's extent: what it stands on
+// and what is next to it are seen.
+constexpr double kOutlinedMargin = 0.25;
+// Margin around the target alone.
+constexpr double kCutoutMargin = 0.05;
+// Views that add surface within steps of this fraction of what a view shows are alike: kernels on the rim are
+// seen larger edge-on, a few percent in sum.
+constexpr double kAddedStep = 0.05;
 // Number of kernels in thumbnails: of the target, and of everything else.
 constexpr size_t kTargetKernels = 30'000, kOtherKernels = 120'000;
 
@@ -36,6 +48,33 @@ struct Ring {
 struct Candidate {
   ViewCandidate judged;
   double distance_m = 0;
+  // Pixels of light from each kernel of the target: in the scene, and with the target alone.
+  std::vector<float> visible_px, alone_px;
+};
+
+// The target as one object.
+struct Target {
+  explicit Target(std::span<const DrawnObject> objects) {
+    for (const DrawnObject& object : objects) {
+      const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+      append(asset.positions, object.asset->positions);
+      append(asset.opacity_logits, object.asset->opacity_logits);
+      append(asset.sh_dc, object.asset->sh_dc);
+      append(kernels.positions_m, object.kernels->positions_m);
+      append(kernels.covariances_m2, object.kernels->covariances_m2);
+      append(kernels.world_from_asset, object.kernels->world_from_asset);
+      asset.antialiased = object.asset->antialiased;
+      drawn.object_id = object.object_id;
+    }
+    drawn.asset = &asset;
+    drawn.kernels = &kernels;
+  }
+  Target(const Target&) = delete;
+  Target& operator=(const Target&) = delete;
+
+  GaussianAsset asset;
+  PosedKernels kernels;
+  DrawnObject drawn;
 };
 
 Eigen::Vector3d direction_of(double azimuth_rad, double elevation_rad) {
@@ -86,6 +125,10 @@ std::vector<Candidate> judge_ring(const CoverageMaskScene& thin, const Ring& rin
   std::vector<Candidate> ring_candidates;
   RasterisedView view;
   RasteriseOptions options;
+  const Target target(thin.target());
+  KernelRasteriser kernels;
+  std::vector<uint16_t> seen(static_cast<size_t>(width) * height);
+  std::vector<LabelWeight> weights;
   for (int i = 0; i < 12 && !stop.stop_requested(); ++i) {
     const bool steep = i >= 8;
     Candidate candidate;
@@ -103,35 +146,87 @@ std::vector<Candidate> judge_ring(const CoverageMaskScene& thin, const Ring& rin
       judged.area_share = visible / (static_cast<double>(width) * height);
       judged.score =
           alone / (static_cast<double>(width) * height) * judged.visible_share * (steep ? kSteepBonus : 1.0);
+      for (size_t pixel = 0; pixel < seen.size(); ++pixel) seen[pixel] = view.image.pixels[4 * pixel] >= 0.5f;
+    } else {
+      std::fill(seen.begin(), seen.end(), uint16_t{0});
     }
-    ring_candidates.push_back(candidate);
+    weights.clear();
+    kernels.weigh(target.drawn, camera, seen, weights);
+    candidate.visible_px.assign(target.asset.size(), 0.0f);
+    candidate.alone_px.assign(target.asset.size(), 0.0f);
+    for (const LabelWeight& one : weights) {
+      candidate.alone_px[one.kernel] += one.weight;
+      if (one.label) candidate.visible_px[one.kernel] += one.weight;
+    }
+    ring_candidates.push_back(std::move(candidate));
   }
   return ring_candidates;
 }
 
-// Selects the best candidate, then the best of those with another direction.
-std::vector<Candidate> choose(std::vector<Candidate> candidates, size_t count) {
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.judged.score > b.judged.score; });
-  std::vector<Candidate> chosen, passed_over;
-  for (const Candidate& candidate : candidates) {
-    const auto direction = [](const Candidate& c) {
-      return direction_of(c.judged.azimuth_rad, c.judged.elevation_rad);
+Eigen::Vector3d direction_of(const Candidate& candidate) {
+  return direction_of(candidate.judged.azimuth_rad, candidate.judged.elevation_rad);
+}
+
+double sum_of(const std::vector<float>& kernels_px) {
+  return std::accumulate(kernels_px.begin(), kernels_px.end(), 0.0);
+}
+
+// Surface that a view adds to what is seen already, in steps of kAddedStep of `whole_px`: for each kernel the
+// pixels by which it is seen larger.
+double added_steps(const std::vector<float>& view_px, const std::vector<float>& seen_px, double whole_px) {
+  double added = 0;
+  for (size_t i = 0; i < view_px.size(); ++i) added += std::max(0.0f, view_px[i] - seen_px[i]);
+  return whole_px > 0 ? std::floor(added / (kAddedStep * whole_px)) : 0;
+}
+
+// Selects the best candidate, then those that add the most to the surface seen so far (greedy facility
+// location, Nemhauser et al. 1978), with the score as a tie-break. Views in another direction come first.
+std::vector<const Candidate*> choose(const std::vector<Candidate>& candidates, size_t count) {
+  std::vector<const Candidate*> left, chosen;
+  for (const Candidate& candidate : candidates) left.push_back(&candidate);
+  std::vector<float> seen_px(candidates.empty() ? 0 : candidates.front().visible_px.size(), 0.0f);
+  double first_px = 0;
+  while (!left.empty() && chosen.size() < count) {
+    const auto rank = [&](const Candidate& candidate) {
+      const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const Candidate* other) {
+        return direction_of(candidate).dot(direction_of(*other)) > std::cos(kMinViewSeparation_rad);
+      });
+      const double added = chosen.empty() ? 0 : added_steps(candidate.visible_px, seen_px, first_px);
+      return std::tuple(!near, added, candidate.judged.score);
     };
-    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const Candidate& other) {
-      return direction(candidate).dot(direction(other)) > std::cos(kMinViewSeparation_rad);
-    });
-    (near ? passed_over : chosen).push_back(candidate);
+    auto best = left.begin();
+    for (auto one = left.begin() + 1; one != left.end(); ++one) {
+      if (rank(**one) > rank(**best)) best = one;
+    }
+    if (chosen.empty()) first_px = sum_of((*best)->visible_px);
+    for (size_t i = 0; i < seen_px.size(); ++i) seen_px[i] = std::max(seen_px[i], (*best)->visible_px[i]);
+    chosen.push_back(*best);
+    left.erase(best);
   }
-  chosen.insert(chosen.end(), passed_over.begin(), passed_over.end());
-  chosen.resize(std::min(chosen.size(), count));
-  std::stable_sort(chosen.begin(), chosen.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.judged.score > b.judged.score; });
   return chosen;
 }
 
-// Camera with a longer lens, so that `silhouette` fills the picture.
-Camera close_up(const Camera& camera, const Image& silhouette, int long_side_px) {
+// The view of the target alone that shows the most of what `view` does not show; `view` itself if none shows
+// more.
+const Candidate& complement(const std::vector<Candidate>& candidates, const Candidate& view) {
+  const double whole_px = sum_of(view.alone_px);
+  const Candidate* best = &view;
+  double most = added_steps(view.alone_px, view.visible_px, whole_px);
+  for (const Candidate& candidate : candidates) {
+    if (candidate.distance_m != view.distance_m) continue;  // of the same ring
+    const double added = added_steps(candidate.alone_px, view.visible_px, whole_px);
+    if (added <= most) continue;
+    most = added;
+    best = &candidate;
+  }
+  return *best;
+}
+
+// Edges of the region of `silhouette` that is at least 0.1, in pixels.
+struct Extent {
+  double left = 0, right = 0, top = 0, bottom = 0;
+};
+std::optional<Extent> extent_of(const Image& silhouette) {
   int left = silhouette.width, right = -1, top = silhouette.height, bottom = -1;
   for (int y = 0; y < silhouette.height; ++y) {
     for (int x = 0; x < silhouette.width; ++x) {
@@ -142,19 +237,44 @@ Camera close_up(const Camera& camera, const Image& silhouette, int long_side_px)
       bottom = std::max(bottom, y);
     }
   }
-  if (right < 0) return camera;
-  // Margin: a twentieth on each side, and a pixel of the thumbnail.
-  const double scale = static_cast<double>(camera.width) / silhouette.width;
-  const double wide = 1.1 * (right - left + 3) * scale, high = 1.1 * (bottom - top + 3) * scale;
-  const double zoom = long_side_px / std::max(wide, high);
+  if (right < 0) return std::nullopt;
+  return Extent{left - 1.0, right + 2.0, top - 1.0, bottom + 2.0};  // and a pixel of the silhouette's edge
+}
+
+// A camera at the same place that shows the rectangle of `camera` around `extent` of this size, in pixels, on
+// a picture of width times height.
+Camera lens(const Camera& camera, const Extent& extent, double wide_px, int width, int height) {
+  const double zoom = width / wide_px;
   Camera close = camera;
-  close.width = std::max(16, static_cast<int>(std::lround(zoom * wide)));
-  close.height = std::max(16, static_cast<int>(std::lround(zoom * high)));
+  close.width = width;
+  close.height = height;
   close.focal_x_px *= zoom;
   close.focal_y_px *= zoom;
-  close.centre_x_px = 0.5 * close.width + zoom * (camera.centre_x_px - 0.5 * scale * (left + right + 1));
-  close.centre_y_px = 0.5 * close.height + zoom * (camera.centre_y_px - 0.5 * scale * (top + bottom + 1));
+  close.centre_x_px = 0.5 * width + zoom * (camera.centre_x_px - 0.5 * (extent.left + extent.right));
+  close.centre_y_px = 0.5 * height + zoom * (camera.centre_y_px - 0.5 * (extent.top + extent.bottom));
   return close;
+}
+
+// Camera with a longer lens, so that `silhouette` fills the picture, whose shape is that of the silhouette.
+Camera close_up(const Camera& camera, const Image& silhouette, int long_side_px) {
+  const auto extent = extent_of(silhouette);
+  if (!extent) return camera;
+  const double wide = (1 + 2 * kCutoutMargin) * (extent->right - extent->left),
+               high = (1 + 2 * kCutoutMargin) * (extent->bottom - extent->top);
+  const double zoom = long_side_px / std::max(wide, high);
+  return lens(camera, *extent, wide, std::max(16, static_cast<int>(std::lround(zoom * wide))),
+              std::max(16, static_cast<int>(std::lround(zoom * high))));
+}
+
+// Camera with a longer lens and a picture of the same size that is cropped to `silhouette` with a margin.
+Camera cropped(const Camera& camera, const Image& silhouette) {
+  const auto extent = extent_of(silhouette);
+  if (!extent) return camera;
+  const double wide = extent->right - extent->left, high = extent->bottom - extent->top,
+               margin = 2 * kOutlinedMargin * std::max(wide, high),
+               aspect = static_cast<double>(camera.width) / camera.height;
+  return lens(camera, *extent, std::max(wide + margin, aspect * (high + margin)), camera.width,
+              camera.height);
 }
 
 // Copies one channel of `from` to all three, fully opaque.
@@ -222,7 +342,11 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
     for (Candidate& candidate :
          judge_ring(thin, close, thumb_width, thumb_height, rasteriser, options.stop)) {
       // The area it would have on the wide ring.
-      candidate.judged.score *= kCloseRingDistance * kCloseRingDistance;
+      constexpr float kWideArea = kCloseRingDistance * kCloseRingDistance;
+      candidate.judged.score *= kWideArea;
+      for (std::vector<float>* kernels_px : {&candidate.visible_px, &candidate.alone_px}) {
+        for (float& one_px : *kernels_px) one_px *= kWideArea;
+      }
       tried.push_back(candidate);
     }
   }
@@ -236,16 +360,21 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
   const auto [width, height] = size(options.long_side_px);
   const CoverageMaskScene whole(scene, object_id);
   std::vector<ObjectView> views;
-  for (const Candidate& chosen : choose(std::move(tried), static_cast<size_t>(options.view_count))) {
+  for (const Candidate* chosen : choose(tried, static_cast<size_t>(options.view_count))) {
     ObjectView view;
-    const Ring at{ring.target_m, chosen.distance_m};
-    view.camera = camera_at(at, chosen.judged.azimuth_rad, chosen.judged.elevation_rad, width, height);
+    const Ring at{ring.target_m, chosen->distance_m};
+    const auto camera_of = [&](const Candidate& candidate) {
+      return camera_at(at, candidate.judged.azimuth_rad, candidate.judged.elevation_rad, width, height);
+    };
     view.target_m = ring.target_m;
-    view.distance_m = chosen.distance_m;
-    view.azimuth_rad = chosen.judged.azimuth_rad;
-    view.elevation_rad = chosen.judged.elevation_rad;
-    view.score = chosen.judged.score;
+    view.distance_m = chosen->distance_m;
+    view.azimuth_rad = chosen->judged.azimuth_rad;
+    view.elevation_rad = chosen->judged.elevation_rad;
+    view.score = chosen->judged.score;
     RasterisedView drawn;
+    if (options.stop.stop_requested()) return cancelled;
+    rasteriser.draw(whole.target(), camera_of(*chosen), {}, drawn);
+    view.camera = cropped(camera_of(*chosen), drawn.image);
     RasteriseOptions grey_ground;
     grey_ground.background = Eigen::Vector3f::Constant(0.5f);
     if (options.stop.stop_requested()) return cancelled;
@@ -260,10 +389,14 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
     view.visible_share = alone > 0 ? std::clamp(visible / alone, 0.0, 1.0) : 0.0;
     view.area_share = visible / (static_cast<double>(width) * height);
     view.outlined = outlined(view.scene, view.mask, std::max(1, options.long_side_px / 256));
+    const Candidate& other = complement(tried, *chosen);
+    view.cutout_azimuth_rad = other.judged.azimuth_rad;
+    view.cutout_elevation_rad = other.judged.elevation_rad;
     RasteriseOptions white_ground;
     white_ground.background = Eigen::Vector3f::Ones();
     if (options.stop.stop_requested()) return cancelled;
-    const Camera close = close_up(view.camera, drawn.image, options.long_side_px);
+    rasteriser.draw(whole.target(), camera_of(other), {}, drawn);
+    const Camera close = close_up(camera_of(other), drawn.image, options.long_side_px);
     rasteriser.draw(target, close, white_ground, drawn);
     view.cutout = std::move(drawn.image);
     views.push_back(std::move(view));
@@ -275,7 +408,9 @@ std::map<std::string, std::string> camera_slots(const ObjectView& view) {
   const auto degrees = [](double rad) { return format_text("%.0f", rad * 180 / std::numbers::pi); };
   return {{"camera_azimuth", degrees(view.azimuth_rad)},
           {"camera_elevation", degrees(view.elevation_rad)},
-          {"camera_seen", format_text("%.0f", 100 * view.visible_share)}};
+          {"camera_seen", format_text("%.0f", 100 * view.visible_share)},
+          {"second_azimuth", degrees(view.cutout_azimuth_rad)},
+          {"second_elevation", degrees(view.cutout_elevation_rad)}};
 }
 
 std::string describe_camera(const ObjectView& view) {

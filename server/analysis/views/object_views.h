@@ -27,20 +27,24 @@ struct ViewOptions {
   std::stop_token stop = {};  // checked before every picture; if requested: Unavailable, "cancelled"
 };
 
-// One view. All pictures except the cut-out are taken by `camera` and have its size.
+// One view. All pictures except the cut-out are taken by `camera`, are cropped to the target with a margin of
+// a quarter of its extent, and have the camera's size.
 struct ObjectView {
   Camera camera;
   Image scene;     // everything, over a grey ground
   Image outlined;  // the same with an outline of the visible part of the target
   Image mask;      // fraction of each pixel's light from the target, 0 … 1 (white)
-  Image cutout;    // the whole target alone, filling the picture, over white; same position, longer lens
-  Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  // centre of the target's bounds, world frame
-  double distance_m = 0;                               // from the camera to `target_m`
+  // The whole target alone, filling the picture, over white: from the camera of the ring that shows the most
+  // of the surface that `camera` does not show.
+  Image cutout;
+  double cutout_azimuth_rad = 0, cutout_elevation_rad = 0;  // as those below
+  Eigen::Vector3d target_m = Eigen::Vector3d::Zero();       // centre of the target's bounds, world frame
+  double distance_m = 0;                                    // from the camera to `target_m`
   double azimuth_rad = 0;    // of the camera around the target; 0 in front (+z), positive to the right
   double elevation_rad = 0;  // above the horizon
   double visible_share = 0;  // unoccluded fraction of the target's silhouette, 0 … 1
   double area_share = 0;     // fraction of the picture covered by the target, 0 … 1
-  double score = 0;          // sort key of the views, best first
+  double score = 0;          // the first view has the highest
 };
 
 // A candidate camera of the ring with its score, in ring order.
@@ -51,17 +55,18 @@ struct ViewCandidate {
   double score = 0;          // area_share * visible_share * a bonus for an upright view
 };
 
-// Renders the best views of object `object_id` in `scene`, best first and well separated.
-// Fails if no object has that id, if it has no kernels to draw, or if an option is out of range.
-// Deterministic; any thread, stateless. `candidates`, if given, receives all cameras that were tried.
+// Renders views of object `object_id` in `scene`, well separated: the best one, then those that show the most
+// of the surface that the ones before do not show. Fails if no object has that id, if it has no kernels to
+// draw, or if an option is out of range. Deterministic; any thread, stateless. `candidates`, if given,
+// receives all cameras that were tried.
 Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene, uint32_t object_id,
                                              const ViewOptions& options = {},
                                              std::vector<ViewCandidate>* candidates = nullptr);
 
 // Describes the camera position for a user: "from the front right, 20 degrees above, …".
 std::string describe_camera(const ObjectView& view);
-// Numeric camera slots for prompts/user.md: camera_position and target_position ("x, y, z", metres, world
-// frame), camera_distance (m), camera_azimuth and camera_elevation (degrees), camera_seen (percent).
+// Numeric camera slots for prompts/user.md: camera_azimuth and camera_elevation (degrees), camera_seen
+// (percent), second_azimuth and second_elevation (degrees, of the cut-out).
 std::map<std::string, std::string> camera_slots(const ObjectView& view);
 
 }  // namespace livegs

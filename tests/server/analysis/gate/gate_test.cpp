@@ -72,22 +72,35 @@ TEST(Gate, InsideColourFollowsTheMaterial) {
   EXPECT_EQ(kept.parameters.interior_rgb(1), 0.2);
 }
 
-// An answer of four times the usual mass of what it names, with an equal range, meets it at the geometric
-// mean: inverse variance in logarithms. The values of the estimate do not matter.
+// An answer of 1.4 times the usual mass of what it names, with an equal range, meets it at the geometric
+// mean: least squares in logarithms. Nothing else may be called a sponge. The values of the estimate do not
+// matter.
 TEST(Gate, EqualRangesMeetAtTheGeometricMean) {
-  ObjectFacts named = mug_facts();
-  named.name = mug_answer()["name"].get<std::string>();
-  const auto usual = estimate_offline(named).mass_kg();
-  const double best_g = 4e3 * usual.best(), spread = std::sqrt(usual.high() / usual.low());
-  const json answer =
-      with("/mass_g", {{"low", best_g / spread}, {"best", best_g}, {"high", best_g * spread}});
-  auto offline = estimate_offline(mug_facts());
+  const auto usual = estimate_offline(sponge_facts()).mass_kg();
+  const double best_g = 1.4e3 * usual.best(), spread = std::sqrt(usual.high() / usual.low());
+  const json answer = with("/mass_g", {{"low", best_g / spread}, {"best", best_g}, {"high", best_g * spread}},
+                           sponge_answer());
+  auto offline = estimate_offline(sponge_facts());
   offline.mutable_mass_kg()->set_best(1.5 * usual.best());
-  for (const auto& prior : {estimate_offline(mug_facts()), offline}) {
-    const Judgement judgement = judge_answer(answer.dump(), mug_facts(), prior);
+  for (const auto& prior : {estimate_offline(sponge_facts()), offline}) {
+    const Judgement judgement = judge_answer(answer.dump(), sponge_facts(), prior);
     ASSERT_NE(judgement.verdict, Verdict::Refused) << judgement.message;
-    EXPECT_NEAR(judgement.proposal.mass_kg().best(), 2 * usual.best(), 1e-6 * usual.best());
+    EXPECT_NEAR(judgement.proposal.mass_kg().best(), std::sqrt(1.4) * usual.best(), 5e-3 * usual.best());
   }
+}
+
+// The classes that a name may mean compete: an answer near one of them is hardly moved towards the others.
+TEST(Gate, AnswerChoosesAmongTheMeaningsOfItsName) {
+  ObjectFacts metal = mug_facts(), mug = mug_facts();
+  metal.name = "metal mug";
+  const double metal_kg = estimate_offline(metal).mass_kg().best(),
+               mug_kg = estimate_offline(mug).mass_kg().best();
+  ASSERT_LT(metal_kg, 0.8 * mug_kg);
+  const Judgement judgement =
+      judge(with("/mass_g", {{"low", 850 * metal_kg}, {"best", 1000 * metal_kg}, {"high", 1180 * metal_kg}}));
+  ASSERT_NE(judgement.verdict, Verdict::Refused) << judgement.message;
+  EXPECT_NEAR(std::log(judgement.proposal.mass_kg().best() / metal_kg), 0,
+              0.25 * std::log(mug_kg / metal_kg));
 }
 
 // A plastic toy hammer has no steel head or wooden handle.

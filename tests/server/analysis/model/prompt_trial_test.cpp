@@ -81,7 +81,7 @@ TestModelServer::Handler made_up_model(const std::vector<JudgedObject>& objects)
 
 // A copy of prompts/ with one more sentence in the system text and a new version.
 fs::path changed_prompts(const ScratchFolder& scratch, const std::string& name, const std::string& sentence,
-                         const char* version = "5") {
+                         const char* version = "6") {
   const fs::path folder = scratch / name;
   fs::copy(kPrompts, folder);
   std::ofstream(folder / "system.md", std::ios::app) << sentence << '\n';
@@ -211,7 +211,7 @@ TEST(Prompts, CaptionsAndFactsComeFromFiles) {
   const auto built_in = PromptSet::load(""), own = PromptSet::load(scratch / "prompts");
   ASSERT_TRUE(built_in && own);
   EXPECT_NE(built_in->version(), own->version());
-  EXPECT_EQ(built_in->caption("outlined"), "the scene, the object outlined");
+  EXPECT_EQ(built_in->caption("outlined"), "the object outlined in the scene");
   EXPECT_EQ(own->caption("outlined"), "look here");
   EXPECT_EQ(own->caption("mask"), "mask");
   EXPECT_EQ(own->user({{"name", "cup"}, {"scale_off", "2"}}), "Name: \"cup\"\nOff by 2\n");
@@ -230,9 +230,9 @@ TEST(PromptJudgement, ChangedPromptRequiresAJudgement) {
     EXPECT_NE(message.find("mass_harness --judge"), std::string::npos) << message;
     return message;
   };
-  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "4")).find("increase it"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "5")).find("increase it"),
             std::string::npos);
-  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("is for version 4"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("is for version 5"),
             std::string::npos);
 
   // With measurements it passes, unless they are worse or synthetic.

@@ -143,7 +143,9 @@ TEST(PromptSet, PartsAreConsistent) {
   const SceneObjectFacts near{
       "a thing with a long name", "expanded polystyrene", "elastic", 0.3, {0.1, 0.1, 0.1}, 0.5, true};
   auto slots = fact_slots(facts, estimate_offline(facts), std::vector<SceneObjectFacts>(12, near));
-  for (const char* slot : {"camera_azimuth", "camera_elevation", "camera_seen"}) slots[slot] = "100";
+  for (const char* slot :
+       {"camera_azimuth", "camera_elevation", "camera_seen", "second_azimuth", "second_elevation"})
+    slots[slot] = "100";
   const size_t sent = prompts->system(100).size() + prompts->user(slots).size() +
                       prompts->tools_turn().size() + dump_json(prompts->tools()).size();
   std::printf("%zu characters are sent\n", sent);

@@ -200,6 +200,72 @@ TEST_F(HalfHiddenBoard, InvalidRequestsNameTheFault) {
   EXPECT_FALSE(object_views(empty, kTarget));
 }
 
+// Two opaque boards back to back, 4 cm apart: a red one to the front and a green one to the back.
+class TwoSidedBoard : public testing::Test {
+ protected:
+  Sheet front = sheet({-0.2, 0, 0.02}, {0.4, 0, 0}, {0, 0.4, 0}, {0.9f, 0.1f, 0.1f});
+  Sheet back = sheet({-0.2, 0, -0.02}, {0.4, 0, 0}, {0, 0.4, 0}, {0.1f, 0.9f, 0.1f});
+  std::vector<DrawnObject> drawn = {{&front.asset, &front.kernels, kTarget},
+                                    {&back.asset, &back.kernels, kTarget}};
+
+  // Red less green over the pixels that are either, -1 to 1.
+  static double redness(const Image& image) {
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < image.pixels.size(); i += 4) {
+      const float difference = image.pixels[i] - image.pixels[i + 1];
+      if (std::abs(difference) < 0.4f) continue;
+      sum += difference > 0 ? 1 : -1;
+      count += 1;
+    }
+    return count > 0 ? sum / count : 0;
+  }
+};
+
+TEST_F(TwoSidedBoard, CutoutShowsWhatTheFirstPictureHides) {
+  const auto views = object_views(drawn, kTarget, {256, 1, 4.0 / 3});
+  ASSERT_TRUE(views);
+  const double first = redness(views->front().outlined), second = redness(views->front().cutout);
+  EXPECT_GT(std::abs(first), 0.95);
+  EXPECT_LT(first * second, -0.9);
+}
+
+TEST_F(TwoSidedBoard, SecondViewShowsWhatTheFirstHides) {
+  const auto views = object_views(drawn, kTarget, {256, 2, 4.0 / 3});
+  ASSERT_TRUE(views);
+  ASSERT_EQ(views->size(), 2u);
+  EXPECT_LT(redness((*views)[0].scene) * redness((*views)[1].scene), -0.9);
+}
+
+// The target fills the outlined picture up to a margin of a quarter on each side, whatever its shape.
+TEST(ObjectViews, OutlinedPictureIsCropped) {
+  for (const Eigen::Vector2d& size_m : {Eigen::Vector2d(0.4, 0.4), {0.6, 0.05}, {0.05, 0.6}}) {
+    Sheet board = sheet({0, 0, 0}, {size_m.x(), 0, 0}, {0, size_m.y(), 0}, {0.9f, 0.1f, 0.1f}, 100);
+    Sheet floor = sheet({-2, -0.02, -2}, {4, 0, 0}, {0, 0, 4}, {0.5f, 0.5f, 0.5f}, 200);
+    const DrawnObject drawn[] = {{&board.asset, &board.kernels, kTarget},
+                                 {&floor.asset, &floor.kernels, kScreen}};
+    const auto views = object_views(drawn, kTarget, {256, 1, 4.0 / 3});
+    ASSERT_TRUE(views);
+    const Image& mask = views->front().mask;
+    int left = mask.width, right = -1, top = mask.height, bottom = -1;
+    for (int y = 0; y < mask.height; ++y) {
+      for (int x = 0; x < mask.width; ++x) {
+        if (mask.at(x, y)[0] < 0.5f) continue;
+        left = std::min(left, x), right = std::max(right, x);
+        top = std::min(top, y), bottom = std::max(bottom, y);
+      }
+    }
+    ASSERT_GE(right, 0);
+    const double filled =
+        std::max(1.0 * (right - left + 1) / mask.width, 1.0 * (bottom - top + 1) / mask.height);
+    EXPECT_GT(filled, 0.6) << size_m.transpose();  // 1 / 1.5, less the edge of the silhouette
+    EXPECT_LT(filled, 0.75) << size_m.transpose();
+    EXPECT_GT(left, 0);
+    EXPECT_GT(top, 0);
+    EXPECT_LT(right, mask.width - 1);
+    EXPECT_LT(bottom, mask.height - 1);
+  }
+}
+
 // A low block is slightly larger from steep above than from the side; the upright view still wins. A lower
 // block, with almost no side, is seen from above.
 TEST(ObjectViews, UprightViewsArePreferred) {
