@@ -64,10 +64,10 @@ Result<void> export_scene(const SceneExport& options) {
   if (!written) return written.error();
   size_t kernels = 0;
   for (const PortableBody& body : scene->bodies) kernels += body.kernel_count;
-  std::printf("scene  %zu bodies, %zu joints, %zu kernels", scene->bodies.size(), scene->joints.size(),
+  std::printf("scene  bodies: %zu, joints: %zu, kernels: %zu", scene->bodies.size(), scene->joints.size(),
               kernels);
   if (scene->animation)
-    std::printf(", %.3g s of motion in %zu keys", scene->animation->times_s.back(),
+    std::printf(", motion: %.3g s in %zu keys", scene->animation->times_s.back(),
                 scene->animation->times_s.size());
   std::printf("\n");
   for (const fs::path& one : *written) {
