@@ -45,6 +45,17 @@ struct PortableElastic {
   // Of RestBody: object_from_lattice, cell_width_m, node_coordinates, cells and cell_fills.
   RestBody lattice;
 };
+// Its numbers, by the names of both formats.
+struct ElasticNumber {
+  const char* name;
+  double PortableElastic::*value;
+};
+inline constexpr ElasticNumber kElasticNumbers[] = {
+    {"youngs_modulus_pa", &PortableElastic::youngs_modulus_pa},
+    {"poisson_ratio", &PortableElastic::poisson_ratio},
+    {"structure_coefficient", &PortableElastic::structure_coefficient},
+    {"plasticity", &PortableElastic::plasticity},
+    {"damping", &PortableElastic::damping}};
 
 struct PortableBody {
   std::string name;  // any text; unique among bodies

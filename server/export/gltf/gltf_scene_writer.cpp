@@ -169,12 +169,8 @@ class SceneEncoder {
       fills.push_back(static_cast<uint32_t>(fill));
       fills.push_back(static_cast<uint32_t>(fill >> 32));
     }
-    Json json{{"youngs_modulus_pa", elastic.youngs_modulus_pa},
-              {"poisson_ratio", elastic.poisson_ratio},
-              {"structure_coefficient", elastic.structure_coefficient},
-              {"plasticity", elastic.plasticity},
-              {"damping", elastic.damping},
-              {"accuracy", json_of(elastic.accuracy)}};
+    Json json{{"accuracy", json_of(elastic.accuracy)}};
+    for (const ElasticNumber& one : kElasticNumbers) json[one.name] = elastic.*one.value;
     for (const v1::Region& region : elastic.regions) json["regions"].push_back(json_of(region));
     if (nodes.empty()) return json;
     Json& own = json["lattice"];

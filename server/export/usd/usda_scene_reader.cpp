@@ -206,16 +206,11 @@ class StageReader {
 
   Result<void> take_elastic(const UsdaPrim& prim, PortableBody& body) const {
     PortableElastic elastic;
-    const std::pair<const char*, double*> values[] = {
-        {"livegs:elastic:youngs_modulus_pa", &elastic.youngs_modulus_pa},
-        {"livegs:elastic:poisson_ratio", &elastic.poisson_ratio},
-        {"livegs:elastic:structure_coefficient", &elastic.structure_coefficient},
-        {"livegs:elastic:plasticity", &elastic.plasticity},
-        {"livegs:elastic:damping", &elastic.damping}};
-    for (const auto& [key, value] : values) {
-      const auto read = number(prim, key, *value);
+    for (const ElasticNumber& one : kElasticNumbers) {
+      const std::string key = std::string("livegs:elastic:") + one.name;
+      const auto read = number(prim, key.c_str(), elastic.*one.value);
       if (!read) return read.error();
-      *value = *read;
+      elastic.*one.value = *read;
     }
     const std::string accuracy = prim.text("livegs:elastic:accuracy");
     if (!accuracy.empty() && !read_json_text(accuracy, elastic.accuracy))

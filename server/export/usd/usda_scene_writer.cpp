@@ -202,14 +202,9 @@ class StageWriter {
   }
 
   void write_elastic(const PortableElastic& elastic) {
-    const auto number = [&](const char* name, double value) {
-      out_.line(std::string("custom double livegs:elastic:") + name + " = " + usda_number(value));
-    };
-    number("youngs_modulus_pa", elastic.youngs_modulus_pa);
-    number("poisson_ratio", elastic.poisson_ratio);
-    number("structure_coefficient", elastic.structure_coefficient);
-    number("plasticity", elastic.plasticity);
-    number("damping", elastic.damping);
+    for (const ElasticNumber& one : kElasticNumbers)
+      out_.line(std::string("custom double livegs:elastic:") + one.name + " = " +
+                usda_number(elastic.*one.value));
     out_.line("custom string livegs:elastic:accuracy = " + usda_string(json_text(elastic.accuracy)));
     if (elastic.regions.empty()) return;
     std::string list;

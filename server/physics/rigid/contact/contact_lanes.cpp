@@ -234,8 +234,8 @@ void ContactLanes::schedule() {
   for (size_t i = 0; i < island_.contacts.size(); ++i) {
     const RigidIsland::Contact& contact = island_.contacts[i];
     const uint32_t a = slot_of(contact.owner), b = slot_of(contact.manifold->other);
-    const bool moves_a = a > 0 && a<next.size(), moves_b = b> 0 && b < next.size();
-    const uint32_t at = first_open(std::max(moves_a ? next[a] : 0, moves_b ? next[b] : 0));
+    const auto moves = [&](uint32_t slot) { return slot > 0 && slot < next.size(); };
+    const uint32_t at = first_open(std::max(moves(a) ? next[a] : 0, moves(b) ? next[b] : 0));
     if (at == open.size()) {
       open.push_back(at);
       if (at == batches_.size()) batches_.emplace_back();
@@ -243,8 +243,8 @@ void ContactLanes::schedule() {
     Batch& batch = batches_[at];
     const auto lane = static_cast<size_t>(batch.count++);
     if (batch.count == kLanes) open[at] = at + 1;
-    if (moves_a) next[a] = at + 1;
-    if (moves_b) next[b] = at + 1;
+    if (moves(a)) next[a] = at + 1;
+    if (moves(b)) next[b] = at + 1;
     batch.a[lane] = a;
     batch.b[lane] = b;
     batch.contact[lane] = static_cast<uint32_t>(i);
