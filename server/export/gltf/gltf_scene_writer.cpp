@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // glTF 2.0; KHR_gaussian_splatting (ratified form); KHR_physics_rigid_bodies (draft, KhronosGroup/glTF#2424);
 // KHR_implicit_shapes (release candidate).
-#include <google/protobuf/util/json_util.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -16,6 +14,7 @@
 #include "core/text/path_ending.h"
 #include "export/gltf/gltf_buffer.h"
 #include "export/gltf_scene.h"
+#include "export/model/message_text.h"
 #include "gaussian/asset/y_up.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/spherical_harmonics.h"
@@ -42,11 +41,7 @@ Json list_of(const Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
 // The JSON form of a message with the field names of its .proto file.
 Json json_of(const google::protobuf::Message& message) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.preserve_proto_field_names = true;
-  std::string text;
-  if (!google::protobuf::util::MessageToJsonString(message, &text, options).ok()) return Json::object();
-  return Json::parse(text, nullptr, false);
+  return Json::parse(message_text(message), nullptr, false);
 }
 
 void place(Json& node, const Pose& pose) {

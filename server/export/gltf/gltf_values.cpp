@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "export/gltf/gltf_values.h"
 
-#include <google/protobuf/util/json_util.h>
-
 #include <algorithm>
+
+#include "export/model/message_text.h"
 
 namespace livegs::gltf {
 namespace {
@@ -40,12 +40,8 @@ std::string text_of(const Json& object, const char* key) {
 std::string name_of_node(size_t index) { return "nodes[" + std::to_string(index) + "]"; }
 
 bool read_message(const Json& json, google::protobuf::Message& message) {
-  if (!nests_within(json, 16)) return false;
-  google::protobuf::util::JsonParseOptions options;
-  options.ignore_unknown_fields = true;
-  return google::protobuf::util::JsonStringToMessage(
-             json.dump(-1, ' ', false, Json::error_handler_t::replace), &message, options)
-      .ok();
+  return nests_within(json, 16) &&
+         read_message_text(json.dump(-1, ' ', false, Json::error_handler_t::replace), message);
 }
 
 Result<std::vector<uint32_t>> Values::whole_numbers(const Json& accessor) const {

@@ -2,9 +2,10 @@
 #include "export/usd/estimate_attributes.h"
 
 #include <google/protobuf/descriptor.h>
-#include <google/protobuf/util/json_util.h>
 
 #include <cmath>
+
+#include "export/model/message_text.h"
 
 namespace livegs {
 namespace {
@@ -14,20 +15,6 @@ using google::protobuf::FieldDescriptor;
 constexpr std::string_view kEstimate = "livegs:estimate:";
 
 }  // namespace
-
-std::string json_text(const google::protobuf::Message& message) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.preserve_proto_field_names = true;
-  std::string text;
-  if (!google::protobuf::util::MessageToJsonString(message, &text, options).ok()) return "{}";
-  return text;
-}
-
-bool read_json_text(const std::string& text, google::protobuf::Message& message) {
-  google::protobuf::util::JsonParseOptions options;
-  options.ignore_unknown_fields = true;
-  return google::protobuf::util::JsonStringToMessage(text, &message, options).ok();
-}
 
 void write_estimates(const v1::PhysicalParameters& estimates, UsdaText& out) {
   const auto* reflection = v1::PhysicalParameters::GetReflection();
@@ -43,7 +30,7 @@ void write_estimates(const v1::PhysicalParameters& estimates, UsdaText& out) {
       const bool messages = field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
       for (int i = 0; i < reflection->FieldSize(estimates, field); ++i) {
         list += i > 0 ? ", " : "";
-        list += messages ? usda_string(json_text(reflection->GetRepeatedMessage(estimates, field, i)))
+        list += messages ? usda_string(message_text(reflection->GetRepeatedMessage(estimates, field, i)))
                          : usda_number(reflection->GetRepeatedDouble(estimates, field, i));
       }
       add(messages ? "string[]" : "double[]", "[" + list + "]");
@@ -95,7 +82,7 @@ Result<v1::PhysicalParameters> read_estimates(const UsdaPrim& prim) {
       }
       for (const std::string& text : value->texts) {
         if (field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE ||
-            !read_json_text(text, *reflection->AddMessage(&estimates, field)))
+            !read_message_text(text, *reflection->AddMessage(&estimates, field)))
           return bad;
       }
       continue;

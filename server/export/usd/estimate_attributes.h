@@ -18,8 +18,4 @@ void write_estimates(const v1::PhysicalParameters& estimates, UsdaText& out);
 // Reads them; unknown attributes are left out. The error names the attribute.
 Result<v1::PhysicalParameters> read_estimates(const UsdaPrim& prim);
 
-// The JSON form of a message with the field names of its .proto file, and back. False: not such a form.
-std::string json_text(const google::protobuf::Message& message);
-bool read_json_text(const std::string& text, google::protobuf::Message& message);
-
 }  // namespace livegs

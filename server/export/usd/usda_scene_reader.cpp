@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/file.h"
+#include "export/model/message_text.h"
 #include "export/usd/estimate_attributes.h"
 #include "export/usd/usda_document.h"
 #include "export/usda_scene.h"
@@ -213,11 +214,11 @@ class StageReader {
       elastic.*one.value = *read;
     }
     const std::string accuracy = prim.text("livegs:elastic:accuracy");
-    if (!accuracy.empty() && !read_json_text(accuracy, elastic.accuracy))
+    if (!accuracy.empty() && !read_message_text(accuracy, elastic.accuracy))
       return bad(prim, "livegs:elastic:accuracy has no valid value");
     if (const UsdaValue* regions = prim.value("livegs:elastic:regions")) {
       for (const std::string& region : regions->texts) {
-        if (!read_json_text(region, elastic.regions.emplace_back()))
+        if (!read_message_text(region, elastic.regions.emplace_back()))
           return bad(prim, "livegs:elastic:regions has no valid value");
       }
     }

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // OpenUSD: pxr/usd/usdPhysics/schema.usda and pxr/usd/usdVol/schema.usda (ParticleField3DGaussianSplat).
-#include <google/protobuf/util/json_util.h>
-
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -9,6 +7,7 @@
 
 #include "core/file.h"
 #include "core/text/format_text.h"
+#include "export/model/message_text.h"
 #include "export/usd/estimate_attributes.h"
 #include "export/usd/usda_text.h"
 #include "export/usda_scene.h"
@@ -205,11 +204,11 @@ class StageWriter {
     for (const ElasticNumber& one : kElasticNumbers)
       out_.line(std::string("custom double livegs:elastic:") + one.name + " = " +
                 usda_number(elastic.*one.value));
-    out_.line("custom string livegs:elastic:accuracy = " + usda_string(json_text(elastic.accuracy)));
+    out_.line("custom string livegs:elastic:accuracy = " + usda_string(message_text(elastic.accuracy)));
     if (elastic.regions.empty()) return;
     std::string list;
     for (const v1::Region& region : elastic.regions)
-      list += (list.empty() ? "" : ", ") + usda_string(json_text(region));
+      list += (list.empty() ? "" : ", ") + usda_string(message_text(region));
     out_.line("custom string[] livegs:elastic:regions = [" + list + "]");
   }
 
