@@ -22,7 +22,7 @@
 #include "core/require_processor.h"
 #include "core/text/help_format.h"
 #include "device/choose_physics.h"
-#include "scene/build/object_cache.h"
+#include "scene/build/build_cache.h"
 #include "scene/scene.h"
 #include "service_notice.h"
 #include "session/access/server_security.h"
@@ -200,7 +200,7 @@ int run(const Options& options) {
   scene_options.substeps = options.substeps;
   scene_options.drop = options.drop;
   scene_options.wait_for_pieces = options.wait_for_client;
-  scene_options.cache = std::make_shared<ObjectCache>();
+  scene_options.cache = std::make_shared<BuildCache>();
   auto text = options.fresh ? new_scene(options.scene) : read_scene(options.scene, options.drop);
   if (!text) return report(text.error());
   if (auto fits = check_scene_memory(options.scene, options.clients); !fits) return report(fits.error());

@@ -19,7 +19,7 @@
 namespace livegs {
 
 struct ObjectFacts;  // analysis/estimate.h
-class ObjectCache;   // scene/build/object_cache.h
+class BuildCache;    // scene/build/build_cache.h
 struct BrokenAsset;  // scene/build/fragile_object.h
 
 // Fracture state of a fragile object.
@@ -80,7 +80,7 @@ struct SceneOptions {
   // Called after each object is built, before the whole scene is. Id and rest are not set. Any thread; calls
   // are serialised.
   std::function<void(const SceneObject&)> built;
-  std::shared_ptr<ObjectCache> cache;  // of built objects; null: everything is built
+  std::shared_ptr<BuildCache> cache;  // of built objects; null: everything is built
   // Simulates a recorded run again: cuts that load() did not wait for are applied by take_cuts() only.
   bool recorded_cuts = false;
 };

@@ -11,9 +11,9 @@
 #include "geometry/mesh/mesh_io.h"
 #include "geometry/reconstruct_surface.h"
 #include "physics/collision/collision_shape.h"
+#include "scene/build/build_cache.h"
 #include "scene/build/build_object.h"
 #include "scene/build/elastic_report.h"
-#include "scene/build/object_cache.h"
 #include "scene/check/check_object.h"
 #include "scene/check/joint_parts.h"
 #include "scene/check/sidecar_paths.h"
@@ -207,7 +207,7 @@ Result<PortableScene> collect_scene(const std::filesystem::path& path) {
   const v1::Scene& file = text->file;
   SceneOptions options;
   options.cut_fragile = false;
-  options.cache = std::make_shared<ObjectCache>();
+  options.cache = std::make_shared<BuildCache>();
   const auto running = Scene::load(path, options);
   if (!running) return running.error();
   const World& world = running->world();
@@ -225,8 +225,8 @@ Result<PortableScene> collect_scene(const std::filesystem::path& path) {
     const std::string name = object_name(object, static_cast<int>(i));
     // From the cache: the bodies of the scene above.
     built[i] =
-        options.cache->build(object, text->folder, static_cast<int>(i), "objects[" + std::to_string(i) + "]",
-                             world.settings(), {sidecars[i], nullptr});
+        build_cached_object(*options.cache, object, text->folder, static_cast<int>(i),
+                            "objects[" + std::to_string(i) + "]", world.settings(), {sidecars[i], nullptr});
     if (!*built[i]) return of_object(built[i]->error(), name);
     const SceneObject* drawn = running->find_in_file(name);
     if (!drawn) return Error{ErrorCode::Internal, shown_line(name) + ": is not in the scene that was built"};

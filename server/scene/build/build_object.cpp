@@ -27,6 +27,9 @@
 namespace livegs {
 namespace {
 
+// Memory of a contact shape, about: a distance field of a hundred thousand numbers.
+constexpr size_t kContactShapeBytes = 400'000;
+
 // Common result of the three forms of an object: asset, shape and list of points.
 struct Form {
   std::shared_ptr<const GaussianAsset> asset;
@@ -123,18 +126,41 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
   return form;
 }
 
+// The form of an asset is kept: with other physical parameters it is the same.
+Result<Form> cached_form(const v1::Object& object, const std::filesystem::path& folder, int index,
+                         const std::string& name, const std::string& field, BuildCache& cache) {
+  if (object.form_case() != v1::Object::kAsset) return form_of(object, folder, index, name, field);
+  v1::Object read;  // what the form of an asset depends on, with its name
+  read.set_asset(object.asset());
+  if (object.has_scale()) read.set_scale(object.scale());
+  if (object.has_assumed_scale()) read.set_assumed_scale(object.assumed_scale());
+  read.set_up(object.up());
+  read.set_standing(object.standing());
+  read.set_name(name);
+  const std::string key =
+      "form " + field + ' ' + read.SerializeAsString() + BuildCache::stamp_of(folder / object.asset());
+  return *cache.value<Result<Form>>(
+      key, [&] { return form_of(object, folder, index, name, field); },
+      [](const Result<Form>& form) {
+        return form ? BuildCache::kKernelBytes * form->asset->size() +
+                          sizeof(Eigen::Vector3d) * form->points_m.size()
+                    : size_t{1000};
+      });
+}
+
 // The volume of a list of points is the sum over its particles; the volume of other forms is enclosed by the
 // surface.
 ObjectFacts facts_of(const Form& form, const std::string& name, bool captured, const std::string& shape_key,
-                     FormMemo& forms) {
+                     BuildCache& cache) {
   ObjectFacts facts;
   facts.name = name;
   facts.scale_known = form.scale_known;
   facts.solid = !captured;
   facts.appearance = appearance_facts(*form.asset);
-  facts.mesh = shape_key.empty()
-                   ? mesh_facts(form.mesh)
-                   : *forms.value<MeshFacts>("facts " + shape_key, [&] { return mesh_facts(form.mesh); });
+  facts.mesh = shape_key.empty() ? mesh_facts(form.mesh)
+                                 : *cache.value<MeshFacts>(
+                                       "facts " + shape_key, [&] { return mesh_facts(form.mesh); },
+                                       [](const MeshFacts& known) { return sizeof known; });
   if (!form.particles.volumes_m3.empty()) {
     facts.mesh.volume_m3 = 0;
     for (double volume : form.particles.volumes_m3) facts.mesh.volume_m3 += volume;
@@ -285,10 +311,10 @@ std::string needs_elastic(const v1::Object& object, const Form& form) {
 
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field, const WorldSettings& settings,
-                                 const ObjectSidecar& sidecar, FormMemo* forms) {
+                                 const ObjectSidecar& sidecar, BuildCache* cache) {
   const int64_t started_ns = now_ns();
-  FormMemo own_forms;
-  if (!forms) forms = &own_forms;
+  BuildCache own_cache;
+  if (!cache) cache = &own_cache;
   const auto fail = [&](const Error& error) {
     return Error{error.code, error.message.starts_with(field) ? error.message : field + ": " + error.message};
   };
@@ -297,7 +323,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   // The analysis reads what an object is, and of what, from one phrase: "oak stool".
   const std::string identity = (object.material().empty() ? "" : object.material() + " ") +
                                (object.label().empty() ? name : object.label());
-  auto form = form_of(object, folder, index, identity, field);
+  auto form = cached_form(object, folder, index, identity, field, *cache);
   if (!form) return fail(form.error());
   double lowest_m = INFINITY;  // of the capture
   for (const Eigen::Vector3d& point : form->points_m) lowest_m = std::min(lowest_m, point.y());
@@ -310,7 +336,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   }
   // Shapes of equal measures have equal meshes, unless a base is cut off.
   const std::string shape_key = shape && !base ? object.shape().SerializeAsString() : "";
-  ObjectFacts facts = facts_of(*form, identity, object.form_case() == v1::Object::kAsset, shape_key, *forms);
+  ObjectFacts facts = facts_of(*form, identity, object.form_case() == v1::Object::kAsset, shape_key, *cache);
   const std::filesystem::path& kept_in = sidecar.path;
   v1::PhysicsFile kept;
   if (sidecar.replacement) {
@@ -431,10 +457,13 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
         char around[100];
         std::snprintf(around, sizeof around, "contact %a %a %a ", centre.x(), centre.y(), centre.z());
         const std::string key = around + shape_key;
-        body.shape = *forms->value<std::shared_ptr<const RigidShape>>(key, [&] {
-          prepare_body(body);
-          return body.shape;
-        });
+        body.shape = *cache->value<std::shared_ptr<const RigidShape>>(
+            key,
+            [&] {
+              prepare_body(body);
+              return body.shape;
+            },
+            [](const auto&) { return kContactShapeBytes; });
       }
       built.body = std::move(body);
     }

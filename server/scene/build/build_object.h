@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "livegs/v1/scene.pb.h"
 #include "physics/world.h"
-#include "scene/build/form_memo.h"
+#include "scene/build/build_cache.h"
 #include "scene/scene_object.h"
 
 namespace livegs {
@@ -41,12 +41,18 @@ struct ObjectSidecar {
 };
 
 // Builds an object from its asset, shape or points: surface, facts, parameters and body. No side effects
-// other than reading files and filling `forms`, so the objects of a scene are built in parallel. `index`
-// selects a colour for uncoloured objects. `field` names the object in errors. `settings` belong to the world
-// that the object is added to. `forms`: of shapes that were built before; null: none.
+// other than reading files and filling `cache` with surfaces and shapes, so the objects of a scene are built
+// in parallel. `index` selects a colour for uncoloured objects. `field` names the object in errors.
+// `settings` belong to the world that the object is added to. `cache`: of earlier builds; null: none.
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field, const WorldSettings& settings,
-                                 const ObjectSidecar& sidecar = {}, FormMemo* forms = nullptr);
+                                 const ObjectSidecar& sidecar = {}, BuildCache* cache = nullptr);
+// The same, or a copy of the object if it was built before: the key is its description without pose and
+// velocities, its sidecar, the world's settings, and size and time of its file.
+Result<BuiltObject> build_cached_object(BuildCache& cache, const v1::Object& object,
+                                        const std::filesystem::path& folder, int index,
+                                        const std::string& field, const WorldSettings& settings,
+                                        const ObjectSidecar& sidecar);
 // Sets pose, velocity and visibility to those of `object`, which build_object() does too. The rest of a built
 // object does not depend on them.
 void place_built(BuiltObject& built, const v1::Object& object);

@@ -14,7 +14,7 @@
 #include "geometry/surface/shape_mesh.h"
 #include "parts/labelled_room.h"
 #include "physics/mesh_collider.h"
-#include "scene/build/object_cache.h"
+#include "scene/build/build_cache.h"
 #include "scene/build/shape_asset.h"
 #include "scene/environment/environment_up.h"
 #include "scene/environment/interior_collider.h"
@@ -286,12 +286,16 @@ Result<BuiltEnvironment> make_environment(const v1::Environment& environment,
 std::string key_of(const v1::Environment& environment, const std::filesystem::path& folder) {
   std::string key = "environment " + environment.SerializeAsString() + '\n';
   for (const std::string* file : {&environment.asset(), &environment.labels()}) {
-    if (!file->empty()) key += ObjectCache::stamp_of(folder / *file);
+    if (!file->empty()) key += BuildCache::stamp_of(folder / *file);
   }
   for (const v1::Collider& collider : environment.colliders()) {
-    if (collider.shape_case() == v1::Collider::kMesh) key += ObjectCache::stamp_of(folder / collider.mesh());
+    if (collider.shape_case() == v1::Collider::kMesh) key += BuildCache::stamp_of(folder / collider.mesh());
   }
   return key;
+}
+
+size_t bytes_of(const BuiltEnvironment& built) {
+  return built.asset ? BuildCache::kKernelBytes * built.asset->size() : 0;
 }
 
 // The objects decide how a room is opened and how large a drawn floor is.
@@ -306,33 +310,33 @@ std::string key_of(std::span<const Standing> standing) {
 }  // namespace
 
 Result<std::shared_ptr<const BuiltEnvironment>> build_environment(
-    ObjectCache* cache, const v1::Environment& environment, const std::filesystem::path& folder,
+    BuildCache* cache, const v1::Environment& environment, const std::filesystem::path& folder,
     std::span<std::optional<Result<BuiltObject>>> built) {
   const std::vector<Standing> standing = standing_objects(built);
   const std::string key = cache ? key_of(environment, folder) + key_of(standing) : "";
-  auto made = cache ? std::static_pointer_cast<const BuiltEnvironment>(cache->value(key)) : nullptr;
+  auto made = cache ? cache->find<BuiltEnvironment>(key) : nullptr;
   if (!made) {
     auto fresh = make_environment(environment, folder, standing, built);
     if (!fresh) return fresh.error();
     made = std::make_shared<const BuiltEnvironment>(std::move(*fresh));
-    if (cache) cache->keep_value(key, made, made->asset ? made->asset->size() : 0);
+    if (cache) cache->keep(key, made, bytes_of(*made));
   }
   for (const auto& [collider, field] : made->solids)
     warn_of_stuck(made->colliders[collider], standing, field);
   return made;
 }
 
-void keep_environment(ObjectCache& cache, const v1::Environment& environment,
+void keep_environment(BuildCache& cache, const v1::Environment& environment,
                       const std::filesystem::path& folder, std::shared_ptr<const BuiltEnvironment> built) {
-  const size_t kernels = built->asset ? built->asset->size() : 0;
-  cache.keep_value(key_of(environment, folder), std::move(built), kernels);
+  const size_t bytes = bytes_of(*built);
+  cache.keep(key_of(environment, folder), std::move(built), bytes);
 }
 
-std::shared_ptr<const BuiltEnvironment> kept_environment(ObjectCache* cache,
+std::shared_ptr<const BuiltEnvironment> kept_environment(BuildCache* cache,
                                                          const v1::Environment& environment,
                                                          const std::filesystem::path& folder) {
   if (!cache) return nullptr;
-  return std::static_pointer_cast<const BuiltEnvironment>(cache->value(key_of(environment, folder)));
+  return cache->find<BuiltEnvironment>(key_of(environment, folder));
 }
 
 }  // namespace livegs

@@ -32,14 +32,14 @@ struct BuiltEnvironment {
 // captured room is opened around the objects in it (interior_collider.h). An object that still starts inside
 // a solid gets a warning. Precondition: all objects were built successfully. `cache`: as SceneOptions::cache.
 Result<std::shared_ptr<const BuiltEnvironment>> build_environment(
-    ObjectCache* cache, const v1::Environment& environment, const std::filesystem::path& folder,
+    BuildCache* cache, const v1::Environment& environment, const std::filesystem::path& folder,
     std::span<std::optional<Result<BuiltObject>>> built);
 
 // Hands an environment from the thread that builds it to the scene that takes it
 // (Scene::replace_environment).
-void keep_environment(ObjectCache& cache, const v1::Environment& environment,
+void keep_environment(BuildCache& cache, const v1::Environment& environment,
                       const std::filesystem::path& folder, std::shared_ptr<const BuiltEnvironment> built);
-std::shared_ptr<const BuiltEnvironment> kept_environment(ObjectCache* cache,
+std::shared_ptr<const BuiltEnvironment> kept_environment(BuildCache* cache,
                                                          const v1::Environment& environment,
                                                          const std::filesystem::path& folder);
 

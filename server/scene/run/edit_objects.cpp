@@ -13,8 +13,9 @@
 #include "livegs/v1/recording.pb.h"
 #include "physics/elastic/resolution/elastic_budget.h"
 #include "scene/build/add_joints.h"
+#include "scene/build/build_cache.h"
 #include "scene/build/build_object.h"
-#include "scene/build/object_cache.h"
+#include "scene/build/fragile_object.h"
 #include "scene/check/check_object.h"
 #include "scene/check/check_scene.h"
 #include "scene/check/joint_parts.h"
@@ -153,8 +154,9 @@ Result<void> Scene::edit(const v1::SceneChange::Edit& edit) {
   const ObjectSidecar sidecar{kept_in[static_cast<size_t>(index)], &edit.sidecar()};
   const std::string field = "objects[" + std::to_string(index) + "]";
   const WorldSettings& settings = world_->settings();
-  auto built = options_.cache ? options_.cache->build(after, folder_, index, field, settings, sidecar)
-                              : build_object(after, folder_, index, field, settings, sidecar);
+  auto built = options_.cache
+                   ? build_cached_object(*options_.cache, after, folder_, index, field, settings, sidecar)
+                   : build_object(after, folder_, index, field, settings, sidecar);
   if (!built) return built.error();
   if (auto* elastic = std::get_if<ElasticBodyDescription>(&built->body); elastic && !elastic->own_budget) {
     // What the others leave of the scene's budget, or an equal share of it.
@@ -227,9 +229,9 @@ Result<void> Scene::replace_environment(const v1::Environment& environment,
       const ObjectSidecar sidecar{kept_in[static_cast<size_t>(i)],
                                   known == sidecars.end() ? nullptr : known->second};
       built.emplace_back(
-          options_.cache
-              ? options_.cache->build(around.objects(i), folder_, i, field, world_->settings(), sidecar)
-              : build_object(around.objects(i), folder_, i, field, world_->settings(), sidecar));
+          options_.cache ? build_cached_object(*options_.cache, around.objects(i), folder_, i, field,
+                                               world_->settings(), sidecar)
+                         : build_object(around.objects(i), folder_, i, field, world_->settings(), sidecar));
       if (!*built.back()) return built.back()->error();
     }
     auto fresh = build_environment(options_.cache.get(), environment, folder_, built);

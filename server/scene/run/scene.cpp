@@ -12,11 +12,11 @@
 #include "geometry/surface/shape_mesh.h"
 #include "physics/elastic/resolution/elastic_budget.h"
 #include "scene/build/add_joints.h"
+#include "scene/build/build_cache.h"
 #include "scene/build/build_object.h"
 #include "scene/build/elastic_report.h"
 #include "scene/build/fracture_warning.h"
 #include "scene/build/fragile_object.h"
-#include "scene/build/object_cache.h"
 #include "scene/build/shape_asset.h"
 #include "scene/build/share_elastic_budget.h"
 #include "scene/check/check_object.h"
@@ -72,12 +72,12 @@ const v1::PhysicsFile* sidecar_of(const SceneOptions& options, const v1::Object&
   return found == options.sidecars->end() ? &kNone : &found->second;
 }
 
-Result<BuiltObject> build_cached(ObjectCache* cache, FormMemo& forms, const v1::Object& object,
-                                 const std::filesystem::path& folder, int index,
-                                 const WorldSettings& settings, const ObjectSidecar& sidecar) {
+Result<BuiltObject> build_one(BuildCache* cache, BuildCache& own, const v1::Object& object,
+                              const std::filesystem::path& folder, int index, const WorldSettings& settings,
+                              const ObjectSidecar& sidecar) {
   const std::string field = "objects[" + std::to_string(index) + "]";
-  return cache ? cache->build(object, folder, index, field, settings, sidecar)
-               : build_object(object, folder, index, field, settings, sidecar, &forms);
+  return cache ? build_cached_object(*cache, object, folder, index, field, settings, sidecar)
+               : build_object(object, folder, index, field, settings, sidecar, &own);
 }
 
 void log_built(const BuiltObject& built) {
@@ -87,6 +87,12 @@ void log_built(const BuiltObject& built) {
            v1::Physics::Behavior_Name(physics.behavior()).c_str(), physics.material().c_str(), drawn.mass_kg,
            built.build_ms, drawn.surface_note.empty() ? "" : "; ", drawn.surface_note.c_str());
 }
+
+// A cut and what its key has the addresses of.
+struct KeptCut {
+  FragileObject pieces;
+  std::vector<std::shared_ptr<const void>> inputs;
+};
 
 // Removes the numeric id that the World puts before its messages. The caller adds the object's name.
 std::string without_id(const std::string& message, uint32_t object_id) {
@@ -141,13 +147,13 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   const auto count = static_cast<size_t>(file.objects_size());
   const std::vector<std::filesystem::path> kept_in = sidecar_paths(file, folder, scene.name_);
   std::vector<std::optional<Result<BuiltObject>>> built(count);
-  FormMemo forms;      // of this scene, without a cache
+  BuildCache own;      // of this scene, without a cache
   std::mutex telling;  // serialises the calls of options.built
   parallel_for(count, 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const int index = static_cast<int>(i);
-      built[i] = build_cached(options.cache.get(), forms, file.objects(index), folder, index, *settings,
-                              {kept_in[i], sidecar_of(options, file.objects(index), index)});
+      built[i] = build_one(options.cache.get(), own, file.objects(index), folder, index, *settings,
+                           {kept_in[i], sidecar_of(options, file.objects(index), index)});
       if (!*built[i]) continue;
       log_built(**built[i]);
       if (!options.built) continue;
@@ -268,8 +274,8 @@ void Scene::begin_cut(const SceneObject& object) {
   if (cuttable.fine != cuttable.mesh) options.fine_mesh = cuttable.fine;
   std::erase_if(cutting_, [&](const FragileTask& task) { return task.object_id() == object.id; });
   const std::string& key = cut_keys_[object.id] = cut_key(object);
-  if (const auto before = options_.cache ? options_.cache->cut(key) : nullptr)
-    cutting_.emplace_back(object.id, *before);
+  if (const auto before = options_.cache ? options_.cache->find<KeptCut>(key) : nullptr)
+    cutting_.emplace_back(object.id, before->pieces);
   else
     cutting_.emplace_back(object.id, *cuttable.mesh, material.fill, object.asset, options);
 }
@@ -316,7 +322,10 @@ void Scene::finish_cut(FragileTask& task) {
   auto fragile = task.take();
   if (fragile && options_.cache) {
     const Cuttable& cuttable = cuttable_.at(object.id);
-    options_.cache->keep_cut(cut_keys_.at(object.id), *fragile, {cuttable.mesh, cuttable.fine, object.asset});
+    const auto kept =
+        std::make_shared<const KeptCut>(KeptCut{*fragile, {cuttable.mesh, cuttable.fine, object.asset}});
+    options_.cache->keep(cut_keys_.at(object.id), kept,
+                         BuildCache::kKernelBytes * fragile->broken->asset->size());
   }
   if (world_->revision(object.id) > 0) return;  // the object broke into its previous pieces
   const auto set = fragile ? world_->set_pieces(object.id, fragile->pieces) : Result<void>(fragile.error());

@@ -17,7 +17,8 @@
 #include "core/text/shown_text.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/asset_name.h"
-#include "scene/build/object_cache.h"
+#include "scene/build/build_cache.h"
+#include "scene/build/build_object.h"
 #include "scene/check/check_object.h"
 #include "scene/check/check_scene.h"
 #include "scene/check/sidecar_paths.h"
@@ -167,8 +168,8 @@ Result<BuiltObject> SceneAuthor::built(const v1::Scene& scene, int index, v1::Ph
     kept = std::move(*file);
   }
   const std::string field = "objects[" + std::to_string(index) + "]";
-  auto object = options_.cache->build(scene.objects(index), document_.folder(), index, field,
-                                      loop_.world_settings(), {path, &kept});
+  auto object = build_cached_object(*options_.cache, scene.objects(index), document_.folder(), index, field,
+                                    loop_.world_settings(), {path, &kept});
   if (sidecar) *sidecar = std::move(kept);
   if (!object) return of_object(object.error(), object_name(scene.objects(index), index));
   return object;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "livegs/v1/recording.pb.h"
-#include "scene/build/object_cache.h"
+#include "scene/build/build_cache.h"
 #include "scene/scene.h"
 #include "scratch_folder.h"
 
@@ -24,7 +24,7 @@ constexpr const char* kThree = R"({ "environment": { "colliders": [ { "plane": {
 
 class Edits : public ::testing::Test {
  protected:
-  Scene scene(std::shared_ptr<ObjectCache> cache = nullptr) {
+  Scene scene(std::shared_ptr<BuildCache> cache = nullptr) {
     SceneOptions options;
     options.cache = std::move(cache);
     auto built = Scene::load(folder_.write("three.scene.json", kThree), options);
@@ -138,7 +138,7 @@ TEST_F(Edits, ACarriedObjectPushesWhatItMeets) {
 }
 
 TEST_F(Edits, TheCacheGivesTheSameBits) {
-  const auto cache = std::make_shared<ObjectCache>();
+  const auto cache = std::make_shared<BuildCache>();
   Scene first = scene(cache), second = scene(cache), fresh = scene();
   for (Scene* one : {&first, &second, &fresh}) {
     ASSERT_TRUE(one->edit(moved(*one, 0, {1, 0.5, 0})));

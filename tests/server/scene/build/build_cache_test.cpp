@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/build/form_memo.h"
+#include "scene/build/build_cache.h"
 
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@ v1::Object object_of(const std::string& json) {
   return object;
 }
 
-RigidBodyDescription built(const std::string& json, FormMemo* forms) {
-  auto object = build_object(object_of(json), "", 0, "objects[0]", WorldSettings{}, {}, forms);
+RigidBodyDescription built(const std::string& json, BuildCache* cache) {
+  auto object = build_object(object_of(json), "", 0, "objects[0]", WorldSettings{}, {}, cache);
   EXPECT_TRUE(object) << object.error().message;
   return std::get<RigidBodyDescription>(object->body);
 }
@@ -28,26 +28,26 @@ std::string box(const std::string& name, double height_m, const std::string& mor
          R"(, 0.3]}}, "physics": {"behavior": "RIGID", "massKg": 2)" + more + "}}";
 }
 
-TEST(FormMemo, ObjectsOfEqualShapeShareTheirContactShape) {
-  FormMemo forms;
-  const RigidBodyDescription first = built(box("crate", 0.1), &forms);
-  const RigidBodyDescription second = built(box("parcel", 0.1), &forms);
-  const RigidBodyDescription other = built(box("crate", 0.11), &forms);
+TEST(BuildCache, ObjectsOfEqualShapeShareTheirContactShape) {
+  BuildCache cache;
+  const RigidBodyDescription first = built(box("crate", 0.1), &cache);
+  const RigidBodyDescription second = built(box("parcel", 0.1), &cache);
+  const RigidBodyDescription other = built(box("crate", 0.11), &cache);
   ASSERT_TRUE(first.shape);
   EXPECT_EQ(first.shape, second.shape);
   EXPECT_NE(first.shape, other.shape);
 }
 
 // What is shared is what each object would compute alone.
-TEST(FormMemo, SharedShapeIsThatOfTheObjectAlone) {
-  FormMemo forms;
+TEST(BuildCache, SharedShapeIsThatOfTheObjectAlone) {
+  BuildCache cache;
   for (const char* shape :
        {R"("box": {"sizeM": [0.2, 0.1, 0.3]})", R"("cylinder": {"radiusM": 0.1, "heightM": 0.3})",
         R"("capsule": {"radiusM": 0.1, "heightM": 0.4})"}) {
     const std::string json =
         std::string(R"({"name": "a", "shape": {)") + shape + R"(}, "physics": {"behavior": "RIGID"}})";
-    (void)built(json, &forms);
-    const RigidBodyDescription shared = built(json, &forms), alone = built(json, nullptr);
+    (void)built(json, &cache);
+    const RigidBodyDescription shared = built(json, &cache), alone = built(json, nullptr);
     ASSERT_TRUE(shared.shape && alone.shape);
     EXPECT_EQ(shared.shape->contact_points_m, alone.shape->contact_points_m);
     EXPECT_EQ(shared.shape->inner_radius_m, alone.shape->inner_radius_m);
@@ -56,15 +56,27 @@ TEST(FormMemo, SharedShapeIsThatOfTheObjectAlone) {
   }
 }
 
-TEST(FormMemo, HundredsOfShapesReplaceTheOldest) {
-  FormMemo forms;
+TEST(BuildCache, ValuesOverTheLimitReplaceThoseUnusedForLongest) {
+  BuildCache cache(30);
   int made = 0;
-  const auto value = [&](int key) { return *forms.value<int>(std::to_string(key), [&] { return ++made; }); };
-  for (int i = 0; i < 300; ++i) value(i);
-  EXPECT_EQ(value(299), 300);
-  EXPECT_EQ(made, 300);
-  value(0);
-  EXPECT_EQ(made, 301);
+  const auto value = [&](int key) {
+    return *cache.value<int>(
+        std::to_string(key), [&] { return ++made; }, [](int) { return size_t{10}; });
+  };
+  for (const int key : {1, 2, 3}) value(key);
+  EXPECT_EQ(value(1), 1);  // now 2 is unused for longest
+  EXPECT_EQ(value(4), 4);
+  EXPECT_EQ(value(1), 1);
+  EXPECT_EQ(value(3), 3);
+  EXPECT_EQ(value(2), 5);
+}
+
+TEST(BuildCache, AValueLargerThanTheLimitIsKeptAlone) {
+  BuildCache cache(30);
+  cache.keep("small", std::make_shared<const int>(1), 10);
+  cache.keep("large", std::make_shared<const int>(2), 100);
+  EXPECT_FALSE(cache.find<int>("small"));
+  EXPECT_EQ(*cache.find<int>("large"), 2);
 }
 
 }  // namespace
