@@ -22,6 +22,10 @@ constexpr double kFreeShare = 0.05;
 // the step, and below this part of a cell, or after this number of iterations.
 constexpr double kHeldResidual = 1e-3, kHeldTolerance = 1e-7;
 constexpr int kMaxHoldIterations = 40;
+// Least singular value of the held particles' weights, over the root of the masses, that is held in full,
+// relative to the largest. Below it nodes would move far for a small change of the particles, and a body at
+// rest would gain energy. Smaller: thin bodies become unstable. Larger: moved particles lag.
+constexpr double kMinHeldSingularValue = 0.03;
 
 bool holds(const BodyRegion& region) { return region.fixed || region.motion.has_value(); }
 
@@ -207,10 +211,10 @@ void CellsBody::number_held_nodes(ConstrainedRegion& held) const {
   }
 }
 
-// Least squares of W d = r with the least sum of m d² by conjugate gradients on B = W M^-1/2 (CGLS; Björck
-// 1996, Numerical methods for least squares problems, 7.4), with r the distances to the targets, W the
-// weights of the particles and d the changes of their nodes. The particles can be more than the free nodes;
-// their targets agree, because motions are affine in each cell.
+// Regularised least squares |W d - r|² + l² sum of m d² (Tikhonov) by conjugate gradients on B = W M^-1/2
+// (CGLS; Björck 1996, Numerical methods for least squares problems, 7.4), with r the distances to the
+// targets, W the weights of the particles and d the changes of their nodes. The particles can be more than
+// the free nodes; their targets agree, because motions are affine in each cell.
 void CellsBody::hold_particles(double time_s) {
   for (const ConstrainedRegion& held : holding_.regions) {
     const size_t count = held.particles.size(), node_count = held.particle_nodes.size();
@@ -225,7 +229,15 @@ void CellsBody::hold_particles(double time_s) {
           region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.corrected_m(held.particles[i]);
       square += residual[i].squaredNorm();
     }
-    const auto set_gradient = [&] {  // B^T r
+    double largest = 0.0;  // square of the largest row of B, about that of the largest singular value
+    for (size_t i = 0; i < count; ++i) {
+      double row = 0.0;
+      for (int c = 0; c < 8; ++c)
+        row += std::pow(held.particles[i].weights[c] * roots[held.numbers[i][c]], 2);
+      largest = std::max(largest, row);
+    }
+    const double damping = kMinHeldSingularValue * kMinHeldSingularValue * largest;  // l²
+    const auto set_gradient = [&] {                                                  // B^T r - l² M^1/2 d
       std::fill(gradient.begin(), gradient.end(), Vector3d::Zero());
       for (size_t i = 0; i < count; ++i) {
         for (int c = 0; c < 8; ++c)
@@ -233,7 +245,7 @@ void CellsBody::hold_particles(double time_s) {
       }
       double sum = 0.0;
       for (size_t n = 0; n < node_count; ++n) {
-        gradient[n] *= roots[n];
+        gradient[n] = roots[n] * gradient[n] - damping * change[n];
         sum += gradient[n].squaredNorm();
       }
       return sum;
@@ -253,6 +265,7 @@ void CellsBody::hold_particles(double time_s) {
         }
         length += image[i].squaredNorm();
       }
+      for (size_t n = 0; n < node_count; ++n) length += damping * direction[n].squaredNorm();
       if (!(length > 0.0)) break;
       const double step = slope / length, before = slope;
       square = 0.0;
