@@ -19,6 +19,7 @@ void add_train(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_segment(CLI::App& app, int& exit_code);
 void add_mesh(CLI::App& app, int& exit_code);
+void add_fit(CLI::App& app, int& exit_code);
 void add_fracture(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_analyze(CLI::App& app, int& exit_code);

@@ -77,6 +77,7 @@ int main(int argc, char** argv) {
   livegs::add_fracture(app, exit_code);
   livegs::add_simulate(app, exit_code);
   livegs::add_analyze(app, exit_code);
+  livegs::add_fit(app, exit_code);
   livegs::add_chart(app, exit_code);
   livegs::add_export(app, exit_code);
   livegs::add_ctl(app, exit_code);

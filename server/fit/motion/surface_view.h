@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "scene/scene.h"
+#include "splat/camera.h"
+#include "splat/kernel_view.h"
+
+namespace livegs {
+
+// A material point on the surface of an object, in the frame of its asset at rest.
+struct TrackedPoint {
+  std::string object;
+  Eigen::Vector3f asset_point;
+};
+
+// The surface points that the pixels of a camera show, for a scene as it is now. The scene is not kept.
+class SurfaceView {
+ public:
+  // `objects`: names of objects of the scene; others only cover them.
+  static Result<SurfaceView> of(const Scene& scene, const Camera& camera,
+                                std::span<const std::string> objects);
+
+  // One entry per pixel: 255 where the object is seen and no rim is within `rim_px` pixels, else 0.
+  std::vector<uint8_t> mask(const std::string& object, int rim_px) const;
+  // The point that a position in the picture shows. nullopt: it is outside, or shows none of the objects.
+  std::optional<TrackedPoint> at(const Eigen::Vector2d& px) const;
+
+ private:
+  // Per pixel of one object: the surface point as an index into `points`, or -1.
+  struct Seen {
+    KernelView view;
+    std::vector<Eigen::Vector3f> positions_m, rest_points;  // of its kernels: posed, and in the asset
+    std::vector<Eigen::Matrix3f> asset_from_world;          // rotation and stretch of each kernel, inverted
+  };
+  Camera camera_;
+  std::map<uint32_t, std::string> names_;
+  std::map<uint32_t, Seen> seen_;
+  std::vector<uint32_t> object_id_;  // per pixel
+};
+
+}  // namespace livegs

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fit/fit_quantity.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace livegs {
+namespace {
+
+// Standard deviation of the logarithm of a value that is asked for, before the video: a factor of thirty.
+// Less pulls the result to the estimate, more has no effect.
+const double kAskedSd = std::log(30.0);
+// That of a mass which is asked for although the scene file states it: a factor of two.
+const double kStatedMassSd = std::log(2.0);
+// A range narrower than this, as a standard deviation of the logarithm, is exact: 1 %.
+constexpr double kExactSd = 0.01;
+
+double sd_of(const v1::EstimatedValue& value) {
+  if (!(value.low() > 0) || !(value.high() > value.low())) return 0;
+  return 0.5 * std::log(value.high() / value.low()) / kHalfRange_sd;
+}
+
+}  // namespace
+
+std::string source_name(const v1::EstimatedValue& value) {
+  switch (value.source()) {
+    case v1::EstimatedValue::SCENE:
+      return "scene file";
+    case v1::EstimatedValue::PERSON:
+      return "edit";
+    case v1::EstimatedValue::MODEL:
+      return "answer of a model";
+    case v1::EstimatedValue::DEFAULT:
+      return "default";
+    default:
+      return "offline estimate";
+  }
+}
+
+std::optional<FitQuantity> fit_quantity(std::string_view name) {
+  for (const FitQuantityName& one : kFitQuantities)
+    if (name == one.name) return one.quantity;
+  return std::nullopt;
+}
+
+Result<std::vector<FitParameter>> fit_parameters(const SceneObject& object,
+                                                 std::span<const FitQuantity> asked) {
+  const v1::PhysicalParameters& physics = object.physics;
+  const bool elastic = physics.behavior() == v1::Physics::ELASTIC;
+  std::vector<FitQuantity> quantities(asked.begin(), asked.end());
+  if (quantities.empty()) {
+    quantities = elastic ? std::vector{FitQuantity::YoungsModulus, FitQuantity::Damping}
+                         : std::vector{FitQuantity::Friction, FitQuantity::Restitution};
+  }
+  if (physics.behavior() == v1::Physics::STATIC)
+    return invalid_argument(object.name + ": does not move; name an object that does");
+  std::vector<FitParameter> parameters;
+  const auto add = [&](FitQuantity quantity, const v1::EstimatedValue& value, bool is_asked, double before,
+                       double sd, double lowest, double highest) {
+    parameters.push_back({object.name, quantity, is_asked, std::clamp(before, lowest, highest), sd,
+                          source_name(value), lowest, highest});
+  };
+  bool mass = false;
+  for (const FitQuantity quantity : quantities) {
+    const bool of_lattice = quantity == FitQuantity::YoungsModulus || quantity == FitQuantity::Damping;
+    if (of_lattice && !elastic)
+      return invalid_argument(object.name + ": is rigid and has no " + names_of(quantity).name +
+                              "; find friction or restitution, or set its behavior to ELASTIC");
+    switch (quantity) {
+      case FitQuantity::YoungsModulus:
+        add(quantity, physics.youngs_modulus_pa(), true,
+            physics.structure_coefficient().best() * physics.youngs_modulus_pa().best(), kAskedSd, 10, 1e11);
+        break;
+      case FitQuantity::Damping:
+        add(quantity, physics.damping(), true, physics.damping().best(), kAskedSd, 1e-3, 2);
+        break;
+      case FitQuantity::Friction:
+        add(quantity, physics.friction(), true, physics.friction().best(), kAskedSd, 0.01, 2);
+        break;
+      case FitQuantity::Restitution:
+        add(quantity, physics.restitution(), true, physics.restitution().best(), kAskedSd, 0.01, 1);
+        break;
+      case FitQuantity::Mass: {
+        mass = true;
+        const double sd = sd_of(physics.mass_kg());
+        add(quantity, physics.mass_kg(), true, object.mass_kg, sd > kExactSd ? sd : kStatedMassSd,
+            1e-3 * object.mass_kg, 1e3 * object.mass_kg);
+        break;
+      }
+    }
+  }
+  if (const double sd = sd_of(physics.mass_kg()); elastic && !mass && sd > kExactSd)
+    add(FitQuantity::Mass, physics.mass_kg(), false, object.mass_kg, sd, 1e-3 * object.mass_kg,
+        1e3 * object.mass_kg);
+  return parameters;
+}
+
+void set_quantity(v1::Object& object, FitQuantity quantity, double value) {
+  v1::Physics& physics = *object.mutable_physics();
+  switch (quantity) {
+    case FitQuantity::YoungsModulus:
+      physics.clear_deformation_resistance();
+      physics.clear_structure_coefficient();
+      physics.set_youngs_modulus_pa(value);
+      break;
+    case FitQuantity::Damping:
+      physics.set_damping(value);
+      break;
+    case FitQuantity::Mass:
+      physics.clear_density_kg_m3();
+      physics.set_mass_kg(value);
+      break;
+    case FitQuantity::Friction:
+      physics.set_friction(value);
+      break;
+    case FitQuantity::Restitution:
+      physics.set_restitution(value);
+      break;
+  }
+}
+
+}  // namespace livegs
