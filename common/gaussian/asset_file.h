@@ -46,9 +46,9 @@ Result<AssetFile> read_asset(const std::filesystem::path& path, const ReadOption
 Result<AssetFile> decode_asset(std::span<const std::byte> bytes, std::string_view name,
                                const ReadOptions& options = {});
 
-// The up axis that a file names, from its head alone; empty if it names none or cannot be read. Only .ply
-// names axes: assets of other formats are read as -y up.
-std::string named_up_axis(const std::filesystem::path& path);
+// What a file says of its axes and its unit. Of a .ply the head is read; other files are read whole. Without
+// an origin. A file that cannot be read says nothing.
+AssetFrame named_frame(const std::filesystem::path& path);
 
 struct SpzOptions {
   int version = 3;           // 2, 3 (gzip) or 4 (zstd)

@@ -112,23 +112,29 @@ Result<AssetFile> read_asset(const std::filesystem::path& path, const ReadOption
       path.string());
 }
 
-std::string named_up_axis(const std::filesystem::path& path) {
+AssetFrame named_frame(const std::filesystem::path& path) {
   std::string head;
   std::ifstream file(path, std::ios::binary);
   for (std::string line; head.size() < kMaxHeadBytes && std::getline(file, line);) {
     head += line + "\n";
-    if (line.starts_with("end_header")) break;
+    if (!head.starts_with("ply") || line.starts_with("end_header")) break;
   }
-  AssetFile read;
-  if (!head.starts_with("ply")) return "";
+  if (!head.starts_with("ply")) {
+    auto whole = read_asset(path);
+    AssetFrame frame = whole ? std::move(whole->frame) : AssetFrame{};
+    frame.origin.setZero();
+    return frame;
+  }
+  AssetFrame frame;
   for (size_t at = 0; at < head.size();) {
     const size_t end = std::min(head.find('\n', at), head.size());
     const std::string_view line = std::string_view(head).substr(at, end - at);
     constexpr std::string_view kComment = "comment ";
-    if (line.starts_with(kComment)) read_frame_line(line.substr(kComment.size()), read.frame);
+    if (line.starts_with(kComment)) read_frame_line(line.substr(kComment.size()), frame);
     at = end + 1;
   }
-  return read.frame.up_axis;
+  frame.origin.setZero();
+  return frame;
 }
 
 Result<void> write_asset(const std::filesystem::path& path, const GaussianAsset& asset,

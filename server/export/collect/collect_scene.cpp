@@ -175,10 +175,8 @@ void add_surroundings(const v1::Environment& file, const std::filesystem::path& 
       if (!mesh) continue;  // it was read a moment ago
       shape = shape_of(std::move(*mesh), false);
     } else {
-      scene.notes.push_back(
-          "environment.asset: its collider is a distance field and is not written; add colliders to the "
-          "scene, such as a plane for the floor");
-      continue;
+      shape.kind = Kind::Mesh;
+      shape.mesh = built.asset_surface;
     }
     shape.owner_from_shape = collider.world_from_collider;
     shape.friction = collider.friction;

@@ -16,7 +16,7 @@
 #include "physics/mesh_collider.h"
 #include "scene/build/build_cache.h"
 #include "scene/build/shape_asset.h"
-#include "scene/environment/environment_up.h"
+#include "scene/environment/environment_frame.h"
 #include "scene/environment/interior_collider.h"
 #include "scene/values/scene_values.h"
 
@@ -222,17 +222,21 @@ Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObjec
 
 namespace {
 
-// The asset without the things that were taken out of it.
-Result<GaussianAsset> drawn_room(const v1::Environment& environment, const std::filesystem::path& folder) {
+// The asset without the things that were taken out of it, with its axis and unit.
+struct DrawnRoom {
+  GaussianAsset asset;
+  AssetFrame frame;
+};
+Result<DrawnRoom> drawn_room(const v1::Environment& environment, const std::filesystem::path& folder) {
   if (environment.taken_size() == 0) {
     auto file = read_asset(folder / environment.asset());
     if (!file) return Error{file.error().code, "environment.asset: " + file.error().message};
-    return std::move(file->asset);
+    return DrawnRoom{std::move(file->asset), environment_frame(environment, std::move(file->frame))};
   }
   auto room = read_labelled_room(folder / environment.labels());
   if (!room) return Error{room.error().code, "environment.labels: " + room.error().message};
   const std::vector<uint32_t> taken(environment.taken().begin(), environment.taken().end());
-  return room_without(*room, taken);
+  return DrawnRoom{room_without(*room, taken), environment_frame(environment, folder)};
 }
 
 Result<BuiltEnvironment> make_environment(const v1::Environment& environment,
@@ -257,12 +261,12 @@ Result<BuiltEnvironment> make_environment(const v1::Environment& environment,
   if (!room) return room.error();
   auto pose = pose_value(environment.pose(), "environment.pose");
   if (!pose) return pose.error();
-  auto rotation = up_value(environment_up(environment, folder), "environment.up");
+  auto rotation = up_value(room->frame.up_axis, "environment.up");
   if (!rotation) return rotation.error();
   result.world_from_object = *pose;
   result.object_from_asset.rotation = *rotation;
-  if (environment.has_scale()) result.object_from_asset.scale = environment.scale();
-  auto asset = std::make_shared<GaussianAsset>(std::move(*room));
+  result.object_from_asset.scale = room->frame.metres_per_unit;
+  auto asset = std::make_shared<GaussianAsset>(std::move(room->asset));
   if (environment.collide()) {
     const auto stuck = [&](const FieldShape& shape) {
       std::vector<Eigen::Vector3d> places;
@@ -271,11 +275,12 @@ Result<BuiltEnvironment> make_environment(const v1::Environment& environment,
       }
       return places;
     };
-    auto shape = interior_collider(body_points(*asset, result.object_from_asset),
-                                   pose->orientation.conjugate() * Eigen::Vector3d::UnitY(), stuck);
-    if (!shape) return Error{shape.error().code, "environment.asset: " + shape.error().message};
+    auto interior = interior_collider(body_points(*asset, result.object_from_asset),
+                                      pose->orientation.conjugate() * Eigen::Vector3d::UnitY(), stuck);
+    if (!interior) return Error{interior.error().code, "environment.asset: " + interior.error().message};
     result.solids.emplace_back(result.colliders.size(), "environment.asset");
-    result.colliders.push_back({std::move(*shape), *pose});
+    result.colliders.push_back({std::move(interior->shape), *pose});
+    result.asset_surface = std::make_shared<const TriangleMesh>(std::move(interior->surface));
   }
   log_info("environment: %zu kernels%s", asset->size(), environment.collide() ? ", collides" : "");
   result.asset = std::move(asset);

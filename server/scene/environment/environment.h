@@ -12,6 +12,7 @@
 
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
+#include "geometry/triangle_mesh.h"
 #include "livegs/v1/scene.pb.h"
 #include "physics/collider.h"
 #include "scene/build/build_object.h"
@@ -21,7 +22,9 @@ namespace livegs {
 // The surroundings of a scene: colliders and an asset to draw. If the file names no asset, the colliders are
 // drawn: a tiled floor for a level plane, boxes and spheres as given.
 struct BuiltEnvironment {
-  std::vector<Collider> colliders;
+  std::vector<Collider> colliders;  // those of the file, then that of the asset if it collides
+  // The surface of the asset's collider, metres, object frame; null if the asset does not collide.
+  std::shared_ptr<const TriangleMesh> asset_surface;
   std::shared_ptr<const GaussianAsset> asset;  // null if there is nothing to draw
   Similarity object_from_asset;
   Pose world_from_object;

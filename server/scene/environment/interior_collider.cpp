@@ -85,20 +85,20 @@ double cut_height(std::span<const Vector3d> points_m, const Vector3d& up, double
 
 }  // namespace
 
-Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const Vector3d& up,
-                                     const EmbeddedObjects& stuck) {
+Result<InteriorCollider> interior_collider(std::span<const Vector3d> points_m, const Vector3d& up,
+                                           const EmbeddedObjects& stuck) {
   SurfaceOptions options = elastic_surface_options();
   options.close_leaks = false;
   auto surface = reconstruct_surface(points_m, options);
   if (!surface) return surface.error();
-  FieldShape shape = mesh_collider(surface->mesh);
+  InteriorCollider room{mesh_collider(surface->mesh), surface->mesh};
   const double radius_m = surface->alpha_radius_m;
-  if (!(radius_m > 0.0)) return shape;  // a convex hull or box was used instead
+  if (!(radius_m > 0.0)) return room;  // a convex hull or box was used instead
   std::vector<double> cuts_m;
-  std::vector<Vector3d> places = stuck(shape);
+  std::vector<Vector3d> places = stuck(room.shape);
   for (size_t next = 0, tried = 0; next < places.size() && tried < kMaxCuts; ++tried) {
     std::vector<double> more_m = cuts_m;
-    more_m.push_back(cut_height(points_m, up, radius_m, shape, places[next]));
+    more_m.push_back(cut_height(points_m, up, radius_m, room.shape, places[next]));
     std::sort(more_m.begin(), more_m.end());
     auto open = cut_surface(points_m, up, radius_m, more_m);
     if (!open) return open.error();
@@ -108,14 +108,14 @@ Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const V
       ++next;
       continue;
     }
-    shape = std::move(opened);
+    room = {std::move(opened), std::move(*open)};
     cuts_m = std::move(more_m);
     places = std::move(left);
     next = 0;
   }
   if (!cuts_m.empty())
     log_info("environment: closed room opened around the objects in it, %zu cuts", cuts_m.size());
-  return shape;
+  return room;
 }
 
 }  // namespace livegs

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "geometry/triangle_mesh.h"
 #include "physics/collider.h"
 
 namespace livegs {
@@ -19,8 +20,12 @@ namespace livegs {
 //   walls, floor, ceiling and furniture.
 // - A cut that frees no object is discarded. At most four cuts are tried.
 // `up` is a unit vector in the frame of the points.
+struct InteriorCollider {
+  FieldShape shape;
+  TriangleMesh surface;  // of the solid: closed parts that may overlap, metres, frame of the points
+};
 using EmbeddedObjects = std::function<std::vector<Eigen::Vector3d>(const FieldShape&)>;
-Result<FieldShape> interior_collider(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& up,
-                                     const EmbeddedObjects& stuck);
+Result<InteriorCollider> interior_collider(std::span<const Eigen::Vector3d> points_m,
+                                           const Eigen::Vector3d& up, const EmbeddedObjects& stuck);
 
 }  // namespace livegs

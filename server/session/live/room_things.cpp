@@ -15,7 +15,8 @@
 #include "parts/click/kernel_on_ray.h"
 #include "parts/graph/kernel_tree.h"
 #include "parts/room_parts.h"
-#include "scene/environment/environment_up.h"
+#include "scene/build/build_cache.h"
+#include "scene/environment/environment_frame.h"
 #include "scene/values/scene_values.h"
 #include "session/support/redact_paths.h"
 
@@ -41,11 +42,11 @@ struct Placed {
   }
 };
 
-Placed placed(const v1::Environment& environment, const std::filesystem::path& folder) {
+Placed placed(const v1::Environment& environment, const AssetFrame& frame) {
   Placed at;
   at.world_from_object = pose_value(environment.pose(), "environment.pose").value();  // checked
-  at.rotation = up_value(environment_up(environment, folder), "environment.up").value();
-  if (environment.has_scale()) at.scale = environment.scale();
+  at.rotation = up_value(frame.up_axis, "environment.up").value();
+  at.scale = frame.metres_per_unit;
   return at;
 }
 
@@ -129,7 +130,8 @@ void RoomThings::search(std::stop_token stop, const v1::Environment& environment
   };
   const auto end = [&](LabelledRoom found) {
     auto graph = std::make_shared<KernelGraph>(
-        found.asset, joined_labels(found), placed(environment, folder_).asset_direction(Vector3d::UnitY()));
+        found.asset, joined_labels(found),
+        placed(environment, frame_of(environment)).asset_direction(Vector3d::UnitY()));
     auto room = std::make_shared<Room>(room_of(std::move(found), labels, std::move(graph)));
     log_info("room: %zu things can be taken", room->things.size());
     if (room->things.empty()) return fail("no thing was found that stands apart; nothing can be taken");
@@ -143,7 +145,7 @@ void RoomThings::search(std::stop_token stop, const v1::Environment& environment
   }
   auto file = read_asset(folder_ / environment.asset());
   if (!file) return fail(file.error().message);
-  const Placed at = placed(environment, folder_);
+  const Placed at = placed(environment, frame_of(environment));
   PartsOptions options;
   options.up = at.asset_direction(Vector3d::UnitY());
   options.stop = stop;
@@ -161,6 +163,16 @@ void RoomThings::search(std::stop_token stop, const v1::Environment& environment
     solids_ = room_solids(*found, options.up);
   }
   end(std::move(room));
+}
+
+AssetFrame RoomThings::frame_of(const v1::Environment& environment) const {
+  const std::string stamp = BuildCache::stamp_of(folder_ / environment.asset());
+  std::lock_guard lock(frame_mutex_);
+  if (stamp != frame_stamp_) {
+    named_frame_ = named_frame(folder_ / environment.asset());
+    frame_stamp_ = stamp;
+  }
+  return environment_frame(environment, named_frame_);
 }
 
 v1::RoomParts RoomThings::describe(const v1::Environment& environment) {
@@ -199,7 +211,7 @@ v1::RoomParts RoomThings::describe(const v1::Environment& environment) {
   }
   message.set_state(v1::RoomParts::READY);
   message.set_progress(1.0);
-  const Placed at = placed(environment, folder_);
+  const Placed at = placed(environment, frame_of(environment));
   for (const auto& [label, thing] : known->second->things) {
     v1::RoomParts::Part& part = *message.add_parts();
     const Eigen::AlignedBox3d box = world_box(at, thing.bounds);
@@ -235,7 +247,7 @@ Result<RoomThings::Thing> RoomThings::under(const v1::TakePartRequest& request,
   if (request.rays_size() < 1 || request.rays_size() > kMaxRays)
     return invalid_argument("rays: give 1 to 32");
   const Shown& seen = shown(room, environment);
-  const Placed at = placed(environment, folder_);
+  const Placed at = placed(environment, frame_of(environment));
   const auto own_label = [&](uint32_t kernel) {
     const uint16_t label = room->labelled.label[kernel];
     return kind_of(label) == KernelKind::Own ? label : uint16_t{0};
@@ -349,7 +361,7 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
   }
   GaussianAsset asset = thing_alone(room->labelled, label);
   if (asset.size() == 0) return not_found("room: the thing has no kernels; take another");
-  const Placed at = placed(environment, folder_);
+  const Placed at = placed(environment, frame_of(environment));
   // The object's frame is at the middle of the thing's bottom.
   const Vector3d up = at.asset_direction(Vector3d::UnitY());
   const Eigen::AlignedBox3d& box = room->things.at(label).bounds;
@@ -377,7 +389,7 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
   v1::Object& object = taken.object;
   object.set_asset(file);
   object.set_scale(at.scale);
-  object.set_up(environment_up(environment, folder_));
+  object.set_up(frame_of(environment).up_axis);
   *object.mutable_pose() = environment.pose();
   set_numbers(*object.mutable_pose()->mutable_position_m(), at.world(origin));
   object.set_standing(true);
@@ -386,7 +398,7 @@ Result<RoomThings::Taken> RoomThings::take(const Thing& thing, const v1::Environ
 }
 
 v1::Collider RoomThings::box_around(const Known& thing, const v1::Environment& environment) const {
-  const Placed at = placed(environment, folder_);
+  const Placed at = placed(environment, frame_of(environment));
   v1::Collider collider;
   set_numbers(*collider.mutable_box()->mutable_size_m(), at.scale * thing.bounds.sizes());
   set_pose(*collider.mutable_pose(), at.world(thing.bounds.center()),
@@ -402,7 +414,7 @@ void RoomThings::collide(const Room& room, v1::Environment& environment) const {
   const bool own = environment.colliders_size() > 0 && !environment.collide();
   if (own || solids.empty()) return;
   environment.clear_collide();
-  const Placed at = placed(environment, folder_);
+  const Placed at = placed(environment, frame_of(environment));
   const Eigen::Quaterniond world_from_asset = at.world_from_object.orientation * at.rotation;
   for (const RoomSolid& solid : solids) {
     v1::Collider& collider = *environment.add_colliders();

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "gaussian/asset_frame.h"
 #include "livegs/v1/author.pb.h"
 #include "livegs/v1/scene.pb.h"
 #include "parts/click/kernel_graph.h"
@@ -82,10 +83,16 @@ class RoomThings {
   v1::Collider box_around(const Known& thing, const v1::Environment& environment) const;
   const Shown& shown(std::shared_ptr<const Room> room, const v1::Environment& environment);
 
+  // Axis and unit of the room (environment_frame.h). The file is read when it changes. Any thread.
+  AssetFrame frame_of(const v1::Environment& environment) const;
+
   const std::filesystem::path folder_;
-  std::mutex starting_;       // guards thread_; taken before mutex_
-  mutable std::mutex mutex_;  // guards what follows, up to failed_
-  std::string asset_;         // of the rooms
+  mutable std::mutex frame_mutex_;  // guards the next two
+  mutable std::string frame_stamp_;
+  mutable AssetFrame named_frame_;  // of the asset
+  std::mutex starting_;             // guards thread_; taken before mutex_
+  mutable std::mutex mutex_;        // guards what follows, up to failed_
+  std::string asset_;               // of the rooms
   // By file of labels; "" has what a search found.
   std::map<std::string, std::shared_ptr<const Room>> rooms_;
   std::vector<RoomSolid> solids_;         // of the search; empty before it

@@ -7,7 +7,11 @@
 #include "export/collect_scene.h"
 #include "export/gltf_scene.h"
 #include "export/usda_scene.h"
+#include "gaussian/asset_file.h"
+#include "geometry/surface/shape_mesh.h"
+#include "scene/build/shape_asset.h"
 #include "scene/scene.h"
+#include "scratch_folder.h"
 #include "server/export/gltf_structure.h"
 #include "server/export/made_up_scene.h"
 #include "server/export/scene_difference.h"
@@ -126,6 +130,43 @@ TEST(CollectScene, ValuesAreThoseOfTheBodies) {
   EXPECT_FALSE(scene->joints[0].other);
   ASSERT_TRUE(scene->joints[2].other);
   EXPECT_EQ(scene->bodies[*scene->joints[2].other].name, "link");
+}
+
+// A captured room that collides: the box of 4 x 2.5 x 4 m around its objects is a contact surface.
+TEST(CollectScene, CapturedRoomIsAContactSurface) {
+  const Vector3d size_m(4, 2.5, 4), shift_m(1, 0, 0);
+  TriangleMesh box = box_mesh(size_m);
+  for (Vector3d& vertex : box.vertices_m) vertex.y() += 0.5 * size_m.y();
+  const ScratchFolder folder;
+  ASSERT_TRUE(write_asset(folder / "room.ply", mesh_asset(box, {0.7f, 0.7f, 0.6f}, 30000)));
+  const auto scene = collect_scene(folder.write("room.scene.json", R"({
+    "environment": { "asset": "room.ply", "up": "+y", "collide": true, "pose": { "position_m": [1, 0, 0] } },
+    "objects": [ { "name": "ball", "shape": { "sphere": { "radius_m": 0.1 } },
+      "pose": { "position_m": [1.5, 0.1, 0.3] }, "physics": { "behavior": "RIGID", "mass_kg": 1 } } ] })"));
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_TRUE(scene->notes.empty());
+  ASSERT_EQ(scene->fixed.size(), 1u);
+  const PortableShape& room = scene->fixed[0];
+  ASSERT_EQ(room.kind, PortableShape::Kind::Mesh);
+  EXPECT_FALSE(room.convex);
+  EXPECT_EQ(room.owner_from_shape.position_m, shift_m);
+  ASSERT_TRUE(room.mesh);
+  // The surface has an outside, at the kernels, and an inside, which is hollow around the ball: rays along
+  // the axes leave the ball's centre through a wall at the distance of the room's sides.
+  const Vector3d centre_m = Vector3d(1.5, 0.1, 0.3) - shift_m;
+  Vector3d low = Vector3d::Constant(-1e9), high = -low;
+  for (const Vector3d& vertex : room.mesh->vertices_m) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d off = vertex - centre_m;
+      const double aside = std::max(std::abs(off[(axis + 1) % 3]), std::abs(off[(axis + 2) % 3]));
+      if (aside > 0.08) continue;
+      (off[axis] < 0 ? low : high)[axis] =
+          off[axis] < 0 ? std::max(low[axis], vertex[axis]) : std::min(high[axis], vertex[axis]);
+    }
+  }
+  EXPECT_LT((low - Vector3d(-2, 0, -2)).cwiseAbs().maxCoeff(), 0.05) << low.transpose();
+  EXPECT_LT((high - Vector3d(2, 2.5, 2)).cwiseAbs().maxCoeff(), 0.05) << high.transpose();
+  expect_round_trips(*scene, "room");
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // Environments of scene files: a mesh collider, and a captured background that collides.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "gaussian/asset_file.h"
 #include "geometry/mesh/mesh_io.h"
 #include "scene/build/shape_asset.h"
@@ -67,6 +69,33 @@ TEST(BuiltEnvironment, CapturedBackgroundSupportsObjects) {
   ASSERT_TRUE(write_asset(folder / "room.ply", mesh_asset(*stair, {0.6f, 0.6f, 0.5f}, 20000)));
   // The surface reconstructed from the kernels lies 0.9 mm below them.
   expect_all_rest_on_their_steps(folder, R"({"asset":"room.ply","up":"+y","scale":1,"collide":true})", 3e-3);
+}
+
+// A background in centimetres, with z up, as its file says. The scene file has precedence.
+TEST(BuiltEnvironment, CapturedBackgroundHasItsOwnUnitAndAxis) {
+  const ScratchFolder folder;
+  const auto stair = read_obj(folder.write("stair.obj", kStair));
+  ASSERT_TRUE(stair) << stair.error().message;
+  const GaussianAsset metric = mesh_asset(*stair, {0.6f, 0.6f, 0.5f}, 20000);
+  const Eigen::Quaternionf z_up(
+      Eigen::AngleAxisf(static_cast<float>(0.5 * EIGEN_PI), Eigen::Vector3f::UnitX()));
+  GaussianAsset in_cm = metric;
+  for (size_t i = 0; i < in_cm.size(); ++i) {
+    in_cm.positions[i] = 100 * (z_up * metric.positions[i]);
+    in_cm.rotations[i] = z_up * metric.rotations[i];
+    in_cm.log_scales[i].array() += std::log(100.0f);
+  }
+  AssetFrame frame;
+  frame.up_axis = "z";
+  frame.metres_per_unit = 0.01;
+  for (const std::string file : {"room.ply", "room.sog"}) {
+    SCOPED_TRACE(file);
+    ASSERT_TRUE(write_asset(folder / file, in_cm, frame));
+    expect_all_rest_on_their_steps(folder, R"({"asset":")" + file + R"(","collide":true})", 3e-3);
+  }
+  ASSERT_TRUE(write_asset(folder / "metric.ply", metric, frame));
+  expect_all_rest_on_their_steps(folder, R"({"asset":"metric.ply","up":"+y","scale":1,"collide":true})",
+                                 3e-3);
 }
 
 // Without `collide`, the background is only drawn.
