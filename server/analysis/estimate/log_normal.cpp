@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace livegs {
 
@@ -38,6 +39,16 @@ std::array<WeightedLogNormal, 3> fused_mixture(const LogNormal& first, const Log
 
 LogNormal fuse(const LogNormal& first, const LogNormal& second, double correlation) {
   return mixture_moments(fused_mixture(first, second, correlation));
+}
+
+double mixture_density_ln(std::span<const WeightedLogNormal> mixture, double value_ln) {
+  double weight = 0, sum = 0;
+  for (const WeightedLogNormal& part : mixture) {
+    const double off = (value_ln - part.value.mean_ln) / part.value.sd;
+    weight += part.weight;
+    sum += part.weight * std::exp(-0.5 * off * off) / (part.value.sd * std::sqrt(2 * std::numbers::pi));
+  }
+  return sum / weight;
 }
 
 double mixture_mean_ln(std::span<const WeightedLogNormal> mixture) {

@@ -38,8 +38,9 @@ std::array<WeightedLogNormal, 3> fused_mixture(const LogNormal& first, const Log
 // The same as one estimate. Estimates that agree narrow it; contradicting ones widen it.
 LogNormal fuse(const LogNormal& first, const LogNormal& second, double correlation);
 
-// Mean of the logarithm of a mixture, its standard deviation, and the quantile at `share`.
-// Precondition: weights are not negative, their sum is positive.
+// Density of a mixture over the logarithm, the mean of it, its standard deviation, and the quantile at
+// `share`. Precondition: weights are not negative, their sum is positive.
+double mixture_density_ln(std::span<const WeightedLogNormal> mixture, double value_ln);
 double mixture_mean_ln(std::span<const WeightedLogNormal> mixture);
 LogNormal mixture_moments(std::span<const WeightedLogNormal> mixture);
 double mixture_quantile_ln(std::span<const WeightedLogNormal> mixture, double share);

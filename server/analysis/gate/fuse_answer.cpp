@@ -49,13 +49,10 @@ Span3 range_of(const LogNormal& value) {
 // Mass of things of this name at the measured size, one component for each class that the name may mean; none
 // if the tables do not have the name. The name is that of the answer: a prior of the appearance alone was
 // made without the pictures, and a prior of another thing is wrong.
-std::vector<WeightedLogNormal> prior_of(const std::string& name, const ObjectFacts& facts) {
-  ObjectFacts named = facts;
-  named.name = name;
-  const ObjectClasses classes = object_classes(named);
+std::vector<WeightedLogNormal> prior_of(const ObjectClasses& classes, const ObjectFacts& facts) {
   std::vector<WeightedLogNormal> prior;
-  if (!classes.match.row || classes.match.tail == NameMatch::Tail::AnotherThing) return prior;
-  for (const ObjectClass& one : classes.kinds) prior.push_back({one.probability, kind_mass(one, named).mass});
+  if (!is_named(classes)) return prior;
+  for (const ObjectClass& one : classes.kinds) prior.push_back({one.probability, kind_mass(one, facts).mass});
   return prior;
 }
 
@@ -99,7 +96,7 @@ FusedMass fused_mass(const Answer& answer, const ObjectFacts& facts) {
   double highest = 0, best = answer.mass_kg.best;
   FusedMass fused;
   for (const MassAlternative& one : alternatives) {
-    const std::vector<WeightedLogNormal> prior = prior_of(one.name, facts);
+    const std::vector<WeightedLogNormal> prior = prior_of(answered_classes(answer, one.name, facts), facts);
     const double mean_ln = add_posterior(log_normal_of(one.mass_kg), prior, one.probability, mixture);
     if (one.probability <= highest) continue;
     highest = one.probability;
@@ -160,6 +157,17 @@ double within_reach(double value, double low, double high, const char* field, co
 }  // namespace
 
 LogNormal log_normal_of(const Span3& span) { return {std::log(span.best), deviation(span)}; }
+
+ObjectClasses answered_classes(const Answer& answer, const std::string& name, const ObjectFacts& facts) {
+  const bool replica = answer.alternatives.empty() && answer.replica.value_or(false);
+  ObjectFacts named = facts;
+  named.name = (replica ? "artificial " : "") + name;
+  return object_classes(named);
+}
+
+bool is_named(const ObjectClasses& classes) {
+  return classes.match.row && classes.match.tail != NameMatch::Tail::AnotherThing;
+}
 
 v1::PhysicalParameters fuse_answer(const Answer& answer, const ObjectFacts& facts,
                                    const v1::PhysicalParameters& offline, std::vector<std::string>& changes) {

@@ -6,6 +6,7 @@
 
 #include "analysis/estimate.h"
 #include "analysis/estimate/log_normal.h"
+#include "analysis/estimate/object_classes.h"
 #include "analysis/gate/answer.h"
 
 namespace livegs {
@@ -13,6 +14,13 @@ namespace livegs {
 // The estimate that a range of 90 % states; a single number counts as uncertain by a third. Precondition:
 // best > 0.
 LogNormal log_normal_of(const Span3& range);
+
+// Classes that a name in the answer may mean, at the measured size. A replica may have the name of its
+// original: a lemon that is an imitation is a plastic fruit. Of several alternatives, the names say which one
+// is an imitation.
+ObjectClasses answered_classes(const Answer& answer, const std::string& name, const ObjectFacts& facts);
+// False if the tables do not have the name; the classes are then those of the appearance.
+bool is_named(const ObjectClasses& classes);
 
 // Step 7 of the gate (gate.h): the values of an object after a validated answer.
 //

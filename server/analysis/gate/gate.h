@@ -20,7 +20,7 @@
 //   6 vote             vote.cpp             answers of several views                  combine
 //   7 fuse_answer      fuse_answer.cpp      fusion with the tables; friction,         clamp
 //                                           restitution, plasticity; hard ranges
-//   8 check_prior      prior_check.cpp      distance to the estimate, mass bounds     hold for review
+//   8 check_prior      prior_check.cpp      likelihood under the tables, mass bounds  hold for review
 //
 // read_answer() runs steps 1 and 2, validate_answer() 3 to 5, weigh_answer() 7 and 8; ask_model()
 // (run/ask_model.cpp) calls them. After a refusal it sends the fault to the model once, as a repair turn. A

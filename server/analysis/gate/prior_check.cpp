@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <vector>
 
+#include "analysis/estimate/class_mass.h"
 #include "analysis/estimate/object_classes.h"
 #include "analysis/estimate/physics_values.h"
 #include "analysis/estimate/stiffness_classes.h"
+#include "analysis/gate/fuse_answer.h"
 #include "analysis/gate/mass_bounds.h"
 #include "core/text/format_text.h"
 
@@ -17,25 +19,61 @@ namespace {
 using v1::EstimatedValue;
 using v1::Physics;
 
-constexpr double kMaxPriorRatio = 8.0;
-// Parts below these shares of the mass are not structural, or not named.
-constexpr double kMinStructuralShare = 0.05, kMinNamedPriorShare = 0.1;
+// A part below this share of the mass does not carry the object.
+constexpr double kMinStructuralShare = 0.05;
+// Quantile of a standard normal at the ends of a range of 90 %.
+constexpr double kRangeEnd = 1.645;
 
-Span3 product(const Span3& a, const Span3& b) { return {a.low * b.low, a.best * b.best, a.high * b.high}; }
-
-bool far(double value, const Span3& prior) {
-  const bool within = value >= prior.low && value <= prior.high;
-  return !within && !(std::abs(std::log(value / prior.best)) <= std::log(kMaxPriorRatio));
-}
-
-// A possible meaning of the name.
-struct KnownKind {
-  std::vector<std::string> classes;  // of its material, then of its parts
-  Span3 stiffness_pa;                // E* = s E
+// Log-normal estimate whose range of 90 % need not be symmetric.
+struct Spread {
+  double best_ln = 0, below_sd = 0, above_sd = 0;
 };
 
-void add_class(KnownKind& kind, std::string_view material) {
-  if (const MaterialRow* row = find_material_row(material)) kind.classes.push_back(row->material_class);
+// Precondition: 0 < low <= best <= high.
+Spread spread_of(const Span3& span) {
+  return {std::log(span.best), std::log(span.best / span.low) / kRangeEnd,
+          std::log(span.high / span.best) / kRangeEnd};
+}
+
+// Of a product of independent factors.
+Spread product(const Spread& a, const Spread& b) {
+  return {a.best_ln + b.best_ln, std::hypot(a.below_sd, b.below_sd), std::hypot(a.above_sd, b.above_sd)};
+}
+
+// The density at `value_ln` over that at the best value, 0 to 1. `own_sd`: error of the value itself.
+double likelihood_ratio(double value_ln, const Spread& prior, double own_sd) {
+  const double off = value_ln - prior.best_ln;
+  const double sd = std::hypot(off < 0 ? prior.below_sd : prior.above_sd, own_sd);
+  return off == 0 ? 1 : std::exp(-0.5 * off * off / (sd * sd));
+}
+
+// The one threshold. An estimate of the tables is of an unusual thing with the probability kBroadShare. A
+// value whose likelihood ratio is below it is explained better by an unusual thing, or by a wrong answer,
+// than by the estimate: a person decides. 0.02 is 2.8 standard deviations, or a range of 90 % extended by 0.7
+// of its halves. Larger: more right answers are held.
+bool unlikely(double ratio) { return ratio < kBroadShare; }
+
+// E* = s E of a class that the name may mean, and whether such a body is rigid.
+struct StiffnessPrior {
+  Spread spread;
+  bool rigid = false;
+};
+
+StiffnessPrior stiffness_prior(const Span3& structure, const Span3& youngs_pa, const MaterialRow* material) {
+  StiffnessPrior prior{product(spread_of(structure), spread_of(youngs_pa))};
+  const bool soft = material && is_soft_class(material->material_class);
+  prior.rigid = prior.spread.best_ln > std::log(soft ? kRigidStiffness_pa : kStiffStiffness_pa);
+  return prior;
+}
+
+// All stiffnesses of a rigid body are the same to the eye: those above its best one, or above
+// kRigidStiffness_pa if that is less, count as that.
+double likelihood_ratio(double stiffness_ln, StiffnessPrior prior, double own_sd) {
+  if (prior.rigid) {
+    prior.spread.best_ln = std::min(prior.spread.best_ln, std::log(kRigidStiffness_pa));
+    stiffness_ln = std::min(stiffness_ln, prior.spread.best_ln);
+  }
+  return likelihood_ratio(stiffness_ln, prior.spread, own_sd);
 }
 
 bool means(const ObjectRow& name, const ObjectRow& thing) {
@@ -43,66 +81,25 @@ bool means(const ObjectRow& name, const ObjectRow& thing) {
                                         [&](const auto& other) { return other.label == thing.label; });
 }
 
-// Possible meanings of the name; empty if the name is unknown. The scale is ignored because it changes the
-// mass, not the material.
-std::vector<KnownKind> known_kinds(const ObjectClasses& found, const ObjectFacts& facts,
-                                   const v1::PhysicalParameters& offline) {
-  const bool named = found.match.row && found.match.tail == NameMatch::Tail::Nothing;
-  const double least_confidence = (facts.scale_known ? 1 : kGuessedScaleTrust) * kMaterialNamedConfidence;
-  if (!named && offline.confidence() < least_confidence) return {};
-  std::vector<KnownKind> known;
-  KnownKind own;
-  add_class(own, offline.material());
-  for (const v1::MaterialPart& part : offline.parts()) add_class(own, part.material());
-  own.stiffness_pa = product(span_of(offline.structure_coefficient()), span_of(offline.youngs_modulus_pa()));
-  if (own.stiffness_pa.best > 0 && !own.classes.empty()) known.push_back(std::move(own));
-  if (!found.match.row || found.match.tail == NameMatch::Tail::AnotherThing) return known;
-
-  const auto material_of = [](const ObjectClass& kind) -> const MaterialRow& {
-    return kind.material ? *kind.material : material_row(kind.row->material);
-  };
-  // "wooden bowl" excludes steel bowls and keeps all bowls of wood.
-  const auto of_named_material = [&](const ObjectClass& kind) {
-    return found.material.row && material_of(kind).material_class == found.material.row->material_class;
-  };
-  const bool any_of_named_material = std::any_of(found.kinds.begin(), found.kinds.end(), of_named_material);
+// One prior for each class that the name may mean, that of the current values first; empty if the name says
+// neither a class nor a material. The pictures decide the class, so its probability does not count.
+std::vector<StiffnessPrior> stiffness_priors(const ObjectFacts& facts,
+                                             const v1::PhysicalParameters& offline) {
+  const ObjectClasses found = object_classes(facts);
+  const bool named = found.match.row && found.match.tail != NameMatch::Tail::AnotherThing;
+  std::vector<StiffnessPrior> priors;
+  if (!named && !found.material.row) return priors;
+  const Span3 structure = span_of(offline.structure_coefficient()),
+              youngs_pa = span_of(offline.youngs_modulus_pa());
+  if (structure.low > 0 && youngs_pa.low > 0)
+    priors.push_back(stiffness_prior(structure, youngs_pa, find_material_row(offline.material())));
+  if (!named) return priors;
   for (const ObjectClass& kind : found.kinds) {
     if (found.kinds.size() > 1 && !means(*found.match.row, *kind.row)) continue;  // added by appearance
-    if (any_of_named_material && !of_named_material(kind)) continue;
-    KnownKind one;
-    one.classes.push_back(material_of(kind).material_class);
-    for (const ObjectPart& part : kind.row->parts) add_class(one, part.material);
-    one.stiffness_pa = product(kind.row->structure_coefficient, material_of(kind).youngs_modulus_pa);
-    known.push_back(std::move(one));
+    const MaterialRow& material = kind.material ? *kind.material : material_row(kind.row->material);
+    priors.push_back(stiffness_prior(kind.row->structure_coefficient, material.youngs_modulus_pa, &material));
   }
-  return known;
-}
-
-// True if the materials fit one of the known classes. An assembly may have any material. A hard material may
-// replace another hard one, and a soft one another soft one, if the answer agrees on the class.
-bool material_fits(const Answer& answer, const ObjectClasses& found, const std::vector<KnownKind>& known) {
-  const auto fits = [&](const std::string& material_class, bool agreed) {
-    for (const KnownKind& kind : known) {
-      for (const std::string& one : kind.classes) {
-        if (one == material_class || one == "assembly") return true;
-      }
-      if (agreed && is_soft_class(material_class) == is_soft_class(kind.classes.front())) return true;
-    }
-    return false;
-  };
-  const auto any = [&](bool agreed) {
-    for (const AnswerPart& part : answer.parts) {
-      if (&part != &answer.parts.front() && part.share < kMinNamedPriorShare) break;
-      if (fits(part.material->material_class, agreed)) return true;
-    }
-    return false;
-  };
-  if (any(false)) return true;
-  if (!found.match.row) return false;
-  const NameMatch named = match_name(answer.name);
-  const bool agreed =
-      named.row && (means(*found.match.row, *named.row) || means(*named.row, *found.match.row));
-  return agreed && any(true);
+  return priors;
 }
 
 // A rigid object needs a rigid structural part; a small stoneware part in foam is not structural.
@@ -126,69 +123,86 @@ std::string rigid_at_odds(const Answer& answer, const v1::PhysicalParameters& pr
       stiffness * 1e-6, materials_of(answer).c_str(), kSoftStiffness_pa * 1e-6);
 }
 
-std::string behaviour_far(const v1::PhysicalParameters& proposal, const v1::PhysicalParameters& offline,
-                          const std::vector<KnownKind>& known) {
-  const bool rigid = proposal.behavior() == Physics::RIGID;
+// A class between the two limits of stiffness_classes.h may be called either.
+std::string unlikely_behaviour(const v1::PhysicalParameters& proposal, const v1::PhysicalParameters& offline,
+                               const std::vector<StiffnessPrior>& priors) {
   if (proposal.behavior() == offline.behavior()) return "";
-  for (const KnownKind& kind : known) {
-    if (rigid ? kind.stiffness_pa.best >= kSoftStiffness_pa : kind.stiffness_pa.best <= kRigidStiffness_pa)
-      return "";
+  const bool rigid = proposal.behavior() == Physics::RIGID;
+  for (const StiffnessPrior& prior : priors) {
+    const double stiffness_pa = std::exp(prior.spread.best_ln);
+    if (rigid ? stiffness_pa >= kSoftStiffness_pa : stiffness_pa <= kRigidStiffness_pa) return "";
   }
   return format_text("behaviour: %s, but an object called \"%s\" is %s, with s E = %.3g MPa",
                      rigid ? "rigid" : "elastic", offline.label().c_str(), rigid ? "elastic" : "rigid",
-                     known.front().stiffness_pa.best * 1e-6);
+                     std::exp(priors.front().spread.best_ln) * 1e-6);
 }
 
-// Compares E* = s E, because a thin structure and a soft material are interchangeable.
-std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& proposal,
-                          const std::vector<KnownKind>& known) {
+// Compares E* = s E, because a thin structure and a soft material are interchangeable. The structure
+// coefficient of an answer is a judgement, so its range counts; its modulus is near that of its material.
+std::string unlikely_stiffness(const Answer& answer, const v1::PhysicalParameters& proposal,
+                               const std::vector<StiffnessPrior>& priors) {
   const EstimatedValue& young = proposal.youngs_modulus_pa();
   const EstimatedValue& structure = proposal.structure_coefficient();
   if (is_locked(young) && is_locked(structure)) return "";
-  const auto fits = [&](double stiffness_pa) {
-    return std::any_of(known.begin(), known.end(), [&](const KnownKind& kind) {
-      const double stiff = is_soft_class(kind.classes.front()) ? kRigidStiffness_pa : kStiffStiffness_pa;
-      return (stiffness_pa > kRigidStiffness_pa && kind.stiffness_pa.best > stiff) ||
-             !far(stiffness_pa, kind.stiffness_pa);
-    });
-  };
-  const double s = structure.best() > 0 ? structure.best() : 1.0;
-  const double fused = young.best() * s;
   const double answered_pa =
-      answer.youngs_modulus_pa && !is_locked(young) ? answer.youngs_modulus_pa->best * s : fused;
-  for (const double one : {answered_pa, fused}) {
-    if (fits(one)) continue;
-    return format_text(
-        "%s: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind suggests",
-        answer.youngs_modulus_pa ? "young_mpa.best" : "structure_s", one * 1e-6, kMaxPriorRatio,
-        known.front().stiffness_pa.best * 1e-6);
+      answer.youngs_modulus_pa && !is_locked(young) ? answer.youngs_modulus_pa->best : young.best();
+  const double stiffness_pa = answered_pa * (structure.best() > 0 ? structure.best() : 1.0);
+  const double own_sd = answer.structure_coefficient ? log_normal_of(*answer.structure_coefficient).sd : 0;
+  for (const StiffnessPrior& prior : priors) {
+    if (!unlikely(likelihood_ratio(std::log(stiffness_pa), prior, own_sd))) return "";
   }
-  return "";
+  return format_text("%s: s E = %.3g MPa is unlikely; its kind suggests %.3g MPa",
+                     answer.youngs_modulus_pa ? "young_mpa.best" : "structure_s", stiffness_pa * 1e-6,
+                     std::exp(priors.front().spread.best_ln) * 1e-6);
+}
+
+// The density of a mass under all classes over the highest one, which is near the mean of a class.
+double likelihood_ratio(const LogNormal& mass, const ObjectClasses& classes, const ObjectFacts& facts) {
+  std::vector<WeightedLogNormal> mixture;
+  for (const ObjectClass& kind : classes.kinds) {
+    LogNormal one = kind_mass(kind, facts).mass;
+    one.sd = std::hypot(one.sd, mass.sd);
+    mixture.push_back({kind.probability, one});
+  }
+  double highest = 0;
+  for (const WeightedLogNormal& one : mixture)
+    highest = std::max(highest, mixture_density_ln(mixture, one.value.mean_ln));
+  return mixture_density_ln(mixture, mass.mean_ln) / highest;
+}
+
+// Compares the mass with the classes of the object, and with those of what the answer names. If the current
+// estimate is another one, because a user gave a fill or a wall, it replaces the classes of the object.
+std::string unlikely_mass(const Answer& answer, const ObjectFacts& facts, const EstimatedValue& estimate) {
+  const LogNormal answered = log_normal_of(answer.mass_kg);
+  const ObjectClasses own = object_classes(facts);
+  const bool replaced = estimate.best() != mass_of_classes(own, facts).mass_kg.best;
+  const double ratio = replaced && estimate.low() > 0
+                           ? likelihood_ratio(answered.mean_ln, spread_of(span_of(estimate)), answered.sd)
+                           : likelihood_ratio(answered, own, facts);
+  if (estimate.best() > 0 && unlikely(ratio)) {
+    return format_text("mass_g.best: %.4g g is unlikely; size and kind suggest %.4g g",
+                       answer.mass_kg.best * 1e3, estimate.best() * 1e3);
+  }
+  const ObjectClasses classes = answered_classes(answer, answer.name, facts);
+  if (!is_named(classes) || !unlikely(likelihood_ratio(answered, classes, facts))) return "";
+  return format_text("mass_g.best: %.4g g is unlikely; \"%s\" of this size suggests %.4g g",
+                     answer.mass_kg.best * 1e3, answer.name.c_str(),
+                     mass_of_classes(classes, facts).mass_kg.best * 1e3);
 }
 
 }  // namespace
 
 std::string check_prior(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                         const v1::PhysicalParameters& proposal) {
-  const EstimatedValue& mass = offline.mass_kg();
-  if (!is_locked(mass)) {
-    if (mass.best() > 0 && far(answer.mass_kg.best, span_of(mass))) {
-      return format_text(
-          "mass_g.best: %.4g g is more than %g times away from the %.4g g that size and kind suggest",
-          answer.mass_kg.best * 1e3, kMaxPriorRatio, mass.best() * 1e3);
-    }
+  if (!is_locked(offline.mass_kg())) {
+    if (auto why = unlikely_mass(answer, facts, offline.mass_kg()); !why.empty()) return why;
     if (auto why = mass_at_odds(answer, facts); !why.empty()) return why;
   }
   if (auto why = rigid_at_odds(answer, proposal); !why.empty()) return why;
-  const ObjectClasses found = object_classes(facts);
-  const std::vector<KnownKind> known = known_kinds(found, facts, offline);
-  if (known.empty()) return "";
-  if (auto why = behaviour_far(proposal, offline, known); !why.empty()) return why;
-  if (!material_fits(answer, found, known)) {
-    return format_text("parts: %s, but an object called \"%s\" is made of %s", materials_of(answer).c_str(),
-                       offline.label().c_str(), offline.material().c_str());
-  }
-  return stiffness_far(answer, proposal, known);
+  const std::vector<StiffnessPrior> priors = stiffness_priors(facts, offline);
+  if (priors.empty()) return "";
+  if (auto why = unlikely_behaviour(proposal, offline, priors); !why.empty()) return why;
+  return unlikely_stiffness(answer, proposal, priors);
 }
 
 }  // namespace livegs

@@ -157,8 +157,7 @@ TEST(ObjectPanel, ShowsReviewReasonOnce) {
   auto objects = pillow_and_room();
   ObjectPanel panel;
   panel.select("pillow");
-  const std::string why =
-      "mass_g.best: 8000 g is more than 8 times away from the 720 g that size and kind suggest";
+  const std::string why = "mass_g.best: 8000 g is unlikely; size and kind suggest 720 g";
   v1::AnalysisProgress progress;
   progress.set_object("pillow");
   progress.set_stage(v1::AnalysisProgress::FINISHED);

@@ -47,7 +47,8 @@ INSTANTIATE_TEST_SUITE_P(Figures, KnownMass,
                                          Bar{NameGiven::FileName, true, "file_name", false},
                                          Bar{NameGiven::Noun, true, "noun", false},
                                          Bar{NameGiven::None, true, "none", false},
-                                         Bar{NameGiven::Label, false, "guessed_scale", false}),
+                                         Bar{NameGiven::Label, false, "guessed_scale", false},
+                                         Bar{NameGiven::Noun, false, "noun_guessed_scale", false}),
                          [](const auto& given) {
                            std::string name = kNameGiven[static_cast<int>(given.param.name)];
                            name.erase(std::remove(name.begin(), name.end(), ' '), name.end());

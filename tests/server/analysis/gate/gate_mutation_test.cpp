@@ -116,7 +116,8 @@ TEST(GateMutations, NoneLeavesTheRangesOrChangesALockedValue) {
 }
 
 // For any stated material, an accepted mug stays hard, and a sponge, pillow or tennis ball stays soft: E* is
-// within eight times, or within the range, of such objects. Half of the scales are guessed.
+// within a factor of 16 of such objects, which is 2.8 standard deviations of a pillow and of an answer about
+// it, or within their range. Half of the scales are guessed.
 TEST(GateMutations, NoneContradictsTheName) {
   std::mt19937_64 random(7);
   const auto below = [&](size_t count) { return static_cast<size_t>(random() % count); };
@@ -167,10 +168,10 @@ TEST(GateMutations, NoneContradictsTheName) {
     const auto& e = offline.youngs_modulus_pa();
     const auto& s = offline.structure_coefficient();
     if (offline.behavior() == v1::Physics::RIGID) {
-      ASSERT_GT(stiffness_pa, 200e6 / 8);  // the softest possible mug is plastic
+      ASSERT_GT(stiffness_pa, 200e6 / 16);  // the softest possible mug is plastic
     } else {
-      ASSERT_GE(stiffness_pa, std::min(e.low() * s.low(), e.best() * s.best() / 8) * 0.999);
-      ASSERT_LE(stiffness_pa, std::max(e.high() * s.high(), e.best() * s.best() * 8) * 1.001);
+      ASSERT_GE(stiffness_pa, std::min(e.low() * s.low(), e.best() * s.best() / 16) * 0.999);
+      ASSERT_LE(stiffness_pa, std::max(e.high() * s.high(), e.best() * s.best() * 16) * 1.001);
     }
   }
   EXPECT_GT(accepted, 800);

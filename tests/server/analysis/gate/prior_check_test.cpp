@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
+#include "analysis/estimate/class_mass.h"
 #include "analysis/knowledge/tables.h"
 #include "server/analysis/gate/answer_fixtures.h"
 #include "server/analysis/gate/judge_answer.h"
@@ -22,6 +24,46 @@ TEST(GatePrior, AnswerFarFromThePriorIsAProposal) {
   EXPECT_NE(judgement.message.find("mass_g"), std::string::npos);
   EXPECT_TRUE(same(judgement.parameters, estimate_offline(mug_facts())));
   EXPECT_GT(judgement.proposal.mass_kg().best(), 0.5);
+}
+
+// The threshold: an answer about an object of one class is held if its mass is 2.8 standard deviations away,
+// those of the tables and of the answer together: exp(-2.8^2 / 2) = 0.02.
+TEST(GatePrior, MassIsHeldByItsLikelihood) {
+  ObjectFacts facts = sponge_facts();
+  const ObjectClasses classes = object_classes(facts);
+  ASSERT_EQ(classes.kinds.size(), 1u);
+  const LogNormal usual = kind_mass(classes.kinds[0], facts).mass;
+  const double limit = std::sqrt(2 * std::log(50));
+  for (const double spread : {1.2, 2.0, 4.0}) {
+    const double own_sd = std::max(0.1, std::log(spread) / 1.645), sd = std::hypot(usual.sd, own_sd);
+    for (const double deviations : {-1.02, -0.98, 0.98, 1.02}) {
+      const double best_g = 1e3 * std::exp(usual.mean_ln + deviations * limit * sd);
+      const json answer =
+          with_fields(sponge_answer(),
+                      {{"mass_g", {{"low", best_g / spread}, {"best", best_g}, {"high", best_g * spread}}}});
+      // Weighed without validation: the lightest of these sponges are lighter than their material.
+      const auto read = read_answer(answer.dump());
+      ASSERT_TRUE(read) << read.error().message;
+      const Judgement judgement = weigh_answer(*read, facts, estimate_offline(facts));
+      const bool held = judgement.message.find("is unlikely") != std::string::npos;
+      EXPECT_EQ(held, std::abs(deviations) > 1) << spread << " " << deviations << ": " << judgement.message;
+    }
+  }
+}
+
+// The name of an object without a name comes from the answer, and its mass with it.
+TEST(GatePrior, MassIsComparedWithWhatTheAnswerNames) {
+  ObjectFacts unnamed = pillow_facts();
+  unnamed.name = "";
+  unnamed.scale_known = false;
+  const auto with_mass = [](double best_g) {
+    return with_fields(pillow_answer(),
+                       {{"mass_g", {{"low", best_g / 1.5}, {"best", best_g}, {"high", best_g * 1.5}}}});
+  };
+  EXPECT_EQ(judge(with_mass(450), unnamed).verdict, Verdict::Accepted);
+  const Judgement heavy = judge(with_mass(9000), unnamed);
+  EXPECT_EQ(heavy.verdict, Verdict::NeedsReview);
+  EXPECT_NE(heavy.message.find("\"throw pillow\" of this size"), std::string::npos) << heavy.message;
 }
 
 // A null in the answer is checked as well, by the value that would be installed.
@@ -56,7 +98,9 @@ TEST(GatePrior, ContradictionOfTheNameIsAProposal) {
        ""},
       {"sponge of 50 Pa", sponge_facts(),
        with_fields(sponge_answer(), {{"young_mpa", nullptr}, {"structure_s", 0.001}}), "structure_s"},
-      {"tennis ball as a mug", tennis_ball_facts(), with_fields(mug_answer(), no_e), "behaviour"},
+      {"tennis ball as a mug", tennis_ball_facts(), with_fields(mug_answer(), no_e), "mass_g"},
+      {"tennis ball as a light mug", tennis_ball_facts(),
+       with_fields(with_fields(mug_answer(), no_e), {{"name", "thing"}, {"mass_g", 60}}), "behaviour"},
       {"mug of foam, scale guessed", guessed_mug,
        with_fields(soft_mug, {{"parts", all_of("polyurethane foam")}, {"young_mpa", foam_e}, {"mass_g", 30}}),
        "behaviour"},

@@ -166,6 +166,19 @@ TEST(TrialAnswers, MassesStayNearTheAnswers) {
   EXPECT_LE(installed, 0.12);
 }
 
+// An imitation keeps its mass under the name of its original, whose usual mass is not its own.
+TEST(TrialAnswers, ReplicaAnsweredAsOneStaysOne) {
+  const TrialAnswer& lemon = trial_answers().front();
+  const double named_kg = judge(json_of(lemon), trial_facts(lemon)).parameters.mass_kg().best();
+  json answer = json_of(lemon);
+  answer["name"] = "lemon";
+  const Judgement judgement = judge(answer, trial_facts(lemon));
+  ASSERT_EQ(judgement.verdict, Verdict::Accepted) << judgement.message;
+  EXPECT_NEAR(judgement.parameters.mass_kg().best(), named_kg, 1e-9);
+  answer["is_replica"] = false;
+  EXPECT_GT(judge(answer, trial_facts(lemon)).proposal.mass_kg().best(), 1.1 * named_kg);
+}
+
 // Two alternatives are one mixture: the mass is that of the likelier, and the range holds both.
 TEST(TrialAnswers, AlternativesAreFusedAsOne) {
   const TrialAnswer& lemon = trial_answers().front();

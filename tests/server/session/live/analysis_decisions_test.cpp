@@ -72,7 +72,7 @@ TEST_F(AnalysisControllerTest, ProposalAtStartIsLoggedAndWaits) {
   loop->stop();
   EXPECT_FALSE(touched());
   std::string logged = testing::internal::GetCapturedStderr();
-  EXPECT_NE(logged.find("analysis: wood block: needs review: mass_g.best: 5000 g is more than 8 times away"),
+  EXPECT_NE(logged.find("analysis: wood block: needs review: mass_g.best: 5000 g is unlikely"),
             std::string::npos)
       << logged;
   EXPECT_NE(
@@ -266,7 +266,7 @@ TEST_F(AnalysisControllerTest, ProposalIsOfferedToEveryClient) {
   // The reason is listed in the warnings of the object.
   const auto reasons = [](const v1::ObjectDescription& object) {
     return std::count_if(object.warnings().begin(), object.warnings().end(), [](const std::string& one) {
-      return one.starts_with("needs review: mass_g.best: 5000 g is more than 8 times away");
+      return one.starts_with("needs review: mass_g.best: 5000 g is unlikely");
     });
   };
   v1::ObjectDescription block = joined(watching);
