@@ -11,77 +11,13 @@
 
 #include "common/gaussian/asset/expect_invariants.h"
 #include "common/gaussian/differences.h"
+#include "common/gaussian/ply/ply_columns.h"
 #include "common/gaussian/synthetic_asset.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/opacity.h"
 
 namespace livegs {
 namespace {
-
-// A property of a file: its type, name and value of kernel i.
-struct Column {
-  std::string type, name;
-  std::function<double(size_t)> value;
-};
-
-template <class T>
-void append_value(std::string& row, double value) {
-  const auto typed = static_cast<T>(value);
-  row.append(reinterpret_cast<const char*>(&typed), sizeof(typed));
-}
-
-std::vector<std::byte> ply_of(const std::vector<Column>& columns, size_t count,
-                              const std::string& comments = "", bool text = false) {
-  std::string file = "ply\nformat " + std::string(text ? "ascii" : "binary_little_endian") + " 1.0\n" +
-                     comments + "element vertex " + std::to_string(count) + "\n";
-  for (const Column& column : columns) file += "property " + column.type + " " + column.name + "\n";
-  file += "end_header\n";
-  for (size_t i = 0; i < count; ++i) {
-    for (const Column& column : columns) {
-      const double value = column.value(i);
-      char number[40];
-      std::snprintf(number, sizeof number, "%.17g ", value);
-      if (text) {
-        file += number;
-      } else if (column.type == "uchar") {
-        append_value<uint8_t>(file, value);
-      } else if (column.type == "ushort") {
-        append_value<uint16_t>(file, value);
-      } else if (column.type == "double") {
-        append_value<double>(file, value);
-      } else {
-        append_value<float>(file, value);
-      }
-    }
-    if (text) file += "\n";
-  }
-  const auto bytes = std::as_bytes(std::span(file));
-  return {bytes.begin(), bytes.end()};
-}
-
-// The columns of an asset without harmonics; tests replace some.
-std::vector<Column> columns_of(const GaussianAsset& a) {
-  std::vector<Column> columns;
-  const auto add = [&](const std::string& name, auto value) {
-    columns.push_back({"float", name, [value](size_t i) { return static_cast<double>(value(i)); }});
-  };
-  for (int k = 0; k < 3; ++k) add(std::string(1, "xyz"[k]), [&a, k](size_t i) { return a.positions[i][k]; });
-  for (int k = 0; k < 3; ++k) add("f_dc_" + std::to_string(k), [&a, k](size_t i) { return a.sh_dc[i][k]; });
-  add("opacity", [&a](size_t i) { return a.opacity_logits[i]; });
-  for (int k = 0; k < 3; ++k)
-    add("scale_" + std::to_string(k), [&a, k](size_t i) { return a.log_scales[i][k]; });
-  for (int k = 0; k < 4; ++k)
-    add("rot_" + std::to_string(k), [&a, k](size_t i) { return a.rotations[i].coeffs()[(k + 3) % 4]; });
-  return columns;
-}
-
-Column& named(std::vector<Column>& columns, const std::string& name) {
-  return *std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
-}
-
-void remove(std::vector<Column>& columns, const std::string& name) {
-  std::erase_if(columns, [&](const Column& c) { return c.name == name; });
-}
 
 bool any_note(const AssetFile& file, const std::string& text) {
   return std::any_of(file.notes.begin(), file.notes.end(),
@@ -288,23 +224,6 @@ TEST(PlyKinds, AFarPointMovesNothing) {
   EXPECT_EQ(file->asset.positions[3], asset.positions[3]);
 }
 
-// Kernels on a ball of radius 1.
-GaussianAsset ball(size_t count, double deviation, double opacity) {
-  GaussianAsset asset;
-  asset.resize(count);
-  for (size_t i = 0; i < count; ++i) {
-    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(count);
-    const double turn = static_cast<double>(i) * std::numbers::pi * (3 - std::sqrt(5.0));
-    const double r = std::sqrt(1 - z * z);
-    asset.positions[i] = Eigen::Vector3d(r * std::cos(turn), r * std::sin(turn), z).cast<float>();
-    asset.log_scales[i].setConstant(static_cast<float>(std::log(deviation)));
-    asset.rotations[i].setIdentity();
-    asset.opacity_logits[i] = static_cast<float>(std::log(opacity / (1 - opacity)));
-    asset.sh_dc[i].setZero();
-  }
-  return asset;
-}
-
 std::vector<std::byte> activated(const GaussianAsset& asset, bool opacities = true) {
   GaussianAsset raw = asset;
   for (Eigen::Vector3f& scale : raw.log_scales) scale = scale.array().exp();
@@ -315,7 +234,7 @@ std::vector<std::byte> activated(const GaussianAsset& asset, bool opacities = tr
 TEST(PlyKinds, ActivatedValuesAreRecognised) {
   for (const double deviation : {0.001, 0.01, 0.1}) {
     for (const double opacity : {0.2, 0.9, 0.999}) {
-      const GaussianAsset asset = ball(500, deviation, opacity);
+      const GaussianAsset asset = ball_asset(500, deviation, opacity);
       const auto file = decode_asset(activated(asset), "activated.ply");
       ASSERT_TRUE(file) << file.error().message;
       EXPECT_TRUE(any_note(*file, "activated")) << deviation;
@@ -324,7 +243,7 @@ TEST(PlyKinds, ActivatedValuesAreRecognised) {
     }
   }
   // Activated deviations with logits: only the deviations are converted.
-  const auto mixed = decode_asset(activated(ball(500, 0.01, 0.9), false), "mixed.ply");
+  const auto mixed = decode_asset(activated(ball_asset(500, 0.01, 0.9), false), "mixed.ply");
   ASSERT_TRUE(mixed);
   EXPECT_NEAR(mixed->asset.log_scales[3].x(), std::log(0.01), 1e-4);
   EXPECT_NEAR(opacity_of_logit(mixed->asset.opacity_logits[3]), 0.9, 1e-4);
@@ -332,13 +251,13 @@ TEST(PlyKinds, ActivatedValuesAreRecognised) {
 
 TEST(PlyKinds, UsualFilesAreNotTakenForActivated) {
   for (const double deviation : {0.001, 0.01, 0.3}) {
-    const auto file = decode_asset(encode_ply(ball(500, deviation, 0.7)), "logs.ply");
+    const auto file = decode_asset(encode_ply(ball_asset(500, deviation, 0.7)), "logs.ply");
     ASSERT_TRUE(file);
     EXPECT_FALSE(any_note(*file, "activated"));
     EXPECT_NEAR(file->asset.log_scales[3].x(), std::log(deviation), 1e-6);
   }
   // Large units: kernels of deviation 1.5 on a ball of radius 100 have scales above 0 as logarithms too.
-  GaussianAsset large = ball(500, 1.5, 0.7);
+  GaussianAsset large = ball_asset(500, 1.5, 0.7);
   for (Eigen::Vector3f& position : large.positions) position *= 100;
   const auto file = decode_asset(encode_ply(large), "large.ply");
   ASSERT_TRUE(file);
@@ -348,17 +267,17 @@ TEST(PlyKinds, UsualFilesAreNotTakenForActivated) {
 
 TEST(PlyKinds, OptionDecidesActivatedValues) {
   using Activated = ReadOptions::Activated;
-  const std::vector<std::byte> few = activated(ball(5, 0.01, 0.9));
+  const std::vector<std::byte> few = activated(ball_asset(5, 0.01, 0.9));
   const auto yes = decode_asset(few, "few.ply", {Activated::Yes});
   ASSERT_TRUE(yes) << yes.error().message;
   EXPECT_NEAR(yes->asset.log_scales[0].x(), std::log(0.01), 1e-4);
-  const auto no = decode_asset(activated(ball(500, 0.01, 0.9)), "no.ply", {Activated::No});
+  const auto no = decode_asset(activated(ball_asset(500, 0.01, 0.9)), "no.ply", {Activated::No});
   ASSERT_TRUE(no);
   EXPECT_NEAR(no->asset.log_scales[0].x(), 0.01, 1e-6);
-  const auto refused = decode_asset(encode_ply(ball(5, 0.01, 0.999)), "logs.ply", {Activated::Yes});
+  const auto refused = decode_asset(encode_ply(ball_asset(5, 0.01, 0.999)), "logs.ply", {Activated::Yes});
   EXPECT_FALSE(refused);
   // A deviation of 0 and opacities of 0 and 1 are values that the readers repair.
-  GaussianAsset edge = ball(5, 0.01, 0.9);
+  GaussianAsset edge = ball_asset(5, 0.01, 0.9);
   for (Eigen::Vector3f& scale : edge.log_scales) scale.setZero();
   edge.opacity_logits = {0, 1, 0.5f, 1, 0};
   const auto repaired = decode_asset(encode_ply(edge), "edge.ply", {Activated::Yes});

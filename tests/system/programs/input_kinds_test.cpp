@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inputs that users of splat tools had trouble with, five generated ones of each kind, through the program
+// and under 4 GB of address space. Each is read right, or one line names the problem.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/gaussian/ply/ply_columns.h"
+#include "core/file.h"
+#include "gaussian/asset_file.h"
+#include "scratch_folder.h"
+#include "system/support/program.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kLimited = false;  // sanitizers reserve terabytes
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+constexpr bool kLimited = false;
+#else
+constexpr bool kLimited = true;
+#endif
+#else
+constexpr bool kLimited = true;
+#endif
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+
+  // The rest of the line that starts with this word; empty if none does.
+  std::string value(const std::string& word) const {
+    std::istringstream lines(out);
+    for (std::string line; std::getline(lines, line);) {
+      if (!line.starts_with(word + " ")) continue;
+      const size_t at = line.find_first_not_of(' ', word.size());
+      return at == line.npos ? "" : line.substr(at);
+    }
+    return "";
+  }
+  double number(const std::string& word) const { return std::strtod(value(word).c_str(), nullptr); }
+};
+
+// Runs the tool under 4 GB of address space. A shell that cannot set the limit ends with an error.
+Outcome run_tool(std::vector<std::string> words) {
+  std::vector<std::string> all = {
+      "/bin/sh", "-c",        std::string(kLimited ? "ulimit -v 4194304 && " : "") + "exec \"$@\"",
+      "sh",      LIVEGS_TOOL, "--threads",
+      "2"};
+  all.insert(all.end(), words.begin(), words.end());
+  Program program(all);
+  Outcome outcome;
+  outcome.code = program.wait();
+  outcome.out = program.out();
+  outcome.err = program.err();
+  return outcome;
+}
+
+class InputKinds : public ::testing::Test {
+ protected:
+  std::string write(const std::string& name, const std::vector<std::byte>& bytes) {
+    EXPECT_TRUE(write_file_atomically(folder_ / name, bytes));
+    return folder_ / name;
+  }
+  // What `info` prints of an asset that is read right.
+  Outcome expect_read(const std::string& path, size_t kernels, double size, double tolerance = 1e-3) {
+    const Outcome outcome = run_tool({"info", path});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.number("kernels"), static_cast<double>(kernels)) << outcome.out;
+    std::istringstream sizes(outcome.value("size"));
+    for (double one = 0; sizes >> one;) EXPECT_NEAR(one, size, tolerance * size) << outcome.out;
+    return outcome;
+  }
+  std::string converted(const std::string& from, const std::string& name) {
+    const Outcome outcome = run_tool({"convert", from, folder_ / name});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return folder_ / name;
+  }
+  const ScratchFolder folder_;
+};
+
+constexpr size_t kKernels = 600;
+
+// A ball of radius 1 whose extent is that of its poles within half a percent.
+GaussianAsset kinds_ball() { return ball_asset(kKernels, 0.03, 0.95); }
+constexpr double kBallSize = 2, kBallTolerance = 0.01;
+
+TEST_F(InputKinds, TwoScales) {
+  const GaussianAsset asset = kinds_ball();
+  for (int i = 0; i < 5; ++i) {
+    std::vector<Column> columns = columns_of(asset);
+    remove(columns, "scale_2");
+    if (i == 2) named(columns, "scale_0").type = "double";
+    if (i == 3) columns.insert(columns.begin() + 3, {"float", "nx", [](size_t) { return 0.0; }});
+    if (i == 4) std::rotate(columns.begin(), columns.begin() + 5, columns.end());
+    const Outcome info = expect_read(write("surfels.ply", ply_of(columns, kKernels, "", i % 2 == 1)),
+                                     kKernels, kBallSize, kBallTolerance);
+    EXPECT_NE(info.value("note").find("2DGS"), std::string::npos) << info.out;
+  }
+}
+
+TEST_F(InputKinds, NamedAxes) {
+  const GaussianAsset asset = kinds_ball();
+  for (const auto& [comment, axis] : {std::pair("Vertical Axis: z", "z"),
+                                      {"vertical axis: Y", "y"},
+                                      {"Up: -z", "-z"},
+                                      {"VERTICAL AXIS: x", "x"},
+                                      {"up: -X", "-x"}}) {
+    const auto ply = ply_of(columns_of(asset), kKernels, "comment " + std::string(comment) + "\n");
+    const Outcome info = expect_read(write("axis.ply", ply), kKernels, kBallSize, kBallTolerance);
+    EXPECT_EQ(info.value("axes"), std::string(axis) + " up, named by the file") << comment;
+  }
+}
+
+TEST_F(InputKinds, ColoursInPlaceOfHarmonics) {
+  const GaussianAsset asset = kinds_ball();
+  const auto byte_of = [](size_t i, int channel) {
+    return static_cast<double>((37 * i + 91 * channel) % 256);
+  };
+  for (int i = 0; i < 5; ++i) {
+    std::vector<Column> columns = columns_of(asset);
+    const char* types[] = {"uchar", "uchar", "ushort", "float", "double"};
+    for (int channel = 0; channel < 3; ++channel) {
+      remove(columns, "f_dc_" + std::to_string(channel));
+      const char* names[] = {"red", "green", "blue"};
+      const double unit = i == 2 ? 257 : i > 2 ? 1.0 / 255 : 1;
+      columns.push_back({types[i], names[channel], [=](size_t k) { return unit * byte_of(k, channel); }});
+    }
+    const std::string path = write("rgb.ply", ply_of(columns, kKernels, "", i == 1));
+    expect_read(path, kKernels, kBallSize, kBallTolerance);
+    const auto read = read_asset(converted(path, "back.ply"));
+    ASSERT_TRUE(read) << read.error().message;
+    for (size_t k = 0; k < kKernels; k += 50)
+      EXPECT_NEAR(read->asset.sh_dc[k].y(), (byte_of(k, 1) / 255 - 0.5) / 0.28209479, 1e-4) << types[i];
+  }
+}
+
+TEST_F(InputKinds, AntialiasedMarksSurviveFormats) {
+  const GaussianAsset asset = kinds_ball();
+  for (const char* mark : {"SplatRenderMode: mip", "SplatRenderMode: Mip", "SPLATRENDERMODE: MIP",
+                           "antialiased 1", "Antialiased: True"}) {
+    const auto ply = ply_of(columns_of(asset), kKernels, std::string("comment ") + mark + "\n");
+    const std::string back = converted(converted(write("mip.ply", ply), "mip.spz"), "back.ply");
+    const Outcome info = expect_read(back, kKernels, kBallSize, kBallTolerance);
+    EXPECT_NE(info.value("SH").find("antialiased"), std::string::npos) << mark << "\n" << info.out;
+  }
+}
+
+TEST_F(InputKinds, EndingsInAnyCase) {
+  GaussianAsset asset = kinds_ball();
+  for (const auto& [lower, name] : {std::pair("a.ply", "SCAN.PLY"),
+                                    {"a.spz", "Vase.Spz"},
+                                    {"a.sog", "Cup.SOG"},
+                                    {"a.compressed.ply", "Jug.Compressed.Ply"},
+                                    {"a.splat", "pot.SPLAT"}}) {
+    const ScratchFolder scans;
+    ASSERT_TRUE(write_asset(scans / lower, asset));
+    fs::rename(scans / lower, scans / name);
+    expect_read(scans / name, kKernels, kBallSize, kBallTolerance);
+    const Outcome info = run_tool({"info", scans / ""});
+    EXPECT_EQ(info.code, 0) << name << ": " << info.err;
+    EXPECT_EQ(info.value("builds"), "yes") << name << "\n" << info.out;
+  }
+}
+
+TEST_F(InputKinds, PositionsOnTheEarth) {
+  const GaussianAsset asset = kinds_ball();
+  for (const Eigen::Vector3d& place :
+       {Eigen::Vector3d(451234.25, 5411235.5, 521), Eigen::Vector3d(-2694045.5, -4266795.25, 3888310),
+        Eigen::Vector3d(15540000.5, 4230000.25, 40), Eigen::Vector3d(3e8, -2e8, 0),
+        Eigen::Vector3d(0, 0, 6378137.125)}) {
+    std::vector<Column> columns = columns_of(asset);
+    for (int k = 0; k < 3; ++k) {
+      Column& column = named(columns, std::string(1, "xyz"[k]));
+      column.type = "double";
+      column.value = [&asset, place, k](size_t i) { return place[k] + double{asset.positions[i][k]}; };
+    }
+    const Outcome info =
+        expect_read(write("utm.ply", ply_of(columns, kKernels)), kKernels, kBallSize, kBallTolerance);
+    EXPECT_NE(info.value("origin"), "") << place.transpose();
+  }
+}
+
+// A unit that is a guess stays one, and the guessed scale is the same.
+TEST_F(InputKinds, GuessedUnitsSurviveFormats) {
+  const std::pair<double, const char*> cases[] = {{0.02, "mug.spz"},
+                                                  {0.3, "thing.sog"},
+                                                  {2.1, "mug.spz"},
+                                                  {40, "mug.compressed.ply"},
+                                                  {900, "thing.spz"}};
+  for (const auto& [radius, file] : cases) {
+    GaussianAsset asset = kinds_ball();
+    for (Eigen::Vector3f& position : asset.positions) position *= static_cast<float>(radius);
+    for (Eigen::Vector3f& scale : asset.log_scales) scale.array() += static_cast<float>(std::log(radius));
+    const std::string stem(file, std::string(file).find('.'));
+    const std::string ply = write(stem + ".ply", encode_ply(asset));
+    const std::string other = converted(ply, file);
+    const Outcome info = expect_read(other, kKernels, radius * kBallSize, kBallTolerance);
+    EXPECT_TRUE(info.value("unit").starts_with("unknown")) << info.out;
+    const Outcome before = run_tool({"mesh", ply}), after = run_tool({"mesh", other});
+    ASSERT_EQ(before.code, 0) << before.err;
+    ASSERT_EQ(after.code, 0) << after.err;
+    EXPECT_NEAR(after.number("scale"), before.number("scale"), 0.01 * before.number("scale")) << file;
+    EXPECT_NEAR(after.number("volume"), before.number("volume"), 0.05 * before.number("volume")) << file;
+  }
+}
+
+// One to five chunks of the finest level.
+TEST_F(InputKinds, StreamedSogIsOneObject) {
+  const GaussianAsset asset = kinds_ball();
+  for (size_t chunks = 1; chunks <= 5; ++chunks) {
+    const ScratchFolder streamed;
+    nlohmann::json names = nlohmann::json::array(), leaves = nlohmann::json::array();
+    for (size_t chunk = 0; chunk < chunks; ++chunk) {
+      GaussianAsset part;
+      for (size_t i = chunk * kKernels / chunks; i < (chunk + 1) * kKernels / chunks; ++i) {
+        const size_t k = part.size();
+        part.resize(k + 1);
+        part.positions[k] = asset.positions[i];
+        part.rotations[k] = asset.rotations[i];
+        part.log_scales[k] = asset.log_scales[i];
+        part.opacity_logits[k] = asset.opacity_logits[i];
+        part.sh_dc[k] = asset.sh_dc[i];
+      }
+      for (const int level : {0, 1}) {
+        const std::string name = std::to_string(level) + "_" + std::to_string(chunk) + ".sog";
+        ASSERT_TRUE(write_asset(streamed / name, part));
+        names.push_back(name);
+      }
+      const auto range = [&](size_t file) {
+        return nlohmann::json{{"file", file}, {"offset", 0}, {"count", part.size()}};
+      };
+      leaves.push_back({{"bound", nlohmann::json::object()},
+                        {"lods", {{"0", range(2 * chunk)}, {"1", range(2 * chunk + 1)}}}});
+    }
+    const nlohmann::json index = {{"version", 1},
+                                  {"lodLevels", 2},
+                                  {"environment", nullptr},
+                                  {"filenames", names},
+                                  {"tree", {{"children", leaves}}}};
+    const std::string path = streamed.write("lod-meta.json", index.dump());
+    expect_read(path, kKernels, kBallSize, kBallTolerance);
+    expect_read(fs::path(path).parent_path(), kKernels, kBallSize, kBallTolerance);
+  }
+}
+
+// One flat or round kernel a cell of a grid on each face of a cube of 0.2 m.
+TEST_F(InputKinds, SplatsSampledOnAMesh) {
+  for (const int edge : {8, 11, 14, 19, 25}) {
+    for (const bool flat : {false, true}) {
+      const double cell = 0.2 / edge;
+      GaussianAsset asset;
+      for (int i = 0; i < 6 * edge * edge; ++i) {
+        const int face = i / (edge * edge), axis = face / 2;
+        Eigen::Vector3d position;
+        position[axis] = face % 2 ? 0.1 : -0.1;
+        position[(axis + 1) % 3] = (i % edge + 0.5) * cell - 0.1;
+        position[(axis + 2) % 3] = (i / edge % edge + 0.5) * cell - 0.1;
+        asset.resize(asset.size() + 1);
+        asset.positions.back() = position.cast<float>();
+        Eigen::Vector3d scale = Eigen::Vector3d::Constant(0.5 * cell);
+        if (flat) scale[axis] = 1e-5;
+        asset.log_scales.back() = scale.array().log().cast<float>();
+        asset.rotations.back().setIdentity();
+        asset.opacity_logits.back() = 3;
+        asset.sh_dc.back().setZero();
+      }
+      const Outcome mesh = run_tool({"mesh", write("cube.ply", encode_ply(asset)), "--scale", "1"});
+      ASSERT_EQ(mesh.code, 0) << mesh.err;
+      const bool named_leak = (mesh.out + mesh.err).find("leak") != std::string::npos;
+      // Round kernels extend the body by up to a standard deviation.
+      const double most_m3 = 1.2 * std::pow(0.2 + (flat ? 0 : cell), 3), volume_m3 = mesh.number("volume");
+      EXPECT_TRUE(named_leak || (volume_m3 > 0.8 * 0.008 && volume_m3 < most_m3))
+          << edge << (flat ? " flat\n" : " round\n") << mesh.out << mesh.err;
+    }
+  }
+}
+
+// The light box stays below, or a line before the run names the masses.
+TEST_F(InputKinds, HeavyOnLight) {
+  for (const double light_kg : {5.0, 1.0, 0.1, 0.01, 0.001}) {
+    const std::string scene =
+        R"({ "rate_hz": 60, "environment": { "colliders": [ { "plane": {} } ] }, "objects": [
+      { "name": "light", "shape": { "box": { "size_m": [0.3, 0.3, 0.3] } }, "pose": { "position_m": [0, 0.15, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": )" +
+        std::to_string(light_kg) + R"( } },
+      { "name": "heavy", "shape": { "box": { "size_m": [0.3, 0.3, 0.3] } }, "pose": { "position_m": [0, 0.5, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": 100 } } ] })";
+    const std::string out = folder_ / "run";
+    const Outcome run =
+        run_tool({"simulate", folder_.write("heavy.scene.json", scene), "-o", out, "--seconds", "2"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    std::ifstream bodies(fs::path(out) / "bodies.csv");
+    double height_m = -1;
+    for (std::string line; std::getline(bodies, line);) {
+      const size_t at = line.find(",heavy,");
+      if (at == line.npos) continue;
+      std::istringstream values(line.substr(at + 7));
+      std::string cell;
+      for (int i = 0; i < 3; ++i) std::getline(values, cell, ',');  // body, px, py
+      height_m = std::strtod(cell.c_str(), nullptr);
+    }
+    const bool warned = run.err.find("mass") != std::string::npos;
+    EXPECT_TRUE(warned || std::abs(height_m - 0.45) < 0.01) << light_kg << " kg: " << height_m << " m";
+  }
+}
+
+// Text of five layouts: elements before, behind, on both sides, with lists, and empty.
+TEST_F(InputKinds, OtherElements) {
+  const GaussianAsset asset = kinds_ball();
+  const auto bytes = ply_of(columns_of(asset), kKernels, "", true);
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string first = "element camera 2\nproperty float fx\nproperty uint width\n",
+                    first_rows = "1.5 640\n2.5 480\n";
+  const std::string list = "element edge 2\nproperty list uchar int at\n", list_rows = "3 1 2 3\n0\n";
+  const std::string empty = "element nothing 0\nproperty float none\n";
+  const auto file = [&](const std::string& before, const std::string& before_rows, const std::string& behind,
+                        const std::string& behind_rows) {
+    std::string made = text;
+    made.insert(made.find("end_header\n"), behind);
+    made.insert(made.find("element vertex"), before);
+    made.insert(made.find("end_header\n") + 11, before_rows);
+    made += behind_rows;
+    const auto span = std::as_bytes(std::span(made));
+    return std::vector<std::byte>(span.begin(), span.end());
+  };
+  for (const auto& ply : {file(first, first_rows, "", ""), file("", "", first, first_rows),
+                          file(first, first_rows, list, list_rows), file(list, list_rows, "", ""),
+                          file(empty, "", first + list, first_rows + list_rows)}) {
+    expect_read(write("elements.ply", ply), kKernels, kBallSize, kBallTolerance);
+  }
+}
+
+// 300 000 kernels, up to as wide as the object: they are recognised, and the surface is bounded by the file.
+TEST_F(InputKinds, ActivatedValues) {
+  for (const double deviation : {0.01, 0.05, 0.2, 0.5, 1.0}) {
+    constexpr size_t kMany = 300'000;
+    const GaussianAsset asset = ball_asset(kMany, deviation, 0.9);
+    std::vector<Column> columns = columns_of(asset);
+    for (const char* name : {"scale_0", "scale_1", "scale_2"})
+      named(columns, name).value = [=](size_t) { return deviation; };
+    named(columns, "opacity").value = [](size_t) { return 0.9; };
+    const std::string path = write("activated.ply", ply_of(columns, kMany));
+    const Outcome info = expect_read(path, kMany, kBallSize, kBallTolerance);
+    EXPECT_NE(info.out.find("activated"), std::string::npos) << info.out;
+    const Outcome mesh = run_tool({"mesh", path, "--scale", "0.1"});
+    EXPECT_EQ(mesh.code, 0) << mesh.err;
+    EXPECT_GT(mesh.number("volume"), 0) << mesh.out;
+  }
+}
+
+}  // namespace
+}  // namespace livegs
