@@ -183,12 +183,17 @@ TEST(RoundTrip, FramesSurviveEveryFormat) {
         EXPECT_EQ(now.up_axis, "-y") << file;
         EXPECT_TRUE(read->notes.empty()) << file << read->notes[0];
         EXPECT_TRUE(losses_of_format(file, at, now).empty());
+        const AssetFrame named = named_frame(folder / file);
+        EXPECT_EQ(named.up_axis, "-y") << file;
+        EXPECT_EQ(named.metres_per_unit, metres) << file;
+        EXPECT_TRUE(named.origin.isZero(0)) << file;
       }
       EXPECT_LE(compared(asset, at, 0.02f).position, 0.02f);
       const size_t losses = losses_of_format("a.splat", at, now).size();
       EXPECT_EQ(losses, 2u);  // the mark, and axes with unit and origin
     }
   }
+  EXPECT_EQ(named_frame(folder / "none.ply").up_axis, "");
   for (const int version : {2, 3, 4}) {
     const auto unknown = decode_asset(*encode_spz(asset, {.version = version}), "a.spz");
     EXPECT_EQ(unknown->frame.metres_per_unit, 0);
