@@ -86,7 +86,7 @@ bool means(const ObjectRow& name, const ObjectRow& thing) {
 std::vector<StiffnessPrior> stiffness_priors(const ObjectFacts& facts,
                                              const v1::PhysicalParameters& offline) {
   const ObjectClasses found = object_classes(facts);
-  const bool named = found.match.row && found.match.tail != NameMatch::Tail::AnotherThing;
+  const bool named = is_named(found);
   std::vector<StiffnessPrior> priors;
   if (!named && !found.material.row) return priors;
   const Span3 structure = span_of(offline.structure_coefficient()),
