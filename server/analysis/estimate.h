@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "core/pose.h"
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
 #include "geometry/surface/mesh_facts.h"
@@ -27,6 +29,15 @@ struct AppearanceFacts {
 };
 AppearanceFacts appearance_facts(const GaussianAsset& asset);
 
+// The kernels of a captured object as points, to divide it into parts: every `stride`-th one.
+struct SurfaceKernels {
+  size_t stride = 1;
+  std::vector<Eigen::Vector3f> positions_m;  // object frame, at rest
+  std::vector<Eigen::Vector3f> rgb;          // 0 … 1, display-encoded
+  std::vector<float> weights;                // opacity times visible area, m²
+};
+SurfaceKernels surface_kernels(const GaussianAsset& asset, const Similarity& object_from_asset);
+
 // Input of the estimator. Lengths in metres, in the object frame (+Y up).
 struct ObjectFacts {
   std::string name;  // a user's label or the asset's file name; may be empty
@@ -34,6 +45,8 @@ struct ObjectFacts {
   AppearanceFacts appearance;
   bool scale_known = false;  // metric, not guessed
   bool solid = false;        // given as a volume (a shape, a list of points), not captured from outside
+  // Of a captured object; null: it is not divided into parts by its looks.
+  std::shared_ptr<const SurfaceKernels> kernels;
 };
 
 // Confidence of an estimate whose name states the material but not the object. An estimate from appearance

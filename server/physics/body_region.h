@@ -50,6 +50,9 @@ struct RegionMaterial {
   std::optional<double> poisson_ratio;
   std::optional<double> density_kg_m3;  // changes the body's mass
   std::optional<double> plasticity;
+  // Factors on the body's own modulus and density where the region has none: they follow a change of the
+  // body's material. Positive.
+  double youngs_modulus_factor = 1.0, density_factor = 1.0;
 };
 
 struct BodyRegion {

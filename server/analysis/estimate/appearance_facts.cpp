@@ -3,9 +3,25 @@
 #include <cmath>
 
 #include "analysis/estimate.h"
+#include "gaussian/opacity.h"
 
 namespace livegs {
 namespace {
+
+// Most kernels of a sample: positions along a border are then known to about a hundredth of the size.
+constexpr size_t kMaxSampledKernels = 30'000;
+// A kernel counts at most this many times the median one: haze and floaters are large.
+constexpr float kMaxWeightRatio = 20;
+
+// Least opacity of a kernel that counts: fainter ones are haze and have the colours of what is behind them.
+constexpr float kMinSampledOpacity = 0.35f;
+
+// Visible area of a flat kernel: the product of its two larger axes.
+double visible_area(const Eigen::Vector3f& log_scales) {
+  Eigen::Array3d scale = log_scales.cast<double>().array().exp();
+  std::sort(scale.data(), scale.data() + 3);
+  return scale[1] * scale[2];
+}
 
 struct HueSaturation {
   float hue_rad, saturation;
@@ -25,6 +41,10 @@ HueSaturation hue_saturation(const Eigen::Vector3f& rgb) {
   return {hue * kSixth, range / std::max(high, 1e-6f)};
 }
 
+Eigen::Vector3f base_rgb(const Eigen::Vector3f& sh_dc) {
+  return (sh_dc.array() * kShBand0 + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f).matrix();
+}
+
 }  // namespace
 
 AppearanceFacts appearance_facts(const GaussianAsset& asset) {
@@ -35,13 +55,9 @@ AppearanceFacts appearance_facts(const GaussianAsset& asset) {
   const size_t rest_count = asset.sh_rest_count();
   for (size_t i = 0; i < asset.size(); ++i) {
     const double opacity = 1.0 / (1.0 + std::exp(-static_cast<double>(asset.opacity_logits[i])));
-    // Visible area of a flat kernel: the product of its two larger axes.
-    Eigen::Array3d scale = asset.log_scales[i].cast<double>().array().exp();
-    std::sort(scale.data(), scale.data() + 3);
-    const double area = scale[1] * scale[2], weight = opacity * area;
+    const double weight = opacity * visible_area(asset.log_scales[i]);
     if (!std::isfinite(weight) || weight <= 0) continue;
-    const Eigen::Vector3f rgb =
-        (asset.sh_dc[i].array() * kShBand0 + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f).matrix();
+    const Eigen::Vector3f rgb = base_rgb(asset.sh_dc[i]);
     const HueSaturation colour = hue_saturation(rgb);
     double directional = 0;
     for (size_t k = 0; k < rest_count; ++k) directional += asset.sh_rest[i * rest_count + k].squaredNorm();
@@ -65,6 +81,28 @@ AppearanceFacts appearance_facts(const GaussianAsset& asset) {
     facts.hue_spread = static_cast<float>(std::sqrt(-2.0 * std::log(length)));
   }
   return facts;
+}
+
+SurfaceKernels surface_kernels(const GaussianAsset& asset, const Similarity& object_from_asset) {
+  SurfaceKernels kernels;
+  kernels.stride = asset.size() / kMaxSampledKernels + 1;
+  const double area_scale = object_from_asset.scale * object_from_asset.scale;
+  for (size_t i = 0; i < asset.size(); i += kernels.stride) {
+    kernels.positions_m.push_back((object_from_asset * asset.positions[i].cast<double>()).cast<float>());
+    kernels.rgb.push_back(base_rgb(asset.sh_dc[i]));
+    const double area_m2 = area_scale * visible_area(asset.log_scales[i]);
+    const float opacity = opacity_of_logit(asset.opacity_logits[i]);
+    kernels.weights.push_back(opacity < kMinSampledOpacity ? 0.0f : opacity * static_cast<float>(area_m2));
+  }
+  std::vector<float> sorted;
+  std::copy_if(kernels.weights.begin(), kernels.weights.end(), std::back_inserter(sorted),
+               [](float weight) { return weight > 0; });
+  if (sorted.empty()) return kernels;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  const float most = kMaxWeightRatio * sorted[sorted.size() / 2];
+  for (float& weight : kernels.weights) weight = std::isfinite(weight) ? std::min(weight, most) : 0.0f;
+  return kernels;
 }
 
 }  // namespace livegs

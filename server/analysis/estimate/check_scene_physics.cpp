@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "analysis/division/part_places.h"
 #include "analysis/estimate.h"
 
 namespace livegs {
@@ -83,7 +84,7 @@ Result<void> check_scene_physics(const Physics& written) {
     return invalid_argument(
         "deformation_resistance: given together with youngs_modulus_pa; give only one of them");
   }
-  return {};
+  return check_parts(written.parts());
 }
 
 std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estimated, const Physics& written,

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/division/divide_by_looks.h"
 #include "analysis/estimate.h"
 #include "analysis/estimate/class_mass.h"
 #include "analysis/estimate/object_classes.h"
@@ -127,10 +128,18 @@ Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   return guess;
 }
 
-// Sets the parts of an object of several materials; shares are fractions of its mass.
-void set_parts(const ObjectClass& kind, v1::PhysicalParameters& answer) {
+// Sets the parts of an object of several materials, with their places if its looks show them; shares are
+// fractions of its mass.
+void set_parts(const ObjectClass& kind, const ObjectFacts& facts, v1::PhysicalParameters& answer) {
   for (const ObjectPart& part : kind.row->parts) {
     add_material_part(answer, part.name, part.material, part.mass_share);
+  }
+  if (kind.row->parts.empty()) return;
+  answer.set_parts_source(EstimatedValue::OFFLINE);
+  if (facts.kernels) {
+    answer.set_parts_reason(divide_by_looks(kind.row->parts, *facts.kernels, *answer.mutable_parts()).reason);
+  } else {
+    answer.set_parts_reason("one part: it was not captured");
   }
 }
 
@@ -154,7 +163,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
                              ? format_text("a %s usually is", row.label.c_str())
                              : format_text("as a %s is; openness %.2f, filled share of the hull %.2f",
                                            row.label.c_str(), facts.mesh.openness, facts.mesh.solidity));
-  if (!facts.solid && by_name) set_parts(guess.kind, answer);
+  if (!facts.solid && by_name) set_parts(guess.kind, facts, answer);
 
   const Span3 structure = row.structure_coefficient;
   const Span3 stiffness{structure.low * material.youngs_modulus_pa.low,

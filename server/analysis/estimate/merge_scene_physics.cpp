@@ -66,6 +66,11 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
   if (written.has_fragile()) merged.set_fragile(written.fragile());
   if (written.has_fracture_pieces()) merged.set_fracture_pieces(written.fracture_pieces());
   if (written.interior_rgb_size() > 0) *merged.mutable_interior_rgb() = written.interior_rgb();
+  if (written.parts_size() > 0) {
+    *merged.mutable_parts() = written.parts();
+    merged.set_parts_source(author.source);
+    merged.set_parts_reason(author.written);
+  }
 
   // A stiffness given without a structure coefficient is that of the whole body; no coefficient is guessed
   // for it.

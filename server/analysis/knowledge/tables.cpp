@@ -79,6 +79,17 @@ std::vector<std::vector<std::string>> pieces_of(const std::string& cell, size_t 
   return pieces;
 }
 
+PartPlace part_place(std::string_view word) {
+  constexpr std::pair<std::string_view, PartPlace> kWords[] = {
+      {"-", PartPlace::Unknown},    {"above", PartPlace::Above}, {"below", PartPlace::Below},
+      {"wide", PartPlace::Wide},    {"thin", PartPlace::Thin},   {"rest", PartPlace::Rest},
+      {"inside", PartPlace::Inside}};
+  const auto found =
+      std::find_if(std::begin(kWords), std::end(kWords), [&](const auto& one) { return one.first == word; });
+  LIVEGS_ASSERT(found != std::end(kWords));
+  return found->second;
+}
+
 std::vector<ObjectRow> parse_objects() {
   std::vector<ObjectRow> table;
   for (const auto& row : rows_of(kObjectsCsv, 22)) {
@@ -102,8 +113,8 @@ std::vector<ObjectRow> parse_objects() {
     for (const auto& piece : pieces_of(row[19], 2)) {
       object.alternatives.push_back({piece[0], number(piece[1])});
     }
-    for (const auto& piece : pieces_of(row[20], 3)) {
-      object.parts.push_back({piece[0], piece[1], number(piece[2])});
+    for (const auto& piece : pieces_of(row[20], 4)) {
+      object.parts.push_back({piece[0], piece[1], number(piece[2]), part_place(piece[3])});
     }
     object.source = row[21];
     table.push_back(std::move(object));

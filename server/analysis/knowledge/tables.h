@@ -37,10 +37,22 @@ struct ObjectAlternative {
   double probability = 0;
 };
 
+// Where a part of an object usually is. Vertical places hold for a thing that stands.
+enum class PartPlace {
+  Unknown,  // "-": no usual place
+  Above,    // the upper part
+  Below,    // the lower part
+  Wide,     // the end of the long axis with the wider cross-section
+  Thin,     // the end of the long axis with the thinner cross-section
+  Rest,     // all that the other parts leave
+  Inside,   // within the first part of the row, hidden but for its top: soil in a pot
+};
+
 // A part of an object of several materials.
 struct ObjectPart {
   std::string name, material;
   double mass_share = 0;
+  PartPlace place = PartPlace::Unknown;
 };
 
 struct ObjectRow {

@@ -2,6 +2,7 @@
 #include "analysis/sidecar/manual_edits.h"
 
 #include <google/protobuf/message.h>
+#include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -28,6 +29,17 @@ std::string behavior_text(const v1::PhysicalParameters& p) { return std::to_stri
 std::string fill_text(const v1::PhysicalParameters& p) { return std::to_string(p.fill()); }
 std::string fragile_text(const v1::PhysicalParameters& p) { return p.fragile() ? "true" : "false"; }
 
+// Parts as one line of JSON.
+std::string parts_text(const v1::PhysicalParameters& p) {
+  Physics only;
+  *only.mutable_parts() = p.parts();
+  std::string text;
+  google::protobuf::util::JsonPrintOptions print;
+  print.preserve_proto_field_names = true;
+  (void)google::protobuf::util::MessageToJsonString(only, &text, print);
+  return text;
+}
+
 }  // namespace
 
 void seal(v1::PhysicsFile& file) {
@@ -42,6 +54,7 @@ void seal(v1::PhysicsFile& file) {
   decided["behavior"] = behavior_text(p);
   decided["fill"] = fill_text(p);
   decided["fragile"] = fragile_text(p);
+  if (p.parts_size() > 0) decided["parts"] = parts_text(p);
 }
 
 Result<bool> take_manual_edits(v1::PhysicsFile& file) {
@@ -80,6 +93,17 @@ Result<bool> take_manual_edits(v1::PhysicsFile& file) {
   }
   if (!Physics::Fill_IsValid(p.fill())) {
     return invalid_argument("physics.fill: is " + fill_text(p) + "; give SOLID, SHELL, OPEN_SHELL or FILLED");
+  }
+  if (p.parts_size() > 0 && (by_hand || (decided.contains("parts") && differs("parts", parts_text(p))))) {
+    *edits.mutable_parts() = p.parts();
+    Physics alone;
+    *alone.mutable_parts() = p.parts();
+    if (auto checked = check_scene_physics(alone); !checked)
+      return invalid_argument("physics." + checked.error().message);
+    Physics before;
+    if (!by_hand && !google::protobuf::util::JsonStringToMessage(decided.at("parts"), &before).ok())
+      return invalid_argument("as_decided: was changed by hand; delete the file or undo the change");
+    *p.mutable_parts() = before.parts();
   }
   bool renamed = false;
   const auto number = [&](const char* name) { return std::atoi(decided.at(name).c_str()); };
@@ -140,6 +164,9 @@ void merge_edits(v1::Physics& edits, const v1::Physics& later) {
   if (later.has_density_kg_m3()) edits.clear_mass_kg();
   if (later.has_youngs_modulus_pa()) edits.clear_deformation_resistance();
   if (later.has_deformation_resistance()) edits.clear_youngs_modulus_pa();
+  // A list replaces the earlier one.
+  if (later.interior_rgb_size() > 0) edits.clear_interior_rgb();
+  if (later.parts_size() > 0) edits.clear_parts();
   edits.MergeFrom(later);
 }
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "analysis/division/part_places.h"
 #include "analysis/estimate/physics_values.h"
 #include "analysis/gate/answer.h"
 #include "analysis/sidecar/manual_edits.h"
@@ -259,6 +260,7 @@ Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& o
       *physics.mutable_mass_kg() = offline.mass_kg();
       *physics.mutable_wall_thickness_m() = offline.wall_thickness_m();
       *physics.mutable_break_impulse_n_s() = offline.break_impulse_n_s();
+      scale_parts(now_m / analysed_m, *physics.mutable_parts());
       char line[160];
       std::snprintf(line, sizeof line,
                     "was analysed at a length of %.3g m and is now %.3g m long; its mass is estimated again, "

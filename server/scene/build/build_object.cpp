@@ -16,6 +16,7 @@
 #include "physics/mesh_collider.h"
 #include "physics/prepare_body.h"
 #include "scene/build/fracture_warning.h"
+#include "scene/build/part_materials.h"
 #include "scene/build/place_asset.h"
 #include "scene/build/shape_asset.h"
 #include "scene/build/too_stiff_for_lattice.h"
@@ -36,6 +37,7 @@ struct Form {
   Similarity object_from_asset;
   std::vector<Eigen::Vector3d> points_m;  // for the surface; empty for shapes
   TriangleMesh mesh;                      // fine surface, object frame
+  std::shared_ptr<const SurfaceKernels> kernels;  // of an asset
   ParticleSet particles;                  // only for a list of points
   std::vector<Eigen::Vector3d> particle_velocities_m_s;
   std::string surface_note;
@@ -116,6 +118,8 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
   if (!surface) return surface.error();
   form.asset = std::move(placed->asset);
   form.object_from_asset = placed->object_from_asset;
+  form.kernels =
+      std::make_shared<const SurfaceKernels>(surface_kernels(*form.asset, form.object_from_asset));
   form.points_m = std::move(placed->body_points_m);
   form.mesh = std::move(surface->mesh);
   form.surface_note = std::move(surface->note);
@@ -157,6 +161,7 @@ ObjectFacts facts_of(const Form& form, const std::string& name, bool captured, c
   facts.scale_known = form.scale_known;
   facts.solid = !captured;
   facts.appearance = appearance_facts(*form.asset);
+  facts.kernels = form.kernels;
   facts.mesh = shape_key.empty() ? mesh_facts(form.mesh)
                                  : *cache.value<MeshFacts>(
                                        "facts " + shape_key, [&] { return mesh_facts(form.mesh); },
@@ -197,9 +202,11 @@ std::optional<StandingBase> stand(TriangleMesh& mesh, const Eigen::Vector3d& cen
   return base;
 }
 
-MassProperties properties_of(const TriangleMesh& mesh, Fill fill) {
+MassProperties properties_of(const TriangleMesh& mesh, Fill fill, v1::PhysicalParameters& parameters) {
   const bool shell = (fill == Fill::Shell || fill == Fill::OpenShell) && !has_hollow(mesh);
-  return shell ? shell_mass_properties(mesh) : solid_mass_properties(mesh);
+  MassProperties properties = shell ? shell_mass_properties(mesh) : solid_mass_properties(mesh);
+  weigh_parts(mesh, shell, parameters, properties);
+  return properties;
 }
 
 // Bounds of the material in the rest state, object frame, metres.
@@ -392,6 +399,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       built.drawn.warnings.push_back(doubt);
     }
     elastic->material = material;
+    add_part_regions(*parameters, *elastic);
     // Replaces an elastic body by a rigid one only if ELASTIC was not set by the user and is not required.
     if (object.physics().behavior() == v1::Physics::AUTO && kept.edits().behavior() == v1::Physics::AUTO &&
         elastic_only.empty()) {
@@ -428,7 +436,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       if (base && !material.fragile) {
         // The collision mesh is another surface, and the material may be a shell.
         const StandingBase fine = *base;
-        const Eigen::Vector3d centre = properties_of(body.mesh, material.fill).centre_of_mass_m;
+        const Eigen::Vector3d centre = properties_of(body.mesh, material.fill, *parameters).centre_of_mass_m;
         if (const auto own = stand(body.mesh, centre)) base = own;
         base->widened = std::max(base->widened, fine.widened);
         base->margin = std::min(base->margin, fine.margin);
@@ -445,7 +453,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
                                          hollow.error().message);
         }
       }
-      body.properties = properties_of(*built.cut_mesh, material.fill);
+      body.properties = properties_of(*built.cut_mesh, material.fill, *parameters);
       if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
       if (shape && !material.fragile) body.round = round_shape(object.shape());
       body.material = material;

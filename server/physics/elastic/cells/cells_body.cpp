@@ -86,7 +86,9 @@ void CellsBody::set_up_materials() {
 
 double CellsBody::asked_modulus_pa(size_t material) const {
   const double own = materials_.own.effective_youngs_modulus_pa();
-  return material == 0 ? own : materials_.regions[material - 1].youngs_modulus_pa.value_or(own);
+  if (material == 0) return own;
+  const RegionMaterial& region = materials_.regions[material - 1];
+  return region.youngs_modulus_pa.value_or(region.youngs_modulus_factor * own);
 }
 
 void CellsBody::choose(double cell_width_m) {

@@ -16,8 +16,9 @@ BodyMaterials body_materials(const Material& own, std::span<const RegionMaterial
   const double own_density = own.mass_kg / volume_m3;
   add(own.effective_youngs_modulus_pa(), own.poisson_ratio, own_density, own.plasticity);
   for (const RegionMaterial& region : regions) {
-    add(region.youngs_modulus_pa.value_or(own.effective_youngs_modulus_pa()),
-        region.poisson_ratio.value_or(own.poisson_ratio), region.density_kg_m3.value_or(own_density),
+    add(region.youngs_modulus_pa.value_or(region.youngs_modulus_factor * own.effective_youngs_modulus_pa()),
+        region.poisson_ratio.value_or(own.poisson_ratio),
+        region.density_kg_m3.value_or(region.density_factor * own_density),
         region.plasticity.value_or(own.plasticity));
   }
   return materials;

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/division/part_places.h"
+
+#include <cmath>
+#include <limits>
+
+#include "analysis/knowledge/tables.h"
+#include "core/text/format_text.h"
+#include "core/text/shown_text.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kOpenSide_m = std::numeric_limits<double>::infinity();
+// Deviation from 1 of the sum of the shares that rounding by hand may leave.
+constexpr double kShareSlack = 0.02;
+
+using Corner = google::protobuf::RepeatedField<double>;
+
+Eigen::Vector3d corner_of(const Corner& numbers, double open) {
+  if (numbers.size() != 3) return Eigen::Vector3d::Constant(open);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+Result<void> check_box(const v1::MaterialPart::Box& box, const std::string& field) {
+  for (const auto& [name, corner] : {std::pair("min_m", &box.min_m()), std::pair("max_m", &box.max_m())}) {
+    const bool finite =
+        std::all_of(corner->begin(), corner->end(), [](double one) { return std::abs(one) <= 1e4; });
+    if ((corner->size() != 0 && corner->size() != 3) || !finite)
+      return invalid_argument(field + "." + name + ": must be three numbers between -10000 and 10000");
+  }
+  const Eigen::Vector3d low = corner_of(box.min_m(), -kOpenSide_m),
+                        high = corner_of(box.max_m(), kOpenSide_m);
+  if (!(low.array() < high.array()).all())
+    return invalid_argument(field + ": min_m is not below max_m; swap them");
+  return {};
+}
+
+}  // namespace
+
+PartPlaces::PartPlaces(const MaterialParts& parts) {
+  bool rest_found = false;
+  for (int i = 0; i < parts.size(); ++i) {
+    if (parts[i].boxes().empty() && !rest_found) rest_ = static_cast<size_t>(i), rest_found = true;
+    for (const v1::MaterialPart::Box& box : parts[i].boxes()) {
+      boxes_.push_back({{corner_of(box.min_m(), -kOpenSide_m), corner_of(box.max_m(), kOpenSide_m)},
+                        static_cast<size_t>(i)});
+    }
+  }
+}
+
+size_t PartPlaces::at(const Eigen::Vector3d& point_m) const {
+  for (auto one = boxes_.rbegin(); one != boxes_.rend(); ++one) {
+    if (one->box.contains(point_m)) return one->part;
+  }
+  return rest_;
+}
+
+void set_boxes(std::span<const Eigen::AlignedBox3d> boxes, v1::MaterialPart& part) {
+  part.clear_boxes();
+  for (const Eigen::AlignedBox3d& box : boxes) {
+    v1::MaterialPart::Box& written = *part.add_boxes();
+    if (box.min().allFinite()) written.mutable_min_m()->Add(box.min().data(), box.min().data() + 3);
+    if (box.max().allFinite()) written.mutable_max_m()->Add(box.max().data(), box.max().data() + 3);
+  }
+}
+
+void scale_parts(double factor, MaterialParts& parts) {
+  for (v1::MaterialPart& part : parts) {
+    for (v1::MaterialPart::Box& box : *part.mutable_boxes()) {
+      for (double& one : *box.mutable_min_m()) one *= factor;
+      for (double& one : *box.mutable_max_m()) one *= factor;
+    }
+  }
+}
+
+Result<void> check_parts(const MaterialParts& parts) {
+  if (parts.empty()) return {};
+  if (parts.size() > kMaxMaterialParts)
+    return invalid_argument(
+        format_text("parts: %d are given; give at most %d", parts.size(), kMaxMaterialParts));
+  double sum = 0;
+  for (int i = 0; i < parts.size(); ++i) {
+    const v1::MaterialPart& part = parts[i];
+    const std::string field = "parts[" + std::to_string(i) + "]";
+    if (!find_material_row(part.material())) {
+      return invalid_argument(field + ".material: \"" + shown_text(part.material(), 60) +
+                              "\" is not in the table; give a name of materials.csv");
+    }
+    if (!(part.mass_share() >= 0 && part.mass_share() <= 1))
+      return invalid_argument(
+          field + format_text(".mass_share: is %g; it must be between 0 and 1", part.mass_share()));
+    const double modulus_pa = part.youngs_modulus_pa();
+    if (!(modulus_pa == 0 || (modulus_pa >= 1 && modulus_pa <= 1e12)))
+      return invalid_argument(
+          field + format_text(".youngs_modulus_pa: is %g; it must be between 1 and 1e+12", modulus_pa));
+    if (part.boxes_size() > kMaxPartBoxes)
+      return invalid_argument(
+          field + format_text(".boxes: has %d; give at most %d", part.boxes_size(), kMaxPartBoxes));
+    for (int k = 0; k < part.boxes_size(); ++k) {
+      auto checked = check_box(part.boxes(k), field + ".boxes[" + std::to_string(k) + "]");
+      if (!checked) return checked;
+    }
+    sum += part.mass_share();
+  }
+  if (std::abs(sum - 1) > kShareSlack)
+    return invalid_argument(format_text("parts: the mass shares sum to %g; they must sum to 1", sum));
+  return {};
+}
+
+}  // namespace livegs
