@@ -36,6 +36,8 @@ struct SurfaceKernels {
   std::vector<Eigen::Vector3f> rgb;          // 0 … 1, display-encoded
   std::vector<float> weights;                // opacity times visible area, m²
 };
+// Stride for an asset with this number of kernels.
+size_t surface_stride(size_t kernel_count);
 SurfaceKernels surface_kernels(const GaussianAsset& asset, const Similarity& object_from_asset);
 
 // Input of the estimator. Lengths in metres, in the object frame (+Y up).

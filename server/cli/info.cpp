@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "analysis/division/part_places.h"
 #include "cli/commands.h"
 #include "cli/input_kind.h"
 #include "core/log.h"
@@ -54,6 +55,10 @@ int print_scene(const std::filesystem::path& path) {
                   object.fragility->pieces, object.fragility->break_impulse_n_s,
                   object.fragility->drop_height_m);
     }
+    for (const v1::MaterialPart& part : object.physics.parts())
+      std::printf("part         %s: %s\n", name, part_line(part).c_str());
+    if (object.physics.parts_size() > 0)
+      std::printf("parts        %s: %s\n", name, object.physics.parts_reason().c_str());
     for (const std::string& warning : object.all_warnings())
       std::printf("warning      %s: %s\n", name, warning.c_str());
   }

@@ -193,7 +193,7 @@ SideColours colours_of_side(const SurfaceKernels& kernels, const std::vector<Eig
 struct PlacedPair {
   size_t part = 0, other = 0;  // of which `part` has the place
   PartPlace place = PartPlace::Unknown;
-  std::vector<std::optional<size_t>> holder;
+  std::vector<std::optional<PartHolder>> holder;
 };
 
 // The two parts with a border between them: one with a place, and the other or the rest.
@@ -201,8 +201,9 @@ std::optional<PlacedPair> pair_of(std::span<const ObjectPart> usual) {
   PlacedPair pair;
   std::vector<size_t> outer;
   for (size_t i = 0; i < usual.size(); ++i) {
-    const bool inside = usual[i].place == PartPlace::Inside && i > 0;
-    pair.holder.push_back(inside ? std::optional<size_t>(0) : std::nullopt);
+    const bool filling = usual[i].place == PartPlace::Filling;
+    const bool inside = i > 0 && (filling || usual[i].place == PartPlace::Inside);
+    pair.holder.push_back(inside ? std::optional(PartHolder{0, filling}) : std::nullopt);
     if (!inside) outer.push_back(i);
   }
   if (outer.size() != 2) return std::nullopt;

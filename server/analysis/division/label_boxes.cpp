@@ -18,6 +18,9 @@ constexpr int kCutBins = 64;  // candidate cuts along each side of a leaf, 65 wi
 // kernel centres. Larger: boxes take in more of what is next to them.
 constexpr double kBoxMargin = 0.03;
 
+// Share of the weight of a box or part beyond its bounds on each side: stray kernels.
+constexpr double kStrayShare = 0.02;
+
 using LabelWeights = std::vector<double>;
 
 double impurity(const LabelWeights& weights) {  // Gini, times the weight
@@ -72,6 +75,34 @@ void find_cut(const LabelledPoints& points, BoxTreeNode& node) {
     }
   }
 }
+
+}  // namespace
+
+Eigen::AlignedBox3d bounds_without_strays(const LabelledPoints& points, std::span<const uint32_t> chosen) {
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<std::pair<float, float>> places;
+    double whole = 0, reached = 0;
+    for (const uint32_t i : chosen) {
+      if (!(points.weights[i] > 0)) continue;
+      places.emplace_back(points.positions_m[i][axis], points.weights[i]);
+      whole += points.weights[i];
+    }
+    if (places.empty()) return {};
+    std::sort(places.begin(), places.end());
+    low[axis] = places.front().first;
+    high[axis] = places.back().first;
+    for (const auto& [place, weight] : places) {
+      if (reached <= kStrayShare * whole) low[axis] = place;
+      reached += weight;
+      if (reached <= (1 - kStrayShare) * whole) high[axis] = place;
+    }
+    high[axis] = std::max(low[axis], high[axis]);
+  }
+  return {low, high};
+}
+
+namespace {
 
 class BoxTree {
  public:
@@ -142,11 +173,11 @@ class BoxTree {
     const BoxTreeNode& node = nodes_[at];
     if (node.low < 0) {
       // Only as far as its own points reach: what lies outside, such as leaves next to a pot, is the rest.
-      Eigen::AlignedBox3d own;
+      std::vector<uint32_t> own_points;
       for (const uint32_t i : node.points) {
-        if (points_.labels[i] == node.label() && points_.weights[i] > 0)
-          own.extend(points_.positions_m[i].cast<double>());
+        if (points_.labels[i] == node.label()) own_points.push_back(i);
       }
+      Eigen::AlignedBox3d own = bounds_without_strays(points_, own_points);
       own = {own.min() - margin_m_, own.max() + margin_m_};
       boxes[node.label()].push_back(own.intersection(node.box));
       return;

@@ -74,6 +74,23 @@ void scale_parts(double factor, MaterialParts& parts) {
   }
 }
 
+Eigen::Vector3f part_rgb(size_t part) {
+  // Okabe and Ito 2008: distinct for colour-blind people too.
+  constexpr float kColours[kMaxMaterialParts][3] = {
+      {0.00f, 0.45f, 0.70f}, {0.90f, 0.62f, 0.00f}, {0.00f, 0.62f, 0.45f}, {0.80f, 0.47f, 0.65f},
+      {0.84f, 0.37f, 0.00f}, {0.34f, 0.71f, 0.91f}, {0.94f, 0.89f, 0.26f}, {0.45f, 0.45f, 0.45f}};
+  return Eigen::Vector3f(kColours[part % kMaxMaterialParts]);
+}
+
+std::string part_line(const v1::MaterialPart& part) {
+  std::string line = shown_text(part.name(), 40) + " of " + shown_text(part.material(), 60) +
+                     format_text(", %.0f %% of the mass", 100 * part.mass_share());
+  if (part.density_kg_m3() > 0) line += format_text(", %.3g kg/m3", part.density_kg_m3());
+  if (part.boxes_size() > 0)
+    line += format_text(", %d %s", part.boxes_size(), part.boxes_size() == 1 ? "box" : "boxes");
+  return line;
+}
+
 Result<void> check_parts(const MaterialParts& parts) {
   if (parts.empty()) return {};
   if (parts.size() > kMaxMaterialParts)

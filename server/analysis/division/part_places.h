@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/result.h"
@@ -39,6 +40,10 @@ class PartPlaces {
 void set_boxes(std::span<const Eigen::AlignedBox3d> boxes, v1::MaterialPart& part);
 // Multiplies all boxes, for an object whose size changes.
 void scale_parts(double factor, MaterialParts& parts);
+// Colour of a part in pictures, 0 … 1, display-encoded; distinct for the first kMaxMaterialParts.
+Eigen::Vector3f part_rgb(size_t part);
+// One line: "pot of terracotta, 40 % of the mass, 1900 kg/m3, 2 boxes"; what is unknown is left out.
+std::string part_line(const v1::MaterialPart& part);
 // Checks materials, shares, limits and boxes that a person or an author wrote. The error begins with
 // "parts[0].mass_share" or the like.
 Result<void> check_parts(const MaterialParts& parts);

@@ -10,11 +10,17 @@
 
 namespace livegs {
 
-// Gives parts their boxes by a label per kernel (label_boxes.h). `holder[i]` is the part that encloses part
-// i, such as the pot of its soil: its box is that of the holder without a wall, up to its highest kernel, or
-// to the top of the holder if none is seen. Enclosed parts must come after their holders.
+// The part that encloses another one, such as the pot of its soil.
+struct PartHolder {
+  size_t part = 0;
+  bool open = false;  // above: what is inside reaches to its top
+};
+
+// Gives parts their boxes by a label per kernel (label_boxes.h). The box of an enclosed part is that of its
+// holder without a wall, up to the highest kernel of the part, if any is seen. Enclosed parts must come after
+// their holders.
 // Precondition: one label per kernel, at most kMaxMaterialParts parts.
 void place_parts(const SurfaceKernels& kernels, std::span<const uint8_t> labels,
-                 std::span<const std::optional<size_t>> holder, MaterialParts& parts);
+                 std::span<const std::optional<PartHolder>> holder, MaterialParts& parts);
 
 }  // namespace livegs

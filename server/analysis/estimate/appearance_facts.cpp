@@ -8,8 +8,9 @@
 namespace livegs {
 namespace {
 
-// Most kernels of a sample: positions along a border are then known to about a hundredth of the size.
-constexpr size_t kMaxSampledKernels = 30'000;
+// Most kernels of a sample. Larger: captures of millions of kernels take longer to divide, up to 0.1 s per
+// 100000; smaller: pictures of the parts get holes.
+constexpr size_t kMaxSampledKernels = 100'000;
 // A kernel counts at most this many times the median one: haze and floaters are large.
 constexpr float kMaxWeightRatio = 20;
 
@@ -83,9 +84,11 @@ AppearanceFacts appearance_facts(const GaussianAsset& asset) {
   return facts;
 }
 
+size_t surface_stride(size_t kernel_count) { return kernel_count / kMaxSampledKernels + 1; }
+
 SurfaceKernels surface_kernels(const GaussianAsset& asset, const Similarity& object_from_asset) {
   SurfaceKernels kernels;
-  kernels.stride = asset.size() / kMaxSampledKernels + 1;
+  kernels.stride = surface_stride(asset.size());
   const double area_scale = object_from_asset.scale * object_from_asset.scale;
   for (size_t i = 0; i < asset.size(); i += kernels.stride) {
     kernels.positions_m.push_back((object_from_asset * asset.positions[i].cast<double>()).cast<float>());

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/division/picture_votes.h"
 #include "analysis/knowledge/tables.h"
 #include "analysis/knowledge/value_ranges.h"
 #include "analysis/text/message_templates.h"
@@ -19,6 +20,8 @@ namespace livegs {
 inline constexpr size_t kMaxAnswerBytes = 256 << 10;
 inline constexpr int kMaxAnswerDepth = 16;
 inline constexpr size_t kMaxAnswerParts = 32;
+inline constexpr size_t kMaxAnswerBoxes = 8;  // of one part, on all pictures
+inline constexpr size_t kAnswerPictures = 2;  // pictures of one question
 inline constexpr size_t kMaxAnswerSources = 8;
 inline constexpr size_t kMaxAlternatives = 6;
 
@@ -27,6 +30,10 @@ struct AnswerPart {
   const MaterialRow* material = nullptr;  // row of the table
   double share = 0;                       // fraction of the mass; the parts' shares sum to 1
   std::optional<double> thickness_m;
+  std::string inside;             // name of the part that encloses it; empty: none
+  std::vector<PictureBox> boxes;  // where it is on the pictures; empty: not given
+  // Votes of the kernels of the object for this part (picture_votes.h), by all answers; empty: none.
+  std::vector<float> votes;
 };
 
 // One of several things that the object may be, such as a toy or the real thing.

@@ -7,8 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "analysis/division/divide_by_looks.h"
+#include "analysis/division/picture_votes.h"
 #include "analysis/estimate/class_mass.h"
 #include "analysis/estimate/physics_values.h"
+#include "analysis/knowledge/name_match.h"
 #include "core/text/format_text.h"
 #include "physics/material.h"
 
@@ -130,14 +133,83 @@ std::optional<double> wall_of(const Answer& answer, const ObjectFacts& facts) {
   return std::nullopt;
 }
 
-// Takes the parts of the answer, even if there are none: the estimate's parts belong to the class assumed
-// there.
-void set_parts(const Answer& answer, v1::PhysicalParameters& result) {
-  result.clear_parts();
-  if (answer.parts.size() < 2) return;
-  for (const AnswerPart& part : answer.parts) {
-    add_material_part(result, part.name, part.material->name, part.share);
+// Index of the part that encloses each part, by its name.
+std::vector<std::optional<PartHolder>> holders_of(const std::vector<AnswerPart>& parts) {
+  std::vector<std::optional<PartHolder>> holders(parts.size());
+  for (size_t i = 0; i < parts.size(); ++i) {
+    for (size_t k = 0; k < parts.size() && !parts[i].inside.empty(); ++k) {
+      // One level is enough; a part cannot be enclosed by what it encloses.
+      if (k != i && parts[k].inside.empty() &&
+          normalised_name(parts[k].name) == normalised_name(parts[i].inside)) {
+        holders[i] = PartHolder{k, false};
+        break;
+      }
+    }
   }
+  return holders;
+}
+
+// Divides the object at the places that parts of a thing of this name usually have, if the answer has the
+// same parts: by name, else by class of material. Puts them into the order of the table.
+std::string divide_by_usual_places(const std::string& name, const SurfaceKernels& kernels,
+                                   MaterialParts& parts) {
+  const std::string unmarked = "one part: the model marked no parts on the pictures";
+  const ObjectRow* row = match_name(name).row;
+  if (!row || row->parts.size() != static_cast<size_t>(parts.size())) return unmarked;
+  const auto class_of = [](const std::string& material) {
+    const MaterialRow* found = find_material_row(material);
+    return found ? found->material_class : "";
+  };
+  MaterialParts ordered, left = parts;
+  for (const ObjectPart& usual : row->parts) {
+    int same = -1;
+    for (int i = 0; i < left.size(); ++i) {
+      if (normalised_name(left[i].name()) == normalised_name(usual.name)) same = i;
+    }
+    for (int i = 0; i < left.size() && same < 0; ++i) {
+      if (class_of(left[i].material()) == class_of(usual.material)) same = i;
+    }
+    if (same < 0) return unmarked;
+    *ordered.Add() = left[same];
+    left.DeleteSubrange(same, 1);
+  }
+  const LooksDivision division = divide_by_looks(row->parts, kernels, ordered);
+  if (division.divided) parts = std::move(ordered);
+  return division.reason;
+}
+
+// Takes the parts of the answer, even if there are none: the estimate's parts belong to the class assumed
+// there. Their places follow from the boxes on the pictures; without boxes, from the looks of such things.
+void set_parts(const Answer& answer, const ObjectFacts& facts, v1::PhysicalParameters& result) {
+  if (result.parts_source() == EstimatedValue::SCENE || result.parts_source() == EstimatedValue::PERSON)
+    return;
+  result.clear_parts();
+  result.clear_parts_reason();
+  result.set_parts_source(EstimatedValue::SOURCE_UNKNOWN);
+  if (answer.parts.size() < 2) return;
+  std::vector<AnswerPart> parts = answer.parts;
+  // Places are read in order: what is enclosed comes after its holder.
+  std::stable_partition(parts.begin(), parts.end(),
+                        [](const AnswerPart& part) { return part.inside.empty(); });
+  for (const AnswerPart& part : parts) add_material_part(result, part.name, part.material->name, part.share);
+  result.set_parts_source(EstimatedValue::MODEL);
+  const auto& kernels = facts.kernels;
+  const bool marked =
+      std::any_of(parts.begin(), parts.end(), [](const AnswerPart& part) { return !part.votes.empty(); });
+  if (!kernels || !marked || parts.size() > static_cast<size_t>(kMaxMaterialParts)) {
+    result.set_parts_reason(!kernels ? "one part: it was not captured"
+                            : marked
+                                ? "one part: the model named too many parts"
+                                : divide_by_usual_places(answer.name, *kernels, *result.mutable_parts()));
+    return;
+  }
+  std::vector<std::vector<float>> votes;
+  for (AnswerPart& part : parts) {
+    part.votes.resize(kernels->positions_m.size(), 0.0f);
+    votes.push_back(std::move(part.votes));
+  }
+  result.set_parts_reason(
+      divide_by_votes(*kernels, votes, holders_of(parts), *result.mutable_parts()).reason);
 }
 
 // Maximum deviation of friction (a factor), restitution and plasticity from those of the material, due to
@@ -179,7 +251,7 @@ v1::PhysicalParameters fuse_answer(const Answer& answer, const ObjectFacts& fact
   result.set_material(material.name);
   if (!before || has_inside_of(*before, offline)) set_inside(material, result);
   result.set_confidence(std::min(answer.confidence, kMaxConfidence));
-  set_parts(answer, result);
+  set_parts(answer, facts, result);
   if (answer.fill != Physics::FILL_UNKNOWN) {
     result.set_fill(answer.fill);
     result.set_fill_reason(model_says(answer));

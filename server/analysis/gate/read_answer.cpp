@@ -198,7 +198,40 @@ class Reader {
         part.thickness_m = number(*thickness, field + ".thickness_mm", kWallRange_m, 1e-3);
       }
     }
+    const auto inside = value.find("inside");
+    if (inside != value.end() && inside->is_string())
+      part.inside = shown_text(inside->get_ref<const std::string&>(), 40);
+    if (const auto boxes = value.find("boxes"); boxes != value.end() && !boxes->is_null())
+      picture_boxes(*boxes, field, part);
     if (!failed()) answer.parts.push_back(std::move(part));
+  }
+  // A list of [picture, left, top, right, bottom]. Boxes divide the object but change none of its values, so
+  // faulty ones are ignored.
+  void picture_boxes(const json& value, const std::string& field, AnswerPart& part) {
+    constexpr double kThousandths = 1000;
+    size_t ignored = 0;
+    for (size_t i = 0; value.is_array() && i < std::min(value.size(), 4 * kMaxAnswerBoxes); ++i) {
+      const json& one = value[i];
+      double numbers[5] = {};
+      bool sound = one.is_array() && one.size() == 5 && part.boxes.size() < kMaxAnswerBoxes;
+      for (size_t k = 0; sound && k < 5; ++k) {
+        sound = one[k].is_number();
+        if (sound) numbers[k] = one[k].get<double>();
+        sound = sound && numbers[k] >= 0 && numbers[k] <= kThousandths;
+      }
+      sound =
+          sound && (numbers[0] == 1 || numbers[0] == 2) && numbers[1] < numbers[3] && numbers[2] < numbers[4];
+      if (!sound) {
+        ++ignored;
+        continue;
+      }
+      part.boxes.push_back({static_cast<size_t>(numbers[0]) - 1, numbers[1] / kThousandths,
+                            numbers[2] / kThousandths, numbers[3] / kThousandths, numbers[4] / kThousandths});
+    }
+    if (!value.is_array() || ignored > 0) {
+      answer.changes.push_back(field + ".boxes: " + (ignored > 0 ? std::to_string(ignored) + " " : "") +
+                               "not [picture, left, top, right, bottom] within the picture, ignored");
+    }
   }
   void plasticity() {
     answer.plasticity = optional_number("plasticity", kUnitRange);

@@ -81,6 +81,25 @@ std::vector<MassAlternative> pooled(std::span<const Answer> answers) {
   return result;
 }
 
+// Adds the votes of all answers about the parts of `result`: the same material, and the same name if that
+// occurs twice.
+void pool_part_votes(std::span<const Answer> answers, Answer& result) {
+  for (AnswerPart& part : result.parts) {
+    std::vector<float> sum;
+    for (const Answer& answer : answers) {
+      const AnswerPart* same = nullptr;
+      for (const AnswerPart& other : answer.parts) {
+        if (other.material != part.material) continue;
+        if (!same || normalised_name(other.name) == normalised_name(part.name)) same = &other;
+      }
+      if (!same || same->votes.empty()) continue;
+      sum.resize(same->votes.size(), 0.0f);
+      for (size_t i = 0; i < sum.size(); ++i) sum[i] += same->votes[i];
+    }
+    part.votes = std::move(sum);
+  }
+}
+
 }  // namespace
 
 Answer vote(std::span<const Answer> answers) {
@@ -132,6 +151,7 @@ Answer vote(std::span<const Answer> answers) {
       masses.begin(), masses.end(), [](const Span3& a, const Span3& b) { return a.best < b.best; });
   result.changes.push_back(format_text("%zu views; mass_g from %.4g to %.4g, median %.4g", answers.size(),
                                        least->best * 1e3, most->best * 1e3, result.mass_kg.best * 1e3));
+  pool_part_votes(answers, result);
   return result;
 }
 

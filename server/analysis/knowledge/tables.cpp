@@ -81,9 +81,9 @@ std::vector<std::vector<std::string>> pieces_of(const std::string& cell, size_t 
 
 PartPlace part_place(std::string_view word) {
   constexpr std::pair<std::string_view, PartPlace> kWords[] = {
-      {"-", PartPlace::Unknown},    {"above", PartPlace::Above}, {"below", PartPlace::Below},
-      {"wide", PartPlace::Wide},    {"thin", PartPlace::Thin},   {"rest", PartPlace::Rest},
-      {"inside", PartPlace::Inside}};
+      {"-", PartPlace::Unknown},     {"above", PartPlace::Above},    {"below", PartPlace::Below},
+      {"wide", PartPlace::Wide},     {"thin", PartPlace::Thin},      {"rest", PartPlace::Rest},
+      {"inside", PartPlace::Inside}, {"filling", PartPlace::Filling}};
   const auto found =
       std::find_if(std::begin(kWords), std::end(kWords), [&](const auto& one) { return one.first == word; });
   LIVEGS_ASSERT(found != std::end(kWords));

@@ -45,7 +45,8 @@ enum class PartPlace {
   Wide,     // the end of the long axis with the wider cross-section
   Thin,     // the end of the long axis with the thinner cross-section
   Rest,     // all that the other parts leave
-  Inside,   // within the first part of the row, hidden but for its top: soil in a pot
+  Inside,   // within the first part of the row, and hidden by it: the bulb of a lamp
+  Filling,  // fills the first part of the row, which is open above: soil in a pot
 };
 
 // A part of an object of several materials.

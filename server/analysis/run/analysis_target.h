@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/division/picture_votes.h"
 #include "analysis/estimate.h"
 #include "analysis/gate/gate.h"
 #include "analysis/model/answer_cache.h"
@@ -39,6 +40,7 @@ struct TargetView {
   std::string camera;                             // camera position in words, for users
   AnalysisImage mask = {};                        // visible part of the object, for users; may be empty
   std::map<std::string, std::string> slots = {};  // camera and object in numbers, for the model: camera_slots
+  std::vector<PictureSights> sights = {};  // of `images`, in order; empty: parts cannot be placed by them
 };
 // Renders the views, best first. Called on analysis threads, for several objects concurrently, while the
 // model processes earlier ones.

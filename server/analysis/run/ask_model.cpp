@@ -71,6 +71,19 @@ Result<Answer> read_and_examine(const std::string& json, const AnalysisTarget& t
   return validate_answer(std::move(*answer), *target.facts, target.offline, words);
 }
 
+// Lifts the boxes of an answer about one view to votes of the kernels.
+void lift_boxes(const TargetView& look, const ObjectFacts& facts, Answer& answer) {
+  const bool boxed = std::any_of(answer.parts.begin(), answer.parts.end(),
+                                 [](const AnswerPart& part) { return !part.boxes.empty(); });
+  if (!boxed || !facts.kernels || look.sights.empty() || answer.parts.size() < 2) return;
+  std::vector<BoxedPart> parts;
+  for (const AnswerPart& part : answer.parts) {
+    parts.push_back({part.boxes, !part.inside.empty()});
+  }
+  auto votes = picture_votes(look.sights, parts, facts.kernels->positions_m.size());
+  for (size_t i = 0; i < votes.size(); ++i) answer.parts[i].votes = std::move(votes[i]);
+}
+
 }  // namespace
 
 void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>& neighbours,
@@ -110,6 +123,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       }
       update.turns.push_back(std::move(turn));
       if (!answer) return false;
+      if (!answer->blind) lift_boxes(look, *target.facts, *answer);
       answers.push_back(std::move(*answer));
       answer_hashes += text_hash(raw.json);
       return true;

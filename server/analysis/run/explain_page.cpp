@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/division/part_places.h"
 #include "analysis/estimate/physics_values.h"
 #include "core/text/format_text.h"
 #include "core/text/shown_text.h"
@@ -146,10 +147,14 @@ std::string word(std::string name) {
 }
 
 std::string parts_text(const v1::PhysicalParameters& now) {
-  std::string text;
-  for (const v1::MaterialPart& part : now.parts()) {
-    text += (text.empty() ? "<br>Parts: " : ", ") + escaped(part.name() + " of " + part.material()) +
-            format_text(" (%.0f %% of the mass)", 100 * part.mass_share());
+  if (now.parts().empty()) return "";
+  std::string text =
+      "<br>Parts (" + std::string(source_name(now.parts_source())) + "): " + escaped(now.parts_reason());
+  for (int i = 0; i < now.parts_size(); ++i) {
+    const Eigen::Vector3f rgb = 255.0f * part_rgb(static_cast<size_t>(i));
+    text += format_text("<br><span style=\"background:rgb(%.0f,%.0f,%.0f)\">&emsp;</span> ", rgb.x(), rgb.y(),
+                        rgb.z()) +
+            escaped(part_line(now.parts(i)));
   }
   return text;
 }

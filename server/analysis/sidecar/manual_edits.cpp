@@ -30,7 +30,7 @@ std::string fill_text(const v1::PhysicalParameters& p) { return std::to_string(p
 std::string fragile_text(const v1::PhysicalParameters& p) { return p.fragile() ? "true" : "false"; }
 
 // Parts as one line of JSON.
-std::string parts_text(const v1::PhysicalParameters& p) {
+std::string decided_parts(const v1::PhysicalParameters& p) {
   Physics only;
   *only.mutable_parts() = p.parts();
   std::string text;
@@ -54,7 +54,7 @@ void seal(v1::PhysicsFile& file) {
   decided["behavior"] = behavior_text(p);
   decided["fill"] = fill_text(p);
   decided["fragile"] = fragile_text(p);
-  if (p.parts_size() > 0) decided["parts"] = parts_text(p);
+  if (p.parts_size() > 0) decided["parts"] = decided_parts(p);
 }
 
 Result<bool> take_manual_edits(v1::PhysicsFile& file) {
@@ -94,7 +94,7 @@ Result<bool> take_manual_edits(v1::PhysicsFile& file) {
   if (!Physics::Fill_IsValid(p.fill())) {
     return invalid_argument("physics.fill: is " + fill_text(p) + "; give SOLID, SHELL, OPEN_SHELL or FILLED");
   }
-  if (p.parts_size() > 0 && (by_hand || (decided.contains("parts") && differs("parts", parts_text(p))))) {
+  if (p.parts_size() > 0 && (by_hand || (decided.contains("parts") && differs("parts", decided_parts(p))))) {
     *edits.mutable_parts() = p.parts();
     Physics alone;
     *alone.mutable_parts() = p.parts();

@@ -288,6 +288,47 @@ Image grey(const Image& from) {
   return image;
 }
 
+// The same camera with a picture of kSightCells along its longer side.
+Camera sight_camera(Camera camera) {
+  const double factor = static_cast<double>(kSightCells) / std::max(camera.width, camera.height);
+  const int width = std::max(1, static_cast<int>(std::lround(factor * camera.width))),
+            height = std::max(1, static_cast<int>(std::lround(factor * camera.height)));
+  const double across = static_cast<double>(width) / camera.width,
+               down = static_cast<double>(height) / camera.height;
+  camera.width = width;
+  camera.height = height;
+  camera.focal_x_px *= across;
+  camera.focal_y_px *= down;
+  camera.centre_x_px *= across;
+  camera.centre_y_px *= down;
+  return camera;
+}
+
+// Every `stride`-th kernel with its weight per pixel of `camera`. Pixels of which `mask`, a picture of the
+// same view, shows something else do not count; null: all count.
+PictureSights sights_of(const DrawnObject& target, const Camera& camera, const Image* mask, size_t stride) {
+  const Camera small = sight_camera(camera);
+  PictureSights sights;
+  sights.columns = small.width;
+  sights.rows = small.height;
+  std::vector<uint16_t> cells(static_cast<size_t>(small.width) * static_cast<size_t>(small.height));
+  std::iota(cells.begin(), cells.end(), uint16_t{0});
+  std::vector<LabelWeight> weights;
+  KernelRasteriser().weigh(target, small, cells, weights);
+  for (const LabelWeight& one : weights) {
+    if (one.kernel % stride != 0) continue;
+    if (mask) {
+      const int x = static_cast<int>(one.label) % small.width, y = static_cast<int>(one.label) / small.width;
+      const float* seen = mask->at(std::min(mask->width - 1, x * mask->width / small.width),
+                                   std::min(mask->height - 1, y * mask->height / small.height));
+      if (seen[0] < 0.5f) continue;
+    }
+    sights.seen.push_back(
+        {static_cast<uint32_t>(one.kernel / stride), static_cast<uint16_t>(one.label), one.weight});
+  }
+  return sights;
+}
+
 Result<void> check(const ViewOptions& options) {
   if (options.long_side_px < 32 || options.long_side_px > 4096) {
     return invalid_argument("long_side_px: " + std::to_string(options.long_side_px) +
@@ -399,6 +440,10 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
     const Camera close = close_up(camera_of(other), drawn.image, options.long_side_px);
     rasteriser.draw(target, close, white_ground, drawn);
     view.cutout = std::move(drawn.image);
+    if (options.sight_stride > 0 && target.size() == 1) {
+      view.sights = {sights_of(target.front(), view.camera, &view.mask, options.sight_stride),
+                     sights_of(target.front(), close, nullptr, options.sight_stride)};
+    }
     views.push_back(std::move(view));
   }
   return views;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/division/picture_votes.h"
 #include "core/result.h"
 #include "gaussian/posed_kernels.h"
 #include "splat/camera.h"
@@ -25,6 +26,7 @@ struct ViewOptions {
   int view_count = 1;         // 1 fast, 3 for a vote; 1 … 12
   double aspect = 4.0 / 3;    // width over height of the scene picture, 0.5 … 2
   std::stop_token stop = {};  // checked before every picture; if requested: Unavailable, "cancelled"
+  size_t sight_stride = 0;    // of the kernels of SurfaceKernels; 0: no sights
 };
 
 // One view. All pictures except the cut-out are taken by `camera`, are cropped to the target with a margin of
@@ -37,6 +39,8 @@ struct ObjectView {
   // The whole target alone, filling the picture, over white: from the camera of the ring that shows the most
   // of the surface that `camera` does not show.
   Image cutout;
+  // What `outlined` and `cutout` show of each kernel; empty unless ViewOptions::sight_stride is set.
+  std::vector<PictureSights> sights;
   double cutout_azimuth_rad = 0, cutout_elevation_rad = 0;  // as those below
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();       // centre of the target's bounds, world frame
   double distance_m = 0;                                    // from the camera to `target_m`

@@ -28,6 +28,7 @@
 #include "core/text/help_format.h"
 #include "core/text/shown_text.h"
 #include "scene/views/scene_analysis.h"
+#include "scene/views/target_views.h"
 
 namespace livegs {
 namespace {
@@ -192,8 +193,13 @@ Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object
     log_warn("%s: views could not be drawn: %s", shown_line(object.name).c_str(),
              shown_message(views.error().message).c_str());
   const fs::path page = folder / (object_file_name(object.name) + ".html");
-  auto written = write_file_atomically(
-      page, explain_page(object.target, update, views ? *views : std::vector<TargetView>{}));
+  std::vector<TargetView> shown = views ? *views : std::vector<TargetView>{};
+  for (size_t i = 0; i < shown.size() && update.parameters.parts_size() > 0; ++i) {
+    auto coloured = part_pictures(shown[i], *object.target.facts, update.parameters);
+    if (!coloured) return coloured.error();
+    for (AnalysisImage& image : *coloured) shown[i].images.push_back(std::move(image));
+  }
+  auto written = write_file_atomically(page, explain_page(object.target, update, shown));
   if (written) std::fprintf(stderr, "written: %s\n", page.c_str());
   return written;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "analysis/division/part_places.h"
 #include "analysis/estimate/physics_values.h"
 
 namespace livegs {
@@ -36,6 +37,10 @@ void print_parameters(const v1::PhysicalParameters& p) {
   print_value("friction", p.friction(), 1, "");
   print_value("restitution", p.restitution(), 1, "");
   if (p.fragile()) print_value("break impulse", p.break_impulse_n_s(), 1, "N s");
+  for (const v1::MaterialPart& part : p.parts())
+    std::printf("part                   %s\n", part_line(part).c_str());
+  if (p.parts_size() > 0)
+    std::printf("parts                  %s: %s\n", source_name(p.parts_source()), p.parts_reason().c_str());
 }
 
 void print_table_head() {

@@ -2,6 +2,7 @@
 #include "scene/views/target_views.h"
 
 #include "analysis/views/object_views.h"
+#include "analysis/views/part_picture.h"
 #include "splat/image.h"
 
 namespace livegs {
@@ -23,13 +24,16 @@ Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t 
     drawn.push_back({object.asset.get(), &object.kernels, object.object_id});
   }
   ViewOptions options;
+  for (const ViewedScene::Object& object : scene.objects) {
+    if (object.object_id == object_id) options.sight_stride = surface_stride(object.asset->size());
+  }
   options.long_side_px = kViewLongSide_px;
   options.view_count = count;
   options.stop = std::move(stop);
   auto views = object_views(drawn, object_id, options);
   if (!views) return views.error();
   std::vector<TargetView> targets;
-  for (const ObjectView& view : *views) {
+  for (ObjectView& view : *views) {
     auto outlined = png_of(view.outlined, "outlined");
     auto cutout = png_of(view.cutout, "cut-out");
     auto mask = png_of(view.mask, "mask");
@@ -39,9 +43,22 @@ Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t 
     targets.push_back({{std::move(*outlined), std::move(*cutout)},
                        describe_camera(view),
                        std::move(*mask),
-                       camera_slots(view)});
+                       camera_slots(view),
+                       std::move(view.sights)});
   }
   return targets;
+}
+
+Result<std::vector<AnalysisImage>> part_pictures(const TargetView& view, const ObjectFacts& facts,
+                                                 const v1::PhysicalParameters& physics) {
+  std::vector<AnalysisImage> images;
+  for (size_t i = 0; facts.kernels && i < view.sights.size(); ++i) {
+    auto image =
+        png_of(part_picture(view.sights[i], *facts.kernels, physics.parts()), "in the colours of its parts");
+    if (!image) return image.error();
+    images.push_back(std::move(*image));
+  }
+  return images;
 }
 
 }  // namespace livegs

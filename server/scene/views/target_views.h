@@ -28,4 +28,9 @@ struct ViewedScene {
 Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t object_id, int count,
                                              std::stop_token stop);
 
+// The pictures of a view in the colours of the parts, as PNG; empty if the view has no sights or the object
+// was not captured.
+Result<std::vector<AnalysisImage>> part_pictures(const TargetView& view, const ObjectFacts& facts,
+                                                 const v1::PhysicalParameters& physics);
+
 }  // namespace livegs

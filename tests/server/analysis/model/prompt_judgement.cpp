@@ -17,9 +17,9 @@ using nlohmann::ordered_json;
 
 constexpr const char* kFormat = "livegs.judgement/1";
 constexpr std::uint64_t kMaxBytes = 1 << 20;
-// Hash of the prompts of version 5, written before a model was available. Only this version may lack
+// Hash of the prompts of version 6, written before a model was available. Only this version may lack
 // measurements.
-constexpr const char* kUnjudged = "99b54f7e1e33e8d9e8845e4dfbca6cbed9a5a284663e71a3d7363a9fef863ef6";
+constexpr const char* kUnjudged = "3afaa94a8441c7f8b9942e1d55b15ab8060b1e5e4f72093f39cdc03ab1221932";
 constexpr const char* kHow =
     "judge it: mass_harness --judge OLD_PROMPTS prompts --record ANSWERS --keep prompts/judged.json, with a "
     "model's "

@@ -81,7 +81,7 @@ TestModelServer::Handler made_up_model(const std::vector<JudgedObject>& objects)
 
 // A copy of prompts/ with one more sentence in the system text and a new version.
 fs::path changed_prompts(const ScratchFolder& scratch, const std::string& name, const std::string& sentence,
-                         const char* version = "6") {
+                         const char* version = "7") {
   const fs::path folder = scratch / name;
   fs::copy(kPrompts, folder);
   std::ofstream(folder / "system.md", std::ios::app) << sentence << '\n';
@@ -230,9 +230,9 @@ TEST(PromptJudgement, ChangedPromptRequiresAJudgement) {
     EXPECT_NE(message.find("mass_harness --judge"), std::string::npos) << message;
     return message;
   };
-  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "5")).find("increase it"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "6")).find("increase it"),
             std::string::npos);
-  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("is for version 5"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("is for version 6"),
             std::string::npos);
 
   // With measurements it passes, unless they are worse or synthetic.
