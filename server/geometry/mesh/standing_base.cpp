@@ -18,6 +18,9 @@ using Eigen::Vector3d;
 // changed.
 constexpr double kPlaneStep = 0.005, kHighestPlane = 0.1, kBaseHeight = 0.02;
 constexpr double kMaxWidening = 20.0;
+// Least margin of the base over the largest one of all planes. A knot of haze below a heavy pot carries the
+// pot too, but only just. Larger: higher planes are taken, and round bottoms lose more.
+constexpr double kMinMarginShare = 0.25;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -45,8 +48,11 @@ std::optional<StandingBase> standing_base(std::span<const Vector3d> points_m,
   const double height = highest - lowest;
   if (!(height > 0.0)) return std::nullopt;
   const Vector2d centre = on_floor(centre_of_mass_m);
-  std::optional<StandingBase> best;
-  std::vector<Vector2d> best_hull;
+  struct Plane {
+    StandingBase base;
+    std::vector<Vector2d> hull;
+  };
+  std::vector<Plane> planes;
   for (double share = 0.0; share <= kHighestPlane; share += kPlaneStep) {
     const double plane = lowest + share * height;
     std::vector<Vector2d> base;
@@ -56,12 +62,18 @@ std::optional<StandingBase> standing_base(std::span<const Vector3d> points_m,
     std::vector<Vector2d> hull = planar_hull(std::move(base));
     if (hull.empty() || centre_of_mass_m.y() <= plane) continue;
     const double margin = inside_m(hull, centre) / (centre_of_mass_m.y() - plane);
-    if (best && margin <= best->margin) continue;
-    best = StandingBase{plane, lowest, margin, 1.0};
-    best_hull = std::move(hull);
-    if (margin >= kStandingMargin) return best;
+    planes.push_back({StandingBase{plane, lowest, margin, 1.0}, std::move(hull)});
   }
-  if (!best) return std::nullopt;
+  if (planes.empty()) return std::nullopt;
+  const Plane& widest = *std::max_element(planes.begin(), planes.end(), [](const Plane& a, const Plane& b) {
+    return a.base.margin < b.base.margin;
+  });
+  const double least = std::max(kStandingMargin, kMinMarginShare * widest.base.margin);
+  for (const Plane& plane : planes) {
+    if (plane.base.margin >= least) return plane.base;
+  }
+  std::optional<StandingBase> best = widest.base;
+  const std::vector<Vector2d>& best_hull = widest.hull;
   // Points of the hull move away from the centre of mass; a base that it lies outside of is also moved under
   // it.
   const double needed_m = kStandingMargin * (centre_of_mass_m.y() - best->plane_m);

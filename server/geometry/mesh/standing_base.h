@@ -28,8 +28,9 @@ struct StandingBase {
 inline constexpr double kStandingMargin = 0.05;
 
 // The lowest plane whose base, the convex hull of the points up to a small height above it, carries the
-// centre of mass with kStandingMargin. The plane is at most a tenth of the height above the lowest point;
-// above that, the base of the best plane is widened about its centre. nullopt: no points, or without height.
+// centre of mass with kStandingMargin, and with a quarter of the largest margin of all planes. The plane is
+// at most a tenth of the height above the lowest point; above that, the base of the best plane is widened
+// about its centre. nullopt: no points, or without height.
 std::optional<StandingBase> standing_base(std::span<const Eigen::Vector3d> points_m,
                                           const Eigen::Vector3d& centre_of_mass_m);
 
