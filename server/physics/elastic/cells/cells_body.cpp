@@ -154,7 +154,31 @@ void CellsBody::regularise_node_masses() {
   for (double& mass : masses_kg_) mass *= before / after;
 }
 
+// Scales the densities that are factors on the body's own, so that its mass does not depend on how cells
+// divide the regions. Without factors other than 1 nothing changes.
+void CellsBody::normalise_densities() {
+  const double own_kg_m3 = materials_.own.mass_kg / volume_m3_;
+  const auto factor = [&](size_t k) -> std::optional<double> {
+    if (k == 0) return 1.0;
+    const RegionMaterial& region = materials_.regions[k - 1];
+    return region.density_kg_m3 ? std::nullopt : std::optional(region.density_factor);
+  };
+  double volume_m3 = 0.0, weighted_m3 = 0.0;
+  for (size_t k = 0; k < lattice_.material_node_volumes_m3.size(); ++k) {
+    if (!factor(k)) continue;
+    for (const double one : lattice_.material_node_volumes_m3[k]) {
+      volume_m3 += one;
+      weighted_m3 += *factor(k) * one;
+    }
+  }
+  if (!(weighted_m3 > 0.0)) return;
+  for (size_t k = 0; k < materials_.densities_kg_m3.size(); ++k) {
+    if (factor(k)) materials_.densities_kg_m3[k] = volume_m3 / weighted_m3 * *factor(k) * own_kg_m3;
+  }
+}
+
 void CellsBody::set_masses() {
+  normalise_densities();
   masses_kg_.assign(nodes_.count(), 0.0);
   for (size_t k = 0; k < lattice_.material_node_volumes_m3.size(); ++k) {
     for (size_t i = 0; i < masses_kg_.size(); ++i) {

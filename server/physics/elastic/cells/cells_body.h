@@ -135,6 +135,7 @@ class CellsBody final : public ElasticBody, public FlatBody {
 
   void set_up_materials();
   void choose(double cell_width_m);
+  void normalise_densities();
   void set_masses();
   void set_moment_map();
   double density_of(const LatticeCell& cell) const;  // kg/m³, mean of its materials
