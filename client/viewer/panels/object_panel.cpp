@@ -98,6 +98,12 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
   is.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(is.front())));
   if (!physics.behavior_reason().empty()) is += ": " + shortened(physics.behavior_reason());
   facts.push_back(is);
+  std::string parts;
+  for (const v1::MaterialPart& part : physics.parts()) {
+    parts += (parts.empty() ? "Parts: " : ", ") + part.name() + " of " + part.material() +
+             format_text(" (%.0f %%)", 100 * part.mass_share());
+  }
+  if (!parts.empty()) facts.push_back(parts);
   if (object.elastic) facts.push_back(stiffness_text(*object.elastic));
   if (object.fragility && object.fragility->bodies() > 1) {
     facts.push_back(format_text("Broken into %u fragments", object.fragility->bodies()));

@@ -156,6 +156,7 @@ export class Panels {
       const behavior = typeof physics.behavior === 'number' ? kBehaviors[physics.behavior] : String(physics.behavior ?? '').toLowerCase();
       row('What', [physics.label, physics.material].filter(Boolean).join(', ') || 'unknown', '');
       row('Behaviour', behavior, physics.behavior_reason);
+      for (const part of physics.parts ?? []) row('Part', `${part.name} of ${part.material}, ${number(100 * part.mass_share)} %`, '');
       for (const [field, name, unit] of kValues) {
         const value = physics[field];
         if (!value || !(value.best || value.reason)) continue;

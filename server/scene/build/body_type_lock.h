@@ -8,16 +8,17 @@
 
 namespace livegs {
 
-// The body type chosen for an object when its scene was loaded. It stays the same until the scene is
+// The body type and the parts of an object when its scene was loaded. They stay the same until the scene is
 // reloaded.
 struct BodyTypeLock {
   v1::Physics::Behavior behavior = v1::Physics::RIGID;
   bool can_break = false;  // its kernels can be cut into pieces at run time
+  google::protobuf::RepeatedPtrField<v1::MaterialPart> parts = {};
 };
 
-// Sets the behaviour of `physics` back to the type that the object was built as. Returns one line, for
-// display, for each change that takes effect only after a reload. Returns an empty list if all changes apply
-// at once.
+// Sets the behaviour and the parts of `physics` back to those that the object was built with. Returns one
+// line, for display, for each change that takes effect only after a reload. Returns an empty list if all
+// changes apply at once.
 std::vector<std::string> lock_body_type(const BodyTypeLock& built, v1::PhysicalParameters& physics);
 
 }  // namespace livegs

@@ -127,7 +127,7 @@ Result<SceneAnalysis> SceneAnalysis::changed(const std::vector<std::string>& gon
   }
   for (const BuiltObject& one : fresh) {
     const bool rigid = std::holds_alternative<RigidBodyDescription>(one.body);
-    auto known = known_of(one.drawn, {one.drawn.physics.behavior(), rigid});
+    auto known = known_of(one.drawn, {one.drawn.physics.behavior(), rigid, one.drawn.physics.parts()});
     if (!known) return known.error();
     known->target.object_id = first_id++;
     const Pose pose = std::visit([](const auto& body) { return body.world_from_object; }, one.body);

@@ -68,6 +68,20 @@ TEST(ObjectPanel, ShowsFractureForFragileObjectsOnly) {
   EXPECT_EQ(object_facts(cup), (std::vector<std::string>{"Rigid"}));
 }
 
+TEST(ObjectPanel, ListsThePartsOfAnObject) {
+  StreamedObject hammer;
+  hammer.name = "hammer";
+  hammer.physics.set_behavior(v1::Physics::RIGID);
+  for (const auto& [name, material, share] :
+       {std::tuple("head", "carbon steel", 0.7), std::tuple("handle", "hardwood", 0.3)}) {
+    v1::MaterialPart& part = *hammer.physics.add_parts();
+    part.set_name(name);
+    part.set_material(material);
+    part.set_mass_share(share);
+  }
+  EXPECT_EQ(object_facts(hammer).back(), "Parts: head of carbon steel (70 %), handle of hardwood (30 %)");
+}
+
 TEST(ObjectPanel, SliderReleaseIsOneCall) {
   const auto objects = pillow_and_room();
   ObjectPanel panel;

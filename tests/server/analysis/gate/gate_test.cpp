@@ -447,5 +447,48 @@ TEST(Vote, MassAndPartsAreOfOneThing) {
   EXPECT_DOUBLE_EQ(voted.mass_kg.best, 0.6);
 }
 
+// Boxes say where a part is and change no value, so faulty ones are ignored and noted.
+TEST(Gate, FaultyBoxesOfPartsAreIgnored) {
+  const auto read = [](const json& boxes) {
+    json answer = mug_answer();
+    answer["parts"][0]["boxes"] = boxes;
+    answer["parts"][0]["inside"] = "cupboard";
+    const auto parsed = read_answer(answer.dump());
+    EXPECT_TRUE(parsed) << boxes << ": " << parsed.error().message;
+    return parsed ? *parsed : Answer();
+  };
+  const Answer good = read({{1, 100, 200, 300, 1000}, {2, 0, 0, 500, 250}});
+  ASSERT_EQ(good.parts.front().boxes.size(), 2u);
+  EXPECT_EQ(good.parts.front().boxes[1].picture, 1u);
+  EXPECT_DOUBLE_EQ(good.parts.front().boxes[0].left, 0.1);
+  EXPECT_DOUBLE_EQ(good.parts.front().boxes[0].bottom, 1);
+  EXPECT_EQ(good.parts.front().inside, "cupboard");
+  EXPECT_FALSE(mentions(good.changes, ".boxes"));
+  EXPECT_TRUE(read(nullptr).parts.front().boxes.empty());
+  const json faulty[] = {{{3, 0, 0, 10, 10}},
+                         {{1, 0, 0, 1001, 10}},
+                         {{1, -1, 0, 10, 10}},
+                         {{1, 10, 0, 10, 10}},
+                         {{1, 0, 20, 10, 10}},
+                         {{1, 0, 0, 10}},
+                         {{1.5, 0, 0, 10, 10}},
+                         {{1, "0", 0, 10, 10}},
+                         {{1, 0, 0, 10, 1e30}},
+                         {1, 0, 0, 10, 10},
+                         {{{"left", 0}}},
+                         "everywhere",
+                         7,
+                         {{0, 0, 0, 10, 10}},
+                         {{1, nullptr, 0, 10, 10}}};
+  for (const json& boxes : faulty) {
+    const Answer answer = read(boxes);
+    EXPECT_TRUE(answer.parts.front().boxes.empty()) << boxes;
+    EXPECT_TRUE(mentions(answer.changes, "parts[0].boxes")) << boxes;
+  }
+  json many = json::array();
+  for (int i = 0; i < 5000; ++i) many.push_back({1, 0, 0, 10, 10});
+  EXPECT_EQ(read(many).parts.front().boxes.size(), kMaxAnswerBoxes);
+}
+
 }  // namespace
 }  // namespace livegs

@@ -633,5 +633,75 @@ TEST_F(PhysicsFileTest, TruncatedLogIsReadUpToTheCut) {
   }
 }
 
+// A hammer of two parts, the head in a box.
+v1::PhysicalParameters hammer_parameters() {
+  ObjectFacts facts = mug_facts();
+  facts.name = "hammer";
+  v1::PhysicalParameters p = estimate_offline(facts);
+  EXPECT_EQ(p.parts_size(), 2);
+  auto& box = *p.mutable_parts(0)->add_boxes();
+  for (const double one : {-0.1, 0.02, -0.1}) box.add_min_m(one);
+  for (const double one : {0.1, 0.1, 0.1}) box.add_max_m(one);
+  p.mutable_longest_side_m()->set_best(mug_facts().mesh.size_m.maxCoeff());
+  return p;
+}
+
+TEST_F(PhysicsFileTest, PartsAreEditedByHandAndByAProgram) {
+  const v1::PhysicalParameters decided = hammer_parameters();
+  ASSERT_TRUE(apply_analysis(path, decided, {}));
+  EXPECT_EQ(read().physics().parts(0).boxes(0).max_m(1), 0.1);
+  EXPECT_EQ(read().edits().parts_size(), 0);  // unchanged numbers are no edit
+  const auto effective = [&](const ObjectFacts& facts) {
+    std::string note;
+    auto physics = with_physics_file(estimate_offline(facts), read(), facts, note);
+    EXPECT_TRUE(physics) << physics.error().message;
+    return physics ? *physics : v1::PhysicalParameters();
+  };
+  EXPECT_EQ(effective(mug_facts()).parts_source(), EstimatedValue::OFFLINE);
+
+  edit_by_hand("/physics/parts/0/boxes/0/max_m/1", 0.07);
+  edit_by_hand("/physics/parts/1/material", "ABS");
+  EXPECT_EQ(read().edits().parts_size(), 2);
+  EXPECT_EQ(read().physics().parts(0).boxes(0).max_m(1), 0.1);  // as decided
+  EXPECT_EQ(effective(mug_facts()).parts_source(), EstimatedValue::PERSON);
+  EXPECT_EQ(effective(mug_facts()).parts(0).boxes(0).max_m(1), 0.07);
+  EXPECT_EQ(effective(mug_facts()).parts(1).material(), "ABS");
+
+  // A program replaces the list, and its change can be undone.
+  v1::Physics edits;
+  *edits.mutable_parts() = decided.parts();
+  edits.mutable_parts(0)->set_material("brass");
+  ASSERT_TRUE(edit_physics(path, edits));
+  EXPECT_EQ(read().edits().parts_size(), 2);
+  EXPECT_EQ(effective(mug_facts()).parts(0).material(), "brass");
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(effective(mug_facts()).parts(0).material(), decided.parts(0).material());
+  EXPECT_EQ(effective(mug_facts()).parts(1).material(), "ABS");
+  const std::vector<std::string> field = {"parts"};
+  ASSERT_TRUE(restore_physics(path, field));
+  EXPECT_EQ(effective(mug_facts()).parts_source(), EstimatedValue::OFFLINE);
+
+  // An object of twice the size has boxes of twice the size.
+  ObjectFacts large = mug_facts();
+  large.mesh.size_m *= 2;
+  EXPECT_NEAR(effective(large).parts(0).boxes(0).max_m(1), 0.2, 1e-12);
+}
+
+TEST_F(PhysicsFileTest, FaultyPartsNameTheirField) {
+  ASSERT_TRUE(apply_analysis(path, hammer_parameters(), {}));
+  const std::string before = *read_text_file(path);
+  edit_by_hand("/physics/parts/1/mass_share", 0.9);
+  auto file = read_physics_file(path);
+  ASSERT_FALSE(file);
+  EXPECT_NE(file.error().message.find("physics.parts: the mass shares sum to"), std::string::npos)
+      << file.error().message;
+  ASSERT_TRUE(write_file_atomically(path, before));
+  edit_by_hand("/physics/parts/1/material", "unobtainium");
+  file = read_physics_file(path);
+  ASSERT_FALSE(file);
+  EXPECT_NE(file.error().message.find("physics.parts[1].material"), std::string::npos)
+      << file.error().message;
+}
+
 }  // namespace
 }  // namespace livegs
