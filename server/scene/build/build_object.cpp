@@ -35,10 +35,10 @@ constexpr size_t kContactShapeBytes = 400'000;
 struct Form {
   std::shared_ptr<const GaussianAsset> asset;
   Similarity object_from_asset;
-  std::vector<Eigen::Vector3d> points_m;  // for the surface; empty for shapes
-  TriangleMesh mesh;                      // fine surface, object frame
+  std::vector<Eigen::Vector3d> points_m;          // for the surface; empty for shapes
+  TriangleMesh mesh;                              // fine surface, object frame
   std::shared_ptr<const SurfaceKernels> kernels;  // of an asset
-  ParticleSet particles;                  // only for a list of points
+  ParticleSet particles;                          // only for a list of points
   std::vector<Eigen::Vector3d> particle_velocities_m_s;
   std::string surface_note;
   bool scale_known = true;
@@ -118,8 +118,7 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
   if (!surface) return surface.error();
   form.asset = std::move(placed->asset);
   form.object_from_asset = placed->object_from_asset;
-  form.kernels =
-      std::make_shared<const SurfaceKernels>(surface_kernels(*form.asset, form.object_from_asset));
+  form.kernels = std::make_shared<const SurfaceKernels>(surface_kernels(*form.asset, form.object_from_asset));
   form.points_m = std::move(placed->body_points_m);
   form.mesh = std::move(surface->mesh);
   form.surface_note = std::move(surface->note);
