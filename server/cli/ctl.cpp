@@ -37,7 +37,7 @@ struct Options {
   bool json = false;
   std::string file;
   bool inputs_only = false, with_assets = false;
-  ReplayOptions replaying;
+  ReplayRequest replaying;
   std::string session, reason, token_id, token_name, scope = "interact";
   double days = kTokenDays;
 };
@@ -352,7 +352,7 @@ void add_ctl(CLI::App& app, int& exit_code) {
 
   auto* replayed =
       add(ctl, "replay", "Show the contents of a recording (needs no server)", [](const Options& given) {
-        ReplayOptions replaying = given.replaying;
+        ReplayRequest replaying = given.replaying;
         replaying.json = given.json;
         return replay(replaying);
       });

@@ -55,7 +55,7 @@ void print_json(const RecordingReader& recording) {
     std::fputs(text.c_str(), stdout);
 }
 
-int verify(RecordingReader& recording, const ReplayOptions& options) {
+int verify(RecordingReader& recording, const ReplayRequest& options) {
   const bool shows = isatty(STDERR_FILENO) != 0;
   const uint64_t last = recording.totals().last_tick();
   const auto seen = verify_recording(recording, options.folder, [&](uint64_t tick) {
@@ -82,7 +82,7 @@ int verify(RecordingReader& recording, const ReplayOptions& options) {
 
 }  // namespace
 
-int replay(const ReplayOptions& options) {
+int replay(const ReplayRequest& options) {
   auto recording = RecordingReader::open(options.file);
   if (!recording) return report(recording.error());
   if (options.verify) return verify(*recording, options);

@@ -5,7 +5,7 @@
 
 namespace livegs {
 
-struct ReplayOptions {
+struct ReplayRequest {
   std::string file;
   std::string folder;  // folder of the scene's assets; empty: their recorded location
   bool verify = false, json = false;
@@ -13,6 +13,6 @@ struct ReplayOptions {
 
 // Implements livegs ctl replay: prints a summary of a recording, or verifies it by simulation. Returns the
 // exit code: 0 success or equal, 1 otherwise.
-int replay(const ReplayOptions& options);
+int replay(const ReplayRequest& options);
 
 }  // namespace livegs

@@ -61,7 +61,7 @@ std::vector<double> depth_errors_mm(const Capture& capture, const KernelParamete
     const std::vector<uint16_t> depth = read_grey(one.depth, width, height);
     const std::vector<uint16_t> mask = read_grey(one.mask, width, height);
     if (depth.size() != mask.size() || width != one.camera.width || height != one.camera.height) continue;
-    ViewOptions options;
+    TrainedViewOptions options;
     options.depth = true;
     Camera camera = one.camera;
     camera.near_m = near_m;

@@ -17,8 +17,8 @@ namespace {
 // Blends the kernel into the live runs that it touches; returns the runs that became opaque. kShares: `share`
 // receives the weights of the kernel.
 template <bool kShares>
-uint32_t blend_kernel(const ProjectedKernel& kernel, const PlacedKernel& placed, uint32_t runs,
-                      TileState& tile, float* share) {
+uint32_t blend_kernel(const ProjectedKernel& kernel, const TileKernel& placed, uint32_t runs, TileState& tile,
+                      float* share) {
   const RunAlpha alpha_of(kernel, placed);
   uint32_t finished = 0;
   for (; runs != 0; runs &= runs - 1) {
@@ -100,7 +100,7 @@ void TileBlender::blend(std::span<const ProjectedKernel> kernels, const TileBins
         // The bins access kernels in random order, which hardware prefetching cannot predict.
         if (i + 8 < bin.size()) __builtin_prefetch(&kernels[bin[i + 8]]);
         const ProjectedKernel& kernel = kernels[bin[i]];
-        const PlacedKernel placed(kernel, tile_x, tile_y);
+        const TileKernel placed(kernel, tile_x, tile_y);
         const uint32_t runs = touched_runs(kernel, placed, kernel.rim()) & live;
         if (runs == 0) continue;
         live &= ~(shares_.empty() ? blend_kernel<false>(kernel, placed, runs, tiles_[t], nullptr)

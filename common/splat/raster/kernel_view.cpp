@@ -51,7 +51,7 @@ void blend_bin(std::span<const ProjectedKernel> kernels, std::span<const uint32_
   for (size_t i = 0; i < bin.size() && live != 0; ++i) {
     if (i + 8 < bin.size()) __builtin_prefetch(&kernels[bin[i + 8]]);
     const ProjectedKernel& kernel = kernels[bin[i]];
-    const PlacedKernel placed(kernel, tile_x, tile_y);
+    const TileKernel placed(kernel, tile_x, tile_y);
     uint32_t runs = touched_runs(kernel, placed) & live;
     if (runs == 0) continue;
     const RunAlpha alpha_of(kernel, placed);

@@ -18,7 +18,7 @@ inline constexpr float kMinTransmittance = 1e-4f;  // (1 - kMaxAlpha)²
 inline constexpr float kHalfway = 0.5f;
 inline constexpr size_t kTilesPerBlock = 4;
 
-inline uint32_t touched_runs(const ProjectedKernel& kernel, const PlacedKernel& placed) {
+inline uint32_t touched_runs(const ProjectedKernel& kernel, const TileKernel& placed) {
   return touched_runs(kernel, placed, kernel.rim());
 }
 
@@ -38,7 +38,7 @@ inline int first_pixel_of(int run) { return (run & 15) * kTileSize + (run < 16 ?
 // The alpha of a kernel in the eight pixels of a run.
 class RunAlpha {
  public:
-  RunAlpha(const ProjectedKernel& kernel, const PlacedKernel& placed)
+  RunAlpha(const ProjectedKernel& kernel, const TileKernel& placed)
       : kernel_(kernel),
         placed_(placed),
         along_run_(kernel.across_x * lane_indices()),
@@ -55,7 +55,7 @@ class RunAlpha {
 
  private:
   const ProjectedKernel& kernel_;
-  const PlacedKernel& placed_;
+  const TileKernel& placed_;
   Lanes along_run_;
   float u_first_, u_right_;
 };

@@ -13,15 +13,15 @@ namespace livegs {
 inline constexpr float kRimMargin = 1e-3f;
 
 // A kernel in the frame of a tile: `u` and `v` at the first pixel of the tile.
-struct PlacedKernel {
-  PlacedKernel(const ProjectedKernel& k, float tile_x, float tile_y)
+struct TileKernel {
+  TileKernel(const ProjectedKernel& k, float tile_x, float tile_y)
       : dx(tile_x + 0.5f - k.centre_x_px), dy(tile_y + 0.5f - k.centre_y_px) {}
   float dx, dy;
 };
 
 // Runs of a tile that the ellipse touches where u² + v² is at most `rim`. The 256 pixels of a tile are 32
 // runs of eight: run b is row b % 16, left half for b < 16, right half otherwise.
-inline uint32_t touched_runs(const ProjectedKernel& kernel, const PlacedKernel& placed, float rim) {
+inline uint32_t touched_runs(const ProjectedKernel& kernel, const TileKernel& placed, float rim) {
   rim += kRimMargin;
   const float width = 1.0f / kernel.across_x;
   uint32_t runs = 0;

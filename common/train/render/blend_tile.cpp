@@ -52,7 +52,7 @@ inline float sum_of(Lanes v) {
 // Values of one kernel along the rows of a tile. Both passes evaluate them with the same operations, so that
 // they skip and stop at the same pixels.
 struct KernelRows {
-  KernelRows(const ProjectedKernel& k, const PlacedKernel& placed_kernel, const RenderCuts& cuts)
+  KernelRows(const ProjectedKernel& k, const TileKernel& placed_kernel, const RenderCuts& cuts)
       : kernel(k),
         placed(placed_kernel),
         along(k.across_x * lane_indices()),
@@ -84,7 +84,7 @@ struct KernelRows {
   }
 
   const ProjectedKernel& kernel;
-  const PlacedKernel& placed;
+  const TileKernel& placed;
   Lanes along;
   float first_u, right_u, min_alpha, min_transmittance;
 };
@@ -108,7 +108,7 @@ uint32_t runs_of_tile(int columns, int rows) {
 
 uint32_t blend_forward(const ProjectedKernel& kernel, const TileFrame& frame, const RenderCuts& cuts,
                        uint32_t live, TilePixels& tile, bool with_spread, uint32_t* halfway, uint32_t rank) {
-  const PlacedKernel placed(kernel, frame.x, frame.y);
+  const TileKernel placed(kernel, frame.x, frame.y);
   const KernelRows rows(kernel, placed, cuts);
   uint32_t finished = 0;
   for (uint32_t runs = touched_runs(kernel, placed, rim_of(kernel, cuts)) & live; runs != 0;
@@ -143,7 +143,7 @@ uint32_t blend_forward(const ProjectedKernel& kernel, const TileFrame& frame, co
 uint32_t blend_backward(const ProjectedKernel& kernel, const TileFrame& frame, const RenderCuts& cuts,
                         uint32_t live, TilePixels& tile, TileGradient& gradient, bool with_spread,
                         EllipseGradient& sums) {
-  const PlacedKernel placed(kernel, frame.x, frame.y);
+  const TileKernel placed(kernel, frame.x, frame.y);
   const KernelRows rows(kernel, placed, cuts);
   const uint32_t touched = touched_runs(kernel, placed, rim_of(kernel, cuts)) & live;
   const Lanes zero = lanes(0.0f), one = lanes(1.0f);

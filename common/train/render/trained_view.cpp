@@ -205,7 +205,8 @@ void TrainedView::use_device(std::unique_ptr<Backend> backend) {
   device_ = std::make_unique<DeviceBlender>(std::move(backend));
 }
 
-void TrainedView::draw(const KernelParameters& parameters, const Camera& camera, const ViewOptions& options) {
+void TrainedView::draw(const KernelParameters& parameters, const Camera& camera,
+                       const TrainedViewOptions& options) {
   camera_ = camera;
   options_ = options;
   project(parameters);

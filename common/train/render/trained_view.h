@@ -33,7 +33,7 @@ struct PicturePlanes {
   size_t pixels() const { return red.size(); }
 };
 
-struct ViewOptions {
+struct TrainedViewOptions {
   Eigen::Vector3f background{0, 0, 0};
   int sh_degree = 3;
   RenderCuts cuts;
@@ -57,7 +57,7 @@ class TrainedView {
   void use_device(std::unique_ptr<Backend> backend);
 
   // Colours over the background, without an upper limit; alpha is coverage.
-  void draw(const KernelParameters& parameters, const Camera& camera, const ViewOptions& options);
+  void draw(const KernelParameters& parameters, const Camera& camera, const TrainedViewOptions& options);
   const PicturePlanes& picture() const { return picture_; }
 
   // Depth along the view axis where the response of the kernel is greatest on the pixel's ray, for the kernel
@@ -74,7 +74,7 @@ class TrainedView {
 
   // `by_picture`: dL by the colour (over the background) and alpha of each pixel. Writes the derivative by
   // every trained number; 0 for kernels that were not visible. `by_spread`: dL by the spread of each pixel,
-  // or empty; needs ViewOptions::spread. Call after draw, with the same parameters.
+  // or empty; needs TrainedViewOptions::spread. Call after draw, with the same parameters.
   void backward(const KernelParameters& parameters, const PicturePlanes& by_picture,
                 KernelParameters& gradient, std::span<const float> by_spread = {});
 
@@ -88,7 +88,7 @@ class TrainedView {
   void find_depths(const KernelParameters& parameters);
 
   Camera camera_;
-  ViewOptions options_;
+  TrainedViewOptions options_;
   PicturePlanes picture_;
   std::vector<float> depths_;
   std::vector<float> depth_sums_, spreads_;  // by pixel

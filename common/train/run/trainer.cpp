@@ -181,7 +181,7 @@ Result<void> Trainer::step() {
   const size_t index = s.view_of_step();
   auto photo = s.pictures.picture(index);
   if (!photo) return photo.error();
-  ViewOptions view_options;
+  TrainedViewOptions view_options;
   view_options.sh_degree = s.sh_degree();
   view_options.spread = options.spread_weight > 0;
   float alpha_weight = 0;
@@ -234,7 +234,7 @@ Result<void> Trainer::step() {
 
 Result<HeldOutScore> Trainer::State::score() {
   HeldOutScore score;
-  ViewOptions view_options;
+  TrainedViewOptions view_options;
   view_options.sh_degree = 3;
   for (size_t index : held_out_views) {
     auto photo = pictures.picture(index);
@@ -259,7 +259,7 @@ Result<Image> Trainer::compare(size_t index) {
   auto photo = s.pictures.picture(index);
   if (!photo) return photo.error();
   planes_of(**photo, Eigen::Vector3f::Zero(), s.target);
-  s.view.draw(s.kernels, s.camera_of(index), ViewOptions{});
+  s.view.draw(s.kernels, s.camera_of(index), TrainedViewOptions{});
   const PicturePlanes& drawn = s.view.picture();
   Image image;
   image.width = 2 * drawn.width;

@@ -33,7 +33,7 @@ class DeviceView : public ::testing::TestWithParam<const char*> {
     KernelParameters gradient;
   };
   static Result of(TrainedView& view, const KernelParameters& kernels, const Camera& camera,
-                   ViewOptions options, float by_spread) {
+                   TrainedViewOptions options, float by_spread) {
     options.spread = by_spread != 0;
     options.depth = true;
     Result result;
@@ -47,13 +47,13 @@ class DeviceView : public ::testing::TestWithParam<const char*> {
     view.backward(kernels, random_weights(camera.width, camera.height), result.gradient, spread_weights);
     return result;
   }
-  static Result on_cpu(const KernelParameters& kernels, const Camera& camera, const ViewOptions& options,
-                       float by_spread) {
+  static Result on_cpu(const KernelParameters& kernels, const Camera& camera,
+                       const TrainedViewOptions& options, float by_spread) {
     TrainedView view;
     return of(view, kernels, camera, options, by_spread);
   }
-  static Result on_device(const KernelParameters& kernels, const Camera& camera, const ViewOptions& options,
-                          float by_spread) {
+  static Result on_device(const KernelParameters& kernels, const Camera& camera,
+                          const TrainedViewOptions& options, float by_spread) {
     TrainedView view;
     view.use_device(backend());
     return of(view, kernels, camera, options, by_spread);
@@ -104,7 +104,7 @@ TEST_P(DeviceView, PicturesAndGradientsMatchTheCpu) {
 TEST_P(DeviceView, CutOffsAreThoseOfTheCpu) {
   const KernelParameters kernels = test_kernels(3000, 0.95);
   const Camera camera = test_camera(100, 76);
-  ViewOptions options;
+  TrainedViewOptions options;
   options.background = {0.2f, 0.5f, 0.8f};
   expect_same(on_device(kernels, camera, options, kBySpread), on_cpu(kernels, camera, options, kBySpread),
               1e-3);
@@ -126,7 +126,7 @@ TEST_P(DeviceView, NoKernelGivesTheBackground) {
   KernelParameters behind = test_kernels(5, 0.9);
   for (size_t k = 0; k < behind.size(); ++k)
     behind.row(Family::Position, k)[2] += 100.0f;  // behind the camera
-  ViewOptions options;
+  TrainedViewOptions options;
   options.background = {0.2f, 0.5f, 0.8f};
   TrainedView view;
   view.use_device(backend());

@@ -92,7 +92,7 @@ ReferenceKernels::ReferenceKernels(const KernelParameters& parameters) {
 }
 
 ReferencePicture reference_view(const ReferenceKernels& kernels, const Camera& camera,
-                                const ViewOptions& options) {
+                                const TrainedViewOptions& options) {
   std::vector<ReferenceEllipse> ellipses;
   for (size_t k = 0; k < kernels.families[3].size(); ++k)
     ellipses.push_back(reference_ellipse(kernels, k, camera, options.sh_degree));

@@ -16,6 +16,6 @@ struct ReferencePicture {
   std::vector<double> spread;  // sum of w w |z - z| over all pairs of kernels
 };
 ReferencePicture reference_view(const ReferenceKernels& kernels, const Camera& camera,
-                                const ViewOptions& options);
+                                const TrainedViewOptions& options);
 
 }  // namespace livegs

@@ -53,8 +53,8 @@ PicturePlanes random_weights(int width, int height) {
   return weights;
 }
 
-ViewOptions smooth_options() {
-  ViewOptions options;
+TrainedViewOptions smooth_options() {
+  TrainedViewOptions options;
   options.background = {0.2f, 0.5f, 0.8f};
   options.cuts = {1e-9f, 0.0f};
   return options;

@@ -14,6 +14,6 @@ KernelParameters test_kernels(size_t count, double max_opacity);
 // -1 to 1 for each number of the picture.
 PicturePlanes random_weights(int width, int height);
 // Without jumps of the picture: see RenderCuts.
-ViewOptions smooth_options();
+TrainedViewOptions smooth_options();
 
 }  // namespace livegs

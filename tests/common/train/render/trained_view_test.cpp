@@ -26,7 +26,7 @@ double weighted_sum(const ReferencePicture& picture, const PicturePlanes& weight
 // Compares the gradient of a weighted sum of pixels with central differences of the reference in double
 // precision, number by number: within 0.1 %, or 1e-5 of the largest of the family, which is the rounding of
 // sums of floats over the pixels. Central differences with this step are exact to about 1e-7.
-void expect_gradient(const KernelParameters& kernels, const Camera& camera, ViewOptions options,
+void expect_gradient(const KernelParameters& kernels, const Camera& camera, TrainedViewOptions options,
                      float by_spread = 0) {
   options.spread = by_spread != 0;
   const PicturePlanes weights = random_weights(camera.width, camera.height);
@@ -77,7 +77,7 @@ TEST(TrainedView, GradientOfTheSpreadOfDepthsAgrees) {
 TEST(TrainedView, SpreadIsThatOfAllPairs) {
   const KernelParameters kernels = test_kernels(30, 0.9);
   const Camera camera = test_camera(40, 36);
-  ViewOptions options = smooth_options();
+  TrainedViewOptions options = smooth_options();
   options.spread = true;
   TrainedView view;
   view.draw(kernels, camera, options);
@@ -122,7 +122,7 @@ TEST(TrainedView, GradientBehindAnOpaqueKernelAgrees) {
 }
 
 TEST(TrainedView, LowerDegreesLeaveTheHigherBandsAlone) {
-  ViewOptions options = smooth_options();
+  TrainedViewOptions options = smooth_options();
   options.sh_degree = 1;
   const KernelParameters kernels = test_kernels(5, 0.9);
   TrainedView view;
@@ -144,7 +144,7 @@ TEST(TrainedView, CutOffsChangeCentralDifferencesMoreThanTheGradient) {
   const KernelParameters kernels = test_kernels(10, 0.9);
   const Camera camera = test_camera(40, 36);
   const PicturePlanes weights = random_weights(40, 36);
-  ViewOptions options = smooth_options();
+  TrainedViewOptions options = smooth_options();
   TrainedView view;
   KernelParameters smooth, cut;
   view.draw(kernels, camera, options);
@@ -165,7 +165,7 @@ TEST(TrainedView, CutOffsChangeCentralDifferencesMoreThanTheGradient) {
 TEST(TrainedView, PictureIsThatOfTheReference) {
   const KernelParameters kernels = test_kernels(60, 0.95);
   const Camera camera = test_camera(70, 50);
-  ViewOptions options;
+  TrainedViewOptions options;
   options.background = {0.1f, 0.2f, 0.3f};
   TrainedView view;
   view.draw(kernels, camera, options);
@@ -239,7 +239,7 @@ TEST(TrainedView, DepthIsThatOfTheGreatestResponse) {
   kernels.row(Family::Rotation, 0)[2] = static_cast<float>(std::sin(angle / 2));
   *kernels.row(Family::Opacity, 0) = 5.0f;
   const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.6, 32, 32);
-  ViewOptions options;
+  TrainedViewOptions options;
   options.depth = true;
   TrainedView view;
   view.draw(kernels, camera, options);
