@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // livegs fit: physical parameters of a scene's objects from a video of their motion.
 #include <signal.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,6 +20,7 @@
 #include "core/log.h"
 #include "core/text/format_text.h"
 #include "core/text/help_format.h"
+#include "core/text/shown_text.h"
 #include "core/written_files.h"
 #include "fit/draw_tracks.h"
 #include "fit/fit_scene.h"
@@ -32,6 +36,7 @@ struct FitCommand {
   fs::path scene, video, tracks, camera, output;
   std::vector<std::string> find;
   double first_frame_s = 0, max_seconds = 10;
+  bool quiet = false;  // --quiet of the program
 };
 
 std::atomic<bool> fit_interrupted{false};
@@ -77,6 +82,26 @@ Result<FitRequest> request_of(const FitCommand& command) {
   return request;
 }
 
+// The folder is created after the search; what would prevent it is found before.
+Result<void> check_can_be_written(const fs::path& folder) {
+  std::error_code error;
+  fs::path there = fs::absolute(folder).lexically_normal();
+  while (!there.has_filename() || !fs::exists(there, error)) {
+    if (there == there.parent_path()) break;
+    there = there.parent_path();
+  }
+  if (!fs::is_directory(there, error))
+    return invalid_argument(folder.string() + ": cannot be a folder, because " + there.string() +
+                            " is a file");
+  if (::access(there.c_str(), W_OK) != 0)
+    return Error{ErrorCode::PermissionDenied,
+                 folder.string() + ": cannot be written: " + std::strerror(errno)};
+  for (const char* name : {"fit.json", "fitted.scene.json", "measured.csv", "simulated.csv", "paths.png"})
+    if (fs::is_directory(folder / name, error))
+      return invalid_argument((folder / name).string() + ": is a folder; give another output folder");
+  return {};
+}
+
 nlohmann::json json_of(const FitResult& result) {
   nlohmann::json json;
   json["version"] = LIVEGS_VERSION;
@@ -116,7 +141,7 @@ void print_values(const FitResult& result) {
       "simulations\n",
       result.measured.points(), result.measured.frames(), result.spread_px, result.spread_before_px,
       result.simulations);
-  for (const std::string& note : result.notes) std::printf("note: %s\n", note.c_str());
+  for (const std::string& note : result.notes) std::printf("note: %s\n", shown_text(note, 400).c_str());
 }
 
 Result<void> write_result(const FitCommand& command, const FitRequest& request, const FitResult& result,
@@ -152,6 +177,7 @@ int run_fit(const FitCommand& command) {
   if (!std::isfinite(command.first_frame_s) || !std::isfinite(command.max_seconds))
     return report(invalid_argument("--first-frame, --max-seconds: must be finite numbers"));
   if (auto checked = check_output_folder(command.output); !checked) return report(checked.error());
+  if (auto checked = check_can_be_written(command.output); !checked) return report(checked.error());
   auto request = request_of(command);
   if (!request) return report(request.error());
   // Ctrl-C ends the search; the best values so far are written. A second one ends the program.
@@ -162,7 +188,8 @@ int run_fit(const FitCommand& command) {
   const int64_t started_ns = now_ns();
   const FitProgress progress = [&](const std::string& line) {
     set_log_level(LogLevel::Error);  // each simulation would print the notes of the first one
-    std::fprintf(stderr, "%5.0f s  %s\n", milliseconds_from_ns(now_ns() - started_ns) / 1000, line.c_str());
+    if (!command.quiet)
+      std::fprintf(stderr, "%5.0f s  %s\n", milliseconds_from_ns(now_ns() - started_ns) / 1000, line.c_str());
     return !fit_interrupted;
   };
   Image picture;
@@ -233,7 +260,8 @@ void add_fit(CLI::App& app, int& exit_code) {
       "  livegs fit hat.scene.json --video hat.mp4 --camera camera.json -o out/fit\n"
       "  livegs fit desk.scene.json --tracks paths.csv --camera camera.json --find leaf=youngs_modulus_pa -o "
       "out/leaf");
-  command->callback([options, video, tracks, &exit_code] {
+  command->callback([options, video, tracks, &app, &exit_code] {
+    options->quiet = app.get_option("--quiet")->count() > 0;
     exit_code = video->count() + tracks->count() == 0
                     ? report(invalid_argument("fit: give --video or --tracks"))
                     : run_fit(*options);

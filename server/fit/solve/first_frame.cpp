@@ -4,18 +4,31 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text/format_text.h"
+#include "core/text/shown_text.h"
 #include "scene/build/build_cache.h"
 #include "scene/check/check_object.h"
 
 namespace livegs {
 namespace {
 
+constexpr double kMaxFirstFrame_s = 3600;
+// Two buffers of floats and ids for each pixel: 2 GB. A video of 8192 x 4320 has 35 million.
+constexpr double kMaxCameraPixels = 40e6;
+constexpr uint64_t kProgressTicks = 500;
+
 // Names and quantities that the request asks for.
 Result<std::vector<std::pair<std::string, std::vector<FitQuantity>>>> wanted_objects(
     const FitRequest& request, const Scene& scene) {
   if (!request.objects.empty()) {
     for (const auto& [name, quantities] : request.objects)
-      if (!scene.find_in_file(name)) return not_found(name + ": is no object of the scene");
+      if (!scene.find_in_file(name)) return not_found(shown_line(name) + ": is no object of the scene");
+    for (size_t i = 0; i < request.objects.size(); ++i) {
+      for (size_t j = 0; j < i; ++j)
+        if (request.objects[i].first == request.objects[j].first)
+          return invalid_argument(shown_line(request.objects[i].first) +
+                                  ": is named twice; give all its quantities at once");
+    }
     return request.objects;
   }
   std::vector<std::string> moving;
@@ -32,7 +45,16 @@ Result<std::vector<std::pair<std::string, std::vector<FitQuantity>>>> wanted_obj
 
 }  // namespace
 
-Result<FirstFrame> first_frame(const FitRequest& request, double time_s, std::shared_ptr<BuildCache> cache) {
+Result<FirstFrame> first_frame(const FitRequest& request, double time_s, std::shared_ptr<BuildCache> cache,
+                               const FitProgress& progress) {
+  if (!(time_s >= 0 && time_s <= kMaxFirstFrame_s))
+    return invalid_argument(format_text("first frame: is at %.6g s of the scene; it must be at 0 to %.0f s",
+                                        time_s, kMaxFirstFrame_s));
+  const double pixels = static_cast<double>(request.camera.width) * request.camera.height;
+  if (pixels > kMaxCameraPixels)
+    return invalid_argument(format_text("camera: has %d x %d pixels; give at most %.0f million",
+                                        request.camera.width, request.camera.height,
+                                        1e-6 * kMaxCameraPixels));
   SceneOptions options;
   options.cache = std::move(cache);
   options.cut_fragile = false;
@@ -56,7 +78,13 @@ Result<FirstFrame> first_frame(const FitRequest& request, double time_s, std::sh
   }
   const auto ticks =
       static_cast<uint64_t>(std::llround(std::max(0.0, time_s) * scene->world().settings().rate_hz));
-  for (uint64_t tick = 0; tick < ticks; ++tick) scene->step();
+  for (uint64_t tick = 0; tick < ticks; ++tick) {
+    scene->step();
+    if (tick % kProgressTicks == kProgressTicks - 1 && progress &&
+        !progress(format_text("to the first frame: %.0f of %.0f s simulated",
+                              static_cast<double>(tick) / scene->world().settings().rate_hz, time_s)))
+      return Error{ErrorCode::Unavailable, "first frame: the simulation was stopped"};
+  }
   auto view = SurfaceView::of(*scene, request.camera, first.objects);
   if (!view) return view.error();
   first.view = std::move(*view);

@@ -19,6 +19,7 @@ struct FirstFrame {
   std::map<std::string, std::string> mass_source;  // by object
   SurfaceView view;
 };
-Result<FirstFrame> first_frame(const FitRequest& request, double time_s, std::shared_ptr<BuildCache> cache);
+Result<FirstFrame> first_frame(const FitRequest& request, double time_s, std::shared_ptr<BuildCache> cache,
+                               const FitProgress& progress);
 
 }  // namespace livegs

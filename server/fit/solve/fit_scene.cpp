@@ -34,6 +34,13 @@ constexpr double kMethodRange = 1.05;
 // alone does: only their ratio is seen.
 constexpr double kJointFactor = 1.3, kUnseenChange = 0.1;
 
+// Distance of a tracked point from the picture's corner, over its longer side, that is no error of the file.
+constexpr double kMostOutside = 10.0;
+// Part of the uncertainty that a recording takes away from a value that it shows; others stay as they were.
+constexpr double kShown = 0.5;
+// Spread over that of the values before, above which the search has found nothing.
+constexpr double kNoBetter = 0.9;
+
 using Unknowns = MotionProblem::Unknowns;
 
 // The first frame in which enough points of an object have moved.
@@ -206,7 +213,14 @@ double squared_distance(const PointTracks& a, const PointTracks& b) {
 Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks,
                             const FitProgress& progress) {
   const auto cache = std::make_shared<BuildCache>();
-  auto first = first_frame(request, tracks.times_s[0], cache);
+  for (size_t k = 0; k < tracks.positions_px.size(); ++k) {
+    const Eigen::Vector2d& px = tracks.positions_px[k];
+    const double most_px = kMostOutside * std::max(request.camera.width, request.camera.height);
+    if (px.cwiseAbs().maxCoeff() > most_px)
+      return invalid_data(format_text("tracks: point %zu is at (%.6g, %.6g) px, far outside of the picture",
+                                      k / tracks.frames(), px.x(), px.y()));
+  }
+  auto first = first_frame(request, tracks.times_s[0], cache, progress);
   if (!first) return first.error();
 
   // The points that show an object, with their tracks.
@@ -296,7 +310,7 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
     value.low = std::max(parameter.lowest, value.best * std::exp(-kHalfRange_sd * sd));
     value.high = std::min(parameter.highest, value.best * std::exp(kHalfRange_sd * sd));
     value.shown = std::clamp(1.0 - variance / before_variance, 0.0, 1.0);
-    if (parameter.asked && value.shown < 0.5)
+    if (parameter.asked && value.shown < kShown)
       result.notes.push_back(
           format_text("%s: the recording does not show its %s; the value before is kept within its range",
                       parameter.object.c_str(), names_of(parameter.quantity).name));
@@ -334,7 +348,9 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
     const PointTracks paths = simulated_tracks(problem, *found, *best);
     const double by_stiffness = squared_distance(paths, simulated_tracks(problem, *stiffer, *best));
     const double by_both = squared_distance(paths, simulated_tracks(problem, *both, *best));
-    if (by_both < kUnseenChange * kUnseenChange * by_stiffness)
+    const double seen =
+        MotionProblem::kMinSd_px * MotionProblem::kMinSd_px * static_cast<double>(paths.positions_px.size());
+    if (by_stiffness > seen && by_both < kUnseenChange * kUnseenChange * by_stiffness)
       result.notes.push_back(
           format_text("%s: the recording shows only youngs_modulus_pa / mass_kg, as no known force acts; the "
                       "mass of %.3g kg is that "
@@ -342,7 +358,13 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
                       name.c_str(), object.physics.mass_kg().best(), first->mass_source.at(name).c_str()));
   }
   auto paths_before = problem.simulate(std::span(&before.log_values, 1));
-  if (paths_before[0]) result.spread_before_px = problem.spread_px(*paths_before[0], before);
+  if (paths_before[0]) {
+    result.spread_before_px = problem.spread_px(*paths_before[0], before);
+    if (result.spread_px > MotionProblem::kMoved_px && result.spread_px > kNoBetter * result.spread_before_px)
+      result.notes.push_back(
+          "the paths are no nearer than with the values before; check the video, the camera and what acts on "
+          "the objects");
+  }
   result.picture_scale = std::exp(best->log_picture_scale);
   result.shift_s = best->shift_s;
   result.simulations = problem.simulations();
@@ -352,7 +374,8 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
   v1::Scene file = request.scene.file;
   for (int i = 0; i < file.objects_size(); ++i) {
     for (const FittedValue& value : result.values)
-      if (value.parameter.asked && value.parameter.object == first->file.objects(i).name())
+      if (value.parameter.asked && value.shown >= kShown &&
+          value.parameter.object == first->file.objects(i).name())
         set_quantity(*file.mutable_objects(i), value.parameter.quantity, value.best);
   }
   result.scene = std::move(file);

@@ -31,7 +31,7 @@ Result<PointTracks> track_video(const FitRequest& request, const std::filesystem
     return invalid_argument(
         format_text("%s: has %d x %d pixels, and the camera %d x %d; give the camera the size of the video",
                     video.c_str(), frames->width(), frames->height(), camera.width, camera.height));
-  auto first = first_frame(request, request.first_frame_s, std::make_shared<BuildCache>());
+  auto first = first_frame(request, request.first_frame_s, std::make_shared<BuildCache>(), progress);
   if (!first) return first.error();
   GreyPicture picture;
   auto more = frames->next(picture);
@@ -53,8 +53,7 @@ Result<PointTracks> track_video(const FitRequest& request, const std::filesystem
     if (corners.size() < kMinFitPoints)
       return invalid_data(
           format_text("%s: shows %zu places on %s that can be tracked, and %zu are needed; check camera and "
-                      "first frame, or give "
-                      "--tracks",
+                      "first frame, or give --tracks if its surface is plain",
                       video.c_str(), corners.size(), object.c_str(), kMinFitPoints));
     points.insert(points.end(), corners.begin(), corners.end());
   }

@@ -33,6 +33,8 @@ Result<PointTracks> read_tracks_file(const std::filesystem::path& path) {
   const auto bad = [&](const char* problem) { return invalid_data(path.string() + ": " + problem); };
   std::map<double, size_t> frame_of, point_of;
   for (const Sight& sight : sights) frame_of[sight.time_s] = 0;
+  if (!frame_of.empty() && frame_of.begin()->first < 0)
+    return bad("has times before 0; count from the start of the scene");
   if (frame_of.size() < 3) return bad("has fewer than three times; give at least three frames");
   if (frame_of.size() > kMaxTrackedFrames) return bad("has more than 4000 times; give fewer frames");
   PointTracks tracks;

@@ -63,9 +63,15 @@ Result<VideoFrames> VideoFrames::open(const std::filesystem::path& path) {
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  // Its own group: an interrupt from the terminal ends the search, not the video.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   VideoFrames video;
   video.name_ = path.string();
-  const int failed = posix_spawnp(&video.process_, "ffmpeg", &actions, nullptr, arguments.data(), environ);
+  const int failed =
+      posix_spawnp(&video.process_, "ffmpeg", &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   ::close(ends[1]);
   if (failed != 0) {

@@ -27,11 +27,14 @@ Result<void> read_csv_lines(
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
     if (line.empty()) continue;
     if (numbers.empty()) {
-      if (line != layout.header && line != layout.longer_header) {
+      if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // byte order mark
+      std::string header(line);
+      std::erase(header, ' ');
+      if (header != layout.header && header != layout.longer_header) {
         return invalid_data(name + ": line 1 must be the header " + layout.header + " or " +
                             layout.longer_header);
       }
-      numbers.resize(1 + static_cast<size_t>(std::count(line.begin(), line.end(), ',')));
+      numbers.resize(1 + static_cast<size_t>(std::count(header.begin(), header.end(), ',')));
       continue;
     }
     const char* at = line.data();

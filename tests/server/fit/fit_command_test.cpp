@@ -87,6 +87,10 @@ TEST_F(FitCommand, MistakesGetOneLine) {
     EXPECT_NE(error.find(text), std::string::npos) << error;
   }
   EXPECT_FALSE(std::filesystem::exists(scratch_ / "out"));
+  const auto [code, error] =
+      fit({"--tracks", path("paths.csv"), "--camera", path("camera.json"), "-o", path("paths.csv/fit")});
+  EXPECT_EQ(code, 2);
+  EXPECT_NE(error.find("paths.csv is a file"), std::string::npos) << error;
 }
 
 }  // namespace

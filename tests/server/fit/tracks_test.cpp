@@ -32,8 +32,8 @@ TEST(TracksFile, ReadsWhatItWroteAndKeepsGaps) {
 
 TEST(TracksFile, RowsMayHaveAnyOrderAndPointsThatComeLaterAreLeftOut) {
   const ScratchFolder scratch;
-  const auto file =
-      scratch.write("t.csv", "point,time_s,x_px,y_px\n7,2,1,1\n7,0,5,6\n3,0,8,9\n9,1,0,0\n3,1,8,10\n");
+  const auto file = scratch.write(
+      "t.csv", "\xef\xbb\xbfpoint, time_s, x_px, y_px\n7,2,1,1\n7,0,5,6\n3,0,8,9\n9,1,0,0\n3,1,8,10\n");
   const auto read = read_tracks_file(file);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->points(), 2u);
@@ -55,6 +55,7 @@ TEST(TracksFile, WrongFilesAreRefusedInOneLine) {
             std::string::npos);
   EXPECT_NE(error_of("point,time_s,x_px,y_px\n1,0,1,2\n1,1,1,2\n1,2,1,2\n1,2,3,4\n").find("two rows at 2 s"),
             std::string::npos);
+  EXPECT_NE(error_of("point,time_s,x_px,y_px\n1,-0.1,1,2\n").find("times before 0"), std::string::npos);
   EXPECT_NE(error_of("").find("fewer than three times"), std::string::npos);
 }
 
