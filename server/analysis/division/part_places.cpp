@@ -39,24 +39,6 @@ Result<void> check_box(const v1::MaterialPart::Box& box, const std::string& fiel
 
 }  // namespace
 
-PartPlaces::PartPlaces(const MaterialParts& parts) {
-  bool rest_found = false;
-  for (int i = 0; i < parts.size(); ++i) {
-    if (parts[i].boxes().empty() && !rest_found) rest_ = static_cast<size_t>(i), rest_found = true;
-    for (const v1::MaterialPart::Box& box : parts[i].boxes()) {
-      boxes_.push_back({{corner_of(box.min_m(), -kOpenSide_m), corner_of(box.max_m(), kOpenSide_m)},
-                        static_cast<size_t>(i)});
-    }
-  }
-}
-
-size_t PartPlaces::at(const Eigen::Vector3d& point_m) const {
-  for (auto one = boxes_.rbegin(); one != boxes_.rend(); ++one) {
-    if (one->box.contains(point_m)) return one->part;
-  }
-  return rest_;
-}
-
 void set_boxes(std::span<const Eigen::AlignedBox3d> boxes, v1::MaterialPart& part) {
   part.clear_boxes();
   for (const Eigen::AlignedBox3d& box : boxes) {
@@ -73,14 +55,6 @@ void scale_parts(double factor, MaterialParts& parts) {
       for (double& one : *box.mutable_max_m()) one *= factor;
     }
   }
-}
-
-Eigen::Vector3f part_rgb(size_t part) {
-  // Okabe and Ito 2008: distinct for colour-blind people too.
-  constexpr float kColours[kMaxMaterialParts][3] = {
-      {0.00f, 0.45f, 0.70f}, {0.90f, 0.62f, 0.00f}, {0.00f, 0.62f, 0.45f}, {0.80f, 0.47f, 0.65f},
-      {0.84f, 0.37f, 0.00f}, {0.34f, 0.71f, 0.91f}, {0.94f, 0.89f, 0.26f}, {0.45f, 0.45f, 0.45f}};
-  return Eigen::Vector3f(kColours[part % kMaxMaterialParts]);
 }
 
 std::string part_line(const v1::MaterialPart& part) {

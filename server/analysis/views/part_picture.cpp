@@ -19,7 +19,7 @@ Image part_picture(const PictureSights& sights, const SurfaceKernels& kernels, c
     const Eigen::Vector3f own = kernels.rgb[seen.kernel];
     Eigen::Vector3f rgb = Eigen::Vector3f::Constant(own.mean());
     if (places.divided())
-      rgb = (0.5f + 0.5f * own.mean()) * part_rgb(places.at(kernels.positions_m[seen.kernel].cast<double>()));
+      rgb = shaded_part_rgb(places.at(kernels.positions_m[seen.kernel].cast<double>()), own);
     sums[seen.cell] += seen.weight * rgb;
     covers[seen.cell] += seen.weight;
   }
