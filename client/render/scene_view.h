@@ -44,6 +44,10 @@ class SceneView {
   // Replaces the same revision of an object by one with more kernels, keeping the pose. No effect for an
   // unknown object.
   void refine(uint32_t object_id, BoundObject object);
+  // The kernels of an object as they are drawn; null for an unknown object.
+  std::shared_ptr<const GaussianAsset> asset(uint32_t object_id) const;
+  // Replaces them by the same kernels in other colours, keeping the pose. No effect for an unknown object.
+  void recolour(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset);
   void remove(uint32_t object_id);
 
   // Draws one image per eye, for one or two eyes. Unknown objects of the frame are skipped. An object whose

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/assert.h"
 #include "core/clock.h"
 #include "core/log.h"
 #include "render/view/pick_kernel.h"
@@ -109,6 +110,20 @@ void SceneView::refine(uint32_t object_id, BoundObject bound) {
 const SceneView::Object* SceneView::shown(uint32_t object_id) const {
   const auto found = objects_.find(object_id);
   return found == objects_.end() ? nullptr : &found->second.begin()->second;
+}
+
+std::shared_ptr<const GaussianAsset> SceneView::asset(uint32_t object_id) const {
+  const Object* object = shown(object_id);
+  return object ? object->asset : nullptr;
+}
+
+void SceneView::recolour(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset) {
+  const auto found = objects_.find(object_id);
+  if (found == objects_.end()) return;
+  Object& object = found->second.begin()->second;
+  LIVEGS_ASSERT(asset->size() == object.asset->size());
+  object.asset = std::move(asset);
+  object.asset_version = ++last_version_;
 }
 
 void SceneView::remove(uint32_t object_id) {

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "core/text/format_text.h"
+#include "material/part_places.h"
 
 namespace livegs {
 namespace {
@@ -61,6 +62,16 @@ std::string stiffness_text(const v1::ElasticAccuracy& elastic) {
   }
 }
 
+std::string part_text(const v1::MaterialPart& part) {
+  return part.name() + " of " + part.material() + format_text(" (%.0f %%)", 100 * part.mass_share());
+}
+
+// Whether its parts have places, which are known in the rest frame of the whole object only.
+bool has_placed_parts(const StreamedObject& object) {
+  return object.rest.revision == 0 && object.physics.parts_size() > 1 &&
+         PartPlaces(object.physics.parts()).divided();
+}
+
 const StreamedObject* named(const ObjectPanel::Objects& objects, const std::string& name) {
   for (const auto& [id, object] : objects) {
     if (object.name == name && !object.environment) return &object;
@@ -100,8 +111,7 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
   facts.push_back(is);
   std::string parts;
   for (const v1::MaterialPart& part : physics.parts()) {
-    parts += (parts.empty() ? "Parts: " : ", ") + part.name() + " of " + part.material() +
-             format_text(" (%.0f %%)", 100 * part.mass_share());
+    parts += (parts.empty() ? "Parts: " : ", ") + part_text(part);
   }
   if (!parts.empty()) facts.push_back(parts);
   if (object.elastic) facts.push_back(stiffness_text(*object.elastic));
@@ -150,6 +160,13 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
   const StreamedObject* object = named(objects, selected_);
   if (!object) return panel;
   panel.facts = object_facts(*object);
+  if (has_placed_parts(*object)) {
+    for (int i = 0; i < object->physics.parts_size(); ++i) {
+      const Eigen::Vector3f rgb = part_rgb(static_cast<size_t>(i));
+      panel.parts.push_back({part_text(object->physics.parts(i)), {rgb.x(), rgb.y(), rgb.z()}});
+    }
+    panel.parts_shown = shows_parts_;
+  }
   for (const SliderParameter field : slider_parameters(object->physics))
     panel.rows.push_back(value_row(field, object->physics));
   if (object->physics.behavior() == v1::Physics::RIGID) panel.fragile = object->physics.fragile();
@@ -166,6 +183,11 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
   return panel;
 }
 
+const StreamedObject* ObjectPanel::in_part_colours(const Objects& objects) const {
+  const StreamedObject* object = shows_parts_ ? named(objects, selected_) : nullptr;
+  return object && has_placed_parts(*object) ? object : nullptr;
+}
+
 std::string ObjectPanel::open_proposal(const StreamedObject& object) const {
   if (!object.proposal) return "";
   const std::string text = proposal_text(*object.proposal);
@@ -179,6 +201,7 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
     const StreamedObject* answered = named(objects, one.first);
     return !answered || !answered->proposal;
   });
+  shows_parts_ = actions.show_parts.value_or(shows_parts_);
   const std::vector<const StreamedObject*> list = listed(objects);
   const StreamedObject* object = named(objects, selected_);
   if (object) {

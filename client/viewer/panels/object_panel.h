@@ -53,6 +53,9 @@ class ObjectPanel {
   // Returns the calls for the user's actions; invalid values are rejected here.
   std::vector<ObjectCall> act(const PanelActions& actions, const Objects& objects);
 
+  // The selected object, if it is to be drawn in the colours of its parts; null: none.
+  const StreamedObject* in_part_colours(const Objects& objects) const;
+
   void select(const std::string& name) { selected_ = name; }
   const std::string& selected() const { return selected_; }
 
@@ -73,6 +76,7 @@ class ObjectPanel {
   std::map<std::string, std::string> answered_;
   std::string waiting_;  // object of a change that awaits its reply
   std::string progress_;
+  bool shows_parts_ = false;
   int answers_missing_ = 0;
 };
 

@@ -13,6 +13,7 @@
 #include "core/written_files.h"
 #include "stream/session/scene_control.h"
 #include "stream/session/session_client.h"
+#include "viewer/assets/part_colours.h"
 #include "viewer/author/author_run.h"
 #include "viewer/camera/initial_camera.h"
 #include "viewer/camera/orbit_camera.h"
@@ -101,6 +102,7 @@ class WindowRun {
   WindowStudy study_;
   WindowPicture picture_;
   ObjectPanel panel_;
+  PartColours part_colours_;
   std::optional<SceneView::Picked> pointed_;  // kernel under the mouse
   WindowInput pointed_with_;                  // of the last picture
   bool was_left_ = false, panels_shown_ = true;
@@ -340,6 +342,7 @@ Result<void> WindowRun::picture() {
   if (auto drawn = picture_.draw(view_, *camera_, size, now); !drawn) return drawn;
   point(input, window);
   act(input);
+  part_colours_.show(panel_.in_part_colours(objects_), view_);
   WindowOverlay over = overlay(window);
   counters_.hold(over.panels.run, picture_.rests());
   if (options_.on_picture) shown_run_ = over.panels.run;

@@ -211,6 +211,7 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
   if (objects.selected) {
     ImGui::Separator();
     for (const std::string& fact : objects.facts) ImGui::TextWrapped("%s", fact.c_str());
+    draw_parts(objects, actions);
     ImGui::Spacing();
     for (size_t i = 0; i < objects.rows.size(); ++i) draw_row(i, objects.rows[i], actions);
     if (objects.fragile) {
@@ -240,6 +241,23 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
   }
   actions.analyse_all = button("Analyse all", objects.progress.empty());
   if (!objects.progress.empty()) coloured(kDimInk, objects.progress);
+}
+
+void PanelDrawer::draw_parts(const ObjectsPanel& objects, PanelActions& actions) {
+  if (objects.parts.empty()) return;
+  bool shown = objects.parts_shown;
+  if (ImGui::Checkbox("Show parts", &shown)) actions.show_parts = shown;
+  if (!objects.parts_shown) return;
+  const float side_px = ImGui::GetTextLineHeight();
+  for (const ObjectsPanel::Part& part : objects.parts) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddRectFilled(
+        at, {at.x + side_px, at.y + side_px},
+        ImGui::ColorConvertFloat4ToU32({part.rgb[0], part.rgb[1], part.rgb[2], 1}));
+    ImGui::Dummy({side_px, side_px});
+    ImGui::SameLine();
+    ImGui::TextWrapped("%s", part.text.c_str());
+  }
 }
 
 void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& actions) {

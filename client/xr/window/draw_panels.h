@@ -38,6 +38,7 @@ class PanelDrawer {
   void draw_run(const RunPanel& run, PanelActions& actions);
   void draw_force(const ForcePanel& force, PanelActions& actions);
   void draw_objects(const ObjectsPanel& objects, PanelActions& actions);
+  void draw_parts(const ObjectsPanel& objects, PanelActions& actions);
   void draw_row(size_t index, const ValueRow& row, PanelActions& actions);
 
   float width_px_ = 0, height_px_ = 0, scale_ = 0;  // of the last call: window size, scale of the panels

@@ -30,6 +30,13 @@ struct ObjectsPanel {
   std::vector<Entry> entries;
   std::optional<size_t> selected;
   std::vector<std::string> facts;  // of the selected object, one per line
+  // Legend of the parts of the selected object, which can be shown in colours; empty: there are none.
+  struct Part {
+    std::string text;
+    std::array<float, 3> rgb{};  // 0 to 1, display-encoded
+  };
+  std::vector<Part> parts;
+  bool parts_shown = false;
   std::vector<ValueRow> rows;
   std::optional<bool> fragile;  // a tick box, if present
   struct Message {
@@ -152,7 +159,7 @@ struct PanelActions {
   };
   std::optional<Typed> typed;
   std::optional<size_t> estimated;  // a row that goes back to its estimate
-  std::optional<bool> fragile;
+  std::optional<bool> fragile, show_parts;
   bool accept = false, decline = false, undo = false, redo = false, analyse = false, analyse_all = false;
   std::optional<bool> pause;
   bool step = false, reset = false;

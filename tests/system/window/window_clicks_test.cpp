@@ -3,6 +3,7 @@
 #include <cmath>
 #include <thread>
 
+#include "material/part_places.h"
 #include "system/window/window_session.h"
 #include "viewer/panels/parameter_slider.h"
 
@@ -121,6 +122,55 @@ TEST_F(WindowClicks, PauseStepShootPull) {
   if (parts.size() == 3) {
     ASSERT_TRUE(write_png(pictures_ / "window_pull.png", side_by_side(parts)));
   }
+}
+
+// A soft body of two materials, the border at its middle.
+class WindowParts : public WindowClicks {
+ protected:
+  std::string scene_text() const override {
+    return R"({
+      "environment": { "colliders": [ { "plane": {} } ] },
+      "objects": [
+        { "name": "cushion", "shape": { "box": { "size_m": [0.4, 0.2, 0.2] } }, "pose": { "position_m": [0, 0.1, 0] },
+          "physics": { "behavior": "ELASTIC", "parts": [
+            { "name": "left", "material": "polyurethane foam", "mass_share": 0.5,
+              "boxes": [ { "max_m": [0, 9, 9] } ] },
+            { "name": "right", "material": "natural rubber", "mass_share": 0.5 } ] } } ] })";
+  }
+  // Pixels between the panels with the hue of a part.
+  static size_t pixels_of(const Image& image, size_t part) {
+    const Eigen::Vector3f hue = part_rgb(part).normalized();
+    size_t count = 0;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = kLeft; x < kRight; ++x) {
+        const Eigen::Vector3f rgb(image.at(x, y));
+        count += rgb.norm() > 0.25f && rgb.normalized().dot(hue) > 0.98f;
+      }
+    }
+    return count;
+  }
+};
+
+TEST_F(WindowParts, TickShowsThePartsInColoursAndAnotherTheObjectAgain) {
+  constexpr size_t kMany = 2000;  // of about 10000 pixels of a half
+  const auto tick_box = [](const Image& shown) -> std::optional<Eigen::Vector2d> {
+    const std::vector<int> boxes = widgets(shown, kObjectsPanel, 46, 51, 61);
+    return boxes.empty() ? std::nullopt : std::optional(Eigen::Vector2d(kObjectsPanel, boxes.front()));
+  };
+  click_thing("the cushion", {0, 0.1, 0.1});
+  step("its own colours", [&](const Image& shown) {
+    return tick_box(shown) && pixels_of(shown, 0) < kMany && pixels_of(shown, 1) < kMany;
+  });
+  keep("own_colours");
+  click("Show parts", tick_box);
+  step("colours of the parts",
+       [&](const Image& shown) { return pixels_of(shown, 0) > kMany && pixels_of(shown, 1) > kMany; });
+  keep("part_colours");
+  act({[this] { hands_->press(); }, [] {}, [this] { hands_->release(); }});
+  step("its own colours again",
+       [&](const Image& shown) { return pixels_of(shown, 0) < kMany && pixels_of(shown, 1) < kMany; });
+  close();
+  run_steps();
 }
 
 // Without an OpenXR runtime, `--display openxr` prints the remedy and opens a window with the scene.

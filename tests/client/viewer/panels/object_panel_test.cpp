@@ -82,6 +82,42 @@ TEST(ObjectPanel, ListsThePartsOfAnObject) {
   EXPECT_EQ(object_facts(hammer).back(), "Parts: head of carbon steel (70 %), handle of hardwood (30 %)");
 }
 
+// The places of parts are known in the whole object only, and one part is no division.
+TEST(ObjectPanel, PartsAreShownInColoursWhileAskedAndTheObjectIsWhole) {
+  ObjectPanel::Objects objects = pillow_and_room();
+  StreamedObject& pillow = objects[2];
+  ObjectPanel panel;
+  panel.select("pillow");
+  EXPECT_TRUE(panel.shown(objects).parts.empty());
+  for (const auto& [name, share] : {std::pair("cover", 0.2), std::pair("core", 0.8)}) {
+    v1::MaterialPart& part = *pillow.physics.add_parts();
+    part.set_name(name);
+    part.set_material("foam");
+    part.set_mass_share(share);
+  }
+  EXPECT_TRUE(panel.shown(objects).parts.empty());  // without places
+  pillow.physics.mutable_parts(1)->add_boxes();
+  const ObjectsPanel off = panel.shown(objects);
+  ASSERT_EQ(off.parts.size(), 2u);
+  EXPECT_FALSE(off.parts_shown);
+  EXPECT_EQ(off.parts[0].text, "cover of foam (20 %)");
+  EXPECT_NE(off.parts[0].rgb, off.parts[1].rgb);
+  EXPECT_EQ(panel.in_part_colours(objects), nullptr);
+
+  PanelActions actions;
+  actions.show_parts = true;
+  EXPECT_TRUE(panel.act(actions, objects).empty());
+  EXPECT_TRUE(panel.shown(objects).parts_shown);
+  EXPECT_EQ(panel.in_part_colours(objects), &pillow);
+  pillow.rest.revision = 1;  // broken
+  EXPECT_TRUE(panel.shown(objects).parts.empty());
+  EXPECT_EQ(panel.in_part_colours(objects), nullptr);
+  pillow.rest.revision = 0;
+  actions.show_parts = false;
+  panel.act(actions, objects);
+  EXPECT_EQ(panel.in_part_colours(objects), nullptr);
+}
+
 TEST(ObjectPanel, SliderReleaseIsOneCall) {
   const auto objects = pillow_and_room();
   ObjectPanel panel;

@@ -128,6 +128,22 @@ TEST_F(PanelTest, ButtonsReportTheirActions) {
   EXPECT_TRUE(find([](const PanelActions& actions) { return actions.analyse_all; }, 890, 1270));
 }
 
+TEST_F(PanelTest, PartsAreATickBoxAndALegendOnceTheyAreShown) {
+  const auto ticked = [](const PanelActions& actions) { return actions.show_parts == true; };
+  EXPECT_FALSE(find(ticked, 890, 940));
+  const float bare_px = panel("Objects")->ContentSize.y;
+  panels_.objects.parts = {{"pot of terracotta (60 %)", {0, 0.45f, 0.7f}},
+                           {"leaves of plant leaf (40 %)", {0.9f, 0.62f, 0}}};
+  EXPECT_TRUE(find(ticked, 890, 940));
+  for (int i = 0; i < 3; ++i) frame();
+  const float box_px = panel("Objects")->ContentSize.y;
+  EXPECT_GT(box_px, bare_px);
+  panels_.objects.parts_shown = true;
+  for (int i = 0; i < 3; ++i) frame();
+  EXPECT_GE(panel("Objects")->ContentSize.y, box_px + 2 * ImGui::GetTextLineHeight());
+  EXPECT_TRUE(find([](const PanelActions& actions) { return actions.show_parts == false; }, 890, 940));
+}
+
 // A drag of any length is one edit, at the release.
 TEST_F(PanelTest, SliderReleaseIsOneEdit) {
   const auto at = find(
