@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/output_path.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <string>
 
 namespace livegs {
@@ -36,11 +40,20 @@ Result<void> check_output_folder(const std::filesystem::path& path) {
   const std::string ending = lower_case_ending(path);
   const bool file =
       std::any_of(std::begin(kFormats), std::end(kFormats), [&](const char* one) { return ending == one; });
-  if (!file || std::filesystem::is_directory(path, ignored)) return {};
-  return invalid_argument(path.string() +
-                          ": is the name of a file, but several files are written; give a "
-                          "folder, without " +
-                          ending);
+  if (file && !std::filesystem::is_directory(path, ignored))
+    return invalid_argument(path.string() +
+                            ": is the name of a file, but several files are written; give a "
+                            "folder, without " +
+                            ending);
+  if (path.empty()) return {};  // an output that was not asked for
+  std::filesystem::path there = std::filesystem::absolute(path, ignored).lexically_normal();
+  while (!std::filesystem::exists(there, ignored) && there != there.parent_path())
+    there = there.parent_path();
+  if (!std::filesystem::is_directory(there, ignored))
+    return invalid_argument(path.string() + ": cannot be a folder, because " + there.string() + " is a file");
+  if (::access(there.c_str(), W_OK) != 0)
+    return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be written: " + std::strerror(errno)};
+  return {};
 }
 
 }  // namespace livegs

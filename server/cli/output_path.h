@@ -12,8 +12,9 @@ namespace livegs {
 // endings.
 Result<void> check_output_file(const std::filesystem::path& path, std::initializer_list<const char*> endings);
 
-// Checks that an output folder does not have the name of a file: an ending of a format, unless the folder
-// exists.
+// Checks before long work that an output folder can be made: it does not have the name of a file (an ending
+// of a format, unless the folder exists), and what exists of its path is a folder that can be written. An
+// empty path passes.
 Result<void> check_output_folder(const std::filesystem::path& path);
 
 }  // namespace livegs

@@ -16,27 +16,23 @@ namespace livegs {
 // What is found from motion: fields of Physics.
 enum class FitQuantity { YoungsModulus, Damping, Mass, Friction, Restitution };
 
-// Names on the command line and in reports, in the order of the enum, and their units.
+// Names on the command line and in reports, in the order of the enum.
 struct FitQuantityName {
   FitQuantity quantity;
   const char* name;  // the field of Physics
-  const char* unit;
 };
 inline constexpr FitQuantityName kFitQuantities[] = {
-    {FitQuantity::YoungsModulus, "youngs_modulus_pa", "Pa"},
-    {FitQuantity::Damping, "damping", ""},
-    {FitQuantity::Mass, "mass_kg", "kg"},
-    {FitQuantity::Friction, "friction", ""},
-    {FitQuantity::Restitution, "restitution", ""},
+    {FitQuantity::YoungsModulus, "youngs_modulus_pa"},
+    {FitQuantity::Damping, "damping"},
+    {FitQuantity::Mass, "mass_kg"},
+    {FitQuantity::Friction, "friction"},
+    {FitQuantity::Restitution, "restitution"},
 };
 inline const FitQuantityName& names_of(FitQuantity quantity) {
   return kFitQuantities[static_cast<int>(quantity)];
 }
 // nullopt: no such quantity.
 std::optional<FitQuantity> fit_quantity(std::string_view name);
-
-// "scene file", "offline estimate", …
-std::string source_name(const v1::EstimatedValue& value);
 
 // Half the width of a 90 % range, in standard deviations.
 inline constexpr double kHalfRange_sd = 1.645;
@@ -48,7 +44,7 @@ struct FitParameter {
   bool asked = true;  // false: varied only because its uncertainty widens the range of others
   // Before the video: the value and the standard deviation of its logarithm.
   double before = 0, before_sd = 0;
-  std::string source;              // of the value before: source_name()
+  std::string source;              // of the value before: source_name() (physics_values.h)
   double lowest = 0, highest = 0;  // limits of the search
 };
 

@@ -45,7 +45,6 @@ struct FitResult {
   size_t simulations = 0;
   v1::Scene scene;  // with the values found; paths as in the request
   PointTracks measured, simulated;
-  std::vector<std::string> point_objects;  // the object of each point
 };
 
 // A line about what is being done, at least every few seconds. False stops: the best result so far is

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // livegs fit: physical parameters of a scene's objects from a video of their motion.
 #include <signal.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -80,26 +77,6 @@ Result<FitRequest> request_of(const FitCommand& command) {
   request.first_frame_s = command.first_frame_s;
   request.max_seconds = command.max_seconds;
   return request;
-}
-
-// The folder is created after the search; what would prevent it is found before.
-Result<void> check_can_be_written(const fs::path& folder) {
-  std::error_code error;
-  fs::path there = fs::absolute(folder).lexically_normal();
-  while (!there.has_filename() || !fs::exists(there, error)) {
-    if (there == there.parent_path()) break;
-    there = there.parent_path();
-  }
-  if (!fs::is_directory(there, error))
-    return invalid_argument(folder.string() + ": cannot be a folder, because " + there.string() +
-                            " is a file");
-  if (::access(there.c_str(), W_OK) != 0)
-    return Error{ErrorCode::PermissionDenied,
-                 folder.string() + ": cannot be written: " + std::strerror(errno)};
-  for (const char* name : {"fit.json", "fitted.scene.json", "measured.csv", "simulated.csv", "paths.png"})
-    if (fs::is_directory(folder / name, error))
-      return invalid_argument((folder / name).string() + ": is a folder; give another output folder");
-  return {};
 }
 
 nlohmann::json json_of(const FitResult& result) {
@@ -177,7 +154,6 @@ int run_fit(const FitCommand& command) {
   if (!std::isfinite(command.first_frame_s) || !std::isfinite(command.max_seconds))
     return report(invalid_argument("--first-frame, --max-seconds: must be finite numbers"));
   if (auto checked = check_output_folder(command.output); !checked) return report(checked.error());
-  if (auto checked = check_can_be_written(command.output); !checked) return report(checked.error());
   auto request = request_of(command);
   if (!request) return report(request.error());
   // Ctrl-C ends the search; the best values so far are written. A second one ends the program.

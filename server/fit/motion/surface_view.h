@@ -35,7 +35,6 @@ class SurfaceView {
   std::optional<TrackedPoint> at(const Eigen::Vector2d& px) const;
 
  private:
-  // Per pixel of one object: the surface point as an index into `points`, or -1.
   struct Seen {
     KernelView view;
     std::vector<Eigen::Vector3f> positions_m, rest_points;  // of its kernels: posed, and in the asset

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/estimate/physics_values.h"
 #include "core/text/format_text.h"
 #include "core/text/shown_text.h"
 #include "scene/build/build_cache.h"
@@ -72,12 +73,11 @@ Result<FirstFrame> first_frame(const FitRequest& request, double time_s, std::sh
     if (!parameters) return parameters.error();
     first.parameters.insert(first.parameters.end(), parameters->begin(), parameters->end());
     first.objects.push_back(name);
-    first.mass_source[name] = source_name(object.physics.mass_kg());
+    first.mass_source[name] = source_name(object.physics.mass_kg().source());
     for (v1::Object& written : *first.file.mutable_objects())
       if (written.name() == name) written.mutable_physics()->set_behavior(object.physics.behavior());
   }
-  const auto ticks =
-      static_cast<uint64_t>(std::llround(std::max(0.0, time_s) * scene->world().settings().rate_hz));
+  const auto ticks = static_cast<uint64_t>(std::llround(time_s * scene->world().settings().rate_hz));
   for (uint64_t tick = 0; tick < ticks; ++tick) {
     scene->step();
     if (tick % kProgressTicks == kProgressTicks - 1 && progress &&

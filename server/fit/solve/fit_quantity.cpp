@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/estimate/physics_values.h"
+
 namespace livegs {
 namespace {
 
@@ -21,21 +23,6 @@ double sd_of(const v1::EstimatedValue& value) {
 }
 
 }  // namespace
-
-std::string source_name(const v1::EstimatedValue& value) {
-  switch (value.source()) {
-    case v1::EstimatedValue::SCENE:
-      return "scene file";
-    case v1::EstimatedValue::PERSON:
-      return "edit";
-    case v1::EstimatedValue::MODEL:
-      return "answer of a model";
-    case v1::EstimatedValue::DEFAULT:
-      return "default";
-    default:
-      return "offline estimate";
-  }
-}
 
 std::optional<FitQuantity> fit_quantity(std::string_view name) {
   for (const FitQuantityName& one : kFitQuantities)
@@ -58,7 +45,7 @@ Result<std::vector<FitParameter>> fit_parameters(const SceneObject& object,
   const auto add = [&](FitQuantity quantity, const v1::EstimatedValue& value, bool is_asked, double before,
                        double sd, double lowest, double highest) {
     parameters.push_back({object.name, quantity, is_asked, std::clamp(before, lowest, highest), sd,
-                          source_name(value), lowest, highest});
+                          source_name(value.source()), lowest, highest});
   };
   for (size_t i = 0; i < quantities.size(); ++i)
     if (std::find(quantities.begin(), quantities.begin() + static_cast<std::ptrdiff_t>(i), quantities[i]) !=

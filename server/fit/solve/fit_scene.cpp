@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 
 #include "core/text/format_text.h"
 #include "fit/solve/first_frame.h"
@@ -35,7 +34,7 @@ constexpr double kMethodRange = 1.05;
 constexpr double kJointFactor = 1.3, kUnseenChange = 0.1;
 
 // Distance of a tracked point from the picture's corner, over its longer side, that is no error of the file.
-constexpr double kMostOutside = 10.0;
+constexpr double kMaxOutside = 10.0;
 // Part of the uncertainty that a recording takes away from a value that it shows; others stay as they were.
 constexpr double kShown = 0.5;
 // Spread over that of the values before, above which the search has found nothing.
@@ -213,10 +212,10 @@ double squared_distance(const PointTracks& a, const PointTracks& b) {
 Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks,
                             const FitProgress& progress) {
   const auto cache = std::make_shared<BuildCache>();
+  const double limit_px = kMaxOutside * std::max(request.camera.width, request.camera.height);
   for (size_t k = 0; k < tracks.positions_px.size(); ++k) {
     const Eigen::Vector2d& px = tracks.positions_px[k];
-    const double most_px = kMostOutside * std::max(request.camera.width, request.camera.height);
-    if (px.cwiseAbs().maxCoeff() > most_px)
+    if (px.cwiseAbs().maxCoeff() > limit_px)
       return invalid_data(format_text("tracks: point %zu is at (%.6g, %.6g) px, far outside of the picture",
                                       k / tracks.frames(), px.x(), px.y()));
   }
@@ -267,17 +266,25 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
     double spread_px;
   };
   std::vector<Refined> refined;
+  std::optional<Error> failed;  // of a start; another one may succeed
   for (const Unknowns& start : *starts) {
     if (!refined.empty() && fit.stopped()) break;
     auto at = fit.stopped() ? Result<Unknowns>(start) : fit.refine(start, first_moving);
-    if (!at) return at.error();
     problem.set_frames(kept.frames());
-    if (auto chosen = problem.choose_resolution(at->log_values, false); !chosen) return chosen.error();
+    auto chosen = at ? problem.choose_resolution(at->log_values, false) : Result<void>(at.error());
+    if (!chosen) {
+      failed = chosen.error();
+      continue;
+    }
     auto paths = problem.simulate(std::span(&at->log_values, 1));
-    if (!paths[0]) return paths[0].error();
+    if (!paths[0]) {
+      failed = paths[0].error();
+      continue;
+    }
     const double spread_px = problem.spread_px(*paths[0], *at);
     refined.push_back({*at, *std::move(paths[0]), spread_px});
   }
+  if (refined.empty()) return *failed;
   // The lowest cost by one measure.
   const auto sharpest =
       std::min_element(refined.begin(), refined.end(),
@@ -353,8 +360,7 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
     if (by_stiffness > seen && by_both < kUnseenChange * kUnseenChange * by_stiffness)
       result.notes.push_back(
           format_text("%s: the recording shows only youngs_modulus_pa / mass_kg, as no known force acts; the "
-                      "mass of %.3g kg is that "
-                      "of the %s",
+                      "mass of %.3g kg (%s) is kept",
                       name.c_str(), object.physics.mass_kg().best(), first->mass_source.at(name).c_str()));
   }
   auto paths_before = problem.simulate(std::span(&before.log_values, 1));
@@ -369,7 +375,6 @@ Result<FitResult> fit_scene(const FitRequest& request, const PointTracks& tracks
   result.shift_s = best->shift_s;
   result.simulations = problem.simulations();
   result.measured = std::move(kept);
-  for (const TrackedPoint& point : points) result.point_objects.push_back(point.object);
   // The scene for the user: the request's, with the values.
   v1::Scene file = request.scene.file;
   for (int i = 0; i < file.objects_size(); ++i) {

@@ -12,7 +12,6 @@
 
 #include "core/parallel_for.h"
 #include "core/serial_here.h"
-#include "splat/project/project_kernels.h"
 
 namespace livegs {
 namespace {
@@ -144,7 +143,7 @@ MotionProblem::MotionProblem(const PointMotion& motion, v1::Scene file, std::vec
       file_(std::move(file)),
       parameters_(std::move(parameters)),
       tracks_(std::move(tracks)),
-      camera_(camera),
+      projection_(camera),
       frames_(tracks_.frames()) {
   for (int i = 0; i < file_.objects_size(); ++i)
     if (file_.objects(i).has_resolution()) written_resolution_[i] = file_.objects(i).resolution();
@@ -232,11 +231,10 @@ double MotionProblem::step_of(Eigen::Index i, const Eigen::VectorXd& log_values)
 
 Eigen::Vector2d MotionProblem::displacement_px(const PointPaths& paths, size_t point, size_t frame,
                                                const Unknowns& at) const {
-  const Projection projection(camera_);
   const auto project = [&](const Eigen::Vector3d& world_m) -> Eigen::Vector2d {
-    const Eigen::Vector3d t = projection.image_from_world * (world_m - projection.position_m);
-    const double depth_m = std::max(t.z(), projection.near_m);
-    return {projection.focal_x_px * t.x() / depth_m, projection.focal_y_px * t.y() / depth_m};
+    const Eigen::Vector3d t = projection_.image_from_world * (world_m - projection_.position_m);
+    const double depth_m = std::max(t.z(), projection_.near_m);
+    return {projection_.focal_x_px * t.x() / depth_m, projection_.focal_y_px * t.y() / depth_m};
   };
   return std::exp(at.log_picture_scale) * (project(paths.at(point, tracks_.times_s[frame] + at.shift_s)) -
                                            project(paths.at(point, tracks_.times_s[0])));

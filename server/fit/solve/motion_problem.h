@@ -14,6 +14,7 @@
 #include "fit/motion/point_motion.h"
 #include "fit/point_tracks.h"
 #include "splat/camera.h"
+#include "splat/project/project_kernels.h"
 
 namespace livegs {
 
@@ -91,7 +92,7 @@ class MotionProblem {
   std::map<int, v1::Resolution> written_resolution_;  // by index of the object
   std::vector<FitParameter> parameters_;
   PointTracks tracks_;
-  Camera camera_;
+  Projection projection_;
   size_t frames_ = 0;
   double stiffness_rise_ = 1;  // factor that the chosen resolution reaches
   size_t simulations_ = 0;

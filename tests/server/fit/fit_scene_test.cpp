@@ -100,7 +100,7 @@ TEST(FitScene, StiffnessOverMassIsAllThatIsSeenWithoutAForce) {
   EXPECT_NEAR(value_of(result, "bar", FitQuantity::YoungsModulus).best, 1e5, 0.03 * 1e5);
   ASSERT_EQ(result.notes.size(), 1u);
   EXPECT_NE(result.notes[0].find("only youngs_modulus_pa / mass_kg"), std::string::npos) << result.notes[0];
-  EXPECT_NE(result.notes[0].find("scene file"), std::string::npos) << result.notes[0];
+  EXPECT_NE(result.notes[0].find("kg (scene) is kept"), std::string::npos) << result.notes[0];
 
   // An estimated mass makes the range as wide as its own.
   motion.request.scene.file = scene_of(bent(4e5, R"("friction": 0.5)"));
