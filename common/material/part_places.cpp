@@ -15,13 +15,16 @@ Eigen::Vector3d box_corner(const google::protobuf::RepeatedField<double>& number
 
 }  // namespace
 
+Eigen::AlignedBox3d part_box(const v1::MaterialPart::Box& box) {
+  return {box_corner(box.min_m(), -kOpenSide_m), box_corner(box.max_m(), kOpenSide_m)};
+}
+
 PartPlaces::PartPlaces(const MaterialParts& parts) {
   bool rest_found = false;
   for (int i = 0; i < parts.size(); ++i) {
     if (parts[i].boxes().empty() && !rest_found) rest_ = static_cast<size_t>(i), rest_found = true;
     for (const v1::MaterialPart::Box& box : parts[i].boxes()) {
-      boxes_.push_back({{box_corner(box.min_m(), -kOpenSide_m), box_corner(box.max_m(), kOpenSide_m)},
-                        static_cast<size_t>(i)});
+      boxes_.push_back({part_box(box), static_cast<size_t>(i)});
     }
   }
 }

@@ -14,6 +14,9 @@ using MaterialParts = google::protobuf::RepeatedPtrField<v1::MaterialPart>;
 // More parts are not distinguished by eye or in a table.
 inline constexpr int kMaxMaterialParts = 8;
 
+// A box of a part; a corner that is not given is open.
+Eigen::AlignedBox3d part_box(const v1::MaterialPart::Box& box);
+
 // The places of the parts of an object, read once from their boxes (MaterialPart::boxes has the rule).
 class PartPlaces {
  public:

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analysis/knowledge/tables.h"
 #include "core/text/format_text.h"
@@ -12,16 +11,8 @@
 namespace livegs {
 namespace {
 
-constexpr double kOpenSide_m = std::numeric_limits<double>::infinity();
 // Deviation from 1 of the sum of the shares that rounding by hand may leave.
 constexpr double kShareSlack = 0.02;
-
-using Corner = google::protobuf::RepeatedField<double>;
-
-Eigen::Vector3d corner_of(const Corner& numbers, double open) {
-  if (numbers.size() != 3) return Eigen::Vector3d::Constant(open);
-  return {numbers[0], numbers[1], numbers[2]};
-}
 
 Result<void> check_box(const v1::MaterialPart::Box& box, const std::string& field) {
   for (const auto& [name, corner] : {std::pair("min_m", &box.min_m()), std::pair("max_m", &box.max_m())}) {
@@ -30,9 +21,8 @@ Result<void> check_box(const v1::MaterialPart::Box& box, const std::string& fiel
     if ((corner->size() != 0 && corner->size() != 3) || !finite)
       return invalid_argument(field + "." + name + ": must be three numbers between -10000 and 10000");
   }
-  const Eigen::Vector3d low = corner_of(box.min_m(), -kOpenSide_m),
-                        high = corner_of(box.max_m(), kOpenSide_m);
-  if (!(low.array() < high.array()).all())
+  const Eigen::AlignedBox3d sides = part_box(box);
+  if (!(sides.min().array() < sides.max().array()).all())
     return invalid_argument(field + ": min_m is not below max_m; swap them");
   return {};
 }
