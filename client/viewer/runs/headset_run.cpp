@@ -230,7 +230,8 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (!options_.scales) return {};
   const double budget_ms = 1e3 * kDrawBudgetShare * display_.period_s();
   if (!scale_ || std::abs(budget_ms - scale_budget_ms_) > 0.01) scale_.emplace(scale_budget_ms_ = budget_ms);
-  scale_->drew(view_.last_times().raster_ms);  // the rest is independent of the number of pixels
+  // The rest of a picture's time is independent of the number of pixels.
+  scale_->drew(options_.raster_ms ? options_.raster_ms(planned) : view_.last_times().raster_ms);
   display_.set_scale(scale_->value());
   view_.set_min_contribution(scale_->min_contribution_px());
   return {};

@@ -21,6 +21,8 @@ struct HeadsetRunOptions : JoinOptions {  // `renderer` Cpu: drawn on the CPU an
   bool marks = true;                      // shows hands, rays and forces
   // Called with each submitted picture and the scene it shows.
   std::function<void(const PlannedFrame& picture, const SceneView& view)> on_picture;
+  // Replaces the measured time of rasterising a picture, from which the resolution follows; empty: measured.
+  std::function<double(const PlannedFrame& picture)> raster_ms;
 };
 
 struct HeadsetRunSummary {

@@ -31,7 +31,8 @@ class HeadsetSession : public ::testing::Test {
     RendererChoice renderer = RendererChoice::Vulkan;
     double network_delay_ms = 0;
     bool marks = true;
-    bool scales = false;            // lower the resolution when pictures are late
+    bool scales = false;                                        // lower the resolution when pictures are late
+    std::function<double(const PlannedFrame&)> raster_ms = {};  // as in HeadsetRunOptions
     bool validates = true;          // enables both validation layers, which are slow
     double seconds = 0;             // 0: until the timeline ends the session
     std::string controllers = {};   // LIVEGS_XR_CONTROLLERS; empty: the runtime's default
@@ -117,6 +118,7 @@ class HeadsetSession : public ::testing::Test {
     options.renderer = settings.renderer;
     options.scales = settings.scales;
     options.marks = settings.marks;
+    options.raster_ms = settings.raster_ms;
     options.on_picture = [this, &settings, &proxy](const PlannedFrame& picture, const SceneView& view) {
       if (hold_against_oracle(picture, view) && settings.on_kept) settings.on_kept(picture, view, proxy);
     };
